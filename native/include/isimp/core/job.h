@@ -1,0 +1,58 @@
+#pragma once
+
+#include <atomic>
+
+namespace isimp {
+
+/// What a long call shares with whoever waits for it: progress and stage one way, the wish to stop the other way.
+///
+/// `progress`, `stage`, `cancelled` and `cancel` may be called from any thread at any time; the rest belongs to the
+/// thread that works. Precedence, when several things are true at once:
+///  1. bad input is reported as InvalidInput even when the job was cancelled before the call;
+///  2. a cancel that is seen at a poll throws Cancelled, whatever else the call would have returned;
+///  3. a cancel that comes after the last poll changes nothing: the result is returned.
+/// A cancelled job stays cancelled: a new call wants a new Job. Progress never falls during the life of a Job.
+class Job {
+ public:
+  Job() = default;
+  Job(const Job&) = delete;
+  Job& operator=(const Job&) = delete;
+
+  void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }
+  [[nodiscard]] bool cancelled() const noexcept { return cancelled_.load(std::memory_order_relaxed); }
+  /// How much is done, in [0, 1].
+  [[nodiscard]] double progress() const noexcept { return progress_.load(std::memory_order_relaxed); }
+  /// What is being done, one lower-case word or two ("flooding"); "" before the first stage.
+  [[nodiscard]] const char* stage() const noexcept { return stage_.load(std::memory_order_relaxed); }
+
+  /// Throws Cancelled if someone asked for it. Call at least every 50 ms.
+  void poll() const;
+  /// Polls, and sets progress to `fraction` in [0, 1] of the present Part (of the whole job outside any Part).
+  void report(double fraction);
+
+  /// Names a stage and maps the reports made during its life to [from, to] of the Part around it. Parts nest.
+  /// Making one polls; leaving one sets progress to its end.
+  class Part {
+   public:
+    /// \param stage  a string literal: it is kept as a pointer
+    Part(Job& job, const char* stage, double from, double to);
+    ~Part();
+    Part(const Part&) = delete;
+    Part& operator=(const Part&) = delete;
+
+   private:
+    Job& job_;
+    const char* outer_stage_;
+    double outer_from_, outer_to_;
+  };
+
+ private:
+  void advance(double progress) noexcept;
+
+  std::atomic<bool> cancelled_{false};
+  std::atomic<double> progress_{0.0};
+  std::atomic<const char*> stage_{""};
+  double from_ = 0.0, to_ = 1.0;  // the present Part's share of the whole job
+};
+
+}  // namespace isimp

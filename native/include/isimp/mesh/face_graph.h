@@ -1,0 +1,36 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "isimp/core/types.h"
+
+namespace isimp {
+
+/// What partitioning needs of a face, in one 16-byte record.
+struct FaceRecord {
+  float nx = 0, ny = 0, nz = 0;  ///< unit normal; a face without area takes that of the nearest face that has one
+  float area = 0;                ///< as a share of the whole surface's area
+};
+
+/// The dual graph of a mesh, its faces in Morton order so that near faces are near in memory.
+///
+/// Index n = size() is a sentinel: it stands for "no neighbour", so that a loop over neighbours needs no test.
+struct FaceGraph {
+  std::vector<FaceRecord> faces;                        ///< (n + 1), the last one all zero
+  std::vector<std::array<std::int32_t, 3>> neighbours;  ///< (n + 1), across corner k -> k + 1; n where none
+  std::vector<std::int32_t> mesh_face;                  ///< (n) graph index -> face of the mesh
+  std::vector<std::int32_t> graph_face;                 ///< (n) face of the mesh -> graph index
+  double area = 0.0;                                    ///< of the whole surface, scene units squared
+
+  [[nodiscard]] std::int32_t size() const { return static_cast<std::int32_t>(mesh_face.size()); }
+};
+
+/// Builds the graph. \param opposite (3 F) half-edge across each, kNone on borders. Cost: O(F log F).
+/// A face is without area if its doubled area is below 1e-12 of its longest edge squared.
+FaceGraph make_face_graph(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
+                          std::span<const std::int32_t> opposite);
+
+}  // namespace isimp

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "isimp/core/job.h"
+#include "isimp/core/types.h"
+#include "isimp/mesh/face_graph.h"
+#include "isimp/mesh/mesh_report.h"
+
+namespace isimp {
+
+/// An oriented triangle surface, checked once and never changed: the input of everything else.
+///
+/// Holds by construction: every edge has one or two faces, two faces of an edge run along it in opposite directions,
+/// the faces round a vertex form one fan, no face names a vertex twice, all coordinates are finite. Borders, several
+/// components, handles, zero-area faces and unused vertices are ordinary. `clean` makes such a mesh from anything.
+///
+/// Half-edge h = 3 * f + k runs along face f from its corner k to its corner k + 1 (mod 3).
+/// Memory: about 80 bytes a face.
+class Mesh {
+ public:
+  /// Checks the arrays and computes adjacency, components and the face graph.
+  ///
+  /// \throws InvalidInput  no faces; an index out of range; a coordinate that is not finite; a face that names a vertex
+  ///                       twice; an edge with three or more faces or with two that run the same way; a vertex whose
+  ///                       faces form two fans. The message names the first offender and points to `clean`.
+  /// \throws Cancelled     nothing was made
+  /// Cost: O(V + F) time and memory.
+  Mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, Job& job);
+
+  /// As above, for a mesh made from another one: where each face and vertex came from, and what was repaired.
+  Mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, std::vector<std::int32_t> source_face,
+       std::vector<std::int32_t> source_vertex, RepairReport repairs, Job& job);
+
+  [[nodiscard]] std::int32_t vertex_count() const { return static_cast<std::int32_t>(vertices_.size()); }
+  [[nodiscard]] std::int32_t face_count() const { return static_cast<std::int32_t>(triangles_.size()); }
+  [[nodiscard]] std::span<const Vec3> vertices() const { return vertices_; }
+  [[nodiscard]] std::span<const Triangle> triangles() const { return triangles_; }
+  /// (F) the caller's face each face came from; the identity if the mesh was not cleaned.
+  [[nodiscard]] std::span<const std::int32_t> source_face() const { return source_face_; }
+  /// (V) the caller's vertex each vertex came from; kNone for one that a repair made.
+  [[nodiscard]] std::span<const std::int32_t> source_vertex() const { return source_vertex_; }
+
+  /// (3 F) the half-edge on the other side of each; kNone on a border.
+  [[nodiscard]] std::span<const std::int32_t> opposite() const { return opposite_; }
+  /// (V) a half-edge that leaves each vertex; the one on the border if there is one; kNone if the vertex is unused.
+  /// Turning with `turn` from it visits all faces of the vertex.
+  [[nodiscard]] std::span<const std::int32_t> vertex_halfedge() const { return vertex_halfedge_; }
+  /// (F) the component of each face, numbered by first face.
+  [[nodiscard]] std::span<const std::int32_t> component() const { return component_; }
+  [[nodiscard]] std::int32_t component_count() const { return report_.components; }
+
+  /// The faces as partitioning sees them: Morton order, normals, areas, neighbours.
+  [[nodiscard]] const FaceGraph& graph() const { return graph_; }
+  [[nodiscard]] const MeshReport& report() const { return report_; }
+  /// Length of the bounding box's diagonal.
+  [[nodiscard]] double diagonal() const { return report_.diagonal; }
+
+  static std::int32_t next(std::int32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
+  static std::int32_t prev(std::int32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }
+  static std::int32_t face(std::int32_t h) { return h / 3; }
+  [[nodiscard]] std::int32_t from(std::int32_t h) const {
+    return triangles_[static_cast<std::size_t>(h / 3)][static_cast<std::size_t>(h % 3)];
+  }
+  [[nodiscard]] std::int32_t to(std::int32_t h) const { return from(next(h)); }
+  [[nodiscard]] std::int32_t opposite(std::int32_t h) const { return opposite_[static_cast<std::size_t>(h)]; }
+  /// The next half-edge that leaves the same vertex, counter-clockwise; kNone past the last one before a border.
+  [[nodiscard]] std::int32_t turn(std::int32_t h) const { return opposite(prev(h)); }
+
+ private:
+  void check_arrays() const;
+  void pair_halfedges(Job& job);
+  void find_fans(Job& job);
+  void find_components();
+  void summarise();
+
+  std::vector<Vec3> vertices_;
+  std::vector<Triangle> triangles_;
+  std::vector<std::int32_t> source_face_, source_vertex_;
+  std::vector<std::int32_t> opposite_, vertex_halfedge_, component_;
+  FaceGraph graph_;
+  MeshReport report_;
+};
+
+}  // namespace isimp

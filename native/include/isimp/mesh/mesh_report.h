@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace isimp {
+
+/// One kind of thing that `clean` mended: how often, and where first.
+struct Repair {
+  std::string what;                 ///< a key such as "duplicate_faces"
+  std::int64_t count = 0;           ///< how many faces, edges or vertices, as the key says
+  std::vector<std::int32_t> where;  ///< the caller's indices of the first few (at most 16)
+};
+
+using RepairReport = std::vector<Repair>;
+
+/// What a mesh is, and what was done to the caller's arrays to get it.
+struct MeshReport {
+  std::int32_t vertices = 0, faces = 0;
+  std::int32_t components = 0;
+  std::int32_t closed_components = 0;
+  std::int64_t border_edges = 0;
+  std::int32_t border_loops = 0;
+  std::int64_t euler = 0;  ///< used vertices - edges + faces
+  std::int32_t zero_area_faces = 0;
+  std::int32_t unused_vertices = 0;
+  double area = 0.0;      ///< scene units squared
+  double diagonal = 0.0;  ///< of the bounding box, scene units
+  bool closed = false;    ///< no border at all
+  RepairReport repairs;   ///< empty after Mesh(...)
+};
+
+}  // namespace isimp

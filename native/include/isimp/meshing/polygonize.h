@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "isimp/core/job.h"
+#include "isimp/core/types.h"
+#include "isimp/mesh/mesh.h"
+#include "isimp/partition/partition.h"
+
+namespace isimp {
+
+/// All lengths as a share of the bounding box's diagonal unless said otherwise.
+struct MeshingOptions {
+  double chord_tolerance =
+      0.3;  ///< a boundary is subdivided where it leaves its chord by more than this times sqrt(area / regions)
+  double reach = 0.01;        ///< no corner is moved further than this from the scan's vertex it stands for
+  std::int32_t flatten = 30;  ///< rounds of planes and corners in turn; 0 leaves the first placement
+};
+
+/// What came out, and by how much it is not perfect.
+struct MeshingReport {
+  std::int32_t polygons = 0, corners = 0, vertices = 0;
+  std::int32_t regions = 0;
+  std::int32_t regions_split = 0;  ///< regions that became more than one polygon
+  std::int32_t split_for_holes = 0, split_for_handles = 0, split_for_pinches = 0, split_for_closed = 0,
+               split_for_repair = 0;
+  bool closed = false;    ///< every edge has two polygons
+  bool manifold = false;  ///< every edge one or two, every vertex one fan, consistently oriented
+  std::int64_t euler = 0;
+  double planarity_max = 0.0, planarity_mean = 0.0;  ///< scene units; the mean is weighted by area
+  double distance_max = 0.0;  ///< largest distance of a corner from the vertex it stands for, scene units
+  std::int32_t crossing = 0, flipped = 0, intersecting = 0;  ///< polygons that stayed so
+};
+
+/// A mesh of simple polygons without holes.
+struct PolygonMesh {
+  std::vector<Vec3> vertices;            ///< (W)
+  std::vector<std::int32_t> loops;       ///< (L) vertex of each corner, polygon after polygon
+  std::vector<std::int32_t> loop_start;  ///< (Q) where each polygon begins in `loops`; it ends where the next begins
+  std::vector<std::int32_t> polygon_region;  ///< (Q)
+  std::vector<double> planarity;             ///< (Q) largest distance of a corner from the polygon's plane, scene units
+  std::vector<std::int32_t> source_vertex;   ///< (W) vertex of the mesh each stands for
+  MeshingReport report;
+
+  [[nodiscard]] std::int32_t polygon_count() const { return static_cast<std::int32_t>(loop_start.size()); }
+};
+
+/// Turns the regions of a partition into polygons that meet edge to edge.
+///
+/// \throws InvalidInput  the partition is not one of this mesh; an option out of its range
+/// \throws Cancelled     nothing was made
+/// Source: Cohen-Steiner, Alliez, Desbrun 2004, section 4.
+PolygonMesh polygonize(const Mesh& mesh, const Partition& partition, const MeshingOptions& options, Job& job);
+
+}  // namespace isimp

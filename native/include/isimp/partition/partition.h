@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "isimp/core/job.h"
+#include "isimp/core/types.h"
+#include "isimp/mesh/mesh.h"
+
+namespace isimp {
+
+/// Where the first proxies are put.
+enum class Seeding {
+  random,        ///< distinct faces drawn by `seed`
+  farthest,      ///< each the face whose normal and place are farthest from all before
+  hierarchical,  ///< the nearest faces of the regions of a merge hierarchy
+};
+
+/// How the regions are found.
+enum class Method {
+  lloyd,     ///< the 2004 paper's and the thesis's own: flooding and fitting in turn
+  teleport,  ///< lloyd, then merge the cheapest pair and split the worst region until it no longer helps
+};
+
+struct PartitionOptions {
+  std::int32_t proxies = 64;  ///< how many regions to make, in [1, F]
+  double leave_out = 0.001;   ///< components each below this share of the area are left out, in [0, 1); see partition()
+  std::uint64_t seed = 1;     ///< number that starts the random seeding
+  std::int32_t iterations = 20;  ///< upper bound on flood-and-fit rounds, at least 1
+  Seeding seeding = Seeding::random;
+  Method method = Method::teleport;
+  std::int32_t threads = 0;  ///< 0: as many as there are cores; the result does not depend on it
+  std::string backend = "cpu";
+};
+
+/// A surface split into connected, near-planar regions.
+struct Partition {
+  std::vector<std::int32_t> face_region;  ///< (F) in [0, R); kNone where a speck was left out
+  std::vector<std::int32_t> region_seed;  ///< (R) the region's face that is nearest to its proxy
+  std::vector<Vec3> region_normal;        ///< (R) unit, area-weighted mean; zero for a region without area
+  double error = 0.0;                     ///< sum of area * |n_face - n_region|^2, scene units squared
+  std::vector<double> history;            ///< the error after each round; `error` is not above any of them
+
+  std::int32_t proxies_asked = 0;   ///< R is larger where components need more (see `proxies_needed`)
+  std::int32_t proxies_needed = 0;  ///< the least that the kept components need together
+  std::int32_t parts_left_out = 0;  ///< components without a region
+  double area_left_out = 0.0;       ///< their share of the whole area
+
+  [[nodiscard]] std::int32_t region_count() const { return static_cast<std::int32_t>(region_seed.size()); }
+};
+
+/// Splits a surface into connected, near-planar regions.
+///
+/// Exactly `proxies` regions, none empty, each connected, every face of a kept component in one. Every kept component
+/// gets at least what its topology needs (4 if it is closed, else 1; never more than its faces); where that takes more
+/// than `proxies`, it is taken, and `proxies_needed` says so. Components each below `leave_out` of the area are left
+/// out, smallest first, while all of them together stay below ten times it; the largest is always kept.
+/// The same mesh and options give the same partition bit for bit; ties are broken by error, then face, then region.
+///
+/// \param job  polled at least every 50 ms
+/// \throws InvalidInput  an option out of its range: the message names the range and what was given
+/// \throws Cancelled     nothing was changed
+/// Cost: O(iterations * F log F) time, O(F) memory.
+/// Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.
+Partition partition(const Mesh& mesh, const PartitionOptions& options, Job& job);
+
+}  // namespace isimp

@@ -1,0 +1,139 @@
+#include "shapes.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <random>
+#include <utility>
+
+namespace isimp::shapes {
+namespace {
+
+/// Adds a grid of n by n squares spanned by u and v from `origin`, sharing vertices with equal positions.
+void add_grid(Arrays& a, std::map<std::array<long, 3>, std::int32_t>& known, int n, const Vec3& origin, const Vec3& u,
+              const Vec3& v) {
+  const auto at = [&](int i, int j) {
+    const Vec3 p = origin + u * (static_cast<double>(i) / n) + v * (static_cast<double>(j) / n);
+    const std::array<long, 3> key{std::lround(p.x() * 1e6), std::lround(p.y() * 1e6), std::lround(p.z() * 1e6)};
+    const auto [it, fresh] = known.try_emplace(key, static_cast<std::int32_t>(a.vertices.size()));
+    if (fresh) a.vertices.push_back(p);
+    return it->second;
+  };
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      a.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      a.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+}
+
+}  // namespace
+
+Arrays cube(int n) {
+  Arrays a;
+  std::map<std::array<long, 3>, std::int32_t> known;
+  const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ(), o = Vec3::Zero();
+  add_grid(a, known, n, o, y, x);
+  add_grid(a, known, n, z, x, y);
+  add_grid(a, known, n, o, x, z);
+  add_grid(a, known, n, y, z, x);
+  add_grid(a, known, n, o, z, y);
+  add_grid(a, known, n, x, y, z);
+  return a;
+}
+
+Arrays plane(int n) {
+  Arrays a;
+  std::map<std::array<long, 3>, std::int32_t> known;
+  add_grid(a, known, n, Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY());
+  return a;
+}
+
+Arrays sphere(int levels) {
+  Arrays a;
+  const double g = std::numbers::phi;
+  for (const double s : {-1.0, 1.0})
+    for (const double t : {-g, g}) {
+      a.vertices.emplace_back(0, s, t);
+      a.vertices.emplace_back(s, t, 0);
+      a.vertices.emplace_back(t, 0, s);
+    }
+  for (Vec3& v : a.vertices) v.normalize();
+  const double edge = 2.0 / std::sqrt(1 + g * g) + 1e-9;
+  const auto n = static_cast<std::int32_t>(a.vertices.size());
+  const auto near = [&](std::int32_t i, std::int32_t j) { return (a.vertices[i] - a.vertices[j]).norm() < edge; };
+  for (std::int32_t i = 0; i < n; ++i)
+    for (std::int32_t j = i + 1; j < n; ++j)
+      for (std::int32_t k = j + 1; k < n; ++k) {
+        if (!near(i, j) || !near(j, k) || !near(k, i)) continue;
+        const Vec3 normal = (a.vertices[j] - a.vertices[i]).cross(a.vertices[k] - a.vertices[i]);
+        if (normal.dot(a.vertices[i]) > 0) {
+          a.triangles.push_back({i, j, k});
+        } else {
+          a.triangles.push_back({i, k, j});
+        }
+      }
+  for (int level = 0; level < levels; ++level) {
+    std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> middle;
+    const auto split = [&](std::int32_t i, std::int32_t j) {
+      const auto [it, fresh] = middle.try_emplace(std::minmax(i, j), static_cast<std::int32_t>(a.vertices.size()));
+      if (fresh) a.vertices.push_back((a.vertices[i] + a.vertices[j]).normalized());
+      return it->second;
+    };
+    std::vector<Triangle> finer;
+    for (const auto& [i, j, k] : a.triangles) {
+      const std::int32_t ij = split(i, j), jk = split(j, k), ki = split(k, i);
+      finer.insert(finer.end(), {{i, ij, ki}, {j, jk, ij}, {k, ki, jk}, {ij, jk, ki}});
+    }
+    a.triangles = std::move(finer);
+  }
+  return a;
+}
+
+Arrays torus(int nu, int nv, double r) {
+  Arrays a;
+  for (int i = 0; i < nu; ++i)
+    for (int j = 0; j < nv; ++j) {
+      const double u = 2 * std::numbers::pi * i / nu, v = 2 * std::numbers::pi * j / nv;
+      const double d = 1 + r * std::cos(v);
+      a.vertices.emplace_back(d * std::cos(u), d * std::sin(u), r * std::sin(v));
+    }
+  const auto at = [&](int i, int j) { return static_cast<std::int32_t>((i % nu) * nv + j % nv); };
+  for (int i = 0; i < nu; ++i)
+    for (int j = 0; j < nv; ++j) {
+      a.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      a.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  return a;
+}
+
+Arrays both(const Arrays& a, const Arrays& b, const Vec3& offset) {
+  Arrays sum = a;
+  const auto shift = static_cast<std::int32_t>(a.vertices.size());
+  for (const Vec3& v : b.vertices) sum.vertices.push_back(v + offset);
+  for (const auto& [i, j, k] : b.triangles) sum.triangles.push_back({i + shift, j + shift, k + shift});
+  return sum;
+}
+
+Arrays shuffled(const Arrays& a, std::uint32_t seed) {
+  Arrays result = a;
+  std::mt19937 random(seed);
+  std::shuffle(result.triangles.begin(), result.triangles.end(), random);
+  return result;
+}
+
+Arrays noisy(const Arrays& a, double sigma, std::uint32_t seed) {
+  Arrays result = a;
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal(0.0, sigma);
+  for (Vec3& v : result.vertices) v += Vec3(normal(random), normal(random), normal(random));
+  return result;
+}
+
+Mesh mesh(const Arrays& a) {
+  Job job;
+  return Mesh(a.vertices, a.triangles, job);
+}
+
+}  // namespace isimp::shapes

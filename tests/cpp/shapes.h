@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "isimp/mesh/mesh.h"
+
+/// Small meshes whose right answers are known.
+namespace isimp::shapes {
+
+struct Arrays {
+  std::vector<Vec3> vertices;
+  std::vector<Triangle> triangles;
+};
+
+/// The unit cube, each side n by n squares of two triangles: 12 n^2 faces, 6 n^2 + 2 vertices.
+Arrays cube(int n = 1);
+/// The unit square in the plane z = 0, n by n squares of two triangles, open.
+Arrays plane(int n = 1);
+/// The sphere of radius 1: an icosahedron whose faces are split in four `levels` times, 20 * 4^levels faces.
+Arrays sphere(int levels);
+/// A ring of radius 1 round the z axis with a tube of radius r, nu by nv squares of two triangles, genus 1.
+Arrays torus(int nu, int nv, double r = 0.4);
+/// Two meshes as one, `b` moved by `offset`.
+Arrays both(const Arrays& a, const Arrays& b, const Vec3& offset);
+/// The same surface with its faces in another order, drawn by `seed`.
+Arrays shuffled(const Arrays& a, std::uint32_t seed);
+/// Every vertex moved by normal noise of standard deviation `sigma`, drawn by `seed`.
+Arrays noisy(const Arrays& a, double sigma, std::uint32_t seed);
+
+Mesh mesh(const Arrays& a);
+
+}  // namespace isimp::shapes
