@@ -7,20 +7,19 @@
 #include "isimp/core/job.h"
 #include "isimp/core/types.h"
 #include "isimp/mesh/mesh.h"
+#include "isimp/partition/metric.h"
 
 namespace isimp {
 
 /// Where the first proxies are put.
 enum class Seeding {
-  random,        ///< distinct faces drawn by `seed`
-  farthest,      ///< each the face whose normal and place are farthest from all before
-  hierarchical,  ///< the nearest faces of the regions of a merge hierarchy
+  random,    ///< distinct faces drawn by `seed`
+  farthest,  ///< each the face whose normal and place are farthest from all before
 };
 
 /// How the regions are found.
 enum class Method {
-  lloyd,     ///< the 2004 paper's and the thesis's own: flooding and fitting in turn
-  teleport,  ///< lloyd, then merge the cheapest pair and split the worst region until it no longer helps
+  lloyd,  ///< the 2004 paper's and the thesis's own: flooding and fitting in turn
 };
 
 struct PartitionOptions {
@@ -29,7 +28,7 @@ struct PartitionOptions {
   std::uint64_t seed = 1;     ///< number that starts the random seeding
   std::int32_t iterations = 20;  ///< upper bound on flood-and-fit rounds, at least 1
   Seeding seeding = Seeding::random;
-  Method method = Method::teleport;
+  Method method = Method::lloyd;
   std::int32_t threads = 0;  ///< 0: as many as there are cores; the result does not depend on it
   std::string backend = "cpu";
 };
@@ -39,6 +38,7 @@ struct Partition {
   std::vector<std::int32_t> face_region;  ///< (F) in [0, R); kNone where a speck was left out
   std::vector<std::int32_t> region_seed;  ///< (R) the region's face that is nearest to its proxy
   std::vector<Vec3> region_normal;        ///< (R) unit, area-weighted mean; zero for a region without area
+  std::vector<RegionSum> region_sum;      ///< (R) what the faces add up to, so that edits cost only what they touch
   double error = 0.0;                     ///< sum of area * |n_face - n_region|^2, scene units squared
   std::vector<double> history;            ///< the error after each round; `error` is not above any of them
 
@@ -55,8 +55,10 @@ struct Partition {
 /// Exactly `proxies` regions, none empty, each connected, every face of a kept component in one. Every kept component
 /// gets at least what its topology needs (4 if it is closed, else 1; never more than its faces); where that takes more
 /// than `proxies`, it is taken, and `proxies_needed` says so. Components each below `leave_out` of the area are left
-/// out, smallest first, while all of them together stay below ten times it; the largest is always kept.
-/// The same mesh and options give the same partition bit for bit; ties are broken by error, then face, then region.
+/// out, smallest first, while all of them together stay below ten times it; the largest is always kept, and none is
+/// left out where the rest would have fewer than `proxies` faces.
+/// The same mesh and options give the same partition bit for bit; nothing depends on
+/// hashing, on the order of threads or on a library's random numbers.
 ///
 /// \param job  polled at least every 50 ms
 /// \throws InvalidInput  an option out of its range: the message names the range and what was given

@@ -1,0 +1,176 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <queue>
+#include <span>
+#include <vector>
+
+#include "isimp/mesh/face_graph.h"
+#include "isimp/partition/metric.h"
+#include "isimp/partition/relax.h"
+
+/// Changes to single regions whose cost is that of the faces they touch. `Labels` as in relax.h.
+namespace isimp {
+
+/// Label of a face that has been taken out of its region and waits for another.
+inline constexpr std::int32_t kOpen = -2;
+
+/// Gathers the faces of the region of a face (or of the part left out it lies in), and marks each as kOpen.
+template <class Labels>
+std::vector<std::int32_t> take_out(const FaceGraph& graph, Labels labels, std::int32_t face) {
+  const std::int32_t own = labels.get(face);
+  std::vector<std::int32_t> faces{face};
+  labels.set(face, kOpen);
+  for (std::size_t i = 0; i < faces.size(); ++i)
+    for (const std::int32_t j : graph.neighbours[faces[i]])
+      if (j != graph.size() && labels.get(j) == own) {
+        labels.set(j, kOpen);
+        faces.push_back(j);
+      }
+  return faces;
+}
+
+/// A queue for flooding a few regions: by error, then by arrival, so that where all errors are equal the regions meet
+/// half-way. Errors below 2^-24 are rounding and count as equal.
+class LocalQueue {
+ public:
+  struct Entry {
+    float error;
+    std::uint32_t arrival;
+    std::int32_t face, region;
+    bool operator>(const Entry& o) const { return error != o.error ? error > o.error : arrival > o.arrival; }
+  };
+  void push(float error, std::int32_t face, std::int32_t region) {
+    entries_.push_back({std::max(error, 0x1p-24F), arrivals_++, face, region});
+    std::push_heap(entries_.begin(), entries_.end(), std::greater<>());
+  }
+  Entry pop() {
+    std::pop_heap(entries_.begin(), entries_.end(), std::greater<>());
+    const Entry least = entries_.back();
+    entries_.pop_back();
+    return least;
+  }
+  [[nodiscard]] bool empty() const { return entries_.empty(); }
+
+ private:
+  std::vector<Entry> entries_;
+  std::uint32_t arrivals_ = 0;
+};
+
+/// The face nearest to a proxy; ties to the first in the list. `skip` is not considered.
+inline std::int32_t nearest_of(const FaceGraph& graph, std::span<const std::int32_t> faces,
+                               const NormalMetric::Proxy& proxy, std::int32_t skip = kNone) {
+  std::int32_t nearest = kNone;
+  float least = std::numeric_limits<float>::infinity();
+  for (const std::int32_t face : faces) {
+    const float error = NormalMetric::error(graph.faces[face], proxy);
+    if (error < least && face != skip) {
+      least = error;
+      nearest = face;
+    }
+  }
+  return nearest;
+}
+
+/// Two halves of what was one region.
+struct Halves {
+  std::array<std::int32_t, 2> region, seed;
+  std::array<NormalMetric::Proxy, 2> proxy;
+  std::array<RegionSum, 2> sum;
+};
+
+/// Moves two proxies to where the faces' normals cluster: each face counts for the nearer one, connected or not.
+/// Two seeds on the same side of a crease would else never part the two sides.
+inline void part_normals(const FaceGraph& graph, std::span<const std::int32_t> faces,
+                         std::array<NormalMetric::Proxy, 2>& proxy, int rounds) {
+  for (int round = 0; round < rounds; ++round) {
+    std::array<RegionSum, 2> sum;
+    for (const std::int32_t face : faces) {
+      const FaceRecord& f = graph.faces[face];
+      sum[NormalMetric::error(f, proxy[1]) < NormalMetric::error(f, proxy[0]) ? 1 : 0].add(f);
+    }
+    for (int k = 0; k < 2; ++k)
+      if (sum[k].length() > 0) proxy[k] = NormalMetric::fit(sum[k]);
+  }
+}
+
+/// Floods open faces from two seeds, `rounds` times with a new fit in between.
+/// \param faces  connected, all kOpen, the seeds among them
+/// \param keep   the second seed stays where it is
+template <class Labels>
+void flood_halves(const FaceGraph& graph, Labels labels, std::span<const std::int32_t> faces, Halves& halves,
+                  int rounds, bool keep) {
+  LocalQueue queue;
+  for (int round = 0; round < rounds; ++round) {
+    if (round > 0) {
+      for (int k = 0; k < 2; ++k) halves.proxy[k] = NormalMetric::fit(halves.sum[k]);
+      float least[2] = {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity()};
+      const std::int32_t kept = halves.seed[1];
+      for (const std::int32_t face : faces) {
+        const int k = labels.get(face) == halves.region[1] ? 1 : 0;
+        const float error = NormalMetric::error(graph.faces[face], halves.proxy[k]);
+        if (error >= least[k]) continue;
+        least[k] = error;
+        halves.seed[k] = face;
+      }
+      if (keep) halves.seed[1] = kept;
+      for (const std::int32_t face : faces) labels.set(face, kOpen);
+    }
+    halves.sum = {};
+    const auto settle = [&](std::int32_t face, int k) {
+      labels.set(face, halves.region[k]);
+      halves.sum[k].add(graph.faces[face]);
+      for (const std::int32_t j : graph.neighbours[face])
+        if (labels.get(j) == kOpen) queue.push(NormalMetric::error(graph.faces[j], halves.proxy[k]), j, k);
+    };
+    labels.set(halves.seed[1], halves.region[1]);  // so that the first seed's neighbours do not claim it
+    settle(halves.seed[0], 0);
+    settle(halves.seed[1], 1);
+    while (!queue.empty()) {
+      const auto next = queue.pop();
+      if (labels.get(next.face) == kOpen) settle(next.face, next.region);
+    }
+  }
+}
+
+/// Floods open faces from the regions around them, whose sums grow; their proxies stay fixed meanwhile.
+/// \param touched  the regions that grew are appended, each once
+/// \return false if there is no region around: the faces then are still open
+template <class Labels>
+bool flood_from_around(const FaceGraph& graph, Labels labels, std::span<const std::int32_t> faces,
+                       std::vector<RegionSum>& sums, std::vector<std::int32_t>& touched) {
+  LocalQueue queue;
+  std::vector<NormalMetric::Proxy> proxies;  // of touched[k]
+  const auto offer = [&](std::int32_t face, std::int32_t k) {
+    queue.push(NormalMetric::error(graph.faces[face], proxies[k]), face, k);
+  };
+  const std::size_t first = touched.size();
+  for (const std::int32_t face : faces)
+    for (const std::int32_t j : graph.neighbours[face]) {
+      const std::int32_t r = labels.get(j);
+      if (r < 0) continue;
+      const auto at = std::find(touched.begin() + static_cast<std::ptrdiff_t>(first), touched.end(), r);
+      const auto k = static_cast<std::int32_t>(at - touched.begin()) - static_cast<std::int32_t>(first);
+      if (at == touched.end()) {
+        touched.push_back(r);
+        proxies.push_back(NormalMetric::fit(sums[r]));
+      }
+      offer(face, k);
+    }
+  if (queue.empty()) return false;
+  while (!queue.empty()) {
+    const auto next = queue.pop();
+    if (labels.get(next.face) != kOpen) continue;
+    const std::int32_t r = touched[first + static_cast<std::size_t>(next.region)];
+    labels.set(next.face, r);
+    sums[r].add(graph.faces[next.face]);
+    for (const std::int32_t j : graph.neighbours[next.face])
+      if (labels.get(j) == kOpen) offer(j, next.region);
+  }
+  return true;
+}
+
+}  // namespace isimp

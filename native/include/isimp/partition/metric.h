@@ -1,0 +1,90 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <concepts>
+#include <cstdint>
+
+#include "isimp/mesh/face_graph.h"
+
+namespace isimp {
+
+/// What a metric must offer: the error of a face under a proxy, per-region sums, and the proxy that fits them best.
+/// Errors must not be negative. This is the only place that knows what a proxy is.
+template <class M>
+concept Metric = requires(const FaceRecord& face, const typename M::Proxy& proxy, typename M::Sum& sum,
+                          const typename M::Sum& all) {
+  { M::error(face, proxy) } -> std::same_as<float>;
+  { M::proxy_of(face) } -> std::same_as<typename M::Proxy>;
+  { M::fit(all) } -> std::same_as<typename M::Proxy>;
+  { all.error() } -> std::same_as<double>;
+  sum.add(face);
+  sum.remove(face);
+};
+
+/// What the faces of a region add up to: enough for its normal, its error, and the exact change when a face moves.
+///
+/// With S the sum of area * normal, the error of the region under its best normal S / |S| is
+/// sum of area * |n - S / |S||^2 = sum of area * (1 + |n|^2) - 2 |S|. All areas are shares of the whole surface's.
+struct RegionSum {
+  double x = 0, y = 0, z = 0;  ///< sum of area * normal
+  double weight = 0;           ///< sum of area * (1 + |normal|^2); normals are unit only up to float rounding
+  std::int32_t faces = 0;
+
+  [[nodiscard]] double length() const { return std::sqrt(x * x + y * y + z * z); }
+  [[nodiscard]] double error() const { return std::max(0.0, weight - 2 * length()); }
+  /// The best normal; where the faces' normals cancel all are equally good, and there is none without area.
+  [[nodiscard]] Vec3 normal() const {
+    const double norm = length();
+    if (norm > 0) return {x / norm, y / norm, z / norm};
+    return weight > 0 ? Vec3(0, 0, 1) : Vec3(0, 0, 0);
+  }
+
+  void add(const FaceRecord& f) { accumulate(f, f.area, 1); }
+  void remove(const FaceRecord& f) { accumulate(f, -static_cast<double>(f.area), -1); }
+  void add(const RegionSum& s) {
+    x += s.x;
+    y += s.y;
+    z += s.z;
+    weight += s.weight;
+    faces += s.faces;
+  }
+
+ private:
+  void accumulate(const FaceRecord& f, double area, std::int32_t count) {
+    const double nx = f.nx, ny = f.ny, nz = f.nz;
+    x += area * nx;
+    y += area * ny;
+    z += area * nz;
+    weight += area * (1 + nx * nx + ny * ny + nz * nz);
+    faces += count;
+  }
+};
+
+/// By how much the error grows when two regions become one.
+inline double merge_cost(const RegionSum& a, const RegionSum& b) {
+  const double x = a.x + b.x, y = a.y + b.y, z = a.z + b.z;
+  return 2 * (a.length() + b.length() - std::sqrt(x * x + y * y + z * z));
+}
+
+/// L2,1: the squared difference of the normals. The area weighs in the fit and the total, not in the order of the
+/// flooding, as the thesis has it: slivers then neither win nor become seeds.
+struct NormalMetric {
+  struct Proxy {
+    float x = 0, y = 0, z = 0;  ///< unit normal; zero for a region without area
+  };
+  using Sum = RegionSum;
+
+  static float error(const FaceRecord& f, const Proxy& p) {
+    const float x = f.nx - p.x, y = f.ny - p.y, z = f.nz - p.z;
+    return x * x + y * y + z * z;
+  }
+  static Proxy proxy_of(const FaceRecord& f) { return {f.nx, f.ny, f.nz}; }
+  static Proxy fit(const Sum& s) {
+    const Vec3 normal = s.normal();
+    return {static_cast<float>(normal.x()), static_cast<float>(normal.y()), static_cast<float>(normal.z())};
+  }
+};
+static_assert(Metric<NormalMetric>);
+
+}  // namespace isimp

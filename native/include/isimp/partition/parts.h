@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "isimp/core/job.h"
+#include "isimp/mesh/mesh.h"
+#include "isimp/partition/metric.h"
+
+namespace isimp {
+
+/// A connected component of the mesh, and how many regions it may have.
+struct Part {
+  RegionSum sum;           ///< of all its faces; areas as shares of the whole surface
+  double area = 0.0;       ///< as a share of the whole surface
+  bool closed = true;      ///< no border
+  bool kept = true;        ///< false: left out, its faces get no region
+  std::int32_t need = 1;   ///< the least number of regions: 4 if closed, else 1; never more than its faces
+  std::int32_t first = 0;  ///< its first face in the order of the face graph
+};
+
+/// All components, and which one each face of the graph belongs to.
+struct Parts {
+  std::vector<Part> parts;            ///< (C), as mesh.component() numbers them
+  std::vector<std::int32_t> of_face;  ///< (F) by graph index; empty if there is one component
+  std::int32_t asked = 0;             ///< options.proxies
+  std::int32_t needed = 0;            ///< sum of `need` over the kept components
+  std::int32_t left_out = 0;          ///< number of components left out
+  double area_left_out = 0.0;         ///< their share of the whole surface
+
+  [[nodiscard]] std::int32_t of(std::int32_t face) const { return of_face.empty() ? 0 : of_face[face]; }
+  /// How many regions there will be in all.
+  [[nodiscard]] std::int32_t regions() const { return asked > needed ? asked : needed; }
+};
+
+/// Finds the components and decides which are kept: each below `leave_out` of the area is left out, smallest first,
+/// while all of them together stay below ten times that. The largest is always kept, and none is left out where the
+/// rest would have fewer than `proxies` faces. Cost: O(F + C log C).
+Parts find_parts(const Mesh& mesh, std::int32_t proxies, double leave_out, Job& job);
+
+/// How many regions each component gets: 0 if left out, else its need, and of the rest a share by size and curvature.
+///
+/// With N regions on a component, its error falls like kappa / N; the least sum of errors has N proportional to
+/// sqrt(kappa). kappa is taken as the error of a single region. Shares are rounded by largest remainder, ties to the
+/// component of the lower number; none gets more than its faces.
+std::vector<std::int32_t> share_out(const Parts& parts);
+
+}  // namespace isimp

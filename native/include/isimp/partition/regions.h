@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "isimp/core/job.h"
+#include "isimp/mesh/face_graph.h"
+#include "isimp/partition/metric.h"
+
+namespace isimp {
+
+/// A partition while it is worked on: everything by graph index.
+struct Regions {
+  std::vector<std::int32_t> label;  ///< (n + 1) region of each face; kNone if left out, and for the sentinel
+  std::vector<RegionSum> sum;       ///< (R)
+
+  [[nodiscard]] std::int32_t count() const { return static_cast<std::int32_t>(sum.size()); }
+  /// Sum of the regions' errors, as a share of the whole surface's area.
+  [[nodiscard]] double error() const {
+    double total = 0.0;
+    for (const RegionSum& s : sum) total += s.error();
+    return total;
+  }
+};
+
+/// Adds up the faces of each region anew. Cost: O(F), in sequence.
+void sum_regions(const FaceGraph& graph, Regions& regions, Job& job);
+
+/// The face of each region that is nearest to its proxy; ties to the lower graph index. \return (R) graph indices
+std::vector<std::int32_t> nearest_faces(const FaceGraph& graph, const Regions& regions, Job& job);
+
+}  // namespace isimp

@@ -1,0 +1,114 @@
+#include "isimp/partition/parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace isimp {
+namespace {
+
+constexpr std::int32_t kClosedNeed = 4;  // a closed surface of planar polygons has at least four
+constexpr double kTogether = 10.0;       // all parts left out stay below this times `leave_out`
+
+/// Everything but `kept` and `need`.
+Parts measure(const Mesh& mesh, Job& job) {
+  const FaceGraph& graph = mesh.graph();
+  const std::int32_t n = graph.size();
+  Parts result;
+  result.parts.resize(static_cast<std::size_t>(mesh.component_count()));
+  const bool single = mesh.component_count() == 1;
+  if (!single) result.of_face.resize(static_cast<std::size_t>(n));
+  for (Part& part : result.parts) part.first = n;
+  for (std::int32_t i = 0; i < n; ++i) {
+    if ((i & 0xffff) == 0) job.poll();
+    const std::int32_t c = single ? 0 : mesh.component()[graph.mesh_face[i]];
+    if (!single) result.of_face[i] = c;
+    Part& part = result.parts[c];
+    part.sum.add(graph.faces[i]);
+    part.area += graph.faces[i].area;
+    part.first = std::min(part.first, i);
+    for (const std::int32_t j : graph.neighbours[i]) part.closed &= j != n;
+  }
+  return result;
+}
+
+void choose_left_out(Parts& all, double leave_out, std::int32_t proxies, std::int32_t faces) {
+  std::vector<std::int32_t> order(all.parts.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) {
+    return std::pair(all.parts[a].area, a) < std::pair(all.parts[b].area, b);
+  });
+  order.pop_back();  // the largest is always kept
+  std::int32_t faces_kept = faces;
+  for (const std::int32_t c : order) {
+    Part& part = all.parts[c];
+    if (part.area >= leave_out || all.area_left_out + part.area >= kTogether * leave_out) break;
+    if (faces_kept - part.sum.faces < proxies) break;
+    part.kept = false;
+    faces_kept -= part.sum.faces;
+    all.area_left_out += part.area;
+    ++all.left_out;
+  }
+}
+
+}  // namespace
+
+Parts find_parts(const Mesh& mesh, std::int32_t proxies, double leave_out, Job& job) {
+  Parts all = measure(mesh, job);
+  all.asked = proxies;
+  choose_left_out(all, leave_out, proxies, mesh.face_count());
+  for (Part& part : all.parts) {
+    part.need = part.kept ? std::min(part.closed ? kClosedNeed : 1, part.sum.faces) : 0;
+    all.needed += part.need;
+  }
+  return all;
+}
+
+std::vector<std::int32_t> share_out(const Parts& all) {
+  const std::size_t count = all.parts.size();
+  std::vector<std::int32_t> share(count);
+  std::vector<double> weight(count);
+  for (std::size_t c = 0; c < count; ++c) {
+    share[c] = all.parts[c].need;
+    weight[c] = all.parts[c].kept ? std::sqrt(all.parts[c].sum.error()) : 0.0;
+  }
+  // Where all components are flat the rest goes by size.
+  if (std::accumulate(weight.begin(), weight.end(), 0.0) < 1e-6)
+    for (std::size_t c = 0; c < count; ++c) weight[c] = all.parts[c].kept ? all.parts[c].sum.faces : 0.0;
+
+  // The ideal share of a component is t * weight, held between its need and its faces; t is found by halving.
+  const std::int32_t target = all.regions();
+  const auto ideal = [&](double t, std::size_t c) {
+    return std::clamp<double>(t * weight[c], all.parts[c].need, all.parts[c].kept ? all.parts[c].sum.faces : 0);
+  };
+  double low = 0.0, high = 1.0;
+  const auto total = [&](double t) {
+    double sum = 0.0;
+    for (std::size_t c = 0; c < count; ++c) sum += ideal(t, c);
+    return sum;
+  };
+  while (total(high) < target && high < 1e18) high *= 2;
+  for (int step = 0; step < 100; ++step) {
+    const double middle = (low + high) / 2;
+    (total(middle) < target ? low : high) = middle;
+  }
+  std::vector<std::pair<double, std::int32_t>> remainder;  // most first
+  std::int32_t given = 0;
+  for (std::size_t c = 0; c < count; ++c) {
+    share[c] = std::max(share[c], static_cast<std::int32_t>(ideal(low, c)));
+    given += share[c];
+    remainder.emplace_back(share[c] - ideal(low, c), static_cast<std::int32_t>(c));
+  }
+  std::sort(remainder.begin(), remainder.end());
+  // More than one lap only where weights of zero hold most faces: those then fill up one by one.
+  while (given < target)
+    for (const auto& [unused, c] : remainder) {
+      if (given == target) break;
+      if (!all.parts[c].kept || share[c] >= all.parts[c].sum.faces) continue;
+      ++share[c];
+      ++given;
+    }
+  return share;
+}
+
+}  // namespace isimp

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "isimp/core/errors.h"
+#include "isimp/partition/partition.h"
+
+namespace isimp::checks {
+
+/// Error of a partition from its labels and normals, in double.
+inline double error_of(const Mesh& mesh, const Partition& p) {
+  double error = 0.0;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const Triangle& t = mesh.triangles()[f];
+    const Vec3 u = mesh.vertices()[t[1]] - mesh.vertices()[t[0]], v = mesh.vertices()[t[2]] - mesh.vertices()[t[0]];
+    const Vec3 doubled = u.cross(v);
+    if (p.face_region[f] == kNone || doubled.norm() == 0) continue;
+    error += 0.5 * doubled.norm() * (doubled.normalized() - p.region_normal[p.face_region[f]]).squaredNorm();
+  }
+  return error;
+}
+
+/// Everything a partition promises whatever the mesh.
+inline void expect_sound(const Mesh& mesh, const Partition& p) {
+  const std::int32_t regions = p.region_count();
+  ASSERT_EQ(p.face_region.size(), static_cast<std::size_t>(mesh.face_count()));
+  ASSERT_EQ(p.region_normal.size(), p.region_seed.size());
+  ASSERT_EQ(p.region_sum.size(), p.region_seed.size());
+  std::vector<bool> seen(p.face_region.size(), false), met(p.region_seed.size(), false);
+  std::vector<std::int32_t> faces(p.region_seed.size(), 0), stack;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const std::int32_t r = p.face_region[f];
+    ASSERT_TRUE(r == kNone || (r >= 0 && r < regions)) << "face " << f << " has label " << r;
+    for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
+      if (mesh.opposite(h) != kNone && r == kNone) {
+        ASSERT_EQ(p.face_region[mesh.opposite(h) / 3], kNone) << "a component is left out in part only";
+      }
+    if (r == kNone || seen[f]) continue;
+    ASSERT_FALSE(met[r]) << "region " << r << " is not connected";
+    met[r] = seen[f] = true;
+    stack.push_back(f);
+    while (!stack.empty()) {
+      const std::int32_t g = stack.back();
+      stack.pop_back();
+      ++faces[r];
+      for (std::int32_t h = 3 * g; h < 3 * g + 3; ++h) {
+        const std::int32_t other = mesh.opposite(h);
+        if (other == kNone || seen[other / 3] || p.face_region[other / 3] != r) continue;
+        seen[other / 3] = true;
+        stack.push_back(other / 3);
+      }
+    }
+  }
+  for (std::int32_t r = 0; r < regions; ++r) {
+    ASSERT_TRUE(met[r]) << "region " << r << " is empty";
+    ASSERT_EQ(p.face_region[p.region_seed[r]], r);
+    ASSERT_EQ(p.region_sum[r].faces, faces[r]);
+    const double length = p.region_normal[r].norm();
+    ASSERT_TRUE(std::abs(length - 1) < 1e-9 || length == 0);
+  }
+  const double area = mesh.report().area;
+  EXPECT_NEAR(p.error, error_of(mesh, p), 1e-6 * area);
+  ASSERT_FALSE(p.history.empty());
+  EXPECT_LE(p.error, *std::min_element(p.history.begin(), p.history.end()) + 1e-12 * area);
+}
+
+/// The message of the InvalidInput that `call` throws.
+template <class Call>
+std::string message_of(Call call) {
+  try {
+    call();
+  } catch (const InvalidInput& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+}  // namespace isimp::checks

@@ -1,0 +1,152 @@
+#include <gtest/gtest.h>
+
+#include "isimp/interact/interact.h"
+#include "partition_checks.h"
+#include "shapes.h"
+
+namespace isimp {
+namespace {
+
+using checks::expect_sound;
+using checks::message_of;
+
+Partition run(const Mesh& mesh, const PartitionOptions& options) {
+  Job job;
+  return partition(mesh, options, job);
+}
+Partition add(const Mesh& mesh, const Partition& p, std::int32_t face) {
+  Job job;
+  return add_proxy(mesh, p, face, job);
+}
+Partition remove(const Mesh& mesh, const Partition& p, std::int32_t face) {
+  Job job;
+  return delete_proxy(mesh, p, face, job);
+}
+
+TEST(AddProxy, TakesTheLastNumberAndTheFace) {
+  const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(4), 0.002, 1));
+  Partition p = run(mesh, {.proxies = 20});
+  for (std::int32_t face = 0; face < mesh.face_count(); face += 511) {
+    const std::int32_t regions = p.region_count();
+    const double before = p.error;
+    p = add(mesh, p, face);
+    expect_sound(mesh, p);
+    EXPECT_EQ(p.region_count(), regions + 1);
+    EXPECT_EQ(p.face_region[face], regions);
+    EXPECT_LT(p.error, before);
+  }
+}
+
+TEST(AddProxy, ChangesOnlyItsRegionAndThoseAround) {
+  const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(4), 0.002, 1));
+  const Partition before = run(mesh, {.proxies = 100});
+  const Partition after = add(mesh, before, 17);
+  std::int32_t changed = 0;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) changed += before.face_region[f] != after.face_region[f];
+  EXPECT_GT(changed, 0);
+  EXPECT_LT(changed, mesh.face_count() / 10);
+}
+
+TEST(AddProxy, SplitsAFlatSideInTwoHalvesOfSomeSize) {
+  const Mesh mesh = shapes::mesh(shapes::plane(16));
+  const Partition p = add(mesh, run(mesh, {.proxies = 1}), 100);
+  expect_sound(mesh, p);
+  EXPECT_GT(p.region_sum[0].faces, mesh.face_count() / 10);
+  EXPECT_GT(p.region_sum[1].faces, mesh.face_count() / 10);
+}
+
+TEST(AddProxy, SplitsTwoSidesOfACubeAtTheirEdge) {
+  // The two squares of an open book: one region over both; a proxy anywhere on one parts them at the crease.
+  shapes::Arrays book = shapes::plane(6);
+  for (Vec3& v : book.vertices)
+    if (v.x() > 0.5) v = {0.5, v.y(), v.x() - 0.5};
+  const Mesh mesh = shapes::mesh(book);
+  const Partition one = run(mesh, {.proxies = 1});
+  EXPECT_GT(one.error, 0.1);
+  for (std::int32_t face = 0; face < mesh.face_count(); ++face) {
+    const Partition two = add(mesh, one, face);
+    expect_sound(mesh, two);
+    EXPECT_NEAR(two.error, 0.0, 1e-12) << face;
+  }
+}
+
+TEST(AddProxy, BringsBackAPartThatWasLeftOut) {
+  auto speck = shapes::cube(1);
+  for (Vec3& v : speck.vertices) v *= 0.006;
+  const Mesh mesh = shapes::mesh(shapes::both(shapes::cube(4), speck, {2, 0, 0}));
+  const Partition p = run(mesh, {.proxies = 6});
+  ASSERT_EQ(p.parts_left_out, 1);
+  const Partition back = add(mesh, p, mesh.face_count() - 1);
+  expect_sound(mesh, back);
+  EXPECT_EQ(back.region_count(), 7);
+  EXPECT_EQ(back.parts_left_out, 0);
+  EXPECT_EQ(back.area_left_out, 0.0);
+  for (std::int32_t f = mesh.face_count() - 12; f < mesh.face_count(); ++f) EXPECT_EQ(back.face_region[f], 6);
+}
+
+TEST(DeleteProxy, GivesTheFacesToTheRegionsAround) {
+  const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(4), 0.002, 1));
+  Partition p = run(mesh, {.proxies = 30});
+  for (std::int32_t face = 0; face < mesh.face_count(); face += 311) {
+    const std::int32_t regions = p.region_count();
+    p = remove(mesh, p, face);
+    expect_sound(mesh, p);
+    EXPECT_EQ(p.region_count(), regions - 1);
+  }
+}
+
+TEST(DeleteProxy, UndoesAnAddOnACube) {
+  const Mesh mesh = shapes::mesh(shapes::cube(6));
+  const Partition six = run(mesh, {.proxies = 6, .seeding = Seeding::farthest});
+  ASSERT_NEAR(six.error, 0.0, 1e-12);
+  for (const std::int32_t face : {0, 37, 200, 431}) {
+    const Partition seven = add(mesh, six, face);
+    EXPECT_EQ(seven.region_count(), 7);
+    EXPECT_NEAR(seven.error, 0.0, 1e-12);
+    const Partition again = remove(mesh, seven, face);
+    EXPECT_NEAR(again.error, 0.0, 1e-12);
+    EXPECT_EQ(again.face_region, six.face_region);
+  }
+}
+
+TEST(DeleteProxy, MovesHigherRegionsDown) {
+  const Mesh mesh = shapes::mesh(shapes::cube(6));
+  const Partition six = run(mesh, {.proxies = 6, .seeding = Seeding::farthest});
+  const Partition five = remove(mesh, six, six.region_seed[2]);
+  expect_sound(mesh, five);
+  EXPECT_EQ(five.face_region[six.region_seed[1]], 1);
+  EXPECT_EQ(five.face_region[six.region_seed[5]], 4);
+}
+
+TEST(Interact, WhatCannotBeDoneIsNamed) {
+  const Mesh cube = shapes::mesh(shapes::cube());
+  const Partition twelve = run(cube, {.proxies = 12});
+  EXPECT_EQ(message_of([&] { add(cube, twelve, 3); }),
+            "the region of face 3 is that face alone: there is nothing to split");
+  EXPECT_EQ(message_of([&] { add(cube, twelve, -1); }), "face must be in [0, 12), got -1");
+  EXPECT_EQ(message_of([&] { remove(cube, twelve, 12); }), "face must be in [0, 12), got 12");
+  const Mesh plane = shapes::mesh(shapes::plane(2));
+  const Partition one = run(plane, {.proxies = 1});
+  EXPECT_EQ(message_of([&] { remove(plane, one, 2); }),
+            "the region of face 2 is the only one of its part: it can't be deleted");
+  EXPECT_EQ(message_of([&] { add(plane, twelve, 2); }),
+            "the partition has 12 faces and the mesh has 8: it was made for another mesh");
+  auto speck = shapes::cube(1);
+  for (Vec3& v : speck.vertices) v *= 0.006;
+  const Mesh both = shapes::mesh(shapes::both(shapes::cube(4), speck, {2, 0, 0}));
+  const Partition left_out = run(both, {.proxies = 6});
+  EXPECT_EQ(message_of([&] { remove(both, left_out, both.face_count() - 1); }),
+            "face 203 lies in a part that was left out");
+}
+
+TEST(Interact, ACancelledJobStopsIt) {
+  const Mesh cube = shapes::mesh(shapes::cube(4));
+  const Partition six = run(cube, {.proxies = 6});
+  Job job;
+  job.cancel();
+  EXPECT_THROW(add_proxy(cube, six, 0, job), Cancelled);
+  EXPECT_THROW(delete_proxy(cube, six, 0, job), Cancelled);
+}
+
+}  // namespace
+}  // namespace isimp
