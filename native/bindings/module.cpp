@@ -1,0 +1,19 @@
+#include <pybind11/pybind11.h>
+
+#include "bindings.h"
+
+PYBIND11_MODULE(_core, m) {
+  m.doc() = "The engine of isimp: arrays in, arrays out.";
+  m.attr("__version__") = ISIMP_VERSION;
+  isimp::bindings::bind_core(m);
+  isimp::bindings::bind_mesh(m);
+#ifdef ISIMP_HAS_PARTITION
+  isimp::bindings::bind_partition(m);
+#endif
+#ifdef ISIMP_HAS_INTERACT
+  isimp::bindings::bind_interact(m);
+#endif
+#ifdef ISIMP_HAS_MESHING
+  isimp::bindings::bind_meshing(m);
+#endif
+}
