@@ -59,8 +59,8 @@ area and diagonal (scene units), closed; `repairs`: how often each repair was ma
 indices of the first few of each. Both are empty after Mesh(...).)")
       .def("__repr__", [](const Mesh& mesh) {
         const MeshReport& r = mesh.report();
-        return py::str("<Mesh: {} faces, {} vertices, {} components, {}>")
-            .format(r.faces, r.vertices, r.components, r.closed ? "closed" : "open");
+        return py::str("<Mesh: {} faces, {} vertices, {} component{}, {}>")
+            .format(r.faces, r.vertices, r.components, r.components == 1 ? "" : "s", r.closed ? "closed" : "open");
       });
 }
 

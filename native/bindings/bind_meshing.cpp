@@ -1,0 +1,78 @@
+#include "arrays.h"
+#include "bindings.h"
+#include "call.h"
+#include "isimp/meshing/polygonize.h"
+#include "options.h"
+
+namespace isimp::bindings {
+
+using namespace py::literals;
+
+namespace {
+
+void bind_options(py::module_& m) {
+  using Options = MeshingOptions;
+  OptionsClass<Options>(m, "MeshingOptions", "How to make polygons of regions. All fields are keywords.")
+      .field("chord_tolerance", &Options::chord_tolerance,
+             "A boundary is subdivided where it leaves its chord by more than this times sqrt(area / regions).")
+      .field("reach", &Options::reach,
+             "No corner is moved further than this share of the diagonal from the scan's vertex it stands for.")
+      .field("flatten", &Options::flatten, "Rounds of planes and corners in turn; 0 leaves the first placement.")
+      .finish();
+}
+
+py::dict report_of(const MeshingReport& r) {
+  return py::dict("polygons"_a = r.polygons, "corners"_a = r.corners, "vertices"_a = r.vertices,
+                  "regions"_a = r.regions, "regions_split"_a = r.regions_split, "split_for_holes"_a = r.split_for_holes,
+                  "split_for_handles"_a = r.split_for_handles, "split_for_pinches"_a = r.split_for_pinches,
+                  "split_for_closed"_a = r.split_for_closed, "split_for_repair"_a = r.split_for_repair,
+                  "closed"_a = r.closed, "manifold"_a = r.manifold, "euler"_a = r.euler,
+                  "planarity_max"_a = r.planarity_max, "planarity_mean"_a = r.planarity_mean,
+                  "distance_max"_a = r.distance_max, "crossing"_a = r.crossing, "flipped"_a = r.flipped,
+                  "intersecting"_a = r.intersecting);
+}
+
+void bind_result(py::module_& m) {
+  py::class_<PolygonMesh>(m, "PolygonMesh", py::module_local(),
+                          "A mesh of simple polygons without holes; polygon q has the corners "
+                          "loops[loop_start[q] : loop_start[q + 1]], the last one the rest of `loops`.")
+      .def_property_readonly("vertices", viewer(&PolygonMesh::vertices), "(W, 3) float64, scene units.")
+      .def_property_readonly("loops", viewer(&PolygonMesh::loops), "(L,) int32: the vertex of each corner.")
+      .def_property_readonly("loop_start", viewer(&PolygonMesh::loop_start),
+                             "(Q,) int32: where each polygon begins in `loops`.")
+      .def_property_readonly("polygon_region", viewer(&PolygonMesh::polygon_region),
+                             "(Q,) int32: the region each polygon is of.")
+      .def_property_readonly("planarity", viewer(&PolygonMesh::planarity),
+                             "(Q,) float64: largest distance of a corner from the polygon's plane, scene units.")
+      .def_property_readonly("source_vertex", viewer(&PolygonMesh::source_vertex),
+                             "(W,) int32: the vertex of the mesh each stands for.")
+      .def_property_readonly(
+          "report", [](const PolygonMesh& poly) { return report_of(poly.report); }, R"(What came out, as a dict.
+
+polygons, corners, vertices, regions; regions_split (those that became more than one polygon) and why; closed, manifold,
+euler; planarity_max, planarity_mean (weighted by area) and distance_max (of a corner from its vertex), scene units;
+crossing, flipped, intersecting: polygons that stayed so.)")
+      .def("__repr__", [](const PolygonMesh& poly) {
+        return py::str("<PolygonMesh: {} polygons, {} vertices, {}>")
+            .format(poly.polygon_count(), poly.vertices.size(), poly.report.closed ? "closed" : "open");
+      });
+}
+
+}  // namespace
+
+void bind_meshing(py::module_& m) {
+  bind_options(m);
+  bind_result(m);
+  m.def(
+      "polygonize",
+      [](const Mesh& mesh, const Partition& part, MeshingOptions options, Job* job) {
+        return call(job, [&](Job& j) { return polygonize(mesh, part, options, j); });
+      },
+      "mesh"_a, "partition"_a, "options"_a = MeshingOptions(), "job"_a = py::none(),
+      R"(Turn the regions of a partition into polygons that meet edge to edge.
+
+Raises InvalidInput (the partition is not one of this mesh, or an option out of its range) or Cancelled.
+Source: Cohen-Steiner, Alliez, Desbrun 2004, section 4.)");
+}
+
+}  // namespace isimp::bindings

@@ -1,0 +1,83 @@
+#include "arrays.h"
+#include "bindings.h"
+#include "call.h"
+#include "isimp/mesh/mesh.h"
+#include "isimp/partition/partition.h"
+#include "options.h"
+
+namespace isimp::bindings {
+
+using namespace py::literals;
+
+namespace {
+
+void bind_options(py::module_& m) {
+  using Options = PartitionOptions;
+  OptionsClass<Options>(m, "PartitionOptions", "How to split a surface into regions. All fields are keywords.")
+      .field("proxies", &Options::proxies, "How many regions to make, in [1, F].")
+      .field("leave_out", &Options::leave_out,
+             "Components each below this share of the whole area are left out, smallest first, while all of them "
+             "together stay below ten times it; in [0, 1), 0 keeps everything.")
+      .field("seed", &Options::seed, "The number that starts the random seeding.")
+      .field("iterations", &Options::iterations, "Upper bound on flood-and-fit rounds, at least 1.")
+      .choice("seeding", &Options::seeding,
+              {{"random", Seeding::random}, {"farthest", Seeding::farthest}, {"hierarchical", Seeding::hierarchical}},
+              "Where the first proxies are put: 'random', 'farthest' or 'hierarchical'.")
+      .choice("method", &Options::method, {{"lloyd", Method::lloyd}, {"teleport", Method::teleport}},
+              "'lloyd': flooding and fitting in turn (Cohen-Steiner, Alliez, Desbrun 2004, section 3); 'teleport': "
+              "that, then merging the cheapest pair and splitting the worst region until it no longer helps.")
+      .field("threads", &Options::threads, "0: as many as there are cores. The result does not depend on it.")
+      .field("backend", &Options::backend, "A name of backends().")
+      .finish();
+}
+
+py::dict report_of(const Partition& part) {
+  return py::dict("regions"_a = part.region_count(), "proxies_asked"_a = part.proxies_asked,
+                  "proxies_needed"_a = part.proxies_needed, "parts_left_out"_a = part.parts_left_out,
+                  "area_left_out"_a = part.area_left_out, "error"_a = part.error, "rounds"_a = part.history.size());
+}
+
+void bind_result(py::module_& m) {
+  py::class_<Partition>(m, "Partition", py::module_local(), "A surface split into R connected, near-planar regions.")
+      .def_property_readonly("face_region", viewer(&Partition::face_region),
+                             "(F,) int32 in [0, R), by face of mesh.triangles; -1 where a speck was left out.")
+      .def_property_readonly("region_seed", viewer(&Partition::region_seed),
+                             "(R,) int32: the region's face that is nearest to its proxy.")
+      .def_property_readonly("region_normal", viewer(&Partition::region_normal),
+                             "(R, 3) float64: unit, the area-weighted mean; zero for a region without area.")
+      .def_property_readonly("history", viewer(&Partition::history), "(rounds,) float64: the error after each round.")
+      .def_readonly("error", &Partition::error, "Sum of area * |n_face - n_region|^2, scene units squared.")
+      .def_property_readonly("region_count", &Partition::region_count, "R.")
+      .def_readonly("proxies_asked", &Partition::proxies_asked,
+                    "What was asked for; R is larger where parts need more.")
+      .def_readonly("proxies_needed", &Partition::proxies_needed, "The least that the kept components need together.")
+      .def_readonly("parts_left_out", &Partition::parts_left_out, "How many components have no region.")
+      .def_readonly("area_left_out", &Partition::area_left_out, "Their share of the whole area.")
+      .def_property_readonly("report", &report_of, "The numbers of this partition as a dict.")
+      .def("__repr__", [](const Partition& part) {
+        return py::str("<Partition: {} regions of {} faces, error {:.6g}>")
+            .format(part.region_count(), part.face_region.size(), part.error);
+      });
+}
+
+}  // namespace
+
+void bind_partition(py::module_& m) {
+  bind_options(m);
+  bind_result(m);
+  m.def(
+      "partition",
+      [](const Mesh& mesh, PartitionOptions options, Job* job) {
+        return call(job, [&](Job& j) { return partition(mesh, options, j); });
+      },
+      "mesh"_a, "options"_a = PartitionOptions(), "job"_a = py::none(),
+      R"(Split a surface into connected, near-planar regions.
+
+Exactly options.proxies regions, none empty, each connected. Every kept component gets at least what its topology needs
+(4 if it is closed, else 1; never more than its faces); where that takes more than `proxies`, it is taken, and
+`proxies_needed` says so. The same mesh and options give the same partition bit for bit, on any number of threads.
+Raises InvalidInput (an option out of its range) or Cancelled. Cost: O(iterations * F log F).
+Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.)");
+}
+
+}  // namespace isimp::bindings

@@ -1,0 +1,70 @@
+"""Small meshes whose right answers are known, as (vertices, triangles)."""
+
+import numpy as np
+
+
+def grid(n, corner, right, up):
+    """n by n squares of two triangles each, from `corner` along two vectors; unwelded from anything else."""
+    corner, right, up = np.array(corner, float), np.array(right, float), np.array(up, float)
+    i, j = np.meshgrid(np.arange(n + 1), np.arange(n + 1), indexing="ij")
+    vertices = corner + i.reshape(-1, 1) / n * right + j.reshape(-1, 1) / n * up
+    a = (np.arange(n)[:, None] * (n + 1) + np.arange(n)).ravel()
+    b, c, d = a + n + 1, a + n + 2, a + 1
+    return vertices, np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)]).astype(np.int32)
+
+
+def joined(*meshes):
+    """Several meshes as one, not welded."""
+    starts = np.cumsum([0] + [len(v) for v, _ in meshes])
+    triangles = [t + s for (_, t), s in zip(meshes, starts, strict=False)]
+    return np.concatenate([v for v, _ in meshes]), np.concatenate(triangles).astype(np.int32)
+
+
+def welded(vertices, triangles):
+    """The same with vertices at one place made one."""
+    kept, place = np.unique(np.round(vertices, 9), axis=0, return_inverse=True)
+    return kept, place.ravel().astype(np.int32)[triangles]
+
+
+def plane(n=4):
+    """The unit square, open: 2 n^2 faces."""
+    return grid(n, (0, 0, 0), (1, 0, 0), (0, 1, 0))
+
+
+def cube(n=4):
+    """The unit cube, closed: 12 n^2 faces, 6 n^2 + 2 vertices, true region of face f is f // (2 n^2)."""
+    x, y, z = np.eye(3)
+    sides = [(0 * x, y, x), (z, x, y), (0 * x, x, z), (y, z, x), (0 * x, z, y), (x, y, z)]
+    return welded(*joined(*(grid(n, *side) for side in sides)))
+
+
+def torus(nu=24, nv=12, radius=0.4):
+    """A ring round the z axis, closed, genus 1: 2 nu nv faces."""
+    u, v = np.meshgrid(np.arange(nu) * 2 * np.pi / nu, np.arange(nv) * 2 * np.pi / nv, indexing="ij")
+    ring = 1 + radius * np.cos(v)
+    vertices = np.stack([ring * np.cos(u), ring * np.sin(u), radius * np.sin(v)], -1).reshape(-1, 3)
+    i, j = (a.ravel() for a in np.meshgrid(np.arange(nu), np.arange(nv), indexing="ij"))
+    k, m = (i + 1) % nu, (j + 1) % nv
+    a, b, c, d = i * nv + j, k * nv + j, k * nv + m, i * nv + m
+    return vertices, np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)]).astype(np.int32)
+
+
+def bumpy(n=60, seed=1):
+    """An open sheet with hills and noise, 2 n^2 faces: curved everywhere, so that partitioning has work to do."""
+    vertices, triangles = plane(n)
+    x, y, _ = vertices.T
+    noise = np.random.default_rng(seed).normal(scale=0.05 / n, size=len(x))
+    vertices[:, 2] = 0.2 * np.sin(7 * x) * np.cos(5 * y) + noise
+    return vertices, triangles
+
+
+def two_cubes(n=4):
+    """Two unit cubes apart: two closed components."""
+    vertices, triangles = cube(n)
+    return joined((vertices, triangles), (vertices + [3, 0, 0], triangles))
+
+
+def volume(vertices, triangles):
+    """Signed volume: positive when a closed surface is oriented outwards."""
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)

@@ -1,0 +1,101 @@
+"""Job: progress and cancelling from another thread, with the GIL released meanwhile."""
+
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import isimp_engine as engine
+import shapes
+
+
+def big_sheet():
+    return shapes.plane(700)
+
+
+def test_a_new_job_has_done_nothing():
+    job = engine.Job()
+    assert (job.progress, job.stage, job.cancelled) == (0.0, "", False)
+
+
+def test_a_finished_job_stands_at_one():
+    job = engine.Job()
+    engine.Mesh(*shapes.cube(), job=job)
+    assert job.progress == 1.0
+
+
+def test_progress_is_seen_from_another_thread_and_never_falls():
+    arrays, job, seen = big_sheet(), engine.Job(), []
+    done = threading.Event()
+
+    def watch():
+        while not done.is_set():
+            seen.append((job.progress, job.stage))
+            time.sleep(0.002)
+
+    watcher = threading.Thread(target=watch)
+    watcher.start()
+    engine.Mesh(*arrays, job=job)
+    done.set()
+    watcher.join()
+    progress = [p for p, _ in seen]
+    assert progress == sorted(progress)
+    assert any(0 < p < 1 for p in progress), "no step of the way was seen: the GIL was held"
+    assert any(stage for _, stage in seen)
+
+
+def test_cancel_from_another_thread_stops_the_call():
+    arrays, job = big_sheet(), engine.Job()
+
+    def cancel_once_begun():
+        while job.progress == 0:
+            time.sleep(0.001)
+        job.cancel()
+
+    canceller = threading.Thread(target=cancel_once_begun)
+    canceller.start()
+    with pytest.raises(engine.Cancelled):
+        engine.Mesh(*arrays, job=job)
+    canceller.join()
+    assert job.cancelled
+
+
+def test_a_cancelled_job_refuses_but_bad_input_comes_first(cube):
+    job = engine.Job()
+    job.cancel()
+    with pytest.raises(engine.Cancelled):
+        engine.Mesh(cube.vertices, cube.triangles, job)
+    with pytest.raises(engine.InvalidInput):
+        engine.Mesh(cube.vertices, cube.triangles + 1, job)
+
+
+def test_ctrl_c_stops_a_long_call():
+    arrays, job = shapes.plane(1200), engine.Job()
+
+    def interrupt_once_begun():
+        while job.progress == 0:
+            time.sleep(0.001)
+        signal.raise_signal(signal.SIGINT)
+
+    interrupter = threading.Thread(target=interrupt_once_begun)
+    interrupter.start()
+    with pytest.raises(KeyboardInterrupt):
+        engine.Mesh(*arrays, job=job)
+    interrupter.join()
+    assert job.cancelled
+
+
+def test_many_threads_may_use_one_mesh(sheet):
+    results = [None] * 4
+
+    def read(i):
+        results[i] = (np.array(sheet.vertices).sum(), sheet.report["faces"])
+
+    threads = [threading.Thread(target=read, args=(i,)) for i in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(set(results)) == 1

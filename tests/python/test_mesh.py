@@ -1,0 +1,179 @@
+"""Mesh(vertices, triangles): what is taken, what is refused and in which words, and what is shown."""
+
+import gc
+import re
+
+import numpy as np
+import pytest
+
+import isimp_engine as engine
+import shapes
+
+SQUARE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=np.float64)
+HALVES = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32)
+
+
+@pytest.mark.parametrize("float_type", [np.float32, np.float64, ">f4", ">f8"])
+@pytest.mark.parametrize("int_type", [np.int32, np.int64, ">i4", ">i8"])
+def test_takes_both_sizes_and_byte_orders(float_type, int_type):
+    mesh = engine.Mesh(SQUARE.astype(float_type), HALVES.astype(int_type))
+    assert mesh.vertices.dtype == np.float64
+    assert mesh.triangles.dtype == np.int32
+    np.testing.assert_array_equal(mesh.vertices, SQUARE)
+    np.testing.assert_array_equal(mesh.triangles, HALVES)
+
+
+def test_takes_any_strides():
+    wide = np.zeros((8, 7))
+    wide[::2, 1:7:2] = SQUARE
+    packed = np.zeros(2, dtype=np.dtype([("flag", "u1"), ("corners", "<i4", 3)]))  # corners begin at odd addresses
+    packed["corners"] = HALVES
+    for vertices in (SQUARE[::-1][::-1], np.asfortranarray(SQUARE), wide[::2, 1:7:2]):
+        np.testing.assert_array_equal(engine.Mesh(vertices, packed["corners"]).vertices, SQUARE)
+    np.testing.assert_array_equal(engine.Mesh(SQUARE[::-1], HALVES).vertices, SQUARE[::-1])
+
+
+def test_takes_nested_lists_of_the_right_kind():
+    assert engine.Mesh(SQUARE.tolist(), HALVES.tolist()).report["faces"] == 2
+
+
+def test_copies_what_it_is_given():
+    vertices = SQUARE.copy()
+    mesh = engine.Mesh(vertices, HALVES)
+    vertices[:] = 7
+    np.testing.assert_array_equal(mesh.vertices, SQUARE)
+
+
+@pytest.mark.parametrize(
+    ("vertices", "got"),
+    [
+        (SQUARE[:, :2], "shape (4, 2) and float64"),
+        (SQUARE[0], "shape (3,) and float64"),
+        (SQUARE[None], "shape (1, 4, 3) and float64"),
+        (SQUARE.astype(np.int64), "shape (4, 3) and int64"),
+        (SQUARE.astype(np.float16), "shape (4, 3) and float16"),
+        (SQUARE.astype(complex), "shape (4, 3) and complex128"),
+        (SQUARE.astype(str), "shape (4, 3) and <U32"),
+        ("a string", "shape () and <U8"),
+        (None, "shape () and object"),
+        ([[0, 1], [2]], "a list"),
+    ],
+)
+def test_refuses_other_vertices_naming_what_it_got_and_wants(vertices, got):
+    wanted = "vertices must be an array of shape (V, 3) and float32 or float64, got "
+    with pytest.raises(engine.InvalidInput, match=f"^{re.escape(wanted + got)}$"):
+        engine.Mesh(vertices, HALVES)
+
+
+@pytest.mark.parametrize(
+    ("triangles", "got"),
+    [
+        (HALVES[:, :2], "shape (2, 2) and int32"),
+        (HALVES.ravel(), "shape (6,) and int32"),
+        (HALVES.astype(float), "shape (2, 3) and float64"),
+        (HALVES.astype(np.uint32), "shape (2, 3) and uint32"),
+        (HALVES.astype(np.int16), "shape (2, 3) and int16"),
+        (HALVES.astype(bool), "shape (2, 3) and bool"),
+        (np.array([[0, 1, 2, 3]]), "shape (1, 4) and int64"),
+        (object(), "shape () and object"),
+    ],
+)
+def test_refuses_other_triangles_naming_what_it_got_and_wants(triangles, got):
+    wanted = "triangles must be an array of shape (F, 3) and int32 or int64, got "
+    with pytest.raises(engine.InvalidInput, match=f"^{re.escape(wanted + got)}$"):
+        engine.Mesh(SQUARE, triangles)
+
+
+@pytest.mark.parametrize("bad", [4, -1, 2**31, -(2**40)])
+def test_an_index_out_of_range_names_the_face(bad):
+    triangles = HALVES.astype(np.int64)
+    triangles[1, 2] = bad
+    with pytest.raises(engine.InvalidInput, match=f"face 1 uses vertex {bad}, but there are 4 vertices"):
+        engine.Mesh(SQUARE, triangles)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("float_type", [np.float32, np.float64])
+def test_a_coordinate_that_is_not_finite_names_the_vertex(bad, float_type):
+    vertices = SQUARE.astype(float_type)
+    vertices[2, 1] = bad
+    with pytest.raises(engine.InvalidInput, match=r"vertex 2 .*not finite.*clean"):
+        engine.Mesh(vertices, HALVES)
+
+
+@pytest.mark.parametrize("faces", [np.zeros((0, 3), np.int32), np.zeros((0, 3), np.int64)])
+def test_no_faces_is_said(faces):
+    with pytest.raises(engine.InvalidInput, match="no faces"):
+        engine.Mesh(SQUARE, faces)
+    with pytest.raises(engine.InvalidInput, match="no faces"):
+        engine.Mesh(np.zeros((0, 3)), faces)
+
+
+@pytest.mark.parametrize(
+    ("triangles", "said"),
+    [
+        ([[0, 1, 2], [0, 2, 2]], "face 1 names vertex 2 twice"),
+        ([[0, 1, 2], [0, 3, 2]], "faces 0 and 1 run the same way along the edge of vertices 0 and 2"),
+        ([[0, 1, 2], [2, 1, 3], [1, 2, 4]], "edge of vertices 1 and 2 has three or more faces, face 2 among them"),
+        ([[0, 1, 2], [0, 3, 4]], "faces of vertex 0 form two or more fans"),
+    ],
+)
+def test_what_is_no_surface_is_said_and_points_to_clean(triangles, said):
+    vertices = np.concatenate([SQUARE, [[0.5, 0.5, 1]]])
+    with pytest.raises(engine.InvalidInput, match=f"{said}.*clean"):
+        engine.Mesh(vertices, np.array(triangles))
+
+
+def test_the_error_is_a_value_error_of_the_package():
+    assert issubclass(engine.InvalidInput, ValueError)
+    assert issubclass(engine.FileError, engine.InvalidInput)
+    assert not issubclass(engine.Cancelled, ValueError)
+    assert engine.InvalidInput.__module__ == "isimp_engine"
+
+
+def test_a_mesh_keeps_the_callers_order(cube):
+    vertices, triangles = shapes.cube()
+    np.testing.assert_array_equal(cube.vertices, vertices)
+    np.testing.assert_array_equal(cube.triangles, triangles)
+    np.testing.assert_array_equal(cube.source_face, np.arange(len(triangles)))
+    np.testing.assert_array_equal(cube.source_vertex, np.arange(len(vertices)))
+
+
+def test_the_report_says_what_the_mesh_is(cube):
+    report = cube.report
+    assert (report["vertices"], report["faces"], report["components"]) == (98, 192, 1)
+    assert report["closed"] is True
+    assert report["border_edges"] == 0
+    assert report["euler"] == 2
+    assert report["area"] == pytest.approx(6)
+    assert report["diagonal"] == pytest.approx(3**0.5)
+    assert report["repairs"] == {}
+    sheet = engine.Mesh(*shapes.plane(3)).report
+    assert (sheet["closed"], sheet["border_edges"], sheet["border_loops"], sheet["euler"]) == (False, 12, 1, 1)
+
+
+def test_components_are_numbered_by_first_face():
+    mesh = engine.Mesh(*shapes.two_cubes(2))
+    np.testing.assert_array_equal(mesh.component, np.repeat([0, 1], 48))
+    assert mesh.report["closed_components"] == 2
+
+
+def test_views_are_read_only_and_keep_the_mesh_alive():
+    mesh = engine.Mesh(*shapes.cube(30))
+    views = {name: getattr(mesh, name) for name in ("vertices", "triangles", "source_face", "component")}
+    expected = {name: array.copy() for name, array in views.items()}
+    for array in views.values():
+        assert not array.flags.writeable
+        assert not array.flags.owndata
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0
+    del mesh
+    gc.collect()
+    churn = [np.full((5402, 3), np.nan) for _ in range(20)]  # would land on freed memory
+    for name, array in views.items():
+        np.testing.assert_array_equal(array, expected[name])
+    assert len(churn) == 20
+
+
+def test_it_says_what_it_is(cube):
+    assert repr(cube) == "<Mesh: 192 faces, 98 vertices, 1 component, closed>"
