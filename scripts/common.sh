@@ -1,0 +1,41 @@
+# Sourced by the other scripts: where things are, and how what is missing gets installed.
+# shellcheck shell=bash
+
+cd "$(dirname "${BASH_SOURCE[0]}")/.." || exit 1
+root=$PWD
+out=$root/out
+python=/usr/bin/python3 # the one that Debian's Blender embeds, not the first on PATH
+export CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=1 PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_ROOT_USER_ACTION=ignore
+
+build_packages=(build-essential cmake ninja-build ccache libcgal-dev libopenmesh-dev libeigen3-dev python3-dev python3-venv)
+
+as_root() {
+  if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi
+}
+
+# apt_install PACKAGE...: those of them that are not there yet.
+apt_install() {
+  local package missing=()
+  for package; do
+    dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
+  done
+  [ ${#missing[@]} = 0 ] && return
+  echo "installing ${missing[*]}"
+  as_root apt-get update -qq &&
+    as_root env DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends "${missing[@]}" >/dev/null
+}
+
+# venv DIR REQUIREMENT...: made anew only when the requirements have changed.
+venv() {
+  local dir=$1
+  shift
+  [ "$(cat "$dir/requirements" 2>/dev/null)" = "$*" ] && return
+  rm -rf "$dir"
+  echo "installing $* into ${dir#"$root/"}"
+  "$python" -m venv "$dir" && "$dir/bin/pip" install -q "$@" && echo "$*" >"$dir/requirements"
+}
+
+# What pyproject.toml asks for to build the package, one a line.
+build_requirements() {
+  "$python" -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"], sep="\n")'
+}

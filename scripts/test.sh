@@ -1,0 +1,77 @@
+#!/usr/bin/env bash
+# Installs what the checks need on Debian 12, runs them all, and closes with the line "N passed, N failed".
+#   scripts/test.sh              everything
+#   scripts/test.sh cpp python   only these stages, in the order below
+# The output of each stage is kept in out/test/STAGE.log, its results as JUnit files in out/test/STAGE/.
+set -uo pipefail
+. "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+stages=(format cpp asan)
+tests_venv=$root/.venv-test
+
+# Each stage is a function that runs with `set -e`; what it needs installed it installs. Test runners leave their
+# JUnit files in $results. A stage without any counts as one check; one that ends badly with no failed test, as one failed.
+
+stage_format() {
+  apt_install clang-format
+  git ls-files '*.h' '*.cpp' '*.cu' | xargs clang-format --dry-run -Werror
+}
+
+stage_lint() {
+  use_tests_venv
+  "$tests_venv/bin/ruff" check .
+  "$tests_venv/bin/ruff" format --check .
+}
+
+stage_cpp() { # the C++ tests
+  cpp_tests build-test
+}
+
+stage_asan() { # the same under the address and undefined-behaviour sanitizers
+  export UBSAN_OPTIONS=print_stacktrace=1
+  cpp_tests build-asan -DISIMP_SANITIZE=ON -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1\ -g1
+}
+
+use_tests_venv() {
+  apt_install python3-venv
+  local requirements=()
+  [ -e pyproject.toml ] && mapfile -t requirements < <(build_requirements)
+  venv "$tests_venv" pytest hypothesis ruff==0.14.* numpy "${requirements[@]}"
+}
+
+cpp_tests() { # BUILD_DIR CMAKE_OPTION...
+  apt_install "${build_packages[@]}" libgtest-dev
+  use_tests_venv
+  local build=$1
+  shift
+  cmake -S . -B "$build" -G Ninja -DISIMP_TESTS=ON -DISIMP_WERROR=ON -DPython_EXECUTABLE="$tests_venv/bin/python" "$@"
+  ninja -C "$build" -j2
+  ctest --test-dir "$build" -j2 --timeout 600 --output-on-failure --output-junit "$results/ctest.xml"
+}
+
+run_stage() {
+  local name=$1 started=$SECONDS log=$out/test/$1.log code counts
+  results=$out/test/$name
+  rm -rf "$results"
+  mkdir -p "$results"
+  (
+    set -e
+    "stage_$name"
+  ) >"$log" 2>&1 </dev/null
+  code=$?
+  read -ra counts < <("$python" scripts/tally.py "$results" || echo 0 1 0)
+  if [ $code != 0 ] && [ "${counts[1]}" = 0 ]; then counts[1]=1; fi
+  if [ "${counts[*]}" = "0 0 0" ]; then counts[0]=1; fi
+  printf '%-8s %4d passed, %d failed, %d skipped  (%d s)\n' "$name" "${counts[@]}" $((SECONDS - started))
+  if [ "${counts[1]}" != 0 ]; then tail -n 80 "$log" | sed 's/^/    /'; fi
+  passed=$((passed + counts[0])) failed=$((failed + counts[1])) skipped=$((skipped + counts[2]))
+}
+
+passed=0 failed=0 skipped=0
+[ $# = 0 ] && set -- "${stages[@]}"
+for name in "${stages[@]}"; do
+  case " $* " in *" $name "*) run_stage "$name" ;; esac
+done
+[ $skipped = 0 ] && more= || more=", $skipped skipped"
+echo "$passed passed, $failed failed$more"
+[ $failed = 0 ]
