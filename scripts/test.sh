@@ -29,7 +29,7 @@ stage_cpp() { # the C++ tests
 
 stage_asan() { # the same under the address and undefined-behaviour sanitizers
   export UBSAN_OPTIONS=print_stacktrace=1
-  cpp_tests build-asan -DISIMP_SANITIZE=ON -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1\ -g1
+  cpp_tests build-asan -DISIMP_SANITIZE=ON -DISIMP_CUDA=OFF -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1\ -g1
 }
 
 use_tests_venv() {

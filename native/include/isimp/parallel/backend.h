@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace isimp::parallel {
+
+/// What fitting needs of a region: its area, and the sum of area times normal, whose direction is the proxy's normal.
+struct RegionSum {
+  double area = 0;
+  double x = 0, y = 0, z = 0;
+  friend bool operator==(const RegionSum&, const RegionSum&) = default;
+};
+
+/// The data-parallel kernels of one back end. They see spans of plain numbers, no mesh; the memory of the device stays
+/// behind them. Every one gives the same bits on every back end and any number of threads.
+class Kernels {
+ public:
+  virtual ~Kernels() = default;
+
+  /// Sums area and area times normal over the faces of each region.
+  ///
+  /// The sums are made of integers, steps of at most N * max(area) * 2^-60, so that no order of adding can change a
+  /// bit: a sum over k faces is within k half steps of the exact one.
+  ///
+  /// \param faces    (4 N) of each face in turn: the unit normal's x, y, z, and the area, in any unit, 0 allowed
+  /// \param labels   (N) the region of each face, in [0, regions); -1 for a face to skip
+  /// \param regions  R, at least 0
+  /// \param threads  how many may be used, where the back end has threads; 0: as many as there are cores
+  /// \return (R) zero for a region without faces
+  /// \throws InvalidInput  lengths that do not agree; a label out of range; a face whose numbers are not finite, whose
+  ///                       normal is longer than 1 or whose area is negative: the message names the first
+  /// \throws Error         the device has too little memory or failed
+  /// Cost: O(N + R) time; memory on the device 20 N + 32 R bytes, on the CPU 32 R.
+  /// Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.3 (proxy fitting).
+  [[nodiscard]] virtual std::vector<RegionSum> fit(std::span<const float> faces, std::span<const std::int32_t> labels,
+                                                   std::int32_t regions, std::int32_t threads) const = 0;
+};
+
+/// The back ends that work here: "cpu" always; "cuda" where a device is present, the driver works and this build has
+/// the CUDA part. The first call looks for devices, which can take a second where there are any.
+[[nodiscard]] std::vector<std::string> backends();
+
+/// The kernels of a back end, which live as long as the program.
+/// \throws InvalidInput  there is no such back end, or not here: the message says why, and what there is
+[[nodiscard]] const Kernels& backend(std::string_view name);
+
+}  // namespace isimp::parallel
