@@ -21,9 +21,9 @@ void bind_options(py::module_& m) {
       .field("seed", &Options::seed, "The number that starts the random seeding.")
       .field("iterations", &Options::iterations, "Upper bound on flood-and-fit rounds, at least 1.")
       .choice("seeding", &Options::seeding,
-              {{"random", Seeding::random}, {"farthest", Seeding::farthest}, {"hierarchical", Seeding::hierarchical}},
-              "Where the first proxies are put: 'random', 'farthest' or 'hierarchical'.")
-      .choice("method", &Options::method, {{"lloyd", Method::lloyd}, {"teleport", Method::teleport}},
+              {{"random", Seeding::random}, {"farthest", Seeding::farthest}},
+              "Where the first proxies are put: .")
+      .choice("method", &Options::method, {{"lloyd", Method::lloyd}},
               "'lloyd': flooding and fitting in turn (Cohen-Steiner, Alliez, Desbrun 2004, section 3); 'teleport': "
               "that, then merging the cheapest pair and splitting the worst region until it no longer helps.")
       .field("threads", &Options::threads, "0: as many as there are cores. The result does not depend on it.")
