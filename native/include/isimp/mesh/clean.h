@@ -1,0 +1,41 @@
+#pragma once
+
+#include <vector>
+
+#include "isimp/core/job.h"
+#include "isimp/core/types.h"
+#include "isimp/mesh/mesh.h"
+
+namespace isimp {
+
+struct CleanOptions {
+  double weld = 0.0;  ///< border vertices at most this far apart may become one; scene units; 0: bit-equal places only
+};
+
+/// Makes a sound mesh of any triangles: what scanners, STL files and texture seams leave behind.
+///
+/// In this order, each counted and located in `report().repairs` under the key named here, zero counts included:
+///  - `non_finite_faces`      dropped: a corner is not finite (or beyond 1e30, where areas would overflow)
+///  - `repeated_index_faces`  dropped: a vertex named twice, by the caller or after welding
+///  - `duplicate_faces`       dropped: the same three vertices as an earlier face, in either orientation
+///  - `welded_vertices`       border vertices at one place become one where that closes an edge; vertices inside a
+///                            surface are never welded, so that closed parts that touch stay apart
+///  - `flipped_faces`         turned over, so that each component is oriented one way; the fewer by area
+///  - `cut_edges`             opened, since no orientation fits both sides (a Moebius strip)
+///  - `split_edges`           edges of three or more faces, taken apart: neighbouring faces that bound the same
+///                            solid wedge stay together, so that solids that touch fall apart
+///  - `split_vertices`        copies of vertices that were made for each further fan of faces
+///  - `subdivided_edges`      halved, since two edges with the same ends remained after the above
+///  - `unused_vertices`       dropped: no kept face uses them
+/// `where` holds the caller's vertices for the keys that end in `vertices`, else the caller's faces.
+/// Faces without area that name three different vertices are kept, since dropping them would tear holes, and counted
+/// in `report().zero_area_faces`. Faces and vertices keep the caller's order; copies of vertices come last.
+///
+/// \param vertices   (V) anything
+/// \param triangles  (F) indices in [0, V)
+/// \throws InvalidInput  no faces, an index out of range (named), `weld` negative or not finite, or no face is left
+/// \throws Cancelled     nothing was made
+/// Cost: O(V + F) time and memory for edges of few faces; about half of `Mesh(...)` more on a sound mesh.
+Mesh clean(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options, Job& job);
+
+}  // namespace isimp

@@ -1,0 +1,63 @@
+#include "isimp/mesh/clean.h"
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "isimp/core/errors.h"
+#include "soup.h"
+
+namespace isimp {
+namespace {
+
+void check(std::size_t vertices, const std::vector<Triangle>& triangles, const CleanOptions& options) {
+  if (!(options.weld >= 0) || !std::isfinite(options.weld))
+    throw InvalidInput("weld is a length, at least 0, got " + std::to_string(options.weld));
+  if (triangles.empty()) throw InvalidInput("the mesh has no faces");
+  const auto most = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
+  if (triangles.size() > most / 3 || vertices > most)
+    throw InvalidInput("the mesh has " + std::to_string(triangles.size()) + " faces and " + std::to_string(vertices) +
+                       " vertices; at most 715,827,882 and 2,147,483,647 are supported");
+  const auto n = static_cast<std::int32_t>(vertices);
+  for (std::size_t f = 0; f < triangles.size(); ++f)
+    for (const std::int32_t v : triangles[f])
+      if (v < 0 || v >= n)
+        throw InvalidInput("face " + std::to_string(f) + " uses vertex " + std::to_string(v) + ", but there are " +
+                           std::to_string(n) + " vertices");
+}
+
+}  // namespace
+
+Mesh clean(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options, Job& job) {
+  using namespace detail;
+  check(vertices.size(), triangles, options);
+  Soup soup;
+  soup.vertices = std::move(vertices);
+  soup.named = std::move(triangles);
+  drop_broken(soup, job);
+
+  Separated parts;
+  {
+    const Job::Part part(job, "cleaning", 0.0, 0.4);
+    const auto group = [&] { return EdgeGroups(soup.vertices.size(), soup.faces(), job); };
+    EdgeGroups edges = group();
+    if (drop_duplicates(soup, edges, job)) edges = group();
+    if (weld_borders(soup, edges, options.weld, job)) {
+      edges = group();
+      if (drop_duplicates(soup, edges, job)) edges = group();
+    }
+    job.report(0.5);
+    const Undecided undecided = join_simple_edges(soup, edges, job);
+    const std::vector<char> flipped = orient(soup, undecided.same_way, job);
+    join_crowded_edges(soup, undecided.crowded, flipped);
+    flip(soup, flipped);
+    edges = EdgeGroups(0, {}, job);  // its memory is wanted
+    parts = separate(soup, job);
+  }
+  const Job::Part part(job, "cleaning", 0.4, 1.0);
+  return Mesh(std::move(parts.vertices), std::move(parts.triangles), std::move(parts.source_face),
+              std::move(parts.source_vertex), soup.log.take(), job);
+}
+
+}  // namespace isimp

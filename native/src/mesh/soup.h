@@ -1,0 +1,104 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "edge_groups.h"
+#include "isimp/core/job.h"
+#include "isimp/core/types.h"
+#include "isimp/mesh/mesh_report.h"
+
+namespace isimp::detail {
+
+/// The kinds of repairs, in the order of the report; the names are the report's keys.
+enum class Mend {
+  non_finite_faces,
+  repeated_index_faces,
+  duplicate_faces,
+  welded_vertices,
+  flipped_faces,
+  cut_edges,
+  split_edges,
+  split_vertices,
+  subdivided_edges,
+  unused_vertices,
+};
+
+/// Counts repairs and keeps where the first few of each kind were.
+class RepairLog {
+ public:
+  RepairLog();
+  void add(Mend what, std::int32_t where);
+  [[nodiscard]] std::int64_t count(Mend what) const { return repairs_[static_cast<std::size_t>(what)].count; }
+  [[nodiscard]] RepairReport take() { return std::move(repairs_); }
+
+ private:
+  RepairReport repairs_;
+};
+
+/// Triangles on their way to a mesh, and how they hang together so far.
+struct Soup {
+  std::vector<Vec3> vertices;             ///< the caller's
+  std::vector<Triangle> named;            ///< the kept faces with the caller's vertices
+  std::vector<Triangle> welded;           ///< the same after welding; empty as long as it is equal to `named`
+  std::vector<std::int32_t> source_face;  ///< the caller's face of each
+  std::vector<std::int32_t> opposite;     ///< the half-edge that each is joined to, kNone for one that stays alone
+  std::vector<std::int32_t> contested;    ///< half-edges along edges that were taken apart
+  RepairLog log;
+
+  /// The faces with the vertices through which they hang together.
+  [[nodiscard]] const std::vector<Triangle>& faces() const { return welded.empty() ? named : welded; }
+  [[nodiscard]] std::int32_t from(std::int32_t h) const { return faces()[h / 3][h % 3]; }
+  [[nodiscard]] std::int32_t to(std::int32_t h) const { return faces()[h / 3][(h + 1) % 3]; }
+  [[nodiscard]] std::int32_t apex(std::int32_t h) const { return faces()[h / 3][(h + 2) % 3]; }
+  void join(std::int32_t g, std::int32_t h) {
+    opposite[g] = h;
+    opposite[h] = g;
+  }
+  void count_face(Mend what, std::int32_t face) { log.add(what, source_face[face]); }
+  /// Drops the faces that are marked.
+  void drop(const std::vector<char>& marked);
+};
+
+// faces.cpp
+/// Drops faces that are not finite or name a vertex twice. \throws InvalidInput if none is left
+void drop_broken(Soup& soup, Job& job);
+/// Drops each face that has the vertices of an earlier one. Returns whether there were any.
+bool drop_duplicates(Soup& soup, const EdgeGroups& edges, Job& job);
+
+// weld.cpp
+/// Makes one vertex of border vertices that lie together; drops faces that lose a corner by it. Returns whether any
+/// did.
+bool weld_borders(Soup& soup, const EdgeGroups& edges, double tolerance, Job& job);
+
+// join.cpp
+/// Half-edges that await a decision.
+struct Undecided {
+  std::vector<std::int32_t> same_way;              ///< one of each joined pair that runs the same way
+  std::vector<std::vector<std::int32_t>> crowded;  ///< those along edges of three or more faces
+};
+/// Joins the half-edges of edges of two faces, whichever way they run.
+Undecided join_simple_edges(Soup& soup, const EdgeGroups& edges, Job& job);
+/// Joins the half-edges of crowded edges where they bound one wedge of a solid; the rest stays alone.
+/// \param flipped  (F) the faces that count as turned over, or empty
+void join_crowded_edges(Soup& soup, const std::vector<std::vector<std::int32_t>>& crowded,
+                        const std::vector<char>& flipped);
+
+// orient.cpp
+/// Chooses the faces to turn over so that joined half-edges run against each other, and parts those for which that
+/// can't be had. Returns (F) marks, empty if nothing is to be turned.
+std::vector<char> orient(Soup& soup, const std::vector<std::int32_t>& same_way, Job& job);
+/// Turns the marked faces over.
+void flip(Soup& soup, const std::vector<char>& marked);
+
+// separate.cpp
+/// Vertices and faces in which every fan has a vertex of its own.
+struct Separated {
+  std::vector<Vec3> vertices;
+  std::vector<Triangle> triangles;
+  std::vector<std::int32_t> source_face, source_vertex;
+};
+/// Gives every fan of faces its own vertex, and halves edges that have the same ends as another. Takes the soup apart.
+Separated separate(Soup& soup, Job& job);
+
+}  // namespace isimp::detail

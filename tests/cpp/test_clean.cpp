@@ -1,0 +1,328 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+
+#include "isimp/core/errors.h"
+#include "isimp/mesh/clean.h"
+#include "shapes.h"
+
+namespace isimp {
+namespace {
+
+using shapes::Arrays;
+
+Mesh cleaned(const Arrays& a, double weld = 0.0) {
+  Job job;
+  return clean(a.vertices, a.triangles, {.weld = weld}, job);
+}
+
+const Repair& repair(const Mesh& mesh, const std::string& key) {
+  for (const Repair& r : mesh.report().repairs)
+    if (r.what == key) return r;
+  throw std::out_of_range(key);
+}
+
+std::int64_t repaired(const Mesh& mesh, const std::string& key) { return repair(mesh, key).count; }
+
+std::int64_t all_repairs(const Mesh& mesh) {
+  std::int64_t sum = 0;
+  for (const Repair& r : mesh.report().repairs) sum += r.count;
+  return sum;
+}
+
+/// Every kept face lies where the caller's face lay (halved edges apart).
+void expect_in_place(const Mesh& mesh, const Arrays& a) {
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+    for (const std::int32_t v : mesh.triangles()[f]) {
+      const Triangle& t = a.triangles[mesh.source_face()[f]];
+      double nearest = 1e300;
+      for (const std::int32_t corner : t) nearest = std::min(nearest, (a.vertices[corner] - mesh.vertices()[v]).norm());
+      ASSERT_EQ(nearest, 0.0) << "face " << f;
+    }
+  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
+    ASSERT_EQ(mesh.vertices()[v], a.vertices[mesh.source_vertex()[v]]) << "vertex " << v;
+  }
+}
+
+/// Every face with three vertices of its own, as an STL file has it.
+Arrays unwelded(const Arrays& a) {
+  Arrays soup;
+  for (const Triangle& t : a.triangles) {
+    const auto n = static_cast<std::int32_t>(soup.vertices.size());
+    for (const std::int32_t v : t) soup.vertices.push_back(a.vertices[v]);
+    soup.triangles.push_back({n, n + 1, n + 2});
+  }
+  return soup;
+}
+
+/// A strip of n squares whose ends meet after half a turn.
+Arrays moebius(int n) {
+  Arrays a;
+  for (int i = 0; i < n; ++i) {
+    const double u = 2 * std::numbers::pi * i / n;
+    for (const double s : {-0.3, 0.3})
+      a.vertices.emplace_back((1 + s * std::cos(u / 2)) * std::cos(u), (1 + s * std::cos(u / 2)) * std::sin(u),
+                              s * std::sin(u / 2));
+  }
+  for (std::int32_t i = 0; i < n; ++i) {
+    const bool last = i == n - 1;
+    const std::int32_t a0 = 2 * i, a1 = 2 * i + 1, b0 = last ? 1 : 2 * i + 2, b1 = last ? 0 : 2 * i + 3;
+    a.triangles.push_back({a0, b0, b1});
+    a.triangles.push_back({a0, b1, a1});
+  }
+  return a;
+}
+
+/// Two meshes with vertices at the same places made one.
+Arrays fused(const Arrays& a) {
+  Arrays result;
+  std::vector<std::int32_t> place;
+  for (const Vec3& p : a.vertices) {
+    std::size_t i = 0;
+    while (i < result.vertices.size() && (result.vertices[i] - p).norm() > 1e-9) ++i;
+    if (i == result.vertices.size()) result.vertices.push_back(p);
+    place.push_back(static_cast<std::int32_t>(i));
+  }
+  for (const auto& [i, j, k] : a.triangles) result.triangles.push_back({place[i], place[j], place[k]});
+  return result;
+}
+
+TEST(Clean, LeavesASoundMeshAsItIs) {
+  for (const Arrays& a : {shapes::cube(3), shapes::shuffled(shapes::torus(9, 7), 5), shapes::plane(4)}) {
+    const Mesh mesh = cleaned(a);
+    EXPECT_EQ(all_repairs(mesh), 0);
+    ASSERT_EQ(mesh.vertex_count(), a.vertices.size());
+    ASSERT_EQ(mesh.face_count(), a.triangles.size());
+    for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) EXPECT_EQ(mesh.vertices()[v], a.vertices[v]);
+    for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+      EXPECT_EQ(mesh.triangles()[f], a.triangles[f]);
+      EXPECT_EQ(mesh.source_face()[f], f);
+    }
+  }
+}
+
+TEST(Clean, DropsBrokenAndDuplicateFacesAndUnusedVerticesAndSaysWhere) {
+  Arrays a = shapes::cube();  // faces 0 to 11
+  const Triangle third = a.triangles[3];
+  a.vertices.emplace_back(std::nan(""), 0, 0);            // vertex 8
+  a.vertices.emplace_back(0, 1e31, 0);                    // vertex 9
+  a.vertices.emplace_back(5, 5, 5);                       // vertex 10, unused
+  a.triangles.push_back({0, 1, 8});                       // 12
+  a.triangles.push_back({4, 4, 5});                       // 13
+  a.triangles.push_back(third);                           // 14
+  a.triangles.push_back({third[1], third[0], third[2]});  // 15, turned over
+  a.triangles.push_back({9, 1, 2});                       // 16
+  a.triangles.insert(a.triangles.begin(), {7, 0, 7});     // all of them move up by one
+  const Mesh mesh = cleaned(a);
+  EXPECT_TRUE(mesh.report().closed);
+  EXPECT_EQ(mesh.face_count(), 12);
+  EXPECT_EQ(mesh.source_face()[0], 1);
+  EXPECT_EQ(repair(mesh, "non_finite_faces").where, (std::vector<std::int32_t>{13, 17}));
+  EXPECT_EQ(repair(mesh, "repeated_index_faces").where, (std::vector<std::int32_t>{0, 14}));
+  EXPECT_EQ(repair(mesh, "duplicate_faces").where, (std::vector<std::int32_t>{15, 16}));
+  EXPECT_EQ(repair(mesh, "unused_vertices").where, (std::vector<std::int32_t>{8, 9, 10}));
+  EXPECT_EQ(all_repairs(mesh), 2 + 2 + 2 + 3);
+}
+
+TEST(Clean, KeepsFacesWithoutAreaThatCloseTheSurface) {
+  // The square of test_mesh: vertex 4 is on the diagonal, face 1 is flat.
+  const Arrays a{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.5, 0}},
+                 {{0, 1, 2}, {0, 2, 4}, {0, 4, 3}, {4, 2, 3}}};
+  const Mesh mesh = cleaned(a);
+  EXPECT_EQ(mesh.face_count(), 4);
+  EXPECT_EQ(mesh.report().zero_area_faces, 1);
+  EXPECT_EQ(mesh.report().border_edges, 4);
+}
+
+TEST(Clean, ClosesAnStlSoup) {
+  const Arrays torus = shapes::torus(12, 8);
+  const Mesh mesh = cleaned(unwelded(torus));
+  EXPECT_TRUE(mesh.report().closed);
+  EXPECT_EQ(mesh.report().euler, 0);
+  EXPECT_EQ(mesh.vertex_count(), torus.vertices.size());
+  EXPECT_EQ(repaired(mesh, "welded_vertices"), 3 * 192 - 96);
+  EXPECT_EQ(repaired(mesh, "unused_vertices"), 0);
+  expect_in_place(mesh, unwelded(torus));
+}
+
+TEST(Clean, WeldsWithinTheToleranceOnly) {
+  const Arrays soup = shapes::noisy(unwelded(shapes::cube(2)), 1e-6, 2);
+  EXPECT_EQ(cleaned(soup).report().components, 48);
+  const Mesh mesh = cleaned(soup, 1e-4);
+  EXPECT_TRUE(mesh.report().closed);
+  EXPECT_EQ(mesh.vertex_count(), 26);
+  EXPECT_EQ(mesh.report().components, 1);
+}
+
+TEST(Clean, WeldsNegativeZeroToZero) {
+  const Arrays a{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.0, 0, 0}, {0, 1, -0.0}, {-1, 0, 0}}, {{0, 1, 2}, {3, 4, 5}}};
+  EXPECT_EQ(cleaned(a).report().components, 1);
+}
+
+TEST(Clean, DoesNotWeldClosedPartsThatTouch) {
+  const Arrays a = shapes::both(shapes::cube(2), shapes::cube(2), {1, 0, 0});  // share a whole side
+  const Mesh mesh = cleaned(a);
+  EXPECT_EQ(all_repairs(mesh), 0);
+  EXPECT_EQ(mesh.report().components, 2);
+}
+
+TEST(Clean, WeldsThatCloseNothingAreNotMade) {
+  const Arrays a = shapes::both(shapes::plane(), shapes::plane(), {1, 1, 0});  // corner to corner
+  const Mesh mesh = cleaned(a);
+  EXPECT_EQ(mesh.vertex_count(), 8);
+  EXPECT_EQ(all_repairs(mesh), 0);
+}
+
+TEST(Clean, ATriangleThatWeldingFoldsIsDropped) {
+  // A square of two triangles and a third one as a sliver in the slit between them: 2 and 4 are at the same place.
+  const Arrays a{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1, 1, 0}}, {{0, 1, 2}, {0, 2, 4}, {0, 4, 3}}};
+  const Mesh mesh = cleaned(a);
+  EXPECT_EQ(mesh.face_count(), 2);
+  EXPECT_EQ(mesh.report().border_edges, 4);
+  EXPECT_EQ(repair(mesh, "repeated_index_faces").where, (std::vector<std::int32_t>{1}));
+  EXPECT_EQ(repaired(mesh, "welded_vertices"), 1);
+}
+
+TEST(Clean, TurnsTheFewerFacesByArea) {
+  Arrays a = shapes::sphere(2);
+  std::vector<std::int32_t> turned;
+  for (std::int32_t f = 0; f < 320; f += 3) {
+    std::swap(a.triangles[f][0], a.triangles[f][1]);
+    turned.push_back(f);
+  }
+  const Mesh mesh = cleaned(a);
+  EXPECT_TRUE(mesh.report().closed);
+  EXPECT_EQ(repaired(mesh, "flipped_faces"), 107);
+  turned.resize(16);
+  EXPECT_EQ(repair(mesh, "flipped_faces").where, turned);
+  const auto& [i, j, k] = mesh.triangles()[0];
+  const auto p = mesh.vertices();
+  EXPECT_GT((p[j] - p[i]).cross(p[k] - p[i]).dot(p[i]), 0.0);
+}
+
+TEST(Clean, CutsAMoebiusStripAlongALine) {
+  for (const std::uint32_t seed : {1U, 2U, 3U}) {
+    const Mesh mesh = cleaned(shapes::shuffled(moebius(20), seed));
+    EXPECT_EQ(repaired(mesh, "cut_edges"), 1);  // one edge is the whole width
+    EXPECT_EQ(repaired(mesh, "split_vertices"), 2);
+    EXPECT_EQ(mesh.report().components, 1);
+    EXPECT_EQ(mesh.report().euler, 1);  // a disc
+    EXPECT_EQ(mesh.face_count(), 40);
+  }
+}
+
+TEST(Clean, TakesAFinOffACube) {
+  Arrays a = shapes::cube();
+  const auto n = static_cast<std::int32_t>(a.vertices.size());
+  a.vertices.emplace_back(2, -1, 0.5);
+  std::int32_t low = 0, high = 0;  // the edge from (1, 0, 0) to (1, 0, 1)
+  for (std::int32_t v = 0; v < n; ++v) {
+    if (a.vertices[v] == Vec3(1, 0, 0)) low = v;
+    if (a.vertices[v] == Vec3(1, 0, 1)) high = v;
+  }
+  for (const Triangle& fin : {Triangle{low, high, n}, Triangle{high, low, n}}) {
+    Arrays b = a;
+    b.triangles.push_back(fin);
+    const Mesh mesh = cleaned(b);
+    EXPECT_EQ(mesh.report().components, 2);
+    EXPECT_EQ(mesh.report().closed_components, 1);
+    EXPECT_EQ(repaired(mesh, "split_edges"), 1);
+    EXPECT_EQ(repaired(mesh, "split_vertices"), 2);
+    EXPECT_EQ(all_repairs(mesh), 3);
+    expect_in_place(mesh, b);
+  }
+}
+
+TEST(Clean, SplitsTheVertexOfABowTie) {
+  const Arrays a{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, -1, 0}}, {{0, 1, 2}, {0, 3, 4}}};
+  const Mesh mesh = cleaned(a);
+  EXPECT_EQ(mesh.vertex_count(), 6);
+  EXPECT_EQ(mesh.source_vertex()[5], 0);
+  EXPECT_EQ(repair(mesh, "split_vertices").where, (std::vector<std::int32_t>{0}));
+  EXPECT_EQ(mesh.report().components, 2);
+}
+
+TEST(Clean, SolidsThatShareAnEdgeOrAVertexFallApart) {
+  for (const Vec3& offset : {Vec3(1, 1, 0), Vec3(1, -1, 0), Vec3(0, 1, 1), Vec3(1, 1, 1), Vec3(-1, 1, 1)})
+    for (const std::uint32_t seed : {1U, 2U}) {
+      const Arrays a = shapes::shuffled(fused(shapes::both(shapes::cube(2), shapes::cube(2), offset)), seed);
+      const Mesh mesh = cleaned(a);
+      EXPECT_EQ(mesh.report().closed_components, 2);
+      EXPECT_EQ(mesh.vertex_count(), 52);
+      EXPECT_EQ(all_repairs(mesh), offset.cwiseAbs().sum() == 2 ? 2 + 3 : 1);
+      expect_in_place(mesh, a);
+    }
+}
+
+TEST(Clean, CubesGluedAtASideStaySolidOnOneSideOfTheWall) {
+  // Both walls become one, since the second is a duplicate of the first: three faces an edge all round it.
+  const Arrays a = fused(shapes::both(shapes::cube(), shapes::cube(), {1, 0, 0}));
+  const Mesh mesh = cleaned(a);
+  EXPECT_EQ(mesh.report().components, 2);
+  EXPECT_EQ(mesh.report().closed_components, 1);
+  EXPECT_EQ(mesh.report().border_edges, 4);
+  EXPECT_EQ(repaired(mesh, "split_edges"), 4);
+}
+
+TEST(Clean, HalvesAnEdgeWhereASolidTouchesItselfAndStaysOne) {
+  // Two slabs joined by two columns that share the edge from (1, 1, 1) to (1, 1, 2). All faces round either end of the
+  // edge hang together once the columns are parted along it, so that vertices alone can't part them.
+  Arrays a;
+  for (const int z : {0, 2})
+    for (const int x : {0, 1})
+      for (const int y : {0, 1}) a = shapes::both(a, shapes::cube(), Vec3(x, y, z));
+  a = shapes::both(a, shapes::cube(), {0, 0, 1});
+  a = fused(shapes::both(a, shapes::cube(), {1, 1, 1}));
+  const std::vector<Triangle> all = a.triangles;
+  const auto is_wall = [&](const Triangle& t) {  // between two cubes, so that it is there twice
+    const auto sorted = [](Triangle u) { return std::sort(u.begin(), u.end()), u; };
+    return std::count_if(all.begin(), all.end(), [&](const Triangle& u) { return sorted(u) == sorted(t); }) > 1;
+  };
+  std::erase_if(a.triangles, is_wall);
+  const Mesh mesh = cleaned(a);
+  EXPECT_TRUE(mesh.report().closed);
+  EXPECT_EQ(mesh.report().components, 1);
+  EXPECT_EQ(mesh.report().euler, 0);  // one handle: the way through between slabs and columns
+  EXPECT_EQ(repaired(mesh, "split_edges"), 1);
+  EXPECT_EQ(repaired(mesh, "subdivided_edges"), 1);
+  EXPECT_EQ(all_repairs(mesh), 2);
+  EXPECT_EQ(mesh.face_count(), a.triangles.size() + 2);
+  EXPECT_EQ(mesh.source_vertex().back(), kNone);
+  EXPECT_EQ(mesh.vertices().back(), Vec3(1, 1, 1.5));
+}
+
+TEST(Clean, NamesWhatCannotBeUsed) {
+  const auto message_of = [](const Arrays& a, double weld = 0.0) -> std::string {
+    try {
+      cleaned(a, weld);
+    } catch (const InvalidInput& e) {
+      return e.what();
+    }
+    return "no error";
+  };
+  Arrays a = shapes::cube();
+  a.triangles[3][1] = 99;
+  EXPECT_EQ(message_of(a), "face 3 uses vertex 99, but there are 8 vertices");
+  a.triangles.clear();
+  EXPECT_EQ(message_of(a), "the mesh has no faces");
+  a = {{{0, 0, 0}, {1, 0, 0}, {0, std::numeric_limits<double>::infinity(), 0}}, {{0, 1, 2}, {0, 0, 1}}};
+  EXPECT_EQ(message_of(a),
+            "no usable face is left: of 2 faces 1 have a corner that is not finite and 1 name a vertex twice");
+  EXPECT_EQ(message_of(shapes::cube(), -1), "weld is a length, at least 0, got -1.000000");
+}
+
+TEST(Clean, StopsWhenCancelledButReportsBadInputFirst) {
+  Job job;
+  job.cancel();
+  const Arrays a = shapes::cube();
+  EXPECT_THROW(clean(a.vertices, a.triangles, {}, job), Cancelled);
+  EXPECT_THROW(clean(a.vertices, {{0, 1, 99}}, {}, job), InvalidInput);
+}
+
+}  // namespace
+}  // namespace isimp
