@@ -39,3 +39,16 @@ venv() {
 build_requirements() {
   "$python" -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"], sep="\n")'
 }
+
+# build_wheel VENV: our package with CUDA where nvcc is found, into out/wheel; a second time only what has changed.
+build_wheel() {
+  rm -rf "$out/wheel"
+  "$1/bin/pip" wheel . --no-deps --no-build-isolation -w "$out/wheel" -C build-dir=build-wheel
+}
+
+# install_wheel VENV [OPTION...]: the package that build_wheel made.
+install_wheel() {
+  local venv=$1
+  shift
+  "$venv/bin/pip" install -q --no-deps --force-reinstall "$@" "$out"/wheel/isimp-*.whl
+}

@@ -6,7 +6,7 @@
 set -uo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-stages=(format cpp asan)
+stages=(format lint cpp wheel python asan cuda)
 tests_venv=$root/.venv-test
 
 # Each stage is a function that runs with `set -e`; what it needs installed it installs. Test runners leave their
@@ -24,7 +24,31 @@ stage_lint() {
 }
 
 stage_cpp() { # the C++ tests
-  cpp_tests build-test
+  cpp_tests build-test -DISIMP_CUDA=OFF
+}
+
+stage_wheel() { # what `pip install .` makes, kept for the stages that follow
+  apt_install "${build_packages[@]}"
+  use_tests_venv
+  build_wheel "$tests_venv"
+}
+
+stage_python() { # the package as installed
+  use_tests_venv
+  install_wheel "$tests_venv"
+  "$tests_venv/bin/python" -m pytest tests/python --ignore tests/python/blender --junitxml "$results/pytest.xml"
+}
+
+stage_cuda() { # the CUDA part: compiled with nvcc, the machine's or PyPI's, and run where there is a device
+  use_tests_venv
+  local tools=$tests_venv
+  if ! PATH=$PATH:/usr/local/cuda/bin command -v nvcc; then
+    tools=$root/.venv-cuda
+    venv "$tools" nvidia-cuda-{nvcc,cccl,runtime,crt}==13.0.* nvidia-nvvm==13.0.*
+  fi
+  cmake -S . -B build-cuda -G Ninja -DISIMP_TESTS=ON -DISIMP_WERROR=ON -DISIMP_CUDA=ON -DPython_EXECUTABLE="$tools/bin/python"
+  ninja -C build-cuda -j2 test_parallel
+  build-cuda/tests/cpp/test_parallel --gtest_output=xml:"$results/gtest.xml"
 }
 
 stage_asan() { # the same under the address and undefined-behaviour sanitizers
