@@ -43,7 +43,7 @@ build_requirements() {
 # build_wheel VENV: our package with CUDA where nvcc is found, into out/wheel; a second time only what has changed.
 build_wheel() {
   rm -rf "$out/wheel"
-  "$1/bin/pip" wheel . --no-deps --no-build-isolation -w "$out/wheel" -C build-dir=build-wheel
+  "$1/bin/pip" wheel . --no-deps --no-build-isolation -w "$out/wheel" --config-settings build-dir=build-wheel
 }
 
 # install_wheel VENV [OPTION...]: the package that build_wheel made.
