@@ -6,7 +6,7 @@
 set -uo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-stages=(format lint cpp wheel python asan cuda)
+stages=(format lint cpp wheel python asan cuda tidy)
 tests_venv=$root/.venv-test
 
 # Each stage is a function that runs with `set -e`; what it needs installed it installs. Test runners leave their
@@ -56,20 +56,30 @@ stage_asan() { # the same under the address and undefined-behaviour sanitizers
   cpp_tests build-asan -DISIMP_SANITIZE=ON -DISIMP_CUDA=OFF -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1\ -g1
 }
 
+stage_tidy() { # clang-tidy, on the engine's own sources
+  apt_install clang-tidy
+  cpp_build build-test -DISIMP_CUDA=OFF
+  run-clang-tidy -quiet -p build-test -j2 "^$root/native/src/"
+}
+
 use_tests_venv() {
-  apt_install python3-venv
   local requirements=()
   [ -e pyproject.toml ] && mapfile -t requirements < <(build_requirements)
   venv "$tests_venv" pytest hypothesis ruff==0.14.* numpy "${requirements[@]}"
 }
 
-cpp_tests() { # BUILD_DIR CMAKE_OPTION...
+cpp_build() { # BUILD_DIR CMAKE_OPTION...
   apt_install "${build_packages[@]}" libgtest-dev
   use_tests_venv
   local build=$1
   shift
   cmake -S . -B "$build" -G Ninja -DISIMP_TESTS=ON -DISIMP_WERROR=ON -DPython_EXECUTABLE="$tests_venv/bin/python" "$@"
   ninja -C "$build" -j2
+}
+
+cpp_tests() { # BUILD_DIR CMAKE_OPTION...
+  cpp_build "$@"
+  local build=$1
   ctest --test-dir "$build" -j2 --timeout 600 --output-on-failure --output-junit "$results/ctest.xml"
 }
 
@@ -91,7 +101,11 @@ run_stage() {
   passed=$((passed + counts[0])) failed=$((failed + counts[1])) skipped=$((skipped + counts[2]))
 }
 
+apt_install python3 python3-venv || exit 1
 passed=0 failed=0 skipped=0
+for name; do
+  case " ${stages[*]} " in *" $name "*) ;; *) echo "no stage is called $name; there are: ${stages[*]}" >&2 && exit 2 ;; esac
+done
 [ $# = 0 ] && set -- "${stages[@]}"
 for name in "${stages[@]}"; do
   case " $* " in *" $name "*) run_stage "$name" ;; esac
