@@ -12,8 +12,11 @@ namespace isimp {
 
 /// All lengths as a share of the bounding box's diagonal unless said otherwise.
 struct MeshingOptions {
-  double chord_tolerance =
-      0.3;  ///< a boundary is subdivided where it leaves its chord by more than this times sqrt(area / regions)
+  /// A boundary is subdivided where it leaves its chord by more than this times sqrt(area / regions) ...
+  double chord_tolerance = 0.3;
+  /// ... or by more than this share of the width of the narrower of the two regions, so that small ones keep their
+  /// shape.
+  double chord_width = 0.25;
   double reach = 0.01;        ///< no corner is moved further than this from the scan's vertex it stands for
   std::int32_t flatten = 30;  ///< rounds of planes and corners in turn; 0 leaves the first placement
 };
@@ -23,8 +26,8 @@ struct MeshingReport {
   std::int32_t polygons = 0, corners = 0, vertices = 0;
   std::int32_t regions = 0;
   std::int32_t regions_split = 0;  ///< regions that became more than one polygon
-  std::int32_t split_for_holes = 0, split_for_handles = 0, split_for_pinches = 0, split_for_closed = 0,
-               split_for_repair = 0;
+  std::int32_t split_for_unconnected = 0, split_for_holes = 0, split_for_handles = 0, split_for_pinches = 0,
+               split_for_closed = 0, split_for_repair = 0;
   bool closed = false;    ///< every edge has two polygons
   bool manifold = false;  ///< every edge one or two, every vertex one fan, consistently oriented
   std::int64_t euler = 0;

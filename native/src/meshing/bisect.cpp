@@ -1,0 +1,48 @@
+#include "discs.h"
+
+namespace isimp::meshing {
+namespace {
+
+Vec3 centre(const Mesh& mesh, std::int32_t f) {
+  const Triangle& t = mesh.triangles()[f];
+  return (mesh.vertices()[t[0]] + mesh.vertices()[t[1]] + mesh.vertices()[t[2]]) / 3;
+}
+
+/// Reaches all faces of a piece from one or two of them. \return the farthest; faces.via holds which seed is nearest
+std::int32_t grow(Cutter& cutter, std::span<const std::int32_t> seeds) {
+  const Labels& labels = cutter.labels;
+  const Mesh& mesh = labels.mesh;
+  const double least = 1e-9 * mesh.diagonal();  // keeps distances rising where faces have no size
+  cutter.faces.start();
+  for (std::size_t i = 0; i < seeds.size(); ++i) cutter.faces.reach(seeds[i], 0, static_cast<std::int32_t>(i));
+  std::int32_t last = seeds[0];
+  for (std::int32_t f = cutter.faces.take(); f != kNone; f = cutter.faces.take()) {
+    last = f;
+    const Vec3 from = centre(mesh, f);
+    for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h) {
+      if (!labels.inner(h)) continue;
+      const std::int32_t g = mesh.opposite(h) / 3;
+      cutter.faces.reach(g, cutter.faces.distance[f] + (centre(mesh, g) - from).norm() + least, cutter.faces.via[f]);
+    }
+  }
+  return last;
+}
+
+}  // namespace
+
+std::int32_t bisect(Cutter& cutter, std::int32_t piece, Cause cause, std::array<std::int32_t, 2> seeds) {
+  const std::vector<std::int32_t> faces = cutter.labels.faces_of(piece);
+  if (faces.size() < 2) return kNone;
+  if (seeds[0] == kNone) {
+    const std::int32_t a = grow(cutter, std::array{faces[0]});
+    const std::int32_t b = grow(cutter, std::array{a});
+    seeds = {b, grow(cutter, std::array{b})};
+  }
+  grow(cutter, seeds);
+  std::vector<std::int32_t> half;
+  for (const std::int32_t f : faces)
+    if (cutter.faces.via[f] == 1) half.push_back(f);
+  return cutter.labels.part(half, seeds[0], cause);
+}
+
+}  // namespace isimp::meshing

@@ -1,0 +1,280 @@
+#include "complex.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace isimp::meshing {
+namespace {
+
+double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
+  const Vec3 d = b - a;
+  const double l = d.squaredNorm();
+  const double t = l > 0 ? std::clamp((p - a).dot(d) / l, 0.0, 1.0) : 0.0;
+  return (p - a - t * d).norm();
+}
+
+}  // namespace
+
+Complex::Complex(Labels& labels, std::vector<Plane>& planes, const ChordTolerance& tolerance)
+    : labels_(labels),
+      mesh_(labels.mesh),
+      planes_(planes),
+      tolerance_(tolerance),
+      corner_(static_cast<std::size_t>(labels.mesh.vertex_count()), 0) {}
+
+bool Complex::is_anchor(std::int32_t vertex) const {
+  int edges = 0;
+  std::int32_t last = kNone;
+  for_each_leaving(mesh_, vertex, [&](std::int32_t h) {
+    edges += !labels_.inner(h);
+    last = h;
+  });
+  edges += mesh_.opposite(Mesh::prev(last)) == kNone;  // the border edge that arrives
+  return edges != 2;
+}
+
+void Complex::refresh(std::span<const std::int32_t> pieces, std::span<const std::int32_t> starts) {
+  loops_.resize(labels_.pieces.size());
+  chords_.resize(labels_.pieces.size());
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    auto& loop = loops_[pieces[i]];
+    loop.clear();
+    std::int32_t h = starts[i];
+    do {
+      loop.push_back(h);
+      h = labels_.next_on_boundary(h);
+    } while (h != starts[i]);
+    for (const std::int32_t g : loop)
+      if (!is_corner(mesh_.from(g)) && is_anchor(mesh_.from(g))) add_corner(mesh_.from(g));
+    seed_ring(pieces[i]);
+  }
+  dirty_.insert(dirty_.end(), pieces.begin(), pieces.end());
+  collect_dirty();
+  for (const std::int32_t l : pieces)
+    for (const std::int32_t h : chords_[l]) {
+      const bool other_does = !labels_.owns(h) && std::binary_search(pieces.begin(), pieces.end(), labels_.across(h));
+      if (!other_does) subdivide(h);
+    }
+}
+
+/// A boundary without any corner gets two that are far apart, so that a square begins with two of its own corners.
+void Complex::seed_ring(std::int32_t piece) {
+  const auto& loop = loops_[piece];
+  if (std::any_of(loop.begin(), loop.end(), [&](std::int32_t h) { return is_corner(mesh_.from(h)); })) return;
+  const auto farthest_from = [&](std::int32_t v) {
+    std::int32_t best = v;
+    double most = -1;
+    for (const std::int32_t h : loop) {
+      const double d = (mesh_.vertices()[mesh_.from(h)] - mesh_.vertices()[v]).squaredNorm();
+      if (d <= most * (1 + 1e-12)) continue;
+      most = d;
+      best = mesh_.from(h);
+    }
+    return best;
+  };
+  const std::int32_t a = farthest_from(mesh_.from(loop[0])), b = farthest_from(a);
+  add_corner(a);
+  add_corner(b);
+}
+
+double Complex::reach_of(std::int32_t chord) const {
+  const Plane& left = planes_[labels_.label[chord / 3]];
+  const std::int32_t other = labels_.across(chord);
+  if (other == kNone) return std::min(tolerance_.most_on_border, tolerance_.of_width * left.width);
+  const Plane& right = planes_[other];
+  double sine = left.normal.cross(right.normal).norm();
+  if (left.normal.dot(right.normal) < 0) sine = 1;
+  const double narrow = std::min(left.width, right.width);
+  return std::min(tolerance_.most, tolerance_.of_width * narrow) / std::max(sine, tolerance_.least_sine);
+}
+
+std::vector<std::int32_t> Complex::path(std::int32_t chord) const {
+  std::vector<std::int32_t> vertices{mesh_.from(chord)};
+  std::int32_t h = chord;
+  do {
+    vertices.push_back(mesh_.to(h));
+    h = labels_.next_on_boundary(h);
+  } while (!is_corner(mesh_.from(h)));
+  return vertices;
+}
+
+/// The largest distance of the path from its chord; of nearly equal ones the vertex nearest to an end of the bend, so
+/// that a side parallel to the chord gives a corner of the shape and not a vertex between two.
+Complex::Farthest Complex::farthest(std::span<const std::int32_t> path) const {
+  const Vec3 &a = mesh_.vertices()[path.front()], &b = mesh_.vertices()[path.back()];
+  double most = -1;
+  for (std::size_t i = 1; i + 1 < path.size(); ++i)
+    most = std::max(most, distance_to_segment(mesh_.vertices()[path[i]], a, b));
+  std::size_t where = path.size() / 2;
+  if (most <= 1e-9 * mesh_.diagonal()) return {most, where};
+  double longest = -1;
+  for (std::size_t i = 1; i + 1 < path.size(); ++i) {
+    const Vec3& p = mesh_.vertices()[path[i]];
+    if (distance_to_segment(p, a, b) < 0.98 * most) continue;
+    const double detour = (p - a).norm() + (p - b).norm();
+    if (detour <= longest * (1 + 1e-12)) continue;
+    longest = detour;
+    where = i;
+  }
+  return {most, where};
+}
+
+void Complex::add_corner(std::int32_t vertex) { corner_[vertex] = 1; }
+
+bool Complex::bend(std::int32_t chord) {
+  const std::vector<std::int32_t> vertices = path(chord);
+  if (vertices.size() < 3) return false;
+  make_dirty(chord);
+  add_corner(vertices[farthest(vertices).where]);
+  return true;
+}
+
+void Complex::make_dirty(std::int32_t chord) {
+  dirty_.push_back(labels_.label[chord / 3]);
+  if (labels_.across(chord) != kNone) dirty_.push_back(labels_.across(chord));
+}
+
+/// Chooses corners on a chord that leaves its path too far.
+void Complex::subdivide(std::int32_t chord) {
+  const std::vector<std::int32_t> vertices = path(chord);
+  if (vertices.size() < 3) return;
+  const double reach = reach_of(chord);
+  choose(vertices, reach);
+  drop_needless(vertices, reach);
+  make_dirty(chord);
+}
+
+void Complex::choose(std::span<const std::int32_t> path, double reach) {
+  if (path.size() < 3) return;
+  const bool closed = path.front() == path.back();
+  const auto [distance, where] = farthest(path);
+  if (distance <= reach && !closed) return;
+  add_corner(path[where]);
+  choose(path.first(where + 1), reach);
+  choose(path.subspan(where), reach);
+}
+
+/// Takes corners away again that later ones made needless.
+void Complex::drop_needless(std::span<const std::int32_t> path, double reach) {
+  std::size_t before = 0;
+  if (path.front() == path.back()) return;
+  for (std::size_t i = 1; i + 1 < path.size(); ++i) {
+    if (!is_corner(path[i])) continue;
+    std::size_t after = i + 1;
+    while (!is_corner(path[after])) ++after;
+    if (farthest(path.subspan(before, after - before + 1)).distance <= reach) {
+      corner_[path[i]] = 0;
+    } else {
+      before = i;
+    }
+  }
+}
+
+void Complex::collect_dirty() {
+  std::sort(dirty_.begin(), dirty_.end());
+  dirty_.erase(std::unique(dirty_.begin(), dirty_.end()), dirty_.end());
+  for (const std::int32_t l : dirty_) {
+    chords_[l].clear();
+    for (const std::int32_t h : loops_[l])
+      if (is_corner(mesh_.from(h))) chords_[l].push_back(h);
+  }
+  dirty_.clear();
+}
+
+void Complex::make_regular() {
+  bool changed = true;
+  while (changed) {
+    collect_dirty();
+    changed = add_third_corners();
+    if (changed) continue;
+    changed = part_multi_edges();
+    if (!changed) changed = part_duplicates();
+  }
+}
+
+bool Complex::add_third_corners() {
+  bool any = false;
+  for (std::int32_t l = 0; l < labels_.piece_count(); ++l) {
+    if (chords_[l].size() >= 3) continue;
+    std::int32_t best = kNone;
+    double most = -1;
+    for (const std::int32_t h : chords_[l]) {
+      const std::vector<std::int32_t> vertices = path(h);
+      if (vertices.size() < 3) continue;
+      const double d = farthest(vertices).distance;
+      if (d <= most) continue;
+      most = d;
+      best = h;
+    }
+    if (best == kNone || !bend(best)) continue;
+    ++counts_.third_corner;
+    any = true;
+  }
+  return any;
+}
+
+bool Complex::part_multi_edges() {
+  struct Entry {
+    std::int32_t a, b, chord;
+    auto operator<=>(const Entry&) const = default;
+  };
+  std::vector<Entry> entries;
+  for (std::int32_t l = 0; l < labels_.piece_count(); ++l) {
+    const auto n = chords_[l].size();
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::int32_t h = chords_[l][i];
+      if (!labels_.owns(h)) continue;
+      const std::int32_t a = mesh_.from(h), b = mesh_.from(chords_[l][(i + 1) % n]);
+      entries.push_back({std::min(a, b), std::max(a, b), h});
+    }
+  }
+  std::sort(entries.begin(), entries.end());
+  bool any = false;
+  for (std::size_t i = 0; i < entries.size();) {
+    std::size_t end = i + 1;
+    while (end < entries.size() && entries[end].a == entries[i].a && entries[end].b == entries[i].b) ++end;
+    if (end - i > 1) {
+      // All but the straightest get a corner; at most one of them is a bare edge of the mesh.
+      std::vector<std::pair<double, std::int32_t>> bent;
+      for (std::size_t k = i; k < end; ++k) {
+        bent.emplace_back(farthest(path(entries[k].chord)).distance, entries[k].chord);
+      }
+      std::sort(bent.begin(), bent.end());
+      for (std::size_t k = 1; k < bent.size(); ++k) {
+        ++counts_.multi_edge;
+        any = bend(bent[k].second) || any;
+      }
+    }
+    i = end;
+  }
+  return any;
+}
+
+bool Complex::part_duplicates() {
+  struct Entry {
+    std::vector<std::int32_t> corners;
+    std::int32_t piece;
+    auto operator<=>(const Entry&) const = default;
+  };
+  std::vector<Entry> entries;
+  for (std::int32_t l = 0; l < labels_.piece_count(); ++l) {
+    Entry e{{}, l};
+    for (const std::int32_t h : chords_[l]) e.corners.push_back(mesh_.from(h));
+    std::sort(e.corners.begin(), e.corners.end());
+    entries.push_back(std::move(e));
+  }
+  std::sort(entries.begin(), entries.end());
+  bool any = false;
+  for (std::size_t i = 1; i < entries.size(); ++i) {
+    if (entries[i].corners != entries[i - 1].corners) continue;
+    bool done = false;
+    for (const std::size_t k : {i, i - 1})
+      for (const std::int32_t h : chords_[entries[k].piece]) done = done || bend(h);
+    if (done) ++counts_.duplicate;
+    any = any || done;
+  }
+  return any;
+}
+
+}  // namespace isimp::meshing

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "isimp/core/job.h"
+#include "labels.h"
+#include "planes.h"
+
+namespace isimp::meshing {
+
+/// How far a boundary may leave the chord that stands for it, scene units.
+struct ChordTolerance {
+  double most = 0;            ///< between two pieces
+  double most_on_border = 0;  ///< on the border of the mesh
+  double of_width = 0;        ///< nor more than this share of the narrower piece's width
+  double least_sine = 0;      ///< distances count the less, the flatter the two pieces meet, but at least this much
+};
+
+/// Why corners were added that no tolerance asked for.
+struct RegularCounts {
+  std::int32_t third_corner = 0;  ///< a polygon had fewer than three
+  std::int32_t multi_edge = 0;    ///< two chords had the same two ends
+  std::int32_t duplicate = 0;     ///< two polygons had the same corners
+};
+
+/// Which vertices on the boundaries between pieces are corners, and so which polygons there are.
+///
+/// A chord runs from corner to corner along the boundary of two pieces (or of one and the border); it is named by its
+/// first half-edge, on either side. A vertex where other than two boundary edges meet is always a corner, so a corner
+/// needs no more than a flag at its vertex for both sides of a chord to agree.
+class Complex {
+ public:
+  Complex(Labels& labels, std::vector<Plane>& planes, const ChordTolerance& tolerance);
+
+  /// Walks the boundaries of the given pieces, after their labels changed, and chooses corners on them.
+  /// \param pieces  in rising order
+  /// \param starts  one boundary half-edge of each
+  void refresh(std::span<const std::int32_t> pieces, std::span<const std::int32_t> starts);
+  /// Adds corners until every polygon has three, no two chords have the same ends, no two polygons the same corners.
+  /// Where no corner is left to add (two triangles of the mesh), polygons may stay alike: see `judge`.
+  void make_regular();
+  /// Makes a boundary vertex a corner.
+  void add_corner(std::int32_t vertex);
+  /// Makes the vertex between two corners a corner that is farthest from the chord. \return whether there is one
+  bool bend(std::int32_t chord);
+
+  /// First half-edges of a piece's chords, in order.
+  [[nodiscard]] std::span<const std::int32_t> chords(std::int32_t piece) const { return chords_[piece]; }
+  [[nodiscard]] std::span<const std::int32_t> loop(std::int32_t piece) const { return loops_[piece]; }
+  [[nodiscard]] bool is_corner(std::int32_t vertex) const { return corner_[vertex] != 0; }
+  /// The vertices from corner to corner.
+  [[nodiscard]] std::vector<std::int32_t> path(std::int32_t chord) const;
+  [[nodiscard]] const RegularCounts& counts() const { return counts_; }
+
+ private:
+  [[nodiscard]] bool is_anchor(std::int32_t vertex) const;
+  struct Farthest {
+    double distance;    ///< from the chord; below 0 for a bare mesh edge
+    std::size_t where;  ///< index into the path
+  };
+  [[nodiscard]] Farthest farthest(std::span<const std::int32_t> path) const;
+  void seed_ring(std::int32_t piece);
+  void subdivide(std::int32_t chord);
+  void choose(std::span<const std::int32_t> path, double reach);
+  void drop_needless(std::span<const std::int32_t> path, double reach);
+  [[nodiscard]] double reach_of(std::int32_t chord) const;
+  void collect_dirty();
+  void make_dirty(std::int32_t chord);
+  bool add_third_corners();
+  bool part_multi_edges();
+  bool part_duplicates();
+
+  Labels& labels_;
+  const Mesh& mesh_;
+  std::vector<Plane>& planes_;
+  const ChordTolerance tolerance_;
+  std::vector<std::uint8_t> corner_;               ///< (V)
+  std::vector<std::vector<std::int32_t>> loops_;   ///< boundary half-edges of each piece, in order
+  std::vector<std::vector<std::int32_t>> chords_;  ///< those of them that start at a corner
+  std::vector<std::int32_t> dirty_;                ///< pieces whose chords_ are out of date
+  RegularCounts counts_;
+};
+
+}  // namespace isimp::meshing

@@ -1,0 +1,97 @@
+#include "discs.h"
+
+#include <algorithm>
+
+namespace isimp::meshing {
+namespace {
+
+/// Tries to mend one vertex where the piece touches itself by a hand-over. \return the pieces to look at again
+std::vector<std::int32_t> mend_pinch(Cutter& cutter, std::int32_t piece, const Shape& shape) {
+  const Mesh& mesh = cutter.labels.mesh;
+  std::vector<std::int32_t> seen, twice;
+  for (const auto& loop : shape.loops)
+    for (const std::int32_t h : loop) seen.push_back(mesh.from(h));
+  std::sort(seen.begin(), seen.end());
+  for (std::size_t i = 1; i < seen.size(); ++i)
+    if (seen[i] == seen[i - 1] && (twice.empty() || twice.back() != seen[i])) twice.push_back(seen[i]);
+  for (const std::int32_t v : twice) {
+    std::vector<std::int32_t> changed = hand_over_sector(cutter, v);
+    if (changed.empty()) continue;
+    if (std::find(changed.begin(), changed.end(), piece) == changed.end()) changed.push_back(piece);
+    return changed;
+  }
+  return {};
+}
+
+/// Two faces of the piece in different sectors of a vertex where it touches itself.
+std::array<std::int32_t, 2> faces_at_pinch(const Labels& labels, std::int32_t piece, std::int32_t vertex) {
+  std::vector<std::int32_t> first;
+  for_each_leaving(labels.mesh, vertex, [&](std::int32_t h) {
+    if (labels.label[h / 3] == piece && !labels.inner(h)) first.push_back(h / 3);
+  });
+  if (first.size() < 2 || first[0] == first[1]) return {kNone, kNone};
+  return {first[0], first[1]};
+}
+
+/// Cuts a piece that is no disc. \return the new label
+std::int32_t cut(Cutter& cutter, std::int32_t piece, const Shape& shape) {
+  if (shape.pinches > 0)
+    return bisect(cutter, piece, Cause::pinch, faces_at_pinch(cutter.labels, piece, shape.pinch_vertex));
+  std::int32_t fresh = kNone;
+  if (shape.genus == 0 && shape.loops.size() > 1) fresh = cut_chain(cutter, piece, shape);
+  if (fresh == kNone && shape.genus > 0) fresh = cut_handle(cutter, piece, shape);
+  if (fresh != kNone) return fresh;
+  return bisect(cutter, piece, shape.genus > 0 ? Cause::handle : shape.loops.empty() ? Cause::closed : Cause::hole);
+}
+
+}  // namespace
+
+void make_discs(Cutter& cutter, std::vector<std::int32_t> todo, Job& job) {
+  while (!todo.empty()) {
+    job.poll();
+    const std::int32_t piece = todo.back();
+    todo.pop_back();
+    const Shape shape = cutter.labels.shape(cutter.labels.faces_of(piece));
+    if (shape.defect() == 0) continue;
+    if (shape.pinches > 0) {
+      const std::vector<std::int32_t> changed = mend_pinch(cutter, piece, shape);
+      todo.insert(todo.end(), changed.begin(), changed.end());
+      if (!changed.empty()) continue;
+    }
+    const std::int32_t fresh = cut(cutter, piece, shape);
+    todo.push_back(piece);
+    todo.push_back(fresh);
+  }
+}
+
+void split_closed_components(Cutter& cutter, std::int32_t least, Job& job) {
+  Labels& labels = cutter.labels;
+  const Mesh& mesh = labels.mesh;
+  std::vector<bool> open(mesh.component_count(), false);
+  for (std::int32_t h = 0; h < 3 * mesh.face_count(); ++h)
+    if (mesh.opposite(h) == kNone) open[mesh.component()[h / 3]] = true;
+  std::vector<std::vector<std::int32_t>> of(mesh.component_count());
+  for (std::int32_t l = 0; l < labels.piece_count(); ++l) of[mesh.component()[labels.pieces[l].face]].push_back(l);
+  for (std::size_t c = 0; c < of.size(); ++c) {
+    while (!open[c] && !of[c].empty() && static_cast<std::int32_t>(of[c].size()) < least) {
+      std::int32_t largest = kNone;
+      std::size_t most = 1;
+      for (const std::int32_t l : of[c]) {
+        const std::size_t faces = labels.faces_of(l).size();
+        if (faces <= most) continue;
+        most = faces;
+        largest = l;
+      }
+      if (largest == kNone) break;
+      const std::int32_t before = labels.piece_count();
+      bisect(cutter, largest, Cause::closed);
+      std::vector<std::int32_t> fresh;
+      for (std::int32_t l = before; l < labels.piece_count(); ++l) fresh.push_back(l);
+      fresh.push_back(largest);
+      make_discs(cutter, fresh, job);
+      for (std::int32_t l = before; l < labels.piece_count(); ++l) of[c].push_back(l);
+    }
+  }
+}
+
+}  // namespace isimp::meshing

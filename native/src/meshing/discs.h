@@ -1,0 +1,73 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "isimp/core/job.h"
+#include "labels.h"
+
+namespace isimp::meshing {
+
+/// Shortest paths over vertices or faces; the arrays are kept between searches.
+struct Search {
+  explicit Search(std::size_t n) : distance(n), via(n), reached(n) {}
+  /// Clears what was reached.
+  void start();
+  /// Reaches i over `from_via` if that is nearer than before. \return whether it was
+  bool reach(std::int32_t i, double d, std::int32_t from_via);
+  /// The nearest one not yet taken, kNone if there is none.
+  std::int32_t take();
+
+  std::vector<double> distance;   ///< valid where reached
+  std::vector<std::int32_t> via;  ///< what each was reached over
+  Marks reached;
+
+ private:
+  struct Entry {
+    double distance;
+    std::int32_t index;
+    bool operator<(const Entry& other) const {  // std::push_heap puts the largest first; ties by index
+      return distance > other.distance || (distance == other.distance && index > other.index);
+    }
+  };
+  std::vector<Entry> queue_;
+};
+
+/// What the cuts share: labels, and arrays of the mesh's size that are made once.
+struct Cutter {
+  explicit Cutter(Labels& l);
+
+  Labels& labels;
+  Search vertices, faces;
+  std::vector<std::int32_t> vertex_loop;  ///< valid where vertex_marks: boundary loop of the vertex
+  Marks vertex_marks, blocked, halfedge_marks, face_marks;
+};
+
+/// Parts a piece in two connected halves, each face to the nearer of two faces over the surface: the given ones or,
+/// where there are none, two that are far apart. \return the new label, kNone for a single face
+std::int32_t bisect(Cutter& cutter, std::int32_t piece, Cause cause,
+                    std::array<std::int32_t, 2> seeds = {kNone, kNone});
+
+/// Hands one sector of faces at a vertex to the piece beside it, if that brings both pieces nearer to discs.
+/// \return the two pieces that changed, none if no hand-over helps
+std::vector<std::int32_t> hand_over_sector(Cutter& cutter, std::int32_t vertex);
+
+/// Cuts a piece of genus 0 with several boundary loops along one chain of paths: from the longest loop to a near one,
+/// on to the next, ..., and back. If the chain reaches all loops, both parts are discs.
+/// \return the new label, kNone if there is no such chain
+std::int32_t cut_chain(Cutter& cutter, std::int32_t piece, const Shape& shape);
+
+/// Parts the faces along a short loop round a handle from the rest, so that genus falls.
+/// Source: Erickson, Whittlesey 2005 (tree and cotree); each boundary loop counts as one face.
+/// \return the new label, kNone if none of the loops will do
+std::int32_t cut_handle(Cutter& cutter, std::int32_t piece, const Shape& shape);
+
+/// Splits or changes pieces until each of `todo`, and what comes of it, is a disc.
+void make_discs(Cutter& cutter, std::vector<std::int32_t> todo, Job& job);
+
+/// Splits the largest piece of a closed component until it has `least` pieces (or one a face).
+void split_closed_components(Cutter& cutter, std::int32_t least, Job& job);
+
+}  // namespace isimp::meshing

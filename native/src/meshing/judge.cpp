@@ -1,0 +1,78 @@
+#include "judge.h"
+
+#include <algorithm>
+#include <numeric>
+#include <vector>
+
+namespace isimp::meshing {
+namespace {
+
+struct Edge {
+  std::int32_t a, b;    // a < b
+  std::int32_t corner;  // where in `loops` it starts
+  bool forward;         // from a to b
+  auto operator<=>(const Edge&) const = default;
+};
+
+/// Joins the corners of a vertex whose polygons meet in an edge. \return how many groups of corners are left
+class Fans {
+ public:
+  explicit Fans(std::size_t corners) : parent_(corners), groups_(corners) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
+  void join(std::int32_t a, std::int32_t b) {
+    a = root(a);
+    b = root(b);
+    if (a == b) return;
+    parent_[std::max(a, b)] = std::min(a, b);
+    --groups_;
+  }
+  [[nodiscard]] std::size_t groups() const { return groups_; }
+
+ private:
+  std::int32_t root(std::int32_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  std::vector<std::int32_t> parent_;
+  std::size_t groups_;
+};
+
+}  // namespace
+
+void judge_topology(PolygonMesh& mesh) {
+  std::vector<Edge> edges;
+  std::vector<std::int32_t> next(mesh.loops.size());
+  for (std::int32_t q = 0; q < mesh.polygon_count(); ++q) {
+    const std::int32_t begin = mesh.loop_start[q];
+    const auto end =
+        q + 1 < mesh.polygon_count() ? mesh.loop_start[q + 1] : static_cast<std::int32_t>(mesh.loops.size());
+    for (std::int32_t i = begin; i < end; ++i) {
+      next[i] = i + 1 < end ? i + 1 : begin;
+      const std::int32_t a = mesh.loops[i], b = mesh.loops[next[i]];
+      edges.push_back({std::min(a, b), std::max(a, b), i, a < b});
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  Fans fans(mesh.loops.size());
+  bool good = true, closed = true;
+  std::int64_t count = 0;
+  for (std::size_t i = 0; i < edges.size();) {
+    std::size_t end = i + 1;
+    while (end < edges.size() && edges[end].a == edges[i].a && edges[end].b == edges[i].b) ++end;
+    ++count;
+    closed = closed && end - i == 2;
+    if (end - i > 2 || edges[i].a == edges[i].b || (end - i == 2 && edges[i].forward == edges[i + 1].forward)) {
+      good = false;
+    } else if (end - i == 2) {
+      fans.join(edges[i].corner, next[edges[i + 1].corner]);
+      fans.join(edges[i + 1].corner, next[edges[i].corner]);
+    }
+    i = end;
+  }
+  mesh.report.closed = closed;
+  mesh.report.manifold = good && fans.groups() == mesh.vertices.size();
+  mesh.report.euler = static_cast<std::int64_t>(mesh.vertices.size()) - count + mesh.polygon_count();
+}
+
+}  // namespace isimp::meshing

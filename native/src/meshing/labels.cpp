@@ -1,0 +1,171 @@
+#include "labels.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <numeric>
+
+namespace isimp::meshing {
+
+std::int32_t Shape::defect() const {
+  const auto loop_count = static_cast<std::int32_t>(loops.size());
+  return (parts - 1) * 1000 + std::abs(loop_count - 1) + 2 * genus + pinches;
+}
+
+Labels::Labels(const Mesh& m)
+    : mesh(m),
+      label(static_cast<std::size_t>(m.face_count()), kNone),
+      face_marks(m.face_count()),
+      vertex_marks(m.vertex_count()),
+      halfedge_marks(3 * static_cast<std::size_t>(m.face_count())) {}
+
+std::vector<std::int32_t> Labels::faces_of(std::int32_t piece) {
+  std::vector<std::int32_t> faces{pieces[piece].face};
+  face_marks.clear();
+  face_marks.add(faces[0]);
+  for (std::size_t i = 0; i < faces.size(); ++i)
+    for (std::int32_t h = 3 * faces[i], end = h + 3; h < end; ++h)
+      if (inner(h) && face_marks.add(mesh.opposite(h) / 3)) faces.push_back(mesh.opposite(h) / 3);
+  return faces;
+}
+
+std::int32_t Labels::part(std::span<const std::int32_t> faces, std::int32_t stays, Cause cause) {
+  const std::int32_t from = label[faces[0]], to = piece_count();
+  for (const std::int32_t f : faces) label[f] = to;
+  pieces[from].face = stays;
+  pieces.push_back({faces[0], pieces[from].region, cause});
+  return to;
+}
+
+Shape Labels::shape(std::span<const std::int32_t> faces, bool check_parts) {
+  Shape s;
+  vertex_marks.clear();
+  halfedge_marks.clear();
+  std::int64_t boundary = 0, inside = 0;
+  for (const std::int32_t f : faces)
+    for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h) {
+      if (inner(h) || halfedge_marks.has(h)) continue;
+      auto& loop = s.loops.emplace_back();
+      for (std::int32_t g = h; halfedge_marks.add(g); g = next_on_boundary(g)) {
+        loop.push_back(g);
+        if (vertex_marks.add(mesh.from(g))) continue;
+        ++s.pinches;
+        s.pinch_vertex = mesh.from(g);
+      }
+      boundary += static_cast<std::int64_t>(loop.size());
+    }
+  for (const std::int32_t f : faces)
+    for (const std::int32_t v : mesh.triangles()[f]) inside += vertex_marks.add(v);
+  if (check_parts) {
+    s.parts = 0;
+    face_marks.clear();
+    std::vector<std::int32_t> stack;
+    for (const std::int32_t start : faces) {
+      if (!face_marks.add(start)) continue;
+      ++s.parts;
+      stack.push_back(start);
+      while (!stack.empty()) {
+        const std::int32_t f = stack.back();
+        stack.pop_back();
+        for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
+          if (inner(h) && face_marks.add(mesh.opposite(h) / 3)) stack.push_back(mesh.opposite(h) / 3);
+      }
+    }
+  }
+  // A pinch counts as two vertices, so 2 chi = 2 V - 2 E + 2 F with V = inside + boundary, 2 E = 3 F + boundary.
+  const std::int64_t chi = (2 * inside + boundary - static_cast<std::int64_t>(faces.size())) / 2;
+  s.genus = static_cast<std::int32_t>((2 * s.parts - static_cast<std::int64_t>(s.loops.size()) - chi) / 2);
+  return s;
+}
+
+Labels label_pieces(const Mesh& mesh, std::span<const std::int32_t> face_region) {
+  Labels labels(mesh);
+  std::vector<std::int32_t> stack;
+  std::vector<bool> seen;
+  for (std::int32_t start = 0; start < mesh.face_count(); ++start) {
+    const std::int32_t region = face_region[start];
+    if (region == kNone || labels.label[start] != kNone) continue;
+    const std::int32_t id = labels.piece_count();
+    if (seen.size() <= static_cast<std::size_t>(region)) seen.resize(region + 1, false);
+    labels.pieces.push_back({start, region, seen[region] ? Cause::unconnected : Cause::region});
+    seen[region] = true;
+    labels.label[start] = id;
+    stack.push_back(start);
+    while (!stack.empty()) {
+      const std::int32_t f = stack.back();
+      stack.pop_back();
+      for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h) {
+        const std::int32_t o = mesh.opposite(h);
+        if (o == kNone || face_region[o / 3] != region || labels.label[o / 3] != kNone) continue;
+        labels.label[o / 3] = id;
+        stack.push_back(o / 3);
+      }
+    }
+  }
+  return labels;
+}
+
+namespace {
+
+/// The boundary half-edges, grouped by piece: those of piece l are grouped[start[l]] ... grouped[start[l + 1] - 1].
+struct Boundary {
+  std::vector<std::int32_t> grouped, start;
+};
+
+Boundary find_boundary(const Labels& labels) {
+  Boundary b;
+  std::vector<std::int32_t> found;
+  b.start.assign(labels.pieces.size() + 1, 0);
+  const std::int32_t half_edges = 3 * labels.mesh.face_count();
+  for (std::int32_t h = 0; h < half_edges; ++h) {
+    const std::int32_t l = labels.label[h / 3];
+    if (l == kNone || labels.inner(h)) continue;
+    found.push_back(h);
+    ++b.start[l + 1];
+  }
+  std::partial_sum(b.start.begin(), b.start.end(), b.start.begin());
+  std::vector<std::int32_t> fill(b.start.begin(), b.start.end() - 1);
+  b.grouped.resize(found.size());
+  for (const std::int32_t h : found) b.grouped[fill[labels.label[h / 3]]++] = h;
+  return b;
+}
+
+}  // namespace
+
+std::vector<std::int32_t> find_defects(Labels& labels) {
+  const Mesh& mesh = labels.mesh;
+  const Boundary boundary = find_boundary(labels);
+  std::vector<std::int64_t> chi2(labels.pieces.size(), 0);  // 2 V_inside + B - F
+  for (const std::int32_t l : labels.label)
+    if (l != kNone) --chi2[l];
+  labels.vertex_marks.clear();
+  for (const std::int32_t h : boundary.grouped) labels.vertex_marks.add(mesh.from(h));
+  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
+    const std::int32_t h = mesh.vertex_halfedge()[v];
+    if (h == kNone || labels.label[h / 3] == kNone || labels.vertex_marks.has(v)) continue;
+    chi2[labels.label[h / 3]] += 2;
+  }
+  std::vector<std::int32_t> defects;
+  labels.halfedge_marks.clear();
+  for (std::int32_t l = 0; l < labels.piece_count(); ++l) {
+    std::int32_t loops = 0, pinches = 0;
+    labels.vertex_marks.clear();
+    for (std::int32_t i = boundary.start[l]; i < boundary.start[l + 1]; ++i) {
+      if (labels.halfedge_marks.has(boundary.grouped[i])) continue;
+      ++loops;
+      for (std::int32_t g = boundary.grouped[i]; labels.halfedge_marks.add(g); g = labels.next_on_boundary(g))
+        pinches += !labels.vertex_marks.add(mesh.from(g));
+    }
+    const std::int64_t chi = (chi2[l] + boundary.start[l + 1] - boundary.start[l]) / 2;
+    if (loops != 1 || chi != 1 || pinches != 0) defects.push_back(l);
+  }
+  return defects;
+}
+
+std::vector<std::int32_t> boundary_starts(const Labels& labels) {
+  std::vector<std::int32_t> starts(labels.pieces.size(), kNone);
+  for (std::int32_t h = 3 * labels.mesh.face_count() - 1; h >= 0; --h)
+    if (const std::int32_t l = labels.label[h / 3]; l != kNone && !labels.inner(h)) starts[l] = h;
+  return starts;
+}
+
+}  // namespace isimp::meshing

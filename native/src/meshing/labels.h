@@ -1,0 +1,110 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "isimp/mesh/mesh.h"
+
+namespace isimp::meshing {
+
+/// A set of indices in [0, n) that is emptied in O(1).
+class Marks {
+ public:
+  explicit Marks(std::size_t n) : stamp_(n, 0) {}
+  void clear() { ++now_; }
+  /// \return whether `i` is new to the set
+  bool add(std::int32_t i) {
+    const bool fresh = stamp_[i] != now_;
+    stamp_[i] = now_;
+    return fresh;
+  }
+  [[nodiscard]] bool has(std::int32_t i) const { return stamp_[i] == now_; }
+
+ private:
+  std::vector<std::uint32_t> stamp_;
+  std::uint32_t now_ = 1;
+};
+
+/// Why a piece is there.
+enum class Cause : std::uint8_t { region, unconnected, pinch, hole, handle, closed, repair };
+
+/// A connected set of faces that is to become one polygon.
+struct Piece {
+  std::int32_t face = kNone;    ///< one of its faces
+  std::int32_t region = kNone;  ///< the region of the partition it is a part of
+  Cause cause = Cause::region;  ///< why it was parted from the rest of its region
+};
+
+/// How far a piece is from being a disc.
+struct Shape {
+  std::vector<std::vector<std::int32_t>> loops;  ///< boundary half-edges in order, the piece on their left
+  std::int32_t parts = 1;                        ///< connected components
+  std::int32_t genus = 0;
+  std::int32_t pinches = 0;                   ///< visits of a boundary vertex beyond its first
+  std::int32_t pinch_vertex = kNone;          ///< one that is visited more than once
+  [[nodiscard]] std::int32_t defect() const;  ///< 0 for a disc
+};
+
+/// The mesh's faces under labels; label l is a connected piece. Every step of meshing up to the corners is a change of
+/// labels, so what comes out is homeomorphic to the mesh whatever the steps do.
+struct Labels {
+  explicit Labels(const Mesh& m);
+
+  const Mesh& mesh;
+  std::vector<std::int32_t> label;  ///< (F) kNone where a part was left out
+  std::vector<Piece> pieces;        ///< by label
+  Marks face_marks, vertex_marks, halfedge_marks;
+
+  /// Whether h has the same piece on both sides.
+  [[nodiscard]] bool inner(std::int32_t h) const {
+    const std::int32_t o = mesh.opposite(h);
+    return o != kNone && label[o / 3] == label[h / 3];
+  }
+  /// The label across h, kNone on the border.
+  [[nodiscard]] std::int32_t across(std::int32_t h) const {
+    const std::int32_t o = mesh.opposite(h);
+    return o == kNone ? kNone : label[o / 3];
+  }
+  /// Whether h stands for its boundary edge: of the two sides one does, always the same.
+  [[nodiscard]] bool owns(std::int32_t h) const { return across(h) < label[h / 3]; }
+  /// The boundary half-edge after boundary half-edge h, turning inside the piece, so that a vertex where the piece
+  /// touches itself is passed as two.
+  [[nodiscard]] std::int32_t next_on_boundary(std::int32_t h) const {
+    std::int32_t g = Mesh::next(h);
+    while (inner(g)) g = Mesh::next(mesh.opposite(g));
+    return g;
+  }
+  [[nodiscard]] std::int32_t piece_count() const { return static_cast<std::int32_t>(pieces.size()); }
+
+  /// The faces of a piece, by flooding from one of them. Clears and uses face_marks.
+  std::vector<std::int32_t> faces_of(std::int32_t piece);
+  /// Gives `faces` a new label. Both what goes and what stays must be connected and not empty.
+  /// \param stays  a face that keeps its label
+  std::int32_t part(std::span<const std::int32_t> faces, std::int32_t stays, Cause cause);
+  /// Topology of a piece from its faces; whether they are connected is looked at only if `check_parts`.
+  Shape shape(std::span<const std::int32_t> faces, bool check_parts = false);
+};
+
+/// Calls fn(h) for each half-edge that leaves v, counter-clockwise, a border one first.
+template <class Function>
+void for_each_leaving(const Mesh& mesh, std::int32_t v, Function fn) {
+  const std::int32_t start = mesh.vertex_halfedge()[v];
+  for (std::int32_t h = start; h != kNone;) {
+    fn(h);
+    h = mesh.turn(h);
+    if (h == start) break;
+  }
+}
+
+/// One label for each connected piece of a region. \param face_region (F) in [-1, R)
+/// Cost: O(F).
+Labels label_pieces(const Mesh& mesh, std::span<const std::int32_t> face_region);
+
+/// The labels of pieces that are not discs, in rising order. Cost: O(F).
+std::vector<std::int32_t> find_defects(Labels& labels);
+
+/// One boundary half-edge of each piece. Cost: O(F).
+std::vector<std::int32_t> boundary_starts(const Labels& labels);
+
+}  // namespace isimp::meshing

@@ -1,0 +1,118 @@
+#include "placement.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace isimp::meshing {
+namespace {
+
+/// Eigenvalues below this share of the largest do not fix a point.
+constexpr double kTruncate = 0.2;
+
+/// The step d, |d| <= radius, that best meets `a` d = `g` in the directions that `a` fixes.
+Vec3 trusted_step(const Eigen::Matrix3d& a, const Vec3& g, double radius) {
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(a);
+  const Vec3 lambda = solver.eigenvalues();
+  const Vec3 along = solver.eigenvectors().transpose() * g;
+  const auto step = [&](double damping) {
+    Vec3 d = Vec3::Zero();
+    for (int i = 0; i < 3; ++i)
+      if (lambda[i] > kTruncate * lambda[2]) d += along[i] / (lambda[i] + damping) * solver.eigenvectors().col(i);
+    return d;
+  };
+  const Vec3 free = step(0);
+  if (free.norm() <= radius) return free;
+  double low = 0, high = lambda[2] * 1e3;
+  for (int i = 0; i < 40; ++i) {
+    const double middle = (low + high) / 2;
+    (step(middle).norm() > radius ? low : high) = middle;
+  }
+  const Vec3 damped = step(high);
+  return damped.norm() <= radius ? damped : Vec3(damped * (radius / damped.norm()));
+}
+
+Vec3 within(const Vec3& p, const Vec3& home, double radius) {
+  const Vec3 d = p - home;
+  const double length = d.norm();
+  return length > radius ? Vec3(home + d * (radius / length)) : p;
+}
+
+/// Fits a plane to the corners of a polygon; where they do not fix one, that of the piece.
+struct Fit {
+  Vec3 normal, centre;
+};
+
+Fit fit(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Plane& plane) {
+  constexpr double kPull = 0.01;  // how much the piece's own spread counts beside the corners'
+  Fit f{plane.normal, Vec3::Zero()};
+  for (const std::int32_t c : polygon) f.centre += position[c];
+  f.centre /= static_cast<double>(polygon.size());
+  Eigen::Matrix3d k = Eigen::Matrix3d::Zero();
+  for (const std::int32_t c : polygon) k += (position[c] - f.centre) * (position[c] - f.centre).transpose();
+  k /= static_cast<double>(polygon.size());
+  if (k.trace() <= 0) return f;
+  k += kPull * plane.spread;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(k);
+  if (solver.eigenvalues()[1] < 1e-4 * solver.eigenvalues()[2]) return f;
+  const Vec3 n = solver.eigenvectors().col(0);
+  const double same = n.dot(plane.normal);
+  if (std::abs(same) < 0.3) return f;
+  f.normal = same < 0 ? Vec3(-n) : n;
+  return f;
+}
+
+}  // namespace
+
+std::vector<double> radii(const Polygons& polygons, const Mesh& mesh, double reach) {
+  std::vector<double> radius(polygons.vertex.size(), reach);
+  for (std::int32_t q = 0; q < polygons.count(); ++q) {
+    const auto corners = polygons.of(q);
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const std::int32_t a = corners[i], b = corners[(i + 1) % corners.size()];
+      const double d = (mesh.vertices()[polygons.vertex[a]] - mesh.vertices()[polygons.vertex[b]]).norm();
+      radius[a] = std::min(radius[a], d);
+      radius[b] = std::min(radius[b], d);
+    }
+  }
+  return radius;
+}
+
+std::vector<Vec3> place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
+                        std::span<const double> radius) {
+  std::vector<Vec3> position(polygons.vertex.size());
+  for (std::int32_t c = 0; c < polygons.corner_count(); ++c) {
+    const Vec3& home = mesh.vertices()[polygons.vertex[c]];
+    Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
+    Vec3 g = Vec3::Zero();
+    for (const std::int32_t q : polygons.at(c)) {
+      const Plane& p = planes[polygons.piece[q]];
+      a += p.normal * p.normal.transpose();
+      g += p.normal * p.normal.dot(p.centre - home);
+    }
+    position[c] = home + trusted_step(a, g, radius[c]);
+  }
+  return position;
+}
+
+void flatten(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes, std::span<const double> radius,
+             int rounds, std::vector<Vec3>& position) {
+  std::vector<Fit> fits(polygons.piece.size());
+  std::vector<Vec3> next(position);
+  for (int round = 0; round < rounds; ++round) {
+    for (std::int32_t q = 0; q < polygons.count(); ++q)
+      fits[q] = fit(polygons.of(q), position, planes[polygons.piece[q]]);
+    for (std::int32_t c = 0; c < polygons.corner_count(); ++c) {
+      Vec3 move = Vec3::Zero();
+      for (const std::int32_t q : polygons.at(c))
+        move -= fits[q].normal * fits[q].normal.dot(position[c] - fits[q].centre);
+      next[c] = within(position[c] + move / static_cast<double>(polygons.at(c).size()),
+                       mesh.vertices()[polygons.vertex[c]], radius[c]);
+    }
+    position.swap(next);
+  }
+}
+
+}  // namespace isimp::meshing

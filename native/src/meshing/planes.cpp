@@ -1,0 +1,78 @@
+#include "planes.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace isimp::meshing {
+namespace {
+
+/// Integrals over a set of faces, about an origin that keeps the numbers small.
+struct Moments {
+  double area = 0;
+  Vec3 normal = Vec3::Zero(), first = Vec3::Zero();
+  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+  std::int32_t face = kNone;
+
+  void add(const Mesh& mesh, std::int32_t f, const Vec3& origin) {
+    const Triangle& t = mesh.triangles()[f];
+    const Vec3 a = mesh.vertices()[t[0]] - origin, b = mesh.vertices()[t[1]] - origin,
+               c = mesh.vertices()[t[2]] - origin;
+    const Vec3 n = (b - a).cross(c - a);
+    const double s = n.norm() / 2;
+    const Vec3 sum = a + b + c;
+    if (face == kNone) face = f;
+    area += s;
+    normal += n;
+    first += s / 3 * sum;
+    // The integral of x x^T over a triangle is its area / 12 times this.
+    second += s / 12 * (sum * sum.transpose() + a * a.transpose() + b * b.transpose() + c * c.transpose());
+  }
+};
+
+Plane plane(const Mesh& mesh, const Moments& m, const Vec3& origin) {
+  Plane p;
+  p.area = m.area;
+  const double length = m.normal.norm();
+  if (m.area <= 0 || length <= 1e-12 * m.area) {
+    const FaceRecord& r = mesh.graph().faces[mesh.graph().graph_face[m.face]];
+    p.normal = Vec3(r.nx, r.ny, r.nz);
+    if (p.normal.norm() == 0) p.normal = Vec3::UnitZ();
+    p.normal.normalize();
+    p.centre = mesh.vertices()[mesh.triangles()[m.face][0]];
+    return p;
+  }
+  p.normal = m.normal / length;
+  const Vec3 c = m.first / m.area;
+  p.centre = c + origin;
+  p.spread = m.second / m.area - c * c.transpose();
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(p.spread, Eigen::EigenvaluesOnly);
+  p.width = std::sqrt(12 * std::max(0.0, solver.eigenvalues()[1]));
+  return p;
+}
+
+}  // namespace
+
+std::vector<Plane> planes_of(const Labels& labels) {
+  const Mesh& mesh = labels.mesh;
+  std::vector<Moments> moments(labels.pieces.size());
+  std::vector<Vec3> origin(labels.pieces.size());
+  for (std::size_t l = 0; l < origin.size(); ++l)
+    origin[l] = mesh.vertices()[mesh.triangles()[labels.pieces[l].face][0]];
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+    if (const std::int32_t l = labels.label[f]; l != kNone) moments[l].add(mesh, f, origin[l]);
+  std::vector<Plane> planes(moments.size());
+  for (std::size_t l = 0; l < planes.size(); ++l) planes[l] = plane(mesh, moments[l], origin[l]);
+  return planes;
+}
+
+Plane plane_of(const Mesh& mesh, std::span<const std::int32_t> faces) {
+  Moments moments;
+  const Vec3 origin = mesh.vertices()[mesh.triangles()[faces[0]][0]];
+  for (const std::int32_t f : faces) moments.add(mesh, f, origin);
+  return plane(mesh, moments, origin);
+}
+
+}  // namespace isimp::meshing

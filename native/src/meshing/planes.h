@@ -1,0 +1,26 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "labels.h"
+
+namespace isimp::meshing {
+
+/// What a piece is as a plane.
+struct Plane {
+  Vec3 normal = Vec3::UnitZ();  ///< unit; area-weighted mean of its faces'
+  Vec3 centre = Vec3::Zero();
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();  ///< covariance of the surface round the centre
+  double area = 0;
+  double width = 0;  ///< the shorter side of the rectangle with the same covariance
+};
+
+/// The planes of all pieces. Cost: O(F).
+std::vector<Plane> planes_of(const Labels& labels);
+
+/// The plane of one piece from its faces.
+Plane plane_of(const Mesh& mesh, std::span<const std::int32_t> faces);
+
+}  // namespace isimp::meshing

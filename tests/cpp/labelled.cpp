@@ -1,0 +1,132 @@
+#include "labelled.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <deque>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <numeric>
+#include <random>
+#include <sstream>
+#include <stdexcept>
+#include <tuple>
+
+#include "isimp/core/job.h"
+
+namespace isimp::labelled {
+
+Partition by(std::vector<std::int32_t> regions) {
+  Partition p;
+  std::int32_t most = kNone;
+  for (const std::int32_t r : regions) most = std::max(most, r);
+  p.region_seed.assign(most + 1, 0);
+  p.region_normal.assign(most + 1, Vec3::Zero());
+  for (std::size_t f = 0; f < regions.size(); ++f)
+    if (regions[f] != kNone) p.region_seed[regions[f]] = static_cast<std::int32_t>(f);
+  p.face_region = std::move(regions);
+  p.proxies_asked = p.region_count();
+  return p;
+}
+
+Partition planes(const Mesh& mesh) {
+  std::map<std::tuple<long, long, long, long>, std::int32_t> known;
+  std::vector<std::int32_t> regions;
+  for (const Triangle& t : mesh.triangles()) {
+    const Vec3 &a = mesh.vertices()[t[0]], &b = mesh.vertices()[t[1]], &c = mesh.vertices()[t[2]];
+    const Vec3 n = (b - a).cross(c - a).normalized() * 1e4;
+    const auto key = std::tuple(std::lround(n.x()), std::lround(n.y()), std::lround(n.z()), std::lround(n.dot(a)));
+    regions.push_back(known.emplace(key, static_cast<std::int32_t>(known.size())).first->second);
+  }
+  return by(std::move(regions));
+}
+
+Partition voronoi(const Mesh& mesh, int count, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::vector<std::int32_t> faces(mesh.face_count()), regions(mesh.face_count(), kNone);
+  std::iota(faces.begin(), faces.end(), 0);
+  std::vector<std::int32_t> taken(mesh.component_count(), 0);
+  std::shuffle(faces.begin(), faces.end(), random);
+  std::deque<std::int32_t> queue;
+  std::int32_t next = 0;
+  for (const std::int32_t f : faces) {  // the first of each component, then whatever comes
+    if (next >= count && taken[mesh.component()[f]] > 0) continue;
+    ++taken[mesh.component()[f]];
+    regions[f] = next++;
+    queue.push_back(f);
+  }
+  while (!queue.empty()) {
+    const std::int32_t f = queue.front();
+    queue.pop_front();
+    for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h) {
+      const std::int32_t o = mesh.opposite(h);
+      if (o == kNone || regions[o / 3] != kNone) continue;
+      regions[o / 3] = regions[f];
+      queue.push_back(o / 3);
+    }
+  }
+  return by(std::move(regions));
+}
+
+Partition noise(const Mesh& mesh, int count, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::vector<std::int32_t> regions(mesh.face_count());
+  for (std::int32_t& r : regions) r = static_cast<std::int32_t>(random() % static_cast<std::uint32_t>(count));
+  for (std::int32_t r = 0; r < count && r < mesh.face_count(); ++r) regions[r] = r;
+  return by(std::move(regions));
+}
+
+Partition single(const Mesh& mesh) { return by(std::vector<std::int32_t>(mesh.face_count(), 0)); }
+
+Partition each(const Mesh& mesh) {
+  std::vector<std::int32_t> regions(mesh.face_count());
+  std::iota(regions.begin(), regions.end(), 0);
+  return by(std::move(regions));
+}
+
+std::string data_folder() {
+  namespace fs = std::filesystem;
+  if (const char* set = std::getenv("ISIMP_DATA")) return set;
+  const fs::path beside = fs::path(ISIMP_SOURCE_DIR) / ".." / "shared" / "data";
+  return fs::exists(beside) ? beside.string() : "";
+}
+
+Mesh read_ply(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::string line;
+  std::size_t vertices = 0, faces = 0;
+  while (std::getline(in, line) && line.rfind("end_header", 0) != 0) {
+    std::istringstream words(line);
+    std::string element, name;
+    std::size_t count = 0;
+    if (words >> element >> name >> count && element == "element") (name == "vertex" ? vertices : faces) = count;
+  }
+  std::vector<Vec3> points;
+  std::vector<Triangle> triangles;
+  for (std::size_t i = 0; i < vertices; ++i) {
+    std::array<float, 3> p{};
+    in.read(reinterpret_cast<char*>(p.data()), sizeof p);
+    points.emplace_back(p[0], p[1], p[2]);
+  }
+  for (std::size_t i = 0; i < faces; ++i) {
+    unsigned char corners = 0;
+    Triangle t{};
+    in.read(reinterpret_cast<char*>(&corners), 1);
+    in.read(reinterpret_cast<char*>(t.data()), sizeof t);
+    if (!in || corners != 3) throw std::runtime_error(path + " is not a binary PLY of triangles");
+    triangles.push_back(t);
+  }
+  Job job;
+  return Mesh(std::move(points), std::move(triangles), job);
+}
+
+Partition read_labels(const std::string& path) {
+  std::ifstream in(path);
+  std::vector<std::int32_t> regions;
+  for (std::int32_t r = 0; in >> r;) regions.push_back(r);
+  return by(std::move(regions));
+}
+
+}  // namespace isimp::labelled

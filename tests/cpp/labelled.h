@@ -1,0 +1,32 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "isimp/mesh/mesh.h"
+#include "isimp/partition/partition.h"
+
+/// Partitions made by hand, and the meshes of the data folder.
+namespace isimp::labelled {
+
+/// Regions given face by face. \param regions kNone leaves a face out
+Partition by(std::vector<std::int32_t> regions);
+/// Faces that have the same normal and lie in the same plane, to 1e-4.
+Partition planes(const Mesh& mesh);
+/// Connected regions grown from `count` faces drawn by `seed`, breadth first.
+Partition voronoi(const Mesh& mesh, int count, std::uint32_t seed);
+/// Each face in a region drawn by `seed`: no region is connected.
+Partition noise(const Mesh& mesh, int count, std::uint32_t seed);
+/// All faces one region; each face its own.
+Partition single(const Mesh& mesh);
+Partition each(const Mesh& mesh);
+
+/// The folder of test scans, "" where there is none: the environment's ISIMP_DATA, else beside the source tree.
+std::string data_folder();
+/// A binary PLY of triangles; throws std::runtime_error if it cannot be read.
+Mesh read_ply(const std::string& path);
+/// The true regions of data/known/<name>.ply.
+Partition read_labels(const std::string& path);
+
+}  // namespace isimp::labelled

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "isimp/mesh/mesh.h"
+#include "isimp/meshing/polygonize.h"
+
+namespace isimp::judge {
+
+/// What a polygon mesh is, found from its arrays alone, by other means than the engine's own checks.
+struct Verdict {
+  std::string faults;  ///< "" if every edge is used once or twice and in opposite directions, every vertex has one fan,
+                       ///< no polygon repeats a vertex or another polygon or has no area, no vertex is unused, ...
+  std::int64_t euler = 0, border_edges = 0, border_loops = 0, components = 0;
+  double area = 0;
+  double bend_max = 0;  ///< largest distance of a corner from its polygon's plane
+};
+
+Verdict look_at(const PolygonMesh& mesh);
+
+/// look_at(), and the same Euler characteristic, components and border loops as the part of `scan` that has a region.
+/// \return "" or what is wrong
+std::string faults_against(const PolygonMesh& mesh, const Mesh& scan, const Partition& partition);
+
+}  // namespace isimp::judge

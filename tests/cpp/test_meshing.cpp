@@ -1,0 +1,251 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "isimp/core/errors.h"
+#include "isimp/meshing/polygonize.h"
+#include "labelled.h"
+#include "polygon_judge.h"
+#include "shapes.h"
+
+namespace isimp {
+namespace {
+
+PolygonMesh run(const Mesh& mesh, const Partition& partition, const MeshingOptions& options = {}) {
+  Job job;
+  return polygonize(mesh, partition, options, job);
+}
+
+/// How many polygons have 3, 4, ... corners.
+std::vector<int> corner_counts(const PolygonMesh& p) {
+  std::vector<int> counts;
+  for (std::size_t q = 0; q < p.loop_start.size(); ++q) {
+    const auto end = q + 1 < p.loop_start.size() ? p.loop_start[q + 1] : static_cast<int>(p.loops.size());
+    counts.push_back(end - p.loop_start[q]);
+  }
+  std::sort(counts.begin(), counts.end());
+  return counts;
+}
+
+/// Whether there is a vertex within `tolerance` of each point, and no more vertices than points.
+void expect_vertices(const PolygonMesh& p, const std::vector<Vec3>& points, double tolerance) {
+  EXPECT_EQ(p.vertices.size(), points.size());
+  for (const Vec3& at : points)
+    EXPECT_TRUE(
+        std::any_of(p.vertices.begin(), p.vertices.end(), [&](const Vec3& v) { return (v - at).norm() <= tolerance; }))
+        << "no vertex at " << at.transpose();
+}
+
+std::vector<Vec3> box(const Vec3& low, const Vec3& high) {
+  std::vector<Vec3> corners;
+  for (int i = 0; i < 8; ++i)
+    corners.emplace_back(i & 1 ? high.x() : low.x(), i & 2 ? high.y() : low.y(), i & 4 ? high.z() : low.z());
+  return corners;
+}
+
+TEST(Polygonize, CubeComesBackAsSixQuadsInAnyFaceOrder) {
+  for (std::uint32_t order = 0; order < 20; ++order) {
+    const Mesh mesh = shapes::mesh(shapes::shuffled(shapes::cube(8), order));
+    const Partition sides = labelled::planes(mesh);
+    ASSERT_EQ(sides.region_count(), 6);
+    const PolygonMesh p = run(mesh, sides);
+    EXPECT_EQ(judge::faults_against(p, mesh, sides), "");
+    EXPECT_EQ(corner_counts(p), std::vector<int>(6, 4));
+    expect_vertices(p, box(Vec3::Zero(), Vec3::Ones()), 1e-12);
+    EXPECT_LT(p.report.planarity_max, 1e-12);
+  }
+}
+
+TEST(Polygonize, RotatedCubeIsExactToRounding) {
+  for (std::uint32_t turn = 0; turn < 20; ++turn) {
+    shapes::Arrays a = shapes::cube(6);
+    const Eigen::AngleAxisd rotation(0.3 * turn, Vec3(1, 2.0 + turn, 3).normalized());
+    std::vector<Vec3> corners = box(Vec3::Zero(), Vec3::Ones());
+    for (Vec3& v : a.vertices) v = rotation * v;
+    for (Vec3& v : corners) v = rotation * v;
+    const Mesh mesh = shapes::mesh(shapes::shuffled(a, turn));
+    const PolygonMesh p = run(mesh, labelled::planes(shapes::mesh(shapes::shuffled(shapes::cube(6), turn))));
+    EXPECT_EQ(corner_counts(p), std::vector<int>(6, 4));
+    expect_vertices(p, corners, 1e-9);
+  }
+}
+
+TEST(Polygonize, TwoCubesAreTwelveQuads) {
+  const Mesh mesh = shapes::mesh(shapes::both(shapes::cube(5), shapes::cube(3), {3, 0.5, 0.25}));
+  const Partition sides = labelled::planes(mesh);
+  const PolygonMesh p = run(mesh, sides);
+  EXPECT_EQ(judge::faults_against(p, mesh, sides), "");
+  EXPECT_EQ(corner_counts(p).size(), 12U);
+  EXPECT_TRUE(p.report.closed);
+}
+
+TEST(Polygonize, OneTriangleStaysOne) {
+  const Mesh mesh = shapes::mesh({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}});
+  const PolygonMesh p = run(mesh, labelled::single(mesh));
+  EXPECT_EQ(judge::faults_against(p, mesh, labelled::single(mesh)), "");
+  EXPECT_EQ(corner_counts(p), std::vector<int>{3});
+  EXPECT_EQ(p.loops, (std::vector<std::int32_t>{0, 1, 2}));
+}
+
+TEST(Polygonize, OpenPlaneKeepsItsCornersAndArea) {
+  const Mesh mesh = shapes::mesh(shapes::plane(12));
+  const PolygonMesh whole = run(mesh, labelled::single(mesh));
+  EXPECT_EQ(corner_counts(whole), std::vector<int>{4});
+  expect_vertices(whole, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, 1e-12);
+  for (const int regions : {2, 5, 20}) {
+    const Partition parts = labelled::voronoi(mesh, regions, 5);
+    const PolygonMesh p = run(mesh, parts);
+    EXPECT_EQ(judge::faults_against(p, mesh, parts), "");
+    EXPECT_NEAR(judge::look_at(p).area, 1.0, 1e-9);
+  }
+}
+
+TEST(Polygonize, AHalvedPlaneIsTwoRectangles) {
+  const Mesh mesh = shapes::mesh(shapes::plane(10));
+  std::vector<std::int32_t> side;
+  for (const Triangle& t : mesh.triangles()) {
+    const double x = (mesh.vertices()[t[0]] + mesh.vertices()[t[1]] + mesh.vertices()[t[2]]).x() / 3;
+    side.push_back(x < 0.5 ? 0 : 1);
+  }
+  const PolygonMesh p = run(mesh, labelled::by(side));
+  EXPECT_EQ(corner_counts(p), (std::vector<int>{4, 4}));
+}
+
+TEST(Polygonize, SphereOfOneRegionBecomesFourPolygons) {
+  const Mesh mesh = shapes::mesh(shapes::sphere(3));
+  const Partition one = labelled::single(mesh);
+  const PolygonMesh p = run(mesh, one);
+  EXPECT_EQ(judge::faults_against(p, mesh, one), "");
+  EXPECT_EQ(p.report.polygons, 4);
+  EXPECT_EQ(p.report.regions, 1);
+  EXPECT_EQ(p.report.regions_split, 1);
+  EXPECT_EQ(p.report.split_for_closed, 3);
+}
+
+TEST(Polygonize, TorusOfOneRegionKeepsItsHandle) {
+  const Mesh mesh = shapes::mesh(shapes::torus(40, 20));
+  const Partition one = labelled::single(mesh);
+  const PolygonMesh p = run(mesh, one);
+  EXPECT_EQ(judge::faults_against(p, mesh, one), "");
+  EXPECT_GT(p.report.split_for_handles, 0);
+}
+
+TEST(Polygonize, APartLeftOutGetsNoPolygon) {
+  const Mesh mesh = shapes::mesh(shapes::both(shapes::cube(4), shapes::cube(1), {3, 0, 0}));
+  Partition sides = labelled::planes(mesh);
+  std::vector<std::int32_t> regions = sides.face_region;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+    if (mesh.component()[f] == 1) regions[f] = kNone;
+  const Partition kept = labelled::by(regions);
+  const PolygonMesh p = run(mesh, kept);
+  EXPECT_EQ(judge::faults_against(p, mesh, kept), "");
+  EXPECT_EQ(p.report.polygons, 6);
+}
+
+TEST(Polygonize, CornerCutByATriangle) {
+  // A cube whose corner at the origin is a region of its own: a staircase of squares on each side.
+  const Mesh mesh = shapes::mesh(shapes::cube(20));
+  std::vector<std::int32_t> regions = labelled::planes(mesh).face_region;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const Triangle& t = mesh.triangles()[f];
+    const Vec3 c = (mesh.vertices()[t[0]] + mesh.vertices()[t[1]] + mesh.vertices()[t[2]]) / 3;
+    if (c.sum() < 0.475) regions[f] = 6;
+  }
+  const Partition cut = labelled::by(regions);
+  const PolygonMesh p = run(mesh, cut);
+  EXPECT_EQ(judge::faults_against(p, mesh, cut), "");
+  EXPECT_EQ(corner_counts(p), (std::vector<int>{3, 4, 4, 4, 5, 5, 5}));
+}
+
+TEST(Polygonize, UnconnectedRegionsBecomeConnectedPolygons) {
+  const Mesh mesh = shapes::mesh(shapes::sphere(3));
+  for (const int count : {2, 10, 1000}) {
+    const Partition noise = labelled::noise(mesh, count, 11);
+    const PolygonMesh p = run(mesh, noise);
+    EXPECT_EQ(judge::faults_against(p, mesh, noise), "");
+  }
+}
+
+TEST(Polygonize, EveryFaceARegionGivesTheMeshBack) {
+  const Mesh mesh = shapes::mesh(shapes::torus(15, 9));
+  const PolygonMesh p = run(mesh, labelled::each(mesh));
+  EXPECT_EQ(judge::faults_against(p, mesh, labelled::each(mesh)), "");
+  EXPECT_EQ(p.report.polygons, mesh.face_count());
+  EXPECT_EQ(p.report.vertices, mesh.vertex_count());
+}
+
+TEST(Polygonize, SameInputSameBits) {
+  const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(4), 0.01, 3));
+  const Partition parts = labelled::voronoi(mesh, 60, 2);
+  const PolygonMesh a = run(mesh, parts), b = run(mesh, parts);
+  EXPECT_EQ(a.loops, b.loops);
+  EXPECT_TRUE(a.vertices == b.vertices);
+}
+
+TEST(Polygonize, NoCornerMovesFurtherThanTheReach) {
+  const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(4), 0.02, 3));
+  const Partition parts = labelled::voronoi(mesh, 80, 2);
+  for (const double reach : {0.0, 0.002, 0.01}) {
+    MeshingOptions options;
+    options.reach = reach;
+    const PolygonMesh p = run(mesh, parts, options);
+    for (std::size_t i = 0; i < p.vertices.size(); ++i)
+      EXPECT_LE((p.vertices[i] - mesh.vertices()[p.source_vertex[i]]).norm(), reach * mesh.diagonal() * (1 + 1e-9));
+  }
+}
+
+std::string message_of(const Mesh& mesh, const Partition& partition, const MeshingOptions& options = {}) {
+  try {
+    run(mesh, partition, options);
+  } catch (const InvalidInput& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+TEST(Polygonize, BadInputIsNamed) {
+  const Mesh mesh = shapes::mesh(shapes::cube(1));
+  Partition p = labelled::single(mesh);
+  p.face_region.pop_back();
+  EXPECT_EQ(message_of(mesh, p), "the partition has labels for 11 faces, but the mesh has 12");
+  p = labelled::single(mesh);
+  p.face_region[4] = 7;
+  EXPECT_EQ(message_of(mesh, p), "face 4 is in region 7, but there are 1 regions");
+  p.face_region[4] = kNone;
+  EXPECT_NE(message_of(mesh, p).find("only whole parts can be left out"), std::string::npos);
+  MeshingOptions options;
+  options.reach = -1;
+  EXPECT_EQ(message_of(mesh, labelled::single(mesh), options), "reach must be in [0, 1], got -1");
+}
+
+TEST(Polygonize, ACancelledJobThrows) {
+  const Mesh mesh = shapes::mesh(shapes::cube(4));
+  Job job;
+  job.cancel();
+  EXPECT_THROW(polygonize(mesh, labelled::single(mesh), {}, job), Cancelled);
+}
+
+/// The shapes of the data folder whose true regions are known.
+class Known : public testing::TestWithParam<const char*> {};
+
+TEST_P(Known, ComesBackExactly) {
+  const std::string folder = labelled::data_folder();
+  if (folder.empty()) GTEST_SKIP() << "no test data: set ISIMP_DATA";
+  const std::string path = folder + "/known/" + GetParam();
+  const Mesh mesh = labelled::read_ply(path + ".ply");
+  const Partition truth = labelled::read_labels(path + ".lab");
+  const PolygonMesh p = run(mesh, truth);
+  EXPECT_EQ(judge::faults_against(p, mesh, truth), "");
+  EXPECT_NEAR(judge::look_at(p).area, mesh.report().area, 1e-6 * mesh.report().area);
+  EXPECT_LT(p.report.planarity_max, 1e-6 * mesh.diagonal());
+  EXPECT_LE(p.report.polygons, p.report.regions + 2 * p.report.regions_split);
+}
+
+INSTANTIATE_TEST_SUITE_P(Polygonize, Known,
+                         testing::Values("cube12", "cube20", "cube20_rotated", "two_cubes", "lhouse", "washer",
+                                         "plane_with_hole", "one_triangle"));
+
+}  // namespace
+}  // namespace isimp
