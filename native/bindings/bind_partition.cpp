@@ -20,12 +20,12 @@ void bind_options(py::module_& m) {
              "together stay below ten times it; in [0, 1), 0 keeps everything.")
       .field("seed", &Options::seed, "The number that starts the random seeding.")
       .field("iterations", &Options::iterations, "Upper bound on flood-and-fit rounds, at least 1.")
-      .choice("seeding", &Options::seeding,
-              {{"random", Seeding::random}, {"farthest", Seeding::farthest}},
-              "Where the first proxies are put: .")
-      .choice("method", &Options::method, {{"lloyd", Method::lloyd}},
-              "'lloyd': flooding and fitting in turn (Cohen-Steiner, Alliez, Desbrun 2004, section 3); 'teleport': "
-              "that, then merging the cheapest pair and splitting the worst region until it no longer helps.")
+      .choice("seeding", &Options::seeding, {{"random", Seeding::random}, {"farthest", Seeding::farthest}},
+              "Where the first proxies are put: 'random', distinct faces drawn by `seed`, or 'farthest', each the face "
+              "whose normal and place are farthest from all before.")
+      .choice(
+          "method", &Options::method, {{"lloyd", Method::lloyd}},
+          "How the regions are found: 'lloyd', flooding and fitting in turn, the 2004 paper's and the thesis's own.")
       .field("threads", &Options::threads, "0: as many as there are cores. The result does not depend on it.")
       .field("backend", &Options::backend, "A name of backends().")
       .finish();

@@ -8,10 +8,13 @@
 /// add-on) can live in one process.
 namespace isimp::bindings {
 
-void bind_core(pybind11::module_& m);
-void bind_mesh(pybind11::module_& m);
-void bind_partition(pybind11::module_& m);
-void bind_interact(pybind11::module_& m);
-void bind_meshing(pybind11::module_& m);
+namespace py = pybind11;
+
+void bind_core(py::module_& m);
+void bind_mesh(py::module_& m);
+void bind_parallel(py::module_& m);
+void bind_partition(py::module_& m);
+void bind_interact(py::module_& m);
+void bind_meshing(py::module_& m);
 
 }  // namespace isimp::bindings

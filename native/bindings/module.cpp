@@ -7,12 +7,9 @@ PYBIND11_MODULE(_core, m) {
   m.attr("__version__") = ISIMP_VERSION;
   isimp::bindings::bind_core(m);
   isimp::bindings::bind_mesh(m);
-#ifdef ISIMP_HAS_PARTITION
+  isimp::bindings::bind_parallel(m);
   isimp::bindings::bind_partition(m);
-#endif
-#ifdef ISIMP_HAS_INTERACT
   isimp::bindings::bind_interact(m);
-#endif
 #ifdef ISIMP_HAS_MESHING
   isimp::bindings::bind_meshing(m);
 #endif

@@ -1,0 +1,126 @@
+"""What may know what: the order of the engine's modules, and who may import the engine, numpy and bpy."""
+
+import ast
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import isimp_engine
+
+ROOT = Path(__file__).resolve().parents[2]
+NATIVE = ROOT / "native"
+ADDON = ROOT / "addon" / "isimp"
+ORDER = ["core", "mesh", "partition", "interact", "meshing", "hybrid", "texture"]  # each may know those before it
+UNRELATED = {("interact", "meshing"), ("meshing", "interact")}
+PRIVATE = {"CGAL": {"mesh", "meshing", "hybrid"}, "OpenMesh": {"mesh", "hybrid"}, "thrust": {"parallel"}}
+
+
+def modules():
+    """The engine's modules and what each is declared to use, as CMake has it."""
+    text = (NATIVE / "CMakeLists.txt").read_text()
+    calls = re.findall(r"^isimp_module\((\w+)\s+SOURCES\s[^)]*?(?:\sUSES\s+([^)]*))?\)", text, re.MULTILINE)
+    return {name: set(uses.split()) for name, uses in calls}
+
+
+def reachable(uses, name):
+    return {name}.union(*(reachable(uses, other) for other in uses[name]))
+
+
+def includes(path):
+    return re.findall(r'^\s*#\s*include\s+[<"]([^>"]+)[>"]', path.read_text(), re.MULTILINE)
+
+
+def sources(module):
+    return [p for part in ("include/isimp", "src") for p in sorted((NATIVE / part / module).rglob("*")) if p.is_file()]
+
+
+@pytest.mark.parametrize("module", sorted(modules()))
+def test_a_module_includes_only_what_it_declares_and_what_comes_before(module):
+    allowed = reachable(modules(), module)
+    files = sources(module)
+    assert files
+    for path in files:
+        for include in includes(path):
+            if include.startswith("isimp/"):
+                assert include.split("/")[1] in allowed, f"{path} includes {include}"
+
+
+def test_modules_come_in_the_agreed_order():
+    for module, uses in modules().items():
+        for other in uses:
+            assert (module, other) not in UNRELATED
+            if module in ORDER and other in ORDER:
+                assert ORDER.index(other) < ORDER.index(module), f"{module} uses {other}"
+            else:
+                assert other in ("core", "parallel"), f"{module} uses {other}"
+
+
+@pytest.mark.parametrize("library", sorted(PRIVATE))
+def test_a_foreign_library_stays_private_to_the_sources_of_its_modules(library):
+    for path in sorted(NATIVE.rglob("*")):
+        if path.suffix in {".h", ".cpp"} and any(i.split("/")[0] == library for i in includes(path)):
+            assert path.parts[-3] == "src", f"{path} includes {library}"
+            assert path.parts[-2] in PRIVATE[library], f"{path} includes {library}"
+
+
+def imports(path):
+    """The top-level names a Python file imports, with dots for relative ones."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            yield from (alias.name.split(".")[0] for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            names = [node.module or ""] if node.module else [alias.name for alias in node.names]
+            yield from ("." * node.level + name.split(".")[0] for name in names)
+
+
+def test_the_package_imports_itself_relatively_and_else_only_numpy():
+    for path in sorted((ROOT / "python" / "isimp_engine").rglob("*.py")):
+        for name in imports(path):
+            assert name.startswith(".") or name == "numpy" or name in sys.stdlib_module_names, f"{path} imports {name}"
+
+
+@pytest.mark.skipif(not ADDON.is_dir(), reason="the add-on is not here")
+def test_only_session_imports_the_engine_and_only_blender_bpy():
+    for path in sorted(ADDON.rglob("*.py")):
+        inside = path.relative_to(ADDON).parts
+        if inside[0] == "isimp_engine":  # the engine itself, when put inside the add-on
+            continue
+        for name in imports(path):
+            if name.lstrip(".") == "isimp_engine":
+                assert inside == ("session.py",), f"{path} imports the engine"
+            if name in {"bpy", "bmesh", "gpu", "gpu_extras", "blf", "bpy_extras", "mathutils"}:
+                assert inside[0] in ("blender", "__init__.py"), f"{path} imports {name}"
+
+
+@pytest.mark.skipif(not ADDON.is_dir(), reason="the add-on is not here")
+@pytest.mark.parametrize(("file", "extra"), [("recipe.py", set()), ("view.py", {"numpy"})])
+def test_recipe_and_view_stand_on_little(file, extra):
+    for name in imports(ADDON / file):
+        assert name.startswith(".") or name in extra or name in sys.stdlib_module_names, f"{file} imports {name}"
+
+
+def test_the_package_also_works_inside_another_one_beside_the_installed_copy(tmp_path):
+    inner = tmp_path / "isimp" / "isimp_engine"
+    shutil.copytree(Path(isimp_engine.__file__).parent, inner)
+    (tmp_path / "isimp" / "__init__.py").touch()
+    code = (
+        "import isimp_engine as outer\n"
+        "from isimp import isimp_engine as inner\n"
+        "assert inner.Mesh is not outer.Mesh\n"
+        "for engine in (inner, outer):\n"
+        "    try: engine.Mesh([[0., 0., 0.]], [[0, 0, 0]])\n"
+        "    except engine.InvalidInput as error: print(type(error).__module__, error)\n"
+    )
+    outer = str(Path(isimp_engine.__file__).parents[1])
+    done = subprocess.run(
+        [sys.executable, "-c", code], env={"PYTHONPATH": f"{tmp_path}:{outer}"}, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines() == [
+        "isimp.isimp_engine face 0 names vertex 0 twice; clean(...) repairs this",
+        "isimp_engine face 0 names vertex 0 twice; clean(...) repairs this",
+    ]

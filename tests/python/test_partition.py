@@ -1,0 +1,269 @@
+"""partition, add_proxy, delete_proxy: the contract as callers see it."""
+
+import gc
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import isimp_engine as engine
+import shapes
+from headers import struct_fields
+
+
+def options(**fields):
+    return engine.PartitionOptions(**fields)
+
+
+def normals_and_areas(mesh):
+    corners = mesh.vertices[mesh.triangles]
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.linalg.norm(cross, axis=1)
+    return cross / length[:, None], length / 2
+
+
+def pieces(mesh, faces):
+    """How many connected pieces a set of faces has, across shared edges."""
+    faces = {int(f) for f in faces}
+    by_edge = {}
+    for f in faces:
+        a, b, c = mesh.triangles[f]
+        for edge in ((a, b), (b, c), (c, a)):
+            by_edge.setdefault((min(edge), max(edge)), []).append(f)
+    neighbours = {f: set() for f in faces}
+    for pair in by_edge.values():
+        for f in pair:
+            neighbours[f].update(pair)
+    count = 0
+    while faces:
+        count += 1
+        stack = [faces.pop()]
+        while stack:
+            fresh = neighbours[stack.pop()] & faces
+            faces -= fresh
+            stack += fresh
+    return count
+
+
+def check(mesh, part, regions):
+    """All that is promised of a partition of a mesh without specks."""
+    face_region, faces = part.face_region, len(mesh.triangles)
+    assert face_region.dtype == np.int32
+    assert face_region.shape == (faces,)
+    assert part.region_count == regions
+    assert set(face_region) == set(range(regions))
+    assert part.region_seed.dtype == np.int32
+    assert part.region_seed.shape == (regions,)
+    np.testing.assert_array_equal(face_region[part.region_seed], np.arange(regions))
+    assert part.region_normal.dtype == np.float64
+    assert part.region_normal.shape == (regions, 3)
+    normal, area = normals_and_areas(mesh)
+    for r in range(regions):
+        mine = np.flatnonzero(face_region == r)
+        assert pieces(mesh, mine) == 1
+        mean = (normal[mine] * area[mine, None]).sum(axis=0)
+        np.testing.assert_allclose(part.region_normal[r], mean / np.linalg.norm(mean), atol=1e-5)
+    error = (area * ((normal - part.region_normal[face_region]) ** 2).sum(axis=1)).sum()
+    assert part.error == pytest.approx(error, rel=1e-4, abs=1e-6)
+    assert part.history.dtype == np.float64
+    assert len(part.history) >= 1
+    assert part.error <= part.history.min() * (1 + 1e-9) + 1e-12
+
+
+@pytest.mark.parametrize("seeding", ["random", "farthest"])
+@pytest.mark.parametrize("proxies", [1, 2, 17, 300])
+def test_exactly_the_asked_number_of_connected_regions(sheet, proxies, seeding):
+    part = engine.partition(sheet, options(proxies=proxies, seeding=seeding, method="lloyd"))
+    check(sheet, part, proxies)
+    assert part.proxies_asked == proxies
+    assert part.proxies_needed <= proxies
+    assert (part.parts_left_out, part.area_left_out) == (0, 0.0)
+
+
+def test_one_region_a_face():
+    mesh = engine.Mesh(*shapes.plane(3))
+    part = engine.partition(mesh, options(proxies=18))
+    check(mesh, part, 18)
+    assert part.error == pytest.approx(0, abs=1e-9)
+
+
+def test_a_closed_part_gets_what_it_needs_and_says_so():
+    mesh = engine.Mesh(*shapes.two_cubes())
+    part = engine.partition(mesh, options(proxies=3))
+    check(mesh, part, 8)
+    assert (part.proxies_asked, part.proxies_needed) == (3, 8)
+    assert part.report["regions"] == 8
+    assert part.report["proxies_needed"] == 8
+
+
+def test_specks_are_left_out_unless_asked_for():
+    big, small = shapes.plane(20), shapes.plane(1)
+    mesh = engine.Mesh(*shapes.joined(big, (small[0] * 0.01 + [2, 0, 0], small[1])))
+    part = engine.partition(mesh, options(proxies=5))
+    np.testing.assert_array_equal(part.face_region[-2:], [-1, -1])
+    assert part.face_region[:-2].min() == 0
+    assert part.parts_left_out == 1
+    assert part.area_left_out == pytest.approx(1e-4, rel=1e-2)
+    whole = engine.partition(mesh, options(proxies=5, leave_out=0))
+    assert whole.face_region.min() == 0
+    assert whole.parts_left_out == 0
+
+
+@pytest.mark.parametrize("proxies", [0, -3, 193])
+def test_proxies_out_of_range_name_the_range(cube, proxies):
+    with pytest.raises(engine.InvalidInput, match=rf"\[1, 192\], got {proxies}"):
+        engine.partition(cube, options(proxies=proxies))
+
+
+@pytest.mark.parametrize(
+    ("field", "bad"),
+    [("leave_out", 1.0), ("leave_out", -0.1), ("leave_out", np.nan), ("iterations", 0), ("threads", -1)],
+)
+def test_an_option_out_of_its_range_is_named(cube, field, bad):
+    with pytest.raises(engine.InvalidInput, match=field.replace("_", ".")):
+        engine.partition(cube, options(**{"proxies": 6, field: bad}))
+
+
+def test_an_unknown_backend_names_the_known_ones(cube):
+    with pytest.raises(engine.InvalidInput, match=r"abacus.*cpu"):
+        engine.partition(cube, options(proxies=6, backend="abacus"))
+
+
+@pytest.mark.parametrize("method", ["lloyd", engine.PartitionOptions().method])
+def test_the_same_bits_on_every_run_and_thread_count(sheet, method):
+    first = engine.partition(sheet, options(proxies=40, seed=3, method=method, threads=1))
+    again = engine.Mesh(sheet.vertices, sheet.triangles)
+    for mesh, threads in ((sheet, 1), (again, 1), (again, 2), (again, 0), (sheet, 7)):
+        part = engine.partition(mesh, options(proxies=40, seed=3, method=method, threads=threads))
+        for name in ("face_region", "region_seed", "region_normal", "history"):
+            np.testing.assert_array_equal(getattr(part, name), getattr(first, name))
+        assert part.error == first.error
+
+
+def test_another_seed_is_another_start(sheet):
+    first, second = (engine.partition(sheet, options(proxies=40, seed=s, method="lloyd")) for s in (1, 2))
+    assert (first.face_region != second.face_region).any()
+
+
+def test_more_proxies_are_never_much_worse(sheet):
+    errors = [engine.partition(sheet, options(proxies=p)).error for p in (10, 40, 160, 640)]
+    assert errors == sorted(errors, reverse=True)
+
+
+def test_the_options_are_those_at_the_call(sheet):
+    """Changing them while the engine works changes nothing: they were copied."""
+    given = options(proxies=100)
+    job = engine.Job()
+    results = []
+    worker = threading.Thread(target=lambda: results.append(engine.partition(sheet, given, job)))
+    worker.start()
+    given.proxies = 5
+    worker.join()
+    assert results[0].region_count in (5, 100)
+    assert given.proxies == 5
+
+
+def test_it_can_be_cancelled_from_another_thread():
+    mesh = engine.Mesh(*shapes.bumpy(400))
+    job = engine.Job()
+
+    def cancel_once_begun():
+        while job.progress == 0:
+            time.sleep(0.001)
+        job.cancel()
+
+    canceller = threading.Thread(target=cancel_once_begun)
+    canceller.start()
+    with pytest.raises(engine.Cancelled):
+        engine.partition(mesh, options(proxies=2000, method="lloyd", iterations=200), job)
+    canceller.join()
+
+
+def test_views_are_read_only_and_keep_the_partition_alive(sheet):
+    part = engine.partition(sheet, options(proxies=30))
+    views = {name: getattr(part, name) for name in ("face_region", "region_seed", "region_normal", "history")}
+    expected = {name: array.copy() for name, array in views.items()}
+    del part
+    gc.collect()
+    engine.partition(sheet, options(proxies=31))
+    for name, array in views.items():
+        assert not array.flags.writeable
+        np.testing.assert_array_equal(array, expected[name])
+
+
+def test_every_number_of_the_header_is_there(cube):
+    part = engine.partition(cube, options(proxies=6))
+    for field in struct_fields("partition/partition.h", "Partition"):
+        if field not in ("region_sum",):  # what edits start from, of no use outside
+            assert hasattr(part, field)
+
+
+def test_add_makes_the_last_region_and_keeps_the_other_numbers(cube):
+    part = engine.partition(cube, options(proxies=6))
+    before = part.face_region.copy()
+    face = int(np.flatnonzero(before == before[100])[-1])
+    more = engine.add_proxy(cube, part, face)
+    check(cube, more, 7)
+    assert more.face_region[face] == 6
+    np.testing.assert_array_equal(part.face_region, before)
+    kept = more.face_region != 6
+    np.testing.assert_array_equal(more.face_region[kept], before[kept])
+
+
+def test_delete_gives_the_faces_to_the_neighbours(sheet):
+    part = engine.partition(sheet, options(proxies=30))
+    region = int(part.face_region[4000])
+    fewer = engine.delete_proxy(sheet, part, 4000)
+    check(sheet, fewer, 29)
+    assert part.region_count == 30
+    assert fewer.region_count == 29
+    assert 0 <= region < 30
+
+
+def test_edits_are_deterministic(sheet):
+    part = engine.partition(sheet, options(proxies=30))
+    for edit in (engine.add_proxy, engine.delete_proxy):
+        first, second = edit(sheet, part, 123), edit(sheet, part, 123)
+        np.testing.assert_array_equal(first.face_region, second.face_region)
+        assert first.error == second.error
+
+
+@pytest.mark.parametrize("edit", [engine.add_proxy, engine.delete_proxy])
+def test_an_edit_at_no_face_says_how_many_there_are(cube, edit):
+    part = engine.partition(cube, options(proxies=6))
+    for face in (-1, 192, 2**31 - 1):
+        with pytest.raises(engine.InvalidInput, match=rf"{face}.*192|192.*{face}"):
+            edit(cube, part, face)
+    for face in (1.5, None, "3", True):
+        with pytest.raises(engine.InvalidInput, match="face must be an integer, got "):
+            edit(cube, part, face)
+    with pytest.raises(engine.InvalidInput, match="face must be an integer in"):
+        edit(cube, part, 2**31)
+
+
+def test_an_edit_of_a_partition_of_another_mesh_is_refused(cube, sheet):
+    part = engine.partition(sheet, options(proxies=6))
+    for edit in (engine.add_proxy, engine.delete_proxy):
+        with pytest.raises(engine.InvalidInput, match=r"7,?200.*192|192.*7,?200|not .* this mesh"):
+            edit(cube, part, 0)
+
+
+def test_a_region_of_one_face_can_not_be_split_nor_the_only_region_deleted():
+    mesh = engine.Mesh(*shapes.plane(1))
+    both = engine.partition(mesh, options(proxies=2))
+    with pytest.raises(engine.InvalidInput, match="face 0 is that face alone"):
+        engine.add_proxy(mesh, both, 0)
+    one = engine.partition(mesh, options(proxies=1))
+    with pytest.raises(engine.InvalidInput, match="only"):
+        engine.delete_proxy(mesh, one, 0)
+
+
+def test_a_speck_is_brought_back_by_add():
+    big, small = shapes.plane(20), shapes.plane(1)
+    mesh = engine.Mesh(*shapes.joined(big, (small[0] * 0.01 + [2, 0, 0], small[1])))
+    part = engine.partition(mesh, options(proxies=5))
+    back = engine.add_proxy(mesh, part, 801)
+    np.testing.assert_array_equal(back.face_region[-2:], [5, 5])
+    with pytest.raises(engine.InvalidInput, match="left out"):
+        engine.delete_proxy(mesh, part, 801)
