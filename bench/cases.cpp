@@ -1,0 +1,140 @@
+#include "cases.h"
+
+#include <algorithm>
+#include <optional>
+#include <random>
+#include <utility>
+
+#include "evaluate.h"
+#include "isimp/core/errors.h"
+#include "isimp/interact/interact.h"
+#include "isimp/partition/partition.h"
+
+namespace isimp::bench {
+namespace {
+
+using SetupPtr = std::shared_ptr<const Setup>;
+
+constexpr std::size_t kScored = 20;  // of the edits, how many are judged: judging takes longer than editing
+
+PartitionOptions options_of(const Setup& setup, int round, Method method, std::int32_t threads) {
+  PartitionOptions options;
+  options.proxies = setup.proxies;
+  options.seed = static_cast<std::uint64_t>(round);
+  options.method = method;
+  options.threads = threads;
+  return options;
+}
+
+Sample sample_of(const Setup& setup, const Lap& lap, const Partition& result) {
+  Sample sample{{lap}, to_json(evaluate(*setup.mesh, setup.surface, result.face_region))};
+  sample.facts["rounds"] = result.history.size();
+  return sample;
+}
+
+Case mesh_case(const SetupPtr& setup) {
+  const auto run = [setup](int) {
+    Arrays copy = setup->arrays;
+    std::optional<Mesh> mesh;
+    Job job;
+    return Sample{{timed([&] { mesh.emplace(std::move(copy.vertices), std::move(copy.triangles), job); })}, {}};
+  };
+  return {"mesh", run, setup->inner};
+}
+
+Case reference_case(const SetupPtr& setup) {
+  const auto run = [setup](int round) {
+    ReferenceResult result;
+    const ReferenceOptions options{.proxies = setup->proxies, .seed = static_cast<std::uint32_t>(round)};
+    const Lap lap = timed([&] { result = reference(setup->surface, options); });
+    Sample sample{{lap}, to_json(evaluate(*setup->mesh, setup->surface, result.label))};
+    sample.facts["round_ms"] = result.round_ms;
+    return sample;
+  };
+  return {"reference", run, 1};
+}
+
+Case partition_case(const SetupPtr& setup, const std::string& name, Method method, std::int32_t threads) {
+  const auto run = [setup, method, threads](int round) {
+    Partition result;
+    Job job;
+    const Lap lap = timed([&] { result = partition(*setup->mesh, options_of(*setup, round, method, threads), job); });
+    return sample_of(*setup, lap, result);
+  };
+  return {name, run, setup->inner};
+}
+
+/// A converged partition to edit and to make polygons of, made when it is first asked for.
+class Base {
+ public:
+  explicit Base(SetupPtr setup) : setup_(std::move(setup)) {}
+  const Partition& get() {
+    if (!partition_) {
+      Job job;
+      partition_ = partition(*setup_->mesh, options_of(*setup_, 1, PartitionOptions{}.method, 1), job);
+    }
+    return *partition_;
+  }
+
+ private:
+  SetupPtr setup_;
+  std::optional<Partition> partition_;
+};
+
+using Edit = Partition (*)(const Mesh&, const Partition&, std::int32_t, Job&);
+
+/// Tries an edit at random faces, each time on the same partition, and sets its error beside that of a full run that
+/// asks for as many regions.
+Case edit_case(const SetupPtr& setup, const std::shared_ptr<Base>& base, const std::string& name, Edit edit) {
+  const auto run = [setup, base, edit](int round) {
+    const Partition& start = base->get();
+    std::mt19937 random(static_cast<std::uint32_t>(round));
+    Sample sample;
+    Partition last;
+    std::vector<double> errors;
+    std::int64_t refused = 0;
+    for (std::int32_t i = 0; i < setup->edits; ++i) {
+      const auto face =
+          static_cast<std::int32_t>(random() % static_cast<std::uint32_t>(setup->mesh->face_count()));
+      try {
+        Job job;
+        Partition result;
+        sample.laps.push_back(timed([&] { result = edit(*setup->mesh, start, face, job); }));
+        if (errors.size() < kScored)
+          errors.push_back(evaluate(*setup->mesh, setup->surface, result.face_region).error);
+        last = std::move(result);
+      } catch (const InvalidInput&) {
+        ++refused;  // a region of one face, or the last one of its part
+      }
+    }
+    sample.facts["refused"] = refused;
+    if (errors.empty()) return sample;
+    PartitionOptions again = options_of(*setup, round, PartitionOptions{}.method, 1);
+    again.proxies = last.region_count();
+    Job job;
+    const Partition full = partition(*setup->mesh, again, job);
+    sample.facts["errors"] = errors;
+    sample.facts["error_before"] = evaluate(*setup->mesh, setup->surface, start.face_region).error;
+    sample.facts["error_of_full_run"] = evaluate(*setup->mesh, setup->surface, full.face_region).error;
+    return sample;
+  };
+  return {name, run, 1};
+}
+
+}  // namespace
+
+std::vector<Case> all_cases(const SetupPtr& setup) {
+  const auto base = std::make_shared<Base>(setup);
+  const Method best = PartitionOptions{}.method;
+  return {
+      mesh_case(setup),
+      reference_case(setup),
+      partition_case(setup, "lloyd", Method::lloyd, 1),
+      partition_case(setup, "default", best, 1),
+      partition_case(setup, "default_two_threads", best, 2),
+      edit_case(setup, base, "add", add_proxy),
+      edit_case(setup, base, "delete", delete_proxy),
+  };
+}
+
+}  // namespace isimp::bench

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "input.h"
+#include "isimp/mesh/mesh.h"
+#include "json.h"
+#include "measure.h"
+#include "reference.h"
+
+namespace isimp::bench {
+
+/// What one run of a case gave: usually one lap; edits give one for each face tried.
+struct Sample {
+  std::vector<Lap> laps;
+  Json facts;  ///< what the result was like: error, counts
+};
+
+/// Something that is timed. Only what `run` puts between its stopwatches counts.
+struct Case {
+  std::string name;
+  std::function<Sample(int round)> run;  ///< `round` counts from 1 and is also the seed of what is random
+  int inner = 1;                         ///< runs a round; short cases are run several times
+};
+
+struct Setup {
+  std::string file;  ///< empty for a mesh that was made
+  std::string scratch;
+  Arrays arrays;
+  std::shared_ptr<const Mesh> mesh;
+  PlainSurface surface;
+  std::int32_t proxies = 500, edits = 200, inner = 3;
+};
+
+/// All cases there are, in the order in which a round runs them.
+std::vector<Case> all_cases(const std::shared_ptr<const Setup>& setup);
+
+/// One pass from file (or arrays) to polygons: for each phase its time, peak memory and what it leaves behind.
+Json whole_way(const std::string& input, std::int32_t loop, std::int32_t proxies, const std::string& scratch);
+
+}  // namespace isimp::bench

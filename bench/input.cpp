@@ -1,0 +1,180 @@
+#include "input.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <random>
+#include <sstream>
+
+#include "isimp/core/errors.h"
+
+namespace isimp::bench {
+namespace {
+
+constexpr double kTurn = 2 * std::numbers::pi;
+
+/// A grid of nu by nv squares of two triangles, wrapped round in both directions.
+std::vector<Triangle> ring_triangles(std::int32_t nu, std::int32_t nv) {
+  std::vector<Triangle> triangles;
+  const auto at = [&](std::int32_t i, std::int32_t j) { return (i % nu) * nv + j % nv; };
+  for (std::int32_t i = 0; i < nu; ++i)
+    for (std::int32_t j = 0; j < nv; ++j) {
+      triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  return triangles;
+}
+
+/// \param stretch  how many squares round the ring for one round the tube
+Arrays torus(std::int64_t faces, double stretch) {
+  const auto nv = std::max<std::int32_t>(3, std::lround(std::sqrt(static_cast<double>(faces) / 2 / stretch)));
+  const auto nu = std::max<std::int32_t>(3, static_cast<std::int32_t>(faces / 2 / nv));
+  Arrays a;
+  a.triangles = ring_triangles(nu, nv);
+  std::mt19937 random(1);
+  const double noise = 0.02 * std::min(0.4 * kTurn / nv, kTurn / nu) / 4294967296.0;  // a small share of an edge
+  for (std::int32_t i = 0; i < nu; ++i)
+    for (std::int32_t j = 0; j < nv; ++j) {
+      const double u = kTurn * i / nu, v = kTurn * j / nv;
+      double r = 0.4 + noise * random();
+      for (const double k : {2.0, 5.0, 11.0, 23.0}) r += 0.08 / k * std::sin(k * u + 3) * std::cos((k - 1) * v + k);
+      const double ring = 1 + r * std::cos(v);
+      a.vertices.emplace_back(ring * std::cos(u), ring * std::sin(u), r * std::sin(v));
+    }
+  return a;
+}
+
+Arrays plane(std::int64_t faces) {
+  const auto n = std::max<std::int32_t>(1, std::lround(std::sqrt(static_cast<double>(faces) / 2)));
+  Arrays a;
+  const auto at = [&](std::int32_t i, std::int32_t j) { return i * (n + 1) + j; };
+  for (std::int32_t i = 0; i <= n; ++i)
+    for (std::int32_t j = 0; j <= n; ++j) a.vertices.emplace_back(i, j, 0);
+  for (std::int32_t i = 0; i < n; ++i)
+    for (std::int32_t j = 0; j < n; ++j) {
+      a.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      a.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  return a;
+}
+
+Arrays boxes(std::int64_t faces) {
+  const auto count = std::max<std::int32_t>(1, static_cast<std::int32_t>(faces / 12));
+  const auto row = static_cast<std::int32_t>(std::ceil(std::cbrt(count)));
+  // Corner c lies at (c & 1, c >> 1 & 1, c >> 2).
+  constexpr Triangle kBox[12] = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                                 {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+  Arrays a;
+  for (std::int32_t b = 0; b < count; ++b) {
+    const Vec3 corner(2 * (b % row), 2 * (b / row % row), 2 * (b / row / row));
+    for (const Triangle& t : kBox) a.triangles.push_back({8 * b + t[0], 8 * b + t[1], 8 * b + t[2]});
+    for (int c = 0; c < 8; ++c) a.vertices.push_back(corner + Vec3(c & 1, c >> 1 & 1, c >> 2));
+  }
+  return a;
+}
+
+Arrays made(const std::string& name) {
+  std::istringstream words(name);
+  std::string word, kind;
+  std::int64_t faces = 0;
+  std::getline(words, word, ':');
+  std::getline(words, kind, ':');
+  if (!(words >> faces) || faces < 12 || faces > 100'000'000)
+    throw InvalidInput(name + ": wanted made:KIND:FACES with 12 to 100000000 faces");
+  if (kind == "torus") return torus(faces, 2.5);
+  if (kind == "slivers") return torus(faces, 1000);
+  if (kind == "plane") return plane(faces);
+  if (kind == "boxes") return boxes(faces);
+  throw InvalidInput(name + ": there are torus, slivers, plane and boxes");
+}
+
+Arrays read_ply(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw InvalidInput(path + ": can't be opened");
+  std::size_t vertices = 0, faces = 0;
+  for (std::string line; std::getline(file, line) && line != "end_header";) {
+    std::istringstream words(line);
+    std::string element, kind;
+    std::size_t count = 0;
+    if (words >> element >> kind >> count && element == "element") (kind == "vertex" ? vertices : faces) = count;
+  }
+  Arrays a;
+  a.vertices.resize(vertices);
+  a.triangles.resize(faces);
+  float xyz[3];
+  for (Vec3& v : a.vertices) {
+    file.read(reinterpret_cast<char*>(xyz), 12);
+    v = {xyz[0], xyz[1], xyz[2]};
+  }
+  for (Triangle& t : a.triangles) {
+    file.get();
+    file.read(reinterpret_cast<char*>(t.data()), 12);
+  }
+  if (!file) throw InvalidInput(path + ": ends too early");
+  return a;
+}
+
+/// Where an old vertex goes.
+Vec3 smoothed_vertex(const Mesh& mesh, std::int32_t v) {
+  const std::int32_t start = mesh.vertex_halfedge()[v];
+  const Vec3 here = mesh.vertices()[v];
+  if (start == kNone) return here;
+  Vec3 sum = Vec3::Zero();
+  int valence = 0;
+  std::int32_t h = start, last = start;
+  do {
+    sum += mesh.vertices()[mesh.to(h)];
+    ++valence;
+    last = h;
+    h = mesh.turn(h);
+  } while (h != kNone && h != start);
+  if (h == kNone)  // on a border: only the two neighbours along it count
+    return 0.75 * here + 0.125 * (mesh.vertices()[mesh.to(start)] + mesh.vertices()[mesh.from(Mesh::prev(last))]);
+  const double c = 0.375 + 0.25 * std::cos(kTurn / valence);
+  const double weight = (0.625 - c * c) / valence;
+  return (1 - valence * weight) * here + weight * sum;
+}
+
+}  // namespace
+
+Arrays subdivided(const Arrays& arrays) {
+  Job job;
+  const Mesh mesh(arrays.vertices, arrays.triangles, job);
+  Arrays fine;
+  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) fine.vertices.push_back(smoothed_vertex(mesh, v));
+  std::vector<std::int32_t> middle(mesh.opposite().size());
+  const auto& at = mesh.vertices();
+  for (std::int32_t h = 0; h < static_cast<std::int32_t>(middle.size()); ++h) {
+    const std::int32_t other = mesh.opposite(h);
+    if (other != kNone && other < h) {
+      middle[h] = middle[other];
+      continue;
+    }
+    middle[h] = static_cast<std::int32_t>(fine.vertices.size());
+    const Vec3 ends = at[mesh.from(h)] + at[mesh.to(h)];
+    if (other == kNone) {
+      fine.vertices.push_back(0.5 * ends);
+    } else {
+      const Vec3 wings = at[mesh.from(Mesh::prev(h))] + at[mesh.from(Mesh::prev(other))];
+      fine.vertices.push_back(0.375 * ends + 0.125 * wings);
+    }
+  }
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const Triangle& t = mesh.triangles()[f];
+    const std::int32_t* m = &middle[3 * static_cast<std::size_t>(f)];
+    fine.triangles.push_back({t[0], m[0], m[2]});
+    fine.triangles.push_back({t[1], m[1], m[0]});
+    fine.triangles.push_back({t[2], m[2], m[1]});
+    fine.triangles.push_back({m[0], m[1], m[2]});
+  }
+  return fine;
+}
+
+Arrays load_input(const std::string& name, std::int32_t loop) {
+  Arrays arrays = name.starts_with("made:") ? made(name) : read_ply(name);
+  for (std::int32_t i = 0; i < loop; ++i) arrays = subdivided(arrays);
+  return arrays;
+}
+
+}  // namespace isimp::bench
