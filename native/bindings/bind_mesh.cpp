@@ -1,26 +1,43 @@
+#include <pybind11/stl.h>
+
 #include <memory>
 
 #include "arrays.h"
 #include "bindings.h"
 #include "call.h"
+#include "isimp/mesh/clean.h"
 #include "isimp/mesh/mesh.h"
+#include "options.h"
 
 namespace isimp::bindings {
+
+using namespace py::literals;
+
 namespace {
 
 py::dict report_of(const MeshReport& report) {
-  using namespace py::literals;
-  py::dict repairs, where;
+  py::dict all("vertices"_a = report.vertices, "faces"_a = report.faces, "components"_a = report.components,
+               "closed_components"_a = report.closed_components, "border_edges"_a = report.border_edges,
+               "border_loops"_a = report.border_loops, "euler"_a = report.euler,
+               "zero_area_faces"_a = report.zero_area_faces, "unused_vertices"_a = report.unused_vertices,
+               "area"_a = report.area, "diagonal"_a = report.diagonal, "closed"_a = report.closed);
+  py::dict repairs, places;
   for (const Repair& repair : report.repairs) {
-    repairs[py::str(repair.what)] = repair.count;
-    where[py::str(repair.what)] = repair.where;
+    const py::str key(repair.what);
+    all[key] = repair.count;
+    repairs[key] = repair.count;
+    places[key] = repair.where;
   }
-  return py::dict("vertices"_a = report.vertices, "faces"_a = report.faces, "components"_a = report.components,
-                  "closed_components"_a = report.closed_components, "border_edges"_a = report.border_edges,
-                  "border_loops"_a = report.border_loops, "euler"_a = report.euler,
-                  "zero_area_faces"_a = report.zero_area_faces, "unused_vertices"_a = report.unused_vertices,
-                  "area"_a = report.area, "diagonal"_a = report.diagonal, "closed"_a = report.closed,
-                  "repairs"_a = repairs, "repaired_at"_a = where);
+  all["repairs"] = repairs;
+  all["repaired_at"] = places;
+  return all;
+}
+
+void bind_options(py::module_& m) {
+  OptionsClass<CleanOptions>(m, "CleanOptions", "How to repair a mesh. All fields are keywords.")
+      .field("weld", &CleanOptions::weld,
+             "Border vertices at most this far apart may become one; scene units; 0: bit-equal places only.")
+      .finish();
 }
 
 std::shared_ptr<Mesh> make_mesh(const py::object& vertices, const py::object& triangles, Job* job) {
@@ -29,10 +46,16 @@ std::shared_ptr<Mesh> make_mesh(const py::object& vertices, const py::object& tr
   return call(job, [&](Job& j) { return std::make_shared<Mesh>(std::move(points), std::move(corners), j); });
 }
 
-}  // namespace
+std::shared_ptr<Mesh> clean_mesh(const py::object& vertices, const py::object& triangles, const CleanOptions& options,
+                                 Job* job) {
+  auto points = read_vertices(vertices);
+  auto corners = read_triangles(triangles, points.size());
+  return call(job, [&, options](Job& j) {
+    return std::make_shared<Mesh>(clean(std::move(points), std::move(corners), options, j));
+  });
+}
 
-void bind_mesh(py::module_& m) {
-  using namespace py::literals;
+void bind_class(py::module_& m) {
   py::class_<Mesh, std::shared_ptr<Mesh>>(m, "Mesh", py::module_local(),
                                           R"(An oriented triangle surface, checked once and never changed.
 
@@ -52,16 +75,41 @@ Raises InvalidInput, which names the first row that can't be used and why; `clea
       .def_property_readonly("component", viewer(&Mesh::component),
                              "(F,) int32: the component of each face, numbered by first face.")
       .def_property_readonly(
-          "report", [](const Mesh& mesh) { return report_of(mesh.report()); }, R"(What the mesh is.
+          "report", [](const Mesh& mesh) { return report_of(mesh.report()); }, R"(What the mesh is, as a dict.
 
 vertices, faces, components, closed_components, border_edges, border_loops, euler, zero_area_faces, unused_vertices,
-area and diagonal (scene units), closed; `repairs`: how often each repair was made, and `repaired_at`: the caller's
-indices of the first few of each. Both are empty after Mesh(...).)")
+area and diagonal (scene units), closed; after `clean` also how often each repair was made (unused_vertices: how many it
+dropped). `repairs` holds these counts alone, `repaired_at` the caller's indices of the first few of each: vertices for
+the keys that end so, else faces; both are empty after Mesh(...).)")
       .def("__repr__", [](const Mesh& mesh) {
         const MeshReport& r = mesh.report();
         return py::str("<Mesh: {} faces, {} vertices, {} component{}, {}>")
             .format(r.faces, r.vertices, r.components, r.components == 1 ? "" : "s", r.closed ? "closed" : "open");
       });
+}
+
+}  // namespace
+
+void bind_mesh(py::module_& m) {
+  bind_options(m);
+  bind_class(m);
+  m.def("clean", &clean_mesh, "vertices"_a, "triangles"_a, "options"_a = CleanOptions(), "job"_a = py::none(),
+        R"(Make a sound Mesh of any triangles: what scanners, STL files and texture seams leave behind.
+
+In this order, each counted and located in the mesh's report under the key named here:
+ non_finite_faces      dropped: a corner is not finite
+ repeated_index_faces  dropped: a vertex named twice, by the caller or after welding
+ duplicate_faces       dropped: the same three vertices as an earlier face, in either orientation
+ welded_vertices       border vertices at one place become one where that closes an edge
+ flipped_faces         turned over, so that each component is oriented one way; the fewer by area
+ cut_edges             opened, since no orientation fits both sides (a Moebius strip)
+ split_edges           edges of three or more faces, taken apart
+ split_vertices        copies of vertices, one for each further fan of faces
+ subdivided_edges      halved, since two edges with the same ends remained
+ unused_vertices       dropped: no kept face uses them
+Zero-area faces of three different vertices are kept. Faces and vertices keep the caller's order; copies come last.
+vertices: (V, 3) float32 or float64, anything in it. triangles: (F, 3) int32 or int64 in [0, V).
+Raises InvalidInput (another shape, no faces, an index out of range, no face is left) or Cancelled. Cost: O(V + F).)");
 }
 
 }  // namespace isimp::bindings

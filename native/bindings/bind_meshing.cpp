@@ -15,6 +15,9 @@ void bind_options(py::module_& m) {
   OptionsClass<Options>(m, "MeshingOptions", "How to make polygons of regions. All fields are keywords.")
       .field("chord_tolerance", &Options::chord_tolerance,
              "A boundary is subdivided where it leaves its chord by more than this times sqrt(area / regions).")
+      .field("chord_width", &Options::chord_width,
+             "It is also subdivided where it leaves its chord by more than this share of the width of the narrower of "
+             "the two regions, so that small ones keep their shape.")
       .field("reach", &Options::reach,
              "No corner is moved further than this share of the diagonal from the scan's vertex it stands for.")
       .field("flatten", &Options::flatten, "Rounds of planes and corners in turn; 0 leaves the first placement.")
@@ -22,14 +25,14 @@ void bind_options(py::module_& m) {
 }
 
 py::dict report_of(const MeshingReport& r) {
-  return py::dict("polygons"_a = r.polygons, "corners"_a = r.corners, "vertices"_a = r.vertices,
-                  "regions"_a = r.regions, "regions_split"_a = r.regions_split, "split_for_holes"_a = r.split_for_holes,
-                  "split_for_handles"_a = r.split_for_handles, "split_for_pinches"_a = r.split_for_pinches,
-                  "split_for_closed"_a = r.split_for_closed, "split_for_repair"_a = r.split_for_repair,
-                  "closed"_a = r.closed, "manifold"_a = r.manifold, "euler"_a = r.euler,
-                  "planarity_max"_a = r.planarity_max, "planarity_mean"_a = r.planarity_mean,
-                  "distance_max"_a = r.distance_max, "crossing"_a = r.crossing, "flipped"_a = r.flipped,
-                  "intersecting"_a = r.intersecting);
+  return py::dict(
+      "polygons"_a = r.polygons, "corners"_a = r.corners, "vertices"_a = r.vertices, "regions"_a = r.regions,
+      "regions_split"_a = r.regions_split, "split_for_unconnected"_a = r.split_for_unconnected,
+      "split_for_holes"_a = r.split_for_holes, "split_for_handles"_a = r.split_for_handles,
+      "split_for_pinches"_a = r.split_for_pinches, "split_for_closed"_a = r.split_for_closed,
+      "split_for_repair"_a = r.split_for_repair, "closed"_a = r.closed, "manifold"_a = r.manifold, "euler"_a = r.euler,
+      "planarity_max"_a = r.planarity_max, "planarity_mean"_a = r.planarity_mean, "distance_max"_a = r.distance_max,
+      "crossing"_a = r.crossing, "flipped"_a = r.flipped, "intersecting"_a = r.intersecting);
 }
 
 void bind_result(py::module_& m) {

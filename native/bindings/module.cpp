@@ -10,7 +10,5 @@ PYBIND11_MODULE(_core, m) {
   isimp::bindings::bind_parallel(m);
   isimp::bindings::bind_partition(m);
   isimp::bindings::bind_interact(m);
-#ifdef ISIMP_HAS_MESHING
   isimp::bindings::bind_meshing(m);
-#endif
 }

@@ -2,32 +2,42 @@
 
 from ._core import (
     Cancelled,
+    CleanOptions,
     FileError,
     InvalidInput,
     Job,
     Mesh,
+    MeshingOptions,
     Partition,
     PartitionOptions,
+    PolygonMesh,
     __version__,
     add_proxy,
     backends,
+    clean,
     delete_proxy,
     partition,
+    polygonize,
 )
 
 __all__ = [
     "Cancelled",
+    "CleanOptions",
     "FileError",
     "InvalidInput",
     "Job",
     "Mesh",
+    "MeshingOptions",
     "Partition",
     "PartitionOptions",
+    "PolygonMesh",
     "__version__",
     "add_proxy",
     "backends",
+    "clean",
     "delete_proxy",
     "partition",
+    "polygonize",
 ]
 
 for _name in __all__:

@@ -22,8 +22,8 @@ PRIVATE = {"CGAL": {"mesh", "meshing", "hybrid"}, "OpenMesh": {"mesh", "hybrid"}
 def modules():
     """The engine's modules and what each is declared to use, as CMake has it."""
     text = (NATIVE / "CMakeLists.txt").read_text()
-    calls = re.findall(r"^isimp_module\((\w+)\s+SOURCES\s[^)]*?(?:\sUSES\s+([^)]*))?\)", text, re.MULTILINE)
-    return {name: set(uses.split()) for name, uses in calls}
+    calls = re.findall(r"^isimp_module\((\w+)([^)]*)\)", text, re.MULTILINE)
+    return {name: set(rest.partition("USES")[2].split()) for name, rest in calls}
 
 
 def reachable(uses, name):
