@@ -94,14 +94,12 @@ Case edit_case(const SetupPtr& setup, const std::shared_ptr<Base>& base, const s
     std::vector<double> errors;
     std::int64_t refused = 0;
     for (std::int32_t i = 0; i < setup->edits; ++i) {
-      const auto face =
-          static_cast<std::int32_t>(random() % static_cast<std::uint32_t>(setup->mesh->face_count()));
+      const auto face = static_cast<std::int32_t>(random() % static_cast<std::uint32_t>(setup->mesh->face_count()));
       try {
         Job job;
         Partition result;
         sample.laps.push_back(timed([&] { result = edit(*setup->mesh, start, face, job); }));
-        if (errors.size() < kScored)
-          errors.push_back(evaluate(*setup->mesh, setup->surface, result.face_region).error);
+        if (errors.size() < kScored) errors.push_back(evaluate(*setup->mesh, setup->surface, result.face_region).error);
         last = std::move(result);
       } catch (const InvalidInput&) {
         ++refused;  // a region of one face, or the last one of its part

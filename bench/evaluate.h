@@ -11,14 +11,14 @@ namespace isimp::bench {
 
 /// How good a partition is, whoever made it: all sides are judged by this and not by what they say of themselves.
 struct Score {
-  double error = 0.0;              ///< D: sum of area * |n_face - n_region|^2 as a share of the whole area
-  std::int64_t border_edges = 0;   ///< edges between two regions
-  double border_length = 0.0;      ///< their length, scene units
-  std::int32_t regions = 0;        ///< that have a face
-  std::int32_t fragments = 0;      ///< connected pieces beyond one a region
-  std::int64_t unlabelled = 0;     ///< faces without a region
-  double unlabelled_area = 0.0;    ///< their share of the whole area
-  std::uint64_t fingerprint = 0;   ///< equal for equal labels
+  double error = 0.0;             ///< D: sum of area * |n_face - n_region|^2 as a share of the whole area
+  std::int64_t border_edges = 0;  ///< edges between two regions
+  double border_length = 0.0;     ///< their length, scene units
+  std::int32_t regions = 0;       ///< that have a face
+  std::int32_t fragments = 0;     ///< connected pieces beyond one a region
+  std::int64_t unlabelled = 0;    ///< faces without a region
+  double unlabelled_area = 0.0;   ///< their share of the whole area
+  std::uint64_t fingerprint = 0;  ///< equal for equal labels
 };
 
 /// \param label  (F) region of each face of the mesh; negative where it has none

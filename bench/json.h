@@ -19,8 +19,7 @@ class Json {
   Json() : value_(Object{}) {}
   Json(bool v) : value_(v) {}
   template <class T>
-    requires(std::integral<T> || std::floating_point<T>)
-  Json(T v) : value_(static_cast<double>(v)) {}
+  requires(std::integral<T> || std::floating_point<T>) Json(T v) : value_(static_cast<double>(v)) {}
   Json(const char* v) : value_(std::string(v)) {}
   Json(std::string v) : value_(std::move(v)) {}
   Json(List v) : value_(std::move(v)) {}

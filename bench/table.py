@@ -1,0 +1,209 @@
+"""Turns results into the table of what is wanted and what was measured. Standard library only, and no measuring here."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from statistics import mean, median, quantiles
+from typing import Any
+
+Result = dict[str, Any]  # what a program printed
+LARGE = 500_000  # faces from which the bars for a million hold
+CGAL_PEAK_MB = 895  # on the dragon, 500 proxies, as measured once on its own
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line; `met` is None where there is no bar, or nothing to judge it by."""
+
+    what: str
+    where: str
+    wanted: str
+    measured: str
+    met: bool | None
+
+
+def per_round(result: Result, case: str, clock: str = "cpu_ms") -> list[float]:
+    """Of each round the median over its runs of the time of one run."""
+    return [median(run[clock][0] for run in runs) for runs in result["cases"][case]]
+
+
+def speed_up(result: Result, case: str, over: str, clock: str = "cpu_ms") -> float:
+    """How many times faster a case is than another: the median over rounds, each round by itself."""
+    pairs = zip(per_round(result, case, clock), per_round(result, over, clock), strict=True)
+    return median(slow / fast for fast, slow in pairs)
+
+
+def fact(result: Result, case: str, key: str) -> float:
+    """The mean over rounds, that is over seeds."""
+    return mean(runs[0][key] for runs in result["cases"][case])
+
+
+def reference_round(result: Result) -> float:
+    """Milliseconds of one round of the plain reference on this mesh, in this process."""
+    return median(ms for runs in result["cases"]["reference"] for ms in runs[0]["round_ms"])
+
+
+def percent(ratio: float) -> str:
+    return f"{100 * (ratio - 1):+.1f} %"
+
+
+def relative(value: float, base: float) -> float:
+    """value / base, where both may be nothing but rounding."""
+    tiny = 1e-9
+    return (value + tiny) / (base + tiny)
+
+
+def partition_rows(where: str, result: Result) -> Iterator[Row]:
+    large = result["mesh"]["faces"] >= LARGE
+    for case, speed, error, border in (
+        ("lloyd", 6 if large else None, 1.01, None),
+        ("default", 80 if large else 40, 0.8 if large else 0.9, 1.06 if large else None),
+    ):
+        ratio = speed_up(result, case, "reference")
+        more_error = relative(fact(result, case, "error"), fact(result, "reference", "error"))
+        more_border = relative(fact(result, case, "border_length"), fact(result, "reference", "border_length"))
+        wanted = [f">= {speed} x" if speed else "", f"D {percent(error)}", f"border {percent(border)}" if border else ""]
+        yield Row(
+            f"{case}, one thread, against REF",
+            where,
+            ", ".join(word for word in wanted if word),
+            f"{ratio:.1f} x, D {percent(more_error)}, border {percent(more_border)}",
+            (not speed or ratio >= speed) and more_error <= error and (not border or more_border <= border),
+        )
+    yield threads_row(where, result)
+
+
+def same_labels(result: Result) -> bool:
+    """Whether every run of a round gave the same labels on one thread and on two."""
+    rounds = zip(result["cases"]["default"], result["cases"]["default_two_threads"], strict=True)
+    return all(len({run["fingerprint"] for run in one + two}) == 1 for one, two in rounds)
+
+
+def threads_row(where: str, result: Result) -> Row:
+    one = min(run["wall_ms"][0] for runs in result["cases"]["default"] for run in runs)
+    two = min(run["wall_ms"][0] for runs in result["cases"]["default_two_threads"] for run in runs)
+    same = same_labels(result)
+    measured = f"{one / two:.2f} x, {'same' if same else 'OTHER'} labels"
+    return Row("default, two threads against one (least wall time)", where, ">= 1.5 x, same labels", measured,
+               one >= 1.5 * two and same)
+
+
+def edit_rows(where: str, result: Result, *, bars: bool) -> Iterator[Row]:
+    for case, most in (("add", (2.0, 6.0)), ("delete", (1.5, 5.0))):
+        runs = [runs[0] for runs in result["cases"].get(case, []) if len(runs[0]["cpu_ms"]) > 1]
+        if not runs:
+            continue
+        laps = [ms for run in runs for ms in run["cpu_ms"]]
+        middle, high = median(laps), quantiles(laps, n=20)[-1]
+        worse = mean(relative(mean(run["errors"]), run["error_of_full_run"]) for run in runs)
+        yield Row(
+            f"{case} at a face, median / p95",
+            where,
+            f"<= {most[0]} / {most[1]} ms, D +0.5 % of a full run" if bars else "",
+            f"{middle:.2f} / {high:.2f} ms, D {percent(worse)}",
+            middle <= most[0] and high <= most[1] and worse <= 1.005 if bars else None,
+        )
+
+
+def set_up_rows(where: str, result: Result) -> Iterator[Row]:
+    unit = reference_round(result)
+    mesh = median(per_round(result, "mesh"))
+    yield Row("arrays to Mesh", where, "<= .3 REF rounds", f"{mesh / unit:.2f} REF rounds", mesh <= 0.3 * unit)
+    if "clean" in result["cases"]:
+        clean = median(per_round(result, "clean"))
+        wanted, measured = "<= 1.5 x Mesh + 100 ms", f"{clean / mesh:.2f} x Mesh, {clean - mesh:+.0f} ms"
+        yield Row("clean on a sound mesh", where, wanted, measured, clean <= 1.5 * mesh + 100)
+
+
+def meshing_row(where: str, name: str, result: Result) -> Row:
+    ratio = median(per_round(result, "polygonize")) / reference_round(result)
+    most = {"armadillo": 1.0, "dragon": 1.5}.get(name)
+    good = result["cases"]["polygonize"][0][0]
+    polygons = f"{good['polygons']:.0f} polygons, {'manifold' if good['manifold'] else 'NOT MANIFOLD'}"
+    return Row("polygonize", where, f"<= {most} REF rounds" if most else "", f"{ratio:.2f} REF rounds, {polygons}",
+               ratio <= most if most else None)
+
+
+def whole_way_rows(name: str, result: Result) -> Iterator[Row]:
+    way, megabyte = result["whole_way"], 1e6
+    own = (way["peak_bytes"] - way["array_bytes"]) / megabyte
+    phases = ", ".join(f"{phase} {took['wall_ms']:.0f}" for phase, took in way["phases"].items())
+    dragon, fine = name == "dragon", name == "dragon-loop"
+    yield Row("peak memory beyond the arrays, file to file", name, f"<= {CGAL_PEAK_MB / 4:.0f} MB" if dragon else "",
+              f"{own:.0f} MB", own <= CGAL_PEAK_MB / 4 if dragon else None)
+    seconds = (way["wall_ms"] - way["phases"]["read"]["wall_ms"]) / 1e3
+    yield Row("mesh to written, wall", name, "< 1.5 s" if fine else "", f"{seconds:.2f} s ({phases} ms)",
+              seconds < 1.5 if fine else None)
+
+
+def cgal_row(name: str, results: Result) -> Row:
+    _, mesh, count, seeding = name.split("/")
+    peer = results[name]
+    rounds = peer["rounds"]["cpu_ms"] / 20 / median(peer["reference_round_ms"])
+    more = [f"a round takes {rounds:.2f} REF rounds", f"peak {peer['peak_bytes'] / 1e6:.0f} MB",
+            f"meshing {peer['meshing']['cpu_ms'] / median(peer['reference_round_ms']):.1f} REF rounds, "
+            + ("manifold" if peer["manifold"] else "not manifold")]
+    own = results.get(f"{mesh}/{count}")
+    if own:
+        more.append(f"D {percent(relative(peer['result']['error'], fact(own, 'reference', 'error')))} of REF")
+    return Row(f"CGAL, {seeding} seeds, 20 rounds", f"{mesh}, P {count}", "", ", ".join(more), None)
+
+
+def python_rows(where: str, result: Result) -> Iterator[Row]:
+    for case, most in (("add", (2.0, 6.0)), ("delete", (1.5, 5.0))):
+        laps = result[case]
+        middle, high = median(laps), quantiles(laps, n=20)[-1]
+        yield Row(f"{case} through Python, median / p95", where, f"<= {most[0]} / {most[1]} ms",
+                  f"{middle:.2f} / {high:.2f} ms", middle <= most[0] and high <= most[1])
+
+
+def growth_rows(growth: Result) -> Iterator[Row]:
+    for kind, per_face in (("faces", True), ("regions", False)):
+        runs = [result for name, result in growth.items() if name.startswith(kind)]
+        if len(runs) < 2:
+            continue
+        sizes = [run["mesh"]["faces"] for run in runs]
+        costs = [median(per_round(run, "default")) / (n if per_face else 1) for run, n in zip(runs, sizes, strict=True)]
+        spread = max(costs) / min(costs)
+        span = f"F {min(sizes)} to {max(sizes)}" if per_face else f"P {runs[0]['proxies']} to {runs[-1]['proxies']}"
+        yield Row(f"default, time {'a face' if per_face else 'over P'}: largest to least", span,
+                  "<= 1.3" if per_face else "nearly flat", f"{spread:.2f}", spread <= 1.3 if per_face else None)
+
+
+def rows(results: dict[str, Result], growth: dict[str, Result]) -> list[Row]:
+    table: list[Row] = []
+    for name, result in results.items():
+        kind, *rest = name.split("/")
+        if kind == "whole-way":
+            table += whole_way_rows(rest[0], result)
+        elif kind == "cgal":
+            table.append(cgal_row(name, results))
+        elif kind == "python":
+            table += python_rows(f"{rest[0]}, P {rest[1]}", result)
+        else:
+            where = f"{kind}, P {rest[0]}"
+            table += partition_rows(where, result)
+            table += edit_rows(where, result, bars=result["mesh"]["faces"] >= LARGE and rest[0] == "500")
+            if rest[0] == "500":
+                table += set_up_rows(where, result)
+            if "polygonize" in result["cases"]:
+                table.append(meshing_row(where, kind, result))
+    table += growth_rows(growth)
+    return sorted(table, key=lambda row: row.what)
+
+
+def sound(table: list[Row], results: dict[str, Result]) -> bool:
+    """What must hold whatever the times: rows there are, and runs of the same thing gave the same."""
+    judged = [result for result in results.values() if "default" in result.get("cases", {})]
+    return bool(table) and bool(judged) and all(same_labels(result) for result in judged)
+
+
+def text(table: list[Row], *, judge: bool) -> str:
+    """As a Markdown table."""
+    met = {True: "yes", False: "no", None: ""}
+    lines = [("what", "mesh", "wanted", "measured", "met")]
+    lines += [(row.what, row.where, row.wanted, row.measured, met[row.met if judge else None]) for row in table]
+    widths = [max(len(line[i]) for line in lines) for i in range(5)]
+    lines.insert(1, tuple("-" * width for width in widths))
+    return "\n".join("| " + " | ".join(f"{cell:{w}}" for cell, w in zip(line, widths, strict=True)) + " |" for line in lines)
