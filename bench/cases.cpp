@@ -8,6 +8,7 @@
 #include "evaluate.h"
 #include "isimp/core/errors.h"
 #include "isimp/interact/interact.h"
+#include "isimp/meshing/polygonize.h"
 #include "isimp/partition/partition.h"
 
 namespace isimp::bench {
@@ -119,6 +120,25 @@ Case edit_case(const SetupPtr& setup, const std::shared_ptr<Base>& base, const s
   return {name, run, 1};
 }
 
+Case polygonize_case(const SetupPtr& setup, const std::shared_ptr<Base>& base) {
+  const auto run = [setup, base](int) {
+    const Partition& regions = base->get();
+    PolygonMesh polygons;
+    Job job;
+    Sample sample{{timed([&] { polygons = polygonize(*setup->mesh, regions, {}, job); })}, {}};
+    const MeshingReport& report = polygons.report;
+    sample.facts["polygons"] = report.polygons;
+    sample.facts["regions"] = report.regions;
+    sample.facts["corners"] = report.corners;
+    sample.facts["closed"] = report.closed;
+    sample.facts["manifold"] = report.manifold;
+    sample.facts["planarity_max"] = report.planarity_max;
+    sample.facts["intersecting"] = report.intersecting;
+    return sample;
+  };
+  return {"polygonize", run, 1};
+}
+
 }  // namespace
 
 std::vector<Case> all_cases(const SetupPtr& setup) {
@@ -132,6 +152,7 @@ std::vector<Case> all_cases(const SetupPtr& setup) {
       partition_case(setup, "default_two_threads", best, 2),
       edit_case(setup, base, "add", add_proxy),
       edit_case(setup, base, "delete", delete_proxy),
+      polygonize_case(setup, base),
   };
 }
 

@@ -16,11 +16,11 @@ def draw(growth: dict[str, Any], folder: Path) -> None:
 
     mpl.use("svg")
     mpl.rcParams.update({"svg.hashsalt": "isimp", "font.size": 9, "axes.spines.top": False, "axes.spines.right": False})
-    from matplotlib import pyplot
+    import matplotlib.pyplot as plt
 
     for kind, label in (("faces", "faces"), ("regions", "regions")):
         runs = [result for name, result in growth.items() if name.startswith(kind + "/")]
-        figure, (times, errors) = pyplot.subplots(1, 2, figsize=(8, 3), layout="constrained")
+        figure, (times, errors) = plt.subplots(1, 2, figsize=(8, 3), layout="constrained")
         for case, (title, color) in STYLES.items():
             done = [run for run in runs if case in run["cases"]]
             x = [run["mesh"]["faces"] if kind == "faces" else run["proxies"] for run in done]
@@ -33,4 +33,4 @@ def draw(growth: dict[str, Any], folder: Path) -> None:
         errors.set(xlabel=label, ylabel="D, share of the area")
         times.legend(frameon=False)
         figure.savefig(folder / f"growth_{kind}.svg", metadata={"Date": None})
-        pyplot.close(figure)
+        plt.close(figure)

@@ -10,8 +10,9 @@ import sys
 import time
 from collections.abc import Callable
 
-import isimp_engine as engine
 import numpy as np
+
+import isimp_engine as engine
 
 
 def ring(faces: int) -> tuple[np.ndarray, np.ndarray]:

@@ -48,8 +48,8 @@ def machine() -> dict[str, object]:
     model = platform.processor()
     info = Path("/proc/cpuinfo")
     if info.exists():
-        names = [line.split(":", 1)[1].strip() for line in info.read_text().splitlines() if line.startswith("model name")]
-        model = names[0] if names else model
+        fields = (line.split(":", 1) for line in info.read_text().splitlines() if ":" in line)
+        model = next((value.strip() for name, value in fields if name.strip() == "model name"), model)
     git = ["git", "-C", str(ROOT), "describe", "--always", "--dirty"]
     revision = subprocess.run(git, capture_output=True, text=True).stdout.strip()
     return {"processor": model, "cores": os.cpu_count(), "system": platform.platform(), "revision": revision}
@@ -77,8 +77,10 @@ def main() -> int:
     if args.base or args.head:
         return compare.run(ROOT, args.base or "main", args.head or "HEAD", data, args.rounds, build, args.quick)
     if not args.quick and data is None:
-        sys.exit("No meshes to measure on. Give their folder by --data or ISIMP_DATA (the scans of the Stanford 3D "
-                 "Scanning Repository and others; their names are in bench/jobs.py), or try --quick, which needs none.")
+        sys.exit(
+            "No meshes to measure on. Give their folder by --data or ISIMP_DATA (the scans of the Stanford 3D "
+            "Scanning Repository and others; their names are in bench/jobs.py), or try --quick, which needs none."
+        )
     programs = args.bin or build(ROOT, ROOT / "build-bench")
     runner = jobs.Runner(programs, data, args.out, args.python)
     plan = jobs.quick() if args.quick else jobs.full(args.rounds)

@@ -1,4 +1,4 @@
-"""Turns results into the table of what is wanted and what was measured. Standard library only, and no measuring here."""
+"""Turns results into the table of what is wanted and what was measured. Nothing is measured here."""
 
 from __future__ import annotations
 
@@ -63,7 +63,11 @@ def partition_rows(where: str, result: Result) -> Iterator[Row]:
         ratio = speed_up(result, case, "reference")
         more_error = relative(fact(result, case, "error"), fact(result, "reference", "error"))
         more_border = relative(fact(result, case, "border_length"), fact(result, "reference", "border_length"))
-        wanted = [f">= {speed} x" if speed else "", f"D {percent(error)}", f"border {percent(border)}" if border else ""]
+        wanted = [
+            f">= {speed} x" if speed else "",
+            f"D {percent(error)}",
+            f"border {percent(border)}" if border else "",
+        ]
         yield Row(
             f"{case}, one thread, against REF",
             where,
@@ -85,8 +89,13 @@ def threads_row(where: str, result: Result) -> Row:
     two = min(run["wall_ms"][0] for runs in result["cases"]["default_two_threads"] for run in runs)
     same = same_labels(result)
     measured = f"{one / two:.2f} x, {'same' if same else 'OTHER'} labels"
-    return Row("default, two threads against one (least wall time)", where, ">= 1.5 x, same labels", measured,
-               one >= 1.5 * two and same)
+    return Row(
+        "default, two threads against one (least wall time)",
+        where,
+        ">= 1.5 x, same labels",
+        measured,
+        one >= 1.5 * two and same,
+    )
 
 
 def edit_rows(where: str, result: Result, *, bars: bool) -> Iterator[Row]:
@@ -121,8 +130,13 @@ def meshing_row(where: str, name: str, result: Result) -> Row:
     most = {"armadillo": 1.0, "dragon": 1.5}.get(name)
     good = result["cases"]["polygonize"][0][0]
     polygons = f"{good['polygons']:.0f} polygons, {'manifold' if good['manifold'] else 'NOT MANIFOLD'}"
-    return Row("polygonize", where, f"<= {most} REF rounds" if most else "", f"{ratio:.2f} REF rounds, {polygons}",
-               ratio <= most if most else None)
+    return Row(
+        "polygonize",
+        where,
+        f"<= {most} REF rounds" if most else "",
+        f"{ratio:.2f} REF rounds, {polygons}",
+        ratio <= most if most else None,
+    )
 
 
 def whole_way_rows(name: str, result: Result) -> Iterator[Row]:
@@ -130,20 +144,33 @@ def whole_way_rows(name: str, result: Result) -> Iterator[Row]:
     own = (way["peak_bytes"] - way["array_bytes"]) / megabyte
     phases = ", ".join(f"{phase} {took['wall_ms']:.0f}" for phase, took in way["phases"].items())
     dragon, fine = name == "dragon", name == "dragon-loop"
-    yield Row("peak memory beyond the arrays, file to file", name, f"<= {CGAL_PEAK_MB / 4:.0f} MB" if dragon else "",
-              f"{own:.0f} MB", own <= CGAL_PEAK_MB / 4 if dragon else None)
+    yield Row(
+        "peak memory beyond the arrays, file to file",
+        name,
+        f"<= {CGAL_PEAK_MB / 4:.0f} MB" if dragon else "",
+        f"{own:.0f} MB",
+        own <= CGAL_PEAK_MB / 4 if dragon else None,
+    )
     seconds = (way["wall_ms"] - way["phases"]["read"]["wall_ms"]) / 1e3
-    yield Row("mesh to written, wall", name, "< 1.5 s" if fine else "", f"{seconds:.2f} s ({phases} ms)",
-              seconds < 1.5 if fine else None)
+    yield Row(
+        "mesh to written, wall",
+        name,
+        "< 1.5 s" if fine else "",
+        f"{seconds:.2f} s ({phases} ms)",
+        seconds < 1.5 if fine else None,
+    )
 
 
 def cgal_row(name: str, results: Result) -> Row:
     _, mesh, count, seeding = name.split("/")
     peer = results[name]
     rounds = peer["rounds"]["cpu_ms"] / 20 / median(peer["reference_round_ms"])
-    more = [f"a round takes {rounds:.2f} REF rounds", f"peak {peer['peak_bytes'] / 1e6:.0f} MB",
-            f"meshing {peer['meshing']['cpu_ms'] / median(peer['reference_round_ms']):.1f} REF rounds, "
-            + ("manifold" if peer["manifold"] else "not manifold")]
+    more = [
+        f"a round takes {rounds:.2f} REF rounds",
+        f"peak {peer['peak_bytes'] / 1e6:.0f} MB",
+        f"meshing {peer['meshing']['cpu_ms'] / median(peer['reference_round_ms']):.1f} REF rounds, "
+        + ("manifold" if peer["manifold"] else "not manifold"),
+    ]
     own = results.get(f"{mesh}/{count}")
     if own:
         more.append(f"D {percent(relative(peer['result']['error'], fact(own, 'reference', 'error')))} of REF")
@@ -154,8 +181,13 @@ def python_rows(where: str, result: Result) -> Iterator[Row]:
     for case, most in (("add", (2.0, 6.0)), ("delete", (1.5, 5.0))):
         laps = result[case]
         middle, high = median(laps), quantiles(laps, n=20)[-1]
-        yield Row(f"{case} through Python, median / p95", where, f"<= {most[0]} / {most[1]} ms",
-                  f"{middle:.2f} / {high:.2f} ms", middle <= most[0] and high <= most[1])
+        yield Row(
+            f"{case} through Python, median / p95",
+            where,
+            f"<= {most[0]} / {most[1]} ms",
+            f"{middle:.2f} / {high:.2f} ms",
+            middle <= most[0] and high <= most[1],
+        )
 
 
 def growth_rows(growth: Result) -> Iterator[Row]:
@@ -167,8 +199,13 @@ def growth_rows(growth: Result) -> Iterator[Row]:
         costs = [median(per_round(run, "default")) / (n if per_face else 1) for run, n in zip(runs, sizes, strict=True)]
         spread = max(costs) / min(costs)
         span = f"F {min(sizes)} to {max(sizes)}" if per_face else f"P {runs[0]['proxies']} to {runs[-1]['proxies']}"
-        yield Row(f"default, time {'a face' if per_face else 'over P'}: largest to least", span,
-                  "<= 1.3" if per_face else "nearly flat", f"{spread:.2f}", spread <= 1.3 if per_face else None)
+        yield Row(
+            f"default, time {'a face' if per_face else 'over P'}: largest to least",
+            span,
+            "<= 1.3" if per_face else "nearly flat",
+            f"{spread:.2f}",
+            spread <= 1.3 if per_face else None,
+        )
 
 
 def rows(results: dict[str, Result], growth: dict[str, Result]) -> list[Row]:
@@ -206,4 +243,5 @@ def text(table: list[Row], *, judge: bool) -> str:
     lines += [(row.what, row.where, row.wanted, row.measured, met[row.met if judge else None]) for row in table]
     widths = [max(len(line[i]) for line in lines) for i in range(5)]
     lines.insert(1, tuple("-" * width for width in widths))
-    return "\n".join("| " + " | ".join(f"{cell:{w}}" for cell, w in zip(line, widths, strict=True)) + " |" for line in lines)
+    padded = ([cell.ljust(width) for cell, width in zip(line, widths, strict=True)] for line in lines)
+    return "\n".join(f"| {' | '.join(cells)} |" for cells in padded)

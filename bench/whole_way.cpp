@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "cases.h"
+#include "isimp/meshing/polygonize.h"
 #include "isimp/partition/partition.h"
 
 namespace isimp::bench {
@@ -58,6 +59,8 @@ Json whole_way(const std::string& input, std::int32_t loop, std::int32_t proxies
   options.threads = 1;
   Partition regions;
   phases.run("partition", [&] { regions = partition(*mesh, options, job); });
+  PolygonMesh polygons;
+  phases.run("polygonize", [&] { polygons = polygonize(*mesh, regions, {}, job); });
   return phases.finish(array_bytes);
 }
 
