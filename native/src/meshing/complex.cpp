@@ -16,11 +16,10 @@ double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
 
 }  // namespace
 
-Complex::Complex(Labels& labels, std::vector<Plane>& planes, const ChordTolerance& tolerance)
+Complex::Complex(const Labels& labels, const std::vector<Plane>& planes)
     : labels_(labels),
       mesh_(labels.mesh),
       planes_(planes),
-      tolerance_(tolerance),
       corner_(static_cast<std::size_t>(labels.mesh.vertex_count()), 0) {}
 
 bool Complex::is_anchor(std::int32_t vertex) const {
@@ -81,12 +80,12 @@ void Complex::seed_ring(std::int32_t piece) {
 double Complex::reach_of(std::int32_t chord) const {
   const Plane& left = planes_[labels_.label[chord / 3]];
   const std::int32_t other = labels_.across(chord);
-  if (other == kNone) return std::min(tolerance_.most_on_border, tolerance_.of_width * left.width);
+  if (other == kNone) return std::min(tolerance.most_on_border, tolerance.of_width * left.width);
   const Plane& right = planes_[other];
   double sine = left.normal.cross(right.normal).norm();
   if (left.normal.dot(right.normal) < 0) sine = 1;
   const double narrow = std::min(left.width, right.width);
-  return std::min(tolerance_.most, tolerance_.of_width * narrow) / std::max(sine, tolerance_.least_sine);
+  return std::min(tolerance.most, tolerance.of_width * narrow) / std::max(sine, tolerance.least_sine);
 }
 
 std::vector<std::int32_t> Complex::path(std::int32_t chord) const {
@@ -120,19 +119,19 @@ Complex::Farthest Complex::farthest(std::span<const std::int32_t> path) const {
   return {most, where};
 }
 
-void Complex::add_corner(std::int32_t vertex) { corner_[vertex] = 1; }
+void Complex::add_corner(std::int32_t vertex) {
+  corner_[vertex] = 1;
+  for_each_leaving(mesh_, vertex, [&](std::int32_t h) {
+    const std::int32_t l = labels_.label[h / 3];
+    if (dirty_.empty() || dirty_.back() != l) dirty_.push_back(l);
+  });
+}
 
 bool Complex::bend(std::int32_t chord) {
   const std::vector<std::int32_t> vertices = path(chord);
   if (vertices.size() < 3) return false;
-  make_dirty(chord);
   add_corner(vertices[farthest(vertices).where]);
   return true;
-}
-
-void Complex::make_dirty(std::int32_t chord) {
-  dirty_.push_back(labels_.label[chord / 3]);
-  if (labels_.across(chord) != kNone) dirty_.push_back(labels_.across(chord));
 }
 
 /// Chooses corners on a chord that leaves its path too far.
@@ -142,7 +141,6 @@ void Complex::subdivide(std::int32_t chord) {
   const double reach = reach_of(chord);
   choose(vertices, reach);
   drop_needless(vertices, reach);
-  make_dirty(chord);
 }
 
 void Complex::choose(std::span<const std::int32_t> path, double reach) {
@@ -179,7 +177,16 @@ void Complex::collect_dirty() {
     for (const std::int32_t h : loops_[l])
       if (is_corner(mesh_.from(h))) chords_[l].push_back(h);
   }
+  changed_.insert(changed_.end(), dirty_.begin(), dirty_.end());
   dirty_.clear();
+}
+
+std::vector<std::int32_t> Complex::take_changed() {
+  std::vector<std::int32_t> result;
+  result.swap(changed_);
+  std::sort(result.begin(), result.end());
+  result.erase(std::unique(result.begin(), result.end()), result.end());
+  return result;
 }
 
 void Complex::make_regular() {

@@ -34,7 +34,9 @@ struct RegularCounts {
 /// needs no more than a flag at its vertex for both sides of a chord to agree.
 class Complex {
  public:
-  Complex(Labels& labels, std::vector<Plane>& planes, const ChordTolerance& tolerance);
+  Complex(const Labels& labels, const std::vector<Plane>& planes);
+
+  ChordTolerance tolerance;
 
   /// Walks the boundaries of the given pieces, after their labels changed, and chooses corners on them.
   /// \param pieces  in rising order
@@ -47,6 +49,9 @@ class Complex {
   void add_corner(std::int32_t vertex);
   /// Makes the vertex between two corners a corner that is farthest from the chord. \return whether there is one
   bool bend(std::int32_t chord);
+
+  /// The pieces whose corners have changed since this was last asked, in rising order.
+  std::vector<std::int32_t> take_changed();
 
   /// First half-edges of a piece's chords, in order.
   [[nodiscard]] std::span<const std::int32_t> chords(std::int32_t piece) const { return chords_[piece]; }
@@ -69,19 +74,18 @@ class Complex {
   void drop_needless(std::span<const std::int32_t> path, double reach);
   [[nodiscard]] double reach_of(std::int32_t chord) const;
   void collect_dirty();
-  void make_dirty(std::int32_t chord);
   bool add_third_corners();
   bool part_multi_edges();
   bool part_duplicates();
 
-  Labels& labels_;
+  const Labels& labels_;
   const Mesh& mesh_;
-  std::vector<Plane>& planes_;
-  const ChordTolerance tolerance_;
+  const std::vector<Plane>& planes_;
   std::vector<std::uint8_t> corner_;               ///< (V)
   std::vector<std::vector<std::int32_t>> loops_;   ///< boundary half-edges of each piece, in order
   std::vector<std::vector<std::int32_t>> chords_;  ///< those of them that start at a corner
   std::vector<std::int32_t> dirty_;                ///< pieces whose chords_ are out of date
+  std::vector<std::int32_t> changed_;              ///< pieces whose chords_ have been brought up to date
   RegularCounts counts_;
 };
 

@@ -153,6 +153,7 @@ std::int32_t cut_handle(Cutter& cutter, std::int32_t piece, const Shape& shape) 
     if (a.parts == 1 && b.parts == 1 && a.genus + b.genus < shape.genus) return fresh;
     for (const std::int32_t f : strip) labels.label[f] = piece;
     labels.pieces.pop_back();
+    labels.touched.resize(labels.touched.size() - 2);
   }
   return kNone;
 }

@@ -1,8 +1,52 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
 #include "isimp/meshing/polygonize.h"
+#include "labels.h"
 
 namespace isimp::meshing {
+
+/// What can be wrong with a polygon on its own.
+enum Fault : std::uint8_t { kCrossing = 1, kFlipped = 2, kNoArea = 4, kBent = 8 };
+
+/// A triangle of a polygon's triangulation, by corners.
+struct Facet {
+  std::array<std::int32_t, 3> corner;
+  std::int32_t piece;
+  std::int32_t part;  ///< which of the piece's polygons
+};
+
+/// What is wrong with a polygon, and its triangulation where it is simple. All tests are exact on coordinates rounded
+/// to float32, as they will be stored.
+struct PolygonVerdict {
+  std::uint8_t faults = 0;
+  double bend = 0;                               ///< largest distance of a corner from the plane
+  std::array<std::int32_t, 2> crossing{-1, -1};  ///< two edges that meet, by the index of their first corner
+};
+
+/// \param normal     that of the piece: a polygon that faces away from it is flipped
+/// \param bend_bound scene units; no bound if not above 0
+/// \param facets     the triangulation is added here, marked as `like`
+PolygonVerdict judge_polygon(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Vec3& normal,
+                             double bend_bound, Facet like, std::vector<Facet>& facets);
+
+/// Two pieces with polygons that meet elsewhere than in what they share; a <= b.
+struct Hit {
+  std::int32_t a, b;
+  auto operator<=>(const Hit&) const = default;
+};
+
+/// All pairs of pieces of which one at least is `changed` and whose polygons intersect, in rising order.
+/// Cost: O(n log n + pairs of boxes) for n facets.
+std::vector<Hit> find_hits(std::span<const Facet> facets, std::span<const Vec3> position,
+                           const std::vector<bool>& changed);
+
+/// Whether a face of one piece intersects a face of another that shares no vertex position with it.
+bool scan_intersects(Labels& labels, std::int32_t piece, std::int32_t other);
 
 /// Fills in what the report says of edges and fans: closed, manifold, euler.
 void judge_topology(PolygonMesh& mesh);

@@ -33,6 +33,7 @@ std::int32_t Labels::part(std::span<const std::int32_t> faces, std::int32_t stay
   for (const std::int32_t f : faces) label[f] = to;
   pieces[from].face = stays;
   pieces.push_back({faces[0], pieces[from].region, cause});
+  touched.insert(touched.end(), {from, to});
   return to;
 }
 

@@ -52,8 +52,9 @@ struct Labels {
   explicit Labels(const Mesh& m);
 
   const Mesh& mesh;
-  std::vector<std::int32_t> label;  ///< (F) kNone where a part was left out
-  std::vector<Piece> pieces;        ///< by label
+  std::vector<std::int32_t> label;    ///< (F) kNone where a part was left out
+  std::vector<Piece> pieces;          ///< by label
+  std::vector<std::int32_t> touched;  ///< pieces that were cut or took or gave faces, for whoever keeps up with them
   Marks face_marks, vertex_marks, halfedge_marks;
 
   /// Whether h has the same piece on both sides.

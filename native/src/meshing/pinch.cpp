@@ -72,6 +72,7 @@ std::vector<std::int32_t> hand_over_sector(Cutter& cutter, std::int32_t vertex) 
     taker.insert(taker.end(), sector->faces.begin(), sector->faces.end());
     if (labels.shape(giver, true).defect() + labels.shape(taker, true).defect() < before) {
       labels.pieces[from].face = giver[0];
+      labels.touched.insert(labels.touched.end(), {from, to});
       return {from, to};
     }
     for (const std::int32_t f : sector->faces) labels.label[f] = from;

@@ -66,25 +66,24 @@ Fit fit(std::span<const std::int32_t> polygon, std::span<const Vec3> position, c
 
 }  // namespace
 
-std::vector<double> radii(const Polygons& polygons, const Mesh& mesh, double reach) {
-  std::vector<double> radius(polygons.vertex.size(), reach);
+void set_radii(const Polygons& polygons, const Mesh& mesh, double reach, Corners& corners) {
+  std::fill(corners.radius.begin(), corners.radius.end(), reach);
   for (std::int32_t q = 0; q < polygons.count(); ++q) {
-    const auto corners = polygons.of(q);
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-      const std::int32_t a = corners[i], b = corners[(i + 1) % corners.size()];
-      const double d = (mesh.vertices()[polygons.vertex[a]] - mesh.vertices()[polygons.vertex[b]]).norm();
-      radius[a] = std::min(radius[a], d);
-      radius[b] = std::min(radius[b], d);
+    const auto loop = polygons.of(q);
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      const std::int32_t a = loop[i], b = loop[(i + 1) % loop.size()];
+      const double d = (mesh.vertices()[corners.vertex[a]] - mesh.vertices()[corners.vertex[b]]).norm();
+      corners.radius[a] = std::min(corners.radius[a], d);
+      corners.radius[b] = std::min(corners.radius[b], d);
     }
   }
-  return radius;
+  for (std::int32_t c = 0; c < corners.count(); ++c) corners.radius[c] *= corners.pull[c];
 }
 
-std::vector<Vec3> place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
-                        std::span<const double> radius) {
-  std::vector<Vec3> position(polygons.vertex.size());
-  for (std::int32_t c = 0; c < polygons.corner_count(); ++c) {
-    const Vec3& home = mesh.vertices()[polygons.vertex[c]];
+void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
+           std::span<const std::int32_t> moving, Corners& corners) {
+  for (const std::int32_t c : moving) {
+    const Vec3& home = mesh.vertices()[corners.vertex[c]];
     Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
     Vec3 g = Vec3::Zero();
     for (const std::int32_t q : polygons.at(c)) {
@@ -92,26 +91,29 @@ std::vector<Vec3> place(const Polygons& polygons, const Mesh& mesh, std::span<co
       a += p.normal * p.normal.transpose();
       g += p.normal * p.normal.dot(p.centre - home);
     }
-    position[c] = home + trusted_step(a, g, radius[c]);
+    corners.position[c] = home + trusted_step(a, g, corners.radius[c]);
   }
-  return position;
 }
 
-void flatten(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes, std::span<const double> radius,
-             int rounds, std::vector<Vec3>& position) {
+void flatten(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
+             std::span<const std::int32_t> moving, int rounds, Corners& corners) {
+  std::vector<std::int32_t> near;  // the polygons round the moving corners
+  for (const std::int32_t c : moving) near.insert(near.end(), polygons.at(c).begin(), polygons.at(c).end());
+  std::sort(near.begin(), near.end());
+  near.erase(std::unique(near.begin(), near.end()), near.end());
   std::vector<Fit> fits(polygons.piece.size());
-  std::vector<Vec3> next(position);
+  std::vector<Vec3> next(moving.size());
   for (int round = 0; round < rounds; ++round) {
-    for (std::int32_t q = 0; q < polygons.count(); ++q)
-      fits[q] = fit(polygons.of(q), position, planes[polygons.piece[q]]);
-    for (std::int32_t c = 0; c < polygons.corner_count(); ++c) {
+    for (const std::int32_t q : near) fits[q] = fit(polygons.of(q), corners.position, planes[polygons.piece[q]]);
+    for (std::size_t i = 0; i < moving.size(); ++i) {
+      const std::int32_t c = moving[i];
+      const Vec3& at = corners.position[c];
       Vec3 move = Vec3::Zero();
-      for (const std::int32_t q : polygons.at(c))
-        move -= fits[q].normal * fits[q].normal.dot(position[c] - fits[q].centre);
-      next[c] = within(position[c] + move / static_cast<double>(polygons.at(c).size()),
-                       mesh.vertices()[polygons.vertex[c]], radius[c]);
+      for (const std::int32_t q : polygons.at(c)) move -= fits[q].normal * fits[q].normal.dot(at - fits[q].centre);
+      next[i] = within(at + move / static_cast<double>(polygons.at(c).size()), mesh.vertices()[corners.vertex[c]],
+                       corners.radius[c]);
     }
-    position.swap(next);
+    for (std::size_t i = 0; i < moving.size(); ++i) corners.position[moving[i]] = next[i];
   }
 }
 

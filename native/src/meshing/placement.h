@@ -7,18 +7,19 @@
 
 namespace isimp::meshing {
 
-/// How far each corner may be moved from its mesh vertex: `reach`, and no further than its shortest edge is long.
-std::vector<double> radii(const Polygons& polygons, const Mesh& mesh, double reach);
+/// Sets how far each corner may be moved from its mesh vertex: `reach`, no further than its shortest edge is long, and
+/// less where the repair has pulled it back.
+void set_radii(const Polygons& polygons, const Mesh& mesh, double reach, Corners& corners);
 
-/// Puts each corner where the planes of the pieces round it meet, by least squares from its mesh vertex; directions in
-/// which they hardly fix a point are left out, and no corner is moved further than its radius.
+/// Puts the given corners where the planes of the pieces round them meet, by least squares from the mesh vertex;
+/// directions in which the planes hardly fix a point are left out, and no corner is moved further than its radius.
 /// Source: Cohen-Steiner, Alliez, Desbrun 2004, section 4; the truncation as in Kobbelt et al. 2001.
-std::vector<Vec3> place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
-                        std::span<const double> radius);
+void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
+           std::span<const std::int32_t> moving, Corners& corners);
 
-/// Makes polygons flat by turns: a plane for each polygon, then each corner to the mean of its projections on the
-/// planes round it, within its radius. Polygons that are flat already do not move.
-void flatten(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes, std::span<const double> radius,
-             int rounds, std::vector<Vec3>& position);
+/// Makes the polygons round the given corners flat by turns: a plane for each polygon, then each corner to the mean of
+/// its projections on the planes round it, within its radius. Polygons that are flat already do not move.
+void flatten(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
+             std::span<const std::int32_t> moving, int rounds, Corners& corners);
 
 }  // namespace isimp::meshing

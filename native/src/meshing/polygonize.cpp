@@ -7,21 +7,15 @@
 #include <string>
 #include <utility>
 
-#include "complex.h"
-#include "discs.h"
 #include "isimp/core/errors.h"
 #include "judge.h"
-#include "labels.h"
-#include "placement.h"
-#include "planes.h"
-#include "polygons.h"
+#include "repair.h"
+#include "state.h"
 
 namespace isimp {
 namespace {
 
 using namespace meshing;
-
-constexpr std::int32_t kLeastClosed = 4;  ///< no closed surface has fewer polygons
 
 void check(const Mesh& mesh, const Partition& partition, const MeshingOptions& options) {
   const auto range = [](double x, double low, double high, const char* name) {
@@ -32,6 +26,9 @@ void check(const Mesh& mesh, const Partition& partition, const MeshingOptions& o
   range(options.chord_tolerance, 0, 100, "chord_tolerance");
   range(options.reach, 0, 1, "reach");
   range(options.flatten, 0, 10000, "flatten");
+  range(options.flatness, 0, 100, "flatness");
+  range(options.chord_width, 0, 100, "chord_width");
+  range(options.repair_budget, 0, 1000, "repair_budget");
   if (partition.face_region.size() != static_cast<std::size_t>(mesh.face_count()))
     throw InvalidInput("the partition has labels for " + std::to_string(partition.face_region.size()) +
                        " faces, but the mesh has " + std::to_string(mesh.face_count()));
@@ -46,19 +43,6 @@ void check(const Mesh& mesh, const Partition& partition, const MeshingOptions& o
         throw InvalidInput("face " + std::to_string(f) + " is left out, but face " + std::to_string(o / 3) +
                            " beside it is not; only whole parts can be left out");
   }
-}
-
-ChordTolerance chord_tolerance(const Mesh& mesh, std::span<const Plane> planes, std::int32_t regions,
-                               const MeshingOptions& options) {
-  double area = 0;
-  for (const Plane& p : planes) area += p.area;
-  const double tolerance = options.chord_tolerance * std::sqrt(area / std::max(regions, 1));
-  ChordTolerance t;
-  t.most = std::min(tolerance, 0.03 * mesh.diagonal());
-  t.most_on_border = std::min(tolerance, 0.01 * mesh.diagonal());
-  t.of_width = options.chord_width;
-  t.least_sine = 0.15;
-  return t;
 }
 
 void count_splits(const Labels& labels, std::int32_t regions, MeshingReport& report) {
@@ -78,11 +62,13 @@ void count_splits(const Labels& labels, std::int32_t regions, MeshingReport& rep
 }
 
 /// The polygons in the order of their regions, then of their pieces.
-PolygonMesh assemble(const Mesh& mesh, const Labels& labels, const Polygons& polygons, std::span<const Vec3> position) {
+PolygonMesh assemble(const State& state) {
   PolygonMesh out;
-  std::vector<std::int32_t> order(polygons.count()), index(polygons.vertex.size(), kNone);
+  const Polygons& polygons = state.polygons;
+  const auto& position = state.corners.position;
+  std::vector<std::int32_t> order(polygons.count()), index(state.corners.count(), kNone);
   std::iota(order.begin(), order.end(), 0);
-  const auto region = [&](std::int32_t q) { return labels.pieces[polygons.piece[q]].region; };
+  const auto region = [&](std::int32_t q) { return state.labels.pieces[polygons.piece[q]].region; };
   std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return region(a) < region(b); });
   double area = 0, bent = 0;
   for (const std::int32_t q : order) {
@@ -90,11 +76,11 @@ PolygonMesh assemble(const Mesh& mesh, const Labels& labels, const Polygons& pol
     out.polygon_region.push_back(region(q));
     for (const std::int32_t c : polygons.of(q)) {
       if (index[c] == kNone) {
+        const std::int32_t v = state.corners.vertex[c];
         index[c] = static_cast<std::int32_t>(out.vertices.size());
         out.vertices.push_back(position[c]);
-        out.source_vertex.push_back(polygons.vertex[c]);
-        out.report.distance_max =
-            std::max(out.report.distance_max, (position[c] - mesh.vertices()[polygons.vertex[c]]).norm());
+        out.source_vertex.push_back(v);
+        out.report.distance_max = std::max(out.report.distance_max, (position[c] - state.mesh.vertices()[v]).norm());
       }
       out.loops.push_back(index[c]);
     }
@@ -111,31 +97,31 @@ PolygonMesh assemble(const Mesh& mesh, const Labels& labels, const Polygons& pol
   return out;
 }
 
+void report_repair(const RepairOutcome& outcome, MeshingReport& report) {
+  report.crossing = outcome.crossing;
+  report.flipped = outcome.flipped;
+  report.bent = outcome.bent;
+  report.intersecting = outcome.intersecting;
+  report.excused = outcome.excused;
+  report.diagonals = outcome.diagonals;
+  report.repair_rounds = outcome.rounds;
+  report.repair_capped = outcome.capped;
+}
+
 }  // namespace
 
 PolygonMesh polygonize(const Mesh& mesh, const Partition& partition, const MeshingOptions& options, Job& job) {
   check(mesh, partition, options);
   Job::Part whole(job, "meshing", 0.0, 1.0);
-  Labels labels = label_pieces(mesh, partition.face_region);
-  job.report(0.1);
-  Cutter cutter(labels);
-  make_discs(cutter, find_defects(labels), job);
-  if (mesh.report().closed_components > 0) split_closed_components(cutter, kLeastClosed, job);
-  job.report(0.4);
-  std::vector<Plane> planes = planes_of(labels);
-  Complex complex(labels, planes, chord_tolerance(mesh, planes, partition.region_count(), options));
-  std::vector<std::int32_t> all(labels.pieces.size());
-  std::iota(all.begin(), all.end(), 0);
-  complex.refresh(all, boundary_starts(labels));
-  complex.make_regular();
-  job.report(0.6);
-  const Polygons polygons = collect_polygons(complex, labels);
-  const std::vector<double> radius = radii(polygons, mesh, options.reach * mesh.diagonal());
-  std::vector<Vec3> position = place(polygons, mesh, planes, radius);
-  flatten(polygons, mesh, planes, radius, options.flatten, position);
-  job.report(0.9);
-  PolygonMesh result = assemble(mesh, labels, polygons, position);
-  count_splits(labels, partition.region_count(), result.report);
+  State state(mesh, partition, options, job);
+  RepairOutcome outcome;
+  {
+    Job::Part part(job, "repairing", 0.4, 0.95);
+    outcome = repair(state, job);
+  }
+  PolygonMesh result = assemble(state);
+  report_repair(outcome, result.report);
+  count_splits(state.labels, partition.region_count(), result.report);
   judge_topology(result);
   return result;
 }

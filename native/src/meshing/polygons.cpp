@@ -6,31 +6,98 @@
 #include <numeric>
 
 namespace isimp::meshing {
+namespace {
 
-Polygons collect_polygons(const Complex& complex, const Labels& labels) {
-  const Mesh& mesh = labels.mesh;
-  Polygons p;
-  std::vector<std::int32_t> corner_of(mesh.vertex_count(), kNone);
-  p.start.push_back(0);
+using Cycle = std::vector<std::int32_t>;  // mesh vertices
+using Edge = std::array<std::int32_t, 2>;
+
+Edge edge(std::int32_t a, std::int32_t b) { return {std::min(a, b), std::max(a, b)}; }
+
+/// The edges that diagonals must not repeat.
+std::vector<Edge> all_chords(const Complex& complex, const Labels& labels) {
+  std::vector<Edge> edges;
   for (std::int32_t l = 0; l < labels.piece_count(); ++l) {
-    for (const std::int32_t h : complex.chords(l)) {
-      std::int32_t& c = corner_of[mesh.from(h)];
-      if (c == kNone) {
-        c = p.corner_count();
-        p.vertex.push_back(mesh.from(h));
-      }
-      p.corners.push_back(c);
-    }
-    p.piece.push_back(l);
-    p.start.push_back(static_cast<std::int32_t>(p.corners.size()));
+    const auto chords = complex.chords(l);
+    for (std::size_t i = 0; i < chords.size(); ++i)
+      if (labels.owns(chords[i]))
+        edges.push_back(edge(labels.mesh.from(chords[i]), labels.mesh.from(chords[(i + 1) % chords.size()])));
   }
-  p.around_start.assign(p.vertex.size() + 1, 0);
+  std::sort(edges.begin(), edges.end());
+  return edges;
+}
+
+/// Splits the one of `cycles` that has both ends and not as neighbours. \return whether there is one
+bool split_at(std::vector<Cycle>& cycles, const Edge& diagonal) {
+  for (std::size_t k = 0; k < cycles.size(); ++k) {
+    const Cycle& c = cycles[k];
+    auto i = std::find(c.begin(), c.end(), diagonal[0]), j = std::find(c.begin(), c.end(), diagonal[1]);
+    if (i == c.end() || j == c.end()) continue;
+    if (i > j) std::swap(i, j);
+    if (j - i < 2 || (i == c.begin() && j == c.end() - 1)) return false;
+    Cycle a(i, j + 1), b(j, c.end());
+    b.insert(b.end(), c.begin(), i + 1);
+    cycles[k] = std::move(a);
+    cycles.push_back(std::move(b));
+    return true;
+  }
+  return false;
+}
+
+void find_polygons_round_corners(Polygons& p, std::int32_t corners) {
+  p.around_start.assign(corners + 1, 0);
   for (const std::int32_t c : p.corners) ++p.around_start[c + 1];
   std::partial_sum(p.around_start.begin(), p.around_start.end(), p.around_start.begin());
   std::vector<std::int32_t> fill(p.around_start.begin(), p.around_start.end() - 1);
   p.around.resize(p.corners.size());
   for (std::int32_t q = 0; q < p.count(); ++q)
     for (const std::int32_t c : p.of(q)) p.around[fill[c]++] = q;
+}
+
+}  // namespace
+
+std::int32_t Corners::at(std::int32_t v) {
+  std::int32_t& c = of_vertex[v];
+  if (c == kNone) {
+    c = count();
+    vertex.push_back(v);
+    pull.push_back(1);
+    radius.push_back(0);
+    position.emplace_back(Vec3::Zero());
+  }
+  return c;
+}
+
+Polygons collect_polygons(const Complex& complex, const Labels& labels, Diagonals& diagonals, Corners& corners,
+                          std::vector<std::int32_t>& dropped) {
+  Polygons p;
+  p.start.push_back(0);
+  diagonals.resize(labels.pieces.size());
+  std::vector<Edge> taken, added;
+  if (std::any_of(diagonals.begin(), diagonals.end(), [](const auto& d) { return !d.empty(); }))
+    taken = all_chords(complex, labels);
+  std::vector<Cycle> cycles;
+  for (std::int32_t l = 0; l < labels.piece_count(); ++l) {
+    p.first_of.push_back(p.count());
+    cycles.assign(1, {});
+    for (const std::int32_t h : complex.chords(l)) cycles[0].push_back(labels.mesh.from(h));
+    const std::size_t before = diagonals[l].size();
+    std::erase_if(diagonals[l], [&](const Edge& d) {
+      const Edge e = edge(d[0], d[1]);
+      if (std::binary_search(taken.begin(), taken.end(), e) ||
+          std::find(added.begin(), added.end(), e) != added.end() || !split_at(cycles, d))
+        return true;
+      added.push_back(e);
+      return false;
+    });
+    if (diagonals[l].size() < before) dropped.push_back(l);
+    for (const Cycle& c : cycles) {
+      for (const std::int32_t v : c) p.corners.push_back(corners.at(v));
+      p.piece.push_back(l);
+      p.start.push_back(static_cast<std::int32_t>(p.corners.size()));
+    }
+  }
+  p.first_of.push_back(p.count());
+  find_polygons_round_corners(p, corners.count());
   return p;
 }
 

@@ -17,8 +17,11 @@ struct MeshingOptions {
   /// ... or by more than this share of the width of the narrower of the two regions, so that small ones keep their
   /// shape.
   double chord_width = 0.25;
-  double reach = 0.01;        ///< no corner is moved further than this from the scan's vertex it stands for
-  std::int32_t flatten = 30;  ///< rounds of planes and corners in turn; 0 leaves the first placement
+  double reach = 0.01;               ///< no corner is moved further than this from the scan's vertex it stands for
+  std::int32_t flatten = 30;         ///< rounds of planes and corners in turn; 0 leaves the first placement
+  std::int32_t flatness_from = 100;  ///< with fewer regions than this there is no bound: they are bent themselves
+  double flatness = 0.005;           ///< polygons bent by more than this are split; no bound at 0
+  double repair_budget = 0.5;        ///< splits and diagonals that the repair may make, as a share of the polygons
 };
 
 /// What came out, and by how much it is not perfect.
@@ -33,7 +36,12 @@ struct MeshingReport {
   std::int64_t euler = 0;
   double planarity_max = 0.0, planarity_mean = 0.0;  ///< scene units; the mean is weighted by area
   double distance_max = 0.0;  ///< largest distance of a corner from the vertex it stands for, scene units
-  std::int32_t crossing = 0, flipped = 0, intersecting = 0;  ///< polygons that stayed so
+  std::int32_t crossing = 0, flipped = 0, bent = 0;  ///< polygons that stayed so
+  std::int32_t intersecting = 0;  ///< pairs of regions whose polygons still intersect though the scan does not there
+  std::int32_t excused = 0;       ///< such pairs where the scan itself intersects
+  std::int32_t diagonals = 0;     ///< edges that repair put across a region
+  std::int32_t repair_rounds = 0;
+  bool repair_capped = false;  ///< the repair would have split more than repair_budget allows
 };
 
 /// A mesh of simple polygons without holes.

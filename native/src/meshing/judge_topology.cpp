@@ -1,8 +1,8 @@
-#include "judge.h"
-
 #include <algorithm>
 #include <numeric>
 #include <vector>
+
+#include "judge.h"
 
 namespace isimp::meshing {
 namespace {

@@ -1,0 +1,153 @@
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "judge.h"
+
+namespace isimp::meshing {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Point = Kernel::Point_2;
+
+constexpr double kFacing = 0.2;  ///< cosine between a polygon and its piece up to which it counts as flipped
+
+/// The polygon seen along its normal, turned counter-clockwise.
+struct Flat {
+  std::vector<Point> points;
+  Vec3 normal = Vec3::Zero();  ///< its length is the area
+  double bend = 0;
+};
+
+Flat flat(std::span<const std::int32_t> polygon, std::span<const Vec3> position) {
+  Flat f;
+  std::vector<Vec3> p;
+  p.reserve(polygon.size());
+  Vec3 centre = Vec3::Zero();
+  for (const std::int32_t c : polygon) {
+    p.push_back(position[c].cast<float>().cast<double>());
+    centre += p.back();
+  }
+  centre /= static_cast<double>(p.size());
+  for (Vec3& x : p) x -= centre;
+  for (std::size_t i = 0; i < p.size(); ++i) f.normal += p[i].cross(p[i + 1 < p.size() ? i + 1 : 0]) / 2;
+  const double area = f.normal.norm();
+  if (area == 0) return f;
+  const Vec3 n = f.normal / area;
+  int axis = 0;
+  n.cwiseAbs().minCoeff(&axis);
+  const Vec3 u = n.cross(Vec3::Unit(axis)).normalized(), v = n.cross(u);
+  for (const Vec3& x : p) {
+    f.points.emplace_back(x.dot(u), x.dot(v));
+    f.bend = std::max(f.bend, std::abs(x.dot(n)));
+  }
+  return f;
+}
+
+bool boxes_apart(const Point& a, const Point& b, const Point& c, const Point& d) {
+  return std::max(a.x(), b.x()) < std::min(c.x(), d.x()) || std::max(c.x(), d.x()) < std::min(a.x(), b.x()) ||
+         std::max(a.y(), b.y()) < std::min(c.y(), d.y()) || std::max(c.y(), d.y()) < std::min(a.y(), b.y());
+}
+
+/// Whether edge i touches edge j, j > i, elsewhere than where they follow each other.
+bool touch(const std::vector<Point>& p, std::size_t i, std::size_t j) {
+  const std::size_t n = p.size();
+  const Point &a = p[i], &b = p[i + 1], &c = p[j], &d = p[(j + 1) % n];
+  if (j == i + 1) return CGAL::collinear(a, b, d) && !CGAL::collinear_are_strictly_ordered_along_line(a, b, d);
+  if (i == 0 && j == n - 1)
+    return CGAL::collinear(c, a, b) && !CGAL::collinear_are_strictly_ordered_along_line(c, a, b);
+  if (boxes_apart(a, b, c, d)) return false;
+  return CGAL::do_intersect(Kernel::Segment_2(a, b), Kernel::Segment_2(c, d));
+}
+
+/// Two edges of the polygon that touch, {-1, -1} if it is simple. Cost: O(n^2).
+std::array<std::int32_t, 2> find_crossing(const std::vector<Point>& p) {
+  for (std::size_t i = 0; i + 1 < p.size(); ++i)
+    for (std::size_t j = i + 1; j < p.size(); ++j)
+      if (touch(p, i, j)) return {static_cast<std::int32_t>(i), static_cast<std::int32_t>(j)};
+  return {-1, -1};
+}
+
+/// Cuts ears off a simple polygon, the one with the shortest diagonal first (the first one, where corners are many).
+class Ears {
+ public:
+  Ears(const std::vector<Point>& points, std::span<const std::int32_t> polygon) : p_(points), polygon_(polygon) {
+    for (std::size_t i = 0; i < p_.size(); ++i) left_.push_back(i);
+  }
+
+  void cut(const Facet& like, std::vector<Facet>& facets) {
+    while (left_.size() > 3) {
+      const std::size_t ear = find();
+      if (ear == left_.size()) return;  // only where rounding made it not simple
+      add(ear, like, facets);
+      left_.erase(left_.begin() + static_cast<std::ptrdiff_t>(ear));
+    }
+    add(1, like, facets);
+  }
+
+ private:
+  static constexpr std::size_t kMany = 48;
+  [[nodiscard]] std::size_t before(std::size_t i) const { return left_[i > 0 ? i - 1 : left_.size() - 1]; }
+  [[nodiscard]] std::size_t after(std::size_t i) const { return left_[i + 1 < left_.size() ? i + 1 : 0]; }
+
+  void add(std::size_t i, Facet like, std::vector<Facet>& facets) const {
+    like.corner = {polygon_[before(i)], polygon_[left_[i]], polygon_[after(i)]};
+    facets.push_back(like);
+  }
+
+  [[nodiscard]] std::size_t find() const {
+    std::size_t best = left_.size();
+    double shortest = 0;
+    for (std::size_t i = 0; i < left_.size(); ++i) {
+      const double diagonal = CGAL::squared_distance(p_[before(i)], p_[after(i)]);
+      if ((best < left_.size() && diagonal >= shortest) || !is_ear(i)) continue;
+      best = i;
+      shortest = diagonal;
+      if (left_.size() > kMany) break;
+    }
+    return best;
+  }
+
+  [[nodiscard]] bool is_ear(std::size_t i) const {
+    const Point &a = p_[before(i)], &b = p_[left_[i]], &c = p_[after(i)];
+    if (CGAL::orientation(a, b, c) != CGAL::LEFT_TURN) return false;
+    for (const std::size_t k : left_) {
+      if (k == before(i) || k == left_[i] || k == after(i)) continue;
+      const Point& q = p_[k];
+      if (CGAL::orientation(a, b, q) != CGAL::RIGHT_TURN && CGAL::orientation(b, c, q) != CGAL::RIGHT_TURN &&
+          CGAL::orientation(c, a, q) != CGAL::RIGHT_TURN)
+        return false;
+    }
+    return true;
+  }
+
+  const std::vector<Point>& p_;
+  std::span<const std::int32_t> polygon_;
+  std::vector<std::size_t> left_;
+};
+
+}  // namespace
+
+PolygonVerdict judge_polygon(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Vec3& normal,
+                             double bend_bound, Facet like, std::vector<Facet>& facets) {
+  PolygonVerdict verdict;
+  const Flat f = flat(polygon, position);
+  verdict.bend = f.bend;
+  if (f.points.empty()) {
+    verdict.faults = kNoArea;
+    return verdict;
+  }
+  if (f.normal.dot(normal) <= kFacing * f.normal.norm()) verdict.faults |= kFlipped;
+  if (bend_bound > 0 && f.bend > bend_bound) verdict.faults |= kBent;
+  verdict.crossing = find_crossing(f.points);
+  if (verdict.crossing[0] >= 0) {
+    verdict.faults |= kCrossing;
+  } else {
+    Ears(f.points, polygon).cut(like, facets);
+  }
+  return verdict;
+}
+
+}  // namespace isimp::meshing

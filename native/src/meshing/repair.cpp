@@ -1,0 +1,257 @@
+#include "repair.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <string_view>
+#include <utility>
+
+#include "judge.h"
+
+namespace isimp::meshing {
+namespace {
+
+constexpr int kRounds = 40;
+constexpr int kPatience = 12;              ///< how often the last act of a plan is repeated
+constexpr double kPull = 0.5;              ///< what a pull leaves of a corner's radius
+constexpr std::int32_t kLeastBudget = 30;  ///< splits that are always allowed
+
+/// What is done at the first, second, ... time a piece is found faulty: p pull, b bend chords, d diagonal, s split.
+constexpr std::string_view kPlanCrossing = "pbpbs", kPlanFlipped = "ppds", kPlanHit = "ppds", kPlanBent = "d";
+
+class Repairer {
+ public:
+  Repairer(State& state, Job& job) : s_(state), job_(job) {
+    const auto pieces = static_cast<double>(s_.labels.piece_count());
+    budget_ = std::max(kLeastBudget, static_cast<std::int32_t>(s_.options.repair_budget * pieces));
+    if (s_.regions >= s_.options.flatness_from) bend_bound_ = s_.options.flatness * s_.mesh.diagonal();
+  }
+
+  RepairOutcome run() {
+    std::vector<std::int32_t> changed = s_.update({});
+    judge(changed);
+    for (; outcome_.rounds < kRounds; ++outcome_.rounds) {
+      job_.report(std::min(0.95, outcome_.rounds / 20.0));
+      if (!act()) break;
+      if (!s_.labels.touched.empty()) forget_excuses();
+      changed = s_.update(std::exchange(changed_, {}));
+      judge(changed);
+    }
+    sum_up();
+    return outcome_;
+  }
+
+ private:
+  /// What the judge found of a piece's polygons.
+  struct Found {
+    std::vector<PolygonVerdict> polygons;
+    std::vector<Facet> facets;
+    [[nodiscard]] std::uint8_t faults() const {
+      std::uint8_t all = 0;
+      for (const PolygonVerdict& v : polygons) all |= v.faults;
+      return all;
+    }
+  };
+
+  void judge(std::span<const std::int32_t> pieces) {
+    found_.resize(s_.labels.pieces.size());
+    tries_.resize(s_.labels.pieces.size(), 0);
+    std::vector<bool> changed(s_.labels.pieces.size(), false);
+    for (const std::int32_t l : pieces) {
+      changed[l] = true;
+      Found& f = found_[l];
+      f.polygons.clear();
+      f.facets.clear();
+      for (std::int32_t q = s_.polygons.first_of[l]; q < s_.polygons.first_of[l + 1]; ++q)
+        f.polygons.push_back(judge_polygon(s_.polygons.of(q), s_.corners.position, s_.planes[l].normal, bend_bound_,
+                                           {{}, l, q - s_.polygons.first_of[l]}, f.facets));
+    }
+    std::vector<Facet> facets;
+    for (const Found& f : found_) facets.insert(facets.end(), f.facets.begin(), f.facets.end());
+    std::erase_if(hits_, [&](const Hit& h) { return changed[h.a] || changed[h.b]; });
+    const std::vector<Hit> fresh = find_hits(facets, s_.corners.position, changed);
+    hits_.insert(hits_.end(), fresh.begin(), fresh.end());
+    std::sort(hits_.begin(), hits_.end());
+  }
+
+  /// Whether the scan itself intersects where two pieces do.
+  bool excused(const Hit& h) {
+    const auto [at, fresh] = excuses_.try_emplace(h, false);
+    if (fresh) at->second = scan_intersects(s_.labels, h.a, h.b);
+    return at->second;
+  }
+
+  void forget_excuses() {
+    std::vector<std::int32_t> touched = s_.labels.touched;
+    std::sort(touched.begin(), touched.end());
+    std::erase_if(excuses_, [&](const auto& e) {
+      return std::binary_search(touched.begin(), touched.end(), e.first.a) ||
+             std::binary_search(touched.begin(), touched.end(), e.first.b);
+    });
+  }
+
+  /// One step of its plan for every faulty piece. \return whether anything was done
+  bool act() {
+    const auto pieces = s_.labels.piece_count();
+    std::vector<bool> hit(pieces, false), spared(pieces, false);
+    for (const Hit& h : hits_) {
+      if (excused(h)) continue;
+      hit[h.a] = hit[h.b] = true;
+      // Of two that meet, the smaller is not split.
+      if (h.a != h.b) spared[s_.planes[h.a].area < s_.planes[h.b].area ? h.a : h.b] = true;
+    }
+    bool any = false;
+    for (std::int32_t l = 0; l < pieces; ++l) {
+      const std::uint8_t faults = found_[l].faults();
+      if (faults == 0 && !hit[l]) continue;
+      const std::string_view plan = (faults & kCrossing)              ? kPlanCrossing
+                                    : (faults & (kFlipped | kNoArea)) ? kPlanFlipped
+                                    : hit[l]                          ? kPlanHit
+                                                                      : kPlanBent;
+      if (tries_[l] >= static_cast<int>(plan.size()) + kPatience) continue;
+      const char step = plan[std::min<std::size_t>(tries_[l]++, plan.size() - 1)];
+      any = do_step(step, l, hit[l] && faults == 0 && spared[l]) || any;
+    }
+    return any;
+  }
+
+  bool do_step(char step, std::int32_t l, bool spared) {
+    if (step == 'p') return pull(l);
+    if (step == 'b' && bend(l)) return true;
+    if (step == 'd' && add_diagonal(l)) return true;
+    if (spared && outcome_.rounds % 3 != 0) return true;
+    return split(l);
+  }
+
+  bool pull(std::int32_t l) {
+    ++outcome_.pulls;
+    changed_.push_back(l);
+    for (std::int32_t q = s_.polygons.first_of[l]; q < s_.polygons.first_of[l + 1]; ++q)
+      for (const std::int32_t c : s_.polygons.of(q)) s_.corners.pull[c] *= kPull;
+    return true;
+  }
+
+  /// Adds a corner on each of the two chords that cross.
+  bool bend(std::int32_t l) {
+    bool any = false;
+    for (std::size_t i = 0; i < found_[l].polygons.size(); ++i) {
+      const auto& crossing = found_[l].polygons[i].crossing;
+      if (crossing[0] < 0) continue;
+      const auto polygon = s_.polygons.of(s_.polygons.first_of[l] + static_cast<std::int32_t>(i));
+      for (const std::int32_t e : crossing) {
+        const std::int32_t a = s_.corners.vertex[polygon[e]], b = s_.corners.vertex[polygon[(e + 1) % polygon.size()]];
+        const auto chords = s_.complex.chords(l);
+        for (std::size_t k = 0; k < chords.size(); ++k)
+          if (s_.mesh.from(chords[k]) == a && s_.mesh.from(chords[(k + 1) % chords.size()]) == b) {
+            any = s_.complex.bend(chords[k]) || any;
+            break;
+          }
+      }
+    }
+    outcome_.bends += any;
+    return any;
+  }
+
+  /// Splits the worst of the piece's polygons by a new edge between two of its corners.
+  bool add_diagonal(std::int32_t l) {
+    std::int32_t worst = kNone;
+    double most = -1;
+    for (std::size_t i = 0; i < found_[l].polygons.size(); ++i) {
+      const PolygonVerdict& v = found_[l].polygons[i];
+      const double badness = v.bend + (v.faults & ~kBent ? s_.mesh.diagonal() : 0.0);
+      if (badness <= most) continue;
+      most = badness;
+      worst = s_.polygons.first_of[l] + static_cast<std::int32_t>(i);
+    }
+    const std::array<std::int32_t, 2> d = best_diagonal(worst, s_.planes[l].normal);
+    if (d[0] == kNone || splits_left() <= 0) return false;
+    s_.diagonals[l].push_back(d);
+    changed_.push_back(l);
+    ++outcome_.diagonals;
+    return true;
+  }
+
+  /// The one that leaves the flattest two polygons, both facing as `normal`; kNone where all ends are joined already.
+  [[nodiscard]] std::array<std::int32_t, 2> best_diagonal(std::int32_t polygon, const Vec3& normal) const {
+    const auto loop = s_.polygons.of(polygon);
+    const auto n = loop.size();
+    const auto& at = s_.corners.position;
+    std::array<std::int32_t, 2> best{kNone, kNone};
+    double least = std::numeric_limits<double>::max();
+    std::vector<std::int32_t> a, b;
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = i + 2; j < n && j - i + 1 < n; ++j) {
+        if (joined(loop[i], loop[j])) continue;
+        a.assign(loop.begin() + static_cast<std::ptrdiff_t>(i), loop.begin() + static_cast<std::ptrdiff_t>(j) + 1);
+        b.assign(loop.begin() + static_cast<std::ptrdiff_t>(j), loop.end());
+        b.insert(b.end(), loop.begin(), loop.begin() + static_cast<std::ptrdiff_t>(i) + 1);
+        double cost = std::max(bend_of(a, at), bend_of(b, at)) + 0.02 * (at[loop[i]] - at[loop[j]]).norm();
+        if (vector_area(a, at).dot(normal) <= 0 || vector_area(b, at).dot(normal) <= 0) cost += s_.mesh.diagonal();
+        if (cost >= least) continue;
+        least = cost;
+        best = {s_.corners.vertex[loop[i]], s_.corners.vertex[loop[j]]};
+      }
+    return best;
+  }
+
+  /// Whether two corners follow each other in some polygon.
+  [[nodiscard]] bool joined(std::int32_t a, std::int32_t b) const {
+    for (const std::int32_t q : s_.polygons.at(a)) {
+      const auto loop = s_.polygons.of(q);
+      for (std::size_t i = 0; i < loop.size(); ++i) {
+        const std::int32_t c = loop[i], d = loop[(i + 1) % loop.size()];
+        if ((c == a && d == b) || (c == b && d == a)) return true;
+      }
+    }
+    return false;
+  }
+
+  [[nodiscard]] std::int32_t splits_left() const { return budget_ - outcome_.splits - outcome_.diagonals; }
+
+  bool split(std::int32_t l) {
+    if (splits_left() <= 0) {
+      outcome_.capped = true;
+      return false;
+    }
+    if (!s_.split(l, {kNone, kNone}, job_)) return false;
+    ++outcome_.splits;
+    tries_.resize(s_.labels.pieces.size(), tries_[l]);
+    return true;
+  }
+
+  void sum_up() {
+    std::vector<bool> faulty(s_.labels.pieces.size(), false);
+    for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l)
+      for (const PolygonVerdict& v : found_[l].polygons) {
+        outcome_.crossing += (v.faults & (kCrossing | kNoArea)) != 0;
+        outcome_.flipped += (v.faults & kFlipped) != 0;
+        outcome_.bent += (v.faults & kBent) != 0;
+        faulty[l] = faulty[l] || v.faults != 0;
+      }
+    for (const Hit& h : hits_) {
+      const bool excuse = excused(h);
+      ++(excuse ? outcome_.excused : outcome_.intersecting);
+      if (!excuse) faulty[h.a] = faulty[h.b] = true;
+    }
+    for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l)
+      if (faulty[l]) outcome_.faulty.push_back(l);
+  }
+
+  State& s_;
+  Job& job_;
+  RepairOutcome outcome_;
+  std::int32_t budget_ = 0;
+  double bend_bound_ = 0;
+  std::vector<Found> found_;  // by piece
+  std::vector<int> tries_;    // by piece
+  std::vector<Hit> hits_;     // in rising order
+  std::map<Hit, bool> excuses_;
+  std::vector<std::int32_t> changed_;  // pieces whose diagonals or pulls were changed in this round
+};
+
+}  // namespace
+
+RepairOutcome repair(State& state, Job& job) { return Repairer(state, job).run(); }
+
+}  // namespace isimp::meshing

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "isimp/core/job.h"
+#include "state.h"
+
+namespace isimp::meshing {
+
+/// What is wrong with the polygons that the repair leaves.
+struct RepairOutcome {
+  std::int32_t crossing = 0, flipped = 0, bent = 0;  ///< polygons
+  std::int32_t intersecting = 0, excused = 0;        ///< pairs of polygons; excused: the scan's faces intersect there
+  std::int32_t splits = 0, diagonals = 0, bends = 0, pulls = 0, rounds = 0;
+  bool capped = false;               ///< more splits were wanted than allowed
+  std::vector<std::int32_t> faulty;  ///< the pieces concerned
+};
+
+/// Looks for polygons that cross themselves, are flipped, are bent or intersect, and changes them and what is round
+/// them until none is left or nothing helps: pulls corners back to the mesh, adds corners, adds diagonals, splits
+/// pieces.
+RepairOutcome repair(State& state, Job& job);
+
+}  // namespace isimp::meshing

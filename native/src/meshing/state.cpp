@@ -1,0 +1,101 @@
+#include "state.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace isimp::meshing {
+namespace {
+
+constexpr std::int32_t kLeastClosed = 4;  ///< no closed surface has fewer polygons
+
+void sort_unique(std::vector<std::int32_t>& v) {
+  std::sort(v.begin(), v.end());
+  v.erase(std::unique(v.begin(), v.end()), v.end());
+}
+
+ChordTolerance chord_tolerance(const Mesh& mesh, std::span<const Plane> planes, std::int32_t regions,
+                               const MeshingOptions& options) {
+  double area = 0;
+  for (const Plane& p : planes) area += p.area;
+  const double tolerance = options.chord_tolerance * std::sqrt(area / std::max(regions, 1));
+  ChordTolerance t;
+  t.most = std::min(tolerance, 0.03 * mesh.diagonal());
+  t.most_on_border = std::min(tolerance, 0.01 * mesh.diagonal());
+  t.of_width = options.chord_width;
+  t.least_sine = 0.15;
+  return t;
+}
+
+/// A boundary half-edge of a piece, found from one of its faces.
+std::int32_t boundary_start(Labels& labels, std::span<const std::int32_t> faces) {
+  for (const std::int32_t f : faces)
+    for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
+      if (!labels.inner(h)) return h;
+  return kNone;
+}
+
+}  // namespace
+
+State::State(const Mesh& m, const Partition& partition, const MeshingOptions& o, Job& job)
+    : mesh(m),
+      options(o),
+      regions(partition.region_count()),
+      labels(label_pieces(m, partition.face_region)),
+      cutter(labels),
+      complex(labels, planes),
+      corners(m.vertex_count()) {
+  job.report(0.1);
+  make_discs(cutter, find_defects(labels), job);
+  if (mesh.report().closed_components > 0) split_closed_components(cutter, kLeastClosed, job);
+  labels.touched.clear();
+  job.report(0.3);
+  planes = planes_of(labels);
+  complex.tolerance = chord_tolerance(mesh, planes, regions, options);
+  std::vector<std::int32_t> all(labels.pieces.size());
+  std::iota(all.begin(), all.end(), 0);
+  complex.refresh(all, boundary_starts(labels));
+  job.report(0.4);
+}
+
+bool State::split(std::int32_t piece, std::array<std::int32_t, 2> seeds, Job& job) {
+  const std::int32_t fresh = bisect(cutter, piece, Cause::repair, seeds);
+  if (fresh == kNone) return false;
+  make_discs(cutter, {piece, fresh}, job);
+  return true;
+}
+
+std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed) {
+  sort_unique(labels.touched);
+  planes.resize(labels.pieces.size());
+  diagonals.resize(labels.pieces.size());
+  std::vector<std::int32_t> starts;
+  for (const std::int32_t l : labels.touched) {
+    const std::vector<std::int32_t> faces = labels.faces_of(l);
+    planes[l] = plane_of(mesh, faces);
+    diagonals[l].clear();
+    starts.push_back(boundary_start(labels, faces));
+  }
+  complex.refresh(labels.touched, starts);
+  labels.touched.clear();
+  complex.make_regular();
+  const std::vector<std::int32_t> cornered = complex.take_changed();
+  changed.insert(changed.end(), cornered.begin(), cornered.end());
+  polygons = collect_polygons(complex, labels, diagonals, corners, changed);
+  sort_unique(changed);
+  set_radii(polygons, mesh, options.reach * mesh.diagonal(), corners);
+
+  std::vector<std::int32_t> moving, near;
+  for (const std::int32_t l : changed)
+    for (std::int32_t q = polygons.first_of[l]; q < polygons.first_of[l + 1]; ++q)
+      moving.insert(moving.end(), polygons.of(q).begin(), polygons.of(q).end());
+  sort_unique(moving);
+  place(polygons, mesh, planes, moving, corners);
+  flatten(polygons, mesh, planes, moving, options.flatten, corners);
+  for (const std::int32_t c : moving)
+    for (const std::int32_t q : polygons.at(c)) near.push_back(polygons.piece[q]);
+  sort_unique(near);
+  return near;
+}
+
+}  // namespace isimp::meshing
