@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <tuple>
 #include <utility>
 
 #include "soup.h"
@@ -77,23 +78,35 @@ class TwoSidedSets {
   std::vector<char> side_;
 };
 
-/// The seam between two patches.
+/// The seam between two patches, the part of it that welding made apart from the rest.
 struct Seam {
   std::int32_t p, q;
+  bool welded;
   double length;
+
+  [[nodiscard]] auto key() const { return std::tuple(p, q, welded); }
 };
+
+/// Whether welding joined the faces of an edge.
+bool is_welded(const Soup& soup, std::int32_t h) {
+  const auto ends = [&](std::int32_t g) {
+    const Triangle& t = soup.named[g / 3];
+    return std::minmax({t[g % 3], t[(g + 1) % 3]});
+  };
+  return !soup.welded.empty() && ends(h) != ends(soup.opposite[h]);
+}
 
 std::vector<Seam> find_seams(const Soup& soup, const Patches& patches, const std::vector<std::int32_t>& same_way) {
   std::vector<Seam> seams;
   for (const std::int32_t h : same_way) {
     const auto [p, q] = std::minmax(patches.of_face[h / 3], patches.of_face[soup.opposite[h] / 3]);
-    if (p != q) seams.push_back({p, q, (soup.vertices[soup.to(h)] - soup.vertices[soup.from(h)]).norm()});
+    if (p != q)
+      seams.push_back({p, q, is_welded(soup, h), (soup.vertices[soup.to(h)] - soup.vertices[soup.from(h)]).norm()});
   }
-  std::stable_sort(seams.begin(), seams.end(),
-                   [](const Seam& a, const Seam& b) { return std::pair(a.p, a.q) < std::pair(b.p, b.q); });
+  std::stable_sort(seams.begin(), seams.end(), [](const Seam& a, const Seam& b) { return a.key() < b.key(); });
   std::size_t kept = 0;
   for (std::size_t i = 0; i < seams.size(); ++i) {
-    if (kept > 0 && seams[kept - 1].p == seams[i].p && seams[kept - 1].q == seams[i].q) {
+    if (kept > 0 && seams[kept - 1].key() == seams[i].key()) {
       seams[kept - 1].length += seams[i].length;
     } else {
       seams[kept++] = seams[i];
@@ -106,19 +119,21 @@ std::vector<Seam> find_seams(const Soup& soup, const Patches& patches, const std
 }  // namespace
 
 /// Patches are laid side against side along their longest seams first, so that where a surface has one side only, it is
-/// cut along a short seam.
+/// cut along a short seam; best along one that only welding closed, which then stays as the caller had it.
 std::vector<char> orient(Soup& soup, const std::vector<std::int32_t>& same_way, Job& job) {
   if (same_way.empty()) return {};
   const Patches patches = find_patches(soup, job);
   std::vector<Seam> seams = find_seams(soup, patches, same_way);
-  std::stable_sort(seams.begin(), seams.end(), [](const Seam& a, const Seam& b) { return a.length > b.length; });
+  std::stable_sort(seams.begin(), seams.end(), [](const Seam& a, const Seam& b) {
+    return std::pair(a.welded, -a.length) < std::pair(b.welded, -b.length);
+  });
   TwoSidedSets sets(patches.area.size());
   for (const Seam& seam : seams) sets.oppose(seam.p, seam.q);
 
   for (const std::int32_t h : same_way) {
     const std::int32_t other = soup.opposite[h];
     if (sets.oppose(patches.of_face[h / 3], patches.of_face[other / 3])) continue;
-    soup.count_face(Mend::cut_edges, h / 3);
+    if (!is_welded(soup, h)) soup.count_face(Mend::cut_edges, h / 3);
     soup.opposite[h] = soup.opposite[other] = kNone;
     soup.contested.insert(soup.contested.end(), {h, other});
   }

@@ -1,64 +1,7 @@
-#include <array>
-#include <bit>
-#include <cmath>
-
+#include "places.h"
 #include "soup.h"
 
 namespace isimp::detail {
-namespace {
-
-/// Finds points that lie within a distance of each other, by a hash of the cells of a grid of that width.
-class Places {
- public:
-  Places(const std::vector<Vec3>& points, std::size_t expected, double tolerance)
-      : points_(points), tolerance_(tolerance), heads_(std::bit_ceil(2 * expected + 1), kNone) {}
-
-  /// The nearest point kept so far within the tolerance, the earliest of equals; else kNone, and `v` is kept.
-  std::int32_t find_or_keep(std::int32_t v) {
-    const Vec3 home = cell(points_[v]);
-    std::int32_t best = kNone;
-    double best_distance = tolerance_;
-    const int reach = tolerance_ > 0 ? 1 : 0;
-    for (int i = -reach; i <= reach; ++i)
-      for (int j = -reach; j <= reach; ++j)
-        for (int k = -reach; k <= reach; ++k)
-          for (std::int32_t e = heads_[slot(home + Vec3(i, j, k))]; e != kNone; e = next_[e]) {
-            const std::int32_t other = kept_[e];
-            const double distance = (points_[other] - points_[v]).norm();
-            if (distance < best_distance || (distance == best_distance && (best == kNone || other < best))) {
-              best = other;
-              best_distance = distance;
-            }
-          }
-    if (best == kNone) {
-      std::int32_t& head = heads_[slot(home)];
-      next_.push_back(head);
-      head = static_cast<std::int32_t>(kept_.size());
-      kept_.push_back(v);
-    }
-    return best;
-  }
-
- private:
-  [[nodiscard]] Vec3 cell(const Vec3& p) const {
-    if (tolerance_ == 0) return p;
-    return {std::floor(p.x() / tolerance_), std::floor(p.y() / tolerance_), std::floor(p.z() / tolerance_)};
-  }
-  [[nodiscard]] std::size_t slot(const Vec3& cell) const {
-    std::uint64_t hash = 0;
-    for (int k = 0; k < 3; ++k) {
-      hash = (hash ^ std::bit_cast<std::uint64_t>(cell[k] + 0.0)) * 0x9e3779b97f4a7c15ULL;  // + 0.0 makes -0 into 0
-      hash ^= hash >> 32;
-    }
-    return hash & (heads_.size() - 1);
-  }
-
-  const std::vector<Vec3>& points_;
-  double tolerance_;
-  std::vector<std::int32_t> heads_, next_, kept_;
-};
-
-}  // namespace
 
 bool weld_borders(Soup& soup, const EdgeGroups& edges, double tolerance, Job& job) {
   std::vector<char> on_border(soup.vertices.size(), 0);
@@ -73,7 +16,7 @@ bool weld_borders(Soup& soup, const EdgeGroups& edges, double tolerance, Job& jo
   std::vector<std::int32_t> stands_for;  // (V) filled once the first pair is found
   for (std::size_t i = 0; i < border.size(); ++i) {
     if (i % kPollEvery == 0) job.poll();
-    const std::int32_t v = border[i], other = places.find_or_keep(v);
+    const std::int32_t v = border[i], other = places.find_or_keep(soup.vertices[v], v);
     if (other == kNone) continue;
     if (stands_for.empty()) {
       stands_for.resize(soup.vertices.size());

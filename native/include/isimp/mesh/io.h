@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "isimp/core/job.h"
+#include "isimp/core/types.h"
+
+namespace isimp {
+
+/// Polygons with any number of corners, as a file holds them; nothing is promised about how they hang together.
+struct PolygonSoup {
+  std::vector<Vec3> vertices;            ///< (V) any numbers, NaN among them
+  std::vector<std::int32_t> loops;       ///< (L) vertex of each corner, in [0, V), polygon after polygon
+  std::vector<std::int32_t> loop_start;  ///< (Q) where each polygon begins in `loops`; it ends where the next begins
+
+  [[nodiscard]] std::int32_t polygon_count() const { return static_cast<std::int32_t>(loop_start.size()); }
+  [[nodiscard]] std::span<const std::int32_t> polygon(std::int32_t q) const;
+};
+
+/// Reads a mesh file: PLY (text, binary of either byte order), OBJ, STL (text, binary) or OFF (text), told apart by the
+/// name's extension, in upper or lower case.
+///
+/// Polygons keep the file's order and number, broken ones too (a vertex named twice, fewer than three corners), so that
+/// labels can be given back on the file's faces. Only geometry is read; colours, normals and the like are skipped.
+/// Places keep the file's precision. STL has no shared vertices: corners at bit-equal places become one, corners with
+/// NaN don't. A file without faces (a point cloud) gives no polygons.
+///
+/// \throws FileError  missing, a folder, not readable, of another kind, damaged or cut short, an index out of range,
+/// more
+///                    than 2^31 - 1 vertices or corners; the message names the file, where in it and what was expected
+/// \throws Cancelled  polled at least every 50 ms of work, not while the system waits for the disk
+/// Cost: O(bytes); the whole file is held in memory meanwhile. A million faces of binary PLY take about 50 ms.
+PolygonSoup read_polygons(const std::filesystem::path& path, Job& job);
+
+/// Writes polygons as binary PLY (little-endian, places as double) or OBJ (shortest decimals that give the same double
+/// back), told apart by the extension. The file appears whole or not at all: it is written beside its place under
+/// another name and then moved there, over an older file of that name.
+///
+/// \param loop_start  (Q) where each polygon begins in `loops`, rising from 0
+/// \throws FileError     another extension, or the place can't be written; nothing is left behind
+/// \throws InvalidInput  an index out of range or a polygon of fewer than three corners
+/// \throws Cancelled     nothing is left behind
+void write_polygons(const std::filesystem::path& path, std::span<const Vec3> vertices,
+                    std::span<const std::int32_t> loops, std::span<const std::int32_t> loop_start, Job& job);
+
+/// Triangles that fill polygons, without new vertices.
+struct Triangulation {
+  std::vector<Triangle> triangles;           ///< (F) wound as their polygon
+  std::vector<std::int32_t> source_polygon;  ///< (F) rising
+};
+
+/// Cuts each polygon of n corners into n - 2 triangles by ears in the plane that fits it best; concave ones come out
+/// without overlaps where the polygon has none. Those with fewer than three corners give nothing; those without area,
+/// with NaN or that cross themselves give n - 2 triangles of some kind.
+///
+/// Cost: about O(n log n) for a polygon of n corners; O(n r) at worst, r of them reflex.
+Triangulation triangulate(const PolygonSoup& soup, Job& job);
+
+}  // namespace isimp

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "isimp/core/errors.h"
+
+namespace isimp::detail {
+
+/// A file's contents, and the name that errors carry.
+struct FileText {
+  std::string name;
+  std::string bytes;
+
+  [[noreturn]] void fail(const std::string& what) const { throw FileError(name + ": " + what); }
+  /// Names the line of a place in `bytes`.
+  [[noreturn]] void fail_at(const char* place, const std::string& what) const;
+};
+
+/// The words of a text, one after another, with spaces, tabs and line ends between them.
+class Words {
+ public:
+  explicit Words(std::string_view text) : at_(text.data()), end_(text.data() + text.size()) {}
+  /// The next word; empty at the end.
+  std::string_view next() {
+    while (at_ != end_ && is_space(*at_)) ++at_;
+    const char* begin = at_;
+    while (at_ != end_ && !is_space(*at_)) ++at_;
+    return {begin, static_cast<std::size_t>(at_ - begin)};
+  }
+
+ private:
+  static bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+  const char* at_;
+  const char* end_;
+};
+
+/// The lines of a text, whichever way they end.
+class Lines {
+ public:
+  explicit Lines(std::string_view text) : rest_(text) {}
+  /// The next line without its end; false past the last one.
+  bool next(std::string_view& line);
+  /// What follows the last line given.
+  [[nodiscard]] std::string_view rest() const { return rest_; }
+
+ private:
+  std::string_view rest_;
+};
+
+/// The number a word spells, NaN and infinity included ("nan", "-inf", "1.#QNAN"); nothing if it spells none.
+std::optional<double> to_number(std::string_view word);
+/// The whole number a word spells ("3", "-1", "3.0").
+std::optional<std::int64_t> to_integer(std::string_view word);
+/// A word as an error message shows it: quoted, unprintable bytes replaced, at most 24 characters.
+std::string shown(std::string_view word);
+
+}  // namespace isimp::detail

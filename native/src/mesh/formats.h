@@ -1,0 +1,63 @@
+#pragma once
+
+#include <string>
+
+#include "file_text.h"
+#include "isimp/core/job.h"
+#include "isimp/mesh/io.h"
+
+/// The file formats, each read by a few plain functions of our own.
+///
+/// OpenMesh 9 has readers and writers for all four, and its importer interface would take polygon soup, but they do not
+/// keep what `isimp/mesh/io.h` promises, and no check put before them could make them:
+///  - places pass through float, so that a scan in map coordinates moves by up to half a metre; text that spells NaN
+///    ends the reading in silence, the rest of the file reading as zeros;
+///  - OBJ and STL faces that name a vertex twice vanish, so that labels no longer fit the file's faces, and an STL
+///    vertex with NaN becomes an arbitrary other one;
+///  - damaged bytes end the process (a PLY property before any element: a wild write; an OBJ face "f /1": an
+///    assertion that Debian's build keeps), hang it (a PLY header without its end), exhaust the memory (an OFF file
+///    cut short) or give made-up faces (a comment in an OFF file: 32,573 of them);
+///  - readers and writers are global objects with state, so that two threads can't read at once, and some messages go
+///    to the process's error stream whatever is asked;
+///  - the PLY writer cuts the number of a polygon's corners to eight bits and places to float, the OBJ writer to float.
+/// The tests read with OpenMesh what is written here and the other way round.
+namespace isimp::detail {
+
+/// Takes vertices and polygons one by one and keeps them within what indices can count.
+class SoupBuilder {
+ public:
+  explicit SoupBuilder(const FileText& file) : file_(file) {}
+  void reserve(std::size_t vertices, std::size_t polygons);
+  void add_vertex(const Vec3& p) {
+    if (soup_.vertices.size() == kMost) too_many("vertices");
+    soup_.vertices.push_back(p);
+  }
+  void begin_polygon() {
+    if (soup_.loops.size() == kMost || soup_.loop_start.size() == kMost) too_many("corners");
+    soup_.loop_start.push_back(static_cast<std::int32_t>(soup_.loops.size()));
+  }
+  /// Any number: it is checked at the end, since some formats let faces come before their vertices.
+  void add_corner(std::int64_t vertex) {
+    if (soup_.loops.size() == kMost) too_many("corners");
+    soup_.loops.push_back(vertex < 0 || vertex > static_cast<std::int64_t>(kMost) ? kOut
+                                                                                  : static_cast<std::int32_t>(vertex));
+  }
+  [[nodiscard]] const std::vector<Vec3>& vertices() const { return soup_.vertices; }
+  /// Checks the indices. \param first_index  what the format calls the first vertex
+  PolygonSoup finish(std::int32_t first_index, Job& job);
+
+ private:
+  static constexpr std::size_t kMost = 0x7fffffff - 1;
+  static constexpr std::int32_t kOut = 0x7fffffff;  // stands for every number that no vertex can have
+  [[noreturn]] void too_many(const char* what) const;
+
+  const FileText& file_;
+  PolygonSoup soup_;
+};
+
+PolygonSoup read_ply(const FileText& file, Job& job);
+PolygonSoup read_obj(const FileText& file, Job& job);
+PolygonSoup read_stl(const FileText& file, Job& job);
+PolygonSoup read_off(const FileText& file, Job& job);
+
+}  // namespace isimp::detail

@@ -1,0 +1,73 @@
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+#include <system_error>
+
+#include "edge_groups.h"
+#include "formats.h"
+#include "isimp/mesh/io.h"
+
+namespace isimp {
+namespace {
+
+namespace fs = std::filesystem;
+using detail::FileText;
+
+constexpr std::size_t kBlock = std::size_t{1} << 24;  // bytes between two polls: some ten milliseconds
+
+std::string lower_extension(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+FileText load(const fs::path& path, Job& job) {
+  FileText file{path.string(), {}};
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status)) file.fail("there is no such file");
+  if (fs::is_directory(status)) file.fail("it is a folder, not a mesh file");
+  std::ifstream in(path, std::ios::binary);
+  if (!in) file.fail("it can't be opened; may it be read?");
+  const std::uintmax_t size = fs::file_size(path, error);
+  if (error) file.fail("its size can't be found: " + error.message());
+  file.bytes.resize(size);
+  for (std::size_t done = 0; done < size; done += kBlock) {
+    job.report(static_cast<double>(done) / static_cast<double>(size));
+    const std::size_t wanted = std::min(kBlock, static_cast<std::size_t>(size) - done);
+    if (!in.read(file.bytes.data() + done, static_cast<std::streamsize>(wanted)))
+      file.fail("it can't be read to its end");
+  }
+  if (file.bytes.empty()) file.fail("it is empty");
+  return file;
+}
+
+}  // namespace
+
+std::span<const std::int32_t> PolygonSoup::polygon(std::int32_t q) const {
+  const std::size_t begin = static_cast<std::size_t>(loop_start[q]), next = static_cast<std::size_t>(q) + 1;
+  const std::size_t end = next < loop_start.size() ? static_cast<std::size_t>(loop_start[next]) : loops.size();
+  return std::span(loops).subspan(begin, end - begin);
+}
+
+PolygonSoup read_polygons(const std::filesystem::path& path, Job& job) {
+  using Reader = PolygonSoup (*)(const FileText&, Job&);
+  const std::string extension = lower_extension(path);
+  const Reader reader = extension == ".ply"   ? detail::read_ply
+                        : extension == ".obj" ? detail::read_obj
+                        : extension == ".stl" ? detail::read_stl
+                        : extension == ".off" ? detail::read_off
+                                              : nullptr;
+  if (reader == nullptr)
+    FileText{path.string(), {}}.fail("the extension \"" + extension +
+                                     "\" is not known; PLY, OBJ, STL and OFF files can be read");
+  const FileText file = load(path, job);
+  try {
+    return reader(file, job);
+  } catch (const std::bad_alloc&) {
+    file.fail("there is not enough memory for it");
+  }
+}
+
+}  // namespace isimp
