@@ -1,0 +1,142 @@
+"""clean(vertices, triangles): what scanners write becomes a mesh, each repair counted and located."""
+
+import numpy as np
+import pytest
+
+import isimp_engine as engine
+import shapes
+
+KEYS = {
+    "non_finite_faces",
+    "repeated_index_faces",
+    "duplicate_faces",
+    "welded_vertices",
+    "flipped_faces",
+    "cut_edges",
+    "split_edges",
+    "split_vertices",
+    "subdivided_edges",
+    "unused_vertices",
+}
+
+
+def made(mesh):
+    """The repairs that were made, with their counts."""
+    return {key: count for key, count in mesh.report["repairs"].items() if count}
+
+
+def check_sound(mesh):
+    """What `clean` makes is what Mesh(...) takes."""
+    again = engine.Mesh(mesh.vertices, mesh.triangles)
+    assert again.report["components"] == mesh.report["components"]
+    assert len(mesh.source_face) == len(mesh.triangles)
+    assert len(mesh.source_vertex) == len(mesh.vertices)
+
+
+def test_a_sound_mesh_comes_back_as_it_was():
+    vertices, triangles = shapes.cube()
+    mesh = engine.clean(vertices, triangles)
+    np.testing.assert_array_equal(mesh.vertices, vertices)
+    np.testing.assert_array_equal(mesh.triangles, triangles)
+    np.testing.assert_array_equal(mesh.source_face, np.arange(len(triangles)))
+    assert set(mesh.report["repairs"]) == set(mesh.report["repaired_at"]) == KEYS
+    assert made(mesh) == {}
+
+
+def test_broken_faces_are_dropped_and_located():
+    vertices, triangles = shapes.cube()
+    vertices = np.concatenate([vertices, [[np.nan, 0, 0], [5, 5, 5]]])
+    triangles = np.concatenate([triangles[:50], [[0, 1, 98], [3, 3, 4]], triangles[50:], triangles[7:8]])
+    mesh = engine.clean(vertices, triangles)
+    check_sound(mesh)
+    assert made(mesh) == {
+        "non_finite_faces": 1,
+        "repeated_index_faces": 1,
+        "duplicate_faces": 1,
+        "unused_vertices": 2,
+    }
+    where = mesh.report["repaired_at"]
+    assert where["non_finite_faces"] == [50]
+    assert where["repeated_index_faces"] == [51]
+    assert where["duplicate_faces"] == [194]
+    assert where["unused_vertices"] == [98, 99]
+    np.testing.assert_array_equal(mesh.source_face, [*range(50), *range(52, 194)])
+    assert mesh.report["closed"]
+    for key, count in mesh.report["repairs"].items():
+        assert mesh.report[key] == count
+
+
+def test_turned_faces_are_turned_back():
+    vertices, triangles = shapes.cube()
+    triangles[[5, 77]] = triangles[[5, 77]][:, ::-1]
+    mesh = engine.clean(vertices, triangles)
+    check_sound(mesh)
+    assert made(mesh) == {"flipped_faces": 2}
+    assert mesh.report["repaired_at"]["flipped_faces"] == [5, 77]
+    assert shapes.volume(mesh.vertices, mesh.triangles) == pytest.approx(1)
+
+
+def test_unwelded_corners_become_one_surface():
+    vertices, triangles = shapes.cube()
+    mesh = engine.clean(vertices[triangles].reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3))
+    check_sound(mesh)
+    assert mesh.report["closed"]
+    assert mesh.report["components"] == 1
+    assert len(mesh.vertices) == len(vertices)
+    assert made(mesh)["welded_vertices"] == 3 * len(triangles) - len(vertices)
+
+
+def test_near_borders_are_welded_when_asked():
+    left, right = shapes.plane(3), shapes.plane(3)
+    apart = shapes.joined(left, (right[0] + [1.001, 0, 0], right[1]))
+    assert engine.clean(*apart).report["components"] == 2
+    welded = engine.clean(*apart, engine.CleanOptions(weld=0.01))
+    assert welded.report["components"] == 1
+    assert made(welded)["welded_vertices"] == 4
+
+
+def test_a_fin_is_taken_apart_and_no_face_lost():
+    vertices, triangles = shapes.plane(2)
+    vertices = np.concatenate([vertices, [[0.5, 0.5, 1]]])
+    edge = triangles[0][:2]
+    mesh = engine.clean(vertices, np.concatenate([triangles, [[edge[1], edge[0], 9], [edge[0], edge[1], 9]]]))
+    check_sound(mesh)
+    assert len(mesh.triangles) >= len(triangles)
+
+
+def test_two_fans_at_a_vertex_are_parted():
+    vertices = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [-1, 0, 0], [-1, -1, 0]], float)
+    mesh = engine.clean(vertices, np.array([[0, 1, 2], [0, 3, 4]]))
+    check_sound(mesh)
+    assert made(mesh) == {"split_vertices": 1}
+    assert mesh.report["components"] == 2
+    np.testing.assert_array_equal(mesh.vertices[5], vertices[0])
+
+
+@pytest.mark.parametrize("bad", [9, -1, 2**33])
+def test_an_index_out_of_range_is_refused_and_named(bad):
+    vertices, triangles = shapes.plane(2)
+    triangles = triangles.astype(np.int64)
+    triangles[3, 1] = bad
+    with pytest.raises(engine.InvalidInput, match=f"face 3 uses vertex {bad}, but there are 9 vertices"):
+        engine.clean(vertices, triangles)
+
+
+def test_nothing_left_is_said():
+    vertices, triangles = shapes.plane(2)
+    with pytest.raises(engine.InvalidInput, match="no face"):
+        engine.clean(vertices, triangles[:0])
+    with pytest.raises(engine.InvalidInput, match=r"no .*face"):
+        engine.clean(vertices * np.nan, triangles)
+    with pytest.raises(engine.InvalidInput, match=r"vertices must be an array of shape \(V, 3\)"):
+        engine.clean(vertices[:, :2], triangles)
+    for bad in (-1.0, np.nan, np.inf):
+        with pytest.raises(engine.InvalidInput, match="weld"):
+            engine.clean(vertices, triangles, engine.CleanOptions(weld=bad))
+
+
+def test_it_can_be_cancelled():
+    job = engine.Job()
+    job.cancel()
+    with pytest.raises(engine.Cancelled):
+        engine.clean(*shapes.cube(), job=job)

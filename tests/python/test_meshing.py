@@ -1,0 +1,158 @@
+"""polygonize: polygons of regions, as callers see them."""
+
+import gc
+
+import numpy as np
+import pytest
+
+import isimp_engine as engine
+import shapes
+from headers import struct_fields
+
+
+def polygons(poly):
+    return np.split(poly.loops, poly.loop_start[1:])
+
+
+def simplified(arrays, **options):
+    mesh = engine.Mesh(*arrays)
+    part = engine.partition(mesh, engine.PartitionOptions(**options))
+    return mesh, part, engine.polygonize(mesh, part)
+
+
+def edge_uses(poly):
+    """How often each directed edge is used."""
+    uses = {}
+    for corners in polygons(poly):
+        for edge in zip(corners, np.roll(corners, -1), strict=True):
+            uses[edge] = uses.get(edge, 0) + 1
+    return uses
+
+
+def check(mesh, part, poly):
+    """What is promised of every result, and that the report says what is there."""
+    w, q = len(poly.vertices), len(poly.loop_start)
+    assert (poly.vertices.dtype, poly.vertices.shape) == (np.float64, (w, 3))
+    assert {a.dtype for a in (poly.loops, poly.loop_start, poly.polygon_region, poly.source_vertex)} == {
+        np.dtype(np.int32)
+    }
+    assert (poly.planarity.dtype, poly.planarity.shape, poly.polygon_region.shape) == (np.float64, (q,), (q,))
+    assert poly.source_vertex.shape == (w,)
+    assert np.isfinite(poly.vertices).all()
+    sizes = [len(set(corners)) for corners in polygons(poly)]
+    assert [len(corners) for corners in polygons(poly)] == sizes
+    assert min(sizes) >= 3
+    assert set(poly.loops) == set(range(w))
+    assert set(poly.polygon_region) == set(range(part.region_count))
+    uses = edge_uses(poly)
+    assert set(uses.values()) == {1}, "an edge is used twice in one direction"
+    border = [edge for edge in uses if edge[::-1] not in uses]
+    report = poly.report
+    assert report["polygons"] == q
+    assert report["corners"] == len(poly.loops)
+    assert report["vertices"] == w
+    assert report["regions"] == part.region_count
+    assert report["regions_split"] == sum(np.bincount(poly.polygon_region) > 1)
+    assert report["closed"] is (not border)
+    assert report["closed"] == mesh.report["closed"]
+    assert report["manifold"] is True
+    edges = len({frozenset(edge) for edge in uses})
+    assert report["euler"] == w - edges + q == mesh.report["euler"]
+    assert report["planarity_max"] == pytest.approx(poly.planarity.max())
+    assert report["planarity_mean"] <= report["planarity_max"]
+
+
+def test_a_cube_of_six_regions_is_six_quads():
+    vertices, triangles = shapes.cube()
+    mesh = engine.Mesh(vertices, triangles)
+    for seed in range(100):  # flooding from some seeds ends in a worse split
+        part = engine.partition(mesh, engine.PartitionOptions(proxies=6, seed=seed, method="lloyd"))
+        if part.error < 1e-9:
+            break
+    poly = engine.polygonize(mesh, part)
+    check(mesh, part, poly)
+    assert sorted(map(tuple, np.round(poly.vertices, 9))) == sorted(np.ndindex(2, 2, 2))
+    np.testing.assert_allclose(poly.vertices, np.round(poly.vertices), atol=1e-9)
+    np.testing.assert_array_equal(poly.loop_start, [0, 4, 8, 12, 16, 20])
+    np.testing.assert_allclose(poly.planarity, 0, atol=1e-9)
+
+
+@pytest.mark.parametrize("proxies", [4, 12, 60])
+@pytest.mark.parametrize("shape", [shapes.cube, shapes.torus, shapes.bumpy, shapes.two_cubes])
+def test_the_result_is_sound_and_the_report_true(shape, proxies):
+    check(*simplified(shape(), proxies=proxies))
+
+
+def test_a_region_a_face_gives_the_mesh_back():
+    vertices, triangles = shapes.torus(8, 6)
+    mesh, part, poly = simplified((vertices, triangles), proxies=len(triangles))
+    check(mesh, part, poly)
+    assert len(poly.loop_start) == len(triangles)
+    np.testing.assert_allclose(poly.vertices, vertices[poly.source_vertex], atol=0.02 * mesh.report["diagonal"])
+
+
+def test_the_same_bits_on_every_run(sheet):
+    part = engine.partition(sheet, engine.PartitionOptions(proxies=50))
+    first, again = engine.polygonize(sheet, part), engine.polygonize(sheet, part)
+    for name in ("vertices", "loops", "loop_start", "polygon_region", "planarity", "source_vertex"):
+        np.testing.assert_array_equal(getattr(first, name), getattr(again, name))
+    assert first.report == again.report
+
+
+def test_edited_partitions_can_be_meshed(sheet):
+    part = engine.partition(sheet, engine.PartitionOptions(proxies=20))
+    part = engine.add_proxy(sheet, part, 3000)
+    check(sheet, part, engine.polygonize(sheet, part))
+    part = engine.delete_proxy(sheet, part, 10)
+    check(sheet, part, engine.polygonize(sheet, part))
+
+
+def test_a_speck_left_out_gives_no_polygon():
+    big, small = shapes.bumpy(20), shapes.plane(1)
+    mesh = engine.Mesh(*shapes.joined(big, (small[0] * 0.001 + [2, 0, 0], small[1])))
+    part = engine.partition(mesh, engine.PartitionOptions(proxies=5))
+    poly = engine.polygonize(mesh, part)
+    assert part.parts_left_out == 1
+    assert poly.vertices[:, 0].max() < 1.5
+
+
+def test_another_meshs_partition_is_refused(cube, sheet):
+    part = engine.partition(sheet, engine.PartitionOptions(proxies=5))
+    with pytest.raises(engine.InvalidInput, match="partition"):
+        engine.polygonize(cube, part)
+
+
+@pytest.mark.parametrize("field", ["chord_tolerance", "reach", "flatten"])
+def test_an_option_out_of_its_range_is_named(cube, field):
+    part = engine.partition(cube, engine.PartitionOptions(proxies=6))
+    with pytest.raises(engine.InvalidInput, match=field.replace("_", ".")):
+        engine.polygonize(cube, part, engine.MeshingOptions(**{field: -1}))
+
+
+def test_it_can_be_cancelled(cube):
+    part = engine.partition(cube, engine.PartitionOptions(proxies=6))
+    job = engine.Job()
+    job.cancel()
+    with pytest.raises(engine.Cancelled):
+        engine.polygonize(cube, part, job=job)
+
+
+def test_views_are_read_only_and_keep_the_polygons_alive(sheet):
+    part = engine.partition(sheet, engine.PartitionOptions(proxies=50))
+    poly = engine.polygonize(sheet, part)
+    names = ("vertices", "loops", "loop_start", "polygon_region", "planarity", "source_vertex")
+    views = {name: getattr(poly, name) for name in names}
+    expected = {name: array.copy() for name, array in views.items()}
+    del poly
+    gc.collect()
+    engine.polygonize(sheet, part)
+    for name, array in views.items():
+        assert not array.flags.writeable
+        np.testing.assert_array_equal(array, expected[name])
+
+
+def test_every_number_and_array_of_the_header_is_there(cube):
+    poly = engine.polygonize(cube, engine.partition(cube, engine.PartitionOptions(proxies=6)))
+    assert set(poly.report) >= set(struct_fields("meshing/polygonize.h", "MeshingReport"))
+    for field in struct_fields("meshing/polygonize.h", "PolygonMesh"):
+        assert hasattr(poly, field)
