@@ -8,6 +8,7 @@
 #include "evaluate.h"
 #include "isimp/core/errors.h"
 #include "isimp/interact/interact.h"
+#include "isimp/mesh/clean.h"
 #include "isimp/meshing/polygonize.h"
 #include "isimp/partition/partition.h"
 
@@ -33,14 +34,16 @@ Sample sample_of(const Setup& setup, const Lap& lap, const Partition& result) {
   return sample;
 }
 
-Case mesh_case(const SetupPtr& setup) {
-  const auto run = [setup](int) {
+/// Something that makes a Mesh of the arrays; they are copied before the stopwatch starts.
+template <class Make>
+Case mesh_case(const SetupPtr& setup, const std::string& name, Make make) {
+  const auto run = [setup, make](int) {
     Arrays copy = setup->arrays;
     std::optional<Mesh> mesh;
     Job job;
-    return Sample{{timed([&] { mesh.emplace(std::move(copy.vertices), std::move(copy.triangles), job); })}, {}};
+    return Sample{{timed([&] { mesh.emplace(make(std::move(copy), job)); })}, {}};
   };
-  return {"mesh", run, setup->inner};
+  return {name, run, setup->inner};
 }
 
 Case reference_case(const SetupPtr& setup) {
@@ -145,7 +148,10 @@ std::vector<Case> all_cases(const SetupPtr& setup) {
   const auto base = std::make_shared<Base>(setup);
   const Method best = PartitionOptions{}.method;
   return {
-      mesh_case(setup),
+      mesh_case(setup, "mesh",
+                [](Arrays a, Job& job) { return Mesh(std::move(a.vertices), std::move(a.triangles), job); }),
+      mesh_case(setup, "clean",
+                [](Arrays a, Job& job) { return clean(std::move(a.vertices), std::move(a.triangles), {}, job); }),
       reference_case(setup),
       partition_case(setup, "lloyd", Method::lloyd, 1),
       partition_case(setup, "default", best, 1),
