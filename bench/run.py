@@ -36,9 +36,11 @@ def data_folder(given: str | None) -> Path | None:
 
 def build(source: Path, folder: Path) -> Path:
     """Builds the benchmarks of a checkout, and returns the folder of the programs."""
-    configure = ["cmake", "-S", source, "-B", folder, "-G", "Ninja", "-DISIMP_BENCH=ON", "-DCMAKE_BUILD_TYPE=Release"]
+    options = ["-DISIMP_BENCH=ON", "-DISIMP_CUDA=OFF", "-DCMAKE_BUILD_TYPE=Release"]
+    configure = ["cmake", "-S", source, "-B", folder, "-G", "Ninja", *options]
+    compiler_cache = {"CCACHE_BASEDIR": str(source), "CCACHE_NOHASHDIR": "1"}  # shared by checkouts of the same sources
     for command in (configure, ["cmake", "--build", folder, "-j2", "--target", "bench_programs"]):
-        result = subprocess.run(command, capture_output=True, text=True)
+        result = subprocess.run(command, capture_output=True, text=True, env=os.environ | compiler_cache)
         if result.returncode:
             sys.exit(f"{' '.join(map(str, command))} failed:\n{result.stdout[-4000:]}{result.stderr[-4000:]}")
     return folder / "bench"
