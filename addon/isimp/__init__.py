@@ -1,0 +1,26 @@
+"""iSimp: turns dense scans into clean, editable n-gon meshes.
+
+Only `isimp.blender` imports bpy, so that everything else can be used and tested without Blender.
+"""
+
+bl_info = {
+    "name": "iSimp",
+    "author": "The iSimp developers",
+    "version": (0, 1, 0),
+    "blender": (3, 4, 0),
+    "location": "3D View > Sidebar > iSimp",
+    "description": "Turn dense scans into clean, editable n-gon meshes",
+    "category": "Mesh",
+}
+
+
+def register():
+    from . import blender
+
+    blender.register()
+
+
+def unregister():
+    from . import blender
+
+    blender.unregister()

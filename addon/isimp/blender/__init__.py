@@ -1,0 +1,25 @@
+"""Everything that touches Blender."""
+
+import bpy
+
+from . import display, operators, panel, runtime, settings, store
+
+_CLASSES = (*store.CLASSES, *settings.CLASSES, *operators.CLASSES, *panel.CLASSES)
+
+
+def register():
+    runtime.start()
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
+    store.register()
+    settings.register()
+    display.register()
+
+
+def unregister():
+    display.unregister()
+    settings.unregister()
+    store.unregister()
+    for cls in reversed(_CLASSES):
+        bpy.utils.unregister_class(cls)
+    runtime.stop()

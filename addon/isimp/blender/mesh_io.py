@@ -1,0 +1,216 @@
+"""All reading and writing of Blender meshes: bulk arrays in object mode, BMesh layers in edit mode."""
+
+import bmesh
+import bpy
+import numpy as np
+
+from ..session import Scan
+
+REGION, COLOR = "isimp_region", "isimp_color"
+STATE = ".isimp_state"  # which recipe led to the regions; see store.py
+_ORIGIN = ".isimp_origin"
+
+
+class Unusable(Exception):
+    """The object can't be used; the message says why and what to do."""
+
+
+def shape_matrix(obj) -> np.ndarray:
+    """(3, 3) what the object's transform does to its shape: scale and shear without rotation and place.
+
+    Regions, lengths and areas are found on the shape as seen, and do not depend on where it stands. Mirroring is no
+    part of it either: the result gets the scan's transform, and so is mirrored with it.
+    """
+    matrix = np.array(obj.matrix_world, np.float64)[:3, :3]
+    values, axes = np.linalg.eigh(matrix.T @ matrix)
+    scale = np.sqrt(np.maximum(values, 0.0))
+    if not np.isfinite(matrix).all() or scale.min() <= 1e-9 * scale.max():
+        raise Unusable(f"'{obj.name}' is scaled to nothing along an axis: give it a scale other than 0.")
+    shape = axes @ np.diag(scale) @ axes.T
+    digits = 10.0 ** (np.floor(np.log10(scale.max())) - 5)  # rounding error of the transform must not change the result
+    return np.round(shape / digits) * digits
+
+
+def read(context, obj) -> Scan:
+    """The object as seen: evaluated, scaled, cut into triangles; faces are those of its own mesh. Raises Unusable."""
+    shape = shape_matrix(obj)
+    if obj.mode == "EDIT":
+        obj.update_from_editmode()
+    face_count = len(obj.data.polygons)
+    if obj.data.shape_keys is None and not any(modifier.show_viewport for modifier in obj.modifiers):
+        vertices, triangles, faces = _arrays(obj.data)
+    else:
+        vertices, triangles, faces = _evaluated_arrays(context, obj)
+    if not np.array_equal(shape, np.eye(3)):
+        vertices = vertices.astype(np.float64) @ shape
+    return Scan(vertices, triangles, faces, face_count)
+
+
+def _arrays(mesh):
+    vertices = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.vertices.foreach_get("co", vertices)
+    if len(mesh.loops) == 3 * len(mesh.polygons):
+        triangles = np.empty(len(mesh.loops), np.int32)
+        corners = mesh.attributes.get(".corner_vert")  # 20 times as fast as loops, where it exists
+        if corners is not None:
+            corners.data.foreach_get("value", triangles)
+        else:
+            mesh.loops.foreach_get("vertex_index", triangles)
+        faces = np.arange(len(mesh.polygons), dtype=np.int32)
+    else:
+        mesh.calc_loop_triangles()
+        triangles = np.empty(3 * len(mesh.loop_triangles), np.int32)
+        faces = np.empty(len(mesh.loop_triangles), np.int32)
+        mesh.loop_triangles.foreach_get("vertices", triangles)
+        mesh.loop_triangles.foreach_get("polygon_index", faces)
+    return vertices.reshape(-1, 3), triangles.reshape(-1, 3), faces
+
+
+def _evaluated_arrays(context, obj):
+    """As `_arrays` of the mesh with its modifiers and shape keys; faces traced back to those of the mesh itself.
+
+    A copy carries the trace, so that the scan is not touched and edit mode makes no difference.
+    """
+    copy = obj.copy()
+    copy.data = obj.data.copy()
+    try:
+        copy.hide_viewport = False
+        context.scene.collection.objects.link(copy)
+        origin = copy.data.attributes.new(_ORIGIN, "INT", "FACE")
+        origin.data.foreach_set("value", np.arange(len(copy.data.polygons), dtype=np.int32))
+        depsgraph = context.evaluated_depsgraph_get()
+        depsgraph.update()
+        evaluated = copy.evaluated_get(depsgraph)
+        mesh = evaluated.to_mesh()
+        try:
+            vertices, triangles, faces = _arrays(mesh)
+            origin = mesh.attributes.get(_ORIGIN)
+            if len(mesh.polygons) == 0:
+                raise Unusable(f"The modifiers of '{obj.name}' leave no faces.")
+            if origin is None or origin.domain != "FACE":
+                names = ", ".join(modifier.name for modifier in obj.modifiers if modifier.show_viewport)
+                raise Unusable(
+                    f"The modifiers of '{obj.name}' ({names}) make faces that can't be traced back to its own: "
+                    "apply them first (Object > Apply > Visual Geometry to Mesh)."
+                )
+            traced = np.empty(len(mesh.polygons), np.int32)
+            origin.data.foreach_get("value", traced)
+        finally:
+            evaluated.to_mesh_clear()
+    finally:
+        data = copy.data
+        bpy.data.objects.remove(copy)
+        bpy.data.meshes.remove(data)
+    return vertices, triangles, traced[faces]
+
+
+def selected_faces(obj) -> np.ndarray:
+    """Indices of the faces that are selected, in either mode."""
+    if obj.mode == "EDIT":
+        obj.update_from_editmode()
+    selected = np.empty(len(obj.data.polygons), bool)
+    obj.data.polygons.foreach_get("select", selected)
+    return np.flatnonzero(selected)
+
+
+def state_of(obj) -> int:
+    """The state kept beside the regions; 0 where there is none. Cost: none to speak of."""
+    if obj.mode == "EDIT":
+        faces = bmesh.from_edit_mesh(obj.data).faces
+        layer = faces.layers.int.get(STATE)
+        return next(iter(faces))[layer] if layer is not None and len(faces) else 0
+    layer = obj.data.attributes.get(STATE)
+    return layer.data[0].value if layer is not None and len(layer.data) else 0
+
+
+def read_regions(obj) -> np.ndarray:
+    """(faces,) int32 as last written; all -1 where there are none. In edit mode as of the last update_from_editmode."""
+    regions = np.full(len(obj.data.polygons), -1, np.int32)
+    if obj.mode == "EDIT":
+        layer = bmesh.from_edit_mesh(obj.data).faces.layers.int.get(REGION)
+        if layer is not None:
+            regions[:] = [face[layer] for face in bmesh.from_edit_mesh(obj.data).faces]
+        return regions
+    layer = obj.data.attributes.get(REGION)
+    if layer is not None:
+        layer.data.foreach_get("value", regions)
+    return regions
+
+
+def write_regions(obj, face_region: np.ndarray, face_color: np.ndarray, state: int) -> None:
+    """Puts regions, their colours and the state that led to them on the mesh. Nothing else of it is changed."""
+    if obj.mode == "EDIT":
+        _write_edit_layers(obj.data, face_region, face_color, state)
+    else:
+        _write_layers(obj.data, face_region, face_color, state)
+    show_color(obj.data)
+
+
+def _write_layers(mesh, face_region, face_color, state) -> None:
+    count = len(mesh.polygons)
+    corners = np.full(count, 3, np.int32)
+    if len(mesh.loops) != 3 * count:
+        mesh.polygons.foreach_get("loop_total", corners)
+    _layer(mesh, REGION, "INT", "FACE").data.foreach_set("value", face_region.astype(np.int32))
+    _layer(mesh, STATE, "INT", "FACE").data.foreach_set("value", np.full(count, state, np.int32))
+    colors = np.repeat(face_color.astype(np.float32), corners, axis=0)
+    _layer(mesh, COLOR, "FLOAT_COLOR", "CORNER").data.foreach_set("color", colors.ravel())
+    mesh.update()
+
+
+def _layer(mesh, name, kind, domain):
+    layer = mesh.attributes.get(name)
+    if layer is not None and (layer.data_type, layer.domain) != (kind, domain):
+        mesh.attributes.remove(layer)
+        layer = None
+    return layer or mesh.attributes.new(name, kind, domain)
+
+
+def _write_edit_layers(mesh, face_region, face_color, state) -> None:
+    edit = bmesh.from_edit_mesh(mesh)
+    for name in (REGION, STATE):
+        if edit.faces.layers.int.get(name) is None:
+            edit.faces.layers.int.new(name)
+    if edit.loops.layers.float_color.get(COLOR) is None:
+        edit.loops.layers.float_color.new(COLOR)
+    region, stamp = (edit.faces.layers.int[name] for name in (REGION, STATE))
+    color = edit.loops.layers.float_color[COLOR]
+    for face, label, value in zip(edit.faces, face_region.tolist(), face_color.tolist(), strict=True):
+        face[region] = label
+        face[stamp] = state
+        for corner in face.loops:
+            corner[color] = value
+    bmesh.update_edit_mesh(mesh, loop_triangles=False, destructive=False)
+
+
+def show_color(mesh) -> None:
+    """Makes the regions' colours the ones shown, and remembers which were before."""
+    active = mesh.color_attributes.active_color
+    if active is not None and active.name != COLOR:
+        mesh.isimp.user_color = active.name
+    mesh.color_attributes.active_color = mesh.color_attributes[COLOR]
+
+
+def give_color_back(mesh) -> None:
+    """Shows again the colours that were shown before the regions' were."""
+    layer = mesh.color_attributes.get(mesh.isimp.user_color) if mesh.isimp.user_color else None
+    if layer is not None:
+        mesh.color_attributes.active_color = layer
+
+
+def fill_polygons(mesh, vertices: np.ndarray, loops: np.ndarray, loop_start: np.ndarray, regions: np.ndarray) -> None:
+    """Replaces all geometry of a mesh by polygons. vertices (W, 3), loops (L,), loop_start (Q,), regions (Q,)."""
+    mesh.clear_geometry()
+    mesh.vertices.add(len(vertices))
+    mesh.loops.add(len(loops))
+    mesh.polygons.add(len(loop_start))
+    mesh.vertices.foreach_set("co", vertices.astype(np.float32).ravel())
+    mesh.loops.foreach_set("vertex_index", loops.astype(np.int32))
+    mesh.polygons.foreach_set("loop_start", loop_start.astype(np.int32))
+    totals = np.diff(loop_start, append=len(loops)).astype(np.int32)
+    mesh.polygons.foreach_set("loop_total", totals)
+    mesh.polygons.foreach_set("use_smooth", np.zeros(len(loop_start), bool))
+    mesh.update(calc_edges=True)
+    mesh.validate()
+    _layer(mesh, REGION, "INT", "FACE").data.foreach_set("value", regions.astype(np.int32))
+    mesh.update()

@@ -1,0 +1,166 @@
+"""Long work without a frozen window: once, for every operator that replays a recipe.
+
+`execute` does the whole job at once, for scripts and `blender -b`. `invoke` does it on a thread, with a timer that
+shows how far it is and applies the result once it is there; Esc leaves everything as it was.
+"""
+
+import logging
+
+import bpy
+
+from ..session import StepFailed
+from ..task import Status, Stopped, Task
+from . import mesh_io, runtime, store, targets
+
+log = logging.getLogger("isimp")
+_AT_ONCE = 0.15  # seconds: shorter work needs no progress bar
+_TICK = 0.05
+
+
+class Work:
+    """A recipe under way on an object: read here, replayed on a thread, then taken up again by the operator."""
+
+    def __init__(self, context, obj, recipe):
+        self.name, self.recipe = obj.name, recipe
+        self.state = mesh_io.state_of(obj)
+        self.scan = mesh_io.read(context, obj)
+        self.task = None
+
+    def run(self, watch=None):
+        return runtime.get().session.replay(self.scan, self.recipe, watch)
+
+    def start(self) -> None:
+        self.task = Task(self.run)
+
+    def abandon(self) -> None:
+        """Stops the thread and waits for it: it ends within a moment."""
+        if self.task is not None:
+            self.task.watch.cancel()
+            self.task.wait()
+
+    def target(self):
+        """The object, if it is still there and as it was when the work began; else None."""
+        obj = bpy.data.objects.get(self.name)
+        if obj is None or obj.type != "MESH" or obj.mode not in {"OBJECT", "EDIT"}:
+            return None
+        if obj.mode == "EDIT":
+            obj.update_from_editmode()
+        same = len(obj.data.polygons) == self.scan.face_count and mesh_io.state_of(obj) == self.state
+        return obj if same else None
+
+
+class RecipeOperator:
+    """Mixin of operators that change the recipe of a scan and show what it gives.
+
+    A subclass says what recipe it wants (`wanted`), how to show the outcome (`show`) and what to tell (`told`).
+    """
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        scan, problem = targets.find(context)
+        problem = problem or cls.problem(context, scan)
+        if problem:
+            cls.poll_message_set(problem)
+        return not problem
+
+    @classmethod
+    def problem(cls, context, scan) -> str:
+        """What else is missing for this operator; empty if nothing is."""
+        return ""
+
+    def execute(self, context):
+        work = self._begin(context)
+        if work is None:
+            return {"CANCELLED"}
+        try:
+            outcome = work.run()
+        except Exception as error:  # noqa: BLE001  (no step may show its user a traceback)
+            return self._refuse(error)
+        return self._finish(context, work, outcome)
+
+    def invoke(self, context, event):
+        if bpy.app.background:
+            return self.execute(context)
+        self._work = self._begin(context)
+        if self._work is None:
+            return {"CANCELLED"}
+        self._work.start()
+        if self._work.task.wait(_AT_ONCE) is not Status.RUNNING:
+            return self._settle(context)
+        runtime.get().running = self._work
+        self._timer = context.window_manager.event_timer_add(_TICK, window=context.window)
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        task = self._work.task
+        if event.type == "ESC" and event.value == "PRESS":
+            task.watch.cancel()
+            return {"RUNNING_MODAL"}
+        if event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        if task.status is Status.RUNNING:
+            _show_progress(context, f"{self._work.name}: {task.describe()} - Esc stops it")
+            return {"PASS_THROUGH"}
+        self._end_modal(context)
+        return self._settle(context)
+
+    def cancel(self, context):
+        """Blender calls this when the window or the file is closed meanwhile."""
+        self._work.abandon()
+        self._end_modal(context)
+
+    def _end_modal(self, context) -> None:
+        context.window_manager.event_timer_remove(self._timer)
+        if runtime.get() is not None:
+            runtime.get().running = None
+        _show_progress(context, None)
+
+    def _begin(self, context):
+        scan, problem = targets.find(context)
+        if problem:
+            self.report({"ERROR"}, problem)
+            return None
+        try:
+            return Work(context, scan, self.wanted(context, scan))
+        except (mesh_io.Unusable, ValueError) as problem:
+            self.report({"ERROR"}, str(problem))
+            return None
+
+    def _settle(self, context):
+        """The thread has ended: takes up what it left."""
+        task = self._work.task
+        if task.error is not None:
+            return self._refuse(task.error)
+        return self._finish(context, self._work, task.result)
+
+    def _refuse(self, error: Exception):
+        if isinstance(error, Stopped):
+            self.report({"INFO"}, "Stopped. Nothing was changed.")
+        elif isinstance(error, (StepFailed, ValueError)):
+            self.report({"ERROR"}, f"{error} Nothing was changed.")
+        else:
+            log.debug("unexpected", exc_info=error)
+            self.report({"ERROR"}, f"A fault in iSimp: {type(error).__name__}: {error}. Nothing was changed.")
+        return {"CANCELLED"}
+
+    def _finish(self, context, work, outcome):
+        obj = work.target()
+        if obj is None:
+            self.report({"WARNING"}, f"'{work.name}' was changed or removed meanwhile: the result was dropped.")
+            return {"CANCELLED"}
+        before = store.numbers(obj)
+        self.show(context, obj, work, outcome)
+        self.report({"INFO"}, self.told(before, outcome.numbers))
+        return {"FINISHED"}
+
+
+def _show_progress(context, text) -> None:
+    if context.workspace is not None:
+        context.workspace.status_text_set(text)
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()

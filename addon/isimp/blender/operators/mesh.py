@@ -1,0 +1,29 @@
+import bpy
+
+from ... import recipe as rcp
+from .. import settings, store, targets
+from ..modal import RecipeOperator
+from ..show import show_polygons
+
+
+class ISIMP_OT_mesh(RecipeOperator, settings.MeshSettings, bpy.types.Operator):
+    """Turn the regions into polygons: an object of its own beside the scan, which is hidden"""
+
+    bl_idname = "isimp.mesh"
+    bl_label = "Mesh"
+
+    @classmethod
+    def problem(cls, context, scan):
+        return targets.needs_regions(scan)
+
+    def wanted(self, context, scan):
+        return store.load(scan).then(settings.to_step(rcp.Mesh, self))
+
+    show = staticmethod(show_polygons)
+
+    def told(self, before, numbers):
+        closed = "closed" if numbers["closed"] else "open"
+        return f"{numbers['triangles']:,} triangles -> {numbers['polygons']:,} polygons, {closed}"
+
+
+CLASSES = (ISIMP_OT_mesh,)

@@ -1,0 +1,80 @@
+import bpy
+from bpy.props import IntProperty
+
+from ... import recipe as rcp
+from .. import mesh_io, store, targets
+from ..modal import RecipeOperator
+from ..show import show_regions
+
+_MOST_FACES = 100
+
+
+class _AtFaces(RecipeOperator):
+    """Mixin of what works at the selected faces, or at one given by number."""
+
+    face: IntProperty(
+        name="Face",
+        description="The face of the scan to work at; -1 for the selected ones",
+        default=-1,
+        min=-1,
+        options={"SKIP_SAVE"},
+    )
+
+    @classmethod
+    def problem(cls, context, scan):
+        missing = targets.needs_regions(scan)
+        if not missing and scan.mode == "EDIT" and scan.data.total_face_sel == 0:
+            missing = "No face is selected: click one in face select mode (press 3)"
+        return missing
+
+    def faces(self, scan) -> list:
+        """The faces to work at. Raises Unusable if there are none, or so many that it can't be meant."""
+        if self.face >= 0:
+            return [self.face]
+        faces = mesh_io.selected_faces(scan).tolist()
+        if not faces:
+            raise mesh_io.Unusable("No face is selected: select one in Edit Mode (Tab, then 3), or give its number.")
+        return faces
+
+    show = staticmethod(show_regions)
+
+    def told(self, before, numbers):
+        return f"{before.get('regions', '?')} -> {numbers['regions']} regions"
+
+
+class ISIMP_OT_add_proxy(_AtFaces, bpy.types.Operator):
+    """Start a new region at each selected face of the scan"""
+
+    bl_idname = "isimp.add_proxy"
+    bl_label = "Add Proxy"
+
+    def wanted(self, context, scan):
+        faces = self.faces(scan)
+        if len(faces) > _MOST_FACES:
+            raise mesh_io.Unusable(
+                f"{len(faces):,} faces are selected, and each would become a region: select {_MOST_FACES} at most."
+            )
+        recipe = store.load(scan)
+        for face in faces:
+            recipe = recipe.then(rcp.AddProxy(face=face))
+        return recipe
+
+
+class ISIMP_OT_delete_proxy(_AtFaces, bpy.types.Operator):
+    """Take away each region that has a selected face; those around it take its place"""
+
+    bl_idname = "isimp.delete_proxy"
+    bl_label = "Delete Proxy"
+
+    def wanted(self, context, scan):
+        faces, regions = self.faces(scan), mesh_io.read_regions(scan)
+        recipe, gone = store.load(scan), set()
+        for face in faces:
+            region = int(regions[face]) if face < len(regions) else -1
+            if region < 0 or region not in gone:
+                gone.add(region)
+                recipe = recipe.then(rcp.DeleteProxy(face=face))
+        return recipe
+
+
+CLASSES = (ISIMP_OT_add_proxy, ISIMP_OT_delete_proxy)

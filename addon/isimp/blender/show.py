@@ -1,0 +1,78 @@
+"""How an outcome comes to the screen: regions on the scan, or polygons as an object beside it."""
+
+import uuid
+
+import bpy
+import numpy as np
+
+from . import display, mesh_io, store, targets
+
+
+def show_regions(context, scan, work, outcome) -> None:
+    """Writes regions and colours on the scan and brings it to the front."""
+    state = store.save(scan, work.recipe, outcome.numbers)
+    mesh_io.write_regions(scan, outcome.face_region, outcome.face_colors, state)
+    result = targets.result_of(context.scene, scan)
+    if context.view_layer.objects.active != scan:
+        bring_to_front(context, scan, result)
+    display.show(context)
+
+
+def show_polygons(context, scan, work, outcome) -> None:
+    """Makes or refreshes the result beside the scan, which is hidden, and brings it to the front."""
+    if scan.mode == "EDIT":
+        bpy.ops.object.mode_set(mode="OBJECT")
+    state = store.save(scan, work.recipe, outcome.numbers)
+    mesh_io.write_regions(scan, outcome.face_region, outcome.face_colors, state)
+    result = targets.result_of(context.scene, scan) or _new_result(context, scan)
+    scan.isimp.key = scan.isimp.key or uuid.uuid4().hex
+    result.isimp.scan_key, result.isimp.scan_name = scan.isimp.key, scan.name
+    _fill(result, scan, outcome.polygons)
+    mesh_io.give_color_back(scan.data)
+    bring_to_front(context, result, scan)
+    display.give_back(context)
+
+
+def bring_to_front(context, shown, hidden) -> None:
+    """Shows and selects one object, alone and active, and hides another (which may be None)."""
+    for other in context.selected_objects:
+        other.select_set(False)
+    if hidden is not None and hidden.name in context.view_layer.objects:
+        hidden.hide_set(True)
+    if shown.name in context.view_layer.objects:
+        shown.hide_viewport = False
+        shown.hide_set(False)
+        shown.select_set(True)
+        context.view_layer.objects.active = shown
+
+
+def _new_result(context, scan):
+    name = f"{scan.name[:52]}.simplified"  # a name holds 63 bytes
+    result = bpy.data.objects.new(name, bpy.data.meshes.new(name))
+    for collection in scan.users_collection or (context.scene.collection,):
+        collection.objects.link(result)
+    result.show_wire = True
+    result.show_all_edges = True
+    return result
+
+
+def _fill(result, scan, polygons) -> None:
+    """Puts the polygons where the scan is: in its own space, or in the world's if its transform is sheared."""
+    vertices = np.asarray(polygons.vertices) @ np.linalg.inv(mesh_io.shape_matrix(scan))
+    loops, start = np.array(polygons.loops), np.array(polygons.loop_start)
+    result.matrix_world = scan.matrix_world
+    seen, wanted = (np.array(obj.matrix_world, np.float64) for obj in (result, scan))
+    if not np.allclose(seen, wanted, atol=1e-5 * np.abs(wanted[:3, :3]).max()):
+        matrix = wanted[:3, :3]
+        vertices = vertices @ matrix.T
+        if np.linalg.det(matrix) < 0:
+            loops = _turned(loops, start)
+        result.matrix_world = ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (*wanted[:3, 3], 1))
+    mesh_io.fill_polygons(result.data, vertices, loops, start, np.asarray(polygons.polygon_region))
+
+
+def _turned(loops: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """Every polygon the other way round."""
+    totals = np.diff(start, append=len(loops))
+    within = np.arange(len(loops)) - np.repeat(start, totals)
+    return loops[np.repeat(start + totals - 1, totals) - within]

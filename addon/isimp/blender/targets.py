@@ -1,0 +1,92 @@
+"""Which object a button works on, and why it can't: one place for all operators and the panel."""
+
+import bpy
+
+from .. import session
+from . import runtime, store
+
+_OTHER = {
+    "CURVE": "a curve",
+    "EMPTY": "an empty",
+    "SURFACE": "a surface",
+    "META": "a metaball",
+    "FONT": "a text",
+    "CAMERA": "a camera",
+    "LIGHT": "a light",
+    "ARMATURE": "an armature",
+    "POINTCLOUD": "a point cloud",
+    "CURVES": "hair curves",
+    "VOLUME": "a volume",
+    "LATTICE": "a lattice",
+}
+_MAKES_MESH = {"CURVE", "SURFACE", "META", "FONT"}
+
+
+def scan_of(obj):
+    """The scan a result was made from, if it is still there; else None."""
+    if obj is None or not obj.isimp.scan_key:
+        return None
+    named = bpy.data.objects.get(obj.isimp.scan_name)
+    if named is not None and named.isimp.key == obj.isimp.scan_key:
+        return named
+    return next((other for other in bpy.data.objects if other.isimp.key == obj.isimp.scan_key), None)
+
+
+def result_of(scene, scan):
+    """The result made from a scan, if it is still in the scene; else None."""
+    if not scan.isimp.key:
+        return None
+    made = (obj for obj in scene.objects if obj.isimp.scan_key == scan.isimp.key and obj.type == "MESH")
+    return next((obj for obj in made if scan_of(obj) == scan), None)
+
+
+def find(context):
+    """(scan, "") or (None, why not). The scan is the active object, or the one the active result was made from."""
+    problem = _not_now()
+    active = context.view_layer.objects.active
+    scan = scan_of(active) or active
+    return (None, problem or _unusable(scan)) if problem or _unusable(scan) else (scan, "")
+
+
+def _not_now() -> str:
+    if session.ENGINE_PROBLEM:
+        return f"The iSimp engine does not load here ({session.ENGINE_PROBLEM}): install the zip made for this system"
+    running = runtime.get().running
+    if running is not None:
+        return f"Still working on '{running.name}': wait, or press Esc"
+    return ""
+
+
+def _unusable(obj) -> str:
+    if obj is None:
+        return "No object is active: click the scan first"
+    if obj.type != "MESH":
+        hint = "convert it first (Object > Convert > Mesh)" if obj.type in _MAKES_MESH else "click the scan first"
+        return f"'{obj.name}' is {_OTHER.get(obj.type, 'not a mesh')}, not a mesh: {hint}"
+    for block in (obj, obj.data):
+        if block.library is not None:
+            return (
+                f"'{block.name}' is linked from {block.library.filepath} and can't be changed: "
+                "make it local first (Object > Relations > Make Local)"
+            )
+    if obj.mode not in {"OBJECT", "EDIT"}:
+        return "Leave this mode first: iSimp works in Object and Edit Mode"
+    if obj.mode == "OBJECT" and len(obj.data.polygons) == 0:
+        if len(obj.data.vertices):
+            return f"'{obj.name}' has points but no faces: reconstruct a surface first"
+        return f"'{obj.name}' is empty: import a scan first"
+    return ""
+
+
+def has_regions(scan) -> bool:
+    return bool(store.load(scan))
+
+
+def needs_regions(scan) -> str:
+    """Why the regions of a scan can't be worked on; empty if they can."""
+    recipe = store.load(scan)
+    if recipe is None:
+        return "It is not known how these regions were made: press Partition to start again"
+    if not recipe.steps:
+        return "There are no regions yet: press Partition first"
+    return ""

@@ -1,0 +1,308 @@
+"""A recipe and arrays in, result arrays out; what was computed before is kept. The only importer of the engine."""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from collections import OrderedDict
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from . import recipe as rcp
+from . import view
+from .task import Stopped, Watch
+
+ENGINE_PROBLEM = ""  #: why the engine can't be used; empty when it can
+try:
+    import isimp_engine as engine
+except ImportError:
+    try:
+        from . import isimp_engine as engine
+    except ImportError as error:
+        engine = None
+        ENGINE_PROBLEM = str(error)
+
+
+class StepFailed(Exception):
+    """A step can't be done; `outcome` is what the steps before it gave, None if there were none."""
+
+    def __init__(self, index: int, step: rcp.Step, reason: str, outcome: Outcome | None):
+        super().__init__(f"Step {index + 1}, {step.describe()}: {reason}")
+        self.index, self.step, self.reason, self.outcome = index, step, reason, outcome
+
+
+@dataclass(frozen=True, eq=False)
+class Scan:
+    """The user's mesh as arrays: faces with any number of corners, cut into triangles.
+
+    vertices (V, 3) float, scene units; triangles (T, 3) int32; triangle_face (T,) int32, the user's face each is of.
+    """
+
+    vertices: np.ndarray
+    triangles: np.ndarray
+    triangle_face: np.ndarray
+    face_count: int
+
+    @cached_property
+    def digest(self) -> str:
+        """Equal for equal arrays."""
+        digest = hashlib.blake2b(digest_size=16)
+        for array in (self.vertices, self.triangles, self.triangle_face):
+            digest.update(f"{array.dtype}{array.shape}".encode())
+            digest.update(np.ascontiguousarray(array).view(np.uint8).data)
+        digest.update(str(self.face_count).encode())
+        return digest.hexdigest()
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A scan as the engine takes it, and the way back to the user's faces."""
+
+    scan: Scan
+    mesh: Any
+    mesh_face: np.ndarray  #: (F',) the user's face each face of the mesh is of
+    face_triangle: np.ndarray  #: (face_count,) the largest face of the mesh in each user's face, -1 if none is left
+    face_pairs: np.ndarray  #: (E, 2) user's faces that share an edge
+    areas: np.ndarray | None  #: (F',) where a user's face has more than one triangle; None where each has one
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What a recipe gave. Arrays are by the user's faces."""
+
+    face_region: np.ndarray  #: (face_count,) int32, -1 where a face is in no region
+    region_color: np.ndarray  #: (R,) int32 into view.PALETTE
+    partition: Any
+    polygons: Any = None  #: the engine's PolygonMesh after Mesh, else None
+    numbers: dict = field(default_factory=dict)  #: what the last step did, and what the scan is
+
+    @property
+    def face_colors(self) -> np.ndarray:
+        """(face_count, 4) float32 linear RGBA."""
+        return view.face_colors(self.face_region, self.region_color)
+
+
+class Cache:
+    """The values used last, as many as fit into `budget` bytes; the newest one always does."""
+
+    def __init__(self, budget: int):
+        self._budget, self._size = budget, 0
+        self._items: OrderedDict[Any, tuple[Any, int]] = OrderedDict()
+
+    def get(self, key):
+        if key not in self._items:
+            return None
+        self._items.move_to_end(key)
+        return self._items[key][0]
+
+    def put(self, key, value, size: int) -> None:
+        if key in self._items:
+            self._size -= self._items.pop(key)[1]
+        self._items[key] = (value, size)
+        self._size += size
+        while self._size > self._budget and len(self._items) > 1:
+            self._size -= self._items.popitem(last=False)[1][1]
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+
+class Session:
+    """Replays recipes on scans. One thread at a time."""
+
+    def __init__(self, budget: int = 1 << 30):
+        self._meshes = Cache(budget)
+        self._outcomes = Cache(budget)
+
+    def replay(self, scan: Scan, recipe: rcp.Recipe, watch: Watch | None = None) -> Outcome:
+        """What the recipe gives on the scan.
+
+        Raises StepFailed (which carries the last good outcome), ValueError (the scan itself can't be used) or Stopped.
+        """
+        watch = watch or Watch()
+        steps, keys = recipe.active(), [(scan.digest, key) for key in recipe.prefix_keys()]
+        done, outcome = self._longest_known(keys)
+        if done < len(steps):
+            prepared = self.prepare(scan, watch, 0.0, 0.2)
+        for number in range(done, len(steps)):
+            index, step = steps[number]
+            begin, end = (0.2 + 0.8 * (n - done) / (len(steps) - done) for n in (number, number + 1))
+            try:
+                outcome = self._apply(step, prepared, outcome, watch, begin, end)
+            except ValueError as error:
+                raise StepFailed(index, step, str(error), outcome) from error
+            self._outcomes.put(keys[number], outcome, _size(outcome, prepared))
+        if outcome is None:
+            raise ValueError("The recipe has no step that is switched on: press Partition.")
+        return outcome
+
+    def prepare(self, scan: Scan, watch: Watch | None = None, begin: float = 0.0, end: float = 1.0) -> Prepared:
+        """The scan checked and mended, ready for steps. Raises ValueError if nothing usable is in it."""
+        prepared = self._meshes.get(scan.digest)
+        if prepared is None:
+            prepared = _prepare(scan, watch or Watch(), begin, end)
+            # Adjacency, normals and what else the engine keeps: about 300 bytes a face.
+            self._meshes.put(scan.digest, prepared, 300 * len(scan.triangles))
+        return prepared
+
+    def _longest_known(self, keys: list) -> tuple[int, Outcome | None]:
+        for number in range(len(keys), 0, -1):
+            outcome = self._outcomes.get(keys[number - 1])
+            if outcome is not None:
+                return number, outcome
+        return 0, None
+
+    def _apply(self, step, prepared, before, watch, begin, end) -> Outcome:
+        started = time.perf_counter()
+        outcome = _APPLY[type(step)](step, prepared, before, watch, begin, end)
+        seconds = time.perf_counter() - started
+        numbers = {"step": step.kind, "seconds": seconds, **_scan_numbers(prepared), **outcome.numbers}
+        return replace(outcome, numbers=numbers)
+
+
+def _engine_call(watch: Watch, begin: float, end: float, stage: str, function, *args):
+    """Calls the engine with a job of its own, so that its progress shows and it can be stopped."""
+    with watch.part(stage, begin, end, engine.Job()) as job:
+        try:
+            return function(*args, job=job)
+        except engine.Cancelled:
+            raise Stopped from None
+
+
+def _prepare(scan: Scan, watch: Watch, begin: float, end: float) -> Prepared:
+    if len(scan.triangles) == 0:
+        raise ValueError("The mesh has no faces: there is nothing to simplify.")
+    middle = begin + 0.8 * (end - begin)
+    mesh = _engine_call(watch, begin, middle, "reading the mesh", engine.clean, scan.vertices, scan.triangles)
+    with watch.part("reading the mesh", middle, end):
+        mesh_face = scan.triangle_face[mesh.source_face]
+        pairs = scan.triangle_face[view.shared_edges(scan.triangles)[0]]
+        pairs = pairs[pairs[:, 0] != pairs[:, 1]]
+        face_triangle = np.full(scan.face_count, -1, np.int32)
+        if len(scan.triangles) == scan.face_count and len(np.unique(mesh_face)) == len(mesh_face):
+            areas = None
+            face_triangle[mesh_face] = np.arange(len(mesh_face), dtype=np.int32)
+        else:
+            areas = _areas(mesh)
+            order = np.argsort(areas, kind="stable")
+            face_triangle[mesh_face[order]] = order  # the last one written is the largest
+        return Prepared(scan, mesh, mesh_face, face_triangle, pairs, areas)
+
+
+def _areas(mesh) -> np.ndarray:
+    a, b, c = (mesh.vertices[mesh.triangles[:, k]] for k in range(3))
+    return 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+
+
+def face_regions(prepared: Prepared, partition) -> np.ndarray:
+    """(face_count,) int32 region of each of the user's faces, -1 where it is in none.
+
+    A face whose triangles are in several regions is in the one with most of its area; a region that would have no
+    face that way gets the one its seed is in.
+    """
+    label = np.asarray(partition.face_region)
+    region = np.full(prepared.scan.face_count, -1, np.int32)
+    if prepared.areas is None:
+        region[prepared.mesh_face] = label
+        return region
+    inside = label >= 0
+    key = prepared.mesh_face[inside].astype(np.int64) * partition.region_count + label[inside]
+    keys, where = np.unique(key, return_inverse=True)
+    area = np.bincount(where, prepared.areas[inside])
+    order = np.lexsort((-keys, area))  # by area, of equal areas the lowest region last
+    region[keys[order] // partition.region_count] = keys[order] % partition.region_count
+    seed_face = prepared.mesh_face[np.asarray(partition.region_seed)]
+    lost = np.setdiff1d(np.arange(partition.region_count), region)
+    region[seed_face[lost]] = lost
+    return region
+
+
+def _scan_numbers(prepared: Prepared) -> dict:
+    report = prepared.mesh.report
+    names = ("components", "border_loops", "closed", "diagonal", "repairs")
+    return {"triangles": len(prepared.scan.triangles), "faces": prepared.scan.face_count} | {
+        name: report[name] for name in names if name in report
+    }
+
+
+def _triangle_at(prepared: Prepared, face: int) -> int:
+    if face >= prepared.scan.face_count:
+        raise ValueError(f"there is no face {face}: the mesh has {prepared.scan.face_count} faces.")
+    triangle = int(prepared.face_triangle[face])
+    if triangle < 0:
+        raise ValueError(f"face {face} was left out when the mesh was mended, as it has no area or is there twice.")
+    return triangle
+
+
+def _needs_regions(before: Outcome | None) -> Outcome:
+    if before is None:
+        raise ValueError("there are no regions yet: a Partition step must come first.")
+    return before
+
+
+def _with_regions(prepared: Prepared, partition, kept: np.ndarray | None, numbers: dict) -> Outcome:
+    """kept: (R,) the colour each region has already, -1 for a new one."""
+    face_region = face_regions(prepared, partition)
+    pairs = view.region_pairs(face_region, prepared.face_pairs)
+    color = view.assign_colors(partition.region_count, pairs, kept)
+    known = {"regions": partition.region_count, "error": partition.error, "left_out": int((face_region < 0).sum())}
+    return Outcome(face_region, color, partition, numbers=known | numbers)
+
+
+def _apply_partition(step: rcp.Partition, prepared, before, watch, begin, end) -> Outcome:
+    options = engine.PartitionOptions(
+        proxies=step.proxies,
+        seed=step.seed,
+        iterations=step.iterations,
+        method=step.method,
+        seeding=step.seeding,
+        leave_out=step.leave_out,
+    )
+    partition = _engine_call(watch, begin, end, "partitioning", engine.partition, prepared.mesh, options)
+    return _with_regions(prepared, partition, None, {"asked": step.proxies, "rounds": len(partition.history)})
+
+
+def _apply_add(step: rcp.AddProxy, prepared, before, watch, begin, end) -> Outcome:
+    before, triangle = _needs_regions(before), _triangle_at(prepared, step.face)
+    args = (prepared.mesh, before.partition, triangle)
+    partition = _engine_call(watch, begin, end, "adding a proxy", engine.add_proxy, *args)
+    return _with_regions(prepared, partition, np.append(before.region_color, -1), {})
+
+
+def _apply_delete(step: rcp.DeleteProxy, prepared, before, watch, begin, end) -> Outcome:
+    before, triangle = _needs_regions(before), _triangle_at(prepared, step.face)
+    args = (prepared.mesh, before.partition, triangle)
+    partition = _engine_call(watch, begin, end, "deleting a proxy", engine.delete_proxy, *args)
+    gone = int(before.partition.face_region[triangle])  # regions above it move down by one
+    return _with_regions(prepared, partition, np.delete(before.region_color, gone), {})
+
+
+def _apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end) -> Outcome:
+    before = _needs_regions(before)
+    options = engine.MeshingOptions(chord_tolerance=step.chord_tolerance, flatten=step.flatten)
+    args = (prepared.mesh, before.partition, options)
+    polygons = _engine_call(watch, begin, end, "meshing", engine.polygonize, *args)
+    names = ("regions", "error", "left_out")
+    numbers = {name: before.numbers[name] for name in names} | {
+        "polygons": len(polygons.loop_start),
+        "corners": len(polygons.loops),
+        "vertices": len(polygons.vertices),
+        **{name: polygons.report[name] for name in ("closed", "manifold", "planarity_max", "planarity_mean")},
+    }
+    return replace(before, polygons=polygons, numbers=numbers)
+
+
+_APPLY = {
+    rcp.Partition: _apply_partition,
+    rcp.AddProxy: _apply_add,
+    rcp.DeleteProxy: _apply_delete,
+    rcp.Mesh: _apply_mesh,
+}
+
+
+def _size(outcome: Outcome, prepared: Prepared) -> int:
+    size = outcome.face_region.nbytes + 4 * len(prepared.mesh_face) + 200 * len(outcome.region_color)
+    return size if outcome.polygons is None else size + 64 * len(outcome.polygons.loops)

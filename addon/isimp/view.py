@@ -1,0 +1,125 @@
+"""Regions as people see them: colours that tell neighbours apart and stay with their region. numpy only."""
+
+from __future__ import annotations
+
+import numpy as np
+
+# Twelve colours spread as far apart as they go in Oklab, for full colour vision and for the three dichromacies at once
+# (least distance .108). Magenta is left free for problems.
+_BASE = ("b55422", "556dc6", "94627f", "1896bc", "a09602", "9f9afc")  # sRGB
+_BASE += ("31bebe", "f3817e", "e9b443", "a6d6af", "31edfb", "ece36d")
+_SHADE = 0.35  # of the base colour's light: what is used where all twelve are taken by neighbours
+NO_REGION = (0.21, 0.21, 0.21, 1.0)  # of faces in no region
+
+
+def _linear(code: str) -> list[float]:
+    value = np.array([int(code[i : i + 2], 16) for i in (0, 2, 4)]) / 255.0
+    return np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4).tolist()
+
+
+_LINEAR = np.array([_linear(code) for code in _BASE])
+BASE_COLORS = len(_BASE)
+#: (2 B, 4) float32, linear RGBA: the base colours, then their darker shades
+PALETTE = np.ones((2 * BASE_COLORS, 4), np.float32)
+PALETTE[:BASE_COLORS, :3] = _LINEAR
+PALETTE[BASE_COLORS:, :3] = _LINEAR * _SHADE
+
+
+def shared_edges(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs of triangles that share an edge, and that edge.
+
+    triangles: (T, 3) int. Returns (E, 2) int32 triangles and (E, 2) int32 vertices. An edge with three triangles gives
+    three pairs; of more than three, those next to and next but one to each other in order. Cost: O(T log T).
+    """
+    start = triangles.astype(np.int64)
+    end = np.roll(start, -1, axis=1)
+    key = (np.minimum(start, end) << 32 | np.maximum(start, end)).ravel()
+    order = np.argsort(key, kind="stable")
+    key = key[order]
+    pairs, edges = [], []
+    for step in (1, 2):
+        at = np.flatnonzero(key[:-step] == key[step:])
+        pairs.append(np.stack([order[at], order[at + step]], axis=1) // 3)
+        edges.append(np.stack([key[at] >> 32, key[at] & 0xFFFFFFFF], axis=1))
+    return np.concatenate(pairs).astype(np.int32), np.concatenate(edges).astype(np.int32)
+
+
+def region_pairs(face_region: np.ndarray, face_pairs: np.ndarray) -> np.ndarray:
+    """(K, 2) int32 regions that share an edge, each pair once, the lower first. face_pairs: (E, 2) faces."""
+    region = face_region[face_pairs]
+    region = region[(region[:, 0] != region[:, 1]) & (region >= 0).all(axis=1)]
+    return np.unique(np.sort(region, axis=1), axis=0).astype(np.int32)
+
+
+def border_edges(face_region: np.ndarray, face_pairs: np.ndarray) -> np.ndarray:
+    """(E,) bool: whether the two faces of a pair are in different regions."""
+    return face_region[face_pairs[:, 0]] != face_region[face_pairs[:, 1]]
+
+
+def assign_colors(count: int, pairs: np.ndarray, kept: np.ndarray | None = None) -> np.ndarray:
+    """A colour for each region, so that no two that share an edge have the same.
+
+    count: regions. pairs: (K, 2) regions that share an edge. kept: (count,) the colour a region has already, -1 for
+    none; it keeps that unless a region of a lower number that became its neighbour has the same one.
+    Returns (count,) int32 indices into PALETTE. Cost: O(count + K) with a small factor, in Python.
+    """
+    around = [set() for _ in range(count)]
+    for a, b in pairs.tolist():
+        around[a].add(b)
+        around[b].add(a)
+    fresh = [-1] * count
+    color = list(fresh) if kept is None else kept.tolist()
+    for region in range(count):
+        if color[region] >= 0 and any(color[other] == color[region] for other in around[region] if other < region):
+            color[region] = -1
+    if not _fill(color, around):
+        color = fresh
+        _fill(color, around)
+    return np.array(color, np.int32)
+
+
+def _fill(color: list[int], around: list[set[int]]) -> bool:
+    """Gives a colour to those without one; False if one had to take that of a neighbour."""
+    used = [0] * len(PALETTE)
+    for value in color:
+        if value >= 0:
+            used[value] += 1
+    clean = True
+    for region in _smallest_last(color, around):
+        taken = {color[other] for other in around[region]}
+        near = {color[far] for other in around[region] for far in around[other]}
+        # Free of neighbours, then a base colour, then free of neighbours' neighbours, then the one used least.
+        best = min(range(len(PALETTE)), key=lambda c: (c in taken, c >= BASE_COLORS, c in near, used[c], c))
+        clean = clean and best not in taken
+        color[region] = best
+        used[best] += 1
+    return clean
+
+
+def _smallest_last(color: list[int], around: list[set[int]]) -> list[int]:
+    """The regions without a colour, in the order in which greedy colouring needs few: six on a plane or sphere."""
+    open_regions = {region for region, value in enumerate(color) if value < 0}
+    degree = {region: len(around[region] & open_regions) for region in open_regions}
+    buckets = [[] for _ in range(max(degree.values(), default=0) + 1)]
+    for region in sorted(open_regions, reverse=True):
+        buckets[degree[region]].append(region)
+    removed, lowest = [], 0
+    while len(removed) < len(degree):
+        while not buckets[lowest]:
+            lowest += 1
+        region = buckets[lowest].pop()
+        if region not in open_regions or degree[region] != lowest:
+            continue  # an entry that is out of date: the region is in a lower bucket, or done
+        open_regions.discard(region)
+        removed.append(region)
+        for other in around[region] & open_regions:
+            degree[other] -= 1
+            buckets[degree[other]].append(other)
+        lowest = max(0, lowest - 1)
+    return removed[::-1]
+
+
+def face_colors(face_region: np.ndarray, region_color: np.ndarray) -> np.ndarray:
+    """(F, 4) float32 linear RGBA of each face. region_color: (R,) indices into PALETTE."""
+    table = np.vstack([PALETTE[region_color], np.array([NO_REGION], np.float32)])
+    return table[face_region]  # -1 is the last row

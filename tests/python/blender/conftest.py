@@ -1,0 +1,49 @@
+"""Tests that need Blender: run by `blender -b` (see inside.py), or by plain pytest where bpy is installed from PyPI."""
+
+import os
+import sys
+from pathlib import Path
+
+import pytest
+
+try:
+    import bpy
+except ImportError:
+    bpy = None
+    collect_ignore_glob = ["test_*.py"]  # those in window/ start a Blender of their own
+else:
+    collect_ignore = ["window"]
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+
+@pytest.fixture(scope="session")
+def addon():
+    """The add-on, switched on once for all tests."""
+    import isimp
+
+    isimp.register()
+    yield isimp
+    isimp.unregister()
+
+
+@pytest.fixture
+def scene(addon):
+    """An empty scene with undo switched on."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    bpy.context.preferences.edit.use_global_undo = True
+    bpy.ops.ed.undo_push(message="start")
+    return bpy.context.scene
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_unconfigure(config):
+    # bpy 4.5 from PyPI waits for ever in a destructor when Python ends.
+    if bpy is not None and not bpy.app.binary_path:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(int(getattr(config, "exit_status", 1)))
+
+
+def pytest_sessionfinish(session, exitstatus):
+    session.config.exit_status = exitstatus

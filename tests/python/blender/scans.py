@@ -1,0 +1,134 @@
+"""Small scans for the tests, and ways to look at what became of them."""
+
+import bpy
+import numpy as np
+
+from isimp import view
+
+
+def cube(name="Scan", cells=6, quads=False):
+    """A cube of side 2, each side cells x cells squares: quads, or two triangles each. Sides in order, all welded."""
+    lines = np.linspace(-1, 1, cells + 1)
+    vertices, faces, index = [], [], {}
+    for axis in range(3):
+        for side in (-1, 1):
+            for i in range(cells):
+                for j in range(cells):
+                    corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)]
+                    places = [np.roll((side, lines[a], lines[b]), axis) for a, b in corners[::side]]
+                    quad = [index.setdefault(tuple(place.round(6)), len(index)) for place in places]
+                    faces += [quad] if quads else [quad[:3], [quad[0], quad[2], quad[3]]]
+    vertices = list(index)
+    return add(name, vertices, faces)
+
+
+def add(name, vertices, faces):
+    """An object with the given faces, linked, active and selected."""
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata([tuple(map(float, v)) for v in vertices], [], [tuple(map(int, f)) for f in faces])
+    assert not mesh.validate()
+    obj = bpy.data.objects.new(name, mesh)
+    bpy.context.scene.collection.objects.link(obj)
+    activate(obj)
+    return obj
+
+
+def activate(obj):
+    for other in bpy.context.selected_objects:
+        other.select_set(False)
+    obj.select_set(True)
+    bpy.context.view_layer.objects.active = obj
+
+
+def dimple(obj, depth=0.2):
+    """Rounds a cube towards a sphere, so that its sides are no planes any more."""
+    points = coordinates(obj.data)
+    points += depth * (points / np.linalg.norm(points, axis=1, keepdims=True) * 1.2 - points)
+    obj.data.vertices.foreach_set("co", points.astype(np.float32).ravel())
+    obj.data.update()
+    return obj
+
+
+def push(message="step"):
+    bpy.ops.ed.undo_push(message=message)
+
+
+def coordinates(mesh):
+    points = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.vertices.foreach_get("co", points)
+    return points.reshape(-1, 3).astype(float)
+
+
+def world(obj):
+    matrix = np.array(obj.matrix_world)
+    return coordinates(obj.data) @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def geometry(mesh):
+    """All that must never change of a scan."""
+    loops = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("vertex_index", loops)
+    starts = np.empty(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("loop_start", starts)
+    return coordinates(mesh).tobytes(), loops.tobytes(), starts.tobytes(), len(mesh.edges)
+
+
+def regions(obj):
+    if obj.mode == "EDIT":
+        obj.update_from_editmode()
+        import bmesh
+
+        edit = bmesh.from_edit_mesh(obj.data)
+        layer = edit.faces.layers.int["isimp_region"]
+        return np.array([face[layer] for face in edit.faces])
+    label = np.empty(len(obj.data.polygons), np.int32)
+    obj.data.attributes["isimp_region"].data.foreach_get("value", label)
+    return label
+
+
+def colors(obj):
+    """(faces, 4) colour of each face's first corner, after checking that the others have the same."""
+    layer = obj.data.attributes["isimp_color"]
+    assert (layer.data_type, layer.domain) == ("FLOAT_COLOR", "CORNER")
+    color = np.empty(4 * len(obj.data.loops), np.float32)
+    layer.data.foreach_get("color", color)
+    color = color.reshape(-1, 4)
+    starts, totals = (np.empty(len(obj.data.polygons), np.int32) for _ in range(2))
+    obj.data.polygons.foreach_get("loop_start", starts)
+    obj.data.polygons.foreach_get("loop_total", totals)
+    assert (color == np.repeat(color[starts], totals, axis=0)).all()
+    return color[starts]
+
+
+def face_pairs(mesh):
+    """(E, 2) faces that share an edge."""
+    mesh.calc_loop_triangles()
+    triangles, faces = np.empty(3 * len(mesh.loop_triangles), np.int32), np.empty(len(mesh.loop_triangles), np.int32)
+    mesh.loop_triangles.foreach_get("vertices", triangles)
+    mesh.loop_triangles.foreach_get("polygon_index", faces)
+    return faces[view.shared_edges(triangles.reshape(-1, 3))[0]]
+
+
+def select_faces(obj, *faces):
+    """Selects these faces and no others, in either mode."""
+    if obj.mode == "EDIT":
+        import bmesh
+
+        edit = bmesh.from_edit_mesh(obj.data)
+        for part in (edit.verts, edit.edges, edit.faces):
+            for item in part:
+                item.select = False
+        edit.faces.ensure_lookup_table()
+        for face in faces:
+            edit.faces[face].select_set(True)
+        bmesh.update_edit_mesh(obj.data)
+        return
+    chosen = np.zeros(len(obj.data.polygons), bool)
+    chosen[list(faces)] = True
+    for part in (obj.data.vertices, obj.data.edges):
+        part.foreach_set("select", np.zeros(len(part), bool))
+    obj.data.polygons.foreach_set("select", chosen)
+
+
+def mode(name):
+    bpy.ops.object.mode_set(mode=name)

@@ -1,0 +1,74 @@
+"""The recipe: steps as values, saved and read again."""
+
+import json
+
+import pytest
+
+from isimp import recipe as rcp
+from isimp.recipe import AddProxy, DeleteProxy, Mesh, Partition, Recipe, RecipeError
+
+FULL = Recipe(
+    (
+        Partition(proxies=7, seed=3, iterations=5, method="lloyd", seeding="farthest", leave_out=0.0),
+        AddProxy(face=12),
+        DeleteProxy(face=3, enabled=False),
+        Mesh(chord_tolerance=0.1, flatten=0),
+    )
+)
+
+
+def test_json_gives_back_every_kind_of_step():
+    assert {type(step) for step in FULL.steps} == set(rcp.KINDS)
+    assert Recipe.from_json(FULL.to_json()) == FULL
+    assert Recipe.from_json(Recipe().to_json(indent=2)) == Recipe()
+
+
+def test_json_is_what_people_can_write():
+    text = '{"isimp_recipe": 1, "steps": [{"step": "partition", "proxies": 6}, {"step": "mesh", "chord_tolerance": 1}]}'
+    assert Recipe.from_json(text) == Recipe((Partition(proxies=6), Mesh(chord_tolerance=1)))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("{", "not JSON"),
+        ("[]", "no 'isimp_recipe'"),
+        ('{"isimp_recipe": 99, "steps": []}', "version 99.*update the add-on"),
+        ('{"isimp_recipe": 1}', "'steps' must be a list"),
+        ('{"isimp_recipe": 1, "steps": [3]}', "step 1: not a step: 3"),
+        ('{"isimp_recipe": 1, "steps": [{"step": "melt"}]}', "step 1: 'melt' is not a step"),
+        ('{"isimp_recipe": 1, "steps": [{"step": "add_proxy", "fase": 1}]}', "no setting 'fase'"),
+        ('{"isimp_recipe": 1, "steps": [{"step": "add_proxy", "face": true}]}', "face of add_proxy must be a int"),
+        ('{"isimp_recipe": 1, "steps": [{"step": "add_proxy", "face": -1}]}', "at least 0, got -1"),
+        ('{"isimp_recipe": 1, "steps": [{"step": "mesh"}, {"step": "partition", "proxies": 0}]}', "step 2: proxies"),
+        ('{"isimp_recipe": 1, "steps": [{"step": "partition", "method": "magic"}]}', "method must be one of lloyd"),
+        ('{"isimp_recipe": 1, "steps": [{"step": "mesh", "chord_tolerance": NaN}]}', "above 0, got nan"),
+    ],
+)
+def test_what_cannot_be_read_says_where_and_why(text, message):
+    with pytest.raises(RecipeError, match=message):
+        Recipe.from_json(text)
+
+
+def test_then_starts_anew_at_a_partition_and_keeps_mesh_last():
+    recipe = Recipe().then(Partition(proxies=3)).then(AddProxy(face=1)).then(Mesh())
+    assert [step.kind for step in recipe.steps] == ["partition", "add_proxy", "mesh"]
+    assert [step.kind for step in recipe.then(DeleteProxy(face=1)).steps] == ["partition", "add_proxy", "delete_proxy"]
+    assert recipe.then(Mesh(flatten=1)).steps[-1] == Mesh(flatten=1)
+    assert len(recipe.then(Mesh()).steps) == 3
+    assert recipe.then(Partition(proxies=4)).steps == (Partition(proxies=4),)
+
+
+def test_keys_depend_on_what_comes_before_and_not_on_steps_switched_off():
+    first, second = Partition(proxies=3), AddProxy(face=1)
+    keys = Recipe((first, second)).prefix_keys()
+    assert Recipe((first,)).prefix_keys() == keys[:1]
+    assert Recipe((first, DeleteProxy(face=9, enabled=False), second)).prefix_keys() == keys
+    assert Recipe((Partition(proxies=4), second)).prefix_keys()[1] != keys[1]
+    assert len(set(keys)) == 2
+
+
+def test_a_step_switched_off_is_saved_as_such():
+    values = json.loads(FULL.to_json())["steps"]
+    assert [values[2].get("enabled"), "enabled" in values[1]] == [False, False]
+    assert [index for index, _ in FULL.active()] == [0, 1, 3]

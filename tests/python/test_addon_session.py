@@ -1,0 +1,208 @@
+"""Recipes replayed on arrays, with the real engine and without Blender."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from isimp import view
+from isimp.recipe import AddProxy, DeleteProxy, Mesh, Partition, Recipe
+from isimp.session import Cache, Scan, Session, StepFailed, engine, face_regions
+from isimp.task import Stopped, Watch
+
+SIDES = Recipe((Partition(proxies=6),))
+
+
+def bumpy_sphere(rows=16, columns=24):
+    """A sphere with flat spots, as quads and two fans of triangles; faces are cut along one diagonal."""
+    polar, turn = np.meshgrid(
+        np.linspace(0, np.pi, rows + 1)[1:-1], np.linspace(0, 2 * np.pi, columns, endpoint=False), indexing="ij"
+    )
+    radius = 1 + 0.15 * np.cos(3 * polar) * np.cos(2 * turn)
+    ring = np.stack([np.sin(polar) * np.cos(turn), np.sin(polar) * np.sin(turn), np.cos(polar)], axis=-1)
+    vertices = np.concatenate([(ring * radius[..., None]).reshape(-1, 3), [[0, 0, 1], [0, 0, -1]]])
+    at = np.arange((rows - 1) * columns).reshape(rows - 1, columns)
+    beside = np.roll(at, -1, axis=1)
+    a, b, c, d = at[:-1].ravel(), at[1:].ravel(), beside[1:].ravel(), beside[:-1].ravel()
+    quads = np.stack([a, b, c, a, c, d], axis=1).reshape(-1, 3)
+    north, south = len(vertices) - 2, len(vertices) - 1
+    caps = [(north, i, j) for i, j in zip(at[0], beside[0], strict=True)]
+    caps += [(south, j, i) for i, j in zip(at[-1], beside[-1], strict=True)]
+    triangles = np.concatenate([quads, caps]).astype(np.int32)
+    face = np.concatenate([np.repeat(np.arange(len(a)), 2), len(a) + np.arange(len(caps))]).astype(np.int32)
+    return Scan(vertices, triangles, face, int(face[-1]) + 1)
+
+
+def each_triangle(scan):
+    count = len(scan.triangles)
+    return Scan(scan.vertices, scan.triangles, np.arange(count, dtype=np.int32), count)
+
+
+@pytest.fixture(scope="module")
+def quads():
+    return bumpy_sphere()
+
+
+@pytest.fixture(scope="module")
+def scan(quads):
+    return each_triangle(quads)
+
+
+def test_partition_labels_every_face_and_tells_its_numbers(scan):
+    outcome = Session().replay(scan, SIDES)
+    assert np.unique(outcome.face_region).tolist() == list(range(6))
+    assert outcome.face_region.dtype == np.int32
+    assert outcome.numbers["regions"] == 6
+    assert outcome.numbers["triangles"] == len(scan.triangles)
+    assert outcome.numbers["components"] == 1
+    assert outcome.numbers["closed"]
+    assert outcome.numbers["error"] == pytest.approx(outcome.partition.error)
+
+
+def test_faces_with_many_corners_keep_every_region(quads):
+    outcome = Session().replay(quads, Recipe((Partition(proxies=60),)))
+    assert len(outcome.face_region) == quads.face_count
+    assert np.unique(outcome.face_region).tolist() == list(range(60))
+
+
+def test_a_face_goes_where_most_of_its_area_is():
+    """Two faces of a triangle each, and one of two: 8 of area in region 1, 6.3 in region 2."""
+    vertices = np.array([[0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0], [5, 0, 3], [9, 0, 3]], float)
+    triangles = np.array([[0, 1, 2], [0, 2, 3], [1, 4, 2], [4, 5, 2]], np.int32)
+    prepared = Session().prepare(Scan(vertices, triangles, np.array([0, 1, 1, 2], np.int32), 3))
+
+    def regions(*labels, seeds):
+        return face_regions(prepared, SimpleNamespace(face_region=labels, region_count=3, region_seed=seeds)).tolist()
+
+    assert regions(0, 1, 2, 2, seeds=[0, 1, 3]) == [0, 1, 2]
+    assert regions(0, 1, 2, 0, seeds=[0, 1, 2]) == [0, 2, 0]  # region 2 would have no face, so it gets its seed's
+    assert regions(0, 1, -1, 2, seeds=[0, 1, 3]) == [0, 1, 2]
+
+
+def test_add_and_delete_work_at_the_users_faces(quads):
+    session = Session()
+    first = session.replay(quads, SIDES)
+    added = session.replay(quads, SIDES.then(AddProxy(face=200)))
+    assert added.face_region[200] == 6
+    assert added.numbers["regions"] == 7
+    deleted = session.replay(quads, SIDES.then(AddProxy(face=200)).then(DeleteProxy(face=200)))
+    assert deleted.numbers["regions"] == 6
+    assert first.numbers["regions"] == 6
+
+
+def test_colours_stay_with_their_region_and_part_neighbours(scan):
+    session = Session()
+    recipe = Recipe((Partition(proxies=20),))
+    before = session.replay(scan, recipe)
+    for step in (AddProxy(face=11), AddProxy(face=200), DeleteProxy(face=400), AddProxy(face=300)):
+        recipe = recipe.then(step)
+        after = session.replay(scan, recipe)
+        pairs, _ = view.shared_edges(scan.triangles)
+        label, color = after.face_region, after.region_color[after.face_region]
+        assert (color[pairs][:, 0] != color[pairs][:, 1])[view.border_edges(label, pairs)].all()
+        shared = before.region_color if isinstance(step, AddProxy) else None
+        if shared is not None:
+            assert (after.region_color[: len(shared)] == shared).mean() > 0.9
+        before = after
+
+
+def test_mesh_gives_polygons_with_regions(scan):
+    outcome = Session().replay(scan, SIDES.then(Mesh()))
+    polygons = outcome.polygons
+    assert set(np.asarray(polygons.polygon_region)) <= set(range(6))
+    assert outcome.numbers["polygons"] == len(polygons.loop_start)
+    assert outcome.numbers["regions"] == 6
+
+
+def test_what_was_computed_before_is_kept(scan, monkeypatch):
+    session, calls = Session(), []
+    for name in ("clean", "partition", "add_proxy"):
+        real = getattr(engine, name)
+        monkeypatch.setattr(engine, name, lambda *a, real=real, name=name, **k: (calls.append(name), real(*a, **k))[1])
+    recipe = SIDES.then(AddProxy(face=3))
+    first = session.replay(scan, recipe)
+    assert calls == ["clean", "partition", "add_proxy"]
+    again = Scan(scan.vertices.copy(), scan.triangles.copy(), scan.triangle_face.copy(), scan.face_count)
+    assert session.replay(again, recipe) is first
+    session.replay(scan, SIDES.then(AddProxy(face=4)))
+    assert calls == ["clean", "partition", "add_proxy", "add_proxy"]
+
+
+def test_edit_and_edit_back_is_equal_to_the_bit(scan):
+    session, recipe = Session(), SIDES.then(AddProxy(face=3)).then(Mesh())
+    first = session.replay(scan, recipe)
+    session.replay(scan, Recipe((Partition(proxies=9), *recipe.steps[1:])))
+    for again in (session.replay(scan, recipe), Session().replay(scan, recipe)):
+        assert (again.face_region == first.face_region).all()
+        assert (again.region_color == first.region_color).all()
+        assert np.array_equal(again.polygons.vertices, first.polygons.vertices)
+        assert np.array_equal(again.polygons.loops, first.polygons.loops)
+
+
+def test_a_step_switched_off_does_nothing(scan):
+    session = Session()
+    off = Recipe((*SIDES.steps, AddProxy(face=3, enabled=False)))
+    assert session.replay(scan, off) is session.replay(scan, SIDES)
+
+
+@pytest.mark.parametrize(
+    ("step", "message"),
+    [
+        (AddProxy(face=99999), "Step 2, Add proxy at face 99999: there is no face 99999: the mesh has"),
+        (DeleteProxy(face=99999), "Step 2, Delete proxy at face 99999"),
+    ],
+)
+def test_a_step_that_cannot_be_done_says_which_and_why_and_keeps_what_came_before(scan, step, message):
+    session = Session()
+    good = session.replay(scan, SIDES)
+    with pytest.raises(StepFailed, match=message) as caught:
+        session.replay(scan, SIDES.then(step).then(Mesh()))
+    assert caught.value.index == 1
+    assert caught.value.outcome is good
+
+
+@pytest.mark.parametrize("step", [AddProxy(face=1), DeleteProxy(face=1), Mesh()])
+def test_steps_without_regions_ask_for_a_partition(scan, step):
+    with pytest.raises(StepFailed, match="a Partition step must come first"):
+        Session().replay(scan, Recipe((step,)))
+
+
+def test_no_steps_and_no_faces_are_said(scan):
+    with pytest.raises(ValueError, match="no step that is switched on"):
+        Session().replay(scan, Recipe())
+    empty = Scan(scan.vertices, scan.triangles[:0], scan.triangle_face[:0], 0)
+    with pytest.raises(ValueError, match="no faces"):
+        Session().replay(empty, SIDES)
+
+
+def test_a_face_that_was_dropped_is_named(scan):
+    triangles = np.concatenate([scan.triangles, scan.triangles[:1]])
+    twice = Scan(scan.vertices, triangles, np.arange(len(triangles), dtype=np.int32), len(triangles))
+    outcome = Session().replay(twice, SIDES)
+    assert outcome.face_region[-1] == -1
+    with pytest.raises(StepFailed, match="was left out when the mesh was mended"):
+        Session().replay(twice, SIDES.then(AddProxy(face=len(triangles) - 1)))
+
+
+def test_stop_is_heard_and_progress_only_rises(scan):
+    watch = Watch()
+    watch.cancel()
+    with pytest.raises(Stopped):
+        Session().replay(scan, SIDES, watch)
+    watch = Watch()
+    Session().replay(scan, SIDES.then(Mesh()), watch)
+    assert watch.progress == pytest.approx(1.0)
+
+
+def test_the_cache_is_bounded_and_keeps_what_was_used_last():
+    cache = Cache(budget=10)
+    for key in "abc":
+        cache.put(key, key.upper(), 4)
+    assert (cache.get("a"), cache.get("b"), len(cache)) == (None, "B", 2)
+    cache.put("d", "D", 4)
+    assert (cache.get("c"), cache.get("b")) == (None, "B")
+    cache.put("e", "E", 99)
+    assert (cache.get("e"), len(cache)) == ("E", 1)
+    cache.put("e", "e", 2)
+    cache.put("f", "F", 2)
+    assert len(cache) == 2

@@ -1,0 +1,85 @@
+"""Work on a thread: progress, stop, failure, without a window."""
+
+import threading
+
+import pytest
+
+from isimp.task import Status, Stopped, Task, Watch
+
+
+class Job:
+    """As the engine's: progress and stage one way, cancel the other."""
+
+    def __init__(self, progress=0.0, stage=""):
+        self.progress, self.stage, self.cancelled = progress, stage, False
+
+    def cancel(self):
+        self.cancelled = True
+
+
+def test_progress_is_that_of_the_job_within_its_part():
+    watch = Watch()
+    assert (watch.progress, watch.stage) == (0.0, "")
+    with watch.part("first", 0.0, 0.2):
+        assert watch.stage == "first"
+    assert watch.progress == pytest.approx(0.2)
+    with watch.part("second", 0.2, 1.0, Job(0.5, "flooding")):
+        assert watch.progress == pytest.approx(0.6)
+        assert watch.stage == "flooding"
+    assert watch.progress == pytest.approx(1.0)
+
+
+def test_cancel_reaches_the_job_and_every_later_part():
+    watch, job = Watch(), Job()
+    with watch.part("one", 0, 1, job):
+        watch.cancel()
+    assert job.cancelled
+    with pytest.raises(Stopped), watch.part("two", 0, 1, Job()):
+        pytest.fail("it was cancelled before")
+    with pytest.raises(Stopped):
+        watch.poll()
+
+
+def test_a_task_brings_its_result():
+    task = Task(lambda watch: 42)
+    assert task.wait(10) is Status.DONE
+    assert task.result == 42
+
+
+def test_a_task_that_is_stopped_says_so():
+    begun = threading.Event()
+
+    def work(watch):
+        begun.set()
+        while True:
+            watch.poll()
+
+    task = Task(work)
+    assert begun.wait(10)
+    assert task.wait(0.01) is Status.RUNNING
+    task.watch.cancel()
+    assert task.wait(10) is Status.STOPPED
+
+
+def test_a_task_that_fails_keeps_the_reason():
+    task = Task(lambda watch: 1 // 0)
+    assert task.wait(10) is Status.FAILED
+    assert isinstance(task.error, ZeroDivisionError)
+
+
+def test_time_left_is_told_once_it_can_be():
+    now, go = [0.0], threading.Event()
+
+    def work(watch):
+        with watch.part("flooding", 0.0, 1.0, Job(0.25)):
+            go.wait(10)
+
+    task = Task(work, clock=lambda: now[0])
+    while task.watch.stage != "flooding":
+        pass
+    assert task.seconds_left() is None
+    now[0] = 2.0
+    assert task.seconds_left() == pytest.approx(6.0)
+    assert task.describe() == "Flooding 25%, 6 s left"
+    go.set()
+    assert task.wait(10) is Status.DONE
