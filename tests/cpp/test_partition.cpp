@@ -30,7 +30,7 @@ TEST(Partition, CubeSplitsIntoItsSixSides) {
 
 TEST(Partition, HasExactlyTheRegionsAskedFor) {
   const Mesh sphere = shapes::mesh(shapes::shuffled(shapes::noisy(shapes::sphere(3), 0.01, 1), 2));
-  for (const Method method : {Method::lloyd})
+  for (const Method method : {Method::lloyd, Method::hierarchy, Method::teleport})
     for (const std::int32_t proxies : {4, 5, 37, 300, 1279, 1280}) {
       const Partition p = run(sphere, {.proxies = proxies, .seed = 7, .method = method});
       EXPECT_EQ(p.region_count(), proxies);
@@ -140,7 +140,7 @@ TEST(Partition, HistoryFallsAndEndsEarlyWhereNothingChanges) {
 TEST(Partition, SameInputSameBits) {
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::torus(40, 20), 0.01, 3));
   for (const Seeding seeding : {Seeding::random, Seeding::farthest})
-    for (const Method method : {Method::lloyd}) {
+    for (const Method method : {Method::lloyd, Method::hierarchy, Method::teleport}) {
       const PartitionOptions options{.proxies = 50, .seed = 4, .seeding = seeding, .method = method};
       const Partition a = run(mesh, options), b = run(mesh, options);
       EXPECT_EQ(a.face_region, b.face_region);

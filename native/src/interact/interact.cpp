@@ -13,7 +13,6 @@ namespace {
 
 constexpr int kRounds = 2;         // of fitting a region that is split
 constexpr int kSweeps = 40;        // of the borders afterwards
-constexpr double kBorder = 0.018;  // weight of a border edge in the relaxation
 
 void check(const Mesh& mesh, const Partition& partition, std::int32_t face) {
   const auto regions = partition.region_seed.size();
@@ -38,7 +37,7 @@ struct Edit {
 
   /// Relaxes the borders of these faces and what follows from that.
   void relax(std::span<const std::int32_t> faces, std::int32_t pinned, Job& job) {
-    Relaxation<MeshLabels> relaxation(graph, labels, result.region_sum, kBorder);
+    Relaxation<MeshLabels> relaxation(graph, labels, result.region_sum, kBorderWeight * result.error / graph.area);
     relaxation.pin(pinned);
     for (const std::int32_t face : faces) {
       relaxation.push_if_border(face);

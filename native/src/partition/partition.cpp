@@ -6,13 +6,20 @@
 #include <utility>
 
 #include "isimp/core/errors.h"
+#include "isimp/partition/hierarchy.h"
 #include "isimp/partition/lloyd.h"
+#include "isimp/partition/optimise.h"
 #include "isimp/partition/parts.h"
 #include "isimp/partition/regions.h"
+#include "isimp/partition/relax.h"
 #include "isimp/partition/seeding.h"
+#include "isimp/partition/teleport.h"
 
 namespace isimp {
 namespace {
+
+constexpr int kSweeps = 60;  // of the borders between flooding and teleports
+constexpr int kTries = 50;   // of teleports in a row that do not pay, before a round ends
 
 template <class T>
 [[noreturn]] void out_of_range(const char* name, const std::string& range, T value) {
@@ -30,7 +37,39 @@ void check(const Mesh& mesh, const PartitionOptions& options) {
   if (options.backend != "cpu") throw InvalidInput("there is no backend \"" + options.backend + "\"; there is \"cpu\"");
 }
 
-std::vector<std::int32_t> first_seeds(const Mesh& mesh, const Parts& parts, const PartitionOptions& options, Job& job) {
+/// Regions from the hierarchy given if that serves, else from one of its own.
+Regions from_hierarchy(const Mesh& mesh, const Hierarchy& given, const Parts& parts, std::int32_t proxies, Job& job) {
+  if (given.serves(mesh, proxies)) return optimise(mesh, given, parts, job);
+  const Hierarchy own = [&] {
+    Job::Part stage(job, "merging", 0.0, 0.4);
+    return build_hierarchy(mesh, proxies, job);
+  }();
+  Job::Part stage(job, "relaxing", 0.4, 1.0);
+  return optimise(mesh, own, parts, job);
+}
+
+/// Teleports until none helps. The borders are relaxed before and after, so what comes in is given back if it was
+/// better.
+Regions teleport(const Mesh& mesh, const Parts& parts, Regions regions, std::vector<double>& history, Job& job) {
+  const FaceGraph& graph = mesh.graph();
+  const Regions before = regions;
+  std::vector<std::int32_t> part;
+  if (parts.parts.size() > 1) {
+    const std::vector<std::int32_t> faces = nearest_faces(graph, regions, job);
+    for (const std::int32_t face : faces) part.push_back(mesh.component()[graph.mesh_face[face]]);
+  }
+  Relaxation<GraphLabels> relaxation(graph, {regions.label.data()}, regions.sum, kBorderWeight * regions.error());
+  for (std::int32_t i = 0; i < graph.size(); ++i) relaxation.push_if_border(i);
+  relaxation.run(kSweeps, job);
+  Teleport moves(graph, parts, regions, std::move(part), relaxation);
+  moves.run(kTries, 1.0, job);
+  if (regions.error() > before.error()) return before;
+  history.push_back(regions.error());
+  return regions;
+}
+
+std::vector<std::int32_t> first_seeds(const Mesh& mesh, const Hierarchy& hierarchy, const Parts& parts,
+                                      const PartitionOptions& options, Job& job) {
   Job::Part stage(job, "seeding", 0.0, 0.1);
   const std::vector<std::int32_t> share = share_out(parts);
   switch (options.seeding) {
@@ -38,6 +77,8 @@ std::vector<std::int32_t> first_seeds(const Mesh& mesh, const Parts& parts, cons
       return random_seeds(mesh, parts, share, options.seed, job);
     case Seeding::farthest:
       return farthest_seeds(mesh, parts, share, options.seed, job);
+    case Seeding::hierarchical:
+      return nearest_faces(mesh.graph(), from_hierarchy(mesh, hierarchy, parts, options.proxies, job), job);
   }
   throw InvalidInput("the seeding is none of those known");
 }
@@ -48,10 +89,12 @@ Partition make_partition(const Mesh& mesh, const Parts& parts, const Regions& re
   Partition result;
   result.face_region.resize(static_cast<std::size_t>(graph.size()));
   for (std::int32_t i = 0; i < graph.size(); ++i) result.face_region[graph.mesh_face[i]] = regions.label[i];
+
   result.region_seed = nearest_faces(graph, regions, job);
   for (std::int32_t& seed : result.region_seed) seed = graph.mesh_face[seed];
   result.region_normal.reserve(regions.sum.size());
   for (const RegionSum& s : regions.sum) result.region_normal.push_back(s.normal());
+
   result.region_sum = regions.sum;
   result.error = regions.error() * graph.area;
   result.history = std::move(history);
@@ -66,13 +109,27 @@ Partition make_partition(const Mesh& mesh, const Parts& parts, const Regions& re
 }  // namespace
 
 Partition partition(const Mesh& mesh, const PartitionOptions& options, Job& job) {
+  return partition(mesh, Hierarchy{}, options, job);
+}
+
+Partition partition(const Mesh& mesh, const Hierarchy& hierarchy, const PartitionOptions& options, Job& job) {
   check(mesh, options);
   Job::Part stage(job, "partitioning", 0.0, 1.0);
   const Parts parts = find_parts(mesh, options.proxies, options.leave_out, job);
   std::vector<double> history;
-  std::vector<std::int32_t> seeds = first_seeds(mesh, parts, options, job);
-  Job::Part rounds(job, "flooding", 0.1, 1.0);
-  const Regions regions = lloyd(mesh.graph(), std::move(seeds), options.iterations, history, job);
+  Regions regions;
+  if (options.method == Method::hierarchy) {
+    regions = from_hierarchy(mesh, hierarchy, parts, options.proxies, job);
+  } else {
+    std::vector<std::int32_t> seeds = first_seeds(mesh, hierarchy, parts, options, job);
+    Job::Part rounds(job, "flooding", 0.1, options.method == Method::teleport ? 0.6 : 1.0);
+    regions = lloyd(mesh.graph(), std::move(seeds), options.iterations, history, job);
+  }
+  if (options.method == Method::teleport) {
+    Job::Part moves(job, "teleporting", 0.6, 1.0);
+    regions = teleport(mesh, parts, std::move(regions), history, job);
+  }
+  if (history.empty()) history.push_back(regions.error());
   return make_partition(mesh, parts, regions, std::move(history), job);
 }
 

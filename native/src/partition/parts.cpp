@@ -16,19 +16,29 @@ Parts measure(const Mesh& mesh, Job& job) {
   const std::int32_t n = graph.size();
   Parts result;
   result.parts.resize(static_cast<std::size_t>(mesh.component_count()));
-  const bool single = mesh.component_count() == 1;
-  if (!single) result.of_face.resize(static_cast<std::size_t>(n));
-  for (Part& part : result.parts) part.first = n;
+  const std::int32_t* component = mesh.component_count() > 1 ? mesh.component().data() : nullptr;
+  Part run;  // faces near in the graph are mostly of one component: sum up a run before touching its own sum
+  std::int32_t of_run = 0;
+  const auto close = [&] {
+    Part& part = result.parts[of_run];
+    part.sum.add(run.sum);
+    part.area += run.area;
+    part.closed &= run.closed;
+    run = Part{};
+  };
   for (std::int32_t i = 0; i < n; ++i) {
     if ((i & 0xffff) == 0) job.poll();
-    const std::int32_t c = single ? 0 : mesh.component()[graph.mesh_face[i]];
-    if (!single) result.of_face[i] = c;
-    Part& part = result.parts[c];
-    part.sum.add(graph.faces[i]);
-    part.area += graph.faces[i].area;
-    part.first = std::min(part.first, i);
-    for (const std::int32_t j : graph.neighbours[i]) part.closed &= j != n;
+    const std::int32_t c = component == nullptr ? 0 : component[graph.mesh_face[i]];
+    if (c != of_run) {
+      close();
+      of_run = c;
+    }
+    run.sum.add(graph.faces[i]);
+    run.area += graph.faces[i].area;
+    const auto& around = graph.neighbours[i];
+    run.closed &= around[0] != n && around[1] != n && around[2] != n;
   }
+  close();
   return result;
 }
 

@@ -11,13 +11,14 @@ struct FacesByPart {
   std::vector<std::int32_t> start, face;
 };
 
-FacesByPart faces_by_part(const FaceGraph& graph, const Parts& parts) {
+FacesByPart faces_by_part(const Mesh& mesh, const Parts& parts) {
+  const FaceGraph& graph = mesh.graph();
   FacesByPart by;
   by.start.assign(parts.parts.size() + 1, 0);
   for (std::size_t c = 0; c < parts.parts.size(); ++c) by.start[c + 1] = by.start[c] + parts.parts[c].sum.faces;
   by.face.resize(static_cast<std::size_t>(graph.size()));
   std::vector<std::int32_t> fill = by.start;
-  for (std::int32_t i = 0; i < graph.size(); ++i) by.face[fill[parts.of(i)]++] = i;
+  for (std::int32_t i = 0; i < graph.size(); ++i) by.face[fill[mesh.component()[graph.mesh_face[i]]]++] = i;
   return by;
 }
 
@@ -60,7 +61,7 @@ std::vector<Place> places_of(const Mesh& mesh, std::span<const std::int32_t> fac
 
 std::vector<std::int32_t> random_seeds(const Mesh& mesh, const Parts& parts, const std::vector<std::int32_t>& share,
                                        std::uint64_t seed, Job& job) {
-  const FacesByPart by = faces_by_part(mesh.graph(), parts);
+  const FacesByPart by = faces_by_part(mesh, parts);
   job.poll();
   Random random(seed);
   std::vector<bool> taken(by.face.size(), false);
@@ -80,7 +81,7 @@ std::vector<std::int32_t> random_seeds(const Mesh& mesh, const Parts& parts, con
 
 std::vector<std::int32_t> farthest_seeds(const Mesh& mesh, const Parts& parts, const std::vector<std::int32_t>& share,
                                          std::uint64_t seed, Job& job) {
-  const FacesByPart by = faces_by_part(mesh.graph(), parts);
+  const FacesByPart by = faces_by_part(mesh, parts);
   Random random(seed);
   std::vector<std::int32_t> seeds;
   const auto total = static_cast<double>(std::accumulate(share.begin(), share.end(), 0LL));

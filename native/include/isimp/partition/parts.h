@@ -19,16 +19,14 @@ struct Part {
   std::int32_t first = 0;  ///< its first face in the order of the face graph
 };
 
-/// All components, and which one each face of the graph belongs to.
+/// All components.
 struct Parts {
-  std::vector<Part> parts;            ///< (C), as mesh.component() numbers them
-  std::vector<std::int32_t> of_face;  ///< (F) by graph index; empty if there is one component
-  std::int32_t asked = 0;             ///< options.proxies
-  std::int32_t needed = 0;            ///< sum of `need` over the kept components
-  std::int32_t left_out = 0;          ///< number of components left out
-  double area_left_out = 0.0;         ///< their share of the whole surface
+  std::vector<Part> parts;     ///< (C), as mesh.component() numbers them
+  std::int32_t asked = 0;      ///< options.proxies
+  std::int32_t needed = 0;     ///< sum of `need` over the kept components
+  std::int32_t left_out = 0;   ///< number of components left out
+  double area_left_out = 0.0;  ///< their share of the whole surface
 
-  [[nodiscard]] std::int32_t of(std::int32_t face) const { return of_face.empty() ? 0 : of_face[face]; }
   /// How many regions there will be in all.
   [[nodiscard]] std::int32_t regions() const { return asked > needed ? asked : needed; }
 };

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "isimp/core/job.h"
+#include "isimp/partition/metric.h"
+
+namespace isimp {
+
+/// What a patch or a cluster of patches adds up to, in one 16-byte record.
+struct NodeSum {
+  float x = 0, y = 0, z = 0;  ///< sum of area * normal
+  float length = 0;           ///< of that
+};
+
+/// A graph of neighbouring patches, or of clusters of them, in compressed rows.
+struct MergeGraph {
+  std::vector<NodeSum> sum;             ///< (N)
+  std::vector<std::int32_t> first;      ///< (N + 1) where the neighbours of each node begin
+  std::vector<std::int32_t> neighbour;  ///< each pair stands in both rows, no node is its own neighbour
+  std::vector<std::int32_t> part;       ///< (N) component of the mesh each lies in; empty if there is only one
+
+  [[nodiscard]] std::int32_t size() const { return static_cast<std::int32_t>(sum.size()); }
+  [[nodiscard]] std::int32_t part_of(std::int32_t node) const { return part.empty() ? 0 : part[node]; }
+  [[nodiscard]] std::span<const std::int32_t> around(std::int32_t node) const {
+    return std::span(neighbour).subspan(first[node], static_cast<std::size_t>(first[node + 1] - first[node]));
+  }
+};
+
+/// One round of reciprocal-nearest-neighbour merging: two nodes that are each other's cheapest partner become one, all
+/// such pairs at once.
+///
+/// The price is |S_u| + |S_v| - |S_u + S_v|, half of what merging adds to the error. Only pairs below the .7 quantile
+/// of all nodes' best prices merge: without that gate big clusters merge where a graph is coarse already, while small
+/// ones queue up before one hub elsewhere. Parts of `least` nodes or fewer are left alone.
+/// \param satellites  nodes whose cheapest partner is in a pair join it too: coarser, but twice as quick
+/// \param map         (N) is set to the new node of each node
+/// \return the contracted graph, of the same size if nothing merged
+MergeGraph merge_round(const MergeGraph& graph, bool satellites, std::int32_t least, std::vector<std::int32_t>& map,
+                       Job& job);
+
+/// Merges neighbours one pair at a time, cheapest first, until `target` clusters are left.
+///
+/// \param sums   (N) exact sums of the nodes; a node without faces takes no part and gets kNone
+/// \param need   (C) least number of clusters of each component; its length is 1 where there is one component
+/// \return (N) cluster of each node, numbered by first node; more than `target` where components or needs forbid it
+std::vector<std::int32_t> merge_greedily(const MergeGraph& graph, std::span<const RegionSum> sums,
+                                         std::span<const std::int32_t> need, std::int32_t target, Job& job);
+
+}  // namespace isimp

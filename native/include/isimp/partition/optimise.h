@@ -1,0 +1,22 @@
+#pragma once
+
+#include "isimp/core/job.h"
+#include "isimp/mesh/mesh.h"
+#include "isimp/partition/hierarchy.h"
+#include "isimp/partition/parts.h"
+#include "isimp/partition/regions.h"
+
+namespace isimp {
+
+/// Regions from the hierarchy, much better and faster than flooding from random seeds.
+///
+/// 1. Merge a coarse level greedily to half as many regions again as are wanted; carry that down to the patches and
+///    relax the borders there, patch by patch.
+/// 2. Carry it down to the faces and relax for a few sweeps; merge greedily to the number wanted, now from exact sums;
+///    relax until the borders rest.
+/// 3. Where merging can't give enough regions (few large smooth patches), split the worst; and as long as splitting the
+///    worst region gains more than merging the cheapest pair costs, do both (see teleport).
+/// Cost: O(F); about 40 ms for a million faces.
+Regions optimise(const Mesh& mesh, const Hierarchy& hierarchy, const Parts& parts, Job& job);
+
+}  // namespace isimp

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "isimp/core/job.h"
+#include "isimp/mesh/face_graph.h"
+#include "isimp/partition/parts.h"
+#include "isimp/partition/regions.h"
+#include "isimp/partition/relax.h"
+
+namespace isimp {
+
+/// Moves that leave local minima: a region is taken where it is worth little and put where it is worth much.
+class Teleport {
+ public:
+  /// \param part        (R) component of each region; empty if there is one
+  /// \param relaxation  over the same regions; its pushed faces must hold all border faces
+  Teleport(const FaceGraph& graph, const Parts& parts, Regions& regions, std::vector<std::int32_t> part,
+           Relaxation<GraphLabels>& relaxation);
+
+  /// Splits the worst regions until every component has its need and there are parts.regions() in all.
+  void fill_up(Job& job);
+
+  /// Merges the cheapest neighbouring pair and splits the region that gains most by it, as long as that lowers the
+  /// error; then the borders of both are relaxed.
+  ///
+  /// Regions are tried in the order of their error, the most a split can gain.
+  /// \param tries  a round ends after this many regions in a row that were not worth it
+  /// \param least_ratio  nothing is tried whose error is below this many times the price of the merge that pays for it
+  /// \return moves made
+  /// Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.5 (region teleportation).
+  int run(int tries, double least_ratio, Job& job);
+
+ private:
+  struct Pair {
+    double cost;
+    std::int32_t u, v;
+  };
+  [[nodiscard]] std::vector<Pair> cheapest_pairs() const;
+  [[nodiscard]] std::vector<std::int32_t> worst_regions() const;
+  int round(int tries, double least_ratio, Job& job);
+  double split(std::int32_t region, std::int32_t fresh, Job& job);
+  void undo_split(std::int32_t region);
+  void accept_split(std::int32_t region, std::int32_t fresh);
+  void merge(std::int32_t into, std::int32_t from, Job& job);
+  std::int32_t part_of(std::int32_t region) const { return part_.empty() ? 0 : part_[region]; }
+  std::int32_t face_of(std::int32_t region, Job& job);
+  void push_borders(std::span<const std::int32_t> faces);
+
+  const FaceGraph& graph_;
+  const Parts& parts_;
+  Regions& regions_;
+  GraphLabels labels_;
+  std::vector<std::int32_t> part_, count_;  // component of each region; regions of each component
+  Relaxation<GraphLabels>& relaxation_;
+  std::vector<std::int32_t> some_face_;  // (R) a face that was of each region when last looked at
+  std::vector<std::int32_t> faces_;      // of the region that was split last
+  RegionSum halves_[2];
+  struct Tried {
+    double error = -1;  // of the region when it was tried; it need not be tried again while that holds
+    double gain = 0;
+  };
+  std::vector<Tried> tried_;
+};
+
+}  // namespace isimp

@@ -1,0 +1,327 @@
+#include "isimp/partition/merging.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+namespace isimp {
+namespace {
+
+constexpr float kGate = 0.7F;
+constexpr std::int32_t kAlone = -1;
+
+/// The cheapest partner of each node, and its price.
+struct Best {
+  std::vector<std::int32_t> partner;
+  std::vector<float> price;
+};
+
+/// A little of the price is set by size and by a scrambled name of the pair, alike seen from both sides: on flat
+/// ground, where everything is free, small clusters then merge first and pairs find each other.
+float tie_break(std::int32_t u, std::int32_t v, float lengths) {
+  const std::uint32_t name = (static_cast<std::uint32_t>(u) ^ static_cast<std::uint32_t>(v)) * 0x9e3779b9U;
+  return 1e-9F * lengths * (1.0F + static_cast<float>(name >> 16) * 0x1p-16F);
+}
+
+Best find_partners(const MergeGraph& graph, Job& job) {
+  const std::int32_t n = graph.size();
+  Best best{std::vector<std::int32_t>(n, kAlone), std::vector<float>(n, std::numeric_limits<float>::infinity())};
+  for (std::int32_t u = 0; u < n; ++u) {
+    if ((u & 0x3fff) == 0) job.poll();
+    const NodeSum a = graph.sum[u];
+    float least = std::numeric_limits<float>::infinity();
+    std::int32_t partner = kAlone;
+    for (const std::int32_t v : graph.around(u)) {
+      const NodeSum b = graph.sum[v];
+      const float x = a.x + b.x, y = a.y + b.y, z = a.z + b.z;
+      const float lengths = a.length + b.length;
+      const float price = lengths - std::sqrt(x * x + y * y + z * z) + tie_break(u, v, lengths);
+      partner = price < least ? v : partner;
+      least = price < least ? price : least;
+    }
+    best.partner[u] = partner;
+    best.price[u] = least;
+  }
+  return best;
+}
+
+/// The price up to which pairs merge.
+float gate(std::vector<float> prices) {
+  if (prices.empty()) return 0.0F;
+  const auto at = prices.begin() + static_cast<std::ptrdiff_t>(kGate * static_cast<float>(prices.size() - 1));
+  std::nth_element(prices.begin(), at, prices.end());
+  return *at;
+}
+
+std::vector<std::int32_t> nodes_by_part(const MergeGraph& graph) {
+  if (graph.part.empty()) return {graph.size()};
+  std::vector<std::int32_t> nodes(
+      static_cast<std::size_t>(1 + *std::max_element(graph.part.begin(), graph.part.end())));
+  for (const std::int32_t c : graph.part) ++nodes[c];
+  return nodes;
+}
+
+/// The graph in which the nodes of a cluster are one. \param members  linked lists: head[w], next[u], kAlone ends
+MergeGraph contract(const MergeGraph& graph, const std::vector<std::int32_t>& map, std::int32_t clusters,
+                    const std::vector<std::int32_t>& head, const std::vector<std::int32_t>& next, Job& job) {
+  MergeGraph result;
+  result.sum.resize(static_cast<std::size_t>(clusters));
+  result.first.resize(static_cast<std::size_t>(clusters) + 1);
+  result.neighbour.resize(graph.neighbour.size() + 1);  // one spare, written to before it is known to be wanted
+  if (!graph.part.empty()) result.part.resize(static_cast<std::size_t>(clusters));
+  std::vector<std::int32_t> seen(static_cast<std::size_t>(clusters), kAlone);  // last cluster that listed each
+  std::int32_t out = 0;
+  for (std::int32_t w = 0; w < clusters; ++w) {
+    if ((w & 0x3fff) == 0) job.poll();
+    NodeSum sum;
+    seen[w] = w;
+    result.first[w] = out;
+    for (std::int32_t u = head[w]; u != kAlone; u = next[u]) {
+      const NodeSum& s = graph.sum[u];
+      sum.x += s.x;
+      sum.y += s.y;
+      sum.z += s.z;
+      for (const std::int32_t v : graph.around(u)) {
+        const std::int32_t other = map[v];
+        result.neighbour[out] = other;
+        out += seen[other] != w;
+        seen[other] = w;
+      }
+    }
+    sum.length =
+        next[head[w]] == kAlone ? graph.sum[head[w]].length : std::sqrt(sum.x * sum.x + sum.y * sum.y + sum.z * sum.z);
+    result.sum[w] = sum;
+    if (!graph.part.empty()) result.part[w] = graph.part[head[w]];
+  }
+  result.first[clusters] = out;
+  result.neighbour.resize(static_cast<std::size_t>(out));
+  return result;
+}
+
+}  // namespace
+
+MergeGraph merge_round(const MergeGraph& graph, bool satellites, std::int32_t least, std::vector<std::int32_t>& map,
+                       Job& job) {
+  const std::int32_t n = graph.size();
+  const Best best = find_partners(graph, job);
+  std::vector<std::int32_t> nodes_of_part = nodes_by_part(graph);
+  float limit = std::numeric_limits<float>::infinity();
+  if (!satellites) {
+    std::vector<float> prices;  // of the nodes that may merge at all
+    prices.reserve(static_cast<std::size_t>(n));
+    for (std::int32_t u = 0; u < n; ++u)
+      if (nodes_of_part[graph.part_of(u)] > least) prices.push_back(best.price[u]);
+    limit = gate(std::move(prices));
+  }
+  const auto may_merge = [&](std::int32_t u) {
+    std::int32_t& left = nodes_of_part[graph.part_of(u)];
+    return left > least && left-- > 0;
+  };
+  // leader[u]: the lower node of the pair that u belongs to; itself if it stays alone.
+  std::vector<std::int32_t> leader(static_cast<std::size_t>(n), kAlone);
+  for (std::int32_t u = 0; u < n; ++u) {
+    const std::int32_t v = best.partner[u];
+    if (v > u && best.partner[v] == u && best.price[u] <= limit && may_merge(u)) leader[u] = leader[v] = u;
+  }
+  std::vector<std::int32_t> head, tail, next(static_cast<std::size_t>(n), kAlone);
+  head.reserve(static_cast<std::size_t>(n));
+  tail.reserve(static_cast<std::size_t>(n));
+  map.resize(static_cast<std::size_t>(n));
+  const auto in_pair = [&](std::int32_t u) { return leader[u] != kAlone; };
+  std::vector<std::int32_t> joins;  // satellites, and the pair each joins
+  for (std::int32_t u = 0; u < n; ++u) {
+    if (in_pair(u) && leader[u] != u) {
+      const std::int32_t w = map[leader[u]];
+      map[u] = w;
+      next[tail[w]] = u;
+      tail[w] = u;
+      continue;
+    }
+    const std::int32_t v = best.partner[u];
+    if (satellites && !in_pair(u) && v != kAlone && in_pair(v) && may_merge(u)) {
+      joins.push_back(u);
+      continue;
+    }
+    map[u] = static_cast<std::int32_t>(head.size());
+    head.push_back(u);
+    tail.push_back(u);
+  }
+  for (const std::int32_t u : joins) {
+    const std::int32_t w = map[leader[best.partner[u]]];
+    map[u] = w;
+    next[tail[w]] = u;
+    tail[w] = u;
+  }
+  return contract(graph, map, static_cast<std::int32_t>(head.size()), head, next, job);
+}
+
+namespace {
+
+/// Greedy merging. Every cluster keeps its cheapest partner, and a heap holds one live entry a cluster.
+///
+/// After a merge the partners of the clusters around may be out of date. Where the new cluster is cheaper than what one
+/// has, it is taken over at once. Else what one has was cheaper than anything that is left, so that its old price is a
+/// lower bound: it may stay in the heap, and is looked up anew when it comes out.
+class Greedy {
+ public:
+  Greedy(const MergeGraph& graph, std::span<const RegionSum> sums, std::span<const std::int32_t> need)
+      : need_(need), row_(graph.neighbour), node_(sums.size()), seen_(sums.size(), kAlone), left_(need.size(), 0) {
+    const std::int32_t n = graph.size();
+    for (std::int32_t u = 0; u < n; ++u) {
+      Node& node = node_[u];
+      node = {sums[u].x, sums[u].y, sums[u].z, sums[u].length()};
+      node.parent = u;
+      node.first = graph.first[u];
+      node.last = graph.first[u + 1];
+      node.part = need.size() == 1 ? 0 : graph.part_of(u);
+      node.live = sums[u].faces > 0;
+      if (!node.live) continue;
+      ++clusters_;
+      ++left_[node.part];
+    }
+    heap_.reserve(2 * static_cast<std::size_t>(n));
+    for (std::int32_t u = 0; u < n; ++u)
+      if (node_[u].live && find_partner(u)) heap_.push_back({node_[u].price, u});
+    std::make_heap(heap_.begin(), heap_.end(), std::greater<>());
+  }
+
+  void run(std::int32_t target, Job& job) {
+    std::uint32_t polled = 0;
+    while (clusters_ > target && !heap_.empty()) {
+      if ((++polled & 0x3ff) == 0) job.poll();
+      std::pop_heap(heap_.begin(), heap_.end(), std::greater<>());
+      const auto [price, u] = heap_.back();
+      heap_.pop_back();
+      const Node& node = node_[u];
+      if (!node.live || price != node.price) continue;  // merged, or another entry has taken its place
+      if (left_[node.part] <= need_[node.part]) continue;
+      const std::int32_t v = node.partner;
+      if (node_[v].live && node_[v].version == node.partner_version) {
+        merge(u, v);
+      } else if (find_partner(u)) {
+        push(u);
+      }
+    }
+  }
+
+  std::vector<std::int32_t> clusters() {
+    std::vector<std::int32_t> number(node_.size(), kNone), result(node_.size(), kNone);
+    std::int32_t count = 0;
+    for (std::size_t u = 0; u < node_.size(); ++u) {
+      const std::int32_t root = find(static_cast<std::int32_t>(u));
+      if (!node_[root].live) continue;
+      if (number[root] == kNone) number[root] = count++;
+      result[u] = number[root];
+    }
+    return result;
+  }
+
+ private:
+  struct Node {
+    double x, y, z, length;
+    double price = 0;
+    std::int32_t partner = kAlone, partner_version = 0, version = 0;
+    std::int32_t first = 0, last = 0;  // its neighbours in row_; may name clusters that have merged since
+    std::int32_t parent = 0, part = 0;
+    bool live = false;
+  };
+  using Entry = std::pair<double, std::int32_t>;  // price, cluster
+
+  [[nodiscard]] static double price_of(const Node& a, const Node& b) {
+    const double x = a.x + b.x, y = a.y + b.y, z = a.z + b.z, lengths = a.length + b.length;
+    // The second term lets small clusters merge first where all is flat.
+    return lengths - std::sqrt(x * x + y * y + z * z) + 1e-12 * lengths;
+  }
+  std::int32_t find(std::int32_t u) {
+    while (node_[u].parent != u) u = node_[u].parent = node_[node_[u].parent].parent;
+    return u;
+  }
+  void push(std::int32_t u) {
+    heap_.emplace_back(node_[u].price, u);
+    std::push_heap(heap_.begin(), heap_.end(), std::greater<>());
+  }
+  void take_partner(std::int32_t u, std::int32_t v, double price) {
+    node_[u].price = price;
+    node_[u].partner = v;
+    node_[u].partner_version = node_[v].version;
+  }
+  /// The cheapest partner of a cluster, ties to the lower number; false if it has no neighbour.
+  bool find_partner(std::int32_t u) {
+    Node& node = node_[u];
+    double least = std::numeric_limits<double>::infinity();
+    std::int32_t partner = kAlone;
+    for (std::int32_t k = node.first; k < node.last; ++k) {
+      const std::int32_t v = row_[k] = find(row_[k]);
+      if (v == u || !node_[v].live) continue;
+      const double price = price_of(node, node_[v]);
+      if (price > least || (price == least && v >= partner)) continue;
+      least = price;
+      partner = v;
+    }
+    if (partner == kAlone) return false;
+    take_partner(u, partner, least);
+    return true;
+  }
+  void merge(std::int32_t u, std::int32_t v) {
+    Node &into = node_[u], &from = node_[v];
+    into.x += from.x;
+    into.y += from.y;
+    into.z += from.z;
+    into.length = std::sqrt(into.x * into.x + into.y * into.y + into.z * into.z);
+    from.parent = u;
+    from.live = false;
+    ++into.version;
+    --clusters_;
+    --left_[into.part];
+    ++stamp_;
+    seen_[u] = stamp_;
+    const auto begin = static_cast<std::int32_t>(row_.size());
+    append(into);
+    append(from);
+    into.first = begin;
+    into.last = static_cast<std::int32_t>(row_.size());
+    double least = std::numeric_limits<double>::infinity();
+    std::int32_t partner = kAlone;
+    for (std::int32_t k = into.first; k < into.last; ++k) {
+      const std::int32_t w = row_[k];
+      const double price = price_of(into, node_[w]);
+      if (price < least || (price == least && w < partner)) {
+        least = price;
+        partner = w;
+      }
+      if (price >= node_[w].price) continue;
+      take_partner(w, u, price);
+      push(w);
+    }
+    if (partner == kAlone) return;
+    take_partner(u, partner, least);
+    push(u);
+  }
+  void append(const Node& node) {
+    for (std::int32_t k = node.first; k < node.last; ++k) {
+      const std::int32_t w = find(row_[k]);
+      if (seen_[w] == stamp_ || !node_[w].live) continue;
+      seen_[w] = stamp_;
+      row_.push_back(w);
+    }
+  }
+
+  std::span<const std::int32_t> need_;
+  std::vector<std::int32_t> row_;
+  std::vector<Node> node_;
+  std::vector<std::int32_t> seen_, left_;
+  std::vector<Entry> heap_;
+  std::int32_t clusters_ = 0, stamp_ = 0;
+};
+
+}  // namespace
+
+std::vector<std::int32_t> merge_greedily(const MergeGraph& graph, std::span<const RegionSum> sums,
+                                         std::span<const std::int32_t> need, std::int32_t target, Job& job) {
+  Greedy greedy(graph, sums, need);
+  greedy.run(target, job);
+  return greedy.clusters();
+}
+
+}  // namespace isimp

@@ -1,0 +1,155 @@
+#include "isimp/partition/optimise.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "isimp/partition/patch_relax.h"
+#include "isimp/partition/region_graph.h"
+#include "isimp/partition/relax.h"
+#include "isimp/partition/teleport.h"
+
+namespace isimp {
+namespace {
+
+constexpr double kSurplus = 1.5;  // regions before the last merging, as a multiple of those wanted
+constexpr std::int32_t kNodesARegion = 4;
+// Teleports pay on a scan only where a region is far out of line; on shapes of flat sides any that is left is.
+constexpr int kTries = 4;
+constexpr double kLeastRatio = 100.0;
+constexpr int kPatchSweeps = 5, kFirstSweeps = 6, kLastSweeps = 60;
+
+std::vector<std::int32_t> needs(const Parts& parts) {
+  std::vector<std::int32_t> need;
+  for (const Part& part : parts.parts) need.push_back(part.need);
+  return need;
+}
+
+/// The sums of nodes as greedy merging wants them; those of components left out are empty.
+std::vector<RegionSum> sums_of(const MergeGraph& graph, const Parts& parts) {
+  std::vector<RegionSum> sums(static_cast<std::size_t>(graph.size()));
+  for (std::int32_t u = 0; u < graph.size(); ++u) {
+    if (!parts.parts[graph.part_of(u)].kept) continue;
+    const NodeSum& s = graph.sum[u];
+    sums[u].x = s.x;
+    sums[u].y = s.y;
+    sums[u].z = s.z;
+    sums[u].faces = 1;
+  }
+  return sums;
+}
+
+/// Labels of the patches, from greedy merging of the coarsest level that has enough nodes.
+std::vector<std::int32_t> cut(const Hierarchy& h, const Parts& parts, std::int32_t regions, std::int32_t target,
+                              Job& job) {
+  std::size_t level = h.level.size() - 1;
+  while (level > 0 && h.level[level].size() < kNodesARegion * static_cast<std::int64_t>(regions)) --level;
+  const MergeGraph& coarse = h.level[level];
+  std::vector<std::int32_t> label = merge_greedily(coarse, sums_of(coarse, parts), needs(parts), target, job);
+  while (level-- > 0) {
+    std::vector<std::int32_t> finer(h.to_next[level].size());
+    for (std::size_t u = 0; u < finer.size(); ++u) finer[u] = label[h.to_next[level][u]];
+    label = std::move(finer);
+  }
+  return label;
+}
+
+/// The steps from a hierarchy to regions, and what they hand on.
+class Optimiser {
+ public:
+  Optimiser(const Mesh& mesh, const Hierarchy& hierarchy, const Parts& parts)
+      : graph_(mesh.graph()), h_(hierarchy), parts_(parts) {}
+
+  Regions run(Job& job) {
+    const std::int32_t wanted = parts_.regions();
+    {
+      Job::Part stage(job, "merging", 0.0, 0.4);
+      const auto surplus = static_cast<std::int32_t>(std::min<double>(kSurplus * wanted, h_.patches()));
+      patch_label_ = cut(h_, parts_, wanted, std::max(surplus, wanted), job);
+      const std::int32_t regions = 1 + *std::max_element(patch_label_.begin(), patch_label_.end());
+      relax_patches(h_.level.front(), patch_label_, regions, kPatchSweeps, job);
+      project(regions, job);
+    }
+    Job::Part stage(job, "relaxing", 0.4, 1.0);
+    Relaxation<GraphLabels> relaxation(graph_, {regions_.label.data()}, regions_.sum, kBorderWeight * regions_.error());
+    push_borders(relaxation);
+    relaxation.run(kFirstSweeps, job);
+    job.report(0.4);
+    merge_to(wanted - lacking(), relaxation, job);
+    job.report(0.5);
+    relaxation.run(kLastSweeps, job);
+    job.report(0.9);
+    Teleport teleport(graph_, parts_, regions_, std::move(part_), relaxation);
+    teleport.fill_up(job);
+    teleport.run(kTries, kLeastRatio, job);
+    return std::move(regions_);
+  }
+
+ private:
+  /// From labels of patches to labels of faces.
+  void project(std::int32_t regions, Job& job) {
+    if (parts_.parts.size() > 1) {
+      part_.resize(static_cast<std::size_t>(regions));
+      for (std::int32_t p = 0; p < h_.patches(); ++p)
+        if (patch_label_[p] != kNone) part_[patch_label_[p]] = h_.level.front().part[p];
+    }
+    regions_.label.resize(graph_.faces.size());
+    for (std::int32_t i = 0; i < graph_.size(); ++i) regions_.label[i] = patch_label_[h_.patch[i]];
+    regions_.label[graph_.size()] = kNone;
+    regions_.sum.resize(static_cast<std::size_t>(regions));
+    sum_regions(graph_, regions_, job);
+  }
+
+  /// Border faces lie in patches that have a neighbour of another label.
+  void push_borders(Relaxation<GraphLabels>& relaxation) const {
+    const MergeGraph& patches = h_.level.front();
+    for (std::int32_t p = 0; p < patches.size(); ++p) {
+      const auto around = patches.around(p);
+      if (std::all_of(around.begin(), around.end(), [&](auto q) { return patch_label_[q] == patch_label_[p]; }))
+        continue;
+      for (std::int32_t k = h_.patch_first[p]; k < h_.patch_first[p + 1]; ++k)
+        relaxation.push_if_border(h_.patch_face[k]);
+    }
+  }
+
+  /// Regions that components lack because they have too few patches; splitting will make up for them.
+  [[nodiscard]] std::int32_t lacking() const {
+    std::vector<std::int32_t> count(parts_.parts.size(), 0);
+    for (std::int32_t r = 0; r < regions_.count(); ++r) ++count[part_.empty() ? 0 : part_[r]];
+    std::int32_t sum = 0;
+    for (std::size_t c = 0; c < count.size(); ++c) sum += std::max(0, parts_.parts[c].need - count[c]);
+    return sum;
+  }
+
+  void merge_to(std::int32_t target, Relaxation<GraphLabels>& relaxation, Job& job) {
+    const std::vector<std::int32_t> merged =
+        merge_greedily(graph_of_regions(graph_, regions_.label, regions_.sum.size(), part_, relaxation.pushed()),
+                       regions_.sum, needs(parts_), target, job);
+    for (std::int32_t& r : regions_.label)
+      if (r != kNone) r = merged[r];
+    std::vector<RegionSum> sums(static_cast<std::size_t>(1 + *std::max_element(merged.begin(), merged.end())));
+    for (std::size_t r = 0; r < merged.size(); ++r) sums[merged[r]].add(regions_.sum[r]);
+    regions_.sum = std::move(sums);
+    if (!part_.empty()) {
+      for (std::size_t r = 0; r < part_.size(); ++r) part_[merged[r]] = part_[r];  // merged[r] is never above r
+      part_.resize(regions_.sum.size());
+    }
+    relaxation.refit();
+    const std::vector<std::int32_t> borders = relaxation.pushed();
+    for (const std::int32_t i : borders) relaxation.push_if_border(i);
+  }
+
+  const FaceGraph& graph_;
+  const Hierarchy& h_;
+  const Parts& parts_;
+  std::vector<std::int32_t> patch_label_;
+  Regions regions_;
+  std::vector<std::int32_t> part_;  // component of each region; empty if there is one
+};
+
+}  // namespace
+
+Regions optimise(const Mesh& mesh, const Hierarchy& hierarchy, const Parts& parts, Job& job) {
+  return Optimiser(mesh, hierarchy, parts).run(job);
+}
+
+}  // namespace isimp

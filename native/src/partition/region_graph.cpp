@@ -1,0 +1,83 @@
+#include "isimp/partition/region_graph.h"
+
+#include <algorithm>
+
+namespace isimp {
+namespace {
+
+/// A set of ordered pairs of numbers below 2^31 that grows as it fills.
+class PairSet {
+ public:
+  PairSet() : slots_(1 << 12, kEmpty) {}
+  void insert(std::int32_t u, std::int32_t v) {
+    const std::uint64_t key = static_cast<std::uint64_t>(u) << 32 | static_cast<std::uint32_t>(v);
+    std::size_t at = place(key);
+    while (slots_[at] != key) {
+      if (slots_[at] == kEmpty) {
+        slots_[at] = key;
+        if (2 * ++size_ > slots_.size()) grow();
+        return;
+      }
+      at = (at + 1) & (slots_.size() - 1);
+    }
+  }
+  [[nodiscard]] std::vector<std::uint64_t> sorted() const {
+    std::vector<std::uint64_t> keys;
+    keys.reserve(size_);
+    for (const std::uint64_t key : slots_)
+      if (key != kEmpty) keys.push_back(key);
+    std::sort(keys.begin(), keys.end());
+    return keys;
+  }
+
+ private:
+  static constexpr std::uint64_t kEmpty = ~std::uint64_t{0};
+  [[nodiscard]] std::size_t place(std::uint64_t key) const {
+    return (key * 0x9e3779b97f4a7c15U >> 32) & (slots_.size() - 1);
+  }
+  void grow() {
+    std::vector<std::uint64_t> old(2 * slots_.size(), kEmpty);
+    old.swap(slots_);
+    for (const std::uint64_t key : old) {
+      if (key == kEmpty) continue;
+      std::size_t at = place(key);
+      while (slots_[at] != kEmpty) at = (at + 1) & (slots_.size() - 1);
+      slots_[at] = key;
+    }
+  }
+  std::vector<std::uint64_t> slots_;
+  std::size_t size_ = 0;
+};
+
+}  // namespace
+
+std::vector<std::pair<std::int32_t, std::int32_t>> neighbouring_regions(const FaceGraph& graph,
+                                                                        const std::vector<std::int32_t>& label,
+                                                                        std::span<const std::int32_t> faces) {
+  PairSet pairs;
+  for (const std::int32_t i : faces) {
+    const std::int32_t own = label[i];
+    for (const std::int32_t j : graph.neighbours[i])
+      if (const std::int32_t other = label[j]; other != own && other != kNone) pairs.insert(own, other);
+  }
+  std::vector<std::pair<std::int32_t, std::int32_t>> result;
+  for (const std::uint64_t key : pairs.sorted())
+    result.emplace_back(static_cast<std::int32_t>(key >> 32), static_cast<std::int32_t>(key & 0xffffffffU));
+  return result;
+}
+
+MergeGraph graph_of_regions(const FaceGraph& graph, const std::vector<std::int32_t>& label, std::size_t regions,
+                            std::vector<std::int32_t> part, std::span<const std::int32_t> faces) {
+  MergeGraph result;
+  result.part = std::move(part);
+  result.sum.resize(regions);
+  result.first.assign(regions + 1, 0);
+  for (const auto& [u, v] : neighbouring_regions(graph, label, faces)) {
+    ++result.first[u + 1];
+    result.neighbour.push_back(v);
+  }
+  for (std::size_t u = 0; u < regions; ++u) result.first[u + 1] += result.first[u];
+  return result;
+}
+
+}  // namespace isimp

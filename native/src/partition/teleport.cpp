@@ -1,0 +1,237 @@
+#include "isimp/partition/teleport.h"
+
+#include <algorithm>
+#include <queue>
+#include <tuple>
+#include <utility>
+
+#include "isimp/partition/local.h"
+#include "isimp/partition/region_graph.h"
+
+namespace isimp {
+namespace {
+
+constexpr int kSweeps = 20;          // of the borders after a round
+constexpr int kRounds = 3;           // of fitting the halves of a split
+constexpr double kMargin = 0.02;     // a move must gain this share more than it costs
+constexpr double kLeastFall = 1e-4;  // of the error by a round: below it, it is not worth another
+constexpr double kLeastGain = 1e-7;  // of the whole area: less is rounding
+
+/// First proxies and seeds for splitting a region: the two sides of its most unlike normals, or of its length if flat.
+Halves two_sides(const FaceGraph& graph, std::span<const std::int32_t> faces, const RegionSum& sum) {
+  const auto farthest_from = [&](const NormalMetric::Proxy& proxy) {
+    std::int32_t farthest = faces[0];
+    float most = -1.0F;
+    for (const std::int32_t face : faces) {
+      const float error = NormalMetric::error(graph.faces[face], proxy);
+      if (error <= most) continue;
+      most = error;
+      farthest = face;
+    }
+    return std::pair(most, farthest);
+  };
+  Halves halves;
+  halves.seed = {faces.front(), faces.back()};  // as gathered breadth first: far from each other
+  halves.proxy = {NormalMetric::fit(sum), NormalMetric::fit(sum)};
+  const auto [most, a] = farthest_from(halves.proxy[0]);
+  if (most < 1e-9F) return halves;
+  const std::int32_t b = farthest_from(NormalMetric::proxy_of(graph.faces[a])).second;
+  halves.proxy = {NormalMetric::proxy_of(graph.faces[a]), NormalMetric::proxy_of(graph.faces[b])};
+  part_normals(graph, faces, halves.proxy, kRounds);
+  const std::int32_t first = nearest_of(graph, faces, halves.proxy[0]);
+  halves.seed = {first, nearest_of(graph, faces, halves.proxy[1], first)};
+  return halves;
+}
+
+}  // namespace
+
+Teleport::Teleport(const FaceGraph& graph, const Parts& parts, Regions& regions, std::vector<std::int32_t> part,
+                   Relaxation<GraphLabels>& relaxation)
+    : graph_(graph),
+      parts_(parts),
+      regions_(regions),
+      labels_{regions.label.data()},
+      part_(std::move(part)),
+      count_(parts.parts.size(), 0),
+      relaxation_(relaxation) {
+  for (std::int32_t r = 0; r < regions.count(); ++r) ++count_[part_of(r)];
+}
+
+/// Some face of a region: mostly the one remembered, which lies deep inside and so seldom moves away.
+std::int32_t Teleport::face_of(std::int32_t region, Job& job) {
+  if (some_face_.empty()) some_face_ = nearest_faces(graph_, regions_, job);
+  some_face_.resize(regions_.sum.size() + 1, graph_.size());
+  if (labels_.get(some_face_[region]) != region)
+    for (std::int32_t i = 0; i < graph_.size(); ++i)
+      if (const std::int32_t r = labels_.get(i); r >= 0) some_face_[r] = i;
+  return some_face_[region];
+}
+
+void Teleport::push_borders(std::span<const std::int32_t> faces) {
+  for (const std::int32_t face : faces) {
+    relaxation_.push_if_border(face);
+    for (const std::int32_t j : graph_.neighbours[face])
+      if (j != graph_.size()) relaxation_.push_if_border(j);
+  }
+}
+
+/// Splits a region in its labels only. \return by how much the error falls; below 0 if it can't be split
+double Teleport::split(std::int32_t region, std::int32_t fresh, Job& job) {
+  faces_ = take_out(graph_, labels_, face_of(region, job));
+  if (faces_.size() < 2) {
+    undo_split(region);
+    return -1.0;
+  }
+  Halves halves = two_sides(graph_, faces_, regions_.sum[region]);
+  halves.region = {region, fresh};
+  flood_halves(graph_, labels_, faces_, halves, kRounds, false);
+  halves_[0] = halves.sum[0];
+  halves_[1] = halves.sum[1];
+  return regions_.sum[region].error() - halves_[0].error() - halves_[1].error();
+}
+
+void Teleport::undo_split(std::int32_t region) {
+  for (const std::int32_t face : faces_) labels_.set(face, region);
+}
+
+/// Makes the last split good: the sums follow the labels, and the border between the halves will be relaxed.
+void Teleport::accept_split(std::int32_t region, std::int32_t fresh) {
+  if (fresh == regions_.count()) {
+    regions_.sum.emplace_back();
+    if (!part_.empty()) part_.push_back(part_[region]);
+  } else if (!part_.empty()) {
+    part_[fresh] = part_[region];
+  }
+  ++count_[part_of(region)];
+  regions_.sum[region] = halves_[0];
+  regions_.sum[fresh] = halves_[1];
+  some_face_.resize(std::max(some_face_.size(), regions_.sum.size()), graph_.size());
+  for (const std::int32_t face : faces_) some_face_[labels_.get(face)] = face;
+  push_borders(faces_);
+}
+
+void Teleport::fill_up(Job& job) {
+  // The worst region of a component that is short comes first, else the worst of all; of flat ones the largest.
+  using Rank = std::tuple<bool, double, std::int32_t, std::int32_t>;
+  const auto rank = [&](std::int32_t r) {
+    const double error = regions_.sum[r].error();
+    const bool wanted = count_[part_of(r)] < parts_.parts[part_of(r)].need;
+    return Rank(wanted, error > kLeastGain ? error : 0.0, regions_.sum[r].faces, -r);
+  };
+  std::int32_t wanting = 0;  // regions that components lack
+  for (std::size_t c = 0; c < count_.size(); ++c) wanting += std::max(0, parts_.parts[c].need - count_[c]);
+  if (wanting == 0 && regions_.count() >= parts_.regions()) return;
+  std::priority_queue<Rank> order;
+  for (std::int32_t r = 0; r < regions_.count(); ++r) order.push(rank(r));
+  while (wanting > 0 || regions_.count() < parts_.regions()) {
+    job.poll();
+    const Rank first = order.top();
+    order.pop();
+    const std::int32_t worst = -std::get<3>(first);
+    if (regions_.sum[worst].faces < 2) continue;
+    if (rank(worst) != first) {  // its component has its need by now
+      order.push(rank(worst));
+      continue;
+    }
+    const std::int32_t fresh = regions_.count();
+    wanting -= std::get<0>(first) ? 1 : 0;
+    split(worst, fresh, job);
+    accept_split(worst, fresh);
+    order.push(rank(worst));
+    order.push(rank(fresh));
+  }
+  relaxation_.refit();
+  relaxation_.run(kSweeps, job);
+}
+
+std::vector<Teleport::Pair> Teleport::cheapest_pairs() const {
+  std::vector<Pair> pairs;
+  for (const auto& [u, v] : neighbouring_regions(graph_, regions_.label, relaxation_.pushed()))
+    if (u < v) pairs.push_back({merge_cost(regions_.sum[u], regions_.sum[v]), u, v});
+  std::sort(pairs.begin(), pairs.end(),
+            [](const Pair& a, const Pair& b) { return std::tie(a.cost, a.u, a.v) < std::tie(b.cost, b.u, b.v); });
+  return pairs;
+}
+
+std::vector<std::int32_t> Teleport::worst_regions() const {
+  std::vector<std::pair<double, std::int32_t>> order;
+  for (std::int32_t r = 0; r < regions_.count(); ++r) order.emplace_back(-regions_.sum[r].error(), r);
+  std::sort(order.begin(), order.end());
+  std::vector<std::int32_t> worst;
+  for (const auto& [unused, r] : order) worst.push_back(r);
+  return worst;
+}
+
+void Teleport::merge(std::int32_t into, std::int32_t from, Job& job) {
+  const std::vector<std::int32_t> faces = take_out(graph_, labels_, face_of(from, job));
+  for (const std::int32_t face : faces) labels_.set(face, into);
+  regions_.sum[into].add(regions_.sum[from]);
+  --count_[part_of(from)];
+  push_borders(faces);
+}
+
+int Teleport::round(int tries, double least_ratio, Job& job) {
+  const std::vector<Pair> pairs = cheapest_pairs();
+  std::vector<bool> used(regions_.sum.size(), false);
+  tried_.resize(regions_.sum.size());
+  int moves = 0, failed = 0;
+  std::size_t next = 0;
+  for (const std::int32_t region : worst_regions()) {
+    job.poll();
+    const auto free = [&](const Pair& p) {
+      const std::int32_t c = part_of(p.u);
+      const bool spare = count_[c] > parts_.parts[c].need || c == part_of(region);
+      return !used[p.u] && !used[p.v] && p.u != region && p.v != region && spare;
+    };
+    while (next < pairs.size() && (used[pairs[next].u] || used[pairs[next].v])) ++next;
+    const auto pair = std::find_if(pairs.begin() + static_cast<std::ptrdiff_t>(next), pairs.end(), free);
+    if (pair == pairs.end() || failed >= tries) break;
+    const double error = regions_.sum[region].error(), price = pair->cost * (1 + kMargin) + kLeastGain;
+    if (error <= price || error < least_ratio * pair->cost) break;  // nor can any that follows gain enough
+    if (used[region]) continue;
+    Tried& tried = tried_[region];
+    if (tried.error == error && tried.gain <= price) continue;
+    const std::int32_t fresh = pair->v;
+    // The label for the new half is freed by merging first; a split that gains too little is undone before that.
+    const double gain = split(region, regions_.count(), job);
+    tried = {error, gain};
+    if (gain <= price) {
+      undo_split(region);
+      ++failed;
+      continue;
+    }
+    std::vector<std::int32_t> half;
+    for (const std::int32_t face : faces_)
+      if (labels_.get(face) == regions_.count()) half.push_back(face);
+    merge(pair->u, fresh, job);
+    for (const std::int32_t face : half) labels_.set(face, fresh);
+    accept_split(region, fresh);
+    used[pair->u] = used[fresh] = used[region] = true;
+    failed = 0;
+    ++moves;
+  }
+  if (moves == 0) return 0;
+  relaxation_.refit();
+  relaxation_.run(kSweeps, job);
+  return moves;
+}
+
+int Teleport::run(int tries, double least_ratio, Job& job) {
+  int moves = 0;
+  for (;;) {
+    const Regions before = regions_;
+    const int made = round(tries, least_ratio, job);
+    if (made == 0) return moves;
+    if (regions_.error() > (1 - kLeastFall) * before.error()) {  // the relaxation also weighs the borders' length
+      if (regions_.error() > before.error()) {
+        std::copy(before.label.begin(), before.label.end(), regions_.label.begin());
+        regions_.sum = before.sum;
+        relaxation_.refit();
+      }
+      return moves;
+    }
+    moves += made;
+  }
+}
+
+}  // namespace isimp
