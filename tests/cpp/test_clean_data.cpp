@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "data.h"
 #include "isimp/core/errors.h"
 #include "isimp/mesh/clean.h"
 #include "isimp/mesh/io.h"
+#include "labelled.h"
 
 namespace isimp {
 namespace {
@@ -44,7 +44,7 @@ std::map<std::string, std::int64_t> repairs(const Mesh& mesh) {
 class CleanData : public testing::Test {
  protected:
   void SetUp() override {
-    if (!data::present()) GTEST_SKIP() << "no test meshes at " << data::folder() << "; set ISIMP_DATA";
+    if (labelled::data_folder().empty()) GTEST_SKIP() << "no test data: set ISIMP_DATA";
   }
 };
 
@@ -52,7 +52,7 @@ class CleanData : public testing::Test {
 /// do when called again (but where edges of three or more faces were).
 TEST_F(CleanData, EveryFileBecomesASoundMesh) {
   std::vector<fs::path> files;
-  for (const auto& entry : fs::recursive_directory_iterator(data::folder()))
+  for (const auto& entry : fs::recursive_directory_iterator(fs::path(labelled::data_folder())))
     if (const auto e = entry.path().extension(); e == ".ply" || e == ".obj") files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   ASSERT_GT(files.size(), 30);
@@ -93,27 +93,29 @@ TEST_F(CleanData, EveryFileBecomesASoundMesh) {
 
 TEST_F(CleanData, TheKnownFlawsAreCounted) {
   using Counts = std::map<std::string, std::int64_t>;
-  const auto repairs_of = [](const char* name) { return repairs(cleaned(read(data::folder() / name))); };
+  const auto repairs_of = [](const char* name) {
+    return repairs(cleaned(read(fs::path(labelled::data_folder()) / name)));
+  };
   EXPECT_EQ(repairs_of("known/cube20.ply"), Counts{});
   EXPECT_EQ(repairs_of("known/cube20_repeatidx.ply"), (Counts{{"repeated_index_faces", 100}}));
   EXPECT_EQ(repairs_of("known/cube20_zeroarea.ply"), Counts{});
   EXPECT_EQ(repairs_of("scan/bunny_69k.ply"), (Counts{{"unused_vertices", 1113}}));
   // Its 151 parts and 257 holes are one closed surface whose blocks were never joined.
-  const Mesh dragon = cleaned(read(data::folder() / "scan/dragon_871k.ply"));
+  const Mesh dragon = cleaned(read(fs::path(labelled::data_folder()) / "scan/dragon_871k.ply"));
   EXPECT_EQ(repairs(dragon), (Counts{{"welded_vertices", 2046}}));
   EXPECT_EQ(dragon.component_count(), 1);
   EXPECT_TRUE(dragon.report().closed);
-  const Mesh fin = cleaned(read(data::folder() / "known/nm_fin_cube.ply"));
+  const Mesh fin = cleaned(read(fs::path(labelled::data_folder()) / "known/nm_fin_cube.ply"));
   EXPECT_EQ(repairs(fin), (Counts{{"split_edges", 10}, {"split_vertices", 11}}));
   EXPECT_EQ(fin.report().components, 2);
   EXPECT_EQ(fin.report().closed_components, 1);
-  const Mesh zero = cleaned(read(data::folder() / "known/cube20_zeroarea.ply"));
+  const Mesh zero = cleaned(read(fs::path(labelled::data_folder()) / "known/cube20_zeroarea.ply"));
   EXPECT_TRUE(zero.report().closed);
   EXPECT_EQ(zero.report().zero_area_faces, 104);
 }
 
 TEST_F(CleanData, AnEmptyFileHasNoFaces) {
-  const Read input = read(data::folder() / "known/empty.ply");
+  const Read input = read(fs::path(labelled::data_folder()) / "known/empty.ply");
   EXPECT_EQ(input.soup.polygon_count(), 0);
   EXPECT_THROW(cleaned(input), InvalidInput);
 }
