@@ -89,4 +89,7 @@ def needs_regions(scan) -> str:
         return "It is not known how these regions were made: press Partition to start again"
     if not recipe.steps:
         return "There are no regions yet: press Partition first"
+    known, now = store.numbers(scan).get("faces"), len(scan.data.polygons)
+    if scan.mode == "OBJECT" and known is not None and known != now:
+        return f"'{scan.name}' has changed since ({known:,} -> {now:,} faces): press Partition to start again"
     return ""

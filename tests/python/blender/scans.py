@@ -125,8 +125,6 @@ def select_faces(obj, *faces):
         return
     chosen = np.zeros(len(obj.data.polygons), bool)
     chosen[list(faces)] = True
-    for part in (obj.data.vertices, obj.data.edges):
-        part.foreach_set("select", np.zeros(len(part), bool))
     obj.data.polygons.foreach_set("select", chosen)
 
 

@@ -1,0 +1,221 @@
+"""What is not an ordinary scan: done right, or said clearly. No traceback, and nothing changed."""
+
+import re
+
+import bpy
+import numpy as np
+import pytest
+import scans
+from isimp.blender import store, targets
+
+pytestmark = pytest.mark.usefixtures("scene")
+
+
+def refused(call, message):
+    """The operator reports an error, which scripts see as a RuntimeError."""
+    with pytest.raises(RuntimeError, match=message):
+        call()
+
+
+def why_not():
+    assert not bpy.ops.isimp.partition.poll()
+    return targets.find(bpy.context)[1]
+
+
+def test_no_object():
+    bpy.context.view_layer.objects.active = None
+    assert "No object is active" in why_not()
+
+
+@pytest.mark.parametrize(("kind", "word"), [("CURVE", "a curve.*convert it"), ("EMPTY", "an empty.*click the scan")])
+def test_what_is_no_mesh_is_named(kind, word):
+    data = bpy.data.curves.new("Thing", "CURVE") if kind == "CURVE" else None
+    thing = bpy.data.objects.new("Thing", data)
+    bpy.context.scene.collection.objects.link(thing)
+    bpy.context.view_layer.objects.active = thing
+    message = why_not()
+    assert re.search(f"'Thing' is {word}", message)
+
+
+def test_a_mesh_without_faces():
+    scans.add("Cloud", [(0, 0, 0), (1, 0, 0), (0, 1, 0)], [])
+    assert "points but no faces" in why_not()
+    scans.add("Nothing", [], [])
+    assert "is empty" in why_not()
+
+
+def test_no_faces_in_edit_mode():
+    scans.add("Cloud", [(0, 0, 0), (1, 0, 0), (0, 1, 0)], [])
+    scans.mode("EDIT")
+    refused(lambda: bpy.ops.isimp.partition(proxies=3), "no faces")
+
+
+def test_other_modes():
+    scans.cube()
+    scans.mode("SCULPT")
+    assert "Leave this mode" in why_not()
+
+
+@pytest.mark.parametrize("name", ["add_proxy", "delete_proxy", "mesh"])
+def test_steps_before_a_partition(name):
+    scan = scans.cube()
+    assert not getattr(bpy.ops.isimp, name).poll()
+    assert "press Partition first" in targets.needs_regions(scan)
+
+
+def test_nothing_selected():
+    scan = scans.cube()
+    bpy.ops.isimp.partition(proxies=6)
+    scans.select_faces(scan)
+    refused(bpy.ops.isimp.add_proxy, "No face is selected")
+    scans.mode("EDIT")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    assert not bpy.ops.isimp.add_proxy.poll()
+
+
+def test_everything_selected_is_not_meant():
+    scan = scans.cube()
+    bpy.ops.isimp.partition(proxies=6)
+    scans.select_faces(scan, *range(len(scan.data.polygons)))
+    refused(bpy.ops.isimp.add_proxy, "each would become a region")
+
+
+def test_a_step_that_cannot_be_done_leaves_the_last_good_result():
+    scan = scans.dimple(scans.cube())
+    bpy.ops.isimp.partition(proxies=6)
+    before = scans.regions(scan).tolist(), scans.colors(scan).tolist(), store.load(scan)
+    refused(lambda: bpy.ops.isimp.add_proxy(face=99999), "Step 2, Add proxy at face 99999: there is no face 99999")
+    refused(lambda: bpy.ops.isimp.partition(proxies=10**6), "Step 1, Partition into 1000000")
+    assert (scans.regions(scan).tolist(), scans.colors(scan).tolist(), store.load(scan)) == before
+
+
+def test_scale_zero():
+    scan = scans.cube()
+    scan.scale = (1, 1, 0)
+    bpy.context.view_layer.update()
+    refused(lambda: bpy.ops.isimp.partition(proxies=6), "scaled to nothing")
+
+
+def test_linked_library_data(tmp_path):
+    scans.cube()
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "library.blend"))
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    with bpy.data.libraries.load(str(tmp_path / "library.blend"), link=True) as (source, target):
+        target.objects, target.meshes = source.objects, source.meshes
+    bpy.context.scene.collection.objects.link(target.objects[0])
+    bpy.context.view_layer.objects.active = target.objects[0]
+    assert "linked from" in why_not()
+    own = bpy.data.objects.new("Own", target.meshes[0])
+    bpy.context.scene.collection.objects.link(own)
+    scans.activate(own)
+    assert "make it local" in why_not()
+
+
+def labelled(scan, proxies):
+    assert bpy.ops.isimp.partition(proxies=proxies) == {"FINISHED"}
+    return scans.regions(scan)
+
+
+def test_modifiers_that_only_move_vertices():
+    """A cast to a sphere: regions are those of the sphere, the scan stays a cube."""
+    scan, sphere = scans.cube(name="Cast"), scans.cube(name="Applied")
+    for obj in (scan, sphere):
+        obj.modifiers.new("Cast", "CAST").factor = 1.0
+    scans.activate(sphere)
+    bpy.ops.object.modifier_apply(modifier="Cast")
+    wanted = labelled(sphere, 8)
+    scans.activate(scan)
+    before = scans.geometry(scan.data)
+    assert (labelled(scan, 8) == wanted).all()
+    assert scans.geometry(scan.data) == before
+    bpy.ops.isimp.mesh()
+    assert np.linalg.norm(scans.coordinates(bpy.context.object.data), axis=1).min() > 0.75
+    assert sorted(obj.name for obj in bpy.data.objects) == ["Applied", "Cast", "Cast.simplified"]
+
+
+@pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
+def test_modifiers_that_make_faces(mode):
+    """Every face of the scan gets the region of most of what became of it; the result is that of the whole."""
+    scan = scans.cube(cells=2, quads=True)
+    scan.modifiers.new("Subdivision", "SUBSURF").levels = 2
+    mirror = scan.modifiers.new("Mirror", "MIRROR")
+    mirror.use_axis = (False, False, True)
+    scan.modifiers.move(1, 0)
+    for vertex in scan.data.vertices:
+        vertex.co.z += 1.5
+    before = scans.geometry(scan.data)
+    scans.mode(mode)
+    label = labelled(scan, 12)
+    assert label.min() >= 0
+    assert len(label) == len(scan.data.polygons) == 24
+    scans.mode("OBJECT")
+    assert scans.geometry(scan.data) == before
+    bpy.ops.isimp.mesh()
+    heights = scans.coordinates(bpy.context.object.data)[:, 2]
+    assert heights.min() < -1.5
+    assert heights.max() > 1.5
+
+
+def test_modifiers_that_lose_track_of_faces():
+    scan = scans.cube()
+    scan.modifiers.new("Remesh", "REMESH").mode = "VOXEL"
+    before = len(bpy.data.objects), len(bpy.data.meshes)
+    refused(lambda: bpy.ops.isimp.partition(proxies=6), "Remesh.*can't be traced back.*apply them first")
+    assert (len(bpy.data.objects), len(bpy.data.meshes)) == before
+
+
+def test_modifiers_that_are_switched_off_do_nothing():
+    scan = scans.cube()
+    scan.modifiers.new("Remesh", "REMESH").show_viewport = False
+    assert len(np.unique(labelled(scan, 6))) == 6
+
+
+def test_shape_keys_count_as_seen():
+    scan, flat = scans.cube(name="Keys"), scans.cube(name="Flat")
+    scan.shape_key_add(name="Basis")
+    key = scan.shape_key_add(name="Flat")
+    for point in key.data:
+        point.co.z *= 0.1
+    key.value = 1.0
+    for vertex in flat.data.vertices:
+        vertex.co.z *= 0.1
+    wanted = labelled(flat, 7)
+    scans.activate(scan)
+    assert (labelled(scan, 7) == wanted).all()
+    bpy.ops.isimp.mesh()
+    assert abs(scans.coordinates(bpy.context.object.data)[:, 2]).max() == pytest.approx(0.1, abs=1e-5)
+
+
+def test_faces_that_scanners_leave_broken():
+    """Duplicates, a face without area, three faces at one edge: mended for the result, labelled where it can be."""
+    scan = scans.cube()
+    points = [tuple(vertex.co) for vertex in scan.data.vertices] + [(0, 0, 3)]
+    faces = [tuple(polygon.vertices) for polygon in scan.data.polygons]
+    fin = (faces[0][0], faces[0][1], len(points) - 1)
+    broken = scans.add("Broken", points, [*faces, fin])
+    label = labelled(broken, 8)
+    assert len(label) == len(faces) + 1
+    assert bpy.ops.isimp.mesh() == {"FINISHED"}
+    assert not bpy.context.object.data.validate()
+
+
+def test_the_scan_of_a_deleted_scan_is_not_missed():
+    scan = scans.cube()
+    bpy.ops.isimp.partition(proxies=6)
+    bpy.ops.isimp.mesh()
+    bpy.data.objects.remove(scan)
+    assert bpy.ops.isimp.partition.poll()
+    assert bpy.ops.isimp.partition(proxies=5) == {"FINISHED"}
+
+
+def test_faces_added_later_make_a_partition_necessary():
+    scan = scans.cube()
+    bpy.ops.isimp.partition(proxies=6)
+    scans.mode("EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.subdivide()
+    scans.mode("OBJECT")
+    assert "has changed since" in targets.needs_regions(scan)
+    assert not bpy.ops.isimp.mesh.poll()
+    assert bpy.ops.isimp.partition(proxies=6) == {"FINISHED"}
+    assert bpy.ops.isimp.mesh() == {"FINISHED"}

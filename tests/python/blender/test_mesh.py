@@ -1,0 +1,174 @@
+"""Mesh: the result beside the scan."""
+
+from math import radians
+
+import bpy
+import numpy as np
+import pytest
+import scans
+from mathutils import Matrix
+
+pytestmark = pytest.mark.usefixtures("scene")
+
+
+def simplify(proxies=6):
+    assert bpy.ops.isimp.partition(proxies=proxies, seeding="farthest") == {"FINISHED"}
+    assert bpy.ops.isimp.mesh() == {"FINISHED"}
+    return bpy.context.object
+
+
+def outward(obj):
+    """Whether a closed mesh, as seen in the world, has its faces turned outwards: the sign of its volume."""
+    obj.data.calc_loop_triangles()
+    points = scans.world(obj)
+    corners = np.array([triangle.vertices[:] for triangle in obj.data.loop_triangles])
+    a, b, c = (points[corners[:, k]] for k in range(3))
+    return np.einsum("ij,ij->", a - points.mean(axis=0), np.cross(b - a, c - a)) > 0
+
+
+def test_the_result_is_a_valid_mesh_of_polygons_beside_the_hidden_scan():
+    scan = scans.dimple(scans.cube())
+    before = scans.geometry(scan.data)
+    result = simplify(proxies=14)
+    assert result.name == "Scan.simplified"
+    assert result.select_get()
+    assert bpy.context.selected_objects == [result]
+    assert scan.hide_get()
+    assert scan.name in bpy.context.scene.objects
+    assert scans.geometry(scan.data) == before
+    assert not result.data.validate(verbose=True)
+    assert max(len(polygon.vertices) for polygon in result.data.polygons) > 3
+    assert set(scans.regions(result)) == set(range(14))
+    assert not any(polygon.use_smooth for polygon in result.data.polygons)
+    assert len(result.data.edges) > 0
+
+
+def test_mesh_again_refreshes_the_same_object():
+    scans.dimple(scans.cube())
+    first = simplify(proxies=14)
+    count = len(first.data.polygons)
+    scans.mode("OBJECT")
+    assert bpy.ops.isimp.mesh(chord_tolerance=0.1) == {"FINISHED"}
+    assert bpy.context.object == first
+    assert simplify(proxies=30) == first
+    assert len(first.data.polygons) > count
+    assert not first.data.validate()
+    assert sorted(obj.name for obj in bpy.data.objects) == ["Scan", "Scan.simplified"]
+    assert len(bpy.data.meshes) == 2
+
+
+def test_partition_from_the_result_works_on_its_scan():
+    scan = scans.dimple(scans.cube())
+    result = simplify()
+    assert bpy.context.object == result
+    assert bpy.ops.isimp.partition(proxies=9) == {"FINISHED"}
+    assert bpy.context.object == scan
+    assert not scan.hide_get()
+    assert result.hide_get()
+    assert len(np.unique(scans.regions(scan))) == 9
+
+
+def test_a_result_that_was_deleted_is_made_anew():
+    scan = scans.cube()
+    bpy.data.objects.remove(simplify())
+    scan.hide_set(False)
+    scans.activate(scan)
+    assert simplify().name == "Scan.simplified"
+
+
+def test_a_foreign_object_of_that_name_is_left_alone():
+    foreign = scans.cube(name="Scan.simplified", cells=1)
+    scans.cube()
+    result = simplify()
+    assert result != foreign
+    assert len(foreign.data.polygons) == 12
+
+
+def test_a_renamed_scan_keeps_its_result():
+    scan = scans.cube()
+    first = simplify()
+    scan.name = "Other"
+    assert simplify() == first
+
+
+def test_swap_shows_the_one_and_hides_the_other():
+    scan = scans.cube()
+    result = simplify()
+    assert bpy.ops.isimp.swap() == {"FINISHED"}
+    assert (scan.hide_get(), result.hide_get(), bpy.context.object) == (False, True, scan)
+    assert bpy.ops.isimp.swap() == {"FINISHED"}
+    assert (scan.hide_get(), result.hide_get(), bpy.context.object) == (True, False, result)
+
+
+def sheared():
+    parent = bpy.data.objects.new("Parent", None)
+    bpy.context.scene.collection.objects.link(parent)
+    parent.scale = (1, 3, 1)
+    return parent
+
+
+@pytest.mark.parametrize(
+    ("scale", "parented"),
+    [((1, 1, 1), False), ((2, 0.5, 5), False), ((-1, 1, 1), False), ((-2, 3, 0.1), False), ((1, -2, 1), True)],
+)
+def test_the_result_lies_where_the_scan_is_seen(scale, parented):
+    scan = scans.cube()
+    scan.location, scan.scale = (10, -20, 30), scale
+    scan.rotation_euler = (radians(30), radians(20), radians(50))
+    if parented:
+        scan.parent = sheared()
+    bpy.context.view_layer.update()
+    wanted = scans.world(scan)
+    turned = outward(scan)
+    result = simplify()
+    bpy.context.view_layer.update()
+    seen = scans.world(result)
+    assert len(seen) == 8
+    assert seen.min(axis=0) == pytest.approx(wanted.min(axis=0), abs=1e-4)
+    assert seen.max(axis=0) == pytest.approx(wanted.max(axis=0), abs=1e-4)
+    assert outward(result) == turned
+
+
+def test_regions_are_those_of_the_shape_as_seen():
+    """A scan squeezed by its transform and one squeezed for good get the same regions."""
+    squeezed, applied = scans.dimple(scans.cube(name="A")), scans.dimple(scans.cube(name="B"))
+    squeezed.scale = (1, 1, 0.25)
+    squeezed.rotation_euler = (1, 2, 3)
+    applied.data.transform(Matrix.Diagonal((1, 1, 0.25, 1)))
+    bpy.context.view_layer.update()
+    labels = []
+    for scan in (squeezed, applied):
+        scans.activate(scan)
+        bpy.ops.isimp.partition(proxies=12)
+        labels.append(scans.regions(scan).tolist())
+    assert labels[0] == labels[1]
+
+
+def test_moving_a_scan_changes_nothing():
+    scan = scans.dimple(scans.cube())
+    scan.scale = (2, 1, 1)
+    labels = []
+    for angle in (0.0, 1.0, 2.5):
+        scan.rotation_euler, scan.location = (angle, angle, -angle), (angle, 0, 100 * angle)
+        bpy.context.view_layer.update()
+        bpy.ops.isimp.partition(proxies=12)
+        labels.append(scans.regions(scan).tolist())
+    assert labels[0] == labels[1] == labels[2]
+
+
+def test_the_result_can_be_modelled_on():
+    """Extrude, bevel, subdivide and dissolve, as a designer goes on; what is pushed along its normal stays flat."""
+    scans.cube()
+    result = simplify()
+    scans.mode("EDIT")
+    scans.select_faces(result, 0)
+    normal = result.data.polygons[0].normal.copy()
+    bpy.ops.mesh.extrude_region_move(TRANSFORM_OT_translate={"value": normal * 0.5})
+    bpy.ops.mesh.bevel(offset=0.1, segments=2)
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.subdivide(number_cuts=1)
+    bpy.ops.mesh.dissolve_limited(angle_limit=0.01)
+    scans.mode("OBJECT")
+    assert not result.data.validate()
+    assert len(result.data.polygons) > 6
+    assert scans.regions(result).min() >= 0
