@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "isimp/core/types.h"
@@ -22,19 +24,35 @@ std::vector<Vec3> read_vertices(const py::object& vertices);
 ///                       names the face, and `vertex_count` as how many there are
 std::vector<Triangle> read_triangles(const py::object& triangles, std::size_t vertex_count);
 
-/// A read-only numpy array over memory of `owner`, which it keeps alive: (n) for numbers, (n, 3) for Vec3 and Triangle.
+/// (n) int32 or int64 with any strides, copied. \throws InvalidInput  as above; `shape` is for the message
+std::vector<std::int32_t> read_indices(const py::object& indices, const std::string& name, const std::string& shape);
+
+/// A numpy array over memory that `owner` keeps alive.
 template <class T>
-py::array view(std::span<const T> items, py::handle owner) {
-  py::array array;
+py::array array_over(std::span<const T> items, py::handle owner) {
   const auto n = static_cast<py::ssize_t>(items.size());
   if constexpr (std::is_same_v<T, Vec3>) {
     static_assert(sizeof(Vec3) == 3 * sizeof(double));
-    array = py::array_t<double>({n, py::ssize_t{3}}, reinterpret_cast<const double*>(items.data()), owner);
+    return py::array_t<double>({n, py::ssize_t{3}}, reinterpret_cast<const double*>(items.data()), owner);
   } else if constexpr (std::is_same_v<T, Triangle>) {
-    array = py::array_t<std::int32_t>({n, py::ssize_t{3}}, reinterpret_cast<const std::int32_t*>(items.data()), owner);
+    return py::array_t<std::int32_t>({n, py::ssize_t{3}}, reinterpret_cast<const std::int32_t*>(items.data()), owner);
   } else {
-    array = py::array_t<T>(n, items.data(), owner);
+    return py::array_t<T>(n, items.data(), owner);
   }
+}
+
+/// A numpy array that owns what was a vector's memory and may be written to: (n), or (n, 3) for Vec3 and Triangle.
+template <class T>
+py::array owned(std::vector<T>&& items) {
+  auto* kept = new std::vector<T>(std::move(items));
+  const py::capsule owner(kept, [](void* memory) { delete static_cast<std::vector<T>*>(memory); });
+  return array_over(std::span<const T>(*kept), owner);
+}
+
+/// A read-only numpy array over memory of `owner`, which it keeps alive: (n) for numbers, (n, 3) for Vec3 and Triangle.
+template <class T>
+py::array view(std::span<const T> items, py::handle owner) {
+  py::array array = array_over(items, owner);
   py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
   return array;
 }

@@ -21,6 +21,12 @@ void bind_options(py::module_& m) {
       .field("reach", &Options::reach,
              "No corner is moved further than this share of the diagonal from the scan's vertex it stands for.")
       .field("flatten", &Options::flatten, "Rounds of planes and corners in turn; 0 leaves the first placement.")
+      .field("flatness_from", &Options::flatness_from,
+             "With fewer regions than this there is no bound on flatness: they are bent themselves.")
+      .field("flatness", &Options::flatness,
+             "Polygons bent by more than this share of the diagonal are split; no bound at 0.")
+      .field("repair_budget", &Options::repair_budget,
+             "Splits and diagonals that the repair may make, as a share of the polygons.")
       .finish();
 }
 
@@ -32,7 +38,9 @@ py::dict report_of(const MeshingReport& r) {
       "split_for_pinches"_a = r.split_for_pinches, "split_for_closed"_a = r.split_for_closed,
       "split_for_repair"_a = r.split_for_repair, "closed"_a = r.closed, "manifold"_a = r.manifold, "euler"_a = r.euler,
       "planarity_max"_a = r.planarity_max, "planarity_mean"_a = r.planarity_mean, "distance_max"_a = r.distance_max,
-      "crossing"_a = r.crossing, "flipped"_a = r.flipped, "intersecting"_a = r.intersecting);
+      "crossing"_a = r.crossing, "flipped"_a = r.flipped, "bent"_a = r.bent, "intersecting"_a = r.intersecting,
+      "excused"_a = r.excused, "diagonals"_a = r.diagonals, "repair_rounds"_a = r.repair_rounds,
+      "repair_capped"_a = r.repair_capped);
 }
 
 void bind_result(py::module_& m) {
@@ -54,7 +62,9 @@ void bind_result(py::module_& m) {
 
 polygons, corners, vertices, regions; regions_split (those that became more than one polygon) and why; closed, manifold,
 euler; planarity_max, planarity_mean (weighted by area) and distance_max (of a corner from its vertex), scene units;
-crossing, flipped, intersecting: polygons that stayed so.)")
+crossing, flipped, bent: polygons that stayed so; intersecting: pairs of regions whose polygons still intersect, excused:
+such pairs where the scan itself does; diagonals that the repair put across regions, repair_rounds, and repair_capped:
+whether it would have needed more than options.repair_budget.)")
       .def("__repr__", [](const PolygonMesh& poly) {
         return py::str("<PolygonMesh: {} polygons, {} vertices, {}>")
             .format(poly.polygon_count(), poly.vertices.size(), poly.report.closed ? "closed" : "open");

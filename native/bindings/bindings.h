@@ -16,5 +16,6 @@ void bind_parallel(py::module_& m);
 void bind_partition(py::module_& m);
 void bind_interact(py::module_& m);
 void bind_meshing(py::module_& m);
+void bind_io(py::module_& m);
 
 }  // namespace isimp::bindings

@@ -18,6 +18,10 @@ from ._core import (
     delete_proxy,
     partition,
     polygonize,
+    read,
+    read_polygons,
+    triangulate,
+    write,
 )
 
 __all__ = [
@@ -38,6 +42,10 @@ __all__ = [
     "delete_proxy",
     "partition",
     "polygonize",
+    "read",
+    "read_polygons",
+    "triangulate",
+    "write",
 ]
 
 for _name in __all__:

@@ -1,3 +1,5 @@
+"""`python -m isimp_engine` is the command `isimp`."""
+
 import sys
 
 from .cli import main

@@ -1,3 +1,4 @@
+from os import PathLike
 from typing import Any, Literal
 
 import numpy as np
@@ -105,8 +106,19 @@ class MeshingOptions:
     chord_width: float
     reach: float
     flatten: int
+    flatness_from: int
+    flatness: float
+    repair_budget: float
     def __init__(
-        self, *, chord_tolerance: float = ..., chord_width: float = ..., reach: float = ..., flatten: int = ...
+        self,
+        *,
+        chord_tolerance: float = ...,
+        chord_width: float = ...,
+        reach: float = ...,
+        flatten: int = ...,
+        flatness_from: int = ...,
+        flatness: float = ...,
+        repair_budget: float = ...,
     ) -> None: ...
     def as_dict(self) -> dict[str, Any]: ...
 
@@ -129,3 +141,14 @@ class PolygonMesh:
 def polygonize(
     mesh: Mesh, partition: Partition, options: MeshingOptions = ..., job: Job | None = None
 ) -> PolygonMesh: ...
+def read(path: str | PathLike[str], job: Job | None = None) -> tuple[NDArray[np.float64], NDArray[np.int32]]: ...
+def read_polygons(
+    path: str | PathLike[str], job: Job | None = None
+) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]: ...
+def triangulate(
+    vertices: NDArray[np.floating],
+    loops: NDArray[np.signedinteger],
+    loop_start: NDArray[np.signedinteger],
+    job: Job | None = None,
+) -> tuple[NDArray[np.int32], NDArray[np.int32]]: ...
+def write(path: str | PathLike[str], polygons: PolygonMesh, job: Job | None = None) -> None: ...

@@ -68,3 +68,9 @@ def volume(vertices, triangles):
     """Signed volume: positive when a closed surface is oriented outwards."""
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
     return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+
+
+def faces_outwards(vertices, polygon):
+    """Whether a polygon of the unit cube faces away from its middle."""
+    a, b, c = (np.asarray(vertices)[v] for v in polygon[:3])
+    return bool(np.cross(b - a, c - a) @ (a - 0.5) > 0)

@@ -1,0 +1,88 @@
+#include <pybind11/stl/filesystem.h>
+
+#include <utility>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "call.h"
+#include "isimp/core/errors.h"
+#include "isimp/mesh/io.h"
+#include "isimp/meshing/polygonize.h"
+
+namespace isimp::bindings {
+
+using namespace py::literals;
+
+namespace {
+
+using Path = std::filesystem::path;
+
+py::tuple read(const Path& path, Job* job) {
+  auto [vertices, triangles] = call(job, [&](Job& j) {
+    PolygonSoup soup = read_polygons(path, j);
+    Triangulation cut = triangulate(soup, j);
+    return std::pair(std::move(soup.vertices), std::move(cut.triangles));
+  });
+  return py::make_tuple(owned(std::move(vertices)), owned(std::move(triangles)));
+}
+
+py::tuple read_as_polygons(const Path& path, Job* job) {
+  PolygonSoup soup = call(job, [&](Job& j) { return read_polygons(path, j); });
+  return py::make_tuple(owned(std::move(soup.vertices)), owned(std::move(soup.loops)),
+                        owned(std::move(soup.loop_start)));
+}
+
+PolygonSoup read_soup(const py::object& vertices, const py::object& loops, const py::object& loop_start) {
+  PolygonSoup soup{read_vertices(vertices), read_indices(loops, "loops", "(L,)"),
+                   read_indices(loop_start, "loop_start", "(Q,)")};
+  for (std::size_t i = 0; i < soup.loops.size(); ++i)
+    if (soup.loops[i] < 0 || static_cast<std::size_t>(soup.loops[i]) >= soup.vertices.size())
+      throw InvalidInput("corner " + std::to_string(i) + " uses vertex " + std::to_string(soup.loops[i]) +
+                         ", but there are " + std::to_string(soup.vertices.size()) + " vertices");
+  const auto corners = static_cast<std::int32_t>(soup.loops.size());
+  std::int32_t before = 0;
+  for (std::size_t q = 0; q < soup.loop_start.size(); ++q) {
+    const std::int32_t start = soup.loop_start[q];
+    if (start < before || start > corners || (q == 0 && start != 0))
+      throw InvalidInput("loop_start must rise from 0 to at most the " + std::to_string(corners) + " corners, got " +
+                         std::to_string(start) + " for polygon " + std::to_string(q));
+    before = start;
+  }
+  return soup;
+}
+
+py::tuple cut(const py::object& vertices, const py::object& loops, const py::object& loop_start, Job* job) {
+  const PolygonSoup soup = read_soup(vertices, loops, loop_start);
+  Triangulation triangulation = call(job, [&](Job& j) { return triangulate(soup, j); });
+  return py::make_tuple(owned(std::move(triangulation.triangles)), owned(std::move(triangulation.source_polygon)));
+}
+
+void write(const Path& path, const PolygonMesh& poly, Job* job) {
+  call(job, [&](Job& j) { write_polygons(path, poly.vertices, poly.loops, poly.loop_start, j); });
+}
+
+}  // namespace
+
+void bind_io(py::module_& m) {
+  m.def("read", &read, "path"_a, "job"_a = py::none(), R"(Read a mesh file; returns (vertices, triangles).
+
+(V, 3) float64 and (F, 3) int32. PLY (text, binary), OBJ, STL (text, binary) or OFF, told apart by the extension; polygons
+of more corners are cut into triangles. Nothing is repaired: give it to `clean`.
+Raises FileError, which names the file, where in it and what was expected, or Cancelled.)");
+  m.def("read_polygons", &read_as_polygons, "path"_a, "job"_a = py::none(),
+        R"(Read a mesh file with its polygons; returns (vertices, loops, loop_start).
+
+(V, 3) float64, (L,) int32, (Q,) int32: polygon q has the corners loops[loop_start[q] : loop_start[q + 1]], the last one
+the rest of `loops`. Polygons keep the file's order and number, broken ones too. Raises as `read`.)");
+  m.def("triangulate", &cut, "vertices"_a, "loops"_a, "loop_start"_a, "job"_a = py::none(),
+        R"(Cut polygons into triangles without new vertices; returns (triangles, source_polygon).
+
+(F, 3) int32 and (F,) int32, rising: the polygon each triangle is part of. One of fewer than three corners gives none.
+Raises InvalidInput (an index out of range) or Cancelled.)");
+  m.def("write", &write, "path"_a, "polygons"_a, "job"_a = py::none(),
+        R"(Write a PolygonMesh with its n-gons as PLY (binary) or OBJ, told apart by the extension.
+
+The file appears whole or not at all. Raises FileError (another extension, or the place can't be written) or Cancelled.)");
+}
+
+}  // namespace isimp::bindings

@@ -1,0 +1,95 @@
+"""The command `isimp`: `isimp simplify INPUT OUTPUT` and `isimp info INPUT`.
+
+Exit status: 0; 2 for wrong usage; 3 for input that can't be used, with one line that says what and where; 130 after
+Ctrl-C, with nothing half-written.
+"""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from .. import FileError, InvalidInput, PartitionOptions, __version__
+from . import info, simplify
+from .errors import UsageError
+
+OK, USAGE, BAD_INPUT, INTERRUPTED = 0, 2, 3, 130
+
+_FIELDS = {
+    "proxies": (int, "N"),
+    "seed": (int, "S"),
+    "method": (str, "NAME"),
+    "iterations": (int, "N"),
+    "leave_out": (float, "X"),
+    "threads": (int, "N"),
+    "backend": (str, "NAME"),
+}
+
+
+def parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="isimp", description="Dense scans into clean, editable n-gon meshes.")
+    parser.add_argument("--version", action="version", version=f"isimp {__version__}")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+
+    command = commands.add_parser("simplify", help="make a polygon mesh of a scan", description=simplify.__doc__)
+    command.set_defaults(run=simplify.run)
+    command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL or OFF")
+    command.add_argument("output", type=Path, metavar="OUTPUT", help="PLY or OBJ")
+    defaults = PartitionOptions()
+    for name, (kind, metavar) in _FIELDS.items():
+        about = f"{getattr(PartitionOptions, name).__doc__} Default: {getattr(defaults, name)}."
+        flag = "--" + name.replace("_", "-")
+        command.add_argument(flag, dest=name, type=kind, metavar=metavar, help=about.replace("%", "%%"))
+    command.add_argument(
+        "--labels", type=Path, metavar="L.npy", help="one int32 region per face of INPUT, in file order; -1: none"
+    )
+    command.add_argument("--report", type=Path, metavar="R.json", help="what was done, in numbers")
+    command.add_argument("--quiet", action="store_true", help="no progress, no summary")
+
+    command = commands.add_parser("info", help="what a mesh is and what would be repaired", description=info.__doc__)
+    command.set_defaults(run=info.run)
+    command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL or OFF")
+    command.add_argument("--json", action="store_true", help="as JSON")
+    return parser
+
+
+def options_of(arguments: argparse.Namespace) -> PartitionOptions:
+    """The engine's options as the command line has them; its defaults for the rest."""
+    options = PartitionOptions()
+    for name in _FIELDS:
+        value = getattr(arguments, name)
+        if value is None:
+            continue
+        try:
+            setattr(options, name, value)
+        except InvalidInput as error:
+            flag = "--" + name.replace("_", "-")
+            raise UsageError(str(error).replace(f"PartitionOptions.{name}", flag)) from None
+    return options
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command; returns its exit status."""
+    parsed = parser().parse_args(arguments)
+    try:
+        if parsed.run is simplify.run:
+            parsed.options = options_of(parsed)
+        parsed.run(parsed)
+    except KeyboardInterrupt:
+        return _say("interrupted, nothing was written", INTERRUPTED)
+    except UsageError as error:
+        return _say(str(error), USAGE)
+    except FileError as error:  # names the file itself
+        return _say(str(error), BAD_INPUT)
+    except OSError as error:
+        return _say(f"{error.filename or parsed.input}: {error.strerror or error}", BAD_INPUT)
+    except MemoryError:
+        return _say(f"{parsed.input}: there is not enough memory for it", BAD_INPUT)
+    except (InvalidInput, RuntimeError) as error:
+        return _say(f"{parsed.input}: {error}", BAD_INPUT)
+    return OK
+
+
+def _say(message: str, status: int) -> int:
+    print("isimp:", " ".join(message.split()), file=sys.stderr)
+    return status

@@ -1,0 +1,62 @@
+"""From a file to a clean mesh, and back to the file's own faces."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import Job, Mesh, Partition, clean, read_polygons, triangulate
+
+
+@dataclass(frozen=True)
+class Input:
+    """A file's faces cut into triangles: triangle t is part of the file's face `polygon[t]`."""
+
+    path: Path
+    vertices: NDArray[np.float64]
+    triangles: NDArray[np.int32]
+    polygon: NDArray[np.int32]
+    faces: int
+
+
+def load(path: Path, job: Job) -> Input:
+    polygons = read_polygons(path, job)
+    triangles, polygon = triangulate(*polygons)
+    return Input(path, polygons[0], triangles, polygon, len(polygons[2]))
+
+
+def clean_mesh(source: Input, job: Job) -> tuple[Mesh, dict[str, int], dict[str, list[int]]]:
+    """The mesh, how often each repair was made, and where first: faces are the file's."""
+    mesh = clean(source.vertices, source.triangles, job=job)
+    report = mesh.report
+    where = {
+        key: places if key.endswith("vertices") else [int(p) for p in dict.fromkeys(source.polygon[places])]
+        for key, places in report["repaired_at"].items()
+    }
+    return mesh, report["repairs"], where
+
+
+def facts(mesh: Mesh) -> dict[str, Any]:
+    """What the mesh is, without what was repaired."""
+    report = mesh.report
+    return {
+        key: value for key, value in report.items() if key not in report["repairs"] and not key.startswith("repair")
+    }
+
+
+def labels(source: Input, mesh: Mesh, part: Partition) -> NDArray[np.int32]:
+    """The region of each of the file's faces: the one that has most of its area; -1 where none has any of it."""
+    kept = np.flatnonzero(part.face_region >= 0)
+    corners = mesh.vertices[mesh.triangles[kept]]
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    face, region = source.polygon[mesh.source_face[kept]], part.face_region[kept]
+    pairs, place = np.unique(np.stack([face, region], axis=1), axis=0, return_inverse=True)
+    total = np.bincount(place.ravel(), weights=area, minlength=len(pairs))
+    order = np.lexsort((-pairs[:, 1], total, pairs[:, 0]))  # the last of each face's is its largest, then the lowest
+    face, region = pairs[order].T
+    last = np.append(face[1:] != face[:-1], True)
+    result = np.full(source.faces, -1, dtype=np.int32)
+    result[face[last]] = region[last]
+    return result

@@ -1,0 +1,52 @@
+"""Progress of a job on a terminal."""
+
+import shutil
+import sys
+import threading
+from types import TracebackType
+from typing import TextIO
+
+from .. import Job
+
+_BAR = 30
+
+
+class Progress:
+    """Shows what `job` is doing on one line of a terminal, and clears the line at the end.
+
+    The line is redrawn by a thread of its own, since the engine's calls wait on the main thread, where Ctrl-C arrives.
+    """
+
+    def __init__(self, name: str, job: Job, stream: TextIO) -> None:
+        self._name, self._job, self._stream = name, job, stream
+        self._done = threading.Event()
+        self._thread = threading.Thread(target=self._redraw, daemon=True)
+
+    def __enter__(self) -> None:
+        self._thread.start()
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._done.set()
+        self._thread.join()
+        self._stream.write("\r\x1b[K")
+        self._stream.flush()
+
+    def _redraw(self) -> None:
+        while True:
+            self._stream.write("\r\x1b[K" + line(self._name, self._job))
+            self._stream.flush()
+            if self._done.wait(0.1):
+                return
+
+
+def line(name: str, job: Job) -> str:
+    """Stage and bar, no wider than the terminal: `partition  [######------]  50 %  flooding`."""
+    done = round(job.progress * _BAR)
+    text = f"{name:<9} [{'#' * done}{'-' * (_BAR - done)}] {job.progress:4.0%}  {job.stage}"
+    return text[: shutil.get_terminal_size().columns - 1]
+
+
+def wanted(quiet: bool) -> bool:
+    return not quiet and sys.stderr.isatty()

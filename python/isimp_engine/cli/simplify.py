@@ -1,0 +1,131 @@
+"""Turn a dense mesh into a clean polygon mesh: repair, split into near-planar regions, make a polygon of each."""
+
+import argparse
+import json
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .. import InvalidInput, Job, MeshingOptions, Partition, __version__, partition, polygonize, write
+from . import words
+from .errors import UsageError
+from .files import Outputs
+from .loading import Input, clean_mesh, facts, labels, load
+from .progress import Progress, wanted
+
+OUTPUT_KINDS = (".ply", ".obj")
+
+
+class Steps:
+    """The steps of one run, each with a job of its own, shown while it lasts, and the seconds each took."""
+
+    def __init__(self, show: bool) -> None:
+        self.seconds: dict[str, float] = {}
+        self._show = show
+
+    @contextmanager
+    def __call__(self, name: str) -> Iterator[Job]:
+        job, start = Job(), time.perf_counter()
+        with Progress(name, job, sys.stderr) if self._show else nullcontext():
+            yield job
+        self.seconds[name] = round(time.perf_counter() - start, 6)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    check_places(arguments)
+    steps, options, meshing = Steps(wanted(arguments.quiet)), arguments.options, MeshingOptions()
+    with steps("read") as job:
+        source = load(arguments.input, job)
+    with steps("clean") as job:
+        mesh, repaired, repaired_at = clean_mesh(source, job)
+    if arguments.proxies is None:
+        options.proxies = min(options.proxies, len(mesh.triangles))
+    with steps("partition") as job:
+        try:
+            part = partition(mesh, options, job)
+        except InvalidInput as error:  # the mesh is sound by now, so it is the options
+            raise UsageError(f"{arguments.input}: {error}") from None
+    with steps("mesh") as job:
+        poly = polygonize(mesh, part, meshing, job)
+    with Outputs() as outputs:
+        with steps("write"):
+            outputs.write(arguments.output, lambda path: write(path, poly))
+            if arguments.labels:
+                outputs.write(arguments.labels, lambda path: save_labels(path, labels(source, mesh, part)))
+        report = {
+            "isimp": __version__,
+            "input": {"path": str(source.path), "vertices": len(source.vertices), "faces": source.faces}
+            | {"triangles": len(source.triangles)},
+            "repair": repaired,
+            "repaired_at": repaired_at,
+            "mesh": facts(mesh),
+            "options": options.as_dict() | {"meshing": meshing.as_dict()},
+            "regions": part.region_count,
+            "error": part.error,
+            "history": part.history.tolist(),
+            "partition": part.report,
+            "output": {"path": str(arguments.output)} | poly.report,
+            "seconds": steps.seconds,
+            "peak_mb": peak_mb(),
+        }
+        if arguments.report:
+            text = json.dumps(report, indent=2, allow_nan=False) + "\n"
+            outputs.write(arguments.report, lambda path: path.write_text(text, encoding="utf-8"))
+        outputs.commit()
+    if not arguments.quiet:
+        print("\n".join(summary(source, part, report)))
+
+
+def check_places(arguments: argparse.Namespace) -> None:
+    """Refuse before the work what would fail after it."""
+    if arguments.output.suffix.lower() not in OUTPUT_KINDS:
+        raise UsageError(f"{arguments.output}: OUTPUT must end in one of {', '.join(OUTPUT_KINDS)}")
+    taken = [arguments.input.resolve()]
+    for path in (arguments.output, arguments.labels, arguments.report):
+        if path is None:
+            continue
+        if not path.resolve().parent.is_dir():
+            raise UsageError(f"{path}: there is no folder {path.parent} to write to")
+        if path.is_dir():
+            raise UsageError(f"{path}: is a folder, so it can't be written as a file")
+        if path.resolve() in taken:
+            raise UsageError(f"{path}: is named twice; nothing is written over INPUT or another output")
+        taken.append(path.resolve())
+
+
+def save_labels(path: Path, values: np.ndarray) -> None:
+    with path.open("wb") as file:  # numpy would add .npy to a bare path
+        np.save(file, values)
+
+
+def peak_mb() -> float | None:
+    """The most memory this process had so far; None where the system does not say."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return None
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return round(peak / (2**20 if sys.platform == "darwin" else 2**10), 1)
+
+
+def summary(source: Input, part: Partition, report: dict[str, Any]) -> Iterator[str]:
+    mesh, out = report["mesh"], report["output"]
+    yield f"{source.path}: {words.count(source.faces, 'face')}, {words.shape(mesh)}"
+    for line in words.repairs(report["repair"], report["repaired_at"]):
+        yield f"  repaired: {line}"
+    if part.parts_left_out:
+        yield f"  left out: {words.count(part.parts_left_out, 'part')}, {part.area_left_out:.2%} of the area"
+    if part.region_count > part.proxies_asked:
+        yield f"  {part.region_count:,} proxies used, since the parts need them; {part.proxies_asked:,} were asked for"
+    polygons, regions = words.count(out["polygons"], "polygon"), words.count(out["regions"], "region")
+    mean, worst = (f"{out[key] / mesh['diagonal']:.3%}" for key in ("planarity_mean", "planarity_max"))
+    kind = f"{'closed' if out['closed'] else 'open'}, {'manifold' if out['manifold'] else 'not manifold'}"
+    yield f"{out['path']}: {polygons} of {regions}, {out['corners'] / max(out['polygons'], 1):.1f} corners each, {kind}"
+    yield f"  flat to {mean} of the diagonal, at worst {worst}; {sum(report['seconds'].values()):.1f} s"
+    if flaws := [f"{out[key]} {key}" for key in ("crossing", "flipped", "bent", "intersecting") if out[key]]:
+        yield f"  not perfect: {', '.join(flaws)}"

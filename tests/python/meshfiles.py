@@ -1,0 +1,80 @@
+"""Mesh files of every kind the engine reads, written the plain way. `polygons` is a list of lists of vertices."""
+
+import struct
+
+import numpy as np
+
+
+def ply_ascii(path, vertices, polygons):
+    head = (
+        f"ply\nformat ascii 1.0\ncomment made by a test\nelement vertex {len(vertices)}\nproperty double x\n"
+        f"property double y\nproperty double z\nelement face {len(polygons)}\nproperty list uchar int vertex_indices\n"
+        "end_header\n"
+    )
+    rows = [" ".join(repr(float(x)) for x in v) for v in vertices]
+    rows += [" ".join(map(str, [len(p), *p])) for p in polygons]
+    path.write_text(head + "\n".join(rows) + "\n")
+
+
+def ply_binary(path, vertices, polygons, order="little", extra=False):
+    mark = "<" if order == "little" else ">"
+    head = f"ply\nformat binary_{order}_endian 1.0\nelement vertex {len(vertices)}\n"
+    head += "property float x\nproperty float y\nproperty float z\n"
+    if extra:
+        head += "property uchar red\nproperty list uchar short tags\n"
+    head += f"element face {len(polygons)}\nproperty list uchar uint vertex_index\nend_header\n"
+    body = bytearray(head.encode())
+    for v in vertices:
+        body += struct.pack(mark + "3f", *v)
+        if extra:
+            body += struct.pack(mark + "BB2h", 200, 2, 7, 8)
+    for p in polygons:
+        body += struct.pack(f"{mark}B{len(p)}I", len(p), *p)
+    path.write_bytes(body)
+
+
+def ply_big(path, vertices, polygons):
+    ply_binary(path, vertices, polygons, "big")
+
+
+def ply_extra(path, vertices, polygons):
+    ply_binary(path, vertices, polygons, extra=True)
+
+
+def obj(path, vertices, polygons):
+    lines = ["# a test", "o thing", *("v " + " ".join(repr(float(x)) for x in v) for v in vertices)]
+    lines += ["f " + " ".join(f"{v + 1}//{v + 1}" for v in p) for p in polygons]
+    path.write_text("\n".join(lines) + "\n")
+
+
+def off(path, vertices, polygons):
+    lines = ["OFF", f"{len(vertices)} {len(polygons)} 0", *(" ".join(repr(float(x)) for x in v) for v in vertices)]
+    lines += [" ".join(map(str, [len(p), *p])) for p in polygons]
+    path.write_text("\n".join(lines) + "\n")
+
+
+def stl_ascii(path, vertices, polygons):
+    lines = ["solid thing"]
+    for p in polygons:
+        lines += ["facet normal 0 0 0", "outer loop"]
+        lines += ["vertex " + " ".join(repr(float(x)) for x in vertices[v]) for v in p]
+        lines += ["endloop", "endfacet"]
+    path.write_text("\n".join([*lines, "endsolid thing"]) + "\n")
+
+
+def stl_binary(path, vertices, polygons):
+    body = bytearray(b"made by a test".ljust(80) + struct.pack("<I", len(polygons)))
+    for p in polygons:
+        body += struct.pack("<12fH", 0, 0, 0, *np.asarray(vertices)[list(p)].ravel(), 0)
+    path.write_bytes(body)
+
+
+POLYGONS = {
+    "ascii.ply": ply_ascii,
+    "binary.ply": ply_binary,
+    "big.ply": ply_big,
+    "extra.ply": ply_extra,
+    "mesh.obj": obj,
+    "mesh.off": off,
+}
+TRIANGLES = {**POLYGONS, "ascii.stl": stl_ascii, "binary.stl": stl_binary}

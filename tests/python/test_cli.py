@@ -1,0 +1,358 @@
+"""The command `isimp` as people and scripts call it: through a process of its own."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import isimp_engine as engine
+import meshfiles
+import shapes
+
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(Path(engine.__file__).parents[1]), "COLUMNS": "80"}
+
+
+def isimp(*arguments, **keywords):
+    command = [sys.executable, "-m", "isimp_engine", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, env=ENVIRONMENT, timeout=120, **keywords)
+
+
+@pytest.fixture
+def scan(tmp_path):
+    path = tmp_path / "scan.ply"
+    vertices, triangles = shapes.bumpy(30)
+    meshfiles.ply_binary(path, vertices, triangles.tolist())
+    return path
+
+
+def check_line(done, status, *parts):
+    """The command ended with a status and one line on stderr that holds all parts."""
+    assert done.returncode == status, done.stderr
+    assert done.stdout == ""
+    line = done.stderr.splitlines()[-1]
+    assert line.startswith("isimp")
+    for part in parts:
+        assert str(part) in line
+    assert "Traceback" not in done.stderr
+    if status == 3:
+        assert len(done.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize("name", ["out.ply", "out.obj"])
+def test_simplify_does_the_whole_job(scan, tmp_path, name):
+    out, labels, report = tmp_path / name, tmp_path / "labels.npy", tmp_path / "report.json"
+    done = isimp("simplify", scan, out, "--proxies", 20, "--labels", labels, "--report", report)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == "", "progress is for terminals only"
+    assert str(out) in done.stdout
+
+    mesh = engine.clean(*engine.read(scan))
+    part = engine.partition(mesh, engine.PartitionOptions(proxies=20))
+    poly = engine.polygonize(mesh, part)
+    for written, expected in zip(engine.read_polygons(out), (poly.vertices, poly.loops, poly.loop_start), strict=True):
+        np.testing.assert_array_equal(written, expected)
+    values = np.load(labels)
+    assert values.dtype == np.int32
+    np.testing.assert_array_equal(values, part.face_region)
+
+    said = json.loads(report.read_text())
+    assert said["input"]["path"] == str(scan)
+    assert (said["input"]["faces"], said["input"]["triangles"]) == (1800, 1800)
+    assert said["repair"] == mesh.report["repairs"]
+    assert said["options"]["proxies"] == 20
+    assert said["options"]["method"] == engine.PartitionOptions().method
+    assert said["regions"] == 20
+    assert said["error"] == part.error
+    assert said["history"] == part.history.tolist()
+    assert {"vertices", "polygons", "corners", "closed", "manifold", "planarity_max", "planarity_mean"} <= set(
+        said["output"]
+    )
+    assert {key: said["output"][key] for key in poly.report} == poly.report
+    assert set(said["seconds"]) == {"read", "clean", "partition", "mesh", "write"}
+    assert all(seconds >= 0 for seconds in said["seconds"].values())
+    assert said["peak_mb"] is None or 5 < said["peak_mb"] < 5000
+    assert sorted(os.listdir(tmp_path)) == sorted([scan.name, name, "labels.npy", "report.json"])
+
+
+def test_every_option_reaches_the_engine(scan, tmp_path):
+    report = tmp_path / "r.json"
+    given = {"proxies": 7, "seed": 5, "method": "lloyd", "iterations": 3, "leave_out": 0.0, "threads": 1}
+    flags = [text for name, value in given.items() for text in (f"--{name.replace('_', '-')}", value)]
+    done = isimp("simplify", scan, tmp_path / "o.ply", *flags, "--backend", "cpu", "--report", report, "--quiet")
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    options = json.loads(report.read_text())["options"]
+    assert {name: options[name] for name in given} == given
+    assert options["backend"] == "cpu"
+
+
+@pytest.mark.parametrize("kind", meshfiles.TRIANGLES)
+def test_every_kind_of_file_gives_labels_of_its_own_faces(tmp_path, kind):
+    vertices, triangles = shapes.cube()
+    meshfiles.TRIANGLES[kind](tmp_path / kind, vertices, triangles.tolist())
+    done = isimp("simplify", tmp_path / kind, tmp_path / "o.obj", "--proxies", 6, "--labels", tmp_path / "l.npy")
+    assert done.returncode == 0, done.stderr
+    labels = np.load(tmp_path / "l.npy")
+    assert labels.shape == (len(triangles),)
+    assert set(labels) == set(range(6))
+
+
+def test_labels_are_of_the_files_polygons_and_minus_one_where_dropped(tmp_path):
+    vertices, triangles = shapes.cube(1)
+    quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    quads = [quad if shapes.faces_outwards(vertices, quad) else quad[::-1] for quad in quads]
+    corners = [*quads[:2], [0, 0, 1], [5], *quads[2:], quads[0]]
+    meshfiles.obj(tmp_path / "a.obj", vertices, corners)
+    report, labels = tmp_path / "r.json", tmp_path / "l.npy"
+    done = isimp("simplify", tmp_path / "a.obj", tmp_path / "o.obj", "--proxies", 12)
+    assert done.returncode == 0, done.stderr
+    done = isimp(
+        "simplify", tmp_path / "a.obj", tmp_path / "o.obj", "--proxies=12", "--labels", labels, "--report", report
+    )
+    assert done.returncode == 0, done.stderr
+    values, said = np.load(labels), json.loads(report.read_text())
+    assert values.shape == (9,)
+    np.testing.assert_array_equal(values[[2, 3, 8]], -1)
+    assert (values[[0, 1, 4, 5, 6, 7]] >= 0).all()
+    assert len(triangles) == said["regions"] == 12
+    assert said["input"]["faces"] == 9
+    assert said["repaired_at"]["repeated_index_faces"] == [2]
+    assert said["repaired_at"]["duplicate_faces"] == [8]
+    assert said["repair"]["duplicate_faces"] == 2  # both triangles of the doubled quad
+
+
+def test_a_speck_has_no_label(tmp_path):
+    big, small = shapes.plane(20), shapes.plane(1)
+    vertices, triangles = shapes.joined((small[0] * 0.01 + [2, 0, 0], small[1]), big)
+    meshfiles.ply_ascii(tmp_path / "a.ply", vertices, triangles.tolist())
+    done = isimp("simplify", tmp_path / "a.ply", tmp_path / "o.ply", "--proxies=3", "--labels", tmp_path / "l.npy")
+    assert done.returncode == 0, done.stderr
+    assert "left out: 1 part" in done.stdout
+    labels = np.load(tmp_path / "l.npy")
+    np.testing.assert_array_equal(labels[:2], -1)
+    assert labels[2:].min() == 0
+
+
+def test_a_mesh_of_few_faces_needs_no_proxy_count(tmp_path):
+    meshfiles.ply_ascii(tmp_path / "a.ply", [[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    done = isimp("simplify", tmp_path / "a.ply", tmp_path / "o.ply")
+    assert done.returncode == 0, done.stderr
+    assert f"{tmp_path / 'o.ply'}: 1 polygon of 1 region, 3.0 corners each, open, manifold" in done.stdout
+
+
+def test_the_same_files_on_every_run(scan, tmp_path):
+    for name in ("a", "b"):
+        isimp("simplify", scan, tmp_path / f"{name}.ply", "--proxies=15", "--labels", tmp_path / f"{name}.npy")
+    assert (tmp_path / "a.ply").read_bytes() == (tmp_path / "b.ply").read_bytes()
+    assert (tmp_path / "a.npy").read_bytes() == (tmp_path / "b.npy").read_bytes()
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        [],
+        ["simplify"],
+        ["simplify", "in.ply"],
+        ["simplify", "in.ply", "out.ply", "--proxies", "many"],
+        ["simplify", "in.ply", "out.ply", "--colour"],
+        ["simplify", "in.ply", "out.ply", "--proxies", "1e99"],
+        ["simplify", "in.ply", "out.ply", "--seed", "-1"],
+        ["melt", "in.ply"],
+        ["info"],
+    ],
+)
+def test_wrong_usage_is_2(arguments):
+    done = isimp(*arguments)
+    assert done.returncode == 2
+    assert "Traceback" not in done.stderr
+    assert done.stderr
+
+
+def test_wrong_usage_that_shows_later_is_2_and_writes_nothing(scan, tmp_path):
+    out = tmp_path / "o.ply"
+    check_line(isimp("simplify", scan, out, "--method", "magic"), 2, "--method must be one of", "'lloyd'", "magic")
+    check_line(isimp("simplify", scan, out, "--proxies", 0), 2, scan, "[1, 1800]")
+    check_line(isimp("simplify", scan, out, "--proxies", 1801), 2, scan, "[1, 1800], got 1801")
+    check_line(isimp("simplify", scan, out, "--leave-out", 1), 2, "leave_out")
+    check_line(isimp("simplify", scan, out, "--backend", "abacus"), 2, "abacus", "cpu")
+    check_line(isimp("simplify", scan, tmp_path / "o.fbx"), 2, "o.fbx", ".ply, .obj")
+    check_line(isimp("simplify", scan, tmp_path / "no" / "o.ply"), 2, "no")
+    check_line(isimp("simplify", scan, scan), 2, scan, "nothing is written over INPUT")
+    check_line(isimp("simplify", scan, out, "--report", out), 2, out, "named twice")
+    check_line(isimp("simplify", scan, out, "--labels", tmp_path), 2, tmp_path, "folder")
+    assert os.listdir(tmp_path) == [scan.name]
+
+
+def test_input_that_can_not_be_used_is_3_with_one_line(tmp_path):
+    out = tmp_path / "o.ply"
+    missing = tmp_path / "missing.ply"
+    check_line(isimp("simplify", missing, out), 3, missing)
+    check_line(isimp("info", missing), 3, missing)
+    empty = tmp_path / "empty.ply"
+    empty.touch()
+    check_line(isimp("simplify", empty, out), 3, empty)
+    cloud = tmp_path / "cloud.ply"
+    meshfiles.ply_ascii(cloud, [[0, 0, 0]], [])
+    check_line(isimp("simplify", cloud, out), 3, cloud, "no faces")
+    nan = tmp_path / "nan.ply"
+    meshfiles.ply_ascii(nan, [[float("nan")] * 3] * 3, [[0, 1, 2]])
+    check_line(isimp("simplify", nan, out), 3, nan, "no")
+    far = tmp_path / "far.obj"
+    far.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n")
+    check_line(isimp("simplify", far, out), 3, far, "9")
+    kind = tmp_path / "mesh.fbx"
+    kind.touch()
+    check_line(isimp("info", kind), 3, kind, "fbx")
+    assert not out.exists()
+    for done in (isimp("simplify", missing, out), isimp("info", empty)):
+        assert done.stderr.count(str(tmp_path)) == 1, "the path is said once"
+
+
+def test_a_full_disk_is_3_and_leaves_nothing(scan, tmp_path):
+    if not Path("/dev/full").exists():
+        pytest.skip("no /dev/full here")
+    check_line(isimp("simplify", scan, tmp_path / "o.ply", "--proxies=9", "--report", "/dev/full"), 3, "/dev/full")
+    assert os.listdir(tmp_path) == [scan.name]
+
+
+def test_an_old_file_stays_when_the_run_fails(scan, tmp_path):
+    out = tmp_path / "o.ply"
+    out.write_text("precious")
+    isimp("simplify", scan, out, "--proxies", 10**6)
+    assert out.read_text() == "precious"
+
+
+@pytest.fixture(scope="module")
+def big_scan(tmp_path_factory):
+    """A file large enough that the command is still at work when it is interrupted."""
+    path = tmp_path_factory.mktemp("big") / "big.ply"
+    vertices, triangles = shapes.bumpy(500)
+    head = f"ply\nformat binary_little_endian 1.0\nelement vertex {len(vertices)}\nproperty float x\nproperty float y\n"
+    head += f"property float z\nelement face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
+    faces = np.zeros(len(triangles), dtype=[("n", "u1"), ("corners", "<i4", 3)])
+    faces["n"], faces["corners"] = 3, triangles
+    path.write_bytes(head.encode() + vertices.astype("<f4").tobytes() + faces.tobytes())
+    return path
+
+
+@contextmanager
+def on_a_terminal(*arguments):
+    """The command with a terminal as its stderr: the process, and the terminal's other end."""
+    import pty
+
+    ours, theirs = pty.openpty()
+    command = [sys.executable, "-m", "isimp_engine", *map(str, arguments)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=theirs, env=ENVIRONMENT) as process:
+        os.close(theirs)
+        yield process, ours
+        os.close(ours)
+
+
+def read_all(terminal):
+    text = b""
+    while True:
+        try:
+            more = os.read(terminal, 4096)
+        except OSError:  # Linux says so when the other end is closed
+            more = b""
+        if not more:
+            return text.decode()
+        text += more
+
+
+posix = pytest.mark.skipif(sys.platform == "win32", reason="needs a terminal and signals as POSIX has them")
+
+
+@posix
+@pytest.mark.parametrize("stage", ["read", "clean", "partition"])
+def test_ctrl_c_is_130_with_nothing_half_written(big_scan, tmp_path, stage):
+    out, labels, report = tmp_path / "o.ply", tmp_path / "l.npy", tmp_path / "r.json"
+    flags = ["--proxies=3000", "--method=lloyd", "--iterations=500", "--labels", labels, "--report", report]
+    with on_a_terminal("simplify", big_scan, out, *flags) as (process, terminal):
+        text = b""
+        while stage.encode() not in text:
+            text += os.read(terminal, 4096)
+        begun = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        rest = read_all(terminal)
+        assert process.wait(timeout=60) == 130
+        assert time.monotonic() - begun < 5
+        assert process.stdout.read() == b""
+    assert rest.splitlines()[-1].endswith("isimp: interrupted, nothing was written")
+    assert "Traceback" not in rest
+    assert list(tmp_path.iterdir()) == []
+
+
+@posix
+def test_progress_is_shown_on_a_terminal_and_cleared(scan, tmp_path):
+    with on_a_terminal("simplify", scan, tmp_path / "o.ply", "--proxies=20") as (process, terminal):
+        text = read_all(terminal)
+        assert process.wait(timeout=60) == 0
+    for stage in ("read", "clean", "partition", "mesh", "write"):
+        assert f"\x1b[K{stage} " in text
+    assert text.endswith("\r\x1b[K")
+    assert all(len(line) < 100 for line in text.split("\r"))
+    with on_a_terminal("simplify", scan, tmp_path / "o.ply", "--proxies=20", "--quiet") as (process, terminal):
+        assert read_all(terminal) == ""
+        assert process.wait(timeout=60) == 0
+
+
+def test_info_says_what_the_mesh_is_and_what_would_be_repaired(tmp_path):
+    vertices, triangles = shapes.cube()
+    triangles = [*triangles.tolist(), [0, 0, 1], triangles[3].tolist()]
+    path = tmp_path / "a.ply"
+    meshfiles.ply_ascii(path, vertices, triangles)
+    done = isimp("info", path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines() == [
+        str(path),
+        "  194 faces, 98 vertices",
+        "  1 part, closed, Euler characteristic 2",
+        "  size 1 x 1 x 1, diagonal 1.73205, area 6",
+        "  to repair:",
+        "    1 face dropped for naming a vertex twice (face 192)",
+        "    1 face dropped for having the vertices of another (face 193)",
+    ]
+    said = json.loads(isimp("info", path, "--json").stdout)
+    assert said["input"] == {"path": str(path), "vertices": 98, "faces": 194, "triangles": 194}
+    assert said["mesh"]["faces"] == 192
+    assert said["mesh"]["closed"] is True
+    assert said["mesh"]["box"] == [[0, 0, 0], [1, 1, 1]]
+    assert said["repair"]["repeated_index_faces"] == 1
+    assert said["repaired_at"]["duplicate_faces"] == [193]
+
+
+def test_info_on_a_good_mesh_has_nothing_to_repair(scan):
+    lines = isimp("info", scan).stdout.splitlines()
+    assert lines[1] == "  1,800 faces, 961 vertices"
+    assert lines[2] == "  1 part, open, 120 border edges in 1 loop, Euler characteristic 1"
+    assert lines[-1] == "  nothing to repair"
+
+
+def test_help_and_version():
+    done = isimp("--version")
+    assert done.stdout == f"isimp {engine.__version__}\n"
+    text = isimp("simplify", "--help").stdout
+    for flag in (
+        "--proxies",
+        "--seed",
+        "--method",
+        "--iterations",
+        "--leave-out",
+        "--threads",
+        "--backend",
+        "--labels",
+    ):
+        assert flag in text
+    assert "--report" in text
+
+
+def test_the_version_is_the_projects():
+    cmake = (Path(__file__).resolve().parents[2] / "CMakeLists.txt").read_text()
+    assert f"project(isimp VERSION {engine.__version__} " in cmake

@@ -1,0 +1,200 @@
+"""read, read_polygons, triangulate, write: every kind of file, and what is said of one that can't be read."""
+
+import os
+import sys
+
+import numpy as np
+import pytest
+
+import isimp_engine as engine
+import meshfiles
+import shapes
+
+HOUSE = [[0, 0, 0], [2, 0, 0], [2, 2, 0], [1, 3, 0], [0, 2, 0], [3, 0, 0], [3, 2, 0]]  # a gable, and a lean-to
+WALLS = [[0, 1, 2, 3, 4], [1, 5, 6, 2], [2, 6, 3]]
+
+
+def faces(loops, loop_start):
+    return [list(map(int, p)) for p in np.split(loops, loop_start[1:])]
+
+
+@pytest.mark.parametrize("kind", meshfiles.POLYGONS)
+def test_polygons_keep_the_files_order_and_number(tmp_path, kind):
+    path = tmp_path / kind
+    meshfiles.POLYGONS[kind](path, HOUSE, WALLS)
+    vertices, loops, loop_start = engine.read_polygons(path)
+    assert (vertices.dtype, loops.dtype, loop_start.dtype) == (np.float64, np.int32, np.int32)
+    np.testing.assert_array_equal(vertices, HOUSE)
+    assert faces(loops, loop_start) == WALLS
+
+
+@pytest.mark.parametrize("kind", meshfiles.TRIANGLES)
+def test_triangles_are_the_same_from_every_kind(tmp_path, kind):
+    path = tmp_path / kind
+    expected, triangles = shapes.cube(3)
+    expected = expected.astype(np.float32).astype(np.float64)  # so that every kind can hold it
+    meshfiles.TRIANGLES[kind](path, expected, triangles.tolist())
+    vertices, read = engine.read(str(path))
+    assert (vertices.dtype, read.dtype) == (np.float64, np.int32)
+    np.testing.assert_array_equal(vertices[read], expected[triangles])
+    mesh = engine.Mesh(vertices, read)
+    assert mesh.report["closed"]
+    assert mesh.report["components"] == 1
+
+
+def test_upper_case_extensions_and_path_objects_are_fine(tmp_path):
+    path = tmp_path / "A.PLY"
+    meshfiles.ply_ascii(path, HOUSE, WALLS)
+    assert len(engine.read(path)[1]) == 6
+    assert len(engine.read(str(path))[1]) == 6
+
+
+def test_what_was_read_belongs_to_the_caller(tmp_path):
+    path = tmp_path / "a.ply"
+    meshfiles.ply_ascii(path, HOUSE, WALLS)
+    vertices, triangles = engine.read(path)
+    vertices *= 2
+    triangles[:] = triangles[:, ::-1]
+    np.testing.assert_array_equal(vertices, np.array(HOUSE) * 2)
+
+
+def test_n_gons_are_cut_and_name_their_polygon(tmp_path):
+    path = tmp_path / "a.obj"
+    meshfiles.obj(path, HOUSE, WALLS)
+    polygons = engine.read_polygons(path)
+    triangles, source = engine.triangulate(*polygons)
+    np.testing.assert_array_equal(source, [0, 0, 0, 1, 1, 2])
+    np.testing.assert_array_equal(triangles, engine.read(path)[1])
+    corners = np.array(HOUSE, float)[triangles]
+    areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2] / 2
+    np.testing.assert_allclose(np.bincount(source, areas), [5, 2, 0.5])
+
+
+@pytest.mark.parametrize(
+    ("arrays", "said"),
+    [
+        (([[0.0, 0, 0]], [0, 0, 1], [0]), "corner 2 uses vertex 1, but there are 1 vertices"),
+        (([[0.0, 0, 0]], [0, 0, -1], [0]), "corner 2 uses vertex -1"),
+        (([[0.0, 0, 0]], [0, 0, 0], [1]), "loop_start must rise from 0 .* got 1 for polygon 0"),
+        (([[0.0, 0, 0]], [0, 0, 0], [0, 4]), "loop_start must rise from 0 .* 3 corners, got 4 for polygon 1"),
+        (([[0.0, 0, 0]], [0, 0, 0], [0, 2, 1]), "got 1 for polygon 2"),
+        (([[0.0, 0, 0]], [[0, 0, 0]], [0]), r"loops must be an array of shape \(L,\) and int32 or int64, got shape"),
+        (([[0.0, 0, 0]], [0, 0, 0], [0.5]), r"loop_start must be an array of shape \(Q,\) .* float64"),
+        (([[0.0, 0, 0]], [0, 2**40, 0], [0]), r"loops\[1\] is 1099511627776"),
+    ],
+)
+def test_triangulate_refuses_what_is_no_polygon(arrays, said):
+    with pytest.raises(engine.InvalidInput, match=said):
+        engine.triangulate(*arrays)
+
+
+def test_a_file_without_faces_has_none(tmp_path):
+    path = tmp_path / "cloud.ply"
+    meshfiles.ply_ascii(path, HOUSE, [])
+    vertices, triangles = engine.read(path)
+    assert len(vertices) == 7
+    assert triangles.shape == (0, 3)
+    with pytest.raises(engine.InvalidInput, match="no faces"):
+        engine.clean(vertices, triangles)
+
+
+def broken(tmp_path, name, content):
+    path = tmp_path / name
+    path.write_bytes(content)
+    return path
+
+
+HEADER = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+FACES = b"element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+BODY = b"0 0 0\n1 0 0\n0 1 0\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("empty.ply", b""),
+        ("empty.obj", b""),
+        ("empty.stl", b""),
+        ("empty.off", b""),
+        ("noise.ply", bytes(range(256)) * 8),
+        ("noise.stl", bytes(range(256)) * 8),
+        ("cut.ply", HEADER + FACES + b"0 0 0\n1 0 0\n"),
+        ("faceless.ply", HEADER + FACES + BODY),
+        ("index.ply", HEADER + FACES + BODY + b"3 0 1 3\n"),
+        ("words.ply", HEADER + FACES + b"0 0 0\n1 zero 0\n0 1 0\n3 0 1 2\n"),
+        ("huge.ply", HEADER.replace(b"vertex 3", b"vertex 99999999999") + FACES + BODY),
+        ("headless.ply", HEADER + b"element face 1\n"),
+        ("index.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n"),
+        ("zero.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n"),
+        ("words.obj", b"v 0 0 0\nv 1 0 zero\n"),
+        ("index.off", b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"),
+        ("cut.off", b"OFF\n3 1 0\n0 0 0\n1 0 0\n"),
+        ("cut.stl", b"x" * 80 + (5).to_bytes(4, "little") + b"\0" * 60),
+    ],
+)
+def test_a_damaged_file_says_which_and_why(tmp_path, name, content):
+    path = broken(tmp_path, name, content)
+    with pytest.raises(engine.FileError) as caught:
+        engine.read(path)
+    message = str(caught.value)
+    assert name in message
+    assert len(message) > len(str(path)) + 10
+    assert "\n" not in message
+
+
+def test_a_missing_file_a_folder_and_an_unknown_kind_each_say_so(tmp_path):
+    with pytest.raises(engine.FileError, match=r"absent\.ply"):
+        engine.read(tmp_path / "absent.ply")
+    (tmp_path / "folder.ply").mkdir()
+    with pytest.raises(engine.FileError, match="folder"):
+        engine.read(tmp_path / "folder.ply")
+    (tmp_path / "mesh.fbx").touch()
+    with pytest.raises(engine.FileError, match=r"(?i)ply.*obj.*stl.*off"):
+        engine.read(tmp_path / "mesh.fbx")
+    with pytest.raises(TypeError):
+        engine.read(None)
+
+
+@pytest.mark.skipif(sys.platform == "win32" or os.geteuid() == 0, reason="root reads everything")
+def test_a_file_that_may_not_be_read_says_so(tmp_path):
+    path = broken(tmp_path, "locked.ply", HEADER)
+    path.chmod(0)
+    with pytest.raises(engine.FileError, match=r"locked\.ply"):
+        engine.read(path)
+
+
+@pytest.fixture(scope="module")
+def poly():
+    mesh = engine.Mesh(*shapes.cube())
+    return engine.polygonize(mesh, engine.partition(mesh, engine.PartitionOptions(proxies=12)))
+
+
+@pytest.mark.parametrize("name", ["out.ply", "out.obj", "OUT.PLY"])
+def test_what_is_written_reads_back_the_same(tmp_path, poly, name):
+    path = tmp_path / name
+    path.write_text("an older file")
+    engine.write(path, poly)
+    vertices, loops, loop_start = engine.read_polygons(path)
+    np.testing.assert_array_equal(vertices, poly.vertices)
+    np.testing.assert_array_equal(loops, poly.loops)
+    np.testing.assert_array_equal(loop_start, poly.loop_start)
+    assert os.listdir(tmp_path) == [name]
+
+
+def test_a_place_that_can_not_be_written_says_so_and_leaves_nothing(tmp_path, poly):
+    with pytest.raises(engine.FileError, match=r"nowhere"):
+        engine.write(tmp_path / "nowhere" / "out.ply", poly)
+    with pytest.raises(engine.FileError, match=r"(?i)ply.*obj"):
+        engine.write(tmp_path / "out.stl", poly)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_reading_and_writing_can_be_cancelled(tmp_path, poly):
+    path = tmp_path / "a.ply"
+    meshfiles.ply_ascii(path, HOUSE, WALLS)
+    job = engine.Job()
+    job.cancel()
+    for act in (lambda: engine.read(path, job), lambda: engine.write(tmp_path / "b.ply", poly, job)):
+        with pytest.raises(engine.Cancelled):
+            act()
+    assert os.listdir(tmp_path) == ["a.ply"]
