@@ -1,5 +1,5 @@
 # Sourced by the other scripts: where things are, and how what is missing gets installed.
-# shellcheck shell=bash
+# shellcheck shell=bash disable=SC2034
 
 cd "$(dirname "${BASH_SOURCE[0]}")/.." || exit 1
 root=$PWD
@@ -8,6 +8,7 @@ python=/usr/bin/python3 # the one that Debian's Blender embeds, not the first on
 export CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=1 PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_ROOT_USER_ACTION=ignore
 
 build_packages=(build-essential cmake ninja-build ccache libcgal-dev libopenmesh-dev libeigen3-dev python3-dev python3-venv)
+blender_packages=(blender python3-numpy libegl1 libgl1-mesa-dri) # the latter two to render in the background
 
 as_root() {
   if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi

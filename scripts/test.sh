@@ -18,7 +18,9 @@ stage_format() {
 }
 
 stage_lint() {
+  apt_install shellcheck
   use_tests_venv
+  shellcheck -x -P SCRIPTDIR scripts/*.sh .ci/run
   "$tests_venv/bin/ruff" check .
   "$tests_venv/bin/ruff" format --check .
 }
@@ -37,6 +39,36 @@ stage_python() { # the package as installed
   use_tests_venv
   install_wheel "$tests_venv"
   "$tests_venv/bin/python" -m pytest tests/python --ignore tests/python/blender --junitxml "$results/pytest.xml"
+}
+
+stage_blender() { # the add-on inside Debian's Blender, 3.4 on Debian 12
+  apt_install "${blender_packages[@]}"
+  local site=$out/blender/site
+  rm -rf "$site"
+  "$tests_venv/bin/pip" install -q --target "$site" pytest hypothesis
+  install_wheel "$tests_venv" --target "$site"
+  PYTHONPATH=$site timeout 1200 blender -b --factory-startup --python-use-system-env --python-exit-code 1 --python-expr \
+    "import sys, pytest; sys.exit(pytest.main(['tests/python/blender', '--junitxml', '$results/pytest.xml']))"
+}
+
+stage_bpy45() {
+  bpy_tests 4.5.15
+}
+
+stage_bpy50() {
+  bpy_tests 5.0.1
+}
+
+bpy_venv() { # VERSION
+  venv "$root/.venv-bpy-$1" "bpy==$1" numpy pytest hypothesis
+}
+
+bpy_tests() { # VERSION: the add-on inside Blender as a Python module
+  apt_install "${blender_packages[@]}"
+  local venv=$root/.venv-bpy-$1
+  bpy_venv "$1"
+  install_wheel "$venv"
+  timeout 1200 "$venv/bin/python" -m pytest tests/python/blender --junitxml "$results/pytest.xml"
 }
 
 stage_cuda() { # the CUDA part: compiled with nvcc, the machine's or PyPI's, and run where there is a device
@@ -102,12 +134,16 @@ run_stage() {
 }
 
 apt_install python3 python3-venv || exit 1
+mkdir -p "$out/test"
 passed=0 failed=0 skipped=0
 for name; do
   case " ${stages[*]} " in *" $name "*) ;; *) echo "no stage is called $name; there are: ${stages[*]}" >&2 && exit 2 ;; esac
 done
 [ $# = 0 ] && set -- "${stages[@]}"
+# The two big downloads go on while the engine is compiled.
+case " $* " in *" bpy"*) (bpy_venv 4.5.15; bpy_venv 5.0.1) >"$out/test/downloads.log" 2>&1 </dev/null & ;; esac
 for name in "${stages[@]}"; do
+  case $name in bpy*) wait ;; esac
   case " $* " in *" $name "*) run_stage "$name" ;; esac
 done
 [ $skipped = 0 ] && more= || more=", $skipped skipped"
