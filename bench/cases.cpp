@@ -9,6 +9,7 @@
 #include "isimp/core/errors.h"
 #include "isimp/interact/interact.h"
 #include "isimp/mesh/clean.h"
+#include "isimp/mesh/io.h"
 #include "isimp/meshing/polygonize.h"
 #include "isimp/partition/partition.h"
 
@@ -32,6 +33,15 @@ Sample sample_of(const Setup& setup, const Lap& lap, const Partition& result) {
   Sample sample{{lap}, to_json(evaluate(*setup.mesh, setup.surface, result.face_region))};
   sample.facts["rounds"] = result.history.size();
   return sample;
+}
+
+/// From a file to triangle arrays; without one there is nothing to read.
+Case read_case(const SetupPtr& setup) {
+  const auto run = [setup](int) {
+    Arrays arrays;
+    return Sample{{timed([&] { arrays = load_input(setup->file, 0); })}, {}};
+  };
+  return {"read", run, setup->inner};
 }
 
 /// Something that makes a Mesh of the arrays; they are copied before the stopwatch starts.
@@ -142,24 +152,38 @@ Case polygonize_case(const SetupPtr& setup, const std::shared_ptr<Base>& base) {
   return {"polygonize", run, 1};
 }
 
+Case write_case(const SetupPtr& setup, const std::shared_ptr<Base>& base) {
+  const auto run = [setup, base](int) {
+    Job job;
+    const PolygonMesh polygons = polygonize(*setup->mesh, base->get(), {}, job);
+    const std::string path = setup->scratch + "/polygons.ply";
+    return Sample{{timed([&] { write_polygons(path, polygons.vertices, polygons.loops, polygons.loop_start, job); })},
+                  {}};
+  };
+  return {"write", run, 1};
+}
+
 }  // namespace
 
 std::vector<Case> all_cases(const SetupPtr& setup) {
   const auto base = std::make_shared<Base>(setup);
   const Method best = PartitionOptions{}.method;
-  return {
-      mesh_case(setup, "mesh",
-                [](Arrays a, Job& job) { return Mesh(std::move(a.vertices), std::move(a.triangles), job); }),
-      mesh_case(setup, "clean",
-                [](Arrays a, Job& job) { return clean(std::move(a.vertices), std::move(a.triangles), {}, job); }),
-      reference_case(setup),
-      partition_case(setup, "lloyd", Method::lloyd, 1),
-      partition_case(setup, "default", best, 1),
-      partition_case(setup, "default_two_threads", best, 2),
-      edit_case(setup, base, "add", add_proxy),
-      edit_case(setup, base, "delete", delete_proxy),
-      polygonize_case(setup, base),
-  };
+  std::vector<Case> cases;
+  if (!setup->file.empty()) cases.push_back(read_case(setup));
+  cases.push_back(mesh_case(
+      setup, "mesh", [](Arrays a, Job& job) { return Mesh(std::move(a.vertices), std::move(a.triangles), job); }));
+  cases.push_back(mesh_case(setup, "clean", [](Arrays a, Job& job) {
+    return clean(std::move(a.vertices), std::move(a.triangles), {}, job);
+  }));
+  cases.push_back(reference_case(setup));
+  cases.push_back(partition_case(setup, "lloyd", Method::lloyd, 1));
+  cases.push_back(partition_case(setup, "default", best, 1));
+  cases.push_back(partition_case(setup, "default_two_threads", best, 2));
+  cases.push_back(edit_case(setup, base, "add", add_proxy));
+  cases.push_back(edit_case(setup, base, "delete", delete_proxy));
+  cases.push_back(polygonize_case(setup, base));
+  cases.push_back(write_case(setup, base));
+  return cases;
 }
 
 }  // namespace isimp::bench

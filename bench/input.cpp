@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <numbers>
 #include <random>
 #include <sstream>
+#include <utility>
 
 #include "isimp/core/errors.h"
+#include "isimp/mesh/io.h"
 
 namespace isimp::bench {
 namespace {
@@ -89,30 +90,11 @@ Arrays made(const std::string& name) {
   throw InvalidInput(name + ": there are torus, slivers, plane and boxes");
 }
 
-Arrays read_ply(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw InvalidInput(path + ": can't be opened");
-  std::size_t vertices = 0, faces = 0;
-  for (std::string line; std::getline(file, line) && line != "end_header";) {
-    std::istringstream words(line);
-    std::string element, kind;
-    std::size_t count = 0;
-    if (words >> element >> kind >> count && element == "element") (kind == "vertex" ? vertices : faces) = count;
-  }
-  Arrays a;
-  a.vertices.resize(vertices);
-  a.triangles.resize(faces);
-  float xyz[3];
-  for (Vec3& v : a.vertices) {
-    file.read(reinterpret_cast<char*>(xyz), 12);
-    v = {xyz[0], xyz[1], xyz[2]};
-  }
-  for (Triangle& t : a.triangles) {
-    file.get();
-    file.read(reinterpret_cast<char*>(t.data()), 12);
-  }
-  if (!file) throw InvalidInput(path + ": ends too early");
-  return a;
+Arrays read(const std::string& path) {
+  Job job;
+  PolygonSoup soup = read_polygons(path, job);
+  std::vector<Triangle> triangles = triangulate(soup, job).triangles;
+  return {std::move(soup.vertices), std::move(triangles)};
 }
 
 /// Where an old vertex goes.
@@ -172,7 +154,7 @@ Arrays subdivided(const Arrays& arrays) {
 }
 
 Arrays load_input(const std::string& name, std::int32_t loop) {
-  Arrays arrays = name.starts_with("made:") ? made(name) : read_ply(name);
+  Arrays arrays = name.starts_with("made:") ? made(name) : read(name);
   for (std::int32_t i = 0; i < loop; ++i) arrays = subdivided(arrays);
   return arrays;
 }

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "cases.h"
+#include "isimp/mesh/io.h"
 #include "isimp/meshing/polygonize.h"
 #include "isimp/partition/partition.h"
 
@@ -45,7 +46,7 @@ class Phases {
 
 }  // namespace
 
-Json whole_way(const std::string& input, std::int32_t loop, std::int32_t proxies, const std::string&) {
+Json whole_way(const std::string& input, std::int32_t loop, std::int32_t proxies, const std::string& scratch) {
   Phases phases;
   Arrays arrays;
   phases.run("read", [&] { arrays = load_input(input, loop); });
@@ -61,6 +62,9 @@ Json whole_way(const std::string& input, std::int32_t loop, std::int32_t proxies
   phases.run("partition", [&] { regions = partition(*mesh, options, job); });
   PolygonMesh polygons;
   phases.run("polygonize", [&] { polygons = polygonize(*mesh, regions, {}, job); });
+  phases.run("write", [&] {
+    write_polygons(scratch + "/whole_way.ply", polygons.vertices, polygons.loops, polygons.loop_start, job);
+  });
   return phases.finish(array_bytes);
 }
 
