@@ -62,10 +62,10 @@ py::array view(const std::vector<T>& items, py::handle owner) {
   return view(std::span<const T>(items), owner);
 }
 
-/// What a property is made of that shows memory of its object, given a member or a member function.
-template <class Class, class Member>
-auto viewer(Member Class::*member) {
-  return [member](const py::object& self) { return view(std::invoke(member, self.cast<const Class&>()), self); };
+/// What a property of `Self` is made of that shows its memory, given a member or a member function.
+template <class Self, class Member>
+auto viewer(Member member) {
+  return [member](const py::object& self) { return view(std::invoke(member, self.cast<const Self&>()), self); };
 }
 
 }  // namespace isimp::bindings

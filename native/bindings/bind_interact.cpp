@@ -1,6 +1,7 @@
 #include "bindings.h"
 #include "call.h"
 #include "isimp/interact/interact.h"
+#include "kept_mesh.h"
 #include "options.h"
 
 namespace isimp::bindings {
@@ -15,7 +16,7 @@ using Edit = Partition (*)(const Mesh&, const Partition&, std::int32_t, Job&);
 void bind_edit(py::module_& m, const char* name, Edit edit, const char* doc) {
   m.def(
       name,
-      [edit](const Mesh& mesh, const Partition& part, const py::object& face, Job* job) {
+      [edit](const KeptMesh& mesh, const Partition& part, const py::object& face, Job* job) {
         const auto index = static_cast<std::int32_t>(to_integer(face, "face", std::numeric_limits<std::int32_t>::min(),
                                                                 std::numeric_limits<std::int32_t>::max()));
         Job own;

@@ -7,6 +7,7 @@
 #include "call.h"
 #include "isimp/mesh/clean.h"
 #include "isimp/mesh/mesh.h"
+#include "kept_mesh.h"
 #include "options.h"
 
 namespace isimp::bindings {
@@ -40,24 +41,24 @@ void bind_options(py::module_& m) {
       .finish();
 }
 
-std::shared_ptr<Mesh> make_mesh(const py::object& vertices, const py::object& triangles, Job* job) {
+std::shared_ptr<KeptMesh> make_mesh(const py::object& vertices, const py::object& triangles, Job* job) {
   auto points = read_vertices(vertices);
   auto corners = read_triangles(triangles, points.size());
-  return call(job, [&](Job& j) { return std::make_shared<Mesh>(std::move(points), std::move(corners), j); });
+  return call(job, [&](Job& j) { return std::make_shared<KeptMesh>(Mesh(std::move(points), std::move(corners), j)); });
 }
 
-std::shared_ptr<Mesh> clean_mesh(const py::object& vertices, const py::object& triangles, const CleanOptions& options,
-                                 Job* job) {
+std::shared_ptr<KeptMesh> clean_mesh(const py::object& vertices, const py::object& triangles,
+                                     const CleanOptions& options, Job* job) {
   auto points = read_vertices(vertices);
   auto corners = read_triangles(triangles, points.size());
   return call(job, [&, options](Job& j) {
-    return std::make_shared<Mesh>(clean(std::move(points), std::move(corners), options, j));
+    return std::make_shared<KeptMesh>(clean(std::move(points), std::move(corners), options, j));
   });
 }
 
 void bind_class(py::module_& m) {
-  py::class_<Mesh, std::shared_ptr<Mesh>>(m, "Mesh", py::module_local(),
-                                          R"(An oriented triangle surface, checked once and never changed.
+  py::class_<KeptMesh, std::shared_ptr<KeptMesh>>(m, "Mesh", py::module_local(),
+                                                  R"(An oriented triangle surface, checked once and never changed.
 
 Every edge has one or two faces that run along it in opposite directions, the faces round a vertex form one fan, all
 coordinates are finite. Borders, several components, zero-area faces and unused vertices are ordinary.)")
@@ -66,22 +67,22 @@ coordinates are finite. Borders, several components, zero-area faces and unused 
 
 vertices: (V, 3) float32 or float64, scene units. triangles: (F, 3) int32 or int64, counter-clockwise seen from outside.
 Raises InvalidInput, which names the first row that can't be used and why; `clean` takes such arrays. Cost: O(V + F).)")
-      .def_property_readonly("vertices", viewer(&Mesh::vertices), "(V, 3) float64, read-only.")
-      .def_property_readonly("triangles", viewer(&Mesh::triangles), "(F, 3) int32, read-only.")
-      .def_property_readonly("source_face", viewer(&Mesh::source_face),
+      .def_property_readonly("vertices", viewer<KeptMesh>(&Mesh::vertices), "(V, 3) float64, read-only.")
+      .def_property_readonly("triangles", viewer<KeptMesh>(&Mesh::triangles), "(F, 3) int32, read-only.")
+      .def_property_readonly("source_face", viewer<KeptMesh>(&Mesh::source_face),
                              "(F,) int32: the caller's face each face came from; the identity after Mesh(...).")
-      .def_property_readonly("source_vertex", viewer(&Mesh::source_vertex),
+      .def_property_readonly("source_vertex", viewer<KeptMesh>(&Mesh::source_vertex),
                              "(V,) int32: the caller's vertex each vertex came from; -1 for one that a repair made.")
-      .def_property_readonly("component", viewer(&Mesh::component),
+      .def_property_readonly("component", viewer<KeptMesh>(&Mesh::component),
                              "(F,) int32: the component of each face, numbered by first face.")
       .def_property_readonly(
-          "report", [](const Mesh& mesh) { return report_of(mesh.report()); }, R"(What the mesh is, as a dict.
+          "report", [](const KeptMesh& mesh) { return report_of(mesh.report()); }, R"(What the mesh is, as a dict.
 
 vertices, faces, components, closed_components, border_edges, border_loops, euler, zero_area_faces, unused_vertices,
 area and diagonal (scene units), closed; after `clean` also how often each repair was made (unused_vertices: how many it
 dropped). `repairs` holds these counts alone, `repaired_at` the caller's indices of the first few of each: vertices for
 the keys that end so, else faces; both are empty after Mesh(...).)")
-      .def("__repr__", [](const Mesh& mesh) {
+      .def("__repr__", [](const KeptMesh& mesh) {
         const MeshReport& r = mesh.report();
         return py::str("<Mesh: {} faces, {} vertices, {} component{}, {}>")
             .format(r.faces, r.vertices, r.components, r.components == 1 ? "" : "s", r.closed ? "closed" : "open");

@@ -2,6 +2,7 @@
 #include "bindings.h"
 #include "call.h"
 #include "isimp/meshing/polygonize.h"
+#include "kept_mesh.h"
 #include "options.h"
 
 namespace isimp::bindings {
@@ -47,15 +48,16 @@ void bind_result(py::module_& m) {
   py::class_<PolygonMesh>(m, "PolygonMesh", py::module_local(),
                           "A mesh of simple polygons without holes; polygon q has the corners "
                           "loops[loop_start[q] : loop_start[q + 1]], the last one the rest of `loops`.")
-      .def_property_readonly("vertices", viewer(&PolygonMesh::vertices), "(W, 3) float64, scene units.")
-      .def_property_readonly("loops", viewer(&PolygonMesh::loops), "(L,) int32: the vertex of each corner.")
-      .def_property_readonly("loop_start", viewer(&PolygonMesh::loop_start),
+      .def_property_readonly("vertices", viewer<PolygonMesh>(&PolygonMesh::vertices), "(W, 3) float64, scene units.")
+      .def_property_readonly("loops", viewer<PolygonMesh>(&PolygonMesh::loops),
+                             "(L,) int32: the vertex of each corner.")
+      .def_property_readonly("loop_start", viewer<PolygonMesh>(&PolygonMesh::loop_start),
                              "(Q,) int32: where each polygon begins in `loops`.")
-      .def_property_readonly("polygon_region", viewer(&PolygonMesh::polygon_region),
+      .def_property_readonly("polygon_region", viewer<PolygonMesh>(&PolygonMesh::polygon_region),
                              "(Q,) int32: the region each polygon is of.")
-      .def_property_readonly("planarity", viewer(&PolygonMesh::planarity),
+      .def_property_readonly("planarity", viewer<PolygonMesh>(&PolygonMesh::planarity),
                              "(Q,) float64: largest distance of a corner from the polygon's plane, scene units.")
-      .def_property_readonly("source_vertex", viewer(&PolygonMesh::source_vertex),
+      .def_property_readonly("source_vertex", viewer<PolygonMesh>(&PolygonMesh::source_vertex),
                              "(W,) int32: the vertex of the mesh each stands for.")
       .def_property_readonly(
           "report", [](const PolygonMesh& poly) { return report_of(poly.report); }, R"(What came out, as a dict.
@@ -78,7 +80,7 @@ void bind_meshing(py::module_& m) {
   bind_result(m);
   m.def(
       "polygonize",
-      [](const Mesh& mesh, const Partition& part, MeshingOptions options, Job* job) {
+      [](const KeptMesh& mesh, const Partition& part, MeshingOptions options, Job* job) {
         return call(job, [&](Job& j) { return polygonize(mesh, part, options, j); });
       },
       "mesh"_a, "partition"_a, "options"_a = MeshingOptions(), "job"_a = py::none(),

@@ -1,8 +1,8 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "call.h"
-#include "isimp/mesh/mesh.h"
 #include "isimp/partition/partition.h"
+#include "kept_mesh.h"
 #include "options.h"
 
 namespace isimp::bindings {
@@ -20,12 +20,18 @@ void bind_options(py::module_& m) {
              "together stay below ten times it; in [0, 1), 0 keeps everything.")
       .field("seed", &Options::seed, "The number that starts the random seeding.")
       .field("iterations", &Options::iterations, "Upper bound on flood-and-fit rounds, at least 1.")
-      .choice("seeding", &Options::seeding, {{"random", Seeding::random}, {"farthest", Seeding::farthest}},
-              "Where the first proxies are put: 'random', distinct faces drawn by `seed`, or 'farthest', each the face "
-              "whose normal and place are farthest from all before.")
       .choice(
-          "method", &Options::method, {{"lloyd", Method::lloyd}},
-          "How the regions are found: 'lloyd', flooding and fitting in turn, the 2004 paper's and the thesis's own.")
+          "seeding", &Options::seeding,
+          {{"random", Seeding::random}, {"farthest", Seeding::farthest}, {"hierarchical", Seeding::hierarchical}},
+          "Where 'lloyd' and 'teleport' put the first proxies: 'random', distinct faces drawn by `seed`; 'farthest', "
+          "each the face whose normal and place are farthest from all before; 'hierarchical', the faces nearest to "
+          "the regions that 'hierarchy' gives.")
+      .choice("method", &Options::method,
+              {{"lloyd", Method::lloyd}, {"hierarchy", Method::hierarchy}, {"teleport", Method::teleport}},
+              "How the regions are found: 'hierarchy', merging of a hierarchy of patches, then relaxation of the "
+              "borders, the best and the fastest; 'lloyd', flooding and fitting in turn, the 2004 paper's and the "
+              "thesis's own; 'teleport', that, then merging the cheapest pair and splitting the worst region until it "
+              "no longer helps.")
       .field("threads", &Options::threads, "0: as many as there are cores. The result does not depend on it.")
       .field("backend", &Options::backend, "A name of backends().")
       .finish();
@@ -39,13 +45,14 @@ py::dict report_of(const Partition& part) {
 
 void bind_result(py::module_& m) {
   py::class_<Partition>(m, "Partition", py::module_local(), "A surface split into R connected, near-planar regions.")
-      .def_property_readonly("face_region", viewer(&Partition::face_region),
+      .def_property_readonly("face_region", viewer<Partition>(&Partition::face_region),
                              "(F,) int32 in [0, R), by face of mesh.triangles; -1 where a speck was left out.")
-      .def_property_readonly("region_seed", viewer(&Partition::region_seed),
+      .def_property_readonly("region_seed", viewer<Partition>(&Partition::region_seed),
                              "(R,) int32: the region's face that is nearest to its proxy.")
-      .def_property_readonly("region_normal", viewer(&Partition::region_normal),
+      .def_property_readonly("region_normal", viewer<Partition>(&Partition::region_normal),
                              "(R, 3) float64: unit, the area-weighted mean; zero for a region without area.")
-      .def_property_readonly("history", viewer(&Partition::history), "(rounds,) float64: the error after each round.")
+      .def_property_readonly("history", viewer<Partition>(&Partition::history),
+                             "(rounds,) float64: the error after each round.")
       .def_readonly("error", &Partition::error, "Sum of area * |n_face - n_region|^2, scene units squared.")
       .def_property_readonly("region_count", &Partition::region_count, "R.")
       .def_readonly("proxies_asked", &Partition::proxies_asked,
@@ -67,8 +74,8 @@ void bind_partition(py::module_& m) {
   bind_result(m);
   m.def(
       "partition",
-      [](const Mesh& mesh, PartitionOptions options, Job* job) {
-        return call(job, [&](Job& j) { return partition(mesh, options, j); });
+      [](const KeptMesh& mesh, PartitionOptions options, Job* job) {
+        return call(job, [&](Job& j) { return mesh.split(options, j); });
       },
       "mesh"_a, "options"_a = PartitionOptions(), "job"_a = py::none(),
       R"(Split a surface into connected, near-planar regions.
@@ -76,7 +83,9 @@ void bind_partition(py::module_& m) {
 Exactly options.proxies regions, none empty, each connected. Every kept component gets at least what its topology needs
 (4 if it is closed, else 1; never more than its faces); where that takes more than `proxies`, it is taken, and
 `proxies_needed` says so. The same mesh and options give the same partition bit for bit, on any number of threads.
-Raises InvalidInput (an option out of its range) or Cancelled. Cost: O(iterations * F log F).
+The mesh keeps the hierarchy of the default method, so that another number of proxies takes a fraction of the first
+one's time. Raises InvalidInput (an option out of its range) or Cancelled.
+Cost: method 'hierarchy' O(F), the others O(iterations * F).
 Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.)");
 }
 

@@ -54,8 +54,8 @@ class PartitionOptions:
     leave_out: float
     seed: int
     iterations: int
-    seeding: Literal["random", "farthest"]
-    method: Literal["lloyd"]
+    seeding: Literal["random", "farthest", "hierarchical"]
+    method: Literal["hierarchy", "lloyd", "teleport"]
     threads: int
     backend: str
     def __init__(
@@ -65,8 +65,8 @@ class PartitionOptions:
         leave_out: float = ...,
         seed: int = ...,
         iterations: int = ...,
-        seeding: Literal["random", "farthest"] = ...,
-        method: Literal["lloyd"] = ...,
+        seeding: Literal["random", "farthest", "hierarchical"] = ...,
+        method: Literal["hierarchy", "lloyd", "teleport"] = ...,
         threads: int = ...,
         backend: str = ...,
     ) -> None: ...

@@ -19,3 +19,10 @@ def struct_fields(header, struct):
         names = re.sub(r"<[^<>]*>", "", re.sub(r"<[^<>]*>", "", statement)).split(",")
         fields += [re.sub(r"=.*", "", name, flags=re.DOTALL).split()[-1] for name in names]
     return fields
+
+
+def enumerators(header, enum):
+    """The names of an enumeration's values, in order."""
+    text = (INCLUDE / header).read_text()
+    body = re.search(rf"^enum class {enum} {{\n(.*?)^}};", text, re.MULTILINE | re.DOTALL).group(1)
+    return re.findall(r"^\s*(\w+)", re.sub(r"//[^\n]*", "", body), re.MULTILINE)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import isimp_engine as engine
-from headers import struct_fields
+from headers import enumerators, struct_fields
 
 CLASSES = {
     engine.PartitionOptions: "partition/partition.h",
@@ -68,6 +68,17 @@ def test_an_unknown_name_lists_the_known_ones(name):
         engine.PartitionOptions(**{name: "x"})
     with pytest.raises(engine.InvalidInput, match=r", got 3$"):
         engine.PartitionOptions(**{name: 3})
+
+
+@pytest.mark.parametrize(("name", "enum"), [("method", "Method"), ("seeding", "Seeding")])
+def test_every_enumerator_of_the_header_has_its_name(name, enum):
+    names = enumerators("partition/partition.h", enum)
+    assert len(names) >= 2
+    for value in names:
+        assert getattr(engine.PartitionOptions(**{name: value}), name) == value
+    with pytest.raises(engine.InvalidInput) as caught:
+        engine.PartitionOptions(**{name: "x"})
+    assert set(re.findall(r"'(\w+)'", str(caught.value))) == {*names, "x"}
 
 
 @pytest.mark.parametrize("bad", [2.5, 7.0, "7", None, True, [7], np.float64(7), np.array([1, 2])])

@@ -3,6 +3,7 @@
 import gc
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -71,10 +72,19 @@ def check(mesh, part, regions):
     assert part.error <= part.history.min() * (1 + 1e-9) + 1e-12
 
 
-@pytest.mark.parametrize("seeding", ["random", "farthest"])
+@pytest.mark.parametrize(
+    "how",
+    [
+        {},
+        {"method": "lloyd"},
+        {"method": "lloyd", "seeding": "farthest"},
+        {"method": "lloyd", "seeding": "hierarchical"},
+        {"method": "teleport"},
+    ],
+)
 @pytest.mark.parametrize("proxies", [1, 2, 17, 300])
-def test_exactly_the_asked_number_of_connected_regions(sheet, proxies, seeding):
-    part = engine.partition(sheet, options(proxies=proxies, seeding=seeding, method="lloyd"))
+def test_exactly_the_asked_number_of_connected_regions(sheet, proxies, how):
+    part = engine.partition(sheet, options(proxies=proxies, **how))
     check(sheet, part, proxies)
     assert part.proxies_asked == proxies
     assert part.proxies_needed <= proxies
@@ -130,7 +140,41 @@ def test_an_unknown_backend_names_the_known_ones(cube):
         engine.partition(cube, options(proxies=6, backend="abacus"))
 
 
-@pytest.mark.parametrize("method", ["lloyd", engine.PartitionOptions().method])
+@pytest.mark.parametrize("seed", range(5))
+def test_the_default_finds_the_six_sides_of_a_cube_from_any_face_order(seed):
+    vertices, triangles = shapes.cube()
+    order = np.random.default_rng(seed).permutation(len(triangles))
+    mesh = engine.Mesh(vertices, triangles[order])
+    part = engine.partition(mesh, options(proxies=6))
+    check(mesh, part, 6)
+    sides = np.empty(len(triangles), int)
+    sides[order] = part.face_region
+    assert (sides.reshape(6, -1) == sides.reshape(6, -1)[:, :1]).all()
+    assert part.error == pytest.approx(0, abs=1e-6)
+
+
+def test_what_a_mesh_keeps_changes_no_result(sheet):
+    """A mesh that was partitioned before gives the same as a fresh one, whatever the order of the counts."""
+    counts = (30, 300, 3000, 31, 30)
+    kept = engine.Mesh(sheet.vertices, sheet.triangles)
+    for proxies in counts:
+        fresh = engine.Mesh(sheet.vertices, sheet.triangles)
+        first, second = (engine.partition(mesh, options(proxies=proxies)) for mesh in (fresh, kept))
+        np.testing.assert_array_equal(first.face_region, second.face_region)
+        assert first.error == second.error
+
+
+def test_one_mesh_may_be_partitioned_by_several_threads(sheet):
+    mesh = engine.Mesh(sheet.vertices, sheet.triangles)
+    counts = [20, 200, 2000, 50]
+    expected = [engine.partition(sheet, options(proxies=p)).face_region for p in counts]
+    with ThreadPoolExecutor(4) as pool:
+        parts = list(pool.map(lambda p: engine.partition(mesh, options(proxies=p)), counts * 5))
+    for part, faces in zip(parts, expected * 5, strict=True):
+        np.testing.assert_array_equal(part.face_region, faces)
+
+
+@pytest.mark.parametrize("method", ["lloyd", "teleport", "hierarchy"])
 def test_the_same_bits_on_every_run_and_thread_count(sheet, method):
     first = engine.partition(sheet, options(proxies=40, seed=3, method=method, threads=1))
     again = engine.Mesh(sheet.vertices, sheet.triangles)
