@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <limits>
+
 #include "discs.h"
 
 namespace isimp::meshing {
@@ -28,7 +31,45 @@ std::int32_t grow(Cutter& cutter, std::span<const std::int32_t> seeds) {
   return last;
 }
 
+/// The face of each seed's part that is nearest to the part's middle.
+std::vector<std::int32_t> middles(const Cutter& cutter, std::span<const std::int32_t> faces, std::size_t parts) {
+  const Mesh& mesh = cutter.labels.mesh;
+  std::vector<Vec3> sum(parts, Vec3::Zero());
+  std::vector<double> count(parts, 0);
+  for (const std::int32_t f : faces) {
+    sum[cutter.faces.via[f]] += centre(mesh, f);
+    ++count[cutter.faces.via[f]];
+  }
+  std::vector<std::int32_t> nearest(parts, kNone);
+  std::vector<double> least(parts, std::numeric_limits<double>::max());
+  for (const std::int32_t f : faces) {
+    const std::int32_t k = cutter.faces.via[f];
+    const double d = (centre(mesh, f) - sum[k] / count[k]).squaredNorm();
+    if (d >= least[k]) continue;
+    least[k] = d;
+    nearest[k] = f;
+  }
+  return nearest;
+}
+
 }  // namespace
+
+std::int32_t split_evenly(Cutter& cutter, std::int32_t piece, std::int32_t parts, Cause cause) {
+  constexpr int kRounds = 6;
+  const std::vector<std::int32_t> faces = cutter.labels.faces_of(piece);
+  const std::size_t n = std::min<std::size_t>(parts, faces.size());
+  std::vector<std::int32_t> seeds{grow(cutter, std::array{faces[0]})};
+  while (seeds.size() < n) seeds.push_back(grow(cutter, seeds));
+  for (int round = 0; round < kRounds; ++round) {
+    grow(cutter, seeds);
+    seeds = middles(cutter, faces, n);
+  }
+  grow(cutter, seeds);
+  std::vector<std::vector<std::int32_t>> part(n);
+  for (const std::int32_t f : faces) part[cutter.faces.via[f]].push_back(f);
+  for (std::size_t k = 1; k < n; ++k) cutter.labels.part(part[k], part[0][0], cause);
+  return static_cast<std::int32_t>(n) - 1;
+}
 
 std::int32_t bisect(Cutter& cutter, std::int32_t piece, Cause cause, std::array<std::int32_t, 2> seeds) {
   const std::vector<std::int32_t> faces = cutter.labels.faces_of(piece);

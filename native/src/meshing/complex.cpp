@@ -4,18 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "polyline.h"
+
 namespace isimp::meshing {
-namespace {
-
-double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
-  const Vec3 d = b - a;
-  const double l = d.squaredNorm();
-  const double t = l > 0 ? std::clamp((p - a).dot(d) / l, 0.0, 1.0) : 0.0;
-  return (p - a - t * d).norm();
-}
-
-}  // namespace
-
 Complex::Complex(const Labels& labels, const std::vector<Plane>& planes)
     : labels_(labels),
       mesh_(labels.mesh),
@@ -98,25 +89,11 @@ std::vector<std::int32_t> Complex::path(std::int32_t chord) const {
   return vertices;
 }
 
-/// The largest distance of the path from its chord; of nearly equal ones the vertex nearest to an end of the bend, so
-/// that a side parallel to the chord gives a corner of the shape and not a vertex between two.
-Complex::Farthest Complex::farthest(std::span<const std::int32_t> path) const {
-  const Vec3 &a = mesh_.vertices()[path.front()], &b = mesh_.vertices()[path.back()];
-  double most = -1;
-  for (std::size_t i = 1; i + 1 < path.size(); ++i)
-    most = std::max(most, distance_to_segment(mesh_.vertices()[path[i]], a, b));
-  std::size_t where = path.size() / 2;
-  if (most <= 1e-9 * mesh_.diagonal()) return {most, where};
-  double longest = -1;
-  for (std::size_t i = 1; i + 1 < path.size(); ++i) {
-    const Vec3& p = mesh_.vertices()[path[i]];
-    if (distance_to_segment(p, a, b) < 0.98 * most) continue;
-    const double detour = (p - a).norm() + (p - b).norm();
-    if (detour <= longest * (1 + 1e-12)) continue;
-    longest = detour;
-    where = i;
-  }
-  return {most, where};
+std::vector<Vec3> Complex::points(std::span<const std::int32_t> path) const {
+  std::vector<Vec3> points;
+  points.reserve(path.size());
+  for (const std::int32_t v : path) points.push_back(mesh_.vertices()[v]);
+  return points;
 }
 
 void Complex::add_corner(std::int32_t vertex) {
@@ -130,7 +107,7 @@ void Complex::add_corner(std::int32_t vertex) {
 bool Complex::bend(std::int32_t chord) {
   const std::vector<std::int32_t> vertices = path(chord);
   if (vertices.size() < 3) return false;
-  add_corner(vertices[farthest(vertices).where]);
+  add_corner(vertices[farthest(points(vertices)).where]);
   return true;
 }
 
@@ -138,35 +115,7 @@ bool Complex::bend(std::int32_t chord) {
 void Complex::subdivide(std::int32_t chord) {
   const std::vector<std::int32_t> vertices = path(chord);
   if (vertices.size() < 3) return;
-  const double reach = reach_of(chord);
-  choose(vertices, reach);
-  drop_needless(vertices, reach);
-}
-
-void Complex::choose(std::span<const std::int32_t> path, double reach) {
-  if (path.size() < 3) return;
-  const bool closed = path.front() == path.back();
-  const auto [distance, where] = farthest(path);
-  if (distance <= reach && !closed) return;
-  add_corner(path[where]);
-  choose(path.first(where + 1), reach);
-  choose(path.subspan(where), reach);
-}
-
-/// Takes corners away again that later ones made needless.
-void Complex::drop_needless(std::span<const std::int32_t> path, double reach) {
-  std::size_t before = 0;
-  if (path.front() == path.back()) return;
-  for (std::size_t i = 1; i + 1 < path.size(); ++i) {
-    if (!is_corner(path[i])) continue;
-    std::size_t after = i + 1;
-    while (!is_corner(path[after])) ++after;
-    if (farthest(path.subspan(before, after - before + 1)).distance <= reach) {
-      corner_[path[i]] = 0;
-    } else {
-      before = i;
-    }
-  }
+  for (const std::size_t i : simplify(without_zigzag(points(vertices)), reach_of(chord))) add_corner(vertices[i]);
 }
 
 void Complex::collect_dirty() {
@@ -209,7 +158,7 @@ bool Complex::add_third_corners() {
     for (const std::int32_t h : chords_[l]) {
       const std::vector<std::int32_t> vertices = path(h);
       if (vertices.size() < 3) continue;
-      const double d = farthest(vertices).distance;
+      const double d = farthest(points(vertices)).distance;
       if (d <= most) continue;
       most = d;
       best = h;
@@ -245,7 +194,7 @@ bool Complex::part_multi_edges() {
       // All but the straightest get a corner; at most one of them is a bare edge of the mesh.
       std::vector<std::pair<double, std::int32_t>> bent;
       for (std::size_t k = i; k < end; ++k) {
-        bent.emplace_back(farthest(path(entries[k].chord)).distance, entries[k].chord);
+        bent.emplace_back(farthest(points(path(entries[k].chord))).distance, entries[k].chord);
       }
       std::sort(bent.begin(), bent.end());
       for (std::size_t k = 1; k < bent.size(); ++k) {

@@ -63,15 +63,9 @@ class Complex {
 
  private:
   [[nodiscard]] bool is_anchor(std::int32_t vertex) const;
-  struct Farthest {
-    double distance;    ///< from the chord; below 0 for a bare mesh edge
-    std::size_t where;  ///< index into the path
-  };
-  [[nodiscard]] Farthest farthest(std::span<const std::int32_t> path) const;
+  [[nodiscard]] std::vector<Vec3> points(std::span<const std::int32_t> path) const;
   void seed_ring(std::int32_t piece);
   void subdivide(std::int32_t chord);
-  void choose(std::span<const std::int32_t> path, double reach);
-  void drop_needless(std::span<const std::int32_t> path, double reach);
   [[nodiscard]] double reach_of(std::int32_t chord) const;
   void collect_dirty();
   bool add_third_corners();

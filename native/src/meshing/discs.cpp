@@ -64,6 +64,23 @@ void make_discs(Cutter& cutter, std::vector<std::int32_t> todo, Job& job) {
   }
 }
 
+namespace {
+
+/// The piece with the most faces, kNone if none has two.
+std::int32_t largest_of(Labels& labels, std::span<const std::int32_t> pieces) {
+  std::int32_t largest = kNone;
+  std::size_t most = 1;
+  for (const std::int32_t l : pieces) {
+    const std::size_t faces = labels.faces_of(l).size();
+    if (faces <= most) continue;
+    most = faces;
+    largest = l;
+  }
+  return largest;
+}
+
+}  // namespace
+
 void split_closed_components(Cutter& cutter, std::int32_t least, Job& job) {
   Labels& labels = cutter.labels;
   const Mesh& mesh = labels.mesh;
@@ -74,21 +91,14 @@ void split_closed_components(Cutter& cutter, std::int32_t least, Job& job) {
   for (std::int32_t l = 0; l < labels.piece_count(); ++l) of[mesh.component()[labels.pieces[l].face]].push_back(l);
   for (std::size_t c = 0; c < of.size(); ++c) {
     while (!open[c] && !of[c].empty() && static_cast<std::int32_t>(of[c].size()) < least) {
-      std::int32_t largest = kNone;
-      std::size_t most = 1;
-      for (const std::int32_t l : of[c]) {
-        const std::size_t faces = labels.faces_of(l).size();
-        if (faces <= most) continue;
-        most = faces;
-        largest = l;
-      }
+      const std::int32_t largest = largest_of(labels, of[c]);
       if (largest == kNone) break;
       const std::int32_t before = labels.piece_count();
-      bisect(cutter, largest, Cause::closed);
-      std::vector<std::int32_t> fresh;
-      for (std::int32_t l = before; l < labels.piece_count(); ++l) fresh.push_back(l);
-      fresh.push_back(largest);
-      make_discs(cutter, fresh, job);
+      const auto missing = least - static_cast<std::int32_t>(of[c].size());
+      split_evenly(cutter, largest, of[c].size() == 1 ? missing + 1 : 2, Cause::closed);
+      std::vector<std::int32_t> changed{largest};
+      for (std::int32_t l = before; l < labels.piece_count(); ++l) changed.push_back(l);
+      make_discs(cutter, changed, job);
       for (std::int32_t l = before; l < labels.piece_count(); ++l) of[c].push_back(l);
     }
   }

@@ -50,6 +50,11 @@ struct Cutter {
 std::int32_t bisect(Cutter& cutter, std::int32_t piece, Cause cause,
                     std::array<std::int32_t, 2> seeds = {kNone, kNone});
 
+/// Parts a piece in up to `parts` connected pieces of about the same size and round shape.
+/// \return how many labels are new, the last ones
+/// Source: farthest point seeds and rounds of Lloyd's method over the surface.
+std::int32_t split_evenly(Cutter& cutter, std::int32_t piece, std::int32_t parts, Cause cause);
+
 /// Hands one sector of faces at a vertex to the piece beside it, if that brings both pieces nearer to discs.
 /// \return the two pieces that changed, none if no hand-over helps
 std::vector<std::int32_t> hand_over_sector(Cutter& cutter, std::int32_t vertex);
@@ -67,7 +72,7 @@ std::int32_t cut_handle(Cutter& cutter, std::int32_t piece, const Shape& shape);
 /// Splits or changes pieces until each of `todo`, and what comes of it, is a disc.
 void make_discs(Cutter& cutter, std::vector<std::int32_t> todo, Job& job);
 
-/// Splits the largest piece of a closed component until it has `least` pieces (or one a face).
+/// Splits the pieces of closed components until each has `least` (or one a face).
 void split_closed_components(Cutter& cutter, std::int32_t least, Job& job);
 
 }  // namespace isimp::meshing

@@ -28,11 +28,15 @@ struct PolygonVerdict {
   std::array<std::int32_t, 2> crossing{-1, -1};  ///< two edges that meet, by the index of their first corner
 };
 
-/// \param normal     that of the piece: a polygon that faces away from it is flipped
-/// \param bend_bound scene units; no bound if not above 0
-/// \param facets     the triangulation is added here, marked as `like`
+struct Bounds {
+  double bend = 0;        ///< scene units; no bound if not above 0
+  double least_area = 0;  ///< scene units squared; a polygon with no more than this has none
+};
+
+/// \param normal  that of the piece: a polygon that faces away from it is flipped
+/// \param facets  the triangulation is added here, marked as `like`
 PolygonVerdict judge_polygon(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Vec3& normal,
-                             double bend_bound, Facet like, std::vector<Facet>& facets);
+                             const Bounds& bounds, Facet like, std::vector<Facet>& facets);
 
 /// Two pieces with polygons that meet elsewhere than in what they share; a <= b.
 struct Hit {

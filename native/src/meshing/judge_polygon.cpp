@@ -128,24 +128,89 @@ class Ears {
   std::vector<std::size_t> left_;
 };
 
+/// The triangulation of a simple bent polygon with the least surface, out of those that do not fold over along the
+/// normal. Source: Gilbert 1979. Cost: O(n^3).
+class LeastSurface {
+ public:
+  LeastSurface(const std::vector<Point>& points, std::span<const std::int32_t> polygon, std::span<const Vec3> position)
+      : p_(points), polygon_(polygon), position_(position), n_(points.size()), cost_(n_ * n_, 0), via_(n_ * n_, 0) {}
+
+  /// \return whether there is one
+  bool cut(const Facet& like, std::vector<Facet>& facets) {
+    for (std::size_t gap = 2; gap < n_; ++gap)
+      for (std::size_t i = 0; i + gap < n_; ++i) best(i, i + gap);
+    if (cost_[n_ - 1] >= kNever) return false;
+    collect(0, n_ - 1, like, facets);
+    return true;
+  }
+
+ private:
+  static constexpr double kNever = 1e300;
+
+  void best(std::size_t i, std::size_t j) {
+    double& least = cost_[i * n_ + j];
+    least = kNever;
+    if (j - i < n_ - 1 && !inside(i, j)) return;
+    for (std::size_t k = i + 1; k < j; ++k) {
+      const double rest = cost_[i * n_ + k] + cost_[k * n_ + j];
+      if (rest >= least || CGAL::orientation(p_[i], p_[k], p_[j]) != CGAL::LEFT_TURN) continue;
+      const Vec3 &a = position_[polygon_[i]], &b = position_[polygon_[k]], &c = position_[polygon_[j]];
+      const double sum = rest + (b - a).cross(c - a).norm();
+      if (sum >= least) continue;
+      least = sum;
+      via_[i * n_ + j] = k;
+    }
+  }
+
+  /// Whether the segment from corner i to corner j touches no edge but at its ends.
+  [[nodiscard]] bool inside(std::size_t i, std::size_t j) const {
+    const Kernel::Segment_2 s(p_[i], p_[j]);
+    for (std::size_t k = 0; k < n_; ++k) {
+      const std::size_t m = k + 1 < n_ ? k + 1 : 0;
+      if (k == i || k == j || m == i || m == j) continue;
+      if (!boxes_apart(p_[i], p_[j], p_[k], p_[m]) && CGAL::do_intersect(s, Kernel::Segment_2(p_[k], p_[m])))
+        return false;
+    }
+    return true;
+  }
+
+  void collect(std::size_t i, std::size_t j, Facet like, std::vector<Facet>& facets) const {
+    if (j - i < 2) return;
+    const std::size_t k = via_[i * n_ + j];
+    like.corner = {polygon_[i], polygon_[k], polygon_[j]};
+    facets.push_back(like);
+    collect(i, k, like, facets);
+    collect(k, j, like, facets);
+  }
+
+  const std::vector<Point>& p_;
+  std::span<const std::int32_t> polygon_;
+  std::span<const Vec3> position_;
+  std::size_t n_;
+  std::vector<double> cost_;
+  std::vector<std::size_t> via_;
+};
+
 }  // namespace
 
 PolygonVerdict judge_polygon(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Vec3& normal,
-                             double bend_bound, Facet like, std::vector<Facet>& facets) {
+                             const Bounds& bounds, Facet like, std::vector<Facet>& facets) {
   PolygonVerdict verdict;
   const Flat f = flat(polygon, position);
   verdict.bend = f.bend;
-  if (f.points.empty()) {
+  if (f.points.empty() || f.normal.norm() <= bounds.least_area) {
     verdict.faults = kNoArea;
     return verdict;
   }
   if (f.normal.dot(normal) <= kFacing * f.normal.norm()) verdict.faults |= kFlipped;
-  if (bend_bound > 0 && f.bend > bend_bound) verdict.faults |= kBent;
+  if (bounds.bend > 0 && f.bend > bounds.bend) verdict.faults |= kBent;
   verdict.crossing = find_crossing(f.points);
   if (verdict.crossing[0] >= 0) {
     verdict.faults |= kCrossing;
   } else {
-    Ears(f.points, polygon).cut(like, facets);
+    constexpr std::size_t kFew = 24;
+    if (polygon.size() == 3 || polygon.size() > kFew || !LeastSurface(f.points, polygon, position).cut(like, facets))
+      Ears(f.points, polygon).cut(like, facets);
   }
   return verdict;
 }

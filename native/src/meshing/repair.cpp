@@ -13,6 +13,7 @@ namespace isimp::meshing {
 namespace {
 
 constexpr int kRounds = 40;
+constexpr double kLeastArea = 1e-12;       ///< of the diagonal squared
 constexpr int kPatience = 12;              ///< how often the last act of a plan is repeated
 constexpr double kPull = 0.5;              ///< what a pull leaves of a corner's radius
 constexpr std::int32_t kLeastBudget = 30;  ///< splits that are always allowed
@@ -25,7 +26,8 @@ class Repairer {
   Repairer(State& state, Job& job) : s_(state), job_(job) {
     const auto pieces = static_cast<double>(s_.labels.piece_count());
     budget_ = std::max(kLeastBudget, static_cast<std::int32_t>(s_.options.repair_budget * pieces));
-    if (s_.regions >= s_.options.flatness_from) bend_bound_ = s_.options.flatness * s_.mesh.diagonal();
+    if (s_.regions >= s_.options.flatness_from) bounds_.bend = s_.options.flatness * s_.mesh.diagonal();
+    bounds_.least_area = kLeastArea * s_.mesh.diagonal() * s_.mesh.diagonal();
   }
 
   RepairOutcome run() {
@@ -64,7 +66,7 @@ class Repairer {
       f.polygons.clear();
       f.facets.clear();
       for (std::int32_t q = s_.polygons.first_of[l]; q < s_.polygons.first_of[l + 1]; ++q)
-        f.polygons.push_back(judge_polygon(s_.polygons.of(q), s_.corners.position, s_.planes[l].normal, bend_bound_,
+        f.polygons.push_back(judge_polygon(s_.polygons.of(q), s_.corners.position, s_.planes[l].normal, bounds_,
                                            {{}, l, q - s_.polygons.first_of[l]}, f.facets));
     }
     std::vector<Facet> facets;
@@ -242,7 +244,7 @@ class Repairer {
   Job& job_;
   RepairOutcome outcome_;
   std::int32_t budget_ = 0;
-  double bend_bound_ = 0;
+  Bounds bounds_;
   std::vector<Found> found_;  // by piece
   std::vector<int> tries_;    // by piece
   std::vector<Hit> hits_;     // in rising order

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "isimp/core/types.h"
+
+namespace isimp::meshing {
+
+struct Farthest {
+  double distance;    ///< of a point from the segment between the first and the last; -1 if there are no more points
+  std::size_t where;  ///< its index
+};
+
+/// The point of a polyline that is farthest from its chord; of nearly equal ones the one with the longest way round, so
+/// that a side parallel to the chord gives a corner of the shape and not a point between two. The middle one where all
+/// lie on the chord. Cost: O(n).
+Farthest farthest(std::span<const Vec3> line);
+
+/// A polyline that keeps its ends and its bends, with zigzag taken out: a point that turns against its neighbours is
+/// moved towards the mean of the middles of its two edges.
+std::vector<Vec3> without_zigzag(std::span<const Vec3> line);
+
+/// The points to keep beside the ends so that no point is further than `reach` from the chord that stands for it; at
+/// least one if the ends are the same point. \return indices in rising order
+/// Source: Douglas, Peucker 1973; then points that became needless go, and the others slide to where they fit best.
+std::vector<std::size_t> simplify(std::span<const Vec3> line, double reach);
+
+}  // namespace isimp::meshing
