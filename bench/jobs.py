@@ -67,7 +67,7 @@ def growth(*, quick: bool) -> list[Job]:
     for n in faces:
         options = ("--rounds", "3" if n < 500_000 else "1", *few)
         if n > 1_000_000:  # the plain reference would take many minutes
-            options += ("--cases", "mesh,default,lloyd")
+            options += ("--cases", "mesh,default,lloyd,new_count")
         plan.append(Job(f"faces/{n}", "isimp_bench", f"made:torus:{n}", faces[0] // 20, 0, options))
     mesh = "made:torus:4000" if quick else "made:torus:1000000"
     plan += [Job(f"regions/{p}", "isimp_bench", mesh, p, 0, ("--rounds", "1", *few)) for p in counts]

@@ -77,6 +77,10 @@ def partition_rows(where: str, result: Result, *, bars: bool) -> Iterator[Row]:
             ratio >= speed and more_error <= error and (not border or more_border <= border) if bars else None,
         )
     yield threads_row(where, result, bars=bars)
+    if "teleport" in result["cases"]:
+        yield teleport_row(where, result)
+    if "new_count" in result["cases"]:
+        yield new_count_row(where, result)
 
 
 def same_labels(result: Result) -> bool:
@@ -95,6 +99,26 @@ def threads_row(where: str, result: Result, *, bars: bool) -> Row:
         ">= 1.5 x, same labels" if bars else "same labels",
         f"{one / two:.2f} x, {'same' if same else 'OTHER'} labels",
         same and (not bars or one >= 1.5 * two),
+    )
+
+
+def teleport_row(where: str, result: Result) -> Row:
+    more_error = relative(fact(result, "teleport", "error"), fact(result, "reference", "error"))
+    measured = f"{speed_up(result, 'teleport', 'reference'):.1f} x, D {percent(more_error)}"
+    return Row("teleport, one thread, against REF", where, "", measured, None)
+
+
+def new_count_row(where: str, result: Result) -> Row:
+    took = median(per_round(result, "new_count"))
+    kept = all(runs[0]["kept"] for runs in result["cases"]["new_count"])
+    measured = f"{took:.0f} ms, {took / reference_round(result):.2f} REF rounds{'' if kept else ', NOT KEPT'}"
+    large = result["mesh"]["faces"] >= LARGE
+    return Row(
+        "a new number of regions from the kept hierarchy",
+        where,
+        "<= 40 ms" if large else "",
+        measured,
+        took <= 40 and kept if large else None,
     )
 
 
