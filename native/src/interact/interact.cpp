@@ -11,8 +11,8 @@
 namespace isimp {
 namespace {
 
-constexpr int kRounds = 2;         // of fitting a region that is split
-constexpr int kSweeps = 40;        // of the borders afterwards
+constexpr int kRounds = 2;   // of fitting a region that is split
+constexpr int kSweeps = 40;  // of the borders afterwards
 
 void check(const Mesh& mesh, const Partition& partition, std::int32_t face) {
   const auto regions = partition.region_seed.size();
@@ -37,7 +37,8 @@ struct Edit {
 
   /// Relaxes the borders of these faces and what follows from that.
   void relax(std::span<const std::int32_t> faces, std::int32_t pinned, Job& job) {
-    Relaxation<MeshLabels> relaxation(graph, labels, result.region_sum, kBorderWeight * result.error / graph.area);
+    Relaxation<MeshLabels> relaxation(graph, labels, result.region_sum,
+                                      border_weight(graph.area > 0 ? result.error / graph.area : 0.0));
     relaxation.pin(pinned);
     for (const std::int32_t face : faces) {
       relaxation.push_if_border(face);

@@ -70,7 +70,7 @@ class Optimiser {
       project(regions, job);
     }
     Job::Part stage(job, "relaxing", 0.4, 1.0);
-    Relaxation<GraphLabels> relaxation(graph_, {regions_.label.data()}, regions_.sum, kBorderWeight * regions_.error());
+    Relaxation<GraphLabels> relaxation(graph_, {regions_.label.data()}, regions_.sum, border_weight(regions_.error()));
     push_borders(relaxation);
     relaxation.run(kFirstSweeps, job);
     job.report(0.4);

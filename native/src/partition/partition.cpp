@@ -18,8 +18,8 @@
 namespace isimp {
 namespace {
 
-constexpr int kSweeps = 60;  // of the borders between flooding and teleports
-constexpr int kTries = 50;   // of teleports in a row that do not pay, before a round ends
+constexpr int kSweeps = 200;  // of the borders between flooding and teleports
+constexpr int kTries = 50;    // of teleports in a row that do not pay, before a round ends
 
 template <class T>
 [[noreturn]] void out_of_range(const char* name, const std::string& range, T value) {
@@ -58,7 +58,7 @@ Regions teleport(const Mesh& mesh, const Parts& parts, Regions regions, std::vec
     const std::vector<std::int32_t> faces = nearest_faces(graph, regions, job);
     for (const std::int32_t face : faces) part.push_back(mesh.component()[graph.mesh_face[face]]);
   }
-  Relaxation<GraphLabels> relaxation(graph, {regions.label.data()}, regions.sum, kBorderWeight * regions.error());
+  Relaxation<GraphLabels> relaxation(graph, {regions.label.data()}, regions.sum, border_weight(regions.error()));
   for (std::int32_t i = 0; i < graph.size(); ++i) relaxation.push_if_border(i);
   relaxation.run(kSweeps, job);
   Teleport moves(graph, parts, regions, std::move(part), relaxation);

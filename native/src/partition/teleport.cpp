@@ -11,7 +11,7 @@
 namespace isimp {
 namespace {
 
-constexpr int kSweeps = 20;          // of the borders after a round
+constexpr int kSweeps = 200;         // of the borders after a round; a face may have to grow over a whole side
 constexpr int kRounds = 3;           // of fitting the halves of a split
 constexpr double kMargin = 0.02;     // a move must gain this share more than it costs
 constexpr double kLeastFall = 1e-4;  // of the error by a round: below it, it is not worth another
@@ -23,7 +23,8 @@ Halves two_sides(const FaceGraph& graph, std::span<const std::int32_t> faces, co
     std::int32_t farthest = faces[0];
     float most = -1.0F;
     for (const std::int32_t face : faces) {
-      const float error = NormalMetric::error(graph.faces[face], proxy);
+      const FaceRecord& f = graph.faces[face];
+      const float error = f.area * NormalMetric::error(f, proxy);  // by area: slivers may have any normal
       if (error <= most) continue;
       most = error;
       farthest = face;
@@ -34,7 +35,7 @@ Halves two_sides(const FaceGraph& graph, std::span<const std::int32_t> faces, co
   halves.seed = {faces.front(), faces.back()};  // as gathered breadth first: far from each other
   halves.proxy = {NormalMetric::fit(sum), NormalMetric::fit(sum)};
   const auto [most, a] = farthest_from(halves.proxy[0]);
-  if (most < 1e-9F) return halves;
+  if (most < 1e-9F * static_cast<float>(sum.weight)) return halves;
   const std::int32_t b = farthest_from(NormalMetric::proxy_of(graph.faces[a])).second;
   halves.proxy = {NormalMetric::proxy_of(graph.faces[a]), NormalMetric::proxy_of(graph.faces[b])};
   part_normals(graph, faces, halves.proxy, kRounds);
@@ -170,45 +171,110 @@ void Teleport::merge(std::int32_t into, std::int32_t from, Job& job) {
   push_borders(faces);
 }
 
+/// Joins a region with a neighbour and parts the two anew: an island of a side that belongs to the region grows so.
+bool Teleport::part_anew(std::int32_t region, std::int32_t other, Job& job) {
+  const RegionSum one = regions_.sum[region], two = regions_.sum[other];
+  const std::vector<std::int32_t> faces = take_out(graph_, labels_, face_of(other, job));
+  for (const std::int32_t face : faces) labels_.set(face, region);
+  regions_.sum[region].add(two);
+  const double joining = regions_.sum[region].error() - one.error() - two.error();
+  if (split(region, other, job) - joining > kMargin * joining + kLeastGain) {
+    --count_[part_of(region)];
+    accept_split(region, other);
+    return true;
+  }
+  undo_split(region);
+  for (const std::int32_t face : faces) labels_.set(face, other);
+  regions_.sum[region] = one;
+  return false;
+}
+
+/// Merges a pair and splits a region elsewhere. \param price  what the split must gain more than
+bool Teleport::move(const Pair& pair, std::int32_t region, double price, Job& job) {
+  const std::int32_t spare = regions_.count();  // label of the new half until the merge has freed one
+  tried_[region].error = regions_.sum[region].error();
+  tried_[region].gain = split(region, spare, job);
+  if (tried_[region].gain <= price) {
+    undo_split(region);
+    return false;
+  }
+  std::vector<std::int32_t> half;
+  for (const std::int32_t face : faces_)
+    if (labels_.get(face) == spare) half.push_back(face);
+  merge(pair.u, pair.v, job);
+  for (const std::int32_t face : half) labels_.set(face, pair.v);
+  accept_split(region, pair.v);
+  return true;
+}
+
 int Teleport::round(int tries, double least_ratio, Job& job) {
   const std::vector<Pair> pairs = cheapest_pairs();
   std::vector<bool> used(regions_.sum.size(), false);
   tried_.resize(regions_.sum.size());
   int moves = 0, failed = 0;
-  std::size_t next = 0;
+  auto cheapest = pairs.begin();
   for (const std::int32_t region : worst_regions()) {
     job.poll();
+    if (used[region]) continue;
+    const auto unused = [&](const Pair& p) { return !used[p.u] && !used[p.v]; };
     const auto free = [&](const Pair& p) {
       const std::int32_t c = part_of(p.u);
       const bool spare = count_[c] > parts_.parts[c].need || c == part_of(region);
-      return !used[p.u] && !used[p.v] && p.u != region && p.v != region && spare;
+      return unused(p) && p.u != region && p.v != region && spare;
     };
-    while (next < pairs.size() && (used[pairs[next].u] || used[pairs[next].v])) ++next;
-    const auto pair = std::find_if(pairs.begin() + static_cast<std::ptrdiff_t>(next), pairs.end(), free);
-    if (pair == pairs.end() || failed >= tries) break;
-    const double error = regions_.sum[region].error(), price = pair->cost * (1 + kMargin) + kLeastGain;
-    if (error <= price || error < least_ratio * pair->cost) break;  // nor can any that follows gain enough
-    if (used[region]) continue;
-    Tried& tried = tried_[region];
-    if (tried.error == error && tried.gain <= price) continue;
-    const std::int32_t fresh = pair->v;
-    // The label for the new half is freed by merging first; a split that gains too little is undone before that.
-    const double gain = split(region, regions_.count(), job);
-    tried = {error, gain};
-    if (gain <= price) {
-      undo_split(region);
-      ++failed;
-      continue;
+    cheapest = std::find_if(cheapest, pairs.end(), unused);
+    const auto pair = std::find_if(cheapest, pairs.end(), free);
+    if (cheapest == pairs.end() || failed >= tries) break;
+    const double error = regions_.sum[region].error();
+    const double price = cheapest->cost * (1 + kMargin) + kLeastGain;
+    if (error <= price || error < least_ratio * cheapest->cost) break;  // nor can any that follows gain enough
+    if (tried_[region].error == error && tried_[region].gain <= price) continue;
+    if (cheapest->u == region || cheapest->v == region) {
+      const std::int32_t other = cheapest->u + cheapest->v - region;
+      if (part_anew(region, other, job)) {
+        used[region] = used[other] = true;
+        failed = 0;
+        ++moves;
+        continue;
+      }
     }
-    std::vector<std::int32_t> half;
-    for (const std::int32_t face : faces_)
-      if (labels_.get(face) == regions_.count()) half.push_back(face);
-    merge(pair->u, fresh, job);
-    for (const std::int32_t face : half) labels_.set(face, fresh);
-    accept_split(region, fresh);
-    used[pair->u] = used[fresh] = used[region] = true;
-    failed = 0;
-    ++moves;
+    if (pair != pairs.end() && move(*pair, region, pair->cost * (1 + kMargin) + kLeastGain, job)) {
+      used[pair->u] = used[pair->v] = used[region] = true;
+      failed = 0;
+      ++moves;
+    } else {
+      ++failed;
+    }
+  }
+  if (moves == 0) return 0;
+  relaxation_.refit();
+  relaxation_.run(kSweeps, job);
+  return moves;
+}
+
+/// Parts regions that are far worse than the usual anew with each of their neighbours. That opens rings: a region that
+/// lies round another can't give way face by face, since it would fall apart before it is whole again.
+int Teleport::renew(int tries, double least_ratio, Job& job) {
+  const std::vector<std::int32_t> worst = worst_regions();
+  const double usual = regions_.sum[worst[worst.size() / 2]].error();
+  std::vector<std::vector<std::int32_t>> around(regions_.sum.size());
+  for (const auto& [u, v] : neighbouring_regions(graph_, regions_.label, relaxation_.pushed())) around[u].push_back(v);
+  std::vector<bool> used(regions_.sum.size(), false);
+  int moves = 0, failed = 0;
+  for (const std::int32_t region : worst) {
+    const double error = regions_.sum[region].error();
+    if (error <= kLeastGain + least_ratio * usual || failed >= tries) break;
+    if (used[region] || tried_[region].renewed == error) continue;
+    tried_[region].renewed = error;
+    bool better = false;
+    for (const std::int32_t other : around[region]) {
+      job.poll();
+      if (used[other] || !part_anew(region, other, job)) continue;
+      used[region] = used[other] = better = true;
+      break;
+    }
+    failed = better ? 0 : failed + 1;
+    moves += better ? 1 : 0;
   }
   if (moves == 0) return 0;
   relaxation_.refit();
@@ -220,7 +286,8 @@ int Teleport::run(int tries, double least_ratio, Job& job) {
   int moves = 0;
   for (;;) {
     const Regions before = regions_;
-    const int made = round(tries, least_ratio, job);
+    int made = round(tries, least_ratio, job);
+    if (made == 0) made = renew(tries, least_ratio, job);
     if (made == 0) return moves;
     if (regions_.error() > (1 - kLeastFall) * before.error()) {  // the relaxation also weighs the borders' length
       if (regions_.error() > before.error()) {

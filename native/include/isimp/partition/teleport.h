@@ -28,6 +28,7 @@ class Teleport {
   ///
   /// Regions are tried in the order of their error, the most a split can gain.
   /// \param tries  a round ends after this many regions in a row that were not worth it
+  /// Regions much worse than the usual are also parted anew from each of their neighbours.
   /// \param least_ratio  nothing is tried whose error is below this many times the price of the merge that pays for it
   /// \return moves made
   /// Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.5 (region teleportation).
@@ -41,6 +42,9 @@ class Teleport {
   [[nodiscard]] std::vector<Pair> cheapest_pairs() const;
   [[nodiscard]] std::vector<std::int32_t> worst_regions() const;
   int round(int tries, double least_ratio, Job& job);
+  int renew(int tries, double least_ratio, Job& job);
+  bool part_anew(std::int32_t region, std::int32_t other, Job& job);
+  bool move(const Pair& pair, std::int32_t region, double price, Job& job);
   double split(std::int32_t region, std::int32_t fresh, Job& job);
   void undo_split(std::int32_t region);
   void accept_split(std::int32_t region, std::int32_t fresh);
@@ -61,6 +65,7 @@ class Teleport {
   struct Tried {
     double error = -1;  // of the region when it was tried; it need not be tried again while that holds
     double gain = 0;
+    double renewed = -1;  // its error when it was parted anew from all its neighbours in vain
   };
   std::vector<Tried> tried_;
 };
