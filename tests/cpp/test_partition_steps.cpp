@@ -1,0 +1,332 @@
+// The steps of partitioning on graphs small enough to know the answer, and against a plain version of each.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <queue>
+#include <tuple>
+
+#include "isimp/partition/flooding.h"
+#include "isimp/partition/hierarchy.h"
+#include "isimp/partition/lloyd.h"
+#include "isimp/partition/local.h"
+#include "isimp/partition/merging.h"
+#include "isimp/partition/partition.h"
+#include "isimp/partition/patch_relax.h"
+#include "isimp/partition/region_graph.h"
+#include "isimp/partition/relax.h"
+#include "isimp/partition/seeding.h"
+#include "partition_checks.h"
+#include "shapes.h"
+
+namespace isimp {
+namespace {
+
+/// A strip of faces of equal area, each joined to the one before, with normals at these angles in the x-y plane.
+FaceGraph strip(const std::vector<double>& degrees) {
+  FaceGraph g;
+  const auto n = static_cast<std::int32_t>(degrees.size());
+  for (std::int32_t i = 0; i < n; ++i) {
+    const double a = degrees[i] * 3.14159265358979 / 180;
+    g.faces.push_back(
+        {static_cast<float>(std::cos(a)), static_cast<float>(std::sin(a)), 0, 1.0F / static_cast<float>(n)});
+    g.neighbours.push_back({i > 0 ? i - 1 : n, i + 1, n});
+    g.mesh_face.push_back(i);
+    g.graph_face.push_back(i);
+  }
+  g.faces.push_back({});
+  g.neighbours.push_back({n, n, n});
+  g.area = 1;
+  return g;
+}
+
+std::vector<std::int32_t> flood(const FaceGraph& g, const std::vector<std::int32_t>& seeds) {
+  std::vector<NormalMetric::Proxy> proxies;
+  for (const std::int32_t s : seeds) proxies.push_back(NormalMetric::proxy_of(g.faces[s]));
+  std::vector<std::int32_t> label;
+  Job job;
+  Flooding().run(g, proxies, seeds, label, job);
+  return label;
+}
+
+TEST(Flooding, MeetsWhereTheErrorsAreEqual) {
+  // Normals turn by 10 degrees a face from 0 to 90: seeds at the ends meet in the middle.
+  const FaceGraph g = strip({0, 10, 20, 30, 40, 50, 60, 70, 80, 90});
+  EXPECT_EQ(flood(g, {0, 9}), (std::vector<std::int32_t>{0, 0, 0, 0, 0, 1, 1, 1, 1, 1, kNone}));
+}
+
+TEST(Flooding, GoesRoundNothingAndLeavesWhatNoSeedReaches) {
+  FaceGraph g = strip({0, 0, 0, 90, 90, 90});
+  g.neighbours[2][1] = g.neighbours[3][0] = 6;  // cut in two
+  EXPECT_EQ(flood(g, {1}), (std::vector<std::int32_t>{0, 0, 0, kNone, kNone, kNone, kNone}));
+}
+
+TEST(Flooding, CrossesASteepFaceOnlyWhenNothingElseIsLeft) {
+  // The face at 80 degrees parts two flat halves. Each seed takes its own half first.
+  const FaceGraph g = strip({0, 1, 2, 80, 2, 1, 0});
+  const auto label = flood(g, {0, 6});
+  EXPECT_EQ(label[2], 0);
+  EXPECT_EQ(label[4], 1);
+}
+
+TEST(Flooding, ListsCoverAllErrorsInOrder) {
+  EXPECT_EQ(Flooding::list_of(0.0F), 0);
+  std::int32_t before = 0;
+  for (float e = 1e-9F; e < 4.0F; e *= 1.01F) {
+    const std::int32_t list = Flooding::list_of(e);
+    EXPECT_GE(list, before);
+    EXPECT_LE(e, Flooding::upper_end(list));
+    EXPECT_TRUE(list == 0 || e > Flooding::upper_end(list - 1));
+    before = list;
+  }
+  EXPECT_LE(4.0F, Flooding::upper_end(Flooding::list_of(4.0F)));
+}
+
+/// Flooding and fitting as the 2004 paper writes it down.
+double plain_error(const FaceGraph& g, std::vector<std::int32_t> seeds, int rounds) {
+  std::vector<NormalMetric::Proxy> proxies;
+  for (const std::int32_t s : seeds) proxies.push_back(NormalMetric::proxy_of(g.faces[s]));
+  Regions state;
+  double least = 1e300;
+  Job job;
+  for (int round = 0; round < rounds; ++round) {
+    using Entry = std::tuple<float, std::int32_t, std::int32_t>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+    state.label.assign(g.faces.size(), kNone);
+    state.sum.assign(seeds.size(), {});
+    const auto settle = [&](std::int32_t face, std::int32_t r) {
+      state.label[face] = r;
+      for (const std::int32_t j : g.neighbours[face])
+        if (j != g.size() && state.label[j] == kNone) queue.emplace(NormalMetric::error(g.faces[j], proxies[r]), j, r);
+    };
+    for (std::size_t r = 0; r < seeds.size(); ++r) state.label[seeds[r]] = static_cast<std::int32_t>(r);
+    for (std::size_t r = 0; r < seeds.size(); ++r) settle(seeds[r], static_cast<std::int32_t>(r));
+    while (!queue.empty()) {
+      const auto [error, face, r] = queue.top();
+      queue.pop();
+      if (state.label[face] == kNone) settle(face, r);
+    }
+    sum_regions(g, state, job);
+    least = std::min(least, state.error());
+    seeds = nearest_faces(g, state, job);
+    for (std::size_t r = 0; r < seeds.size(); ++r) proxies[r] = NormalMetric::fit(state.sum[r]);
+  }
+  return least;
+}
+
+TEST(Flooding, IsAsGoodAsThePlainVersion) {
+  double fast = 0, plain = 0;
+  for (std::uint32_t k = 1; k <= 8; ++k) {
+    const Mesh mesh = shapes::mesh(shapes::noisy(shapes::torus(60, 30), 0.004, k));
+    Job job;
+    const Parts parts = find_parts(mesh, 60, 0, job);
+    const auto seeds = random_seeds(mesh, parts, share_out(parts), k, job);
+    std::vector<double> history;
+    fast += lloyd(mesh.graph(), seeds, 20, history, job).error();
+    plain += plain_error(mesh.graph(), seeds, 20);
+  }
+  EXPECT_LT(std::abs(fast / plain - 1), 0.015);
+}
+
+RegionSum node(double x, double y, double weight = 0) {
+  RegionSum s;
+  s.x = x;
+  s.y = y;
+  s.weight = weight;
+  s.faces = 1;
+  return s;
+}
+
+MergeGraph chain(std::int32_t n) {
+  MergeGraph g;
+  g.sum.resize(static_cast<std::size_t>(n));
+  g.first.push_back(0);
+  for (std::int32_t u = 0; u < n; ++u) {
+    if (u > 0) g.neighbour.push_back(u - 1);
+    if (u + 1 < n) g.neighbour.push_back(u + 1);
+    g.first.push_back(static_cast<std::int32_t>(g.neighbour.size()));
+  }
+  return g;
+}
+
+TEST(MergeGreedily, JoinsWhatIsParallelFirst) {
+  // x x y y in a row: each pair costs nothing, the middle costs 2 - sqrt(2) of their length.
+  const std::vector<RegionSum> sums{node(1, 0), node(1, 0), node(0, 1), node(0, 1)};
+  const std::vector<std::int32_t> need{1};
+  Job job;
+  EXPECT_EQ(merge_greedily(chain(4), sums, need, 2, job), (std::vector<std::int32_t>{0, 0, 1, 1}));
+  EXPECT_EQ(merge_greedily(chain(4), sums, need, 1, job), (std::vector<std::int32_t>{0, 0, 0, 0}));
+  EXPECT_EQ(merge_greedily(chain(4), sums, need, 4, job), (std::vector<std::int32_t>{0, 1, 2, 3}));
+}
+
+TEST(MergeGreedily, LeavesEveryComponentItsNeed) {
+  // Two components of two parallel nodes each; the second needs two clusters.
+  MergeGraph g;
+  g.sum.resize(4);
+  g.first = {0, 1, 2, 3, 4};
+  g.neighbour = {1, 0, 3, 2};
+  g.part = {0, 0, 1, 1};
+  const std::vector<RegionSum> sums{node(1, 0), node(0, 1), node(1, 0), node(1, 0)};
+  const std::vector<std::int32_t> need{1, 2};
+  Job job;
+  EXPECT_EQ(merge_greedily(g, sums, need, 1, job), (std::vector<std::int32_t>{0, 0, 1, 2}));
+}
+
+TEST(MergeGreedily, LeavesOutEmptyNodes) {
+  const std::vector<RegionSum> sums{node(1, 0), RegionSum{}, node(1, 0)};
+  const std::vector<std::int32_t> need{1};
+  Job job;
+  EXPECT_EQ(merge_greedily(chain(3), sums, need, 1, job), (std::vector<std::int32_t>{0, kNone, 1}));
+}
+
+TEST(MergeGreedily, TakesTheCheapestPairEveryTime) {
+  // Against a version that looks at all pairs before each merge.
+  Random random(5);
+  for (int run = 0; run < 20; ++run) {
+    const std::int32_t n = 30;
+    std::vector<RegionSum> sums;
+    for (std::int32_t u = 0; u < n; ++u)
+      sums.push_back(
+          node(static_cast<double>(random.below(1000)) / 1000, static_cast<double>(random.below(1000)) / 1000));
+    const MergeGraph g = chain(n);
+    const std::vector<std::int32_t> need{1};
+    Job job;
+    const auto fast = merge_greedily(g, sums, need, 7, job);
+    std::vector<RegionSum> left = sums;
+    std::vector<std::int32_t> start(n);  // clusters of a chain are runs
+    for (std::int32_t u = 0; u < n; ++u) start[u] = u;
+    while (left.size() > 7) {
+      std::size_t best = 0;
+      for (std::size_t k = 0; k + 1 < left.size(); ++k)
+        if (merge_cost(left[k], left[k + 1]) < merge_cost(left[best], left[best + 1])) best = k;
+      left[best].add(left[best + 1]);
+      left.erase(left.begin() + static_cast<std::ptrdiff_t>(best) + 1);
+      start.erase(start.begin() + static_cast<std::ptrdiff_t>(best) + 1);
+    }
+    for (std::int32_t u = 0; u < n; ++u)
+      EXPECT_EQ(fast[u], std::upper_bound(start.begin(), start.end(), u) - start.begin() - 1);
+  }
+}
+
+TEST(MergeRound, PairsUpWhatIsMutuallyCheapest) {
+  MergeGraph g = chain(4);
+  g.sum = {{1, 0, 0, 1}, {1, 0, 0, 1}, {0, 1, 0, 1}, {0, 1, 0, 1}};
+  std::vector<std::int32_t> map;
+  Job job;
+  const MergeGraph next = merge_round(g, true, 1, map, job);
+  EXPECT_EQ(map, (std::vector<std::int32_t>{0, 0, 1, 1}));
+  ASSERT_EQ(next.size(), 2);
+  EXPECT_EQ(next.neighbour, (std::vector<std::int32_t>{1, 0}));
+  EXPECT_EQ(next.sum[0].x, 2.0F);
+  EXPECT_EQ(merge_round(g, true, 4, map, job).size(), 4) << "a part of no more than `least` nodes is left alone";
+}
+
+TEST(PatchRelaxation, MovesAStrayPatchHome) {
+  MergeGraph g = chain(4);
+  g.sum = {{1, 0, 0, 1}, {1, 0, 0, 1}, {0, 1, 0, 1}, {0, 1, 0, 1}};
+  std::vector<std::int32_t> label{0, 1, 1, 1};
+  Job job;
+  relax_patches(g, label, 2, 5, job);
+  EXPECT_EQ(label, (std::vector<std::int32_t>{0, 0, 1, 1}));
+}
+
+TEST(Relaxation, MovesTheBorderToTheCrease) {
+  const FaceGraph g = strip({0, 0, 0, 90, 90, 90});
+  Regions r{{0, 1, 1, 1, 1, 1, kNone}, std::vector<RegionSum>(2)};
+  Job job;
+  sum_regions(g, r, job);
+  Relaxation<GraphLabels> relaxation(g, {r.label.data()}, r.sum, 0.0);
+  for (std::int32_t i = 0; i < 6; ++i) relaxation.push_if_border(i);
+  EXPECT_EQ(relaxation.run(10, job), 2);
+  EXPECT_EQ(r.label, (std::vector<std::int32_t>{0, 0, 0, 1, 1, 1, kNone}));
+  EXPECT_NEAR(r.error(), 0.0, 1e-7);
+}
+
+TEST(Relaxation, NeverTearsARegionNorEmptiesOne) {
+  const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(3), 0.05, 9));
+  Job job;
+  const Parts parts = find_parts(mesh, 80, 0, job);
+  std::vector<double> history;
+  Regions r = lloyd(mesh.graph(), random_seeds(mesh, parts, share_out(parts), 2, job), 2, history, job);
+  const double before = r.error();
+  Relaxation<GraphLabels> relaxation(mesh.graph(), {r.label.data()}, r.sum, 0.0);
+  for (std::int32_t i = 0; i < mesh.face_count(); ++i) relaxation.push_if_border(i);
+  EXPECT_GT(relaxation.run(50, job), 100);
+  EXPECT_LT(r.error(), before);
+  const Regions moved = r;
+  sum_regions(mesh.graph(), r, job);
+  for (std::int32_t k = 0; k < 80; ++k) {
+    EXPECT_GT(r.sum[k].faces, 0);
+    EXPECT_EQ(r.sum[k].faces, moved.sum[k].faces);
+    EXPECT_NEAR(r.sum[k].x, moved.sum[k].x, 1e-12);
+    const GraphLabels labels{r.label.data()};
+    const auto face = static_cast<std::int32_t>(std::find(r.label.begin(), r.label.end(), k) - r.label.begin());
+    const auto faces = take_out(mesh.graph(), labels, face);
+    EXPECT_EQ(static_cast<std::int32_t>(faces.size()), r.sum[k].faces) << "region " << k << " fell apart";
+    for (const std::int32_t i : faces) labels.set(i, k);
+  }
+}
+
+TEST(RegionGraph, ListsBothDirectionsOnce) {
+  const FaceGraph g = strip({0, 0, 0, 0});
+  const std::vector<std::int32_t> label{0, 1, 1, 2, kNone}, faces{0, 1, 2, 3};
+  const std::vector<std::pair<std::int32_t, std::int32_t>> pairs{{0, 1}, {1, 0}, {1, 2}, {2, 1}};
+  EXPECT_EQ(neighbouring_regions(g, label, faces), pairs);
+}
+
+TEST(Hierarchy, PatchesAreConnectedAndSmooth) {
+  const Mesh mesh = shapes::mesh(shapes::cube(12));
+  Job job;
+  const Hierarchy h = build_hierarchy(mesh, 1, job);
+  ASSERT_EQ(h.patch_first.back(), mesh.face_count());
+  for (std::int32_t p = 0; p < h.patches(); ++p) {
+    const FaceRecord& first = mesh.graph().faces[h.patch_face[h.patch_first[p]]];
+    for (std::int32_t k = h.patch_first[p]; k < h.patch_first[p + 1]; ++k) {
+      EXPECT_EQ(h.patch[h.patch_face[k]], p);
+      EXPECT_EQ(mesh.graph().faces[h.patch_face[k]].nx, first.nx) << "a patch crosses an edge of the cube";
+    }
+  }
+  for (std::size_t l = 0; l + 1 < h.level.size(); ++l) EXPECT_LT(h.level[l + 1].size(), h.level[l].size());
+}
+
+TEST(Hierarchy, GivesTheSameWhenKept) {
+  const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(5), 0.003, 2));
+  Job job;
+  const Hierarchy kept = build_hierarchy(mesh, 40, job);
+  for (const std::int32_t proxies : {5, 20, 40, 41, 3000}) {
+    const PartitionOptions options{.proxies = proxies, .method = Method::hierarchy};
+    const Partition a = partition(mesh, kept, options, job), b = partition(mesh, options, job);
+    EXPECT_EQ(a.face_region, b.face_region);
+    EXPECT_EQ(a.error, b.error);
+  }
+  EXPECT_TRUE(kept.serves(mesh, 20));
+  EXPECT_FALSE(kept.serves(mesh, 3000));
+  EXPECT_FALSE(Hierarchy{}.serves(mesh, 20));
+}
+
+TEST(Hierarchy, FillsUpComponentsThatHaveTooFewPatches) {
+  // Twelve small spheres of 20 faces, each mostly one patch, beside a big one: four regions each all the same.
+  auto arrays = shapes::sphere(4);
+  auto ball = shapes::sphere(0);
+  for (Vec3& v : ball.vertices) v *= 0.1;
+  for (int k = 0; k < 12; ++k) arrays = shapes::both(arrays, ball, {3.0 + k, 0, 0});
+  const Mesh mesh = shapes::mesh(arrays);
+  Job job;
+  const Partition p = partition(mesh, {.proxies = 60, .leave_out = 0}, job);
+  checks::expect_sound(mesh, p);
+  EXPECT_EQ(p.region_count(), 60);
+  std::vector<std::vector<bool>> seen(13, std::vector<bool>(60, false));
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) seen[mesh.component()[f]][p.face_region[f]] = true;
+  for (const auto& of : seen) EXPECT_GE(std::count(of.begin(), of.end(), true), 4);
+}
+
+TEST(Random, DrawsEvenlyAndTheSameEverywhere) {
+  Random random(42);
+  EXPECT_EQ(random.below(1000000), Random(42).below(1000000));
+  std::vector<int> count(7, 0);
+  for (int k = 0; k < 7000; ++k) ++count[random.below(7)];
+  for (const int c : count) EXPECT_NEAR(c, 1000, 150);
+}
+
+}  // namespace
+}  // namespace isimp
