@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 import pytest
 import scans
+
 from isimp.blender import store, targets
 
 pytestmark = pytest.mark.usefixtures("scene")

@@ -3,6 +3,7 @@
 import bpy
 import pytest
 import scans
+
 from isimp.blender import store
 from isimp.recipe import AddProxy, Partition
 
