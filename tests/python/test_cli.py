@@ -127,6 +127,25 @@ def test_labels_are_of_the_files_polygons_and_minus_one_where_dropped(tmp_path):
     assert said["repair"]["duplicate_faces"] == 2  # both triangles of the doubled quad
 
 
+def test_a_polygon_of_several_regions_has_the_largest_ones_label(tmp_path):
+    """A regular fan of 12 corners is cut into 10 triangles, each a region of its own: the label is of a largest."""
+    angles = np.arange(12) * np.pi / 6
+    rim = np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1)
+    meshfiles.obj(tmp_path / "a.obj", np.concatenate([rim, [[3, 0, 0]]]), [list(range(12)), [0, 12, 1]])
+    done = isimp("simplify", tmp_path / "a.obj", tmp_path / "o.obj", "--proxies=11", "--labels", tmp_path / "l.npy")
+    assert done.returncode == 0, done.stderr
+    vertices, loops, loop_start = engine.read_polygons(tmp_path / "a.obj")
+    triangles, polygon = engine.triangulate(vertices, loops, loop_start)
+    mesh = engine.clean(vertices, triangles)
+    regions = engine.partition(mesh, engine.PartitionOptions(proxies=11)).face_region
+    corners = vertices[triangles]
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    largest = regions[(polygon == 0) & (area > area[polygon == 0].max() * (1 - 1e-9))]
+    values = np.load(tmp_path / "l.npy")
+    assert values[0] in largest
+    assert values[1] == regions[10]
+
+
 def test_a_speck_has_no_label(tmp_path):
     big, small = shapes.plane(20), shapes.plane(1)
     vertices, triangles = shapes.joined((small[0] * 0.01 + [2, 0, 0], small[1]), big)

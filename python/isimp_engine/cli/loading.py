@@ -49,14 +49,31 @@ def facts(mesh: Mesh) -> dict[str, Any]:
 def labels(source: Input, mesh: Mesh, part: Partition) -> NDArray[np.int32]:
     """The region of each of the file's faces: the one that has most of its area; -1 where none has any of it."""
     kept = np.flatnonzero(part.face_region >= 0)
-    corners = mesh.vertices[mesh.triangles[kept]]
-    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     face, region = source.polygon[mesh.source_face[kept]], part.face_region[kept]
+    result = np.full(source.faces, -1, dtype=np.int32)
+    result[face] = region
+    divided = np.zeros(source.faces, dtype=bool)
+    divided[face[result[face] != region]] = True
+    shared = divided[face]
+    if shared.any():
+        areas = face_areas(mesh, kept[shared])
+        place, largest = largest_shares(face[shared], region[shared], areas)
+        result[place] = largest
+    return result
+
+
+def face_areas(mesh: Mesh, faces: NDArray[np.intp]) -> NDArray[np.float64]:
+    a, b, c = (mesh.vertices[mesh.triangles[faces, k]] for k in range(3))
+    return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2)
+
+
+def largest_shares(
+    face: NDArray[np.int32], region: NDArray[np.int32], area: NDArray[np.float64]
+) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """Each face once, and the region with the most of its area, the lowest of equals."""
     pairs, place = np.unique(np.stack([face, region], axis=1), axis=0, return_inverse=True)
     total = np.bincount(place.ravel(), weights=area, minlength=len(pairs))
-    order = np.lexsort((-pairs[:, 1], total, pairs[:, 0]))  # the last of each face's is its largest, then the lowest
-    face, region = pairs[order].T
-    last = np.append(face[1:] != face[:-1], True)
-    result = np.full(source.faces, -1, dtype=np.int32)
-    result[face[last]] = region[last]
-    return result
+    order = np.lexsort((-pairs[:, 1], total, pairs[:, 0]))
+    faces, regions = pairs[order].T
+    last = np.append(faces[1:] != faces[:-1], True)
+    return faces[last], regions[last]
