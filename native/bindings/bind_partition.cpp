@@ -14,7 +14,7 @@ namespace {
 void bind_options(py::module_& m) {
   using Options = PartitionOptions;
   OptionsClass<Options>(m, "PartitionOptions", "How to split a surface into regions. All fields are keywords.")
-      .field("proxies", &Options::proxies, "How many regions to make, in [1, F].")
+      .field("proxies", &Options::proxies, "How many regions to make, from 1 to the number of faces.")
       .field("leave_out", &Options::leave_out,
              "Components each below this share of the whole area are left out, smallest first, while all of them "
              "together stay below ten times it; in [0, 1), 0 keeps everything.")
@@ -32,8 +32,9 @@ void bind_options(py::module_& m) {
               "borders, the best and the fastest; 'lloyd', flooding and fitting in turn, the 2004 paper's and the "
               "thesis's own; 'teleport', that, then merging the cheapest pair and splitting the worst region until it "
               "no longer helps.")
-      .field("threads", &Options::threads, "0: as many as there are cores. The result does not depend on it.")
-      .field("backend", &Options::backend, "A name of backends().")
+      .field("threads", &Options::threads,
+             "How many threads may work; 0: as many as there are cores. The result does not depend on it.")
+      .field("backend", &Options::backend, "Where the data-parallel steps run: one of backends(), 'cpu' among them.")
       .finish();
 }
 
