@@ -97,8 +97,8 @@ def main() -> int:
     file.write_text(json.dumps(report, indent=1))
     rows = table.rows(results, report.get("growth", {}))
     print(table.text(rows, judge=not args.quick))
-    print(f"\nAll figures: {file}")
-    return 1 if args.quick and not table.sound(rows, results) else 0
+    print(f"\nAll figures: {file}" + (f"\nFAILED: {', '.join(runner.failed)}" if runner.failed else ""))
+    return 1 if runner.failed or (args.quick and not table.sound(rows, results)) else 0
 
 
 if __name__ == "__main__":
