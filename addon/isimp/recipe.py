@@ -13,8 +13,8 @@ import math
 from dataclasses import dataclass
 
 VERSION = 1
-METHODS = ("lloyd", "hierarchy")
-SEEDINGS = ("random", "farthest")
+METHODS = ("hierarchy", "teleport", "lloyd")
+SEEDINGS = ("random", "farthest", "hierarchical")
 
 
 class RecipeError(ValueError):
@@ -58,7 +58,7 @@ class Partition(Step):
     proxies: int = 200
     seed: int = 1
     iterations: int = 20
-    method: str = "lloyd"
+    method: str = "hierarchy"
     seeding: str = "random"
     leave_out: float = 0.001
 

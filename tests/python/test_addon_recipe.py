@@ -41,7 +41,7 @@ def test_json_is_what_people_can_write():
         ('{"isimp_recipe": 1, "steps": [{"step": "add_proxy", "face": true}]}', "face of add_proxy must be a int"),
         ('{"isimp_recipe": 1, "steps": [{"step": "add_proxy", "face": -1}]}', "at least 0, got -1"),
         ('{"isimp_recipe": 1, "steps": [{"step": "mesh"}, {"step": "partition", "proxies": 0}]}', "step 2: proxies"),
-        ('{"isimp_recipe": 1, "steps": [{"step": "partition", "method": "magic"}]}', "method must be one of lloyd"),
+        ('{"isimp_recipe": 1, "steps": [{"step": "partition", "method": "magic"}]}', "method must be one of hierarchy"),
         ('{"isimp_recipe": 1, "steps": [{"step": "mesh", "chord_tolerance": NaN}]}', "above 0, got nan"),
     ],
 )

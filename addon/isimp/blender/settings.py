@@ -27,22 +27,28 @@ class PartitionSettings:
                 "Hierarchy",
                 "Merge small patches step by step, then relax the borders: the best and the quickest",
             ),
+            (
+                "teleport",
+                "Teleport",
+                "As Lloyd, then merge the cheapest pair and split the worst region while it helps",
+            ),
             ("lloyd", "Lloyd", "Flood and fit in turn from the starting faces, as first published"),
         ),
         default=_PARTITION.method,
     )
     seeding: EnumProperty(
         name="Start",
-        description="Where the first proxies are put",
+        description="Where the first proxies are put (by Lloyd and Teleport)",
         items=(
             ("random", "Random", "Faces drawn by the random seed"),
             ("farthest", "Farthest", "Each where the surface differs most from all before"),
+            ("hierarchical", "Hierarchical", "Where the regions of Hierarchy are"),
         ),
         default=_PARTITION.seeding,
     )
     seed: IntProperty(
         name="Seed",
-        description="Number that starts the random choice. Another one gives another, equally good partition",
+        description="Number that starts the random choice (of Lloyd and Teleport)",
         default=_PARTITION.seed,
         min=0,
     )

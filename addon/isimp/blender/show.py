@@ -4,6 +4,7 @@ import uuid
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 from . import display, mesh_io, store, targets
 
@@ -60,14 +61,15 @@ def _fill(result, scan, polygons) -> None:
     """Puts the polygons where the scan is: in its own space, or in the world's if its transform is sheared."""
     vertices = np.asarray(polygons.vertices) @ np.linalg.inv(mesh_io.shape_matrix(scan))
     loops, start = np.array(polygons.loops), np.array(polygons.loop_start)
-    result.matrix_world = scan.matrix_world
-    seen, wanted = (np.array(obj.matrix_world, np.float64) for obj in (result, scan))
-    if not np.allclose(seen, wanted, atol=1e-5 * np.abs(wanted[:3, :3]).max()):
-        matrix = wanted[:3, :3]
+    place = scan.matrix_world
+    matrix = np.array(place, np.float64)[:3, :3]
+    unsheared = np.array(Matrix.LocRotScale(*place.decompose()), np.float64)[:3, :3]
+    if not np.allclose(unsheared, matrix, rtol=0, atol=1e-5 * np.abs(matrix).max()):
+        place = Matrix.Translation(place.translation)
         vertices = vertices @ matrix.T
         if np.linalg.det(matrix) < 0:
             loops = _turned(loops, start)
-        result.matrix_world = ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (*wanted[:3, 3], 1))
+    result.matrix_world = place
     mesh_io.fill_polygons(result.data, vertices, loops, start, np.asarray(polygons.polygon_region))
 
 

@@ -12,15 +12,15 @@ pytestmark = pytest.mark.usefixtures("scene")
 
 
 def simplify(proxies=6):
-    assert bpy.ops.isimp.partition(proxies=proxies, seeding="farthest") == {"FINISHED"}
+    assert bpy.ops.isimp.partition(proxies=proxies) == {"FINISHED"}
     assert bpy.ops.isimp.mesh() == {"FINISHED"}
     return bpy.context.object
 
 
 def outward(obj):
-    """Whether a closed mesh, as seen in the world, has its faces turned outwards: the sign of its volume."""
+    """Whether a closed mesh has its faces turned outwards. Blender turns them with a mirroring transform."""
     obj.data.calc_loop_triangles()
-    points = scans.world(obj)
+    points = scans.coordinates(obj.data)
     corners = np.array([triangle.vertices[:] for triangle in obj.data.loop_triangles])
     a, b, c = (points[corners[:, k]] for k in range(3))
     return np.einsum("ij,ij->", a - points.mean(axis=0), np.cross(b - a, c - a)) > 0

@@ -48,11 +48,11 @@ def test_a_new_region_leaves_the_colours_of_the_others():
 
 def test_settings_are_those_of_the_last_partition():
     scan = scans.dimple(scans.cube())
-    partition(proxies=12, seed=1)
+    partition(proxies=12, seed=1, method="lloyd")
     first = scans.regions(scan)
-    partition(proxies=12, seed=2)
+    partition(proxies=12, seed=2, method="lloyd")
     other = scans.regions(scan)
-    partition(proxies=12, seed=1)
+    partition(proxies=12, seed=1, method="lloyd")
     assert (scans.regions(scan) == first).all()
     assert (other != first).any()
 
