@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 # Twelve colours spread as far apart as they go in Oklab, for full colour vision and for the three dichromacies at once
-# (least distance .108). Magenta is left free for problems.
+# (least distance .1). Magenta is left free for problems.
 _BASE = ("b55422", "556dc6", "94627f", "1896bc", "a09602", "9f9afc")  # sRGB
-_BASE += ("31bebe", "f3817e", "e9b443", "a6d6af", "31edfb", "ece36d")
+_BASE += ("31bebe", "f3817e", "e9b443", "a6d6af", "c4fafd", "ece36d")
 _SHADE = 0.35  # of the base colour's light: what is used where all twelve are taken by neighbours
 NO_REGION = (0.21, 0.21, 0.21, 1.0)  # of faces in no region
 

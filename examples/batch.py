@@ -1,0 +1,250 @@
+"""Simplifies a scan in the background of Blender.
+
+    blender -b --python examples/batch.py -- IN OUT [OUT ...] --proxies N [--picture P.png]
+
+IN is any format that Blender reads, or .off. OUT are .obj, .ply, .glb, in the axes of IN, or .blend, which keeps the
+scan and its coloured regions. Ends with 0; 2 for wrong usage; 3 for a scan that can't be used, with one line that says why.
+"""
+
+import argparse
+import os
+import sys
+import time
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE))
+
+# By file name ending: operators to try in order, as they differ between Blender's versions. "engine" is iSimp's own.
+READERS = {
+    ".obj": ("wm.obj_import", "import_scene.obj"),
+    ".ply": ("wm.ply_import", "engine"),  # the importer of Blender 3.4 takes a minute for a million triangles
+    ".stl": ("wm.stl_import", "import_mesh.stl"),
+    ".off": ("engine",),
+    ".glb": ("import_scene.gltf",),
+    ".gltf": ("import_scene.gltf",),
+    ".fbx": ("import_scene.fbx", "wm.fbx_import"),
+    ".dae": ("wm.collada_import",),
+    ".x3d": ("import_scene.x3d",),
+    ".wrl": ("import_scene.x3d",),
+    ".abc": ("wm.alembic_import",),
+    ".usd": ("wm.usd_import",),
+    ".usdc": ("wm.usd_import",),
+    ".usda": ("wm.usd_import",),
+    ".usdz": ("wm.usd_import",),
+}
+WRITERS = (".blend", ".obj", ".ply", ".glb")
+Z_UP = {".ply", ".stl", ".off"}  # read as they are; all others are turned by Blender to have Z upwards
+
+
+class Problem(Exception):
+    """The scan can't be used, or a file not be written; the message says why."""
+
+
+def arguments(argv):
+    parser = argparse.ArgumentParser(prog="blender -b --python batch.py --", description=__doc__.split("\n")[0])
+    parser.add_argument("input", type=Path, metavar="IN", help="the scan, in any format that Blender reads")
+    parser.add_argument("outputs", type=Path, nargs="+", metavar="OUT", help=f"files to write: {', '.join(WRITERS)}")
+    parser.add_argument("--proxies", type=int, default=200, metavar="N", help="how many regions (default 200)")
+    parser.add_argument("--method", help="how regions are found: hierarchy (default), teleport or lloyd")
+    parser.add_argument("--seed", type=int, help="number that starts the random choice of teleport and lloyd")
+    parser.add_argument("--iterations", type=int, help="the most rounds of flooding and fitting (default 20)")
+    parser.add_argument(
+        "--object", metavar="NAME", help="which object of a .blend (default: the active, or the only one)"
+    )
+    parser.add_argument("--picture", type=Path, metavar="P.png", help="regions and polygons side by side")
+    parser.add_argument(
+        "--up", choices=("X", "Y", "Z"), default="Z", help="the picture's upward axis, in Blender's space"
+    )
+    parser.add_argument(
+        "--turn", type=float, default=30.0, metavar="DEGREES", help="from which side the picture is taken"
+    )
+    options = parser.parse_args(argv)
+    for path in options.outputs:
+        if path.suffix.lower() not in WRITERS:
+            parser.error(f"can't write '{path}': its name must end in {', '.join(WRITERS)}")
+    if options.input.suffix.lower() not in (*READERS, ".blend"):
+        parser.error(f"can't read '{options.input}': known are .blend, {', '.join(READERS)}")
+    return options
+
+
+def switch_on_addon():
+    """The add-on as installed, else the one of this checkout."""
+    if hasattr(bpy.types, "ISIMP_OT_partition"):
+        return
+    import addon_utils
+
+    for module in addon_utils.modules():
+        if module.__name__.split(".")[-1] == "isimp" and addon_utils.enable(module.__name__):
+            return
+    root = HERE.parent
+    version = f"python{sys.version_info.major}.{sys.version_info.minor}"
+    for folder in (*root.glob("build*/python"), *root.glob(f".venv*/lib/{version}/site-packages")):
+        if (folder / "isimp_engine").is_dir():
+            sys.path.append(str(folder))  # behind all others, so that what is installed comes first
+            break
+    sys.path.insert(0, str(root / "addon"))
+    import isimp
+
+    isimp.register()
+
+
+def call(name, **settings):
+    """Calls an operator; what it reports as an error becomes a Problem."""
+    group, operator = name.split(".")
+    try:
+        return getattr(getattr(bpy.ops, group), operator)(**settings)
+    except RuntimeError as error:
+        raise Problem(str(error).strip().removeprefix("Error: ")) from None
+
+
+def exists(name):
+    group, operator = name.split(".")
+    try:
+        getattr(getattr(bpy.ops, group), operator).get_rna_type()
+    except (KeyError, AttributeError):
+        return False
+    return True
+
+
+def read(options):
+    """Brings the scan into the scene, active and selected, and returns its object."""
+    path = options.input.resolve()
+    if not path.is_file():
+        raise Problem(f"there is no file '{options.input}'")
+    if path.suffix.lower() == ".blend":
+        call("wm.open_mainfile", filepath=str(path), load_ui=False)
+        scan = choose(options.object)
+    else:
+        bpy.data.batch_remove(list(bpy.data.objects))
+        scan = imported(path)
+    activate(scan)
+    return scan
+
+
+def imported(path):
+    reader = next((name for name in READERS[path.suffix.lower()] if name == "engine" or exists(name)), None)
+    if reader is None:
+        raise Problem(f"this Blender can't read {path.suffix} files")
+    if reader == "engine":
+        return from_engine(path)
+    call(reader, filepath=str(path))
+    meshes = [obj for obj in bpy.context.scene.objects if obj.type == "MESH" and len(obj.data.polygons)]
+    if not meshes:
+        raise Problem(f"'{path.name}' holds no mesh with faces")
+    if len(meshes) > 1:  # one file is one scan, so that N counts the whole
+        activate(*meshes)
+        bpy.ops.object.join()
+    meshes[0].name = path.stem
+    return meshes[0]
+
+
+def from_engine(path):
+    import isimp_engine
+
+    vertices, triangles = isimp_engine.read(str(path))
+    mesh = bpy.data.meshes.new(path.stem)
+    mesh.vertices.add(len(vertices))
+    mesh.loops.add(3 * len(triangles))
+    mesh.polygons.add(len(triangles))
+    mesh.vertices.foreach_set("co", np.asarray(vertices, np.float32).ravel())
+    mesh.loops.foreach_set("vertex_index", np.asarray(triangles, np.int32).ravel())
+    mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * len(triangles), 3, dtype=np.int32))
+    mesh.polygons.foreach_set("loop_total", np.full(len(triangles), 3, np.int32))
+    mesh.update(calc_edges=True)
+    mesh.validate()
+    scan = bpy.data.objects.new(path.stem, mesh)
+    bpy.context.scene.collection.objects.link(scan)
+    return scan
+
+
+def choose(name):
+    """The scan of a .blend: the one named, else the active one, else the only one."""
+    scene = bpy.context.scene
+    meshes = [obj for obj in scene.objects if obj.type == "MESH" and len(obj.data.polygons)]
+    names = ", ".join(obj.name for obj in meshes)
+    if name is not None:
+        if name not in scene.objects:
+            raise Problem(f"there is no object '{name}'; there are: {names}")
+        return scene.objects[name]
+    active = bpy.context.view_layer.objects.active
+    if active in meshes:
+        return active
+    if len(meshes) != 1:
+        raise Problem(f"say which one by --object NAME: {names}" if meshes else "the file holds no mesh with faces")
+    return meshes[0]
+
+
+def activate(*objects):
+    for other in bpy.context.selected_objects:
+        other.select_set(False)
+    for obj in objects:
+        obj.hide_set(False)
+        obj.select_set(True)
+    bpy.context.view_layer.objects.active = objects[0]
+
+
+def simplify(options):
+    names = ("proxies", "method", "seed", "iterations")
+    settings = {name: getattr(options, name) for name in names if getattr(options, name) is not None}
+    for name, least in (("proxies", 1), ("iterations", 1), ("seed", 0)):
+        if settings.get(name, least) < least:
+            raise Problem(f"--{name} must be at least {least}, got {settings[name]}")
+    call("isimp.partition", **settings)
+    call("isimp.mesh")
+    return bpy.context.object
+
+
+def write(path, options):
+    """Writes the result, or for a .blend everything, in the axes of what was read."""
+    path = path.resolve()
+    kind, y_up = path.suffix.lower(), options.input.suffix.lower() not in Z_UP
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if kind == ".blend":
+        call("wm.save_as_mainfile", filepath=str(path), copy=True)
+    elif kind == ".glb":
+        call("export_scene.gltf", filepath=str(path), export_format="GLB", use_selection=True)
+    elif kind == ".ply" and not exists("wm.ply_export"):
+        plain = {"use_normals": False, "use_uv_coords": False, "use_colors": False, "use_selection": True}
+        axes = {"axis_forward": "-Z", "axis_up": "Y"} if y_up else {"axis_forward": "Y", "axis_up": "Z"}
+        call("export_mesh.ply", filepath=str(path), **plain, **axes)
+    else:
+        plain = {"export_normals": False, "export_uv": False, "export_selected_objects": True}
+        plain |= {"export_colors": "NONE"} if kind == ".ply" else {"export_materials": False}
+        axes = {"forward_axis": "NEGATIVE_Z", "up_axis": "Y"} if y_up else {"forward_axis": "Y", "up_axis": "Z"}
+        call(f"wm.{kind[1:]}_export", filepath=str(path), **plain, **axes)
+    if not path.is_file():
+        raise Problem(f"'{path}' could not be written")
+
+
+def main(argv):
+    options = arguments(argv)
+    started = time.perf_counter()
+    try:
+        switch_on_addon()
+        scan = read(options)
+        name, faces = scan.name, len(scan.data.polygons)
+        result = simplify(options)
+        for path in options.outputs:
+            write(path, options)
+        seconds = time.perf_counter() - started
+        print(f"{name}: {faces:,} faces -> {len(result.data.polygons):,} polygons in {seconds:.1f} s")
+        if options.picture is not None:
+            import picture
+
+            picture.render(scan, result, options.picture.resolve(), up=options.up, turn=options.turn)
+            print(options.picture)
+    except (Problem, OSError, ValueError) as problem:
+        print(f"{options.input}: {problem}", file=sys.stderr)
+        return 3
+    return 0
+
+
+if __name__ == "__main__":
+    code = main(sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else [])
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(code)  # bpy 4.5 from PyPI waits for ever in a destructor when Python ends

@@ -1,0 +1,123 @@
+"""Packs the add-on for Blender, with the engine in it: one zip for Blender before 4.2, one extension for later ones.
+
+    scripts/build_addon.py [--wheel WHEEL ...] [--out dist]
+
+The engine comes from wheels of the package (`pip wheel . --no-deps`), or, without --wheel, from the package installed
+for the Python that runs this. The zip for older Blenders takes the first wheel, the extension all: Blender picks.
+"""
+
+import argparse
+import base64
+import hashlib
+import importlib.metadata
+import re
+import sys
+import tempfile
+import zipfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+ADDON = ROOT / "addon" / "isimp"
+PLATFORMS = {  # of wheels, and what Blender calls them
+    r"(many)?linux.*_x86_64": "linux-x64",
+    r"(many)?linux.*_aarch64": "linux-arm64",
+    r"macosx_.*_arm64": "macos-arm64",
+    r"macosx_.*_x86_64": "macos-x64",
+    r"win_amd64": "windows-x64",
+    r"win_arm64": "windows-arm64",
+}
+EARLIEST = (1980, 1, 1, 0, 0, 0)  # the date of every file, so that the same input gives the same zip
+
+
+def add(archive: zipfile.ZipFile, name: str, data: bytes) -> None:
+    entry = zipfile.ZipInfo(name, EARLIEST)
+    entry.external_attr = 0o644 << 16
+    archive.writestr(entry, data, zipfile.ZIP_DEFLATED)
+
+
+def version() -> str:
+    text = (ADDON / "blender_manifest.toml").read_text()
+    return re.search(r'^version = "(.+)"$', text, re.MULTILINE).group(1)
+
+
+def addon_files() -> dict[str, bytes]:
+    """The add-on's own files, by their path in it."""
+    files = (path for path in ADDON.rglob("*") if path.is_file() and "__pycache__" not in path.parts)
+    return {path.relative_to(ADDON).as_posix(): path.read_bytes() for path in sorted(files)} | {
+        "LICENSE": (ROOT / "LICENSE").read_bytes()
+    }
+
+
+def platform_of(wheel: Path) -> str:
+    tag = wheel.stem.split("-")[-1]
+    for pattern, platform in PLATFORMS.items():
+        if any(re.fullmatch(pattern, part) for part in tag.split(".")):
+            return platform
+    raise SystemExit(f"{wheel.name}: Blender has no name for the platform {tag}")
+
+
+def installed_wheel(folder: Path) -> Path:
+    """Packs the installed package into a wheel again."""
+    try:
+        package = importlib.metadata.distribution("isimp")
+    except importlib.metadata.PackageNotFoundError:
+        raise SystemExit(
+            f"isimp is not installed for {sys.executable}: run its pip install . or give --wheel"
+        ) from None
+    kept = [file for file in package.files if file.parts[0] != ".." and "__pycache__" not in file.parts]
+    if not any(file.parts[0] == "isimp_engine" and file.suffix in (".so", ".pyd") for file in kept):
+        raise SystemExit("isimp is installed for development only: build a wheel and give --wheel")
+    tag = re.search(r"^Tag: (.+)$", package.read_text("WHEEL"), re.MULTILINE).group(1)
+    left_out = {"RECORD", "INSTALLER", "REQUESTED", "direct_url.json"}
+    wheel, record = folder / f"isimp-{package.version}-{tag}.whl", []
+    with zipfile.ZipFile(wheel, "w") as archive:
+        for file in kept:
+            if file.name not in left_out:
+                data = file.locate().read_bytes()
+                digest = base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
+                record.append(f"{file.as_posix()},sha256={digest},{len(data)}")
+                add(archive, file.as_posix(), data)
+        name = f"isimp-{package.version}.dist-info/RECORD"
+        add(archive, name, "\n".join([*record, f"{name},,", ""]).encode())
+    return wheel
+
+
+def pack_legacy(target: Path, wheel: Path) -> None:
+    """Everything under isimp/, the engine as a package inside."""
+    with zipfile.ZipFile(target, "w") as archive, zipfile.ZipFile(wheel) as source:
+        for name, data in addon_files().items():
+            if name != "blender_manifest.toml":
+                add(archive, f"isimp/{name}", data)
+        for name in sorted(source.namelist()):
+            if name.startswith("isimp_engine/"):
+                add(archive, f"isimp/{name}", source.read(name))
+
+
+def pack_extension(target: Path, wheels: list[Path]) -> None:
+    """Everything at the top, the wheels named in the manifest."""
+    names = ", ".join(f'"./wheels/{wheel.name}"' for wheel in wheels)
+    platforms = ", ".join(f'"{name}"' for name in sorted({platform_of(wheel) for wheel in wheels}))
+    with zipfile.ZipFile(target, "w") as archive:
+        for name, data in addon_files().items():
+            more = f"platforms = [{platforms}]\nwheels = [{names}]\n" if name == "blender_manifest.toml" else ""
+            add(archive, name, data + more.encode())
+        for wheel in wheels:
+            add(archive, f"wheels/{wheel.name}", wheel.read_bytes())
+
+
+def main(argv: list[str] | None = None) -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--wheel", type=Path, nargs="+", help="wheels of the package, for one platform and Python each")
+    parser.add_argument("--out", type=Path, default=ROOT / "dist", help="where the zips go (default dist)")
+    options = parser.parse_args(argv)
+    options.out.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory() as folder:
+        wheels = options.wheel or [installed_wheel(Path(folder))]
+        legacy, extension = (options.out / f"isimp-{version()}-{kind}.zip" for kind in ("blender3", "extension"))
+        pack_legacy(legacy, wheels[0])
+        pack_extension(extension, wheels)
+    print(legacy, extension, sep="\n")
+
+
+if __name__ == "__main__":
+    main()
