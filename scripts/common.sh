@@ -53,3 +53,11 @@ install_wheel() {
   shift
   "$venv/bin/pip" install -q --no-deps --force-reinstall "$@" "$out"/wheel/isimp-*.whl
 }
+
+# make_addon: the zips of the add-on with that wheel in it, and the one for Blender 3 put where Debian's Blender finds it.
+make_addon() {
+  "$python" scripts/build_addon.py --wheel "$out"/wheel/isimp-*.whl --out dist >/dev/null || return
+  rm -rf "$out/blender/addons/isimp"
+  mkdir -p "$out/blender/addons"
+  "$python" -m zipfile -e dist/isimp-*-blender3.zip "$out/blender/addons" && export BLENDER_USER_SCRIPTS=$out/blender
+}

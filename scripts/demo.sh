@@ -6,18 +6,13 @@
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-# fetch_bunny FILE.obj: the Stanford bunny of Debian's libcgal-demo, unpacked without installing it.
+# fetch_bunny FILE.off: the Stanford bunny of Debian's libcgal-demo, unpacked without installing it.
 fetch_bunny() {
   local folder
   folder=$(dirname "$1")
   mkdir -p "$folder"
   (cd "$folder" && apt-get -qq -o APT::Sandbox::User=root download libcgal-demo && dpkg -x libcgal-demo_*.deb . && rm libcgal-demo_*.deb)
-  # From OFF, which Blender does not read: counts, vertices, faces that count from 0.
-  tar -xOzf "$folder/usr/share/doc/libcgal-dev/data.tar.gz" data/meshes/bunny00.off | awk '
-    /^OFF/ || /^#/ || NF == 0 { next }
-    !counts { counts = 1; vertices = $1; next }
-    vertices > 0 { vertices--; print "v", $1, $2, $3; next }
-    { print "f", $2 + 1, $3 + 1, $4 + 1 }' >"$1"
+  tar -xOzf "$folder/usr/share/doc/libcgal-dev/data.tar.gz" data/meshes/bunny00.off >"$1"
 }
 
 apt_install python3 python3-venv "${build_packages[@]}" "${blender_packages[@]}"
@@ -29,7 +24,7 @@ make_addon
 scan=${1:-$root/../shared/data/scan/bunny_69k.ply}
 if [ ! -e "$scan" ]; then
   [ $# = 0 ] || { echo "there is no $scan" >&2 && exit 2; }
-  scan=$out/scan/bunny00.obj
+  scan=$out/scan/bunny00.off
   [ -e "$scan" ] || fetch_bunny "$scan"
 fi
 blender -b --factory-startup --addons isimp --python-exit-code 1 --python examples/batch.py -- \
