@@ -143,9 +143,12 @@ def imported(path):
 
 
 def from_engine(path):
-    import isimp_engine
-
-    vertices, triangles = isimp_engine.read(str(path))
+    # The engine as the add-on found it: installed, or packed with it.
+    session = next(module for name, module in sys.modules.items() if name.split(".")[-2:] == ["isimp", "session"])
+    try:
+        vertices, triangles = session.engine.read(str(path))
+    except session.engine.InvalidInput as error:
+        raise Problem(str(error)) from None
     mesh = bpy.data.meshes.new(path.stem)
     mesh.vertices.add(len(vertices))
     mesh.loops.add(3 * len(triangles))
