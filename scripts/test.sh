@@ -6,7 +6,7 @@
 set -uo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-stages=(format lint cpp wheel python asan cuda tidy)
+stages=(format lint cpp wheel python blender bpy45 bpy50 asan cuda tidy)
 tests_venv=$root/.venv-test
 
 # Each stage is a function that runs with `set -e`; what it needs installed it installs. Test runners leave their
