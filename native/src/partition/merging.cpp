@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <utility>
 
 namespace isimp {
 namespace {
@@ -62,9 +63,9 @@ std::vector<std::int32_t> nodes_by_part(const MergeGraph& graph) {
   return nodes;
 }
 
-/// The graph in which the nodes of a cluster are one. \param members  linked lists: head[w], next[u], kAlone ends
-MergeGraph contract(const MergeGraph& graph, const std::vector<std::int32_t>& map, std::int32_t clusters,
-                    const std::vector<std::int32_t>& head, const std::vector<std::int32_t>& next, Job& job) {
+/// The graph in which the nodes of a cluster are one, from linked lists: head[w], next[u], kAlone ends.
+MergeGraph contract_lists(const MergeGraph& graph, const std::vector<std::int32_t>& map, std::int32_t clusters,
+                          const std::vector<std::int32_t>& head, const std::vector<std::int32_t>& next, Job& job) {
   MergeGraph result;
   result.sum.resize(static_cast<std::size_t>(clusters));
   result.first.resize(static_cast<std::size_t>(clusters) + 1);
@@ -153,7 +154,7 @@ MergeGraph merge_round(const MergeGraph& graph, bool satellites, std::int32_t le
     next[tail[w]] = u;
     tail[w] = u;
   }
-  return contract(graph, map, static_cast<std::int32_t>(head.size()), head, next, job);
+  return contract_lists(graph, map, static_cast<std::int32_t>(head.size()), head, next, job);
 }
 
 namespace {
@@ -322,6 +323,12 @@ std::vector<std::int32_t> merge_greedily(const MergeGraph& graph, std::span<cons
   Greedy greedy(graph, sums, need);
   greedy.run(target, job);
   return greedy.clusters();
+}
+
+MergeGraph contract(const MergeGraph& graph, const std::vector<std::int32_t>& map, std::int32_t clusters, Job& job) {
+  std::vector<std::int32_t> head(static_cast<std::size_t>(clusters), kAlone), next(map.size(), kAlone);
+  for (auto u = static_cast<std::int32_t>(map.size()) - 1; u >= 0; --u) next[u] = std::exchange(head[map[u]], u);
+  return contract_lists(graph, map, clusters, head, next, job);
 }
 
 }  // namespace isimp

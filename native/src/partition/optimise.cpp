@@ -12,11 +12,13 @@ namespace isimp {
 namespace {
 
 constexpr double kSurplus = 1.5;  // regions before the last merging, as a multiple of those wanted
-constexpr std::int32_t kNodesARegion = 4;
-// Teleports pay on a scan only where a region is far out of line; on shapes of flat sides any that is left is.
-constexpr int kTries = 4;
-constexpr double kLeastRatio = 100.0;
+constexpr double kNodesARegion = 3.5;
+constexpr int kTries = 4;  // of teleports that do not pay
 constexpr int kPatchSweeps = 5, kFirstSweeps = 6, kLastSweeps = 60;
+
+/// How far out of line a region must be for teleports to be tried. On a scan of many regions they gain little and cost
+/// much; a shape of a few sides must come out right, and there any side that is wrong stands out.
+double least_ratio(std::int32_t regions) { return std::clamp(3.0 * regions, 10.0, 300.0); }
 
 std::vector<std::int32_t> needs(const Parts& parts) {
   std::vector<std::int32_t> need;
@@ -42,7 +44,7 @@ std::vector<RegionSum> sums_of(const MergeGraph& graph, const Parts& parts) {
 std::vector<std::int32_t> cut(const Hierarchy& h, const Parts& parts, std::int32_t regions, std::int32_t target,
                               Job& job) {
   std::size_t level = h.level.size() - 1;
-  while (level > 0 && h.level[level].size() < kNodesARegion * static_cast<std::int64_t>(regions)) --level;
+  while (level > 0 && h.level[level].size() < kNodesARegion * regions) --level;
   const MergeGraph& coarse = h.level[level];
   std::vector<std::int32_t> label = merge_greedily(coarse, sums_of(coarse, parts), needs(parts), target, job);
   while (level-- > 0) {
@@ -74,13 +76,14 @@ class Optimiser {
     push_borders(relaxation);
     relaxation.run(kFirstSweeps, job);
     job.report(0.4);
-    merge_to(wanted - lacking(), relaxation, job);
+    const MergeGraph pairs = merge_to(wanted - lacking(), relaxation, job);
     job.report(0.5);
     relaxation.run(kLastSweeps, job);
     job.report(0.9);
     Teleport teleport(graph_, parts_, regions_, std::move(part_), relaxation);
-    teleport.fill_up(job);
-    teleport.run(kTries, kLeastRatio, job);
+    const bool filled = teleport.fill_up(job);
+    const double ratio = least_ratio(wanted);
+    if (filled || teleport.worth_trying(pairs, ratio)) teleport.run(kTries, ratio, job);
     return std::move(regions_);
   }
 
@@ -120,10 +123,11 @@ class Optimiser {
     return sum;
   }
 
-  void merge_to(std::int32_t target, Relaxation<GraphLabels>& relaxation, Job& job) {
-    const std::vector<std::int32_t> merged =
-        merge_greedily(graph_of_regions(graph_, regions_.label, regions_.sum.size(), part_, relaxation.pushed()),
-                       regions_.sum, needs(parts_), target, job);
+  /// Merges regions to the number given. \return which of those left touch
+  MergeGraph merge_to(std::int32_t target, Relaxation<GraphLabels>& relaxation, Job& job) {
+    const MergeGraph touching =
+        graph_of_regions(graph_, regions_.label, regions_.sum.size(), part_, relaxation.pushed());
+    const std::vector<std::int32_t> merged = merge_greedily(touching, regions_.sum, needs(parts_), target, job);
     for (std::int32_t& r : regions_.label)
       if (r != kNone) r = merged[r];
     std::vector<RegionSum> sums(static_cast<std::size_t>(1 + *std::max_element(merged.begin(), merged.end())));
@@ -136,6 +140,7 @@ class Optimiser {
     relaxation.refit();
     const std::vector<std::int32_t> borders = relaxation.pushed();
     for (const std::int32_t i : borders) relaxation.push_if_border(i);
+    return contract(touching, merged, regions_.count(), job);
   }
 
   const FaceGraph& graph_;

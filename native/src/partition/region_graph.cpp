@@ -5,6 +5,8 @@
 namespace isimp {
 namespace {
 
+constexpr std::size_t kAhead = 8;  // faces, for the memory to be there in time
+
 /// A set of ordered pairs of numbers below 2^31 that grows as it fills.
 class PairSet {
  public:
@@ -55,10 +57,17 @@ std::vector<std::pair<std::int32_t, std::int32_t>> neighbouring_regions(const Fa
                                                                         const std::vector<std::int32_t>& label,
                                                                         std::span<const std::int32_t> faces) {
   PairSet pairs;
-  for (const std::int32_t i : faces) {
-    const std::int32_t own = label[i];
-    for (const std::int32_t j : graph.neighbours[i])
-      if (const std::int32_t other = label[j]; other != own && other != kNone) pairs.insert(own, other);
+  std::pair<std::int32_t, std::int32_t> last(kNone, kNone);  // along a border the same pair comes many times
+  const std::size_t size = faces.size();
+  for (std::size_t k = 0; k < size; ++k) {
+    if (k + kAhead < size) __builtin_prefetch(&graph.neighbours[faces[k + kAhead]]);
+    const std::int32_t own = label[faces[k]];
+    for (const std::int32_t j : graph.neighbours[faces[k]]) {
+      const std::int32_t other = label[j];
+      if (other == own || other == kNone || last == std::pair(own, other)) continue;
+      last = {own, other};
+      pairs.insert(own, other);
+    }
   }
   std::vector<std::pair<std::int32_t, std::int32_t>> result;
   for (const std::uint64_t key : pairs.sorted())

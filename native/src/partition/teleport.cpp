@@ -1,6 +1,7 @@
 #include "isimp/partition/teleport.h"
 
 #include <algorithm>
+#include <limits>
 #include <queue>
 #include <tuple>
 #include <utility>
@@ -14,6 +15,7 @@ namespace {
 constexpr int kSweeps = 200;         // of the borders after a round; a face may have to grow over a whole side
 constexpr int kRounds = 3;           // of fitting the halves of a split
 constexpr double kMargin = 0.02;     // a move must gain this share more than it costs
+constexpr double kShare = 3e-4;      // of the whole error, times the least ratio: worth parting a region anew
 constexpr double kLeastFall = 1e-4;  // of the error by a round: below it, it is not worth another
 constexpr double kLeastGain = 1e-7;  // of the whole area: less is rounding
 
@@ -111,7 +113,7 @@ void Teleport::accept_split(std::int32_t region, std::int32_t fresh) {
   push_borders(faces_);
 }
 
-void Teleport::fill_up(Job& job) {
+bool Teleport::fill_up(Job& job) {
   // The worst region of a component that is short comes first, else the worst of all; of flat ones the largest.
   using Rank = std::tuple<bool, double, std::int32_t, std::int32_t>;
   const auto rank = [&](std::int32_t r) {
@@ -121,7 +123,7 @@ void Teleport::fill_up(Job& job) {
   };
   std::int32_t wanting = 0;  // regions that components lack
   for (std::size_t c = 0; c < count_.size(); ++c) wanting += std::max(0, parts_.parts[c].need - count_[c]);
-  if (wanting == 0 && regions_.count() >= parts_.regions()) return;
+  if (wanting == 0 && regions_.count() >= parts_.regions()) return false;
   std::priority_queue<Rank> order;
   for (std::int32_t r = 0; r < regions_.count(); ++r) order.push(rank(r));
   while (wanting > 0 || regions_.count() < parts_.regions()) {
@@ -143,6 +145,7 @@ void Teleport::fill_up(Job& job) {
   }
   relaxation_.refit();
   relaxation_.run(kSweeps, job);
+  return true;
 }
 
 std::vector<Teleport::Pair> Teleport::cheapest_pairs() const {
@@ -252,18 +255,35 @@ int Teleport::round(int tries, double least_ratio, Job& job) {
   return moves;
 }
 
+/// The error above which a region is parted anew: far above the usual, and a share of the whole that is worth it.
+double Teleport::renewal_bound(const std::vector<std::int32_t>& worst, double least_ratio) const {
+  const double usual = regions_.sum[worst[worst.size() / 2]].error();
+  return kLeastGain + least_ratio * std::max(usual, kShare * regions_.error());
+}
+
+bool Teleport::worth_trying(const MergeGraph& pairs, double least_ratio) const {
+  double cheapest = std::numeric_limits<double>::infinity();
+  for (std::int32_t u = 0; u < pairs.size(); ++u)
+    for (const std::int32_t v : pairs.around(u))
+      if (u < v) cheapest = std::min(cheapest, merge_cost(regions_.sum[u], regions_.sum[v]));
+  const std::vector<std::int32_t> worst = worst_regions();
+  const double most = regions_.sum[worst.front()].error();
+  return most > std::min(kLeastGain + least_ratio * cheapest, renewal_bound(worst, least_ratio));
+}
+
 /// Parts regions that are far worse than the usual anew with each of their neighbours. That opens rings: a region that
 /// lies round another can't give way face by face, since it would fall apart before it is whole again.
 int Teleport::renew(int tries, double least_ratio, Job& job) {
   const std::vector<std::int32_t> worst = worst_regions();
-  const double usual = regions_.sum[worst[worst.size() / 2]].error();
+  const double bound = renewal_bound(worst, least_ratio);
+  if (regions_.sum[worst.front()].error() <= bound) return 0;
   std::vector<std::vector<std::int32_t>> around(regions_.sum.size());
   for (const auto& [u, v] : neighbouring_regions(graph_, regions_.label, relaxation_.pushed())) around[u].push_back(v);
   std::vector<bool> used(regions_.sum.size(), false);
   int moves = 0, failed = 0;
   for (const std::int32_t region : worst) {
     const double error = regions_.sum[region].error();
-    if (error <= kLeastGain + least_ratio * usual || failed >= tries) break;
+    if (error <= bound || failed >= tries) break;
     if (used[region] || tried_[region].renewed == error) continue;
     tried_[region].renewed = error;
     bool better = false;

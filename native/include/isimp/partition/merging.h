@@ -41,6 +41,9 @@ struct MergeGraph {
 MergeGraph merge_round(const MergeGraph& graph, bool satellites, std::int32_t least, std::vector<std::int32_t>& map,
                        Job& job);
 
+/// The graph in which all nodes of a cluster are one. \param map  (N) cluster of each node, each in [0, clusters)
+MergeGraph contract(const MergeGraph& graph, const std::vector<std::int32_t>& map, std::int32_t clusters, Job& job);
+
 /// Merges neighbours one pair at a time, cheapest first, until `target` clusters are left.
 ///
 /// \param sums   (N) exact sums of the nodes; a node without faces takes no part and gets kNone

@@ -6,6 +6,7 @@
 
 #include "isimp/core/job.h"
 #include "isimp/mesh/face_graph.h"
+#include "isimp/partition/merging.h"
 #include "isimp/partition/parts.h"
 #include "isimp/partition/regions.h"
 #include "isimp/partition/relax.h"
@@ -21,7 +22,12 @@ class Teleport {
            Relaxation<GraphLabels>& relaxation);
 
   /// Splits the worst regions until every component has its need and there are parts.regions() in all.
-  void fill_up(Job& job);
+  /// \return whether any had to be split
+  bool fill_up(Job& job);
+
+  /// Whether `run` could do anything, as far as can be told from which regions touched a while ago: cheap, and where
+  /// nothing is far out of line it saves `run` from finding out.
+  [[nodiscard]] bool worth_trying(const MergeGraph& pairs, double least_ratio) const;
 
   /// Merges the cheapest neighbouring pair and splits the region that gains most by it, as long as that lowers the
   /// error; then the borders of both are relaxed.
@@ -41,6 +47,7 @@ class Teleport {
   };
   [[nodiscard]] std::vector<Pair> cheapest_pairs() const;
   [[nodiscard]] std::vector<std::int32_t> worst_regions() const;
+  [[nodiscard]] double renewal_bound(const std::vector<std::int32_t>& worst, double least_ratio) const;
   int round(int tries, double least_ratio, Job& job);
   int renew(int tries, double least_ratio, Job& job);
   bool part_anew(std::int32_t region, std::int32_t other, Job& job);
