@@ -3,7 +3,7 @@
     blender -b --python examples/batch.py -- IN OUT [OUT ...] --proxies N [--picture P.png]
 
 IN is any format that Blender reads, or .off. OUT are .obj, .ply, .glb, in the axes of IN, or .blend, which keeps the
-scan and its coloured regions. Ends with 0; 2 for wrong usage; 3 for a scan that can't be used, with one line that says why.
+scan and its coloured regions. Ends with 0; 2 for wrong usage; 3 for a scan that can't be used, and a line saying why.
 """
 
 import argparse
