@@ -301,7 +301,7 @@ def test_ctrl_c_is_130_with_nothing_half_written(big_scan, tmp_path, stage):
         process.send_signal(signal.SIGINT)
         rest = read_all(terminal)
         assert process.wait(timeout=60) == 130
-        assert time.monotonic() - begun < 5
+        assert time.monotonic() - begun < 10
         assert process.stdout.read() == b""
     assert rest.splitlines()[-1].endswith("isimp: interrupted, nothing was written")
     assert "Traceback" not in rest
