@@ -36,16 +36,29 @@ class ISIMP_PT_main(_Panel, bpy.types.Panel):
             box.label(text=line)
         panel = context.window_manager.isimp
         layout.prop(panel.partition, "proxies")
-        row = layout.row(align=True)
-        row.prop(panel, "details", icon="TRIA_DOWN" if panel.details else "TRIA_RIGHT", emboss=False)
-        if panel.details:
-            column = layout.column()
-            for name in ("method", "seeding", "seed", "iterations", "leave_out"):
-                column.prop(panel.partition, name)
         button = layout.column()
         button.scale_y = 1.4
         operator = button.operator("isimp.partition", icon="MOD_EXPLODE")
         settings.copy(rcp.Partition, panel.partition, operator)
+
+
+class ISIMP_PT_options(_Panel, bpy.types.Panel):
+    bl_label = "Options"
+    bl_parent_id = "ISIMP_PT_main"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return not targets.find(context)[1]
+
+    def draw(self, context):
+        layout, partition = self.prepare(), context.window_manager.isimp.partition
+        layout.prop(partition, "method")
+        column = layout.column()
+        column.active = partition.method != "hierarchy"  # which starts from no faces
+        for name in ("seeding", "seed", "iterations"):
+            column.prop(partition, name)
+        layout.prop(partition, "leave_out")
 
 
 class ISIMP_PT_regions(_Panel, bpy.types.Panel):
@@ -59,8 +72,8 @@ class ISIMP_PT_regions(_Panel, bpy.types.Panel):
     def draw(self, context):
         layout = self.prepare()
         row = layout.row(align=True)
-        row.operator("isimp.add_proxy", icon="ADD")
-        row.operator("isimp.delete_proxy", icon="REMOVE")
+        row.operator("isimp.add_proxy", text="Add", icon="ADD")
+        row.operator("isimp.delete_proxy", text="Delete", icon="REMOVE")
         shown = display.is_shown(context)
         layout.operator("isimp.show_regions", text="Colours", icon="HIDE_OFF" if shown else "HIDE_ON", depress=shown)
 
@@ -100,7 +113,7 @@ class ISIMP_PT_numbers(_Panel, bpy.types.Panel):
         column = self.layout.column(align=True)
         unit = context.scene.unit_settings
         for name, value in text.number_rows(store.numbers(scan), unit.system, unit.scale_length):
-            row = column.split(factor=0.45)
+            row = column.split(factor=0.4)
             row.label(text=name)
             row.label(text=value)
 
@@ -130,4 +143,4 @@ def _draw_progress(layout, running) -> None:
     column.operator("isimp.stop", text="Stop (Esc)", icon="CANCEL")
 
 
-CLASSES = (ISIMP_PT_main, ISIMP_PT_regions, ISIMP_PT_result, ISIMP_PT_numbers)
+CLASSES = (ISIMP_PT_main, ISIMP_PT_options, ISIMP_PT_regions, ISIMP_PT_result, ISIMP_PT_numbers)

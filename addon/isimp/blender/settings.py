@@ -3,7 +3,7 @@
 import dataclasses
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
+from bpy.props import EnumProperty, FloatProperty, IntProperty, PointerProperty
 
 from .. import recipe as rcp
 
@@ -101,7 +101,6 @@ class IsimpPanel(bpy.types.PropertyGroup):
 
     partition: PointerProperty(type=IsimpPartition)
     meshing: PointerProperty(type=IsimpMeshing)
-    details: BoolProperty(name="Options", description="Show more settings of Partition")
 
 
 def to_step(cls, properties):

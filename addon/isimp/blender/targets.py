@@ -79,7 +79,8 @@ def _unusable(obj) -> str:
 
 
 def has_regions(scan) -> bool:
-    return bool(store.load(scan))
+    recipe = store.load(scan)
+    return recipe is None or bool(recipe.steps)
 
 
 def needs_regions(scan) -> str:

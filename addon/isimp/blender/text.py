@@ -29,7 +29,7 @@ def scan_lines(mesh, numbers: dict) -> list:
 def length(value: float, system: str, scale: float) -> str:
     if system == "NONE":
         return f"{value:.3g}"
-    return bpy.utils.units.to_string(system, "LENGTH", value * scale, precision=4, compatible_unit=True)
+    return bpy.utils.units.to_string(system, "LENGTH", value * scale, precision=2, compatible_unit=True)
 
 
 def number_rows(numbers: dict, system: str, scale: float) -> list:
@@ -41,8 +41,8 @@ def number_rows(numbers: dict, system: str, scale: float) -> list:
         rows.append(("Polygons", f"{numbers['polygons']:,}"))
         rows.append(("Corners each", f"{numbers['corners'] / max(1, numbers['polygons']):.1f}"))
         for name, key in (("Flat to", "planarity_mean"), ("Worst", "planarity_max")):
-            share = numbers[key] / numbers["diagonal"] if numbers["diagonal"] else 0.0
-            rows.append((name, f"{length(numbers[key], system, scale)} ({share:.2%})"))
+            share = 100 * numbers[key] / numbers["diagonal"] if numbers["diagonal"] else 0.0
+            rows.append((name, f"{length(numbers[key], system, scale)} ({share:.2g} %)"))
         rows.append(("Surface", "closed" if numbers["closed"] else "open"))
     rows.append(("Error", f"{numbers['error']:.4g}"))
     if numbers.get("left_out"):

@@ -1,0 +1,206 @@
+"""Drives a real Blender window: `blender --enable-event-simulate ... --python drive.py -- SCENARIO.py OUT`.
+
+A scenario is a module with a function `run(hand)`, a generator: every `yield` lets Blender handle what was done so
+far (`yield 0.5` waits that many seconds). Buttons are found by what they do, not by where they are. Ends Blender
+with 0 if the scenario came to its end.
+"""
+
+import os
+import subprocess
+import sys
+import time
+import traceback
+from importlib import util
+from pathlib import Path
+
+sys.path[:0] = [folder for folder in os.environ.get("ISIMP_SITE", "").split(os.pathsep) if folder]
+
+import bpy  # noqa: E402  (after the folders above)
+
+bpy.context.preferences.view.show_splash = False
+bpy.context.preferences.view.show_tooltips = False
+
+TICK = 0.02
+KEYS = {"0": "ZERO", "1": "ONE", "2": "TWO", "3": "THREE", "4": "FOUR", "5": "FIVE", "6": "SIX", "7": "SEVEN"}
+KEYS |= {"8": "EIGHT", "9": "NINE", ".": "PERIOD"}
+
+
+class Hand:
+    """Mouse and keyboard. Methods that take time are generators: `yield from hand.click(...)`."""
+
+    def __init__(self, out):
+        self.out = out
+        self.at = (0, 0)
+        self.known = {}  # where buttons were seen last
+
+    @property
+    def window(self):
+        return bpy.context.window_manager.windows[0]
+
+    @property
+    def area(self):
+        areas = (area for area in self.window.screen.areas if area.type == "VIEW_3D")
+        return max(areas, key=lambda area: area.width * area.height)
+
+    def region(self, kind):
+        return next(region for region in self.area.regions if region.type == kind)
+
+    def event(self, kind, value, **more):
+        self.window.event_simulate(type=kind, value=value, x=int(self.at[0]), y=int(self.at[1]), **more)
+
+    def move(self, x, y):
+        self.at = (x - 1, y)
+        self.event("MOUSEMOVE", "NOTHING")
+        yield
+        self.at = (x, y)
+        self.event("MOUSEMOVE", "NOTHING")
+        yield
+
+    def click(self, x, y, button="LEFTMOUSE", **held):
+        yield from self.move(x, y)
+        self.event(button, "PRESS", **held)
+        yield
+        self.event(button, "RELEASE", **held)
+        yield 0.1
+
+    def key(self, kind, **held):
+        self.event(kind, "PRESS", **held)
+        yield
+        self.event(kind, "RELEASE", **held)
+        yield 0.1
+
+    def into_view(self):
+        view = self.region("WINDOW")
+        yield from self.move(view.x + view.width * 0.45, view.y + view.height * 0.5)
+
+    def undo(self):
+        yield from self.into_view()
+        yield from self.key("Z", ctrl=True)
+        yield 0.3
+
+    def redo(self):
+        yield from self.into_view()
+        yield from self.key("Z", ctrl=True, shift=True)
+        yield 0.3
+
+    def open_tab(self):
+        """Makes the viewport fill the window, and opens the sidebar at the tab of the add-on."""
+        with bpy.context.temp_override(window=self.window, area=self.area, region=self.region("WINDOW")):
+            bpy.ops.screen.screen_full_area(use_hide_panels=False)
+        yield 0.5
+        self.area.spaces.active.show_region_ui = True
+        yield 0.5
+        side = self.region("UI")
+        if hasattr(side, "active_panel_category"):
+            side.active_panel_category = "iSimp"
+            self.area.tag_redraw()
+            yield 0.3
+            return
+        drawn = []
+        bpy.types.ISIMP_PT_main.append(lambda panel, context: drawn.append(panel))
+        for y in range(side.y + side.height - 20, side.y, -30):  # Blender 3.4: try the tabs from above
+            yield from self.click(side.x + side.width - 10, y)
+            yield 0.2
+            if drawn:
+                return
+        raise AssertionError("the add-on has no tab in the sidebar")
+
+    def buttons(self):
+        """{what it does or sets: (x, y)} of the buttons in the sidebar; the mouse wanders over them."""
+        side, found, last = self.region("UI"), {}, self.region("UI").y + self.region("UI").height
+        for y in range(last - 34, side.y, -16):
+            for share in (0.3, 0.75):
+                self.at = (side.x + (side.width - 20) * share, y)
+                self.event("MOUSEMOVE", "NOTHING")
+                yield
+                yield
+                name = self.under_mouse()
+                if name:
+                    found.setdefault(name, []).append(self.at)
+                    last = y
+            if last - y > 100:
+                break
+        return {name: places[len(places) // 2] for name, places in found.items()}
+
+    def find(self, name):
+        """Moves to a button, by what it does or the end of what it sets."""
+        for _ in range(3):
+            full = next((known for known in self.known if known.endswith(name)), None)
+            if full:
+                yield from self.move(*self.known[full])
+                if self.under_mouse() == full:
+                    return
+            self.known = yield from self.buttons()
+        raise AssertionError(f"no button {name}, there are {sorted(self.known)}")
+
+    def under_mouse(self):
+        """What the button under the mouse does or sets; empty if there is none."""
+        manager, side = bpy.context.window_manager, self.region("UI")
+        for operator, settings in (("copy_python_command_button", {}), ("copy_data_path_button", {"full_path": True})):
+            manager.clipboard = ""
+            with bpy.context.temp_override(window=self.window, area=self.area, region=side):
+                call = getattr(bpy.ops.ui, operator)
+                if call.poll():
+                    call(**settings)
+            if manager.clipboard:
+                return manager.clipboard.split("(")[0]
+        return ""
+
+    def press(self, name):
+        """Presses the button of an operator, as `isimp.partition`."""
+        yield from self.find(f"bpy.ops.{name}")
+        yield from self.click(*self.at)
+        yield from self.settle()
+
+    def settle(self, seconds=30):
+        """Waits until no work is under way."""
+        from isimp.blender import runtime
+
+        yield 0.3
+        end = time.time() + seconds
+        while runtime.get().running is not None:
+            assert time.time() < end, "the work takes too long"
+            yield 0.1
+        yield 0.2
+
+    def type_into(self, path_end, text):
+        """Types a number into the field of a property."""
+        yield from self.find(path_end)
+        yield from self.click(*self.at)
+        yield from self.key("A", ctrl=True)
+        for letter in text:
+            self.event(KEYS[letter], "PRESS", unicode=letter)
+            yield
+            self.event(KEYS[letter], "RELEASE")
+            yield
+        yield from self.key("RET")
+        yield 0.2
+
+    def shot(self, name):
+        yield 0.4
+        subprocess.run(["import", "-window", "root", str(self.out / f"{name}.png")], check=True)
+        yield
+
+
+def main(scenario, out):
+    spec = util.spec_from_file_location("scenario", scenario)
+    module = util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    steps = module.run(Hand(out))
+
+    def tick():
+        try:
+            return next(steps) or TICK
+        except StopIteration:
+            code = 0
+        except BaseException:  # noqa: BLE001  (the test shows it)
+            traceback.print_exc()
+            code = 1
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(code)
+
+    bpy.app.timers.register(tick, first_interval=1.0)
+
+
+main(*map(Path, sys.argv[sys.argv.index("--") + 1 :]))
