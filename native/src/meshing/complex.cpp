@@ -46,6 +46,7 @@ void Complex::refresh(std::span<const std::int32_t> pieces, std::span<const std:
       const bool other_does = !labels_.owns(h) && std::binary_search(pieces.begin(), pieces.end(), labels_.across(h));
       if (!other_does) subdivide(h);
     }
+  for (const std::int32_t l : pieces) keep_shape(l);
 }
 
 /// A boundary without any corner gets two that are far apart, so that a square begins with two of its own corners.
@@ -69,14 +70,11 @@ void Complex::seed_ring(std::int32_t piece) {
 }
 
 double Complex::reach_of(std::int32_t chord) const {
-  const Plane& left = planes_[labels_.label[chord / 3]];
   const std::int32_t other = labels_.across(chord);
-  if (other == kNone) return std::min(tolerance.most_on_border, tolerance.of_width * left.width);
-  const Plane& right = planes_[other];
-  double sine = left.normal.cross(right.normal).norm();
-  if (left.normal.dot(right.normal) < 0) sine = 1;
-  const double narrow = std::min(left.width, right.width);
-  return std::min(tolerance.most, tolerance.of_width * narrow) / std::max(sine, tolerance.least_sine);
+  if (other == kNone) return tolerance.most_on_border;
+  const Vec3 &left = planes_[labels_.label[chord / 3]].normal, &right = planes_[other].normal;
+  const double sine = left.dot(right) < 0 ? 1.0 : left.cross(right).norm();
+  return tolerance.most / std::max(sine, tolerance.least_sine);
 }
 
 std::vector<std::int32_t> Complex::path(std::int32_t chord) const {
@@ -111,11 +109,39 @@ bool Complex::bend(std::int32_t chord) {
   return true;
 }
 
+std::vector<Vec3> Complex::smooth(std::int32_t chord, std::vector<std::int32_t>& vertices) const {
+  vertices = path(chord);
+  return without_zigzag(points(vertices));
+}
+
 /// Chooses corners on a chord that leaves its path too far.
 void Complex::subdivide(std::int32_t chord) {
-  const std::vector<std::int32_t> vertices = path(chord);
-  if (vertices.size() < 3) return;
-  for (const std::size_t i : simplify(without_zigzag(points(vertices)), reach_of(chord))) add_corner(vertices[i]);
+  std::vector<std::int32_t> vertices;
+  const std::vector<Vec3> line = smooth(chord, vertices);
+  for (const std::size_t i : simplify(line, reach_of(chord))) add_corner(vertices[i]);
+}
+
+/// Adds corners to a piece whose polygon is too different from it, however small it is.
+void Complex::keep_shape(std::int32_t piece) {
+  const double allowed = tolerance.of_area * planes_[piece].area;
+  for (std::size_t added = 0; added < loops_[piece].size(); ++added) {
+    double sum = 0, most = 0;
+    std::int32_t worst = kNone;
+    std::vector<std::int32_t> vertices;
+    for (const std::int32_t h : loops_[piece]) {
+      if (!is_corner(mesh_.from(h))) continue;
+      const std::vector<Vec3> line = smooth(h, vertices);
+      if (line.size() < 3) continue;
+      const double area = area_left_out(line).dot(planes_[piece].normal);
+      sum += area;
+      if (std::abs(area) <= most) continue;
+      most = std::abs(area);
+      worst = h;
+    }
+    if (std::abs(sum) <= allowed || worst == kNone) return;
+    const std::vector<Vec3> line = smooth(worst, vertices);
+    add_corner(vertices[farthest(line).where]);
+  }
 }
 
 void Complex::collect_dirty() {

@@ -9,6 +9,7 @@
 #include "isimp/core/job.h"
 #include "labels.h"
 #include "planes.h"
+#include "polyline.h"
 
 namespace isimp::meshing {
 
@@ -16,7 +17,7 @@ namespace isimp::meshing {
 struct ChordTolerance {
   double most = 0;            ///< between two pieces
   double most_on_border = 0;  ///< on the border of the mesh
-  double of_width = 0;        ///< nor more than this share of the narrower piece's width
+  double of_area = 0;         ///< the chords of a piece may leave out or add this share of its area
   double least_sine = 0;      ///< distances count the less, the flatter the two pieces meet, but at least this much
 };
 
@@ -66,6 +67,8 @@ class Complex {
   [[nodiscard]] std::vector<Vec3> points(std::span<const std::int32_t> path) const;
   void seed_ring(std::int32_t piece);
   void subdivide(std::int32_t chord);
+  void keep_shape(std::int32_t piece);
+  [[nodiscard]] std::vector<Vec3> smooth(std::int32_t chord, std::vector<std::int32_t>& vertices) const;
   [[nodiscard]] double reach_of(std::int32_t chord) const;
   void collect_dirty();
   bool add_third_corners();

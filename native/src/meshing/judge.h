@@ -29,8 +29,8 @@ struct PolygonVerdict {
 };
 
 struct Bounds {
-  double bend = 0;        ///< scene units; no bound if not above 0
-  double least_area = 0;  ///< scene units squared; a polygon with no more than this has none
+  double bend = 0;       ///< scene units; no bound if not above 0
+  double thickness = 0;  ///< scene units; a polygon thinner than this has no area
 };
 
 /// \param normal  that of the piece: a polygon that faces away from it is flipped

@@ -17,8 +17,8 @@ constexpr double kFacing = 0.2;  ///< cosine between a polygon and its piece up 
 /// The polygon seen along its normal, turned counter-clockwise.
 struct Flat {
   std::vector<Point> points;
-  Vec3 normal = Vec3::Zero();  ///< its length is the area
-  double bend = 0;
+  Vec3 normal = Vec3::Zero();   ///< its length is the area
+  double bend = 0, extent = 0;  ///< largest distance from the plane, and from the middle
 };
 
 Flat flat(std::span<const std::int32_t> polygon, std::span<const Vec3> position) {
@@ -31,7 +31,10 @@ Flat flat(std::span<const std::int32_t> polygon, std::span<const Vec3> position)
     centre += p.back();
   }
   centre /= static_cast<double>(p.size());
-  for (Vec3& x : p) x -= centre;
+  for (Vec3& x : p) {
+    x -= centre;
+    f.extent = std::max(f.extent, x.norm());
+  }
   for (std::size_t i = 0; i < p.size(); ++i) f.normal += p[i].cross(p[i + 1 < p.size() ? i + 1 : 0]) / 2;
   const double area = f.normal.norm();
   if (area == 0) return f;
@@ -198,7 +201,7 @@ PolygonVerdict judge_polygon(std::span<const std::int32_t> polygon, std::span<co
   PolygonVerdict verdict;
   const Flat f = flat(polygon, position);
   verdict.bend = f.bend;
-  if (f.points.empty() || f.normal.norm() <= bounds.least_area) {
+  if (f.points.empty() || f.normal.norm() <= bounds.thickness * f.extent) {
     verdict.faults = kNoArea;
     return verdict;
   }

@@ -27,7 +27,7 @@ void check(const Mesh& mesh, const Partition& partition, const MeshingOptions& o
   range(options.reach, 0, 1, "reach");
   range(options.flatten, 0, 10000, "flatten");
   range(options.flatness, 0, 100, "flatness");
-  range(options.chord_width, 0, 100, "chord_width");
+  range(options.chord_area, 0, 100, "chord_area");
   range(options.repair_budget, 0, 1000, "repair_budget");
   if (partition.face_region.size() != static_cast<std::size_t>(mesh.face_count()))
     throw InvalidInput("the partition has labels for " + std::to_string(partition.face_region.size()) +

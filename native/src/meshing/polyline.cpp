@@ -1,5 +1,6 @@
 #include "polyline.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -96,6 +97,12 @@ std::vector<Vec3> without_zigzag(std::span<const Vec3> line) {
     if (against > 0) smooth[i] += turn[i] / 4 * std::min(1.0, against / turn[i].squaredNorm());
   }
   return smooth;
+}
+
+Vec3 area_left_out(std::span<const Vec3> line) {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = 1; i + 1 < line.size(); ++i) sum += (line[i] - line[0]).cross(line[i + 1] - line[0]);
+  return sum / 2;
 }
 
 std::vector<std::size_t> simplify(std::span<const Vec3> line, double reach) {

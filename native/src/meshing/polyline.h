@@ -22,6 +22,9 @@ Farthest farthest(std::span<const Vec3> line);
 /// moved towards the mean of the middles of its two edges.
 std::vector<Vec3> without_zigzag(std::span<const Vec3> line);
 
+/// Vector area between a line and its chord, walked along the line and back on the chord.
+Vec3 area_left_out(std::span<const Vec3> line);
+
 /// The points to keep beside the ends so that no point is further than `reach` from the chord that stands for it; at
 /// least one if the ends are the same point. \return indices in rising order
 /// Source: Douglas, Peucker 1973; then points that became needless go, and the others slide to where they fit best.

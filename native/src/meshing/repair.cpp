@@ -13,7 +13,7 @@ namespace isimp::meshing {
 namespace {
 
 constexpr int kRounds = 40;
-constexpr double kLeastArea = 1e-12;       ///< of the diagonal squared
+constexpr double kThickness = 1e-6;        ///< of the diagonal: about what float32 can tell apart
 constexpr int kPatience = 12;              ///< how often the last act of a plan is repeated
 constexpr double kPull = 0.5;              ///< what a pull leaves of a corner's radius
 constexpr std::int32_t kLeastBudget = 30;  ///< splits that are always allowed
@@ -27,7 +27,7 @@ class Repairer {
     const auto pieces = static_cast<double>(s_.labels.piece_count());
     budget_ = std::max(kLeastBudget, static_cast<std::int32_t>(s_.options.repair_budget * pieces));
     if (s_.regions >= s_.options.flatness_from) bounds_.bend = s_.options.flatness * s_.mesh.diagonal();
-    bounds_.least_area = kLeastArea * s_.mesh.diagonal() * s_.mesh.diagonal();
+    bounds_.thickness = kThickness * s_.mesh.diagonal();
   }
 
   RepairOutcome run() {

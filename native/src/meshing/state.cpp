@@ -22,7 +22,7 @@ ChordTolerance chord_tolerance(const Mesh& mesh, std::span<const Plane> planes, 
   ChordTolerance t;
   t.most = std::min(tolerance, 0.03 * mesh.diagonal());
   t.most_on_border = std::min(tolerance, 0.01 * mesh.diagonal());
-  t.of_width = options.chord_width;
+  t.of_area = options.chord_area;
   t.least_sine = 0.15;
   return t;
 }

@@ -16,7 +16,7 @@ struct MeshingOptions {
   double chord_tolerance = 0.3;
   /// ... or by more than this share of the width of the narrower of the two regions, so that small ones keep their
   /// shape.
-  double chord_width = 0.25;
+  double chord_area = 0.35;
   double reach = 0.01;               ///< no corner is moved further than this from the scan's vertex it stands for
   std::int32_t flatten = 30;         ///< rounds of planes and corners in turn; 0 leaves the first placement
   std::int32_t flatness_from = 100;  ///< with fewer regions than this there is no bound: they are bent themselves
