@@ -207,8 +207,8 @@ def with_flat_faces(shape, rng, count=100):
     vertices, faces, taken = list(shape.vertices), [tuple(f) for f in shape.faces], set()
     owner = {(f[k], f[(k + 1) % 3]): i for i, f in enumerate(faces) for k in range(3)}
     for i in rng.permutation(len(faces)):
-        a, b, c = faces[i]
-        j = owner[b, a]
+        a, b, _ = faces[i]
+        j = owner.get((b, a))
         if i in taken or j in taken:
             continue
         d = next(v for v in faces[j] if v not in (a, b))

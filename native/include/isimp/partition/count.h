@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+namespace isimp {
+
+/// Deviations of the noise that count as tolerance: regions that differ by less are one.
+inline constexpr double kNoise = 3.5;
+/// Deviations below which all is noise: faces merge up to here without a look, and gaps are looked for from here.
+inline constexpr double kLeastNoise = 2.5;
+
+/// By how much a merge may raise the error, for regions that are off their planes by about t: 16 t^2.
+///
+/// Merging the halves of a square of side L that meet at a small angle a raises it by L^2 a^2 / 4, and their joint
+/// plane is off by at most L a / 8, a quarter of the root. t does not fall below `deviations` of the noise.
+/// \param tolerance, noise  t and the noise's standard deviation, scene units
+/// \return scene units squared
+double merge_limit(double tolerance, double noise, double deviations = kNoise);
+
+/// Where a merge tree is cut.
+struct Cut {
+  double cost = 0.0;     ///< merges up to this are made, scene units squared
+  bool snapped = false;  ///< it lies in a gap of the costs that can't be chance: the shape has so many planes
+};
+
+/// Cuts at merge_limit(tolerance, noise), or at a significant gap of the costs above it.
+///
+/// Where a shape has no number of planes of its own, the costs fall steadily: with C_P the cost of going from P regions
+/// to P - 1, (P / 2) ln(C_P / C_(P+1)) is then exponentially distributed with mean 1. Gaps that reach into
+/// [t, 4 t], where the ratio is above 2 and that value above ln(W + 1) + 3, with W merges inside, are significant; the
+/// widest is taken and cut in its geometric middle. Under noise the window begins at kLeastNoise.
+/// \param falling  the costs, largest first, scene units squared; 20,000 of them are enough
+/// \param parts    what is left when everything is merged
+/// \param rounding costs below this are none
+Cut choose_cut(std::span<const double> falling, std::int32_t parts, double rounding, double tolerance, double noise,
+               bool snap);
+
+}  // namespace isimp

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "isimp/core/job.h"
+#include "isimp/mesh/face_graph.h"
+#include "isimp/partition/metric.h"
+#include "isimp/partition/regions.h"
+
+namespace isimp {
+
+/// What may become one, faces or regions, and what lies beside what.
+struct ClusterGraph {
+  std::vector<RegionSum> sum;           ///< (N)
+  std::vector<std::int32_t> first;      ///< (N + 1) neighbours of u: neighbour[first[u]] ... before first[u + 1]
+  std::vector<std::int32_t> neighbour;  ///< each pair stands twice, once at either end; repeats are fine
+  std::vector<std::int32_t> part;       ///< (N) the component of each; empty if that does not matter
+};
+
+/// A cluster for each face. \param faces  (n + 1) in place of graph.faces
+ClusterGraph face_clusters(const FaceGraph& graph, std::span<const FaceRecord> faces);
+
+/// A cluster for each region.
+ClusterGraph region_clusters(const FaceGraph& graph, const Regions& regions, Job& job);
+
+/// What was merged, in order. Node k < leaves is cluster k of the graph, node leaves + k is what merge k made.
+struct MergeTree {
+  std::int32_t leaves = 0;
+  std::vector<std::array<std::int32_t, 2>> merged;  ///< (M)
+  std::vector<double> cost;                         ///< (M) by how much each raised the error, as a share of the area
+
+  [[nodiscard]] std::size_t merges() const { return merged.size(); }
+};
+
+struct MergeLimits {
+  double cost = std::numeric_limits<double>::infinity();  ///< merging ends before the first merge that costs more
+  std::span<const std::int32_t> need;  ///< (parts) the least number of clusters to leave of each; empty: 1
+};
+
+/// Merges the pair of neighbours whose merging raises the error least, again and again.
+///
+/// Where faces lie in one plane all costs are rounding; small clusters are then merged first, so that such a plane is
+/// not eaten up face by face. Ties go to the lower node. Cost: O(N log N) where clusters have few neighbours.
+MergeTree merge_all(const ClusterGraph& graph, const MergeLimits& limits, Job& job);
+
+/// The cluster each leaf is in after the first `merges` merges, numbered by first leaf. \return (leaves)
+std::vector<std::int32_t> cut_after(const MergeTree& tree, std::size_t merges);
+
+}  // namespace isimp

@@ -1,0 +1,110 @@
+#include "isimp/partition/detail_tree.h"
+
+#include <algorithm>
+#include <functional>
+#include <utility>
+
+#include "isimp/partition/normal_filter.h"
+#include "isimp/partition/relax.h"
+
+namespace isimp {
+namespace {
+
+constexpr int kFilterPasses = 8;
+constexpr int kRounds = 5;              // of relaxing and merging
+constexpr int kSweeps = 30;             // of relaxation
+constexpr double kBorder = 0.018;       // what an edge between regions weighs, in mean face areas
+constexpr double kNoisyBorder = 0.115;  // what is added to it where normals are all noise
+constexpr double kRounding = 1e-9;      // of the area: costs below this are none
+constexpr std::size_t kMostCosts = 20000;
+
+std::vector<std::int32_t> parts_of_faces(const Mesh& mesh, const FaceGraph& graph) {
+  std::vector<std::int32_t> part;
+  if (mesh.component_count() == 1) return part;
+  part.resize(static_cast<std::size_t>(graph.size()));
+  for (std::int32_t i = 0; i < graph.size(); ++i) part[i] = mesh.component()[graph.mesh_face[i]];
+  return part;
+}
+
+/// Gives each face the region that its present one has become.
+void relabel(Regions& regions, const std::vector<std::int32_t>& becomes, std::size_t count, const FaceGraph& graph,
+             Job& job) {
+  for (std::int32_t& label : regions.label)
+    if (label != kNone) label = becomes[label];
+  regions.sum.assign(count, {});
+  sum_regions(graph, regions, job);
+}
+
+}  // namespace
+
+DetailTree::DetailTree(const Mesh& mesh, const FaceGraph& graph, const Parts& parts, double noise, double finest,
+                       Job& job)
+    : area_(graph.area), noise_(noise), bend_(median_bend(graph)) {
+  for (const Part& part : parts.parts) need_.push_back(part.need);
+  const std::vector<std::int32_t> part = parts_of_faces(mesh, graph);
+  {
+    Job::Part stage(job, "merging", 0.0, 0.9);
+    ClusterGraph faces = face_clusters(graph, filtered_faces(graph, kFilterPasses, filter_range(bend_), job));
+    faces.part = part;
+    const MergeTree fine = merge_all(faces, {merge_limit(finest, noise, kLeastNoise) / area_, need_}, job);
+    patches_.label = cut_after(fine, fine.merges());
+    patches_.sum.resize(static_cast<std::size_t>(fine.leaves) - fine.merges());
+  }
+  // Components that are left out have no patches.
+  std::vector<std::int32_t> number(patches_.sum.size(), kNone);
+  std::int32_t kept = 0;
+  for (std::int32_t i = 0; i < graph.size(); ++i) {
+    std::int32_t& label = patches_.label[i];
+    const std::int32_t of = part.empty() ? 0 : part[i];
+    if (number[label] == kNone && parts.parts[of].kept) {
+      number[label] = kept++;
+      if (!part.empty()) part_.push_back(of);
+    }
+    label = number[label];
+  }
+  patches_.label.push_back(kNone);
+  patches_.sum.assign(static_cast<std::size_t>(kept), {});
+  sum_regions(graph, patches_, job);
+  Job::Part stage(job, "merging", 0.9, 1.0);
+  ClusterGraph clusters = region_clusters(graph, patches_, job);
+  clusters.part = part_;
+  tree_ = merge_all(clusters, {.need = need_}, job);
+}
+
+Cut DetailTree::choose(double tolerance, bool snap) const {
+  std::vector<double> falling = tree_.cost;
+  std::sort(falling.begin(), falling.end(), std::greater<>());
+  falling.resize(std::min(falling.size(), kMostCosts));
+  for (double& cost : falling) cost *= area_;
+  const auto left = static_cast<std::int32_t>(patches_.sum.size() - tree_.merges());
+  return choose_cut(falling, left, kRounding * area_, tolerance, noise_, snap);
+}
+
+std::int32_t DetailTree::merges(const Cut& cut) const {
+  const auto above = [&](double cost) { return cost * area_ > cut.cost; };
+  return static_cast<std::int32_t>(std::find_if(tree_.cost.begin(), tree_.cost.end(), above) - tree_.cost.begin());
+}
+
+Regions DetailTree::regions(const FaceGraph& graph, const Cut& cut, Job& job) const {
+  Regions result = patches_;
+  const auto made = static_cast<std::size_t>(merges(cut));
+  relabel(result, cut_after(tree_, made), patches_.sum.size() - made, graph, job);
+  const double border = kBorder + kNoisyBorder * std::min(1.0, bend_ * bend_);
+  for (int round = 0; round < kRounds; ++round) {
+    Relaxation<GraphLabels> relaxation(graph, {result.label.data()}, result.sum, border);
+    for (std::int32_t i = 0; i < graph.size(); ++i) relaxation.push_if_border(i);
+    relaxation.run(kSweeps, job);
+    ClusterGraph clusters = region_clusters(graph, result, job);
+    if (!part_.empty()) {
+      clusters.part.resize(result.sum.size());
+      for (std::int32_t i = 0; i < graph.size(); ++i)
+        if (result.label[i] != kNone) clusters.part[result.label[i]] = part_[patches_.label[i]];
+    }
+    const MergeTree more = merge_all(clusters, {cut.cost / area_, need_}, job);
+    if (more.merges() == 0) break;
+    relabel(result, cut_after(more, more.merges()), result.sum.size() - more.merges(), graph, job);
+  }
+  return result;
+}
+
+}  // namespace isimp

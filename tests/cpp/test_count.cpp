@@ -1,0 +1,112 @@
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <set>
+
+#include "isimp/partition/count.h"
+#include "isimp/partition/detail_tree.h"
+#include "isimp/partition/noise.h"
+#include "shapes.h"
+
+namespace isimp {
+namespace {
+
+using shapes::Arrays;
+
+/// Costs of a shape without planes of its own: C_P falls like 1 / P^2.
+std::vector<double> without_scale() {
+  std::vector<double> costs;
+  for (int regions = 2; regions < 400; ++regions) costs.push_back(1.0 / regions / regions);
+  return costs;
+}
+
+TEST(CutRule, WithoutAGapStaysAtTheTolerance) {
+  const Cut cut = choose_cut(without_scale(), 1, 1e-12, 0.005, 0, true);
+  EXPECT_FALSE(cut.snapped);
+  EXPECT_DOUBLE_EQ(cut.cost, 16 * 0.005 * 0.005);
+}
+
+TEST(CutRule, MovesIntoASignificantGap) {
+  std::vector<double> costs = without_scale();  // 49 of them at or above .0004
+  for (std::size_t k = 49; k < costs.size(); ++k) costs[k] /= 50;
+  const Cut cut = choose_cut(costs, 1, 1e-12, 0.0025, 0, true);  // asks for 1e-4
+  EXPECT_TRUE(cut.snapped);
+  EXPECT_LT(cut.cost, costs[48]);
+  EXPECT_GT(cut.cost, costs[49]);
+  EXPECT_FALSE(choose_cut(costs, 1, 1e-12, 0.0025, 0, false).snapped);
+  EXPECT_FALSE(choose_cut(costs, 1, 1e-12, 0.02, 0, true).snapped);  // the gap is finer than what is asked
+}
+
+TEST(CutRule, NoiseCountsAsToleranceButDoesNotAddToIt) {
+  EXPECT_DOUBLE_EQ(merge_limit(0.5, 0.1), 16 * 0.25);
+  EXPECT_DOUBLE_EQ(merge_limit(0.5, 1.0), 16 * 3.5 * 3.5);
+}
+
+struct Counted {
+  std::int32_t regions;
+  bool snapped;
+};
+
+Counted count_at(const Arrays& shape, double detail) {
+  Job job;
+  const Mesh mesh = shapes::mesh(shape);
+  const double size = surface_size(mesh);
+  const DetailTree tree(mesh, mesh.graph(), find_parts(mesh, 1, 0.001, job), estimate_noise(mesh, job),
+                        kFinestDetail * size, job);
+  const Cut cut = tree.choose(detail * size, true);
+  const Regions regions = tree.regions(mesh.graph(), cut, job);
+  EXPECT_LE(regions.count(), tree.count(cut));
+  const std::set<std::int32_t> used(regions.label.begin(), regions.label.end() - 1);
+  EXPECT_EQ(used.size(), regions.sum.size());
+  return {regions.count(), cut.snapped};
+}
+
+TEST(Detail, FindsTheSidesOfACubeWhateverItsFaces) {
+  for (const Arrays& shape : {shapes::cube(1), shapes::cube(20), shapes::shuffled(shapes::cube(13), 8),
+                              shapes::noisy(shapes::cube(20), 0.003, 1), shapes::noisy(shapes::cube(20), 0.01, 2)})
+    for (const double detail : {0.02, 0.005, 0.00125}) EXPECT_EQ(count_at(shape, detail).regions, 6);
+}
+
+TEST(Detail, FindsOnePlaneAndTwoCubes) {
+  EXPECT_EQ(count_at(shapes::plane(20), 0.005).regions, 1);
+  EXPECT_EQ(count_at(shapes::noisy(shapes::plane(20), 0.01, 2), 0.005).regions, 1);
+  EXPECT_EQ(count_at(shapes::both(shapes::cube(8), shapes::cube(8), Vec3(3, 0, 0)), 0.005).regions, 12);
+}
+
+TEST(Detail, OfASphereFollowsTheToleranceNotTheFaces) {
+  const Counted coarse = count_at(shapes::sphere(4), 0.01), fine = count_at(shapes::sphere(5), 0.01);
+  EXPECT_FALSE(fine.snapped);
+  EXPECT_NEAR(static_cast<double>(coarse.regions) / fine.regions, 1.0, 0.08);
+  EXPECT_NEAR(static_cast<double>(count_at(shapes::sphere(5), 0.005).regions) / fine.regions, 2.0, 0.2);
+}
+
+TEST(Detail, LeavesAClosedPartFourRegions) {
+  EXPECT_EQ(count_at(shapes::sphere(2), 0.4).regions, 4);
+  // The small one is flat at this tolerance, but a solid all the same.
+  EXPECT_EQ(
+      count_at(shapes::both(shapes::plane(9), shapes::noisy(shapes::sphere(1), 0, 1), Vec3(0, 0, 9)), 0.4).regions, 5);
+}
+
+TEST(Detail, LeavesSpecksOut) {
+  Job job;
+  Arrays speck = shapes::cube(1);
+  for (Vec3& v : speck.vertices) v *= 0.01;
+  const Mesh mesh = shapes::mesh(shapes::both(shapes::cube(6), speck, Vec3(3, 0, 0)));
+  const DetailTree tree(mesh, mesh.graph(), find_parts(mesh, 1, 0.001, job), 0, 0.001, job);
+  const Regions regions = tree.regions(mesh.graph(), tree.choose(0.01, true), job);
+  EXPECT_EQ(regions.count(), 6);
+  EXPECT_EQ(std::count(regions.label.begin(), regions.label.end(), kNone), 12 + 1);
+}
+
+TEST(Detail, IsTheSameOnEveryRun) {
+  Job job;
+  const Mesh mesh = shapes::mesh(shapes::noisy(shapes::torus(60, 30), 0.01, 4));
+  const auto labels = [&] {
+    const DetailTree tree(mesh, mesh.graph(), find_parts(mesh, 1, 0.001, job), 0.005, 0.01, job);
+    return tree.regions(mesh.graph(), tree.choose(0.02, true), job).label;
+  };
+  EXPECT_EQ(labels(), labels());
+}
+
+}  // namespace
+}  // namespace isimp

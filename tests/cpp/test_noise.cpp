@@ -1,0 +1,65 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+
+#include "isimp/partition/noise.h"
+#include "isimp/partition/normal_filter.h"
+#include "shapes.h"
+
+namespace isimp {
+namespace {
+
+TEST(SurfaceSize, IsThatOfTheIntegralWhateverTheTriangles) {
+  // A side of the unit cube is .5 from the centre; the mean of its squared distances is .25 + 2 / 12.
+  const double expected = 3 * std::sqrt(0.25 + 2.0 / 12.0);
+  EXPECT_NEAR(surface_size(shapes::mesh(shapes::cube(1))), expected, 1e-12);
+  EXPECT_NEAR(surface_size(shapes::mesh(shapes::cube(7))), expected, 1e-12);
+}
+
+TEST(SurfaceSize, NeitherTurnsNorMoves) {
+  shapes::Arrays torus = shapes::torus(24, 12);
+  const double before = surface_size(shapes::mesh(torus));
+  const Eigen::AngleAxisd turn(1.1, Vec3(1, 2, 3).normalized());
+  for (Vec3& v : torus.vertices) v = turn * v + Vec3(1e5, -3e5, 2e5);
+  EXPECT_NEAR(surface_size(shapes::mesh(torus)), before, 1e-9);
+}
+
+TEST(Noise, IsFoundOnPlanesAndCurvedSurfaces) {
+  Job job;
+  const auto ratio = [&](const shapes::Arrays& shape, double sigma) {
+    return estimate_noise(shapes::mesh(shapes::noisy(shape, sigma, 5)), job) / sigma;
+  };
+  for (const double sigma : {0.001, 0.004}) {
+    EXPECT_NEAR(ratio(shapes::plane(60), sigma), 1.0, 0.1);
+    EXPECT_NEAR(ratio(shapes::cube(40), sigma), 1.0, 0.2);  // its edges look like noise to some vertices
+  }
+  EXPECT_NEAR(ratio(shapes::sphere(5), 0.004), 1.0, 0.1);
+}
+
+TEST(Noise, OfASmoothSurfaceIsNone) {
+  Job job;
+  EXPECT_LT(estimate_noise(shapes::mesh(shapes::sphere(5)), job), 1e-4);
+  EXPECT_EQ(estimate_noise(shapes::mesh(shapes::plane(9)), job), 0.0);
+}
+
+TEST(Noise, OfTwelveTrianglesIsTakenForShape) {
+  Job job;
+  EXPECT_EQ(estimate_noise(shapes::mesh(shapes::cube(1)), job), 0.0);
+}
+
+TEST(NormalFilter, TakesNoiseAwayAndLeavesCreases) {
+  Job job;
+  const Mesh mesh = shapes::mesh(shapes::noisy(shapes::cube(20), 0.005, 3));
+  FaceGraph graph = mesh.graph();
+  const double bend = median_bend(graph);
+  graph.faces = filtered_faces(graph, 8, filter_range(bend), job);
+  EXPECT_LT(median_bend(graph), bend / 5);
+  // Every face of the cube looks along an axis again, also those beside its edges.
+  for (std::int32_t i = 0; i < graph.size(); ++i) {
+    const FaceRecord& f = graph.faces[i];
+    EXPECT_GT(std::max({std::abs(f.nx), std::abs(f.ny), std::abs(f.nz)}), 0.97F);
+  }
+}
+
+}  // namespace
+}  // namespace isimp
