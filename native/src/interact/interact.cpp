@@ -27,13 +27,13 @@ void check(const Mesh& mesh, const Partition& partition, std::int32_t face) {
 
 /// A partition being edited: the copy that will be returned, its sums kept up to date.
 struct Edit {
-  const Mesh& mesh;
+  Surface surface;
   const FaceGraph& graph;
   Partition result;
   MeshLabels labels;
 
-  Edit(const Mesh& m, const Partition& p)
-      : mesh(m), graph(m.graph()), result(p), labels{result.face_region.data(), &graph} {}
+  Edit(const Mesh& mesh, const Partition& p)
+      : surface(mesh, p.guided), graph(surface.graph()), result(p), labels{result.face_region.data(), &graph} {}
 
   /// Relaxes the borders of these faces and what follows from that.
   void relax(std::span<const std::int32_t> faces, std::int32_t pinned, Job& job) {
@@ -110,7 +110,7 @@ Partition add_proxy(const Mesh& mesh, const Partition& partition, std::int32_t f
   check(mesh, partition, face);
   Job::Part stage(job, "adding", 0.0, 1.0);
   Edit edit(mesh, partition);
-  const FaceGraph& graph = mesh.graph();
+  const FaceGraph& graph = edit.graph;
   const std::int32_t start = graph.graph_face[face], old = partition.face_region[face];
   const std::int32_t fresh = partition.region_count();
   if (old == kNone) {
@@ -141,7 +141,7 @@ Partition delete_proxy(const Mesh& mesh, const Partition& partition, std::int32_
   if (gone == kNone) throw InvalidInput("face " + std::to_string(face) + " lies in a part that was left out");
   Job::Part stage(job, "deleting", 0.0, 1.0);
   Edit edit(mesh, partition);
-  const FaceGraph& graph = mesh.graph();
+  const FaceGraph& graph = edit.graph;
   const std::vector<std::int32_t> faces = take_out(graph, edit.labels, graph.graph_face[face]);
   std::vector<std::int32_t> touched;
   if (!flood_from_around(graph, edit.labels, faces, edit.result.region_sum, touched))

@@ -89,8 +89,8 @@ void make_patches(const FaceGraph& graph, Hierarchy& h, std::vector<NodeSum>& su
   h.patch_first.push_back(n);
 }
 
-MergeGraph graph_of_patches(const Mesh& mesh, const Hierarchy& h, std::vector<NodeSum> sums, Job& job) {
-  const FaceGraph& faces = mesh.graph();
+MergeGraph graph_of_patches(const Surface& surface, const Hierarchy& h, std::vector<NodeSum> sums, Job& job) {
+  const FaceGraph& faces = surface.graph();
   const std::int32_t n = faces.size();
   MergeGraph graph;
   graph.sum = std::move(sums);
@@ -114,29 +114,30 @@ MergeGraph graph_of_patches(const Mesh& mesh, const Hierarchy& h, std::vector<No
   }
   graph.first[patches] = out;
   graph.neighbour.resize(static_cast<std::size_t>(out));
-  if (mesh.component_count() > 1) {
+  if (surface.component_count() > 1) {
     graph.part.resize(static_cast<std::size_t>(patches));
     for (std::int32_t p = 0; p < patches; ++p)
-      graph.part[p] = mesh.component()[faces.mesh_face[h.patch_face[h.patch_first[p]]]];
+      graph.part[p] = surface.component()[faces.mesh_face[h.patch_face[h.patch_first[p]]]];
   }
   return graph;
 }
 
 }  // namespace
 
-bool Hierarchy::serves(const Mesh& mesh, std::int32_t proxies) const {
-  return patch.size() == static_cast<std::size_t>(mesh.face_count()) && tile == tile_for(mesh.face_count(), proxies);
+bool Hierarchy::serves(const Surface& surface, std::int32_t proxies) const {
+  return patch.size() == static_cast<std::size_t>(surface.face_count()) &&
+         tile == tile_for(surface.face_count(), proxies);
 }
 
-Hierarchy build_hierarchy(const Mesh& mesh, std::int32_t proxies, Job& job) {
+Hierarchy build_hierarchy(const Surface& surface, std::int32_t proxies, Job& job) {
   Job::Part stage(job, "merging", 0.0, 1.0);
   Hierarchy h;
-  h.tile = tile_for(mesh.face_count(), proxies);
+  h.tile = tile_for(surface.face_count(), proxies);
   std::vector<NodeSum> sums;
-  make_patches(mesh.graph(), h, sums, job);
+  make_patches(surface.graph(), h, sums, job);
 
   job.report(0.3);
-  h.level.push_back(graph_of_patches(mesh, h, std::move(sums), job));
+  h.level.push_back(graph_of_patches(surface, h, std::move(sums), job));
 
   job.report(0.6);
   while (h.level.back().size() > kCoarsest) {

@@ -58,8 +58,8 @@ std::vector<std::int32_t> cut(const Hierarchy& h, const Parts& parts, std::int32
 /// The steps from a hierarchy to regions, and what they hand on.
 class Optimiser {
  public:
-  Optimiser(const Mesh& mesh, const Hierarchy& hierarchy, const Parts& parts)
-      : graph_(mesh.graph()), h_(hierarchy), parts_(parts) {}
+  Optimiser(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts)
+      : graph_(surface.graph()), h_(hierarchy), parts_(parts) {}
 
   Regions run(Job& job) {
     const std::int32_t wanted = parts_.regions();
@@ -153,8 +153,8 @@ class Optimiser {
 
 }  // namespace
 
-Regions optimise(const Mesh& mesh, const Hierarchy& hierarchy, const Parts& parts, Job& job) {
-  return Optimiser(mesh, hierarchy, parts).run(job);
+Regions optimise(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts, Job& job) {
+  return Optimiser(surface, hierarchy, parts).run(job);
 }
 
 }  // namespace isimp

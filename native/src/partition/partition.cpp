@@ -28,9 +28,9 @@ template <class T>
   throw InvalidInput(text.str());
 }
 
-void check(const Mesh& mesh, const PartitionOptions& options) {
-  if (options.proxies < 1 || options.proxies > mesh.face_count())
-    out_of_range("proxies", "in [1, " + std::to_string(mesh.face_count()) + "]", options.proxies);
+void check(const Surface& surface, const PartitionOptions& options) {
+  if (options.proxies < 1 || options.proxies > surface.face_count())
+    out_of_range("proxies", "in [1, " + std::to_string(surface.face_count()) + "]", options.proxies);
   if (!(options.leave_out >= 0 && options.leave_out < 1)) out_of_range("leave_out", "in [0, 1)", options.leave_out);
   if (options.iterations < 1) out_of_range("iterations", "at least 1", options.iterations);
   if (options.threads < 0) out_of_range("threads", "at least 0", options.threads);
@@ -38,25 +38,26 @@ void check(const Mesh& mesh, const PartitionOptions& options) {
 }
 
 /// Regions from the hierarchy given if that serves, else from one of its own.
-Regions from_hierarchy(const Mesh& mesh, const Hierarchy& given, const Parts& parts, std::int32_t proxies, Job& job) {
-  if (given.serves(mesh, proxies)) return optimise(mesh, given, parts, job);
+Regions from_hierarchy(const Surface& surface, const Hierarchy& given, const Parts& parts, std::int32_t proxies,
+                       Job& job) {
+  if (given.serves(surface, proxies)) return optimise(surface, given, parts, job);
   const Hierarchy own = [&] {
     Job::Part stage(job, "merging", 0.0, 0.4);
-    return build_hierarchy(mesh, proxies, job);
+    return build_hierarchy(surface, proxies, job);
   }();
   Job::Part stage(job, "relaxing", 0.4, 1.0);
-  return optimise(mesh, own, parts, job);
+  return optimise(surface, own, parts, job);
 }
 
 /// Teleports until none helps. The borders are relaxed before and after, so what comes in is given back if it was
 /// better.
-Regions teleport(const Mesh& mesh, const Parts& parts, Regions regions, std::vector<double>& history, Job& job) {
-  const FaceGraph& graph = mesh.graph();
+Regions teleport(const Surface& surface, const Parts& parts, Regions regions, std::vector<double>& history, Job& job) {
+  const FaceGraph& graph = surface.graph();
   const Regions before = regions;
   std::vector<std::int32_t> part;
   if (parts.parts.size() > 1) {
     const std::vector<std::int32_t> faces = nearest_faces(graph, regions, job);
-    for (const std::int32_t face : faces) part.push_back(mesh.component()[graph.mesh_face[face]]);
+    for (const std::int32_t face : faces) part.push_back(surface.component()[graph.mesh_face[face]]);
   }
   Relaxation<GraphLabels> relaxation(graph, {regions.label.data()}, regions.sum, border_weight(regions.error()));
   for (std::int32_t i = 0; i < graph.size(); ++i) relaxation.push_if_border(i);
@@ -68,24 +69,24 @@ Regions teleport(const Mesh& mesh, const Parts& parts, Regions regions, std::vec
   return regions;
 }
 
-std::vector<std::int32_t> first_seeds(const Mesh& mesh, const Hierarchy& hierarchy, const Parts& parts,
+std::vector<std::int32_t> first_seeds(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts,
                                       const PartitionOptions& options, Job& job) {
   Job::Part stage(job, "seeding", 0.0, 0.1);
   const std::vector<std::int32_t> share = share_out(parts);
   switch (options.seeding) {
     case Seeding::random:
-      return random_seeds(mesh, parts, share, options.seed, job);
+      return random_seeds(surface, parts, share, options.seed, job);
     case Seeding::farthest:
-      return farthest_seeds(mesh, parts, share, options.seed, job);
+      return farthest_seeds(surface, parts, share, options.seed, job);
     case Seeding::hierarchical:
-      return nearest_faces(mesh.graph(), from_hierarchy(mesh, hierarchy, parts, options.proxies, job), job);
+      return nearest_faces(surface.graph(), from_hierarchy(surface, hierarchy, parts, options.proxies, job), job);
   }
   throw InvalidInput("the seeding is none of those known");
 }
 
-Partition make_partition(const Mesh& mesh, const Parts& parts, const Regions& regions, std::vector<double> history,
-                         Job& job) {
-  const FaceGraph& graph = mesh.graph();
+Partition make_partition(const Surface& surface, const Parts& parts, const Regions& regions,
+                         std::vector<double> history, Job& job) {
+  const FaceGraph& graph = surface.graph();
   Partition result;
   result.face_region.resize(static_cast<std::size_t>(graph.size()));
   for (std::int32_t i = 0; i < graph.size(); ++i) result.face_region[graph.mesh_face[i]] = regions.label[i];
@@ -103,34 +104,35 @@ Partition make_partition(const Mesh& mesh, const Parts& parts, const Regions& re
   result.proxies_needed = parts.needed;
   result.parts_left_out = parts.left_out;
   result.area_left_out = parts.area_left_out;
+  result.guided = surface.guided();
   return result;
 }
 
 }  // namespace
 
-Partition partition(const Mesh& mesh, const PartitionOptions& options, Job& job) {
-  return partition(mesh, Hierarchy{}, options, job);
+Partition partition(const Surface& surface, const PartitionOptions& options, Job& job) {
+  return partition(surface, Hierarchy{}, options, job);
 }
 
-Partition partition(const Mesh& mesh, const Hierarchy& hierarchy, const PartitionOptions& options, Job& job) {
-  check(mesh, options);
+Partition partition(const Surface& surface, const Hierarchy& hierarchy, const PartitionOptions& options, Job& job) {
+  check(surface, options);
   Job::Part stage(job, "partitioning", 0.0, 1.0);
-  const Parts parts = find_parts(mesh, options.proxies, options.leave_out, job);
+  const Parts parts = find_parts(surface, options.proxies, options.leave_out, job);
   std::vector<double> history;
   Regions regions;
   if (options.method == Method::hierarchy) {
-    regions = from_hierarchy(mesh, hierarchy, parts, options.proxies, job);
+    regions = from_hierarchy(surface, hierarchy, parts, options.proxies, job);
   } else {
-    std::vector<std::int32_t> seeds = first_seeds(mesh, hierarchy, parts, options, job);
+    std::vector<std::int32_t> seeds = first_seeds(surface, hierarchy, parts, options, job);
     Job::Part rounds(job, "flooding", 0.1, options.method == Method::teleport ? 0.6 : 1.0);
-    regions = lloyd(mesh.graph(), std::move(seeds), options.iterations, history, job);
+    regions = lloyd(surface.graph(), std::move(seeds), options.iterations, history, job);
   }
   if (options.method == Method::teleport) {
     Job::Part moves(job, "teleporting", 0.6, 1.0);
-    regions = teleport(mesh, parts, std::move(regions), history, job);
+    regions = teleport(surface, parts, std::move(regions), history, job);
   }
   if (history.empty()) history.push_back(regions.error());
-  return make_partition(mesh, parts, regions, std::move(history), job);
+  return make_partition(surface, parts, regions, std::move(history), job);
 }
 
 }  // namespace isimp

@@ -11,12 +11,12 @@ constexpr std::int32_t kClosedNeed = 4;  // a closed surface of planar polygons 
 constexpr double kTogether = 10.0;       // all parts left out stay below this times `leave_out`
 
 /// Everything but `kept` and `need`.
-Parts measure(const Mesh& mesh, Job& job) {
-  const FaceGraph& graph = mesh.graph();
+Parts measure(const Surface& surface, Job& job) {
+  const FaceGraph& graph = surface.graph();
   const std::int32_t n = graph.size();
   Parts result;
-  result.parts.resize(static_cast<std::size_t>(mesh.component_count()));
-  const std::int32_t* component = mesh.component_count() > 1 ? mesh.component().data() : nullptr;
+  result.parts.resize(static_cast<std::size_t>(surface.component_count()));
+  const std::int32_t* component = surface.component_count() > 1 ? surface.component().data() : nullptr;
   Part run;  // faces near in the graph are mostly of one component: sum up a run before touching its own sum
   std::int32_t of_run = 0;
   const auto close = [&] {
@@ -42,31 +42,58 @@ Parts measure(const Mesh& mesh, Job& job) {
   return result;
 }
 
-void choose_left_out(Parts& all, double leave_out, std::int32_t proxies, std::int32_t faces) {
-  std::vector<std::int32_t> order(all.parts.size());
+/// A component of the mesh; barriers may have cut it into several parts, but it is left out as one, whatever it weighs.
+struct Body {
+  double area = 0.0;
+  std::int32_t faces = 0;
+  bool kept = true;
+};
+
+std::vector<Body> bodies_of(const Surface& surface, const Parts& all) {
+  std::vector<Body> bodies;
+  const Mesh& mesh = surface.mesh();
+  if (&surface.graph() == &mesh.graph()) {
+    for (const Part& part : all.parts) bodies.push_back({part.area, part.sum.faces});
+    return bodies;
+  }
+  bodies.resize(static_cast<std::size_t>(mesh.component_count()));
+  for (std::int32_t i = 0; i < mesh.face_count(); ++i) {
+    Body& body = bodies[mesh.component()[mesh.graph().mesh_face[i]]];
+    body.area += mesh.graph().faces[i].area;
+    ++body.faces;
+  }
+  return bodies;
+}
+
+void choose_left_out(Parts& all, std::vector<Body>& bodies, double leave_out, std::int32_t faces) {
+  std::vector<std::int32_t> order(bodies.size());
   std::iota(order.begin(), order.end(), 0);
   std::sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) {
-    return std::pair(all.parts[a].area, a) < std::pair(all.parts[b].area, b);
+    return std::pair(bodies[a].area, a) < std::pair(bodies[b].area, b);
   });
   order.pop_back();  // the largest is always kept
   std::int32_t faces_kept = faces;
   for (const std::int32_t c : order) {
-    Part& part = all.parts[c];
-    if (part.area >= leave_out || all.area_left_out + part.area >= kTogether * leave_out) break;
-    if (faces_kept - part.sum.faces < proxies) break;
-    part.kept = false;
-    faces_kept -= part.sum.faces;
-    all.area_left_out += part.area;
+    Body& body = bodies[c];
+    if (body.area >= leave_out || all.area_left_out + body.area >= kTogether * leave_out) break;
+    if (faces_kept - body.faces < all.asked) break;
+    body.kept = false;
+    faces_kept -= body.faces;
+    all.area_left_out += body.area;
     ++all.left_out;
   }
 }
 
 }  // namespace
 
-Parts find_parts(const Mesh& mesh, std::int32_t proxies, double leave_out, Job& job) {
-  Parts all = measure(mesh, job);
+Parts find_parts(const Surface& surface, std::int32_t proxies, double leave_out, Job& job) {
+  Parts all = measure(surface, job);
   all.asked = proxies;
-  choose_left_out(all, leave_out, proxies, mesh.face_count());
+  std::vector<Body> bodies = bodies_of(surface, all);
+  choose_left_out(all, bodies, leave_out, surface.face_count());
+  if (all.left_out > 0)
+    for (std::int32_t f = 0; f < surface.face_count(); ++f)
+      all.parts[surface.component()[f]].kept = bodies[surface.mesh().component()[f]].kept;
   for (Part& part : all.parts) {
     part.need = part.kept ? std::min(part.closed ? kClosedNeed : 1, part.sum.faces) : 0;
     all.needed += part.need;

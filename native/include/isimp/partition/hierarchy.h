@@ -6,8 +6,8 @@
 
 #include "isimp/core/job.h"
 #include "isimp/mesh/face_graph.h"
-#include "isimp/mesh/mesh.h"
 #include "isimp/partition/merging.h"
+#include "isimp/partition/surface.h"
 
 namespace isimp {
 
@@ -27,12 +27,12 @@ struct Hierarchy {
 
   [[nodiscard]] std::int32_t patches() const { return level.empty() ? 0 : level.front().size(); }
   /// Whether it is the one that build_hierarchy would make for this number of regions, and so serves for it.
-  [[nodiscard]] bool serves(const Mesh& mesh, std::int32_t proxies) const;
+  [[nodiscard]] bool serves(const Surface& surface, std::int32_t proxies) const;
 };
 
 /// Makes the hierarchy that serves `proxies` regions: the tiles shrink where there are few faces a region. For up to a
 /// region to 800 faces all counts are served by the same one. Cost: O(F), about 40 ms for a million faces.
 /// Source: the merging follows reciprocal nearest neighbours, Murtagh 1983, with the error of L2,1.
-Hierarchy build_hierarchy(const Mesh& mesh, std::int32_t proxies, Job& job);
+Hierarchy build_hierarchy(const Surface& surface, std::int32_t proxies, Job& job);
 
 }  // namespace isimp

@@ -1,10 +1,10 @@
 #pragma once
 
 #include "isimp/core/job.h"
-#include "isimp/mesh/mesh.h"
 #include "isimp/partition/hierarchy.h"
 #include "isimp/partition/parts.h"
 #include "isimp/partition/regions.h"
+#include "isimp/partition/surface.h"
 
 namespace isimp {
 
@@ -17,6 +17,6 @@ namespace isimp {
 /// 3. Where merging can't give enough regions (few large smooth patches), split the worst; and as long as splitting the
 ///    worst region gains more than merging the cheapest pair costs, do both (see teleport).
 /// Cost: O(F); about 40 ms for a million faces.
-Regions optimise(const Mesh& mesh, const Hierarchy& hierarchy, const Parts& parts, Job& job);
+Regions optimise(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts, Job& job);
 
 }  // namespace isimp

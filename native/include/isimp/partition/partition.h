@@ -1,14 +1,15 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "isimp/core/job.h"
 #include "isimp/core/types.h"
-#include "isimp/mesh/mesh.h"
 #include "isimp/partition/hierarchy.h"
 #include "isimp/partition/metric.h"
+#include "isimp/partition/surface.h"
 
 namespace isimp {
 
@@ -51,11 +52,15 @@ struct Partition {
   std::int32_t parts_left_out = 0;  ///< components without a region
   double area_left_out = 0.0;       ///< their share of the whole area
 
+  std::shared_ptr<const GuidedGraph> guided;  ///< what it was made on, so that edits keep to it; null without guides
+
   [[nodiscard]] std::int32_t region_count() const { return static_cast<std::int32_t>(region_seed.size()); }
 };
 
 /// Splits a surface into connected, near-planar regions.
 ///
+/// \param surface  a mesh, or one with guides: their weights multiply the areas, also those in `error`; their barriers
+///                 cut it, so that it may have more components
 /// Exactly `proxies` regions, none empty, each connected, every face of a kept component in one. Every kept component
 /// gets at least what its topology needs (4 if it is closed, else 1; never more than its faces); where that takes more
 /// than `proxies`, it is taken, and `proxies_needed` says so. Components each below `leave_out` of the area are left
@@ -69,10 +74,10 @@ struct Partition {
 /// \throws Cancelled     nothing was changed
 /// Cost: Method::hierarchy O(F), about 100 ms for a million faces; the others O(iterations * F). O(F) memory.
 /// Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.
-Partition partition(const Mesh& mesh, const PartitionOptions& options, Job& job);
+Partition partition(const Surface& surface, const PartitionOptions& options, Job& job);
 
 /// The same from a hierarchy that was made before, and with the same result: what a slider of `proxies` wants.
 /// One that does not serve this mesh and number (see Hierarchy::serves) is not used.
-Partition partition(const Mesh& mesh, const Hierarchy& hierarchy, const PartitionOptions& options, Job& job);
+Partition partition(const Surface& surface, const Hierarchy& hierarchy, const PartitionOptions& options, Job& job);
 
 }  // namespace isimp

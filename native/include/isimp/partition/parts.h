@@ -4,12 +4,12 @@
 #include <vector>
 
 #include "isimp/core/job.h"
-#include "isimp/mesh/mesh.h"
 #include "isimp/partition/metric.h"
+#include "isimp/partition/surface.h"
 
 namespace isimp {
 
-/// A connected component of the mesh, and how many regions it may have.
+/// A connected component of the surface, and how many regions it may have.
 struct Part {
   RegionSum sum;           ///< of all its faces; areas as shares of the whole surface
   double area = 0.0;       ///< as a share of the whole surface
@@ -21,10 +21,10 @@ struct Part {
 
 /// All components.
 struct Parts {
-  std::vector<Part> parts;     ///< (C), as mesh.component() numbers them
+  std::vector<Part> parts;     ///< (C), as surface.component() numbers them
   std::int32_t asked = 0;      ///< options.proxies
   std::int32_t needed = 0;     ///< sum of `need` over the kept components
-  std::int32_t left_out = 0;   ///< number of components left out
+  std::int32_t left_out = 0;   ///< number of components of the mesh left out
   double area_left_out = 0.0;  ///< their share of the whole surface
 
   /// How many regions there will be in all.
@@ -33,8 +33,9 @@ struct Parts {
 
 /// Finds the components and decides which are kept: each below `leave_out` of the area is left out, smallest first,
 /// while all of them together stay below ten times that. The largest is always kept, and none is left out where the
-/// rest would have fewer than `proxies` faces. Cost: O(F + C log C).
-Parts find_parts(const Mesh& mesh, std::int32_t proxies, double leave_out, Job& job);
+/// rest would have fewer than `proxies` faces. That goes by components of the mesh, and by true areas, whatever the
+/// guides. Cost: O(F + C log C).
+Parts find_parts(const Surface& surface, std::int32_t proxies, double leave_out, Job& job);
 
 /// How many regions each component gets: 0 if left out, else its need, and of the rest a share by size and curvature.
 ///

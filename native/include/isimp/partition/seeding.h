@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "isimp/core/job.h"
-#include "isimp/mesh/mesh.h"
 #include "isimp/partition/parts.h"
+#include "isimp/partition/surface.h"
 
 namespace isimp {
 
@@ -25,14 +25,15 @@ class Random {
   std::mt19937_64 engine_;
 };
 
-/// Distinct faces drawn at random, `share[c]` of them in component c. \return graph indices, component by component
-/// Source: the thesis's `init`.
-std::vector<std::int32_t> random_seeds(const Mesh& mesh, const Parts& parts, const std::vector<std::int32_t>& share,
-                                       std::uint64_t seed, Job& job);
+/// Distinct faces drawn at random, `share[c]` of them in component c; where there are weights, by their roots. \return
+/// graph indices, component by component Source: the thesis's `init`.
+std::vector<std::int32_t> random_seeds(const Surface& surface, const Parts& parts,
+                                       const std::vector<std::int32_t>& share, std::uint64_t seed, Job& job);
 
 /// In each component: first a face drawn at random, then always the one whose normal and place together are farthest
-/// from those before. Distance squared is |n - n'|^2 + |p - p'|^2 / r^2, r the component's radius. Cost: O(F * P).
-std::vector<std::int32_t> farthest_seeds(const Mesh& mesh, const Parts& parts, const std::vector<std::int32_t>& share,
-                                         std::uint64_t seed, Job& job);
+/// from those before. Distance squared is |n - n'|^2 + |p - p'|^2 / r^2, r the component's radius, times the root of
+/// the weight. Cost: O(F * P).
+std::vector<std::int32_t> farthest_seeds(const Surface& surface, const Parts& parts,
+                                         const std::vector<std::int32_t>& share, std::uint64_t seed, Job& job);
 
 }  // namespace isimp

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "isimp/core/job.h"
+#include "isimp/mesh/face_graph.h"
+#include "isimp/mesh/mesh.h"
+
+namespace isimp {
+
+/// What a caller may say of single faces and edges.
+struct Guides {
+  /// (F) at least 0, by which each face's area is multiplied; empty: 1 everywhere. Regions grow dense like the root of
+  /// it, so a painted density d is wanted as d^2. Weights below 1e-4 of the largest count as that.
+  std::vector<double> weights;
+  /// (K) pairs of vertices, edges of the mesh that no region may cross.
+  std::vector<std::array<std::int32_t, 2>> barriers;
+};
+
+/// A face graph that guides have changed: other areas, or cut along barriers into other components.
+struct GuidedGraph {
+  FaceGraph graph;
+  std::vector<float> weight;            ///< (n) by graph index, what areas were multiplied by; empty: nothing
+  std::vector<std::int32_t> component;  ///< (F) by face of the mesh, numbered by first face; empty: the mesh's own
+  std::int32_t component_count = 0;     ///< where `component` is not empty
+};
+
+/// A mesh as partitioning sees it: its own face graph, or a guided one. A view: the mesh must outlive it.
+class Surface {
+ public:
+  Surface(const Mesh& mesh) : Surface(mesh, nullptr) {}  // NOLINT(google-explicit-constructor): one without guides
+
+  /// \param guided  null: the mesh's own graph
+  Surface(const Mesh& mesh, std::shared_ptr<const GuidedGraph> guided) : mesh_(&mesh), guided_(std::move(guided)) {}
+
+  /// \throws InvalidInput  weights not F of them, not finite, below 0, or none above 0; a barrier that is no edge
+  Surface(const Mesh& mesh, const Guides& guides, Job& job);
+
+  /// The same with its areas multiplied once more. \param weights  (n) by graph index, above 0
+  [[nodiscard]] Surface weighted(std::span<const float> weights) const;
+
+  [[nodiscard]] const Mesh& mesh() const { return *mesh_; }
+  [[nodiscard]] const FaceGraph& graph() const { return guided_ ? guided_->graph : mesh_->graph(); }
+  [[nodiscard]] std::span<const std::int32_t> component() const {
+    return own_components() ? std::span(guided_->component) : mesh_->component();
+  }
+  [[nodiscard]] std::int32_t component_count() const {
+    return own_components() ? guided_->component_count : mesh_->component_count();
+  }
+  /// (n) by graph index, by what the areas have been multiplied; empty: by nothing.
+  [[nodiscard]] std::span<const float> weight() const {
+    return guided_ ? std::span<const float>(guided_->weight) : std::span<const float>();
+  }
+  [[nodiscard]] std::int32_t face_count() const { return mesh_->face_count(); }
+  [[nodiscard]] const std::shared_ptr<const GuidedGraph>& guided() const { return guided_; }
+
+ private:
+  [[nodiscard]] bool own_components() const { return guided_ && !guided_->component.empty(); }
+
+  const Mesh* mesh_;
+  std::shared_ptr<const GuidedGraph> guided_;
+};
+
+}  // namespace isimp

@@ -1,0 +1,120 @@
+#include "isimp/partition/surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "isimp/core/errors.h"
+
+namespace isimp {
+namespace {
+
+constexpr double kLeastWeight = 1e-4;  // of the largest: without any weight a face would have no normal either
+
+void check_weights(const Mesh& mesh, std::span<const double> weights) {
+  if (weights.size() != static_cast<std::size_t>(mesh.face_count()))
+    throw InvalidInput("there are " + std::to_string(weights.size()) + " weights, but the mesh has " +
+                       std::to_string(mesh.face_count()) + " faces: give one for each");
+  for (std::size_t f = 0; f < weights.size(); ++f)
+    if (!(weights[f] >= 0) || !std::isfinite(weights[f]))
+      throw InvalidInput("the weight of face " + std::to_string(f) + " is " + std::to_string(weights[f]) +
+                         "; weights must be finite and at least 0");
+  if (*std::max_element(weights.begin(), weights.end()) <= 0)
+    throw InvalidInput("all weights are 0; at least one must be above 0");
+}
+
+void weigh(GuidedGraph& guided, std::span<const float> weights) {
+  FaceGraph& graph = guided.graph;
+  if (guided.weight.empty()) {
+    guided.weight.assign(weights.begin(), weights.end());
+  } else {
+    for (std::size_t i = 0; i < weights.size(); ++i) guided.weight[i] *= weights[i];
+  }
+  std::vector<double> areas(weights.size());
+  double total = 0.0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    areas[i] = static_cast<double>(weights[i]) * graph.faces[i].area;
+    total += areas[i];
+  }
+  if (!(total > 0)) return;  // no face has an area
+  for (std::size_t i = 0; i < areas.size(); ++i) graph.faces[i].area = static_cast<float>(areas[i] / total);
+  graph.area *= total;
+}
+
+/// The half-edge that runs between two vertices, either way; kNone if there is no such edge.
+std::int32_t find_edge(const Mesh& mesh, std::int32_t a, std::int32_t b) {
+  if (a < 0 || b < 0 || a >= mesh.vertex_count() || b >= mesh.vertex_count()) return kNone;
+  const std::int32_t start = mesh.vertex_halfedge()[a];
+  for (std::int32_t h = start; h != kNone;) {
+    if (mesh.to(h) == b) return h;
+    if (mesh.from(Mesh::prev(h)) == b) return Mesh::prev(h);  // only this way on a border
+    h = mesh.turn(h);
+    if (h == start) break;
+  }
+  return kNone;
+}
+
+std::vector<std::int32_t> find_components(const FaceGraph& graph, std::int32_t& count, Job& job) {
+  std::vector<std::int32_t> component(static_cast<std::size_t>(graph.size()), kNone), stack;
+  count = 0;
+  for (std::int32_t f = 0; f < graph.size(); ++f) {
+    if ((f & 0xffff) == 0) job.poll();
+    if (component[f] != kNone) continue;
+    component[f] = count;
+    stack.push_back(graph.graph_face[f]);
+    while (!stack.empty()) {
+      const std::int32_t i = stack.back();
+      stack.pop_back();
+      for (const std::int32_t j : graph.neighbours[i]) {
+        if (j == graph.size() || component[graph.mesh_face[j]] != kNone) continue;
+        component[graph.mesh_face[j]] = count;
+        stack.push_back(j);
+      }
+    }
+    ++count;
+  }
+  return component;
+}
+
+void cut(const Mesh& mesh, std::span<const std::array<std::int32_t, 2>> barriers, GuidedGraph& guided, Job& job) {
+  FaceGraph& graph = guided.graph;
+  for (std::size_t k = 0; k < barriers.size(); ++k) {
+    if ((k & 0xffff) == 0) job.poll();
+    const auto [a, b] = barriers[k];
+    const std::int32_t h = find_edge(mesh, a, b);
+    if (h == kNone)
+      throw InvalidInput("barrier " + std::to_string(k) + " runs between vertices " + std::to_string(a) + " and " +
+                         std::to_string(b) + ", but there is no such edge in the mesh");
+    for (const std::int32_t side : {h, mesh.opposite(h)})
+      if (side != kNone) graph.neighbours[graph.graph_face[Mesh::face(side)]][side % 3] = graph.size();
+  }
+  guided.component = find_components(graph, guided.component_count, job);
+}
+
+}  // namespace
+
+Surface::Surface(const Mesh& mesh, const Guides& guides, Job& job) : Surface(mesh) {
+  if (!guides.weights.empty()) check_weights(mesh, guides.weights);
+  if (guides.weights.empty() && guides.barriers.empty()) return;
+  auto guided = std::make_shared<GuidedGraph>();
+  guided->graph = mesh.graph();
+  if (!guides.barriers.empty()) cut(mesh, guides.barriers, *guided, job);
+  if (!guides.weights.empty()) {
+    const double least = kLeastWeight * *std::max_element(guides.weights.begin(), guides.weights.end());
+    std::vector<float> weights(guides.weights.size());
+    for (std::int32_t i = 0; i < mesh.face_count(); ++i)
+      weights[i] = static_cast<float>(std::max(guides.weights[mesh.graph().mesh_face[i]], least));
+    weigh(*guided, weights);
+  }
+  guided_ = std::move(guided);
+}
+
+Surface Surface::weighted(std::span<const float> weights) const {
+  auto guided = guided_ ? std::make_shared<GuidedGraph>(*guided_) : std::make_shared<GuidedGraph>();
+  if (!guided_) guided->graph = mesh_->graph();
+  weigh(*guided, weights);
+  return {*mesh_, std::move(guided)};
+}
+
+}  // namespace isimp
