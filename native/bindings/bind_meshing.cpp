@@ -16,9 +16,9 @@ void bind_options(py::module_& m) {
   OptionsClass<Options>(m, "MeshingOptions", "How to make polygons of regions. All fields are keywords.")
       .field("chord_tolerance", &Options::chord_tolerance,
              "A boundary is subdivided where it leaves its chord by more than this times sqrt(area / regions).")
-      .field("chord_width", &Options::chord_width,
-             "It is also subdivided where it leaves its chord by more than this share of the width of the narrower of "
-             "the two regions, so that small ones keep their shape.")
+      .field("chord_area", &Options::chord_area,
+             "It is also subdivided until its chords leave out or add no more than this share of the smaller of the "
+             "two regions' areas, so that small ones keep their shape.")
       .field("reach", &Options::reach,
              "No corner is moved further than this share of the diagonal from the scan's vertex it stands for.")
       .field("flatten", &Options::flatten, "Rounds of planes and corners in turn; 0 leaves the first placement.")

@@ -103,7 +103,7 @@ def backends() -> list[str]: ...
 
 class MeshingOptions:
     chord_tolerance: float
-    chord_width: float
+    chord_area: float
     reach: float
     flatten: int
     flatness_from: int
@@ -113,7 +113,7 @@ class MeshingOptions:
         self,
         *,
         chord_tolerance: float = ...,
-        chord_width: float = ...,
+        chord_area: float = ...,
         reach: float = ...,
         flatten: int = ...,
         flatness_from: int = ...,

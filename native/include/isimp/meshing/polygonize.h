@@ -14,8 +14,8 @@ namespace isimp {
 struct MeshingOptions {
   /// A boundary is subdivided where it leaves its chord by more than this times sqrt(area / regions) ...
   double chord_tolerance = 0.3;
-  /// ... or by more than this share of the width of the narrower of the two regions, so that small ones keep their
-  /// shape.
+  /// ... and until its chords leave out or add no more than this share of the smaller of the two regions' areas, so
+  /// that small ones keep their shape.
   double chord_area = 0.35;
   double reach = 0.01;               ///< no corner is moved further than this from the scan's vertex it stands for
   std::int32_t flatten = 30;         ///< rounds of planes and corners in turn; 0 leaves the first placement
