@@ -10,7 +10,7 @@ namespace isimp {
 namespace {
 
 constexpr std::int32_t kWidestTile = 32;  // one bit a face
-constexpr std::int32_t kTilesARegion = 6;
+constexpr std::int32_t kTilesARegion = 12;
 constexpr float kCrease = 0.95F;          // cosine: neighbours that differ by more are never in one patch
 constexpr std::int32_t kCoarsest = 64;    // nodes, where the rounds end
 constexpr std::int32_t kLeastOfPart = 8;  // nodes of a component, below which rounds leave it alone

@@ -40,11 +40,17 @@ std::vector<RegionSum> sums_of(const MergeGraph& graph, const Parts& parts) {
   return sums;
 }
 
+/// Nodes in components that get regions.
+std::int64_t nodes_kept(const MergeGraph& graph, const Parts& parts) {
+  if (graph.part.empty()) return graph.size();
+  return std::count_if(graph.part.begin(), graph.part.end(), [&](std::int32_t c) { return parts.parts[c].kept; });
+}
+
 /// Labels of the patches, from greedy merging of the coarsest level that has enough nodes.
 std::vector<std::int32_t> cut(const Hierarchy& h, const Parts& parts, std::int32_t regions, std::int32_t target,
                               Job& job) {
   std::size_t level = h.level.size() - 1;
-  while (level > 0 && h.level[level].size() < kNodesARegion * regions) --level;
+  while (level > 0 && static_cast<double>(nodes_kept(h.level[level], parts)) < kNodesARegion * regions) --level;
   const MergeGraph& coarse = h.level[level];
   std::vector<std::int32_t> label = merge_greedily(coarse, sums_of(coarse, parts), needs(parts), target, job);
   while (level-- > 0) {

@@ -181,7 +181,6 @@ class Relaxation {
     labels_.set(face, to);
     for (const std::int32_t j : graph_.neighbours[face])
       if (j != graph_.size()) push(j);
-    push(face);
   }
 
   static constexpr std::uint8_t kQueued = 1, kPushed = 2;
