@@ -176,6 +176,18 @@ TEST(Polygonize, EveryFaceARegionGivesTheMeshBack) {
   EXPECT_EQ(p.report.vertices, mesh.vertex_count());
 }
 
+TEST(Polygonize, ARegionWithoutAreaGoesToItsNeighbour) {
+  // A unit square of two halves with a flat face between them; vertices 0, 2 and 4 lie on the diagonal.
+  const Mesh mesh = shapes::mesh(
+      {{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.5, 0}}, {{0, 1, 2}, {0, 2, 4}, {0, 4, 3}, {4, 2, 3}}});
+  const Partition each = labelled::each(mesh);
+  const PolygonMesh p = run(mesh, each);
+  EXPECT_EQ(judge::faults_against(p, mesh, each), "");
+  EXPECT_EQ(p.report.merged_without_area, 1);
+  EXPECT_EQ(p.report.polygons, 3);
+  EXPECT_EQ(p.report.regions, 3);
+}
+
 TEST(Polygonize, SameInputSameBits) {
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(4), 0.01, 3));
   const Partition parts = labelled::voronoi(mesh, 60, 2);

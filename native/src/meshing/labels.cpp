@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <map>
 #include <numeric>
 
 namespace isimp::meshing {
@@ -167,6 +168,59 @@ std::vector<std::int32_t> boundary_starts(const Labels& labels) {
   for (std::int32_t h = 3 * labels.mesh.face_count() - 1; h >= 0; --h)
     if (const std::int32_t l = labels.label[h / 3]; l != kNone && !labels.inner(h)) starts[l] = h;
   return starts;
+}
+
+namespace {
+
+/// The piece with an area along most of whose boundary a piece lies, kNone if none touches it.
+std::int32_t neighbour_with_area(Labels& labels, std::int32_t piece, const std::vector<double>& area) {
+  const Mesh& mesh = labels.mesh;
+  std::map<std::int32_t, double> length;
+  for (const std::int32_t f : labels.faces_of(piece))
+    for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
+      if (const std::int32_t l = labels.across(h); l != kNone && l != piece && area[l] > 0)
+        length[l] += (mesh.vertices()[mesh.to(h)] - mesh.vertices()[mesh.from(h)]).norm();
+  std::int32_t best = kNone;
+  double longest = -1;
+  for (const auto& [l, x] : length)
+    if (x > longest) {
+      longest = x;
+      best = l;
+    }
+  return best;
+}
+
+}  // namespace
+
+std::int32_t merge_pieces_without_area(Labels& labels) {
+  const Mesh& mesh = labels.mesh;
+  std::vector<double> area(labels.pieces.size(), 0);
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+    if (labels.label[f] != kNone) area[labels.label[f]] += mesh.graph().faces[mesh.graph().graph_face[f]].area;
+  std::vector<std::int32_t> empty;
+  for (std::int32_t l = 0; l < labels.piece_count(); ++l)
+    if (area[l] == 0) empty.push_back(l);
+  std::int32_t gone = 0;
+  for (bool any = true; any;) {  // a piece among others without area has to wait until one of them has gone
+    any = false;
+    for (std::int32_t& l : empty) {
+      const std::int32_t to = l == kNone ? kNone : neighbour_with_area(labels, l, area);
+      if (to == kNone) continue;
+      for (const std::int32_t f : labels.faces_of(l)) labels.label[f] = to;
+      labels.pieces[l].face = kNone;
+      l = kNone;
+      ++gone;
+      any = true;
+    }
+  }
+  if (gone == 0) return 0;
+  std::vector<std::int32_t> moved(labels.pieces.size());
+  std::int32_t next = 0;
+  for (std::size_t l = 0; l < moved.size(); ++l) moved[l] = labels.pieces[l].face == kNone ? kNone : next++;
+  for (std::int32_t& l : labels.label)
+    if (l != kNone) l = moved[l];
+  std::erase_if(labels.pieces, [](const Piece& p) { return p.face == kNone; });
+  return gone;
 }
 
 }  // namespace isimp::meshing

@@ -121,6 +121,7 @@ PolygonMesh polygonize(const Mesh& mesh, const Partition& partition, const Meshi
   }
   PolygonMesh result = assemble(state);
   report_repair(outcome, result.report);
+  result.report.merged_without_area = state.merged_without_area;
   count_splits(state.labels, partition.region_count(), result.report);
   judge_topology(result);
   return result;

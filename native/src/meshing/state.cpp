@@ -45,6 +45,7 @@ State::State(const Mesh& m, const Partition& partition, const MeshingOptions& o,
       cutter(labels),
       complex(labels, planes),
       corners(m.vertex_count()) {
+  merged_without_area = merge_pieces_without_area(labels);
   job.report(0.1);
   make_discs(cutter, find_defects(labels), job);
   if (mesh.report().closed_components > 0) split_closed_components(cutter, kLeastClosed, job);

@@ -27,7 +27,8 @@ class State {
 
   const Mesh& mesh;
   const MeshingOptions& options;
-  const std::int32_t regions;  ///< of the partition
+  const std::int32_t regions;            ///< of the partition
+  std::int32_t merged_without_area = 0;  ///< pieces that were given to a neighbour, as they had no area
   Labels labels;
   Cutter cutter;
   std::vector<Plane> planes;  ///< by piece

@@ -31,8 +31,9 @@ struct MeshingReport {
   std::int32_t regions_split = 0;  ///< regions that became more than one polygon
   std::int32_t split_for_unconnected = 0, split_for_holes = 0, split_for_handles = 0, split_for_pinches = 0,
                split_for_closed = 0, split_for_repair = 0;
-  bool closed = false;    ///< every edge has two polygons
-  bool manifold = false;  ///< every edge one or two, every vertex one fan, consistently oriented
+  std::int32_t merged_without_area = 0;  ///< pieces of regions that a neighbour took over, as they had no area
+  bool closed = false;                   ///< every edge has two polygons
+  bool manifold = false;                 ///< every edge one or two, every vertex one fan, consistently oriented
   std::int64_t euler = 0;
   double planarity_max = 0.0, planarity_mean = 0.0;  ///< scene units; the mean is weighted by area
   double distance_max = 0.0;  ///< largest distance of a corner from the vertex it stands for, scene units
