@@ -53,8 +53,8 @@ def run(arguments: argparse.Namespace) -> None:
     with steps("mesh") as job:
         poly = polygonize(mesh, part, meshing, job)
     with Outputs() as outputs:
-        with steps("write"):
-            outputs.write(arguments.output, lambda path: write(path, poly))
+        with steps("write") as job:
+            outputs.write(arguments.output, lambda path: write(path, poly, job))
             if arguments.labels:
                 outputs.write(arguments.labels, lambda path: save_labels(path, labels(source, mesh, part)))
         report = {
