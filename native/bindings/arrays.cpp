@@ -10,12 +10,12 @@ namespace isimp::bindings {
 namespace {
 
 /// `object` as numpy sees it, in this machine's byte order.
-/// \throws InvalidInput  unless it has `dimensions`, the second of them 3, and numbers of 4 or 8 bytes of a `kind`
-py::array read_array(const py::object& object, py::ssize_t dimensions, char kind, const std::string& wanted) {
+/// \throws InvalidInput  unless it is (n, columns), or (n) for no columns, of numbers of 4 or 8 bytes of a `kind`
+py::array read_array(const py::object& object, py::ssize_t columns, char kind, const std::string& wanted) {
   const auto array = py::array::ensure(object);
   if (!array) throw InvalidInput(wanted + ", got a " + std::string(py::str(py::type::of(object).attr("__name__"))));
   const py::dtype type = array.dtype();
-  const bool shape_fits = array.ndim() == dimensions && (dimensions == 1 || array.shape(1) == 3);
+  const bool shape_fits = columns == 0 ? array.ndim() == 1 : array.ndim() == 2 && array.shape(1) == columns;
   if (!shape_fits || type.kind() != kind || (type.itemsize() != 4 && type.itemsize() != 8))
     throw InvalidInput(wanted + ", got shape " + std::string(py::str(array.attr("shape"))) + " and " +
                        std::string(py::str(type)));
@@ -30,54 +30,89 @@ T number_at(const char* address) {
   return number;
 }
 
-template <class Number, class Row, class Take>
-std::vector<Row> copy_rows(const py::array& array, Take take) {
-  std::vector<Row> rows(static_cast<std::size_t>(array.shape(0)));
+/// The numbers of an array row by row, each as `take(number, row)` gives it.
+template <class Number, class Take>
+void for_each(const py::array& array, Take take) {
   const auto* data = static_cast<const char*>(array.data());
-  const py::ssize_t down = array.strides(0), right = array.strides(1);
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    for (std::size_t k = 0; k < 3; ++k)
-      rows[i][k] =
-          take(number_at<Number>(data + static_cast<py::ssize_t>(i) * down + static_cast<py::ssize_t>(k) * right), i);
-  return rows;
+  const py::ssize_t columns = array.ndim() == 1 ? 1 : array.shape(1);
+  const py::ssize_t down = array.strides(0), right = array.ndim() == 1 ? 0 : array.strides(1);
+  for (py::ssize_t i = 0; i < array.shape(0); ++i)
+    for (py::ssize_t k = 0; k < columns; ++k)
+      take(number_at<Number>(data + i * down + k * right), static_cast<std::size_t>(i), static_cast<std::size_t>(k));
 }
+
+/// Calls take(value, row, column) with the numbers of a floating-point array.
+template <class Take>
+void for_each_real(const py::array& array, Take take) {
+  if (array.itemsize() == 4)
+    for_each<float>(array, take);
+  else
+    for_each<double>(array, take);
+}
+
+/// Calls take(value, row, column) with the numbers of an array of indices. \throws InvalidInput  as `refuse` says
+template <class Take, class Refuse>
+void for_each_index(const py::array& array, Take take, Refuse refuse) {
+  if (array.itemsize() == 4) return for_each<std::int32_t>(array, take);
+  for_each<std::int64_t>(array, [&](std::int64_t value, std::size_t row, std::size_t column) {
+    if (!std::in_range<std::int32_t>(value)) throw InvalidInput(refuse(value, row));
+    take(static_cast<std::int32_t>(value), row, column);
+  });
+}
+
+std::size_t rows_of(const py::array& array) { return static_cast<std::size_t>(array.shape(0)); }
 
 }  // namespace
 
 std::vector<Vec3> read_vertices(const py::object& vertices) {
   const py::array array =
-      read_array(vertices, 2, 'f', "vertices must be an array of shape (V, 3) and float32 or float64");
-  if (array.itemsize() == 4)
-    return copy_rows<float, Vec3>(array, [](float x, std::size_t) { return static_cast<double>(x); });
-  return copy_rows<double, Vec3>(array, [](double x, std::size_t) { return x; });
+      read_array(vertices, 3, 'f', "vertices must be an array of shape (V, 3) and float32 or float64");
+  std::vector<Vec3> rows(rows_of(array));
+  for_each_real(array, [&](double x, std::size_t i, std::size_t k) { rows[i][static_cast<Eigen::Index>(k)] = x; });
+  return rows;
 }
 
 std::vector<Triangle> read_triangles(const py::object& triangles, std::size_t vertex_count) {
   const py::array array =
-      read_array(triangles, 2, 'i', "triangles must be an array of shape (F, 3) and int32 or int64");
-  if (array.itemsize() == 4)
-    return copy_rows<std::int32_t, Triangle>(array, [](std::int32_t v, std::size_t) { return v; });
-  return copy_rows<std::int64_t, Triangle>(array, [&](std::int64_t v, std::size_t face) {
-    if (!std::in_range<std::int32_t>(v))
-      throw InvalidInput("face " + std::to_string(face) + " uses vertex " + std::to_string(v) + ", but there are " +
-                         std::to_string(vertex_count) + " vertices");
-    return static_cast<std::int32_t>(v);
-  });
+      read_array(triangles, 3, 'i', "triangles must be an array of shape (F, 3) and int32 or int64");
+  std::vector<Triangle> rows(rows_of(array));
+  for_each_index(
+      array, [&](std::int32_t v, std::size_t i, std::size_t k) { rows[i][k] = v; },
+      [&](std::int64_t v, std::size_t i) {
+        return "face " + std::to_string(i) + " uses vertex " + std::to_string(v) + ", but there are " +
+               std::to_string(vertex_count) + " vertices";
+      });
+  return rows;
+}
+
+std::vector<std::array<std::int32_t, 2>> read_pairs(const py::object& pairs, const std::string& name) {
+  const py::array array = read_array(pairs, 2, 'i', name + " must be an array of shape (K, 2) and int32 or int64");
+  std::vector<std::array<std::int32_t, 2>> rows(rows_of(array));
+  for_each_index(
+      array, [&](std::int32_t v, std::size_t i, std::size_t k) { rows[i][k] = v; },
+      [&](std::int64_t v, std::size_t i) {
+        return name + "[" + std::to_string(i) + "] names " + std::to_string(v) + ", which no index can be";
+      });
+  return rows;
 }
 
 std::vector<std::int32_t> read_indices(const py::object& indices, const std::string& name, const std::string& shape) {
   const py::array array =
-      read_array(indices, 1, 'i', name + " must be an array of shape " + shape + " and int32 or int64");
-  const auto* data = static_cast<const char*>(array.data());
-  std::vector<std::int32_t> result(static_cast<std::size_t>(array.shape(0)));
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    const char* address = data + static_cast<py::ssize_t>(i) * array.strides(0);
-    const std::int64_t value =
-        array.itemsize() == 4 ? number_at<std::int32_t>(address) : number_at<std::int64_t>(address);
-    if (!std::in_range<std::int32_t>(value))
-      throw InvalidInput(name + "[" + std::to_string(i) + "] is " + std::to_string(value) + ", which no index can be");
-    result[i] = static_cast<std::int32_t>(value);
-  }
+      read_array(indices, 0, 'i', name + " must be an array of shape " + shape + " and int32 or int64");
+  std::vector<std::int32_t> result(rows_of(array));
+  for_each_index(
+      array, [&](std::int32_t v, std::size_t i, std::size_t) { result[i] = v; },
+      [&](std::int64_t v, std::size_t i) {
+        return name + "[" + std::to_string(i) + "] is " + std::to_string(v) + ", which no index can be";
+      });
+  return result;
+}
+
+std::vector<double> read_numbers(const py::object& numbers, const std::string& name, const std::string& shape) {
+  const py::array array =
+      read_array(numbers, 0, 'f', name + " must be an array of shape " + shape + " and float32 or float64");
+  std::vector<double> result(rows_of(array));
+  for_each_real(array, [&](double x, std::size_t i, std::size_t) { result[i] = x; });
   return result;
 }
 

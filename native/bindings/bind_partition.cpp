@@ -1,6 +1,12 @@
+#include <pybind11/stl.h>
+
+#include <optional>
+#include <utility>
+
 #include "arrays.h"
 #include "bindings.h"
 #include "call.h"
+#include "isimp/core/errors.h"
 #include "isimp/partition/partition.h"
 #include "kept_mesh.h"
 #include "options.h"
@@ -75,17 +81,26 @@ void bind_partition(py::module_& m) {
   bind_result(m);
   m.def(
       "partition",
-      [](const KeptMesh& mesh, PartitionOptions options, Job* job) {
-        return call(job, [&](Job& j) { return mesh.split(options, j); });
+      [](const KeptMesh& mesh, PartitionOptions options, Job* job, const std::optional<py::object>& weights,
+         const std::optional<py::object>& barriers) {
+        Guides guides;
+        if (weights) guides.weights = read_numbers(*weights, "weights", "(F,)");
+        if (weights && guides.weights.empty()) throw InvalidInput("weights is empty: give one for each face");
+        if (barriers) guides.barriers = read_pairs(*barriers, "barriers");
+        return call(job, [&](Job& j) { return mesh.split(options, std::move(guides), j); });
       },
-      "mesh"_a, "options"_a = PartitionOptions(), "job"_a = py::none(),
+      "mesh"_a, "options"_a = PartitionOptions(), "job"_a = py::none(), "weights"_a = py::none(),
+      "barriers"_a = py::none(),
       R"(Split a surface into connected, near-planar regions.
 
 Exactly options.proxies regions, none empty, each connected. Every kept component gets at least what its topology needs
 (4 if it is closed, else 1; never more than its faces); where that takes more than `proxies`, it is taken, and
 `proxies_needed` says so. The same mesh and options give the same partition bit for bit, on any number of threads.
+weights: (F,) float32 or float64, finite and at least 0, multiply the faces' areas, also those in `error`: regions grow
+dense like the root of it. barriers: (K, 2) int32 or int64, pairs of vertices, edges of the mesh that no region crosses.
 The mesh keeps the hierarchy of the default method, so that another number of proxies takes a fraction of the first
-one's time. Raises InvalidInput (an option out of its range) or Cancelled.
+one's time. Raises InvalidInput (an option out of its range, a weight or barrier that
+can't be used) or Cancelled.
 Cost: method 'hierarchy' O(F), the others O(iterations * F).
 Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.)");
 }

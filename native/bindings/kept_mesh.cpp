@@ -1,29 +1,36 @@
 #include "kept_mesh.h"
 
-#include "isimp/partition/hierarchy.h"
-
 namespace isimp::bindings {
 
-std::shared_ptr<const Hierarchy> KeptMesh::kept(std::int32_t proxies) const {
+KeptMesh::Kept KeptMesh::recall(Guides guides) const {
   const std::lock_guard lock(mutex_);
-  return hierarchy_ && hierarchy_->serves(*this, proxies) ? hierarchy_ : nullptr;
+  const bool same = kept_.guides.weights == guides.weights && kept_.guides.barriers == guides.barriers;
+  return {std::move(guides), same ? kept_.graph : nullptr, same ? kept_.hierarchy : nullptr};
 }
 
-Partition KeptMesh::split(const PartitionOptions& options, Job& job) const {
-  const bool uses_one = options.method == Method::hierarchy || options.seeding == Seeding::hierarchical;
+void KeptMesh::keep(const Kept& kept) const {
+  const std::lock_guard lock(mutex_);
+  kept_ = kept;
+}
+
+Partition KeptMesh::split(const PartitionOptions& options, Guides guides, Job& job) const {
+  const bool guided = !guides.weights.empty() || !guides.barriers.empty();
+  Kept kept = recall(std::move(guides));
+  const Surface surface = guided && !kept.graph ? Surface(*this, kept.guides, job) : Surface(*this, kept.graph);
+  kept.graph = surface.guided();
+
+  const bool uses_hierarchy = options.method == Method::hierarchy || options.seeding == Seeding::hierarchical;
   const bool in_range = options.proxies >= 1 && options.proxies <= face_count();
-  if (!uses_one || !in_range || job.cancelled()) return partition(*this, options, job);
-  std::shared_ptr<const Hierarchy> hierarchy = kept(options.proxies);
+  if (!uses_hierarchy || !in_range || job.cancelled()) return partition(surface, options, job);
   double done = 0.0;
-  if (!hierarchy) {
+  if (!kept.hierarchy || !kept.hierarchy->serves(surface, options.proxies)) {
     done = 0.4;
     const Job::Part stage(job, "merging", 0.0, done);
-    hierarchy = std::make_shared<const Hierarchy>(build_hierarchy(*this, options.proxies, job));
-    const std::lock_guard lock(mutex_);
-    hierarchy_ = hierarchy;
+    kept.hierarchy = std::make_shared<const Hierarchy>(build_hierarchy(surface, options.proxies, job));
+    keep(kept);
   }
   const Job::Part stage(job, "relaxing", done, 1.0);
-  return partition(*this, *hierarchy, options, job);
+  return partition(surface, *kept.hierarchy, options, job);
 }
 
 }  // namespace isimp::bindings

@@ -1,28 +1,37 @@
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <utility>
 
 #include "isimp/mesh/mesh.h"
+#include "isimp/partition/hierarchy.h"
 #include "isimp/partition/partition.h"
+#include "isimp/partition/surface.h"
 
 namespace isimp::bindings {
 
-/// A mesh as Python holds it: with the hierarchy of its last partition, which makes another number of proxies quick.
+/// A mesh as Python holds it: with what its last partition left that makes another number of proxies quick.
 class KeptMesh : public Mesh {
  public:
   explicit KeptMesh(Mesh&& mesh) : Mesh(std::move(mesh)) {}
 
-  /// partition(*this, options, job), from the kept hierarchy where it serves. May be called from several threads.
-  [[nodiscard]] Partition split(const PartitionOptions& options, Job& job) const;
+  /// Partitions this mesh, guided or not. What the last call made and the next one can use is kept: the guided graph,
+  /// and the hierarchy where the method has one. May be called from several threads.
+  [[nodiscard]] Partition split(const PartitionOptions& options, Guides guides, Job& job) const;
 
  private:
-  [[nodiscard]] std::shared_ptr<const Hierarchy> kept(std::int32_t proxies) const;
+  struct Kept {
+    Guides guides;
+    std::shared_ptr<const GuidedGraph> graph;  // null without guides
+    std::shared_ptr<const Hierarchy> hierarchy;
+  };
+  /// These guides, with what is kept if it was made under the same.
+  [[nodiscard]] Kept recall(Guides guides) const;
+  void keep(const Kept& kept) const;
 
   mutable std::mutex mutex_;
-  mutable std::shared_ptr<const Hierarchy> hierarchy_;
+  mutable Kept kept_;
 };
 
 }  // namespace isimp::bindings

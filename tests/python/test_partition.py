@@ -239,8 +239,73 @@ def test_views_are_read_only_and_keep_the_partition_alive(sheet):
 def test_every_number_of_the_header_is_there(cube):
     part = engine.partition(cube, options(proxies=6))
     for field in struct_fields("partition/partition.h", "Partition"):
-        if field not in ("region_sum",):  # what edits start from, of no use outside
+        if field not in ("region_sum", "guided"):  # what edits start from, of no use outside
             assert hasattr(part, field)
+
+
+def test_weights_draw_regions_to_where_they_are_large(sheet):
+    left = sheet.vertices[sheet.triangles].mean(axis=1)[:, 0] < 0.5
+    counts = []
+    for weight in (1.0, 4.0, 100.0):
+        weights = np.where(left, weight, 1.0).astype(np.float32)
+        part = engine.partition(sheet, options(proxies=60), weights=weights)
+        assert part.region_count == 60
+        counts.append(len(set(part.face_region[left])))
+    assert counts == sorted(counts)
+    assert counts[0] < counts[-1]
+
+
+def test_equal_weights_change_nothing(sheet):
+    plain = engine.partition(sheet, options(proxies=60))
+    ones = engine.partition(sheet, options(proxies=60), None, np.ones(len(sheet.triangles)), np.zeros((0, 2), int))
+    np.testing.assert_array_equal(plain.face_region, ones.face_region)
+
+
+@pytest.mark.parametrize("method", ["hierarchy", "lloyd", "teleport"])
+def test_no_region_crosses_a_barrier(method):
+    vertices, triangles = shapes.plane(8)
+    mesh = engine.Mesh(vertices, triangles)
+    middle = np.flatnonzero(vertices[:, 0] == 0.5)
+    barriers = np.stack([middle[:-1], middle[1:]], axis=1)
+    part = engine.partition(mesh, options(proxies=2, method=method), barriers=barriers)
+    left = vertices[triangles].mean(axis=1)[:, 0] < 0.5
+    assert len(set(part.face_region[left])) == len(set(part.face_region[~left])) == 1
+    assert part.region_count == 2
+    more = engine.add_proxy(mesh, part, int(np.flatnonzero(left)[0]))
+    assert not set(more.face_region[left]) & set(more.face_region[~left])
+
+
+def test_what_a_mesh_keeps_is_kept_apart_by_guides(sheet):
+    mesh, faces = engine.Mesh(sheet.vertices, sheet.triangles), len(sheet.triangles)
+    weights = np.linspace(0, 1, faces)
+    runs = [{}, {"weights": weights}, {"weights": weights[::-1]}, {"barriers": sheet.triangles[:50, :2]}, {}]
+    for guides in runs + runs:
+        fresh = engine.Mesh(sheet.vertices, sheet.triangles)
+        expected, part = (engine.partition(m, options(proxies=45), **guides) for m in (fresh, mesh))
+        np.testing.assert_array_equal(part.face_region, expected.face_region)
+
+
+@pytest.mark.parametrize(
+    ("guides", "said"),
+    [
+        ({"weights": np.ones(191)}, "191 weights, but the mesh has 192 faces"),
+        ({"weights": np.ones(0)}, "weights is empty"),
+        ({"weights": np.full(192, -1.0)}, "weight of face 0 is -1"),
+        ({"weights": np.full(192, np.nan)}, "weight of face 0 is .*nan"),
+        ({"weights": np.zeros(192)}, "all weights are 0"),
+        ({"weights": np.ones((192, 1))}, r"weights must be an array of shape \(F,\) .* got shape \(192, 1\)"),
+        ({"weights": np.ones(192, int)}, r"weights must be .* float32 or float64, got shape \(192,\) and int64"),
+        ({"barriers": np.array([[0, 97]])}, "barrier 0 runs between vertices 0 and 97"),
+        ({"barriers": np.array([[0, 98]])}, "98"),
+        ({"barriers": np.array([[0, -1]])}, "-1"),
+        ({"barriers": np.array([[0, 2**40]])}, r"barriers\[0\] names 1099511627776"),
+        ({"barriers": np.array([0, 1])}, r"barriers must be an array of shape \(K, 2\) and int32 or int64"),
+        ({"barriers": np.array([[0.0, 1.0]])}, "barriers must be .* float64"),
+    ],
+)
+def test_guides_that_can_not_be_used_are_named(cube, guides, said):
+    with pytest.raises(engine.InvalidInput, match=said):
+        engine.partition(cube, options(proxies=6), **guides)
 
 
 def test_add_makes_the_last_region_and_keeps_the_other_numbers(cube):
