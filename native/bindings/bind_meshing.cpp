@@ -17,8 +17,8 @@ void bind_options(py::module_& m) {
       .field("chord_tolerance", &Options::chord_tolerance,
              "A boundary is subdivided where it leaves its chord by more than this times sqrt(area / regions).")
       .field("chord_area", &Options::chord_area,
-             "It is also subdivided until its chords leave out or add no more than this share of the smaller of the "
-             "two regions' areas, so that small ones keep their shape.")
+             "The chords of a region may leave out or add at most this share of its area, so that small regions keep "
+             "their shape.")
       .field("reach", &Options::reach,
              "No corner is moved further than this share of the diagonal from the scan's vertex it stands for.")
       .field("flatten", &Options::flatten, "Rounds of planes and corners in turn; 0 leaves the first placement.")
@@ -37,11 +37,11 @@ py::dict report_of(const MeshingReport& r) {
       "regions_split"_a = r.regions_split, "split_for_unconnected"_a = r.split_for_unconnected,
       "split_for_holes"_a = r.split_for_holes, "split_for_handles"_a = r.split_for_handles,
       "split_for_pinches"_a = r.split_for_pinches, "split_for_closed"_a = r.split_for_closed,
-      "split_for_repair"_a = r.split_for_repair, "merged_without_area"_a = r.merged_without_area, "closed"_a = r.closed,
-      "manifold"_a = r.manifold, "euler"_a = r.euler, "planarity_max"_a = r.planarity_max,
-      "planarity_mean"_a = r.planarity_mean, "distance_max"_a = r.distance_max, "crossing"_a = r.crossing,
-      "flipped"_a = r.flipped, "bent"_a = r.bent, "intersecting"_a = r.intersecting, "excused"_a = r.excused,
-      "diagonals"_a = r.diagonals, "repair_rounds"_a = r.repair_rounds, "repair_capped"_a = r.repair_capped);
+      "split_for_repair"_a = r.split_for_repair, "closed"_a = r.closed, "manifold"_a = r.manifold, "euler"_a = r.euler,
+      "planarity_max"_a = r.planarity_max, "planarity_mean"_a = r.planarity_mean, "distance_max"_a = r.distance_max,
+      "crossing"_a = r.crossing, "flipped"_a = r.flipped, "bent"_a = r.bent, "intersecting"_a = r.intersecting,
+      "excused"_a = r.excused, "diagonals"_a = r.diagonals, "repair_rounds"_a = r.repair_rounds,
+      "repair_capped"_a = r.repair_capped);
 }
 
 void bind_result(py::module_& m) {
@@ -62,8 +62,7 @@ void bind_result(py::module_& m) {
       .def_property_readonly(
           "report", [](const PolygonMesh& poly) { return report_of(poly.report); }, R"(What came out, as a dict.
 
-polygons, corners, vertices, regions; regions_split (those that became more than one polygon) and why;
-merged_without_area (pieces without any area, which a neighbour took over); closed, manifold,
+polygons, corners, vertices, regions; regions_split (those that became more than one polygon) and why; closed, manifold,
 euler; planarity_max, planarity_mean (weighted by area) and distance_max (of a corner from its vertex), scene units;
 crossing, flipped, bent: polygons that stayed so; intersecting: pairs of regions whose polygons still intersect, excused:
 such pairs where the scan itself does; diagonals that the repair put across regions, repair_rounds, and repair_capped:
