@@ -28,5 +28,5 @@ if [ ! -e "$scan" ]; then
   [ -e "$scan" ] || fetch_bunny "$scan"
 fi
 blender -b --factory-startup --addons isimp --python-exit-code 1 --python examples/batch.py -- \
-  "$scan" "$out/demo.blend" "$out/demo.obj" --proxies "${2:-200}" --picture "$out/demo.png"
+  "$scan" "$out/demo.blend" "$out/demo.obj" --proxies "${2:-200}" --up Y --picture "$out/demo.png"
 echo "$out/demo.png"

@@ -6,7 +6,7 @@
 set -uo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-stages=(format lint cpp wheel python blender bpy45 bpy50 asan cuda tidy)
+stages=(format lint cpp wheel python blender bpy45 bpy50 window asan cuda tidy)
 tests_venv=$root/.venv-test
 
 # Each stage is a function that runs with `set -e`; what it needs installed it installs. Test runners leave their
@@ -41,14 +41,22 @@ stage_python() { # the package as installed
   "$tests_venv/bin/python" -m pytest tests/python --ignore tests/python/blender --junitxml "$results/pytest.xml"
 }
 
-stage_blender() { # the add-on inside Debian's Blender, 3.4 on Debian 12
+stage_blender() { # the add-on as packed, inside Debian's Blender, 3.4 on Debian 12
   apt_install "${blender_packages[@]}"
+  make_addon
   local site=$out/blender/site
   rm -rf "$site"
-  "$tests_venv/bin/pip" install -q --target "$site" pytest hypothesis
-  install_wheel "$tests_venv" --target "$site"
-  PYTHONPATH=$site timeout 1200 blender -b --factory-startup --python-use-system-env --python-exit-code 1 --python-expr \
-    "import sys, pytest; sys.exit(pytest.main(['tests/python/blender', '--junitxml', '$results/pytest.xml']))"
+  "$tests_venv/bin/pip" install -q --target "$site" pytest
+  ISIMP_SITE=$site timeout 1200 blender -b --factory-startup --python-exit-code 1 \
+    --python tests/python/blender/inside.py -- tests/python/blender --confcutdir tests/python/blender \
+    -o pythonpath="$out/blender/addons" --junitxml "$results/pytest.xml"
+}
+
+stage_window() { # the add-on's buttons, pressed in a window of that Blender
+  apt_install "${blender_packages[@]}" xvfb xauth imagemagick
+  use_tests_venv
+  install_wheel "$tests_venv"
+  timeout 1200 "$tests_venv/bin/python" -m pytest tests/python/blender/window --junitxml "$results/pytest.xml"
 }
 
 stage_bpy45() {
