@@ -21,19 +21,6 @@ struct State {
   std::vector<Vec3> proxy;
 };
 
-std::vector<std::int32_t> random_faces(std::int32_t faces, std::int32_t count, std::uint32_t seed) {
-  std::mt19937 random(seed);
-  std::vector<bool> taken(static_cast<std::size_t>(faces), false);
-  std::vector<std::int32_t> chosen;
-  while (chosen.size() < static_cast<std::size_t>(count)) {
-    const auto face = static_cast<std::int32_t>(random() % static_cast<std::uint32_t>(faces));
-    if (taken[face]) continue;
-    taken[face] = true;
-    chosen.push_back(face);
-  }
-  return chosen;
-}
-
 void flood(const PlainSurface& surface, State& state) {
   std::fill(state.label.begin(), state.label.end(), kNone);
   std::priority_queue<Entry> queue;
@@ -102,6 +89,19 @@ PlainSurface plain_surface(const Mesh& mesh) {
     }
   }
   return surface;
+}
+
+std::vector<std::int32_t> random_faces(std::int32_t faces, std::int32_t count, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::vector<bool> taken(static_cast<std::size_t>(faces), false);
+  std::vector<std::int32_t> chosen;
+  while (chosen.size() < static_cast<std::size_t>(count)) {
+    const auto face = static_cast<std::int32_t>(random() % static_cast<std::uint32_t>(faces));
+    if (taken[face]) continue;
+    taken[face] = true;
+    chosen.push_back(face);
+  }
+  return chosen;
 }
 
 ReferenceResult reference(const PlainSurface& surface, const ReferenceOptions& options) {

@@ -33,6 +33,9 @@ struct ReferenceResult {
   std::vector<double> round_ms;     ///< processor time of each round
 };
 
+/// The faces that `reference` starts from: distinct, drawn by `seed`.
+std::vector<std::int32_t> random_faces(std::int32_t faces, std::int32_t count, std::uint32_t seed);
+
 /// Floods from random distinct seeds with one priority queue, fits, and floods again, for a fixed number of rounds.
 ///
 /// The priority is the squared difference of the normals alone, without the face's area; so is the choice of the new

@@ -6,6 +6,8 @@
 #include "evaluate.h"
 #include "input.h"
 #include "isimp/core/errors.h"
+#include "isimp/partition/flooding.h"
+#include "isimp/partition/partition.h"
 #include "measure.h"
 #include "reference.h"
 #include "shapes.h"
@@ -88,6 +90,55 @@ TEST(Reference, ComponentsWithoutASeedStayWithoutRegion) {
   const Mesh mesh = mesh_of(load_input("made:boxes:24", 0));
   const ReferenceResult result = reference(plain_surface(mesh), {.proxies = 1});
   EXPECT_EQ(std::count(result.label.begin(), result.label.end(), kNone), 12);
+}
+
+/// Floods once from the seeds that the reference would start from.
+std::vector<std::int32_t> flooded_by_bursts(const Mesh& mesh, std::int32_t proxies, std::uint32_t seed) {
+  const FaceGraph& graph = mesh.graph();
+  std::vector<std::int32_t> seeds = random_faces(mesh.face_count(), proxies, seed), label(graph.faces.size());
+  std::vector<NormalMetric::Proxy> normals;
+  for (std::int32_t& face : seeds) {
+    face = graph.graph_face[face];
+    normals.push_back(NormalMetric::proxy_of(graph.faces[face]));
+  }
+  Job job;
+  Flooding().run(graph, normals, seeds, label, job);
+  std::vector<std::int32_t> by_mesh_face(static_cast<std::size_t>(graph.size()));
+  for (std::size_t f = 0; f < by_mesh_face.size(); ++f) by_mesh_face[f] = label[graph.graph_face[f]];
+  return by_mesh_face;
+}
+
+TEST(Flooding, ByBurstsIsAsGoodAsByOneQueue) {
+  const Mesh mesh = mesh_of(load_input("made:torus:20000", 0));
+  const PlainSurface surface = plain_surface(mesh);
+  double plain = 0.0, bursts = 0.0;
+  for (std::uint32_t seed = 1; seed <= 8; ++seed) {
+    const auto one = reference(surface, {.proxies = 60, .rounds = 1, .seed = seed}).label;
+    const auto other = flooded_by_bursts(mesh, 60, seed);
+    const Score score = evaluate(mesh, surface, other);
+    EXPECT_EQ(score.regions, 60);
+    EXPECT_EQ(score.fragments, 0);
+    EXPECT_EQ(score.unlabelled, 0);
+    plain += evaluate(mesh, surface, one).error;
+    bursts += score.error;
+    std::size_t equal = 0;
+    for (std::size_t f = 0; f < one.size(); ++f) equal += one[f] == other[f];
+    EXPECT_GT(equal, 8 * one.size() / 10);  // the same seeds, so nearly the same regions
+  }
+  EXPECT_NEAR(bursts / plain, 1.0, 0.01);
+}
+
+TEST(Lloyd, IsAsGoodAsTheReference) {
+  const Mesh mesh = mesh_of(load_input("made:torus:6000", 0));
+  const PlainSurface surface = plain_surface(mesh);
+  double plain = 0.0, own = 0.0;
+  for (std::uint32_t seed = 1; seed <= 16; ++seed) {
+    plain += evaluate(mesh, surface, reference(surface, {.proxies = 50, .seed = seed}).label).error;
+    Job job;
+    const PartitionOptions options{.proxies = 50, .seed = seed, .method = Method::lloyd};
+    own += evaluate(mesh, surface, partition(mesh, options, job).face_region).error;
+  }
+  EXPECT_LT(own, 1.02 * plain);  // other random seeds, so equal only on the mean
 }
 
 TEST(Loop, FlatRegularGridStaysWhereItIs) {
