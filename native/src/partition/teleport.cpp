@@ -12,12 +12,14 @@
 namespace isimp {
 namespace {
 
-constexpr int kSweeps = 200;         // of the borders after a round; a face may have to grow over a whole side
-constexpr int kRounds = 3;           // of fitting the halves of a split
-constexpr double kMargin = 0.02;     // a move must gain this share more than it costs
-constexpr double kShare = 3e-4;      // of the whole error, times the least ratio: worth parting a region anew
-constexpr double kLeastFall = 1e-4;  // of the error by a round: below it, it is not worth another
-constexpr double kLeastGain = 1e-7;  // of the whole area: less is rounding
+constexpr int kSweeps = 200;            // of the borders after a round; a face may have to grow over a whole side
+constexpr int kRounds = 3;              // of fitting the halves of a split
+constexpr double kMargin = 0.02;        // a move must gain this share more than it costs
+constexpr std::int64_t kRenewals = 16;  // faces parted anew, in all, as a multiple of the surface's: one large region
+                                        // with hundreds round it would try for long
+constexpr double kShare = 3e-4;         // of the whole error, times the least ratio: worth parting a region anew
+constexpr double kLeastFall = 1e-4;     // of the error by a round: below it, it is not worth another
+constexpr double kLeastGain = 1e-7;     // of the whole area: less is rounding
 
 /// First proxies and seeds for splitting a region: the two sides of its most unlike normals, or of its length if flat.
 Halves two_sides(const FaceGraph& graph, std::span<const std::int32_t> faces, const RegionSum& sum) {
@@ -283,13 +285,16 @@ int Teleport::renew(int tries, double least_ratio, Job& job) {
   int moves = 0, failed = 0;
   for (const std::int32_t region : worst) {
     const double error = regions_.sum[region].error();
-    if (error <= bound || failed >= tries) break;
+    if (error <= bound || failed >= tries || renewal_work_ < 0) break;
     if (used[region] || tried_[region].renewed == error) continue;
     tried_[region].renewed = error;
     bool better = false;
     for (const std::int32_t other : around[region]) {
       job.poll();
-      if (used[other] || !part_anew(region, other, job)) continue;
+      if (used[other]) continue;
+      renewal_work_ -= regions_.sum[region].faces + regions_.sum[other].faces;
+      if (renewal_work_ < 0) break;
+      if (!part_anew(region, other, job)) continue;
       used[region] = used[other] = better = true;
       break;
     }
@@ -304,6 +309,7 @@ int Teleport::renew(int tries, double least_ratio, Job& job) {
 
 int Teleport::run(int tries, double least_ratio, Job& job) {
   int moves = 0;
+  renewal_work_ = kRenewals * graph_.size();
   for (;;) {
     const Regions before = regions_;
     int made = round(tries, least_ratio, job);
