@@ -36,6 +36,7 @@ READERS = {
     ".usda": ("wm.usd_import",),
     ".usdz": ("wm.usd_import",),
 }
+METHODS = ("hierarchy", "teleport", "lloyd")
 WRITERS = (".blend", ".obj", ".ply", ".glb")
 Z_UP = {".ply", ".stl", ".off"}  # read as they are; all others are turned by Blender to have Z upwards
 
@@ -49,7 +50,7 @@ def arguments(argv):
     parser.add_argument("input", type=Path, metavar="IN", help="the scan, in any format that Blender reads")
     parser.add_argument("outputs", type=Path, nargs="+", metavar="OUT", help=f"files to write: {', '.join(WRITERS)}")
     parser.add_argument("--proxies", type=int, default=200, metavar="N", help="how many regions (default 200)")
-    parser.add_argument("--method", help="how regions are found: hierarchy (default), teleport or lloyd")
+    parser.add_argument("--method", choices=METHODS, help="how regions are found (default hierarchy)")
     parser.add_argument("--seed", type=int, help="number that starts the random choice of teleport and lloyd")
     parser.add_argument("--iterations", type=int, help="the most rounds of flooding and fitting (default 20)")
     parser.add_argument(
@@ -131,6 +132,8 @@ def imported(path):
         raise Problem(f"this Blender can't read {path.suffix} files")
     if reader == "engine":
         return from_engine(path)
+    if "bool" not in vars(np):
+        np.bool = bool  # the glTF importer of Blender 3.4 asks for it, Debian's numpy has it no longer
     call(reader, filepath=str(path))
     meshes = [obj for obj in bpy.context.scene.objects if obj.type == "MESH" and len(obj.data.polygons)]
     if not meshes:

@@ -140,7 +140,7 @@ class RecipeOperator:
         if isinstance(error, Stopped):
             self.report({"INFO"}, "Stopped. Nothing was changed.")
         elif isinstance(error, (StepFailed, ValueError)):
-            self.report({"ERROR"}, f"{error} Nothing was changed.")
+            self.report({"ERROR"}, f"{str(error).rstrip('.')}. Nothing was changed.")
         else:
             log.debug("unexpected", exc_info=error)
             self.report({"ERROR"}, f"A fault in iSimp: {type(error).__name__}: {error}. Nothing was changed.")

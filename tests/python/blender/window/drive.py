@@ -185,6 +185,7 @@ class Hand:
 def main(scenario, out):
     spec = util.spec_from_file_location("scenario", scenario)
     module = util.module_from_spec(spec)
+    sys.path.insert(0, str(scenario.parent))
     spec.loader.exec_module(module)
     steps = module.run(Hand(out))
 
@@ -200,7 +201,7 @@ def main(scenario, out):
         sys.stderr.flush()
         os._exit(code)
 
-    bpy.app.timers.register(tick, first_interval=1.0)
+    bpy.app.timers.register(tick, first_interval=1.0, persistent=True)
 
 
 main(*map(Path, sys.argv[sys.argv.index("--") + 1 :]))

@@ -2,8 +2,10 @@
 
 import os
 import shutil
+import signal
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -11,6 +13,7 @@ import pytest
 HERE = Path(__file__).parent
 ROOT = HERE.parents[3]
 OUT = ROOT / "out" / "window"
+LIMIT = 400  # seconds; half a minute on a quiet machine
 
 
 def site():
@@ -33,6 +36,13 @@ def test_scenario(scenario):
     blender = ["blender", "--factory-startup", "--enable-event-simulate", "-p", "0", "0", "1200", "760"]
     script = ["--python", str(HERE / "drive.py"), "--", str(HERE / f"scenario_{scenario}.py"), str(OUT)]
     command = ["xvfb-run", "-a", "-s", "-screen 0 1200x760x24", *blender, *script]
-    done = subprocess.run(command, env=os.environ | {"ISIMP_SITE": site()}, capture_output=True, text=True, timeout=300)
-    print(done.stdout, done.stderr)
-    assert done.returncode == 0, done.stderr[-3000:]
+    environment = os.environ | {"ISIMP_SITE": site()}
+    with (OUT / f"{scenario}.log").open("w+") as log:
+        process = subprocess.Popen(command, env=environment, stdout=log, stderr=log, start_new_session=True)
+        try:
+            code = process.wait(LIMIT)
+        finally:
+            with suppress(ProcessLookupError):  # the X server too, whatever happened
+                os.killpg(process.pid, signal.SIGKILL)
+        log.seek(0)
+        assert code == 0, log.read()[-4000:]

@@ -1,0 +1,181 @@
+"""The batch example: files in, files and a picture out."""
+
+import sys
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+import scans
+
+sys.path.insert(0, str(Path(__file__).parents[3] / "examples"))
+import batch
+
+pytestmark = [
+    pytest.mark.usefixtures("scene"),
+    pytest.mark.filterwarnings("ignore::DeprecationWarning"),  # of Blender's own importers
+]
+
+
+def export(kind, path, name="Scan"):
+    """Writes a cube, off centre so that axes tell, in some format."""
+    scan = scans.cube(name=name, cells=5)
+    scan.location = (3, 0, 0.5)
+    bpy.context.view_layer.update()
+    if kind == ".blend":
+        bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    elif kind == ".glb":
+        bpy.ops.export_scene.gltf(filepath=str(path), export_format="GLB", use_selection=True)
+    elif kind == ".fbx":
+        bpy.ops.export_scene.fbx(filepath=str(path), use_selection=True)
+    elif kind == ".obj":
+        bpy.ops.wm.obj_export(filepath=str(path), export_selected_objects=True, export_materials=False)
+    else:
+        write_text(kind, path, scans.world(scan), [tuple(face.vertices) for face in scan.data.polygons])
+
+
+def write_text(kind, path, points, faces):
+    lines = ["OFF", f"{len(points)} {len(faces)} 0"]
+    if kind == ".ply":
+        properties = [f"property float {axis}" for axis in "xyz"]
+        lines = ["ply", "format ascii 1.0", f"element vertex {len(points)}", *properties]
+        lines += [f"element face {len(faces)}", "property list uchar int vertex_indices", "end_header"]
+    if kind == ".stl":
+        lines = ["solid scan"]
+        for face in faces:
+            corners = [f"vertex {' '.join(map(str, points[v]))}" for v in face]
+            lines += ["facet normal 0 0 0", "outer loop", *corners, "endloop", "endfacet"]
+        path.write_text("\n".join([*lines, "endsolid"]))
+        return
+    lines += [" ".join(map(str, point)) for point in points]
+    lines += [" ".join(map(str, (len(face), *face))) for face in faces]
+    path.write_text("\n".join(lines) + "\n")
+
+
+def run(*arguments):
+    return batch.main([str(argument) for argument in arguments])
+
+
+@pytest.mark.parametrize("kind", [".blend", ".obj", ".ply", ".stl", ".off", ".glb", ".fbx"])
+def test_every_format_goes_in(kind, tmp_path):
+    scan, out = tmp_path / f"cube{kind}", tmp_path / "out.blend"
+    export(kind, scan)
+    assert run(scan, out, "--proxies", 6) == 0
+    bpy.ops.wm.open_mainfile(filepath=str(out))
+    result = bpy.context.view_layer.objects.active
+    assert len(result.data.polygons) == 6
+    low, high = scans.world(result).min(axis=0), scans.world(result).max(axis=0)
+    assert low == pytest.approx([2, -1, -0.5], abs=1e-3)
+    assert high == pytest.approx([4, 1, 1.5], abs=1e-3)
+    source = next(obj for obj in bpy.data.objects if "isimp_color" in obj.data.attributes)
+    assert source.hide_get()
+    assert np.unique(scans.regions(source)).tolist() == list(range(6))
+
+
+def obj_points(path):
+    return np.array([line.split()[1:4] for line in path.read_text().splitlines() if line.startswith("v ")], float)
+
+
+def ply_points(path):
+    """By Blender's reader, unless it is that of 3.4, which leaves them as they are in any case."""
+    import isimp_engine
+
+    return np.asarray(isimp_engine.read(str(path))[0])
+
+
+def corners(points):
+    return [*points.min(axis=0), *points.max(axis=0)]
+
+
+@pytest.mark.parametrize("kind", [".obj", ".ply"])
+def test_meshes_keep_the_axes_of_what_was_read(kind, tmp_path):
+    scan = tmp_path / f"cube{kind}"
+    export(kind, scan)
+    assert run(scan, tmp_path / "out.obj", tmp_path / "out.ply", "--proxies", 6) == 0
+    wanted = corners(obj_points(scan) if kind == ".obj" else ply_points(scan))
+    assert corners(obj_points(tmp_path / "out.obj")) == pytest.approx(wanted, abs=1e-3)
+    assert corners(ply_points(tmp_path / "out.ply")) == pytest.approx(wanted, abs=1e-3)
+    faces = [line for line in (tmp_path / "out.obj").read_text().splitlines() if line.startswith("f ")]
+    assert sorted(len(line.split()) - 1 for line in faces) == [4] * 6
+
+
+def test_glb_goes_out(tmp_path):
+    export(".ply", tmp_path / "cube.ply")
+    assert run(tmp_path / "cube.ply", tmp_path / "out.glb", "--proxies", 6) == 0
+    bpy.data.batch_remove(list(bpy.data.objects))
+    assert len(batch.imported(tmp_path / "out.glb").data.polygons) == 12  # glTF holds only triangles
+
+
+def test_a_file_of_several_objects_is_one_scan(tmp_path):
+    export(".ply", tmp_path / "unused.ply", name="One")
+    two = scans.cube(name="Two", cells=3)
+    two.location.x = -5
+    for obj in bpy.context.scene.objects:
+        obj.select_set(True)
+    bpy.ops.export_scene.gltf(filepath=str(tmp_path / "two.glb"), export_format="GLB", use_selection=True)
+    assert run(tmp_path / "two.glb", tmp_path / "out.obj", "--proxies", 12) == 0
+    points = obj_points(tmp_path / "out.obj")
+    assert len(points) == 16
+    assert corners(points)[::3] == pytest.approx([-6, 4], abs=1e-3)
+
+
+def test_which_object_of_a_blend_is_said(tmp_path, capsys):
+    scans.cube(name="One")
+    scans.cube(name="Two", cells=2)
+    bpy.context.view_layer.objects.active = None
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "two.blend"))
+    assert run(tmp_path / "two.blend", tmp_path / "out.obj") == 3
+    assert "--object NAME: One, Two" in capsys.readouterr().err
+    assert run(tmp_path / "two.blend", tmp_path / "out.obj", "--object", "Two", "--proxies", 6) == 0
+    assert run(tmp_path / "two.blend", tmp_path / "out.obj", "--object", "Three") == 3
+    assert "there is no object 'Three'; there are: One, Two" in capsys.readouterr().err
+
+
+def test_a_picture_shows_colours_and_lines(tmp_path):
+    export(".ply", tmp_path / "cube.ply")
+    assert run(tmp_path / "cube.ply", tmp_path / "out.blend", "--proxies", 6, "--picture", tmp_path / "p.png") == 0
+    image = bpy.data.images.load(str(tmp_path / "p.png"))
+    pixels = np.array(image.pixels[:]).reshape(image.size[1], image.size[0], 4)[..., :3]
+    assert min(image.size) > 400
+    for part in (pixels[:, : image.size[0] // 2], pixels[:, image.size[0] // 2 :]):
+        assert (part.min(axis=2) > 0.99).mean() > 0.2  # paper
+        assert (part.max(axis=2) < 0.5).mean() > 0.001  # lines
+    left = pixels[:, : image.size[0] // 2]
+    assert (np.ptp(left, axis=2) > 0.15).mean() > 0.1  # colours
+    assert pixels[0].min() > 0.99
+    assert pixels[:, -1].min() > 0.99  # nothing is cut off
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "out.blend"))
+    assert [scene.name for scene in bpy.data.scenes] == ["Scene"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["none.ply", "out.obj"], "there is no file"),
+        (["cube.ply", "out.obj", "--proxies", "0"], "--proxies must be at least 1, got 0"),
+        (["cube.ply", "out.obj", "--proxies", "999999"], "proxies must be in"),
+        (["damaged.ply", "out.obj"], "damaged.ply"),
+        (["points.obj", "out.obj"], "no mesh with faces"),
+    ],
+)
+def test_what_cannot_be_used_is_said_in_one_line(arguments, message, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    export(".ply", tmp_path / "cube.ply")
+    (tmp_path / "damaged.ply").write_bytes(b"ply\nformat ascii 1.0\nelement vertex 5\nproperty fl")
+    (tmp_path / "points.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\n")
+    assert run(*arguments) == 3
+    said = capsys.readouterr().err.strip().splitlines()
+    assert message in said[-1]
+    assert not any("Traceback" in line for line in said)
+    assert not (tmp_path / "out.obj").exists()
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [[], ["cube.ply"], ["cube.ply", "out.xyz"], ["cube.xyz", "out.obj"], ["cube.ply", "out.obj", "--method", "magic"]],
+)
+def test_wrong_usage_ends_with_2(arguments, capsys):
+    with pytest.raises(SystemExit) as caught:
+        run(*arguments)
+    assert caught.value.code == 2
+    assert "usage" in capsys.readouterr().err

@@ -1,0 +1,104 @@
+"""Work that takes long: the window stays usable, Esc leaves all as it was, and nothing that happens meanwhile harms."""
+
+import time
+
+import bpy
+from scenario_main import make_scan, regions, same, scan
+
+import isimp
+
+DELAY = [0.0]
+
+
+def slow_down():
+    """Makes every replay wait, polled as by the engine, before it does its work."""
+    from isimp.blender import runtime
+
+    session = runtime.get().session
+    replay = session.replay
+
+    def slowly(scan, recipe, watch=None):
+        end = time.monotonic() + DELAY[0]
+        with watch.part("waiting", 0.0, 0.5):
+            while time.monotonic() < end:
+                watch.poll()
+                time.sleep(0.01)
+        return replay(scan, recipe, watch)
+
+    session.replay = slowly
+
+
+def running():
+    from isimp.blender import runtime
+
+    return runtime.get().running is not None
+
+
+def press_slowly(hand, seconds):
+    DELAY[0] = seconds
+    yield from hand.find("bpy.ops.isimp.partition")
+    yield from hand.click(*hand.at)
+    yield 0.6
+    same("under way", running(), True)
+
+
+def ended(hand):
+    for _ in range(100):
+        if not running():
+            return
+        yield 0.1
+    raise AssertionError("it did not end")
+
+
+def run(hand):
+    isimp.register()
+    make_scan()
+    slow_down()
+    yield 0.5
+    yield from hand.open_tab()
+    yield from hand.press("isimp.partition")
+    before = regions()
+    assert before > 0
+    yield from hand.type_into("partition.proxies", "9")
+
+    yield from press_slowly(hand, 30)
+    same("a second press", bpy.ops.isimp.partition.poll(), False)
+    yield from hand.shot("6-working")
+    yield from hand.into_view()
+    place = hand.area.spaces.active.region_3d.view_distance
+    yield from hand.key("WHEELUPMOUSE")
+    yield 0.3
+    assert hand.area.spaces.active.region_3d.view_distance != place, "the view can't be moved meanwhile"
+    yield from hand.key("ESC")
+    yield from ended(hand)
+    same("after Esc", regions(), before)
+    yield 0.3
+    same("ready again", bpy.ops.isimp.partition.poll(), True)
+
+    yield from press_slowly(hand, 30)
+    yield from hand.press("isimp.stop")
+    same("after Stop", (running(), regions()), (False, before))
+
+    yield from press_slowly(hand, 3)
+    yield from ended(hand)
+    yield 0.3
+    same("done after a wait", regions(), 9)
+    yield from hand.undo()
+    same("one step to undo", regions(), before)
+
+    yield from press_slowly(hand, 3)
+    bpy.data.objects.remove(scan())
+    yield from ended(hand)
+    same("scan deleted meanwhile", "Scan" in bpy.data.objects, False)
+
+    make_scan()
+    yield 0.3
+    yield from press_slowly(hand, 30)
+    bpy.ops.wm.read_homefile(use_factory_startup=True)
+    yield 1.0
+    same("file closed meanwhile", running(), False)
+    yield from hand.open_tab()
+    DELAY[0] = 0.0
+    yield from hand.type_into("partition.proxies", "6")
+    yield from hand.press("isimp.partition")
+    same("works in the new file", len(bpy.context.object.data.attributes["isimp_region"].data), 6)
