@@ -50,7 +50,7 @@ def find(context):
 
 def _not_now() -> str:
     if session.ENGINE_PROBLEM:
-        return f"The iSimp engine does not load here ({session.ENGINE_PROBLEM}): install the zip made for this system"
+        return f"Install the zip made for this system: the iSimp engine does not load here ({session.ENGINE_PROBLEM})"
     running = runtime.get().running
     if running is not None:
         return f"Still working on '{running.name}': wait, or press Esc"

@@ -1,0 +1,108 @@
+"""The add-on packed for Blender."""
+
+import ast
+import importlib.util
+import re
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+import tomllib
+
+ROOT = Path(__file__).parents[2]
+spec = importlib.util.spec_from_file_location("build_addon", ROOT / "scripts" / "build_addon.py")
+build_addon = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(build_addon)
+
+
+def test_the_version_is_the_same_everywhere():
+    import isimp
+
+    project = re.search(r"project\(isimp VERSION ([0-9.]+)", (ROOT / "CMakeLists.txt").read_text()).group(1)
+    assert build_addon.version() == project
+    assert ".".join(map(str, isimp.bl_info["version"])) == project
+
+
+def test_blender_can_read_bl_info_without_running_anything():
+    tree = ast.parse((ROOT / "addon" / "isimp" / "__init__.py").read_text())
+    found = [node.value for node in tree.body if isinstance(node, ast.Assign) and node.targets[0].id == "bl_info"]
+    assert ast.literal_eval(found[0])["blender"] == (3, 4, 0)
+
+
+def test_only_the_blender_part_imports_bpy():
+    for path in (ROOT / "addon" / "isimp").rglob("*.py"):
+        text = path.read_text()
+        inside = "blender" in path.relative_to(ROOT / "addon" / "isimp").parts
+        assert inside or not re.search(r"^\s*(import|from) (bpy|bmesh|gpu|mathutils)", text, re.MULTILINE), path
+        engine = re.search(r"^\s*(import|from .* import) isimp_engine", text, re.MULTILINE)
+        assert path.name == "session.py" or not engine, path
+
+
+def fake_wheel(folder, platform="linux_x86_64"):
+    wheel = folder / f"isimp-0.1.0-cp311-cp311-{platform}.whl"
+    with zipfile.ZipFile(wheel, "w") as archive:
+        archive.writestr("isimp_engine/__init__.py", "from ._core import answer\n")
+        archive.writestr("isimp_engine/_core.py", "answer = 42\n")
+        archive.writestr("isimp-0.1.0.dist-info/RECORD", "")
+    return wheel
+
+
+def test_the_zip_for_older_blenders_holds_the_engine(tmp_path, monkeypatch):
+    build_addon.main(["--wheel", str(fake_wheel(tmp_path)), "--out", str(tmp_path / "dist")])
+    with zipfile.ZipFile(tmp_path / "dist" / f"isimp-{build_addon.version()}-blender3.zip") as archive:
+        names = archive.namelist()
+        archive.extractall(tmp_path / "addons")
+    assert all(name.startswith("isimp/") for name in names)
+    assert {"isimp/__init__.py", "isimp/blender/panel.py", "isimp/isimp_engine/_core.py", "isimp/LICENSE"} <= set(names)
+    assert not any("pycache" in name for name in names)
+    inside = importlib.util.spec_from_file_location(
+        "unpacked", tmp_path / "addons" / "isimp" / "isimp_engine" / "__init__.py"
+    )
+    module = importlib.util.module_from_spec(inside)
+    monkeypatch.setitem(sys.modules, "unpacked", module)
+    inside.loader.exec_module(module)
+    assert module.answer == 42
+
+
+def test_the_extension_names_its_wheels_and_platforms(tmp_path):
+    wheels = [
+        fake_wheel(tmp_path, platform) for platform in ("manylinux_2_34_x86_64", "macosx_13_0_arm64", "win_amd64")
+    ]
+    build_addon.main(["--wheel", *map(str, wheels), "--out", str(tmp_path)])
+    with zipfile.ZipFile(tmp_path / f"isimp-{build_addon.version()}-extension.zip") as archive:
+        manifest = tomllib.loads(archive.read("blender_manifest.toml").decode())
+        assert sorted(manifest["wheels"]) == sorted(f"./wheels/{wheel.name}" for wheel in wheels)
+        assert {f"wheels/{wheel.name}" for wheel in wheels} <= set(archive.namelist())
+    assert manifest["platforms"] == ["linux-x64", "macos-arm64", "windows-x64"]
+    assert manifest["license"] == ["SPDX:GPL-3.0-or-later"]
+    assert not manifest["tagline"].endswith(".")
+
+
+def test_the_same_input_gives_the_same_zips(tmp_path):
+    wheel = fake_wheel(tmp_path)
+    for name in ("one", "two"):
+        build_addon.main(["--wheel", str(wheel), "--out", str(tmp_path / name)])
+    for path in (tmp_path / "one").iterdir():
+        assert path.read_bytes() == (tmp_path / "two" / path.name).read_bytes()
+
+
+def test_the_installed_package_is_packed_into_a_wheel_that_is_complete(tmp_path):
+    import isimp_engine
+
+    try:
+        wheel = build_addon.installed_wheel(tmp_path)
+    except SystemExit as reason:
+        pytest.skip(str(reason))
+    with zipfile.ZipFile(wheel) as archive:
+        names = set(archive.namelist())
+        record = archive.read(next(name for name in names if name.endswith("/RECORD"))).decode()
+    assert {line.split(",")[0] for line in record.splitlines()} == names
+    assert any(re.fullmatch(r"isimp_engine/_core\..*(so|pyd)", name) for name in names)
+    assert wheel.name.startswith(f"isimp-{isimp_engine.__version__}-cp3")
+
+
+def test_an_unknown_platform_is_refused(tmp_path):
+    wheel = fake_wheel(tmp_path, "plan9_mips")
+    with pytest.raises(SystemExit, match="no name for the platform plan9_mips"):
+        build_addon.main(["--wheel", str(wheel), "--out", str(tmp_path)])
