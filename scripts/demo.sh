@@ -21,12 +21,17 @@ venv "$root/.venv-build" "${requirements[@]}"
 build_wheel "$root/.venv-build" >"$out/build.log" 2>&1 || { tail -n 40 "$out/build.log" && exit 1; }
 make_addon
 
-scan=${1:-$root/../shared/data/scan/bunny_69k.ply}
-if [ ! -e "$scan" ]; then
-  [ $# = 0 ] || { echo "there is no $scan" >&2 && exit 2; }
-  scan=$out/scan/bunny00.off
-  [ -e "$scan" ] || fetch_bunny "$scan"
+if [ $# = 0 ]; then
+  scan=$root/../shared/data/scan/bunny_69k.ply up=Y
+  if [ ! -e "$scan" ]; then
+    scan=$out/scan/bunny00.off
+    [ -e "$scan" ] || fetch_bunny "$scan"
+  fi
+else
+  scan=$1 up=Z
 fi
 blender -b --factory-startup --addons isimp --python-exit-code 1 --python examples/batch.py -- \
-  "$scan" "$out/demo.blend" "$out/demo.obj" --proxies "${2:-200}" --up Y --picture "$out/demo.png"
+  "$scan" "$out/demo.blend" "$out/demo.obj" --proxies "${2:-200}" --up $up --picture "$out/demo.png" \
+  >"$out/demo.log" 2>&1 || { tail -n 40 "$out/demo.log" && exit 1; }
+grep ' faces -> ' "$out/demo.log"
 echo "$out/demo.png"
