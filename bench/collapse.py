@@ -70,7 +70,7 @@ def _best_place(q, u, v):
         y = -(m1 * d + (a * h - c * c) * g + (b * c - a * f) * i) / det
         z = -(m2 * d + (b * c - a * f) * g + (a * e - b * b) * i) / det
         return _error(q, (x, y, z)), (x, y, z)
-    middle = tuple((s + t) / 2 for s, t in zip(u, v))
+    middle = tuple((s + t) / 2 for s, t in zip(u, v, strict=True))
     return min((_error(q, p), k, p) for k, p in enumerate((middle, u, v)))[::2]
 
 
@@ -91,12 +91,12 @@ class _Collapse:
                 self.around[v].add(f)
         self.version = [0] * len(self.place)
         self.heap = []
-        for u, v in {(min(a, b), max(a, b)) for f in self.faces for a, b in zip(f, f[1:] + f[:1])}:
+        for u, v in {(min(a, b), max(a, b)) for f in self.faces for a, b in zip(f, f[1:] + f[:1], strict=True)}:
             self.offer(u, v)
 
     def offer(self, u, v):
         u, v = min(u, v), max(u, v)
-        q = tuple(a + b for a, b in zip(self.quadric[u], self.quadric[v]))
+        q = tuple(a + b for a, b in zip(self.quadric[u], self.quadric[v], strict=True))
         error, place = _best_place(q, self.place[u], self.place[v])
         heapq.heappush(self.heap, (error, u, v, self.version[u], self.version[v], place))
 
@@ -110,14 +110,14 @@ class _Collapse:
         for f in self.around[v] - shared:
             corners = [self.place[w] for w in self.faces[f]]
             before = _cross(*corners)
-            after = _cross(*(place if w == v else p for w, p in zip(self.faces[f], corners)))
-            dot = sum(a * b for a, b in zip(before, after))
+            after = _cross(*(place if w == v else p for w, p in zip(self.faces[f], corners, strict=True)))
+            dot = sum(a * b for a, b in zip(before, after, strict=True))
             if dot <= STEEP * (sum(a * a for a in before) * sum(a * a for a in after)) ** 0.5:
                 return True
         return False
 
     def collapse(self, u, v, place):
-        """\\return how many faces went, 0 if the collapse would spoil the surface"""
+        """How many faces went; 0 if the collapse would spoil the surface."""
         shared = self.around[u] & self.around[v]
         if len(self.ring(u) & self.ring(v)) != len(shared):  # link condition
             return 0
@@ -134,7 +134,7 @@ class _Collapse:
         self.around[u] |= self.around[v]
         self.around[v] = set()
         self.place[u] = place
-        self.quadric[u] = tuple(a + b for a, b in zip(self.quadric[u], self.quadric[v]))
+        self.quadric[u] = tuple(a + b for a, b in zip(self.quadric[u], self.quadric[v], strict=True))
         self.version[u] += 1
         self.version[v] = -1
         for w in sorted(self.ring(u)):
@@ -143,7 +143,7 @@ class _Collapse:
 
 
 def decimated(vertices, faces, share):
-    """The surface with `share` of its faces. \\return vertices (V', 3) float64, faces (F', 3) int64"""
+    """The surface with `share` of its faces: vertices (V', 3) float64, faces (F', 3) int64."""
     state = _Collapse(vertices, faces)
     left, goal = len(faces), int(len(faces) * share)
     while left > goal and state.heap:

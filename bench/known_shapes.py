@@ -45,7 +45,7 @@ def polygons(loops, planes, halvings):
     """Each loop as a fan of triangles round its first corner, every triangle split in four `halvings` times."""
     points = np.concatenate(loops)
     starts = np.cumsum([0] + [len(loop) for loop in loops])
-    faces = [(s, s + k, s + k + 1) for s, loop in zip(starts, loops) for k in range(1, len(loop) - 1)]
+    faces = [(s, s + k, s + k + 1) for s, loop in zip(starts, loops, strict=True) for k in range(1, len(loop) - 1)]
     shape = welded(points, np.array(faces), planes)
     for _ in range(halvings):
         shape = upsampled(shape)
@@ -122,7 +122,7 @@ def washer():
     bottom = [[(x, y, 0) for x, y, _ in loop[::-1]] for loop in top]
     sides = []
     for loop in (outer, inner[::-1]):
-        for a, b in zip(loop, loop[1:] + loop[:1]):
+        for a, b in zip(loop, loop[1:] + loop[:1], strict=True):
             sides.append([(*a, 0), (*b, 0), (*b, 1), (*a, 1)])
     return polygons(top + bottom + sides, 10, 4)
 
@@ -253,10 +253,19 @@ def base_shapes():
     return shapes
 
 
-VARIED = (
-    "cube20 cube20_rotated lhouse washer two_cubes stairs_open10 thin_plate thin_wedge plane_open plane_with_hole "
-    "cube20_jitter_planar"
-).split()
+VARIED = [
+    "cube20",
+    "cube20_rotated",
+    "lhouse",
+    "washer",
+    "two_cubes",
+    "stairs_open10",
+    "thin_plate",
+    "thin_wedge",
+    "plane_open",
+    "plane_with_hole",
+    "cube20_jitter_planar",
+]
 
 
 def variants(name, shape, rng):
