@@ -1,4 +1,5 @@
 import os
+import signal
 from pathlib import Path
 
 import pytest
@@ -7,6 +8,9 @@ import isimp_engine as engine
 import shapes
 
 ROOT = Path(__file__).resolve().parents[2]
+
+# Where the tests were started in the background Ctrl-C is ignored, in the commands they run too; some test just that.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture

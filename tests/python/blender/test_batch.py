@@ -78,9 +78,8 @@ def obj_points(path):
 
 def ply_points(path):
     """By Blender's reader, unless it is that of 3.4, which leaves them as they are in any case."""
-    import isimp_engine
-
-    return np.asarray(isimp_engine.read(str(path))[0])
+    session = next(module for name, module in sys.modules.items() if name.split(".")[-2:] == ["isimp", "session"])
+    return np.asarray(session.engine.read(str(path))[0])
 
 
 def corners(points):
