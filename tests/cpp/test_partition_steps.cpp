@@ -213,12 +213,13 @@ TEST(MergeRound, PairsUpWhatIsMutuallyCheapest) {
   g.sum = {{1, 0, 0, 1}, {1, 0, 0, 1}, {0, 1, 0, 1}, {0, 1, 0, 1}};
   std::vector<std::int32_t> map;
   Job job;
-  const MergeGraph next = merge_round(g, true, 1, map, job);
+  const MergeGraph next = merge_round(g, true, 1, map, Threads(1), job);
   EXPECT_EQ(map, (std::vector<std::int32_t>{0, 0, 1, 1}));
   ASSERT_EQ(next.size(), 2);
   EXPECT_EQ(next.neighbour, (std::vector<std::int32_t>{1, 0}));
   EXPECT_EQ(next.sum[0].x, 2.0F);
-  EXPECT_EQ(merge_round(g, true, 4, map, job).size(), 4) << "a part of no more than `least` nodes is left alone";
+  EXPECT_EQ(merge_round(g, true, 4, map, Threads(1), job).size(), 4)
+      << "a part of no more than `least` nodes is left alone";
 }
 
 TEST(PatchRelaxation, MovesAStrayPatchHome) {
@@ -302,6 +303,37 @@ TEST(Hierarchy, GivesTheSameWhenKept) {
   EXPECT_TRUE(kept.serves(mesh, 20));
   EXPECT_FALSE(kept.serves(mesh, 3000));
   EXPECT_FALSE(Hierarchy{}.serves(mesh, 20));
+}
+
+TEST(Threads, CutALoopWithoutGapsAndPassOnWhatFails) {
+  const Threads threads(3);
+  std::vector<int> seen(100, 0);
+  threads.run(100, 3, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+    for (std::int32_t i = begin; i < end; ++i) ++seen[i];
+  });
+  EXPECT_EQ(seen, std::vector<int>(100, 1));
+  EXPECT_EQ(threads.pieces(10), 1);
+  EXPECT_EQ(threads.pieces(1 << 20), 3);
+  EXPECT_THROW(threads.run(3, 3,
+                           [](std::int32_t k, std::int32_t, std::int32_t) {
+                             if (k == 2) throw Cancelled();
+                           }),
+               Cancelled);
+}
+
+TEST(Threads, DoNotChangeTheResult) {
+  const Mesh mesh = shapes::mesh(shapes::noisy(shapes::both(shapes::sphere(6), shapes::cube(20), {3, 0, 0}), 0.001, 2));
+  Job job;
+  for (const Method method : {Method::hierarchy, Method::lloyd}) {
+    const Partition one = partition(mesh, {.proxies = 90, .method = method, .threads = 1}, job);
+    checks::expect_sound(mesh, one);
+    for (const std::int32_t threads : {2, 3, 5}) {
+      const Partition more = partition(mesh, {.proxies = 90, .method = method, .threads = threads}, job);
+      EXPECT_EQ(one.face_region, more.face_region);
+      EXPECT_EQ(one.region_seed, more.region_seed);
+      EXPECT_EQ(one.error, more.error);
+    }
+  }
 }
 
 TEST(Hierarchy, FillsUpComponentsThatHaveTooFewPatches) {

@@ -4,6 +4,8 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <memory>
+#include <numeric>
 #include <utility>
 
 namespace isimp {
@@ -60,66 +62,143 @@ class Tile {
   std::uint32_t left_ = 0;
 };
 
-void make_patches(const FaceGraph& graph, Hierarchy& h, std::vector<NodeSum>& sums, Job& job) {
+/// What one thread finds of the patches; those of all threads in a row are the whole.
+struct Patches {
+  std::vector<NodeSum> sum;
+  std::vector<std::int32_t> first;
+  std::vector<float> area;
+  std::vector<std::uint8_t> open;  // whether a face of the patch is on a border
+};
+
+/// The patches of the tiles from `begin` to `end`, numbered from 0.
+Patches patches_between(const FaceGraph& graph, Hierarchy& h, std::int32_t begin, std::int32_t end, Job& job) {
   const std::int32_t n = graph.size();
-  h.patch.resize(static_cast<std::size_t>(n));
-  h.patch_face.resize(static_cast<std::size_t>(n));
-  h.patch_first.clear();
+  Patches patches;
   Tile tile;
-  std::int32_t out = 0;
-  for (std::int32_t begin = 0; begin < n; begin += h.tile) {
-    if ((begin & 0xffff) == 0) job.poll();
-    tile.read(graph, begin, std::min(h.tile, n - begin));
+  std::int32_t out = begin * h.tile;
+  for (std::int32_t t = begin; t < end; ++t) {
+    if ((t & 0x3ff) == 0) job.poll();
+    const std::int32_t base = t * h.tile;
+    tile.read(graph, base, std::min(h.tile, n - base));
     while (!tile.empty()) {
-      const auto id = static_cast<std::int32_t>(h.patch_first.size());
-      h.patch_first.push_back(out);
+      const auto id = static_cast<std::int32_t>(patches.first.size());
+      patches.first.push_back(out);
       NodeSum s;
+      float area = 0;
+      bool open = false;
       tile.take([&](int i) {
-        const FaceRecord& f = graph.faces[begin + i];
+        const FaceRecord& f = graph.faces[base + i];
+        const auto& around = graph.neighbours[base + i];
         s.x += f.area * f.nx;
         s.y += f.area * f.ny;
         s.z += f.area * f.nz;
-        h.patch_face[out++] = begin + i;
-        h.patch[begin + i] = id;
+        area += f.area;
+        open |= around[0] == n || around[1] == n || around[2] == n;
+        h.patch_face[out++] = base + i;
+        h.patch[base + i] = id;
       });
       s.length = std::sqrt(s.x * s.x + s.y * s.y + s.z * s.z);
-      sums.push_back(s);
+      patches.sum.push_back(s);
+      patches.area.push_back(area);
+      patches.open.push_back(open ? 1 : 0);
     }
   }
-  h.patch_first.push_back(n);
+  return patches;
 }
 
-MergeGraph graph_of_patches(const Surface& surface, const Hierarchy& h, std::vector<NodeSum> sums, Job& job) {
-  const FaceGraph& faces = surface.graph();
+template <class T>
+void append(std::vector<T>& to, const std::vector<T>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+Patches make_patches(const FaceGraph& graph, Hierarchy& h, const Threads& threads, Job& job) {
+  const std::int32_t n = graph.size(), tiles = (n + h.tile - 1) / h.tile;
+  h.patch.resize(static_cast<std::size_t>(n));
+  h.patch_face.resize(static_cast<std::size_t>(n));
+  const std::int32_t pieces = threads.pieces(n);
+  std::vector<Patches> found(static_cast<std::size_t>(pieces));
+  threads.run(tiles, pieces, [&](std::int32_t k, std::int32_t begin, std::int32_t end) {
+    found[k] = patches_between(graph, h, begin, end, job);
+  });
+  Patches all = std::move(found[0]);
+  for (std::int32_t k = 1; k < pieces; ++k) {
+    const auto base = static_cast<std::int32_t>(all.sum.size());
+    append(all.sum, found[k].sum);
+    append(all.first, found[k].first);
+    append(all.area, found[k].area);
+    append(all.open, found[k].open);
+    const std::int32_t begin = found[k].first.front(), end = k + 1 < pieces ? found[k + 1].first.front() : n;
+    for (std::int32_t i = begin; i < end; ++i) h.patch[i] += base;
+  }
+  h.patch_first = std::move(all.first);
+  h.patch_first.push_back(n);
+  return all;
+}
+
+/// The neighbours of the patches from `begin` to `end`, row after row; the length of each goes to `lengths`.
+std::vector<std::int32_t> rows_between(const FaceGraph& faces, const Hierarchy& h, std::int32_t begin, std::int32_t end,
+                                       std::int32_t* lengths, Job& job) {
   const std::int32_t n = faces.size();
-  MergeGraph graph;
-  graph.sum = std::move(sums);
-  const std::int32_t patches = graph.size();
-  graph.first.resize(static_cast<std::size_t>(patches) + 1);
-  graph.neighbour.resize(3 * static_cast<std::size_t>(n) + 1);
+  const auto patches = static_cast<std::int32_t>(h.patch_first.size()) - 1;
+  // Room for the worst case that is never touched where it is not needed; one more is written before it is wanted.
+  const auto room = 3 * static_cast<std::size_t>(h.patch_first[end] - h.patch_first[begin]) + 1;
+  const auto rows = std::make_unique_for_overwrite<std::int32_t[]>(room);
   std::vector<std::int32_t> seen(static_cast<std::size_t>(patches) + 1, -1);
-  std::int32_t out = 0;
-  for (std::int32_t p = 0; p < patches; ++p) {
+  std::size_t out = 0;
+  for (std::int32_t p = begin; p < end; ++p) {
     if ((p & 0xfff) == 0) job.poll();
-    graph.first[p] = out;
+    const std::size_t start = out;
     seen[p] = p;
     seen[patches] = p;  // stands for the outside
     for (std::int32_t k = h.patch_first[p]; k < h.patch_first[p + 1]; ++k)
       for (const std::int32_t j : faces.neighbours[h.patch_face[k]]) {
         const std::int32_t other = j == n ? patches : h.patch[j];
-        graph.neighbour[out] = other;
-        out += seen[other] != p;
+        rows[out] = other;
+        out += seen[other] != p ? 1 : 0;
         seen[other] = p;
       }
+    lengths[p] = static_cast<std::int32_t>(out - start);
   }
-  graph.first[patches] = out;
-  graph.neighbour.resize(static_cast<std::size_t>(out));
+  return {rows.get(), rows.get() + out};
+}
+
+MergeGraph graph_of_patches(const Surface& surface, const Hierarchy& h, std::vector<NodeSum> sums,
+                            const Threads& threads, Job& job) {
+  const FaceGraph& faces = surface.graph();
+  MergeGraph graph;
+  graph.sum = std::move(sums);
+  const std::int32_t patches = graph.size();
+  graph.first.assign(static_cast<std::size_t>(patches) + 1, 0);
+  const std::int32_t pieces = threads.pieces(patches);
+  std::vector<std::vector<std::int32_t>> rows(static_cast<std::size_t>(pieces));
+  threads.run(patches, pieces, [&](std::int32_t k, std::int32_t begin, std::int32_t end) {
+    rows[k] = rows_between(faces, h, begin, end, graph.first.data() + 1, job);
+  });
+  graph.neighbour = std::move(rows[0]);
+  for (std::int32_t k = 1; k < pieces; ++k) append(graph.neighbour, rows[k]);
+  std::partial_sum(graph.first.begin(), graph.first.end(), graph.first.begin());
   if (surface.component_count() > 1) {
     graph.part.resize(static_cast<std::size_t>(patches));
     for (std::int32_t p = 0; p < patches; ++p)
       graph.part[p] = surface.component()[faces.mesh_face[h.patch_face[h.patch_first[p]]]];
   }
   return graph;
+}
+
+/// Components from what their patches add up to.
+std::vector<Part> parts_of(const Surface& surface, const Hierarchy& h, const Patches& patches) {
+  const MergeGraph& graph = h.level.front();
+  std::vector<Part> parts(static_cast<std::size_t>(surface.component_count()));
+  for (Part& part : parts) part.first = surface.face_count();
+  for (std::int32_t p = 0; p < graph.size(); ++p) {
+    Part& part = parts[graph.part_of(p)];
+    const NodeSum& s = graph.sum[p];
+    part.sum.add(RegionSum{s.x, s.y, s.z, 2.0 * patches.area[p], h.patch_first[p + 1] - h.patch_first[p]});
+    part.area += patches.area[p];
+    part.closed &= patches.open[p] == 0;
+    part.first = std::min(part.first, h.patch_face[h.patch_first[p]]);
+  }
+  return parts;
 }
 
 }  // namespace
@@ -129,21 +208,22 @@ bool Hierarchy::serves(const Surface& surface, std::int32_t proxies) const {
          tile == tile_for(surface.face_count(), proxies);
 }
 
-Hierarchy build_hierarchy(const Surface& surface, std::int32_t proxies, Job& job) {
+Hierarchy build_hierarchy(const Surface& surface, std::int32_t proxies, Job& job, std::int32_t thread_count) {
+  const Threads threads(thread_count);
   Job::Part stage(job, "merging", 0.0, 1.0);
   Hierarchy h;
   h.tile = tile_for(surface.face_count(), proxies);
-  std::vector<NodeSum> sums;
-  make_patches(surface.graph(), h, sums, job);
+  Patches patches = make_patches(surface.graph(), h, threads, job);
 
   job.report(0.3);
-  h.level.push_back(graph_of_patches(surface, h, std::move(sums), job));
+  h.level.push_back(graph_of_patches(surface, h, std::move(patches.sum), threads, job));
+  h.parts = parts_of(surface, h, patches);
 
   job.report(0.6);
   while (h.level.back().size() > kCoarsest) {
     const bool satellites = h.level.size() <= 2;
     std::vector<std::int32_t> map;
-    MergeGraph next = merge_round(h.level.back(), satellites, kLeastOfPart, map, job);
+    MergeGraph next = merge_round(h.level.back(), satellites, kLeastOfPart, map, threads, job);
     // The gate lets at least a few pairs pass, unless every component is down to its least.
     if (next.size() == h.level.back().size()) break;
     h.to_next.push_back(std::move(map));

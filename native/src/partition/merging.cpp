@@ -4,6 +4,8 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <memory>
+#include <numeric>
 #include <utility>
 
 namespace isimp {
@@ -25,25 +27,27 @@ float tie_break(std::int32_t u, std::int32_t v, float lengths) {
   return 1e-9F * lengths * (1.0F + static_cast<float>(name >> 16) * 0x1p-16F);
 }
 
-Best find_partners(const MergeGraph& graph, Job& job) {
+Best find_partners(const MergeGraph& graph, const Threads& threads, Job& job) {
   const std::int32_t n = graph.size();
   Best best{std::vector<std::int32_t>(n, kAlone), std::vector<float>(n, std::numeric_limits<float>::infinity())};
-  for (std::int32_t u = 0; u < n; ++u) {
-    if ((u & 0x3fff) == 0) job.poll();
-    const NodeSum a = graph.sum[u];
-    float least = std::numeric_limits<float>::infinity();
-    std::int32_t partner = kAlone;
-    for (const std::int32_t v : graph.around(u)) {
-      const NodeSum b = graph.sum[v];
-      const float x = a.x + b.x, y = a.y + b.y, z = a.z + b.z;
-      const float lengths = a.length + b.length;
-      const float price = lengths - std::sqrt(x * x + y * y + z * z) + tie_break(u, v, lengths);
-      partner = price < least ? v : partner;
-      least = price < least ? price : least;
+  threads.run(n, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+    for (std::int32_t u = begin; u < end; ++u) {
+      if ((u & 0x3fff) == 0) job.poll();
+      const NodeSum a = graph.sum[u];
+      float least = std::numeric_limits<float>::infinity();
+      std::int32_t partner = kAlone;
+      for (const std::int32_t v : graph.around(u)) {
+        const NodeSum b = graph.sum[v];
+        const float x = a.x + b.x, y = a.y + b.y, z = a.z + b.z;
+        const float lengths = a.length + b.length;
+        const float price = lengths - std::sqrt(x * x + y * y + z * z) + tie_break(u, v, lengths);
+        partner = price < least ? v : partner;
+        least = price < least ? price : least;
+      }
+      best.partner[u] = partner;
+      best.price[u] = least;
     }
-    best.partner[u] = partner;
-    best.price[u] = least;
-  }
+  });
   return best;
 }
 
@@ -63,49 +67,73 @@ std::vector<std::int32_t> nodes_by_part(const MergeGraph& graph) {
   return nodes;
 }
 
-/// The graph in which the nodes of a cluster are one, from linked lists: head[w], next[u], kAlone ends.
-MergeGraph contract_lists(const MergeGraph& graph, const std::vector<std::int32_t>& map, std::int32_t clusters,
-                          const std::vector<std::int32_t>& head, const std::vector<std::int32_t>& next, Job& job) {
-  MergeGraph result;
-  result.sum.resize(static_cast<std::size_t>(clusters));
-  result.first.resize(static_cast<std::size_t>(clusters) + 1);
-  result.neighbour.resize(graph.neighbour.size() + 1);  // one spare, written to before it is known to be wanted
-  if (!graph.part.empty()) result.part.resize(static_cast<std::size_t>(clusters));
-  std::vector<std::int32_t> seen(static_cast<std::size_t>(clusters), kAlone);  // last cluster that listed each
-  std::int32_t out = 0;
-  for (std::int32_t w = 0; w < clusters; ++w) {
+/// Clusters as linked lists of their nodes: head[w], then next[u]; kAlone ends.
+struct Lists {
+  std::vector<std::int32_t> head, next;
+};
+
+/// Sums and neighbours of the clusters from `begin` to `end`. \return the rows; their lengths go to result.first
+std::vector<std::int32_t> contract_between(const MergeGraph& graph, const std::vector<std::int32_t>& map,
+                                           const Lists& lists, std::int32_t begin, std::int32_t end, MergeGraph& result,
+                                           Job& job) {
+  std::size_t room = 1;  // one spare, written to before it is known to be wanted
+  for (std::int32_t w = begin; w < end; ++w)
+    for (std::int32_t u = lists.head[w]; u != kAlone; u = lists.next[u]) room += graph.around(u).size();
+  const auto rows = std::make_unique_for_overwrite<std::int32_t[]>(room);
+  std::vector<std::int32_t> seen(lists.head.size(), kAlone);  // last cluster that listed each
+  std::size_t out = 0;
+  for (std::int32_t w = begin; w < end; ++w) {
     if ((w & 0x3fff) == 0) job.poll();
+    const std::int32_t head = lists.head[w];
+    const std::size_t start = out;
     NodeSum sum;
     seen[w] = w;
-    result.first[w] = out;
-    for (std::int32_t u = head[w]; u != kAlone; u = next[u]) {
+    for (std::int32_t u = head; u != kAlone; u = lists.next[u]) {
       const NodeSum& s = graph.sum[u];
       sum.x += s.x;
       sum.y += s.y;
       sum.z += s.z;
       for (const std::int32_t v : graph.around(u)) {
         const std::int32_t other = map[v];
-        result.neighbour[out] = other;
-        out += seen[other] != w;
+        rows[out] = other;
+        out += seen[other] != w ? 1 : 0;
         seen[other] = w;
       }
     }
     sum.length =
-        next[head[w]] == kAlone ? graph.sum[head[w]].length : std::sqrt(sum.x * sum.x + sum.y * sum.y + sum.z * sum.z);
+        lists.next[head] == kAlone ? graph.sum[head].length : std::sqrt(sum.x * sum.x + sum.y * sum.y + sum.z * sum.z);
     result.sum[w] = sum;
-    if (!graph.part.empty()) result.part[w] = graph.part[head[w]];
+    result.first[w + 1] = static_cast<std::int32_t>(out - start);
+    if (!graph.part.empty()) result.part[w] = graph.part[head];
   }
-  result.first[clusters] = out;
-  result.neighbour.resize(static_cast<std::size_t>(out));
+  return {rows.get(), rows.get() + out};
+}
+
+MergeGraph contract_lists(const MergeGraph& graph, const std::vector<std::int32_t>& map, const Lists& lists,
+                          const Threads& threads, Job& job) {
+  MergeGraph result;
+  const auto clusters = static_cast<std::int32_t>(lists.head.size());
+  result.sum.resize(lists.head.size());
+  result.first.assign(lists.head.size() + 1, 0);
+  if (!graph.part.empty()) result.part.resize(lists.head.size());
+  const std::int32_t pieces = threads.pieces(clusters);
+  std::vector<std::vector<std::int32_t>> rows(static_cast<std::size_t>(pieces));
+  threads.run(clusters, pieces, [&](std::int32_t k, std::int32_t begin, std::int32_t end) {
+    rows[k] = contract_between(graph, map, lists, begin, end, result, job);
+  });
+  result.neighbour = std::move(rows[0]);
+  for (std::int32_t k = 1; k < pieces; ++k)
+    result.neighbour.insert(result.neighbour.end(), rows[k].begin(), rows[k].end());
+  std::partial_sum(result.first.begin(), result.first.end(), result.first.begin());
   return result;
 }
 
 }  // namespace
 
 MergeGraph merge_round(const MergeGraph& graph, bool satellites, std::int32_t least, std::vector<std::int32_t>& map,
-                       Job& job) {
+                       const Threads& threads, Job& job) {
   const std::int32_t n = graph.size();
-  const Best best = find_partners(graph, job);
+  const Best best = find_partners(graph, threads, job);
   std::vector<std::int32_t> nodes_of_part = nodes_by_part(graph);
   float limit = std::numeric_limits<float>::infinity();
   if (!satellites) {
@@ -125,7 +153,8 @@ MergeGraph merge_round(const MergeGraph& graph, bool satellites, std::int32_t le
     const std::int32_t v = best.partner[u];
     if (v > u && best.partner[v] == u && best.price[u] <= limit && may_merge(u)) leader[u] = leader[v] = u;
   }
-  std::vector<std::int32_t> head, tail, next(static_cast<std::size_t>(n), kAlone);
+  Lists lists{{}, std::vector<std::int32_t>(static_cast<std::size_t>(n), kAlone)};
+  std::vector<std::int32_t> tail, &head = lists.head, &next = lists.next;
   head.reserve(static_cast<std::size_t>(n));
   tail.reserve(static_cast<std::size_t>(n));
   map.resize(static_cast<std::size_t>(n));
@@ -154,7 +183,7 @@ MergeGraph merge_round(const MergeGraph& graph, bool satellites, std::int32_t le
     next[tail[w]] = u;
     tail[w] = u;
   }
-  return contract_lists(graph, map, static_cast<std::int32_t>(head.size()), head, next, job);
+  return contract_lists(graph, map, lists, threads, job);
 }
 
 namespace {
@@ -325,10 +354,13 @@ std::vector<std::int32_t> merge_greedily(const MergeGraph& graph, std::span<cons
   return greedy.clusters();
 }
 
-MergeGraph contract(const MergeGraph& graph, const std::vector<std::int32_t>& map, std::int32_t clusters, Job& job) {
-  std::vector<std::int32_t> head(static_cast<std::size_t>(clusters), kAlone), next(map.size(), kAlone);
-  for (auto u = static_cast<std::int32_t>(map.size()) - 1; u >= 0; --u) next[u] = std::exchange(head[map[u]], u);
-  return contract_lists(graph, map, clusters, head, next, job);
+MergeGraph contract(const MergeGraph& graph, const std::vector<std::int32_t>& map, std::int32_t clusters,
+                    const Threads& threads, Job& job) {
+  Lists lists{std::vector<std::int32_t>(static_cast<std::size_t>(clusters), kAlone),
+              std::vector<std::int32_t>(map.size(), kAlone)};
+  for (auto u = static_cast<std::int32_t>(map.size()) - 1; u >= 0; --u)
+    lists.next[u] = std::exchange(lists.head[map[u]], u);
+  return contract_lists(graph, map, lists, threads, job);
 }
 
 }  // namespace isimp

@@ -64,8 +64,8 @@ std::vector<std::int32_t> cut(const Hierarchy& h, const Parts& parts, std::int32
 /// The steps from a hierarchy to regions, and what they hand on.
 class Optimiser {
  public:
-  Optimiser(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts)
-      : graph_(surface.graph()), h_(hierarchy), parts_(parts) {}
+  Optimiser(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts, const Threads& threads)
+      : graph_(surface.graph()), h_(hierarchy), parts_(parts), threads_(threads) {}
 
   Regions run(Job& job) {
     const std::int32_t wanted = parts_.regions();
@@ -102,10 +102,12 @@ class Optimiser {
         if (patch_label_[p] != kNone) part_[patch_label_[p]] = h_.level.front().part[p];
     }
     regions_.label.resize(graph_.faces.size());
-    for (std::int32_t i = 0; i < graph_.size(); ++i) regions_.label[i] = patch_label_[h_.patch[i]];
+    threads_.run(graph_.size(), [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+      for (std::int32_t i = begin; i < end; ++i) regions_.label[i] = patch_label_[h_.patch[i]];
+    });
     regions_.label[graph_.size()] = kNone;
     regions_.sum.resize(static_cast<std::size_t>(regions));
-    sum_regions(graph_, regions_, job);
+    sum_regions(graph_, regions_, job, threads_);
   }
 
   /// Border faces lie in patches that have a neighbour of another label.
@@ -146,12 +148,13 @@ class Optimiser {
     relaxation.refit();
     const std::vector<std::int32_t> borders = relaxation.pushed();
     for (const std::int32_t i : borders) relaxation.push_if_border(i);
-    return contract(touching, merged, regions_.count(), job);
+    return contract(touching, merged, regions_.count(), threads_, job);
   }
 
   const FaceGraph& graph_;
   const Hierarchy& h_;
   const Parts& parts_;
+  const Threads& threads_;
   std::vector<std::int32_t> patch_label_;
   Regions regions_;
   std::vector<std::int32_t> part_;  // component of each region; empty if there is one
@@ -159,8 +162,9 @@ class Optimiser {
 
 }  // namespace
 
-Regions optimise(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts, Job& job) {
-  return Optimiser(surface, hierarchy, parts).run(job);
+Regions optimise(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts, const Threads& threads,
+                 Job& job) {
+  return Optimiser(surface, hierarchy, parts, threads).run(job);
 }
 
 }  // namespace isimp

@@ -37,18 +37,6 @@ void check(const Surface& surface, const PartitionOptions& options) {
   if (options.backend != "cpu") throw InvalidInput("there is no backend \"" + options.backend + "\"; there is \"cpu\"");
 }
 
-/// Regions from the hierarchy given if that serves, else from one of its own.
-Regions from_hierarchy(const Surface& surface, const Hierarchy& given, const Parts& parts, std::int32_t proxies,
-                       Job& job) {
-  if (given.serves(surface, proxies)) return optimise(surface, given, parts, job);
-  const Hierarchy own = [&] {
-    Job::Part stage(job, "merging", 0.0, 0.4);
-    return build_hierarchy(surface, proxies, job);
-  }();
-  Job::Part stage(job, "relaxing", 0.4, 1.0);
-  return optimise(surface, own, parts, job);
-}
-
 /// Teleports until none helps. The borders are relaxed before and after, so what comes in is given back if it was
 /// better.
 Regions teleport(const Surface& surface, const Parts& parts, Regions regions, std::vector<double>& history, Job& job) {
@@ -70,7 +58,7 @@ Regions teleport(const Surface& surface, const Parts& parts, Regions regions, st
 }
 
 std::vector<std::int32_t> first_seeds(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts,
-                                      const PartitionOptions& options, Job& job) {
+                                      const PartitionOptions& options, const Threads& threads, Job& job) {
   Job::Part stage(job, "seeding", 0.0, 0.1);
   const std::vector<std::int32_t> share = share_out(parts);
   switch (options.seeding) {
@@ -79,19 +67,20 @@ std::vector<std::int32_t> first_seeds(const Surface& surface, const Hierarchy& h
     case Seeding::farthest:
       return farthest_seeds(surface, parts, share, options.seed, job);
     case Seeding::hierarchical:
-      return nearest_faces(surface.graph(), from_hierarchy(surface, hierarchy, parts, options.proxies, job), job);
+      return nearest_faces(surface.graph(), optimise(surface, hierarchy, parts, threads, job), job, threads);
   }
   throw InvalidInput("the seeding is none of those known");
 }
 
 Partition make_partition(const Surface& surface, const Parts& parts, const Regions& regions,
-                         std::vector<double> history, Job& job) {
+                         std::vector<double> history, const Threads& threads, Job& job) {
   const FaceGraph& graph = surface.graph();
   Partition result;
   result.face_region.resize(static_cast<std::size_t>(graph.size()));
-  for (std::int32_t i = 0; i < graph.size(); ++i) result.face_region[graph.mesh_face[i]] = regions.label[i];
-
-  result.region_seed = nearest_faces(graph, regions, job);
+  threads.run(graph.size(), [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+    for (std::int32_t i = begin; i < end; ++i) result.face_region[graph.mesh_face[i]] = regions.label[i];
+  });
+  result.region_seed = nearest_faces(graph, regions, job, threads);
   for (std::int32_t& seed : result.region_seed) seed = graph.mesh_face[seed];
   result.region_normal.reserve(regions.sum.size());
   for (const RegionSum& s : regions.sum) result.region_normal.push_back(s.normal());
@@ -117,13 +106,23 @@ Partition partition(const Surface& surface, const PartitionOptions& options, Job
 Partition partition(const Surface& surface, const Hierarchy& hierarchy, const PartitionOptions& options, Job& job) {
   check(surface, options);
   Job::Part stage(job, "partitioning", 0.0, 1.0);
-  const Parts parts = find_parts(surface, options.proxies, options.leave_out, job);
+  const Threads threads(options.threads);
+  const bool hierarchical = options.method == Method::hierarchy || options.seeding == Seeding::hierarchical;
+  Hierarchy own;
+  if (hierarchical && !hierarchy.serves(surface, options.proxies)) {
+    Job::Part merging(job, "merging", 0.0, 0.4);
+    own = build_hierarchy(surface, options.proxies, job, options.threads);
+  }
+  const Hierarchy& h = own.patches() > 0 ? own : hierarchy;
+  const Parts parts =
+      find_parts(surface, options.proxies, options.leave_out, job, hierarchical ? h.parts : std::vector<Part>{});
   std::vector<double> history;
   Regions regions;
   if (options.method == Method::hierarchy) {
-    regions = from_hierarchy(surface, hierarchy, parts, options.proxies, job);
+    Job::Part relaxing(job, "relaxing", own.patches() > 0 ? 0.4 : 0.0, 1.0);
+    regions = optimise(surface, h, parts, threads, job);
   } else {
-    std::vector<std::int32_t> seeds = first_seeds(surface, hierarchy, parts, options, job);
+    std::vector<std::int32_t> seeds = first_seeds(surface, h, parts, options, threads, job);
     Job::Part rounds(job, "flooding", 0.1, options.method == Method::teleport ? 0.6 : 1.0);
     regions = lloyd(surface.graph(), std::move(seeds), options.iterations, history, job);
   }
@@ -132,7 +131,7 @@ Partition partition(const Surface& surface, const Hierarchy& hierarchy, const Pa
     regions = teleport(surface, parts, std::move(regions), history, job);
   }
   if (history.empty()) history.push_back(regions.error());
-  return make_partition(surface, parts, regions, std::move(history), job);
+  return make_partition(surface, parts, regions, std::move(history), threads, job);
 }
 
 }  // namespace isimp

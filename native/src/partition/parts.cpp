@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace isimp {
 namespace {
@@ -11,16 +12,15 @@ constexpr std::int32_t kClosedNeed = 4;  // a closed surface of planar polygons 
 constexpr double kTogether = 10.0;       // all parts left out stay below this times `leave_out`
 
 /// Everything but `kept` and `need`.
-Parts measure(const Surface& surface, Job& job) {
+std::vector<Part> measure(const Surface& surface, Job& job) {
   const FaceGraph& graph = surface.graph();
   const std::int32_t n = graph.size();
-  Parts result;
-  result.parts.resize(static_cast<std::size_t>(surface.component_count()));
+  std::vector<Part> parts(static_cast<std::size_t>(surface.component_count()));
   const std::int32_t* component = surface.component_count() > 1 ? surface.component().data() : nullptr;
   Part run;  // faces near in the graph are mostly of one component: sum up a run before touching its own sum
   std::int32_t of_run = 0;
   const auto close = [&] {
-    Part& part = result.parts[of_run];
+    Part& part = parts[of_run];
     part.sum.add(run.sum);
     part.area += run.area;
     part.closed &= run.closed;
@@ -39,7 +39,7 @@ Parts measure(const Surface& surface, Job& job) {
     run.closed &= around[0] != n && around[1] != n && around[2] != n;
   }
   close();
-  return result;
+  return parts;
 }
 
 /// A component of the mesh; barriers may have cut it into several parts, but it is left out as one, whatever it weighs.
@@ -86,12 +86,15 @@ void choose_left_out(Parts& all, std::vector<Body>& bodies, double leave_out, st
 
 }  // namespace
 
-Parts find_parts(const Surface& surface, std::int32_t proxies, double leave_out, Job& job) {
-  Parts all = measure(surface, job);
+Parts find_parts(const Surface& surface, std::int32_t proxies, double leave_out, Job& job, std::vector<Part> measured) {
+  Parts all;
+  all.parts = measured.empty() ? measure(surface, job) : std::move(measured);
   all.asked = proxies;
   std::vector<Body> bodies = bodies_of(surface, all);
   choose_left_out(all, bodies, leave_out, surface.face_count());
-  if (all.left_out > 0)
+  if (bodies.size() == all.parts.size())
+    for (std::size_t c = 0; c < bodies.size(); ++c) all.parts[c].kept = bodies[c].kept;
+  else if (all.left_out > 0)
     for (std::int32_t f = 0; f < surface.face_count(); ++f)
       all.parts[surface.component()[f]].kept = bodies[surface.mesh().component()[f]].kept;
   for (Part& part : all.parts) {

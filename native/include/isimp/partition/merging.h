@@ -6,6 +6,7 @@
 
 #include "isimp/core/job.h"
 #include "isimp/partition/metric.h"
+#include "isimp/partition/threads.h"
 
 namespace isimp {
 
@@ -39,10 +40,11 @@ struct MergeGraph {
 /// \param map         (N) is set to the new node of each node
 /// \return the contracted graph, of the same size if nothing merged
 MergeGraph merge_round(const MergeGraph& graph, bool satellites, std::int32_t least, std::vector<std::int32_t>& map,
-                       Job& job);
+                       const Threads& threads, Job& job);
 
 /// The graph in which all nodes of a cluster are one. \param map  (N) cluster of each node, each in [0, clusters)
-MergeGraph contract(const MergeGraph& graph, const std::vector<std::int32_t>& map, std::int32_t clusters, Job& job);
+MergeGraph contract(const MergeGraph& graph, const std::vector<std::int32_t>& map, std::int32_t clusters,
+                    const Threads& threads, Job& job);
 
 /// Merges neighbours one pair at a time, cheapest first, until `target` clusters are left.
 ///

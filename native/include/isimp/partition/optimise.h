@@ -5,6 +5,7 @@
 #include "isimp/partition/parts.h"
 #include "isimp/partition/regions.h"
 #include "isimp/partition/surface.h"
+#include "isimp/partition/threads.h"
 
 namespace isimp {
 
@@ -17,6 +18,7 @@ namespace isimp {
 /// 3. Where merging can't give enough regions (few large smooth patches), split the worst; and as long as splitting the
 ///    worst region gains more than merging the cheapest pair costs, do both (see teleport).
 /// Cost: O(F); about 40 ms for a million faces.
-Regions optimise(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts, Job& job);
+Regions optimise(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts, const Threads& threads,
+                 Job& job);
 
 }  // namespace isimp

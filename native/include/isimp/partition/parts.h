@@ -35,7 +35,9 @@ struct Parts {
 /// while all of them together stay below ten times that. The largest is always kept, and none is left out where the
 /// rest would have fewer than `proxies` faces. That goes by components of the mesh, and by true areas, whatever the
 /// guides. Cost: O(F + C log C).
-Parts find_parts(const Surface& surface, std::int32_t proxies, double leave_out, Job& job);
+/// \param measured  the components where they are known already (see Hierarchy::parts)
+Parts find_parts(const Surface& surface, std::int32_t proxies, double leave_out, Job& job,
+                 std::vector<Part> measured = {});
 
 /// How many regions each component gets: 0 if left out, else its need, and of the rest a share by size and curvature.
 ///

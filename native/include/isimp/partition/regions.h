@@ -6,6 +6,7 @@
 #include "isimp/core/job.h"
 #include "isimp/mesh/face_graph.h"
 #include "isimp/partition/metric.h"
+#include "isimp/partition/threads.h"
 
 namespace isimp {
 
@@ -24,9 +25,10 @@ struct Regions {
 };
 
 /// Adds up the faces of each region anew. Cost: O(F), in sequence.
-void sum_regions(const FaceGraph& graph, Regions& regions, Job& job);
+void sum_regions(const FaceGraph& graph, Regions& regions, Job& job, const Threads& threads = Threads(1));
 
 /// The face of each region that is nearest to its proxy; ties to the lower graph index. \return (R) graph indices
-std::vector<std::int32_t> nearest_faces(const FaceGraph& graph, const Regions& regions, Job& job);
+std::vector<std::int32_t> nearest_faces(const FaceGraph& graph, const Regions& regions, Job& job,
+                                        const Threads& threads = Threads(1));
 
 }  // namespace isimp
