@@ -27,35 +27,58 @@ void check(std::size_t vertices, const std::vector<Triangle>& triangles, const C
                            std::to_string(n) + " vertices");
 }
 
+using namespace detail;
+
+/// Takes apart whatever does not hang together as a mesh should.
+/// \param welded  whether borders were welded already
+Parts take_apart(Soup& soup, double tolerance, bool welded, Job& job) {
+  const auto group = [&] { return EdgeGroups(soup.vertices.size(), soup.faces(), job); };
+  EdgeGroups edges = group();
+  if (drop_duplicates(soup, edges, job)) edges = group();
+  if (!welded && weld(soup, border_vertices(soup, edges, job), tolerance, job)) {
+    edges = group();
+    if (drop_duplicates(soup, edges, job)) edges = group();
+  }
+  job.report(0.6);
+  const Undecided undecided = join_simple_edges(soup, edges, job);
+  const std::vector<char> flipped = orient(soup, undecided.same_way, job);
+  join_crowded_edges(soup, undecided.crowded, flipped);
+  flip(soup, flipped);
+  edges = EdgeGroups(0, {}, job);  // its memory is wanted
+  return separate(soup, job);
+}
+
 }  // namespace
 
 Mesh clean(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options, Job& job) {
-  using namespace detail;
   check(vertices.size(), triangles, options);
   Soup soup;
   soup.vertices = std::move(vertices);
   soup.named = std::move(triangles);
   drop_broken(soup, job);
 
-  Separated parts;
+  Parts parts;
+  bool welded = false, sound = false;
+  Topology topology;
   {
-    const Job::Part part(job, "cleaning", 0.0, 0.4);
-    const auto group = [&] { return EdgeGroups(soup.vertices.size(), soup.faces(), job); };
-    EdgeGroups edges = group();
-    if (drop_duplicates(soup, edges, job)) edges = group();
-    if (weld_borders(soup, edges, options.weld, job)) {
-      edges = group();
-      if (drop_duplicates(soup, edges, job)) edges = group();
+    const Job::Part part(job, "cleaning", 0.0, 0.5);
+    const auto look = [&] {
+      topology = find_topology(soup.vertices.size(), soup.faces(), job);
+      sound = topology.flaw.empty() && !has_twins(topology);
+    };
+    look();
+    job.report(0.3);
+    if (sound) welded = weld(soup, border_vertices(soup, topology), options.weld, job);
+    if (welded) look();
+    if (sound) {
+      parts = compact(soup, topology, job);
+    } else {
+      topology = {};
+      parts = take_apart(soup, options.weld, welded, job);
     }
-    job.report(0.5);
-    const Undecided undecided = join_simple_edges(soup, edges, job);
-    const std::vector<char> flipped = orient(soup, undecided.same_way, job);
-    join_crowded_edges(soup, undecided.crowded, flipped);
-    flip(soup, flipped);
-    edges = EdgeGroups(0, {}, job);  // its memory is wanted
-    parts = separate(soup, job);
   }
-  const Job::Part part(job, "cleaning", 0.4, 1.0);
+  const Job::Part part(job, "cleaning", 0.5, 1.0);
+  if (sound) return Mesh(std::move(parts), std::move(topology), soup.log.take(), job);
   return Mesh(std::move(parts.vertices), std::move(parts.triangles), std::move(parts.source_face),
               std::move(parts.source_vertex), soup.log.take(), job);
 }

@@ -6,11 +6,9 @@
 
 #include "isimp/core/job.h"
 #include "isimp/core/types.h"
+#include "pieces.h"
 
 namespace isimp::detail {
-
-/// Vertices or faces between two polls in a plain loop: well under a millisecond of work.
-inline constexpr std::size_t kPollEvery = 1 << 16;
 
 /// The half-edges along one edge, in both directions, by number.
 class EdgeGroup {

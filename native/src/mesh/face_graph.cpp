@@ -2,47 +2,66 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <numeric>
 #include <utility>
+
+#include "pieces.h"
 
 namespace isimp {
 namespace {
 
-constexpr double kFlat = 1e-12;  // doubled area over longest edge squared, below which a normal is rounding noise
-constexpr double kMortonCells = 2097151.0;  // 21 bits an axis
+using detail::for_each_index;
 
-std::uint64_t spread_bits(std::uint64_t x) {  // every bit of the lower 21 goes to a place divisible by three
-  x &= 0x1fffff;
-  x = (x | x << 32) & 0x1f00000000ffffULL;
-  x = (x | x << 16) & 0x1f0000ff0000ffULL;
-  x = (x | x << 8) & 0x100f00f00f00f00fULL;
-  x = (x | x << 4) & 0x10c30c30c30c30c3ULL;
-  x = (x | x << 2) & 0x1249249249249249ULL;
+constexpr double kFlat = 1e-12;  // doubled area over longest edge squared, below which a normal is rounding noise
+constexpr int kAxisBits = 11;    // cells an axis, as a power of two: 33 bits of place leave 31 for the face's number
+constexpr int kFaceBits = 31;
+constexpr int kDigitBits = 11;  // of the radix sort: three digits are one place
+
+std::uint32_t spread_bits(std::uint32_t x) {  // every bit of the lower eleven goes to a place divisible by three
+  x = (x | x << 16) & 0x070000ff;
+  x = (x | x << 8) & 0x0700f00f;
+  x = (x | x << 4) & 0x430c30c3;
+  x = (x | x << 2) & 0x49249249;
   return x;
 }
 
-std::vector<std::int32_t> morton_order(std::span<const Vec3> vertices, std::span<const Triangle> triangles) {
-  Vec3 low = Vec3::Constant(1e300), high = -low;
-  for (const Triangle& t : triangles)
-    for (const std::int32_t v : t) {
-      low = low.cwiseMin(vertices[v]);
-      high = high.cwiseMax(vertices[v]);
-    }
-  const double side = (high - low).maxCoeff();
-  const double scale = side > 0 ? kMortonCells / side : 0.0;
-  std::vector<std::pair<std::uint64_t, std::int32_t>> keys(triangles.size());
-  for (std::size_t f = 0; f < triangles.size(); ++f) {
-    const Triangle& t = triangles[f];
-    const Vec3 cell = ((vertices[t[0]] + vertices[t[1]] + vertices[t[2]]) / 3.0 - low) * scale;
-    std::uint64_t code = 0;
-    for (int k = 0; k < 3; ++k) code |= spread_bits(static_cast<std::uint64_t>(std::max(0.0, cell[k]))) << k;
-    keys[f] = {code, static_cast<std::int32_t>(f)};
+/// The cells of a box along a curve that visits cells near each other near each other (Morton).
+class Curve {
+ public:
+  explicit Curve(const Box& box) : low_(box.min()), scale_(0) {
+    if (const double side = box.sizes().maxCoeff(); side > 0) scale_ = ((1 << kAxisBits) - 1) / side;
   }
-  std::sort(keys.begin(), keys.end());
-  std::vector<std::int32_t> order(keys.size());
-  for (std::size_t i = 0; i < keys.size(); ++i) order[i] = keys[i].second;
-  return order;
+  [[nodiscard]] std::uint64_t place(const Vec3& p) const {
+    const Vec3 cell = (p - low_) * scale_;
+    const auto axis = [&](int k) {
+      return static_cast<std::uint64_t>(
+          spread_bits(static_cast<std::uint32_t>(std::max(0, static_cast<int>(cell[k])))));
+    };
+    return axis(0) | axis(1) << 1 | axis(2) << 2;
+  }
+
+ private:
+  Vec3 low_;
+  double scale_;
+};
+
+/// Sorts by the bits above the face's number; equal ones keep their order.
+void sort_by_place(std::vector<std::uint64_t>& keys, Job& job) {
+  constexpr std::uint64_t kMask = (1 << kDigitBits) - 1;
+  std::vector<std::uint64_t> other(keys.size());
+  std::array<std::array<std::uint32_t, kMask + 1>, 3> place{};
+  for_each_index(keys.size(), job, [&](std::size_t i) {
+    for (std::size_t d = 0; d < 3; ++d) ++place[d][keys[i] >> (kFaceBits + d * kDigitBits) & kMask];
+  });
+  for (std::size_t d = 0; d < 3; ++d) {
+    std::uint32_t sum = 0;
+    for (std::uint32_t& begin : place[d]) sum += std::exchange(begin, sum);
+    for_each_index(keys.size(), job, [&](std::size_t i) {
+      other[place[d][keys[i] >> (kFaceBits + d * kDigitBits) & kMask]++] = keys[i];
+    });
+    keys.swap(other);
+  }
 }
 
 /// Faces without area take their normals from neighbours, breadth first from all faces that have one.
@@ -73,43 +92,63 @@ void fill_missing_normals(FaceGraph& graph, const std::vector<std::int32_t>& mis
   }
 }
 
+/// A face's record, its area times `scale`; all zero for a face without area. Adds its area.
+FaceRecord measure(const Vec3& a, const Vec3& b, const Vec3& c, double scale, double& area) {
+  const Vec3 u = b - a, v = c - a, cross = u.cross(v);
+  const double doubled = cross.norm();
+  const double longest = std::max({u.squaredNorm(), v.squaredNorm(), (v - u).squaredNorm()});
+  if (!(doubled > kFlat * longest)) return {};
+  area += doubled / 2;
+  const Vec3 normal = cross * (1 / doubled);
+  return {static_cast<float>(normal.x()), static_cast<float>(normal.y()), static_cast<float>(normal.z()),
+          static_cast<float>(doubled / 2 * scale)};
+}
+
+/// The graph's order of the faces and its inverse.
+void set_order(FaceGraph& graph, const Curve& curve, std::span<const Vec3> vertices,
+               std::span<const Triangle> triangles, Job& job) {
+  std::vector<std::uint64_t> keys(triangles.size());
+  for_each_index(triangles.size(), job, [&](std::size_t f) {
+    const auto& [a, b, c] = triangles[f];
+    keys[f] = curve.place((vertices[a] + vertices[b] + vertices[c]) * (1.0 / 3.0)) << kFaceBits | f;
+  });
+  sort_by_place(keys, job);
+  graph.mesh_face.resize(triangles.size());
+  graph.graph_face.resize(triangles.size());
+  for_each_index(triangles.size(), job, [&](std::size_t i) {
+    const auto f = static_cast<std::int32_t>(keys[i] & ((1U << kFaceBits) - 1));
+    graph.mesh_face[i] = f;
+    graph.graph_face[f] = static_cast<std::int32_t>(i);
+  });
+}
+
 }  // namespace
 
 FaceGraph make_face_graph(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
-                          std::span<const std::int32_t> opposite) {
+                          std::span<const std::int32_t> opposite, const Box& box, Job& job) {
   FaceGraph graph;
   const auto n = static_cast<std::int32_t>(triangles.size());
-  graph.mesh_face = morton_order(vertices, triangles);
-  graph.graph_face.resize(triangles.size());
-  for (std::int32_t i = 0; i < n; ++i) graph.graph_face[graph.mesh_face[i]] = i;
-  graph.faces.assign(triangles.size() + 1, FaceRecord{});
-  graph.neighbours.assign(triangles.size() + 1, {n, n, n});
+  set_order(graph, Curve(box), vertices, triangles, job);
 
-  std::vector<double> areas(triangles.size());
+  // In the mesh's own order, in which a face's vertices and neighbours tend to be near: half the cache misses.
+  const double side = box.sizes().maxCoeff(),
+               scale = side * side > 0 ? 1 / (side * side) : 1.0;  // floats hold the areas
   std::vector<std::int32_t> missing;
-  for (std::int32_t i = 0; i < n; ++i) {
-    const std::int32_t f = graph.mesh_face[i];
-    const Triangle& t = triangles[f];
-    const Vec3 u = vertices[t[1]] - vertices[t[0]], v = vertices[t[2]] - vertices[t[0]];
-    const Vec3 cross = u.cross(v);
-    const double doubled = cross.norm();
-    const double longest = std::max({u.squaredNorm(), v.squaredNorm(), (v - u).squaredNorm()});
-    if (doubled > kFlat * longest) {
-      const Vec3 normal = cross / doubled;
-      graph.faces[i] = {static_cast<float>(normal.x()), static_cast<float>(normal.y()), static_cast<float>(normal.z()),
-                        0};
-      areas[i] = doubled / 2;
-      graph.area += areas[i];
-    } else {
-      missing.push_back(i);
-    }
+  graph.faces.resize(triangles.size() + 1);
+  graph.neighbours.resize(triangles.size() + 1);
+  graph.neighbours[triangles.size()] = {n, n, n};
+  for_each_index(triangles.size(), job, [&](std::size_t f) {
+    const std::int32_t i = graph.graph_face[f];
+    const auto& [a, b, c] = triangles[f];
+    const FaceRecord& r = graph.faces[i] = measure(vertices[a], vertices[b], vertices[c], scale, graph.area);
+    if (r.nx == 0 && r.ny == 0 && r.nz == 0) missing.push_back(i);
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::int32_t other = opposite[3 * static_cast<std::size_t>(f) + k];
-      if (other != kNone) graph.neighbours[i][k] = graph.graph_face[other / 3];
+      const std::int32_t other = opposite[3 * f + k];
+      graph.neighbours[i][k] = other == kNone ? n : graph.graph_face[other / 3];
     }
-  }
-  if (graph.area > 0)
-    for (std::int32_t i = 0; i < n; ++i) graph.faces[i].area = static_cast<float>(areas[i] / graph.area);
+  });
+  const auto share = static_cast<float>(graph.area > 0 ? 1 / (scale * graph.area) : 0.0);
+  for (FaceRecord& record : graph.faces) record.area *= share;
   fill_missing_normals(graph, missing);
   return graph;
 }

@@ -75,7 +75,7 @@ std::vector<std::int32_t> number_fans(Soup& soup, const Fans& fans, std::vector<
 /// Halves edges by a new vertex, and the one or two faces of each.
 class Halver {
  public:
-  Halver(Separated& parts, std::vector<std::int32_t>& opposite) : parts_(parts), opposite_(opposite) {}
+  Halver(Parts& parts, std::vector<std::int32_t>& opposite) : parts_(parts), opposite_(opposite) {}
 
   void halve(std::int32_t half_edge) {
     const std::int32_t g = present(half_edge), h = opposite_[g];
@@ -117,13 +117,13 @@ class Halver {
     return h;
   }
 
-  Separated& parts_;
+  Parts& parts_;
   std::vector<std::int32_t>& opposite_;
   std::unordered_map<std::int32_t, std::int32_t> moved_;
 };
 
 /// An edge that was taken apart may still be two edges with the same ends, where the faces hang together elsewhere.
-void halve_double_edges(Separated& parts, Soup& soup) {
+void halve_double_edges(Parts& parts, Soup& soup) {
   std::vector<std::tuple<std::int32_t, std::int32_t, std::int32_t>> edges;  // smaller end, larger end, half-edge
   for (const std::int32_t h : soup.contested) {
     const Triangle& t = parts.triangles[h / 3];
@@ -143,8 +143,8 @@ void halve_double_edges(Separated& parts, Soup& soup) {
 
 }  // namespace
 
-Separated separate(Soup& soup, Job& job) {
-  Separated parts;
+Parts separate(Soup& soup, Job& job) {
+  Parts parts;
   const Fans fans = find_fans(soup, job);
   const std::vector<std::int32_t> vertex = number_fans(soup, fans, parts.source_vertex);
   job.poll();

@@ -7,6 +7,7 @@
 #include "isimp/core/job.h"
 #include "isimp/core/types.h"
 #include "isimp/mesh/mesh_report.h"
+#include "topology.h"
 
 namespace isimp::detail {
 
@@ -67,9 +68,11 @@ void drop_broken(Soup& soup, Job& job);
 bool drop_duplicates(Soup& soup, const EdgeGroups& edges, Job& job);
 
 // weld.cpp
-/// Makes one vertex of border vertices that lie together; drops faces that lose a corner by it. Returns whether any
-/// did.
-bool weld_borders(Soup& soup, const EdgeGroups& edges, double tolerance, Job& job);
+/// Makes one vertex of the given vertices that lie together; drops faces that lose a corner by it. Returns whether any
+/// did. \param border  rising
+bool weld(Soup& soup, const std::vector<std::int32_t>& border, double tolerance, Job& job);
+/// The ends of the edges of one face.
+std::vector<std::int32_t> border_vertices(const Soup& soup, const EdgeGroups& edges, Job& job);
 
 // join.cpp
 /// Half-edges that await a decision.
@@ -91,14 +94,23 @@ std::vector<char> orient(Soup& soup, const std::vector<std::int32_t>& same_way, 
 /// Turns the marked faces over.
 void flip(Soup& soup, const std::vector<char>& marked);
 
-// separate.cpp
-/// Vertices and faces in which every fan has a vertex of its own.
-struct Separated {
+/// What the mesh is made of.
+struct Parts {
   std::vector<Vec3> vertices;
   std::vector<Triangle> triangles;
   std::vector<std::int32_t> source_face, source_vertex;
 };
+
+// separate.cpp
 /// Gives every fan of faces its own vertex, and halves edges that have the same ends as another. Takes the soup apart.
-Separated separate(Soup& soup, Job& job);
+Parts separate(Soup& soup, Job& job);
+
+// light.cpp
+/// Whether two faces have the same three vertices.
+bool has_twins(const Topology& topology);
+/// The ends of the edges of one face, rising.
+std::vector<std::int32_t> border_vertices(const Soup& soup, const Topology& topology);
+/// Drops the vertices that no face uses, from the topology too. Takes the soup apart.
+Parts compact(Soup& soup, Topology& topology, Job& job);
 
 }  // namespace isimp::detail

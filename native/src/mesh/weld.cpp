@@ -3,7 +3,7 @@
 
 namespace isimp::detail {
 
-bool weld_borders(Soup& soup, const EdgeGroups& edges, double tolerance, Job& job) {
+std::vector<std::int32_t> border_vertices(const Soup& soup, const EdgeGroups& edges, Job& job) {
   std::vector<char> on_border(soup.vertices.size(), 0);
   edges.for_each(job, [&](const EdgeGroup& edge) {
     if (edge.size() == 1) on_border[soup.from(edge[0])] = on_border[soup.to(edge[0])] = 1;
@@ -11,7 +11,10 @@ bool weld_borders(Soup& soup, const EdgeGroups& edges, double tolerance, Job& jo
   std::vector<std::int32_t> border;
   for (std::size_t v = 0; v < on_border.size(); ++v)
     if (on_border[v]) border.push_back(static_cast<std::int32_t>(v));
+  return border;
+}
 
+bool weld(Soup& soup, const std::vector<std::int32_t>& border, double tolerance, Job& job) {
   Places places(soup.vertices, border.size(), tolerance);
   std::vector<std::int32_t> stands_for;  // (V) filled once the first pair is found
   for (std::size_t i = 0; i < border.size(); ++i) {

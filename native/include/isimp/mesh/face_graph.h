@@ -1,13 +1,17 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "isimp/core/job.h"
 #include "isimp/core/types.h"
 
 namespace isimp {
+
+using Box = Eigen::AlignedBox3d;
 
 /// What partitioning needs of a face, in one 16-byte record.
 struct FaceRecord {
@@ -28,9 +32,12 @@ struct FaceGraph {
   [[nodiscard]] std::int32_t size() const { return static_cast<std::int32_t>(mesh_face.size()); }
 };
 
-/// Builds the graph. \param opposite (3 F) half-edge across each, kNone on borders. Cost: O(F log F).
-/// A face is without area if its doubled area is below 1e-12 of its longest edge squared.
+/// Builds the graph. A face is without area if its doubled area is below 1e-12 of its longest edge squared.
+///
+/// \param opposite  (3 F) half-edge across each, kNone on borders
+/// \param box       round all faces
+/// Cost: O(F) by a radix sort.
 FaceGraph make_face_graph(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
-                          std::span<const std::int32_t> opposite);
+                          std::span<const std::int32_t> opposite, const Box& box, Job& job);
 
 }  // namespace isimp

@@ -11,6 +11,12 @@
 
 namespace isimp {
 
+struct CleanOptions;
+namespace detail {
+struct Parts;
+struct Topology;
+}  // namespace detail
+
 /// An oriented triangle surface, checked once and never changed: the input of everything else.
 ///
 /// Holds by construction: every edge has one or two faces, two faces of an edge run along it in opposite directions,
@@ -70,11 +76,13 @@ class Mesh {
   [[nodiscard]] std::int32_t turn(std::int32_t h) const { return opposite(prev(h)); }
 
  private:
-  void check_arrays() const;
-  void pair_halfedges(Job& job);
-  void find_fans(Job& job);
-  void find_components();
-  void summarise();
+  friend Mesh clean(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options, Job& job);
+  /// From arrays that were found sound.
+  Mesh(detail::Parts parts, detail::Topology topology, RepairReport repairs, Job& job);
+
+  void complete(detail::Topology topology, RepairReport repairs, Job& job);
+  void find_components(std::span<const std::int32_t> border, Job& job);
+  void count_border_loops(std::span<const std::int32_t> border);
 
   std::vector<Vec3> vertices_;
   std::vector<Triangle> triangles_;

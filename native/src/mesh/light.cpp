@@ -1,0 +1,63 @@
+#include <algorithm>
+
+#include "isimp/mesh/mesh.h"
+#include "soup.h"
+
+/// What most files need, little or nothing, goes this shorter way: their faces already hang together soundly.
+namespace isimp::detail {
+
+/// In a sound mesh two such faces have all their edges in common.
+bool has_twins(const Topology& topology) {
+  const std::vector<std::int32_t>& opposite = topology.opposite;
+  for (std::size_t h = 0; h < opposite.size(); h += 3) {
+    const std::int32_t other = opposite[h] / 3;
+    if (opposite[h] != kNone && opposite[h + 1] / 3 == other && opposite[h + 2] / 3 == other &&
+        opposite[h + 1] != kNone && opposite[h + 2] != kNone)
+      return true;
+  }
+  return false;
+}
+
+std::vector<std::int32_t> border_vertices(const Soup& soup, const Topology& topology) {
+  std::vector<std::int32_t> border;
+  for (const std::int32_t h : topology.border) border.push_back(soup.from(h));  // loops: every end is a start too
+  std::sort(border.begin(), border.end());
+  return border;
+}
+
+Parts compact(Soup& soup, Topology& topology, Job& job) {
+  Parts parts;
+  const bool renamed = !soup.welded.empty();
+  if (renamed || topology.unused_vertices > 0) {
+    std::vector<char> named(renamed ? soup.vertices.size() : 0, 0);
+    if (renamed)
+      for (const Triangle& t : soup.named)
+        for (const std::int32_t v : t) named[v] = 1;
+    std::vector<std::int32_t> vertex(soup.vertices.size(), kNone);
+    std::size_t kept = 0;
+    for_each_index(vertex.size(), job, [&](std::size_t v) {
+      const auto caller = static_cast<std::int32_t>(v);
+      if (topology.vertex_halfedge[v] == kNone) {
+        soup.log.add(renamed && named[v] ? Mend::welded_vertices : Mend::unused_vertices, caller);
+        return;
+      }
+      soup.vertices[kept] = soup.vertices[v];
+      topology.vertex_halfedge[kept] = topology.vertex_halfedge[v];
+      vertex[v] = static_cast<std::int32_t>(kept++);
+      parts.source_vertex.push_back(caller);
+    });
+    soup.vertices.resize(kept);
+    topology.vertex_halfedge.resize(kept);
+    topology.unused_vertices = 0;
+    if (renamed) soup.named = std::move(soup.welded);
+    for_each_index(soup.named.size(), job, [&](std::size_t f) {
+      for (std::int32_t& v : soup.named[f]) v = vertex[v];
+    });
+  }
+  parts.vertices = std::move(soup.vertices);
+  parts.triangles = std::move(soup.named);
+  parts.source_face = std::move(soup.source_face);
+  return parts;
+}
+
+}  // namespace isimp::detail
