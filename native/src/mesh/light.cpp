@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include "isimp/mesh/mesh.h"
 #include "soup.h"
 
@@ -19,10 +17,9 @@ bool has_twins(const Topology& topology) {
 }
 
 std::vector<std::int32_t> border_vertices(const Soup& soup, const Topology& topology) {
-  std::vector<std::int32_t> border;
-  for (const std::int32_t h : topology.border) border.push_back(soup.from(h));  // loops: every end is a start too
-  std::sort(border.begin(), border.end());
-  return border;
+  std::vector<char> on_border(topology.border.empty() ? 0 : soup.vertices.size(), 0);
+  for (const std::int32_t h : topology.border) on_border[soup.from(h)] = 1;  // loops: every end is a start too
+  return marked_indices(on_border);
 }
 
 Parts compact(Soup& soup, Topology& topology, Job& job) {

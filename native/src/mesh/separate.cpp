@@ -150,8 +150,9 @@ Parts separate(Soup& soup, Job& job) {
   job.poll();
   parts.triangles = std::move(soup.named);
   parts.source_face = std::move(soup.source_face);
-  for (std::size_t f = 0; f < parts.triangles.size(); ++f)
+  for_each_index(parts.triangles.size(), job, [&](std::size_t f) {
     for (std::size_t k = 0; k < 3; ++k) parts.triangles[f][k] = vertex[fans.of_corner[3 * f + k]];
+  });
   parts.vertices.reserve(parts.source_vertex.size());
   for (const std::int32_t v : parts.source_vertex) parts.vertices.push_back(soup.vertices[v]);
   halve_double_edges(parts, soup);

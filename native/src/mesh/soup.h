@@ -71,8 +71,10 @@ bool drop_duplicates(Soup& soup, const EdgeGroups& edges, Job& job);
 /// Makes one vertex of the given vertices that lie together; drops faces that lose a corner by it. Returns whether any
 /// did. \param border  rising
 bool weld(Soup& soup, const std::vector<std::int32_t>& border, double tolerance, Job& job);
-/// The ends of the edges of one face.
+/// The ends of the edges of one face, rising.
 std::vector<std::int32_t> border_vertices(const Soup& soup, const EdgeGroups& edges, Job& job);
+/// The indices of the marks that are set.
+std::vector<std::int32_t> marked_indices(const std::vector<char>& marks);
 
 // join.cpp
 /// Half-edges that await a decision.

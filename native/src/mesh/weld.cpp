@@ -3,15 +3,19 @@
 
 namespace isimp::detail {
 
+std::vector<std::int32_t> marked_indices(const std::vector<char>& marks) {
+  std::vector<std::int32_t> indices;
+  for (std::size_t i = 0; i < marks.size(); ++i)
+    if (marks[i]) indices.push_back(static_cast<std::int32_t>(i));
+  return indices;
+}
+
 std::vector<std::int32_t> border_vertices(const Soup& soup, const EdgeGroups& edges, Job& job) {
   std::vector<char> on_border(soup.vertices.size(), 0);
   edges.for_each(job, [&](const EdgeGroup& edge) {
     if (edge.size() == 1) on_border[soup.from(edge[0])] = on_border[soup.to(edge[0])] = 1;
   });
-  std::vector<std::int32_t> border;
-  for (std::size_t v = 0; v < on_border.size(); ++v)
-    if (on_border[v]) border.push_back(static_cast<std::int32_t>(v));
-  return border;
+  return marked_indices(on_border);
 }
 
 bool weld(Soup& soup, const std::vector<std::int32_t>& border, double tolerance, Job& job) {
@@ -32,14 +36,14 @@ bool weld(Soup& soup, const std::vector<std::int32_t>& border, double tolerance,
   soup.welded = soup.named;
   std::vector<char> collapsed(soup.named.size(), 0);
   bool any_collapsed = false;
-  for (std::size_t f = 0; f < soup.welded.size(); ++f) {
+  for_each_index(soup.welded.size(), job, [&](std::size_t f) {
     Triangle& t = soup.welded[f];
     for (std::int32_t& v : t) v = stands_for[v];
-    if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) continue;
+    if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) return;
     collapsed[f] = 1;
     any_collapsed = true;
     soup.count_face(Mend::repeated_index_faces, static_cast<std::int32_t>(f));
-  }
+  });
   if (any_collapsed) soup.drop(collapsed);
   return true;
 }
