@@ -18,7 +18,7 @@ fetch_bunny() {
 apt_install python3 python3-venv "${build_packages[@]}" "${blender_packages[@]}"
 mapfile -t requirements < <(build_requirements)
 venv "$root/.venv-build" "${requirements[@]}"
-build_wheel "$root/.venv-build" >"$out/build.log" 2>&1 || { tail -n 40 "$out/build.log" && exit 1; }
+build_wheel "$root/.venv-build" >"$out/build.log" 2>&1 || { tail -n 40 "$out/build.log"; exit 1; }
 make_addon
 
 if [ $# = 0 ]; then
@@ -32,6 +32,6 @@ else
 fi
 blender -b --factory-startup --addons isimp --python-exit-code 1 --python examples/batch.py -- \
   "$scan" "$out/demo.blend" "$out/demo.obj" --proxies "${2:-200}" --up $up --picture "$out/demo.png" \
-  >"$out/demo.log" 2>&1 || { tail -n 40 "$out/demo.log" && exit 1; }
+  >"$out/demo.log" 2>&1 || { tail -n 40 "$out/demo.log"; exit 1; }
 grep ' faces -> ' "$out/demo.log"
 echo "$out/demo.png"

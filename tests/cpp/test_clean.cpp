@@ -92,6 +92,18 @@ Arrays fused(const Arrays& a) {
   return result;
 }
 
+TEST(Clean, FacesThatWeldingTakesAwayAreNamed) {
+  const Vec3 place(1, 2, 3);
+  Job job;
+  try {
+    clean({place, place, place}, {{0, 1, 2}}, {}, job);
+    FAIL() << "a face of three corners at one place is none";
+  } catch (const InvalidInput& error) {
+    EXPECT_STREQ(error.what(),
+                 "no usable face is left: welding corners at the same place leaves no face three of them");
+  }
+}
+
 TEST(Clean, LeavesASoundMeshAsItIs) {
   for (const Arrays& a : {shapes::cube(3), shapes::shuffled(shapes::torus(9, 7), 5), shapes::plane(4)}) {
     const Mesh mesh = cleaned(a);

@@ -77,6 +77,8 @@ Mesh clean(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const Cl
       parts = take_apart(soup, options.weld, welded, job);
     }
   }
+  if (parts.triangles.empty())
+    throw InvalidInput("no usable face is left: welding corners at the same place leaves no face three of them");
   const Job::Part part(job, "cleaning", 0.5, 1.0);
   if (sound) return Mesh(std::move(parts), std::move(topology), soup.log.take(), job);
   return Mesh(std::move(parts.vertices), std::move(parts.triangles), std::move(parts.source_face),

@@ -22,7 +22,7 @@ Vec3 trusted_step(const Eigen::Matrix3d& a, const Vec3& g, double radius) {
       if (lambda[i] > kTruncate * lambda[2]) d += along[i] / (lambda[i] + damping) * solver.eigenvectors().col(i);
     return d;
   };
-  const Vec3 free = step(0);
+  Vec3 free = step(0);
   if (free.norm() <= radius) return free;
   double low = 0, high = lambda[2] * 1e3;
   for (int i = 0; i < 40; ++i) {

@@ -161,9 +161,11 @@ std::vector<Teleport::Pair> Teleport::cheapest_pairs() const {
 
 std::vector<std::int32_t> Teleport::worst_regions() const {
   std::vector<std::pair<double, std::int32_t>> order;
+  order.reserve(regions_.sum.size());
   for (std::int32_t r = 0; r < regions_.count(); ++r) order.emplace_back(-regions_.sum[r].error(), r);
   std::sort(order.begin(), order.end());
   std::vector<std::int32_t> worst;
+  worst.reserve(order.size());
   for (const auto& [unused, r] : order) worst.push_back(r);
   return worst;
 }
