@@ -41,7 +41,7 @@ void check(const Surface& surface, const PartitionOptions& options) {
 /// better.
 Regions teleport(const Surface& surface, const Parts& parts, Regions regions, std::vector<double>& history, Job& job) {
   const FaceGraph& graph = surface.graph();
-  const Regions before = regions;
+  Regions before = regions;
   std::vector<std::int32_t> part;
   if (parts.parts.size() > 1) {
     const std::vector<std::int32_t> faces = nearest_faces(graph, regions, job);
