@@ -1,16 +1,22 @@
 #pragma once
 
 #include <thrust/device_vector.h>
+#include <thrust/execution_policy.h>
+#include <thrust/for_each.h>
+#include <thrust/host_vector.h>
+#include <thrust/iterator/counting_iterator.h>
 #include <thrust/memory.h>
+#include <thrust/transform_reduce.h>
 
 #include <cstdint>
+#include <cuda/atomic>
 #include <span>
 
 #ifdef _OPENMP
 #include <omp.h>
 #endif
 
-/// What differs between the back ends, so that kernels.cu need not know.
+/// What differs between the back ends, so that the kernels need not know.
 ///
 /// ISIMP_KERNEL marks a function that runs on the device.
 #ifdef __CUDACC__
@@ -20,6 +26,12 @@
 #endif
 
 namespace isimp::parallel {
+
+#ifdef __CUDACC__
+inline constexpr const char* kName = "cuda";
+#else
+inline constexpr const char* kName = "cpu";
+#endif
 
 /// The caller's numbers where kernels can read them: in place on the CPU, a copy on a CUDA device.
 template <class T>
@@ -35,6 +47,55 @@ class Readable {
   std::span<const T> numbers_;
 #endif
 };
+
+/// Numbers in the memory of the device. Those of the CPU are filled by one thread: it is not worth more.
+template <class T>
+#ifdef __CUDACC__
+using Array = thrust::device_vector<T>;
+#else
+using Array = thrust::host_vector<T>;
+#endif
+
+template <class T>
+T* raw(Array<T>& array) {
+  return thrust::raw_pointer_cast(array.data());
+}
+template <class T>
+const T* raw(const Array<T>& array) {
+  return thrust::raw_pointer_cast(array.data());
+}
+
+/// Calls work(policy) with where `count` steps are best done: a CPU's threads are not worth their start for few.
+template <class Work>
+auto with_policy([[maybe_unused]] std::int64_t count, Work work) {
+#ifndef __CUDACC__
+  constexpr std::int64_t kWorthThreads = 1 << 13;
+  if (count < kWorthThreads) return work(thrust::seq);
+#endif
+  return work(thrust::device);
+}
+
+/// Calls kernel(i) for i in [begin, end), in no order.
+template <class Kernel>
+void for_all(std::int64_t begin, std::int64_t end, Kernel kernel) {
+  const thrust::counting_iterator<std::int64_t> zero(0);
+  with_policy(end - begin, [&](auto policy) { thrust::for_each(policy, zero + begin, zero + end, kernel); });
+}
+
+/// What merge() makes of all kernel(i) for i in [0, end), in any order.
+template <class Kernel, class Value, class Merge>
+Value reduce_all(std::int64_t end, Kernel kernel, Value start, Merge merge) {
+  const thrust::counting_iterator<std::int64_t> zero(0);
+  return with_policy(
+      end, [&](auto policy) { return thrust::transform_reduce(policy, zero, zero + end, kernel, start, merge); });
+}
+
+/// A number that kernels of one step change at the same time; the order must not matter.
+template <class T>
+ISIMP_KERNEL cuda::atomic_ref<T, cuda::thread_scope_device> shared(T& number) {
+  return cuda::atomic_ref<T, cuda::thread_scope_device>(number);
+}
+inline constexpr auto kRelaxed = cuda::memory_order_relaxed;
 
 /// While it lives, kernels that this thread starts use so many threads; 0: as many as there are cores.
 class Threads {

@@ -32,15 +32,29 @@ void bind_options(py::module_& m) {
           "Where 'lloyd' and 'teleport' put the first proxies: 'random', distinct faces drawn by `seed`; 'farthest', "
           "each the face whose normal and place are farthest from all before; 'hierarchical', the faces nearest to "
           "the regions that 'hierarchy' gives.")
-      .choice("method", &Options::method,
-              {{"lloyd", Method::lloyd}, {"hierarchy", Method::hierarchy}, {"teleport", Method::teleport}},
-              "How the regions are found: 'hierarchy', merging of a hierarchy of patches, then relaxation of the "
-              "borders, the best and the fastest; 'lloyd', flooding and fitting in turn, the 2004 paper's and the "
-              "thesis's own; 'teleport', that, then merging the cheapest pair and splitting the worst region until it "
-              "no longer helps.")
+      .choice(
+          "method", &Options::method,
+          {{"lloyd", Method::lloyd},
+           {"hierarchy", Method::hierarchy},
+           {"teleport", Method::teleport},
+           {"naive", Method::naive},
+           {"queued", Method::queued}},
+          "How the regions are found: 'hierarchy', merging of a hierarchy of patches, then relaxation of the "
+          "borders, the best and the fastest; 'lloyd', flooding and fitting in turn, the 2004 paper's and the "
+          "thesis's own; 'teleport', that, then merging the cheapest pair and splitting the worst region until it "
+          "no longer helps; 'naive' and 'queued', as 'lloyd' but all faces, or all of a queue, flooded at once, for "
+          "many processors: the thesis's data-parallel floodings.")
       .field("threads", &Options::threads,
              "How many threads may work; 0: as many as there are cores. The result does not depend on it.")
-      .field("backend", &Options::backend, "Where the data-parallel steps run: one of backends(), 'cpu' among them.")
+      .field("backend", &Options::backend,
+             "Where 'naive' and 'queued' run: one of backends(), 'cpu' among them. Same labels on all.")
+      .field("nearest", &Options::nearest, "How many of the nearest regions a face looks at in 'naive', from 1 to 32.")
+      .choice("search", &Options::search, {{"grid", parallel::Search::grid}, {"brute", parallel::Search::brute}},
+              "How 'naive' finds them: by a 'grid', or by looking at all regions, 'brute', as the thesis has it.")
+      .choice(
+          "connect", &Options::connect, {{"repair", Connect::repair}, {"flood", Connect::flood}},
+          "How the regions of 'naive' and 'queued' become connected at the end: 'repair', the largest piece of each "
+          "grows over the others; 'flood', one sequential round, as the thesis has it, which loses more.")
       .finish();
 }
 

@@ -2,9 +2,11 @@
 
 #include <memory>
 #include <mutex>
+#include <string>
 #include <utility>
 
 #include "isimp/mesh/mesh.h"
+#include "isimp/parallel/flooder.h"
 #include "isimp/partition/hierarchy.h"
 #include "isimp/partition/partition.h"
 #include "isimp/partition/surface.h"
@@ -17,7 +19,7 @@ class KeptMesh : public Mesh {
   explicit KeptMesh(Mesh&& mesh) : Mesh(std::move(mesh)) {}
 
   /// Partitions this mesh, guided or not. What the last call made and the next one can use is kept: the guided graph,
-  /// and the hierarchy where the method has one. May be called from several threads.
+  /// and the hierarchy or a device's memory where the method has one. May be called from several threads.
   [[nodiscard]] Partition split(const PartitionOptions& options, Guides guides, Job& job) const;
 
  private:
@@ -30,8 +32,18 @@ class KeptMesh : public Mesh {
   [[nodiscard]] Kept recall(Guides guides) const;
   void keep(const Kept& kept) const;
 
+  /// A surface in the memory of a back end. One call at a time has it; another one meanwhile makes its own.
+  struct Loaded {
+    std::string backend;
+    std::shared_ptr<const GuidedGraph> graph;  // of the surface; null without guides
+    std::unique_ptr<parallel::Flooder> flooder;
+  };
+  [[nodiscard]] Loaded borrow(const Surface& surface, const std::string& backend) const;
+  void give_back(Loaded loaded) const;
+
   mutable std::mutex mutex_;
   mutable Kept kept_;
+  mutable Loaded loaded_;
 };
 
 }  // namespace isimp::bindings

@@ -55,9 +55,12 @@ class PartitionOptions:
     seed: int
     iterations: int
     seeding: Literal["random", "farthest", "hierarchical"]
-    method: Literal["hierarchy", "lloyd", "teleport"]
+    method: Literal["hierarchy", "lloyd", "teleport", "naive", "queued"]
     threads: int
     backend: str
+    nearest: int
+    search: Literal["grid", "brute"]
+    connect: Literal["repair", "flood"]
     def __init__(
         self,
         *,
@@ -66,9 +69,12 @@ class PartitionOptions:
         seed: int = ...,
         iterations: int = ...,
         seeding: Literal["random", "farthest", "hierarchical"] = ...,
-        method: Literal["hierarchy", "lloyd", "teleport"] = ...,
+        method: Literal["hierarchy", "lloyd", "teleport", "naive", "queued"] = ...,
         threads: int = ...,
         backend: str = ...,
+        nearest: int = ...,
+        search: Literal["grid", "brute"] = ...,
+        connect: Literal["repair", "flood"] = ...,
     ) -> None: ...
     def as_dict(self) -> dict[str, Any]: ...
 

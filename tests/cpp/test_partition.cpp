@@ -162,7 +162,7 @@ TEST(Partition, OptionsOutOfRangeAreNamed) {
             "leave_out must be in [0, 1), got nan");
   EXPECT_EQ(message({.proxies = 6, .iterations = 0}), "iterations must be at least 1, got 0");
   EXPECT_EQ(message({.proxies = 6, .threads = -1}), "threads must be at least 0, got -1");
-  EXPECT_EQ(message({.proxies = 6, .backend = "gpu"}), "there is no backend \"gpu\"; there is \"cpu\"");
+  EXPECT_EQ(message({.proxies = 6, .backend = "gpu"}), "unknown back end 'gpu'; there is: cpu");
 }
 
 TEST(Partition, BadInputIsNamedEvenWhenCancelledAndACancelStopsIt) {

@@ -6,9 +6,11 @@
 #include <utility>
 
 #include "isimp/core/errors.h"
+#include "isimp/parallel/backend.h"
 #include "isimp/partition/hierarchy.h"
 #include "isimp/partition/lloyd.h"
 #include "isimp/partition/optimise.h"
+#include "isimp/partition/parallel_lloyd.h"
 #include "isimp/partition/parts.h"
 #include "isimp/partition/regions.h"
 #include "isimp/partition/relax.h"
@@ -34,7 +36,9 @@ void check(const Surface& surface, const PartitionOptions& options) {
   if (!(options.leave_out >= 0 && options.leave_out < 1)) out_of_range("leave_out", "in [0, 1)", options.leave_out);
   if (options.iterations < 1) out_of_range("iterations", "at least 1", options.iterations);
   if (options.threads < 0) out_of_range("threads", "at least 0", options.threads);
-  if (options.backend != "cpu") throw InvalidInput("there is no backend \"" + options.backend + "\"; there is \"cpu\"");
+  if (options.nearest < 1 || options.nearest > parallel::Flooder::kMostNearest)
+    out_of_range("nearest", "in [1, " + std::to_string(parallel::Flooder::kMostNearest) + "]", options.nearest);
+  if (options.backend != "cpu") (void)parallel::backend(options.backend);
 }
 
 /// Teleports until none helps. The borders are relaxed before and after, so what comes in is given back if it was
@@ -72,6 +76,16 @@ std::vector<std::int32_t> first_seeds(const Surface& surface, const Hierarchy& h
   throw InvalidInput("the seeding is none of those known");
 }
 
+bool is_parallel(Method method) { return method == Method::naive || method == Method::queued; }
+
+Regions flood_in_rounds(const Surface& surface, std::vector<std::int32_t> seeds, const PartitionOptions& options,
+                        parallel::Flooder* flooder, std::vector<double>& history, Job& job) {
+  if (!is_parallel(options.method)) return lloyd(surface.graph(), std::move(seeds), options.iterations, history, job);
+  std::unique_ptr<parallel::Flooder> own;
+  if (flooder == nullptr) own = load(surface, options.backend);
+  return parallel_lloyd(surface, own ? *own : *flooder, std::move(seeds), options, history, job);
+}
+
 Partition make_partition(const Surface& surface, const Parts& parts, const Regions& regions,
                          std::vector<double> history, const Threads& threads, Job& job) {
   const FaceGraph& graph = surface.graph();
@@ -103,7 +117,8 @@ Partition partition(const Surface& surface, const PartitionOptions& options, Job
   return partition(surface, Hierarchy{}, options, job);
 }
 
-Partition partition(const Surface& surface, const Hierarchy& hierarchy, const PartitionOptions& options, Job& job) {
+Partition partition(const Surface& surface, const Hierarchy& hierarchy, const PartitionOptions& options, Job& job,
+                    parallel::Flooder* flooder) {
   check(surface, options);
   Job::Part stage(job, "partitioning", 0.0, 1.0);
   const Threads threads(options.threads);
@@ -124,7 +139,7 @@ Partition partition(const Surface& surface, const Hierarchy& hierarchy, const Pa
   } else {
     std::vector<std::int32_t> seeds = first_seeds(surface, h, parts, options, threads, job);
     Job::Part rounds(job, "flooding", 0.1, options.method == Method::teleport ? 0.6 : 1.0);
-    regions = lloyd(surface.graph(), std::move(seeds), options.iterations, history, job);
+    regions = flood_in_rounds(surface, std::move(seeds), options, flooder, history, job);
   }
   if (options.method == Method::teleport) {
     Job::Part moves(job, "teleporting", 0.6, 1.0);

@@ -23,6 +23,9 @@ _FIELDS = {
     "leave_out": (float, "X"),
     "threads": (int, "N"),
     "backend": (str, "NAME"),
+    "nearest": (int, "N"),
+    "search": (str, "NAME"),
+    "connect": (str, "NAME"),
 }
 
 

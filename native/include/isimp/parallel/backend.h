@@ -1,19 +1,16 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-namespace isimp::parallel {
+#include "isimp/parallel/flooder.h"
+#include "isimp/parallel/sums.h"
 
-/// What fitting needs of a region: its area, and the sum of area times normal, whose direction is the proxy's normal.
-struct RegionSum {
-  double area = 0;
-  double x = 0, y = 0, z = 0;
-  friend bool operator==(const RegionSum&, const RegionSum&) = default;
-};
+namespace isimp::parallel {
 
 /// The data-parallel kernels of one back end. They see spans of plain numbers, no mesh; the memory of the device stays
 /// behind them. Every one gives the same bits on every back end and any number of threads.
@@ -38,6 +35,12 @@ class Kernels {
   /// Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.3 (proxy fitting).
   [[nodiscard]] virtual std::vector<RegionSum> fit(std::span<const float> faces, std::span<const std::int32_t> labels,
                                                    std::int32_t regions, std::int32_t threads) const = 0;
+
+  /// Loads a surface for flooding. What it points to must outlive the flooder, which reads it in place on the CPU.
+  /// Memory: on the CPU 32 bytes a face beside the surface, 60 on a device, and 16 more for naive flooding.
+  /// \throws InvalidInput  lengths that do not agree; a face as fit() refuses it; a neighbour outside [0, N]
+  /// \throws Error         the device has too little memory or failed
+  [[nodiscard]] virtual std::unique_ptr<Flooder> load(const FloodSurface& surface) const = 0;
 };
 
 /// The back ends that work here: "cpu" always; "cuda" where a device is present, the driver works and this build has

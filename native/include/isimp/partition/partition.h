@@ -7,6 +7,7 @@
 
 #include "isimp/core/job.h"
 #include "isimp/core/types.h"
+#include "isimp/parallel/flooder.h"
 #include "isimp/partition/hierarchy.h"
 #include "isimp/partition/metric.h"
 #include "isimp/partition/surface.h"
@@ -25,6 +26,14 @@ enum class Method {
   lloyd,      ///< the 2004 paper's and the thesis's own: flooding and fitting in turn, from seeds
   hierarchy,  ///< merging of a hierarchy of patches, then relaxation of the borders: the best and the fastest
   teleport,   ///< lloyd, then merge the cheapest pair and split the worst region until it no longer helps
+  naive,      ///< as lloyd, each face looking at the nearest regions at once: the thesis's data-parallel flooding
+  queued,     ///< as lloyd, from a queue all of whose faces are flooded at once: the thesis's queued flooding
+};
+
+/// How the pieces that parallel flooding leaves become connected regions.
+enum class Connect {
+  repair,  ///< the largest piece of each region grows over the others: parallel, and it loses less
+  flood,   ///< one sequential round of lloyd, the thesis's own
 };
 
 struct PartitionOptions {
@@ -34,8 +43,11 @@ struct PartitionOptions {
   std::int32_t iterations = 20;  ///< upper bound on flood-and-fit rounds, at least 1
   Seeding seeding = Seeding::random;
   Method method = Method::hierarchy;
-  std::int32_t threads = 0;  ///< 0: as many as there are cores; the result does not depend on it
-  std::string backend = "cpu";
+  std::int32_t threads = 0;     ///< 0: as many as there are cores; the result does not depend on it
+  std::string backend = "cpu";  ///< where Method::naive and queued run: one of parallel::backends(); same labels on all
+  std::int32_t nearest = 8;     ///< how many of the nearest regions a face looks at in Method::naive, in [1, 32]
+  parallel::Search search = parallel::Search::grid;  ///< how Method::naive finds them; the result is the same
+  Connect connect = Connect::repair;                 ///< what Method::naive and queued end with
 };
 
 /// A surface split into connected, near-planar regions.
@@ -45,7 +57,8 @@ struct Partition {
   std::vector<Vec3> region_normal;        ///< (R) unit, area-weighted mean; zero for a region without area
   std::vector<RegionSum> region_sum;      ///< (R) what the faces add up to, so that edits cost only what they touch
   double error = 0.0;                     ///< sum of area * |n_face - n_region|^2, scene units squared
-  std::vector<double> history;            ///< the error after each round; `error` is not above any of them
+  std::vector<double> history;            ///< the error after each round; `error` is not above any of them, but for
+                                          ///< Method::naive and queued: rounds of pieces, the last entry is `error`
 
   std::int32_t proxies_asked = 0;   ///< R is larger where components need more (see `proxies_needed`)
   std::int32_t proxies_needed = 0;  ///< the least that the kept components need together
@@ -71,6 +84,7 @@ struct Partition {
 ///
 /// \param job  polled at least every 50 ms
 /// \throws InvalidInput  an option out of its range: the message names the range and what was given
+/// \throws Error         a device has too little memory or failed
 /// \throws Cancelled     nothing was changed
 /// Cost: Method::hierarchy O(F), about 100 ms for a million faces; the others O(iterations * F). O(F) memory.
 /// Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.
@@ -78,6 +92,9 @@ Partition partition(const Surface& surface, const PartitionOptions& options, Job
 
 /// The same from a hierarchy that was made before, and with the same result: what a slider of `proxies` wants.
 /// One that does not serve this mesh and number (see Hierarchy::serves) is not used.
-Partition partition(const Surface& surface, const Hierarchy& hierarchy, const PartitionOptions& options, Job& job);
+/// \param flooder  of this surface on options.backend (see parallel_lloyd.h), kept from before; null: made anew if
+/// needed
+Partition partition(const Surface& surface, const Hierarchy& hierarchy, const PartitionOptions& options, Job& job,
+                    parallel::Flooder* flooder = nullptr);
 
 }  // namespace isimp

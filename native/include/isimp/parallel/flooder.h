@@ -1,0 +1,82 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "isimp/core/job.h"
+#include "isimp/parallel/sums.h"
+
+namespace isimp::parallel {
+
+/// A surface as flooding sees it. Index N is a sentinel that stands for "no neighbour".
+struct FloodSurface {
+  std::span<const float> faces;              ///< (4 N) unit normal's x, y, z, and the area, in any unit
+  std::span<const std::int32_t> neighbours;  ///< (3 N) in [0, N]
+};
+
+/// What flooding starts from.
+struct Proxies {
+  std::vector<std::int32_t> seed;  ///< (R) distinct faces; each stays with its region, so that none is empty
+  std::vector<float> normal;       ///< (3 R) unit, or zero
+  std::vector<float> centre;       ///< (3 R) where the regions are, in the unit of `place`; only for naive flooding
+  friend bool operator==(const Proxies&, const Proxies&) = default;
+};
+
+/// How naive flooding finds the regions nearest to a face.
+enum class Search {
+  grid,   ///< by a grid of the regions' centres
+  brute,  ///< by looking at them all, as the thesis has it: O(N R); the same regions
+};
+
+/// One surface in the memory of one back end, and its labels while a partition is worked on. One call at a time.
+///
+/// The error of a face under a proxy is |n - n'|^2, and at least 2^-24: what is below is rounding and counts as equal.
+/// Faces are worked on in steps, all faces of a step at once from what the step before left, so that no result depends
+/// on the order of threads; ties go to the label a face has, then to the region of the lower number. Every step uses
+/// integers, comparisons and single IEEE operations on floats only, which all back ends round alike.
+class Flooder {
+ public:
+  virtual ~Flooder() = default;
+
+  /// Says where the faces are: what naive flooding wants. \param centre (3 N) in [0, 1], all axes in the same unit
+  /// \param component  (N) from 0; a face takes regions that are seeded in its own component only
+  virtual void place(std::span<const float> centre, std::span<const std::int32_t> component) = 0;
+  [[nodiscard]] virtual bool placed() const = 0;
+
+  /// Floods from the seeds by a queue: in each step every face of the queue takes the best of the regions next to it,
+  /// and the neighbours of those that changed make the next queue, gathered by an exclusive scan.
+  /// A region may end in several pieces. Faces that no seed reaches get -1. Cost: O(faces queued); some sqrt(N / R)
+  /// steps and as many again until the borders rest. Source: the thesis's queued flooding. \return the steps
+  virtual std::int32_t queued(const Proxies& proxies, std::int32_t threads, Job& job) = 0;
+  /// Gives every face the best of the `nearest` regions whose centres are nearest to its own, connected or not.
+  /// \param nearest in [1, kMostNearest]. Cost: about O(N nearest); by brute force O(N R). Source: the thesis's naive
+  /// one
+  virtual void naive(const Proxies& proxies, std::int32_t nearest, Search search, std::int32_t threads, Job& job) = 0;
+  static constexpr std::int32_t kMostNearest = 32;
+
+  /// The sums of the regions' faces; centres are summed too where faces are placed.
+  struct Fit {
+    std::vector<RegionSum> sum;                 ///< (R)
+    std::vector<std::array<double, 3>> centre;  ///< (R) area times centre; empty where faces are not placed
+  };
+  [[nodiscard]] virtual Fit fit(std::int32_t threads) = 0;
+  /// The face of each region that is nearest to the region's normal; ties to the lower face. Every region has a face.
+  [[nodiscard]] virtual std::vector<std::int32_t> nearest_faces(const Proxies& proxies, std::int32_t threads) = 0;
+
+  /// Remembers the labels; the next call but this one of any kind may go back to them.
+  virtual void keep() = 0;
+  virtual void go_back() = 0;
+
+  /// Leaves each region the largest of its pieces, by area; frees the faces of all others. \return faces freed
+  virtual std::int32_t cut_to_pieces(std::int32_t threads, Job& job) = 0;
+  /// Gives the free faces to the regions around them for good, least errors first in levels of a quarter octave, so
+  /// that regions stay connected. \return the steps
+  virtual std::int32_t fill(const Proxies& proxies, std::int32_t threads, Job& job) = 0;
+
+  /// \param labels (N) gets the region of each face, -1 for none
+  virtual void labels(std::span<std::int32_t> labels) const = 0;
+};
+
+}  // namespace isimp::parallel

@@ -1,0 +1,12 @@
+#pragma once
+
+namespace isimp::parallel {
+
+/// What fitting needs of a region: its area, and the sum of area times normal, whose direction is the proxy's normal.
+struct RegionSum {
+  double area = 0;
+  double x = 0, y = 0, z = 0;
+  friend bool operator==(const RegionSum&, const RegionSum&) = default;
+};
+
+}  // namespace isimp::parallel
