@@ -38,6 +38,10 @@ void bind_options(py::module_& m) {
   OptionsClass<CleanOptions>(m, "CleanOptions", "How to repair a mesh. All fields are keywords.")
       .field("weld", &CleanOptions::weld,
              "Border vertices at most this far apart may become one; scene units; 0: bit-equal places only.")
+      .field("fill_holes", &CleanOptions::fill_holes,
+             "Borders at most this long round are closed; scene units; 0: none.")
+      .field("cut_handles", &CleanOptions::cut_handles,
+             "Handles and tunnels with a loop at most this long go; scene units; 0: none.")
       .finish();
 }
 
@@ -70,7 +74,8 @@ Raises InvalidInput, which names the first row that can't be used and why; `clea
       .def_property_readonly("vertices", viewer<KeptMesh>(&Mesh::vertices), "(V, 3) float64, read-only.")
       .def_property_readonly("triangles", viewer<KeptMesh>(&Mesh::triangles), "(F, 3) int32, read-only.")
       .def_property_readonly("source_face", viewer<KeptMesh>(&Mesh::source_face),
-                             "(F,) int32: the caller's face each face came from; the identity after Mesh(...).")
+                             "(F,) int32: the caller's face each face came from; the identity after Mesh(...); -1 for "
+                             "one that covers a hole.")
       .def_property_readonly("source_vertex", viewer<KeptMesh>(&Mesh::source_vertex),
                              "(V,) int32: the caller's vertex each vertex came from; -1 for one that a repair made.")
       .def_property_readonly("component", viewer<KeptMesh>(&Mesh::component),
@@ -108,9 +113,12 @@ In this order, each counted and located in the mesh's report under the key named
  split_vertices        copies of vertices, one for each further fan of faces
  subdivided_edges      halved, since two edges with the same ends remained
  unused_vertices       dropped: no kept face uses them
-Zero-area faces of three different vertices are kept. Faces and vertices keep the caller's order; copies come last.
+ filled_holes          covered by new faces, where a cover meets nothing else and is at most half of its part
+ cut_handles           taken out with the ring of faces round them, both ends covered
+Zero-area faces of three different vertices are kept. Faces and vertices keep the caller's order; copies and covers come last.
 vertices: (V, 3) float32 or float64, anything in it. triangles: (F, 3) int32 or int64 in [0, V).
-Raises InvalidInput (another shape, no faces, an index out of range, no face is left) or Cancelled. Cost: O(V + F).)");
+Raises InvalidInput (another shape, no faces, an index out of range, a negative length, no face is left) or
+Cancelled. Cost: O(V + F); closing holes or handles adds O((V + F) log F).)");
 }
 
 }  // namespace isimp::bindings

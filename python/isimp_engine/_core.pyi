@@ -39,7 +39,9 @@ class Mesh:
 
 class CleanOptions:
     weld: float
-    def __init__(self, *, weld: float = ...) -> None: ...
+    fill_holes: float
+    cut_handles: float
+    def __init__(self, *, weld: float = ..., fill_holes: float = ..., cut_handles: float = ...) -> None: ...
     def as_dict(self) -> dict[str, Any]: ...
 
 def clean(

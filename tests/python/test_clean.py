@@ -17,6 +17,8 @@ KEYS = {
     "split_vertices",
     "subdivided_edges",
     "unused_vertices",
+    "filled_holes",
+    "cut_handles",
 }
 
 
@@ -140,3 +142,18 @@ def test_it_can_be_cancelled():
     job.cancel()
     with pytest.raises(engine.Cancelled):
         engine.clean(*shapes.cube(), job=job)
+
+
+def test_small_holes_are_covered_when_asked_for():
+    vertices, triangles = shapes.cube()
+    rest = triangles[(triangles != triangles[0, 0]).all(axis=1)]
+    assert not engine.clean(vertices, rest).report["closed"]
+    mesh = engine.clean(vertices, rest, engine.CleanOptions(fill_holes=10.0))
+    check_sound(mesh)
+    assert mesh.report["closed"]
+    assert made(mesh) == {"filled_holes": 1, "unused_vertices": 1}
+    covers = mesh.source_face < 0
+    assert covers.any()
+    np.testing.assert_array_equal(mesh.source_face[~covers], np.arange(len(rest)))
+    part = engine.partition(mesh, engine.PartitionOptions(proxies=6))
+    assert engine.polygonize(mesh, part).report["closed"]

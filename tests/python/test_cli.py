@@ -146,6 +146,23 @@ def test_a_polygon_of_several_regions_has_the_largest_ones_label(tmp_path):
     assert values[1] == regions[10]
 
 
+def test_what_covers_a_hole_is_counted_and_takes_no_label(tmp_path):
+    vertices, triangles = shapes.cube()
+    triangles = triangles[(triangles != triangles[0, 0]).all(axis=1)]
+    meshfiles.obj(tmp_path / "a.obj", vertices, triangles)
+    places = tmp_path / "a.obj", tmp_path / "o.obj"
+    done = isimp("simplify", *places, "--proxies=6", "--fill-holes=10", "--labels", tmp_path / "l.npy")
+    assert done.returncode == 0, done.stderr
+    assert "covered" in done.stdout
+    assert ", closed" in done.stdout.splitlines()[0]
+    values = np.load(tmp_path / "l.npy")
+    assert len(values) == len(triangles)
+    assert set(values) == set(range(6))
+    assert "covered" in isimp("info", tmp_path / "a.obj", "--fill-holes=10").stdout
+    refused = isimp("info", tmp_path / "a.obj", "--fill-holes=-1")
+    assert "fill_holes is a length, at least 0" in refused.stderr
+
+
 def test_a_speck_has_no_label(tmp_path):
     big, small = shapes.plane(20), shapes.plane(1)
     vertices, triangles = shapes.joined((small[0] * 0.01 + [2, 0, 0], small[1]), big)

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "close.h"
 #include "isimp/core/errors.h"
 #include "soup.h"
 
@@ -14,6 +15,9 @@ namespace {
 void check(std::size_t vertices, const std::vector<Triangle>& triangles, const CleanOptions& options) {
   if (!(options.weld >= 0) || !std::isfinite(options.weld))
     throw InvalidInput("weld is a length, at least 0, got " + std::to_string(options.weld));
+  for (const auto& [name, length] : {std::pair{"fill_holes", options.fill_holes}, {"cut_handles", options.cut_handles}})
+    if (!(length >= 0))
+      throw InvalidInput(std::string(name) + " is a length, at least 0, got " + std::to_string(length));
   if (triangles.empty()) throw InvalidInput("the mesh has no faces");
   const auto most = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
   if (triangles.size() > most / 3 || vertices > most)
@@ -79,7 +83,13 @@ Mesh clean(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const Cl
   }
   if (parts.triangles.empty())
     throw InvalidInput("no usable face is left: welding corners at the same place leaves no face three of them");
-  const Job::Part part(job, "cleaning", 0.5, 1.0);
+  const bool closing = options.fill_holes > 0 || options.cut_handles > 0;
+  if (closing) {
+    const Job::Part part(job, "closing holes", 0.5, 0.75);
+    close_small(parts, options, soup.log, job);
+    sound = false;  // to be looked at anew
+  }
+  const Job::Part part(job, "cleaning", closing ? 0.75 : 0.5, 1.0);
   if (sound) return Mesh(std::move(parts), std::move(topology), soup.log.take(), job);
   return Mesh(std::move(parts.vertices), std::move(parts.triangles), std::move(parts.source_face),
               std::move(parts.source_vertex), soup.log.take(), job);

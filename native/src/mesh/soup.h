@@ -23,6 +23,8 @@ enum class Mend {
   split_vertices,
   subdivided_edges,
   unused_vertices,
+  filled_holes,
+  cut_handles,
 };
 
 /// Counts repairs and keeps where the first few of each kind were.

@@ -8,8 +8,9 @@ import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
-from .. import FileError, InvalidInput, PartitionOptions, __version__
+from .. import CleanOptions, FileError, InvalidInput, PartitionOptions, __version__
 from . import info, simplify
 from .errors import UsageError
 
@@ -27,6 +28,7 @@ _FIELDS = {
     "search": (str, "NAME"),
     "connect": (str, "NAME"),
 }
+_CLEAN_FIELDS = {"weld": (float, "L"), "fill_holes": (float, "L"), "cut_handles": (float, "L")}
 
 
 def parser() -> argparse.ArgumentParser:
@@ -38,11 +40,8 @@ def parser() -> argparse.ArgumentParser:
     command.set_defaults(run=simplify.run)
     command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL or OFF")
     command.add_argument("output", type=Path, metavar="OUTPUT", help="PLY or OBJ")
-    defaults = PartitionOptions()
-    for name, (kind, metavar) in _FIELDS.items():
-        about = f"{getattr(PartitionOptions, name).__doc__} Default: {getattr(defaults, name)}."
-        flag = "--" + name.replace("_", "-")
-        command.add_argument(flag, dest=name, type=kind, metavar=metavar, help=about.replace("%", "%%"))
+    add_fields(command, PartitionOptions, _FIELDS)
+    add_fields(command, CleanOptions, _CLEAN_FIELDS)
     command.add_argument(
         "--labels", type=Path, metavar="L.npy", help="one int32 region per face of INPUT, in file order; -1: none"
     )
@@ -52,14 +51,24 @@ def parser() -> argparse.ArgumentParser:
     command = commands.add_parser("info", help="what a mesh is and what would be repaired", description=info.__doc__)
     command.set_defaults(run=info.run)
     command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL or OFF")
+    add_fields(command, CleanOptions, _CLEAN_FIELDS)
     command.add_argument("--json", action="store_true", help="as JSON")
     return parser
 
 
-def options_of(arguments: argparse.Namespace) -> PartitionOptions:
-    """The engine's options as the command line has them; its defaults for the rest."""
-    options = PartitionOptions()
-    for name in _FIELDS:
+def add_fields(command: argparse.ArgumentParser, options: type, fields: dict[str, tuple[type, str]]) -> None:
+    """A flag for each of these fields, which says what the field's documentation says."""
+    defaults = options()
+    for name, (kind, metavar) in fields.items():
+        about = f"{getattr(options, name).__doc__} Default: {getattr(defaults, name)}."
+        flag = "--" + name.replace("_", "-")
+        command.add_argument(flag, dest=name, type=kind, metavar=metavar, help=about.replace("%", "%%"))
+
+
+def options_of(arguments: argparse.Namespace, kind: type, fields: dict[str, tuple[type, str]]) -> Any:
+    """The engine's options of this kind as the command line has them; its defaults for the rest."""
+    options = kind()
+    for name in fields:
         value = getattr(arguments, name)
         if value is None:
             continue
@@ -67,7 +76,7 @@ def options_of(arguments: argparse.Namespace) -> PartitionOptions:
             setattr(options, name, value)
         except InvalidInput as error:
             flag = "--" + name.replace("_", "-")
-            raise UsageError(str(error).replace(f"PartitionOptions.{name}", flag)) from None
+            raise UsageError(str(error).replace(f"{kind.__name__}.{name}", flag)) from None
     return options
 
 
@@ -75,8 +84,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; returns its exit status."""
     parsed = parser().parse_args(arguments)
     try:
+        parsed.clean = options_of(parsed, CleanOptions, _CLEAN_FIELDS)
         if parsed.run is simplify.run:
-            parsed.options = options_of(parsed)
+            parsed.options = options_of(parsed, PartitionOptions, _FIELDS)
         parsed.run(parsed)
     except KeyboardInterrupt:
         return _say("interrupted, nothing was written", INTERRUPTED)

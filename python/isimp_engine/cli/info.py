@@ -12,7 +12,7 @@ from .loading import clean_mesh, facts, load
 
 def run(arguments: argparse.Namespace) -> None:
     source = load(arguments.input, Job())
-    mesh, repaired, repaired_at = clean_mesh(source, Job())
+    mesh, repaired, repaired_at = clean_mesh(source, arguments.clean, Job())
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     report = {
         "input": {"path": str(source.path), "vertices": len(source.vertices), "faces": source.faces}

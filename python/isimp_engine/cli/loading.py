@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import Job, Mesh, Partition, clean, read_polygons, triangulate
+from .. import CleanOptions, Job, Mesh, Partition, clean, read_polygons, triangulate
 
 
 @dataclass(frozen=True)
@@ -27,9 +27,9 @@ def load(path: Path, job: Job) -> Input:
     return Input(path, polygons[0], triangles, polygon, len(polygons[2]))
 
 
-def clean_mesh(source: Input, job: Job) -> tuple[Mesh, dict[str, int], dict[str, list[int]]]:
+def clean_mesh(source: Input, options: CleanOptions, job: Job) -> tuple[Mesh, dict[str, int], dict[str, list[int]]]:
     """The mesh, how often each repair was made, and where first: faces are the file's."""
-    mesh = clean(source.vertices, source.triangles, job=job)
+    mesh = clean(source.vertices, source.triangles, options, job)
     report = mesh.report
     where = {
         key: places if key.endswith("vertices") else [int(p) for p in dict.fromkeys(source.polygon[places])]
@@ -48,7 +48,7 @@ def facts(mesh: Mesh) -> dict[str, Any]:
 
 def labels(source: Input, mesh: Mesh, part: Partition) -> NDArray[np.int32]:
     """The region of each of the file's faces: the one that has most of its area; -1 where none has any of it."""
-    kept = np.flatnonzero(part.face_region >= 0)
+    kept = np.flatnonzero((part.face_region >= 0) & (mesh.source_face >= 0))  # what covers a hole is in no file
     face, region = source.polygon[mesh.source_face[kept]], part.face_region[kept]
     result = np.full(source.faces, -1, dtype=np.int32)
     result[face] = region

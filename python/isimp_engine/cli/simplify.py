@@ -42,7 +42,7 @@ def run(arguments: argparse.Namespace) -> None:
     with steps("read") as job:
         source = load(arguments.input, job)
     with steps("clean") as job:
-        mesh, repaired, repaired_at = clean_mesh(source, job)
+        mesh, repaired, repaired_at = clean_mesh(source, arguments.clean, job)
     if arguments.proxies is None:
         options.proxies = min(options.proxies, len(mesh.triangles))
     with steps("partition") as job:
@@ -64,7 +64,7 @@ def run(arguments: argparse.Namespace) -> None:
             "repair": repaired,
             "repaired_at": repaired_at,
             "mesh": facts(mesh),
-            "options": options.as_dict() | {"meshing": meshing.as_dict()},
+            "options": options.as_dict() | {"clean": arguments.clean.as_dict(), "meshing": meshing.as_dict()},
             "regions": part.region_count,
             "error": part.error,
             "history": part.history.tolist(),

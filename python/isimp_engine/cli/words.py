@@ -14,7 +14,10 @@ _REPAIRS = {
     "split_vertices": "copied for further fans of faces",
     "subdivided_edges": "halved for having the same ends as another",
     "unused_vertices": "dropped for being in no face",
+    "filled_holes": "covered",
+    "cut_handles": "cut",
 }
+_THINGS = {"vertices": "vertex", "edges": "edge", "holes": "hole", "handles": "handle"}
 
 
 def count(number: int, thing: str) -> str:
@@ -40,7 +43,7 @@ def repairs(counts: dict[str, int], where: dict[str, list[int]]) -> Iterator[str
     for key, number in counts.items():
         if number == 0:
             continue
-        thing = {"vertices": "vertex", "edges": "edge"}.get(key.rpartition("_")[2], "face")
+        thing = _THINGS.get(key.rpartition("_")[2], "face")
         text = f"{count(number, thing)} {_REPAIRS.get(key, key.replace('_', ' '))}"
         if places := where.get(key):
             kind = "vertex" if thing == "vertex" else "face"

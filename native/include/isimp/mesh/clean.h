@@ -10,6 +10,8 @@ namespace isimp {
 
 struct CleanOptions {
   double weld = 0.0;  ///< border vertices at most this far apart may become one; scene units; 0: bit-equal places only
+  double fill_holes = 0.0;   ///< borders at most this long round are closed; scene units; 0: none
+  double cut_handles = 0.0;  ///< handles and tunnels with a loop at most this long go; scene units; 0: none
 };
 
 /// Makes a sound mesh of any triangles: what scanners, STL files and texture seams leave behind.
@@ -27,15 +29,20 @@ struct CleanOptions {
 ///  - `split_vertices`        copies of vertices that were made for each further fan of faces
 ///  - `subdivided_edges`      halved, since two edges with the same ends remained after the above
 ///  - `unused_vertices`       dropped: no kept face uses them
+///  - `filled_holes`          covered by new faces; one stays open where every cover tried would meet the surface, or
+///                            would be more than half of its part (it is the outline then, not a hole)
+///  - `cut_handles`           handles whose ring of faces was taken out, both ends being covered
 /// `where` holds the caller's vertices for the keys that end in `vertices`, else the caller's faces.
 /// Faces without area that name three different vertices are kept, since dropping them would tear holes, and counted
-/// in `report().zero_area_faces`. Faces and vertices keep the caller's order; copies of vertices come last.
+/// in `report().zero_area_faces`. Faces and vertices keep the caller's order; copies of vertices and covers come last,
+/// the latter with kNone for their source.
 ///
 /// \param vertices   (V) anything
 /// \param triangles  (F) indices in [0, V)
-/// \throws InvalidInput  no faces, an index out of range (named), `weld` negative or not finite, or no face is left
+/// \throws InvalidInput  no faces, an index out of range (named), a length negative or not a number, or no face is left
 /// \throws Cancelled     nothing was made
 /// Cost: O(V + F) time and memory for edges of few faces; about half of `Mesh(...)` more on a sound mesh.
+///       Closing holes or handles adds O((V + F) log F).
 Mesh clean(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options, Job& job);
 
 }  // namespace isimp

@@ -1,0 +1,257 @@
+#include "close.h"
+
+#include <algorithm>
+#include <iterator>
+#include <numeric>
+#include <utility>
+
+#include "isimp/mesh/mesh.h"
+
+namespace isimp::detail {
+namespace {
+
+constexpr int kPasses = 8;
+
+double length(const Parts& parts, const std::vector<std::int32_t>& loop) {
+  double sum = 0;
+  for (std::size_t i = 0; i < loop.size(); ++i)
+    sum += (parts.vertices[loop[i]] - parts.vertices[loop[(i + 1) % loop.size()]]).norm();
+  return sum;
+}
+
+double area(const Vec3& a, const Vec3& b, const Vec3& c) { return 0.5 * (b - a).cross(c - a).norm(); }
+
+/// The components' numbers by vertex, and their areas.
+struct Components {
+  std::vector<std::int32_t> of_vertex;
+  std::vector<double> area;
+
+  Components(const Parts& parts, Job& job) : of_vertex(parts.vertices.size()) {
+    std::iota(of_vertex.begin(), of_vertex.end(), 0);
+    const auto find = [&](std::int32_t v) {
+      while (of_vertex[v] != v) v = of_vertex[v] = of_vertex[of_vertex[v]];
+      return v;
+    };
+    for_each_index(parts.triangles.size(), job, [&](std::size_t f) {
+      const auto& [a, b, c] = parts.triangles[f];
+      of_vertex[find(b)] = find(a);
+      of_vertex[find(c)] = find(a);
+    });
+    for (std::int32_t& v : of_vertex) v = find(v);
+    area.assign(of_vertex.size(), 0.0);
+    for (const auto& [a, b, c] : parts.triangles)
+      area[of_vertex[a]] += detail::area(parts.vertices[a], parts.vertices[b], parts.vertices[c]);
+  }
+};
+
+std::vector<Opening> find_holes(const Parts& parts, const Topology& topology, double longest) {
+  const auto end = [&](std::int32_t h) { return parts.triangles[h / 3][(h + 1) % 3]; };
+  std::vector<Opening> holes;
+  std::vector<bool> seen(topology.opposite.size(), false);
+  for (const std::int32_t h : topology.border) {
+    if (seen[h]) continue;
+    std::vector<std::int32_t> loop;
+    for (std::int32_t g = h; !seen[g]; g = topology.vertex_halfedge[end(g)]) {
+      seen[g] = true;
+      loop.push_back(end(g));
+    }
+    if (length(parts, loop) > longest) continue;
+    std::reverse(loop.begin(), loop.end());  // a patch runs against its neighbours
+    holes.push_back({Mend::filled_holes, {}, {std::move(loop)}, {}});
+  }
+  return holes;
+}
+
+/// Covers openings with patches that meet nothing else.
+class Closer {
+ public:
+  Closer(Parts& parts, const Topology& topology, const Components* components, Job& job)
+      : parts_(parts), topology_(topology), components_(components), job_(job) {}
+
+  /// Adds patches for those that can be closed, and returns these; the faces to be removed are still there.
+  std::vector<Opening> close(std::vector<Opening> openings) {
+    for (int plan = 0; plan < kPlans; ++plan) {
+      std::vector<Opening> covered, left;
+      for (Opening& o : openings) (find_patches(o, plan) ? covered : left).push_back(std::move(o));
+      for (bool all = false; !all;) {  // those that drop out keep their faces, which others may now meet
+        std::vector<Opening> dropped = drop_crossed(covered);
+        all = dropped.empty();
+        std::move(dropped.begin(), dropped.end(), std::back_inserter(left));
+      }
+      append(covered);
+      std::move(covered.begin(), covered.end(), std::back_inserter(closed_));
+      openings = std::move(left);
+    }
+    return std::move(closed_);
+  }
+
+ private:
+  static bool is_removed(const Opening& o, std::int32_t face) {
+    return std::binary_search(o.removed.begin(), o.removed.end(), face);
+  }
+
+  /// The third vertex of the face that stays at the edge of two vertices; kNone if there is none.
+  [[nodiscard]] std::int32_t apex(const Opening& o, std::int32_t a, std::int32_t b) const {
+    const std::int32_t start = topology_.vertex_halfedge[a];
+    std::int32_t h = start;
+    do {
+      const Triangle& t = parts_.triangles[h / 3];
+      if (std::find(t.begin(), t.end(), b) != t.end() && !is_removed(o, h / 3))
+        return *std::find_if(t.begin(), t.end(), [&](std::int32_t v) { return v != a && v != b; });
+      h = topology_.opposite[Mesh::prev(h)];
+    } while (h != kNone && h != start);
+    return kNone;
+  }
+
+  /// Finds a patch for every loop; false if some loop has none that fits.
+  bool find_patches(Opening& o, int plan) {
+    o.patches.clear();
+    for (const std::vector<std::int32_t>& loop : o.loops) {
+      job_.poll();
+      std::vector<Vec3> line, beyond;
+      for (std::size_t i = 0; i < loop.size(); ++i) {
+        const std::int32_t far = apex(o, loop[i], loop[(i + 1) % loop.size()]);
+        if (far == kNone) return false;
+        line.push_back(parts_.vertices[loop[i]]);
+        beyond.push_back(parts_.vertices[far]);
+      }
+      o.patches.push_back(cover(line, beyond, loop.size() == 3 ? 0 : plan));
+      if (o.patches.back().empty() || adds_to_an_edge(o, loop) || (components_ && is_outline(loop, o.patches.back())))
+        return false;
+    }
+    return true;
+  }
+
+  /// Whether the last patch has an inner edge that two faces have already.
+  [[nodiscard]] bool adds_to_an_edge(const Opening& o, const std::vector<std::int32_t>& loop) const {
+    const auto n = static_cast<std::int32_t>(loop.size());
+    for (const auto& t : o.patches.back().triangles)
+      for (int k = 0; k < 3; ++k) {
+        const std::int32_t a = t[k], b = t[(k + 1) % 3];
+        const bool inner = a < n && b < n && (a + 1) % n != b && (b + 1) % n != a;
+        if (inner && apex(o, loop[a], loop[b]) != kNone) return true;
+      }
+    return false;
+  }
+
+  /// Whether the loop is rather the outline of its part than a hole in it.
+  [[nodiscard]] bool is_outline(const std::vector<std::int32_t>& loop, const Patch& patch) const {
+    std::vector<Vec3> points;
+    for (const std::int32_t v : loop) points.push_back(parts_.vertices[v]);
+    points.insert(points.end(), patch.inner.begin(), patch.inner.end());
+    double sum = 0;
+    for (const auto& [a, b, c] : patch.triangles) sum += area(points[a], points[b], points[c]);
+    return sum > kLargestShare * components_->area[components_->of_vertex[loop[0]]];
+  }
+
+  void append(const std::vector<Opening>& openings) {
+    for (const Opening& o : openings)
+      for (std::size_t i = 0; i < o.loops.size(); ++i) {
+        const auto n = static_cast<std::int32_t>(o.loops[i].size());
+        const auto first = static_cast<std::int32_t>(parts_.vertices.size());
+        parts_.vertices.insert(parts_.vertices.end(), o.patches[i].inner.begin(), o.patches[i].inner.end());
+        parts_.source_vertex.resize(parts_.vertices.size(), kNone);
+        for (const auto& t : o.patches[i].triangles) {
+          Triangle face;
+          for (int k = 0; k < 3; ++k) face[k] = t[k] < n ? o.loops[i][t[k]] : first + t[k] - n;
+          parts_.triangles.push_back(face);
+          parts_.source_face.push_back(kNone);
+        }
+      }
+  }
+
+  /// Takes those out of `openings` whose patches meet something, and returns them.
+  std::vector<Opening> drop_crossed(std::vector<Opening>& openings) {
+    if (openings.empty()) return {};
+    const std::size_t vertices = parts_.vertices.size(), faces = parts_.triangles.size();
+    append(openings);
+    const std::size_t fresh = parts_.triangles.size() - faces;
+    std::vector<char> removed(parts_.triangles.size(), 0);
+    for (const std::vector<Opening>* all : {&std::as_const(closed_), &std::as_const(openings)})
+      for (const Opening& o : *all)
+        for (const std::int32_t f : o.removed) removed[f] = 1;
+    const std::vector<char> crossed = find_crossed(parts_.vertices, parts_.triangles, removed, fresh, job_);
+    parts_.vertices.resize(vertices);
+    parts_.source_vertex.resize(vertices);
+    parts_.triangles.resize(faces);
+    parts_.source_face.resize(faces);
+
+    std::vector<Opening> kept, dropped;
+    auto at = crossed.begin();
+    for (Opening& o : openings) {
+      auto end = at;
+      for (const Patch& p : o.patches) end += static_cast<std::ptrdiff_t>(p.triangles.size());
+      (std::find(at, end, 1) == end ? kept : dropped).push_back(std::move(o));
+      at = end;
+    }
+    openings = std::move(kept);
+    return dropped;
+  }
+
+  static constexpr double kLargestShare = 0.5;  // of its part that a hole may be
+
+  Parts& parts_;
+  const Topology& topology_;
+  const Components* components_;  // where holes are told from outlines
+  Job& job_;
+  std::vector<Opening> closed_;
+};
+
+/// Drops the faces that openings take out, and the vertices that nothing uses any more.
+void drop_removed(Parts& parts, const std::vector<Opening>& closed) {
+  std::vector<char> removed(parts.triangles.size(), 0), used(parts.vertices.size(), 0);
+  for (const Opening& o : closed)
+    for (const std::int32_t f : o.removed) removed[f] = 1;
+  std::size_t kept = 0;
+  for (std::size_t f = 0; f < removed.size(); ++f) {
+    if (removed[f]) continue;
+    for (const std::int32_t v : parts.triangles[f]) used[v] = 1;
+    parts.triangles[kept] = parts.triangles[f];
+    parts.source_face[kept++] = parts.source_face[f];
+  }
+  parts.triangles.resize(kept);
+  parts.source_face.resize(kept);
+  std::vector<std::int32_t> renamed(used.size(), kNone);
+  kept = 0;
+  for (std::size_t v = 0; v < used.size(); ++v) {
+    if (!used[v]) continue;
+    parts.vertices[kept] = parts.vertices[v];
+    parts.source_vertex[kept] = parts.source_vertex[v];
+    renamed[v] = static_cast<std::int32_t>(kept++);
+  }
+  parts.vertices.resize(kept);
+  parts.source_vertex.resize(kept);
+  for (Triangle& t : parts.triangles)
+    for (std::int32_t& v : t) v = renamed[v];
+}
+
+void fill(std::vector<std::int32_t>& source, std::size_t n) {
+  if (!source.empty()) return;
+  source.resize(n);
+  std::iota(source.begin(), source.end(), 0);
+}
+
+}  // namespace
+
+void close_small(Parts& parts, const CleanOptions& options, RepairLog& log, Job& job) {
+  fill(parts.source_face, parts.triangles.size());
+  fill(parts.source_vertex, parts.vertices.size());
+  if (options.fill_holes > 0) {
+    const Topology topology = find_topology(parts.vertices.size(), parts.triangles, job);
+    const Components components(parts, job);
+    Closer closer(parts, topology, &components, job);
+    for (const Opening& o : closer.close(find_holes(parts, topology, options.fill_holes)))
+      log.add(o.kind, parts.source_face[topology.vertex_halfedge[o.loops[0][0]] / 3]);
+  }
+  // Cutting one handle may leave another that was too near it, so that a few passes are made.
+  for (int pass = 0; options.cut_handles > 0 && pass < kPasses; ++pass) {
+    const Topology topology = find_topology(parts.vertices.size(), parts.triangles, job);
+    Closer closer(parts, topology, nullptr, job);
+    const std::vector<Opening> closed = closer.close(find_handles(parts, topology, options.cut_handles, job));
+    for (const Opening& o : closed) log.add(o.kind, parts.source_face[o.removed[0]]);
+    drop_removed(parts, closed);
+    if (closed.empty()) break;
+  }
+}
+
+}  // namespace isimp::detail
