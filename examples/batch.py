@@ -1,6 +1,6 @@
 """Simplifies a scan in the background of Blender.
 
-    blender -b --python examples/batch.py -- IN OUT [OUT ...] --proxies N [--picture P.png]
+    blender -b --python examples/batch.py -- IN OUT [OUT ...] --proxies N | --recipe R.json [--picture P.png]
 
 IN is any format that Blender reads, or .off. OUT are .obj, .ply, .glb, in the axes of IN, or .blend, which keeps the
 scan and its coloured regions. Ends with 0; 2 for wrong usage; 3 for a scan that can't be used, and a line saying why.
@@ -36,6 +36,7 @@ READERS = {
     ".usda": ("wm.usd_import",),
     ".usdz": ("wm.usd_import",),
 }
+PROXIES = 200
 METHODS = ("hierarchy", "teleport", "lloyd")
 WRITERS = (".blend", ".obj", ".ply", ".glb")
 Z_UP = {".ply", ".stl", ".off"}  # read as they are; all others are turned by Blender to have Z upwards
@@ -49,7 +50,10 @@ def arguments(argv):
     parser = argparse.ArgumentParser(prog="blender -b --python batch.py --", description=__doc__.split("\n")[0])
     parser.add_argument("input", type=Path, metavar="IN", help="the scan, in any format that Blender reads")
     parser.add_argument("outputs", type=Path, nargs="+", metavar="OUT", help=f"files to write: {', '.join(WRITERS)}")
-    parser.add_argument("--proxies", type=int, default=200, metavar="N", help="how many regions (default 200)")
+    parser.add_argument(
+        "--proxies", type=int, default=PROXIES, metavar="N", help=f"how many regions (default {PROXIES})"
+    )
+    parser.add_argument("--recipe", type=Path, metavar="R.json", help="the steps to do, as the add-on exports them")
     parser.add_argument("--method", choices=METHODS, help="how regions are found (default hierarchy)")
     parser.add_argument("--seed", type=int, help="number that starts the random choice of teleport and lloyd")
     parser.add_argument("--iterations", type=int, help="the most rounds of flooding and fitting (default 20)")
@@ -199,8 +203,16 @@ def simplify(options):
     for name, least in (("proxies", 1), ("iterations", 1), ("seed", 0)):
         if settings.get(name, least) < least:
             raise Problem(f"--{name} must be at least {least}, got {settings[name]}")
-    call("isimp.partition", **settings)
-    call("isimp.mesh")
+    if options.recipe is None:
+        call("isimp.partition", **settings)
+        call("isimp.mesh")
+        return bpy.context.object
+    if settings.keys() - {"proxies"} or options.proxies != PROXIES:
+        raise Problem("--recipe says how it is done: leave out --proxies, --method, --seed and --iterations")
+    scan = bpy.context.object
+    call("isimp.replay", recipe=options.recipe.read_text(encoding="utf-8"), strict=True)
+    if bpy.context.object == scan:
+        call("isimp.mesh")
     return bpy.context.object
 
 

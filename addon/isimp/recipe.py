@@ -146,8 +146,16 @@ class Recipe:
         """The recipe with one more step. A partition starts anew; nothing comes after Mesh but another Mesh."""
         if isinstance(step, Partition):
             return Recipe((step,))
-        kept = self.steps[:-1] if self.steps and isinstance(self.steps[-1], Mesh) else self.steps
-        return Recipe((*kept, step))
+        return Recipe((*self.without_mesh().steps, step))
+
+    def ends_in_mesh(self) -> bool:
+        """Whether polygons are what it gives."""
+        active = self.active()
+        return bool(active) and isinstance(active[-1][1], Mesh)
+
+    def without_mesh(self) -> Recipe:
+        """The recipe without the Mesh step at its end, if it has one."""
+        return Recipe(self.steps[:-1]) if self.steps and isinstance(self.steps[-1], Mesh) else self
 
     def active(self) -> tuple[tuple[int, Step], ...]:
         """The steps that are switched on, each with its index."""

@@ -56,6 +56,11 @@ class Scan:
         digest.update(str(self.face_count).encode())
         return digest.hexdigest()
 
+    @cached_property
+    def edges(self) -> tuple[np.ndarray, np.ndarray]:
+        """(E, 2) triangles that share an edge, (E, 2) the vertices of that edge."""
+        return view.shared_edges(self.triangles)
+
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
@@ -179,7 +184,7 @@ def _prepare(scan: Scan, watch: Watch, begin: float, end: float) -> Prepared:
     mesh = _engine_call(watch, begin, middle, "reading the mesh", engine.clean, scan.vertices, scan.triangles)
     with watch.part("reading the mesh", middle, end):
         mesh_face = scan.triangle_face[mesh.source_face]
-        pairs = scan.triangle_face[view.shared_edges(scan.triangles)[0]]
+        pairs = scan.triangle_face[scan.edges[0]]
         pairs = pairs[pairs[:, 0] != pairs[:, 1]]
         face_triangle = np.full(scan.face_count, -1, np.int32)
         if len(scan.triangles) == scan.face_count and len(np.unique(mesh_face)) == len(mesh_face):

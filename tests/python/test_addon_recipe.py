@@ -72,3 +72,11 @@ def test_a_step_switched_off_is_saved_as_such():
     values = json.loads(FULL.to_json())["steps"]
     assert [values[2].get("enabled"), "enabled" in values[1]] == [False, False]
     assert [index for index, _ in FULL.active()] == [0, 1, 3]
+
+
+def test_a_recipe_without_its_mesh():
+    regions = Recipe((Partition(), AddProxy(face=3)))
+    meshed = regions.then(Mesh())
+    assert meshed.without_mesh() == regions == regions.without_mesh()
+    assert (meshed.ends_in_mesh(), regions.ends_in_mesh(), Recipe().ends_in_mesh()) == (True, False, False)
+    assert not Recipe((*regions.steps, Mesh(enabled=False))).ends_in_mesh()

@@ -2,9 +2,9 @@
 
 import bpy
 
-from . import display, operators, panel, runtime, settings, store
+from . import display, live, operators, panel, runtime, settings, store
 
-_CLASSES = (*store.CLASSES, *settings.CLASSES, *operators.CLASSES, *panel.CLASSES)
+_CLASSES = (*store.CLASSES, *settings.CLASSES, *operators.CLASSES, *live.CLASSES, *panel.CLASSES)
 
 
 def register():
@@ -14,9 +14,11 @@ def register():
     store.register()
     settings.register()
     display.register()
+    live.register()
 
 
 def unregister():
+    live.unregister()
     display.unregister()
     settings.unregister()
     store.unregister()

@@ -5,6 +5,7 @@ import bpy
 import numpy as np
 
 from ..session import Scan
+from . import runtime
 
 REGION, COLOR = "isimp_region", "isimp_color"
 STATE = ".isimp_state"  # which recipe led to the regions; see store.py
@@ -37,7 +38,7 @@ def read(context, obj) -> Scan:
     if obj.mode == "EDIT":
         obj.update_from_editmode()
     face_count = len(obj.data.polygons)
-    if obj.data.shape_keys is None and not any(modifier.show_viewport for modifier in obj.modifiers):
+    if not has_modifiers(obj):
         vertices, triangles, faces = _arrays(obj.data)
     else:
         vertices, triangles, faces = _evaluated_arrays(context, obj)
@@ -46,9 +47,20 @@ def read(context, obj) -> Scan:
     return Scan(vertices, triangles, faces, face_count)
 
 
-def _arrays(mesh):
+def has_modifiers(obj) -> bool:
+    """Whether what is seen of an object differs from its mesh."""
+    return obj.data.shape_keys is not None or any(modifier.show_viewport for modifier in obj.modifiers)
+
+
+def points(mesh) -> np.ndarray:
+    """(3 V,) float32 coordinates."""
     vertices = np.empty(3 * len(mesh.vertices), np.float32)
     mesh.vertices.foreach_get("co", vertices)
+    return vertices
+
+
+def _arrays(mesh):
+    vertices = points(mesh)
     if len(mesh.loops) == 3 * len(mesh.polygons):
         triangles = np.empty(len(mesh.loops), np.int32)
         corners = mesh.attributes.get(".corner_vert")  # 20 times as fast as loops, where it exists
@@ -146,16 +158,82 @@ def write_regions(obj, face_region: np.ndarray, face_color: np.ndarray, state: i
     show_color(obj.data)
 
 
+class Kept:
+    """Regions, colours and state of a scan in object mode, to give back; edit mode's undo needs none of it."""
+
+    def __init__(self, obj):
+        self.name, self.state = obj.name, state_of(obj)
+        layer = obj.data.attributes.get(COLOR)
+        self.empty = obj.mode == "EDIT" or layer is None
+        if not self.empty:
+            self.region = read_regions(obj)
+            self.color = np.empty(4 * len(layer.data), np.float32)
+            layer.data.foreach_get("color", self.color)
+
+    def give_back(self) -> None:
+        obj = bpy.data.objects.get(self.name)
+        if self.empty or obj is None or obj.mode == "EDIT" or len(obj.data.polygons) != len(self.region):
+            return
+        _write_ints(obj.data, self.region, self.state)
+        _layer(obj.data, COLOR, "FLOAT_COLOR", "CORNER").data.foreach_set("color", self.color)
+        _updated(obj.data)
+
+
+def write_state(obj, state: int) -> None:
+    """Puts another state beside the regions, which stay."""
+    if obj.mode == "EDIT":
+        edit = bmesh.from_edit_mesh(obj.data)
+        stamp = edit.faces.layers.int.get(STATE) or edit.faces.layers.int.new(STATE)
+        for face in edit.faces:
+            face[stamp] = state
+        bmesh.update_edit_mesh(obj.data, loop_triangles=False, destructive=False)
+    else:
+        count = len(obj.data.polygons)
+        _layer(obj.data, STATE, "INT", "FACE").data.foreach_set("value", np.full(count, state, np.int32))
+        _updated(obj.data)
+
+
+def clear_regions(obj) -> None:
+    """Takes regions, their colours and the state from the mesh, and shows again the colours that were shown before."""
+    if obj.mode == "EDIT":
+        edit = bmesh.from_edit_mesh(obj.data)
+        for layers, name in (
+            (edit.faces.layers.int, REGION),
+            (edit.faces.layers.int, STATE),
+            (edit.loops.layers.float_color, COLOR),
+        ):
+            if layers.get(name) is not None:
+                layers.remove(layers[name])
+        bmesh.update_edit_mesh(obj.data, loop_triangles=False, destructive=False)
+    else:
+        for name in (REGION, STATE, COLOR):
+            layer = obj.data.attributes.get(name)
+            if layer is not None:
+                obj.data.attributes.remove(layer)
+        _updated(obj.data)
+    give_color_back(obj.data)
+
+
 def _write_layers(mesh, face_region, face_color, state) -> None:
     count = len(mesh.polygons)
     corners = np.full(count, 3, np.int32)
     if len(mesh.loops) != 3 * count:
         mesh.polygons.foreach_get("loop_total", corners)
-    _layer(mesh, REGION, "INT", "FACE").data.foreach_set("value", face_region.astype(np.int32))
-    _layer(mesh, STATE, "INT", "FACE").data.foreach_set("value", np.full(count, state, np.int32))
+    _write_ints(mesh, face_region, state)
     colors = np.repeat(face_color.astype(np.float32), corners, axis=0)
     _layer(mesh, COLOR, "FLOAT_COLOR", "CORNER").data.foreach_set("color", colors.ravel())
+    _updated(mesh)
+
+
+def _updated(mesh) -> None:
+    """Tells Blender that layers of a mesh have changed, and nothing else of it."""
+    runtime.get().own_writes.add(mesh.name)
     mesh.update()
+
+
+def _write_ints(mesh, face_region, state) -> None:
+    _layer(mesh, REGION, "INT", "FACE").data.foreach_set("value", face_region.astype(np.int32))
+    _layer(mesh, STATE, "INT", "FACE").data.foreach_set("value", np.full(len(face_region), state, np.int32))
 
 
 def _layer(mesh, name, kind, domain):

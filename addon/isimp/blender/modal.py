@@ -10,7 +10,8 @@ import bpy
 
 from ..session import StepFailed
 from ..task import Status, Stopped, Task
-from . import mesh_io, runtime, store, targets
+from . import mesh_io, pending, reading, runtime, store, targets
+from .show import show_failed
 
 log = logging.getLogger("isimp")
 _AT_ONCE = 0.15  # seconds: shorter work needs no progress bar
@@ -23,7 +24,7 @@ class Work:
     def __init__(self, context, obj, recipe):
         self.name, self.recipe = obj.name, recipe
         self.state = mesh_io.state_of(obj)
-        self.scan = mesh_io.read(context, obj)
+        self.scan = reading.read(context, obj)
         self.task = None
 
     def run(self, watch=None):
@@ -57,6 +58,9 @@ class RecipeOperator:
 
     bl_options = {"REGISTER", "UNDO"}
 
+    #: Whether the recipe is kept if one of its steps can't be done: it is marked, and what was seen before stays
+    keeps_failed = False
+
     @classmethod
     def poll(cls, context):
         scan, problem = targets.find(context)
@@ -77,7 +81,7 @@ class RecipeOperator:
         try:
             outcome = work.run()
         except Exception as error:  # noqa: BLE001  (no step may show its user a traceback)
-            return self._refuse(error)
+            return self._refuse(context, work, error)
         return self._finish(context, work, outcome)
 
     def invoke(self, context, event):
@@ -123,6 +127,7 @@ class RecipeOperator:
         if problem:
             self.report({"ERROR"}, problem)
             return None
+        pending.interrupt()
         try:
             return Work(context, scan, self.wanted(context, scan))
         except (mesh_io.Unusable, ValueError) as problem:
@@ -133,10 +138,13 @@ class RecipeOperator:
         """The thread has ended: takes up what it left."""
         task = self._work.task
         if task.error is not None:
-            return self._refuse(task.error)
+            return self._refuse(context, self._work, task.error)
         return self._finish(context, self._work, task.result)
 
-    def _refuse(self, error: Exception):
+    def _refuse(self, context, work, error: Exception):
+        pending.go_on()
+        if isinstance(error, StepFailed) and self.keeps_failed:
+            return self._keep(context, work, error)
         if isinstance(error, Stopped):
             self.report({"INFO"}, "Stopped. Nothing was changed.")
         elif isinstance(error, (StepFailed, ValueError)):
@@ -146,15 +154,30 @@ class RecipeOperator:
             self.report({"ERROR"}, f"A fault in iSimp: {type(error).__name__}: {error}. Nothing was changed.")
         return {"CANCELLED"}
 
-    def _finish(self, context, work, outcome):
-        obj = work.target()
+    def _keep(self, context, work, error: StepFailed):
+        obj = self._target(work)
         if obj is None:
-            self.report({"WARNING"}, f"'{work.name}' was changed or removed meanwhile: the result was dropped.")
+            return {"CANCELLED"}
+        show_failed(context, obj, work, error)
+        pending.follow(context)
+        self.report({"WARNING"}, f"{str(error).rstrip('.')}. The last good result stays.")
+        return {"FINISHED"}
+
+    def _finish(self, context, work, outcome):
+        obj = self._target(work)
+        if obj is None:
             return {"CANCELLED"}
         before = store.numbers(obj)
         self.show(context, obj, work, outcome)
+        pending.follow(context)
         self.report({"INFO"}, self.told(before, outcome.numbers))
         return {"FINISHED"}
+
+    def _target(self, work):
+        obj = work.target()
+        if obj is None:
+            self.report({"WARNING"}, f"'{work.name}' was changed or removed meanwhile: the result was dropped.")
+        return obj
 
 
 def _show_progress(context, text) -> None:

@@ -1,6 +1,36 @@
 """What lives as long as the add-on is switched on: made by `start`, dropped by `stop`."""
 
+import time
+from contextlib import contextmanager
+
 from ..session import Session
+
+
+class Live:
+    """Whether a setting in the panel was changed, and what is shown of it before it settles; see live.py."""
+
+    def __init__(self):
+        self.touched = 0.0  #: when a setting was changed last
+        self.work = None  #: what is being computed for it
+        self.before = None  #: what the scan showed before, while that is not yet a step to undo
+        self.wake = None  #: called when a setting was changed; None where there are no timers
+        self.pending = False  #: whether a setting was changed that is no step to undo yet
+        self.scan = ""  #: whose settings the panel shows
+        self._quiet = False
+
+    def touch(self) -> None:
+        if self.wake is not None and not self._quiet:
+            self.touched, self.pending = time.monotonic(), True
+            self.wake()
+
+    @contextmanager
+    def quiet(self):
+        """Settings changed meanwhile are changed by the add-on, not by its user."""
+        before, self._quiet = self._quiet, True
+        try:
+            yield
+        finally:
+            self._quiet = before
 
 
 class Runtime:
@@ -9,6 +39,9 @@ class Runtime:
         self.running = None  #: the modal operator's Work while there is one
         self.nodes = {}  #: what store.py knows beyond what undo takes back
         self.recipes = {}  #: state -> Recipe, parsed
+        self.live = Live()
+        self.scans = {}  #: object's name -> what was read of it last; see reading.py
+        self.own_writes = set()  #: names of meshes whose next change is the add-on's own
 
 
 _current = None
@@ -21,8 +54,10 @@ def start() -> None:
 
 def stop() -> None:
     global _current  # noqa: PLW0603
-    if _current is not None and _current.running is not None:
-        _current.running.abandon()
+    if _current is not None:
+        for work in (_current.running, _current.live.work):
+            if work is not None:
+                work.abandon()
     _current = None
 
 

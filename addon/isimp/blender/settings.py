@@ -1,11 +1,17 @@
-"""The settings of each step as Blender's properties: shared by operators and the panel, so that both agree."""
+"""The settings of each step as Blender's properties: shared by operators and the panel, so that both agree.
+
+Those of the panel call `changed` when they are, which re-runs the recipe (see live.py).
+"""
 
 import dataclasses
+import math
+import struct
 
 import bpy
-from bpy.props import EnumProperty, FloatProperty, IntProperty, PointerProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
 from .. import recipe as rcp
+from . import runtime
 
 _PARTITION, _MESH = rcp.Partition(), rcp.Mesh()
 
@@ -88,36 +94,132 @@ class MeshSettings:
     )
 
 
-class IsimpPartition(PartitionSettings, bpy.types.PropertyGroup):
-    """Settings of Partition in the panel"""
+def changed(self, context) -> None:
+    """A setting in the panel was changed, by hand or by `to_panel`."""
+    current = runtime.get()
+    if current is not None:
+        current.live.touch()
 
 
-class IsimpMeshing(MeshSettings, bpy.types.PropertyGroup):
-    """Settings of Mesh in the panel"""
+def _watched(settings: type) -> dict:
+    """The properties of a class of settings, each of which calls `changed`."""
+    return {
+        name: prop.function(**prop.keywords | {"update": changed}) for name, prop in settings.__annotations__.items()
+    }
 
 
-class IsimpPanel(bpy.types.PropertyGroup):
-    """What the panel shows"""
+def _plain(cls) -> type:
+    """Settings of a step that has none of its own here: one property for each field that one can hold."""
+    kinds = {"int": IntProperty, "float": FloatProperty, "str": StringProperty, "bool": BoolProperty}
+    made = {}
+    for field in dataclasses.fields(cls):
+        if field.name != "enabled" and field.type in kinds:
+            more = {"default": field.default} if field.default is not dataclasses.MISSING else {}
+            limits = {"min": 0} if field.type in {"int", "float"} and more.get("default", 0) >= 0 else {}
+            made[field.name] = kinds[field.type](name=_words(field.name), **more, **limits)
+    return type(f"{cls.__name__}Settings", (), {"__annotations__": made})
 
-    partition: PointerProperty(type=IsimpPartition)
-    meshing: PointerProperty(type=IsimpMeshing)
+
+def _words(name: str) -> str:
+    return name.replace("_", " ").title()
+
+
+def _group(cls) -> type:
+    """The property group that holds the settings of a step in the panel."""
+    annotations = _watched(_SETTINGS.get(cls) or _plain(cls))
+    return type(f"Isimp{cls.__name__}", (bpy.types.PropertyGroup,), {"__annotations__": annotations})
+
+
+_SETTINGS = {rcp.Partition: PartitionSettings, rcp.Mesh: MeshSettings}
+_GROUPS = {cls: _group(cls) for cls in rcp.KINDS}
+_KNOWN = {cls: frozenset(group.__annotations__) for cls, group in _GROUPS.items()}
+
+
+class _Shown:
+    live: BoolProperty(
+        name="Live",
+        description="Show what a changed setting gives at once, as it is dragged; what follows it is done again",
+        default=True,
+    )
+    open_step: IntProperty(default=-1)
+    all_steps: BoolProperty(name="All Steps", description="List all steps, not only the last ones")
+
+
+def _panel() -> type:
+    """The group of all that the panel shows: the settings of each step, and how it is shown."""
+    steps = {kind: PointerProperty(type=_GROUPS[cls]) for cls, kind in rcp.KINDS.items()}
+    return type("IsimpPanel", (bpy.types.PropertyGroup,), {"__annotations__": steps | _Shown.__annotations__})
+
+
+IsimpPanel = _panel()
+
+
+def group(context, cls):
+    """The panel's settings of a step."""
+    return getattr(context.window_manager.isimp, rcp.KINDS[cls])
+
+
+def names(cls) -> list:
+    """The settings of a step that have a property, in order."""
+    return [field.name for field in dataclasses.fields(cls) if field.name in _KNOWN[cls]]
 
 
 def to_step(cls, properties):
     """The step of a class with the values of properties of the same names."""
-    names = [field.name for field in dataclasses.fields(cls) if field.name != "enabled"]
-    values = {name: getattr(properties, name) for name in names}
+    values = {name: getattr(properties, name) for name in names(cls) if hasattr(properties, name)}
     return cls(**{name: round(value, 6) if isinstance(value, float) else value for name, value in values.items()})
 
 
+def updated(step, properties):
+    """The step with what properties of the same names say; a float that a property can't tell apart is kept."""
+    cls = type(step)
+    new = to_step(cls, properties)
+    values = {name: getattr(new, name) for name in names(cls) if not _alike(getattr(new, name), getattr(step, name))}
+    return dataclasses.replace(step, **values) if values else step
+
+
+def _alike(a, b) -> bool:
+    if isinstance(a, float) and isinstance(b, (float, int)) and math.isfinite(b):
+        return a == b or round(struct.unpack("f", struct.pack("f", b))[0], 6) == a
+    return a == b
+
+
 def copy(cls, source, target) -> None:
-    """Copies the settings of a step from one holder to another."""
-    for field in dataclasses.fields(cls):
-        if field.name != "enabled":
-            setattr(target, field.name, getattr(source, field.name))
+    """Copies the settings of a step from one holder (a step, too) to another."""
+    for name in names(cls):
+        if hasattr(target, name) and getattr(target, name) != getattr(source, name):
+            setattr(target, name, getattr(source, name))
 
 
-CLASSES = (IsimpPartition, IsimpMeshing, IsimpPanel)
+def shown_step(recipe, cls):
+    """(index, step) that the panel's settings of a class stand for: the open step, else the last one; or None."""
+    open_step = bpy.context.window_manager.isimp.open_step
+    if 0 <= open_step < len(recipe.steps) and type(recipe.steps[open_step]) is cls:
+        return open_step, recipe.steps[open_step]
+    found = [(index, step) for index, step in enumerate(recipe.steps) if type(step) is cls]
+    return found[-1] if found else None
+
+
+def to_panel(context, recipe) -> None:
+    """Shows the settings of a recipe's steps in the panel, without re-running anything."""
+    with runtime.get().live.quiet():
+        for cls in _GROUPS:
+            found = shown_step(recipe, cls)
+            if found is not None:
+                copy(cls, found[1], group(context, cls))
+
+
+def from_panel(context, recipe):
+    """The recipe with the settings that the panel shows."""
+    steps = list(recipe.steps)
+    for cls in _GROUPS:
+        found = shown_step(recipe, cls)
+        if found is not None:
+            steps[found[0]] = updated(found[1], group(context, cls))
+    return type(recipe)(tuple(steps))
+
+
+CLASSES = (*_GROUPS.values(), IsimpPanel)
 
 
 def register() -> None:

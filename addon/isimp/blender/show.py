@@ -1,6 +1,7 @@
 """How an outcome comes to the screen: regions on the scan, or polygons as an object beside it."""
 
 import uuid
+from dataclasses import replace
 
 import bpy
 import numpy as np
@@ -32,6 +33,22 @@ def show_polygons(context, scan, work, outcome) -> None:
     mesh_io.give_color_back(scan.data)
     bring_to_front(context, result, scan)
     display.give_back(context)
+
+
+def show_outcome(context, scan, work, outcome) -> None:
+    """Shows what a recipe gave: polygons if it ends in Mesh, else regions."""
+    (show_regions if outcome.polygons is None else show_polygons)(context, scan, work, outcome)
+
+
+def show_failed(context, scan, work, error) -> None:
+    """Keeps a recipe of which a step can't be done, with the reason; what is seen stays, as the last good result."""
+    failed = {"failed": error.index, "reason": error.reason}
+    outcome = error.outcome
+    if mesh_io.state_of(scan) or outcome is None:
+        state = store.save(scan, work.recipe, store.numbers(scan) | failed)
+        mesh_io.write_state(scan, state)
+    else:  # nothing was seen before
+        show_regions(context, scan, work, replace(outcome, numbers=outcome.numbers | failed))
 
 
 def bring_to_front(context, shown, hidden) -> None:

@@ -83,13 +83,19 @@ def has_regions(scan) -> bool:
     return recipe is None or bool(recipe.steps)
 
 
-def needs_regions(scan) -> str:
-    """Why the regions of a scan can't be worked on; empty if they can."""
+def needs_steps(scan) -> str:
+    """Why the recipe of a scan can't be worked on; empty if it can."""
     recipe = store.load(scan)
     if recipe is None:
         return "It is not known how these regions were made: press Partition to start again"
-    if not recipe.steps:
-        return "There are no regions yet: press Partition first"
+    return "" if recipe.steps else "There are no regions yet: press Partition first"
+
+
+def needs_regions(scan) -> str:
+    """Why the regions of a scan can't be worked on; empty if they can."""
+    missing = needs_steps(scan)
+    if missing:
+        return missing
     known, now = store.numbers(scan).get("faces"), len(scan.data.polygons)
     if scan.mode == "OBJECT" and known is not None and known != now:
         return f"'{scan.name}' has changed since ({known:,} -> {now:,} faces): press Partition to start again"

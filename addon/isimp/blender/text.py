@@ -5,7 +5,7 @@ import textwrap
 import bpy
 
 
-def wrapped(message: str, width: int = 34) -> list:
+def wrapped(message: str, width: int) -> list:
     return textwrap.wrap(message, width)
 
 
@@ -13,17 +13,52 @@ def _count(number: int, one: str) -> str:
     return f"{number:,} {one}{'' if number == 1 else 's'}"
 
 
-def scan_lines(mesh, numbers: dict) -> list:
+def scan_line(mesh, numbers: dict) -> str:
     """What the add-on sees in a scan; parts and holes once it has looked at it."""
     triangles = len(mesh.loops) - 2 * len(mesh.polygons)
-    lines = [_count(triangles, "triangle")]
-    if "components" in numbers and numbers.get("faces") == len(mesh.polygons):
-        holes = "closed" if numbers["closed"] else _count(numbers["border_loops"], "hole")
-        lines = [f"{_count(numbers['triangles'], 'triangle')} · {_count(numbers['components'], 'part')} · {holes}"]
-        mended = sum(numbers.get("repairs", {}).values())
-        if mended:
-            lines.append(f"{_count(mended, 'fault')} mended for the result")
+    if not _looked_at(mesh, numbers):
+        return _count(triangles, "triangle")
+    holes = "closed" if numbers["closed"] else _count(numbers["border_loops"], "hole")
+    return f"{_count(numbers['triangles'], 'triangle')} · {_count(numbers['components'], 'part')} · {holes}"
+
+
+def warnings(mesh, numbers: dict) -> list:
+    """What is amiss with a scan, and what is done about it."""
+    if not _looked_at(mesh, numbers):
+        return []
+    mended, left_out = sum(numbers.get("repairs", {}).values()), numbers.get("left_out", 0)
+    lines = []
+    if mended:
+        lines.append(f"{_count(mended, 'fault')} mended for the result; the scan stays as it is")
+    if left_out:
+        lines.append(f"{_count(left_out, 'face')} left out, as specks or faults: grey on the scan, not in the result")
     return lines
+
+
+def _looked_at(mesh, numbers: dict) -> bool:
+    return "components" in numbers and numbers.get("faces") == len(mesh.polygons)
+
+
+def report_lines(numbers: dict, system: str, scale: float) -> list:
+    """(line, whether something is amiss) of the polygons that Mesh made; nothing before it."""
+    if "polygons" not in numbers:
+        return []
+    each = numbers["corners"] / max(1, numbers["polygons"])
+    flat, worst = (amount(numbers, name, system, scale) for name in ("planarity_mean", "planarity_max"))
+    sound = "Closed" if numbers["closed"] else "Open, as the scan is"
+    sound = sound if numbers["manifold"] else "Polygons meet where they should not (not manifold)"
+    return [
+        (f"{_count(numbers['polygons'], 'polygon')} · {each:.1f} corners each", False),
+        (f"Flat to {flat} (worst {worst})", False),
+        (sound, not numbers["manifold"]),
+    ]
+
+
+def amount(numbers: dict, name: str, system: str, scale: float) -> str:
+    """A length of the numbers in the scene's units, or in percent of the diagonal where it has none."""
+    if system == "NONE" and numbers.get("diagonal"):
+        return f"{100 * numbers[name] / numbers['diagonal']:.2g} %"
+    return length(numbers[name], system, scale)
 
 
 def length(value: float, system: str, scale: float) -> str:
@@ -38,12 +73,8 @@ def number_rows(numbers: dict, system: str, scale: float) -> list:
         return []
     rows = [("Regions", f"{numbers['regions']:,}")]
     if "polygons" in numbers:
-        rows.append(("Polygons", f"{numbers['polygons']:,}"))
-        rows.append(("Corners each", f"{numbers['corners'] / max(1, numbers['polygons']):.1f}"))
-        for name, key in (("Flat to", "planarity_mean"), ("Worst", "planarity_max")):
-            share = 100 * numbers[key] / numbers["diagonal"] if numbers["diagonal"] else 0.0
-            rows.append((name, f"{length(numbers[key], system, scale)} ({share:.2g} %)"))
-        rows.append(("Surface", "closed" if numbers["closed"] else "open"))
+        rows += [("Polygons", f"{numbers['polygons']:,}"), ("Corners", f"{numbers['corners']:,}")]
+        rows += [("Vertices", f"{numbers['vertices']:,}")]
     rows.append(("Error", f"{numbers['error']:.4g}"))
     if numbers.get("left_out"):
         rows.append(("Left out", _count(numbers["left_out"], "face")))

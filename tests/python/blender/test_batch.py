@@ -1,5 +1,6 @@
 """The batch example: files in, files and a picture out."""
 
+import json
 import sys
 from pathlib import Path
 
@@ -96,6 +97,36 @@ def test_meshes_keep_the_axes_of_what_was_read(kind, tmp_path):
     assert corners(ply_points(tmp_path / "out.ply")) == pytest.approx(wanted, abs=1e-3)
     faces = [line for line in (tmp_path / "out.obj").read_text().splitlines() if line.startswith("f ")]
     assert sorted(len(line.split()) - 1 for line in faces) == [4] * 6
+
+
+RECIPE = {"isimp_recipe": 1, "steps": [{"step": "partition", "proxies": 6}, {"step": "add_proxy", "face": 3}]}
+
+
+def test_a_recipe_says_what_is_done(tmp_path):
+    export(".ply", tmp_path / "cube.ply")
+    (tmp_path / "r.json").write_text(json.dumps(RECIPE))
+    assert run(tmp_path / "cube.ply", tmp_path / "out.blend", "--recipe", tmp_path / "r.json") == 0
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "out.blend"))
+    assert len(bpy.context.view_layer.objects.active.data.polygons) == 7
+
+
+@pytest.mark.parametrize(
+    ("change", "more", "message"),
+    [
+        ({"face": 99999}, [], "there is no face 99999"),
+        ({"step": "magic"}, [], "'magic' is not a step"),
+        ({}, ["--proxies", "9"], "leave out --proxies"),
+        (None, [], "r.json"),
+    ],
+)
+def test_a_recipe_that_cannot_be_done_writes_nothing(change, more, message, tmp_path, capsys):
+    export(".ply", tmp_path / "cube.ply")
+    if change is not None:
+        steps = [RECIPE["steps"][0], RECIPE["steps"][1] | change]
+        (tmp_path / "r.json").write_text(json.dumps(RECIPE | {"steps": steps}))
+    assert run(tmp_path / "cube.ply", tmp_path / "out.obj", "--recipe", tmp_path / "r.json", *more) == 3
+    assert message in capsys.readouterr().err
+    assert not (tmp_path / "out.obj").exists()
 
 
 def test_glb_goes_out(tmp_path):

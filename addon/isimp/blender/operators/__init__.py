@@ -1,5 +1,6 @@
 """The add-on's operators."""
 
-from . import mesh, partition, proxies, regions
+from . import mesh, partition, proxies, recipes, regions, steps
 
-CLASSES = (*partition.CLASSES, *proxies.CLASSES, *mesh.CLASSES, *regions.CLASSES)
+_MODULES = (partition, proxies, mesh, steps, recipes, regions)
+CLASSES = tuple(cls for module in _MODULES for cls in module.CLASSES)

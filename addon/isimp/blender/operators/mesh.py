@@ -1,7 +1,7 @@
 import bpy
 
 from ... import recipe as rcp
-from .. import settings, store, targets
+from .. import pending, settings, targets
 from ..modal import RecipeOperator
 from ..show import show_polygons
 
@@ -17,7 +17,7 @@ class ISIMP_OT_mesh(RecipeOperator, settings.MeshSettings, bpy.types.Operator):
         return targets.needs_regions(scan)
 
     def wanted(self, context, scan):
-        return store.load(scan).then(settings.to_step(rcp.Mesh, self))
+        return pending.recipe_of(context, scan).then(settings.to_step(rcp.Mesh, self))
 
     show = staticmethod(show_polygons)
 

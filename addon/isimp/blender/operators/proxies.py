@@ -2,7 +2,7 @@ import bpy
 from bpy.props import IntProperty
 
 from ... import recipe as rcp
-from .. import mesh_io, store, targets
+from .. import mesh_io, pending, targets
 from ..modal import RecipeOperator
 from ..show import show_regions
 
@@ -54,7 +54,7 @@ class ISIMP_OT_add_proxy(_AtFaces, bpy.types.Operator):
             raise mesh_io.Unusable(
                 f"{len(faces):,} faces are selected, and each would become a region: select {_MOST_FACES} at most."
             )
-        recipe = store.load(scan)
+        recipe = pending.recipe_of(context, scan)
         for face in faces:
             recipe = recipe.then(rcp.AddProxy(face=face))
         return recipe
@@ -68,7 +68,7 @@ class ISIMP_OT_delete_proxy(_AtFaces, bpy.types.Operator):
 
     def wanted(self, context, scan):
         faces, regions = self.faces(scan), mesh_io.read_regions(scan)
-        recipe, gone = store.load(scan), set()
+        recipe, gone = pending.recipe_of(context, scan), set()
         for face in faces:
             region = int(regions[face]) if face < len(regions) else -1
             if region < 0 or region not in gone:

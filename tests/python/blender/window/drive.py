@@ -109,7 +109,7 @@ class Hand:
         """{what it does or sets: (x, y)} of the buttons in the sidebar; the mouse wanders over them."""
         side, found, last = self.region("UI"), {}, self.region("UI").y + self.region("UI").height
         for y in range(last - 34, side.y, -16):
-            for share in (0.3, 0.75):
+            for share in (0.3, 0.62):
                 self.at = (side.x + (side.width - 20) * share, y)
                 self.event("MOUSEMOVE", "NOTHING")
                 yield
@@ -162,6 +162,23 @@ class Hand:
             assert time.time() < end, "the work takes too long"
             yield 0.1
         yield 0.2
+
+    def open_panel(self, name):
+        """Opens a closed panel by a click on its header, and has it where it can be seen."""
+        panel = getattr(bpy.types, name)
+        drawn, side = [], self.region("UI")
+        panel.append(lambda shown, context: drawn.append(shown))
+        for y in range(side.y + side.height - 20, side.y, -12):
+            yield from self.move(side.x + 60, y)
+            if not self.under_mouse():
+                yield from self.click(side.x + 60, y)
+                yield 0.15
+                if drawn:
+                    self.known = {}
+                    return
+                yield from self.click(side.x + 60, y)  # another panel: opened again
+                yield 0.1
+        raise AssertionError(f"no panel {name}")
 
     def type_into(self, path_end, text):
         """Types a number into the field of a property."""

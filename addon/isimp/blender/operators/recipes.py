@@ -1,0 +1,153 @@
+"""Recipes as JSON: to a file and from one, by the clipboard, and replayed."""
+
+from pathlib import Path
+
+import bpy
+from bpy.props import BoolProperty, StringProperty
+
+from ...recipe import Recipe
+from .. import show, store, targets
+from ..modal import RecipeOperator
+
+_FILTER = {"default": "*.json", "options": {"HIDDEN"}}
+
+
+class ISIMP_OT_replay(RecipeOperator, bpy.types.Operator):
+    """Do all steps of a recipe on the active scan, in place of those done so far"""
+
+    bl_idname = "isimp.replay"
+    bl_label = "Replay Recipe"
+
+    recipe: StringProperty(name="Recipe", description="The steps as JSON, as Copy or Export wrote them")
+    strict: BoolProperty(
+        name="All or Nothing", description="If a step can't be done, change nothing, rather than mark it"
+    )
+
+    @property
+    def keeps_failed(self):
+        return not self.strict
+
+    def wanted(self, context, scan):
+        recipe = Recipe.from_json(self.recipe)
+        if not recipe.active():
+            raise ValueError("The recipe has no step that is switched on.")
+        return recipe
+
+    show = staticmethod(show.show_outcome)
+
+    def told(self, before, numbers):
+        return f"{numbers['triangles']:,} triangles in {numbers['regions']} regions"
+
+
+class _HasRecipe:
+    """Mixin of what reads the active scan's recipe."""
+
+    @classmethod
+    def poll(cls, context):
+        scan, problem = targets.find(context)
+        problem = problem or targets.needs_steps(scan)
+        if problem:
+            cls.poll_message_set(problem)
+        return not problem
+
+    @staticmethod
+    def text(context):
+        return store.load(targets.find(context)[0]).to_json(indent=2) + "\n"
+
+
+class _TakesRecipe:
+    """Mixin of what hands a recipe to Replay."""
+
+    @classmethod
+    def poll(cls, context):
+        _, problem = targets.find(context)
+        if problem:
+            cls.poll_message_set(problem)
+        return not problem
+
+    def replay(self, recipe):
+        try:
+            done = bpy.ops.isimp.replay("INVOKE_DEFAULT", True, recipe=recipe)
+        except RuntimeError as error:
+            self.report({"ERROR"}, str(error).strip().removeprefix("Error: "))
+            return {"CANCELLED"}
+        return {"CANCELLED"} if done == {"RUNNING_MODAL"} else done
+
+
+class ISIMP_OT_recipe_copy(_HasRecipe, bpy.types.Operator):
+    """Copy the recipe to the clipboard as text (JSON), to paste it on another scan or into a message"""
+
+    bl_idname = "isimp.recipe_copy"
+    bl_label = "Copy Recipe"
+
+    def execute(self, context):
+        context.window_manager.clipboard = self.text(context)
+        self.report({"INFO"}, "Recipe copied.")
+        return {"FINISHED"}
+
+
+class ISIMP_OT_recipe_paste(_TakesRecipe, bpy.types.Operator):
+    """Do the recipe in the clipboard on the active scan, in place of the steps done so far"""
+
+    bl_idname = "isimp.recipe_paste"
+    bl_label = "Paste Recipe"
+
+    def execute(self, context):
+        return self.replay(context.window_manager.clipboard)
+
+
+class ISIMP_OT_recipe_export(_HasRecipe, bpy.types.Operator):
+    """Write the recipe to a file (JSON), for other scans, for `isimp`'s batch or to keep"""
+
+    bl_idname = "isimp.recipe_export"
+    bl_label = "Export Recipe"
+
+    filepath: StringProperty(subtype="FILE_PATH")
+    filter_glob: StringProperty(**_FILTER)
+
+    def invoke(self, context, event):
+        self.filepath = f"{targets.find(context)[0].name}.json"
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context):
+        path = Path(bpy.path.abspath(self.filepath)).with_suffix(".json")
+        try:
+            path.write_text(self.text(context), encoding="utf-8")
+        except OSError as error:
+            self.report({"ERROR"}, f"'{path}' can't be written: {error.strerror}.")
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"Recipe written to '{path}'.")
+        return {"FINISHED"}
+
+
+class ISIMP_OT_recipe_import(_TakesRecipe, bpy.types.Operator):
+    """Read a recipe from a file and do it on the active scan, in place of the steps done so far"""
+
+    bl_idname = "isimp.recipe_import"
+    bl_label = "Import Recipe"
+
+    filepath: StringProperty(subtype="FILE_PATH")
+    filter_glob: StringProperty(**_FILTER)
+
+    def invoke(self, context, event):
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context):
+        path = Path(bpy.path.abspath(self.filepath))
+        try:
+            recipe = path.read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError) as error:
+            self.report({"ERROR"}, f"'{path}' can't be read: {getattr(error, 'strerror', None) or 'it is not text'}.")
+            return {"CANCELLED"}
+        return self.replay(recipe)
+
+
+CLASSES = (
+    ISIMP_OT_replay,
+    ISIMP_OT_recipe_copy,
+    ISIMP_OT_recipe_paste,
+    ISIMP_OT_recipe_export,
+    ISIMP_OT_recipe_import,
+)

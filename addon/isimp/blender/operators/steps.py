@@ -1,0 +1,109 @@
+"""Changes to the steps already done; what follows a changed step is done again."""
+
+import dataclasses
+
+import bpy
+from bpy.props import BoolProperty, IntProperty
+
+from ...recipe import Recipe
+from .. import display, mesh_io, pending, settings, show, store, targets
+from ..modal import RecipeOperator
+
+
+class _AtStep(RecipeOperator):
+    """Mixin of what changes one step of the recipe."""
+
+    keeps_failed = True
+    step: IntProperty(name="Step", description="Which step, from 0", default=0, min=0, options={"SKIP_SAVE"})
+
+    @classmethod
+    def problem(cls, context, scan):
+        return targets.needs_steps(scan)
+
+    def wanted(self, context, scan):
+        steps = list(pending.recipe_of(context, scan).steps)
+        if self.step >= len(steps):
+            raise ValueError(f"There is no step {self.step + 1}: the recipe has {len(steps)}.")
+        return Recipe(tuple(self.changed(steps)))
+
+    show = staticmethod(show.show_outcome)
+
+    def told(self, before, numbers):
+        return f"{before.get('regions', '?')} -> {numbers['regions']} regions"
+
+
+class ISIMP_OT_step_switch(_AtStep, bpy.types.Operator):
+    """Switch this step on or off"""
+
+    bl_idname = "isimp.step_switch"
+    bl_label = "Switch Step"
+
+    def changed(self, steps):
+        steps[self.step] = dataclasses.replace(steps[self.step], enabled=not steps[self.step].enabled)
+        return steps
+
+
+class ISIMP_OT_step_move(_AtStep, bpy.types.Operator):
+    """Do this step one earlier, or one later"""
+
+    bl_idname = "isimp.step_move"
+    bl_label = "Move Step"
+
+    later: BoolProperty(name="Later", description="Move down the list, not up", options={"SKIP_SAVE"})
+
+    def changed(self, steps):
+        to = self.step + (1 if self.later else -1)
+        if not 0 <= to < len(steps):
+            raise ValueError(f"Step {self.step + 1} is the {'last' if self.later else 'first'} already.")
+        steps.insert(to, steps.pop(self.step))
+        return steps
+
+
+class ISIMP_OT_step_delete(_AtStep, bpy.types.Operator):
+    """Take this step out of the recipe. Without any step the scan is as it was before the first"""
+
+    bl_idname = "isimp.step_delete"
+    bl_label = "Delete Step"
+
+    def changed(self, steps):
+        del steps[self.step]
+        return steps
+
+    def execute(self, context):
+        return self._cleared(context) or super().execute(context)
+
+    def invoke(self, context, event):
+        return self._cleared(context) or super().invoke(context, event)
+
+    def _cleared(self, context):
+        scan, problem = targets.find(context)
+        if problem or len(store.load(scan).steps) != 1 or self.step != 0:
+            return None
+        mesh_io.clear_regions(scan)
+        show.bring_to_front(context, scan, None)
+        display.give_back(context)
+        self.report({"INFO"}, "No step is left: the scan is as it was.")
+        return {"FINISHED"}
+
+
+class ISIMP_OT_step_open(bpy.types.Operator):
+    """Show the settings of this step; changed, everything from this step on is done again"""
+
+    bl_idname = "isimp.step_open"
+    bl_label = "Edit Step"
+
+    step: IntProperty(name="Step", description="Which step, from 0", default=0, min=0, options={"SKIP_SAVE"})
+
+    @classmethod
+    def poll(cls, context):
+        scan, problem = targets.find(context)
+        return not (problem or targets.needs_steps(scan))
+
+    def execute(self, context):
+        panel = context.window_manager.isimp
+        panel.open_step = -1 if panel.open_step == self.step else self.step
+        settings.to_panel(context, store.load(targets.find(context)[0]))
+        return {"FINISHED"}
+
+
+CLASSES = (ISIMP_OT_step_switch, ISIMP_OT_step_move, ISIMP_OT_step_delete, ISIMP_OT_step_open)

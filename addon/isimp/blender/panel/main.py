@@ -1,0 +1,70 @@
+"""The head of the sidebar: what the add-on sees, how many regions to make, the button that makes them."""
+
+import bpy
+
+from ... import recipe as rcp
+from .. import runtime, settings, store, targets, text
+from .common import Panel, draw_lines
+
+
+class ISIMP_PT_main(Panel, bpy.types.Panel):
+    bl_label = "iSimp"
+
+    def draw(self, context):
+        layout = self.prepare()
+        running = runtime.get().running
+        if running is not None:
+            _draw_progress(layout, running)
+            return
+        scan, problem = targets.find(context)
+        if problem:
+            draw_lines(context, layout, problem, icon="INFO")
+            return
+        numbers, panel = store.numbers(scan), context.window_manager.isimp
+        column = layout.column(align=True)
+        column.label(text=scan.name, icon="MESH_DATA")
+        draw_lines(context, column, text.scan_line(scan.data, numbers), icon="BLANK1")
+        for warning in text.warnings(scan.data, numbers):
+            draw_lines(context, layout, warning, icon="ERROR")
+        row = layout.row(align=True)
+        row.prop(panel.partition, "proxies")
+        row.prop(panel, "live", text="", icon="PLAY")
+        button = layout.column()
+        button.scale_y = 1.4
+        operator = button.operator("isimp.partition", icon="MOD_EXPLODE")
+        settings.copy(rcp.Partition, panel.partition, operator)
+
+
+class ISIMP_PT_options(Panel, bpy.types.Panel):
+    bl_label = "Options"
+    bl_parent_id = "ISIMP_PT_main"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return not targets.find(context)[1]
+
+    def draw(self, context):
+        layout, partition = self.prepare(), context.window_manager.isimp.partition
+        layout.prop(partition, "method")
+        column = layout.column()
+        column.active = partition.method != "hierarchy"  # which starts from no faces
+        for name in ("seeding", "seed", "iterations"):
+            column.prop(partition, name)
+        layout.prop(partition, "leave_out")
+
+
+def _draw_progress(layout, running) -> None:
+    column = layout.column()
+    column.label(text=running.name, icon="SORTTIME")
+    task = running.task
+    if hasattr(column, "progress"):
+        column.progress(factor=task.watch.progress, text=task.describe())
+    else:
+        column.label(text=task.describe())
+        split = column.split(factor=max(0.02, min(1.0, task.watch.progress)))
+        split.operator("isimp.stop", text=" ", depress=True)
+    column.operator("isimp.stop", text="Stop (Esc)", icon="CANCEL")
+
+
+CLASSES = (ISIMP_PT_main, ISIMP_PT_options)

@@ -1,0 +1,44 @@
+"""From regions to polygons, and what is to be said of them."""
+
+import bpy
+
+from ... import recipe as rcp
+from .. import settings, store, targets, text
+from .common import SubPanel, draw_lines
+
+
+class ISIMP_PT_result(SubPanel, bpy.types.Panel):
+    bl_label = "Result"
+
+    def draw(self, context):
+        layout, meshing = self.prepare(), context.window_manager.isimp.mesh
+        for name in settings.names(rcp.Mesh):
+            layout.prop(meshing, name)
+        button = layout.column()
+        button.scale_y = 1.4
+        operator = button.operator("isimp.mesh", icon="MESH_ICOSPHERE")
+        settings.copy(rcp.Mesh, meshing, operator)
+        scan, _ = targets.find(context)
+        unit = context.scene.unit_settings
+        for line, alert in text.report_lines(store.numbers(scan), unit.system, unit.scale_length):
+            draw_lines(context, layout, line, icon="ERROR" if alert else "CHECKMARK")
+        if targets.result_of(context.scene, scan) is not None:
+            layout.operator("isimp.swap", icon="ARROW_LEFTRIGHT")
+
+
+class ISIMP_PT_numbers(SubPanel, bpy.types.Panel):
+    bl_label = "Numbers"
+    bl_parent_id = "ISIMP_PT_result"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        scan, _ = targets.find(context)
+        column = self.layout.column(align=True)
+        unit = context.scene.unit_settings
+        for name, value in text.number_rows(store.numbers(scan), unit.system, unit.scale_length):
+            row = column.split(factor=0.4)
+            row.label(text=name)
+            row.label(text=value)
+
+
+CLASSES = (ISIMP_PT_result, ISIMP_PT_numbers)

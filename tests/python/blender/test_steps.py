@@ -1,0 +1,167 @@
+"""The recipe in the panel: steps switched, moved, deleted, edited, copied, read and written."""
+
+import json
+
+import bpy
+import pytest
+import scans
+
+from isimp.blender import store
+from isimp.recipe import AddProxy, DeleteProxy, Mesh, Partition, Recipe
+
+pytestmark = pytest.mark.usefixtures("scene")
+
+
+def scan():
+    return bpy.data.objects["Scan"]
+
+
+def count():
+    return len(set(scans.regions(scan()).tolist()))
+
+
+def steps():
+    return store.load(scan()).steps
+
+
+@pytest.fixture
+def edited():
+    """A rounded cube in 8 regions, then one added at 70 and the one at 10 deleted."""
+    scans.dimple(scans.cube(cells=5))
+    scans.push("cube")
+    bpy.ops.isimp.partition("EXEC_DEFAULT", True, proxies=8)
+    bpy.ops.isimp.add_proxy("EXEC_DEFAULT", True, face=70)
+    bpy.ops.isimp.delete_proxy("EXEC_DEFAULT", True, face=10)
+    return scan()
+
+
+@pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
+def test_a_step_switched_off_and_on_again(edited, mode):
+    before = scans.regions(edited).tolist()
+    scans.mode(mode)
+    scans.push("mode")
+    bpy.ops.isimp.step_switch("EXEC_DEFAULT", True, step=2)
+    assert (count(), steps()[2].enabled) == (9, False)
+    bpy.ops.isimp.step_switch("EXEC_DEFAULT", True, step=2)
+    assert scans.regions(edited).tolist() == before
+    bpy.ops.ed.undo()
+    assert (count(), steps()[2].enabled) == (9, False)
+    bpy.ops.ed.redo()
+    assert (count(), steps()[2].enabled) == (8, True)
+
+
+def test_a_step_moved_and_deleted(edited):
+    bpy.ops.isimp.step_move(step=2, later=False)
+    assert steps()[1:] == (DeleteProxy(face=10), AddProxy(face=70))
+    assert count() == 8
+    with pytest.raises(RuntimeError, match="is the last already"):
+        bpy.ops.isimp.step_move(step=2, later=True)
+    bpy.ops.isimp.step_delete(step=1)
+    assert (steps()[1:], count()) == ((AddProxy(face=70),), 9)
+
+
+def test_the_last_step_deleted_leaves_the_scan_as_it_was(edited):
+    geometry = scans.geometry(edited.data)
+    for _ in range(2):
+        bpy.ops.isimp.step_delete("EXEC_DEFAULT", True, step=1)
+    bpy.ops.isimp.step_delete("EXEC_DEFAULT", True, step=0)
+    names = {"isimp_region", "isimp_color", ".isimp_state"}
+    assert not names & set(edited.data.attributes.keys())
+    assert (store.load(edited).steps, scans.geometry(edited.data)) == ((), geometry)
+    bpy.ops.ed.undo()
+    assert count() == 8
+
+
+def test_a_step_that_cannot_be_done_is_marked_and_the_last_good_result_stays(edited):
+    before = scans.regions(edited).tolist()
+    bpy.ops.isimp.step_switch("EXEC_DEFAULT", True, step=0)
+    numbers = store.numbers(edited)
+    assert (numbers["failed"], "Partition step must come first" in numbers["reason"]) == (1, True)
+    assert scans.regions(edited).tolist() == before
+    assert not steps()[0].enabled
+    bpy.ops.isimp.step_switch("EXEC_DEFAULT", True, step=0)
+    assert "failed" not in store.numbers(edited)
+    assert scans.regions(edited).tolist() == before
+
+
+def test_the_settings_shown_follow_the_recipe(edited):
+    panel = bpy.context.window_manager.isimp
+    bpy.ops.isimp.partition("EXEC_DEFAULT", True, proxies=17)
+    assert panel.partition.proxies == 17
+    bpy.ops.ed.undo()
+    assert panel.partition.proxies == 8
+    bpy.ops.ed.redo()
+    assert panel.partition.proxies == 17
+    bpy.ops.ed.undo()
+    bpy.ops.isimp.step_open(step=1)
+    assert (panel.open_step, panel.add_proxy.face) == (1, 70)
+    bpy.ops.isimp.step_open(step=1)
+    assert panel.open_step == -1
+
+
+def test_two_scans_keep_their_own(edited):
+    other = scans.cube("Other", cells=4)
+    bpy.ops.isimp.partition(proxies=6)
+    panel = bpy.context.window_manager.isimp
+    assert panel.partition.proxies == 6
+    scans.activate(edited)
+    bpy.context.view_layer.update()
+    assert panel.partition.proxies == 8
+    scans.activate(other)
+    bpy.context.view_layer.update()
+    assert panel.partition.proxies == 6
+    assert len(store.load(other).steps) == 1
+    assert len(store.load(edited).steps) == 3
+
+
+def test_a_recipe_goes_to_another_scan_by_file_and_by_clipboard(edited, tmp_path):
+    bpy.ops.isimp.recipe_export(filepath=str(tmp_path / "mine"))
+    recipe = store.load(edited)
+    assert Recipe.from_json((tmp_path / "mine.json").read_text()) == recipe
+    other = scans.dimple(scans.cube("Other", cells=5))
+    bpy.ops.isimp.recipe_import(filepath=str(tmp_path / "mine.json"))
+    assert store.load(other) == recipe
+    assert scans.regions(other).tolist() == scans.regions(edited).tolist()
+    third = scans.dimple(scans.cube("Third", cells=5))
+    bpy.ops.isimp.replay(recipe=recipe.to_json())
+    assert scans.regions(third).tolist() == scans.regions(edited).tolist()
+
+
+def test_a_recipe_with_polygons_is_replayed_to_polygons():
+    scans.cube(cells=4)
+    bpy.ops.isimp.replay(recipe=Recipe((Partition(proxies=6), Mesh())).to_json())
+    assert bpy.context.object.name == "Scan.simplified"
+    assert len(bpy.context.object.data.polygons) == 6
+
+
+def test_a_recipe_of_which_a_step_fails_shows_what_could_be_done():
+    scans.cube(cells=4)
+    recipe = Recipe((Partition(proxies=6), AddProxy(face=99999), Mesh()))
+    bpy.ops.isimp.replay(recipe=recipe.to_json())
+    assert (count(), store.numbers(scan())["failed"], store.load(scan())) == (6, 1, recipe)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [("not a recipe", "it is not JSON"), ("{}", "no 'isimp_recipe'"), (Recipe().to_json(), "no step that is switched")],
+)
+def test_what_is_no_recipe_is_refused(edited, text, said, tmp_path):
+    before = scans.regions(edited).tolist()
+    (tmp_path / "bad.json").write_text(text)
+    for call, settings in (("replay", {"recipe": text}), ("recipe_import", {"filepath": str(tmp_path / "bad.json")})):
+        with pytest.raises(RuntimeError, match=said):
+            getattr(bpy.ops.isimp, call)(**settings)
+    assert scans.regions(edited).tolist() == before
+
+
+def test_a_file_that_is_not_there_is_named(edited, tmp_path):
+    with pytest.raises(RuntimeError, match=r"none\.json' can't be read: No such file"):
+        bpy.ops.isimp.recipe_import(filepath=str(tmp_path / "none.json"))
+    with pytest.raises(RuntimeError, match="can't be written"):
+        bpy.ops.isimp.recipe_export(filepath=str(tmp_path / "no" / "folder.json"))
+
+
+def test_an_exported_recipe_is_readable(edited, tmp_path):
+    bpy.ops.isimp.recipe_export(filepath=str(tmp_path / "r.json"))
+    values = json.loads((tmp_path / "r.json").read_text())
+    assert [step["step"] for step in values["steps"]] == ["partition", "add_proxy", "delete_proxy"]
