@@ -153,6 +153,12 @@ class Session:
             self._meshes.put(scan.digest, prepared, 300 * len(scan.triangles))
         return prepared
 
+    def triangulate(self, polygons) -> tuple[np.ndarray, np.ndarray]:
+        """(T, 3) vertices and (T,) polygon of triangles that fill the polygons of an outcome."""
+        args = (np.asarray(polygons.vertices), np.asarray(polygons.loops), np.asarray(polygons.loop_start))
+        triangles, polygon = engine.triangulate(*args)
+        return np.asarray(triangles), np.asarray(polygon)
+
     def _longest_known(self, keys: list) -> tuple[int, Outcome | None]:
         for number in range(len(keys), 0, -1):
             outcome = self._outcomes.get(keys[number - 1])
@@ -285,6 +291,15 @@ def _apply_delete(step: rcp.DeleteProxy, prepared, before, watch, begin, end) ->
     return _with_regions(prepared, partition, np.delete(before.region_color, gone), {})
 
 
+def flaws(report: dict) -> dict:
+    """{what is amiss: polygons it is with}, but for those that meet where the scan itself does."""
+    found = {}
+    for entry in report.get("imperfect", ()):
+        if entry["flaw"] != "excused":
+            found.setdefault(entry["flaw"], set()).add(entry["polygon"])
+    return {flaw: sorted(polygons) for flaw, polygons in found.items()}
+
+
 def _apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end) -> Outcome:
     before = _needs_regions(before)
     options = engine.MeshingOptions(chord_tolerance=step.chord_tolerance, flatten=step.flatten)
@@ -296,6 +311,7 @@ def _apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end) -> Outcome:
         "corners": len(polygons.loops),
         "vertices": len(polygons.vertices),
         **{name: polygons.report[name] for name in ("closed", "manifold", "planarity_max", "planarity_mean")},
+        "flaws": flaws(polygons.report),
     }
     return replace(before, polygons=polygons, numbers=numbers)
 

@@ -2,9 +2,17 @@
 
 import bpy
 
-from . import display, live, operators, panel, runtime, settings, store
+from . import display, live, operators, overlay, panel, preferences, runtime, settings, store, tools
 
-_CLASSES = (*store.CLASSES, *settings.CLASSES, *operators.CLASSES, *live.CLASSES, *panel.CLASSES)
+_CLASSES = (
+    *store.CLASSES,
+    *settings.CLASSES,
+    *operators.CLASSES,
+    *live.CLASSES,
+    *tools.CLASSES,
+    *preferences.CLASSES,
+    *panel.CLASSES,
+)
 
 
 def register():
@@ -15,9 +23,13 @@ def register():
     settings.register()
     display.register()
     live.register()
+    overlay.register()
+    tools.register()
 
 
 def unregister():
+    tools.unregister()
+    overlay.unregister()
     live.unregister()
     display.unregister()
     settings.unregister()

@@ -59,6 +59,7 @@ def _tick():
                 bpy.ops.isimp.settle("EXEC_DEFAULT", True)
         return None if rested else _TICK
     if rested or not _is_slow(scan, changed):
+        runtime.get().stop_sketching()
         live.work = modal.Work(context, scan, visible(context, scan, changed))
         live.work.start()
     return _TICK

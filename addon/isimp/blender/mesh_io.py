@@ -8,6 +8,7 @@ from ..session import Scan
 from . import runtime
 
 REGION, COLOR = "isimp_region", "isimp_color"
+FLAW = "isimp_flaw"  # of the result's polygons: 1 where something is amiss
 STATE = ".isimp_state"  # which recipe led to the regions; see store.py
 _ORIGIN = ".isimp_origin"
 
@@ -30,6 +31,13 @@ def shape_matrix(obj) -> np.ndarray:
     shape = axes @ np.diag(scale) @ axes.T
     digits = 10.0 ** (np.floor(np.log10(scale.max())) - 5)  # rounding error of the transform must not change the result
     return np.round(shape / digits) * digits
+
+
+def place_matrix(obj) -> np.ndarray:
+    """(4, 4) from the space of a `Scan` of the object to the world."""
+    place = np.array(obj.matrix_world, np.float64)
+    place[:3, :3] = place[:3, :3] @ np.linalg.inv(shape_matrix(obj))
+    return place
 
 
 def read(context, obj) -> Scan:
@@ -123,6 +131,35 @@ def selected_faces(obj) -> np.ndarray:
     selected = np.empty(len(obj.data.polygons), bool)
     obj.data.polygons.foreach_get("select", selected)
     return np.flatnonzero(selected)
+
+
+def select_polygons(obj, chosen: np.ndarray) -> None:
+    """Selects polygons and their corners, and no others, in either mode. chosen: (polygons,) bool."""
+    mesh = obj.data
+    if obj.mode == "EDIT":
+        edit = bmesh.from_edit_mesh(mesh)
+        for part in (edit.verts, edit.edges, edit.faces):
+            for item in part:
+                item.select = False
+        for face, wanted in zip(edit.faces, chosen.tolist(), strict=True):
+            if wanted:
+                face.select_set(True)
+        bmesh.update_edit_mesh(mesh, loop_triangles=False, destructive=False)
+        return
+    corners, starts = np.empty(len(mesh.loops), np.int32), np.empty(len(mesh.polygons), np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    edges = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("edge_index", edges)
+    mesh.polygons.foreach_get("loop_start", starts)
+    totals = np.empty(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("loop_total", totals)
+    inside = np.repeat(chosen, totals)  # polygons lie in the order of their corners
+    for items, which in ((mesh.vertices, corners[inside]), (mesh.edges, edges[inside])):
+        flags = np.zeros(len(items), bool)
+        flags[which] = True
+        items.foreach_set("select", flags)
+    mesh.polygons.foreach_set("select", chosen)
+    mesh.update()
 
 
 def state_of(obj) -> int:
@@ -276,8 +313,19 @@ def give_color_back(mesh) -> None:
         mesh.color_attributes.active_color = layer
 
 
-def fill_polygons(mesh, vertices: np.ndarray, loops: np.ndarray, loop_start: np.ndarray, regions: np.ndarray) -> None:
-    """Replaces all geometry of a mesh by polygons. vertices (W, 3), loops (L,), loop_start (Q,), regions (Q,)."""
+def read_layer(mesh, name: str) -> np.ndarray:
+    """(polygons,) int32 of a face layer; zeros where there is none. In object mode."""
+    values, layer = np.zeros(len(mesh.polygons), np.int32), mesh.attributes.get(name)
+    if layer is not None and (layer.data_type, layer.domain) == ("INT", "FACE"):
+        layer.data.foreach_get("value", values)
+    return values
+
+
+def fill_polygons(mesh, vertices: np.ndarray, loops: np.ndarray, loop_start: np.ndarray, layers: dict) -> None:
+    """Replaces all geometry of a mesh by polygons. vertices (W, 3), loops (L,), loop_start (Q,).
+
+    layers: {name: (Q,) int} what is kept of each polygon.
+    """
     mesh.clear_geometry()
     mesh.vertices.add(len(vertices))
     mesh.loops.add(len(loops))
@@ -289,6 +337,7 @@ def fill_polygons(mesh, vertices: np.ndarray, loops: np.ndarray, loop_start: np.
     mesh.polygons.foreach_set("loop_total", totals)
     mesh.polygons.foreach_set("use_smooth", np.zeros(len(loop_start), bool))
     mesh.update(calc_edges=True)
+    for name, values in layers.items():
+        _layer(mesh, name, "INT", "FACE").data.foreach_set("value", values.astype(np.int32))
     mesh.validate()
-    _layer(mesh, REGION, "INT", "FACE").data.foreach_set("value", regions.astype(np.int32))
     mesh.update()

@@ -19,6 +19,7 @@ def recipe_of(context, scan):
 
 def interrupt() -> None:
     """Stops what is under way. What is shown and no step to undo yet becomes one."""
+    runtime.get().stop_sketching()
     live = runtime.get().live
     if live.work is not None:
         live.work.abandon()

@@ -1,6 +1,7 @@
 """What lives as long as the add-on is switched on: made by `start`, dropped by `stop`."""
 
 import time
+from collections import OrderedDict
 from contextlib import contextmanager
 
 from ..session import Session
@@ -42,6 +43,21 @@ class Runtime:
         self.live = Live()
         self.scans = {}  #: object's name -> what was read of it last; see reading.py
         self.own_writes = set()  #: names of meshes whose next change is the add-on's own
+        self.drawings = OrderedDict()  #: what is drawn over scans; see overlay.py
+        self.handles = ()  #: of what draws
+        self.sketching = None  #: (key, Task) of what will be drawn
+        self.hover = None  #: what is under the mouse; see tools/under.py
+        self.ground = None  #: the scan pointed at
+        self.surface = None  #: (Scan, pick.Surface) of the scan pointed at
+        self.digging = None  #: (Scan, Task) that makes it
+
+    def stop_sketching(self) -> None:
+        """Stops what is being made to be drawn; it is asked for again when it is drawn next."""
+        if self.sketching is not None:
+            task = self.sketching[1]
+            self.sketching = None
+            task.watch.cancel()
+            task.wait()
 
 
 _current = None
@@ -58,6 +74,7 @@ def stop() -> None:
         for work in (_current.running, _current.live.work):
             if work is not None:
                 work.abandon()
+        _current.stop_sketching()
     _current = None
 
 

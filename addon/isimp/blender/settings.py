@@ -142,6 +142,26 @@ class _Shown:
         default=True,
     )
     open_step: IntProperty(default=-1)
+    overlay: BoolProperty(
+        name="Lines over the Scan", description="Draw where regions end, and how the polygons would be", default=True
+    )
+    outline: BoolProperty(
+        name="Outline",
+        description="Draw the edges and corners that the polygons would have over the scan. Mesh makes just these",
+        default=True,
+    )
+    heat: BoolProperty(
+        name="Flatness",
+        description="Fill the polygons to be by how flat they are: green is flat, red is bent by half a percent",
+        default=False,
+    )
+    brush: IntProperty(name="Radius", description="Of the brush", default=40, min=1, max=500, subtype="PIXEL")
+    mirror: EnumProperty(
+        name="Mirror",
+        description="Paint on the other side of the scan's own origin too",
+        items=(("NONE", "No Mirror", ""), ("X", "X", ""), ("Y", "Y", ""), ("Z", "Z", "")),
+        default="NONE",
+    )
     all_steps: BoolProperty(name="All Steps", description="List all steps, not only the last ones")
 
 

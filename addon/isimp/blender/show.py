@@ -29,7 +29,7 @@ def show_polygons(context, scan, work, outcome) -> None:
     result = targets.result_of(context.scene, scan) or _new_result(context, scan)
     scan.isimp.key = scan.isimp.key or uuid.uuid4().hex
     result.isimp.scan_key, result.isimp.scan_name = scan.isimp.key, scan.name
-    _fill(result, scan, outcome.polygons)
+    _fill(result, scan, outcome)
     mesh_io.give_color_back(scan.data)
     bring_to_front(context, result, scan)
     display.give_back(context)
@@ -74,8 +74,9 @@ def _new_result(context, scan):
     return result
 
 
-def _fill(result, scan, polygons) -> None:
+def _fill(result, scan, outcome) -> None:
     """Puts the polygons where the scan is: in its own space, or in the world's if its transform is sheared."""
+    polygons = outcome.polygons
     vertices = np.asarray(polygons.vertices) @ np.linalg.inv(mesh_io.shape_matrix(scan))
     loops, start = np.array(polygons.loops), np.array(polygons.loop_start)
     place = scan.matrix_world
@@ -87,7 +88,11 @@ def _fill(result, scan, polygons) -> None:
         if np.linalg.det(matrix) < 0:
             loops = _turned(loops, start)
     result.matrix_world = place
-    mesh_io.fill_polygons(result.data, vertices, loops, start, np.asarray(polygons.polygon_region))
+    amiss = np.zeros(len(start), np.int32)
+    for found in outcome.numbers["flaws"].values():
+        amiss[found] = 1
+    layers = {mesh_io.REGION: np.asarray(polygons.polygon_region), mesh_io.FLAW: amiss}
+    mesh_io.fill_polygons(result.data, vertices, loops, start, layers)
 
 
 def _turned(loops: np.ndarray, start: np.ndarray) -> np.ndarray:

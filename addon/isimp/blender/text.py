@@ -54,6 +54,12 @@ def report_lines(numbers: dict, system: str, scale: float) -> list:
     ]
 
 
+def problems(numbers: dict) -> str:
+    """The words on the button that shows polygons with flaws; empty if there are none."""
+    amiss = {polygon for found in numbers.get("flaws", {}).values() for polygon in found}
+    return f"Show {_count(len(amiss), 'problem polygon')}" if amiss else ""
+
+
 def amount(numbers: dict, name: str, system: str, scale: float) -> str:
     """A length of the numbers in the scene's units, or in percent of the diagonal where it has none."""
     if system == "NONE" and numbers.get("diagonal"):

@@ -1,4 +1,6 @@
 import bpy
+import numpy as np
+from bpy.props import BoolProperty, IntProperty
 
 from .. import display, mesh_io, runtime, show, targets
 
@@ -49,6 +51,45 @@ class ISIMP_OT_swap(bpy.types.Operator):
         return {"FINISHED"}
 
 
+class ISIMP_OT_select_region(bpy.types.Operator):
+    """Select all faces of the regions that have a selected face, or of the one at a face given by number"""
+
+    bl_idname = "isimp.select_region"
+    bl_label = "Select Region"
+    bl_options = {"REGISTER", "UNDO"}
+
+    face: IntProperty(
+        name="Face",
+        description="A face of the region; -1 for the selected ones",
+        default=-1,
+        min=-1,
+        options={"SKIP_SAVE"},
+    )
+    extend: BoolProperty(name="Extend", description="Keep what is selected", options={"SKIP_SAVE"})
+
+    @classmethod
+    def poll(cls, context):
+        scan, problem = targets.find(context)
+        problem = problem or targets.needs_regions(scan)
+        if problem:
+            cls.poll_message_set(problem)
+        return not problem
+
+    def execute(self, context):
+        scan, _ = targets.find(context)
+        selected, regions = mesh_io.selected_faces(scan), mesh_io.read_regions(scan)
+        faces = selected if self.face < 0 else np.array([self.face])
+        if len(faces) == 0 or faces.max() >= len(regions):
+            self.report({"ERROR"}, "No face is selected: select one in Edit Mode (Tab, then 3), or give its number.")
+            return {"CANCELLED"}
+        chosen = np.isin(regions, np.unique(regions[faces]))
+        if self.extend:
+            chosen[selected] = True
+        mesh_io.select_polygons(scan, chosen)
+        self.report({"INFO"}, f"{int(chosen.sum()):,} faces selected.")
+        return {"FINISHED"}
+
+
 class ISIMP_OT_stop(bpy.types.Operator):
     """Stop what is being worked on; everything stays as it was before"""
 
@@ -64,4 +105,4 @@ class ISIMP_OT_stop(bpy.types.Operator):
         return {"FINISHED"}
 
 
-CLASSES = (ISIMP_OT_show_regions, ISIMP_OT_swap, ISIMP_OT_stop)
+CLASSES = (ISIMP_OT_show_regions, ISIMP_OT_swap, ISIMP_OT_select_region, ISIMP_OT_stop)

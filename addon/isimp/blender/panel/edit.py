@@ -14,8 +14,12 @@ class ISIMP_PT_regions(SubPanel, bpy.types.Panel):
         row = layout.row(align=True)
         row.operator("isimp.add_proxy", text="Add", icon="ADD")
         row.operator("isimp.delete_proxy", text="Delete", icon="REMOVE")
+        layout.operator("isimp.select_region", icon="RESTRICT_SELECT_OFF")
         shown = display.is_shown(context)
-        layout.operator("isimp.show_regions", text="Colours", icon="HIDE_OFF" if shown else "HIDE_ON", depress=shown)
+        row = layout.row(align=True)
+        row.use_property_split = False
+        row.operator("isimp.show_regions", text="Colours", icon="HIDE_OFF" if shown else "HIDE_ON", depress=shown)
+        row.prop(context.window_manager.isimp, "overlay", text="Lines", icon="MESH_GRID", toggle=True)
 
 
 CLASSES = (ISIMP_PT_regions,)

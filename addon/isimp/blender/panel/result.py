@@ -11,7 +11,11 @@ class ISIMP_PT_result(SubPanel, bpy.types.Panel):
     bl_label = "Result"
 
     def draw(self, context):
-        layout, meshing = self.prepare(), context.window_manager.isimp.mesh
+        layout, panel = self.prepare(), context.window_manager.isimp
+        meshing = panel.mesh
+        column = layout.column(heading="Preview", align=True)
+        column.prop(panel, "outline")
+        column.prop(panel, "heat")
         for name in settings.names(rcp.Mesh):
             layout.prop(meshing, name)
         button = layout.column()
@@ -22,6 +26,9 @@ class ISIMP_PT_result(SubPanel, bpy.types.Panel):
         unit = context.scene.unit_settings
         for line, alert in text.report_lines(store.numbers(scan), unit.system, unit.scale_length):
             draw_lines(context, layout, line, icon="ERROR" if alert else "CHECKMARK")
+        amiss = text.problems(store.numbers(scan))
+        if amiss:
+            layout.operator("isimp.show_problems", text=amiss, icon="ERROR")
         if targets.result_of(context.scene, scan) is not None:
             layout.operator("isimp.swap", icon="ARROW_LEFTRIGHT")
 

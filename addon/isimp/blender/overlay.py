@@ -1,0 +1,265 @@
+"""What is drawn over the scan in the viewports: where regions end, the outline of the polygons, what a tool is at.
+
+What to draw is computed on a thread (see sketch.py) once for each state of a scan, and kept; drawing itself only hands
+arrays to the graphics card, and never changes anything of the file.
+"""
+
+from dataclasses import dataclass, field
+
+import blf
+import bpy
+import gpu
+import numpy as np
+from gpu_extras.batch import batch_for_shader
+from mathutils import Matrix, Vector
+
+from .. import recipe as rcp
+from .. import sketch
+from ..task import Status, Task
+from . import mesh_io, preferences, reading, runtime, settings, store, targets
+
+_KEPT = 8  # sketches
+_TICK = 0.1
+# How much nearer to the eye than they are lines are drawn, of the scan's size, so that the faces they lie on don't hide
+# them; those of the polygons more, as the scan bulges over them.
+_ON, _OVER = 0.003, 0.03
+
+
+@dataclass
+class Drawing:
+    """A sketch as batches of the graphics card, each made when it is drawn first."""
+
+    sketch: sketch.Sketch
+    batches: dict = field(default_factory=dict)
+
+
+def scan_shown(context):
+    """The scan whose regions are seen, or None."""
+    scan, problem = targets.find(context)
+    seen = not problem and context.view_layer.objects.active == scan and scan.visible_get()
+    return scan if seen and mesh_io.state_of(scan) and not targets.needs_regions(scan) else None
+
+
+def _key(context, scan):
+    """What a sketch depends on: scan, its state, its shape, how its polygons are made (None where they are not)."""
+    panel = context.window_manager.isimp
+    meshing = settings.to_step(rcp.Mesh, panel.mesh) if panel.outline or panel.heat else None
+    return scan.name, mesh_io.state_of(scan), mesh_io.shape_matrix(scan).tobytes(), meshing
+
+
+def _drawing(context, scan):
+    """What is to be drawn, as far as it is known; asks for what is missing."""
+    drawings, key = runtime.get().drawings, _key(context, scan)
+    if key in drawings:
+        drawings.move_to_end(key)
+        return drawings[key]
+    if not bpy.app.timers.is_registered(_tick):
+        bpy.app.timers.register(_tick, first_interval=_TICK)
+    return next((drawings[other] for other in reversed(drawings) if other[:3] == key[:3]), None)
+
+
+def _tick():
+    """Makes the sketch that is missing, unless others work."""
+    current, context = runtime.get(), bpy.context
+    if current is None or not context.window_manager.isimp.overlay:
+        return None
+    if current.running is not None or current.live.pending:
+        return _TICK
+    scan = scan_shown(context)
+    key = _key(context, scan) if scan is not None else None
+    if current.sketching is not None:
+        wanted, task = current.sketching
+        if task.status is Status.RUNNING and wanted == key:
+            return _TICK
+        current.stop_sketching()
+        if task.status is not Status.STOPPED:
+            _keep(wanted, task.result or sketch.Sketch(reason=str(task.error)))
+    if key is None or key in current.drawings:
+        return None
+    try:
+        arrays, regions = reading.read(context, scan), mesh_io.read_regions(scan)
+    except mesh_io.Unusable as problem:
+        _keep(key, sketch.Sketch(reason=str(problem)))
+        return None
+    session, recipe = current.session, store.load(scan)
+    task = Task(lambda watch: sketch.draw(session, arrays, regions, recipe, key[3], watch))
+    current.sketching = (key, task)
+    return _TICK
+
+
+def _keep(key, made) -> None:
+    drawings = runtime.get().drawings
+    drawings[key] = Drawing(made)
+    while len(drawings) > _KEPT:
+        drawings.popitem(last=False)
+    redraw()
+
+
+def redraw() -> None:
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+
+
+def _draw():
+    current, context = runtime.get(), bpy.context
+    if current is None or not context.space_data.overlay.show_overlays:
+        return
+    scan = scan_shown(context)
+    if scan is None:
+        return
+    with _Over(context.region_data, scan) as space:
+        drawing = _drawing(context, scan) if context.window_manager.isimp.overlay else None
+        if drawing is not None:
+            _draw_sketch(context, space, drawing)
+        if current.hover is not None and current.hover.scan == scan.name:
+            _draw_hover(current.hover)
+
+
+def _draw_text():
+    """The few words beside the mouse, and the brush's circle."""
+    current, context = runtime.get(), bpy.context
+    if current is None or current.hover is None or not context.space_data.overlay.show_overlays:
+        return
+    hover = current.hover
+    scale = context.preferences.system.ui_scale
+    if hover.ring:
+        angle = np.linspace(0, 2 * np.pi, 49)
+        circle = np.stack([np.cos(angle), np.sin(angle)], axis=1) * hover.ring + hover.at
+        points = np.repeat(np.column_stack([circle, np.zeros(49)]), 2, axis=0)[1:-1].astype(np.float32)
+        gpu.state.blend_set("ALPHA")
+        lines(points, (1.0, 1.0, 1.0, 0.9), 1.5)
+        gpu.state.blend_set("NONE")
+    if hover.text:
+        font = 0
+        blf.size(font, round(12 * scale), *(() if bpy.app.version >= (4, 0, 0) else (72,)))
+        blf.enable(font, blf.SHADOW)
+        blf.shadow(font, 5, 0.0, 0.0, 0.0, 0.9)
+        blf.color(font, 1.0, 1.0, 1.0, 1.0)
+        blf.position(font, hover.at[0] + 18 * scale, hover.at[1] - 20 * scale, 0)
+        blf.draw(font, hover.text)
+        blf.disable(font, blf.SHADOW)
+
+
+class _Over:
+    """The scan's own space, a little nearer to the eye than it is; the state of the graphics card is given back."""
+
+    def __init__(self, view, scan):
+        self.place = Matrix(mesh_io.place_matrix(scan).tolist())
+        middle = sum((Vector(corner) for corner in scan.bound_box), Vector()) / 8
+        self.away = max(1e-6, -(view.view_matrix @ scan.matrix_world @ middle).z)
+        self.size = scan.dimensions.length
+        self.is_perspective = view.is_perspective
+
+    def nearer(self, share: float) -> None:
+        """How much nearer what follows is drawn, of the scan's size."""
+        projection = self.projection.copy()
+        depth = projection[2][3] / self.away**2 if self.is_perspective else projection[2][2]
+        projection[2] = projection[2] - abs(depth) * share * self.size * projection[3]
+        gpu.matrix.load_projection_matrix(projection)
+
+    def __enter__(self):
+        gpu.state.depth_test_set("LESS_EQUAL")
+        gpu.state.depth_mask_set(False)
+        gpu.state.blend_set("ALPHA")
+        gpu.matrix.push()
+        gpu.matrix.multiply_matrix(self.place)
+        gpu.matrix.push_projection()
+        self.projection = gpu.matrix.get_projection_matrix()
+        self.nearer(_ON)
+        return self
+
+    def __exit__(self, *_):
+        gpu.matrix.pop_projection()
+        gpu.matrix.pop()
+        gpu.state.blend_set("NONE")
+        gpu.state.depth_mask_set(True)
+        gpu.state.depth_test_set("NONE")
+        gpu.state.point_size_set(1.0)
+
+
+def _draw_sketch(context, space, drawing) -> None:
+    panel, wish, made = context.window_manager.isimp, preferences.get(context), drawing.sketch
+    _draw_lines(drawing, "borders", wish.border_color, wish.line_width)
+    space.nearer(_OVER)
+    if panel.heat and len(made.surface):
+        _draw_heat(drawing)
+    if panel.outline:
+        _draw_lines(drawing, "outline", wish.outline_color, wish.line_width)
+        _draw_points(drawing, "corners", wish.outline_color, 3 * wish.line_width)
+    _draw_lines(drawing, "problems", wish.problem_color, 2 * wish.line_width)
+    space.nearer(_ON)
+
+
+def _batch(drawing, name, kind, shader, **more):
+    if name not in drawing.batches:
+        drawing.batches[name] = batch_for_shader(shader, kind, {"pos": getattr(drawing.sketch, name), **more})
+    return drawing.batches[name]
+
+
+def lines(points, color, width) -> None:
+    """Draws pairs of points as lines; nothing is kept."""
+    if len(points):
+        shader = _line_shader(color, width)
+        batch_for_shader(shader, "LINES", {"pos": points}).draw(shader)
+
+
+def _line_shader(color, width):
+    shader = gpu.shader.from_builtin(_named("POLYLINE_UNIFORM_COLOR"))
+    shader.bind()
+    view = gpu.state.viewport_get()
+    shader.uniform_float("viewportSize", (view[2], view[3]))
+    shader.uniform_float("lineWidth", width)
+    shader.uniform_float("color", color)
+    return shader
+
+
+def _named(name):
+    return f"3D_{name}" if bpy.app.version < (4, 0, 0) else name
+
+
+def _draw_lines(drawing, name, color, width) -> None:
+    if len(getattr(drawing.sketch, name)):
+        shader = _line_shader(color, width)
+        _batch(drawing, name, "LINES", shader).draw(shader)
+
+
+def _draw_points(drawing, name, color, size) -> None:
+    if len(getattr(drawing.sketch, name)):
+        shader = gpu.shader.from_builtin(_named("UNIFORM_COLOR"))
+        gpu.state.point_size_set(size)
+        shader.bind()
+        shader.uniform_float("color", color)
+        _batch(drawing, name, "POINTS", shader).draw(shader)
+
+
+def _draw_heat(drawing) -> None:
+    shader = gpu.shader.from_builtin(_named("SMOOTH_COLOR"))
+    shader.bind()
+    _batch(drawing, "surface", "TRIS", shader, color=drawing.sketch.heat).draw(shader)
+
+
+def _draw_hover(hover) -> None:
+    shader = gpu.shader.from_builtin(_named("UNIFORM_COLOR"))
+    shader.bind()
+    for points, color in hover.fills:
+        if len(points):
+            shader.uniform_float("color", color)
+            batch_for_shader(shader, "TRIS", {"pos": points}).draw(shader)
+    for points, color, width in hover.lines:
+        lines(points, color, width)
+
+
+def register() -> None:
+    if not bpy.app.background:
+        add = bpy.types.SpaceView3D.draw_handler_add
+        handles = (add(_draw, (), "WINDOW", "POST_VIEW"), add(_draw_text, (), "WINDOW", "POST_PIXEL"))
+        runtime.get().handles = handles
+
+
+def unregister() -> None:
+    for handle in runtime.get().handles:
+        bpy.types.SpaceView3D.draw_handler_remove(handle, "WINDOW")
+    if bpy.app.timers.is_registered(_tick):
+        bpy.app.timers.unregister(_tick)

@@ -1,0 +1,132 @@
+"""The Region tool: click, ctrl-click, alt-click and drag, and what is lightened under the mouse."""
+
+from contextlib import suppress
+
+import bpy
+
+from ...gestures import Pointing
+from .. import overlay, runtime
+from . import under
+
+_LIGHT = (1.0, 1.0, 1.0, 0.25)
+_VERBS = {"add": "isimp.add_proxy", "delete": "isimp.delete_proxy", "select": "isimp.select_region"}
+_EDGE = (1.0, 1.0, 1.0, 1.0)
+
+
+def show_hover(context, ground, hit, at) -> None:
+    """Lightens the region under the mouse, and says what it is like."""
+    current = runtime.get()
+    before = current.hover
+    if hit is None:
+        current.hover = None
+    elif before is not None and before.key == (ground.state, hit.region):
+        before.at = at
+    else:
+        hover = current.hover = under.Hover(ground.name, hit.region, at=at, key=(ground.state, hit.region))
+        hover.fills.append((ground.points(ground.triangles_of(hit.region)), _LIGHT))
+        hover.lines.append((ground.border(hit.region), _EDGE, 3.0))
+        hover.text = ground.told(context.scene.unit_settings, hit.region)
+    if before is not None or current.hover is not None:
+        overlay.redraw()
+
+
+def do(operator: str, **settings) -> None:
+    """Does a step as its button would; what it has to say, it says itself."""
+    group, name = operator.split(".")
+    with suppress(RuntimeError):  # reported by the operator
+        getattr(getattr(bpy.ops, group), name)("INVOKE_DEFAULT", True, **settings)
+
+
+class ModalTool:
+    """Mixin of tools that work from a press of the mouse to its release."""
+
+    bl_options = {"INTERNAL"}
+
+    def place(self, event):
+        return event.mouse_x - self._region.x, event.mouse_y - self._region.y
+
+    def ray(self, event):
+        return self._ground.ray(self._region, self._view, self.place(event))
+
+    def begin(self, context, event) -> bool:
+        """Whether there is something to point at."""
+        if context.region is None or context.region.type != "WINDOW" or context.region_data is None:
+            return False
+        self._region, self._view = context.region, context.region_data
+        self._ground = under.ground(context, wait=True)
+        if self._ground is None:
+            self.report({"INFO"}, "There are no regions here yet: press Partition in the sidebar (N), tab iSimp.")
+        return self._ground is not None
+
+    @staticmethod
+    def is_dropped(event) -> bool:
+        undo = event.type == "Z" and (event.ctrl or event.oskey)
+        return event.value == "PRESS" and (event.type in {"ESC", "RIGHTMOUSE"} or undo)
+
+    def end(self, context) -> None:
+        runtime.get().hover = None
+        context.workspace.status_text_set(None)
+        overlay.redraw()
+
+
+class ISIMP_OT_hover(bpy.types.Operator):
+    """Show what is under the mouse"""
+
+    bl_idname = "isimp.hover"
+    bl_label = "Show What Is Under the Mouse"
+    bl_options = {"INTERNAL"}
+
+    def invoke(self, context, event):
+        if context.region is None or context.region.type != "WINDOW" or context.region_data is None:
+            return {"PASS_THROUGH"}
+        ground = under.ground(context)
+        at = (event.mouse_region_x, event.mouse_region_y)
+        hit = ground.hit(ground.ray(context.region, context.region_data, at)) if ground is not None else None
+        show_hover(context, ground, hit, at)
+        return {"PASS_THROUGH"}
+
+
+class ISIMP_OT_point(ModalTool, bpy.types.Operator):
+    """Click: new region here. Ctrl: delete the region. Alt: select its faces."""
+
+    bl_idname = "isimp.point"
+    bl_label = "Region"
+
+    def invoke(self, context, event):
+        if not self.begin(context, event):
+            return {"CANCELLED"}
+        hit = self._ground.hit(self.ray(event))
+        if hit is None:
+            return {"PASS_THROUGH"}
+        self._gesture = Pointing()
+        self._gesture.press(hit, self.place(event), ctrl=event.ctrl, alt=event.alt)
+        context.workspace.status_text_set("Let go: do it · Esc: drop")
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        if self.is_dropped(event):
+            self._gesture.cancel()
+            self.end(context)
+            return {"CANCELLED"}
+        if event.type == "MOUSEMOVE":
+            hit, at = self._ground.hit(self.ray(event)), self.place(event)
+            self._gesture.move(hit, at)
+            show_hover(context, self._ground, hit, at)
+        elif event.type == "LEFTMOUSE" and event.value == "RELEASE":
+            wish = self._gesture.release()
+            self.end(context)
+            if wish is not None:
+                self.fulfil(context, wish)
+            return {"FINISHED"}
+        return {"RUNNING_MODAL"}
+
+    def cancel(self, context):
+        self.end(context)
+
+    def fulfil(self, context, wish) -> None:
+        if wish.verb in _VERBS:
+            do(_VERBS[wish.verb], face=wish.faces[0])
+
+
+CLASSES = (ISIMP_OT_hover, ISIMP_OT_point)

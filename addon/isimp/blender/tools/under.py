@@ -1,0 +1,139 @@
+"""What is under the mouse: the face that a ray meets, the region it is of, and what that is like."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from bpy_extras import view3d_utils
+
+from ... import pick
+from ...gestures import Hit
+from ...task import Status, Task
+from .. import mesh_io, reading, runtime, targets, text
+
+_MOST_SHOWN = 200_000  # triangles of a region that are lightened
+
+
+@dataclass
+class Hover:
+    """What is shown of the region under the mouse."""
+
+    scan: str
+    region: int
+    fills: list = field(default_factory=list)  #: (points of triangles, colour)
+    lines: list = field(default_factory=list)  #: (points of lines, colour, width)
+    text: str = ""
+    key: tuple | None = None  #: what it is of, to see whether it is still right
+    at: tuple = (0, 0)
+    ring: float = 0.0  #: pixels of the brush's circle; 0 for none
+
+
+class Ground:
+    """A scan to be pointed at: its arrays, their search structure, the regions seen."""
+
+    def __init__(self, context, obj):
+        self.name = obj.name
+        self.scan = reading.read(context, obj)
+        self.place = mesh_io.place_matrix(obj)
+        self.to_scan = np.linalg.inv(self.place)
+        self.state = mesh_io.state_of(obj)
+        self.label = mesh_io.read_regions(obj)
+        self._area = None
+
+    @property
+    def surface(self):
+        return runtime.get().surface[1]
+
+    def ray(self, region, view, at):
+        """(origin, direction) in the scan's space of a place in a viewport."""
+        origin = np.append(view3d_utils.region_2d_to_origin_3d(region, view, at), 1.0)
+        direction = np.append(view3d_utils.region_2d_to_vector_3d(region, view, at), 0.0)
+        direction = (self.to_scan @ direction)[:3]
+        return (self.to_scan @ origin)[:3], direction / np.linalg.norm(direction)
+
+    def hit(self, ray):
+        """The face a ray meets, or None."""
+        met = self.surface.cast(*ray)
+        if met is None:
+            return None
+        face = int(self.scan.triangle_face[met[0]])
+        return Hit(face, int(self.label[face]), tuple(met[1].tolist()))
+
+    def pixel(self, region, view, at, place) -> float:
+        """How long a pixel is at a place on the scan, in the scan's space."""
+        here = self.to_scan @ np.append(view3d_utils.region_2d_to_location_3d(region, view, at, self.world(place)), 1.0)
+        beside = (at[0] + 10, at[1])
+        there = self.to_scan @ np.append(
+            view3d_utils.region_2d_to_location_3d(region, view, beside, self.world(place)), 1.0
+        )
+        return float(np.linalg.norm((there - here)[:3])) / 10
+
+    def world(self, place):
+        return (self.place @ np.append(place, 1.0))[:3].tolist()
+
+    def triangles_of(self, region: int) -> np.ndarray:
+        return np.flatnonzero(self.label[self.scan.triangle_face] == region)
+
+    def points(self, triangles) -> np.ndarray:
+        """(3 T, 3) float32 the corners of triangles."""
+        return self.scan.vertices[self.scan.triangles[triangles[:_MOST_SHOWN]].ravel()].astype(np.float32)
+
+    def border(self, region: int) -> np.ndarray:
+        """(2 B, 3) float32 the edges where a region ends."""
+        pairs, edges = self.scan.edges
+        inside = self.label[self.scan.triangle_face[pairs]] == region
+        return self.scan.vertices[edges[inside[:, 0] != inside[:, 1]].ravel()].astype(np.float32)
+
+    def told(self, unit, region: int) -> str:
+        """What a region is like, in a line. unit: the scene's."""
+        if region < 0:
+            return "Left out: click to bring this part back"
+        triangles = self.triangles_of(region)
+        share, away = pick.flatness(self.scan.vertices, self.scan.triangles, triangles)
+        away = text.length(away, unit.system, unit.scale_length)
+        if self._area is None:
+            self._area = pick.area(self.scan.vertices, self.scan.triangles)
+        return f"Region {region} · {share / self._area:.1%} of the area · flat to {away}"
+
+
+def ground(context, wait: bool = False):
+    """The scan to point at, once it can be; None until then. With `wait`, it is prepared here and now."""
+    current = runtime.get()
+    scan, problem = targets.find(context)
+    if problem or context.view_layer.objects.active != scan or not mesh_io.state_of(scan):
+        return None
+    known = current.ground
+    if known is None or not _fits(known, scan):
+        try:
+            known = current.ground = Ground(context, scan)
+        except mesh_io.Unusable:
+            return None
+    return known if _prepare(known, wait) and current.surface[1] is not None else None
+
+
+def _fits(known, scan) -> bool:
+    return (
+        known.name == scan.name
+        and known.state == mesh_io.state_of(scan)
+        and scan.name in runtime.get().scans
+        and runtime.get().scans[scan.name].scan is known.scan
+        and np.array_equal(known.place, mesh_io.place_matrix(scan))
+    )
+
+
+def _prepare(known, wait: bool) -> bool:
+    """Whether the search structure is there; it is made on a thread."""
+    current, scan = runtime.get(), known.scan
+    if current.surface is not None and current.surface[0] is scan:
+        return True
+    if current.digging is None or current.digging[0] is not scan:
+
+        def dig(watch):
+            scan.edges  # noqa: B018  (made here and kept, so that nothing has to wait for it later)
+            return pick.Surface(scan.vertices, scan.triangles)
+
+        current.digging = (scan, Task(dig))
+    task = current.digging[1]
+    if task.wait(None if wait else 0) is Status.RUNNING:
+        return False
+    current.surface, current.digging = (scan, task.result), None
+    return task.result is not None

@@ -1,0 +1,104 @@
+"""What is drawn over a scan: where its regions end, how its polygons would be. Plain arrays: no window is needed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from . import recipe as rcp
+from . import view
+from .session import Scan, Session, StepFailed
+from .task import Watch
+
+
+def _points() -> np.ndarray:
+    return np.empty((0, 3), np.float32)
+
+
+@dataclass(frozen=True, eq=False)
+class Sketch:
+    """Points in the scan's space, as float32. Lines are pairs of points, triangles are threes."""
+
+    #: (2 B, 3) where regions meet
+    borders: np.ndarray = field(default_factory=_points)
+    #: (2 E, 3) the edges of the polygons
+    outline: np.ndarray = field(default_factory=_points)
+    #: (C, 3) their corners
+    corners: np.ndarray = field(default_factory=_points)
+    #: (3 T, 3) their triangles
+    surface: np.ndarray = field(default_factory=_points)
+    #: (3 T, 4) RGBA of the corners of the triangles, by how flat their polygon is
+    heat: np.ndarray = field(default_factory=lambda: np.empty((0, 4), np.float32))
+    #: (2 E, 3) the edges of polygons that something is amiss with
+    problems: np.ndarray = field(default_factory=_points)
+    #: why there are no polygons; empty if there are
+    reason: str = ""
+
+
+def borders(scan: Scan, face_region: np.ndarray) -> np.ndarray:
+    """(2 B, 3) float32 the edges between faces of different regions, and between a region and none."""
+    pairs, edges = scan.edges
+    ends = edges[view.border_edges(face_region, scan.triangle_face[pairs])]
+    return scan.vertices[ends.ravel()].astype(np.float32)
+
+
+def outline(vertices: np.ndarray, loops: np.ndarray, loop_start: np.ndarray) -> np.ndarray:
+    """(2 E, 3) float32 the edges of polygons, those of two only once."""
+    ends = polygon_edges(loops, loop_start)
+    return vertices[np.unique(np.sort(ends, axis=1), axis=0).ravel()].astype(np.float32)
+
+
+def polygon_edges(loops: np.ndarray, loop_start: np.ndarray) -> np.ndarray:
+    """(L, 2) the two vertices of each polygon's each edge, in order."""
+    after = np.roll(loops, -1)
+    last = np.append(loop_start[1:], len(loops)) - 1
+    after[last] = loops[loop_start]
+    return np.stack([loops, after], axis=1)
+
+
+def heat(planarity: np.ndarray, diagonal: float, bound: float = 0.005) -> np.ndarray:
+    """(Q,) how far polygons are from flat, in [0, 1]. bound: what counts as far, as a share of the diagonal."""
+    if diagonal <= 0:
+        return np.zeros(len(planarity))
+    return np.clip(planarity / (bound * diagonal), 0.0, 1.0)
+
+
+def heat_colors(share: np.ndarray) -> np.ndarray:
+    """(N, 4) float32 RGBA, see-through: green where flat, by yellow to red where bent to the bound."""
+    red = np.clip(2 * share, 0, 1)
+    green = np.clip(2 - 2 * share, 0, 1)
+    return np.stack([red, 0.8 * green, 0.1 + 0 * share, 0.6 + 0 * share], axis=1).astype(np.float32)
+
+
+def draw(
+    session: Session, scan: Scan, face_region: np.ndarray, recipe: rcp.Recipe, meshing: rcp.Mesh | None, watch: Watch
+) -> Sketch:
+    """The sketch of regions, and of the polygons that the recipe would give; None: no polygons. Raises Stopped."""
+    scan = session.prepare(scan, watch, 0.0, 0.1).scan  # the one whose edges are kept
+    lines = borders(scan, face_region)
+    if meshing is None:
+        return Sketch(lines)
+    try:
+        made = session.replay(scan, recipe.then(meshing), watch)
+    except StepFailed as error:
+        return Sketch(lines, reason=error.reason)
+    polygons = made.polygons
+    vertices, loops, start = (np.asarray(a) for a in (polygons.vertices, polygons.loops, polygons.loop_start))
+    triangles, of = session.triangulate(polygons)
+    share = heat(np.asarray(polygons.planarity), made.numbers["diagonal"])
+    amiss = sorted({polygon for found in made.numbers["flaws"].values() for polygon in found})
+    return Sketch(
+        lines,
+        outline(vertices, loops, start),
+        vertices.astype(np.float32),
+        vertices[triangles.ravel()].astype(np.float32),
+        heat_colors(np.repeat(share[of], 3)),
+        vertices[edges_of(amiss, loops, start).ravel()].astype(np.float32),
+    )
+
+
+def edges_of(chosen: list, loops: np.ndarray, loop_start: np.ndarray) -> np.ndarray:
+    """(K, 2) the edges of some polygons."""
+    totals = np.diff(loop_start, append=len(loops))
+    return polygon_edges(loops, loop_start)[np.repeat(np.isin(np.arange(len(totals)), chosen), totals)]

@@ -1,0 +1,116 @@
+"""The tools in the toolbar, with a real mouse: click, ctrl-click, alt-click; undo and redo; what is drawn meanwhile."""
+
+import bpy
+import numpy as np
+from scenario_main import make_scan, regions, same, scan
+
+import isimp
+
+
+def tool(hand, name):
+    with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
+        bpy.ops.wm.tool_set_by_id(name=name)
+    yield 0.3
+
+
+def view(hand):
+    """Looks at the scan from the front, so that it fills the view."""
+    with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
+        bpy.ops.view3d.view_axis(type="FRONT")
+        bpy.ops.view3d.view_selected()
+    yield 0.8
+
+
+def place(hand, x, z):
+    """Where a place in the scan's front is in the window; x and z from -1 to 1 over the scan."""
+    from bpy_extras import view3d_utils
+
+    region, view = hand.region("WINDOW"), hand.area.spaces.active.region_3d
+    at = view3d_utils.location_3d_to_region_2d(region, view, (1.5 * x, -1.5, 1.5 * z))
+    return region.x + at[0], region.y + at[1]
+
+
+def sketched():
+    """Waits until what is drawn over the scan is there."""
+    from isimp.blender import runtime
+
+    yield 0.3
+    for _ in range(200):
+        made = runtime.get().drawings
+        if runtime.get().sketching is None and made:
+            return
+        yield 0.05
+    raise AssertionError("no sketch was made")
+
+
+def drawn():
+    from isimp.blender import overlay, runtime
+
+    key = overlay._key(bpy.context, scan())
+    return runtime.get().drawings[key].sketch
+
+
+def run(hand):
+    isimp.register()
+    make_scan()
+    yield 0.5
+    yield from hand.open_tab()
+    bpy.ops.isimp.partition("EXEC_DEFAULT", True, proxies=14)
+    yield from view(hand)
+    yield from sketched()
+    sketch = drawn()
+    assert len(sketch.borders)
+    assert len(sketch.outline)
+    assert len(sketch.corners)
+    yield from hand.shot("tools-1-sketch")
+    yield from tool(hand, "isimp.region_tool.object")
+
+    from isimp.blender import runtime
+
+    yield from hand.move(*place(hand, 0.2, 0.2))
+    for _ in range(100):
+        yield from hand.move(*place(hand, 0.2, 0.21))
+        if runtime.get().hover is not None:
+            break
+        yield 0.1
+    assert "of the area" in runtime.get().hover.text, runtime.get().hover
+    yield from hand.shot("tools-2-hover")
+
+    yield from hand.click(*place(hand, 0.4, 0.4))
+    yield from hand.settle()
+    same("click adds", regions(), 15)
+    yield from sketched()
+    yield from hand.shot("tools-3-add")
+    yield from hand.undo()
+    same("undone", regions(), 14)
+    yield from hand.redo()
+    same("redone", regions(), 15)
+    yield from hand.click(*place(hand, 0.4, 0.4), ctrl=True)
+    yield from hand.settle()
+    same("ctrl-click deletes", regions(), 14)
+    yield from hand.click(*place(hand, -0.3, -0.3), alt=True)
+    yield from hand.settle()
+    selected = np.empty(len(scan().data.polygons), bool)
+    scan().data.polygons.foreach_get("select", selected)
+    assert 20 < selected.sum() < len(selected) / 2, selected.sum()
+
+    x, y = place(hand, 0.0, 0.0)
+    yield from hand.move(x, y)
+    hand.event("LEFTMOUSE", "PRESS")
+    yield 0.1
+    yield from hand.move(x + 5, y)
+    yield from hand.key("ESC")
+    hand.event("LEFTMOUSE", "RELEASE")
+    yield 0.3
+    same("Esc drops", regions(), 14)
+
+    yield from hand.into_view()
+    yield from hand.key("TAB")
+    yield 0.3
+    yield from tool(hand, "isimp.region_tool.edit_mesh")
+    yield from hand.click(*place(hand, 0.4, 0.4))
+    yield from hand.settle()
+    same("click adds in Edit Mode", (scan().mode, regions()), ("EDIT", 15))
+    yield from hand.undo()
+    same("undone in Edit Mode", regions(), 14)
+    yield from hand.shot("tools-4-edit")

@@ -1,0 +1,137 @@
+"""What the mouse means to the tools, without a window."""
+
+import numpy as np
+import pytest
+
+from isimp.gestures import Cut, Hit, Pointing, Stroke, Wish
+from isimp.pick import Surface
+
+A, A2, B, NONE = Hit(1, 0), Hit(2, 0), Hit(9, 1), Hit(20, -1)
+NEAR, FAR = (2.0, 1.0), (60.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("held", "moves", "wanted"),
+    [
+        ({}, [], Wish("add", (1,))),
+        ({}, [(A2, NEAR)], Wish("add", (1,))),
+        ({"ctrl": True}, [], Wish("delete", (1,))),
+        ({"alt": True}, [], Wish("select", (1,))),
+        ({}, [(A2, FAR), (B, FAR)], Wish("merge", (9,), into=1)),
+        ({}, [(B, FAR), (A2, NEAR)], None),  # dragged back: dropped
+        ({}, [(B, FAR), (None, FAR)], None),
+        ({}, [(NONE, FAR)], None),
+        ({"ctrl": True}, [(B, FAR)], Wish("delete", (1,))),
+    ],
+)
+def test_pointing(held, moves, wanted):
+    tool = Pointing()
+    tool.press(A, **held)
+    for hit, at in moves:
+        tool.move(hit, at)
+    assert tool.merging == (wanted is not None and wanted.verb == "merge")
+    assert tool.release() == wanted
+    assert tool.release() is None
+
+
+def test_pointing_past_the_scan_and_dropping():
+    tool = Pointing()
+    tool.press(None)
+    tool.move(B, FAR)
+    assert tool.release() is None
+    tool.press(NONE)
+    assert tool.release() == Wish("add", (20,))  # a part that was left out comes back
+    tool.press(A)
+    tool.move(B, FAR)
+    tool.cancel()
+    assert (tool.release(), tool.merging) == (None, False)
+
+
+@pytest.fixture(scope="module")
+def grid():
+    """A square of side 2 about the origin, 20 x 20 cells of two triangles, each cell a face of the user's."""
+    line = np.linspace(-1, 1, 21)
+    x, y = np.meshgrid(line, line, indexing="ij")
+    vertices = np.stack([x, y, 0 * x], axis=-1).reshape(-1, 3)
+    at = np.arange(441).reshape(21, 21)
+    a, b, c, d = at[:-1, :-1], at[1:, :-1], at[1:, 1:], at[:-1, 1:]
+    triangles = np.stack([a, b, c, a, c, d], axis=-1).reshape(-1, 3)
+    return Surface(vertices, triangles), np.repeat(np.arange(400), 2)
+
+
+DOWN = (0, 0, -1)
+
+
+def cell(x, y):
+    return int((x + 1) * 10) * 20 + int((y + 1) * 10)
+
+
+def hit(x, y, region=0):
+    return Hit(cell(x, y), region, (x, y, 0.0))
+
+
+def test_a_stroke_covers_all_between_its_places(grid):
+    stroke = Stroke(*grid, radius=0.12)
+    stroke.press(hit(-0.85, 0.05), DOWN)
+    before = len(stroke.triangles)
+    fresh = stroke.move(hit(0.85, 0.05), DOWN)
+    assert len(stroke.triangles) == before + len(fresh)
+    wish = stroke.release()
+    assert (wish.verb, wish.into) == ("paint", cell(-0.85, 0.05))
+    assert {cell(x, 0.05) for x in np.linspace(-0.85, 0.85, 18)} <= set(wish.faces)
+    assert all(abs(face % 20 - 10) <= 2 for face in wish.faces)
+    assert stroke.release() is None
+
+
+def test_a_stroke_mirrored_is_the_same_on_both_sides(grid):
+    stroke = Stroke(*grid, radius=0.2, mirror=0)
+    stroke.press(hit(0.55, 0.35), DOWN, new=True)
+    wish = stroke.release()
+    assert (wish.verb, wish.into) == ("new", None)
+    columns = {face // 20 for face in wish.faces}
+    assert min(columns) < 8
+    assert max(columns) > 12
+
+
+def test_a_brush_smaller_than_a_face_paints_the_face(grid):
+    stroke = Stroke(*grid, radius=1e-6)
+    stroke.press(hit(0.55, 0.35), DOWN, smooth=True)
+    assert stroke.release() == Wish("smooth", (cell(0.55, 0.35),))
+
+
+def test_a_stroke_dropped_or_beside_the_scan_paints_nothing(grid):
+    stroke = Stroke(*grid, radius=0.2)
+    stroke.press(None, DOWN)
+    assert stroke.release() is None
+    stroke.press(hit(0, 0), DOWN)
+    stroke.cancel()
+    assert (stroke.release(), stroke.triangles) == (None, set())
+
+
+def test_a_stroke_does_not_reach_the_far_side(grid):
+    stroke = Stroke(*grid, radius=0.2)
+    stroke.press(hit(0.05, 0.05), (0, 0, 1))  # seen from below, where the faces look away
+    assert len(stroke.release().faces) == 1  # the one that was hit
+
+
+def test_a_cut_is_the_plane_through_the_eye_and_the_line():
+    eye, cut = np.array([0.0, 0, 5]), Cut()
+    cut.press((eye, (-0.2, 0, -1)), None)
+    assert cut.plane() is None
+    cut.move((eye, (0, 0, -1)), hit(0, 0, region=3))
+    cut.move((eye, (0.2, 0, -1)), hit(0.1, 0, region=3))
+    normal, offset = cut.plane()
+    assert np.abs(normal).tolist() == pytest.approx([0, 1, 0])
+    assert offset == pytest.approx(0)
+    assert cut.target == hit(0, 0, region=3)
+    cut.cancel()
+    assert (cut.plane(), cut.target) == (None, None)
+
+
+def test_a_cut_without_perspective():
+    cut, down = Cut(), np.array([0.0, 0, -1])
+    cut.press((np.array([-1.0, 0.5, 5]), down), None)
+    cut.move((np.array([1.0, 0.5, 5]), down), None)
+    normal, offset = cut.plane()
+    assert np.abs(normal).tolist() == pytest.approx([0, 1, 0])
+    assert abs(offset) == pytest.approx(0.5)
