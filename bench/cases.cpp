@@ -90,7 +90,7 @@ Case new_count_case(const SetupPtr& setup) {
     Partition result;
     const Lap lap = timed([&] { result = partition(*setup->mesh, **kept, options, job); });
     Sample sample = sample_of(*setup, lap, result);
-    sample.facts["kept"] = (*kept)->serves(*setup->mesh, options.proxies);
+    sample.facts["kept"] = (*kept)->serves(*setup->mesh, *options.proxies);
     return sample;
   };
   return {"new_count", run, setup->inner};

@@ -44,7 +44,7 @@ def grids(quads, planes):
 def polygons(loops, planes, halvings):
     """Each loop as a fan of triangles round its first corner, every triangle split in four `halvings` times."""
     points = np.concatenate(loops)
-    starts = np.cumsum([0] + [len(loop) for loop in loops])
+    starts = np.cumsum([0] + [len(loop) for loop in loops[:-1]])
     faces = [(s, s + k, s + k + 1) for s, loop in zip(starts, loops, strict=True) for k in range(1, len(loop) - 1)]
     shape = welded(points, np.array(faces), planes)
     for _ in range(halvings):

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 VERSION = 1
 METHODS = ("hierarchy", "teleport", "lloyd")
+COUNTS = ("detail", "tolerance", "proxies")  #: ways to say how many regions, each the name of a setting
 SEEDINGS = ("random", "farthest", "hierarchical")
 
 
@@ -53,9 +54,17 @@ class Step:
 
 @dataclass(frozen=True)
 class Partition(Step):
-    """Split the scan into regions; whatever was there before is replaced."""
+    """Split the scan into regions; whatever was there before is replaced.
 
+    Of the settings named in COUNTS the one that `count_by` names says how many; the others rest.
+    """
+
+    count_by: str = "proxies"
     proxies: int = 200
+    detail: float = 0.005  #: what shows at this share of the size
+    tolerance: float = 1.0  #: the same in scene units
+    noise: float = -1.0  #: standard deviation of the scan's noise, scene units; below 0: estimated
+    snap: bool = True  #: take the number of planes where the scan clearly is made of so many
     seed: int = 1
     iterations: int = 20
     method: str = "hierarchy"
@@ -63,6 +72,11 @@ class Partition(Step):
     leave_out: float = 0.001
 
     def __post_init__(self):
+        _check(self.count_by not in COUNTS, f"count_by must be one of {', '.join(COUNTS)}, got {self.count_by!r}")
+        _check(not 0 < self.detail <= 1, f"detail must be in (0, 1], got {self.detail}")
+        wrong = not (math.isfinite(self.tolerance) and self.tolerance > 0)
+        _check(wrong, f"tolerance must be above 0, got {self.tolerance}")
+        _check(not math.isfinite(self.noise), f"noise must be a length, or below 0, got {self.noise}")
         _check(self.proxies < 1, f"proxies must be at least 1, got {self.proxies}")
         _check(self.seed < 0, f"seed must be at least 0, got {self.seed}")
         _check(self.iterations < 1, f"iterations must be at least 1, got {self.iterations}")
@@ -71,7 +85,9 @@ class Partition(Step):
         _check(not 0 <= self.leave_out < 1, f"leave_out must be in [0, 1), got {self.leave_out}")
 
     def describe(self) -> str:
-        return f"Partition into {self.proxies}"
+        if self.count_by == "proxies":
+            return f"Partition into {self.proxies}"
+        return f"Partition at {self.count_by} {getattr(self, self.count_by):.6g}"
 
 
 @dataclass(frozen=True)

@@ -265,7 +265,9 @@ def _with_regions(prepared: Prepared, partition, kept: np.ndarray | None, number
 
 def _apply_partition(step: rcp.Partition, prepared, before, watch, begin, end) -> Outcome:
     options = engine.PartitionOptions(
-        proxies=step.proxies,
+        **{step.count_by: getattr(step, step.count_by)},
+        noise=None if step.noise < 0 else step.noise,
+        snap=step.snap,
         seed=step.seed,
         iterations=step.iterations,
         method=step.method,
@@ -273,7 +275,8 @@ def _apply_partition(step: rcp.Partition, prepared, before, watch, begin, end) -
         leave_out=step.leave_out,
     )
     partition = _engine_call(watch, begin, end, "partitioning", engine.partition, prepared.mesh, options)
-    return _with_regions(prepared, partition, None, {"asked": step.proxies, "rounds": len(partition.history)})
+    numbers = {name: partition.report[name] for name in ("rounds", "tolerance", "noise", "snapped")}
+    return _with_regions(prepared, partition, None, {"asked": partition.proxies_asked} | numbers)
 
 
 def _apply_add(step: rcp.AddProxy, prepared, before, watch, begin, end) -> Outcome:

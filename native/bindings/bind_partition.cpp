@@ -20,7 +20,19 @@ namespace {
 void bind_options(py::module_& m) {
   using Options = PartitionOptions;
   OptionsClass<Options>(m, "PartitionOptions", "How to split a surface into regions. All fields are keywords.")
-      .field("proxies", &Options::proxies, "How many regions to make, from 1 to the number of faces.")
+      .field("proxies", &Options::proxies,
+             "So many regions, from 1 to the number of faces; at most one of this, detail and tolerance is given.")
+      .field("detail", &Options::detail,
+             "As many regions as the surface shows at a tolerance of this share of its size, in (0, 1]; 0.02, 0.01, "
+             "0.005, 0.0025 and 0.00125 are from very coarse to very fine. 0.005 if nothing says how many.")
+      .field("tolerance", &Options::tolerance,
+             "The same with the tolerance in scene units, above 0: about the mean distance of the surface from the "
+             "planes of its regions.")
+      .field("noise", &Options::noise,
+             "Standard deviation of the scan's noise, scene units, below 3.5 of which no tolerance counts; None: "
+             "estimated. 0 for what was drawn and not scanned.")
+      .field("snap", &Options::snap,
+             "Where the surface clearly is made of so many planes, take that number; with detail and tolerance.")
       .field("leave_out", &Options::leave_out,
              "Components each below this share of the whole area are left out, smallest first, while all of them "
              "together stay below ten times it; in [0, 1), 0 keeps everything.")
@@ -58,10 +70,14 @@ void bind_options(py::module_& m) {
       .finish();
 }
 
+py::object given_or_none(bool given, double value) { return given ? py::object(py::float_(value)) : py::none(); }
+
 py::dict report_of(const Partition& part) {
   return py::dict("regions"_a = part.region_count(), "proxies_asked"_a = part.proxies_asked,
                   "proxies_needed"_a = part.proxies_needed, "parts_left_out"_a = part.parts_left_out,
-                  "area_left_out"_a = part.area_left_out, "error"_a = part.error, "rounds"_a = part.history.size());
+                  "area_left_out"_a = part.area_left_out, "error"_a = part.error, "rounds"_a = part.history.size(),
+                  "tolerance"_a = given_or_none(part.tolerance > 0, part.tolerance),
+                  "noise"_a = given_or_none(part.tolerance > 0, part.noise), "snapped"_a = part.snapped);
 }
 
 void bind_result(py::module_& m) {
@@ -77,10 +93,18 @@ void bind_result(py::module_& m) {
       .def_readonly("error", &Partition::error, "Sum of area * |n_face - n_region|^2, scene units squared.")
       .def_property_readonly("region_count", &Partition::region_count, "R.")
       .def_readonly("proxies_asked", &Partition::proxies_asked,
-                    "What was asked for; R is larger where parts need more.")
+                    "What was asked for, or R if the number was found; R is larger where parts need more.")
       .def_readonly("proxies_needed", &Partition::proxies_needed, "The least that the kept components need together.")
       .def_readonly("parts_left_out", &Partition::parts_left_out, "How many components have no region.")
       .def_readonly("area_left_out", &Partition::area_left_out, "Their share of the whole area.")
+      .def_property_readonly(
+          "tolerance", [](const Partition& part) { return given_or_none(part.tolerance > 0, part.tolerance); },
+          "Tolerance at which the number of regions was found, scene units; None: the number was given.")
+      .def_property_readonly(
+          "noise", [](const Partition& part) { return given_or_none(part.tolerance > 0, part.noise); },
+          "Deviation of the noise with which it was found, given or estimated, scene units; None as above.")
+      .def_readonly("snapped", &Partition::snapped,
+                    "The surface is made of so many planes: a gap in the costs of merging that can't be chance.")
       .def_property_readonly("report", &report_of, "The numbers of this partition as a dict.")
       .def("__repr__", [](const Partition& part) {
         return py::str("<Partition: {} regions of {} faces, error {:.6g}>")
@@ -107,13 +131,13 @@ void bind_partition(py::module_& m) {
       "barriers"_a = py::none(),
       R"(Split a surface into connected, near-planar regions.
 
-Exactly options.proxies regions, none empty, each connected. Every kept component gets at least what its topology needs
-(4 if it is closed, else 1; never more than its faces); where that takes more than `proxies`, it is taken, and
-`proxies_needed` says so. The same mesh and options give the same partition bit for bit, on any number of threads.
+Exactly options.proxies regions, or as many as show at options.detail or options.tolerance; none is empty, each is
+connected. Every kept component gets at least what its topology needs (4 if it is closed, else 1; never more than its
+faces); where that takes more than `proxies`, it is taken, and `proxies_needed` says so. The same mesh and options give the same partition bit for bit, on any number of threads.
 weights: (F,) float32 or float64, finite and at least 0, multiply the faces' areas, also those in `error`: regions grow
 dense like the root of it. barriers: (K, 2) int32 or int64, pairs of vertices, edges of the mesh that no region crosses.
-The mesh keeps the hierarchy of the default method, so that another number of proxies takes a fraction of the first
-one's time. Raises InvalidInput (an option out of its range, a weight or barrier that
+The mesh keeps what the default method merged, so that another number, detail or tolerance takes a fraction of the first
+one's time. report: tolerance and noise (scene units; None where the number was given), and whether it snapped. Raises InvalidInput (an option out of its range, a weight or barrier that
 can't be used) or Cancelled.
 Cost: method 'hierarchy' O(F), the others O(iterations * F).
 Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.)");

@@ -7,7 +7,8 @@ namespace isimp::bindings {
 KeptMesh::Kept KeptMesh::recall(Guides guides) const {
   const std::lock_guard lock(mutex_);
   const bool same = kept_.guides.weights == guides.weights && kept_.guides.barriers == guides.barriers;
-  return {std::move(guides), same ? kept_.graph : nullptr, same ? kept_.hierarchy : nullptr};
+  if (!same) return {.guides = std::move(guides), .graph = nullptr, .hierarchy = nullptr, .tree = nullptr};
+  return kept_;
 }
 
 void KeptMesh::keep(const Kept& kept) const {
@@ -35,20 +36,39 @@ Partition KeptMesh::split(const PartitionOptions& options, Guides guides, Job& j
   const std::shared_ptr<const GuidedGraph> recalled = kept.graph;
   const Surface surface = guided && !kept.graph ? Surface(*this, kept.guides, job) : Surface(*this, kept.graph);
   kept.graph = surface.guided();
+  if (kept.graph != recalled) keep(kept);
 
+  const std::optional<DetailSettings> settings = detail_settings(surface, options);
+  if (job.cancelled()) return partition(surface, options, job);
+  return settings ? split_by_detail(surface, std::move(kept), *settings, options, job)
+                  : split_by_count(surface, std::move(kept), options, job);
+}
+
+Partition KeptMesh::split_by_detail(const Surface& surface, Kept kept, const DetailSettings& settings,
+                                    const PartitionOptions& options, Job& job) const {
+  double done = 0.0;
+  if (!kept.tree || kept.tree->settings() != settings) {
+    done = 0.8;
+    const Job::Part stage(job, "merging", 0.0, done);
+    kept.tree = std::make_shared<const DetailTree>(surface, settings, job);
+    keep(kept);
+  }
+  const Job::Part stage(job, "relaxing", done, 1.0);
+  return partition(surface, *kept.tree, options, job);
+}
+
+Partition KeptMesh::split_by_count(const Surface& surface, Kept kept, const PartitionOptions& options, Job& job) const {
   const bool parallel = options.method == Method::naive || options.method == Method::queued;
   const bool uses_hierarchy = options.method == Method::hierarchy || options.seeding == Seeding::hierarchical;
-  const bool in_range = options.proxies >= 1 && options.proxies <= face_count();
-  if ((!uses_hierarchy && !parallel) || !in_range || job.cancelled()) return partition(surface, options, job);
-  bool made = guided && kept.graph != recalled;
+  if (!uses_hierarchy && !parallel) return partition(surface, options, job);
+  const std::int32_t proxies = *options.proxies;
   double done = 0.0;
-  if (uses_hierarchy && (!kept.hierarchy || !kept.hierarchy->serves(surface, options.proxies))) {
+  if (uses_hierarchy && (!kept.hierarchy || !kept.hierarchy->serves(surface, proxies))) {
     done = 0.4;
     const Job::Part stage(job, "merging", 0.0, done);
-    kept.hierarchy = std::make_shared<const Hierarchy>(build_hierarchy(surface, options.proxies, job));
-    made = true;
+    kept.hierarchy = std::make_shared<const Hierarchy>(build_hierarchy(surface, proxies, job));
+    keep(kept);
   }
-  if (made) keep(kept);
   const Job::Part stage(job, "relaxing", done, 1.0);
   if (!parallel) return partition(surface, *kept.hierarchy, options, job);
   Loaded loaded = borrow(surface, options.backend);

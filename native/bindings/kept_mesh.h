@@ -13,13 +13,14 @@
 
 namespace isimp::bindings {
 
-/// A mesh as Python holds it: with what its last partition left that makes another number of proxies quick.
+/// A mesh as Python holds it: with what its last partitions left that makes another number of regions quick.
 class KeptMesh : public Mesh {
  public:
   explicit KeptMesh(Mesh&& mesh) : Mesh(std::move(mesh)) {}
 
   /// Partitions this mesh, guided or not. What the last call made and the next one can use is kept: the guided graph,
-  /// and the hierarchy or a device's memory where the method has one. May be called from several threads.
+  /// the tree that finds the number of regions, and the hierarchy or a device's memory where the method has one. May be
+  /// called from several threads.
   [[nodiscard]] Partition split(const PartitionOptions& options, Guides guides, Job& job) const;
 
  private:
@@ -27,10 +28,14 @@ class KeptMesh : public Mesh {
     Guides guides;
     std::shared_ptr<const GuidedGraph> graph;  // null without guides
     std::shared_ptr<const Hierarchy> hierarchy;
+    std::shared_ptr<const DetailTree> tree;
   };
   /// These guides, with what is kept if it was made under the same.
   [[nodiscard]] Kept recall(Guides guides) const;
   void keep(const Kept& kept) const;
+  Partition split_by_detail(const Surface& surface, Kept kept, const DetailSettings& settings,
+                            const PartitionOptions& options, Job& job) const;
+  Partition split_by_count(const Surface& surface, Kept kept, const PartitionOptions& options, Job& job) const;
 
   /// A surface in the memory of a back end. One call at a time has it; another one meanwhile makes its own.
   struct Loaded {

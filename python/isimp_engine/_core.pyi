@@ -52,7 +52,11 @@ def clean(
 ) -> Mesh: ...
 
 class PartitionOptions:
-    proxies: int
+    proxies: int | None
+    detail: float | None
+    tolerance: float | None
+    noise: float | None
+    snap: bool
     leave_out: float
     seed: int
     iterations: int
@@ -66,7 +70,11 @@ class PartitionOptions:
     def __init__(
         self,
         *,
-        proxies: int = ...,
+        proxies: int | None = ...,
+        detail: float | None = ...,
+        tolerance: float | None = ...,
+        noise: float | None = ...,
+        snap: bool = ...,
         leave_out: float = ...,
         seed: int = ...,
         iterations: int = ...,
@@ -93,6 +101,12 @@ class Partition:
     def history(self) -> NDArray[np.float64]: ...
     @property
     def region_count(self) -> int: ...
+    @property
+    def tolerance(self) -> float | None: ...
+    @property
+    def noise(self) -> float | None: ...
+    @property
+    def snapped(self) -> bool: ...
     @property
     def proxies_asked(self) -> int: ...
     @property

@@ -50,11 +50,9 @@ struct Counted {
 Counted count_at(const Arrays& shape, double detail) {
   Job job;
   const Mesh mesh = shapes::mesh(shape);
-  const double size = surface_size(mesh);
-  const DetailTree tree(mesh, mesh.graph(), find_parts(mesh, 1, 0.001, job), estimate_noise(mesh, job),
-                        kFinestDetail * size, job);
-  const Cut cut = tree.choose(detail * size, true);
-  const Regions regions = tree.regions(mesh.graph(), cut, job);
+  const DetailTree tree(mesh, {}, job);
+  const Cut cut = tree.choose(detail * tree.size(), true);
+  const Regions regions = tree.regions(mesh, cut, Threads(1), job);
   EXPECT_LE(regions.count(), tree.count(cut));
   const std::set<std::int32_t> used(regions.label.begin(), regions.label.end() - 1);
   EXPECT_EQ(used.size(), regions.sum.size());
@@ -92,8 +90,8 @@ TEST(Detail, LeavesSpecksOut) {
   Arrays speck = shapes::cube(1);
   for (Vec3& v : speck.vertices) v *= 0.01;
   const Mesh mesh = shapes::mesh(shapes::both(shapes::cube(6), speck, Vec3(3, 0, 0)));
-  const DetailTree tree(mesh, mesh.graph(), find_parts(mesh, 1, 0.001, job), 0, 0.001, job);
-  const Regions regions = tree.regions(mesh.graph(), tree.choose(0.01, true), job);
+  const DetailTree tree(mesh, {.noise = 0}, job);
+  const Regions regions = tree.regions(mesh, tree.choose(0.01, true), Threads(1), job);
   EXPECT_EQ(regions.count(), 6);
   EXPECT_EQ(std::count(regions.label.begin(), regions.label.end(), kNone), 12 + 1);
 }
@@ -101,11 +99,12 @@ TEST(Detail, LeavesSpecksOut) {
 TEST(Detail, IsTheSameOnEveryRun) {
   Job job;
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::torus(60, 30), 0.01, 4));
-  const auto labels = [&] {
-    const DetailTree tree(mesh, mesh.graph(), find_parts(mesh, 1, 0.001, job), 0.005, 0.01, job);
-    return tree.regions(mesh.graph(), tree.choose(0.02, true), job).label;
+  const auto labels = [&](std::int32_t threads) {
+    const DetailTree tree(mesh, {.finest = 0.005, .noise = 0.005}, job);
+    return tree.regions(mesh, tree.choose(0.02, true), Threads(threads), job).label;
   };
-  EXPECT_EQ(labels(), labels());
+  EXPECT_EQ(labels(1), labels(1));
+  EXPECT_EQ(labels(1), labels(3));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "isimp/parallel/backend.h"
 #include "isimp/partition/hierarchy.h"
 #include "isimp/partition/lloyd.h"
+#include "isimp/partition/noise.h"
 #include "isimp/partition/optimise.h"
 #include "isimp/partition/parallel_lloyd.h"
 #include "isimp/partition/parts.h"
@@ -30,9 +31,30 @@ template <class T>
   throw InvalidInput(text.str());
 }
 
+/// How many of the ways to choose the number of regions are taken; more than one contradict each other.
+void check_count(const Surface& surface, const PartitionOptions& options) {
+  std::string given;
+  const auto note = [&](bool is, const char* name) {
+    if (is) given += (given.empty() ? "" : " and ") + std::string(name);
+  };
+  note(options.proxies.has_value(), "proxies");
+  note(options.detail.has_value(), "detail");
+  note(options.tolerance.has_value(), "tolerance");
+  if (given.find(' ') != std::string::npos)
+    throw InvalidInput(given + " are given, but each alone says how many regions there will be: give one of them");
+  const auto positive = [](double x) { return x > 0 && std::isfinite(x); };
+  if (options.proxies && (*options.proxies < 1 || *options.proxies > surface.face_count()))
+    out_of_range("proxies", "in [1, " + std::to_string(surface.face_count()) + "]", *options.proxies);
+  if (options.detail && !(*options.detail > 0 && *options.detail <= 1))
+    out_of_range("detail", "in (0, 1]", *options.detail);
+  if (options.tolerance && !positive(*options.tolerance))
+    out_of_range("tolerance", "a finite length above 0", *options.tolerance);
+  if (options.noise && !positive(*options.noise) && *options.noise != 0)
+    out_of_range("noise", "a finite length, at least 0", *options.noise);
+}
+
 void check(const Surface& surface, const PartitionOptions& options) {
-  if (options.proxies < 1 || options.proxies > surface.face_count())
-    out_of_range("proxies", "in [1, " + std::to_string(surface.face_count()) + "]", options.proxies);
+  check_count(surface, options);
   if (!(options.leave_out >= 0 && options.leave_out < 1)) out_of_range("leave_out", "in [0, 1)", options.leave_out);
   if (options.iterations < 1) out_of_range("iterations", "at least 1", options.iterations);
   if (options.threads < 0) out_of_range("threads", "at least 0", options.threads);
@@ -119,18 +141,27 @@ Partition partition(const Surface& surface, const PartitionOptions& options, Job
 
 Partition partition(const Surface& surface, const Hierarchy& hierarchy, const PartitionOptions& options, Job& job,
                     parallel::Flooder* flooder) {
-  check(surface, options);
+  const std::optional<DetailSettings> settings = detail_settings(surface, options);
   Job::Part stage(job, "partitioning", 0.0, 1.0);
+  if (settings) {
+    const DetailTree tree = [&] {
+      const Job::Part merging(job, "merging", 0.0, 0.8);
+      return DetailTree(surface, *settings, job);
+    }();
+    const Job::Part rest(job, "relaxing", 0.8, 1.0);
+    return partition(surface, tree, options, job);
+  }
+  const std::int32_t proxies = *options.proxies;
   const Threads threads(options.threads);
   const bool hierarchical = options.method == Method::hierarchy || options.seeding == Seeding::hierarchical;
   Hierarchy own;
-  if (hierarchical && !hierarchy.serves(surface, options.proxies)) {
+  if (hierarchical && !hierarchy.serves(surface, proxies)) {
     Job::Part merging(job, "merging", 0.0, 0.4);
-    own = build_hierarchy(surface, options.proxies, job, options.threads);
+    own = build_hierarchy(surface, proxies, job, options.threads);
   }
   const Hierarchy& h = own.patches() > 0 ? own : hierarchy;
   const Parts parts =
-      find_parts(surface, options.proxies, options.leave_out, job, hierarchical ? h.parts : std::vector<Part>{});
+      find_parts(surface, proxies, options.leave_out, job, hierarchical ? h.parts : std::vector<Part>{});
   std::vector<double> history;
   Regions regions;
   if (options.method == Method::hierarchy) {
@@ -147,6 +178,35 @@ Partition partition(const Surface& surface, const Hierarchy& hierarchy, const Pa
   }
   if (history.empty()) history.push_back(regions.error());
   return make_partition(surface, parts, regions, std::move(history), threads, job);
+}
+
+std::optional<DetailSettings> detail_settings(const Surface& surface, const PartitionOptions& options) {
+  check(surface, options);
+  if (options.proxies) return std::nullopt;
+  const double detail =
+      options.tolerance ? *options.tolerance / surface_size(surface.mesh()) : options.detail.value_or(kDefaultDetail);
+  return DetailSettings{finest_for(detail), options.noise, options.leave_out};
+}
+
+Partition partition(const Surface& surface, const DetailTree& tree, const PartitionOptions& options, Job& job) {
+  const Threads threads(options.threads);
+  const double tolerance = options.tolerance.value_or(options.detail.value_or(kDefaultDetail) * tree.size());
+  const Cut cut = tree.choose(tolerance, options.snap);
+  const Regions regions = tree.regions(surface, cut, threads, job);
+  Partition result;
+  if (options.method == Method::hierarchy) {
+    result = make_partition(surface, tree.parts(), regions, {regions.error()}, threads, job);
+    result.proxies_asked = result.region_count();
+  } else {
+    PartitionOptions counted = options;
+    counted.detail = counted.tolerance = std::nullopt;
+    counted.proxies = regions.count();
+    result = partition(surface, counted, job);
+  }
+  result.tolerance = tolerance;
+  result.noise = tree.noise();
+  result.snapped = cut.snapped;
+  return result;
 }
 
 }  // namespace isimp

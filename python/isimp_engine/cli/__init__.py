@@ -6,7 +6,7 @@ Ctrl-C, with nothing half-written.
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +16,9 @@ from .errors import UsageError
 
 OK, USAGE, BAD_INPUT, INTERRUPTED = 0, 2, 3, 130
 
+_COUNTS = {"proxies": (int, "N"), "detail": (float, "X"), "tolerance": (float, "T")}  # at most one of them
 _FIELDS = {
-    "proxies": (int, "N"),
+    "noise": (float, "S"),
     "seed": (int, "S"),
     "method": (str, "NAME"),
     "iterations": (int, "N"),
@@ -40,7 +41,11 @@ def parser() -> argparse.ArgumentParser:
     command.set_defaults(run=simplify.run)
     command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL or OFF")
     command.add_argument("output", type=Path, metavar="OUTPUT", help="PLY or OBJ")
+    counts = command.add_mutually_exclusive_group()
+    add_fields(counts, PartitionOptions, _COUNTS)
     add_fields(command, PartitionOptions, _FIELDS)
+    about = f"Turns off: {PartitionOptions.snap.__doc__}"
+    command.add_argument("--no-snap", dest="snap", action="store_false", default=None, help=about)
     add_fields(command, CleanOptions, _CLEAN_FIELDS)
     command.add_argument(
         "--labels", type=Path, metavar="L.npy", help="one int32 region per face of INPUT, in file order; -1: none"
@@ -56,16 +61,17 @@ def parser() -> argparse.ArgumentParser:
     return parser
 
 
-def add_fields(command: argparse.ArgumentParser, options: type, fields: dict[str, tuple[type, str]]) -> None:
+def add_fields(command: Any, options: type, fields: dict[str, tuple[type, str]]) -> None:
     """A flag for each of these fields, which says what the field's documentation says."""
     defaults = options()
     for name, (kind, metavar) in fields.items():
-        about = f"{getattr(options, name).__doc__} Default: {getattr(defaults, name)}."
+        default = getattr(defaults, name)
+        about = getattr(options, name).__doc__ + ("" if default is None else f" Default: {default}.")
         flag = "--" + name.replace("_", "-")
         command.add_argument(flag, dest=name, type=kind, metavar=metavar, help=about.replace("%", "%%"))
 
 
-def options_of(arguments: argparse.Namespace, kind: type, fields: dict[str, tuple[type, str]]) -> Any:
+def options_of(arguments: argparse.Namespace, kind: type, fields: Iterable[str]) -> Any:
     """The engine's options of this kind as the command line has them; its defaults for the rest."""
     options = kind()
     for name in fields:
@@ -86,7 +92,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         parsed.clean = options_of(parsed, CleanOptions, _CLEAN_FIELDS)
         if parsed.run is simplify.run:
-            parsed.options = options_of(parsed, PartitionOptions, _FIELDS)
+            parsed.options = options_of(parsed, PartitionOptions, (*_COUNTS, *_FIELDS, "snap"))
         parsed.run(parsed)
     except KeyboardInterrupt:
         return _say("interrupted, nothing was written", INTERRUPTED)

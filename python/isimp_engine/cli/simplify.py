@@ -43,8 +43,6 @@ def run(arguments: argparse.Namespace) -> None:
         source = load(arguments.input, job)
     with steps("clean") as job:
         mesh, repaired, repaired_at = clean_mesh(source, arguments.clean, job)
-    if arguments.proxies is None:
-        options.proxies = min(options.proxies, len(mesh.triangles))
     with steps("partition") as job:
         try:
             part = partition(mesh, options, job)
@@ -120,6 +118,8 @@ def summary(source: Input, part: Partition, report: dict[str, Any]) -> Iterator[
         yield f"  repaired: {line}"
     if part.parts_left_out:
         yield f"  left out: {words.count(part.parts_left_out, 'part')}, {part.area_left_out:.2%} of the area"
+    if report["partition"]["tolerance"] is not None:
+        yield f"  {words.found(report['partition'])}"
     if part.region_count > part.proxies_asked:
         yield f"  {part.region_count:,} proxies used, since the parts need them; {part.proxies_asked:,} were asked for"
     polygons, regions = words.count(out["polygons"], "polygon"), words.count(out["regions"], "region")

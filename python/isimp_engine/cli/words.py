@@ -49,3 +49,10 @@ def repairs(counts: dict[str, int], where: dict[str, list[int]]) -> Iterator[str
             kind = "vertex" if thing == "vertex" else "face"
             text += f" ({kind} {', '.join(map(str, places[:5]))}{', ...' if number > len(places[:5]) else ''})"
         yield text
+
+
+def found(partition: dict[str, Any]) -> str:
+    """`167 regions found at a tolerance of 0.00125, noise 2.1e-05`."""
+    text = f"{count(partition['regions'], 'region')} found at a tolerance of {partition['tolerance']:.3g}"
+    text += f", noise {partition['noise']:.2g}"
+    return text + (", the number of planes it is made of" if partition["snapped"] else "")

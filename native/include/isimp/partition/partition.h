@@ -2,12 +2,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "isimp/core/job.h"
 #include "isimp/core/types.h"
 #include "isimp/parallel/flooder.h"
+#include "isimp/partition/detail_tree.h"
 #include "isimp/partition/hierarchy.h"
 #include "isimp/partition/metric.h"
 #include "isimp/partition/surface.h"
@@ -37,9 +39,14 @@ enum class Connect {
 };
 
 struct PartitionOptions {
-  std::int32_t proxies = 64;  ///< how many regions to make, in [1, F]
-  double leave_out = 0.001;   ///< components each below this share of the area are left out, in [0, 1); see partition()
-  std::uint64_t seed = 1;     ///< number that starts the random seeding
+  /// How many regions; at most one of these three is given, else it is `detail` at kDefaultDetail.
+  std::optional<std::int32_t> proxies = std::nullopt;  ///< exactly so many, in [1, F]
+  std::optional<double> detail = std::nullopt;     ///< what shows at a tolerance of this share of the size, in (0, 1]
+  std::optional<double> tolerance = std::nullopt;  ///< the same with the tolerance in scene units, above 0
+  std::optional<double> noise = std::nullopt;      ///< deviation of the scan's noise, scene units; none: estimated
+  bool snap = true;          ///< where the shape clearly is made of so many planes, take that number
+  double leave_out = 0.001;  ///< components each below this share of the area are left out, in [0, 1); see partition()
+  std::uint64_t seed = 1;    ///< number that starts the random seeding
   std::int32_t iterations = 20;  ///< upper bound on flood-and-fit rounds, at least 1
   Seeding seeding = Seeding::random;
   Method method = Method::hierarchy;
@@ -49,6 +56,9 @@ struct PartitionOptions {
   parallel::Search search = parallel::Search::grid;  ///< how Method::naive finds them; the result is the same
   Connect connect = Connect::repair;                 ///< what Method::naive and queued end with
 };
+
+/// What PartitionOptions::detail is if neither it nor another way to choose the number is given.
+inline constexpr double kDefaultDetail = 0.005;
 
 /// A surface split into connected, near-planar regions.
 struct Partition {
@@ -60,7 +70,10 @@ struct Partition {
   std::vector<double> history;            ///< the error after each round; `error` is not above any of them, but for
                                           ///< Method::naive and queued: rounds of pieces, the last entry is `error`
 
-  std::int32_t proxies_asked = 0;   ///< R is larger where components need more (see `proxies_needed`)
+  double tolerance = 0.0;          ///< t at which the number of regions was found, scene units; 0: the number was given
+  double noise = 0.0;              ///< the deviation it was found with, given or estimated, scene units
+  bool snapped = false;            ///< the shape has so many planes: a gap in the costs of merging that can't be chance
+  std::int32_t proxies_asked = 0;  ///< R is larger where components need more (see `proxies_needed`)
   std::int32_t proxies_needed = 0;  ///< the least that the kept components need together
   std::int32_t parts_left_out = 0;  ///< components without a region
   double area_left_out = 0.0;       ///< their share of the whole area
@@ -74,11 +87,14 @@ struct Partition {
 ///
 /// \param surface  a mesh, or one with guides: their weights multiply the areas, also those in `error`; their barriers
 ///                 cut it, so that it may have more components
-/// Exactly `proxies` regions, none empty, each connected, every face of a kept component in one. Every kept component
-/// gets at least what its topology needs (4 if it is closed, else 1; never more than its faces); where that takes more
-/// than `proxies`, it is taken, and `proxies_needed` says so. Components each below `leave_out` of the area are left
-/// out, smallest first, while all of them together stay below ten times it; the largest is always kept, and none is
-/// left out where the rest would have fewer than `proxies` faces.
+/// With `detail` or `tolerance`, as many regions as the surface shows at that tolerance t, whatever its resolution: on
+/// a curved one its mean distance from the regions' planes is about t, and t never counts as less than 3.5 deviations
+/// of the noise; lloyd and teleport then make that number. With `proxies`, exactly so many. None is empty, each is
+/// connected, every face of a kept component in one. Every kept component gets at least what its topology needs (4 if
+/// it is closed, else 1; never more than its faces); where that takes more than `proxies`, it is taken, and
+/// `proxies_needed` says so. Components each below `leave_out` of the area are left out, smallest first, while all of
+/// them together stay below ten times it; the largest is always kept, and none is left out where the rest would have
+/// fewer than `proxies` faces.
 /// The same mesh and options give the same partition bit for bit; nothing depends on
 /// hashing, on the order of threads or on a library's random numbers.
 ///
@@ -86,7 +102,8 @@ struct Partition {
 /// \throws InvalidInput  an option out of its range: the message names the range and what was given
 /// \throws Error         a device has too little memory or failed
 /// \throws Cancelled     nothing was changed
-/// Cost: Method::hierarchy O(F), about 100 ms for a million faces; the others O(iterations * F). O(F) memory.
+/// Cost: Method::hierarchy O(F), about 100 ms for a million faces; the others O(iterations * F). Finding the number
+/// O(F log F) more. O(F) memory.
 /// Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.
 Partition partition(const Surface& surface, const PartitionOptions& options, Job& job);
 
@@ -96,5 +113,12 @@ Partition partition(const Surface& surface, const PartitionOptions& options, Job
 /// needed
 Partition partition(const Surface& surface, const Hierarchy& hierarchy, const PartitionOptions& options, Job& job,
                     parallel::Flooder* flooder = nullptr);
+
+/// The settings of the tree that finds the number of regions; none where it is given.
+/// \throws InvalidInput  an option out of its range, or two ways to choose the number at once
+std::optional<DetailSettings> detail_settings(const Surface& surface, const PartitionOptions& options);
+
+/// The same from a tree with those settings that was made before: what a slider of `detail` wants.
+Partition partition(const Surface& surface, const DetailTree& tree, const PartitionOptions& options, Job& job);
 
 }  // namespace isimp

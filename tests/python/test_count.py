@@ -1,0 +1,123 @@
+"""The number of regions found by itself: detail, tolerance, noise, snap."""
+
+import itertools
+import json
+
+import numpy as np
+import pytest
+
+import isimp_engine as engine
+import shapes
+from isimp_engine.cli import main
+
+
+def noisy(vertices, triangles, sigma, seed=1):
+    rng = np.random.default_rng(seed)
+    return vertices + rng.normal(scale=sigma, size=vertices.shape), triangles
+
+
+def found(mesh, **fields):
+    return engine.partition(mesh, engine.PartitionOptions(**fields))
+
+
+@pytest.mark.parametrize("method", ["hierarchy", "teleport"])
+@pytest.mark.parametrize("fields", [{}, {"detail": 0.02}, {"tolerance": 0.003}])
+def test_a_cube_has_six_sides_whatever_is_asked(method, fields):
+    part = found(engine.Mesh(*shapes.cube(12)), method=method, **fields)
+    assert part.region_count == part.proxies_asked == 6
+    assert part.error < 1e-12
+    assert part.report["snapped"]
+
+
+def test_detail_and_tolerance_say_the_same_in_other_units():
+    mesh = engine.Mesh(*shapes.bumpy())
+    part = found(mesh, detail=0.004)
+    same = found(mesh, tolerance=part.report["tolerance"])
+    np.testing.assert_array_equal(part.face_region, same.face_region)
+    larger = engine.Mesh(mesh.vertices * 50, mesh.triangles)
+    assert found(larger, detail=0.004).report["tolerance"] == pytest.approx(50 * part.report["tolerance"])
+    assert found(larger, detail=0.004).region_count == part.region_count
+
+
+def test_finer_detail_gives_more_regions_and_its_report_says_how():
+    mesh = engine.Mesh(*shapes.torus(240, 120))
+    counts = [found(mesh, detail=d).region_count for d in (0.02, 0.01, 0.005, 0.0025)]
+    assert [2 * a <= 3 * b and a < b for a, b in itertools.pairwise(counts)] == [True] * 3
+    report = found(mesh, detail=0.01, noise=0.0).report
+    assert (report["noise"], report["snapped"], report["regions"]) == (0.0, False, counts[1])
+    given = found(mesh, proxies=9).report
+    assert (given["tolerance"], given["noise"], given["snapped"]) == (None, None, False)
+
+
+def test_noise_is_estimated_or_taken_as_given():
+    mesh = engine.Mesh(*noisy(*shapes.cube(24), 0.004))
+    part = found(mesh, detail=0.00125)
+    assert part.report["noise"] == pytest.approx(0.004, rel=0.3)
+    assert part.region_count == 6
+    assert found(mesh, detail=0.0002, noise=0, snap=False).region_count > 20
+    assert found(mesh, detail=0.0002, snap=False).region_count == 6
+
+
+def test_snap_can_be_switched_off():
+    vertices, triangles = shapes.cube(12)
+    vertices[:, 2] += 0.01 * np.sin(vertices[:, 0] * np.pi)  # top and bottom bend a little, less than the tolerance
+    mesh = engine.Mesh(vertices, triangles)
+    part = found(mesh, detail=0.02, snap=False)
+    assert not part.report["snapped"]
+    assert found(mesh, detail=0.02).report["snapped"]
+
+
+def test_a_kept_tree_gives_what_a_fresh_mesh_gives():
+    vertices, triangles = shapes.bumpy()
+    mesh = engine.Mesh(vertices, triangles)
+    wanted = [
+        {"detail": 0.02},
+        {"detail": 0.0004},
+        {"detail": 0.002},
+        {"proxies": 40},
+        {"detail": 0.02, "noise": 0.001},
+    ]
+    for fields in wanted + wanted[::-1]:
+        fresh = found(engine.Mesh(vertices, triangles), **fields)
+        np.testing.assert_array_equal(found(mesh, **fields).face_region, fresh.face_region)
+
+
+def test_threads_do_not_show():
+    mesh = shapes.bumpy(90)
+    one, three = (found(engine.Mesh(*mesh), detail=0.003, threads=n) for n in (1, 3))
+    np.testing.assert_array_equal(one.face_region, three.face_region)
+    assert one.error == three.error
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"proxies": 3, "detail": 0.01}, "^proxies and detail are given, but each alone says how many"),
+        ({"proxies": 3, "detail": 0.01, "tolerance": 1}, "^proxies and detail and tolerance are given"),
+        ({"detail": 0}, r"^detail must be in \(0, 1\], got 0"),
+        ({"detail": float("nan")}, r"^detail must be in \(0, 1\], got nan"),
+        ({"detail": 1.5}, r"^detail must be in \(0, 1\], got 1.5"),
+        ({"tolerance": -1}, "^tolerance must be a finite length above 0, got -1"),
+        ({"tolerance": float("inf")}, "^tolerance must be a finite length above 0, got inf"),
+        ({"noise": -0.5}, "^noise must be a finite length, at least 0, got -0.5"),
+    ],
+)
+def test_bad_options_are_named(fields, message):
+    with pytest.raises(engine.InvalidInput, match=message):
+        found(engine.Mesh(*shapes.cube(3)), **fields)
+
+
+def test_the_command_finds_the_number_too(tmp_path, capsys):
+    scan, out, report = tmp_path / "scan.ply", tmp_path / "out.obj", tmp_path / "r.json"
+    mesh = engine.Mesh(*shapes.cube(8))
+    engine.write(scan, engine.polygonize(mesh, found(mesh, proxies=768)))
+    for flags, regions in (([], 6), (["--detail", "0.01", "--noise=0"], 6), (["--tolerance=0.3", "--no-snap"], 4)):
+        assert main(["simplify", str(scan), str(out), *flags, "--report", str(report)]) == 0
+        said = json.loads(report.read_text())
+        assert said["regions"] == regions
+        assert said["partition"]["tolerance"] > 0
+        assert f"{regions} regions found at a tolerance of" in capsys.readouterr().out
+    with pytest.raises(SystemExit) as caught:
+        main(["simplify", str(scan), str(out), "--detail=0.01", "--proxies=6"])
+    assert caught.value.code == 2
+    assert "not allowed with" in capsys.readouterr().err
