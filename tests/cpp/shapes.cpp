@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 #include <random>
+#include <set>
 #include <utility>
 
 namespace isimp::shapes {
@@ -128,6 +129,25 @@ Arrays noisy(const Arrays& a, double sigma, std::uint32_t seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal(0.0, sigma);
   for (Vec3& v : result.vertices) v += Vec3(normal(random), normal(random), normal(random));
+  return result;
+}
+
+Arrays smoothed(const Arrays& a, int rounds) {
+  std::vector<std::set<std::int32_t>> beside(a.vertices.size());
+  for (const auto& [i, j, k] : a.triangles) {
+    beside[i].insert({j, k});
+    beside[j].insert({k, i});
+    beside[k].insert({i, j});
+  }
+  Arrays result = a;
+  for (int round = 0; round < rounds; ++round) {
+    const std::vector<Vec3> before = result.vertices;
+    for (std::size_t v = 0; v < before.size(); ++v) {
+      Vec3 sum = Vec3::Zero();
+      for (const std::int32_t w : beside[v]) sum += before[w];
+      result.vertices[v] += 0.5 * (sum / static_cast<double>(beside[v].size()) - before[v]);
+    }
+  }
   return result;
 }
 

@@ -27,6 +27,8 @@ Arrays both(const Arrays& a, const Arrays& b, const Vec3& offset);
 Arrays shuffled(const Arrays& a, std::uint32_t seed);
 /// Every vertex moved by normal noise of standard deviation `sigma`, drawn by `seed`.
 Arrays noisy(const Arrays& a, double sigma, std::uint32_t seed);
+/// Every vertex moved half-way to the mean of those beside it, `rounds` times: edges and corners are rounded.
+Arrays smoothed(const Arrays& a, int rounds);
 
 Mesh mesh(const Arrays& a);
 

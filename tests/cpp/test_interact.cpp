@@ -1,6 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <utility>
+#include <vector>
+
 #include "isimp/interact/interact.h"
+#include "isimp/meshing/polygonize.h"
 #include "partition_checks.h"
 #include "shapes.h"
 
@@ -67,6 +73,62 @@ TEST(AddProxy, SplitsTwoSidesOfACubeAtTheirEdge) {
     const Partition two = add(mesh, one, face);
     expect_sound(mesh, two);
     EXPECT_NEAR(two.error, 0.0, 1e-12) << face;
+  }
+}
+
+/// How many corners the polygons of each region have, the last region's at the end, the others' in rising order.
+std::vector<std::int32_t> sizes(const Mesh& mesh, const Partition& p) {
+  Job job;
+  const PolygonMesh polygons = polygonize(mesh, p, {}, job);
+  std::vector<std::int32_t> result(static_cast<std::size_t>(p.region_count()), 0);
+  for (std::int32_t q = 0; q < polygons.polygon_count(); ++q) {
+    const bool last = q + 1 == polygons.polygon_count();
+    const auto end = last ? static_cast<std::int32_t>(polygons.loops.size()) : polygons.loop_start[q + 1];
+    result[polygons.polygon_region[q]] += end - polygons.loop_start[q];
+  }
+  std::sort(result.begin(), result.end() - 1);
+  return result;
+}
+
+TEST(AddProxy, CutsACornerOfASmoothedCubeByATriangle) {
+  const shapes::Arrays straight = shapes::smoothed(shapes::cube(20), 5);
+  for (int turn = 0; turn < 3; ++turn) {
+    shapes::Arrays cube = straight;
+    for (Vec3& v : cube.vertices) v = Eigen::AngleAxisd(turn * 1.1, Vec3(1, 2, 3 + turn).normalized()) * v;
+    const Mesh mesh = shapes::mesh(cube);
+    const Partition six = run(mesh, {.proxies = 6});
+    for (int corner = 0; corner < 8; ++corner) {
+      // The three faces at the tip and the three beside them.
+      const Vec3 tip(corner & 1, corner >> 1 & 1, corner >> 2);
+      std::vector<std::pair<double, std::int32_t>> faces;
+      for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+        const auto [a, b, c] = straight.triangles[f];
+        const Vec3 middle = (straight.vertices[a] + straight.vertices[b] + straight.vertices[c]) / 3;
+        faces.emplace_back((middle - tip).norm(), f);
+      }
+      std::sort(faces.begin(), faces.end());
+      for (int k = 0; k < 6; ++k) {
+        const Partition seven = add(mesh, six, faces[k].second);
+        expect_sound(mesh, seven);
+        EXPECT_EQ(seven.face_region[faces[k].second], 6);
+        EXPECT_EQ(sizes(mesh, seven), (std::vector<std::int32_t>{4, 4, 4, 5, 5, 5, 3})) << faces[k].second;
+      }
+    }
+  }
+}
+
+TEST(AddProxy, BevelsAnEdgeOfASmoothedCubeFromEndToEnd) {
+  const Mesh mesh = shapes::mesh(shapes::smoothed(shapes::cube(20), 5));
+  const Partition six = run(mesh, {.proxies = 6});
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const auto [a, b, c] = mesh.triangles()[f];
+    const Vec3 middle = (mesh.vertices()[a] + mesh.vertices()[b] + mesh.vertices()[c]) / 3;
+    if (std::abs(middle.z() - 0.5) > 0.2 || middle.x() < 0.95 || middle.y() < 0.95) continue;
+    const Partition seven = add(mesh, six, f);
+    expect_sound(mesh, seven);
+    EXPECT_LT(seven.error, six.error);
+    EXPECT_NEAR(seven.region_normal[6].dot(Vec3(1, 1, 0).normalized()), 1.0, 0.02);
+    EXPECT_NEAR(seven.region_sum[6].faces, 80, 10);
   }
 }
 

@@ -74,3 +74,14 @@ def faces_outwards(vertices, polygon):
     """Whether a polygon of the unit cube faces away from its middle."""
     a, b, c = (np.asarray(vertices)[v] for v in polygon[:3])
     return bool(np.cross(b - a, c - a) @ (a - 0.5) > 0)
+
+
+def smoothed(vertices, triangles, rounds):
+    """Every vertex moved half-way to the mean of those beside it, `rounds` times: edges and corners are rounded."""
+    ends = np.concatenate([triangles[:, [k, (k + 1) % 3]] for k in range(3)])
+    ends = np.unique(np.concatenate([ends, ends[:, ::-1]]), axis=0)
+    for _ in range(rounds):
+        total = np.zeros_like(vertices)
+        np.add.at(total, ends[:, 0], vertices[ends[:, 1]])
+        vertices = (vertices + total / np.bincount(ends[:, 0])[:, None]) / 2
+    return vertices, triangles

@@ -107,6 +107,21 @@ def test_edited_partitions_can_be_meshed(sheet):
     check(sheet, part, engine.polygonize(sheet, part))
 
 
+def test_a_proxy_added_at_a_rounded_corner_cuts_it_by_a_triangle():
+    """The thesis's own example, from arrays to polygons."""
+    vertices, triangles = shapes.smoothed(*shapes.cube(20), 5)
+    mesh = engine.Mesh(vertices, triangles)
+    six = engine.partition(mesh, engine.PartitionOptions(proxies=6))
+    middles = vertices[triangles].mean(axis=1)
+    for tip in np.ndindex(2, 2, 2):
+        for face in np.argsort(np.linalg.norm(middles - tip, axis=1), kind="stable")[:6]:
+            seven = engine.add_proxy(mesh, six, int(face))
+            poly = engine.polygonize(mesh, seven)
+            sizes = np.diff([*poly.loop_start, len(poly.loops)])[np.argsort(poly.polygon_region)]
+            assert (sorted(sizes[:6]), sizes[6]) == ([4, 4, 4, 5, 5, 5], 3), (tip, face)
+            check(mesh, seven, poly)
+
+
 def test_a_speck_left_out_gives_no_polygon():
     big, small = shapes.bumpy(20), shapes.plane(1)
     mesh = engine.Mesh(*shapes.joined(big, (small[0] * 0.001 + [2, 0, 0], small[1])))

@@ -8,7 +8,8 @@ namespace isimp {
 /// Starts a new region at a face, as the thesis's `add`.
 ///
 /// The new region is R, the last one; all others keep their numbers. A face of a part that was left out brings that
-/// part back as one region. Only the region of the face and those around it change.
+/// part back as one region. Only the region of the face and those around it change: mostly its region is split in two;
+/// where the face lies on a corner or an edge that was rounded, the new region cuts that off from all that meet there.
 /// \param face  index into mesh.triangles()
 /// \throws InvalidInput  face outside [0, F); its region is a single face; the partition is not one of this mesh
 /// \throws Cancelled     nothing was changed

@@ -34,6 +34,30 @@ struct MeshLabels {
 /// many, and leaves exact shapes alone; it stays well below what a face gains across a crease of 45 degrees.
 inline double border_weight(double error) { return std::min(0.6 * error, 0.12); }
 
+/// Whether the region of a face stays connected without it, as far as a walk round one vertex can tell: where the faces
+/// of the same region beside it are joined elsewhere only, the answer is no, also for the last face of a region.
+template <class Labels>
+[[nodiscard]] bool may_leave(const FaceGraph& graph, const Labels& labels, std::int32_t face) {
+  constexpr int kLongestWalk = 32;  // round a vertex; beyond it the face just stays
+  const auto& around = graph.neighbours[face];
+  const std::int32_t own = labels.get(face), n = graph.size();
+  const bool in[3] = {labels.get(around[0]) == own, labels.get(around[1]) == own, labels.get(around[2]) == own};
+  const int count = in[0] + in[1] + in[2];
+  if (count != 2) return count == 1;
+  // Edges k and k + 1 meet in a vertex; turn round it from the neighbour across the one to that across the other.
+  const int first = in[0] && in[1] ? 0 : in[1] && in[2] ? 1 : 2;
+  const std::int32_t goal = around[(first + 1) % 3];
+  std::int32_t before = face, at = around[first];
+  for (int step = 0; step < kLongestWalk; ++step) {
+    if (at == goal) return true;
+    if (at == n || labels.get(at) != own) return false;
+    const auto& next = graph.neighbours[at];
+    const int back = next[0] == before ? 0 : next[1] == before ? 1 : 2;
+    before = std::exchange(at, next[(back + 2) % 3]);
+  }
+  return false;
+}
+
 /// Boundary relaxation: moves single faces between neighbouring regions as long as that lowers the energy
 /// error + lambda * mean face area * number of edges between regions.
 ///
@@ -115,7 +139,7 @@ class Relaxation {
       const std::int32_t face = current_[i];
       state_[face] = kPushed;
       const std::int32_t to = best_move(face);
-      if (to == kNone || !may_leave(face)) continue;
+      if (to == kNone || !may_leave(graph_, labels_, face)) continue;
       move(face, to);
       ++moves;
     }
@@ -151,27 +175,6 @@ class Relaxation {
     return to;
   }
 
-  /// Whether the region of the face stays connected without it.
-  [[nodiscard]] bool may_leave(std::int32_t face) const {
-    const auto& around = graph_.neighbours[face];
-    const std::int32_t own = labels_.get(face), n = graph_.size();
-    const bool in[3] = {labels_.get(around[0]) == own, labels_.get(around[1]) == own, labels_.get(around[2]) == own};
-    const int count = in[0] + in[1] + in[2];
-    if (count != 2) return count == 1;
-    // Edges k and k + 1 meet in a vertex; turn round it from the neighbour across the one to that across the other.
-    const int first = in[0] && in[1] ? 0 : in[1] && in[2] ? 1 : 2;
-    const std::int32_t goal = around[(first + 1) % 3];
-    std::int32_t before = face, at = around[first];
-    for (int step = 0; step < kLongestWalk; ++step) {
-      if (at == goal) return true;
-      if (at == n || labels_.get(at) != own) return false;
-      const auto& next = graph_.neighbours[at];
-      const int back = next[0] == before ? 0 : next[1] == before ? 1 : 2;
-      before = std::exchange(at, next[(back + 2) % 3]);
-    }
-    return false;
-  }
-
   void move(std::int32_t face, std::int32_t to) {
     const std::int32_t own = labels_.get(face);
     sums_[own].remove(graph_.faces[face]);
@@ -186,7 +189,6 @@ class Relaxation {
   static constexpr std::uint8_t kQueued = 1, kPushed = 2;
   static constexpr float kLeastGain = 1e-6F;  // of the face's area: less is rounding, and would go to and fro
   static constexpr std::size_t kAhead = 8;    // faces, for the memory to be there in time
-  static constexpr int kLongestWalk = 32;     // round a vertex; beyond it the face just stays
 
   const FaceGraph& graph_;
   Labels labels_;

@@ -1,0 +1,117 @@
+#include "edit.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "isimp/core/errors.h"
+#include "isimp/partition/relax.h"
+#include "pieces.h"
+
+namespace isimp {
+namespace {
+
+constexpr int kSweeps = 40;  // of the borders after an edit
+
+const Partition& checked(const Mesh& mesh, const Partition& partition) {
+  const auto regions = partition.region_seed.size();
+  if (partition.face_region.size() != static_cast<std::size_t>(mesh.face_count()) ||
+      partition.region_sum.size() != regions || partition.region_normal.size() != regions)
+    throw InvalidInput("the partition has " + std::to_string(partition.face_region.size()) +
+                       " faces and the mesh has " + std::to_string(mesh.face_count()) +
+                       ": it was made for another mesh");
+  return partition;
+}
+
+}  // namespace
+
+Edit::Edit(const Mesh& mesh, const Partition& partition)
+    : surface(mesh, partition.guided),
+      graph(surface.graph()),
+      result(checked(mesh, partition)),
+      labels{result.face_region.data(), &graph} {}
+
+std::int32_t Edit::at(std::int32_t face) const {
+  if (face < 0 || face >= graph.size())
+    throw InvalidInput("face must be in [0, " + std::to_string(graph.size()) + "), got " + std::to_string(face));
+  return graph.graph_face[face];
+}
+
+void Edit::restart(const Partition& partition) {
+  result = partition;
+  labels = {result.face_region.data(), &graph};
+}
+
+void Edit::move(std::int32_t i, std::int32_t to) {
+  result.region_sum[labels.get(i)].remove(graph.faces[i]);
+  result.region_sum[to].add(graph.faces[i]);
+  labels.set(i, to);
+}
+
+void Edit::relax(std::span<const std::int32_t> faces, std::int32_t pinned, Job& job) {
+  Relaxation<MeshLabels> relaxation(graph, labels, result.region_sum,
+                                    border_weight(graph.area > 0 ? result.error / graph.area : 0.0));
+  relaxation.pin(pinned);
+  for (const std::int32_t face : faces) {
+    relaxation.push_if_border(face);
+    for (const std::int32_t j : graph.neighbours[face])
+      if (j != graph.size()) relaxation.push_if_border(j);
+  }
+  relaxation.run(kSweeps, job);
+}
+
+void Edit::reconnect(std::span<const std::int32_t> changed) {
+  std::vector<std::int32_t> around;  // faces beside them, by region
+  for (const std::int32_t face : changed)
+    for (const std::int32_t j : graph.neighbours[face])
+      if (labels.get(j) >= 0 && labels.get(j) != labels.get(face)) around.push_back(j);
+  std::stable_sort(around.begin(), around.end(),
+                   [&](std::int32_t a, std::int32_t b) { return labels.get(a) < labels.get(b); });
+  std::vector<std::int32_t> loose;
+  for (std::size_t begin = 0, end = 0; begin < around.size(); begin = end) {
+    const std::int32_t region = labels.get(around[begin]);
+    while (end < around.size() && labels.get(around[end]) == region) ++end;
+    const std::vector<std::int32_t> cut = cut_off(graph, labels, std::span(around).subspan(begin, end - begin));
+    for (const std::int32_t face : cut) result.region_sum[region].remove(graph.faces[face]);
+    loose.insert(loose.end(), cut.begin(), cut.end());
+  }
+  for (const std::int32_t face : loose) labels.set(face, kOpen);
+  std::vector<std::int32_t> touched;
+  if (!loose.empty()) flood_from_around(graph, labels, loose, result.region_sum, touched);
+  hints.insert(hints.end(), loose.begin(), loose.end());
+}
+
+double Edit::error() const {
+  double total = 0.0;
+  for (const RegionSum& s : result.region_sum) total += s.error();
+  return total;
+}
+
+Partition Edit::finish() {
+  const auto regions = static_cast<std::int32_t>(result.region_sum.size());
+  result.region_seed.resize(result.region_sum.size(), kNone);
+  result.region_normal.resize(result.region_sum.size());
+  std::vector<std::int32_t> lost;
+  for (std::int32_t r = 0; r < regions; ++r) {
+    result.region_normal[r] = result.region_sum[r].normal();
+    const std::int32_t seed = result.region_seed[r];
+    if (seed == kNone || result.face_region[seed] != r) lost.push_back(r);
+  }
+  result.error = error() * graph.area;
+  result.history.assign(1, result.error);
+  for (const std::int32_t r : lost) reseed(r);
+  return std::move(result);
+}
+
+void Edit::reseed(std::int32_t region) {
+  std::int32_t start = kNone;
+  for (const std::int32_t face : hints)
+    if (labels.get(face) == region) start = face;
+  if (start == kNone)  // moved away from where it was touched: rare, so a search over all faces will do
+    start = graph.graph_face[std::find(result.face_region.begin(), result.face_region.end(), region) -
+                             result.face_region.begin()];
+  const std::vector<std::int32_t> faces = take_out(graph, labels, start);
+  for (const std::int32_t face : faces) labels.set(face, region);
+  result.region_seed[region] = graph.mesh_face[nearest_of(graph, faces, NormalMetric::fit(result.region_sum[region]))];
+}
+
+}  // namespace isimp
