@@ -90,6 +90,13 @@ TEST(CloseHoles, TheOutlineOfASheetIsNoHole) {
   EXPECT_NEAR(mesh.report().area, 1.0, 1e-12);
 }
 
+TEST(CloseHoles, AFaceAloneGetsNoBack) {
+  for (const double height : {1.0, 0.0}) {
+    const Mesh mesh = closed({{{0, 0, 0}, {1, 0, 0}, {2, height, 0}}, {{0, 1, 2}}}, {.fill_holes = 100.0});
+    EXPECT_EQ(repaired(mesh, "filled_holes"), 0);
+  }
+}
+
 TEST(CloseHoles, ACoverThatWouldMeetTheSurfaceIsNotMade) {
   // A needle stands in the hole: every cover would cut it.
   Arrays sheet = without(shapes::plane(9),

@@ -137,11 +137,12 @@ class Closer {
   /// Whether the loop is rather the outline of its part than a hole in it.
   [[nodiscard]] bool is_outline(const std::vector<std::int32_t>& loop, const Patch& patch) const {
     std::vector<Vec3> points;
+    points.reserve(loop.size() + patch.inner.size());
     for (const std::int32_t v : loop) points.push_back(parts_.vertices[v]);
     points.insert(points.end(), patch.inner.begin(), patch.inner.end());
     double sum = 0;
     for (const auto& [a, b, c] : patch.triangles) sum += area(points[a], points[b], points[c]);
-    return sum > kLargestShare * components_->area[components_->of_vertex[loop[0]]];
+    return sum >= kLargestShare * components_->area[components_->of_vertex[loop[0]]];
   }
 
   void append(const std::vector<Opening>& openings) {

@@ -1,0 +1,330 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <limits>
+#include <random>
+#include <regex>
+#include <sstream>
+#include <string>
+
+#include "isimp/core/errors.h"
+#include "isimp/interact/interact.h"
+#include "isimp/mesh/clean.h"
+#include "isimp/mesh/io.h"
+#include "isimp/meshing/polygonize.h"
+#include "partition_checks.h"
+#include "polygon_judge.h"
+#include "shapes.h"
+
+/// Meshes and files drawn at random go all the way through: each either is refused with a message or keeps every
+/// promise. ISIMP_FUZZ_CASES says how many of each kind (250), ISIMP_FUZZ_SECONDS goes on for that long instead,
+/// ISIMP_FUZZ_FIRST is the first case's number: a failure names its own, so that it can be had again.
+namespace isimp {
+namespace {
+
+using shapes::Arrays;
+
+long setting(const char* name, long otherwise) {
+  const char* text = std::getenv(name);
+  return text ? std::atol(text) : otherwise;
+}
+
+class Dice {
+ public:
+  explicit Dice(std::uint32_t seed) : random_(seed) {}
+  /// In [low, high].
+  std::int32_t number(std::int32_t low, std::int32_t high) {
+    return low + static_cast<std::int32_t>(random_() % static_cast<std::uint32_t>(high - low + 1));
+  }
+  bool chance(int in) { return number(1, in) == 1; }
+  double share() { return static_cast<double>(random_()) / 4294967296.0; }
+  Vec3 place() { return {2 * share() - 1, 2 * share() - 1, 2 * share() - 1}; }
+  std::uint32_t seed() { return random_(); }
+
+ private:
+  std::mt19937 random_;
+};
+
+/// Runs `run(dice)` for every case; the first failure ends it and is named.
+void for_each_case(const std::function<void(Dice&)>& run) {
+  const long first = setting("ISIMP_FUZZ_FIRST", 0), seconds = setting("ISIMP_FUZZ_SECONDS", 0);
+  const long last = seconds > 0 ? std::numeric_limits<long>::max() : first + setting("ISIMP_FUZZ_CASES", 250);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(seconds);
+  long number = first;
+  for (; number < last && (seconds <= 0 || std::chrono::steady_clock::now() < end); ++number) {
+    const testing::ScopedTrace trace(__FILE__, __LINE__, "ISIMP_FUZZ_FIRST=" + std::to_string(number));
+    Dice dice(static_cast<std::uint32_t>(number));
+    run(dice);
+    if (testing::Test::HasFailure()) return;
+  }
+  testing::Test::RecordProperty("cases", std::to_string(number - first));
+}
+
+/// Few vertices and any faces on them.
+Arrays soup(Dice& dice) {
+  Arrays a;
+  const std::int32_t vertices = dice.number(1, 12), faces = dice.number(1, 40);
+  const bool on_grid = dice.chance(2);
+  for (std::int32_t v = 0; v < vertices; ++v) {
+    const Vec3 p = dice.place();
+    a.vertices.push_back(on_grid ? Vec3((2 * p).array().round()) : p);
+  }
+  for (std::int32_t f = 0; f < faces; ++f) {
+    Triangle t;
+    for (std::int32_t& v : t) v = dice.number(0, vertices - 1);
+    a.triangles.push_back(t);
+  }
+  return a;
+}
+
+Arrays shape(Dice& dice) {
+  switch (dice.number(0, 5)) {
+    case 0:
+      return shapes::cube(dice.number(1, 6));
+    case 1:
+      return shapes::sphere(dice.number(0, 2));
+    case 2:
+      return shapes::plane(dice.number(1, 8));
+    case 3:
+      return shapes::torus(dice.number(3, 14), dice.number(3, 10), 0.2 + 0.3 * dice.share());
+    case 4:
+      return shapes::both(shapes::cube(dice.number(1, 3)), shapes::sphere(1), dice.place() * 2);
+    default:
+      return soup(dice);
+  }
+}
+
+/// Does to a mesh one of the things that happen to meshes.
+void damage(Arrays& a, Dice& dice) {
+  const auto any_vertex = [&] { return dice.number(0, static_cast<std::int32_t>(a.vertices.size()) - 1); };
+  const auto any_face = [&]() -> Triangle& {
+    return a.triangles[dice.number(0, static_cast<std::int32_t>(a.triangles.size()) - 1)];
+  };
+  switch (dice.number(0, 10)) {
+    case 0:  // holes
+      for (int i = 0; i < 3 && a.triangles.size() > 1; ++i) {
+        std::swap(any_face(), a.triangles.back());
+        a.triangles.pop_back();
+      }
+      break;
+    case 1:
+      for (int i = 0; i < 3; ++i) a.triangles.push_back(any_face());
+      break;
+    case 2: {
+      Triangle& t = any_face();
+      std::swap(t[0], t[1]);
+      break;
+    }
+    case 3: {  // two places of the surface share a vertex
+      const std::int32_t from = any_vertex(), to = any_vertex();
+      for (Triangle& t : a.triangles) std::replace(t.begin(), t.end(), from, to);
+      break;
+    }
+    case 4:
+      a.vertices[any_vertex()] = a.vertices[any_vertex()];
+      break;
+    case 5:
+      a.vertices[any_vertex()] += dice.place();
+      break;
+    case 6:
+      a.vertices[any_vertex()][dice.number(0, 2)] =
+          dice.chance(2) ? std::nan("") : std::numeric_limits<double>::infinity();
+      break;
+    case 7:
+      a.triangles.push_back({any_vertex(), any_vertex(), any_vertex()});
+      break;
+    case 8:
+      a = shapes::noisy(a, 0.1 * dice.share(), dice.seed());
+      break;
+    case 9: {
+      const double scale = std::pow(10.0, dice.number(-9, 9));
+      const Vec3 away = dice.chance(3) ? Vec3(dice.place() * 1e4) : Vec3::Zero();
+      for (Vec3& p : a.vertices) p = (p + away) * scale;
+      break;
+    }
+    default:
+      a = shapes::both(a, a, dice.chance(2) ? Vec3::Zero() : Vec3(dice.place()));
+  }
+}
+
+CleanOptions clean_options(Dice& dice) {
+  CleanOptions options;
+  if (dice.chance(4)) options.weld = 0.2 * dice.share();
+  if (dice.chance(3)) options.fill_holes = 4 * dice.share();
+  if (dice.chance(3)) options.cut_handles = 4 * dice.share();
+  return options;
+}
+
+PartitionOptions partition_options(Dice& dice, std::int32_t faces) {
+  PartitionOptions options;
+  options.proxies = std::min(faces, dice.chance(8) ? faces : dice.number(1, 30));
+  options.leave_out = dice.chance(2) ? 0.0 : 0.2 * dice.share();
+  options.seed = dice.seed();
+  options.iterations = dice.number(1, 12);
+  options.seeding = static_cast<Seeding>(dice.number(0, 2));
+  options.method = static_cast<Method>(dice.number(0, static_cast<int>(Method::queued)));
+  options.connect = static_cast<Connect>(dice.number(0, 1));
+  options.threads = dice.number(1, 2);
+  return options;
+}
+
+MeshingOptions meshing_options(Dice& dice) {
+  MeshingOptions options;
+  if (dice.chance(3)) options.chord_tolerance = 0.05 + dice.share();
+  if (dice.chance(3)) options.flatten = dice.number(0, 40);
+  if (dice.chance(3)) options.flatness_from = 1;
+  if (dice.chance(3)) options.repair_budget = 2 * dice.share();
+  return options;
+}
+
+/// Whether a face has no area, as the judge measures it, or vertices coincide: there a polygon may have none either.
+bool is_flat_somewhere(const Mesh& mesh) {
+  std::vector<Vec3> places(mesh.vertices().begin(), mesh.vertices().end());
+  const auto before = [](const Vec3& p, const Vec3& q) {
+    return std::lexicographical_compare(p.data(), p.data() + 3, q.data(), q.data() + 3);
+  };
+  std::sort(places.begin(), places.end(), before);
+  if (std::adjacent_find(places.begin(), places.end()) != places.end()) return true;
+  return std::any_of(mesh.triangles().begin(), mesh.triangles().end(), [&](const Triangle& t) {
+    const Vec3 &a = mesh.vertices()[t[0]], &b = mesh.vertices()[t[1]], &c = mesh.vertices()[t[2]];
+    return (b - a).cross(c - a).norm() < 1e-13 * mesh.diagonal() * mesh.diagonal();
+  });
+}
+
+void all_the_way(Arrays a, Dice& dice) {
+  for (int i = dice.number(0, 4); i > 0; --i) damage(a, dice);
+  Job job;
+  try {
+    const Mesh mesh = clean(a.vertices, a.triangles, clean_options(dice), job);
+    Partition p = partition(mesh, partition_options(dice, mesh.face_count()), job);
+    checks::expect_sound_regions(mesh, p);
+    for (int i = dice.number(0, 3); i > 0 && !testing::Test::HasFailure(); --i) {
+      try {
+        const std::int32_t face = dice.number(0, mesh.face_count() - 1);
+        p = dice.chance(2) ? add_proxy(mesh, p, face, job) : delete_proxy(mesh, p, face, job);
+      } catch (const InvalidInput&) {  // the only region of its part, or one face alone
+      }
+      checks::expect_sound_regions(mesh, p);
+    }
+    if (testing::Test::HasFailure()) return;
+    const PolygonMesh polygons = polygonize(mesh, p, meshing_options(dice), job);
+    std::string faults = judge::faults_against(polygons, mesh, p);
+    if (is_flat_somewhere(mesh)) faults = std::regex_replace(faults, std::regex("polygon [0-9]+ has no area; "), "");
+    EXPECT_EQ(faults, "");
+  } catch (const InvalidInput& e) {
+    EXPECT_GT(std::string(e.what()).size(), 10U);
+  }
+}
+
+TEST(Fuzz, SoupsOfFaces) {
+  for_each_case([](Dice& dice) { all_the_way(soup(dice), dice); });
+}
+
+TEST(Fuzz, DamagedShapes) {
+  for_each_case([](Dice& dice) { all_the_way(shape(dice), dice); });
+}
+
+/// A file of one of the formats, as text or bytes.
+std::string written(const std::string& extension, const Arrays& a, const std::filesystem::path& folder) {
+  std::ostringstream text;
+  if (extension == ".off") {
+    text << "OFF\n" << a.vertices.size() << ' ' << a.triangles.size() << " 0\n";
+    for (const Vec3& p : a.vertices) text << p.x() << ' ' << p.y() << ' ' << p.z() << '\n';
+    for (const auto& [i, j, k] : a.triangles) text << "3 " << i << ' ' << j << ' ' << k << '\n';
+    return text.str();
+  }
+  if (extension == ".stl") {
+    text << "solid s\n";
+    for (const Triangle& t : a.triangles) {
+      text << "facet normal 0 0 0\nouter loop\n";
+      for (const std::int32_t v : t)
+        text << "vertex " << a.vertices[v].x() << ' ' << a.vertices[v].y() << ' ' << a.vertices[v].z() << '\n';
+      text << "endloop\nendfacet\n";
+    }
+    text << "endsolid s\n";
+    return text.str();
+  }
+  std::vector<std::int32_t> loops, starts;
+  for (const Triangle& t : a.triangles) {
+    starts.push_back(static_cast<std::int32_t>(loops.size()));
+    loops.insert(loops.end(), t.begin(), t.end());
+  }
+  Job job;
+  write_polygons(folder / ("good" + extension), a.vertices, loops, starts, job);
+  std::ifstream file(folder / ("good" + extension), std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void damage(std::string& bytes, Dice& dice) {
+  const auto any = [&] {
+    return static_cast<std::size_t>(dice.number(0, static_cast<std::int32_t>(bytes.size()) - 1));
+  };
+  if (bytes.empty()) return;
+  switch (dice.number(0, 6)) {
+    case 0:
+      bytes.resize(any());
+      break;
+    case 1:
+      bytes[any()] = static_cast<char>(dice.number(0, 255));
+      break;
+    case 2:
+      bytes.erase(any(), static_cast<std::size_t>(dice.number(1, 20)));
+      break;
+    case 3:
+      bytes.insert(any(),
+                   std::string(static_cast<std::size_t>(dice.number(1, 20)), static_cast<char>(dice.number(0, 255))));
+      break;
+    case 4: {  // a number becomes another
+      const auto digit = bytes.find_first_of("0123456789", any());
+      const char* const numbers[] = {"-1", "99999999999999999999", "4294967295", "nan", "1e999", "0", "2147483647"};
+      if (digit != std::string::npos) bytes.replace(digit, 1, numbers[dice.number(0, 6)]);
+      break;
+    }
+    case 5: {
+      const std::size_t from = any();
+      bytes.insert(any(), bytes.substr(from, static_cast<std::size_t>(dice.number(1, 60))));
+      break;
+    }
+    default:  // in the head, where formats say what follows
+      bytes[any() % std::min<std::size_t>(bytes.size(), 200)] = static_cast<char>(dice.number(32, 126));
+  }
+}
+
+TEST(Fuzz, BytesOfFiles) {
+  const std::filesystem::path folder =
+      std::filesystem::path(testing::TempDir()) / ("isimp_fuzz_" + std::to_string(std::random_device()()));
+  std::filesystem::create_directories(folder);
+  for_each_case([&](Dice& dice) {
+    const char* const extensions[] = {".ply", ".obj", ".stl", ".off"};
+    const std::string extension = extensions[dice.number(0, 3)];
+    std::string bytes = written(extension, dice.chance(2) ? shapes::cube(dice.number(1, 2)) : soup(dice), folder);
+    for (int i = dice.number(1, 4); i > 0; --i) damage(bytes, dice);
+    const std::filesystem::path path = folder / ("damaged" + extension);
+    std::ofstream(path, std::ios::binary) << bytes;
+    Job job;
+    try {
+      const PolygonSoup polygons = read_polygons(path, job);
+      for (const std::int32_t v : polygons.loops) {
+        ASSERT_GE(v, 0);
+        ASSERT_LT(v, static_cast<std::int32_t>(polygons.vertices.size()));
+      }
+      const Triangulation cut = triangulate(polygons, job);
+      if (!cut.triangles.empty()) static_cast<void>(clean(polygons.vertices, cut.triangles, {}, job));
+    } catch (const FileError& e) {
+      EXPECT_NE(std::string(e.what()).find("damaged"), std::string::npos) << e.what();
+    } catch (const InvalidInput& e) {
+      EXPECT_GT(std::string(e.what()).size(), 10U);
+    }
+  });
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace isimp
