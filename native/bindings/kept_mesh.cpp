@@ -66,7 +66,7 @@ Partition KeptMesh::split_by_count(const Surface& surface, Kept kept, const Part
   if (uses_hierarchy && (!kept.hierarchy || !kept.hierarchy->serves(surface, proxies))) {
     done = 0.4;
     const Job::Part stage(job, "merging", 0.0, done);
-    kept.hierarchy = std::make_shared<const Hierarchy>(build_hierarchy(surface, proxies, job));
+    kept.hierarchy = std::make_shared<const Hierarchy>(build_hierarchy(surface, proxies, job, options.threads));
     keep(kept);
   }
   const Job::Part stage(job, "relaxing", done, 1.0);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <queue>
 #include <tuple>
 
@@ -227,8 +228,25 @@ TEST(PatchRelaxation, MovesAStrayPatchHome) {
   g.sum = {{1, 0, 0, 1}, {1, 0, 0, 1}, {0, 1, 0, 1}, {0, 1, 0, 1}};
   std::vector<std::int32_t> label{0, 1, 1, 1};
   Job job;
-  relax_patches(g, label, 2, 5, job);
+  relax_patches(g, label, 2, 5, Threads(1), job);
   EXPECT_EQ(label, (std::vector<std::int32_t>{0, 0, 1, 1}));
+}
+
+TEST(PatchRelaxation, MovesPatchesAcrossTheEdgesOfBlocks) {
+  // 10,000 patches in a row, whose normal turns at 4100 and 8200 and halfway; borders that lie 50 before come there.
+  MergeGraph g = chain(10000);
+  std::vector<std::int32_t> label(10000);
+  for (std::int32_t u = 0; u < 10000; ++u) {
+    const bool x = u / 2050 % 2 == 0;
+    g.sum[u] = x ? NodeSum{1, 0, 0, 1} : NodeSum{0, 1, 0, 1};
+    label[u] = (u + 50) / 2050;
+  }
+  Job job;
+  std::vector<std::int32_t> one = label;
+  relax_patches(g, one, 5, 200, Threads(1), job);
+  for (std::int32_t u = 0; u < 10000; ++u) ASSERT_EQ(one[u], u / 2050) << "patch " << u;
+  relax_patches(g, label, 5, 200, Threads(3), job);
+  EXPECT_EQ(label, one);
 }
 
 TEST(Relaxation, MovesTheBorderToTheCrease) {
@@ -243,20 +261,20 @@ TEST(Relaxation, MovesTheBorderToTheCrease) {
   EXPECT_NEAR(r.error(), 0.0, 1e-7);
 }
 
-TEST(Relaxation, NeverTearsARegionNorEmptiesOne) {
-  const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(3), 0.05, 9));
+/// Relaxes what two rounds of flooding leave, and sees that no region is torn or emptied and that the sums are kept.
+Regions relaxed(const Mesh& mesh, std::int32_t proxies, std::int32_t threads) {
   Job job;
-  const Parts parts = find_parts(mesh, 80, 0, job);
+  const Parts parts = find_parts(mesh, proxies, 0, job);
   std::vector<double> history;
   Regions r = lloyd(mesh.graph(), random_seeds(mesh, parts, share_out(parts), 2, job), 2, history, job);
   const double before = r.error();
-  Relaxation<GraphLabels> relaxation(mesh.graph(), {r.label.data()}, r.sum, 0.0);
+  Relaxation<GraphLabels> relaxation(mesh.graph(), {r.label.data()}, r.sum, 0.0, Threads(threads));
   for (std::int32_t i = 0; i < mesh.face_count(); ++i) relaxation.push_if_border(i);
-  EXPECT_GT(relaxation.run(50, job), 100);
+  EXPECT_GT(relaxation.run(50, job), proxies);
   EXPECT_LT(r.error(), before);
-  const Regions moved = r;
+  Regions moved = r;
   sum_regions(mesh.graph(), r, job);
-  for (std::int32_t k = 0; k < 80; ++k) {
+  for (std::int32_t k = 0; k < proxies; ++k) {
     EXPECT_GT(r.sum[k].faces, 0);
     EXPECT_EQ(r.sum[k].faces, moved.sum[k].faces);
     EXPECT_NEAR(r.sum[k].x, moved.sum[k].x, 1e-12);
@@ -265,6 +283,22 @@ TEST(Relaxation, NeverTearsARegionNorEmptiesOne) {
     const auto faces = take_out(mesh.graph(), labels, face);
     EXPECT_EQ(static_cast<std::int32_t>(faces.size()), r.sum[k].faces) << "region " << k << " fell apart";
     for (const std::int32_t i : faces) labels.set(i, k);
+  }
+  return moved;
+}
+
+TEST(Relaxation, NeverTearsARegionNorEmptiesOne) {
+  relaxed(shapes::mesh(shapes::noisy(shapes::sphere(3), 0.05, 9)), 80, 1);
+}
+
+TEST(Relaxation, SweepsLongBordersInBlocksWithTheSameResultOnAnyNumberOfThreads) {
+  // 82,000 faces in three blocks; some 20,000 of them lie on borders.
+  const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(6), 0.002, 9));
+  const Regions one = relaxed(mesh, 400, 1);
+  for (const std::int32_t threads : {2, 5}) {
+    const Regions more = relaxed(mesh, 400, threads);
+    EXPECT_EQ(one.label, more.label);
+    EXPECT_EQ(one.error(), more.error());
   }
 }
 
@@ -319,6 +353,14 @@ TEST(Threads, CutALoopWithoutGapsAndPassOnWhatFails) {
                              if (k == 2) throw Cancelled();
                            }),
                Cancelled);
+}
+
+TEST(Threads, HandOutEachStepOnce) {
+  std::vector<std::atomic<int>> seen(1000);
+  Threads(4).share(1000, [&](const auto& next) {
+    for (std::int32_t i = next(); i < 1000; i = next()) ++seen[i];
+  });
+  for (const std::atomic<int>& times : seen) EXPECT_EQ(times, 1);
 }
 
 TEST(Threads, DoNotChangeTheResult) {

@@ -74,11 +74,12 @@ class Optimiser {
       const auto surplus = static_cast<std::int32_t>(std::min<double>(kSurplus * wanted, h_.patches()));
       patch_label_ = cut(h_, parts_, wanted, std::max(surplus, wanted), job);
       const std::int32_t regions = 1 + *std::max_element(patch_label_.begin(), patch_label_.end());
-      relax_patches(h_.level.front(), patch_label_, regions, kPatchSweeps, job);
+      relax_patches(h_.level.front(), patch_label_, regions, kPatchSweeps, threads_, job);
       project(regions, job);
     }
     Job::Part stage(job, "relaxing", 0.4, 1.0);
-    Relaxation<GraphLabels> relaxation(graph_, {regions_.label.data()}, regions_.sum, border_weight(regions_.error()));
+    Relaxation<GraphLabels> relaxation(graph_, {regions_.label.data()}, regions_.sum, border_weight(regions_.error()),
+                                       threads_);
     push_borders(relaxation);
     relaxation.run(kFirstSweeps, job);
     job.report(0.4);
@@ -113,13 +114,32 @@ class Optimiser {
   /// Border faces lie in patches that have a neighbour of another label.
   void push_borders(Relaxation<GraphLabels>& relaxation) const {
     const MergeGraph& patches = h_.level.front();
-    for (std::int32_t p = 0; p < patches.size(); ++p) {
-      const auto around = patches.around(p);
-      if (std::all_of(around.begin(), around.end(), [&](auto q) { return patch_label_[q] == patch_label_[p]; }))
-        continue;
-      for (std::int32_t k = h_.patch_first[p]; k < h_.patch_first[p + 1]; ++k)
-        relaxation.push_if_border(h_.patch_face[k]);
-    }
+    const std::int32_t pieces = threads_.pieces(patches.size(), 1 << 12);
+    std::vector<std::vector<std::int32_t>> found(static_cast<std::size_t>(pieces));
+    threads_.run(patches.size(), pieces, [&](std::int32_t piece, std::int32_t begin, std::int32_t end) {
+      std::vector<std::int32_t> faces;
+      for (std::int32_t p = begin; p < end; ++p) {
+        const auto around = patches.around(p);
+        if (std::all_of(around.begin(), around.end(), [&](auto q) { return patch_label_[q] == patch_label_[p]; }))
+          continue;
+        for (std::int32_t k = h_.patch_first[p]; k < h_.patch_first[p + 1]; ++k)
+          if (relaxation.on_border(h_.patch_face[k])) faces.push_back(h_.patch_face[k]);
+      }
+      found[piece] = std::move(faces);
+    });
+    for (const std::vector<std::int32_t>& faces : found)
+      for (const std::int32_t i : faces) relaxation.push(i);
+  }
+
+  /// Of the faces pushed before, those that lie on borders still.
+  void push_still_on_border(Relaxation<GraphLabels>& relaxation) const {
+    const auto count = static_cast<std::int32_t>(relaxation.pushed().size());
+    std::vector<std::uint8_t> on_border(relaxation.pushed().size());
+    threads_.run(count, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+      for (std::int32_t k = begin; k < end; ++k) on_border[k] = relaxation.on_border(relaxation.pushed()[k]) ? 1 : 0;
+    });
+    for (std::int32_t k = 0; k < count; ++k)
+      if (on_border[k] != 0) relaxation.push(relaxation.pushed()[k]);
   }
 
   /// Regions that components lack because they have too few patches; splitting will make up for them.
@@ -134,10 +154,12 @@ class Optimiser {
   /// Merges regions to the number given. \return which of those left touch
   MergeGraph merge_to(std::int32_t target, Relaxation<GraphLabels>& relaxation, Job& job) {
     const MergeGraph touching =
-        graph_of_regions(graph_, regions_.label, regions_.sum.size(), part_, relaxation.pushed());
+        graph_of_regions(graph_, regions_.label, regions_.sum.size(), part_, relaxation.pushed(), threads_);
     const std::vector<std::int32_t> merged = merge_greedily(touching, regions_.sum, needs(parts_), target, job);
-    for (std::int32_t& r : regions_.label)
-      if (r != kNone) r = merged[r];
+    threads_.run(graph_.size(), [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+      for (std::int32_t i = begin; i < end; ++i)
+        if (std::int32_t& r = regions_.label[i]; r != kNone) r = merged[r];
+    });
     std::vector<RegionSum> sums(static_cast<std::size_t>(1 + *std::max_element(merged.begin(), merged.end())));
     for (std::size_t r = 0; r < merged.size(); ++r) sums[merged[r]].add(regions_.sum[r]);
     regions_.sum = std::move(sums);
@@ -146,8 +168,7 @@ class Optimiser {
       part_.resize(regions_.sum.size());
     }
     relaxation.refit();
-    const std::vector<std::int32_t> borders = relaxation.pushed();
-    for (const std::int32_t i : borders) relaxation.push_if_border(i);
+    push_still_on_border(relaxation);
     return contract(touching, merged, regions_.count(), threads_, job);
   }
 

@@ -1,6 +1,8 @@
 #include "isimp/partition/patch_relax.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace isimp {
 namespace {
@@ -18,66 +20,182 @@ struct Sum {
     z += sign * static_cast<double>(s.z);
     nodes += sign;
   }
+  void add(const Sum& s) {
+    x += s.x;
+    y += s.y;
+    z += s.z;
+    nodes += s.nodes;
+  }
   void measure() { length = std::sqrt(x * x + y * y + z * z); }
 };
 
+/// The regions as seen from one block: what they were, and what moves within the block have changed.
+class BlockSums {
+ public:
+  explicit BlockSums(const std::vector<Sum>& sums) : sums_(sums), seen_(sums.size()) {}
+  const Sum& operator[](std::int32_t r) const { return seen_[r].changed ? seen_[r].now : sums_[r]; }
+  void move(const NodeSum& s, std::int32_t from, std::int32_t to) {
+    add(from, s, -1);
+    add(to, s, 1);
+  }
+  /// The changes, which are then forgotten.
+  std::vector<std::pair<std::int32_t, Sum>> take() {
+    std::vector<std::pair<std::int32_t, Sum>> result;
+    result.reserve(changed_.size());
+    for (const std::int32_t r : changed_) {
+      result.emplace_back(r, seen_[r].change);
+      seen_[r] = {};
+    }
+    changed_.clear();
+    return result;
+  }
+
+ private:
+  struct Seen {
+    Sum change, now;
+    bool changed = false;
+  };
+  void add(std::int32_t r, const NodeSum& s, std::int32_t sign) {
+    Seen& seen = seen_[r];
+    if (!seen.changed) {
+      seen.now = sums_[r];
+      seen.changed = true;
+      changed_.push_back(r);
+    }
+    seen.change.add(s, sign);
+    seen.now.add(s, sign);
+    seen.now.measure();
+  }
+  const std::vector<Sum>& sums_;
+  std::vector<Seen> seen_;
+  std::vector<std::int32_t> changed_;
+};
+
+/// The regions for whoever is alone at work: moves show at once.
+struct AllSums {
+  std::vector<Sum>& sums;
+  const Sum& operator[](std::int32_t r) const { return sums[r]; }
+  void move(const NodeSum& s, std::int32_t from, std::int32_t to) const {
+    sums[from].add(s, -1);
+    sums[to].add(s, 1);
+    sums[from].measure();
+    sums[to].measure();
+  }
+};
+
+/// A stretch of nodes whose labels may be read.
+struct Stretch {
+  std::int32_t begin, end;
+  [[nodiscard]] bool holds(std::int32_t u) const {
+    return static_cast<std::uint32_t>(u - begin) < static_cast<std::uint32_t>(end - begin);
+  }
+};
+
+struct Block {
+  std::vector<std::int32_t> current, queue, beyond, stack;
+  std::vector<std::pair<std::int32_t, Sum>> changes;
+  std::int32_t stamp = 0;
+  std::int64_t moves = 0;
+};
+
+/// In blocks of nodes, as Relaxation does it with faces (relax.h).
 class PatchRelaxation {
  public:
-  PatchRelaxation(const MergeGraph& graph, std::vector<std::int32_t>& label, std::int32_t regions)
+  PatchRelaxation(const MergeGraph& graph, std::vector<std::int32_t>& label, std::int32_t regions,
+                  const Threads& threads)
       : graph_(graph),
         label_(label),
+        threads_(threads),
         sum_(static_cast<std::size_t>(regions)),
         mark_(label.size(), 0),
-        queued_(label.size(), 0) {
+        queued_(label.size(), 0),
+        blocks_(static_cast<std::size_t>(graph.size() / kBlock + 1)) {
     for (std::int32_t u = 0; u < graph.size(); ++u)
       if (label[u] != kNone) sum_[label[u]].add(graph.sum[u], 1);
     for (Sum& s : sum_) s.measure();
-    for (std::int32_t u = 0; u < graph.size(); ++u)
-      for (const std::int32_t v : graph.around(u))
-        if (label[u] != label[v]) push(u);
+    threads_.share(block_count(), [&](const auto& next) {
+      for (std::int32_t b = next(); b < block_count(); b = next()) {
+        blocks_[b].stamp = b;
+        for (std::int32_t u = nodes_of(b).begin; u < nodes_of(b).end; ++u)
+          for (const std::int32_t v : graph_.around(u))
+            if (label_[u] != label_[v]) push(u, blocks_[b]);
+      }
+    });
   }
 
   std::int64_t sweep(Job& job) {
-    std::swap(queue_, current_);
-    queue_.clear();
+    threads_.share(block_count(), [&](const auto& next) {
+      BlockSums sums(sum_);
+      for (std::int32_t b = next(); b < block_count(); b = next()) {
+        Block& block = blocks_[b];
+        std::swap(block.queue, block.current);
+        block.queue.clear();
+        block.beyond.clear();
+        block.moves = go_through(block.current, block, sums, nodes_of(b), job);
+        block.changes = sums.take();
+      }
+    });
+    for (const Block& block : blocks_)
+      for (const auto& [region, change] : block.changes) sum_[region].add(change);
+    for (const Block& block : blocks_)
+      for (const auto& [region, unused] : block.changes) sum_[region].measure();
+    AllSums sums{sum_};
     std::int64_t moves = 0;
-    std::uint32_t polled = 0;
-    for (const std::int32_t u : current_) {
-      if ((++polled & 0xfff) == 0) job.poll();
-      queued_[u] = 0;
-      const std::int32_t to = best_move(u);
-      if (to == kNone || !may_leave(u)) continue;
-      Sum &from = sum_[label_[u]], &into = sum_[to];
-      from.add(graph_.sum[u], -1);
-      into.add(graph_.sum[u], 1);
-      from.measure();
-      into.measure();
-      label_[u] = to;
-      ++moves;
-      for (const std::int32_t v : graph_.around(u)) push(v);
-    }
+    for (Block& block : blocks_) moves += block.moves + go_through(block.beyond, block, sums, {0, graph_.size()}, job);
     return moves;
   }
 
  private:
-  void push(std::int32_t u) {
+  static constexpr std::int32_t kBlock = 1 << 12;  // nodes
+
+  [[nodiscard]] std::int32_t block_count() const { return static_cast<std::int32_t>(blocks_.size()); }
+  [[nodiscard]] Stretch nodes_of(std::int32_t block) const {
+    return {block * kBlock, std::min(graph_.size(), (block + 1) * kBlock)};
+  }
+  static std::int32_t block_of(std::int32_t u) { return u / kBlock; }
+  void push(std::int32_t u, Block& block) {
     if (queued_[u] != 0) return;
     queued_[u] = 1;
-    queue_.push_back(u);
+    block.queue.push_back(u);
   }
 
-  [[nodiscard]] std::int32_t best_move(std::int32_t u) const {
+  /// Nodes with neighbours outside the stretch are put aside in block.beyond. \return moves made
+  template <class Sums>
+  std::int64_t go_through(const std::vector<std::int32_t>& nodes, Block& block, Sums& sums, const Stretch& reach,
+                          Job& job) {
+    std::int64_t moves = 0;
+    std::uint32_t polled = 0;
+    for (const std::int32_t u : nodes) {
+      if ((++polled & 0xfff) == 0) job.poll();
+      const auto around = graph_.around(u);
+      if (!std::all_of(around.begin(), around.end(), [&](std::int32_t v) { return reach.holds(v); })) {
+        block.beyond.push_back(u);  // stays queued, so that it is there once
+        continue;
+      }
+      queued_[u] = 0;
+      const std::int32_t to = best_move(u, sums);
+      if (to == kNone || !may_leave(u, block, reach)) continue;
+      sums.move(graph_.sum[u], label_[u], to);
+      label_[u] = to;
+      ++moves;
+      for (const std::int32_t v : around) push(v, blocks_[block_of(v)]);
+    }
+    return moves;
+  }
+
+  template <class Sums>
+  [[nodiscard]] std::int32_t best_move(std::int32_t u, const Sums& sums) const {
     const std::int32_t own = label_[u];
-    if (own == kNone || sum_[own].nodes <= 1) return kNone;
+    if (own == kNone || sums[own].nodes <= 1) return kNone;
     const NodeSum& s = graph_.sum[u];
-    const double leaving = sum_[own].length_with(s, -1.0) - sum_[own].length;
+    const double leaving = sums[own].length_with(s, -1.0) - sums[own].length;
     double best = 1e-6 * s.length;
     std::int32_t to = kNone, last = kNone;
     for (const std::int32_t v : graph_.around(u)) {
       const std::int32_t other = label_[v];
       if (other == own || other == last) continue;
       last = other;
-      const double gain = leaving + sum_[other].length_with(s, 1.0) - sum_[other].length;
+      const double gain = leaving + sums[other].length_with(s, 1.0) - sums[other].length;
       if (gain > best) {
         best = gain;
         to = other;
@@ -87,28 +205,28 @@ class PatchRelaxation {
   }
 
   /// Whether the neighbours of the same region are connected among themselves.
-  bool may_leave(std::int32_t u) {
+  bool may_leave(std::int32_t u, Block& block, const Stretch& reach) {
     const std::int32_t own = label_[u];
-    ++stamp_;
+    const std::int32_t stamp = block.stamp += block_count();  // no other block has the same
     std::int32_t same = 0, start = kNone;
     for (const std::int32_t v : graph_.around(u))
       if (label_[v] == own) {
-        mark_[v] = stamp_;
+        mark_[v] = stamp;
         ++same;
         start = v;
       }
     if (same <= 1) return same == 1;
     std::int32_t met = 1;
-    mark_[start] = -stamp_;
-    stack_.assign(1, start);
-    while (!stack_.empty()) {
-      const std::int32_t v = stack_.back();
-      stack_.pop_back();
+    mark_[start] = -stamp;
+    block.stack.assign(1, start);
+    while (!block.stack.empty()) {
+      const std::int32_t v = block.stack.back();
+      block.stack.pop_back();
       for (const std::int32_t w : graph_.around(v))
-        if (mark_[w] == stamp_) {
-          mark_[w] = -stamp_;
+        if (reach.holds(w) && mark_[w] == stamp) {
+          mark_[w] = -stamp;
           ++met;
-          stack_.push_back(w);
+          block.stack.push_back(w);
         }
     }
     return met == same;
@@ -116,17 +234,18 @@ class PatchRelaxation {
 
   const MergeGraph& graph_;
   std::vector<std::int32_t>& label_;
+  const Threads& threads_;
   std::vector<Sum> sum_;
-  std::vector<std::int32_t> mark_, queue_, current_, stack_;
+  std::vector<std::int32_t> mark_;
   std::vector<std::uint8_t> queued_;
-  std::int32_t stamp_ = 0;
+  std::vector<Block> blocks_;
 };
 
 }  // namespace
 
 void relax_patches(const MergeGraph& graph, std::vector<std::int32_t>& label, std::int32_t regions, int sweeps,
-                   Job& job) {
-  PatchRelaxation relaxation(graph, label, regions);
+                   const Threads& threads, Job& job) {
+  PatchRelaxation relaxation(graph, label, regions, threads);
   for (int k = 0; k < sweeps && relaxation.sweep(job) > 0; ++k) {
   }
 }

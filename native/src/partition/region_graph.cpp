@@ -23,13 +23,10 @@ class PairSet {
       at = (at + 1) & (slots_.size() - 1);
     }
   }
-  [[nodiscard]] std::vector<std::uint64_t> sorted() const {
-    std::vector<std::uint64_t> keys;
-    keys.reserve(size_);
+  template <class Visit>
+  void visit(Visit visit) const {
     for (const std::uint64_t key : slots_)
-      if (key != kEmpty) keys.push_back(key);
-    std::sort(keys.begin(), keys.end());
-    return keys;
+      if (key != kEmpty) visit(static_cast<std::int32_t>(key >> 32), static_cast<std::int32_t>(key & 0xffffffffU));
   }
 
  private:
@@ -51,12 +48,8 @@ class PairSet {
   std::size_t size_ = 0;
 };
 
-}  // namespace
-
-std::vector<std::pair<std::int32_t, std::int32_t>> neighbouring_regions(const FaceGraph& graph,
-                                                                        const std::vector<std::int32_t>& label,
-                                                                        std::span<const std::int32_t> faces) {
-  PairSet pairs;
+void insert_pairs(const FaceGraph& graph, const std::vector<std::int32_t>& label, std::span<const std::int32_t> faces,
+                  PairSet& pairs) {
   std::pair<std::int32_t, std::int32_t> last(kNone, kNone);  // along a border the same pair comes many times
   const std::size_t size = faces.size();
   for (std::size_t k = 0; k < size; ++k) {
@@ -69,19 +62,35 @@ std::vector<std::pair<std::int32_t, std::int32_t>> neighbouring_regions(const Fa
       pairs.insert(own, other);
     }
   }
+}
+
+}  // namespace
+
+std::vector<std::pair<std::int32_t, std::int32_t>> neighbouring_regions(const FaceGraph& graph,
+                                                                        const std::vector<std::int32_t>& label,
+                                                                        std::span<const std::int32_t> faces,
+                                                                        const Threads& threads) {
+  const auto size = static_cast<std::int32_t>(faces.size());
+  std::vector<PairSet> found(static_cast<std::size_t>(threads.pieces(size)));
+  threads.run(size, [&](std::int32_t piece, std::int32_t begin, std::int32_t end) {
+    insert_pairs(graph, label, faces.subspan(begin, static_cast<std::size_t>(end - begin)), found[piece]);
+  });
+  for (std::size_t k = 1; k < found.size(); ++k)
+    found[k].visit([&](std::int32_t u, std::int32_t v) { found[0].insert(u, v); });
   std::vector<std::pair<std::int32_t, std::int32_t>> result;
-  for (const std::uint64_t key : pairs.sorted())
-    result.emplace_back(static_cast<std::int32_t>(key >> 32), static_cast<std::int32_t>(key & 0xffffffffU));
+  found[0].visit([&](std::int32_t u, std::int32_t v) { result.emplace_back(u, v); });
+  std::sort(result.begin(), result.end());
   return result;
 }
 
 MergeGraph graph_of_regions(const FaceGraph& graph, const std::vector<std::int32_t>& label, std::size_t regions,
-                            std::vector<std::int32_t> part, std::span<const std::int32_t> faces) {
+                            std::vector<std::int32_t> part, std::span<const std::int32_t> faces,
+                            const Threads& threads) {
   MergeGraph result;
   result.part = std::move(part);
   result.sum.resize(regions);
   result.first.assign(regions + 1, 0);
-  for (const auto& [u, v] : neighbouring_regions(graph, label, faces)) {
+  for (const auto& [u, v] : neighbouring_regions(graph, label, faces, threads)) {
     ++result.first[u + 1];
     result.neighbour.push_back(v);
   }

@@ -1,62 +1,22 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <utility>
 #include <vector>
 
 #include "isimp/core/job.h"
 #include "isimp/mesh/face_graph.h"
+#include "isimp/partition/border_moves.h"
 #include "isimp/partition/metric.h"
+#include "isimp/partition/threads.h"
 
 namespace isimp {
-
-/// Labels by graph index that lie in an array of n + 1 in the order of the graph.
-struct GraphLabels {
-  std::int32_t* label;
-  [[nodiscard]] std::int32_t get(std::int32_t i) const { return label[i]; }
-  void set(std::int32_t i, std::int32_t region) const { label[i] = region; }
-};
-
-/// Labels by graph index that lie in an array of n in the order of the mesh.
-struct MeshLabels {
-  std::int32_t* region;
-  const FaceGraph* graph;
-  [[nodiscard]] std::int32_t get(std::int32_t i) const {
-    return i == graph->size() ? kNone : region[graph->mesh_face[i]];
-  }
-  void set(std::int32_t i, std::int32_t r) const { region[graph->mesh_face[i]] = r; }
-};
 
 /// What an edge between two regions weighs in the energy, in mean face areas: heavier edges make borders shorter and
 /// the error larger. In proportion to the error (a share of the surface) it smooths borders alike for few regions and
 /// many, and leaves exact shapes alone; it stays well below what a face gains across a crease of 45 degrees.
 inline double border_weight(double error) { return std::min(0.6 * error, 0.12); }
-
-/// Whether the region of a face stays connected without it, as far as a walk round one vertex can tell: where the faces
-/// of the same region beside it are joined elsewhere only, the answer is no, also for the last face of a region.
-template <class Labels>
-[[nodiscard]] bool may_leave(const FaceGraph& graph, const Labels& labels, std::int32_t face) {
-  constexpr int kLongestWalk = 32;  // round a vertex; beyond it the face just stays
-  const auto& around = graph.neighbours[face];
-  const std::int32_t own = labels.get(face), n = graph.size();
-  const bool in[3] = {labels.get(around[0]) == own, labels.get(around[1]) == own, labels.get(around[2]) == own};
-  const int count = in[0] + in[1] + in[2];
-  if (count != 2) return count == 1;
-  // Edges k and k + 1 meet in a vertex; turn round it from the neighbour across the one to that across the other.
-  const int first = in[0] && in[1] ? 0 : in[1] && in[2] ? 1 : 2;
-  const std::int32_t goal = around[(first + 1) % 3];
-  std::int32_t before = face, at = around[first];
-  for (int step = 0; step < kLongestWalk; ++step) {
-    if (at == goal) return true;
-    if (at == n || labels.get(at) != own) return false;
-    const auto& next = graph.neighbours[at];
-    const int back = next[0] == before ? 0 : next[1] == before ? 1 : 2;
-    before = std::exchange(at, next[(back + 2) % 3]);
-  }
-  return false;
-}
 
 /// Boundary relaxation: moves single faces between neighbouring regions as long as that lowers the energy
 /// error + lambda * mean face area * number of edges between regions.
@@ -65,140 +25,231 @@ template <class Labels>
 /// order of its series is enough. Without the boundary term ragged borders are rewarded. A region never falls apart:
 /// a face leaves only if its neighbours of the same region stay joined round a vertex they share, which can be seen by
 /// a walk round that vertex. Sweeps look at the faces near which something has changed.
+///
+/// Long queues are swept in blocks of the Morton order, which threads share. A block looks at nothing outside it but
+/// the sums of the regions as they were at the start; so no block can tell what the others do, nor a region fall apart
+/// by moves in several of them. Faces that need a look beyond the block come last, one after another. Blocks are cut
+/// without regard to the number of threads, and so the result is the same for any.
 /// Source: the energy moves of Valette, Chassery, Prost 2008, with the L2,1 error.
 template <class Labels>
 class Relaxation {
  public:
   /// \param sums    (R) is kept up to date with every move
   /// \param lambda  weight of an edge between regions; faces smaller than the mean take a proportionate share of it
-  Relaxation(const FaceGraph& graph, Labels labels, std::vector<RegionSum>& sums, double lambda)
-      : graph_(graph), labels_(labels), sums_(sums), state_(graph.faces.size(), 0) {
-    mean_area_ = 1.0F / static_cast<float>(graph.size());
-    lambda_ = static_cast<float>(lambda);
+  Relaxation(const FaceGraph& graph, Labels labels, std::vector<RegionSum>& sums, double lambda,
+             const Threads& threads = Threads(1))
+      : moves_{graph, labels, static_cast<float>(lambda), 1.0F / static_cast<float>(graph.size())},
+        sums_(sums),
+        threads_(threads),
+        state_(graph.faces.size(), 0) {
     refit();
   }
 
   /// Has the next sweep look at a face.
-  void push(std::int32_t face) {
-    std::uint8_t& state = state_[face];
-    if ((state & kQueued) != 0) return;
-    if (state == 0) pushed_.push_back(face);
-    state = kQueued | kPushed;
-    queue_.push_back(face);
+  void push(std::int32_t face) { lists_.push(face, state_[face]); }
+  /// Whether the face has a neighbour of another region.
+  [[nodiscard]] bool on_border(std::int32_t face) const {
+    const std::int32_t own = moves_.labels.get(face);
+    for (const std::int32_t j : moves_.graph.neighbours[face])
+      if (j != moves_.graph.size() && moves_.labels.get(j) != own) return true;
+    return false;
   }
-  /// Pushes the face if it has a neighbour of another region.
   void push_if_border(std::int32_t face) {
-    const std::int32_t own = labels_.get(face);
-    for (const std::int32_t j : graph_.neighbours[face])
-      if (j != graph_.size() && labels_.get(j) != own) return push(face);
+    if (on_border(face)) push(face);
   }
   /// Must follow every change of the sums from outside.
   void refit() {
     proxies_.resize(sums_.size());
-    for (std::size_t r = 0; r < sums_.size(); ++r) refit(static_cast<std::int32_t>(r));
-  }
-  void refit(std::int32_t region) {
-    const RegionSum& s = sums_[region];
-    const double length = s.length(), inverse = length > 0 ? 1.0 / length : 0.0;
-    proxies_[region] = {static_cast<float>(s.x * inverse), static_cast<float>(s.y * inverse),
-                        static_cast<float>(s.z * inverse), static_cast<float>(inverse / 2)};
+    for (std::size_t r = 0; r < sums_.size(); ++r) proxies_[r] = BorderProxy::of(sums_[r]);
   }
   /// Every face ever pushed, once. Had all border faces been pushed at the start, all are among them at any time.
-  [[nodiscard]] const std::vector<std::int32_t>& pushed() const { return pushed_; }
+  [[nodiscard]] const std::vector<std::int32_t>& pushed() const { return lists_.pushed; }
   /// The one face that must not move, or kNone.
-  void pin(std::int32_t face) { pinned_ = face; }
+  void pin(std::int32_t face) { moves_.pinned = face; }
 
   /// Sweeps until nothing moves, `sweeps` at most; what is still queued then is forgotten. \return moves made
   std::int64_t run(int sweeps, Job& job) {
     std::int64_t moves = 0, last = 1;
-    for (int k = 0; k < sweeps && last > 0 && !queue_.empty(); ++k) moves += last = sweep(job);
-    for (const std::int32_t face : queue_) state_[face] = kPushed;
-    queue_.clear();
+    for (int k = 0; k < sweeps && last > 0 && !lists_.queue.empty();) {
+      const bool many = lists_.queue.size() >= kMany;
+      moves += last = many ? sweep_blocks(job) : sweep_all(job);
+      k += many ? kSweepsOfBlock : 1;
+    }
+    for (const std::int32_t face : lists_.queue) state_[face] = kPushed;
+    lists_.queue.clear();
     return moves;
   }
 
  private:
-  struct Proxy {
-    float x, y, z;       // unit normal
-    float half_inverse;  // 1 / (2 |S|)
-    [[nodiscard]] float dot(const FaceRecord& f) const { return f.nx * x + f.ny * y + f.nz * z; }
+  static constexpr std::uint8_t kQueued = 1, kPushed = 2;  // states of a face
+  static constexpr std::int32_t kBlock = 1 << 15;          // faces of a block
+  static constexpr std::size_t kMany = 1 << 13;            // faces in the queue from which blocks are worth it
+  static constexpr int kSweepsOfBlock = 2;                 // before blocks hear of each other
+  static constexpr std::size_t kAhead = 8;                 // faces, for the memory to be there in time
+
+  /// Faces to look at, and all that have ever been.
+  struct Lists {
+    std::vector<std::int32_t> queue, current, pushed;
+    void push(std::int32_t face, std::uint8_t& state) {
+      if ((state & kQueued) != 0) return;
+      if (state == 0) pushed.push_back(face);
+      state = kQueued | kPushed;
+      queue.push_back(face);
+    }
   };
 
-  std::int64_t sweep(Job& job) {
-    std::swap(queue_, current_);
-    queue_.clear();
+  /// The regions for whoever is alone at work: moves show at once.
+  struct AllRegions {
+    std::vector<RegionSum>& sums;
+    std::vector<BorderProxy>& proxies;
+    [[nodiscard]] const BorderProxy& proxy(std::int32_t r) const { return proxies[r]; }
+    [[nodiscard]] std::int32_t faces(std::int32_t r) const { return sums[r].faces; }
+    void move(const FaceRecord& face, std::int32_t from, std::int32_t to) {
+      sums[from].remove(face);
+      sums[to].add(face);
+      proxies[from] = BorderProxy::of(sums[from]);
+      proxies[to] = BorderProxy::of(sums[to]);
+    }
+  };
+
+  /// The regions as seen from one block: what they were, and what moves within the block have changed.
+  class BlockRegions {
+   public:
+    BlockRegions(const std::vector<RegionSum>& sums, const std::vector<BorderProxy>& proxies)
+        : sums_(sums), proxies_(proxies), seen_(sums.size()) {}
+    [[nodiscard]] const BorderProxy& proxy(std::int32_t r) const {
+      return seen_[r].changed ? seen_[r].proxy : proxies_[r];
+    }
+    [[nodiscard]] std::int32_t faces(std::int32_t r) const { return sums_[r].faces + seen_[r].change.faces; }
+    void move(const FaceRecord& face, std::int32_t from, std::int32_t to) {
+      seen_[from].change.remove(face);
+      seen_[to].change.add(face);
+      refit(from);
+      refit(to);
+    }
+    /// The changes, which are then forgotten.
+    std::vector<std::pair<std::int32_t, RegionSum>> take() {
+      std::vector<std::pair<std::int32_t, RegionSum>> result;
+      result.reserve(changed_.size());
+      for (const std::int32_t r : changed_) {
+        result.emplace_back(r, seen_[r].change);
+        seen_[r] = {};
+      }
+      changed_.clear();
+      return result;
+    }
+
+   private:
+    struct Seen {
+      RegionSum change;
+      BorderProxy proxy;
+      bool changed = false;
+    };
+    void refit(std::int32_t r) {
+      Seen& seen = seen_[r];
+      if (!std::exchange(seen.changed, true)) changed_.push_back(r);
+      RegionSum sum = sums_[r];
+      sum.add(seen.change);
+      seen.proxy = BorderProxy::of(sum);
+    }
+    const std::vector<RegionSum>& sums_;
+    const std::vector<BorderProxy>& proxies_;
+    std::vector<Seen> seen_;
+    std::vector<std::int32_t> changed_;
+  };
+
+  struct Block {
+    Lists lists;
+    std::vector<std::int32_t> beyond;  // faces to be looked at from outside
+    std::vector<std::pair<std::int32_t, RegionSum>> changes;
     std::int64_t moves = 0;
-    const std::size_t size = current_.size();
+  };
+
+  /// Goes through lists.current. \return moves made
+  template <class Regions>
+  std::int64_t sweep(Lists& lists, Regions& regions, const Reach& reach, std::vector<std::int32_t>* beyond, Job& job) {
+    const FaceGraph& graph = moves_.graph;
+    std::int64_t moves = 0;
+    const std::size_t size = lists.current.size();
     for (std::size_t i = 0; i < size; ++i) {
       if ((i & 0x3fff) == 0) job.poll();
       if (i + kAhead < size) {
-        const std::int32_t soon = current_[i + kAhead];
-        __builtin_prefetch(&graph_.neighbours[soon]);
-        __builtin_prefetch(&graph_.faces[soon]);
+        const std::int32_t soon = lists.current[i + kAhead];
+        __builtin_prefetch(&graph.neighbours[soon]);
+        __builtin_prefetch(&graph.faces[soon]);
       }
-      const std::int32_t face = current_[i];
+      const std::int32_t face = lists.current[i];
+      const std::int32_t to = moves_.target(face, regions, reach);
+      if (to == BorderMoves<Labels>::kBeyond) {  // stays queued, so that it is there once
+        beyond->push_back(face);
+        continue;
+      }
       state_[face] = kPushed;
-      const std::int32_t to = best_move(face);
-      if (to == kNone || !may_leave(graph_, labels_, face)) continue;
-      move(face, to);
+      if (to == kNone) continue;
+      regions.move(graph.faces[face], moves_.labels.get(face), to);
+      moves_.labels.set(face, to);
       ++moves;
+      for (const std::int32_t j : graph.neighbours[face])
+        if (j != graph.size()) lists.push(j, state_[j]);
     }
     return moves;
   }
 
-  /// The neighbouring region to which a move of the face lowers the energy most; kNone if there is none.
-  std::int32_t best_move(std::int32_t face) const {
-    const auto& neighbours = graph_.neighbours[face];
-    const std::int32_t own = labels_.get(face);
-    std::array<std::int32_t, 3> near;
-    for (int k = 0; k < 3; ++k) near[k] = labels_.get(neighbours[k]);
-    const int same = (near[0] == own) + (near[1] == own) + (near[2] == own);
-    if (same == 3 || own < 0 || sums_[own].faces <= 1 || face == pinned_) return kNone;
-    const FaceRecord& f = graph_.faces[face];
-    // |S - wn| - |S| and |S + wn| - |S| to second order in w, divided by w.
-    const float from = proxies_[own].dot(f);
-    const float leaving = -from + f.area * (1 - from * from) * proxies_[own].half_inverse;
-    const float edge = lambda_ * (f.area < mean_area_ ? f.area : mean_area_);
-    float best = kLeastGain * (f.area + edge);
-    std::int32_t to = kNone;
-    for (const std::int32_t other : near) {
-      if (other == own || other < 0) continue;
-      const int there = (near[0] == other) + (near[1] == other) + (near[2] == other);
-      const float into = proxies_[other].dot(f);
-      const float joining = into + f.area * (1 - into * into) * proxies_[other].half_inverse;
-      const float gain = f.area * (leaving + joining) + edge * static_cast<float>(there - same);
-      if (gain > best) {
-        best = gain;
-        to = other;
+  std::int64_t sweep_all(Job& job) {
+    std::swap(lists_.queue, lists_.current);
+    lists_.queue.clear();
+    AllRegions regions{sums_, proxies_};
+    const std::int32_t n = moves_.graph.size();
+    return sweep(lists_, regions, {0, n, n}, nullptr, job);
+  }
+
+  std::int64_t sweep_blocks(Job& job) {
+    const std::int32_t n = moves_.graph.size();
+    std::vector<Block> blocks(static_cast<std::size_t>(n / kBlock + 1));
+    for (const std::int32_t face : lists_.queue) blocks[face / kBlock].lists.queue.push_back(face);
+    lists_.queue.clear();
+    const auto count = static_cast<std::int32_t>(blocks.size());
+    threads_.share(count, [&](const auto& next) {
+      BlockRegions regions(sums_, proxies_);
+      for (std::int32_t b = next(); b < count; b = next()) {
+        Block& block = blocks[b];
+        const Reach reach{b * kBlock, std::min(n, (b + 1) * kBlock), n};
+        for (int k = 0; k < kSweepsOfBlock; ++k) {
+          std::swap(block.lists.queue, block.lists.current);
+          block.lists.queue.clear();
+          block.moves += sweep(block.lists, regions, reach, &block.beyond, job);
+        }
+        block.changes = regions.take();
       }
+    });
+    return join(blocks, job);
+  }
+
+  /// What the blocks have done becomes known to all, and what was beyond them is done.
+  std::int64_t join(const std::vector<Block>& blocks, Job& job) {
+    std::int64_t moves = 0;
+    std::vector<std::int32_t>& beyond = lists_.current;
+    beyond.clear();
+    for (const Block& block : blocks) {
+      moves += block.moves;
+      for (const auto& [region, change] : block.changes) sums_[region].add(change);
+      lists_.queue.insert(lists_.queue.end(), block.lists.queue.begin(), block.lists.queue.end());
+      lists_.pushed.insert(lists_.pushed.end(), block.lists.pushed.begin(), block.lists.pushed.end());
+      beyond.insert(beyond.end(), block.beyond.begin(), block.beyond.end());
     }
-    return to;
+    for (const Block& block : blocks)
+      for (const auto& [region, unused] : block.changes) proxies_[region] = BorderProxy::of(sums_[region]);
+    AllRegions regions{sums_, proxies_};
+    const std::int32_t n = moves_.graph.size();
+    return moves + sweep(lists_, regions, {0, n, n}, nullptr, job);
   }
 
-  void move(std::int32_t face, std::int32_t to) {
-    const std::int32_t own = labels_.get(face);
-    sums_[own].remove(graph_.faces[face]);
-    sums_[to].add(graph_.faces[face]);
-    refit(own);
-    refit(to);
-    labels_.set(face, to);
-    for (const std::int32_t j : graph_.neighbours[face])
-      if (j != graph_.size()) push(j);
-  }
-
-  static constexpr std::uint8_t kQueued = 1, kPushed = 2;
-  static constexpr float kLeastGain = 1e-6F;  // of the face's area: less is rounding, and would go to and fro
-  static constexpr std::size_t kAhead = 8;    // faces, for the memory to be there in time
-
-  const FaceGraph& graph_;
-  Labels labels_;
+  BorderMoves<Labels> moves_;
   std::vector<RegionSum>& sums_;
-  std::vector<Proxy> proxies_;
-  std::vector<std::int32_t> queue_, current_;
-  std::vector<std::uint8_t> state_;  // of each face: kPushed, kQueued
-  std::vector<std::int32_t> pushed_;
-  float mean_area_ = 0, lambda_ = 0;
-  std::int32_t pinned_ = kNone;
+  std::vector<BorderProxy> proxies_;
+  Threads threads_;
+  Lists lists_;
+  std::vector<std::uint8_t> state_;  // of each face
 };
 
 }  // namespace isimp

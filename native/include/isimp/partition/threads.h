@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <exception>
 #include <thread>
@@ -48,6 +49,15 @@ class Threads {
   template <class Body>
   void run(std::int32_t n, Body body) const {
     run(n, pieces(n), body);
+  }
+
+  /// For steps of unequal length: calls body(next) once a thread, where next() hands out 0, 1, 2, ... to whoever asks
+  /// first. From n on there is nothing to do.
+  template <class Body>
+  void share(std::int32_t n, Body body) const {
+    std::atomic<std::int32_t> at{0};
+    const std::int32_t workers = std::min(n, count_);
+    run(workers, workers, [&](std::int32_t, std::int32_t, std::int32_t) { body([&] { return at++; }); });
   }
 
  private:

@@ -1,0 +1,122 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <utility>
+
+#include "isimp/mesh/face_graph.h"
+#include "isimp/partition/metric.h"
+
+namespace isimp {
+
+/// Labels by graph index that lie in an array of n + 1 in the order of the graph.
+struct GraphLabels {
+  std::int32_t* label;
+  [[nodiscard]] std::int32_t get(std::int32_t i) const { return label[i]; }
+  void set(std::int32_t i, std::int32_t region) const { label[i] = region; }
+};
+
+/// Labels by graph index that lie in an array of n in the order of the mesh.
+struct MeshLabels {
+  std::int32_t* region;
+  const FaceGraph* graph;
+  [[nodiscard]] std::int32_t get(std::int32_t i) const {
+    return i == graph->size() ? kNone : region[graph->mesh_face[i]];
+  }
+  void set(std::int32_t i, std::int32_t r) const { region[graph->mesh_face[i]] = r; }
+};
+
+/// What a region looks like to a face that might join or leave it.
+struct BorderProxy {
+  float x = 0, y = 0, z = 0;  ///< unit normal
+  float half_inverse = 0;     ///< 1 / (2 |S|)
+
+  static BorderProxy of(const RegionSum& s) {
+    const double length = s.length(), inverse = length > 0 ? 1.0 / length : 0.0;
+    return {static_cast<float>(s.x * inverse), static_cast<float>(s.y * inverse), static_cast<float>(s.z * inverse),
+            static_cast<float>(inverse / 2)};
+  }
+  [[nodiscard]] float dot(const FaceRecord& f) const { return f.nx * x + f.ny * y + f.nz * z; }
+};
+
+/// A stretch of faces whose labels may be read; the sentinel behind the last face may always be.
+struct Reach {
+  std::int32_t begin, end, sentinel;
+  [[nodiscard]] bool holds(std::int32_t i) const {
+    return static_cast<std::uint32_t>(i - begin) < static_cast<std::uint32_t>(end - begin) || i == sentinel;
+  }
+};
+
+/// Judges whether a face on a border between regions should go to the other side, and whether it may.
+template <class Labels>
+struct BorderMoves {
+  static constexpr std::int32_t kBeyond = -2;  ///< instead of a region: to tell, one must look beyond the reach
+
+  const FaceGraph& graph;
+  Labels labels;
+  float edge_weight = 0;        ///< of an edge between regions, over the mean area of a face
+  float mean_area = 0;          ///< of a face
+  std::int32_t pinned = kNone;  ///< the one face that must not move
+
+  /// The neighbouring region to which a move of the face lowers the energy most; kNone if there is none or it may not
+  /// leave its own. `regions` tells the proxy and the number of faces of each region.
+  template <class Regions>
+  std::int32_t target(std::int32_t face, Regions& regions, const Reach& reach) const {
+    const auto& neighbours = graph.neighbours[face];
+    for (const std::int32_t j : neighbours)
+      if (!reach.holds(j)) return kBeyond;
+    const std::int32_t own = labels.get(face);
+    std::array<std::int32_t, 3> near;
+    for (int k = 0; k < 3; ++k) near[k] = labels.get(neighbours[k]);
+    const int same = (near[0] == own) + (near[1] == own) + (near[2] == own);
+    if (same == 3 || own < 0 || face == pinned || regions.faces(own) <= 1) return kNone;
+    const FaceRecord& f = graph.faces[face];
+    // |S - wn| - |S| and |S + wn| - |S| to second order in w, divided by w.
+    const BorderProxy& home = regions.proxy(own);
+    const float from = home.dot(f);
+    const float leaving = -from + f.area * (1 - from * from) * home.half_inverse;
+    const float edge = edge_weight * (f.area < mean_area ? f.area : mean_area);
+    float best = kLeastGain * (f.area + edge);
+    std::int32_t to = kNone;
+    for (const std::int32_t other : near) {
+      if (other == own || other < 0) continue;
+      const int there = (near[0] == other) + (near[1] == other) + (near[2] == other);
+      const BorderProxy& proxy = regions.proxy(other);
+      const float into = proxy.dot(f);
+      const float joining = into + f.area * (1 - into * into) * proxy.half_inverse;
+      const float gain = f.area * (leaving + joining) + edge * static_cast<float>(there - same);
+      if (gain > best) {
+        best = gain;
+        to = other;
+      }
+    }
+    if (to == kNone || same != 2) return same == 0 ? kNone : to;
+    return stays_joined(face, own, near, reach, to);
+  }
+
+ private:
+  static constexpr float kLeastGain = 1e-6F;  // of the face's area: less is rounding, and would go to and fro
+  static constexpr int kLongestWalk = 32;     // round a vertex; beyond it the face just stays
+
+  /// Of a face with two neighbours in its own region: `to` if the region stays connected without it, else kNone.
+  [[nodiscard]] std::int32_t stays_joined(std::int32_t face, std::int32_t own, const std::array<std::int32_t, 3>& near,
+                                          const Reach& reach, std::int32_t to) const {
+    const auto& around = graph.neighbours[face];
+    // Edges k and k + 1 meet in a vertex; turn round it from the neighbour across the one to that across the other.
+    const int first = near[0] != own ? 1 : near[1] != own ? 2 : 0;
+    const std::int32_t goal = around[(first + 1) % 3];
+    std::int32_t before = face, at = around[first];
+    for (int step = 0; step < kLongestWalk; ++step) {
+      if (at == goal) return to;
+      if (!reach.holds(at)) return kBeyond;
+      if (at == graph.size() || labels.get(at) != own) return kNone;
+      const auto& next = graph.neighbours[at];
+      const int back = next[0] == before ? 0 : next[1] == before ? 1 : 2;
+      before = std::exchange(at, next[(back + 2) % 3]);
+    }
+    return kNone;
+  }
+};
+
+}  // namespace isimp
