@@ -31,6 +31,28 @@ void bind_options(py::module_& m) {
       .finish();
 }
 
+const char* name_of(Flaw flaw) {
+  switch (flaw) {
+    case Flaw::crossing: return "crossing";
+    case Flaw::no_area: return "no_area";
+    case Flaw::flipped: return "flipped";
+    case Flaw::bent: return "bent";
+    case Flaw::intersecting: return "intersecting";
+    case Flaw::excused: break;
+  }
+  return "excused";
+}
+
+py::list imperfections(const MeshingReport& r) {
+  py::list list;
+  for (const Imperfection& i : r.imperfect) {
+    py::dict entry("polygon"_a = i.polygon, "flaw"_a = name_of(i.flaw));
+    if (i.other >= 0) entry["other"] = i.other;
+    list.append(entry);
+  }
+  return list;
+}
+
 py::dict report_of(const MeshingReport& r) {
   return py::dict(
       "polygons"_a = r.polygons, "corners"_a = r.corners, "vertices"_a = r.vertices, "regions"_a = r.regions,
@@ -41,7 +63,8 @@ py::dict report_of(const MeshingReport& r) {
       "manifold"_a = r.manifold, "euler"_a = r.euler, "planarity_max"_a = r.planarity_max,
       "planarity_mean"_a = r.planarity_mean, "distance_max"_a = r.distance_max, "crossing"_a = r.crossing,
       "flipped"_a = r.flipped, "bent"_a = r.bent, "intersecting"_a = r.intersecting, "excused"_a = r.excused,
-      "diagonals"_a = r.diagonals, "repair_rounds"_a = r.repair_rounds, "repair_capped"_a = r.repair_capped);
+      "diagonals"_a = r.diagonals, "repair_rounds"_a = r.repair_rounds, "repair_capped"_a = r.repair_capped,
+      "imperfect"_a = imperfections(r));
 }
 
 void bind_result(py::module_& m) {
@@ -64,9 +87,11 @@ void bind_result(py::module_& m) {
 
 polygons, corners, vertices, regions; regions_split (those that became more than one polygon) and why; closed, manifold,
 euler; planarity_max, planarity_mean (weighted by area) and distance_max (of a corner from its vertex), scene units;
-crossing, flipped, bent: polygons that stayed so; intersecting: pairs of regions whose polygons still intersect, excused:
-such pairs where the scan itself does; diagonals that the repair put across regions, repair_rounds, and repair_capped:
-whether it would have needed more than options.repair_budget.)")
+crossing, flipped, bent: polygons that stayed so; intersecting: pairs of polygons that still intersect, excused: such
+pairs whose regions do so in the scan itself; diagonals that the repair put across regions, repair_rounds, and
+repair_capped: whether it would have needed more than options.repair_budget; imperfect: all of these by polygon, a list
+of dicts with polygon (its index), flaw ("crossing", "no_area", "flipped", "bent", "intersecting" or "excused") and, for
+the last two, other (the polygon it meets; each pair is listed under both).)")
       .def("__repr__", [](const PolygonMesh& poly) {
         return py::str("<PolygonMesh: {} polygons, {} vertices, {}>")
             .format(poly.polygon_count(), poly.vertices.size(), poly.report.closed ? "closed" : "open");

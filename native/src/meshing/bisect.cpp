@@ -12,12 +12,13 @@ Vec3 centre(const Mesh& mesh, std::int32_t f) {
 }
 
 /// Reaches all faces of a piece from one or two of them. \return the farthest; faces.via holds which seed is nearest
-std::int32_t grow(Cutter& cutter, std::span<const std::int32_t> seeds) {
+/// \param lag  by how much the first seed comes later than the others
+std::int32_t grow(Cutter& cutter, std::span<const std::int32_t> seeds, double lag = 0) {
   const Labels& labels = cutter.labels;
   const Mesh& mesh = labels.mesh;
   const double least = 1e-9 * mesh.diagonal();  // keeps distances rising where faces have no size
   cutter.faces.start();
-  for (std::size_t i = 0; i < seeds.size(); ++i) cutter.faces.reach(seeds[i], 0, static_cast<std::int32_t>(i));
+  for (std::size_t i = 0; i < seeds.size(); ++i) cutter.faces.reach(seeds[i], i == 0 ? lag : 0, static_cast<std::int32_t>(i));
   std::int32_t last = seeds[0];
   for (std::int32_t f = cutter.faces.take(); f != kNone; f = cutter.faces.take()) {
     last = f;
@@ -69,6 +70,23 @@ std::int32_t split_evenly(Cutter& cutter, std::int32_t piece, std::int32_t parts
   for (const std::int32_t f : faces) part[cutter.faces.via[f]].push_back(f);
   for (std::size_t k = 1; k < n; ++k) cutter.labels.part(part[k], part[0][0], cause);
   return static_cast<std::int32_t>(n) - 1;
+}
+
+std::int32_t part_near(Cutter& cutter, std::int32_t piece, const Vec3& place, Cause cause) {
+  constexpr double kLag = 0.5;  // leaves the near part about a quarter of the way to the farthest face
+  const Mesh& mesh = cutter.labels.mesh;
+  const std::vector<std::int32_t> faces = cutter.labels.faces_of(piece);
+  if (faces.size() < 2) return kNone;
+  const std::int32_t near = *std::min_element(faces.begin(), faces.end(), [&](std::int32_t f, std::int32_t g) {
+    const double a = (centre(mesh, f) - place).squaredNorm(), b = (centre(mesh, g) - place).squaredNorm();
+    return a < b || (a == b && f < g);
+  });
+  const std::int32_t far = grow(cutter, std::array{near});
+  grow(cutter, std::array{near, far}, kLag * cutter.faces.distance[far]);
+  std::vector<std::int32_t> part;
+  for (const std::int32_t f : faces)
+    if (cutter.faces.via[f] == 0) part.push_back(f);
+  return cutter.labels.part(part, far, cause);
 }
 
 std::int32_t bisect(Cutter& cutter, std::int32_t piece, Cause cause, std::array<std::int32_t, 2> seeds) {

@@ -50,6 +50,10 @@ struct Cutter {
 std::int32_t bisect(Cutter& cutter, std::int32_t piece, Cause cause,
                     std::array<std::int32_t, 2> seeds = {kNone, kNone});
 
+/// Parts the faces near a place from the rest of a piece, both connected. \return the new label, theirs; kNone for a
+/// single face
+std::int32_t part_near(Cutter& cutter, std::int32_t piece, const Vec3& place, Cause cause);
+
 /// Parts a piece in up to `parts` connected pieces of about the same size and round shape.
 /// \return how many labels are new, the last ones
 /// Source: farthest point seeds and rounds of Lloyd's method over the surface.

@@ -136,6 +136,27 @@ std::vector<std::int32_t> strip_along(Cutter& cutter, std::int32_t piece, const 
   return strip;
 }
 
+/// Gives the strip all but the largest of the parts that it leaves of its piece. \return that one
+std::vector<std::int32_t> keep_largest_part(Labels& labels, std::int32_t piece, std::span<const std::int32_t> faces,
+                                            std::vector<std::int32_t>& strip) {
+  const std::int32_t to = labels.label[strip[0]];
+  std::vector<std::vector<std::int32_t>> parts;
+  for (const std::int32_t f : faces) {
+    if (labels.label[f] != piece) continue;
+    labels.pieces[piece].face = f;
+    parts.push_back(labels.faces_of(piece));
+    for (const std::int32_t g : parts.back()) labels.label[g] = kNone;
+  }
+  const auto largest = std::max_element(parts.begin(), parts.end(),
+                                        [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  for (auto part = parts.begin(); part != parts.end(); ++part) {
+    for (const std::int32_t f : *part) labels.label[f] = part == largest ? piece : to;
+    if (part != largest) strip.insert(strip.end(), part->begin(), part->end());
+  }
+  labels.pieces[piece].face = largest->front();
+  return std::move(*largest);
+}
+
 }  // namespace
 
 std::int32_t cut_handle(Cutter& cutter, std::int32_t piece, const Shape& shape) {
@@ -143,14 +164,12 @@ std::int32_t cut_handle(Cutter& cutter, std::int32_t piece, const Shape& shape) 
   const std::vector<std::int32_t> faces = labels.faces_of(piece);
   const std::vector<Loop> loops = Trees(cutter, piece, faces, shape).handle_loops();
   for (std::size_t i = 0; i < std::min<std::size_t>(loops.size(), kTries); ++i) {
-    const std::vector<std::int32_t> strip = strip_along(cutter, piece, loops[i]);
+    std::vector<std::int32_t> strip = strip_along(cutter, piece, loops[i]);
     if (strip.size() >= faces.size()) continue;
-    std::vector<std::int32_t> rest;
-    for (const std::int32_t f : faces)
-      if (!cutter.face_marks.has(f)) rest.push_back(f);
-    const std::int32_t fresh = labels.part(strip, rest[0], Cause::handle);
-    const Shape a = labels.shape(rest, true), b = labels.shape(strip, true);
-    if (a.parts == 1 && b.parts == 1 && a.genus + b.genus < shape.genus) return fresh;
+    const std::int32_t fresh = labels.part(strip, faces[0], Cause::handle);
+    const std::vector<std::int32_t> rest = keep_largest_part(labels, piece, faces, strip);
+    const Shape a = labels.shape(rest), b = labels.shape(strip, true);
+    if (b.parts == 1 && a.genus + b.genus < shape.genus) return fresh;
     for (const std::int32_t f : strip) labels.label[f] = piece;
     labels.pieces.pop_back();
     labels.touched.resize(labels.touched.size() - 2);

@@ -1,6 +1,7 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/box_intersection_d.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <vector>
 
@@ -44,6 +45,30 @@ bool meet(const Facet& f, const Solid& a, const Facet& g, const Solid& b) {
   return CGAL::coplanar(p, q, r, s) && CGAL::coplanar_orientation(p, q, r, s) == CGAL::POSITIVE;
 }
 
+/// The middle of where the edges of two triangles pass through the other one; of the smaller's if none does.
+Vec3 meeting_place(const std::array<Vec3, 3>& f, const std::array<Vec3, 3>& g) {
+  Vec3 sum = Vec3::Zero();
+  int found = 0;
+  for (const auto* t : {&f, &g}) {
+    const std::array<Vec3, 3>& other = t == &f ? g : f;
+    const Vec3 u = other[1] - other[0], v = other[2] - other[0], n = u.cross(v);
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 &p = (*t)[k], &q = (*t)[(k + 1) % 3];
+      const double from = (p - other[0]).dot(n), to = (q - other[0]).dot(n);
+      if (from * to >= 0) continue;
+      const Vec3 x = p + (q - p) * (from / (from - to)), d = x - other[0];
+      const double s = d.cross(v).dot(n), t2 = u.cross(d).dot(n);
+      if (s < 0 || t2 < 0 || s + t2 > n.squaredNorm()) continue;
+      sum += x;
+      ++found;
+    }
+  }
+  if (found > 0) return sum / found;
+  const auto area = [](const std::array<Vec3, 3>& t) { return (t[1] - t[0]).cross(t[2] - t[0]).squaredNorm(); };
+  const std::array<Vec3, 3>& small = area(f) < area(g) ? f : g;
+  return (small[0] + small[1] + small[2]) / 3;
+}
+
 }  // namespace
 
 std::vector<Hit> find_hits(std::span<const Facet> facets, std::span<const Vec3> position,
@@ -58,40 +83,48 @@ std::vector<Hit> find_hits(std::span<const Facet> facets, std::span<const Vec3> 
     all.emplace_back(solids[i].bbox(), static_cast<std::int32_t>(i));
     if (changed[facets[i].piece]) moved.push_back(all.back());
   }
-  std::vector<Hit> hits;
+  std::vector<std::array<std::int32_t, 2>> met;
   const auto test = [&](const Box& x, const Box& y) {
     const std::int32_t i = x.info(), j = y.info();
     const Facet &f = facets[i], &g = facets[j];
     if (f.piece == g.piece && f.part == g.part) return;
-    if (meet(f, solids[i], g, solids[j])) hits.push_back({std::min(f.piece, g.piece), std::max(f.piece, g.piece)});
+    if (meet(f, solids[i], g, solids[j])) met.push_back({std::min(i, j), std::max(i, j)});
   };
   if (moved.size() == all.size()) {
     CGAL::box_self_intersection_d(all.begin(), all.end(), test);
   } else {
     CGAL::box_intersection_d(moved.begin(), moved.end(), all.begin(), all.end(), test);
   }
-  std::sort(hits.begin(), hits.end());
-  hits.erase(std::unique(hits.begin(), hits.end()), hits.end());
+  // Facets come by piece and part, so the lower one is of the lower polygon.
+  std::sort(met.begin(), met.end());
+  std::vector<Hit> hits;
+  const auto corners = [&](const Facet& f) {
+    return std::array{position[f.corner[0]], position[f.corner[1]], position[f.corner[2]]};
+  };
+  for (const auto& [i, j] : met) {
+    const Facet &f = facets[i], &g = facets[j];
+    hits.push_back({f.piece, f.part, g.piece, g.part, meeting_place(corners(f), corners(g))});
+  }
+  std::stable_sort(hits.begin(), hits.end(), [](const Hit& x, const Hit& y) { return x.key() < y.key(); });
+  hits.erase(std::unique(hits.begin(), hits.end(), [](const Hit& x, const Hit& y) { return x.key() == y.key(); }),
+             hits.end());
   return hits;
 }
 
-bool scan_intersects(Labels& labels, std::int32_t piece, std::int32_t other) {
-  const Mesh& mesh = labels.mesh;
+bool scan_intersects(const Mesh& mesh, std::span<const std::int32_t> faces, std::span<const std::int32_t> others) {
   std::vector<Solid> solids;
-  std::vector<std::int32_t> face;
-  const auto boxes = [&](std::int32_t l) {
+  const auto boxes = [&](std::span<const std::int32_t> some) {
     std::vector<Box> result;
-    for (const std::int32_t f : labels.faces_of(l)) {
+    for (const std::int32_t f : some) {
       const Triangle& t = mesh.triangles()[f];
       const Solid s(point(mesh.vertices()[t[0]]), point(mesh.vertices()[t[1]]), point(mesh.vertices()[t[2]]));
       if (s.is_degenerate()) continue;
       result.emplace_back(s.bbox(), static_cast<std::int32_t>(solids.size()));
       solids.push_back(s);
-      face.push_back(f);
     }
     return result;
   };
-  std::vector<Box> a = boxes(piece), b = boxes(other);
+  std::vector<Box> a = boxes(faces), b = boxes(others);
   bool found = false;
   CGAL::box_intersection_d(a.begin(), a.end(), b.begin(), b.end(), [&](const Box& x, const Box& y) {
     if (found) return;

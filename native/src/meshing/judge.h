@@ -38,19 +38,20 @@ struct Bounds {
 PolygonVerdict judge_polygon(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Vec3& normal,
                              const Bounds& bounds, Facet like, std::vector<Facet>& facets);
 
-/// Two pieces with polygons that meet elsewhere than in what they share; a <= b.
+/// Two polygons that meet elsewhere than in what they share.
 struct Hit {
-  std::int32_t a, b;
-  auto operator<=>(const Hit&) const = default;
+  std::int32_t a, part_a, b, part_b;  ///< pieces, a <= b, and which of their polygons
+  Vec3 where;                         ///< a place where they do
+  [[nodiscard]] std::array<std::int32_t, 4> key() const { return {a, b, part_a, part_b}; }
 };
 
-/// All pairs of pieces of which one at least is `changed` and whose polygons intersect, in rising order.
+/// All pairs of polygons that intersect and of which one at least is of a `changed` piece, in rising order.
 /// Cost: O(n log n + pairs of boxes) for n facets.
 std::vector<Hit> find_hits(std::span<const Facet> facets, std::span<const Vec3> position,
                            const std::vector<bool>& changed);
 
-/// Whether a face of one piece intersects a face of another that shares no vertex position with it.
-bool scan_intersects(Labels& labels, std::int32_t piece, std::int32_t other);
+/// Whether one of some faces of the scan intersects one of some others that shares no vertex position with it.
+bool scan_intersects(const Mesh& mesh, std::span<const std::int32_t> faces, std::span<const std::int32_t> others);
 
 /// Fills in what the report says of edges and fans: closed, manifold, euler.
 void judge_topology(PolygonMesh& mesh);

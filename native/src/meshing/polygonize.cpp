@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -61,8 +62,8 @@ void count_splits(const Labels& labels, std::int32_t regions, MeshingReport& rep
       static_cast<std::int32_t>(std::count_if(pieces.begin(), pieces.end(), [](int n) { return n > 1; }));
 }
 
-/// The polygons in the order of their regions, then of their pieces.
-PolygonMesh assemble(const State& state) {
+/// The polygons in the order of their regions, then of their pieces. \param place  the place of each in that order
+PolygonMesh assemble(const State& state, std::vector<std::int32_t>& place) {
   PolygonMesh out;
   const Polygons& polygons = state.polygons;
   const auto& position = state.corners.position;
@@ -70,6 +71,8 @@ PolygonMesh assemble(const State& state) {
   std::iota(order.begin(), order.end(), 0);
   const auto region = [&](std::int32_t q) { return state.labels.pieces[polygons.piece[q]].region; };
   std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return region(a) < region(b); });
+  place.resize(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) place[order[i]] = static_cast<std::int32_t>(i);
   double area = 0, bent = 0;
   for (const std::int32_t q : order) {
     out.loop_start.push_back(static_cast<std::int32_t>(out.loops.size()));
@@ -97,7 +100,7 @@ PolygonMesh assemble(const State& state) {
   return out;
 }
 
-void report_repair(const RepairOutcome& outcome, MeshingReport& report) {
+void report_repair(const RepairOutcome& outcome, std::span<const std::int32_t> place, MeshingReport& report) {
   report.crossing = outcome.crossing;
   report.flipped = outcome.flipped;
   report.bent = outcome.bent;
@@ -106,6 +109,9 @@ void report_repair(const RepairOutcome& outcome, MeshingReport& report) {
   report.diagonals = outcome.diagonals;
   report.repair_rounds = outcome.rounds;
   report.repair_capped = outcome.capped;
+  for (const Imperfection& i : outcome.imperfect)
+    report.imperfect.push_back({place[i.polygon], i.flaw, i.other == kNone ? kNone : place[i.other]});
+  std::sort(report.imperfect.begin(), report.imperfect.end());
 }
 
 }  // namespace
@@ -119,8 +125,9 @@ PolygonMesh polygonize(const Mesh& mesh, const Partition& partition, const Meshi
     Job::Part part(job, "repairing", 0.4, 0.95);
     outcome = repair(state, job);
   }
-  PolygonMesh result = assemble(state);
-  report_repair(outcome, result.report);
+  std::vector<std::int32_t> place;
+  PolygonMesh result = assemble(state, place);
+  report_repair(outcome, place, result.report);
   result.report.merged_without_area = state.merged_without_area;
   count_splits(state.labels, partition.region_count(), result.report);
   judge_topology(result);

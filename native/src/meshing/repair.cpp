@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <numeric>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -36,7 +38,6 @@ class Repairer {
     for (; outcome_.rounds < kRounds; ++outcome_.rounds) {
       job_.report(std::min(0.95, outcome_.rounds / 20.0));
       if (!act()) break;
-      if (!s_.labels.touched.empty()) forget_excuses();
       changed = s_.update(std::exchange(changed_, {}));
       judge(changed);
     }
@@ -74,32 +75,43 @@ class Repairer {
     std::erase_if(hits_, [&](const Hit& h) { return changed[h.a] || changed[h.b]; });
     const std::vector<Hit> fresh = find_hits(facets, s_.corners.position, changed);
     hits_.insert(hits_.end(), fresh.begin(), fresh.end());
-    std::sort(hits_.begin(), hits_.end());
+    std::sort(hits_.begin(), hits_.end(), [](const Hit& x, const Hit& y) { return x.key() < y.key(); });
   }
 
-  /// Whether the scan itself intersects where two pieces do.
+  /// Whether the regions of two polygons that meet do so in the scan itself.
   bool excused(const Hit& h) {
-    const auto [at, fresh] = excuses_.try_emplace(h, false);
-    if (fresh) at->second = scan_intersects(s_.labels, h.a, h.b);
+    std::array<std::int32_t, 2> regions{s_.labels.pieces[h.a].region, s_.labels.pieces[h.b].region};
+    std::sort(regions.begin(), regions.end());
+    const auto [at, fresh] = excuses_.try_emplace(regions, false);
+    if (fresh) at->second = scan_intersects(s_.mesh, faces_of_region(regions[0]), faces_of_region(regions[1]));
     return at->second;
   }
 
-  void forget_excuses() {
-    std::vector<std::int32_t> touched = s_.labels.touched;
-    std::sort(touched.begin(), touched.end());
-    std::erase_if(excuses_, [&](const auto& e) {
-      return std::binary_search(touched.begin(), touched.end(), e.first.a) ||
-             std::binary_search(touched.begin(), touched.end(), e.first.b);
-    });
+  std::span<const std::int32_t> faces_of_region(std::int32_t region) {
+    if (region_start_.empty()) {
+      const auto& of = s_.partition.face_region;
+      region_start_.assign(s_.regions + 1, 0);
+      for (const std::int32_t r : of)
+        if (r != kNone) ++region_start_[r + 1];
+      std::partial_sum(region_start_.begin(), region_start_.end(), region_start_.begin());
+      region_faces_.resize(region_start_.back());
+      std::vector<std::int32_t> fill(region_start_.begin(), region_start_.end() - 1);
+      for (std::int32_t f = 0; f < s_.mesh.face_count(); ++f)
+        if (of[f] != kNone) region_faces_[fill[of[f]]++] = f;
+    }
+    return std::span(region_faces_)
+        .subspan(region_start_[region], region_start_[region + 1] - region_start_[region]);
   }
 
   /// One step of its plan for every faulty piece. \return whether anything was done
   bool act() {
     const auto pieces = s_.labels.piece_count();
     std::vector<bool> hit(pieces, false), spared(pieces, false);
+    where_.assign(pieces, nullptr);
     for (const Hit& h : hits_) {
       if (excused(h)) continue;
       hit[h.a] = hit[h.b] = true;
+      where_[h.a] = where_[h.b] = &h.where;
       // Of two that meet, the smaller is not split.
       if (h.a != h.b) spared[s_.planes[h.a].area < s_.planes[h.b].area ? h.a : h.b] = true;
     }
@@ -216,28 +228,49 @@ class Repairer {
       outcome_.capped = true;
       return false;
     }
-    if (!s_.split(l, {kNone, kNone}, job_)) return false;
+    const std::optional<Vec3> crossing = place_of_crossing(l);
+    if (!s_.split(l, crossing ? &*crossing : where_[l], job_)) return false;
     ++outcome_.splits;
     tries_.resize(s_.labels.pieces.size(), tries_[l]);
     return true;
   }
 
+  /// The middle of the shorter of two edges of one polygon that cross; nothing where none do.
+  [[nodiscard]] std::optional<Vec3> place_of_crossing(std::int32_t l) const {
+    for (std::size_t i = 0; i < found_[l].polygons.size(); ++i) {
+      const auto& crossing = found_[l].polygons[i].crossing;
+      if (crossing[0] < 0) continue;
+      const auto loop = s_.polygons.of(s_.polygons.first_of[l] + static_cast<std::int32_t>(i));
+      const auto end = [&](std::int32_t e) { return s_.corners.position[loop[e % loop.size()]]; };
+      const auto length = [&](std::int32_t e) { return (end(e + 1) - end(e)).squaredNorm(); };
+      const std::int32_t e = length(crossing[0]) <= length(crossing[1]) ? crossing[0] : crossing[1];
+      return (end(e) + end(e + 1)) / 2;
+    }
+    return {};
+  }
+
   void sum_up() {
-    std::vector<bool> faulty(s_.labels.pieces.size(), false);
+    auto& list = outcome_.imperfect;
     for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l)
-      for (const PolygonVerdict& v : found_[l].polygons) {
-        outcome_.crossing += (v.faults & (kCrossing | kNoArea)) != 0;
-        outcome_.flipped += (v.faults & kFlipped) != 0;
-        outcome_.bent += (v.faults & kBent) != 0;
-        faulty[l] = faulty[l] || v.faults != 0;
+      for (std::size_t i = 0; i < found_[l].polygons.size(); ++i) {
+        const std::int32_t q = s_.polygons.first_of[l] + static_cast<std::int32_t>(i);
+        const std::uint8_t faults = found_[l].polygons[i].faults;
+        outcome_.crossing += (faults & (kCrossing | kNoArea)) != 0;
+        outcome_.flipped += (faults & kFlipped) != 0;
+        outcome_.bent += (faults & kBent) != 0;
+        if (faults & kCrossing) list.push_back({q, Flaw::crossing, kNone});
+        if (faults & kNoArea) list.push_back({q, Flaw::no_area, kNone});
+        if (faults & kFlipped) list.push_back({q, Flaw::flipped, kNone});
+        if (faults & kBent) list.push_back({q, Flaw::bent, kNone});
       }
     for (const Hit& h : hits_) {
       const bool excuse = excused(h);
       ++(excuse ? outcome_.excused : outcome_.intersecting);
-      if (!excuse) faulty[h.a] = faulty[h.b] = true;
+      const std::int32_t q = s_.polygons.first_of[h.a] + h.part_a, r = s_.polygons.first_of[h.b] + h.part_b;
+      const Flaw flaw = excuse ? Flaw::excused : Flaw::intersecting;
+      list.push_back({q, flaw, r});
+      list.push_back({r, flaw, q});
     }
-    for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l)
-      if (faulty[l]) outcome_.faulty.push_back(l);
   }
 
   State& s_;
@@ -248,7 +281,9 @@ class Repairer {
   std::vector<Found> found_;  // by piece
   std::vector<int> tries_;    // by piece
   std::vector<Hit> hits_;     // in rising order
-  std::map<Hit, bool> excuses_;
+  std::vector<const Vec3*> where_;  // by piece: a place where it meets another; null where it does not
+  std::map<std::array<std::int32_t, 2>, bool> excuses_;  // by pair of regions
+  std::vector<std::int32_t> region_start_, region_faces_;  // faces by region, made when first asked for
   std::vector<std::int32_t> changed_;  // pieces whose diagonals or pulls were changed in this round
 };
 

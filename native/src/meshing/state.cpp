@@ -37,8 +37,9 @@ std::int32_t boundary_start(Labels& labels, std::span<const std::int32_t> faces)
 
 }  // namespace
 
-State::State(const Mesh& m, const Partition& partition, const MeshingOptions& o, Job& job)
+State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& job)
     : mesh(m),
+      partition(p),
       options(o),
       regions(partition.region_count()),
       labels(label_pieces(m, partition.face_region)),
@@ -59,8 +60,9 @@ State::State(const Mesh& m, const Partition& partition, const MeshingOptions& o,
   job.report(0.4);
 }
 
-bool State::split(std::int32_t piece, std::array<std::int32_t, 2> seeds, Job& job) {
-  const std::int32_t fresh = bisect(cutter, piece, Cause::repair, seeds);
+bool State::split(std::int32_t piece, const Vec3* place, Job& job) {
+  const std::int32_t fresh =
+      place ? part_near(cutter, piece, *place, Cause::repair) : bisect(cutter, piece, Cause::repair);
   if (fresh == kNone) return false;
   make_discs(cutter, {piece, fresh}, job);
   return true;

@@ -16,16 +16,17 @@ namespace isimp::meshing {
 /// after a local change.
 class State {
  public:
-  State(const Mesh& m, const Partition& partition, const MeshingOptions& o, Job& job);
+  State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& job);
 
-  /// Splits a piece in two (and on, until all of it is discs). \return whether it could be split
-  bool split(std::int32_t piece, std::array<std::int32_t, 2> seeds, Job& job);
+  /// Splits a piece in two (and on, until all of it is discs): in halves, or near a place. \return whether it could be
+  bool split(std::int32_t piece, const Vec3* place, Job& job);
   /// Brings polygons and positions up to date after splits, new corners, new diagonals or pulls.
   /// \param changed  pieces whose diagonals or pulls changed; the others are known
   /// \return the pieces of which a polygon may have changed its place, in rising order
   std::vector<std::int32_t> update(std::vector<std::int32_t> changed);
 
   const Mesh& mesh;
+  const Partition& partition;
   const MeshingOptions& options;
   const std::int32_t regions;            ///< of the partition
   std::int32_t merged_without_area = 0;  ///< pieces that were given to a neighbour, as they had no area

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <vector>
 
@@ -24,6 +25,23 @@ struct MeshingOptions {
   double repair_budget = 0.5;        ///< splits and diagonals that the repair may make, as a share of the polygons
 };
 
+/// What a polygon can be that it should not.
+enum class Flaw : std::uint8_t {
+  crossing,      ///< two of its edges meet
+  no_area,       ///< thinner than a millionth of the diagonal
+  flipped,       ///< faces away from the scan
+  bent,          ///< by more than MeshingOptions::flatness
+  intersecting,  ///< meets another polygon
+  excused,       ///< the same, where the scan meets itself too
+};
+
+struct Imperfection {
+  std::int32_t polygon = 0;
+  Flaw flaw = Flaw::crossing;
+  std::int32_t other = -1;  ///< the polygon it meets; -1 for flaws of its own
+  auto operator<=>(const Imperfection&) const = default;
+};
+
 /// What came out, and by how much it is not perfect.
 struct MeshingReport {
   std::int32_t polygons = 0, corners = 0, vertices = 0;
@@ -37,9 +55,10 @@ struct MeshingReport {
   std::int64_t euler = 0;
   double planarity_max = 0.0, planarity_mean = 0.0;  ///< scene units; the mean is weighted by area
   double distance_max = 0.0;  ///< largest distance of a corner from the vertex it stands for, scene units
-  std::int32_t crossing = 0, flipped = 0, bent = 0;  ///< polygons that stayed so
-  std::int32_t intersecting = 0;  ///< pairs of regions whose polygons still intersect though the scan does not there
-  std::int32_t excused = 0;       ///< such pairs where the scan itself intersects
+  std::int32_t crossing = 0, flipped = 0, bent = 0;  ///< polygons that stayed so; those of no area count as crossing
+  std::int32_t intersecting = 0;        ///< pairs of polygons that still intersect though their regions do not
+  std::int32_t excused = 0;             ///< such pairs of regions that intersect in the scan itself
+  std::vector<Imperfection> imperfect;  ///< all of these by polygon, in rising order; a pair under both
   std::int32_t diagonals = 0;     ///< edges that repair put across a region
   std::int32_t repair_rounds = 0;
   bool repair_capped = false;  ///< the repair would have split more than repair_budget allows
