@@ -231,11 +231,11 @@ def box_pairs(points, triangles, other_points=None, others=None):
     starts = low2[order, 0]
     step = max(1, 4_000_000 // max(len(low2), 1))
     for s in range(0, len(low), step):
-        l, h = low[s : s + step], high[s : s + step]
-        last = np.searchsorted(starts, h[:, 0].max(), "right")
+        lows, highs = low[s : s + step], high[s : s + step]
+        last = np.searchsorted(starts, highs[:, 0].max(), "right")
         near = order[:last]
-        near = near[high2[near, 0] >= l[:, 0].min()]
-        meet = (l[:, None] <= high2[None, near]).all(2) & (h[:, None] >= low2[None, near]).all(2)
+        near = near[high2[near, 0] >= lows[:, 0].min()]
+        meet = (lows[:, None] <= high2[None, near]).all(2) & (highs[:, None] >= low2[None, near]).all(2)
         i, j = np.nonzero(meet)
         i, j = i + s, near[j]
         keep = i < j if same else np.full(len(i), True)
@@ -281,9 +281,7 @@ def meeting(points, f, g):
         some = np.zeros(len(k), bool)
         rows = np.arange(len(k))
         for x, y, at in ((a[k], b[k], same[k].any(2).argmax(1)), (b[k], a[k], same[k].any(1).argmax(1))):
-            some |= segment_meets_triangle(
-                x[rows, (at + 1) % 3], x[rows, (at + 2) % 3], y[:, 0], y[:, 1], y[:, 2]
-            )
+            some |= segment_meets_triangle(x[rows, (at + 1) % 3], x[rows, (at + 2) % 3], y[:, 0], y[:, 1], y[:, 2])
         result[k] = some
     for i in np.flatnonzero(shared == 2):
         free_f, free_g = int((~same[i].any(1)).argmax()), int((~same[i].any(0)).argmax())

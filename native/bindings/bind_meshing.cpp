@@ -27,18 +27,24 @@ void bind_options(py::module_& m) {
       .field("flatness", &Options::flatness,
              "Polygons bent by more than this share of the diagonal are split; no bound at 0.")
       .field("repair_budget", &Options::repair_budget,
-             "Splits and diagonals that the repair may make, as a share of the polygons.")
+             "Splits and diagonals that the repair may make, as a share of the regions.")
       .finish();
 }
 
 const char* name_of(Flaw flaw) {
   switch (flaw) {
-    case Flaw::crossing: return "crossing";
-    case Flaw::no_area: return "no_area";
-    case Flaw::flipped: return "flipped";
-    case Flaw::bent: return "bent";
-    case Flaw::intersecting: return "intersecting";
-    case Flaw::excused: break;
+    case Flaw::crossing:
+      return "crossing";
+    case Flaw::no_area:
+      return "no_area";
+    case Flaw::flipped:
+      return "flipped";
+    case Flaw::bent:
+      return "bent";
+    case Flaw::intersecting:
+      return "intersecting";
+    case Flaw::excused:
+      break;
   }
   return "excused";
 }
@@ -54,17 +60,17 @@ py::list imperfections(const MeshingReport& r) {
 }
 
 py::dict report_of(const MeshingReport& r) {
-  return py::dict(
-      "polygons"_a = r.polygons, "corners"_a = r.corners, "vertices"_a = r.vertices, "regions"_a = r.regions,
-      "regions_split"_a = r.regions_split, "merged_without_area"_a = r.merged_without_area,
-      "split_for_unconnected"_a = r.split_for_unconnected, "split_for_holes"_a = r.split_for_holes,
-      "split_for_handles"_a = r.split_for_handles, "split_for_pinches"_a = r.split_for_pinches,
-      "split_for_closed"_a = r.split_for_closed, "split_for_repair"_a = r.split_for_repair, "closed"_a = r.closed,
-      "manifold"_a = r.manifold, "euler"_a = r.euler, "planarity_max"_a = r.planarity_max,
-      "planarity_mean"_a = r.planarity_mean, "distance_max"_a = r.distance_max, "crossing"_a = r.crossing,
-      "flipped"_a = r.flipped, "bent"_a = r.bent, "intersecting"_a = r.intersecting, "excused"_a = r.excused,
-      "diagonals"_a = r.diagonals, "repair_rounds"_a = r.repair_rounds, "repair_capped"_a = r.repair_capped,
-      "imperfect"_a = imperfections(r));
+  return py::dict("polygons"_a = r.polygons, "corners"_a = r.corners, "vertices"_a = r.vertices,
+                  "regions"_a = r.regions, "regions_split"_a = r.regions_split,
+                  "merged_without_area"_a = r.merged_without_area, "split_for_unconnected"_a = r.split_for_unconnected,
+                  "split_for_holes"_a = r.split_for_holes, "split_for_handles"_a = r.split_for_handles,
+                  "split_for_pinches"_a = r.split_for_pinches, "split_for_closed"_a = r.split_for_closed,
+                  "split_for_repair"_a = r.split_for_repair, "closed"_a = r.closed, "manifold"_a = r.manifold,
+                  "euler"_a = r.euler, "planarity_max"_a = r.planarity_max, "planarity_mean"_a = r.planarity_mean,
+                  "distance_max"_a = r.distance_max, "crossing"_a = r.crossing, "flipped"_a = r.flipped,
+                  "bent"_a = r.bent, "intersecting"_a = r.intersecting, "excused"_a = r.excused,
+                  "diagonals"_a = r.diagonals, "repair_rounds"_a = r.repair_rounds, "repair_capped"_a = r.repair_capped,
+                  "imperfect"_a = imperfections(r));
 }
 
 void bind_result(py::module_& m) {

@@ -132,6 +132,25 @@ TEST(Polygonize, TorusOfOneRegionKeepsItsHandle) {
   EXPECT_GT(p.report.split_for_handles, 0);
 }
 
+TEST(Polygonize, WhatMeetsInTheScanIsExcusedByName) {
+  // Two cubes that stand in each other: three sides of one pass through three of the other.
+  const Mesh mesh = shapes::mesh(shapes::both(shapes::cube(4), shapes::cube(4), {0.45, 0.3, 0.2}));
+  const Partition sides = labelled::planes(mesh);
+  const PolygonMesh p = run(mesh, sides);
+  EXPECT_EQ(corner_counts(p), std::vector<int>(12, 4));
+  EXPECT_EQ(p.report.intersecting, 0);
+  EXPECT_EQ(p.report.excused, 6);
+  ASSERT_EQ(p.report.imperfect.size(), 12U);
+  EXPECT_TRUE(std::is_sorted(p.report.imperfect.begin(), p.report.imperfect.end()));
+  for (const Imperfection& i : p.report.imperfect) {
+    EXPECT_EQ(i.flaw, Flaw::excused);
+    const auto back = Imperfection{i.other, Flaw::excused, i.polygon};
+    EXPECT_TRUE(std::binary_search(p.report.imperfect.begin(), p.report.imperfect.end(), back));
+    const auto second = [&](std::int32_t q) { return p.polygon_region[q] >= 6; };
+    EXPECT_NE(second(i.polygon), second(i.other));
+  }
+}
+
 TEST(Polygonize, APartLeftOutGetsNoPolygon) {
   const Mesh mesh = shapes::mesh(shapes::both(shapes::cube(4), shapes::cube(1), {3, 0, 0}));
   Partition sides = labelled::planes(mesh);

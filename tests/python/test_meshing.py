@@ -122,6 +122,26 @@ def test_a_proxy_added_at_a_rounded_corner_cuts_it_by_a_triangle():
             check(mesh, seven, poly)
 
 
+def test_the_imperfect_polygons_are_listed_by_index_and_kind():
+    cube, other = shapes.cube(), shapes.cube()
+    arrays = shapes.joined(cube, (other[0] + [0.45, 0.3, 0.2], other[1]))
+    poly = simplified(arrays, proxies=12)[2]
+    assert poly.report["excused"] > 0
+    listed = {(entry["polygon"], entry["other"]) for entry in poly.report["imperfect"] if entry["flaw"] == "excused"}
+    assert len(listed) == 2 * poly.report["excused"]
+    assert listed == {(b, a) for a, b in listed}
+    for a, b in listed:  # their boxes meet
+        low, high = zip(
+            *((p.min(0), p.max(0)) for p in (poly.vertices[polygons(poly)[q]] for q in (a, b))), strict=True
+        )
+        assert (np.maximum(*low) <= np.minimum(*high)).all()
+
+
+def test_a_sound_result_has_nothing_imperfect(cube):
+    poly = engine.polygonize(cube, engine.partition(cube, engine.PartitionOptions(proxies=6)))
+    assert poly.report["imperfect"] == []
+
+
 def test_a_speck_left_out_gives_no_polygon():
     big, small = shapes.bumpy(20), shapes.plane(1)
     mesh = engine.Mesh(*shapes.joined(big, (small[0] * 0.001 + [2, 0, 0], small[1])))

@@ -18,7 +18,8 @@ std::int32_t grow(Cutter& cutter, std::span<const std::int32_t> seeds, double la
   const Mesh& mesh = labels.mesh;
   const double least = 1e-9 * mesh.diagonal();  // keeps distances rising where faces have no size
   cutter.faces.start();
-  for (std::size_t i = 0; i < seeds.size(); ++i) cutter.faces.reach(seeds[i], i == 0 ? lag : 0, static_cast<std::int32_t>(i));
+  for (std::size_t i = 0; i < seeds.size(); ++i)
+    cutter.faces.reach(seeds[i], i == 0 ? lag : 0, static_cast<std::int32_t>(i));
   std::int32_t last = seeds[0];
   for (std::int32_t f = cutter.faces.take(); f != kNone; f = cutter.faces.take()) {
     last = f;

@@ -69,12 +69,11 @@ void Complex::seed_ring(std::int32_t piece) {
   add_corner(b);
 }
 
-double Complex::reach_of(std::int32_t chord) const {
+double Complex::sine_at(std::int32_t chord) const {
   const std::int32_t other = labels_.across(chord);
-  if (other == kNone) return tolerance.most_on_border;
+  if (other == kNone) return 1;
   const Vec3 &left = planes_[labels_.label[chord / 3]].normal, &right = planes_[other].normal;
-  const double sine = left.dot(right) < 0 ? 1.0 : left.cross(right).norm();
-  return tolerance.most / std::max(sine, tolerance.least_sine);
+  return left.dot(right) < 0 ? 1.0 : std::max(left.cross(right).norm(), tolerance.least_sine);
 }
 
 std::vector<std::int32_t> Complex::path(std::int32_t chord) const {
@@ -102,6 +101,8 @@ void Complex::add_corner(std::int32_t vertex) {
   });
 }
 
+double Complex::depth(std::int32_t chord) const { return farthest(points(path(chord))).distance; }
+
 bool Complex::bend(std::int32_t chord) {
   const std::vector<std::int32_t> vertices = path(chord);
   if (vertices.size() < 3) return false;
@@ -118,7 +119,8 @@ std::vector<Vec3> Complex::smooth(std::int32_t chord, std::vector<std::int32_t>&
 void Complex::subdivide(std::int32_t chord) {
   std::vector<std::int32_t> vertices;
   const std::vector<Vec3> line = smooth(chord, vertices);
-  for (const std::size_t i : simplify(line, reach_of(chord))) add_corner(vertices[i]);
+  const double reach = labels_.across(chord) == kNone ? tolerance.most_on_border : tolerance.most / sine_at(chord);
+  for (const std::size_t i : simplify(line, reach)) add_corner(vertices[i]);
 }
 
 /// Adds corners to a piece whose polygon is too different from it, however small it is.
@@ -132,7 +134,7 @@ void Complex::keep_shape(std::int32_t piece) {
       if (!is_corner(mesh_.from(h))) continue;
       const std::vector<Vec3> line = smooth(h, vertices);
       if (line.size() < 3) continue;
-      const double area = area_left_out(line).dot(planes_[piece].normal);
+      const double area = area_left_out(line).dot(planes_[piece].normal) * sine_at(h);
       sum += area;
       if (std::abs(area) <= most) continue;
       most = std::abs(area);
@@ -182,9 +184,7 @@ bool Complex::add_third_corners() {
     std::int32_t best = kNone;
     double most = -1;
     for (const std::int32_t h : chords_[l]) {
-      const std::vector<std::int32_t> vertices = path(h);
-      if (vertices.size() < 3) continue;
-      const double d = farthest(points(vertices)).distance;
+      const double d = depth(h);
       if (d <= most) continue;
       most = d;
       best = h;
@@ -220,7 +220,7 @@ bool Complex::part_multi_edges() {
       // All but the straightest get a corner; at most one of them is a bare edge of the mesh.
       std::vector<std::pair<double, std::int32_t>> bent;
       for (std::size_t k = i; k < end; ++k) {
-        bent.emplace_back(farthest(points(path(entries[k].chord))).distance, entries[k].chord);
+        bent.emplace_back(depth(entries[k].chord), entries[k].chord);
       }
       std::sort(bent.begin(), bent.end());
       for (std::size_t k = 1; k < bent.size(); ++k) {

@@ -48,6 +48,8 @@ class Complex {
   void make_regular();
   /// Makes a boundary vertex a corner.
   void add_corner(std::int32_t vertex);
+  /// How far the boundary leaves a chord at most; -1 if there is no vertex between its ends.
+  [[nodiscard]] double depth(std::int32_t chord) const;
   /// Makes the vertex between two corners a corner that is farthest from the chord. \return whether there is one
   bool bend(std::int32_t chord);
 
@@ -69,7 +71,8 @@ class Complex {
   void subdivide(std::int32_t chord);
   void keep_shape(std::int32_t piece);
   [[nodiscard]] std::vector<Vec3> smooth(std::int32_t chord, std::vector<std::int32_t>& vertices) const;
-  [[nodiscard]] double reach_of(std::int32_t chord) const;
+  /// Of the angle at which the two pieces of a chord meet, but at least tolerance.least_sine; 1 on the border.
+  [[nodiscard]] double sine_at(std::int32_t chord) const;
   void collect_dirty();
   bool add_third_corners();
   bool part_multi_edges();

@@ -147,8 +147,8 @@ std::vector<std::int32_t> keep_largest_part(Labels& labels, std::int32_t piece, 
     parts.push_back(labels.faces_of(piece));
     for (const std::int32_t g : parts.back()) labels.label[g] = kNone;
   }
-  const auto largest = std::max_element(parts.begin(), parts.end(),
-                                        [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  const auto largest =
+      std::max_element(parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
   for (auto part = parts.begin(); part != parts.end(); ++part) {
     for (const std::int32_t f : *part) labels.label[f] = part == largest ? piece : to;
     if (part != largest) strip.insert(strip.end(), part->begin(), part->end());

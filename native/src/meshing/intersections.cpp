@@ -103,7 +103,12 @@ std::vector<Hit> find_hits(std::span<const Facet> facets, std::span<const Vec3> 
   };
   for (const auto& [i, j] : met) {
     const Facet &f = facets[i], &g = facets[j];
-    hits.push_back({f.piece, f.part, g.piece, g.part, meeting_place(corners(f), corners(g))});
+    hits.push_back({f.piece,
+                    f.part,
+                    g.piece,
+                    g.part,
+                    meeting_place(corners(f), corners(g)),
+                    {f.corner[0], f.corner[1], f.corner[2], g.corner[0], g.corner[1], g.corner[2]}});
   }
   std::stable_sort(hits.begin(), hits.end(), [](const Hit& x, const Hit& y) { return x.key() < y.key(); });
   hits.erase(std::unique(hits.begin(), hits.end(), [](const Hit& x, const Hit& y) { return x.key() == y.key(); }),

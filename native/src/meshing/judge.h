@@ -40,8 +40,9 @@ PolygonVerdict judge_polygon(std::span<const std::int32_t> polygon, std::span<co
 
 /// Two polygons that meet elsewhere than in what they share.
 struct Hit {
-  std::int32_t a, part_a, b, part_b;  ///< pieces, a <= b, and which of their polygons
-  Vec3 where;                         ///< a place where they do
+  std::int32_t a, part_a, b, part_b;    ///< pieces, a <= b, and which of their polygons
+  Vec3 where;                           ///< a place where they do
+  std::array<std::int32_t, 6> corners;  ///< of the two facets that meet there
   [[nodiscard]] std::array<std::int32_t, 4> key() const { return {a, b, part_a, part_b}; }
 };
 

@@ -10,6 +10,10 @@ namespace {
 
 /// Eigenvalues below this share of the largest do not fix a point.
 constexpr double kTruncate = 0.2;
+/// How much further than to the mean of its projections a corner goes in a turn; from 2 on it would not settle.
+constexpr double kRelax = 1.7;
+/// A corner may move by this times the length of its shortest edge.
+constexpr double kOfEdge = 1.5;
 
 /// The step d, |d| <= radius, that best meets `a` d = `g` in the directions that `a` fixes.
 Vec3 trusted_step(const Eigen::Matrix3d& a, const Vec3& g, double radius) {
@@ -72,7 +76,7 @@ void set_radii(const Polygons& polygons, const Mesh& mesh, double reach, Corners
     const auto loop = polygons.of(q);
     for (std::size_t i = 0; i < loop.size(); ++i) {
       const std::int32_t a = loop[i], b = loop[(i + 1) % loop.size()];
-      const double d = (mesh.vertices()[corners.vertex[a]] - mesh.vertices()[corners.vertex[b]]).norm();
+      const double d = kOfEdge * (mesh.vertices()[corners.vertex[a]] - mesh.vertices()[corners.vertex[b]]).norm();
       corners.radius[a] = std::min(corners.radius[a], d);
       corners.radius[b] = std::min(corners.radius[b], d);
     }
@@ -110,8 +114,8 @@ void flatten(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> 
       const Vec3& at = corners.position[c];
       Vec3 move = Vec3::Zero();
       for (const std::int32_t q : polygons.at(c)) move -= fits[q].normal * fits[q].normal.dot(at - fits[q].centre);
-      next[i] = within(at + move / static_cast<double>(polygons.at(c).size()), mesh.vertices()[corners.vertex[c]],
-                       corners.radius[c]);
+      next[i] = within(at + move * (kRelax / static_cast<double>(polygons.at(c).size())),
+                       mesh.vertices()[corners.vertex[c]], corners.radius[c]);
     }
     for (std::size_t i = 0; i < moving.size(); ++i) corners.position[moving[i]] = next[i];
   }

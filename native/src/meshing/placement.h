@@ -7,8 +7,8 @@
 
 namespace isimp::meshing {
 
-/// Sets how far each corner may be moved from its mesh vertex: `reach`, no further than its shortest edge is long, and
-/// less where the repair has pulled it back.
+/// Sets how far each corner may be moved from its mesh vertex: `reach`, not much further than its shortest edge is
+/// long, and less where the repair has pulled it back.
 void set_radii(const Polygons& polygons, const Mesh& mesh, double reach, Corners& corners);
 
 /// Puts the given corners where the planes of the pieces round them meet, by least squares from the mesh vertex;
@@ -18,7 +18,7 @@ void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> pl
            std::span<const std::int32_t> moving, Corners& corners);
 
 /// Makes the polygons round the given corners flat by turns: a plane for each polygon, then each corner to the mean of
-/// its projections on the planes round it, within its radius. Polygons that are flat already do not move.
+/// its projections on the planes round it and on beyond, within its radius. Polygons that are flat already do not move.
 void flatten(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
              std::span<const std::int32_t> moving, int rounds, Corners& corners);
 

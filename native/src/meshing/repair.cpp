@@ -20,14 +20,16 @@ constexpr int kPatience = 12;              ///< how often the last act of a plan
 constexpr double kPull = 0.5;              ///< what a pull leaves of a corner's radius
 constexpr std::int32_t kLeastBudget = 30;  ///< splits that are always allowed
 
-/// What is done at the first, second, ... time a piece is found faulty: p pull, b bend chords, d diagonal, s split.
-constexpr std::string_view kPlanCrossing = "pbpbs", kPlanFlipped = "ppds", kPlanHit = "ppds", kPlanBent = "d";
+/// What is done at the first, second, ... time a piece is found faulty: q pull the corners concerned, p pull all, b
+/// bend a chord, d diagonal, s split. What comes of a split goes on where its piece was, and is pulled before it is
+/// split.
+constexpr std::string_view kPlanCrossing = "qbpbspspspspsps", kPlanFlipped = "ppds", kPlanHit = "qppdspspspspsps",
+                           kPlanBent = "d";
 
 class Repairer {
  public:
   Repairer(State& state, Job& job) : s_(state), job_(job) {
-    const auto pieces = static_cast<double>(s_.labels.piece_count());
-    budget_ = std::max(kLeastBudget, static_cast<std::int32_t>(s_.options.repair_budget * pieces));
+    budget_ = std::max(kLeastBudget, static_cast<std::int32_t>(s_.options.repair_budget * s_.regions));
     if (s_.regions >= s_.options.flatness_from) bounds_.bend = s_.options.flatness * s_.mesh.diagonal();
     bounds_.thickness = kThickness * s_.mesh.diagonal();
   }
@@ -99,19 +101,18 @@ class Repairer {
       for (std::int32_t f = 0; f < s_.mesh.face_count(); ++f)
         if (of[f] != kNone) region_faces_[fill[of[f]]++] = f;
     }
-    return std::span(region_faces_)
-        .subspan(region_start_[region], region_start_[region + 1] - region_start_[region]);
+    return std::span(region_faces_).subspan(region_start_[region], region_start_[region + 1] - region_start_[region]);
   }
 
   /// One step of its plan for every faulty piece. \return whether anything was done
   bool act() {
     const auto pieces = s_.labels.piece_count();
     std::vector<bool> hit(pieces, false), spared(pieces, false);
-    where_.assign(pieces, nullptr);
+    met_.assign(pieces, nullptr);
     for (const Hit& h : hits_) {
       if (excused(h)) continue;
       hit[h.a] = hit[h.b] = true;
-      where_[h.a] = where_[h.b] = &h.where;
+      met_[h.a] = met_[h.b] = &h;
       // Of two that meet, the smaller is not split.
       if (h.a != h.b) spared[s_.planes[h.a].area < s_.planes[h.b].area ? h.a : h.b] = true;
     }
@@ -131,40 +132,72 @@ class Repairer {
   }
 
   bool do_step(char step, std::int32_t l, bool spared) {
-    if (step == 'p') return pull(l);
+    if (step == 'p' || step == 'q') return pull(step == 'p' ? corners_of(l) : corners_concerned(l), l);
     if (step == 'b' && bend(l)) return true;
     if (step == 'd' && add_diagonal(l)) return true;
     if (spared && outcome_.rounds % 3 != 0) return true;
     return split(l);
   }
 
-  bool pull(std::int32_t l) {
+  bool pull(std::vector<std::int32_t> corners, std::int32_t l) {
     ++outcome_.pulls;
     changed_.push_back(l);
-    for (std::int32_t q = s_.polygons.first_of[l]; q < s_.polygons.first_of[l + 1]; ++q)
-      for (const std::int32_t c : s_.polygons.of(q)) s_.corners.pull[c] *= kPull;
+    std::sort(corners.begin(), corners.end());
+    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+    for (const std::int32_t c : corners) s_.corners.pull[c] *= kPull;
     return true;
   }
 
-  /// Adds a corner on each of the two chords that cross.
+  [[nodiscard]] std::vector<std::int32_t> corners_of(std::int32_t l) const {
+    std::vector<std::int32_t> all;
+    for (std::int32_t q = s_.polygons.first_of[l]; q < s_.polygons.first_of[l + 1]; ++q)
+      all.insert(all.end(), s_.polygons.of(q).begin(), s_.polygons.of(q).end());
+    return all;
+  }
+
+  /// The ends of edges that cross or the corners of facets that meet; else all of the piece.
+  [[nodiscard]] std::vector<std::int32_t> corners_concerned(std::int32_t l) const {
+    std::vector<std::int32_t> some;
+    for (std::size_t i = 0; i < found_[l].polygons.size(); ++i) {
+      const PolygonVerdict& v = found_[l].polygons[i];
+      const auto loop = s_.polygons.of(s_.polygons.first_of[l] + static_cast<std::int32_t>(i));
+      if (v.faults & (kFlipped | kNoArea)) some.insert(some.end(), loop.begin(), loop.end());
+      for (const std::int32_t e : v.crossing)
+        if (e >= 0) some.insert(some.end(), {loop[e], loop[(e + 1) % loop.size()]});
+    }
+    if (some.empty() && met_[l]) some.assign(met_[l]->corners.begin(), met_[l]->corners.end());
+    return some.empty() ? corners_of(l) : some;
+  }
+
+  /// Adds a corner on the one of two chords that cross that its boundary leaves further.
   bool bend(std::int32_t l) {
     bool any = false;
     for (std::size_t i = 0; i < found_[l].polygons.size(); ++i) {
       const auto& crossing = found_[l].polygons[i].crossing;
       if (crossing[0] < 0) continue;
       const auto polygon = s_.polygons.of(s_.polygons.first_of[l] + static_cast<std::int32_t>(i));
+      std::int32_t worse = kNone;
+      double most = 0;
       for (const std::int32_t e : crossing) {
-        const std::int32_t a = s_.corners.vertex[polygon[e]], b = s_.corners.vertex[polygon[(e + 1) % polygon.size()]];
-        const auto chords = s_.complex.chords(l);
-        for (std::size_t k = 0; k < chords.size(); ++k)
-          if (s_.mesh.from(chords[k]) == a && s_.mesh.from(chords[(k + 1) % chords.size()]) == b) {
-            any = s_.complex.bend(chords[k]) || any;
-            break;
-          }
+        const std::int32_t chord = chord_of(l, polygon[e], polygon[(e + 1) % polygon.size()]);
+        const double depth = chord == kNone ? -1 : s_.complex.depth(chord);
+        if (depth < most) continue;
+        most = depth;
+        worse = chord;
       }
+      any = (worse != kNone && s_.complex.bend(worse)) || any;
     }
     outcome_.bends += any;
     return any;
+  }
+
+  /// The chord of a piece from one corner to another, kNone where that edge is a diagonal.
+  [[nodiscard]] std::int32_t chord_of(std::int32_t l, std::int32_t from, std::int32_t to) const {
+    const std::int32_t a = s_.corners.vertex[from], b = s_.corners.vertex[to];
+    const auto chords = s_.complex.chords(l);
+    for (std::size_t k = 0; k < chords.size(); ++k)
+      if (s_.mesh.from(chords[k]) == a && s_.mesh.from(chords[(k + 1) % chords.size()]) == b) return chords[k];
+    return kNone;
   }
 
   /// Splits the worst of the piece's polygons by a new edge between two of its corners.
@@ -229,7 +262,7 @@ class Repairer {
       return false;
     }
     const std::optional<Vec3> crossing = place_of_crossing(l);
-    if (!s_.split(l, crossing ? &*crossing : where_[l], job_)) return false;
+    if (!s_.split(l, crossing ? &*crossing : met_[l] ? &met_[l]->where : nullptr, job_)) return false;
     ++outcome_.splits;
     tries_.resize(s_.labels.pieces.size(), tries_[l]);
     return true;
@@ -278,13 +311,13 @@ class Repairer {
   RepairOutcome outcome_;
   std::int32_t budget_ = 0;
   Bounds bounds_;
-  std::vector<Found> found_;  // by piece
-  std::vector<int> tries_;    // by piece
-  std::vector<Hit> hits_;     // in rising order
-  std::vector<const Vec3*> where_;  // by piece: a place where it meets another; null where it does not
-  std::map<std::array<std::int32_t, 2>, bool> excuses_;  // by pair of regions
+  std::vector<Found> found_;                               // by piece
+  std::vector<int> tries_;                                 // by piece
+  std::vector<Hit> hits_;                                  // in rising order
+  std::vector<const Hit*> met_;                            // by piece: where it meets another; null where it does not
+  std::map<std::array<std::int32_t, 2>, bool> excuses_;    // by pair of regions
   std::vector<std::int32_t> region_start_, region_faces_;  // faces by region, made when first asked for
-  std::vector<std::int32_t> changed_;  // pieces whose diagonals or pulls were changed in this round
+  std::vector<std::int32_t> changed_;                      // pieces whose diagonals or pulls were changed in this round
 };
 
 }  // namespace

@@ -8,9 +8,9 @@ namespace isimp::meshing {
 /// What is wrong with the polygons that the repair leaves.
 struct RepairOutcome {
   std::int32_t crossing = 0, flipped = 0, bent = 0;  ///< polygons
-  std::int32_t intersecting = 0, excused = 0;        ///< pairs of polygons; excused: their regions intersect in the scan
+  std::int32_t intersecting = 0, excused = 0;  ///< pairs of polygons; excused: their regions intersect in the scan
   std::int32_t splits = 0, diagonals = 0, bends = 0, pulls = 0, rounds = 0;
-  bool capped = false;               ///< more splits were wanted than allowed
+  bool capped = false;                  ///< more splits were wanted than allowed
   std::vector<Imperfection> imperfect;  ///< as in MeshingReport, but polygons are numbered as in State
 };
 

@@ -14,15 +14,15 @@ namespace isimp {
 /// All lengths as a share of the bounding box's diagonal unless said otherwise.
 struct MeshingOptions {
   /// A boundary is subdivided where it leaves its chord by more than this times sqrt(area / regions) ...
-  double chord_tolerance = 0.4;
+  double chord_tolerance = 0.5;
   /// ... and until its chords leave out or add no more than this share of the smaller of the two regions' areas, so
-  /// that small ones keep their shape.
+  /// that small ones keep their shape. Both count the less, the flatter the two regions meet.
   double chord_area = 0.48;
   double reach = 0.01;               ///< no corner is moved further than this from the scan's vertex it stands for
   std::int32_t flatten = 30;         ///< rounds of planes and corners in turn; 0 leaves the first placement
   std::int32_t flatness_from = 100;  ///< with fewer regions than this there is no bound: they are bent themselves
   double flatness = 0.005;           ///< polygons bent by more than this are split; no bound at 0
-  double repair_budget = 0.5;        ///< splits and diagonals that the repair may make, as a share of the polygons
+  double repair_budget = 0.9;        ///< splits and diagonals that the repair may make, as a share of the regions
 };
 
 /// What a polygon can be that it should not.
@@ -59,7 +59,7 @@ struct MeshingReport {
   std::int32_t intersecting = 0;        ///< pairs of polygons that still intersect though their regions do not
   std::int32_t excused = 0;             ///< such pairs of regions that intersect in the scan itself
   std::vector<Imperfection> imperfect;  ///< all of these by polygon, in rising order; a pair under both
-  std::int32_t diagonals = 0;     ///< edges that repair put across a region
+  std::int32_t diagonals = 0;           ///< edges that repair put across a region
   std::int32_t repair_rounds = 0;
   bool repair_capped = false;  ///< the repair would have split more than repair_budget allows
 };
