@@ -318,7 +318,7 @@ class Scan:
         return self.vector[faces[distance <= max(radius, distance.min())]].sum(0)
 
     def meets_itself(self, a, b):
-        """Whether a face of region a meets one of region b that has none of its corners."""
+        """Whether a face of region a meets one of region b elsewhere than in the vertices they share."""
         key = (min(a, b), max(a, b))
         if key not in self.known:
             f, g = self.triangles[self.faces_of(a)], self.triangles[self.faces_of(b)]
@@ -326,8 +326,8 @@ class Scan:
             f, g = f[full[0]], g[full[1]]
             pairs = box_pairs(self.vertices, f, self.vertices, g)
             f, g = f[pairs[:, 0]], g[pairs[:, 1]]
-            apart = ~(self.vertices[f][:, :, None] == self.vertices[g][:, None]).all(3).any((1, 2))
-            self.known[key] = bool(meeting(self.vertices, f[apart], g[apart]).any())
+            other = (f != g).any(1)
+            self.known[key] = bool(meeting(self.vertices, f[other], g[other]).any())
         return self.known[key]
 
     def samples(self, count):

@@ -117,6 +117,7 @@ std::vector<Hit> find_hits(std::span<const Facet> facets, std::span<const Vec3> 
 }
 
 bool scan_intersects(const Mesh& mesh, std::span<const std::int32_t> faces, std::span<const std::int32_t> others) {
+  std::vector<Facet> facets;
   std::vector<Solid> solids;
   const auto boxes = [&](std::span<const std::int32_t> some) {
     std::vector<Box> result;
@@ -126,18 +127,15 @@ bool scan_intersects(const Mesh& mesh, std::span<const std::int32_t> faces, std:
       if (s.is_degenerate()) continue;
       result.emplace_back(s.bbox(), static_cast<std::int32_t>(solids.size()));
       solids.push_back(s);
+      facets.push_back({t, f, 0});
     }
     return result;
   };
   std::vector<Box> a = boxes(faces), b = boxes(others);
   bool found = false;
   CGAL::box_intersection_d(a.begin(), a.end(), b.begin(), b.end(), [&](const Box& x, const Box& y) {
-    if (found) return;
-    const Solid &s = solids[x.info()], &t = solids[y.info()];
-    for (int k = 0; k < 3; ++k)
-      for (int m = 0; m < 3; ++m)
-        if (s[k] == t[m]) return;
-    found = CGAL::do_intersect(s, t);
+    const std::int32_t i = x.info(), j = y.info();
+    found = found || (facets[i].piece != facets[j].piece && meet(facets[i], solids[i], facets[j], solids[j]));
   });
   return found;
 }

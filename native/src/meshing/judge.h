@@ -28,6 +28,9 @@ struct PolygonVerdict {
   std::array<std::int32_t, 2> crossing{-1, -1};  ///< two edges that meet, by the index of their first corner
 };
 
+/// Of the diagonal: about what float32 can tell apart. A thinner polygon has no area.
+constexpr double kThickness = 1e-6;
+
 struct Bounds {
   double bend = 0;       ///< scene units; no bound if not above 0
   double thickness = 0;  ///< scene units; a polygon thinner than this has no area
@@ -51,7 +54,8 @@ struct Hit {
 std::vector<Hit> find_hits(std::span<const Facet> facets, std::span<const Vec3> position,
                            const std::vector<bool>& changed);
 
-/// Whether one of some faces of the scan intersects one of some others that shares no vertex position with it.
+/// Whether one of some faces of the scan meets one of some others elsewhere than in the vertices they share. Vertices
+/// at one place that were not welded, or were parted where the scan is not manifold, are not shared.
 bool scan_intersects(const Mesh& mesh, std::span<const std::int32_t> faces, std::span<const std::int32_t> others);
 
 /// Fills in what the report says of edges and fans: closed, manifold, euler.

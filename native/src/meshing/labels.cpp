@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <limits>
 #include <map>
 #include <numeric>
 
@@ -173,12 +174,12 @@ std::vector<std::int32_t> boundary_starts(const Labels& labels) {
 namespace {
 
 /// The piece with an area along most of whose boundary a piece lies, kNone if none touches it.
-std::int32_t neighbour_with_area(Labels& labels, std::int32_t piece, const std::vector<double>& area) {
+std::int32_t neighbour_with_area(Labels& labels, std::int32_t piece, const std::vector<bool>& thin) {
   const Mesh& mesh = labels.mesh;
   std::map<std::int32_t, double> length;
   for (const std::int32_t f : labels.faces_of(piece))
     for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
-      if (const std::int32_t l = labels.across(h); l != kNone && l != piece && area[l] > 0)
+      if (const std::int32_t l = labels.across(h); l != kNone && l != piece && !thin[l])
         length[l] += (mesh.vertices()[mesh.to(h)] - mesh.vertices()[mesh.from(h)]).norm();
   std::int32_t best = kNone;
   double longest = -1;
@@ -190,21 +191,37 @@ std::int32_t neighbour_with_area(Labels& labels, std::int32_t piece, const std::
   return best;
 }
 
+/// Half the diagonal of a piece's bounding box.
+double extent_of(Labels& labels, std::int32_t piece) {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::max()), high = -low;
+  for (const std::int32_t f : labels.faces_of(piece))
+    for (const std::int32_t v : labels.mesh.triangles()[f]) {
+      low = low.cwiseMin(labels.mesh.vertices()[v]);
+      high = high.cwiseMax(labels.mesh.vertices()[v]);
+    }
+  return (high - low).norm() / 2;
+}
+
 }  // namespace
 
-std::int32_t merge_pieces_without_area(Labels& labels) {
+std::int32_t merge_pieces_without_area(Labels& labels, double thickness) {
   const Mesh& mesh = labels.mesh;
   std::vector<double> area(labels.pieces.size(), 0);
   for (std::int32_t f = 0; f < mesh.face_count(); ++f)
-    if (labels.label[f] != kNone) area[labels.label[f]] += mesh.graph().faces[mesh.graph().graph_face[f]].area;
+    if (labels.label[f] != kNone)
+      area[labels.label[f]] += mesh.graph().area * mesh.graph().faces[mesh.graph().graph_face[f]].area;
   std::vector<std::int32_t> empty;
-  for (std::int32_t l = 0; l < labels.piece_count(); ++l)
-    if (area[l] == 0) empty.push_back(l);
+  std::vector<bool> thin(labels.pieces.size(), false);
+  for (std::int32_t l = 0; l < labels.piece_count(); ++l) {
+    if (area[l] > thickness * mesh.diagonal()) continue;
+    thin[l] = area[l] <= thickness * extent_of(labels, l);
+    if (thin[l]) empty.push_back(l);
+  }
   std::int32_t gone = 0;
   for (bool any = true; any;) {  // a piece among others without area has to wait until one of them has gone
     any = false;
     for (std::int32_t& l : empty) {
-      const std::int32_t to = l == kNone ? kNone : neighbour_with_area(labels, l, area);
+      const std::int32_t to = l == kNone ? kNone : neighbour_with_area(labels, l, thin);
       if (to == kNone) continue;
       for (const std::int32_t f : labels.faces_of(l)) labels.label[f] = to;
       labels.pieces[l].face = kNone;

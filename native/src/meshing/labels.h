@@ -102,10 +102,10 @@ void for_each_leaving(const Mesh& mesh, std::int32_t v, Function fn) {
 /// Cost: O(F).
 Labels label_pieces(const Mesh& mesh, std::span<const std::int32_t> face_region);
 
-/// Gives pieces without any area to the neighbour with the longest boundary, since no polygon can stand for them; a
-/// part of the mesh that has no area at all keeps them. The labels that are left over move down. \return how many went
-/// Cost: O(F).
-std::int32_t merge_pieces_without_area(Labels& labels);
+/// Gives pieces without any area, or thinner than `thickness` (scene units), to the neighbour with the longest
+/// boundary, since no polygon can stand for them; a part of the mesh that has no other pieces keeps them. The labels
+/// that are left over move down. \return how many went Cost: O(F).
+std::int32_t merge_pieces_without_area(Labels& labels, double thickness);
 
 /// The labels of pieces that are not discs, in rising order. Cost: O(F).
 std::vector<std::int32_t> find_defects(Labels& labels);

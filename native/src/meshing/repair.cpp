@@ -15,21 +15,22 @@ namespace isimp::meshing {
 namespace {
 
 constexpr int kRounds = 40;
-constexpr double kThickness = 1e-6;        ///< of the diagonal: about what float32 can tell apart
 constexpr int kPatience = 12;              ///< how often the last act of a plan is repeated
-constexpr double kPull = 0.5;              ///< what a pull leaves of a corner's radius
+constexpr double kPull = 0.5;              ///< what a pull leaves of a corner's radius ...
+constexpr double kLeastPull = 0.1;         ///< ... down to this share of it; then it goes back to its vertex
+constexpr int kAfterSplit = 5;             ///< where in its plan goes on what comes of a split
 constexpr std::int32_t kLeastBudget = 30;  ///< splits that are always allowed
 
 /// What is done at the first, second, ... time a piece is found faulty: q pull the corners concerned, p pull all, b
-/// bend a chord, d diagonal, s split. What comes of a split goes on where its piece was, and is pulled before it is
-/// split.
-constexpr std::string_view kPlanCrossing = "qbpbspspspspsps", kPlanFlipped = "ppds", kPlanHit = "qppdspspspspsps",
-                           kPlanBent = "d";
+/// bend a chord, d diagonal, s split. What comes of a split is pulled before it is split again.
+constexpr std::string_view kPlanCrossing = "qbpbspspspspsps", kPlanFlipped = "ppdspspspspsps",
+                           kPlanHit = "qppdspspspspsps", kPlanBent = "dddsddsdsdsds";
 
 class Repairer {
  public:
   Repairer(State& state, Job& job) : s_(state), job_(job) {
-    budget_ = std::max(kLeastBudget, static_cast<std::int32_t>(s_.options.repair_budget * s_.regions));
+    const auto allowed = static_cast<std::int32_t>(s_.options.repair_budget * s_.regions);
+    most_polygons_ = s_.labels.piece_count() + std::max(kLeastBudget, allowed);
     if (s_.regions >= s_.options.flatness_from) bounds_.bend = s_.options.flatness * s_.mesh.diagonal();
     bounds_.thickness = kThickness * s_.mesh.diagonal();
   }
@@ -117,6 +118,7 @@ class Repairer {
       if (h.a != h.b) spared[s_.planes[h.a].area < s_.planes[h.b].area ? h.a : h.b] = true;
     }
     bool any = false;
+    polygons_ = s_.polygons.count();
     for (std::int32_t l = 0; l < pieces; ++l) {
       const std::uint8_t faults = found_[l].faults();
       if (faults == 0 && !hit[l]) continue;
@@ -144,7 +146,11 @@ class Repairer {
     changed_.push_back(l);
     std::sort(corners.begin(), corners.end());
     corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
-    for (const std::int32_t c : corners) s_.corners.pull[c] *= kPull;
+    for (const std::int32_t c : corners) {
+      double& share = s_.corners.pull[c];
+      share *= kPull;
+      if (share < kLeastPull) share = 0;
+    }
     return true;
   }
 
@@ -212,8 +218,9 @@ class Repairer {
       worst = s_.polygons.first_of[l] + static_cast<std::int32_t>(i);
     }
     const std::array<std::int32_t, 2> d = best_diagonal(worst, s_.planes[l].normal);
-    if (d[0] == kNone || splits_left() <= 0) return false;
+    if (d[0] == kNone || spent()) return false;
     s_.diagonals[l].push_back(d);
+    ++polygons_;
     changed_.push_back(l);
     ++outcome_.diagonals;
     return true;
@@ -254,16 +261,18 @@ class Repairer {
     return false;
   }
 
-  [[nodiscard]] std::int32_t splits_left() const { return budget_ - outcome_.splits - outcome_.diagonals; }
+  [[nodiscard]] bool spent() const { return polygons_ >= most_polygons_; }
 
   bool split(std::int32_t l) {
-    if (splits_left() <= 0) {
+    if (spent()) {
       outcome_.capped = true;
       return false;
     }
     const std::optional<Vec3> crossing = place_of_crossing(l);
     if (!s_.split(l, crossing ? &*crossing : met_[l] ? &met_[l]->where : nullptr, job_)) return false;
+    polygons_ += s_.labels.piece_count() - static_cast<std::int32_t>(tries_.size());
     ++outcome_.splits;
+    tries_[l] = std::min(tries_[l], kAfterSplit);
     tries_.resize(s_.labels.pieces.size(), tries_[l]);
     return true;
   }
@@ -309,7 +318,7 @@ class Repairer {
   State& s_;
   Job& job_;
   RepairOutcome outcome_;
-  std::int32_t budget_ = 0;
+  std::int32_t most_polygons_ = 0, polygons_ = 0;  // polygons_: as they will be after the acts of this round
   Bounds bounds_;
   std::vector<Found> found_;                               // by piece
   std::vector<int> tries_;                                 // by piece

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "judge.h"
+
 namespace isimp::meshing {
 namespace {
 
@@ -46,7 +48,7 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
       cutter(labels),
       complex(labels, planes),
       corners(m.vertex_count()) {
-  merged_without_area = merge_pieces_without_area(labels);
+  merged_without_area = merge_pieces_without_area(labels, 2 * kThickness * m.diagonal());
   job.report(0.1);
   make_discs(cutter, find_defects(labels), job);
   if (mesh.report().closed_components > 0) split_closed_components(cutter, kLeastClosed, job);
