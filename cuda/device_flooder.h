@@ -222,8 +222,7 @@ class DeviceFlooder final : public Flooder {
       std::int32_t steps = 0;
       for (float level = 0; queue_.size() > 0; ++steps) {
         job.poll();
-        const float least =
-            reduce_all(queue_.size(), LeastOffer{view, queue_.faces()}, std::numeric_limits<float>::infinity(), Less{});
+        const float least = reduce_all(queue_.size(), LeastOffer{view, queue_.faces()}, kNoOffer, Less{});
         level = std::max(level, end_of_level(least));
         for_all(0, queue_.size(), ChooseOnce{view, queue_.faces(), queue_.chosen(), level});
         queue_.advance(view);

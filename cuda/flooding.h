@@ -10,6 +10,8 @@
 /// The kernels of queued flooding and of the repair, and the queue they share.
 namespace isimp::parallel {
 
+inline constexpr float kNoOffer = std::numeric_limits<float>::infinity();
+
 struct Normal {
   float x, y, z;
 };
@@ -59,7 +61,7 @@ struct Choose {
     const std::int32_t i = queue[q];
     std::int32_t best = view.label[i];
     if (best < 0 || view.seed[best] != i) {
-      float least = best < 0 ? std::numeric_limits<float>::infinity() : view.error(i, best);
+      float least = best < 0 ? kNoOffer : view.error(i, best);
       view.look_around(i, least, best);
     }
     chosen[q] = best;
@@ -76,7 +78,7 @@ struct ChooseOnce {
   ISIMP_KERNEL void operator()(std::int64_t q) const {
     std::int32_t best = view.label[queue[q]];
     if (best < 0) {
-      float least = std::numeric_limits<float>::infinity();
+      float least = kNoOffer;
       view.look_around(queue[q], least, best);
       if (least > level) best = -1;
     }
@@ -90,7 +92,7 @@ struct LeastOffer {
   const std::int32_t* queue;
 
   ISIMP_KERNEL float operator()(std::int64_t q) const {
-    float least = std::numeric_limits<float>::infinity();
+    float least = kNoOffer;
     std::int32_t best = view.label[queue[q]];
     if (best < 0) view.look_around(queue[q], least, best);
     return least;

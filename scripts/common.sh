@@ -8,7 +8,7 @@ mkdir -p "$out"
 python=/usr/bin/python3 # the one that Debian's Blender embeds, not the first on PATH
 export CCACHE_BASEDIR=$root CCACHE_NOHASHDIR=1 PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_ROOT_USER_ACTION=ignore
 
-build_packages=(build-essential cmake ninja-build ccache libcgal-dev libeigen3-dev python3-dev python3-venv)
+build_packages=(build-essential cmake ninja-build ccache libcgal-dev libeigen3-dev libopenmesh-dev python3-dev python3-venv)
 blender_packages=(blender python3-numpy libegl1 libgl1-mesa-dri) # the latter two to render in the background
 
 as_root() {

@@ -109,7 +109,7 @@ use_tests_venv() {
 }
 
 cpp_build() { # BUILD_DIR CMAKE_OPTION...
-  apt_install "${build_packages[@]}" libgtest-dev libopenmesh-dev
+  apt_install "${build_packages[@]}" libgtest-dev
   use_tests_venv
   local build=$1
   shift

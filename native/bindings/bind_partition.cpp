@@ -55,7 +55,7 @@ void bind_options(py::module_& m) {
           "borders, the best and the fastest; 'lloyd', flooding and fitting in turn, the 2004 paper's and the "
           "thesis's own; 'teleport', that, then merging the cheapest pair and splitting the worst region until it "
           "no longer helps; 'naive' and 'queued', as 'lloyd' but all faces, or all of a queue, flooded at once, for "
-          "many processors: the thesis's data-parallel floodings.")
+          "many processors: the thesis's data-parallel floodings; 'hybrid', 'lloyd' on a decimated mesh, carried back.")
       .field("threads", &Options::threads,
              "How many threads may work; 0: as many as there are cores. The result does not depend on it.")
       .field("backend", &Options::backend,
@@ -67,6 +67,7 @@ void bind_options(py::module_& m) {
           "connect", &Options::connect, {{"repair", Connect::repair}, {"flood", Connect::flood}},
           "How the regions of 'naive' and 'queued' become connected at the end: 'repair', the largest piece of each "
           "grows over the others; 'flood', one sequential round, as the thesis has it, which loses more.")
+      .field("fraction", &Options::fraction, "Of the faces what 'hybrid' keeps when it decimates, in (0, 1].")
       .finish();
 }
 

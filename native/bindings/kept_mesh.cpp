@@ -7,7 +7,8 @@ namespace isimp::bindings {
 KeptMesh::Kept KeptMesh::recall(Guides guides) const {
   const std::lock_guard lock(mutex_);
   const bool same = kept_.guides.weights == guides.weights && kept_.guides.barriers == guides.barriers;
-  if (!same) return {.guides = std::move(guides), .graph = nullptr, .hierarchy = nullptr, .tree = nullptr};
+  if (!same)
+    return {.guides = std::move(guides), .graph = nullptr, .hierarchy = nullptr, .tree = nullptr, .decimated = nullptr};
   return kept_;
 }
 
@@ -54,11 +55,36 @@ Partition KeptMesh::split_by_detail(const Surface& surface, Kept kept, const Det
     keep(kept);
   }
   const Job::Part stage(job, "relaxing", done, 1.0);
-  return partition(surface, *kept.tree, options, job);
+  if (options.method != Method::hybrid) return partition(surface, *kept.tree, options, job);
+  PartitionOptions counted = options;
+  counted.method = Method::hierarchy;
+  const Partition found = partition(surface, *kept.tree, counted, job);
+  counted.method = options.method;
+  counted.proxies = found.region_count();
+  counted.detail = counted.tolerance = std::nullopt;
+  Partition result = split_by_count(surface, std::move(kept), counted, job);
+  result.tolerance = found.tolerance;
+  result.noise = found.noise;
+  result.snapped = found.snapped;
+  return result;
+}
+
+Partition KeptMesh::split_decimated(const Surface& surface, Kept kept, const PartitionOptions& options,
+                                    Job& job) const {
+  double done = 0.0;
+  if (!kept.decimated || kept.decimated->fraction != options.fraction) {
+    done = 0.9;
+    const Job::Part stage(job, "decimating", 0.0, done);
+    kept.decimated = std::make_shared<const Decimated>(decimate(surface, options.fraction, job));
+    keep(kept);
+  }
+  const Job::Part stage(job, "partitioning", done, 1.0);
+  return hybrid(surface, *kept.decimated, options, job);
 }
 
 Partition KeptMesh::split_by_count(const Surface& surface, Kept kept, const PartitionOptions& options, Job& job) const {
   const bool parallel = options.method == Method::naive || options.method == Method::queued;
+  if (options.method == Method::hybrid) return split_decimated(surface, std::move(kept), options, job);
   const bool uses_hierarchy = options.method == Method::hierarchy || options.seeding == Seeding::hierarchical;
   if (!uses_hierarchy && !parallel) return partition(surface, options, job);
   const std::int32_t proxies = *options.proxies;

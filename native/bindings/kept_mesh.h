@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "isimp/hybrid/hybrid.h"
 #include "isimp/mesh/mesh.h"
 #include "isimp/parallel/flooder.h"
 #include "isimp/partition/hierarchy.h"
@@ -19,8 +20,8 @@ class KeptMesh : public Mesh {
   explicit KeptMesh(Mesh&& mesh) : Mesh(std::move(mesh)) {}
 
   /// Partitions this mesh, guided or not. What the last call made and the next one can use is kept: the guided graph,
-  /// the tree that finds the number of regions, and the hierarchy or a device's memory where the method has one. May be
-  /// called from several threads.
+  /// the tree that finds the number of regions, and the hierarchy, the decimated mesh or a device's memory where the
+  /// method has one. May be called from several threads.
   [[nodiscard]] Partition split(const PartitionOptions& options, Guides guides, Job& job) const;
 
  private:
@@ -29,6 +30,7 @@ class KeptMesh : public Mesh {
     std::shared_ptr<const GuidedGraph> graph;  // null without guides
     std::shared_ptr<const Hierarchy> hierarchy;
     std::shared_ptr<const DetailTree> tree;
+    std::shared_ptr<const Decimated> decimated;
   };
   /// These guides, with what is kept if it was made under the same.
   [[nodiscard]] Kept recall(Guides guides) const;
@@ -36,6 +38,7 @@ class KeptMesh : public Mesh {
   Partition split_by_detail(const Surface& surface, Kept kept, const DetailSettings& settings,
                             const PartitionOptions& options, Job& job) const;
   Partition split_by_count(const Surface& surface, Kept kept, const PartitionOptions& options, Job& job) const;
+  Partition split_decimated(const Surface& surface, Kept kept, const PartitionOptions& options, Job& job) const;
 
   /// A surface in the memory of a back end. One call at a time has it; another one meanwhile makes its own.
   struct Loaded {

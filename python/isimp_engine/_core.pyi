@@ -61,12 +61,13 @@ class PartitionOptions:
     seed: int
     iterations: int
     seeding: Literal["random", "farthest", "hierarchical"]
-    method: Literal["hierarchy", "lloyd", "teleport", "naive", "queued"]
+    method: Literal["hierarchy", "lloyd", "teleport", "naive", "queued", "hybrid"]
     threads: int
     backend: str
     nearest: int
     search: Literal["grid", "brute"]
     connect: Literal["repair", "flood"]
+    fraction: float
     def __init__(
         self,
         *,
@@ -79,12 +80,13 @@ class PartitionOptions:
         seed: int = ...,
         iterations: int = ...,
         seeding: Literal["random", "farthest", "hierarchical"] = ...,
-        method: Literal["hierarchy", "lloyd", "teleport", "naive", "queued"] = ...,
+        method: Literal["hierarchy", "lloyd", "teleport", "naive", "queued", "hybrid"] = ...,
         threads: int = ...,
         backend: str = ...,
         nearest: int = ...,
         search: Literal["grid", "brute"] = ...,
         connect: Literal["repair", "flood"] = ...,
+        fraction: float = ...,
     ) -> None: ...
     def as_dict(self) -> dict[str, Any]: ...
 

@@ -9,6 +9,7 @@
 #include "isimp/parallel/backend.h"
 #include "isimp/partition/hierarchy.h"
 #include "isimp/partition/lloyd.h"
+#include "isimp/partition/make_partition.h"
 #include "isimp/partition/noise.h"
 #include "isimp/partition/optimise.h"
 #include "isimp/partition/parallel_lloyd.h"
@@ -60,6 +61,7 @@ void check(const Surface& surface, const PartitionOptions& options) {
   if (options.threads < 0) out_of_range("threads", "at least 0", options.threads);
   if (options.nearest < 1 || options.nearest > parallel::Flooder::kMostNearest)
     out_of_range("nearest", "in [1, " + std::to_string(parallel::Flooder::kMostNearest) + "]", options.nearest);
+  if (!(options.fraction > 0 && options.fraction <= 1)) out_of_range("fraction", "in (0, 1]", options.fraction);
   if (options.backend != "cpu") (void)parallel::backend(options.backend);
 }
 
@@ -108,6 +110,8 @@ Regions flood_in_rounds(const Surface& surface, std::vector<std::int32_t> seeds,
   return parallel_lloyd(surface, own ? *own : *flooder, std::move(seeds), options, history, job);
 }
 
+}  // namespace
+
 Partition make_partition(const Surface& surface, const Parts& parts, const Regions& regions,
                          std::vector<double> history, const Threads& threads, Job& job) {
   const FaceGraph& graph = surface.graph();
@@ -133,8 +137,6 @@ Partition make_partition(const Surface& surface, const Parts& parts, const Regio
   return result;
 }
 
-}  // namespace
-
 Partition partition(const Surface& surface, const PartitionOptions& options, Job& job) {
   return partition(surface, Hierarchy{}, options, job);
 }
@@ -142,6 +144,7 @@ Partition partition(const Surface& surface, const PartitionOptions& options, Job
 Partition partition(const Surface& surface, const Hierarchy& hierarchy, const PartitionOptions& options, Job& job,
                     parallel::Flooder* flooder) {
   const std::optional<DetailSettings> settings = detail_settings(surface, options);
+  if (options.method == Method::hybrid) throw InvalidInput("method hybrid is for hybrid(), which decimates first");
   Job::Part stage(job, "partitioning", 0.0, 1.0);
   if (settings) {
     const DetailTree tree = [&] {

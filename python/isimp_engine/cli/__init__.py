@@ -28,6 +28,7 @@ _FIELDS = {
     "nearest": (int, "N"),
     "search": (str, "NAME"),
     "connect": (str, "NAME"),
+    "fraction": (float, "X"),
 }
 _CLEAN_FIELDS = {"weld": (float, "L"), "fill_holes": (float, "L"), "cut_handles": (float, "L")}
 

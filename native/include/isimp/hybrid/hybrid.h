@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "isimp/core/job.h"
+#include "isimp/core/types.h"
+#include "isimp/partition/partition.h"
+#include "isimp/partition/surface.h"
+
+namespace isimp {
+
+/// A surface with most of its faces collapsed: made once, partitioned at any number of regions.
+///
+/// Its vertices are some of the dense mesh's, where they were. Edges that are barriers stay.
+struct Decimated {
+  double fraction = 0.0;             ///< what was asked for
+  std::vector<std::int32_t> vertex;  ///< (Vc) vertex of the dense mesh
+  std::vector<Triangle> triangles;   ///< (Fc) of indices into `vertex`
+};
+
+/// Collapses edges, those of least quadric error first, down to `fraction` of the faces. It may end above that where
+/// another collapse would turn a face over or change the topology.
+///
+/// \throws InvalidInput  a fraction outside (0, 1]
+/// \throws Cancelled     nothing was changed
+/// Cost: O(F log F) time, some 600 bytes a face of memory.
+/// Source: Garland, Heckbert 1997, as OpenMesh has it.
+Decimated decimate(const Surface& surface, double fraction, Job& job);
+
+/// Partitions the coarse mesh by Method::lloyd and carries the proxies back to the dense one: Method::hybrid.
+///
+/// Each proxy goes to the dense face that looks most like it round the corners of its coarse seed, and one flooding
+/// from there gives the dense faces their regions. These are as partition() has them: connected, and exactly as many.
+/// The error is that on the dense mesh, and the only one in the history. Weights and barriers hold on both. \param
+/// coarse  from decimate() of this surface \throws InvalidInput  as partition(); or the coarse mesh has fewer faces
+/// than `proxies` Source: the thesis's hybrid.
+Partition hybrid(const Surface& surface, const Decimated& coarse, const PartitionOptions& options, Job& job);
+
+}  // namespace isimp

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <vector>
+
+#include "isimp/core/job.h"
+#include "isimp/partition/partition.h"
+#include "isimp/partition/parts.h"
+#include "isimp/partition/regions.h"
+#include "isimp/partition/surface.h"
+#include "isimp/partition/threads.h"
+
+/// What every way of finding regions ends with.
+namespace isimp {
+
+/// What callers get: by face of the mesh and in scene units.
+/// \param history  errors as shares of the whole surface's area
+Partition make_partition(const Surface& surface, const Parts& parts, const Regions& regions,
+                         std::vector<double> history, const Threads& threads, Job& job);
+
+}  // namespace isimp
