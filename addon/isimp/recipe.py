@@ -13,7 +13,7 @@ import math
 from dataclasses import dataclass
 
 VERSION = 1
-METHODS = ("hierarchy", "teleport", "lloyd")
+METHODS = ("hierarchy", "teleport", "lloyd", "queued", "naive", "hybrid")
 COUNTS = ("detail", "tolerance", "proxies")  #: ways to say how many regions, each the name of a setting
 SEEDINGS = ("random", "farthest", "hierarchical")
 

@@ -26,6 +26,11 @@ except ImportError:
         ENGINE_PROBLEM = str(error)
 
 
+def backends() -> list[str]:
+    """Where parallel methods can run here: "cpu" first, and "cuda" if a device is present."""
+    return engine.backends() if engine else []
+
+
 class StepFailed(Exception):
     """A step can't be done; `outcome` is what the steps before it gave, None if there were none."""
 
@@ -118,7 +123,8 @@ class Cache:
 class Session:
     """Replays recipes on scans. One thread at a time."""
 
-    def __init__(self, budget: int = 1 << 30):
+    def __init__(self, budget: int = 1 << 30, backend: str = "cpu"):
+        self.backend = backend  #: one of backends(), for parallel methods; the result does not depend on it
         self._meshes = Cache(budget)
         self._outcomes = Cache(budget)
 
@@ -168,7 +174,8 @@ class Session:
 
     def _apply(self, step, prepared, before, watch, begin, end) -> Outcome:
         started = time.perf_counter()
-        outcome = _APPLY[type(step)](step, prepared, before, watch, begin, end)
+        where = {"backend": self.backend} if isinstance(step, rcp.Partition) else {}
+        outcome = _APPLY[type(step)](step, prepared, before, watch, begin, end, **where)
         seconds = time.perf_counter() - started
         numbers = {"step": step.kind, "seconds": seconds, **_scan_numbers(prepared), **outcome.numbers}
         return replace(outcome, numbers=numbers)
@@ -263,7 +270,7 @@ def _with_regions(prepared: Prepared, partition, kept: np.ndarray | None, number
     return Outcome(face_region, color, partition, numbers=known | numbers)
 
 
-def _apply_partition(step: rcp.Partition, prepared, before, watch, begin, end) -> Outcome:
+def _apply_partition(step: rcp.Partition, prepared, before, watch, begin, end, backend) -> Outcome:
     options = engine.PartitionOptions(
         **{step.count_by: getattr(step, step.count_by)},
         noise=None if step.noise < 0 else step.noise,
@@ -273,6 +280,7 @@ def _apply_partition(step: rcp.Partition, prepared, before, watch, begin, end) -
         method=step.method,
         seeding=step.seeding,
         leave_out=step.leave_out,
+        backend=backend,
     )
     partition = _engine_call(watch, begin, end, "partitioning", engine.partition, prepared.mesh, options)
     numbers = {name: partition.report[name] for name in ("rounds", "tolerance", "noise", "snapped")}

@@ -50,7 +50,8 @@ void bind_options(py::module_& m) {
            {"hierarchy", Method::hierarchy},
            {"teleport", Method::teleport},
            {"naive", Method::naive},
-           {"queued", Method::queued}},
+           {"queued", Method::queued},
+           {"hybrid", Method::hybrid}},
           "How the regions are found: 'hierarchy', merging of a hierarchy of patches, then relaxation of the "
           "borders, the best and the fastest; 'lloyd', flooding and fitting in turn, the 2004 paper's and the "
           "thesis's own; 'teleport', that, then merging the cheapest pair and splitting the worst region until it "

@@ -39,6 +39,9 @@ class PartitionSettings:
                 "As Lloyd, then merge the cheapest pair and split the worst region while it helps",
             ),
             ("lloyd", "Lloyd", "Flood and fit in turn from the starting faces, as first published"),
+            ("queued", "Queued", "As Lloyd, with all faces of a queue flooded at once: for many processors"),
+            ("naive", "Naive", "As Lloyd, with every face choosing among the nearest regions: for many processors"),
+            ("hybrid", "Hybrid", "Lloyd on a decimated copy of the scan, carried back to it"),
         ),
         default=_PARTITION.method,
     )

@@ -1,0 +1,94 @@
+"""The thesis's parallel methods and its hybrid, through the module, the recipe and a session."""
+
+import numpy as np
+import pytest
+
+import isimp_engine as engine
+from isimp.recipe import METHODS, Partition, Recipe
+from isimp.session import Scan, Session, StepFailed, backends
+from shapes import cube as cube_arrays
+
+PARALLEL = ("naive", "queued")
+THESIS = (*PARALLEL, "hybrid")
+
+
+@pytest.fixture(scope="module")
+def mesh():
+    vertices, triangles = cube_arrays(16)
+    noise = np.random.default_rng(3).normal(0, 0.002, vertices.shape)
+    return engine.Mesh(vertices + noise, triangles)
+
+
+def split(mesh, **values):
+    return engine.partition(mesh, engine.PartitionOptions(proxies=40, **values))
+
+
+@pytest.mark.parametrize("method", THESIS)
+def test_each_method_gives_regions_and_the_same_again_from_what_the_mesh_keeps(mesh, method):
+    first, again = split(mesh, method=method, fraction=0.25), split(mesh, method=method, fraction=0.25)
+    assert np.unique(first.face_region).tolist() == list(range(40))
+    assert np.array_equal(first.face_region, again.face_region)
+    assert first.error == again.error == first.history[-1]
+
+
+@pytest.mark.parametrize("method", PARALLEL)
+def test_every_back_end_and_thread_count_gives_the_same_labels(mesh, method):
+    one = split(mesh, method=method, threads=1)
+    for backend in engine.backends():
+        for threads in (2, 3, 8):
+            assert np.array_equal(
+                split(mesh, method=method, threads=threads, backend=backend).face_region, one.face_region
+            )
+
+
+def test_the_search_is_free_and_the_connecting_is_not(mesh):
+    grid = split(mesh, method="naive")
+    assert np.array_equal(split(mesh, method="naive", search="brute").face_region, grid.face_region)
+    flooded = split(mesh, method="naive", connect="flood")
+    assert flooded.history[:-1].tolist() == grid.history[:-1].tolist()
+    assert flooded.error != grid.error
+    assert not np.array_equal(split(mesh, method="naive", nearest=1).face_region, grid.face_region)
+
+
+@pytest.mark.parametrize("method", THESIS)
+def test_guides_hold_and_another_mesh_is_not_taken_for_the_kept_one(mesh, method):
+    plain = split(mesh, method=method, fraction=0.25)
+    options = engine.PartitionOptions(proxies=40, method=method, fraction=0.25)
+    weights = np.where(mesh.vertices[mesh.triangles].mean(axis=1)[:, 2] > 0.5, 9.0, 1.0)
+    heavy = engine.partition(mesh, options, weights=weights)
+    assert heavy.error > plain.error
+    assert np.array_equal(engine.partition(mesh, options, weights=weights).face_region, heavy.face_region)
+    assert np.array_equal(split(mesh, method=method, fraction=0.25).face_region, plain.face_region)
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"nearest": 0}, r"nearest must be in \[1, 32\], got 0"),
+        ({"nearest": 33}, r"nearest must be in \[1, 32\], got 33"),
+        ({"fraction": 0.0}, r"fraction must be in \(0, 1\], got 0"),
+        ({"method": "hybrid", "fraction": 0.001}, "too few for 40 regions"),
+    ],
+)
+def test_options_out_of_range_are_named(mesh, values, message):
+    with pytest.raises(engine.InvalidInput, match=message):
+        split(mesh, **values)
+
+
+@pytest.mark.skipif("cuda" in engine.backends(), reason="there is a device")
+def test_a_back_end_that_is_not_here_is_refused_with_the_reason_and_what_there_is(mesh):
+    for method in (*THESIS, "hierarchy"):
+        with pytest.raises(engine.InvalidInput, match=r"back end 'cuda' is not available here: .*; there is: cpu"):
+            split(mesh, method=method, backend="cuda")
+
+
+def test_the_recipe_knows_every_method_of_the_engine_and_a_session_the_back_ends(mesh):
+    for method in METHODS:
+        engine.PartitionOptions(method=method)
+    assert backends() == engine.backends()
+    scan = Scan(mesh.vertices, mesh.triangles, np.arange(len(mesh.triangles), dtype=np.int32), len(mesh.triangles))
+    recipe = Recipe((Partition(proxies=12, method="queued"),))
+    outcome = Session(backend=backends()[-1]).replay(scan, recipe)
+    assert np.array_equal(outcome.face_region, Session().replay(scan, recipe).face_region)
+    with pytest.raises(StepFailed, match="there is: cpu"):
+        Session(backend="abacus").replay(scan, recipe)
