@@ -107,9 +107,9 @@ def _meets(origin, direction, low, high) -> np.ndarray:
     if still.any():
         inside = (low[:, still] <= origin[still]) & (origin[still] <= high[:, still])
         begin[:, still] = np.where(inside, -np.inf, np.inf)
-        end[:, still] = np.where(inside, np.inf, -np.inf)
-    slack = 1e-6 * np.abs(end).min(axis=1)
-    return begin.max(axis=1) <= end.min(axis=1).clip(0) + slack
+        end[:, still] = np.where(inside, np.inf, -1.0)
+    first, last = begin.max(axis=1).clip(0), end.min(axis=1)
+    return first <= last + 1e-6 * np.abs(last)
 
 
 def _near(center, radius, low, high) -> np.ndarray:

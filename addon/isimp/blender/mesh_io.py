@@ -186,12 +186,26 @@ def read_regions(obj) -> np.ndarray:
     return regions
 
 
-def write_regions(obj, face_region: np.ndarray, face_color: np.ndarray, state: int) -> None:
-    """Puts regions, their colours and the state that led to them on the mesh. Nothing else of it is changed."""
+def corner_totals(mesh) -> np.ndarray | int:
+    """How many corners each polygon has; one number where all are triangles."""
+    if len(mesh.loops) == 3 * len(mesh.polygons):
+        return 3
+    totals = np.empty(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("loop_total", totals)
+    return totals
+
+
+def write_regions(obj, face_region: np.ndarray, face_color: np.ndarray, state: int, corner_color=None) -> None:
+    """Puts regions, their colours and the state that led to them on the mesh. Nothing else of it is changed.
+
+    corner_color: `face_color` for each corner, if that is there already.
+    """
     if obj.mode == "EDIT":
         _write_edit_layers(obj.data, face_region, face_color, state)
     else:
-        _write_layers(obj.data, face_region, face_color, state)
+        if corner_color is None:
+            corner_color = np.repeat(face_color, corner_totals(obj.data), axis=0)
+        _write_layers(obj.data, face_region, corner_color, state)
     show_color(obj.data)
 
 
@@ -251,14 +265,10 @@ def clear_regions(obj) -> None:
     give_color_back(obj.data)
 
 
-def _write_layers(mesh, face_region, face_color, state) -> None:
-    count = len(mesh.polygons)
-    corners = np.full(count, 3, np.int32)
-    if len(mesh.loops) != 3 * count:
-        mesh.polygons.foreach_get("loop_total", corners)
+def _write_layers(mesh, face_region, corner_color, state) -> None:
     _write_ints(mesh, face_region, state)
-    colors = np.repeat(face_color.astype(np.float32), corners, axis=0)
-    _layer(mesh, COLOR, "FLOAT_COLOR", "CORNER").data.foreach_set("color", colors.ravel())
+    color = np.ascontiguousarray(corner_color, np.float32)
+    _layer(mesh, COLOR, "FLOAT_COLOR", "CORNER").data.foreach_set("color", color.ravel())
     _updated(mesh)
 
 
@@ -269,7 +279,7 @@ def _updated(mesh) -> None:
 
 
 def _write_ints(mesh, face_region, state) -> None:
-    _layer(mesh, REGION, "INT", "FACE").data.foreach_set("value", face_region.astype(np.int32))
+    _layer(mesh, REGION, "INT", "FACE").data.foreach_set("value", face_region.astype(np.int32, copy=False))
     _layer(mesh, STATE, "INT", "FACE").data.foreach_set("value", np.full(len(face_region), state, np.int32))
 
 

@@ -7,6 +7,7 @@ shows how far it is and applies the result once it is there; Esc leaves everythi
 import logging
 
 import bpy
+import numpy as np
 
 from ..session import StepFailed
 from ..task import Status, Stopped, Task
@@ -25,10 +26,16 @@ class Work:
         self.name, self.recipe = obj.name, recipe
         self.state = mesh_io.state_of(obj)
         self.scan = reading.read(context, obj)
+        self.corners = mesh_io.corner_totals(obj.data)
+        self.face_color = self.corner_color = None
         self.task = None
 
     def run(self, watch=None):
-        return runtime.get().session.replay(self.scan, self.recipe, watch)
+        """The outcome, and its colours as the mesh takes them; on any thread."""
+        outcome = runtime.get().session.replay(self.scan, self.recipe, watch)
+        self.face_color = outcome.face_colors
+        self.corner_color = np.repeat(self.face_color, self.corners, axis=0)
+        return outcome
 
     def start(self) -> None:
         self.task = Task(self.run)

@@ -102,10 +102,33 @@ def redraw() -> None:
                 area.tag_redraw()
 
 
+def tell(context, keys: str) -> None:
+    """Says in the status bar what keys do, until another tool is chosen; empty: nothing any more."""
+    current = runtime.get()
+    if current.status != keys:
+        current.status = keys
+        context.workspace.status_text_set(keys or None)
+
+
+def _tool_is_ours(context) -> bool:
+    tool = context.workspace.tools.from_space_view3d_mode(context.mode, create=False)
+    return tool is not None and tool.idname.startswith("isimp.")
+
+
+def _leave():
+    """Another tool was chosen: nothing is shown for ours any more."""
+    if runtime.get() is not None and runtime.get().status:
+        runtime.get().hover = None
+        tell(bpy.context, "")
+        redraw()
+
+
 def _draw():
     current, context = runtime.get(), bpy.context
     if current is None or not context.space_data.overlay.show_overlays:
         return
+    if current.status and not _tool_is_ours(context) and not bpy.app.timers.is_registered(_leave):
+        bpy.app.timers.register(_leave, first_interval=0.0)  # nothing may be changed while drawing
     scan = scan_shown(context)
     if scan is None:
         return

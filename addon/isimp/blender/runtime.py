@@ -46,6 +46,7 @@ class Runtime:
         self.drawings = OrderedDict()  #: what is drawn over scans; see overlay.py
         self.handles = ()  #: of what draws
         self.sketching = None  #: (key, Task) of what will be drawn
+        self.status = ""  #: what the status bar says for a tool
         self.hover = None  #: what is under the mouse; see tools/under.py
         self.ground = None  #: the scan pointed at
         self.surface = None  #: (Scan, pick.Surface) of the scan pointed at

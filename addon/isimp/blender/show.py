@@ -13,7 +13,7 @@ from . import display, mesh_io, store, targets
 def show_regions(context, scan, work, outcome) -> None:
     """Writes regions and colours on the scan and brings it to the front."""
     state = store.save(scan, work.recipe, outcome.numbers)
-    mesh_io.write_regions(scan, outcome.face_region, outcome.face_colors, state)
+    _write(scan, work, outcome, state)
     result = targets.result_of(context.scene, scan)
     if context.view_layer.objects.active != scan:
         bring_to_front(context, scan, result)
@@ -25,7 +25,7 @@ def show_polygons(context, scan, work, outcome) -> None:
     if scan.mode == "EDIT":
         bpy.ops.object.mode_set(mode="OBJECT")
     state = store.save(scan, work.recipe, outcome.numbers)
-    mesh_io.write_regions(scan, outcome.face_region, outcome.face_colors, state)
+    _write(scan, work, outcome, state)
     result = targets.result_of(context.scene, scan) or _new_result(context, scan)
     scan.isimp.key = scan.isimp.key or uuid.uuid4().hex
     result.isimp.scan_key, result.isimp.scan_name = scan.isimp.key, scan.name
@@ -33,6 +33,11 @@ def show_polygons(context, scan, work, outcome) -> None:
     mesh_io.give_color_back(scan.data)
     bring_to_front(context, result, scan)
     display.give_back(context)
+
+
+def _write(scan, work, outcome, state) -> None:
+    color = work.face_color if work.face_color is not None else outcome.face_colors
+    mesh_io.write_regions(scan, outcome.face_region, color, state, work.corner_color)
 
 
 def show_outcome(context, scan, work, outcome) -> None:

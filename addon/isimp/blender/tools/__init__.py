@@ -4,7 +4,9 @@ import bpy
 
 from . import point
 
-_HOVER = ("isimp.hover", {"type": "MOUSEMOVE", "value": "ANY", "any": True}, None)
+
+def _hover(keys):
+    return "isimp.hover", {"type": "MOUSEMOVE", "value": "ANY", "any": True}, {"properties": [("keys", keys)]}
 
 
 class _Tool(bpy.types.WorkSpaceTool):
@@ -23,7 +25,12 @@ class _Region(_Tool):
         "• Click: a new region here\n• Ctrl-click: delete the region\n• Alt-click: select its faces"
     )
     bl_icon = "ops.generic.select_lasso"
-    bl_keymap = (_HOVER, _press("isimp.point"), _press("isimp.point", ctrl=True), _press("isimp.point", alt=True))
+    bl_keymap = (
+        _hover("Click: new region · Ctrl: delete · Alt: select"),
+        _press("isimp.point"),
+        _press("isimp.point", ctrl=True),
+        _press("isimp.point", alt=True),
+    )
 
 
 def _for_mode(tool, mode):

@@ -3,6 +3,7 @@
 from contextlib import suppress
 
 import bpy
+from bpy.props import StringProperty
 
 from ...gestures import Pointing
 from .. import overlay, runtime
@@ -65,7 +66,7 @@ class ModalTool:
 
     def end(self, context) -> None:
         runtime.get().hover = None
-        context.workspace.status_text_set(None)
+        overlay.tell(context, "")
         overlay.redraw()
 
 
@@ -76,6 +77,8 @@ class ISIMP_OT_hover(bpy.types.Operator):
     bl_label = "Show What Is Under the Mouse"
     bl_options = {"INTERNAL"}
 
+    keys: StringProperty(name="Keys", description="What the status bar says", options={"SKIP_SAVE"})
+
     def invoke(self, context, event):
         if context.region is None or context.region.type != "WINDOW" or context.region_data is None:
             return {"PASS_THROUGH"}
@@ -83,6 +86,7 @@ class ISIMP_OT_hover(bpy.types.Operator):
         at = (event.mouse_region_x, event.mouse_region_y)
         hit = ground.hit(ground.ray(context.region, context.region_data, at)) if ground is not None else None
         show_hover(context, ground, hit, at)
+        overlay.tell(context, self.keys)
         return {"PASS_THROUGH"}
 
 
@@ -100,7 +104,7 @@ class ISIMP_OT_point(ModalTool, bpy.types.Operator):
             return {"PASS_THROUGH"}
         self._gesture = Pointing()
         self._gesture.press(hit, self.place(event), ctrl=event.ctrl, alt=event.alt)
-        context.workspace.status_text_set("Let go: do it · Esc: drop")
+        overlay.tell(context, "Let go: do it · Esc: drop")
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 

@@ -74,6 +74,7 @@ def run(hand):
             break
         yield 0.1
     assert "of the area" in runtime.get().hover.text, runtime.get().hover
+    assert "Ctrl: delete" in runtime.get().status
     yield from hand.shot("tools-2-hover")
 
     yield from hand.click(*place(hand, 0.4, 0.4))
@@ -114,3 +115,6 @@ def run(hand):
     yield from hand.undo()
     same("undone in Edit Mode", regions(), 14)
     yield from hand.shot("tools-4-edit")
+    yield from tool(hand, "builtin.select_box")
+    yield 0.3
+    same("another tool", (runtime.get().hover, runtime.get().status), (None, ""))

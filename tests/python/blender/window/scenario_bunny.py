@@ -1,0 +1,93 @@
+"""The first model of the manual, made of the bunny with real mouse and keys; its pictures are those of the manual."""
+
+import os
+from pathlib import Path
+
+import bpy
+import numpy as np
+from scenario_main import regions, same, scan
+from scenario_tools import place, sketched, tool
+
+import isimp
+
+DATA = Path(os.environ.get("ISIMP_DATA", Path(__file__).parents[5] / "shared" / "data")) / "scan" / "bunny_69k.ply"
+
+
+def load():
+    """The bunny as an object, standing on the floor and two units high."""
+    from isimp.session import engine
+
+    points, triangles = engine.read(str(DATA))
+    points = np.stack([points[:, 0], -points[:, 2], points[:, 1]], axis=1)
+    low, high = points.min(axis=0), points.max(axis=0)
+    points = (points - (low + high) / 2) * 3 / (high - low).max()
+    bpy.ops.object.select_all(action="SELECT")
+    bpy.ops.object.delete()
+    mesh = bpy.data.meshes.new("Scan")
+    mesh.from_pydata(points.tolist(), [], triangles.tolist())
+    obj = bpy.data.objects.new("Scan", mesh)
+    bpy.context.scene.collection.objects.link(obj)
+    bpy.context.view_layer.objects.active = obj
+    obj.select_set(True)
+    bpy.ops.ed.undo_push(message="scan")
+
+
+def view(hand):
+    from mathutils import Euler
+
+    space = hand.area.spaces.active
+    space.region_3d.view_rotation = Euler((1.25, 0.0, 0.4)).to_quaternion()
+    space.region_3d.view_perspective = "ORTHO"
+    space.region_3d.view_location = (0.25, 0.0, 0.0)
+    space.region_3d.view_distance = 5.2
+    space.overlay.show_floor = space.overlay.show_axis_x = space.overlay.show_axis_y = False
+    space.overlay.show_cursor = False
+    yield 0.5
+
+
+def run(hand):
+    if not DATA.exists():
+        print(f"no {DATA}: left out")
+        return
+    isimp.register()
+    load()
+    yield 0.5
+    yield from hand.open_tab()
+    yield from view(hand)
+    yield from hand.shot("bunny-1-scan")
+    yield from hand.press("isimp.partition")
+    same("regions", regions(), 200)
+    yield from sketched()
+    yield from hand.shot("bunny-2-partition")
+
+    from isimp.blender import runtime
+
+    yield from tool(hand, "isimp.region_tool.object")
+    x, y = place(hand, 0.0, 0.0)
+    view_region = hand.region("WINDOW")
+    x, y = view_region.x + view_region.width * 0.45, view_region.y + view_region.height * 0.45
+    for _ in range(200):
+        yield from hand.move(x, y)
+        if runtime.get().hover is not None:
+            break
+        yield 0.1
+    assert "of the area" in runtime.get().hover.text
+    yield from hand.shot("bunny-3-hover")
+    yield from hand.click(x, y, ctrl=True)
+    yield from hand.settle()
+    same("deleted", regions(), 199)
+    yield from hand.click(x, y)
+    yield from hand.settle()
+    same("added", regions(), 200)
+    bpy.context.window_manager.isimp.heat = True
+    yield from sketched()
+    yield 0.5
+    yield from hand.shot("bunny-4-flatness")
+    bpy.context.window_manager.isimp.heat = False
+    yield from hand.open_panel("ISIMP_PT_steps")
+    yield from hand.shot("bunny-5-steps")
+    yield from hand.press("isimp.mesh")
+    result = bpy.context.object
+    same("result", (result.name, scan().hide_get()), ("Scan.simplified", True))
+    assert 200 <= len(result.data.polygons) <= 300, len(result.data.polygons)
+    yield from hand.shot("bunny-6-mesh")
