@@ -70,6 +70,8 @@ class Partition(Step):
     method: str = "hierarchy"
     seeding: str = "random"
     leave_out: float = 0.001
+    weights: str = ""  #: vertex group or face attribute that says where more regions go; none if empty
+    influence: float = 1.0  #: how much it does, in [0, 2]
 
     def __post_init__(self):
         _check(self.count_by not in COUNTS, f"count_by must be one of {', '.join(COUNTS)}, got {self.count_by!r}")
@@ -83,6 +85,7 @@ class Partition(Step):
         _check(self.method not in METHODS, f"method must be one of {', '.join(METHODS)}, got {self.method!r}")
         _check(self.seeding not in SEEDINGS, f"seeding must be one of {', '.join(SEEDINGS)}, got {self.seeding!r}")
         _check(not 0 <= self.leave_out < 1, f"leave_out must be in [0, 1), got {self.leave_out}")
+        _check(not 0 <= self.influence <= 2, f"influence must be in [0, 2], got {self.influence}")
 
     def describe(self) -> str:
         if self.count_by == "proxies":
@@ -172,6 +175,10 @@ class Recipe:
     def without_mesh(self) -> Recipe:
         """The recipe without the Mesh step at its end, if it has one."""
         return Recipe(self.steps[:-1]) if self.steps and isinstance(self.steps[-1], Mesh) else self
+
+    def layers(self) -> frozenset:
+        """The names of the scan's own layers that its steps use."""
+        return frozenset(step.weights for _, step in self.active() if isinstance(step, Partition) and step.weights)
 
     def active(self) -> tuple[tuple[int, Step], ...]:
         """The steps that are switched on, each with its index."""

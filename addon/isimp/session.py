@@ -6,7 +6,7 @@ import hashlib
 import time
 from collections import OrderedDict
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -50,10 +50,21 @@ class Scan:
     triangles: np.ndarray
     triangle_face: np.ndarray
     face_count: int
+    #: {name: (face_count,) float} what its user painted; a name that it does not have is missing
+    layers: dict = field(default_factory=dict)
+
+    @cached_property
+    def layers_digest(self) -> str:
+        """Equal for equal layers."""
+        digest = hashlib.blake2b(digest_size=16)
+        for name in sorted(self.layers):
+            digest.update(name.encode() + b"\0")
+            digest.update(np.ascontiguousarray(self.layers[name]).view(np.uint8).data)
+        return digest.hexdigest()
 
     @cached_property
     def digest(self) -> str:
-        """Equal for equal arrays."""
+        """Equal for equal arrays, the layers left aside."""
         digest = hashlib.blake2b(digest_size=16)
         for array in (self.vertices, self.triangles, self.triangle_face):
             digest.update(f"{array.dtype}{array.shape}".encode())
@@ -76,6 +87,7 @@ class Prepared:
     mesh_face: np.ndarray  #: (F',) the user's face each face of the mesh is of
     face_triangle: np.ndarray  #: (face_count,) the largest face of the mesh in each user's face, -1 if none is left
     face_pairs: np.ndarray  #: (E, 2) user's faces that share an edge
+    layers: dict = field(default_factory=dict, kw_only=True)  #: of the scan as it is now
     areas: np.ndarray | None  #: (F',) where a user's face has more than one triangle; None where each has one
 
 
@@ -134,10 +146,10 @@ class Session:
         Raises StepFailed (which carries the last good outcome), ValueError (the scan itself can't be used) or Stopped.
         """
         watch = watch or Watch()
-        steps, keys = recipe.active(), [(scan.digest, key) for key in recipe.prefix_keys()]
+        steps, keys = recipe.active(), [(scan.digest, scan.layers_digest, key) for key in recipe.prefix_keys()]
         done, outcome = self._longest_known(keys)
         if done < len(steps):
-            prepared = self.prepare(scan, watch, 0.0, 0.2)
+            prepared = replace(self.prepare(scan, watch, 0.0, 0.2), layers=scan.layers)
         for number in range(done, len(steps)):
             index, step = steps[number]
             begin, end = (0.2 + 0.8 * (n - done) / (len(steps) - done) for n in (number, number + 1))
@@ -270,6 +282,16 @@ def _with_regions(prepared: Prepared, partition, kept: np.ndarray | None, number
     return Outcome(face_region, color, partition, numbers=known | numbers)
 
 
+def _weights(step: rcp.Partition, prepared: Prepared) -> np.ndarray | None:
+    """(F',) what each face's area is multiplied by; a weight of 1 draws four times as many regions as one of 0."""
+    if not step.weights:
+        return None
+    if step.weights not in prepared.layers:
+        raise ValueError(f"there is no vertex group or face attribute '{step.weights}' with numbers to weigh by.")
+    painted = np.clip(np.nan_to_num(prepared.layers[step.weights].astype(np.float64)), 0.0, 1.0)
+    return 16.0 ** (step.influence * painted[prepared.mesh_face])
+
+
 def _apply_partition(step: rcp.Partition, prepared, before, watch, begin, end, backend) -> Outcome:
     options = engine.PartitionOptions(
         **{step.count_by: getattr(step, step.count_by)},
@@ -282,7 +304,8 @@ def _apply_partition(step: rcp.Partition, prepared, before, watch, begin, end, b
         leave_out=step.leave_out,
         backend=backend,
     )
-    partition = _engine_call(watch, begin, end, "partitioning", engine.partition, prepared.mesh, options)
+    function = partial(engine.partition, weights=_weights(step, prepared))
+    partition = _engine_call(watch, begin, end, "partitioning", function, prepared.mesh, options)
     numbers = {name: partition.report[name] for name in ("rounds", "tolerance", "noise", "snapped")}
     return _with_regions(prepared, partition, None, {"asked": partition.proxies_asked} | numbers)
 

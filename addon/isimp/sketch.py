@@ -75,8 +75,7 @@ def draw(
     session: Session, scan: Scan, face_region: np.ndarray, recipe: rcp.Recipe, meshing: rcp.Mesh | None, watch: Watch
 ) -> Sketch:
     """The sketch of regions, and of the polygons that the recipe would give; None: no polygons. Raises Stopped."""
-    scan = session.prepare(scan, watch, 0.0, 0.1).scan  # the one whose edges are kept
-    lines = borders(scan, face_region)
+    lines = borders(session.prepare(scan, watch, 0.0, 0.1).scan, face_region)  # the scan whose edges are kept
     if meshing is None:
         return Sketch(lines)
     try:

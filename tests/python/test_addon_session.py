@@ -1,5 +1,6 @@
 """Recipes replayed on arrays, with the real engine and without Blender."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -206,3 +207,26 @@ def test_the_cache_is_bounded_and_keeps_what_was_used_last():
     cache.put("e", "e", 2)
     cache.put("f", "F", 2)
     assert len(cache) == 2
+
+
+def test_where_weights_are_higher_there_are_more_regions_while_their_number_stays(scan):
+    painted = (scan.vertices[scan.triangles].mean(axis=1)[:, 2] > 0).astype(np.float32)
+    scan = replace(scan, layers={"dense": painted})
+    above = []
+    for influence in (0.0, 0.5, 1.0, 2.0):
+        recipe = Recipe((Partition(proxies=60, weights="dense", influence=influence),))
+        outcome = Session().replay(scan, recipe)
+        assert outcome.numbers["regions"] == 60
+        above.append(len(np.unique(outcome.face_region[painted > 0])))
+    assert above == sorted(set(above)), above
+
+
+def test_weights_changed_are_not_taken_for_those_before(scan):
+    session, recipe = Session(), Recipe((Partition(proxies=30, weights="w"), Mesh()))
+    flat = replace(scan, layers={"w": np.zeros(scan.face_count, np.float32)})
+    hilly = replace(scan, layers={"w": np.linspace(0, 1, scan.face_count, dtype=np.float32)})
+    first, second = session.replay(flat, recipe), session.replay(hilly, recipe)
+    assert (first.face_region != second.face_region).any()
+    assert session.replay(flat, recipe) is first
+    with pytest.raises(StepFailed, match="there is no vertex group or face attribute 'w'"):
+        session.replay(scan, recipe)

@@ -25,7 +25,7 @@ class Work:
     def __init__(self, context, obj, recipe):
         self.name, self.recipe = obj.name, recipe
         self.state = mesh_io.state_of(obj)
-        self.scan = reading.read(context, obj)
+        self.scan = reading.read(context, obj, recipe.layers())
         self.corners = mesh_io.corner_totals(obj.data)
         self.face_color = self.corner_color = None
         self.task = None

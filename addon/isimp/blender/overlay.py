@@ -77,11 +77,12 @@ def _tick():
     if key is None or key in current.drawings:
         return None
     try:
-        arrays, regions = reading.read(context, scan), mesh_io.read_regions(scan)
+        recipe = store.load(scan)
+        arrays, regions = reading.read(context, scan, recipe.layers()), mesh_io.read_regions(scan)
     except mesh_io.Unusable as problem:
         _keep(key, sketch.Sketch(reason=str(problem)))
         return None
-    session, recipe = current.session, store.load(scan)
+    session = current.session
     task = Task(lambda watch: sketch.draw(session, arrays, regions, recipe, key[3], watch))
     current.sketching = (key, task)
     return _TICK

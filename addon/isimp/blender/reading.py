@@ -5,17 +5,19 @@ scene is brought up to date, and the vertices are compared each time. Scripts ch
 background everything is read.
 """
 
+import dataclasses
+
 import bpy
 import numpy as np
 
-from . import mesh_io, runtime
+from . import mesh_io, runtime, weights
 
 
 class Known:
     """A scan as it was read, and of what."""
 
     def __init__(self, obj, scan):
-        self.mesh, self.scan = obj.data.name, scan
+        self.mesh, self.scan, self.groups = obj.data.name, scan, {}
         self.counts, self.points, self.shape = _counts(obj.data), mesh_io.points(obj.data), mesh_io.shape_matrix(obj)
 
     def fits(self, obj) -> bool:
@@ -31,8 +33,16 @@ def _counts(mesh):
     return len(mesh.vertices), len(mesh.edges), len(mesh.loops), len(mesh.polygons)
 
 
-def read(context, obj):
-    """As `mesh_io.read`. Raises Unusable."""
+def read(context, obj, layers=frozenset()):
+    """As `mesh_io.read`, with the layers of the given names that the object has. Raises Unusable."""
+    scan = _read(context, obj)
+    if not layers:
+        return scan
+    known = runtime.get().scans.get(obj.name)
+    return dataclasses.replace(scan, layers=weights.read(obj, layers, {} if known is None else known.groups))
+
+
+def _read(context, obj):
     known = runtime.get().scans
     if bpy.app.background or mesh_io.has_modifiers(obj):
         return mesh_io.read(context, obj)

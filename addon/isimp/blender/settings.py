@@ -11,9 +11,18 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
 from .. import recipe as rcp
-from . import runtime
+from . import runtime, targets, weights
 
 _PARTITION, _MESH = rcp.Partition(), rcp.Mesh()
+
+
+def _weights(self, context, edit_text):
+    """What the field of the weights offers."""
+    scan, problem = targets.find(context)
+    return [] if problem else weights.names(scan)
+
+
+_SEARCHED = {"search": _weights} if "search" in StringProperty.__doc__ else {}
 
 
 class PartitionSettings:
@@ -76,6 +85,21 @@ class PartitionSettings:
         max=0.99,
         precision=4,
         step=0.01,
+    )
+
+    weights: StringProperty(
+        name="Weights",
+        description="A vertex group, as Blender's own weight paint makes them, or an attribute of faces or vertices. "
+        "Where its weight is higher, there are more regions, while their number stays. Empty: all alike",
+        default=_PARTITION.weights,
+        **_SEARCHED,
+    )
+    influence: FloatProperty(
+        name="Influence",
+        description="How much the weights do. At 1, a weight of 1 draws four times as many regions as one of 0",
+        default=_PARTITION.influence,
+        min=0.0,
+        max=2.0,
     )
 
 

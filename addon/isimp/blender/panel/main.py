@@ -52,6 +52,9 @@ class ISIMP_PT_options(Panel, bpy.types.Panel):
         for name in ("seeding", "seed", "iterations"):
             column.prop(partition, name)
         layout.prop(partition, "leave_out")
+        layout.prop(partition, "weights", icon="GROUP_VERTEX")
+        if partition.weights:
+            layout.prop(partition, "influence", slider=True)
 
 
 def _draw_progress(layout, running) -> None:
