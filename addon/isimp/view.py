@@ -46,9 +46,11 @@ def shared_edges(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def region_pairs(face_region: np.ndarray, face_pairs: np.ndarray) -> np.ndarray:
     """(K, 2) int32 regions that share an edge, each pair once, the lower first. face_pairs: (E, 2) faces."""
-    region = face_region[face_pairs]
-    region = region[(region[:, 0] != region[:, 1]) & (region >= 0).all(axis=1)]
-    return np.unique(np.sort(region, axis=1), axis=0).astype(np.int32)
+    a, b = face_region[face_pairs[:, 0]], face_region[face_pairs[:, 1]]
+    border = np.flatnonzero(a != b)
+    low, high = np.minimum(a[border], b[border]), np.maximum(a[border], b[border])
+    key = np.unique((low.astype(np.int64) << 32 | high)[low >= 0])
+    return np.stack([key >> 32, key & 0xFFFFFFFF], axis=1).astype(np.int32)
 
 
 def border_edges(face_region: np.ndarray, face_pairs: np.ndarray) -> np.ndarray:

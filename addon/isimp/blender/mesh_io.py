@@ -205,7 +205,9 @@ def write_regions(obj, face_region: np.ndarray, face_color: np.ndarray, state: i
     else:
         if corner_color is None:
             corner_color = np.repeat(face_color, corner_totals(obj.data), axis=0)
-        _write_layers(obj.data, face_region, corner_color, state)
+        color = _write_layers(obj.data, face_region, corner_color, state)
+        runtime.get().written.clear()  # one is enough, and large
+        runtime.get().written[obj.name] = (state, face_region, color)
     show_color(obj.data)
 
 
@@ -216,7 +218,10 @@ class Kept:
         self.name, self.state = obj.name, state_of(obj)
         layer = obj.data.attributes.get(COLOR)
         self.empty = obj.mode == "EDIT" or layer is None
-        if not self.empty:
+        state, *written = runtime.get().written.get(obj.name, (0,))
+        if not self.empty and state == self.state and written[1].size == 4 * len(layer.data):
+            self.region, self.color = written  # no copy: nobody writes into them
+        elif not self.empty:
             self.region = read_regions(obj)
             self.color = np.empty(4 * len(layer.data), np.float32)
             layer.data.foreach_get("color", self.color)
@@ -265,11 +270,12 @@ def clear_regions(obj) -> None:
     give_color_back(obj.data)
 
 
-def _write_layers(mesh, face_region, corner_color, state) -> None:
+def _write_layers(mesh, face_region, corner_color, state) -> np.ndarray:
     _write_ints(mesh, face_region, state)
-    color = np.ascontiguousarray(corner_color, np.float32)
-    _layer(mesh, COLOR, "FLOAT_COLOR", "CORNER").data.foreach_set("color", color.ravel())
+    color = np.ascontiguousarray(corner_color, np.float32).ravel()
+    _layer(mesh, COLOR, "FLOAT_COLOR", "CORNER").data.foreach_set("color", color)
     _updated(mesh)
+    return color
 
 
 def _updated(mesh) -> None:

@@ -22,14 +22,28 @@ def scan_line(mesh, numbers: dict) -> str:
     return f"{_count(numbers['triangles'], 'triangle')} · {_count(numbers['components'], 'part')} · {holes}"
 
 
+_FAULTS = {
+    "non_finite_faces": "broken face",
+    "repeated_index_faces": "broken face",
+    "duplicate_faces": "double face",
+    "welded_vertices": "loose corner",
+    "flipped_faces": "turned face",
+    "cut_edges": "split edge",
+    "split_edges": "split edge",
+    "split_vertices": "split corner",
+    "subdivided_edges": "split edge",
+}  # vertices that no face uses are none
+
+
 def warnings(mesh, numbers: dict) -> list:
     """What is amiss with a scan, and what is done about it."""
     if not _looked_at(mesh, numbers):
         return []
-    mended, left_out = sum(numbers.get("repairs", {}).values()), numbers.get("left_out", 0)
-    lines = []
-    if mended:
-        lines.append(f"{_count(mended, 'fault')} mended for the result; the scan stays as it is")
+    left_out, lines = numbers.get("left_out", 0), []
+    faults = [(name, number) for name, number in numbers.get("repairs", {}).items() if number and name in _FAULTS]
+    if faults:
+        said = ", ".join(_count(number, _FAULTS[name]) for name, number in faults)
+        lines.append(f"Mended for the result: {said}")
     if left_out:
         lines.append(f"{_count(left_out, 'face')} left out, as specks or faults: grey on the scan, not in the result")
     return lines

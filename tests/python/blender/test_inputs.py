@@ -218,3 +218,15 @@ def test_faces_added_later_make_a_partition_necessary():
     assert not bpy.ops.isimp.mesh.poll()
     assert bpy.ops.isimp.partition(proxies=6) == {"FINISHED"}
     assert bpy.ops.isimp.mesh() == {"FINISHED"}
+
+
+def test_faults_are_told_by_kind_and_unused_vertices_are_none():
+    from isimp.blender import text
+
+    scan = scans.cube(cells=4)
+    assert text.warnings(scan.data, store.numbers(scan)) == []
+    flipped = [face.vertices[:][:: -1 if face.index in (3, 9) else 1] for face in scan.data.polygons]
+    points = [*scans.coordinates(scan.data), (5, 5, 5)]
+    faulty = scans.add("Faulty", points, flipped)
+    bpy.ops.isimp.partition(proxies=6)
+    assert text.warnings(faulty.data, store.numbers(faulty)) == ["Mended for the result: 2 turned faces"]

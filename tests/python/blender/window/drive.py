@@ -163,23 +163,6 @@ class Hand:
             yield 0.1
         yield 0.2
 
-    def open_panel(self, name):
-        """Opens a closed panel by a click on its header, and has it where it can be seen."""
-        panel = getattr(bpy.types, name)
-        drawn, side = [], self.region("UI")
-        panel.append(lambda shown, context: drawn.append(shown))
-        for y in range(side.y + side.height - 20, side.y, -12):
-            yield from self.move(side.x + 60, y)
-            if not self.under_mouse():
-                yield from self.click(side.x + 60, y)
-                yield 0.15
-                if drawn:
-                    self.known = {}
-                    return
-                yield from self.click(side.x + 60, y)  # another panel: opened again
-                yield 0.1
-        raise AssertionError(f"no panel {name}")
-
     def type_into(self, path_end, text):
         """Types a number into the field of a property."""
         yield from self.find(path_end)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from scenario_main import regions, same, scan
+from scenario_main import regions, same, scan, show_steps
 from scenario_tools import place, sketched, tool
 
 import isimp
@@ -49,6 +49,7 @@ def run(hand):
     if not DATA.exists():
         print(f"no {DATA}: left out")
         return
+    show_steps()
     isimp.register()
     load()
     yield 0.5
@@ -84,7 +85,6 @@ def run(hand):
     yield 0.5
     yield from hand.shot("bunny-4-flatness")
     bpy.context.window_manager.isimp.heat = False
-    yield from hand.open_panel("ISIMP_PT_steps")
     yield from hand.shot("bunny-5-steps")
     yield from hand.press("isimp.mesh")
     result = bpy.context.object

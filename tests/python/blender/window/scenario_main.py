@@ -19,6 +19,13 @@ def make_scan():
     bpy.ops.ed.undo_push(message="scan")
 
 
+def show_steps():
+    """Has the panel with the steps open from the beginning; before the add-on is switched on."""
+    from isimp.blender.panel import steps
+
+    steps.ISIMP_PT_steps.bl_options = set()
+
+
 def scan():
     return bpy.data.objects["Scan"]
 

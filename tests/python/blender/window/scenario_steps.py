@@ -1,7 +1,7 @@
 """The recipe's rows and the live settings, with the real buttons, undo and redo."""
 
 import bpy
-from scenario_main import make_scan, regions, same, scan
+from scenario_main import make_scan, regions, same, scan, show_steps
 
 import isimp
 
@@ -60,6 +60,7 @@ def press_at_end(hand, name):
 
 
 def run(hand):
+    show_steps()
     isimp.register()
     make_scan()
     yield 0.5
@@ -106,7 +107,6 @@ def run(hand):
     yield from hand.undo()
     same("and undone", (regions(), len(recipe())), (16, 3))
 
-    yield from hand.open_panel("ISIMP_PT_steps")
     yield from hand.press("isimp.step_open")
     yield from hand.shot("steps-2-open")
     index = settings().open_step
