@@ -1,6 +1,7 @@
 """Simplifies a scan in the background of Blender.
 
-    blender -b --python examples/batch.py -- IN OUT [OUT ...] --proxies N | --recipe R.json [--picture P.png]
+    blender -b --python examples/batch.py -- IN OUT [OUT ...]
+            --proxies N | --tolerance T | --detail X | --recipe R.json [--picture P.png]
 
 IN is any format that Blender reads, or .off. OUT are .obj, .ply, .glb, in the axes of IN, or .blend, which keeps the
 scan and its coloured regions. Ends with 0; 2 for wrong usage; 3 for a scan that can't be used, and a line saying why.
@@ -50,9 +51,9 @@ def arguments(argv):
     parser = argparse.ArgumentParser(prog="blender -b --python batch.py --", description=__doc__.split("\n")[0])
     parser.add_argument("input", type=Path, metavar="IN", help="the scan, in any format that Blender reads")
     parser.add_argument("outputs", type=Path, nargs="+", metavar="OUT", help=f"files to write: {', '.join(WRITERS)}")
-    parser.add_argument(
-        "--proxies", type=int, default=PROXIES, metavar="N", help=f"how many regions (default {PROXIES})"
-    )
+    parser.add_argument("--proxies", type=int, metavar="N", help=f"how many regions (default {PROXIES})")
+    parser.add_argument("--tolerance", type=float, metavar="T", help="in place of N: show what is larger, scan units")
+    parser.add_argument("--detail", type=float, metavar="X", help="in place of N: the same as a share of the size")
     parser.add_argument("--recipe", type=Path, metavar="R.json", help="the steps to do, as the add-on exports them")
     parser.add_argument("--method", choices=METHODS, help="how regions are found (default hierarchy)")
     parser.add_argument("--seed", type=int, help="number that starts the random choice of teleport and lloyd")
@@ -198,8 +199,12 @@ def activate(*objects):
 
 
 def simplify(options):
-    names = ("proxies", "method", "seed", "iterations")
+    names = ("proxies", "tolerance", "detail", "method", "seed", "iterations")
     settings = {name: getattr(options, name) for name in names if getattr(options, name) is not None}
+    ways = [name for name in ("proxies", "tolerance", "detail") if name in settings]
+    if len(ways) > 1:
+        raise Problem(f"--{' and --'.join(ways)} each say how many regions: give one")
+    settings |= {"count_by": ways[0]} if ways else {"proxies": PROXIES}
     for name, least in (("proxies", 1), ("iterations", 1), ("seed", 0)):
         if settings.get(name, least) < least:
             raise Problem(f"--{name} must be at least {least}, got {settings[name]}")
@@ -207,8 +212,8 @@ def simplify(options):
         call("isimp.partition", **settings)
         call("isimp.mesh")
         return bpy.context.object
-    if settings.keys() - {"proxies"} or options.proxies != PROXIES:
-        raise Problem("--recipe says how it is done: leave out --proxies, --method, --seed and --iterations")
+    if settings != {"proxies": PROXIES}:
+        raise Problem("--recipe says how it is done: leave out --proxies, --tolerance, --detail, --method and the like")
     scan = bpy.context.object
     call("isimp.replay", recipe=options.recipe.read_text(encoding="utf-8"), strict=True)
     if bpy.context.object == scan:

@@ -26,6 +26,49 @@ _SEARCHED = {"search": _weights} if "search" in StringProperty.__doc__ else {}
 
 
 class PartitionSettings:
+    count_by: EnumProperty(
+        name="Number By",
+        description="What says how many regions there are",
+        items=(
+            ("proxies", "Count", "Just so many"),
+            ("tolerance", "Tolerance", "As many as show what is larger than a length: .2 m on a building, say"),
+            ("detail", "Detail", "As many as the shape asks for, at a share of its size"),
+        ),
+        default=_PARTITION.count_by,
+    )
+    detail: FloatProperty(
+        name="Detail",
+        description="What is larger than this share of the scan's size shows. Less makes more regions",
+        default=_PARTITION.detail,
+        min=0.0001,
+        max=1.0,
+        soft_max=0.05,
+        precision=4,
+        step=0.05,
+    )
+    tolerance: FloatProperty(
+        name="Tolerance",
+        description="What is larger than this shows. Less makes more regions",
+        default=_PARTITION.tolerance,
+        min=1e-6,
+        soft_max=10.0,
+        precision=4,
+        step=1,
+        unit="LENGTH",
+    )
+    noise: FloatProperty(
+        name="Noise",
+        description="How much the scan's points stray (standard deviation, in the scan's units). Below 0: found out",
+        default=_PARTITION.noise,
+        min=-1.0,
+        soft_max=0.1,
+        precision=5,
+    )
+    snap: BoolProperty(
+        name="Take Clear Numbers",
+        description="Where the shape clearly is made of so many planes, make just as many regions",
+        default=_PARTITION.snap,
+    )
     proxies: IntProperty(
         name="Proxies",
         description="How many regions to make. Each becomes one polygon or a few",
@@ -213,7 +256,7 @@ def names(cls) -> list:
 
 def to_step(cls, properties):
     """The step of a class with the values of properties of the same names."""
-    values = {name: getattr(properties, name) for name in names(cls) if hasattr(properties, name)}
+    values = {name: getattr(properties, name) for name in names(cls)}
     return cls(**{name: round(value, 6) if isinstance(value, float) else value for name, value in values.items()})
 
 
@@ -234,7 +277,7 @@ def _alike(a, b) -> bool:
 def copy(cls, source, target) -> None:
     """Copies the settings of a step from one holder (a step, too) to another."""
     for name in names(cls):
-        if hasattr(target, name) and getattr(target, name) != getattr(source, name):
+        if getattr(target, name) != getattr(source, name):
             setattr(target, name, getattr(source, name))
 
 

@@ -129,6 +129,20 @@ def test_a_recipe_that_cannot_be_done_writes_nothing(change, more, message, tmp_
     assert not (tmp_path / "out.obj").exists()
 
 
+@pytest.mark.parametrize("way", [("--tolerance", 0.5), ("--detail", 0.1)])
+def test_a_tolerance_or_a_detail_finds_the_number(way, tmp_path):
+    export(".ply", tmp_path / "cube.ply")
+    assert run(tmp_path / "cube.ply", tmp_path / "out.obj", *way) == 0
+    faces = [line for line in (tmp_path / "out.obj").read_text().splitlines() if line.startswith("f ")]
+    assert len(faces) == 6
+
+
+def test_two_ways_to_say_the_number_are_refused(tmp_path, capsys):
+    export(".ply", tmp_path / "cube.ply")
+    assert run(tmp_path / "cube.ply", tmp_path / "out.obj", "--proxies", 6, "--detail", 0.1) == 3
+    assert "--proxies and --detail each say how many" in capsys.readouterr().err
+
+
 def test_glb_goes_out(tmp_path):
     export(".ply", tmp_path / "cube.ply")
     assert run(tmp_path / "cube.ply", tmp_path / "out.glb", "--proxies", 6) == 0

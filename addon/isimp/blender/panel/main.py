@@ -26,9 +26,15 @@ class ISIMP_PT_main(Panel, bpy.types.Panel):
         draw_lines(context, column, text.scan_line(scan.data, numbers), icon="BLANK1")
         for warning in text.warnings(scan.data, numbers):
             draw_lines(context, layout, warning, icon="ERROR")
+        partition = panel.partition
         row = layout.row(align=True)
-        row.prop(panel.partition, "proxies")
+        row.use_property_split = False
+        row.prop(partition, "count_by", expand=True)
+        row = layout.row(align=True)
+        row.prop(partition, partition.count_by)
         row.prop(panel, "live", text="", icon="PLAY")
+        if partition.count_by != "proxies" and "regions" in numbers:
+            layout.label(text=f"{numbers['regions']:,} regions", icon="FORWARD")
         button = layout.column()
         button.scale_y = 1.4
         operator = button.operator("isimp.partition", icon="MOD_EXPLODE")
@@ -46,6 +52,9 @@ class ISIMP_PT_options(Panel, bpy.types.Panel):
 
     def draw(self, context):
         layout, partition = self.prepare(), context.window_manager.isimp.partition
+        if partition.count_by != "proxies":
+            layout.prop(partition, "noise")
+            layout.prop(partition, "snap")
         layout.prop(partition, "method")
         column = layout.column()
         column.active = partition.method != "hierarchy"  # which starts from no faces
