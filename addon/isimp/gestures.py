@@ -25,7 +25,7 @@ class Hit:
 class Wish:
     """What a gesture comes to: a verb and the faces it is about."""
 
-    verb: str  #: add, delete, merge, select, paint, new, smooth or cut
+    verb: str  #: add, delete, merge, select, paint, new or erase
     faces: tuple
     into: int | None = None  #: a face of the region that takes part
 
@@ -75,102 +75,84 @@ class Pointing:
 
 
 class Stroke:
-    """The Paint tool: covers the faces under a brush, mirrored if wished, and says what to make of them."""
+    """The Paint tool: covers the faces under a brush, and says what to make of them."""
 
-    def __init__(self, surface, triangle_face: np.ndarray, radius: float, mirror: int | None = None):
-        """surface: pick.Surface; triangle_face: the user's face of each triangle; mirror: 0, 1, 2 for X, Y, Z."""
-        self._surface, self._triangle_face, self._mirror = surface, triangle_face, mirror
-        self.radius = radius
-        self.triangles: set[int] = set()
+    def __init__(self, surface, triangle_face: np.ndarray, pairs: np.ndarray, radius: float):
+        """surface: pick.Surface; triangle_face: the user's face of each triangle; pairs: (E, 2) triangles that meet."""
+        self._surface, self._triangle_face, self._pairs = surface, triangle_face, pairs
+        self._radius = radius
+        self.covered: set[int] = set()  #: triangles
         self._last = self._first = None
         self._verb = "paint"
 
-    def press(self, hit: Hit | None, facing, new: bool = False, smooth: bool = False) -> None:
-        self._verb = "new" if new else "smooth" if smooth else "paint"
+    def press(self, hit: Hit | None, facing, new: bool = False, erase: bool = False) -> None:
+        self._verb = "new" if new else "erase" if erase else "paint"
         self.move(hit, facing)
 
-    def move(self, hit: Hit | None, facing) -> np.ndarray:
-        """Covers what is between the last place and this. Returns the triangles that were not covered before."""
+    def move(self, hit: Hit | None, facing) -> None:
+        """Covers what is between the last place and this, of the faces that look against `facing`."""
         if hit is None:
             self._last = None
-            return np.empty(0, np.int64)
+            return
         self._first = self._first or hit
         place = np.asarray(hit.place, float)
         begin = place if self._last is None else self._last
-        steps = int(np.ceil(np.linalg.norm(place - begin) / max(0.5 * self.radius, 1e-12)))
+        steps = int(np.ceil(np.linalg.norm(place - begin) / max(0.5 * self._radius, 1e-12)))
         steps = min(max(steps, 1), 200)
-        self._last, fresh = place, set()
+        self._last = place
         for share in np.arange(1, steps + 1) / steps:
-            fresh |= self._cover(begin + share * (place - begin), np.asarray(facing, float))
-        fresh.add(self._triangle_of(hit))
-        fresh -= self.triangles
-        self.triangles |= fresh
-        return np.array(sorted(fresh), np.int64)
+            self.covered.update(self._surface.ball(begin + share * (place - begin), self._radius, facing).tolist())
+        self.covered.add(self._triangle_of(hit))
 
     def _triangle_of(self, hit: Hit) -> int:
         return int(np.searchsorted(self._triangle_face, hit.face))
 
-    def _cover(self, center, facing) -> set:
-        covered = set(self._surface.ball(center, self.radius, facing).tolist())
-        if self._mirror is not None:
-            side = np.ones(3)
-            side[self._mirror] = -1
-            covered |= set(self._surface.ball(center * side, self.radius, facing * side).tolist())
-        return covered
-
     def release(self) -> Wish | None:
-        """What was painted; None if nothing was."""
+        """What was painted, as far as it hangs together with the first place; None if nothing was."""
         if self._first is None:
             return None
-        faces = np.unique(self._triangle_face[sorted(self.triangles)])
         begin, verb = self._first, self._verb
+        triangles = connected(np.array(sorted(self.covered)), self._pairs, self._triangle_of(begin))
+        faces = np.unique(self._triangle_face[triangles])
         self.cancel()
-        return Wish(verb, tuple(faces.tolist()), into=begin.face if verb == "paint" and begin.region >= 0 else None)
+        rest = tuple(faces[faces != begin.face].tolist())
+        return Wish(verb, (begin.face, *rest), into=begin.face if verb == "paint" and begin.region >= 0 else None)
 
     def cancel(self) -> None:
-        self.triangles = set()
+        self.covered = set()
         self._first = self._last = None
 
 
+def connected(chosen: np.ndarray, pairs: np.ndarray, start: int) -> np.ndarray:
+    """Those of some triangles that a way over shared edges leads to from one of them. chosen: in rising order."""
+    inside = np.zeros(max(int(chosen[-1]), int(pairs.max(initial=0))) + 1, bool)
+    inside[chosen] = True
+    pairs = np.searchsorted(chosen, pairs[inside[pairs[:, 0]] & inside[pairs[:, 1]]])
+    reached = chosen == start
+    while True:
+        ends = reached[pairs]
+        fresh = pairs[ends[:, 0] != ends[:, 1]].ravel()
+        if not len(fresh):
+            return chosen[reached]
+        reached[fresh] = True
+
+
 class Cut:
-    """The Cut tool: a straight line over a region parts it along the plane through the eye and the line."""
+    """The Cut tool: a straight line drawn over a region parts it, as seen."""
 
     def __init__(self):
-        self.begin = self.end = None
         self._hits = []
 
-    def press(self, ray, hit: Hit | None) -> None:
-        """ray: (origin, direction) at the mouse."""
-        self.begin = self.end = ray
-        self._hits = [hit]
-
-    def move(self, ray, hit: Hit | None) -> None:
-        self.end = ray
+    def move(self, hit: Hit | None) -> None:
+        """A place along the line; the first is where the mouse was pressed."""
         self._hits.append(hit)
 
     @property
     def target(self) -> Hit | None:
-        """Where the line meets the region it meets most."""
+        """Where the line meets the region that it meets most."""
         hits = [hit for hit in self._hits if hit is not None and hit.region >= 0]
         if not hits:
             return None
         regions = [hit.region for hit in hits]
         most = max(set(regions), key=lambda region: (regions.count(region), -region))
         return next(hit for hit in hits if hit.region == most)
-
-    def plane(self) -> tuple[np.ndarray, float] | None:
-        """(normal, offset) of the plane: normal . x = offset; None where the line is but a point."""
-        if self.begin is None:
-            return None
-        (origin, first), (other, last) = ((np.asarray(a, float) for a in ray) for ray in (self.begin, self.end))
-        along = (other + last) - (origin + first)
-        normal = np.cross(first, along)
-        length = np.linalg.norm(normal)
-        if length <= 1e-9 * np.linalg.norm(first):
-            return None
-        normal /= length
-        return normal, float(normal @ origin)
-
-    def cancel(self) -> None:
-        self.begin = self.end = None
-        self._hits = []

@@ -254,18 +254,21 @@ def names(cls) -> list:
     return [field.name for field in dataclasses.fields(cls) if field.name in _KNOWN[cls]]
 
 
+def _values(cls, properties) -> dict:
+    values = {name: getattr(properties, name) for name in names(cls)}
+    return {name: round(value, 6) if isinstance(value, float) else value for name, value in values.items()}
+
+
 def to_step(cls, properties):
     """The step of a class with the values of properties of the same names."""
-    values = {name: getattr(properties, name) for name in names(cls)}
-    return cls(**{name: round(value, 6) if isinstance(value, float) else value for name, value in values.items()})
+    return cls(**_values(cls, properties))
 
 
 def updated(step, properties):
     """The step with what properties of the same names say; a float that a property can't tell apart is kept."""
-    cls = type(step)
-    new = to_step(cls, properties)
-    values = {name: getattr(new, name) for name in names(cls) if not _alike(getattr(new, name), getattr(step, name))}
-    return dataclasses.replace(step, **values) if values else step
+    new = _values(type(step), properties)
+    changed = {name: value for name, value in new.items() if not _alike(value, getattr(step, name))}
+    return dataclasses.replace(step, **changed) if changed else step
 
 
 def _alike(a, b) -> bool:
