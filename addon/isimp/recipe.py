@@ -10,6 +10,7 @@ import dataclasses
 import hashlib
 import json
 import math
+import operator
 from dataclasses import dataclass
 
 VERSION = 1
@@ -29,6 +30,35 @@ def _check(wrong: bool, message: str) -> None:
 
 def _check_face(face: int) -> None:
     _check(face < 0, f"face must be at least 0, got {face}")
+
+
+def _indices(faces) -> tuple[int, ...]:
+    """Faces as plain integers; any sequence of integers will do, numpy's too."""
+    try:
+        plain = tuple(operator.index(face) for face in faces if not isinstance(face, bool))
+    except TypeError:
+        plain = ()
+    _check(len(plain) == 0 or len(plain) != len(faces), f"faces must be a list of faces, got {_short(faces)}")
+    _check(min(plain) < 0, f"faces must be at least 0, got {min(plain)}")
+    return plain
+
+
+def _numbers(values, name: str) -> tuple[float, ...]:
+    try:
+        plain = tuple(float(value) for value in values)
+    except (TypeError, ValueError):
+        raise RecipeError(f"{name} must be a list of numbers, got {_short(values)}") from None
+    _check(not all(map(math.isfinite, plain)), f"{name} must be finite, got {_short(values)}")
+    return plain
+
+
+def _short(value) -> str:
+    text = repr(value)
+    return text if len(text) < 60 else text[:57] + "..."
+
+
+def _count(faces: tuple) -> str:
+    return f"face {faces[0]}" if len(faces) == 1 else f"{len(faces)} faces"
 
 
 @dataclass(frozen=True)
@@ -120,6 +150,164 @@ class DeleteProxy(Step):
 
 
 @dataclass(frozen=True)
+class MergeRegions(Step):
+    """Make the region of one face part of the region of another beside it."""
+
+    face: int = 0  #: of the region that stays
+    other: int = 0  #: of the one that becomes part of it
+
+    def __post_init__(self):
+        _check_face(self.face)
+        _check_face(self.other)
+
+    def describe(self) -> str:
+        return f"Merge the region at face {self.other} into that at face {self.face}"
+
+
+@dataclass(frozen=True)
+class SplitRegion(Step):
+    """Split a region in the two parts that are most unlike."""
+
+    face: int = 0
+
+    def __post_init__(self):
+        _check_face(self.face)
+
+    def describe(self) -> str:
+        return f"Split the region at face {self.face}"
+
+
+@dataclass(frozen=True)
+class CutRegion(Step):
+    """Split a region along a line that is swept along a direction, as that of sight; scan coordinates."""
+
+    face: int = 0
+    line: tuple[tuple[float, ...], ...] = ()  #: points, at least 2
+    direction: tuple[float, ...] = ()  #: empty: the region's normal
+
+    def __post_init__(self):
+        _check_face(self.face)
+        object.__setattr__(self, "line", tuple(_numbers(point, "a point of line") for point in self.line))
+        object.__setattr__(self, "direction", _numbers(self.direction, "direction"))
+        _check(len(self.line) < 2, f"line must have at least 2 points, got {len(self.line)}")
+        _check(any(len(point) != 3 for point in self.line), "each point of line must have 3 numbers")
+        _check(len(self.direction) not in (0, 3), f"direction must have 3 numbers, got {len(self.direction)}")
+
+    def describe(self) -> str:
+        return f"Cut the region at face {self.face}"
+
+
+@dataclass(frozen=True)
+class PaintFaces(Step):
+    """Make faces a region of their own, or part of the region of the face `onto`."""
+
+    faces: tuple[int, ...] = ()
+    onto: int = -1  #: below 0: a new region
+    lock: bool = False  #: and lock it
+
+    def __post_init__(self):
+        object.__setattr__(self, "faces", _indices(self.faces))
+
+    def describe(self) -> str:
+        where = "a new region" if self.onto < 0 else f"the region at face {self.onto}"
+        return f"Paint {_count(self.faces)} into {where}" + (", locked" if self.lock else "")
+
+
+@dataclass(frozen=True)
+class EraseFaces(Step):
+    """Take faces from the region of the first of them; those around share them."""
+
+    faces: tuple[int, ...] = ()
+
+    def __post_init__(self):
+        object.__setattr__(self, "faces", _indices(self.faces))
+
+    def describe(self) -> str:
+        return f"Erase {_count(self.faces)} from the region at face {self.faces[0]}"
+
+
+@dataclass(frozen=True)
+class GrowRegion(Step):
+    """Let a region take the faces beside it."""
+
+    face: int = 0
+    rings: int = 1
+
+    def __post_init__(self):
+        _check_face(self.face)
+        _check(self.rings < 1, f"rings must be at least 1, got {self.rings}")
+
+    def describe(self) -> str:
+        return f"Grow the region at face {self.face} by {self.rings}"
+
+
+@dataclass(frozen=True)
+class ShrinkRegion(GrowRegion):
+    """Let a region give the faces along its border away."""
+
+    def describe(self) -> str:
+        return f"Shrink the region at face {self.face} by {self.rings}"
+
+
+@dataclass(frozen=True)
+class LockRegions(Step):
+    """Have the steps that follow leave the regions of some faces as they are."""
+
+    faces: tuple[int, ...] = ()
+
+    def __post_init__(self):
+        object.__setattr__(self, "faces", _indices(self.faces))
+
+    def describe(self) -> str:
+        return f"Lock the regions at {_count(self.faces)}"
+
+
+@dataclass(frozen=True)
+class UnlockRegions(LockRegions):
+    """Have the steps that follow change the regions of some faces again."""
+
+    def describe(self) -> str:
+        return f"Unlock the regions at {_count(self.faces)}"
+
+
+@dataclass(frozen=True)
+class AddWorst(Step):
+    """Add proxies where the error is largest."""
+
+    times: int = 1
+
+    def __post_init__(self):
+        _check(self.times < 1, f"times must be at least 1, got {self.times}")
+
+    def describe(self) -> str:
+        return f"Add {self.times} at the worst"
+
+
+@dataclass(frozen=True)
+class DeleteLeast(AddWorst):
+    """Delete the regions that are missed least."""
+
+    def describe(self) -> str:
+        return f"Delete the least {self.times}"
+
+
+@dataclass(frozen=True)
+class MergeCheapest(AddWorst):
+    """Merge the neighbours that are most alike."""
+
+    def describe(self) -> str:
+        return f"Merge the cheapest {self.times}"
+
+
+@dataclass(frozen=True)
+class Improve(Step):
+    """Move regions to where they are worth more until it no longer helps."""
+
+    def describe(self) -> str:
+        return "Improve"
+
+
+@dataclass(frozen=True)
 class Mesh(Step):
     """Turn the regions into polygons."""
 
@@ -135,9 +323,27 @@ class Mesh(Step):
         return "Mesh"
 
 
-KINDS = {Partition: "partition", AddProxy: "add_proxy", DeleteProxy: "delete_proxy", Mesh: "mesh"}
+KINDS = {
+    Partition: "partition",
+    AddProxy: "add_proxy",
+    DeleteProxy: "delete_proxy",
+    MergeRegions: "merge_regions",
+    SplitRegion: "split_region",
+    CutRegion: "cut_region",
+    PaintFaces: "paint",
+    EraseFaces: "erase",
+    GrowRegion: "grow",
+    ShrinkRegion: "shrink",
+    LockRegions: "lock",
+    UnlockRegions: "unlock",
+    AddWorst: "add_worst",
+    DeleteLeast: "delete_least",
+    MergeCheapest: "merge_cheapest",
+    Improve: "improve",
+    Mesh: "mesh",
+}
 _TYPES = {kind: cls for cls, kind in KINDS.items()}
-_ACCEPTS = {"bool": bool, "int": int, "str": str, "float": (float, int)}
+_ACCEPTS = {"bool": bool, "int": int, "str": str, "float": (float, int), "list": (list, tuple)}
 
 
 def step_from_dict(values: dict) -> Step:
@@ -149,7 +355,7 @@ def step_from_dict(values: dict) -> Step:
     fields = {field.name: field for field in dataclasses.fields(_TYPES[kind])}
     for name, value in values.items():
         _check(name not in fields, f"{kind} has no setting {name!r}")
-        wanted = fields[name].type
+        wanted = "list" if fields[name].type.startswith("tuple") else fields[name].type
         fits = isinstance(value, _ACCEPTS[wanted]) and (wanted == "bool" or not isinstance(value, bool))
         _check(not fits, f"{name} of {kind} must be a {wanted}, got {value!r}")
     return _TYPES[kind](**values)
@@ -166,6 +372,31 @@ class Recipe:
         if isinstance(step, Partition):
             return Recipe((step,))
         return Recipe((*self.without_mesh().steps, step))
+
+    def replaced(self, index: int, step: Step) -> Recipe:
+        """The recipe with another step in the place of one."""
+        self._check_index(index)
+        return Recipe((*self.steps[:index], step, *self.steps[index + 1 :]))
+
+    def removed(self, index: int) -> Recipe:
+        """The recipe without one of its steps."""
+        self._check_index(index)
+        return Recipe(self.steps[:index] + self.steps[index + 1 :])
+
+    def moved(self, index: int, to: int) -> Recipe:
+        """The recipe with one of its steps at another place."""
+        self._check_index(index)
+        self._check_index(to)
+        rest = self.removed(index).steps
+        return Recipe((*rest[:to], self.steps[index], *rest[to:]))
+
+    def switched(self, index: int, enabled: bool) -> Recipe:
+        """The recipe with one of its steps switched on or off."""
+        self._check_index(index)
+        return self.replaced(index, dataclasses.replace(self.steps[index], enabled=enabled))
+
+    def _check_index(self, index: int) -> None:
+        _check(not 0 <= index < len(self.steps), f"there is no step {index + 1}: the recipe has {len(self.steps)}")
 
     def ends_in_mesh(self) -> bool:
         """Whether polygons are what it gives."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 import time
 from collections import OrderedDict
 from dataclasses import dataclass, field, replace
@@ -155,6 +156,8 @@ class Session:
             begin, end = (0.2 + 0.8 * (n - done) / (len(steps) - done) for n in (number, number + 1))
             try:
                 outcome = self._apply(step, prepared, outcome, watch, begin, end)
+            except engine.InvalidInput as error:
+                raise StepFailed(index, step, _in_users_faces(str(error), prepared), outcome) from error
             except ValueError as error:
                 raise StepFailed(index, step, str(error), outcome) from error
             self._outcomes.put(keys[number], outcome, _size(outcome, prepared))
@@ -176,6 +179,14 @@ class Session:
         args = (np.asarray(polygons.vertices), np.asarray(polygons.loops), np.asarray(polygons.loop_start))
         triangles, polygon = engine.triangulate(*args)
         return np.asarray(triangles), np.asarray(polygon)
+
+    def region_at(self, scan: Scan, outcome: Outcome, face: int) -> dict:
+        """What there is to say of the region of one of the user's faces: what `engine.region_statistics` says of it.
+
+        Raises ValueError if there is no such face, or it is in no region. Cost: of the size of the region.
+        """
+        prepared = self.prepare(scan)
+        return engine.region_statistics(prepared.mesh, outcome.partition, _triangle_at(prepared, face))
 
     def _longest_known(self, keys: list) -> tuple[int, Outcome | None]:
         for number in range(len(keys), 0, -1):
@@ -258,6 +269,16 @@ def _scan_numbers(prepared: Prepared) -> dict:
     }
 
 
+def _in_users_faces(message: str, prepared: Prepared) -> str:
+    """What the engine said, with the user's faces in the place of its own."""
+
+    def users(number: re.Match) -> str:
+        face = int(number[0])
+        return str(prepared.mesh_face[face]) if face < len(prepared.mesh_face) else number[0]
+
+    return re.sub(r"\bfaces? \d+(?: and \d+)?", lambda found: re.sub(r"\d+", users, found[0]), message)
+
+
 def _triangle_at(prepared: Prepared, face: int) -> int:
     if face >= prepared.scan.face_count:
         raise ValueError(f"there is no face {face}: the mesh has {prepared.scan.face_count} faces.")
@@ -265,6 +286,18 @@ def _triangle_at(prepared: Prepared, face: int) -> int:
     if triangle < 0:
         raise ValueError(f"face {face} was left out when the mesh was mended, as it has no area or is there twice.")
     return triangle
+
+
+def _triangles_at(prepared: Prepared, faces: tuple[int, ...]) -> np.ndarray:
+    """The triangles of some of the user's faces, one of the first face first."""
+    first = _triangle_at(prepared, faces[0])
+    count = prepared.scan.face_count
+    if max(faces) >= count:
+        raise ValueError(f"there is no face {max(faces)}: the mesh has {count} faces.")
+    wanted = np.zeros(count, bool)
+    wanted[list(faces)] = True
+    triangles = np.flatnonzero(wanted[prepared.mesh_face])
+    return np.concatenate([[first], triangles[triangles != first]])
 
 
 def _needs_regions(before: Outcome | None) -> Outcome:
@@ -279,6 +312,7 @@ def _with_regions(prepared: Prepared, partition, kept: np.ndarray | None, number
     pairs = view.region_pairs(face_region, prepared.face_pairs)
     color = view.assign_colors(partition.region_count, pairs, kept)
     known = {"regions": partition.region_count, "error": partition.error, "left_out": int((face_region < 0).sum())}
+    known["locked"] = int(np.count_nonzero(partition.region_locked))
     return Outcome(face_region, color, partition, numbers=known | numbers)
 
 
@@ -334,6 +368,85 @@ def flaws(report: dict) -> dict:
     return {flaw: sorted(polygons) for flaw, polygons in found.items()}
 
 
+def _carried_colors(before: Outcome, partition) -> np.ndarray:
+    """(R,) the colour each region brings from before, -1 for a new one: colours go with the regions' seeds."""
+    old, color = before.partition, before.region_color
+    came, went = old.face_region[partition.region_seed], partition.face_region[old.region_seed]
+    kept = np.full(partition.region_count, -1, color.dtype)
+    for region in range(len(color) - 1, -1, -1):  # of several that became one the lowest
+        if went[region] >= 0:
+            kept[went[region]] = color[region]
+    same = (came >= 0) & (went[came] == np.arange(len(came)))
+    kept[same] = color[came[same]]
+    return kept
+
+
+def _apply_edit(step: rcp.Step, prepared, before, watch, begin, end) -> Outcome:
+    before = _needs_regions(before)
+    stage, function, arguments = _EDITS[type(step)]
+    args = (prepared.mesh, before.partition, *arguments(step, prepared))
+    partition = _engine_call(watch, begin, end, stage, getattr(engine, function), *args)
+    return _with_regions(prepared, partition, _carried_colors(before, partition), {})
+
+
+def _apply_merge(step: rcp.MergeRegions, prepared, before, watch, begin, end) -> Outcome:
+    before, other = _needs_regions(before), _triangle_at(prepared, step.other)
+    args = (prepared.mesh, before.partition, _triangle_at(prepared, step.face), other)
+    partition = _engine_call(watch, begin, end, "merging", engine.merge_regions, *args)
+    gone = int(before.partition.face_region[other])  # regions above it move down by one
+    return _with_regions(prepared, partition, np.delete(before.region_color, gone), {})
+
+
+def _apply_paint(step: rcp.PaintFaces, prepared, before, watch, begin, end) -> Outcome:
+    before, faces = _needs_regions(before), _triangles_at(prepared, step.faces)
+    onto = None if step.onto < 0 else _triangle_at(prepared, step.onto)
+    args = (prepared.mesh, before.partition, faces, onto)
+    partition = _engine_call(watch, begin, end, "painting", engine.paint_faces, *args)
+    if step.lock:
+        painted = partition.region_seed[-1] if onto is None else onto
+        partition = engine.lock_regions(prepared.mesh, partition, np.array([painted]))
+    return _with_regions(prepared, partition, _carried_colors(before, partition), {})
+
+
+def _apply_lock(step: rcp.LockRegions, prepared, before, watch, begin, end) -> Outcome:
+    before = _needs_regions(before)
+    change = engine.unlock_regions if isinstance(step, rcp.UnlockRegions) else engine.lock_regions
+    faces = np.array([_triangle_at(prepared, face) for face in step.faces])
+    partition = change(prepared.mesh, before.partition, faces)
+    return _with_regions(prepared, partition, before.region_color, {})
+
+
+def _cut_arguments(step: rcp.CutRegion, prepared) -> tuple:
+    direction = np.array(step.direction, float) if step.direction else None
+    return _triangle_at(prepared, step.face), np.array(step.line, float), direction
+
+
+def _at_face(step, prepared) -> tuple:
+    return (_triangle_at(prepared, step.face),)
+
+
+def _at_face_by_rings(step, prepared) -> tuple:
+    return _triangle_at(prepared, step.face), step.rings
+
+
+def _times(step, prepared) -> tuple:
+    return (step.times,)
+
+
+#: of each step: what it is called while it works, the engine's function, and that function's arguments
+_EDITS = {
+    rcp.SplitRegion: ("splitting", "split_region", _at_face),
+    rcp.CutRegion: ("splitting", "split_along", _cut_arguments),
+    rcp.EraseFaces: ("erasing", "erase_faces", lambda step, prepared: (_triangles_at(prepared, step.faces),)),
+    rcp.GrowRegion: ("growing", "grow_region", _at_face_by_rings),
+    rcp.ShrinkRegion: ("shrinking", "shrink_region", _at_face_by_rings),
+    rcp.AddWorst: ("adding proxies", "add_worst", _times),
+    rcp.DeleteLeast: ("deleting proxies", "delete_least", _times),
+    rcp.MergeCheapest: ("merging", "merge_cheapest", _times),
+    rcp.Improve: ("improving", "improve", lambda step, prepared: ()),
+}
+
+
 def _apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end) -> Outcome:
     before = _needs_regions(before)
     options = engine.MeshingOptions(chord_tolerance=step.chord_tolerance, flatten=step.flatten)
@@ -354,7 +467,12 @@ _APPLY = {
     rcp.Partition: _apply_partition,
     rcp.AddProxy: _apply_add,
     rcp.DeleteProxy: _apply_delete,
+    rcp.MergeRegions: _apply_merge,
+    rcp.PaintFaces: _apply_paint,
+    rcp.LockRegions: _apply_lock,
+    rcp.UnlockRegions: _apply_lock,
     rcp.Mesh: _apply_mesh,
+    **dict.fromkeys(_EDITS, _apply_edit),
 }
 
 

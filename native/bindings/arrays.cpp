@@ -64,9 +64,9 @@ std::size_t rows_of(const py::array& array) { return static_cast<std::size_t>(ar
 
 }  // namespace
 
-std::vector<Vec3> read_vertices(const py::object& vertices) {
+std::vector<Vec3> read_points(const py::object& points, const std::string& name, const std::string& shape) {
   const py::array array =
-      read_array(vertices, 3, 'f', "vertices must be an array of shape (V, 3) and float32 or float64");
+      read_array(points, 3, 'f', name + " must be an array of shape " + shape + " and float32 or float64");
   std::vector<Vec3> rows(rows_of(array));
   for_each_real(array, [&](double x, std::size_t i, std::size_t k) { rows[i][static_cast<Eigen::Index>(k)] = x; });
   return rows;

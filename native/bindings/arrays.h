@@ -17,8 +17,12 @@ namespace isimp::bindings {
 
 namespace py = pybind11;
 
-/// (V, 3) float32 or float64 with any strides, copied. \throws InvalidInput  another shape or kind of number
-std::vector<Vec3> read_vertices(const py::object& vertices);
+/// (n, 3) float32 or float64 with any strides, copied; `name` and `shape` are for the message.
+/// \throws InvalidInput  another shape or kind of number
+std::vector<Vec3> read_points(const py::object& points, const std::string& name, const std::string& shape);
+inline std::vector<Vec3> read_vertices(const py::object& vertices) {
+  return read_points(vertices, "vertices", "(V, 3)");
+}
 
 /// (F, 3) int32 or int64 with any strides, copied.
 /// \throws InvalidInput  another shape or kind of number; an index that is out of the range of int32: the message

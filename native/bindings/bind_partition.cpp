@@ -82,6 +82,13 @@ py::dict report_of(const Partition& part) {
                   "noise"_a = given_or_none(part.tolerance > 0, part.noise), "snapped"_a = part.snapped);
 }
 
+py::array region_locked(const Partition& part) {
+  py::array_t<bool> locked(part.region_count());
+  for (std::int32_t r = 0; r < part.region_count(); ++r)
+    locked.mutable_at(r) = !part.region_locked.empty() && part.region_locked[r] != 0;
+  return locked;
+}
+
 void bind_result(py::module_& m) {
   py::class_<Partition>(m, "Partition", py::module_local(), "A surface split into R connected, near-planar regions.")
       .def_property_readonly("face_region", viewer<Partition>(&Partition::face_region),
@@ -90,6 +97,8 @@ void bind_result(py::module_& m) {
                              "(R,) int32: the region's face that is nearest to its proxy.")
       .def_property_readonly("region_normal", viewer<Partition>(&Partition::region_normal),
                              "(R, 3) float64: unit, the area-weighted mean; zero for a region without area.")
+      .def_property_readonly("region_locked", &region_locked,
+                             "(R,) bool: whether edits leave a region as it is; see lock_regions.")
       .def_property_readonly("history", viewer<Partition>(&Partition::history),
                              "(rounds,) float64: the error after each round.")
       .def_readonly("error", &Partition::error, "Sum of area * |n_face - n_region|^2, scene units squared.")

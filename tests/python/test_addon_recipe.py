@@ -12,6 +12,19 @@ FULL = Recipe(
         Partition(proxies=7, seed=3, iterations=5, method="lloyd", seeding="farthest", leave_out=0.0),
         AddProxy(face=12),
         DeleteProxy(face=3, enabled=False),
+        rcp.MergeRegions(face=1, other=2),
+        rcp.SplitRegion(face=4),
+        rcp.CutRegion(face=5, line=((0.1, 0.2, 0.3), (1.0, 2.0, 1e-17)), direction=(0.0, 0.0, -1.0)),
+        rcp.PaintFaces(faces=(7, 8, 9), onto=3, lock=True),
+        rcp.EraseFaces(faces=(1,)),
+        rcp.GrowRegion(face=2, rings=3),
+        rcp.ShrinkRegion(face=2),
+        rcp.LockRegions(faces=(1, 30)),
+        rcp.UnlockRegions(faces=(1,)),
+        rcp.AddWorst(times=5),
+        rcp.DeleteLeast(),
+        rcp.MergeCheapest(),
+        rcp.Improve(),
         Mesh(chord_tolerance=0.1, flatten=0),
     )
 )
@@ -45,6 +58,21 @@ def test_json_is_what_people_can_write():
         ('{"isimp_recipe": 1, "steps": [{"step": "partition", "count_by": "luck"}]}', "one of detail, tolerance, p"),
         ('{"isimp_recipe": 1, "steps": [{"step": "partition", "detail": 2}]}', r"detail must be in \(0, 1\], got 2"),
         ('{"isimp_recipe": 1, "steps": [{"step": "partition", "tolerance": 0}]}', "tolerance must be above 0, got 0"),
+        ('{"isimp_recipe": 1, "steps": [{"step": "paint"}]}', r"faces must be a list of faces, got \(\)"),
+        ('{"isimp_recipe": 1, "steps": [{"step": "paint", "faces": 3}]}', "faces of paint must be a list, got 3"),
+        ('{"isimp_recipe": 1, "steps": [{"step": "lock", "faces": [1, 2.5]}]}', r"a list of faces, got \[1, 2.5\]"),
+        ('{"isimp_recipe": 1, "steps": [{"step": "erase", "faces": [4, -2]}]}', "faces must be at least 0, got -2"),
+        ('{"isimp_recipe": 1, "steps": [{"step": "grow", "rings": 0}]}', "rings must be at least 1, got 0"),
+        ('{"isimp_recipe": 1, "steps": [{"step": "add_worst", "times": 0}]}', "times must be at least 1, got 0"),
+        ('{"isimp_recipe": 1, "steps": [{"step": "cut_region"}]}', "line must have at least 2 points, got 0"),
+        (
+            '{"isimp_recipe": 1, "steps": [{"step": "cut_region", "line": [[1, 2], [3, 4]]}]}',
+            "each point of line must have 3 numbers",
+        ),
+        (
+            '{"isimp_recipe": 1, "steps": [{"step": "cut_region", "line": [[1, 2, "x"], [3, 4, 5]]}]}',
+            "a point of line must be a list of numbers",
+        ),
         ('{"isimp_recipe": 1, "steps": [{"step": "mesh", "chord_tolerance": NaN}]}', "above 0, got nan"),
     ],
 )
@@ -74,7 +102,7 @@ def test_keys_depend_on_what_comes_before_and_not_on_steps_switched_off():
 def test_a_step_switched_off_is_saved_as_such():
     values = json.loads(FULL.to_json())["steps"]
     assert [values[2].get("enabled"), "enabled" in values[1]] == [False, False]
-    assert [index for index, _ in FULL.active()] == [0, 1, 3]
+    assert [index for index, _ in FULL.active()] == [0, 1, *range(3, len(FULL.steps))]
 
 
 def test_a_recipe_without_its_mesh():
@@ -83,3 +111,28 @@ def test_a_recipe_without_its_mesh():
     assert meshed.without_mesh() == regions == regions.without_mesh()
     assert (meshed.ends_in_mesh(), regions.ends_in_mesh(), Recipe().ends_in_mesh()) == (True, False, False)
     assert not Recipe((*regions.steps, Mesh(enabled=False))).ends_in_mesh()
+
+
+def test_every_step_says_what_it_does():
+    words = [step.describe() for step in FULL.steps]
+    assert len(set(words)) == len(words)
+    assert "Paint 3 faces into the region at face 3, locked" in words
+    assert "Erase face 1 from the region at face 1" in words
+
+
+def test_faces_may_come_from_any_sequence_of_integers():
+    numpy = pytest.importorskip("numpy")
+    assert rcp.PaintFaces(faces=numpy.array([3, 4])) == rcp.PaintFaces(faces=[3, 4]) == rcp.PaintFaces(faces=(3, 4))
+
+
+def test_steps_are_replaced_removed_moved_and_switched():
+    a, b, c = Partition(), AddProxy(face=1), AddProxy(face=2)
+    recipe = Recipe((a, b, c))
+    assert recipe.replaced(1, AddProxy(face=9)).steps == (a, AddProxy(face=9), c)
+    assert recipe.removed(1).steps == (a, c)
+    assert recipe.moved(2, 1).steps == recipe.moved(1, 2).steps == (a, c, b)
+    assert recipe.switched(1, False).steps == (a, AddProxy(face=1, enabled=False), c)
+    assert recipe.switched(1, False).switched(1, True) == recipe
+    for change in (lambda: recipe.removed(3), lambda: recipe.moved(0, 3), lambda: recipe.switched(-1, True)):
+        with pytest.raises(RecipeError, match=r"there is no step -?\d: the recipe has 3"):
+            change()

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from isimp import recipe as rcp
 from isimp import view
 from isimp.recipe import AddProxy, DeleteProxy, Mesh, Partition, Recipe
 from isimp.session import Cache, Scan, Session, StepFailed, engine, face_regions
@@ -140,6 +141,81 @@ def test_edit_and_edit_back_is_equal_to_the_bit(scan):
         assert np.array_equal(again.polygons.loops, first.polygons.loops)
 
 
+STROKE = tuple(range(100, 110))
+EDITS = [
+    rcp.MergeRegions(face=3),  # with the one beside it
+    rcp.SplitRegion(face=3),
+    rcp.CutRegion(face=3, line=((-3, 0.1, 0), (3, 0.1, 0)), direction=(0, 0, 1)),
+    rcp.CutRegion(face=3, line=((-3, 0.1, 0.1), (3, 0.1, 0.1), (4, -3, 0.1)), direction=(0, 0.1, 1)),
+    rcp.PaintFaces(faces=STROKE),
+    rcp.PaintFaces(faces=STROKE, lock=True),
+    rcp.EraseFaces(faces=STROKE),
+    rcp.GrowRegion(face=3, rings=2),
+    rcp.ShrinkRegion(face=3),
+    rcp.LockRegions(faces=(3, 200)),
+    rcp.AddWorst(times=3),
+    rcp.DeleteLeast(times=2),
+    rcp.MergeCheapest(times=2),
+    rcp.Improve(),
+]
+
+
+@pytest.mark.parametrize("step", EDITS, ids=lambda step: step.kind)
+def test_every_edit_can_be_replayed_taken_back_and_done_again_to_the_bit(quads, step):
+    session, recipe = Session(), Recipe((Partition(proxies=12),))
+    before = session.replay(quads, recipe)
+    if isinstance(step, rcp.MergeRegions):
+        beside = session.region_at(quads, before, step.face)["neighbours"][0]
+        step = rcp.MergeRegions(face=step.face, other=int(np.flatnonzero(before.face_region == beside)[0]))
+    first = session.replay(quads, recipe.then(step))
+    assert len(np.unique(first.face_region)) == first.numbers["regions"]
+    for again in (
+        session.replay(quads, Recipe.from_json(recipe.then(step).to_json())),
+        Session().replay(quads, recipe.then(step)),
+        Session().replay(quads, Recipe((Partition(proxies=12), rcp.SplitRegion(face=9, enabled=False), step))),
+    ):
+        assert (again.face_region == first.face_region).all()
+        assert (again.region_color == first.region_color).all()
+    back = session.replay(quads, recipe.then(step).removed(1))
+    assert (back.face_region == before.face_region).all()
+    assert (back.region_color == before.region_color).all()
+
+
+def test_painted_faces_are_a_region_and_locked_ones_stay(quads):
+    session, recipe = Session(), Recipe((Partition(proxies=12), rcp.PaintFaces(faces=STROKE, lock=True)))
+    painted = session.replay(quads, recipe)
+    region = painted.face_region[100]
+    assert np.flatnonzero(painted.face_region == region).tolist() == list(STROKE)
+    assert painted.numbers["locked"] == 1
+    for step in (rcp.AddWorst(times=8), rcp.DeleteLeast(times=6), rcp.Improve(), rcp.GrowRegion(face=130)):
+        after = session.replay(quads, recipe.then(step))
+        assert np.flatnonzero(after.face_region == after.face_region[100]).tolist() == list(STROKE)
+    with pytest.raises(StepFailed, match="Step 3, Delete proxy at face 100: the region of face 100 is locked"):
+        session.replay(quads, recipe.then(DeleteProxy(face=100)))
+    free = recipe.then(rcp.UnlockRegions(faces=(100,))).then(DeleteProxy(face=100))
+    assert session.replay(quads, free).numbers["locked"] == 0
+
+
+def test_a_region_keeps_its_colour_through_edits(quads):
+    session, recipe = Session(), Recipe((Partition(proxies=12),))
+    before = session.replay(quads, recipe)
+    for step in EDITS[4:9]:
+        after = session.replay(quads, recipe.then(step))
+        seeds = quads.triangle_face[np.asarray(before.partition.region_seed)]
+        same = before.region_color[before.face_region[seeds]] == after.region_color[after.face_region[seeds]]
+        assert same.sum() >= 10, step
+
+
+def test_what_is_said_of_a_region(quads):
+    session = Session()
+    outcome = session.replay(quads, Recipe((Partition(proxies=12),)))
+    said = session.region_at(quads, outcome, 50)
+    assert said["region"] == outcome.face_region[50]
+    assert 0 < said["distance_rms"] < said["distance_max"]
+    with pytest.raises(ValueError, match="there is no face 99999"):
+        session.region_at(quads, outcome, 99999)
+
+
 def test_a_step_switched_off_does_nothing(scan):
     session = Session()
     off = Recipe((*SIDES.steps, AddProxy(face=3, enabled=False)))
@@ -151,6 +227,17 @@ def test_a_step_switched_off_does_nothing(scan):
     [
         (AddProxy(face=99999), "Step 2, Add proxy at face 99999: there is no face 99999: the mesh has"),
         (DeleteProxy(face=99999), "Step 2, Delete proxy at face 99999"),
+        (rcp.PaintFaces(faces=(3, 99999)), "Step 2, Paint 2 faces into a new region: there is no face 99999"),
+        (rcp.PaintFaces(faces=(3, 300)), "Step 2, Paint 2 faces into a new region: the faces to paint do not hang"),
+        (
+            rcp.MergeRegions(face=3, other=3),
+            "Step 2, Merge .*: faces 3 and 3 are in one region",
+        ),
+        (
+            rcp.CutRegion(face=3, line=((9, 9, 9), (9, 8, 9))),
+            "Step 2, Cut .*: the line does not cut the region of face 3",
+        ),
+        (rcp.DeleteLeast(times=99), "Step 2, Delete the least 99: only . of 99 can be done"),
     ],
 )
 def test_a_step_that_cannot_be_done_says_which_and_why_and_keeps_what_came_before(scan, step, message):

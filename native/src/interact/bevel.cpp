@@ -89,7 +89,7 @@ class Growth {
   Growth(Edit& edit, Bevel bevel, std::int32_t face)
       : edit_(edit), graph_(edit.graph), bevel_(std::move(bevel)), fresh_(edit.result.region_count()) {
     for (const RegionSum& s : edit.result.region_sum) normals_.push_back(s.normal());
-    edit_.result.region_sum.emplace_back();
+    edit_.add_region();
     take(face);
   }
 

@@ -28,7 +28,8 @@ Edit::Edit(const Mesh& mesh, const Partition& partition)
     : surface(mesh, partition.guided),
       graph(surface.graph()),
       result(checked(mesh, partition)),
-      labels{result.face_region.data(), &graph} {}
+      held(result.region_locked),
+      labels{result.face_region.data(), &graph, &held} {}
 
 std::int32_t Edit::at(std::int32_t face) const {
   if (face < 0 || face >= graph.size())
@@ -36,9 +37,38 @@ std::int32_t Edit::at(std::int32_t face) const {
   return graph.graph_face[face];
 }
 
+std::int32_t Edit::region_at(std::int32_t face) const {
+  const std::int32_t region = result.face_region[graph.mesh_face[at(face)]];
+  if (region == kNone) throw InvalidInput("face " + std::to_string(face) + " lies in a part that was left out");
+  if (locked(region)) throw InvalidInput("the region of face " + std::to_string(face) + " is locked: unlock it first");
+  return region;
+}
+
 void Edit::restart(const Partition& partition) {
   result = partition;
-  labels = {result.face_region.data(), &graph};
+  release();
+  labels.region = result.face_region.data();
+}
+
+void Edit::hold_all_but(std::span<const std::int32_t> regions) {
+  held.assign(result.region_sum.size(), 1);
+  for (const std::int32_t r : regions) held[r] = 0;
+}
+
+std::int32_t Edit::add_region() {
+  result.region_sum.emplace_back();
+  result.region_seed.push_back(kNone);
+  if (!result.region_locked.empty()) result.region_locked.push_back(0);
+  return static_cast<std::int32_t>(result.region_sum.size()) - 1;
+}
+
+void Edit::remove_region(std::int32_t region) {
+  const auto at = static_cast<std::ptrdiff_t>(region);
+  result.region_sum.erase(result.region_sum.begin() + at);
+  result.region_seed.erase(result.region_seed.begin() + at);
+  if (!result.region_locked.empty()) result.region_locked.erase(result.region_locked.begin() + at);
+  release();
+  for (std::int32_t& r : result.face_region) r -= r > region;
 }
 
 void Edit::move(std::int32_t i, std::int32_t to) {
@@ -47,8 +77,8 @@ void Edit::move(std::int32_t i, std::int32_t to) {
   labels.set(i, to);
 }
 
-void Edit::relax(std::span<const std::int32_t> faces, std::int32_t pinned, Job& job) {
-  Relaxation<MeshLabels> relaxation(graph, labels, result.region_sum,
+std::vector<std::int32_t> Edit::relax(std::span<const std::int32_t> faces, std::int32_t pinned, Job& job) {
+  Relaxation<EditLabels> relaxation(graph, labels, result.region_sum,
                                     border_weight(graph.area > 0 ? result.error / graph.area : 0.0));
   relaxation.pin(pinned);
   for (const std::int32_t face : faces) {
@@ -57,6 +87,7 @@ void Edit::relax(std::span<const std::int32_t> faces, std::int32_t pinned, Job& 
       if (j != graph.size()) relaxation.push_if_border(j);
   }
   relaxation.run(kSweeps, job);
+  return relaxation.pushed();
 }
 
 void Edit::reconnect(std::span<const std::int32_t> changed) {
@@ -88,7 +119,7 @@ double Edit::error() const {
 
 Partition Edit::finish() {
   const auto regions = static_cast<std::int32_t>(result.region_sum.size());
-  result.region_seed.resize(result.region_sum.size(), kNone);
+  held.clear();
   result.region_normal.resize(result.region_sum.size());
   std::vector<std::int32_t> lost;
   for (std::int32_t r = 0; r < regions; ++r) {

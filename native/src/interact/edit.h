@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "edit_labels.h"
 #include "isimp/core/job.h"
 #include "isimp/partition/local.h"
 #include "isimp/partition/partition.h"
@@ -16,23 +17,43 @@ struct Edit {
   Surface surface;
   const FaceGraph& graph;
   Partition result;
-  MeshLabels labels;
-  std::vector<std::int32_t> hints;  ///< some face of each region that was touched, in the order of finding
+  std::vector<std::uint8_t> held;  ///< by region: what edits leave as it is; at first the locked ones
+  EditLabels labels;
+  std::vector<std::int32_t> borders;  ///< faces that the last relaxation looked at
+  std::vector<std::int32_t> hints;    ///< some face of each region that was touched, in the order of finding
 
   /// \throws InvalidInput  the partition is not one of this mesh
   Edit(const Mesh& mesh, const Partition& partition);
+  Edit(const Edit&) = delete;
+  Edit& operator=(const Edit&) = delete;
 
   /// \throws InvalidInput  not a face of the mesh. \return its graph index
   [[nodiscard]] std::int32_t at(std::int32_t face) const;
+  /// The region of a face that is to be edited. \throws InvalidInput  as `at`; left out; its region is locked
+  [[nodiscard]] std::int32_t region_at(std::int32_t face) const;
+  [[nodiscard]] bool locked(std::int32_t region) const {
+    return !result.region_locked.empty() && result.region_locked[region] != 0;
+  }
 
   /// Starts over from another partition of the same surface.
   void restart(const Partition& partition);
 
+  /// Holds all regions but these, until `release`.
+  void hold_all_but(std::span<const std::int32_t> regions);
+  void release() { held = result.region_locked; }
+
   /// Moves a face of a region to another one.
   void move(std::int32_t i, std::int32_t to);
 
+  /// Adds a region without faces. \return its number
+  std::int32_t add_region();
+
+  /// Takes a region without faces away; those above it move down by one.
+  void remove_region(std::int32_t region);
+
   /// Relaxes the borders of these faces and what follows from that. `pinned` does not move.
-  void relax(std::span<const std::int32_t> faces, std::int32_t pinned, Job& job);
+  /// \return every face looked at: all borders that moved are among them
+  std::vector<std::int32_t> relax(std::span<const std::int32_t> faces, std::int32_t pinned, Job& job);
 
   /// Gives what these faces, having changed sides, have cut off from its region to those around it. Of a region in
   /// pieces the one that is walked through last stays: the largest, mostly. Cost: of the pieces that are given away.

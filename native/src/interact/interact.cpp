@@ -4,6 +4,7 @@
 #include <string>
 
 #include "bevel.h"
+#include "dissolve.h"
 #include "edit.h"
 #include "isimp/core/errors.h"
 
@@ -14,17 +15,16 @@ constexpr int kRounds = 2;  // of fitting a region that is split
 
 /// Makes a part that was left out one region.
 void bring_back(Edit& edit, std::int32_t face, Job& job) {
-  const auto fresh = edit.result.region_count();
+  const std::int32_t fresh = edit.add_region();
   const std::vector<std::int32_t> faces = take_out(edit.graph, edit.labels, face);
   job.poll();
-  RegionSum sum;
+  RegionSum& sum = edit.result.region_sum[fresh];
   double area = 0;
   for (const std::int32_t i : faces) {
     edit.labels.set(i, fresh);
     sum.add(edit.graph.faces[i]);
     area += edit.graph.faces[i].area;
   }
-  edit.result.region_sum.push_back(sum);
   --edit.result.parts_left_out;
   edit.result.area_left_out = edit.result.parts_left_out > 0 ? std::max(0.0, edit.result.area_left_out - area) : 0.0;
   edit.hints = {face};
@@ -33,7 +33,7 @@ void bring_back(Edit& edit, std::int32_t face, Job& job) {
 /// Parts the region of a face in two, one of which keeps the face, and relaxes their borders.
 void split_at(Edit& edit, const Partition& before, std::int32_t start, Job& job) {
   const FaceGraph& graph = edit.graph;
-  const std::int32_t old = edit.labels.get(start), fresh = before.region_count();
+  const std::int32_t old = edit.labels.get(start), fresh = edit.add_region();
   const std::vector<std::int32_t> faces = take_out(graph, edit.labels, start);
   Halves halves;
   halves.region = {old, fresh};
@@ -42,7 +42,7 @@ void split_at(Edit& edit, const Partition& before, std::int32_t start, Job& job)
   halves.seed = {nearest_of(graph, faces, halves.proxy[0], start), start};
   flood_halves(graph, edit.labels, faces, halves, kRounds, true);
   edit.result.region_sum[old] = halves.sum[0];
-  edit.result.region_sum.push_back(halves.sum[1]);
+  edit.result.region_sum[fresh] = halves.sum[1];
   edit.result.region_seed[old] = kNone;
   job.report(0.5);
   edit.relax(faces, start, job);
@@ -53,13 +53,13 @@ void split_at(Edit& edit, const Partition& before, std::int32_t start, Job& job)
 
 Partition add_proxy(const Mesh& mesh, const Partition& partition, std::int32_t face, Job& job) {
   Edit edit(mesh, partition);
-  const std::int32_t start = edit.at(face), old = edit.labels.get(start);
+  const std::int32_t start = edit.at(face);
   Job::Part stage(job, "adding", 0.0, 1.0);
-  if (old == kNone) {
+  if (edit.labels.get(start) == kNone) {
     bring_back(edit, start, job);
     return edit.finish();
   }
-  if (partition.region_sum[old].faces < 2)
+  if (partition.region_sum[edit.region_at(face)].faces < 2)
     throw InvalidInput("the region of face " + std::to_string(face) + " is that face alone: there is nothing to split");
   if (!grow_bevel(edit, partition, start, job)) split_at(edit, partition, start, job);
   return edit.finish();
@@ -67,22 +67,11 @@ Partition add_proxy(const Mesh& mesh, const Partition& partition, std::int32_t f
 
 Partition delete_proxy(const Mesh& mesh, const Partition& partition, std::int32_t face, Job& job) {
   Edit edit(mesh, partition);
-  const FaceGraph& graph = edit.graph;
-  const std::int32_t start = edit.at(face), gone = edit.labels.get(start);
-  if (gone == kNone) throw InvalidInput("face " + std::to_string(face) + " lies in a part that was left out");
+  const std::int32_t gone = edit.region_at(face);
   Job::Part stage(job, "deleting", 0.0, 1.0);
-  const std::vector<std::int32_t> faces = take_out(graph, edit.labels, start);
-  std::vector<std::int32_t> touched;
-  if (!flood_from_around(graph, edit.labels, faces, edit.result.region_sum, touched))
-    throw InvalidInput("the region of face " + std::to_string(face) +
-                       " is the only one of its part: it can't be deleted");
-  job.report(0.5);
-  edit.relax(faces, kNone, job);
-  const auto at = static_cast<std::ptrdiff_t>(gone);
-  edit.result.region_sum.erase(edit.result.region_sum.begin() + at);
-  edit.result.region_seed.erase(edit.result.region_seed.begin() + at);
-  for (std::int32_t& r : edit.result.face_region) r -= r > gone;
-  edit.hints = faces;
+  if (!dissolve(edit, gone, edit.at(face), job))
+    throw InvalidInput("the region of face " + std::to_string(face) + " is the only one of its part" +
+                       (partition.region_locked.empty() ? "" : " that is not locked") + ": it can't be deleted");
   return edit.finish();
 }
 

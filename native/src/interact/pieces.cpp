@@ -9,7 +9,7 @@ constexpr std::int32_t kFirstMark = -16;  // of walk 0, below all labels with a 
 
 class Walks {
  public:
-  Walks(const FaceGraph& graph, MeshLabels labels, std::int32_t region)
+  Walks(const FaceGraph& graph, EditLabels labels, std::int32_t region)
       : graph_(graph), labels_(labels), region_(region) {}
 
   void start(std::int32_t face) {
@@ -85,7 +85,7 @@ class Walks {
   }
 
   const FaceGraph& graph_;
-  MeshLabels labels_;
+  EditLabels labels_;
   std::int32_t region_;
   std::vector<Walk> walks_;
   std::int32_t under_way_ = 0;
@@ -93,7 +93,7 @@ class Walks {
 
 }  // namespace
 
-std::vector<std::int32_t> cut_off(const FaceGraph& graph, MeshLabels labels, std::span<const std::int32_t> starts) {
+std::vector<std::int32_t> cut_off(const FaceGraph& graph, EditLabels labels, std::span<const std::int32_t> starts) {
   Walks walks(graph, labels, labels.get(starts.front()));
   for (const std::int32_t face : starts) walks.start(face);
   walks.run();

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "isimp/partition/relax.h"
+#include "edit_labels.h"
 
 namespace isimp {
 
@@ -13,6 +13,6 @@ namespace isimp {
 /// All pieces are walked through in turn, a face each, and walks that meet become one; the last one under way is not
 /// walked to its end, so that the cost is that of the smaller pieces. Labels are as before afterwards.
 /// \param starts  faces of one region, some in every piece. \return the faces of all pieces but the last under way
-std::vector<std::int32_t> cut_off(const FaceGraph& graph, MeshLabels labels, std::span<const std::int32_t> starts);
+std::vector<std::int32_t> cut_off(const FaceGraph& graph, EditLabels labels, std::span<const std::int32_t> starts);
 
 }  // namespace isimp

@@ -55,6 +55,7 @@ void insert_pairs(const FaceGraph& graph, const std::vector<std::int32_t>& label
   for (std::size_t k = 0; k < size; ++k) {
     if (k + kAhead < size) __builtin_prefetch(&graph.neighbours[faces[k + kAhead]]);
     const std::int32_t own = label[faces[k]];
+    if (own == kNone) continue;
     for (const std::int32_t j : graph.neighbours[faces[k]]) {
       const std::int32_t other = label[j];
       if (other == own || other == kNone || last == std::pair(own, other)) continue;

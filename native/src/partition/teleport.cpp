@@ -13,40 +13,12 @@ namespace isimp {
 namespace {
 
 constexpr int kSweeps = 200;            // of the borders after a round; a face may have to grow over a whole side
-constexpr int kRounds = 3;              // of fitting the halves of a split
 constexpr double kMargin = 0.02;        // a move must gain this share more than it costs
 constexpr std::int64_t kRenewals = 16;  // faces parted anew, in all, as a multiple of the surface's: one large region
                                         // with hundreds round it would try for long
 constexpr double kShare = 3e-4;         // of the whole error, times the least ratio: worth parting a region anew
 constexpr double kLeastFall = 1e-4;     // of the error by a round: below it, it is not worth another
 constexpr double kLeastGain = 1e-7;     // of the whole area: less is rounding
-
-/// First proxies and seeds for splitting a region: the two sides of its most unlike normals, or of its length if flat.
-Halves two_sides(const FaceGraph& graph, std::span<const std::int32_t> faces, const RegionSum& sum) {
-  const auto farthest_from = [&](const NormalMetric::Proxy& proxy) {
-    std::int32_t farthest = faces[0];
-    float most = -1.0F;
-    for (const std::int32_t face : faces) {
-      const FaceRecord& f = graph.faces[face];
-      const float error = f.area * NormalMetric::error(f, proxy);  // by area: slivers may have any normal
-      if (error <= most) continue;
-      most = error;
-      farthest = face;
-    }
-    return std::pair(most, farthest);
-  };
-  Halves halves;
-  halves.seed = {faces.front(), faces.back()};  // as gathered breadth first: far from each other
-  halves.proxy = {NormalMetric::fit(sum), NormalMetric::fit(sum)};
-  const auto [most, a] = farthest_from(halves.proxy[0]);
-  if (most < 1e-9F * static_cast<float>(sum.weight)) return halves;
-  const std::int32_t b = farthest_from(NormalMetric::proxy_of(graph.faces[a])).second;
-  halves.proxy = {NormalMetric::proxy_of(graph.faces[a]), NormalMetric::proxy_of(graph.faces[b])};
-  part_normals(graph, faces, halves.proxy, kRounds);
-  const std::int32_t first = nearest_of(graph, faces, halves.proxy[0]);
-  halves.seed = {first, nearest_of(graph, faces, halves.proxy[1], first)};
-  return halves;
-}
 
 }  // namespace
 
@@ -89,7 +61,7 @@ double Teleport::split(std::int32_t region, std::int32_t fresh, Job& job) {
   }
   Halves halves = two_sides(graph_, faces_, regions_.sum[region]);
   halves.region = {region, fresh};
-  flood_halves(graph_, labels_, faces_, halves, kRounds, false);
+  flood_halves(graph_, labels_, faces_, halves, kSplitRounds, false);
   halves_[0] = halves.sum[0];
   halves_[1] = halves.sum[1];
   return regions_.sum[region].error() - halves_[0].error() - halves_[1].error();

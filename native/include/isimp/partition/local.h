@@ -97,6 +97,35 @@ inline void part_normals(const FaceGraph& graph, std::span<const std::int32_t> f
   }
 }
 
+inline constexpr int kSplitRounds = 3;  // of fitting the halves of a split
+
+/// First proxies and seeds for splitting a region: the two sides of its most unlike normals, or of its length if flat.
+inline Halves two_sides(const FaceGraph& graph, std::span<const std::int32_t> faces, const RegionSum& sum) {
+  const auto farthest_from = [&](const NormalMetric::Proxy& proxy) {
+    std::int32_t farthest = faces[0];
+    float most = -1.0F;
+    for (const std::int32_t face : faces) {
+      const FaceRecord& f = graph.faces[face];
+      const float error = f.area * NormalMetric::error(f, proxy);  // by area: slivers may have any normal
+      if (error <= most) continue;
+      most = error;
+      farthest = face;
+    }
+    return std::pair(most, farthest);
+  };
+  Halves halves;
+  halves.seed = {faces.front(), faces.back()};  // as gathered breadth first: far from each other
+  halves.proxy = {NormalMetric::fit(sum), NormalMetric::fit(sum)};
+  const auto [most, a] = farthest_from(halves.proxy[0]);
+  if (most < 1e-9F * static_cast<float>(sum.weight)) return halves;
+  const std::int32_t b = farthest_from(NormalMetric::proxy_of(graph.faces[a])).second;
+  halves.proxy = {NormalMetric::proxy_of(graph.faces[a]), NormalMetric::proxy_of(graph.faces[b])};
+  part_normals(graph, faces, halves.proxy, kSplitRounds);
+  const std::int32_t first = nearest_of(graph, faces, halves.proxy[0]);
+  halves.seed = {first, nearest_of(graph, faces, halves.proxy[1], first)};
+  return halves;
+}
+
 /// Floods open faces from two seeds, `rounds` times with a new fit in between.
 /// \param faces  connected, all kOpen, the seeds among them
 /// \param keep   the second seed stays where it is

@@ -82,6 +82,9 @@ struct Partition {
 
   std::shared_ptr<const GuidedGraph> guided;  ///< what it was made on, so that edits keep to it; null without guides
 
+  std::vector<std::uint8_t>
+      region_locked;  ///< (R) 1 where edits leave a region as it is; empty: none (interact/lock.h)
+
   [[nodiscard]] std::int32_t region_count() const { return static_cast<std::int32_t>(region_seed.size()); }
 };
 

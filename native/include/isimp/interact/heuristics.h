@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+
+#include "isimp/core/job.h"
+#include "isimp/partition/partition.h"
+
+/// The choices that Cohen-Steiner, Alliez, Desbrun 2004, section 3.5, leave to the machine, a number of them at a time.
+/// Locked regions are neither chosen nor changed. Ties go to the region of the lower number.
+namespace isimp {
+
+/// Adds a proxy `times` times, each at the worst face of the region that is then worst. A region's error is what
+/// counts, a face's with its area; where all regions are flat the one with most faces is the worst. \throws
+/// InvalidInput  times below 1; no region left that is not locked and has two faces: nothing was changed \throws
+/// Cancelled     nothing was changed Cost: that of as many add_proxy.
+Partition add_worst(const Mesh& mesh, const Partition& partition, std::int32_t times, Job& job);
+
+/// Deletes the region whose loss costs least, `times` times: that which merged with one of its neighbours would raise
+/// the error least.
+/// \throws InvalidInput  times below 1; no region left that is not locked and has such a neighbour: nothing was changed
+/// \throws Cancelled     nothing was changed
+/// Cost: O(F) once, and a few milliseconds each.
+Partition delete_least(const Mesh& mesh, const Partition& partition, std::int32_t times, Job& job);
+
+/// Merges the two neighbours whose merging raises the error least, `times` times, as merge_regions.
+/// \throws as delete_least. Cost: as delete_least.
+Partition merge_cheapest(const Mesh& mesh, const Partition& partition, std::int32_t times, Job& job);
+
+/// Relaxes all borders and moves regions from where they are worth little to where they are worth much, until that no
+/// longer helps; the number of regions stays. What comes out is never worse: at worst it is what came in.
+/// \throws Cancelled  nothing was changed
+/// Cost: O(F) and up to a few times what the partition took.
+Partition improve(const Mesh& mesh, const Partition& partition, Job& job);
+
+}  // namespace isimp

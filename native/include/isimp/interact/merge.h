@@ -1,0 +1,41 @@
+#pragma once
+
+#include <span>
+
+#include "isimp/core/job.h"
+#include "isimp/partition/partition.h"
+
+namespace isimp {
+
+/// Makes the region of `other` part of the region of `face`. No other face changes sides.
+///
+/// The merged region has the number of the region of `face`; those above the other's number move down by one.
+/// \throws InvalidInput  a face outside [0, F) or left out; both in one region; the two regions share no edge, or only
+///                       such as are barriers; one of them is locked
+/// \throws Cancelled     nothing was changed
+/// Cost: O(F) to copy the labels, else of the size of the other's region.
+Partition merge_regions(const Mesh& mesh, const Partition& partition, std::int32_t face, std::int32_t other, Job& job);
+
+/// Splits the region of a face in the two parts whose normals are most unlike; a flat one half-way along its length.
+///
+/// The part without the face is the new region, R; the border between the two is relaxed, no other face changes sides.
+/// \throws InvalidInput  a face outside [0, F) or left out; its region is a single face, or locked
+/// \throws Cancelled     nothing was changed
+/// Cost: O(F) to copy the labels, else of the size of the region.
+Partition split_region(const Mesh& mesh, const Partition& partition, std::int32_t face, Job& job);
+
+/// Splits the region of a face along a line, as with a knife: the line, gone on straight at both ends, is swept along a
+/// direction, and the faces are parted by the side of that curtain that their middles lie on.
+///
+/// Where that makes more than two pieces, the largest on the left stays one, and so does the largest of what else there
+/// is; the others go to the first. The part without the face is the new region, R. Nothing is relaxed: a cut stays as
+/// it was drawn. No other face changes sides. \param line       (K) points, at least 2, in scene units \param direction
+/// of the sweep, as that of sight; zero: the region's normal \throws InvalidInput  as split_region; fewer than 2
+/// points; a coordinate that is not finite; a line that is a point
+///                       when seen along the direction; the whole region on one side
+/// \throws Cancelled     nothing was changed
+/// Cost: O(F) to copy the labels, else O(faces of the region * K).
+Partition split_along(const Mesh& mesh, const Partition& partition, std::int32_t face, std::span<const Vec3> line,
+                      const Vec3& direction, Job& job);
+
+}  // namespace isimp

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "isimp/mesh/face_graph.h"
+
+namespace isimp {
+
+/// What a face of a held region shows in place of its label, so that no local change takes it or gives it anything.
+inline constexpr std::int32_t kHeld = -3;
+
+/// Labels by graph index that lie in an array of n in the order of the mesh, those of held regions hidden.
+struct EditLabels {
+  std::int32_t* region;
+  const FaceGraph* graph;
+  const std::vector<std::uint8_t>* held;  ///< by region; those beyond its end are not held
+
+  [[nodiscard]] std::int32_t get(std::int32_t i) const {
+    if (i == graph->size()) return kNone;
+    const std::int32_t r = region[graph->mesh_face[i]];
+    return r >= 0 && static_cast<std::size_t>(r) < held->size() && (*held)[r] != 0 ? kHeld : r;
+  }
+  void set(std::int32_t i, std::int32_t r) const { region[graph->mesh_face[i]] = r; }
+};
+
+}  // namespace isimp

@@ -1,0 +1,155 @@
+#include "isimp/interact/heuristics.h"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "dissolve.h"
+#include "edit.h"
+#include "isimp/core/errors.h"
+#include "isimp/interact/interact.h"
+#include "isimp/interact/merge.h"
+
+namespace isimp {
+namespace {
+
+constexpr double kFlat = 1e-7;  // error below it, as a share of the whole area, is rounding
+
+void check_times(std::int32_t times) {
+  if (times < 1) throw InvalidInput("times must be at least 1, got " + std::to_string(times));
+}
+
+[[noreturn]] void out_of_regions(const char* what, std::int32_t done, std::int32_t times) {
+  throw InvalidInput("only " + std::to_string(done) + " of " + std::to_string(times) +
+                     " can be done: no region is left that could be " + what);
+}
+
+/// The face of a region with the largest error, by the mesh.
+std::int32_t worst_face(Edit& edit, std::int32_t region) {
+  const FaceGraph& graph = edit.graph;
+  const NormalMetric::Proxy proxy = NormalMetric::fit(edit.result.region_sum[region]);
+  std::int32_t worst = kNone;
+  float most = -1.0F;
+  for (const std::int32_t i : take_out(graph, edit.labels, graph.graph_face[edit.result.region_seed[region]])) {
+    const float error = graph.faces[i].area * NormalMetric::error(graph.faces[i], proxy);
+    if (error <= most) continue;
+    most = error;
+    worst = i;
+  }
+  return graph.mesh_face[worst];
+}
+
+std::int32_t worst_region(const Edit& edit) {
+  using Rank = std::tuple<double, std::int32_t, std::int32_t>;
+  Rank worst(-1.0, 0, kNone);
+  for (std::int32_t r = 0; r < edit.result.region_count(); ++r) {
+    const RegionSum& s = edit.result.region_sum[r];
+    if (edit.locked(r) || s.faces < 2) continue;
+    const Rank rank(s.error() > kFlat ? s.error() : 0.0, s.faces, r);
+    if (std::pair(std::get<0>(rank), std::get<1>(rank)) > std::pair(std::get<0>(worst), std::get<1>(worst)))
+      worst = rank;
+  }
+  return std::get<2>(worst);
+}
+
+struct Pair {
+  double cost;
+  std::int32_t u, v;
+  bool operator<(const Pair& o) const { return std::tie(cost, u, v) < std::tie(o.cost, o.u, o.v); }
+};
+
+/// Faces at the borders of regions; grows as borders move, so that they need not be looked for again.
+class Borders {
+ public:
+  Borders(const Edit& edit, Job& job) {
+    for (std::int32_t i = 0; i < edit.graph.size(); ++i) {
+      if ((i & 0xffff) == 0) job.poll();
+      const std::int32_t own = edit.labels.get(i);
+      for (const std::int32_t j : edit.graph.neighbours[i])
+        if (j != edit.graph.size() && edit.labels.get(j) != own) {
+          faces_.push_back(i);
+          break;
+        }
+    }
+  }
+  void add(const std::vector<std::int32_t>& faces) {
+    faces_.insert(faces_.end(), faces.begin(), faces.end());
+    std::sort(faces_.begin(), faces_.end());
+    faces_.erase(std::unique(faces_.begin(), faces_.end()), faces_.end());
+  }
+  /// The pair of neighbours that costs least to merge.
+  [[nodiscard]] Pair cheapest(const Edit& edit) const {
+    Pair best{std::numeric_limits<double>::infinity(), kNone, kNone};
+    std::pair<std::int32_t, std::int32_t> last(kNone, kNone);  // along a border the same pair comes many times
+    for (const std::int32_t i : faces_)
+      for (const std::int32_t j : edit.graph.neighbours[i]) {
+        const std::pair<std::int32_t, std::int32_t> pair = std::minmax(edit.labels.get(i), edit.labels.get(j));
+        if (pair.first < 0 || pair.first == pair.second || pair == last) continue;
+        last = pair;
+        const double cost = merge_cost(edit.result.region_sum[pair.first], edit.result.region_sum[pair.second]);
+        best = std::min(best, Pair{cost, pair.first, pair.second});
+      }
+    return best;
+  }
+
+ private:
+  std::vector<std::int32_t> faces_;
+};
+
+}  // namespace
+
+Partition add_worst(const Mesh& mesh, const Partition& partition, std::int32_t times, Job& job) {
+  check_times(times);
+  Partition result = partition;
+  for (std::int32_t k = 0; k < times; ++k) {
+    Job::Part stage(job, "adding", static_cast<double>(k) / times, static_cast<double>(k + 1) / times);
+    Edit edit(mesh, result);
+    const std::int32_t region = worst_region(edit);
+    if (region == kNone) out_of_regions("split", k, times);
+    result = add_proxy(mesh, result, worst_face(edit, region), job);
+  }
+  return result;
+}
+
+Partition delete_least(const Mesh& mesh, const Partition& partition, std::int32_t times, Job& job) {
+  check_times(times);
+  Partition result = partition;
+  std::vector<Borders> borders;
+  for (std::int32_t k = 0; k < times; ++k) {
+    Job::Part stage(job, "deleting", static_cast<double>(k) / times, static_cast<double>(k + 1) / times);
+    Edit edit(mesh, result);
+    if (borders.empty()) borders.emplace_back(edit, job);
+    const Pair pair = borders.front().cheapest(edit);
+    if (pair.u == kNone) out_of_regions("deleted", k, times);
+    // Of the two, the smaller error is the one that is missed less.
+    const auto& sums = edit.result.region_sum;
+    const std::int32_t gone = sums[pair.v].length() < sums[pair.u].length() ? pair.v : pair.u;
+    dissolve(edit, gone, edit.graph.graph_face[edit.result.region_seed[gone]], job);
+    borders.front().add(edit.borders);
+    result = edit.finish();
+  }
+  return result;
+}
+
+Partition merge_cheapest(const Mesh& mesh, const Partition& partition, std::int32_t times, Job& job) {
+  check_times(times);
+  Partition result = partition;
+  std::vector<Borders> borders;
+  for (std::int32_t k = 0; k < times; ++k) {
+    Job::Part stage(job, "merging", static_cast<double>(k) / times, static_cast<double>(k + 1) / times);
+    Pair pair{};
+    {
+      Edit edit(mesh, result);
+      if (borders.empty()) borders.emplace_back(edit, job);
+      pair = borders.front().cheapest(edit);
+    }
+    if (pair.u == kNone) out_of_regions("merged", k, times);
+    result = merge_regions(mesh, result, result.region_seed[pair.u], result.region_seed[pair.v], job);
+  }
+  return result;
+}
+
+}  // namespace isimp

@@ -1,0 +1,60 @@
+#include <numeric>
+#include <utility>
+
+#include "edit.h"
+#include "isimp/interact/heuristics.h"
+#include "isimp/partition/regions.h"
+#include "isimp/partition/teleport.h"
+
+namespace isimp {
+namespace {
+
+constexpr int kSweeps = 200;  // of the borders before the first teleport
+constexpr int kTries = 50;    // of teleports in a row that do not pay, before a round ends
+
+/// The regions that may change, by graph index; all else is as if left out.
+Regions free_regions(const Edit& edit, std::vector<std::int32_t>& region_of) {
+  Regions regions;
+  std::vector<std::int32_t> number(edit.result.region_sum.size(), kNone);
+  for (std::int32_t r = 0; r < edit.result.region_count(); ++r) {
+    if (edit.locked(r)) continue;
+    number[r] = static_cast<std::int32_t>(region_of.size());
+    region_of.push_back(r);
+    regions.sum.push_back(edit.result.region_sum[r]);
+  }
+  regions.label.assign(edit.graph.faces.size(), kNone);
+  for (std::int32_t i = 0; i < edit.graph.size(); ++i)
+    if (const std::int32_t r = edit.labels.get(i); r >= 0) regions.label[i] = number[r];
+  return regions;
+}
+
+}  // namespace
+
+Partition improve(const Mesh& mesh, const Partition& partition, Job& job) {
+  Edit edit(mesh, partition);
+  const FaceGraph& graph = edit.graph;
+  Job::Part stage(job, "improving", 0.0, 1.0);
+  std::vector<std::int32_t> region_of, part;
+  Regions regions = free_regions(edit, region_of);
+  if (region_of.empty()) return partition;
+  const Parts parts = find_parts(edit.surface, partition.region_count(), 0.0, job);
+  for (const std::int32_t r : region_of) part.push_back(edit.surface.component()[partition.region_seed[r]]);
+  const double before = regions.error();
+  Relaxation<GraphLabels> relaxation(graph, {regions.label.data()}, regions.sum, border_weight(before));
+  for (std::int32_t i = 0; i < graph.size(); ++i) relaxation.push_if_border(i);
+  relaxation.run(kSweeps, job);
+  job.report(0.3);
+  Teleport(graph, parts, regions, std::move(part), relaxation).run(kTries, 1.0, job);
+  if (regions.error() >= before) return partition;
+  for (std::int32_t i = 0; i < graph.size(); ++i)
+    if (regions.label[i] >= 0) edit.labels.set(i, region_of[regions.label[i]]);
+  for (std::size_t k = 0; k < region_of.size(); ++k) edit.result.region_sum[region_of[k]] = regions.sum[k];
+  const std::vector<std::int32_t> nearest = nearest_faces(graph, regions, job);
+  for (std::size_t k = 0; k < region_of.size(); ++k)
+    edit.result.region_seed[region_of[k]] = graph.mesh_face[nearest[k]];
+  Partition result = edit.finish();
+  result.history.insert(result.history.begin(), partition.error);
+  return result;
+}
+
+}  // namespace isimp

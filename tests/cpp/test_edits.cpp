@@ -1,0 +1,388 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+#include <vector>
+
+#include "isimp/interact/heuristics.h"
+#include "isimp/interact/interact.h"
+#include "isimp/interact/lock.h"
+#include "isimp/interact/merge.h"
+#include "isimp/interact/paint.h"
+#include "isimp/interact/statistics.h"
+#include "partition_checks.h"
+#include "shapes.h"
+
+namespace isimp {
+namespace {
+
+using checks::expect_sound;
+using checks::message_of;
+using Faces = std::vector<std::int32_t>;
+
+Partition run(const Mesh& mesh, std::int32_t proxies) {
+  Job job;
+  return partition(mesh, {.proxies = proxies}, job);
+}
+
+const Mesh& ball() {
+  static const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(4), 0.002, 1));
+  return mesh;
+}
+
+Faces faces_of(const Partition& p, std::int32_t region) {
+  Faces faces;
+  for (std::int32_t f = 0; f < static_cast<std::int32_t>(p.face_region.size()); ++f)
+    if (p.face_region[f] == region) faces.push_back(f);
+  return faces;
+}
+
+/// Faces within some edges of a face.
+Faces disc(const Mesh& mesh, std::int32_t face, int edges) {
+  Faces faces{face};
+  std::set<std::int32_t> seen{face};
+  for (std::size_t k = 0, ring_end = 1; edges > 0 && k < faces.size(); ++k) {
+    for (std::int32_t h = 3 * faces[k]; h < 3 * faces[k] + 3; ++h)
+      if (mesh.opposite(h) != kNone && seen.insert(mesh.opposite(h) / 3).second) faces.push_back(mesh.opposite(h) / 3);
+    if (k + 1 == ring_end) {
+      ring_end = faces.size();
+      --edges;
+    }
+  }
+  return faces;
+}
+
+Vec3 middle(const Mesh& mesh, std::int32_t f) {
+  const auto [a, b, c] = mesh.triangles()[f];
+  return (mesh.vertices()[a] + mesh.vertices()[b] + mesh.vertices()[c]) / 3;
+}
+
+/// Regions as sets of faces, however numbered.
+std::set<Faces> sets_of(const Partition& p) {
+  std::set<Faces> sets;
+  for (std::int32_t r = 0; r < p.region_count(); ++r) sets.insert(faces_of(p, r));
+  return sets;
+}
+
+/// How many of the regions before are still there, face for face.
+std::int32_t kept(const Partition& before, const Partition& after) {
+  const std::set<Faces> old = sets_of(before);
+  std::int32_t count = 0;
+  for (const Faces& faces : sets_of(after)) count += old.contains(faces) ? 1 : 0;
+  return count;
+}
+
+std::pair<std::int32_t, std::int32_t> some_neighbours(const Mesh& mesh, const Partition& p, std::int32_t from) {
+  for (std::int32_t h = 3 * from; h < 3 * mesh.face_count(); ++h)
+    if (mesh.opposite(h) != kNone && p.face_region[h / 3] != p.face_region[mesh.opposite(h) / 3])
+      return {h / 3, mesh.opposite(h) / 3};
+  return {kNone, kNone};
+}
+
+TEST(Merge, JoinsTwoNeighboursAndLeavesTheRest) {
+  Job job;
+  const Partition before = run(ball(), 40);
+  for (std::int32_t from = 0; from < ball().face_count(); from += 499) {
+    const auto [a, b] = some_neighbours(ball(), before, from);
+    const Partition after = merge_regions(ball(), before, a, b, job);
+    expect_sound(ball(), after);
+    EXPECT_EQ(after.region_count(), 39);
+    EXPECT_EQ(kept(before, after), 38);
+    EXPECT_EQ(after.face_region[a], after.face_region[b]);
+    const std::int32_t own = before.face_region[a], gone = before.face_region[b];
+    EXPECT_EQ(after.face_region[a], own - (gone < own ? 1 : 0));
+  }
+}
+
+TEST(Merge, RefusesWhatAreNoNeighbours) {
+  Job job;
+  const Mesh mesh = shapes::mesh(shapes::cube(4));
+  const Partition six = run(mesh, 6);
+  std::int32_t across = 0;  // on the side opposite to that of face 0
+  while (six.region_normal[six.face_region[across]].dot(six.region_normal[six.face_region[0]]) > -0.5) ++across;
+  EXPECT_EQ(message_of([&] { merge_regions(mesh, six, 0, across, job); }),
+            "the regions of faces 0 and " + std::to_string(across) + " share no edge: only neighbours can be merged");
+  EXPECT_EQ(message_of([&] { merge_regions(mesh, six, 0, 1, job); }),
+            "faces 0 and 1 are in one region: there is nothing to merge");
+}
+
+TEST(Split, ChangesNoOtherRegionAndLowersTheError) {
+  Job job;
+  const Partition before = run(ball(), 40);
+  for (std::int32_t face = 0; face < ball().face_count(); face += 499) {
+    const Partition after = split_region(ball(), before, face, job);
+    expect_sound(ball(), after);
+    EXPECT_EQ(after.region_count(), 41);
+    EXPECT_EQ(kept(before, after), 39);
+    EXPECT_EQ(after.face_region[face], before.face_region[face]);
+    EXPECT_LT(after.error, before.error);
+    for (const std::int32_t r : {before.face_region[face], 40})
+      EXPECT_GT(after.region_sum[r].faces, before.region_sum[before.face_region[face]].faces / 5);
+  }
+}
+
+TEST(SplitAlong, CutsAFlatSideWhereTheLineIs) {
+  Job job;
+  const Mesh mesh = shapes::mesh(shapes::plane(10));
+  const Partition one = run(mesh, 1);
+  const std::vector<Vec3> line{{0.3, 0.4, 0}, {0.3, 0.6, 0}};  // goes on to both sides of the square
+  const Partition two = split_along(mesh, one, 199, line, Vec3::Zero(), job);
+  expect_sound(mesh, two);
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+    EXPECT_EQ(two.face_region[f] == two.face_region[199], middle(mesh, f).x() > 0.3) << f;
+  EXPECT_EQ(two.face_region[199], 0);
+}
+
+TEST(SplitAlong, FollowsABentLineSeenAlongADirection) {
+  Job job;
+  const Mesh mesh = shapes::mesh(shapes::plane(10));
+  const Partition one = run(mesh, 1);
+  const Vec3 sight(0.3, -0.2, -1);  // the line lies on a screen above the square
+  std::vector<Vec3> line{{0.5, 0, 0}, {0.5, 0.5, 0}, {1, 0.5, 0}};
+  for (Vec3& p : line) p -= 2 * sight;
+  const Partition two = split_along(mesh, one, 0, line, sight, job);
+  expect_sound(mesh, two);
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const Vec3 at = middle(mesh, f);
+    EXPECT_EQ(two.face_region[f] == 1, at.x() > 0.5 && at.y() < 0.5) << f;
+  }
+}
+
+TEST(SplitAlong, MakesTwoConnectedPartsOfManyPieces) {
+  Job job;
+  const Mesh mesh = shapes::mesh(shapes::torus(60, 24));
+  const Partition one = partition(mesh, {.proxies = 1, .leave_out = 0}, job);
+  const auto [a, b] = some_neighbours(mesh, one, 0);
+  Partition whole = one;  // a closed surface has four regions at least
+  while (whole.region_count() > 1) {
+    const auto pair = some_neighbours(mesh, whole, 0);
+    whole = merge_regions(mesh, whole, pair.first, pair.second, job);
+  }
+  ASSERT_NE(a, b);
+  const std::vector<Vec3> line{{-2, 0.6, 0}, {2, 0.6, 0}};  // through both arms of the ring
+  const Partition two = split_along(mesh, whole, 0, line, {0, 0, 1}, job);
+  expect_sound(mesh, two);
+  EXPECT_EQ(two.region_count(), 2);
+}
+
+TEST(SplitAlong, NamesWhatIsWrongWithTheLine) {
+  Job job;
+  const Mesh mesh = shapes::mesh(shapes::plane(4));
+  const Partition one = run(mesh, 1);
+  const auto message = [&](std::vector<Vec3> line, Vec3 direction) {
+    return message_of([&] { split_along(mesh, one, 3, line, direction, job); });
+  };
+  const Vec3 none = Vec3::Zero();
+  EXPECT_EQ(message({{0, 0, 0}}, none), "a line to cut along needs at least 2 points, got 1");
+  EXPECT_EQ(message({{2, 0, 0}, {2, 1, 0}}, none),
+            "the line does not cut the region of face 3: all of it lies on one side");
+  EXPECT_EQ(message({{0.5, 0, 0}, {0.5, 0, 1}}, none),
+            "the line to cut along is a point when seen along its direction");
+  EXPECT_EQ(message({{0.5, 0, 0}, {0.5, NAN, 1}}, none), "point 1 of the line is not finite");
+}
+
+TEST(Paint, MakesTheFacesARegion) {
+  Job job;
+  const Partition before = run(ball(), 40);
+  for (std::int32_t face = 0; face < ball().face_count(); face += 499) {
+    Faces stroke = disc(ball(), face, 6);
+    const Partition after = paint_faces(ball(), before, stroke, kNone, job);
+    expect_sound(ball(), after);
+    for (const std::int32_t f : stroke) EXPECT_EQ(after.face_region[f], after.face_region[face]);
+    EXPECT_EQ(after.face_region[face], after.region_count() - 1);
+    std::sort(stroke.begin(), stroke.end());
+    EXPECT_GE(after.region_sum.back().faces, static_cast<std::int32_t>(stroke.size()));
+  }
+}
+
+TEST(Paint, HandsOnWhatIsCutOffAndTakesWholeRegions) {
+  Job job;
+  const Mesh mesh = shapes::mesh(shapes::plane(10));
+  const Partition one = run(mesh, 1);
+  Faces bar, rest;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const double x = middle(mesh, f).x();
+    (x > 0.3 && x < 0.4 ? bar : rest).push_back(f);
+  }
+  // The bar cuts a side into three tenths and six tenths; the smaller part goes to the bar, its only neighbour.
+  const Partition two = paint_faces(mesh, one, bar, kNone, job);
+  expect_sound(mesh, two);
+  ASSERT_EQ(two.region_count(), 2);
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) EXPECT_EQ(two.face_region[f] == 0, middle(mesh, f).x() > 0.4);
+  const Partition again = paint_faces(mesh, two, faces_of(two, 0), bar.front(), job);
+  expect_sound(mesh, again);
+  EXPECT_EQ(again.region_count(), 1);
+}
+
+TEST(Paint, OntoARegionGrowsIt) {
+  Job job;
+  const Partition before = run(ball(), 40);
+  const auto [a, b] = some_neighbours(ball(), before, 700);
+  const Faces stroke = disc(ball(), b, 3);
+  const Partition after = paint_faces(ball(), before, stroke, a, job);
+  expect_sound(ball(), after);
+  EXPECT_EQ(after.region_count(), 40);
+  for (const std::int32_t f : stroke) EXPECT_EQ(after.face_region[f], before.face_region[a]);
+}
+
+TEST(Paint, NamesWhatDoesNotHangTogether) {
+  Job job;
+  const Mesh mesh = shapes::mesh(shapes::plane(10));
+  const Partition p = run(mesh, 4);
+  std::int32_t far = 0;
+  while (p.face_region[far] == p.face_region[199] || p.face_region[far] == p.face_region[0]) ++far;
+  EXPECT_EQ(message_of([&] {
+              paint_faces(mesh, p, Faces{0, 199}, kNone, job);
+            }),
+            "the faces to paint do not hang together: face 199 is joined by no edge to face 0");
+  EXPECT_EQ(message_of([&] { paint_faces(mesh, p, faces_of(p, p.face_region[0]), 0, job); }),
+            "there is nothing to paint: no face was given that is not locked or of the region already");
+  EXPECT_EQ(message_of([&] { paint_faces(mesh, p, Faces{}, kNone, job); }),
+            "there is nothing to paint: no face was given that is not locked or of the region already");
+  EXPECT_EQ(message_of([&] { paint_faces(mesh, p, Faces{200}, kNone, job); }), "face must be in [0, 200), got 200");
+}
+
+TEST(Erase, GivesFacesToTheNeighbours) {
+  Job job;
+  const Partition before = run(ball(), 40);
+  const auto [a, b] = some_neighbours(ball(), before, 700);
+  const Faces stroke = disc(ball(), a, 2);
+  const Partition after = erase_faces(ball(), before, stroke, job);
+  expect_sound(ball(), after);
+  EXPECT_EQ(after.region_count(), 40);
+  for (const std::int32_t f : stroke) {
+    EXPECT_NE(after.face_region[f], before.face_region[a]);
+    if (before.face_region[f] != before.face_region[a]) {
+      EXPECT_EQ(after.face_region[f], before.face_region[f]);
+    }
+  }
+  const Partition gone = erase_faces(ball(), before, faces_of(before, before.face_region[a]), job);
+  expect_sound(ball(), gone);
+  EXPECT_EQ(gone.region_count(), 39);
+  EXPECT_EQ(message_of([&] { erase_faces(ball(), run(ball(), 4), Faces{run(ball(), 4).region_seed[0]}, job); }),
+            "the faces to erase touch no other region that could take them");
+}
+
+TEST(Grow, AndShrinkMoveTheBorderByRings) {
+  Job job;
+  const Partition before = run(ball(), 40);
+  for (std::int32_t face = 0; face < ball().face_count(); face += 499) {
+    const std::int32_t r = before.face_region[face];
+    const Partition more = grow_region(ball(), before, face, 1, job);
+    expect_sound(ball(), more);
+    EXPECT_GT(more.region_sum[r].faces, before.region_sum[r].faces);
+    const Partition less = shrink_region(ball(), before, before.region_seed[r], 1, job);
+    expect_sound(ball(), less);
+    EXPECT_LT(less.region_sum[r].faces, before.region_sum[r].faces);
+    EXPECT_EQ(less.region_count(), 40);
+  }
+  EXPECT_EQ(message_of([&] { shrink_region(ball(), before, 0, 100, job); }),
+            "the region of face 0 would vanish: delete it instead");
+  EXPECT_EQ(message_of([&] { grow_region(ball(), before, 0, 0, job); }), "rings must be at least 1, got 0");
+}
+
+TEST(Lock, KeepsFacesThroughEveryEdit) {
+  Job job;
+  Partition p = run(ball(), 40);
+  const Faces seeds{p.region_seed[3], p.region_seed[17]};
+  p = set_locked(ball(), p, seeds, true);
+  const std::set<Faces> locked{faces_of(p, 3), faces_of(p, 17)};
+  const auto expect_kept = [&](const Partition& after) {
+    expect_sound(ball(), after);
+    const std::set<Faces> now = sets_of(after);
+    for (const Faces& faces : locked) EXPECT_TRUE(now.contains(faces));
+    ASSERT_EQ(after.region_locked.size(), after.region_sum.size());
+    EXPECT_EQ(std::accumulate(after.region_locked.begin(), after.region_locked.end(), 0), 2);
+    for (const std::int32_t seed : seeds) EXPECT_EQ(after.region_locked[after.face_region[seed]], 1);
+  };
+  for (std::int32_t f = 0; f < ball().face_count(); f += 97) {
+    if (p.region_locked[p.face_region[f]] != 0) {
+      EXPECT_EQ(message_of([&] { add_proxy(ball(), p, f, job); }),
+                "the region of face " + std::to_string(f) + " is locked: unlock it first");
+      continue;
+    }
+    expect_kept(add_proxy(ball(), p, f, job));
+    expect_kept(delete_proxy(ball(), p, f, job));
+    expect_kept(split_region(ball(), p, f, job));
+    expect_kept(grow_region(ball(), p, f, 3, job));
+    expect_kept(shrink_region(ball(), p, p.region_seed[p.face_region[f]], 1, job));
+    expect_kept(paint_faces(ball(), p, disc(ball(), f, 2), kNone, job));
+  }
+  expect_kept(improve(ball(), p, job));
+  expect_kept(add_worst(ball(), p, 10, job));
+  expect_kept(delete_least(ball(), p, 10, job));
+  expect_kept(merge_cheapest(ball(), p, 10, job));
+  EXPECT_TRUE(set_locked(ball(), p, seeds, false).region_locked.empty());
+  const Partition grown = paint_faces(ball(), p, disc(ball(), seeds[0], 12), seeds[0], job);  // onto it is allowed
+  EXPECT_EQ(grown.region_locked[grown.face_region[seeds[0]]], 1);
+  EXPECT_GT(grown.region_sum[grown.face_region[seeds[0]]].faces, p.region_sum[3].faces);
+}
+
+TEST(Heuristics, AddAtTheWorstAndDeleteTheLeast) {
+  Job job;
+  const Partition before = run(ball(), 40);
+  const Partition more = add_worst(ball(), before, 5, job);
+  expect_sound(ball(), more);
+  EXPECT_EQ(more.region_count(), 45);
+  EXPECT_LT(more.error, before.error);
+  for (const Partition& less : {delete_least(ball(), more, 5, job), merge_cheapest(ball(), more, 5, job)}) {
+    expect_sound(ball(), less);
+    EXPECT_EQ(less.region_count(), 40);
+    EXPECT_LT(less.error, 1.05 * before.error);
+  }
+}
+
+TEST(Heuristics, MergeWhatCostsNothingFirst) {
+  Job job;
+  const Mesh mesh = shapes::mesh(shapes::cube(6));
+  Partition p = run(mesh, 6);
+  for (const std::int32_t face : {0, 100, 200}) p = split_region(mesh, p, face, job);
+  ASSERT_EQ(p.region_count(), 9);
+  EXPECT_NEAR(merge_cheapest(mesh, p, 3, job).error, 0.0, 1e-9);
+  EXPECT_NEAR(delete_least(mesh, p, 3, job).error, 0.0, 1e-9);
+  EXPECT_GT(merge_cheapest(mesh, p, 4, job).error, 0.1);
+  EXPECT_EQ(message_of([&] { merge_cheapest(mesh, p, 9, job); }),
+            "only 8 of 9 can be done: no region is left that could be merged");
+  EXPECT_EQ(message_of([&] { add_worst(mesh, p, 0, job); }), "times must be at least 1, got 0");
+}
+
+TEST(Heuristics, ImproveNeverMakesItWorse) {
+  Job job;
+  Partition p = partition(ball(), {.proxies = 40, .iterations = 1, .method = Method::lloyd}, job);
+  const Partition better = improve(ball(), p, job);
+  expect_sound(ball(), better);
+  EXPECT_EQ(better.region_count(), 40);
+  EXPECT_LT(better.error, 0.9 * p.error);
+  EXPECT_LE(improve(ball(), better, job).error, better.error);
+}
+
+TEST(Statistics, OfACube) {
+  Job job;
+  const Mesh mesh = shapes::mesh(shapes::cube(4));
+  const Partition six = run(mesh, 6);
+  for (const RegionStatistics& s : all_statistics(mesh, six, job)) {
+    EXPECT_EQ(s.faces, 32);
+    EXPECT_NEAR(s.area, 1.0, 1e-12);
+    EXPECT_NEAR(s.distance_max, 0.0, 1e-12);
+    EXPECT_EQ(s.neighbours.size(), 4U);
+  }
+}
+
+TEST(Statistics, OfARoof) {
+  Job job;
+  shapes::Arrays roof = shapes::plane(2);  // folded up along its middle: a ridge of height .5 over a square of base 1
+  for (Vec3& v : roof.vertices) v.z() = 0.5 - std::abs(v.x() - 0.5);
+  const Mesh mesh = shapes::mesh(roof);
+  const RegionStatistics s = region_statistics(mesh, run(mesh, 1), 3, job);
+  EXPECT_EQ(s.region, 0);
+  EXPECT_NEAR(s.area, std::sqrt(2.0), 1e-12);
+  EXPECT_NEAR(s.distance_max, 0.25, 1e-6);  // the plane lies half-way up
+  EXPECT_NEAR(s.distance_rms, 0.5 / std::sqrt(12.0), 1e-6);
+  EXPECT_NEAR(s.error, std::sqrt(2.0) * (2 - std::sqrt(2.0)), 1e-6);
+  EXPECT_TRUE(s.neighbours.empty());
+}
+
+}  // namespace
+}  // namespace isimp
