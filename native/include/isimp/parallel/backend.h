@@ -37,7 +37,8 @@ class Kernels {
                                                    std::int32_t regions, std::int32_t threads) const = 0;
 
   /// Loads a surface for flooding. What it points to must outlive the flooder, which reads it in place on the CPU.
-  /// Memory: on the CPU 32 bytes a face beside the surface, 60 on a device, and 16 more for naive flooding.
+  /// Memory: up to 40 bytes a face on the CPU, beside the surface; on a device 68; 16 more each while naive flooding
+  /// has its places and while regions are cut to pieces.
   /// \throws InvalidInput  lengths that do not agree; a face as fit() refuses it; a neighbour outside [0, N]
   /// \throws Error         the device has too little memory or failed
   [[nodiscard]] virtual std::unique_ptr<Flooder> load(const FloodSurface& surface) const = 0;
