@@ -1,11 +1,18 @@
 #include "isimp/partition/detail_tree.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
+#include <limits>
+#include <memory>
+#include <numeric>
+#include <span>
 #include <utility>
 
+#include "isimp/partition/hierarchy.h"
 #include "isimp/partition/noise.h"
 #include "isimp/partition/normal_filter.h"
+#include "isimp/partition/region_graph.h"
 #include "isimp/partition/relax.h"
 
 namespace isimp {
@@ -18,6 +25,9 @@ constexpr double kBorder = 0.018;       // what an edge between regions weighs, 
 constexpr double kNoisyBorder = 0.115;  // what is added to it where normals are all noise
 constexpr double kRounding = 1e-9;      // of the area: costs below this are none
 constexpr std::size_t kMostCosts = 20000;
+constexpr std::int32_t kManyFaces = 50000;  // from here on small patches are merged many at once
+constexpr std::int32_t kFacesAProxy = 96;   // for patches of 8 faces
+constexpr double kUsual = 0.7, kFar = 1.0 / 16;
 
 std::vector<std::int32_t> parts_of_faces(const Surface& surface) {
   std::vector<std::int32_t> part;
@@ -28,13 +38,76 @@ std::vector<std::int32_t> parts_of_faces(const Surface& surface) {
   return part;
 }
 
+/// What merging begins with: faces, or small patches of them.
+struct Start {
+  ClusterGraph clusters;
+  std::vector<std::int32_t> cluster;  ///< (n) of each face
+};
+
+Start start_from_faces(const FaceGraph& graph, std::span<const FaceRecord> smooth, std::vector<std::int32_t> part) {
+  Start start{.clusters = face_clusters(graph, smooth), .cluster = {}};
+  start.clusters.part = std::move(part);
+  start.cluster.resize(static_cast<std::size_t>(graph.size()));
+  std::iota(start.cluster.begin(), start.cluster.end(), 0);
+  return start;
+}
+
+/// The price below which most nodes find a partner, as a rise of the error.
+double usual_price(const MergeGraph& graph) {
+  std::vector<float> best;
+  for (std::int32_t u = 0; u < graph.size(); ++u) {
+    const NodeSum& a = graph.sum[u];
+    float least = std::numeric_limits<float>::infinity();
+    for (const std::int32_t v : graph.around(u)) {
+      const NodeSum& b = graph.sum[v];
+      const float x = a.x + b.x, y = a.y + b.y, z = a.z + b.z;
+      least = std::min(least, a.length + b.length - std::sqrt(x * x + y * y + z * z));
+    }
+    if (least < std::numeric_limits<float>::infinity()) best.push_back(least);
+  }
+  if (best.empty()) return std::numeric_limits<double>::infinity();
+  const auto at = best.begin() + static_cast<std::ptrdiff_t>(kUsual * static_cast<double>(best.size() - 1));
+  std::nth_element(best.begin(), at, best.end());
+  return 2.0 * *at;
+}
+
+/// Where single faces are far below what can be told apart, merging them one pair at a time is a waste: many pairs at
+/// once, in the hierarchy of the smooth surface, do until most merges cost a good part of the limit.
+Start start_from_patches(const Surface& surface, std::vector<FaceRecord> smooth, double limit, Job& job) {
+  auto guided = std::make_shared<GuidedGraph>();
+  guided->graph = surface.graph();
+  guided->graph.faces = std::move(smooth);
+  guided->component.assign(surface.component().begin(), surface.component().end());
+  guided->component_count = surface.component_count();
+  const Hierarchy h = build_hierarchy(Surface(surface.mesh(), guided), surface.face_count() / kFacesAProxy, job);
+  std::size_t level = 0;
+  while (level + 1 < h.level.size() && usual_price(h.level[level + 1]) < kFar * limit) ++level;
+  const MergeGraph& chosen = h.level[level];
+  Start start{.clusters = {.sum = {}, .first = chosen.first, .neighbour = chosen.neighbour, .part = chosen.part},
+              .cluster = h.patch};
+  for (const NodeSum& s : chosen.sum) start.clusters.sum.push_back({s.x, s.y, s.z, 2.0 * s.length, 1});
+  for (std::int32_t& c : start.cluster)
+    for (std::size_t l = 0; l < level; ++l) c = h.to_next[l][c];
+  return start;
+}
+
 /// Gives each face the region that its present one has become.
-void relabel(Regions& regions, const std::vector<std::int32_t>& becomes, std::size_t count, const FaceGraph& graph,
-             const Threads& threads, Job& job) {
-  for (std::int32_t& label : regions.label)
-    if (label != kNone) label = becomes[label];
-  regions.sum.assign(count, {});
-  sum_regions(graph, regions, job, threads);
+void relabel(Regions& regions, const std::vector<std::int32_t>& becomes, std::size_t count, const Threads& threads) {
+  const auto n = static_cast<std::int32_t>(regions.label.size());
+  threads.run(n, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+    for (std::int32_t i = begin; i < end; ++i)
+      if (regions.label[i] != kNone) regions.label[i] = becomes[regions.label[i]];
+  });
+  std::vector<RegionSum> sums(count);
+  for (std::size_t r = 0; r < regions.sum.size(); ++r) sums[becomes[r]].add(regions.sum[r]);
+  regions.sum = std::move(sums);
+}
+
+/// A cluster for each region. \param faces  among which all border faces are
+ClusterGraph clusters_of(const FaceGraph& graph, const Regions& regions, std::vector<std::int32_t> part,
+                         std::span<const std::int32_t> faces) {
+  MergeGraph touching = graph_of_regions(graph, regions.label, regions.sum.size(), std::move(part), faces);
+  return {regions.sum, std::move(touching.first), std::move(touching.neighbour), std::move(touching.part)};
 }
 
 }  // namespace
@@ -58,9 +131,16 @@ DetailTree::DetailTree(const Surface& surface, const DetailSettings& settings, J
     make_patches(surface, job);
   }
   Job::Part stage(job, "merging", 0.9, 1.0);
-  ClusterGraph clusters = region_clusters(surface.graph(), patches_, job);
-  clusters.part = part_;
-  tree_ = merge_all(clusters, {.need = need_}, job);
+  const FaceGraph& graph = surface.graph();
+  for (std::int32_t i = 0; i < graph.size(); ++i) {
+    const std::int32_t own = patches_.label[i];
+    for (const std::int32_t j : graph.neighbours[i])
+      if (j != graph.size() && patches_.label[j] != own) {
+        borders_.push_back(i);
+        break;
+      }
+  }
+  tree_ = merge_all(clusters_of(graph, patches_, part_, borders_), {.need = need_}, job);
   falling_ = tree_.cost;
   std::sort(falling_.begin(), falling_.end(), std::greater<>());
   falling_.resize(std::min(falling_.size(), kMostCosts));
@@ -71,11 +151,14 @@ void DetailTree::make_patches(const Surface& surface, Job& job) {
   const FaceGraph& graph = surface.graph();
   const std::vector<std::int32_t> part = parts_of_faces(surface);
   {
-    ClusterGraph faces = face_clusters(graph, filtered_faces(graph, kFilterPasses, filter_range(bend_), job));
-    faces.part = part;
-    const double limit = merge_limit(settings_.finest * size_, noise_, kLeastNoise);
-    const MergeTree fine = merge_all(faces, {limit / area_, need_}, job);
-    patches_.label = cut_after(fine, fine.merges());
+    const double limit = merge_limit(settings_.finest * size_, noise_, kLeastNoise) / area_;
+    std::vector<FaceRecord> smooth = filtered_faces(graph, kFilterPasses, filter_range(bend_), job);
+    const Start start = graph.size() < kManyFaces ? start_from_faces(graph, smooth, part)
+                                                  : start_from_patches(surface, std::move(smooth), limit, job);
+    const MergeTree fine = merge_all(start.clusters, {.cost = limit, .need = need_}, job);
+    const std::vector<std::int32_t> patch = cut_after(fine, fine.merges());
+    patches_.label.resize(start.cluster.size());
+    for (std::size_t i = 0; i < start.cluster.size(); ++i) patches_.label[i] = patch[start.cluster[i]];
     patches_.sum.resize(static_cast<std::size_t>(fine.leaves) - fine.merges());
   }
   // Components that are left out have no patches.
@@ -108,22 +191,25 @@ std::int32_t DetailTree::merges(const Cut& cut) const {
 Regions DetailTree::regions(const Surface& surface, const Cut& cut, const Threads& threads, Job& job) const {
   const FaceGraph& graph = surface.graph();
   Regions result = patches_;
-  const auto made = static_cast<std::size_t>(merges(cut));
-  relabel(result, cut_after(tree_, made), patches_.sum.size() - made, graph, threads, job);
+  std::vector<std::int32_t> part = part_;
+  const auto become = [&](const MergeTree& tree, std::size_t merges) {
+    const std::vector<std::int32_t> becomes = cut_after(tree, merges);
+    relabel(result, becomes, result.sum.size() - merges, threads);
+    for (std::size_t r = 0; r < part.size(); ++r) part[becomes[r]] = part[r];  // becomes[r] is never above r
+    if (!part.empty()) part.resize(result.sum.size());
+  };
+  become(tree_, static_cast<std::size_t>(merges(cut)));
   const double border = kBorder + kNoisyBorder * std::min(1.0, bend_ * bend_);
+  std::vector<std::int32_t> near = borders_;  // where borders are, or were
   for (int round = 0; round < kRounds; ++round) {
     Relaxation<GraphLabels> relaxation(graph, {result.label.data()}, result.sum, border);
-    for (std::int32_t i = 0; i < graph.size(); ++i) relaxation.push_if_border(i);
+    for (const std::int32_t i : near) relaxation.push_if_border(i);
     relaxation.run(kSweeps, job);
-    ClusterGraph clusters = region_clusters(graph, result, job);
-    if (!part_.empty()) {
-      clusters.part.resize(result.sum.size());
-      for (std::int32_t i = 0; i < graph.size(); ++i)
-        if (result.label[i] != kNone) clusters.part[result.label[i]] = part_[patches_.label[i]];
-    }
-    const MergeTree more = merge_all(clusters, {cut.cost / area_, need_}, job);
+    near = relaxation.pushed();
+    const MergeTree more =
+        merge_all(clusters_of(graph, result, part, near), {.cost = cut.cost / area_, .need = need_}, job);
     if (more.merges() == 0) break;
-    relabel(result, cut_after(more, more.merges()), result.sum.size() - more.merges(), graph, threads, job);
+    become(more, more.merges());
   }
   return result;
 }

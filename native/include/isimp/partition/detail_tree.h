@@ -31,9 +31,9 @@ double finest_for(double detail);
 
 /// What of a surface stays while its tolerance t is moved: made once, cut at any t from `finest` up.
 ///
-/// Faces merge into patches by filtered normals, since single faces show little but noise; that ends at the finest t.
-/// The patches merge to the end by their faces' true normals, so that what detail there is counts in full.
-/// Cost: O(F log F) to make.
+/// Faces (of large surfaces small patches, many at once) merge into patches by filtered normals, since single faces
+/// show little but noise; that ends at the finest t. The patches merge to the end by their faces' true normals, so that
+/// what detail there is counts in full. Cost: O(F log F) to make.
 class DetailTree {
  public:
   DetailTree(const Surface& surface, const DetailSettings& settings, Job& job);
@@ -61,8 +61,9 @@ class DetailTree {
   std::vector<std::int32_t> need_;  // least number of regions of each component
   std::vector<std::int32_t> part_;  // component of each patch; empty if there is one
   Regions patches_;
-  MergeTree tree_;               // over the patches
-  std::vector<double> falling_;  // what its dearest merges cost, scene units squared
+  std::vector<std::int32_t> borders_;  // faces beside another patch
+  MergeTree tree_;                     // over the patches
+  std::vector<double> falling_;        // what its dearest merges cost, scene units squared
 };
 
 }  // namespace isimp
