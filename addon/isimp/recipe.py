@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 VERSION = 1
 METHODS = ("hierarchy", "teleport", "lloyd", "queued", "naive", "hybrid")
-COUNTS = ("detail", "tolerance", "proxies")  #: ways to say how many regions, each the name of a setting
+COUNTS = ("detail", "tolerance", "bound", "proxies")  #: ways to say how many regions, each the name of a setting
 SEEDINGS = ("random", "farthest", "hierarchical")
 
 
@@ -93,6 +93,8 @@ class Partition(Step):
     proxies: int = 200
     detail: float = 0.005  #: what shows at this share of the size
     tolerance: float = 1.0  #: the same in scene units
+    bound: float = 1.0  #: the most a vertex may be off its region's plane, scene units
+    adaptivity: float = 0.25  #: how much denser regions get where the scan is rough
     noise: float = -1.0  #: standard deviation of the scan's noise, scene units; below 0: estimated
     snap: bool = True  #: take the number of planes where the scan clearly is made of so many
     seed: int = 1
@@ -106,8 +108,10 @@ class Partition(Step):
     def __post_init__(self):
         _check(self.count_by not in COUNTS, f"count_by must be one of {', '.join(COUNTS)}, got {self.count_by!r}")
         _check(not 0 < self.detail <= 1, f"detail must be in (0, 1], got {self.detail}")
-        wrong = not (math.isfinite(self.tolerance) and self.tolerance > 0)
-        _check(wrong, f"tolerance must be above 0, got {self.tolerance}")
+        for name in ("tolerance", "bound"):
+            value = getattr(self, name)
+            _check(not (math.isfinite(value) and value > 0), f"{name} must be above 0, got {value}")
+        _check(not 0 <= self.adaptivity <= 1, f"adaptivity must be in [0, 1], got {self.adaptivity}")
         _check(not math.isfinite(self.noise), f"noise must be a length, or below 0, got {self.noise}")
         _check(self.proxies < 1, f"proxies must be at least 1, got {self.proxies}")
         _check(self.seed < 0, f"seed must be at least 0, got {self.seed}")

@@ -331,6 +331,7 @@ def _apply_partition(step: rcp.Partition, prepared, before, watch, begin, end, b
         **{step.count_by: getattr(step, step.count_by)},
         noise=None if step.noise < 0 else step.noise,
         snap=step.snap,
+        adaptivity=step.adaptivity,
         seed=step.seed,
         iterations=step.iterations,
         method=step.method,
@@ -340,7 +341,8 @@ def _apply_partition(step: rcp.Partition, prepared, before, watch, begin, end, b
     )
     function = partial(engine.partition, weights=_weights(step, prepared))
     partition = _engine_call(watch, begin, end, "partitioning", function, prepared.mesh, options)
-    numbers = {name: partition.report[name] for name in ("rounds", "tolerance", "noise", "snapped")}
+    names = ("rounds", "tolerance", "noise", "snapped", "distance_max", "warnings")
+    numbers = {name: partition.report[name] for name in names}
     return _with_regions(prepared, partition, None, {"asked": partition.proxies_asked} | numbers)
 
 

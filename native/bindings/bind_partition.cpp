@@ -17,22 +17,30 @@ using namespace py::literals;
 
 namespace {
 
+constexpr int kNoiseForBound = 4;  // deviations; a bound below that makes regions of noise
+
 void bind_options(py::module_& m) {
   using Options = PartitionOptions;
   OptionsClass<Options>(m, "PartitionOptions", "How to split a surface into regions. All fields are keywords.")
       .field("proxies", &Options::proxies,
-             "So many regions, from 1 to the number of faces; at most one of this, detail and tolerance is given.")
+             "So many regions, from 1 to the number of faces; at most one of this, detail, tolerance and bound.")
       .field("detail", &Options::detail,
              "As many regions as the surface shows at a tolerance of this share of its size, in (0, 1]; 0.02, 0.01, "
              "0.005, 0.0025 and 0.00125 are from very coarse to very fine. 0.005 if nothing says how many.")
       .field("tolerance", &Options::tolerance,
              "The same with the tolerance in scene units, above 0: about the mean distance of the surface from the "
              "planes of its regions.")
+      .field("bound", &Options::bound,
+             "As few regions as there may be with each vertex this near to its region's plane, scene units, above 0; "
+             "by method 'hierarchy'.")
       .field("noise", &Options::noise,
              "Standard deviation of the scan's noise, scene units, below 3.5 of which no tolerance counts; None: "
              "estimated. 0 for what was drawn and not scanned.")
       .field("snap", &Options::snap,
              "Where the surface clearly is made of so many planes, take that number; with detail and tolerance.")
+      .field("adaptivity", &Options::adaptivity,
+             "How much denser regions get where the surface is rough, in [0, 1]; 0.25 is good for figures, 0 for "
+             "buildings and drawn models.")
       .field("leave_out", &Options::leave_out,
              "Components each below this share of the whole area are left out, smallest first, while all of them "
              "together stay below ten times it; in [0, 1), 0 keeps everything.")
@@ -74,12 +82,26 @@ void bind_options(py::module_& m) {
 
 py::object given_or_none(bool given, double value) { return given ? py::object(py::float_(value)) : py::none(); }
 
+bool is_bounded(const Partition& part) { return part.bound > 0; }
+
+py::list warnings(const Partition& part) {
+  py::list list;
+  if (is_bounded(part) && part.bound < kNoiseForBound * part.noise)
+    list.append(
+        py::str("the bound is below {} times the noise of {:.3g}, so that many regions are made for noise alone; "
+                "a larger bound, or cleaning the scan, saves them")
+            .format(kNoiseForBound, part.noise));
+  return list;
+}
+
 py::dict report_of(const Partition& part) {
   return py::dict("regions"_a = part.region_count(), "proxies_asked"_a = part.proxies_asked,
                   "proxies_needed"_a = part.proxies_needed, "parts_left_out"_a = part.parts_left_out,
                   "area_left_out"_a = part.area_left_out, "error"_a = part.error, "rounds"_a = part.history.size(),
                   "tolerance"_a = given_or_none(part.tolerance > 0, part.tolerance),
-                  "noise"_a = given_or_none(part.tolerance > 0, part.noise), "snapped"_a = part.snapped);
+                  "noise"_a = given_or_none(part.tolerance > 0 || is_bounded(part), part.noise),
+                  "distance_max"_a = given_or_none(is_bounded(part), part.distance_max), "snapped"_a = part.snapped,
+                  "warnings"_a = warnings(part));
 }
 
 py::array region_locked(const Partition& part) {
@@ -112,8 +134,18 @@ void bind_result(py::module_& m) {
           "tolerance", [](const Partition& part) { return given_or_none(part.tolerance > 0, part.tolerance); },
           "Tolerance at which the number of regions was found, scene units; None: the number was given.")
       .def_property_readonly(
-          "noise", [](const Partition& part) { return given_or_none(part.tolerance > 0, part.noise); },
+          "noise",
+          [](const Partition& part) { return given_or_none(part.tolerance > 0 || is_bounded(part), part.noise); },
           "Deviation of the noise with which it was found, given or estimated, scene units; None as above.")
+      .def_property_readonly("region_offset", viewer<Partition>(&Partition::region_offset),
+                             "(R,) float64 with a bound: each region's plane is where region_normal @ x is this; else "
+                             "empty.")
+      .def_property_readonly(
+          "bound", [](const Partition& part) { return given_or_none(is_bounded(part), part.bound); },
+          "The bound as asked for, scene units; None without.")
+      .def_property_readonly(
+          "distance_max", [](const Partition& part) { return given_or_none(is_bounded(part), part.distance_max); },
+          "With a bound: the largest distance of a vertex from its region's plane, scene units; else None.")
       .def_readonly("snapped", &Partition::snapped,
                     "The surface is made of so many planes: a gap in the costs of merging that can't be chance.")
       .def_property_readonly("report", &report_of, "The numbers of this partition as a dict.")
@@ -142,7 +174,7 @@ void bind_partition(py::module_& m) {
       "barriers"_a = py::none(),
       R"(Split a surface into connected, near-planar regions.
 
-Exactly options.proxies regions, or as many as show at options.detail or options.tolerance; none is empty, each is
+Exactly options.proxies regions, as many as show at options.detail or options.tolerance, or few that keep options.bound; none is empty, each is
 connected. Every kept component gets at least what its topology needs (4 if it is closed, else 1; never more than its
 faces); where that takes more than `proxies`, it is taken, and `proxies_needed` says so. The same mesh and options give the same partition bit for bit, on any number of threads.
 weights: (F,) float32 or float64, finite and at least 0, multiply the faces' areas, also those in `error`: regions grow
@@ -152,6 +184,17 @@ one's time. report: tolerance and noise (scene units; None where the number was 
 can't be used) or Cancelled.
 Cost: method 'hierarchy' O(F), the others O(iterations * F).
 Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.)");
+  m.def(
+      "partition_from",
+      [](const KeptMesh& mesh, const py::object& face_region, Job* job) {
+        const std::vector<std::int32_t> labels = read_indices(face_region, "face_region", "(F,)");
+        return call(job, [&](Job& j) { return partition_from(mesh, labels, j); });
+      },
+      "mesh"_a, "face_region"_a, "job"_a = py::none(),
+      R"(A partition with regions that are known: from elsewhere, or put together from several.
+
+face_region: (F,) int32 or int64, any numbers of at least 0, or -1 for a face in no region. A region that is not connected
+becomes as many as it has pieces, numbered by first face. Raises InvalidInput or Cancelled.)");
 }
 
 }  // namespace isimp::bindings

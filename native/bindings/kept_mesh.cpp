@@ -4,12 +4,15 @@
 
 namespace isimp::bindings {
 
-KeptMesh::Kept KeptMesh::recall(Guides guides) const {
+KeptMesh::Kept KeptMesh::recall(Guides guides, double adaptivity) const {
   const std::lock_guard lock(mutex_);
   const bool same = kept_.guides.weights == guides.weights && kept_.guides.barriers == guides.barriers;
-  if (!same)
-    return {.guides = std::move(guides), .graph = nullptr, .hierarchy = nullptr, .tree = nullptr, .decimated = nullptr};
-  return kept_;
+  if (same && kept_.adaptivity == adaptivity) return kept_;
+  Kept fresh;
+  fresh.graph = same ? kept_.graph : nullptr;
+  fresh.guides = std::move(guides);
+  fresh.adaptivity = adaptivity;
+  return fresh;
 }
 
 void KeptMesh::keep(const Kept& kept) const {
@@ -33,14 +36,25 @@ void KeptMesh::give_back(Loaded loaded) const {
 
 Partition KeptMesh::split(const PartitionOptions& options, Guides guides, Job& job) const {
   const bool guided = !guides.weights.empty() || !guides.barriers.empty();
-  Kept kept = recall(std::move(guides));
+  Kept kept = recall(std::move(guides), options.adaptivity);
   const std::shared_ptr<const GuidedGraph> recalled = kept.graph;
   const Surface surface = guided && !kept.graph ? Surface(*this, kept.guides, job) : Surface(*this, kept.graph);
   kept.graph = surface.guided();
   if (kept.graph != recalled) keep(kept);
+  if (options.adaptivity == 0) return split(surface, std::move(kept), options, job);
+  if (!kept.adapted) {
+    kept.adapted = adapted(surface, options, job).guided();
+    keep(kept);
+  }
+  const Surface finer(*this, kept.adapted);
+  PartitionOptions plain = options;  // what is adapted once must not be again
+  plain.adaptivity = 0;
+  return restated(surface, split(finer, std::move(kept), plain, job), options, job);
+}
 
+Partition KeptMesh::split(const Surface& surface, Kept kept, const PartitionOptions& options, Job& job) const {
   const std::optional<DetailSettings> settings = detail_settings(surface, options);
-  if (job.cancelled()) return partition(surface, options, job);
+  if (job.cancelled() || options.bound) return partition(surface, Hierarchy{}, options, job);
   return settings ? split_by_detail(surface, std::move(kept), *settings, options, job)
                   : split_by_count(surface, std::move(kept), options, job);
 }
@@ -86,7 +100,7 @@ Partition KeptMesh::split_by_count(const Surface& surface, Kept kept, const Part
   const bool parallel = options.method == Method::naive || options.method == Method::queued;
   if (options.method == Method::hybrid) return split_decimated(surface, std::move(kept), options, job);
   const bool uses_hierarchy = options.method == Method::hierarchy || options.seeding == Seeding::hierarchical;
-  if (!uses_hierarchy && !parallel) return partition(surface, options, job);
+  if (!uses_hierarchy && !parallel) return partition(surface, Hierarchy{}, options, job);
   const std::int32_t proxies = *options.proxies;
   double done = 0.0;
   if (uses_hierarchy && (!kept.hierarchy || !kept.hierarchy->serves(surface, proxies))) {

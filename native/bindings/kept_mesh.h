@@ -28,12 +28,15 @@ class KeptMesh : public Mesh {
   struct Kept {
     Guides guides;
     std::shared_ptr<const GuidedGraph> graph;  // null without guides
+    double adaptivity = 0.0;
+    std::shared_ptr<const GuidedGraph> adapted;  // that graph with this adaptivity; null without
     std::shared_ptr<const Hierarchy> hierarchy;
     std::shared_ptr<const DetailTree> tree;
     std::shared_ptr<const Decimated> decimated;
   };
-  /// These guides, with what is kept if it was made under the same.
-  [[nodiscard]] Kept recall(Guides guides) const;
+  /// These guides and adaptivity, with what is kept if it was made under the same.
+  [[nodiscard]] Kept recall(Guides guides, double adaptivity) const;
+  Partition split(const Surface& surface, Kept kept, const PartitionOptions& options, Job& job) const;
   void keep(const Kept& kept) const;
   Partition split_by_detail(const Surface& surface, Kept kept, const DetailSettings& settings,
                             const PartitionOptions& options, Job& job) const;

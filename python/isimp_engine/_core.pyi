@@ -55,8 +55,10 @@ class PartitionOptions:
     proxies: int | None
     detail: float | None
     tolerance: float | None
+    bound: float | None
     noise: float | None
     snap: bool
+    adaptivity: float
     leave_out: float
     seed: int
     iterations: int
@@ -74,8 +76,10 @@ class PartitionOptions:
         proxies: int | None = ...,
         detail: float | None = ...,
         tolerance: float | None = ...,
+        bound: float | None = ...,
         noise: float | None = ...,
         snap: bool = ...,
+        adaptivity: float = ...,
         leave_out: float = ...,
         seed: int = ...,
         iterations: int = ...,
@@ -112,6 +116,12 @@ class Partition:
     @property
     def snapped(self) -> bool: ...
     @property
+    def region_offset(self) -> NDArray[np.float64]: ...
+    @property
+    def bound(self) -> float | None: ...
+    @property
+    def distance_max(self) -> float | None: ...
+    @property
     def proxies_asked(self) -> int: ...
     @property
     def proxies_needed(self) -> int: ...
@@ -129,6 +139,7 @@ def partition(
     weights: NDArray[np.floating] | None = None,
     barriers: NDArray[np.signedinteger] | None = None,
 ) -> Partition: ...
+def partition_from(mesh: Mesh, face_region: NDArray[np.signedinteger], job: Job | None = None) -> Partition: ...
 def add_proxy(mesh: Mesh, partition: Partition, face: int, job: Job | None = None) -> Partition: ...
 def delete_proxy(mesh: Mesh, partition: Partition, face: int, job: Job | None = None) -> Partition: ...
 def merge_regions(mesh: Mesh, partition: Partition, face: int, other: int, job: Job | None = None) -> Partition: ...

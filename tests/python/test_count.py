@@ -89,6 +89,37 @@ def test_threads_do_not_show():
     assert one.error == three.error
 
 
+@pytest.mark.parametrize("adaptivity", [0, 0.5])
+def test_a_bound_holds_for_every_vertex(adaptivity):
+    mesh = engine.Mesh(*noisy(*shapes.torus(120, 60), 0.003))
+    part = found(mesh, bound=0.03, adaptivity=adaptivity)
+    away = np.einsum("fkd,fd->fk", mesh.vertices[mesh.triangles], part.region_normal[part.face_region])
+    away = np.abs(away - part.region_offset[part.face_region][:, None]).max()
+    assert 0.02 < away <= 0.03 * (1 + 1e-9)
+    assert part.report["distance_max"] == pytest.approx(away)
+    assert part.report["warnings"] == []
+    assert part.bound == 0.03
+    assert found(mesh, proxies=part.region_count).bound is None
+
+
+def test_a_bound_in_the_noise_is_warned_of():
+    mesh = engine.Mesh(*noisy(*shapes.plane(40), 0.002))
+    (text,) = found(mesh, bound=0.004).report["warnings"]
+    assert text.startswith("the bound is below 4 times the noise of 0.002")
+    assert found(mesh, bound=0.004, noise=0).report["warnings"] == []
+
+
+@pytest.mark.parametrize("fields", [{"proxies": 40}, {"detail": 0.004}, {"bound": 0.01}])
+def test_adaptivity_is_the_same_fresh_and_kept_and_changes_something(fields):
+    arrays = shapes.bumpy()
+    arrays[0][:, 2] *= 1 + 3 * arrays[0][:, 0] ** 3
+    mesh = engine.Mesh(*arrays)
+    for adaptivity in (0.0, 0.5, 1.0, 0.5):
+        fresh = found(engine.Mesh(*arrays), adaptivity=adaptivity, **fields)
+        np.testing.assert_array_equal(found(mesh, adaptivity=adaptivity, **fields).face_region, fresh.face_region)
+    assert (fresh.face_region != found(mesh, **fields).face_region).any()
+
+
 @pytest.mark.parametrize(
     ("fields", "message"),
     [
@@ -99,6 +130,10 @@ def test_threads_do_not_show():
         ({"detail": 1.5}, r"^detail must be in \(0, 1\], got 1.5"),
         ({"tolerance": -1}, "^tolerance must be a finite length above 0, got -1"),
         ({"tolerance": float("inf")}, "^tolerance must be a finite length above 0, got inf"),
+        ({"bound": 0}, "^bound must be a finite length above 0, got 0"),
+        ({"bound": 1, "detail": 0.1}, "^detail and bound are given"),
+        ({"bound": 1, "method": "lloyd"}, "^a bound is kept by method hierarchy only"),
+        ({"adaptivity": 1.5}, r"^adaptivity must be in \[0, 1\], got 1.5"),
         ({"noise": -0.5}, "^noise must be a finite length, at least 0, got -0.5"),
     ],
 )

@@ -129,6 +129,8 @@ Partition Edit::finish() {
   }
   result.error = error() * graph.area;
   result.history.assign(1, result.error);
+  result.bound = result.distance_max = 0.0;  // an edit goes by the error and keeps no bound
+  result.region_offset.clear();
   for (const std::int32_t r : lost) reseed(r);
   return std::move(result);
 }

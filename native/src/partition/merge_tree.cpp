@@ -6,6 +6,7 @@
 #include <functional>
 #include <numeric>
 #include <queue>
+#include <unordered_set>
 
 namespace isimp {
 namespace {
@@ -45,6 +46,12 @@ class Merging {
       const double cost = std::max(0.0, merge_cost(sum_[u], sum_[offer.to]));
       if (cost > limits_.cost) break;
       if (!left_.empty() && left_[part_of(u)] <= limits_.need[part_of(u)]) continue;
+      if (limits_.accept && !limits_.accept(u, offer.to)) {
+        refused_.insert(pair_of(u, offer.to));
+        tidy(u);
+        find_best(u);
+        continue;
+      }
       merge(u, offer.to, cost);
     }
     return std::move(tree_);
@@ -66,6 +73,11 @@ class Merging {
   static constexpr std::size_t kPollEvery = 0x3ff;
 
   [[nodiscard]] std::int32_t part_of(std::int32_t u) const { return part_.empty() ? 0 : part_[u]; }
+
+  static std::uint64_t pair_of(std::int32_t u, std::int32_t v) {
+    const auto [low, high] = std::minmax(u, v);
+    return static_cast<std::uint64_t>(low) << 32 | static_cast<std::uint32_t>(high);
+  }
 
   /// What a pair is ordered by: its cost, and a little that lets small nodes go first where all cost nothing.
   [[nodiscard]] double key(std::int32_t u, std::int32_t v) const {
@@ -108,6 +120,7 @@ class Merging {
     double least = std::numeric_limits<double>::infinity();
     std::int32_t to = kNone;
     for (const std::int32_t v : links_[u]) {
+      if (!refused_.empty() && refused_.contains(pair_of(u, v))) continue;
       const double k = key(u, v);
       if (k < least || (k == least && v < to)) {
         least = k;
@@ -157,6 +170,7 @@ class Merging {
   std::vector<std::int32_t> mark_;
   std::vector<Best> best_;
   std::priority_queue<Offer, std::vector<Offer>, std::greater<>> queue_;
+  std::unordered_set<std::uint64_t> refused_;  // pairs that limits.accept said no to; only asked, never walked
   MergeTree tree_;
 };
 

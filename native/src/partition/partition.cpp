@@ -7,6 +7,8 @@
 
 #include "isimp/core/errors.h"
 #include "isimp/parallel/backend.h"
+#include "isimp/partition/adaptivity.h"
+#include "isimp/partition/bound.h"
 #include "isimp/partition/hierarchy.h"
 #include "isimp/partition/lloyd.h"
 #include "isimp/partition/make_partition.h"
@@ -41,6 +43,7 @@ void check_count(const Surface& surface, const PartitionOptions& options) {
   note(options.proxies.has_value(), "proxies");
   note(options.detail.has_value(), "detail");
   note(options.tolerance.has_value(), "tolerance");
+  note(options.bound.has_value(), "bound");
   if (given.find(' ') != std::string::npos)
     throw InvalidInput(given + " are given, but each alone says how many regions there will be: give one of them");
   const auto positive = [](double x) { return x > 0 && std::isfinite(x); };
@@ -50,6 +53,9 @@ void check_count(const Surface& surface, const PartitionOptions& options) {
     out_of_range("detail", "in (0, 1]", *options.detail);
   if (options.tolerance && !positive(*options.tolerance))
     out_of_range("tolerance", "a finite length above 0", *options.tolerance);
+  if (options.bound && !positive(*options.bound)) out_of_range("bound", "a finite length above 0", *options.bound);
+  if (options.bound && options.method != Method::hierarchy)
+    throw InvalidInput("a bound is kept by method hierarchy only");
   if (options.noise && !positive(*options.noise) && *options.noise != 0)
     out_of_range("noise", "a finite length, at least 0", *options.noise);
 }
@@ -57,6 +63,8 @@ void check_count(const Surface& surface, const PartitionOptions& options) {
 void check(const Surface& surface, const PartitionOptions& options) {
   check_count(surface, options);
   if (!(options.leave_out >= 0 && options.leave_out < 1)) out_of_range("leave_out", "in [0, 1)", options.leave_out);
+  if (!(options.adaptivity >= 0 && options.adaptivity <= 1))
+    out_of_range("adaptivity", "in [0, 1]", options.adaptivity);
   if (options.iterations < 1) out_of_range("iterations", "at least 1", options.iterations);
   if (options.threads < 0) out_of_range("threads", "at least 0", options.threads);
   if (options.nearest < 1 || options.nearest > parallel::Flooder::kMostNearest)
@@ -137,8 +145,81 @@ Partition make_partition(const Surface& surface, const Parts& parts, const Regio
   return result;
 }
 
+namespace {
+
+/// Measures the error from the normals there are, which with a bound need not be the mean ones.
+void restate_error(const FaceGraph& graph, Partition& part) {
+  double error = 0.0;
+  for (std::size_t r = 0; r < part.region_sum.size(); ++r) {
+    const RegionSum& s = part.region_sum[r];
+    error += s.weight - 2 * part.region_normal[r].dot(Vec3(s.x, s.y, s.z));
+  }
+  part.error = std::max(0.0, error * graph.area);
+  part.history = {part.error};
+}
+
+Partition partition_within(const Surface& surface, const PartitionOptions& options, Job& job) {
+  const Threads threads(options.threads);
+  Hierarchy hierarchy;
+  {
+    const Job::Part merging(job, "merging", 0.0, 0.1);
+    hierarchy = hierarchy_for_bound(surface, job, options.threads);
+  }
+  const Job::Part fitting(job, "fitting planes", 0.1, 1.0);
+  const Parts parts = find_parts(surface, 1, options.leave_out, job, hierarchy.parts);
+  const BoundedRegions bounded = bounded_regions(surface, hierarchy, parts, *options.bound, job);
+  Partition result = make_partition(surface, parts, bounded.regions, {bounded.regions.error()}, threads, job);
+  result.proxies_asked = result.region_count();
+  result.bound = *options.bound;
+  result.noise = options.noise ? *options.noise : estimate_noise(surface.mesh(), job);
+  for (std::size_t r = 0; r < bounded.slab.size(); ++r) {
+    const Slab& slab = bounded.slab[r];
+    result.region_normal[r] = slab.normal;
+    result.region_offset.push_back(slab.middle());
+    result.distance_max = std::max(result.distance_max, slab.width() / 2);
+  }
+  restate_error(surface.graph(), result);
+  return result;
+}
+
+}  // namespace
+
 Partition partition(const Surface& surface, const PartitionOptions& options, Job& job) {
-  return partition(surface, Hierarchy{}, options, job);
+  if (options.adaptivity == 0) return partition(surface, Hierarchy{}, options, job);
+  const Surface finer = adapted(surface, options, job);
+  return restated(surface, partition(finer, Hierarchy{}, options, job), options, job);
+}
+
+Surface adapted(const Surface& surface, const PartitionOptions& options, Job& job) {
+  check(surface, options);
+  return surface.weighted(adaptive_weights(surface, options.adaptivity, Threads(options.threads), job));
+}
+
+Partition restated(const Surface& surface, Partition of_adapted, const PartitionOptions& options, Job& job) {
+  const FaceGraph& graph = surface.graph();
+  const Threads threads(options.threads);
+  Regions regions;
+  regions.label.assign(graph.faces.size(), kNone);
+  for (std::int32_t i = 0; i < graph.size(); ++i) regions.label[i] = of_adapted.face_region[graph.mesh_face[i]];
+  regions.sum.resize(of_adapted.region_sum.size());
+  sum_regions(graph, regions, job, threads);
+  Parts parts;
+  parts.asked = of_adapted.proxies_asked;
+  parts.needed = of_adapted.proxies_needed;
+  parts.left_out = of_adapted.parts_left_out;
+  parts.area_left_out = of_adapted.area_left_out;
+  Partition result = make_partition(surface, parts, regions, {regions.error()}, threads, job);
+  if (of_adapted.bound > 0) {
+    result.region_normal = std::move(of_adapted.region_normal);
+    result.region_offset = std::move(of_adapted.region_offset);
+    restate_error(graph, result);
+  }
+  result.bound = of_adapted.bound;
+  result.distance_max = of_adapted.distance_max;
+  result.tolerance = of_adapted.tolerance;
+  result.noise = of_adapted.noise;
+  result.snapped = of_adapted.snapped;
+  return result;
 }
 
 Partition partition(const Surface& surface, const Hierarchy& hierarchy, const PartitionOptions& options, Job& job,
@@ -146,6 +227,7 @@ Partition partition(const Surface& surface, const Hierarchy& hierarchy, const Pa
   const std::optional<DetailSettings> settings = detail_settings(surface, options);
   if (options.method == Method::hybrid) throw InvalidInput("method hybrid is for hybrid(), which decimates first");
   Job::Part stage(job, "partitioning", 0.0, 1.0);
+  if (options.bound) return partition_within(surface, options, job);
   if (settings) {
     const DetailTree tree = [&] {
       const Job::Part merging(job, "merging", 0.0, 0.8);
@@ -185,7 +267,7 @@ Partition partition(const Surface& surface, const Hierarchy& hierarchy, const Pa
 
 std::optional<DetailSettings> detail_settings(const Surface& surface, const PartitionOptions& options) {
   check(surface, options);
-  if (options.proxies) return std::nullopt;
+  if (options.proxies || options.bound) return std::nullopt;
   const double detail =
       options.tolerance ? *options.tolerance / surface_size(surface.mesh()) : options.detail.value_or(kDefaultDetail);
   return DetailSettings{finest_for(detail), options.noise, options.leave_out};
@@ -204,12 +286,49 @@ Partition partition(const Surface& surface, const DetailTree& tree, const Partit
     PartitionOptions counted = options;
     counted.detail = counted.tolerance = std::nullopt;
     counted.proxies = regions.count();
-    result = partition(surface, counted, job);
+    result = partition(surface, Hierarchy{}, counted, job);
   }
   result.tolerance = tolerance;
   result.noise = tree.noise();
   result.snapped = cut.snapped;
   return result;
+}
+
+Partition partition_from(const Surface& surface, std::span<const std::int32_t> face_region, Job& job) {
+  const FaceGraph& graph = surface.graph();
+  if (face_region.size() != static_cast<std::size_t>(graph.size()))
+    throw InvalidInput("there are " + std::to_string(face_region.size()) + " labels, but the mesh has " +
+                       std::to_string(graph.size()) + " faces: give one for each");
+  Regions regions;
+  regions.label.assign(graph.faces.size(), kNone);
+  std::vector<std::int32_t> stack;
+  std::int32_t count = 0;
+  for (std::int32_t f = 0; f < graph.size(); ++f) {
+    if ((f & 0xffff) == 0) job.poll();
+    const std::int32_t region = face_region[f];
+    if (region < kNone)
+      throw InvalidInput("the label of face " + std::to_string(f) + " is " + std::to_string(region) +
+                         "; labels are at least 0, or -1 for a face in no region");
+    if (region == kNone || regions.label[graph.graph_face[f]] != kNone) continue;
+    regions.label[graph.graph_face[f]] = count;
+    stack.push_back(graph.graph_face[f]);
+    while (!stack.empty()) {
+      const std::int32_t i = stack.back();
+      stack.pop_back();
+      for (const std::int32_t j : graph.neighbours[i]) {
+        if (j == graph.size() || regions.label[j] != kNone || face_region[graph.mesh_face[j]] != region) continue;
+        regions.label[j] = count;
+        stack.push_back(j);
+      }
+    }
+    ++count;
+  }
+  if (count == 0) throw InvalidInput("no face is in a region");
+  regions.sum.resize(static_cast<std::size_t>(count));
+  sum_regions(graph, regions, job);
+  Parts parts = find_parts(surface, 1, 0.0, job);
+  parts.asked = count;
+  return make_partition(surface, parts, regions, {regions.error()}, Threads(1), job);
 }
 
 }  // namespace isimp

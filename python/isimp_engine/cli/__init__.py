@@ -16,9 +16,15 @@ from .errors import UsageError
 
 OK, USAGE, BAD_INPUT, INTERRUPTED = 0, 2, 3, 130
 
-_COUNTS = {"proxies": (int, "N"), "detail": (float, "X"), "tolerance": (float, "T")}  # at most one of them
+_COUNTS = {  # at most one of them
+    "proxies": (int, "N"),
+    "detail": (float, "X"),
+    "tolerance": (float, "T"),
+    "bound": (float, "T"),
+}
 _FIELDS = {
     "noise": (float, "S"),
+    "adaptivity": (float, "X"),
     "seed": (int, "S"),
     "method": (str, "NAME"),
     "iterations": (int, "N"),

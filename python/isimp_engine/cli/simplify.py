@@ -118,6 +118,7 @@ def summary(source: Input, part: Partition, report: dict[str, Any]) -> Iterator[
         yield f"  repaired: {line}"
     if part.parts_left_out:
         yield f"  left out: {words.count(part.parts_left_out, 'part')}, {part.area_left_out:.2%} of the area"
+    yield from (f"  warning: {text}" for text in report["partition"]["warnings"])
     if report["partition"]["tolerance"] is not None:
         yield f"  {words.found(report['partition'])}"
     if part.region_count > part.proxies_asked:

@@ -86,7 +86,7 @@ struct BorderMoves {
       const float into = proxy.dot(f);
       const float joining = into + f.area * (1 - into * into) * proxy.half_inverse;
       const float gain = f.area * (leaving + joining) + edge * static_cast<float>(there - same);
-      if (gain > best) {
+      if (gain > best && may_join(face, other)) {
         best = gain;
         to = other;
       }
@@ -96,6 +96,14 @@ struct BorderMoves {
   }
 
  private:
+  /// Labels may have a say in where a face goes: `allows(face, region)`.
+  [[nodiscard]] bool may_join([[maybe_unused]] std::int32_t face, [[maybe_unused]] std::int32_t region) const {
+    if constexpr (requires { labels.allows(face, region); })
+      return labels.allows(face, region);
+    else
+      return true;
+  }
+
   static constexpr float kLeastGain = 1e-6F;  // of the face's area: less is rounding, and would go to and fro
   static constexpr int kLongestWalk = 32;     // round a vertex; beyond it the face just stays
 

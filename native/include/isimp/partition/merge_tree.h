@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <span>
 #include <vector>
@@ -39,6 +40,8 @@ struct MergeTree {
 struct MergeLimits {
   double cost = std::numeric_limits<double>::infinity();  ///< merging ends before the first merge that costs more
   std::span<const std::int32_t> need;  ///< (parts) the least number of clusters to leave of each; empty: 1
+  /// Asked before each merge of two nodes; if it agrees, the new node is leaves + merges so far. Empty: always.
+  std::function<bool(std::int32_t, std::int32_t)> accept = {};
 };
 
 /// Merges the pair of neighbours whose merging raises the error least, again and again.

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -40,12 +41,15 @@ enum class Connect {
 };
 
 struct PartitionOptions {
-  /// How many regions; at most one of these three is given, else it is `detail` at kDefaultDetail.
+  /// How many regions; at most one of these four is given, else it is `detail` at kDefaultDetail.
   std::optional<std::int32_t> proxies = std::nullopt;  ///< exactly so many, in [1, F]
   std::optional<double> detail = std::nullopt;     ///< what shows at a tolerance of this share of the size, in (0, 1]
   std::optional<double> tolerance = std::nullopt;  ///< the same with the tolerance in scene units, above 0
-  std::optional<double> noise = std::nullopt;      ///< deviation of the scan's noise, scene units; none: estimated
-  bool snap = true;          ///< where the shape clearly is made of so many planes, take that number
+  /// As few as there may be with each vertex this near to its region's plane, scene units, above 0; Method::hierarchy.
+  std::optional<double> bound = std::nullopt;
+  std::optional<double> noise = std::nullopt;  ///< deviation of the scan's noise, scene units; none: estimated
+  bool snap = true;                            ///< where the shape clearly is made of so many planes, take that number
+  double adaptivity = 0.0;                     ///< how much denser regions get where the surface is rough, in [0, 1]
   double leave_out = 0.001;  ///< components each below this share of the area are left out, in [0, 1); see partition()
   std::uint64_t seed = 1;    ///< number that starts the random seeding
   std::int32_t iterations = 20;  ///< upper bound on flood-and-fit rounds, at least 1
@@ -66,19 +70,23 @@ inline constexpr double kDefaultDetail = 0.005;
 struct Partition {
   std::vector<std::int32_t> face_region;  ///< (F) in [0, R); kNone where a speck was left out
   std::vector<std::int32_t> region_seed;  ///< (R) the region's face that is nearest to its proxy
-  std::vector<Vec3> region_normal;        ///< (R) unit, area-weighted mean; zero for a region without area
+  std::vector<Vec3> region_normal;        ///< (R) unit, area-weighted mean; zero for a region without area;
+                                          ///< with a bound, where that does not keep it, the normal of one that does
   std::vector<RegionSum> region_sum;      ///< (R) what the faces add up to, so that edits cost only what they touch
   double error = 0.0;                     ///< sum of area * |n_face - n_region|^2, scene units squared
   std::vector<double> history;            ///< the error after each round; `error` is not above any of them, but for
                                           ///< Method::naive and queued: rounds of pieces, the last entry is `error`
 
-  double tolerance = 0.0;          ///< t at which the number of regions was found, scene units; 0: the number was given
-  double noise = 0.0;              ///< the deviation it was found with, given or estimated, scene units
-  bool snapped = false;            ///< the shape has so many planes: a gap in the costs of merging that can't be chance
-  std::int32_t proxies_asked = 0;  ///< R is larger where components need more (see `proxies_needed`)
-  std::int32_t proxies_needed = 0;  ///< the least that the kept components need together
-  std::int32_t parts_left_out = 0;  ///< components without a region
-  double area_left_out = 0.0;       ///< their share of the whole area
+  double tolerance = 0.0;     ///< t at which the number of regions was found, scene units; 0: the number was given
+  double noise = 0.0;         ///< the deviation it was found with, given or estimated, scene units
+  bool snapped = false;       ///< the shape has so many planes: a gap in the costs of merging that can't be chance
+  double bound = 0.0;         ///< as asked for, scene units; 0: none
+  double distance_max = 0.0;  ///< with a bound: the largest distance of a vertex from its region's plane, scene units
+  std::vector<double> region_offset;  ///< (R) with a bound: that plane is where region_normal * x is this; else empty
+  std::int32_t proxies_asked = 0;     ///< R is larger where components need more (see `proxies_needed`)
+  std::int32_t proxies_needed = 0;    ///< the least that the kept components need together
+  std::int32_t parts_left_out = 0;    ///< components without a region
+  double area_left_out = 0.0;         ///< their share of the whole area
 
   std::shared_ptr<const GuidedGraph> guided;  ///< what it was made on, so that edits keep to it; null without guides
 
@@ -94,7 +102,8 @@ struct Partition {
 ///                 cut it, so that it may have more components
 /// With `detail` or `tolerance`, as many regions as the surface shows at that tolerance t, whatever its resolution: on
 /// a curved one its mean distance from the regions' planes is about t, and t never counts as less than 3.5 deviations
-/// of the noise; lloyd and teleport then make that number. With `proxies`, exactly so many. None is empty, each is
+/// of the noise; lloyd and teleport then make that number. With `bound`, few regions of which each has all its vertices
+/// within that of one plane. With `proxies`, exactly so many. None is empty, each is
 /// connected, every face of a kept component in one. Every kept component gets at least what its topology needs (4 if
 /// it is closed, else 1; never more than its faces); where that takes more than `proxies`, it is taken, and
 /// `proxies_needed` says so. Components each below `leave_out` of the area are left out, smallest first, while all of
@@ -125,5 +134,18 @@ std::optional<DetailSettings> detail_settings(const Surface& surface, const Part
 
 /// The same from a tree with those settings that was made before: what a slider of `detail` wants.
 Partition partition(const Surface& surface, const DetailTree& tree, const PartitionOptions& options, Job& job);
+
+/// The surface that a partition with options.adaptivity is made on, by the functions above, which do not look at it ...
+Surface adapted(const Surface& surface, const PartitionOptions& options, Job& job);
+/// ... and the partition of it as one of the surface itself.
+Partition restated(const Surface& surface, Partition of_adapted, const PartitionOptions& options, Job& job);
+
+/// A partition with regions that are known: from elsewhere, or put together from several.
+///
+/// \param face_region  (F) any numbers of at least 0, or kNone for a face in no region; a region that is not connected
+///                     becomes as many as it has pieces, numbered by first face
+/// \throws InvalidInput  not F of them, one below kNone, or none of at least 0
+/// Cost: O(F).
+Partition partition_from(const Surface& surface, std::span<const std::int32_t> face_region, Job& job);
 
 }  // namespace isimp

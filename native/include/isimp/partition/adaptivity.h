@@ -1,0 +1,20 @@
+#pragma once
+
+#include <vector>
+
+#include "isimp/core/job.h"
+#include "isimp/partition/surface.h"
+#include "isimp/partition/threads.h"
+
+namespace isimp {
+
+/// Weights that are high where the surface is rough, so that regions get small there.
+///
+/// With q how far the normals within about a hundredth of the size stray, less what noise makes of it everywhere, and
+/// q0 its mean: w = ((q + .1 q0) / (1.1 q0))^adaptivity, held in [1/8, 8], scaled so that the area stays as it is.
+/// \param adaptivity  in (0, 1]
+/// \return (n) by graph index
+/// Cost: O(F).
+std::vector<float> adaptive_weights(const Surface& surface, double adaptivity, const Threads& threads, Job& job);
+
+}  // namespace isimp

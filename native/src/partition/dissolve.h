@@ -1,0 +1,50 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "isimp/mesh/mesh.h"
+#include "isimp/partition/bound.h"
+#include "isimp/partition/surface.h"
+
+namespace isimp::detail {
+
+/// Cosine: a face whose normal is further from its region's is behind the plane, not beside it.
+inline constexpr double kLeastCosine = 0.2;
+
+/// The corners of a surface's faces, by graph index.
+class Corners {
+ public:
+  explicit Corners(const Surface& surface) : mesh_(surface.mesh()), graph_(surface.graph()) {}
+  void add_to(Slab& slab, std::int32_t face) const {
+    for (const std::int32_t v : mesh_.triangles()[graph_.mesh_face[face]]) slab.add(mesh_.vertices()[v]);
+  }
+  /// How wide a slab is with one more face in it; endless for a face that is turned away from it.
+  [[nodiscard]] double width_with(const Slab& slab, std::int32_t face) const {
+    const FaceRecord& f = graph_.faces[face];
+    if (f.nx * slab.normal.x() + f.ny * slab.normal.y() + f.nz * slab.normal.z() < kLeastCosine)
+      return std::numeric_limits<double>::infinity();
+    Slab grown = slab;
+    add_to(grown, face);
+    return grown.width();
+  }
+
+ private:
+  const Mesh& mesh_;
+  const FaceGraph& graph_;
+};
+
+/// Takes regions away whose faces, one by one, fit between the planes of their neighbours; smallest first.
+/// \param need  (C) the least number of regions of each component. \param part  (R) component of each region
+/// \return whether any went; labels and sums are numbered anew then
+bool dissolve(const Surface& surface, std::span<const std::int32_t> need, double width, BoundedRegions& bounded,
+              Job& job);
+
+/// The faces of each region, in rising order.
+std::vector<std::vector<std::int32_t>> faces_of(const BoundedRegions& bounded);
+
+/// The component of each region; empty if there is one.
+std::vector<std::int32_t> parts_of_regions(const Surface& surface, const BoundedRegions& bounded);
+
+}  // namespace isimp::detail

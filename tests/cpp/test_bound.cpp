@@ -1,0 +1,131 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "isimp/partition/adaptivity.h"
+#include "isimp/partition/bound.h"
+#include "isimp/partition/partition.h"
+#include "partition_checks.h"
+#include "shapes.h"
+
+namespace isimp {
+namespace {
+
+using shapes::Arrays;
+
+Partition within(const Surface& surface, double bound) {
+  Job job;
+  return partition(surface, {.bound = bound}, job);
+}
+
+/// The largest distance of a face's corner from the plane of the face's region.
+double farthest(const Mesh& mesh, const Partition& part) {
+  double most = 0.0;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+    for (const std::int32_t v : mesh.triangles()[f])
+      if (const std::int32_t r = part.face_region[f]; r != kNone)
+        most = std::max(most, std::abs(part.region_normal[r].dot(mesh.vertices()[v]) - part.region_offset[r]));
+  return most;
+}
+
+TEST(Bound, IsKeptAfterTheBordersHaveRelaxed) {
+  const Arrays torus = shapes::noisy(shapes::torus(120, 60), 0.01, 3);
+  for (const double bound : {0.02, 0.05, 0.2}) {
+    const Mesh mesh = shapes::mesh(torus);
+    const Partition part = within(mesh, bound);
+    EXPECT_LE(farthest(mesh, part), bound * (1 + 1e-9));
+    EXPECT_NEAR(farthest(mesh, part), part.distance_max, 1e-9);
+    EXPECT_GT(part.distance_max, 0.7 * bound);
+    checks::expect_sound_regions(mesh, part);
+  }
+}
+
+TEST(Bound, FewerRegionsServeALargerOne) {
+  const Mesh mesh = shapes::mesh(shapes::sphere(5));
+  const std::int32_t fine = within(mesh, 0.01).region_count(), coarse = within(mesh, 0.04).region_count();
+  // A cap of height 2 t has radius 2 sqrt(t): hexagons in such caps cover the sphere with 1.21 / t of them, and it
+  // takes about twice that.
+  EXPECT_LT(fine, 2.5 * 1.21 / 0.01);
+  EXPECT_NEAR(static_cast<double>(fine) / coarse, 4.0, 0.6);
+}
+
+TEST(Bound, FlatThingsNeedNoMoreThanTheirSides) {
+  EXPECT_EQ(within(shapes::mesh(shapes::plane(20)), 0.001).region_count(), 1);
+  EXPECT_EQ(within(shapes::mesh(shapes::cube(9)), 0.001).region_count(), 6);
+  EXPECT_EQ(within(shapes::mesh(shapes::both(shapes::cube(9), shapes::cube(9), Vec3(3, 0, 0))), 0.01).region_count(),
+            12);
+  EXPECT_EQ(within(shapes::mesh(shapes::cube(1)), 0.001).region_count(), 6);
+}
+
+TEST(Bound, LeavesAClosedPartFourRegions) {
+  EXPECT_EQ(within(shapes::mesh(shapes::sphere(3)), 100.0).region_count(), 4);
+  // Sides at right angles are never one: no plane has both beside it.
+  EXPECT_EQ(within(shapes::mesh(shapes::cube(1)), 100.0).region_count(), 6);
+}
+
+TEST(Bound, KeepsBarriers) {
+  Job job;
+  const Mesh mesh = shapes::mesh(shapes::plane(8));
+  Guides guides;
+  for (std::int32_t h = 0; h < 3 * mesh.face_count(); ++h)
+    if (std::abs(mesh.vertices()[mesh.from(h)].x() - 0.5) < 1e-9 &&
+        std::abs(mesh.vertices()[mesh.to(h)].x() - 0.5) < 1e-9)
+      guides.barriers.push_back({mesh.from(h), mesh.to(h)});
+  EXPECT_EQ(within(Surface(mesh, guides, job), 0.1).region_count(), 2);
+}
+
+TEST(Bound, IsTheSameOnEveryRunAndThreadCount) {
+  Job job;
+  const Mesh mesh = shapes::mesh(shapes::noisy(shapes::torus(150, 80), 0.01, 4));
+  const auto labels = [&](std::int32_t threads) {
+    return partition(mesh, {.bound = 0.04, .threads = threads}, job).face_region;
+  };
+  EXPECT_EQ(labels(1), labels(1));
+  EXPECT_EQ(labels(1), labels(3));
+}
+
+/// A sheet that is flat on the left and has small waves on the right.
+Arrays half_rough() {
+  Arrays sheet = shapes::plane(80);
+  for (Vec3& p : sheet.vertices)
+    p.z() = p.x() < 0.5 ? 0.1 * p.x() * p.x() : 0.02 * std::sin(60 * p.x()) * std::sin(60 * p.y());
+  return sheet;
+}
+
+TEST(Adaptivity, WeighsRoughPlacesMoreAndLeavesTheAreaAsItIs) {
+  Job job;
+  const Mesh mesh = shapes::mesh(half_rough());
+  const std::vector<float> weight = adaptive_weights(mesh, 0.5, Threads(1), job);
+  double left = 0, right = 0, total = 0;
+  for (std::int32_t i = 0; i < mesh.face_count(); ++i) {
+    const double x = mesh.vertices()[mesh.triangles()[mesh.graph().mesh_face[i]][0]].x();
+    if (x < 0.4) left = std::max<double>(left, weight[i]);
+    if (x > 0.6) right = std::max<double>(right, weight[i]);
+    total += static_cast<double>(weight[i]) * mesh.graph().faces[i].area;
+  }
+  EXPECT_GT(right, 2 * left);
+  EXPECT_NEAR(total, 1.0, 1e-5);
+  for (const float w : adaptive_weights(shapes::mesh(shapes::plane(9)), 1.0, Threads(1), job)) EXPECT_EQ(w, 1.0F);
+}
+
+TEST(Adaptivity, MovesRegionsToRoughPlacesAndStatesPlainErrors) {
+  Job job;
+  const Mesh mesh = shapes::mesh(half_rough());
+  std::vector<std::int32_t> rough;
+  for (const double a : {0.0, 0.5, 1.0}) {
+    const Partition part = partition(mesh, {.proxies = 60, .adaptivity = a}, job);
+    EXPECT_EQ(part.region_count(), 60);
+    EXPECT_EQ(part.guided, nullptr);
+    checks::expect_sound(mesh, part);
+    rough.push_back(0);
+    for (const std::int32_t seed : part.region_seed)
+      rough.back() += mesh.vertices()[mesh.triangles()[seed][0]].x() > 0.5;
+  }
+  EXPECT_LT(rough[0], rough[1]);
+  EXPECT_LT(rough[0], rough[2]);
+}
+
+}  // namespace
+}  // namespace isimp

@@ -1,0 +1,142 @@
+"""Barriers from what a mesh shows, kept by regions and polygons; only a part split anew."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import isimp_engine as engine
+import shapes
+from isimp_engine import guides
+
+DATA = Path(os.environ.get("ISIMP_DATA", Path(__file__).resolve().parents[3] / "shared" / "data"))
+METHODS = ["hierarchy", "lloyd", "teleport", "naive", "queued"]
+
+
+def edges_of(polygons):
+    """Pairs of the scan's vertices that polygon edges run between."""
+    ends = [*polygons.loop_start[1:], len(polygons.loops)]
+    source, pairs = polygons.source_vertex, set()
+    for start, end in zip(polygons.loop_start, ends, strict=True):
+        loop = source[polygons.loops[start:end]]
+        pairs |= {(min(a, b), max(a, b)) for a, b in zip(loop, np.roll(loop, -1), strict=True)}
+    return pairs
+
+
+def crossed(mesh, part, barriers):
+    """How many of the barriers have the same region on both sides."""
+    edges, a, b = guides._inner_edges(mesh)
+    wanted = {tuple(sorted(pair)) for pair in barriers.tolist()}
+    chosen = np.array([tuple(pair) in wanted for pair in edges.tolist()])
+    return int((part.face_region[a][chosen] == part.face_region[b][chosen]).sum())
+
+
+def test_a_cube_has_twelve_sharp_edges():
+    mesh = engine.Mesh(*shapes.cube(4))
+    edges = guides.sharp_edges(mesh, np.pi / 4)
+    assert edges.dtype == np.int32
+    assert len(edges) == 12 * 4
+    assert len(guides.sharp_edges(mesh, 1.6)) == 0
+    with pytest.raises(engine.InvalidInput, match=r"angle must be in \[0, pi\], got -1"):
+        guides.sharp_edges(mesh, -1)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_seams_of_a_cube_are_kept_by_regions_and_polygons(method):
+    mesh = engine.Mesh(*shapes.cube(8))
+    middle = mesh.vertices[mesh.triangles].mean(axis=1)
+    barriers = guides.attribute_borders(mesh, middle[:, 0] > 0.5)  # a seam round the middle of the cube
+    assert len(barriers) == 4 * 8
+    part = engine.partition(mesh, engine.PartitionOptions(proxies=10, method=method), barriers=barriers)
+    assert crossed(mesh, part, barriers) == 0
+    polygons = engine.polygonize(mesh, part)
+    # The seam is a square: its corners are vertices of the polygons, and its sides are made of their edges.
+    corners = mesh.vertices[polygons.source_vertex]
+    on_seam = np.isclose(corners[:, 0], 0.5)
+    pairs = [pair for pair in edges_of(polygons) if all(np.isclose(mesh.vertices[list(pair), 0], 0.5))]
+    length = sum(np.linalg.norm(mesh.vertices[a] - mesh.vertices[b]) for a, b in pairs)
+    assert on_seam.sum() >= 4
+    assert length == pytest.approx(4)
+    moved = polygons.vertices[on_seam]
+    np.testing.assert_allclose(moved[:, 0], 0.5, atol=0.02)
+
+
+def test_marked_edges_are_found_again_after_cleaning():
+    vertices, triangles = shapes.cube(3)
+    order = np.random.default_rng(2).permutation(len(triangles))
+    mesh = engine.clean(vertices, np.concatenate([triangles[order], triangles[:1]]))
+    marked = np.array([[triangles[5, 1], triangles[5, 0]], [triangles[9, 1], triangles[9, 2]]])
+    barriers = guides.marked_edges(mesh, marked)
+    found = {tuple(sorted(pair)) for pair in mesh.source_vertex[barriers].tolist()}
+    assert found == {tuple(sorted(pair)) for pair in marked.tolist()}
+    assert guides.marked_edges(mesh, np.empty((0, 2), int)).shape == (0, 2)
+
+
+def test_an_attribute_needs_a_value_for_each_face():
+    with pytest.raises(engine.InvalidInput, match=r"one value for each of the 108 faces, got \(3,\)"):
+        guides.attribute_borders(engine.Mesh(*shapes.cube(3)), np.zeros(3))
+
+
+@pytest.mark.skipif(not (DATA / "textured").is_dir(), reason="no data folder")
+@pytest.mark.parametrize("method", ["hierarchy", "lloyd"])
+def test_parts_of_a_city_tile_are_kept_apart(method):
+    (path,) = (DATA / "textured" / "frankfurt_tile").glob("*.obj")
+    mesh = engine.clean(*engine.read(path))
+    height = mesh.vertices[mesh.triangles].mean(axis=1)
+    up = int(np.ptp(mesh.vertices, axis=0).argmin())
+    roofs = height[:, up] > np.quantile(height[:, up], 0.6)
+    barriers = guides.attribute_borders(mesh, roofs)
+    assert len(barriers) > 500
+    part = engine.partition(mesh, engine.PartitionOptions(proxies=600, method=method), barriers=barriers)
+    assert crossed(mesh, part, barriers) == 0
+    polygons = engine.polygonize(mesh, part)
+    # Each polygon is of one side: the region's faces all are roofs or none is.
+    share = np.bincount(part.face_region[part.face_region >= 0], roofs[part.face_region >= 0], part.region_count)
+    size = np.bincount(part.face_region[part.face_region >= 0], minlength=part.region_count)
+    assert (np.isin(share, [0]) | (share == size)).all()
+    assert len(polygons.loop_start) >= part.region_count * 0.9
+
+
+def test_only_a_part_is_split_anew():
+    mesh = engine.Mesh(*shapes.bumpy(40))
+    base = engine.partition(mesh, engine.PartitionOptions(proxies=30))
+    middle = mesh.vertices[mesh.triangles].mean(axis=1)
+    faces = np.flatnonzero(np.linalg.norm(middle[:, :2] - 0.5, axis=1) < 0.3)
+    part = guides.partition_part(mesh, base, faces, engine.PartitionOptions(proxies=25))
+    inside = np.zeros(len(mesh.triangles), bool)
+    inside[faces] = True
+    assert len(set(part.face_region[inside])) == 25
+    assert not set(part.face_region[inside]) & set(part.face_region[~inside])
+    # Outside two faces are in one region if and only if they were, but where a region fell apart.
+    for region in set(part.face_region[~inside]):
+        assert len(set(base.face_region[part.face_region == region])) == 1
+    polygons = engine.polygonize(mesh, part)
+    assert polygons.report["manifold"]
+    count = {}
+    ends = [*polygons.loop_start[1:], len(polygons.loops)]
+    for start, end in zip(polygons.loop_start, ends, strict=True):
+        loop = polygons.loops[start:end]
+        for a, b in zip(loop, np.roll(loop, -1), strict=True):
+            count[min(a, b), max(a, b)] = count.get((min(a, b), max(a, b)), 0) + 1
+    single = np.array([pair for pair, n in count.items() if n == 1])  # only along the sheet's own border
+    rim = mesh.vertices[polygons.source_vertex[single.ravel()]][:, :2]
+    assert (np.isclose(rim, 0) | np.isclose(rim, 1)).any(axis=1).all()
+    with pytest.raises(engine.InvalidInput, match="no face is given"):
+        guides.partition_part(mesh, base, [])
+
+
+def test_labels_from_elsewhere_become_a_partition():
+    mesh = engine.Mesh(*shapes.two_cubes(3))
+    base = engine.partition(mesh, engine.PartitionOptions(proxies=12))
+    again = engine.partition_from(mesh, base.face_region * 7)
+    assert again.region_count == 12
+    assert again.error == pytest.approx(base.error, abs=1e-9)
+    assert engine.partition_from(mesh, np.zeros(len(mesh.triangles), int)).region_count == 2, "two pieces"
+    for labels, message in (
+        (np.zeros(3, int), r"^there are 3 labels, but the mesh has 216 faces"),
+        (np.full(216, -2), "^the label of face 0 is -2"),
+        (np.full(216, -1), "^no face is in a region"),
+    ):
+        with pytest.raises(engine.InvalidInput, match=message):
+            engine.partition_from(mesh, labels)
