@@ -79,21 +79,22 @@ Case partition_case(const SetupPtr& setup, const std::string& name, Method metho
   return {name, run, setup->inner};
 }
 
-/// Another number of regions from a hierarchy that is kept, as by someone who moves a slider.
-Case new_count_case(const SetupPtr& setup) {
+/// A smaller number of regions from a hierarchy that is kept, as by someone who moves a slider. (A larger one may want
+/// smaller patches, and then pays for them once.)
+Case new_count_case(const SetupPtr& setup, const std::string& name, std::int32_t threads) {
   const auto kept = std::make_shared<std::optional<Hierarchy>>();
-  const auto run = [setup, kept](int round) {
+  const auto run = [setup, kept, threads](int round) {
     Job job;
     if (!*kept) *kept = build_hierarchy(*setup->mesh, setup->proxies, job);
-    PartitionOptions options = options_of(*setup, round, Method::hierarchy, 1);
-    options.proxies = std::min(setup->proxies + setup->proxies / 5 + round, setup->mesh->face_count());
+    PartitionOptions options = options_of(*setup, round, Method::hierarchy, threads);
+    options.proxies = std::max(setup->proxies - setup->proxies / 5 - round, 1);
     Partition result;
     const Lap lap = timed([&] { result = partition(*setup->mesh, **kept, options, job); });
     Sample sample = sample_of(*setup, lap, result);
     sample.facts["kept"] = (*kept)->serves(*setup->mesh, *options.proxies);
     return sample;
   };
-  return {"new_count", run, setup->inner};
+  return {name, run, setup->inner};
 }
 
 /// A converged partition to edit and to make polygons of, made when it is first asked for.
@@ -199,7 +200,8 @@ std::vector<Case> all_cases(const SetupPtr& setup) {
   cases.push_back(partition_case(setup, "default_two_threads", best, 2));
   cases.push_back(partition_case(setup, "teleport", Method::teleport, 1));
   cases.back().inner = 1;
-  cases.push_back(new_count_case(setup));
+  cases.push_back(new_count_case(setup, "new_count", 1));
+  cases.push_back(new_count_case(setup, "new_count_two_threads", 2));
   cases.push_back(edit_case(setup, base, "add", add_proxy));
   cases.push_back(edit_case(setup, base, "delete", delete_proxy));
   cases.push_back(polygonize_case(setup, base));

@@ -74,12 +74,14 @@ Json run_cases(const std::shared_ptr<const Setup>& setup, const std::string& lis
       Json::List of_round;
       for (int i = 0; i < c.inner; ++i) {
         Sample sample = c.run(round);
-        Json::List cpu, wall;
+        Json::List cpu, own, wall;
         for (const Lap& lap : sample.laps) {
           cpu.emplace_back(lap.cpu_ms);
+          own.emplace_back(lap.own_ms);
           wall.emplace_back(lap.wall_ms);
         }
         sample.facts["cpu_ms"] = cpu;
+        sample.facts["own_ms"] = own;
         sample.facts["wall_ms"] = wall;
         of_round.push_back(std::move(sample.facts));
       }

@@ -13,10 +13,14 @@ namespace isimp::bench {
 namespace {
 
 Lap now() {
-  timespec cpu{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &cpu);
+  const auto milliseconds = [](clockid_t clock) {
+    timespec time{};
+    clock_gettime(clock, &time);
+    return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) * 1e-6;
+  };
   const auto wall = std::chrono::steady_clock::now().time_since_epoch();
-  return {.cpu_ms = static_cast<double>(cpu.tv_sec) * 1e3 + static_cast<double>(cpu.tv_nsec) * 1e-6,
+  return {.cpu_ms = milliseconds(CLOCK_PROCESS_CPUTIME_ID),
+          .own_ms = milliseconds(CLOCK_THREAD_CPUTIME_ID),
           .wall_ms = std::chrono::duration<double, std::milli>(wall).count()};
 }
 
@@ -38,7 +42,9 @@ Stopwatch::Stopwatch() : start_(now()) {}
 
 Lap Stopwatch::lap() const {
   const Lap end = now();
-  return {.cpu_ms = end.cpu_ms - start_.cpu_ms, .wall_ms = end.wall_ms - start_.wall_ms};
+  return {.cpu_ms = end.cpu_ms - start_.cpu_ms,
+          .own_ms = end.own_ms - start_.own_ms,
+          .wall_ms = end.wall_ms - start_.wall_ms};
 }
 
 MemoryGauge::MemoryGauge() {

@@ -8,6 +8,7 @@ namespace isimp::bench {
 /// What a piece of work took.
 struct Lap {
   double cpu_ms = 0.0;   ///< processor time of all threads: other processes on the machine hardly change it
+  double own_ms = 0.0;   ///< processor time of the calling thread: what it waits for others is not in it
   double wall_ms = 0.0;  ///< what someone waits
 };
 
