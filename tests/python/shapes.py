@@ -64,6 +64,49 @@ def two_cubes(n=4):
     return joined((vertices, triangles), (vertices + [3, 0, 0], triangles))
 
 
+def voxels(solid, noise=0.0):
+    """The surface of a set of unit cubes, two triangles a square: any genus, nested and touching parts."""
+    solid = np.pad(np.asarray(solid, bool), 1)
+    squares = []
+    for axis in range(3):
+        across, along = np.roll(np.eye(3), -axis - 1, axis=0)[:2]
+        for step in (1, -1):
+            corner = np.argwhere(solid & ~np.roll(solid, -step, axis)) + (np.eye(3)[axis] if step == 1 else 0.0)
+            square = np.stack([corner, corner + across, corner + across + along, corner + along], 1)
+            squares.append(square if step == 1 else square[:, ::-1])
+    squares = np.concatenate(squares)
+    corners = np.concatenate([squares[:, [0, 1, 2]], squares[:, [0, 2, 3]]]).reshape(-1, 3)
+    vertices, triangles = welded(corners, np.arange(len(corners)).reshape(-1, 3))
+    return vertices + noise * np.random.default_rng(2).standard_normal(vertices.shape), triangles
+
+
+def plate(columns, rows, thickness, size=3, gap=3):
+    """A plate of voxels with square holes through it, one handle a hole."""
+    step = size + gap
+    solid = np.ones((columns * step + gap, rows * step + gap, thickness), bool)
+    for i, j in np.ndindex(columns, rows):
+        solid[gap + i * step : (i + 1) * step, gap + j * step : (j + 1) * step] = False
+    return solid
+
+
+def facade(columns=8, rows=5, depth=2, noise=0.0):
+    """A wall, front only, with windows of 4 by 6 cells set back by `depth`: their sides are joined to it."""
+    wide, high, gap = 4, 6, 4
+    cells = np.ones((columns * (wide + gap) + gap, rows * (high + gap) + gap), bool)
+    for i, j in np.ndindex(columns, rows):
+        x, y = gap + i * (wide + gap), gap + j * (high + gap)
+        cells[x : x + wide, y : y + high] = False
+    solid = np.ones((*cells.shape, depth + 2), bool)
+    solid[~cells, 2:] = False
+    vertices, triangles = voxels(solid)
+    inside = vertices[triangles].mean(axis=1)
+    low, (x, y, z) = 1.0, vertices[triangles].max(axis=(0, 1))
+    front = (inside[:, 2] > low) & (inside[:, :2] > 1).all(1) & (inside[:, 0] < x) & (inside[:, 1] < y)
+    used, triangles = np.unique(triangles[front], return_inverse=True)
+    vertices = vertices[used] + noise * np.random.default_rng(2).standard_normal((len(used), 3))
+    return vertices - [0, 0, z], triangles.reshape(-1, 3).astype(np.int32)
+
+
 def volume(vertices, triangles):
     """Signed volume: positive when a closed surface is oriented outwards."""
     a, b, c = (vertices[triangles[:, k]] for k in range(3))

@@ -1,0 +1,148 @@
+"""What docs/guarantee.md promises, on families of made meshes, through a judge that shares no code with the engine."""
+
+import numpy as np
+import pytest
+from polygon_judge import judge
+
+import isimp_engine as engine
+import shapes
+
+
+def soup():
+    random = np.random.default_rng(5)
+    return random.random((60, 3)), random.integers(0, 60, (90, 3)).astype(np.int32)
+
+
+def nested():
+    solid = np.ones((10, 10, 10), bool)
+    solid[1:-1, 1:-1, 1:-1] = False
+    solid[3:-3, 3:-3, 3:-3] = True
+    return shapes.voxels(solid)
+
+
+def touching():
+    """Two blocks with one edge in common: not a manifold until it is parted there."""
+    solid = np.zeros((8, 4, 8), bool)
+    solid[:4, :, :4] = solid[4:, :, 4:] = True
+    return shapes.voxels(solid)
+
+
+def shaken(vertices, triangles, size):
+    return vertices + size * np.random.default_rng(1).standard_normal(vertices.shape), triangles
+
+
+def fan(spokes=40):
+    turn = np.linspace(0, 2 * np.pi, spokes, endpoint=False)
+    rim = np.stack([np.cos(turn), np.sin(turn), np.zeros(spokes)], 1)
+    k = np.arange(spokes)
+    triangles = np.stack([np.zeros(spokes), 1 + k, 1 + (k + 1) % spokes], 1).astype(np.int32)
+    return np.concatenate([[[0, 0, 0.3]], rim]), triangles
+
+
+SOUND = {  # from this number of regions on nothing may be left to report
+    "noisy cube": (lambda: shaken(*shapes.cube(8), 0.004), 1),
+    "torus": (lambda: shapes.torus(30, 15), 12),
+    "noisy torus": (lambda: shaken(*shapes.torus(30, 15), 0.01), 12),
+    "genus 1": (lambda: shapes.voxels(shapes.plate(1, 1, 3)), 1),
+    "genus 2, noisy": (lambda: shapes.voxels(shapes.plate(2, 1, 3), 0.05), 1),
+    "genus 3": (lambda: shapes.voxels(shapes.plate(3, 1, 3), 0.02), 1),
+    "plate of sixteen holes": (lambda: shapes.voxels(shapes.plate(4, 4, 1, 2, 2), 0.05), 60),
+    "thin sheet": (lambda: shapes.voxels(np.ones((14, 14, 1)), 0.02), 1),
+    "nested": (nested, 1),
+    "touching": (touching, 1),
+    "fan": (fan, 1),
+}
+ANY = {
+    "random voxels": lambda: shapes.voxels(np.random.default_rng(3).random((6, 6, 6)) < 0.5),
+    "soup": soup,
+}
+
+
+def judged(arrays, proxies):
+    """The verdict on a mesh of at most this many regions, and what the engine says itself."""
+    mesh = engine.clean(*arrays)
+    options = engine.MeshingOptions()
+    part = engine.partition(mesh, engine.PartitionOptions(proxies=min(proxies, len(mesh.triangles)), leave_out=0))
+    poly = engine.polygonize(mesh, part, options)
+    bound = options.flatness if part.region_count >= options.flatness_from else 0
+    return judge(poly, mesh, part, bound, options.reach)[0], poly
+
+
+def check_the_report(verdict, poly):
+    """Nothing ever breaks the topology or leaves the scan, and no fault that is there is kept quiet."""
+    assert verdict.faults == []
+    assert verdict.far == []
+    listed = {}
+    for entry in poly.report["imperfect"]:
+        listed.setdefault(entry["flaw"], set()).add((entry["polygon"], entry.get("other")))
+    alone = {polygon for flaw in ("crossing", "no_area", "flipped") for polygon, _ in listed.get(flaw, ())}
+    assert set(verdict.crossing) | set(verdict.empty) <= alone
+    assert set(verdict.bent) <= {polygon for polygon, _ in listed.get("bent", ())}
+    met = listed.get("intersecting", set()) | listed.get("excused", set())
+    assert {pair for pair in verdict.hits + verdict.excused if not set(pair) & alone} <= met
+
+
+@pytest.mark.parametrize("proxies", [1, 12, 60, 100_000])
+@pytest.mark.parametrize("name", SOUND)
+def test_families_come_out_sound(name, proxies):
+    make, least = SOUND[name]
+    verdict, poly = judged(make(), proxies)
+    check_the_report(verdict, poly)
+    if proxies >= least:
+        assert verdict.sound, vars(verdict)
+
+
+@pytest.mark.parametrize("proxies", [1, 20, 100_000])
+@pytest.mark.parametrize("name", ANY)
+def test_whatever_comes_in_the_report_is_true(name, proxies):
+    check_the_report(*judged(ANY[name](), proxies))
+
+
+@pytest.mark.parametrize("noise", [0, 0.05, 0.1])
+def test_a_facade_keeps_its_forty_rectangles(noise):
+    arrays = shapes.facade(noise=noise)
+    verdict, poly = judged(arrays, 1 + 40 * 5)
+    assert verdict.sound, vars(verdict)
+    rectangles = 0
+    for loop in np.split(poly.loops, poly.loop_start[1:]):
+        p = poly.vertices[loop]
+        sides = np.roll(p, -1, 0) - p
+        lengths = np.linalg.norm(sides, axis=1)
+        turns = np.abs((sides * np.roll(sides, 1, 0)).sum(1)) / lengths / np.roll(lengths, 1)
+        square = len(p) == 4 and turns.max() < 0.1 and np.allclose(np.sort(lengths), [4, 4, 6, 6], atol=0.5)
+        rectangles += square and p[:, 2].max() < -1.5
+    assert rectangles == 40
+
+
+def test_the_judge_sees_what_is_wrong(cube):
+    """A judge that finds no fault in anything proves nothing."""
+    part = engine.partition(cube, engine.PartitionOptions(proxies=6))
+    good = engine.polygonize(cube, part)
+
+    class Changed:
+        def __init__(self, **arrays):
+            for name in ("vertices", "loops", "loop_start", "polygon_region", "source_vertex"):
+                setattr(self, name, arrays.get(name, np.array(getattr(good, name))))
+
+    def found(**arrays):
+        return judge(Changed(**arrays), cube, part)[0]
+
+    assert found().sound
+    loops, vertices = np.array(good.loops), np.array(good.vertices)
+    swapped = loops.copy()
+    swapped[[0, 1]] = swapped[[1, 0]]
+    assert 0 in found(loops=swapped).empty  # both halves of a bow tie are as large
+    crossed = vertices.copy()
+    a, b, _, d = vertices[loops[:4]]
+    crossed[loops[0]] = a + 1.5 * (b - a) + 0.7 * (d - a)
+    assert 0 in found(vertices=crossed).crossing
+    turned = loops.copy()
+    turned[:4] = turned[3::-1]
+    assert found(loops=turned).flipped == [0]
+    assert found(loops=turned).faults
+    moved = vertices.copy()
+    low = int(np.flatnonzero((vertices == 0).all(1))[0])
+    moved[low] = 0.3, 0.4, 1.5  # out through the upper side
+    assert found(vertices=moved).far == [low]
+    assert found(vertices=moved).hits
+    assert judge(Changed(vertices=moved), cube, part, flatness=0.01)[0].bent
