@@ -87,8 +87,11 @@ stage_cuda() { # the CUDA part: compiled with nvcc, the machine's or PyPI's, and
     venv "$tools" nvidia-cuda-{nvcc,cccl,runtime,crt}==13.0.* nvidia-nvvm==13.0.*
   fi
   cmake -S . -B build-cuda -G Ninja -DISIMP_TESTS=ON -DISIMP_WERROR=ON -DISIMP_CUDA=ON -DPython_EXECUTABLE="$tools/bin/python"
-  ninja -C build-cuda -j2 test_parallel
-  build-cuda/tests/cpp/test_parallel --gtest_output=xml:"$results/gtest.xml"
+  local test
+  for test in test_parallel test_parallel_lloyd; do
+    ninja -C build-cuda -j2 "$test"
+    "build-cuda/tests/cpp/$test" --gtest_output=xml:"$results/$test.xml"
+  done
 }
 
 stage_asan() { # the same under the address and undefined-behaviour sanitizers
