@@ -225,6 +225,7 @@ class _Shown:
         description="Fill the polygons to be by how flat they are: green is flat, red is bent by half a percent",
         default=False,
     )
+    times: IntProperty(name="Times", description="How many at once", default=1, min=1, soft_max=50)
     brush: IntProperty(name="Radius", description="Of the brush", default=40, min=1, max=500, subtype="PIXEL")
     mirror: EnumProperty(
         name="Mirror",

@@ -9,7 +9,7 @@ from ..show import show_regions
 _MOST_FACES = 100
 
 
-class _AtFaces(RecipeOperator):
+class AtFaces(RecipeOperator):
     """Mixin of what works at the selected faces, or at one given by number."""
 
     face: IntProperty(
@@ -42,7 +42,7 @@ class _AtFaces(RecipeOperator):
         return f"{before.get('regions', '?')} -> {numbers['regions']} regions"
 
 
-class ISIMP_OT_add_proxy(_AtFaces, bpy.types.Operator):
+class ISIMP_OT_add_proxy(AtFaces, bpy.types.Operator):
     """Start a new region at each selected face of the scan"""
 
     bl_idname = "isimp.add_proxy"
@@ -60,7 +60,7 @@ class ISIMP_OT_add_proxy(_AtFaces, bpy.types.Operator):
         return recipe
 
 
-class ISIMP_OT_delete_proxy(_AtFaces, bpy.types.Operator):
+class ISIMP_OT_delete_proxy(AtFaces, bpy.types.Operator):
     """Take away each region that has a selected face; those around it take its place"""
 
     bl_idname = "isimp.delete_proxy"

@@ -1,8 +1,8 @@
-"""Changes to the regions at the selected faces."""
+"""Changes to the regions: at the selected faces, or where the error says."""
 
 import bpy
 
-from .. import display
+from .. import display, store, targets
 from .common import SubPanel
 
 
@@ -10,16 +10,43 @@ class ISIMP_PT_regions(SubPanel, bpy.types.Panel):
     bl_label = "Edit Regions"
 
     def draw(self, context):
-        layout = self.prepare()
-        row = layout.row(align=True)
-        row.operator("isimp.add_proxy", text="Add", icon="ADD")
-        row.operator("isimp.delete_proxy", text="Delete", icon="REMOVE")
-        layout.operator("isimp.select_region", icon="RESTRICT_SELECT_OFF")
-        shown = display.is_shown(context)
+        layout, panel = self.prepare(), context.window_manager.isimp
+        column = layout.column(align=True)
+        _row(column, ("isimp.add_proxy", "Add", "ADD"), ("isimp.delete_proxy", "Delete", "REMOVE"))
+        _row(column, ("isimp.split", "Split", "MOD_BOOLEAN"), ("isimp.merge", "Merge", "AUTOMERGE_ON"))
+        sizes = _row(column, ("isimp.grow", "Grow", "FULLSCREEN_ENTER"), ("isimp.grow", "Shrink", "FULLSCREEN_EXIT"))
+        sizes[1].shrink = True
+        column.operator("isimp.paint_faces", text="From Selection", icon="BRUSH_DATA")
+        column.operator("isimp.select_region", icon="RESTRICT_SELECT_OFF")
+        column = layout.column(align=True)
+        locked = store.numbers(targets.find(context)[0]).get("locked", 0)
+        column.label(text=f"{locked} locked" if locked else "None locked", icon="LOCKED" if locked else "UNLOCKED")
+        locks = _row(column, ("isimp.lock", "Lock", "LOCKED"), ("isimp.lock", "Unlock", "UNLOCKED"))
+        locks[1].unlock = True
         row = layout.row(align=True)
         row.use_property_split = False
+        shown = display.is_shown(context)
         row.operator("isimp.show_regions", text="Colours", icon="HIDE_OFF" if shown else "HIDE_ON", depress=shown)
-        row.prop(context.window_manager.isimp, "overlay", text="Lines", icon="MESH_GRID", toggle=True)
+        row.prop(panel, "overlay", text="Lines", icon="MESH_GRID", toggle=True)
 
 
-CLASSES = (ISIMP_PT_regions,)
+class ISIMP_PT_heuristics(SubPanel, bpy.types.Panel):
+    bl_label = "By Error"
+    bl_parent_id = "ISIMP_PT_regions"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout, panel = self.prepare(), context.window_manager.isimp
+        layout.prop(panel, "times")
+        column = layout.column(align=True)
+        for name in ("add_worst", "delete_least", "merge_cheapest"):
+            column.operator(f"isimp.{name}").times = panel.times
+        column.operator("isimp.improve")
+
+
+def _row(column, *buttons) -> list:
+    row = column.row(align=True)
+    return [row.operator(operator, text=name, icon=icon) for operator, name, icon in buttons]
+
+
+CLASSES = (ISIMP_PT_regions, ISIMP_PT_heuristics)

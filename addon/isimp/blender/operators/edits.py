@@ -1,0 +1,217 @@
+"""Changes to regions at faces, and the heuristics that choose where by themselves."""
+
+import bpy
+import numpy as np
+from bpy.props import BoolProperty, FloatVectorProperty, IntProperty, StringProperty
+
+from ... import recipe as rcp
+from .. import mesh_io, pending, targets
+from ..modal import RecipeOperator
+from ..show import show_regions
+from .proxies import AtFaces
+
+
+class _Edit(AtFaces):
+    """Mixin of what is done at one face of each region that has a selected one."""
+
+    def each(self, scan) -> list:
+        """A face of each region that the faces to work at are in."""
+        faces, regions = np.array(self.faces(scan)), mesh_io.read_regions(scan)
+        if faces.max() >= len(regions):
+            return faces.tolist()  # the step says that there is no such face
+        return faces[np.sort(np.unique(regions[faces], return_index=True)[1])].tolist()
+
+
+class ISIMP_OT_merge(_Edit, bpy.types.Operator):
+    """Make one region of all that have a selected face. They must touch each other"""
+
+    bl_idname = "isimp.merge"
+    bl_label = "Merge Regions"
+
+    other: IntProperty(
+        name="Other",
+        description="A face of the region to merge with; -1: as selected",
+        default=-1,
+        min=-1,
+        options={"SKIP_SAVE"},
+    )
+
+    def wanted(self, context, scan):
+        faces = [self.face, self.other] if self.other >= 0 else self.each(scan)
+        if len(faces) < 2:
+            raise mesh_io.Unusable("Only one region is selected: select faces of two that touch each other.")
+        recipe = pending.recipe_of(context, scan)
+        for other in faces[1:]:
+            recipe = recipe.then(rcp.MergeRegions(face=faces[0], other=other))
+        return recipe
+
+
+class ISIMP_OT_split(_Edit, bpy.types.Operator):
+    """Split each region that has a selected face in the two parts that differ most"""
+
+    bl_idname = "isimp.split"
+    bl_label = "Split Region"
+
+    def wanted(self, context, scan):
+        recipe = pending.recipe_of(context, scan)
+        for face in self.each(scan):
+            recipe = recipe.then(rcp.SplitRegion(face=face))
+        return recipe
+
+
+class ISIMP_OT_lock(_Edit, bpy.types.Operator):
+    """Keep the regions that have a selected face as they are, whatever is done beside them"""
+
+    bl_idname = "isimp.lock"
+    bl_label = "Lock Regions"
+
+    unlock: BoolProperty(name="Unlock", description="Let them be changed again", options={"SKIP_SAVE"})
+
+    @classmethod
+    def description(cls, context, properties):
+        return "Let the regions that have a selected face be changed again" if properties.unlock else cls.__doc__
+
+    def wanted(self, context, scan):
+        step = rcp.UnlockRegions if self.unlock else rcp.LockRegions
+        return pending.recipe_of(context, scan).then(step(faces=tuple(self.each(scan))))
+
+    def told(self, before, numbers):
+        return f"{numbers.get('locked', 0)} regions locked"
+
+
+class ISIMP_OT_grow(_Edit, bpy.types.Operator):
+    """Let each region that has a selected face take the faces beside it"""
+
+    bl_idname = "isimp.grow"
+    bl_label = "Grow Region"
+
+    rings: IntProperty(name="Rings", description="How many faces deep", default=1, min=1, soft_max=20)
+    shrink: BoolProperty(name="Shrink", description="Give the faces along the border away", options={"SKIP_SAVE"})
+
+    @classmethod
+    def description(cls, context, properties):
+        shrink = "Let each region that has a selected face give the faces along its border to those around it"
+        return shrink if properties.shrink else cls.__doc__
+
+    def wanted(self, context, scan):
+        step, recipe = (rcp.ShrinkRegion if self.shrink else rcp.GrowRegion), pending.recipe_of(context, scan)
+        for face in self.each(scan):
+            recipe = recipe.then(step(face=face, rings=self.rings))
+        return recipe
+
+
+class ISIMP_OT_paint_faces(AtFaces, bpy.types.Operator):
+    """Make the selected faces a region of their own, just as they are"""
+
+    bl_idname = "isimp.paint_faces"
+    bl_label = "Region From Selection"
+
+    painted: StringProperty(
+        name="Faces",
+        description="Strokes, as 'onto:face,face;onto:face': onto is a face of the region that they join, -1 for a new "
+        "one. Empty: the selected faces, a new region",
+        options={"SKIP_SAVE"},
+    )
+    erase: BoolProperty(name="Erase", description="Take them from the region of the first", options={"SKIP_SAVE"})
+
+    @classmethod
+    def problem(cls, context, scan):
+        return targets.needs_regions(scan)
+
+    def wanted(self, context, scan):
+        recipe = pending.recipe_of(context, scan)
+        for onto, faces in self.strokes(scan):
+            step = rcp.EraseFaces(faces=faces) if self.erase else rcp.PaintFaces(faces=faces, onto=onto)
+            recipe = recipe.then(step)
+        return recipe
+
+    def strokes(self, scan) -> list:
+        if not self.painted:
+            return [(-1, tuple(self.faces(scan)))]
+        try:
+            parts = [stroke.split(":") for stroke in self.painted.split(";")]
+            return [(int(onto), tuple(map(int, faces.split(",")))) for onto, faces in parts]
+        except ValueError:
+            raise mesh_io.Unusable(f"'{self.painted[:40]}' are no strokes: write 'onto:face,face'.") from None
+
+
+class ISIMP_OT_cut_region(AtFaces, bpy.types.Operator):
+    """Part a region along a line that is swept along a direction, both in the scan's space"""
+
+    bl_idname = "isimp.cut_region"
+    bl_label = "Cut Region"
+
+    line: FloatVectorProperty(name="Line", description="From here to there", size=6, options={"SKIP_SAVE"})
+    direction: FloatVectorProperty(name="Direction", description="As that of sight", size=3, options={"SKIP_SAVE"})
+
+    def wanted(self, context, scan):
+        line, sight = (tuple(self.line[:3]), tuple(self.line[3:])), tuple(self.direction)
+        sight = sight if any(sight) else ()
+        step = rcp.CutRegion(face=self.faces(scan)[0], line=line, direction=sight)
+        return pending.recipe_of(context, scan).then(step)
+
+
+class _Times(RecipeOperator):
+    """Mixin of what finds by itself where to work, as often as said."""
+
+    times: IntProperty(name="Times", description="How often", default=1, min=1, soft_max=50)
+
+    @classmethod
+    def problem(cls, context, scan):
+        return targets.needs_regions(scan)
+
+    def wanted(self, context, scan):
+        return pending.recipe_of(context, scan).then(self.step(times=self.times))
+
+    show = staticmethod(show_regions)
+
+    def told(self, before, numbers):
+        return f"{before.get('regions', '?')} -> {numbers['regions']} regions, error {numbers['error']:.4g}"
+
+
+class ISIMP_OT_add_worst(_Times, bpy.types.Operator):
+    """Add a region where the surface is farthest from its region's plane, so many times"""
+
+    bl_idname = "isimp.add_worst"
+    bl_label = "Add at Worst"
+    step = rcp.AddWorst
+
+
+class ISIMP_OT_delete_least(_Times, bpy.types.Operator):
+    """Delete the region that is missed least, so many times"""
+
+    bl_idname = "isimp.delete_least"
+    bl_label = "Delete Least"
+    step = rcp.DeleteLeast
+
+
+class ISIMP_OT_merge_cheapest(_Times, bpy.types.Operator):
+    """Merge the two neighbours that cost least, so many times"""
+
+    bl_idname = "isimp.merge_cheapest"
+    bl_label = "Merge Cheapest"
+    step = rcp.MergeCheapest
+
+
+class ISIMP_OT_improve(_Times, bpy.types.Operator):
+    """Move regions from where they do little to where they do most, until that no longer helps. Their number stays"""
+
+    bl_idname = "isimp.improve"
+    bl_label = "Improve"
+
+    def wanted(self, context, scan):
+        return pending.recipe_of(context, scan).then(rcp.Improve())
+
+
+CLASSES = (
+    ISIMP_OT_merge,
+    ISIMP_OT_split,
+    ISIMP_OT_lock,
+    ISIMP_OT_grow,
+    ISIMP_OT_paint_faces,
+    ISIMP_OT_cut_region,
+    ISIMP_OT_add_worst,
+    ISIMP_OT_delete_least,
+    ISIMP_OT_merge_cheapest,
+    ISIMP_OT_improve,
+)

@@ -1,0 +1,115 @@
+"""Edits at faces and by error, in both modes, undone and redone; each is one step of the recipe."""
+
+import bpy
+import numpy as np
+import pytest
+import scans
+
+from isimp import recipe as rcp
+from isimp.blender import store
+
+pytestmark = pytest.mark.usefixtures("scene")
+
+
+def scan():
+    return bpy.data.objects["Scan"]
+
+
+def count():
+    return len(set(scans.regions(scan()).tolist()))
+
+
+def steps():
+    return store.load(scan()).steps
+
+
+@pytest.fixture(params=["OBJECT", "EDIT"])
+def parted(request):
+    """A cube in its six sides, 50 faces each, in both modes; regions are found by a face: face // 50 is the side."""
+    scans.cube(cells=5)
+    bpy.ops.isimp.partition(proxies=6)
+    assert len({tuple(scans.regions(scan())[50 * side : 50 * side + 50]) for side in range(6)}) == 6
+    scans.mode(request.param)
+    scans.push("mode")
+    return scan()
+
+
+def undone_and_redone(before, after):
+    bpy.ops.ed.undo()
+    assert scans.regions(scan()).tolist() == before
+    bpy.ops.ed.redo()
+    assert scans.regions(scan()).tolist() == after
+
+
+@pytest.mark.parametrize(
+    ("call", "settings", "wanted"),
+    [
+        ("merge", {"face": 0, "other": 120}, 5),
+        ("split", {"face": 0}, 7),
+        ("grow", {"face": 0, "rings": 2}, 6),
+        ("grow", {"face": 0, "shrink": True}, 6),
+        ("paint_faces", {"painted": "-1:0,1,2,3"}, 7),
+        ("paint_faces", {"painted": "0:100,101,102,103"}, 6),
+        ("cut_region", {"face": 0, "line": (-1, -1, 0.1, -1, 1, 0.1), "direction": (1, 0, 0)}, 7),
+        ("add_worst", {"times": 2}, 8),
+        ("delete_least", {"times": 1}, 5),
+        ("merge_cheapest", {"times": 2}, 4),
+        ("improve", {}, 6),
+    ],
+)
+def test_each_edit_is_a_step_to_undo(parted, call, settings, wanted):
+    before = scans.regions(scan()).tolist()
+    getattr(bpy.ops.isimp, call)("EXEC_DEFAULT", True, **settings)
+    assert count() == wanted
+    assert len(steps()) == 2
+    undone_and_redone(before, scans.regions(scan()).tolist())
+    assert steps()[1].kind in rcp.KINDS.values()
+
+
+def test_edits_at_what_is_selected(parted):
+    scans.select_faces(scan(), 3, 7, 120)
+    bpy.ops.isimp.merge()
+    assert (count(), len(steps())) == (5, 2)
+    scans.select_faces(scan(), 160, 210)
+    bpy.ops.isimp.split()
+    assert (count(), len(steps())) == (7, 4)
+    scans.select_faces(scan(), 250, 251, 252, 253)
+    bpy.ops.isimp.paint_faces()
+    assert steps()[-1] == rcp.PaintFaces(faces=(250, 251, 252, 253))
+    label = scans.regions(scan())
+    assert len(set(label[250:254])) == 1
+    assert np.count_nonzero(label == label[250]) == 4
+
+
+def test_only_one_region_selected_can_not_be_merged(parted):
+    scans.select_faces(scan(), 3, 7)
+    with pytest.raises(RuntimeError, match="Only one region is selected"):
+        bpy.ops.isimp.merge()
+    with pytest.raises(RuntimeError, match="are no strokes"):
+        bpy.ops.isimp.paint_faces(painted="all of them")
+    assert (count(), len(steps())) == (6, 1)
+
+
+def test_a_locked_region_stays(parted):
+    side = scans.regions(scan()) == scans.regions(scan())[0]
+    bpy.ops.isimp.lock(face=0)
+    assert store.numbers(scan())["locked"] == 1
+    bpy.ops.isimp.grow(face=120, rings=3)
+    after = scans.regions(scan())
+    assert ((after == after[0]) == side).all()
+    with pytest.raises(RuntimeError, match="lock"):
+        bpy.ops.isimp.split(face=0)
+    bpy.ops.isimp.lock(face=0, unlock=True)
+    assert store.numbers(scan())["locked"] == 0
+    bpy.ops.isimp.split(face=0)
+    assert count() == 7
+
+
+def test_a_painted_step_can_be_changed_afterwards(parted):
+    bpy.ops.isimp.paint_faces(painted="-1:0,1,2,3")
+    bpy.ops.isimp.partition(proxies=6)
+    recipe = rcp.Recipe((rcp.Partition(proxies=6), rcp.PaintFaces(faces=(0, 1, 2, 3)), rcp.SplitRegion(face=60)))
+    bpy.ops.isimp.replay(recipe=recipe.to_json())
+    assert count() == 8
+    bpy.ops.isimp.step_switch(step=1)
+    assert count() == 7
