@@ -60,7 +60,7 @@ def partition_part(
     the faces are taken out of become several where they fall apart. `options` speaks of the part alone.
     """
     chosen = np.zeros(len(mesh.triangles), bool)
-    chosen[np.asarray(faces)] = True
+    chosen[np.asarray(faces, np.int64)] = True
     inside = np.flatnonzero(chosen)
     if not len(inside):
         raise InvalidInput("no face is given")

@@ -55,7 +55,10 @@ def test_json_is_what_people_can_write():
         ('{"isimp_recipe": 1, "steps": [{"step": "add_proxy", "face": -1}]}', "at least 0, got -1"),
         ('{"isimp_recipe": 1, "steps": [{"step": "mesh"}, {"step": "partition", "proxies": 0}]}', "step 2: proxies"),
         ('{"isimp_recipe": 1, "steps": [{"step": "partition", "method": "magic"}]}', "method must be one of hierarchy"),
-        ('{"isimp_recipe": 1, "steps": [{"step": "partition", "count_by": "luck"}]}', "one of detail, tolerance, p"),
+        (
+            '{"isimp_recipe": 1, "steps": [{"step": "partition", "count_by": "luck"}]}',
+            "one of detail, tolerance, bound, p",
+        ),
         ('{"isimp_recipe": 1, "steps": [{"step": "partition", "detail": 2}]}', r"detail must be in \(0, 1\], got 2"),
         ('{"isimp_recipe": 1, "steps": [{"step": "partition", "tolerance": 0}]}', "tolerance must be above 0, got 0"),
         ('{"isimp_recipe": 1, "steps": [{"step": "paint"}]}', r"faces must be a list of faces, got \(\)"),

@@ -1,0 +1,66 @@
+"""Settings that suit kinds of scans, to start from; docs/regions.md says why.
+
+Standard library only. Blender saves users' own presets itself.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from . import recipe as rcp
+
+
+@dataclass(frozen=True)
+class Preset:
+    """The steps of a recipe for one kind of scan."""
+
+    name: str  #: what programs call it
+    label: str  #: what people read
+    about: str
+    partition: rcp.Partition
+    mesh: rcp.Mesh
+
+    @property
+    def recipe(self) -> rcp.Recipe:
+        return rcp.Recipe((self.partition, self.mesh))
+
+
+PRESETS = (
+    Preset(
+        "figure",
+        "Photogrammetry figure",
+        "People, animals, statues: rounded shapes with fine places such as faces and hands",
+        rcp.Partition(count_by="detail", detail=0.005, adaptivity=0.25),
+        rcp.Mesh(chord_tolerance=0.3, flatten=30),
+    ),
+    Preset(
+        "building",
+        "Photogrammetry building",
+        "One building or room: large planes with straight edges, bumpy from the scan",
+        rcp.Partition(count_by="detail", detail=0.0025, adaptivity=0.0),
+        rcp.Mesh(chord_tolerance=0.3, flatten=60),
+    ),
+    Preset(
+        "city",
+        "Drone / city tile",
+        "Roofs, walls and ground from above: few large triangles, many small loose parts",
+        rcp.Partition(count_by="detail", detail=0.0025, noise=0.0, adaptivity=0.0, leave_out=0.0005),
+        rcp.Mesh(chord_tolerance=0.3, flatten=60),
+    ),
+    Preset(
+        "cad",
+        "CAD",
+        "Drawn, not scanned: exact planes, and curves that were cut into triangles",
+        rcp.Partition(count_by="detail", detail=0.00125, noise=0.0, adaptivity=0.0, leave_out=0.0),
+        rcp.Mesh(chord_tolerance=0.2, flatten=60),
+    ),
+    Preset(
+        "low_poly",
+        "Low poly art",
+        "Few bold facets, alike in size",
+        rcp.Partition(count_by="detail", detail=0.01, snap=False, adaptivity=0.0),
+        rcp.Mesh(chord_tolerance=0.6, flatten=60),
+    ),
+)
+
+BY_NAME = {preset.name: preset for preset in PRESETS}
