@@ -387,7 +387,8 @@ def look_at_polygons(poly, scan, loops, position, flatness, v):
             continue
         if flatness and v.bend[q] > flatness * size * (1 + 1e-6):
             v.bent.append(q)
-        if area @ scan.normal_near(poly.polygon_region[q], points.mean(0), extent) <= FACING:
+        near = [scan.normal_near(poly.polygon_region[q], points.mean(0), radius) for radius in (extent, 0)]
+        if all(area @ normal <= FACING for normal in near):  # some scans have faces that are folded back themselves
             v.flipped.append(q)
         triangles = None if crosses_itself(plane) else least_surface(points, plane)
         if triangles is None:
