@@ -155,6 +155,10 @@ def _draw_text():
         gpu.state.blend_set("ALPHA")
         lines(points, (1.0, 1.0, 1.0, 0.9), 1.5)
         gpu.state.blend_set("NONE")
+    if hover.stretch:
+        gpu.state.blend_set("ALPHA")
+        lines(np.array([(*at, 0.0) for at in hover.stretch], np.float32), (1.0, 0.85, 0.2, 1.0), 2.0)
+        gpu.state.blend_set("NONE")
     if hover.text:
         font = 0
         blf.size(font, round(12 * scale), *(() if bpy.app.version >= (4, 0, 0) else (72,)))

@@ -32,6 +32,7 @@ class PartitionSettings:
         items=(
             ("proxies", "Count", "Just so many"),
             ("tolerance", "Tolerance", "As many as show what is larger than a length: .2 m on a building, say"),
+            ("bound", "Bound", "As many as keep every vertex within a length of its region's plane"),
             ("detail", "Detail", "As many as the shape asks for, at a share of its size"),
         ),
         default=_PARTITION.count_by,
@@ -55,6 +56,23 @@ class PartitionSettings:
         precision=4,
         step=1,
         unit="LENGTH",
+    )
+    bound: FloatProperty(
+        name="Bound",
+        description="The most that a vertex may be off its region's plane. Less makes more regions",
+        default=_PARTITION.bound,
+        min=1e-6,
+        soft_max=10.0,
+        precision=4,
+        step=1,
+        unit="LENGTH",
+    )
+    adaptivity: FloatProperty(
+        name="Adaptivity",
+        description="How much denser regions get where the scan is rough",
+        default=_PARTITION.adaptivity,
+        min=0.0,
+        max=1.0,
     )
     noise: FloatProperty(
         name="Noise",

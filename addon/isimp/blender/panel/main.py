@@ -61,6 +61,7 @@ class ISIMP_PT_options(Panel, bpy.types.Panel):
         for name in ("seeding", "seed", "iterations"):
             column.prop(partition, name)
         layout.prop(partition, "leave_out")
+        layout.prop(partition, "adaptivity", slider=True)
         layout.prop(partition, "weights", icon="GROUP_VERTEX")
         if partition.weights:
             layout.prop(partition, "influence", slider=True)

@@ -2,7 +2,7 @@
 
 import bpy
 
-from . import point
+from . import paint, point
 
 
 def _hover(keys):
@@ -22,15 +22,48 @@ class _Region(_Tool):
     bl_label = "Region"
     bl_description = (
         "Regions of the scan.\n"
-        "• Click: a new region here\n• Ctrl-click: delete the region\n• Alt-click: select its faces"
+        "• Click: a new region here\n• Ctrl-click: delete the region\n• Alt-click: select its faces\n"
+        "• Drag to another region: merge the two\n• L: lock or unlock it"
     )
     bl_icon = "ops.generic.select_lasso"
     bl_keymap = (
-        _hover("Click: new region · Ctrl: delete · Alt: select"),
+        _hover("Click: new region · Ctrl: delete · Alt: select · Drag: merge · L: lock"),
         _press("isimp.point"),
         _press("isimp.point", ctrl=True),
         _press("isimp.point", alt=True),
+        ("isimp.lock_here", {"type": "L", "value": "PRESS"}, None),
     )
+
+
+class _Paint(_Tool):
+    bl_idname = "isimp.paint_tool"
+    bl_label = "Paint Region"
+    bl_description = (
+        "Regions drawn by hand.\n"
+        "• Paint: into the region first touched\n• Ctrl: a new region\n• Shift: erase from it\n• F: radius"
+    )
+    bl_icon = "brush.paint_vertex.draw"
+    bl_keymap = (
+        _hover("Paint: into this region · Ctrl: a new one · Shift: erase · F: radius"),
+        _press("isimp.paint"),
+        _press("isimp.paint", ctrl=True),
+        _press("isimp.paint", shift=True),
+        ("isimp.brush", {"type": "F", "value": "PRESS"}, None),
+    )
+
+    @staticmethod
+    def draw_settings(context, layout, tool):
+        panel = context.window_manager.isimp
+        layout.prop(panel, "brush")
+        layout.prop(panel, "mirror")
+
+
+class _Cut(_Tool):
+    bl_idname = "isimp.cut_tool"
+    bl_label = "Cut Region"
+    bl_description = "Draw a line over a region: it is parted there, as seen"
+    bl_icon = "ops.mesh.knife_tool"
+    bl_keymap = (_hover("Drag a line over a region: cut it"), _press("isimp.cut"))
 
 
 def _for_mode(tool, mode):
@@ -39,8 +72,8 @@ def _for_mode(tool, mode):
     )
 
 
-_TOOLS = [[_for_mode(tool, mode) for tool in (_Region,)] for mode in ("OBJECT", "EDIT_MESH")]
-CLASSES = point.CLASSES
+_TOOLS = [[_for_mode(tool, mode) for tool in (_Region, _Paint, _Cut)] for mode in ("OBJECT", "EDIT_MESH")]
+CLASSES = (*point.CLASSES, *paint.CLASSES)
 
 
 def register() -> None:

@@ -6,27 +6,31 @@ import bpy
 from bpy.props import StringProperty
 
 from ...gestures import Pointing
-from .. import overlay, runtime
+from .. import overlay, reading, runtime, store
 from . import under
 
 _LIGHT = (1.0, 1.0, 1.0, 0.25)
 _VERBS = {"add": "isimp.add_proxy", "delete": "isimp.delete_proxy", "select": "isimp.select_region"}
+_JOIN = (1.0, 0.85, 0.2, 0.45)
 _EDGE = (1.0, 1.0, 1.0, 1.0)
 
 
-def show_hover(context, ground, hit, at) -> None:
-    """Lightens the region under the mouse, and says what it is like."""
+def show_hover(context, ground, hit, at, joined=None) -> None:
+    """Lightens the region under the mouse and says what it is like; with `joined`, both as they would be merged."""
     current = runtime.get()
     before = current.hover
     if hit is None:
         current.hover = None
-    elif before is not None and before.key == (ground.state, hit.region):
+    elif before is not None and before.key == (ground.state, hit.region, joined):
         before.at = at
     else:
-        hover = current.hover = under.Hover(ground.name, hit.region, at=at, key=(ground.state, hit.region))
-        hover.fills.append((ground.points(ground.triangles_of(hit.region)), _LIGHT))
-        hover.lines.append((ground.border(hit.region), _EDGE, 3.0))
-        hover.text = ground.told(context.scene.unit_settings, hit.region)
+        hover = current.hover = under.Hover(ground.name, hit.region, at=at, key=(ground.state, hit.region, joined))
+        for region in [hit.region] if joined is None else [joined.region, hit.region]:
+            triangles = ground.triangles_of(region)
+            hover.fills.append((ground.points(triangles), _LIGHT if joined is None else _JOIN))
+            hover.lines.append((ground.border(region), _EDGE, 3.0))
+        told = ground.told(context.scene.unit_settings, hit.region)
+        hover.text = told if joined is None else "Let go to merge the two"
     if before is not None or current.hover is not None:
         overlay.redraw()
 
@@ -59,6 +63,15 @@ class ModalTool:
             self.report({"INFO"}, "There are no regions here yet: press Partition in the sidebar (N), tab iSimp.")
         return self._ground is not None
 
+    def go(self, context, keys: str):
+        overlay.tell(context, keys)
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def cancel(self, context):
+        """Blender calls this when the window or the file is closed meanwhile."""
+        self.end(context)
+
     @staticmethod
     def is_dropped(event) -> bool:
         undo = event.type == "Z" and (event.ctrl or event.oskey)
@@ -90,8 +103,31 @@ class ISIMP_OT_hover(bpy.types.Operator):
         return {"PASS_THROUGH"}
 
 
+class ISIMP_OT_lock_here(ModalTool, bpy.types.Operator):
+    """Lock the region under the mouse, so that it stays as it is; locked already: unlock it"""
+
+    bl_idname = "isimp.lock_here"
+    bl_label = "Lock or Unlock Region"
+
+    def invoke(self, context, event):
+        hit = self._ground.hit(self.ray(event)) if self.begin(context, event) else None
+        if hit is None:
+            return {"CANCELLED"}
+        do("isimp.lock", face=hit.face, unlock=_is_locked(context, hit.region))
+        return {"FINISHED"}
+
+
+def _is_locked(context, region: int) -> bool:
+    scan = context.view_layer.objects.active
+    if not store.numbers(scan).get("locked"):
+        return False
+    recipe = store.load(scan)
+    outcome = runtime.get().session.replay(reading.read(context, scan, recipe.layers()), recipe)
+    return region >= 0 and bool(outcome.partition.region_locked[region])
+
+
 class ISIMP_OT_point(ModalTool, bpy.types.Operator):
-    """Click: new region here. Ctrl: delete the region. Alt: select its faces."""
+    """Click: new region here. Ctrl: delete the region. Alt: select its faces. Drag to another: merge the two."""
 
     bl_idname = "isimp.point"
     bl_label = "Region"
@@ -104,9 +140,7 @@ class ISIMP_OT_point(ModalTool, bpy.types.Operator):
             return {"PASS_THROUGH"}
         self._gesture = Pointing()
         self._gesture.press(hit, self.place(event), ctrl=event.ctrl, alt=event.alt)
-        overlay.tell(context, "Let go: do it · Esc: drop")
-        context.window_manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
+        return self.go(context, "Drag to another region: merge the two · Let go: do it · Esc: drop")
 
     def modal(self, context, event):
         if self.is_dropped(event):
@@ -116,7 +150,7 @@ class ISIMP_OT_point(ModalTool, bpy.types.Operator):
         if event.type == "MOUSEMOVE":
             hit, at = self._ground.hit(self.ray(event)), self.place(event)
             self._gesture.move(hit, at)
-            show_hover(context, self._ground, hit, at)
+            show_hover(context, self._ground, hit, at, self._gesture.begin if self._gesture.merging else None)
         elif event.type == "LEFTMOUSE" and event.value == "RELEASE":
             wish = self._gesture.release()
             self.end(context)
@@ -125,12 +159,11 @@ class ISIMP_OT_point(ModalTool, bpy.types.Operator):
             return {"FINISHED"}
         return {"RUNNING_MODAL"}
 
-    def cancel(self, context):
-        self.end(context)
-
     def fulfil(self, context, wish) -> None:
-        if wish.verb in _VERBS:
+        if wish.verb == "merge":
+            do("isimp.merge", face=wish.into, other=wish.faces[0])
+        else:
             do(_VERBS[wish.verb], face=wish.faces[0])
 
 
-CLASSES = (ISIMP_OT_hover, ISIMP_OT_point)
+CLASSES = (ISIMP_OT_hover, ISIMP_OT_lock_here, ISIMP_OT_point)

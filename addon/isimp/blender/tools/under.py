@@ -25,6 +25,7 @@ class Hover:
     key: tuple | None = None  #: what it is of, to see whether it is still right
     at: tuple = (0, 0)
     ring: float = 0.0  #: pixels of the brush's circle; 0 for none
+    stretch: tuple | None = None  #: two places in the viewport with a line between them
 
 
 class Ground:

@@ -30,6 +30,26 @@ def place(hand, x, z):
     return region.x + at[0], region.y + at[1]
 
 
+def drag(hand, begin, end, shot=None, **held):
+    """Drags from one place on the scan's front to another, with keys held."""
+    yield from hand.move(*place(hand, *begin))
+    hand.event("LEFTMOUSE", "PRESS", **held)
+    yield 0.1
+    for share in np.linspace(0, 1, 7):
+        x, z = (1 - share) * np.array(begin) + share * np.array(end)
+        yield from hand.move(*place(hand, x, z))
+    if shot:
+        yield from hand.shot(shot)
+    hand.event("LEFTMOUSE", "RELEASE", **held)
+    yield from hand.settle()
+
+
+def steps():
+    from isimp.blender import store
+
+    return store.load(scan()).steps
+
+
 def sketched():
     """Waits until what is drawn over the scan is there."""
     from isimp.blender import runtime
@@ -115,6 +135,55 @@ def run(hand):
     yield from hand.undo()
     same("undone in Edit Mode", regions(), 14)
     yield from hand.shot("tools-4-edit")
+    yield from hand.into_view()
+    yield from hand.key("TAB")
+    yield 0.3
+    yield from tool(hand, "isimp.region_tool.object")
+    before = regions()
+    yield from hand.move(*place(hand, 0.0, 0.0))
+    hand.event("LEFTMOUSE", "PRESS")
+    yield 0.1
+    for x in (0.3, 0.6, 0.9):
+        yield from hand.move(*place(hand, x, 0.85))
+        yield 0.1
+    yield from hand.shot("tools-5-merge")
+    hand.event("LEFTMOUSE", "RELEASE")
+    yield from hand.settle()
+    same("a drag merges", regions(), before - 1)
+    yield from hand.undo()
+    same("undone", regions(), before)
+    yield from hand.move(*place(hand, 0.0, 0.0))
+    yield from hand.key("L")
+    yield from hand.settle()
+    same("locked", type(steps()[-1]).__name__, "LockRegions")
+    yield from hand.shot("tools-6-locked")
+    yield from hand.move(*place(hand, 0.0, 0.0))
+    yield from hand.key("L")
+    yield from hand.settle()
+    same("unlocked", type(steps()[-1]).__name__, "UnlockRegions")
+
+    yield from tool(hand, "isimp.paint_tool.object")
+    bpy.context.window_manager.isimp.brush = 25
+    yield from drag(hand, (-0.4, 0.0), (0.3, 0.1), ctrl=True, shot="tools-7-paint")
+    same("painted a new region", (regions(), type(steps()[-1]).__name__), (before + 1, "PaintFaces"))
+    painted = len(steps()[-1].faces)
+    yield from drag(hand, (-0.3, 0.0), (-0.3, 0.4))
+    same("painted into it", (regions(), steps()[-1].onto >= 0), (before + 1, True))
+    yield from hand.undo()
+    same("a stroke is one step to undo", len(steps()[-1].faces), painted)
+    yield from drag(hand, (-0.4, 0.0), (-0.2, 0.0), shift=True)
+    same("erased", type(steps()[-1]).__name__, "EraseFaces")
+    bpy.context.window_manager.isimp.mirror = "X"
+    yield from drag(hand, (0.3, -0.4), (0.4, -0.4), ctrl=True)
+    same("painted on both sides", [type(step).__name__ for step in steps()[-2:]], ["PaintFaces", "PaintFaces"])
+    left, right = (set(step.faces) for step in steps()[-2:])
+    assert 0.5 < len(left) / len(right) < 2, (len(left), len(right))
+    before = regions()
+
+    yield from tool(hand, "isimp.cut_tool.object")
+    yield from drag(hand, (-0.9, -0.15), (0.9, -0.12), shot="tools-8-cut")
+    same("cut", (regions(), type(steps()[-1]).__name__), (before + 1, "CutRegion"))
+    yield from hand.shot("tools-9-after")
     yield from tool(hand, "builtin.select_box")
     yield 0.3
     same("another tool", (runtime.get().hover, runtime.get().status), (None, ""))

@@ -1,0 +1,159 @@
+"""The Paint tool: regions drawn by hand with a brush. The Cut tool: a line over a region parts it."""
+
+import bpy
+import numpy as np
+
+from ...gestures import Cut, Stroke
+from .. import overlay, runtime
+from . import under
+from .point import ModalTool, do
+
+_PAINT, _ERASE, _CUT = (1.0, 0.85, 0.2, 0.6), (0.3, 0.8, 1.0, 0.5), (1.0, 0.85, 0.2, 1.0)
+_AXES = {"NONE": None, "X": 0, "Y": 1, "Z": 2}
+
+
+class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
+    """Paint into the region first touched. Ctrl: a new region. Shift: erase from it. F: radius. Esc: drop"""
+
+    bl_idname = "isimp.paint"
+    bl_label = "Paint Region"
+
+    def invoke(self, context, event):
+        if not self.begin(context, event):
+            return {"CANCELLED"}
+        ground, panel = self._ground, context.window_manager.isimp
+        hit = ground.hit(self.ray(event))
+        if hit is None:
+            return {"PASS_THROUGH"}
+        radius = panel.brush * ground.pixel(self._region, self._view, self.place(event), hit.place)
+        axis = _AXES[panel.mirror]
+        sides = [np.ones(3)] if axis is None else [np.ones(3), np.where(np.arange(3) == axis, -1.0, 1.0)]
+        args = (ground.surface, ground.scan.triangle_face, ground.scan.edges[0], radius)
+        self._strokes = [(side, Stroke(*args)) for side in sides]
+        self._color = _ERASE if event.shift else _PAINT
+        for side, stroke in self._strokes:
+            place, direction = self.seen(event, side)
+            stroke.press(place, direction, new=event.ctrl, erase=event.shift)
+        self.show_stroke(context, event)
+        return self.go(context, "Let go: done · Esc: drop")
+
+    def modal(self, context, event):
+        if self.is_dropped(event):
+            self.end(context)
+            return {"CANCELLED"}
+        if event.type == "MOUSEMOVE":
+            for side, stroke in self._strokes:
+                stroke.move(*self.seen(event, side))
+            self.show_stroke(context, event)
+        elif event.type == "LEFTMOUSE" and event.value == "RELEASE":
+            wishes = [stroke.release() for _, stroke in self._strokes]
+            self.end(context)
+            self.fulfil([wish for wish in wishes if wish is not None])
+            return {"FINISHED"}
+        return {"RUNNING_MODAL"}
+
+    def seen(self, event, side):
+        """What the ray meets, mirrored, and its direction."""
+        origin, direction = (side * part for part in self.ray(event))
+        return self._ground.hit((origin, direction)), direction
+
+    def show_stroke(self, context, event) -> None:
+        hover = under.Hover(self._ground.name, -1, at=self.place(event), ring=context.window_manager.isimp.brush)
+        for _, stroke in self._strokes:
+            triangles = np.fromiter(stroke.covered, np.int64, len(stroke.covered))
+            hover.fills.append((self._ground.points(triangles), self._color))
+        runtime.get().hover = hover
+        overlay.redraw()
+
+    def fulfil(self, wishes) -> None:
+        """One step to undo for the stroke and its mirrored one."""
+        taken, strokes = set(), []
+        for wish in wishes:
+            faces = [face for face in wish.faces if face not in taken]  # the two may meet in the middle
+            taken.update(faces)
+            if faces:
+                onto = -1 if wish.into is None else wish.into
+                strokes.append(f"{onto}:{','.join(map(str, faces))}")
+        if strokes:
+            do("isimp.paint_faces", painted=";".join(strokes), erase=wishes[0].verb == "erase")
+
+
+class ISIMP_OT_cut(ModalTool, bpy.types.Operator):
+    """Draw a line over a region: it is parted there, as seen"""
+
+    bl_idname = "isimp.cut"
+    bl_label = "Cut Region"
+
+    def invoke(self, context, event):
+        if not self.begin(context, event):
+            return {"CANCELLED"}
+        self._cut, self._from = Cut(), self.place(event)
+        self._rays = [self.ray(event)]
+        self._cut.move(self._ground.hit(self._rays[0]))
+        return self.go(context, "Drag over a region and let go: cut · Esc: drop")
+
+    def modal(self, context, event):
+        if self.is_dropped(event):
+            self.end(context)
+            return {"CANCELLED"}
+        if event.type == "MOUSEMOVE":
+            self._rays = [self._rays[0], self.ray(event)]
+            self._cut.move(self._ground.hit(self._rays[1]))
+            target = self._cut.target
+            hover = under.Hover(self._ground.name, -1, at=self.place(event), stretch=(self._from, self.place(event)))
+            if target is not None:
+                hover.lines.append((self._ground.border(target.region), _CUT, 3.0))
+            runtime.get().hover = hover
+            overlay.redraw()
+        elif event.type == "LEFTMOUSE" and event.value == "RELEASE":
+            self.end(context)
+            self.fulfil()
+            return {"FINISHED"}
+        return {"RUNNING_MODAL"}
+
+    def fulfil(self) -> None:
+        """Parts the region along the line, at the depth of where it was met, swept along the sight."""
+        target = self._cut.target
+        if target is None or len(self._rays) < 2:
+            return
+        place = np.array(target.place)
+        line = []
+        for origin, direction in self._rays:
+            line.append(origin + direction * float((place - origin) @ direction))
+        sight = self._rays[0][1] + self._rays[1][1]
+        do("isimp.cut_region", face=target.face, line=np.ravel(line).tolist(), direction=sight.tolist())
+
+
+class ISIMP_OT_brush(ModalTool, bpy.types.Operator):
+    """Change the brush's radius: move the mouse, then click"""
+
+    bl_idname = "isimp.brush"
+    bl_label = "Brush Radius"
+
+    def invoke(self, context, event):
+        self._before = context.window_manager.isimp.brush
+        self._center = (event.mouse_region_x - self._before, event.mouse_region_y)
+        self._from = event.mouse_x - self._before
+        self.show_ring(context)
+        return self.go(context, "Move: radius · Click: take it · Esc: as before")
+
+    def modal(self, context, event):
+        panel = context.window_manager.isimp
+        if self.is_dropped(event):
+            panel.brush = self._before
+            self.end(context)
+            return {"CANCELLED"}
+        if event.type == "MOUSEMOVE":
+            panel.brush = max(1, event.mouse_x - self._from)
+            self.show_ring(context)
+        elif event.type in {"LEFTMOUSE", "RET"} and event.value == "PRESS":
+            self.end(context)
+            return {"FINISHED"}
+        return {"RUNNING_MODAL"}
+
+    def show_ring(self, context) -> None:
+        runtime.get().hover = under.Hover("", -1, at=self._center, ring=context.window_manager.isimp.brush)
+        overlay.redraw()
+
+
+CLASSES = (ISIMP_OT_paint, ISIMP_OT_cut, ISIMP_OT_brush)
