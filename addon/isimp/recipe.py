@@ -94,7 +94,7 @@ class Partition(Step):
     detail: float = 0.005  #: what shows at this share of the size
     tolerance: float = 1.0  #: the same in scene units
     bound: float = 1.0  #: the most a vertex may be off its region's plane, scene units
-    adaptivity: float = 0.25  #: how much denser regions get where the scan is rough
+    adaptivity: float = 0.0  #: how much denser regions get where the scan is rough
     noise: float = -1.0  #: standard deviation of the scan's noise, scene units; below 0: estimated
     snap: bool = True  #: take the number of planes where the scan clearly is made of so many
     seed: int = 1
