@@ -72,7 +72,7 @@ bpy_venv() { # VERSION
 }
 
 bpy_tests() { # VERSION: the add-on inside Blender as a Python module
-  apt_install "${blender_packages[@]}"
+  apt_install "${blender_packages[@]}" libsm6
   local venv=$root/.venv-bpy-$1
   bpy_venv "$1"
   install_wheel "$venv"

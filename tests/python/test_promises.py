@@ -65,10 +65,11 @@ def judged(arrays, proxies):
     part = engine.partition(mesh, engine.PartitionOptions(proxies=min(proxies, len(mesh.triangles)), leave_out=0))
     poly = engine.polygonize(mesh, part, options)
     bound = options.flatness if part.region_count >= options.flatness_from else 0
-    return judge(poly, mesh, part, bound, options.reach)[0], poly
+    curved = set(np.flatnonzero(poly.planarity > options.flatness * mesh.report["diagonal"]))
+    return judge(poly, mesh, part, bound, options.reach)[0], poly, curved
 
 
-def check_the_report(verdict, poly):
+def check_the_report(verdict, poly, curved):
     """Nothing ever breaks the topology or leaves the scan, and no fault that is there is kept quiet."""
     assert verdict.faults == []
     assert verdict.far == []
@@ -79,15 +80,16 @@ def check_the_report(verdict, poly):
     assert set(verdict.crossing) | set(verdict.empty) <= alone
     assert set(verdict.bent) <= {polygon for polygon, _ in listed.get("bent", ())}
     met = listed.get("intersecting", set()) | listed.get("excused", set())
-    assert {pair for pair in verdict.hits + verdict.excused if not set(pair) & alone} <= met
+    # How a polygon that is not flat fills its outline is nowhere said: one way of filling it meets what another does not.
+    assert {pair for pair in verdict.hits + verdict.excused if not set(pair) & (alone | curved)} <= met
 
 
 @pytest.mark.parametrize("proxies", [1, 12, 60, 100_000])
 @pytest.mark.parametrize("name", SOUND)
 def test_families_come_out_sound(name, proxies):
     make, least = SOUND[name]
-    verdict, poly = judged(make(), proxies)
-    check_the_report(verdict, poly)
+    verdict, poly, curved = judged(make(), proxies)
+    check_the_report(verdict, poly, curved)
     if proxies >= least:
         assert verdict.sound, vars(verdict)
 
@@ -101,7 +103,7 @@ def test_whatever_comes_in_the_report_is_true(name, proxies):
 @pytest.mark.parametrize("noise", [0, 0.05, 0.1])
 def test_a_facade_keeps_its_forty_rectangles(noise):
     arrays = shapes.facade(noise=noise)
-    verdict, poly = judged(arrays, 1 + 40 * 5)
+    verdict, poly, _ = judged(arrays, 1 + 40 * 5)
     assert verdict.sound, vars(verdict)
     rectangles = 0
     for loop in np.split(poly.loops, poly.loop_start[1:]):
