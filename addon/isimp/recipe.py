@@ -315,7 +315,7 @@ class Improve(Step):
 class Mesh(Step):
     """Turn the regions into polygons."""
 
-    chord_tolerance: float = 0.3
+    chord_tolerance: float = 0.5
     flatten: int = 30
 
     def __post_init__(self):

@@ -60,7 +60,10 @@ def test_the_commands_run(scan, command):
 
 def test_every_file_it_names_is_there():
     links = re.findall(r"\]\(((?!http|#)[^)]+)\)", README)
-    names = {*(link.partition("#")[0] for link in links), *(word for block in blocks("sh") for word in re.findall(r"(?:scripts|examples)/\w+\.\w+", block))}
+    names = {
+        *(link.partition("#")[0] for link in links),
+        *(word for block in blocks("sh") for word in re.findall(r"(?:scripts|examples)/\w+\.\w+", block)),
+    }
     assert len(names) > 5
     assert [name for name in sorted(names) if not (ROOT / name).is_file()] == []
 

@@ -154,11 +154,17 @@ def select_polygons(obj, chosen: np.ndarray) -> None:
     totals = np.empty(len(mesh.polygons), np.int32)
     mesh.polygons.foreach_get("loop_total", totals)
     inside = np.repeat(chosen, totals)  # polygons lie in the order of their corners
-    for items, which in ((mesh.vertices, corners[inside]), (mesh.edges, edges[inside])):
+    for name, domain, items, which in (
+        (".select_vert", "POINT", mesh.vertices, corners[inside]),
+        (".select_edge", "EDGE", mesh.edges, edges[inside]),
+        (".select_poly", "FACE", mesh.polygons, chosen),
+    ):
         flags = np.zeros(len(items), bool)
         flags[which] = True
-        items.foreach_set("select", flags)
-    mesh.polygons.foreach_set("select", chosen)
+        # Made anew: 5.0 may keep one value for all, and crashes where an array is written over that.
+        if (old := mesh.attributes.get(name)) is not None:
+            mesh.attributes.remove(old)
+        mesh.attributes.new(name, "BOOLEAN", domain).data.foreach_set("value", flags)
     mesh.update()
 
 

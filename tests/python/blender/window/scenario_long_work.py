@@ -59,6 +59,7 @@ def run(hand):
     yield from hand.press("isimp.partition")
     before = regions()
     assert before > 0
+    bpy.context.window_manager.isimp.live = False  # else the number alone would be a step
     yield from hand.type_into("partition.proxies", "9")
 
     yield from press_slowly(hand, 30)

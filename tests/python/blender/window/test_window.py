@@ -13,6 +13,7 @@ import pytest
 HERE = Path(__file__).parent
 ROOT = HERE.parents[3]
 OUT = Path(os.environ.get("ISIMP_WINDOW_OUT", ROOT / "out" / "window"))
+SIZE = 1200, 1150  # pixels: the whole panel is to be seen
 LIMIT = 400  # seconds; half a minute on a quiet machine
 
 
@@ -33,9 +34,9 @@ def test_scenario(scenario):
     if missing:
         pytest.skip(f"needs {', '.join(missing)} (Debian: blender, xvfb, imagemagick)")
     OUT.mkdir(parents=True, exist_ok=True)
-    blender = ["blender", "--factory-startup", "--enable-event-simulate", "-p", "0", "0", "1200", "760"]
+    blender = ["blender", "--factory-startup", "--enable-event-simulate", "-p", "0", "0", *map(str, SIZE)]
     script = ["--python", str(HERE / "drive.py"), "--", str(HERE / f"scenario_{scenario}.py"), str(OUT)]
-    command = ["xvfb-run", "-a", "-s", "-screen 0 1200x760x24", *blender, *script]
+    command = ["xvfb-run", "-a", "-s", f"-screen 0 {SIZE[0]}x{SIZE[1]}x24", *blender, *script]
     environment = os.environ | {"ISIMP_SITE": site()}
     with (OUT / f"{scenario}.log").open("w+") as log:
         process = subprocess.Popen(command, env=environment, stdout=log, stderr=log, start_new_session=True)
