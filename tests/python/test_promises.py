@@ -80,7 +80,7 @@ def check_the_report(verdict, poly, curved):
     assert set(verdict.crossing) | set(verdict.empty) <= alone
     assert set(verdict.bent) <= {polygon for polygon, _ in listed.get("bent", ())}
     met = listed.get("intersecting", set()) | listed.get("excused", set())
-    # How a polygon that is not flat fills its outline is nowhere said: one way of filling it meets what another does not.
+    # How a polygon that is not flat fills its outline is nowhere said: one filling meets what another does not.
     assert {pair for pair in verdict.hits + verdict.excused if not set(pair) & (alone | curved)} <= met
 
 
