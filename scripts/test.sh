@@ -85,6 +85,8 @@ stage_cuda() { # the CUDA part: compiled with nvcc, the machine's or PyPI's, and
   if ! PATH=$PATH:/usr/local/cuda/bin command -v nvcc; then
     tools=$root/.venv-cuda
     venv "$tools" nvidia-cuda-{nvcc,cccl,runtime,crt}==13.0.* nvidia-nvvm==13.0.*
+    LIBRARY_PATH=$(echo "$tools"/lib/python3*/site-packages/nvidia/cu13/lib) # nvcc looks in lib64
+    export LIBRARY_PATH
   fi
   cmake -S . -B build-cuda -G Ninja -DISIMP_TESTS=ON -DISIMP_WERROR=ON -DISIMP_CUDA=ON -DPython_EXECUTABLE="$tools/bin/python"
   local test

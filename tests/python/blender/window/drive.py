@@ -118,7 +118,7 @@ class Hand:
                 if name:
                     found.setdefault(name, []).append(self.at)
                     last = y
-            if last - y > 100:
+            if last - y > 250:  # labels alone
                 break
         return {name: places[len(places) // 2] for name, places in found.items()}
 

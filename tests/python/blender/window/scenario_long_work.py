@@ -62,7 +62,7 @@ def run(hand):
     bpy.context.window_manager.isimp.live = False  # else the number alone would be a step
     yield from hand.type_into("partition.proxies", "9")
 
-    yield from press_slowly(hand, 30)
+    yield from press_slowly(hand, 300)
     same("a second press", bpy.ops.isimp.partition.poll(), False)
     yield from hand.shot("6-working")
     yield from hand.into_view()
@@ -76,7 +76,7 @@ def run(hand):
     yield 0.3
     same("ready again", bpy.ops.isimp.partition.poll(), True)
 
-    yield from press_slowly(hand, 30)
+    yield from press_slowly(hand, 300)
     yield from hand.press("isimp.stop")
     same("after Stop", (running(), regions()), (False, before))
 
@@ -94,7 +94,7 @@ def run(hand):
 
     make_scan()
     yield 0.3
-    yield from press_slowly(hand, 30)
+    yield from press_slowly(hand, 300)
     bpy.ops.wm.read_homefile(use_factory_startup=True)
     yield 1.0
     same("file closed meanwhile", running(), False)
