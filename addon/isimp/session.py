@@ -136,8 +136,10 @@ class Cache:
 class Session:
     """Replays recipes on scans. One thread at a time."""
 
-    def __init__(self, budget: int = 1 << 30, backend: str = "cpu"):
-        self.backend = backend  #: one of backends(), for parallel methods; the result does not depend on it
+    def __init__(self, budget: int = 1 << 30, backend: str = "cpu", threads: int = 0):
+        # Neither changes the result:
+        self.backend = backend  #: one of backends(), for parallel methods
+        self.threads = threads  #: how many may work; 0: as many as there are cores
         self._meshes = Cache(budget)
         self._outcomes = Cache(budget)
 
@@ -197,7 +199,7 @@ class Session:
 
     def _apply(self, step, prepared, before, watch, begin, end) -> Outcome:
         started = time.perf_counter()
-        where = {"backend": self.backend} if isinstance(step, rcp.Partition) else {}
+        where = {"backend": self.backend, "threads": self.threads} if isinstance(step, rcp.Partition) else {}
         outcome = _APPLY[type(step)](step, prepared, before, watch, begin, end, **where)
         seconds = time.perf_counter() - started
         numbers = {"step": step.kind, "seconds": seconds, **_scan_numbers(prepared), **outcome.numbers}
@@ -326,7 +328,7 @@ def _weights(step: rcp.Partition, prepared: Prepared) -> np.ndarray | None:
     return 16.0 ** (step.influence * painted[prepared.mesh_face])
 
 
-def _apply_partition(step: rcp.Partition, prepared, before, watch, begin, end, backend) -> Outcome:
+def _apply_partition(step: rcp.Partition, prepared, before, watch, begin, end, **where) -> Outcome:
     options = engine.PartitionOptions(
         **{step.count_by: getattr(step, step.count_by)},
         noise=None if step.noise < 0 else step.noise,
@@ -337,7 +339,7 @@ def _apply_partition(step: rcp.Partition, prepared, before, watch, begin, end, b
         method=step.method,
         seeding=step.seeding,
         leave_out=step.leave_out,
-        backend=backend,
+        **where,
     )
     function = partial(engine.partition, weights=_weights(step, prepared))
     partition = _engine_call(watch, begin, end, "partitioning", function, prepared.mesh, options)

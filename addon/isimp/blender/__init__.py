@@ -2,7 +2,7 @@
 
 import bpy
 
-from . import display, live, operators, overlay, panel, preferences, runtime, settings, store, tools
+from . import display, live, operators, overlay, panel, preferences, presets, runtime, settings, store, tools
 
 _CLASSES = (
     *store.CLASSES,
@@ -10,6 +10,7 @@ _CLASSES = (
     *operators.CLASSES,
     *live.CLASSES,
     *tools.CLASSES,
+    *presets.CLASSES,
     *preferences.CLASSES,
     *panel.CLASSES,
 )

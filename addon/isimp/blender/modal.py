@@ -11,7 +11,7 @@ import numpy as np
 
 from ..session import StepFailed
 from ..task import Status, Stopped, Task
-from . import mesh_io, pending, reading, runtime, store, targets
+from . import mesh_io, pending, preferences, reading, runtime, store, targets
 from .show import show_failed
 
 log = logging.getLogger("isimp")
@@ -23,6 +23,7 @@ class Work:
     """A recipe under way on an object: read here, replayed on a thread, then taken up again by the operator."""
 
     def __init__(self, context, obj, recipe):
+        preferences.obey(context, runtime.get().session)
         self.name, self.recipe = obj.name, recipe
         self.state = mesh_io.state_of(obj)
         self.scan = reading.read(context, obj, recipe.layers())

@@ -1,8 +1,12 @@
 """What a user may set once for all files."""
 
 import bpy
-from bpy.props import FloatProperty, FloatVectorProperty
+import rna_keymap_ui
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty
 
+from .. import session
+
+_BACKENDS = tuple(session.backends()) or ("cpu",)
 _ADDON = __package__.rpartition(".")[0]  # "isimp", or "bl_ext....isimp" as an extension
 
 
@@ -23,11 +27,53 @@ class IsimpPreferences(bpy.types.AddonPreferences):
         name="Line Width", description="Of what is drawn over the scan", default=1.5, min=0.5, max=6.0, subtype="PIXEL"
     )
 
+    threads: IntProperty(
+        name="Threads",
+        description="How many processors iSimp may use; 0: all. The result is the same with any number",
+        default=0,
+        min=0,
+        soft_max=64,
+    )
+    backend: EnumProperty(
+        name="Back End",
+        description="Where the methods Queued and Naive work. The result is the same on all",
+        items=[(name, name.upper(), "") for name in _BACKENDS],
+        default=_BACKENDS[0],
+    )
+
+    show_keys: BoolProperty(name="Keys of the Tools", description="Show them, to change them")
+
     def draw(self, context):
         layout = self.layout
         layout.use_property_split = True
-        for name in self.__annotations__:
-            layout.prop(self, name)
+        for title, names in _DRAWN:
+            layout.label(text=title)
+            for name in names:
+                layout.prop(self, name)
+        layout.prop(self, "show_keys", icon="DISCLOSURE_TRI_DOWN" if self.show_keys else "DISCLOSURE_TRI_RIGHT")
+        if self.show_keys:
+            _draw_keys(context, layout)
+
+
+def _draw_keys(context, layout) -> None:
+    keys = context.window_manager.keyconfigs.user
+    for keymap in tool_keymaps(keys):
+        layout.label(text=keymap.name.removeprefix("3D View Tool: "))
+        for item in keymap.keymap_items:
+            if item.idname != "isimp.hover":
+                rna_keymap_ui.draw_kmi([], keys, keymap, item, layout, 0)
+
+
+def tool_keymaps(keys) -> list:
+    """The key maps of the tools in a key configuration."""
+    return [keymap for keymap in keys.keymaps if any(i.idname.startswith("isimp.") for i in keymap.keymap_items)]
+
+
+# Where there is one back end only, there is nothing to choose.
+_DRAWN = (
+    ("Colours", ("border_color", "outline_color", "problem_color", "line_width")),
+    ("Work", ("threads", "backend") if len(_BACKENDS) > 1 else ("threads",)),
+)
 
 
 class _Default:
@@ -35,12 +81,19 @@ class _Default:
 
 
 for _name, _property in IsimpPreferences.__annotations__.items():
-    setattr(_Default, _name, _property.keywords["default"])
+    setattr(_Default, _name, _property.keywords.get("default"))
 
 
 def get(context):
     addon = context.preferences.addons.get(_ADDON)
     return addon.preferences if addon is not None and addon.preferences is not None else _Default
+
+
+def obey(context, working) -> None:
+    """Has a session work as the preferences say."""
+    wish = get(context)
+    working.threads = wish.threads
+    working.backend = wish.backend if wish.backend in _BACKENDS else _BACKENDS[0]
 
 
 CLASSES = (IsimpPreferences,)

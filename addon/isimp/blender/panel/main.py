@@ -3,7 +3,7 @@
 import bpy
 
 from ... import recipe as rcp
-from .. import runtime, settings, store, targets, text
+from .. import presets, runtime, settings, store, targets, text
 from .common import Panel, draw_lines
 
 
@@ -26,6 +26,7 @@ class ISIMP_PT_main(Panel, bpy.types.Panel):
         draw_lines(context, column, text.scan_line(scan.data, numbers), icon="BLANK1")
         for warning in text.warnings(scan.data, numbers):
             draw_lines(context, layout, warning, icon="ERROR")
+        presets.draw(context, layout)
         partition = panel.partition
         row = layout.row(align=True)
         row.use_property_split = False

@@ -1,0 +1,98 @@
+"""Presets: those that come with the add-on, and users' own, which Blender keeps as files beside its others."""
+
+import bpy
+from bl_operators.presets import AddPresetBase
+from bpy.props import EnumProperty
+
+from .. import presets
+from .. import recipe as rcp
+from . import settings
+
+_FOLDER = "isimp"
+_TITLE = "Presets"
+# Titles of the menu that are no preset of the user's.
+_OURS = {_TITLE, *(preset.label for preset in presets.PRESETS)}
+# What belongs to one scan rather than to a kind: lengths in its units, a count, its weights.
+_LEFT = frozenset({"proxies", "tolerance", "bound", "weights", "influence"})
+
+
+def _kept(cls) -> list:
+    return [name for name in settings.names(cls) if name not in _LEFT]
+
+
+class ISIMP_OT_preset(bpy.types.Operator):
+    """Take the settings that suit a kind of scan"""
+
+    bl_idname = "isimp.preset"
+    bl_label = "Preset"
+
+    name: EnumProperty(name="Preset", items=[(preset.name, preset.label, preset.about) for preset in presets.PRESETS])
+
+    @classmethod
+    def description(cls, context, properties):
+        return presets.BY_NAME[properties.name].about
+
+    def execute(self, context):
+        preset = presets.BY_NAME[self.name]
+        for step in (preset.partition, preset.mesh):
+            group = settings.group(context, type(step))
+            for name in _kept(type(step)):
+                if getattr(group, name) != getattr(step, name):
+                    setattr(group, name, getattr(step, name))
+        ISIMP_MT_presets.bl_label = preset.label
+        return {"FINISHED"}
+
+
+class ISIMP_MT_presets(bpy.types.Menu):
+    """Settings to start from: those for kinds of scans, then your own"""
+
+    bl_label = _TITLE
+    preset_subdir = _FOLDER
+    preset_operator = "script.execute_preset"
+
+    def draw(self, context):
+        for preset in presets.PRESETS:
+            self.layout.operator("isimp.preset", text=preset.label).name = preset.name
+        self.layout.separator()
+        self.draw_preset(context)
+
+
+class ISIMP_OT_preset_add(AddPresetBase, bpy.types.Operator):
+    """Keep the settings as a preset of your own, or take it away again"""
+
+    bl_idname = "isimp.preset_add"
+    bl_label = "Add Preset"
+    preset_menu = "ISIMP_MT_presets"
+    preset_subdir = _FOLDER
+    preset_defines = ("shown = bpy.context.window_manager.isimp",)
+
+    @property
+    def preset_values(self):
+        return [f"shown.{rcp.KINDS[cls]}.{name}" for cls in (rcp.Partition, rcp.Mesh) for name in _kept(cls)]
+
+
+def title(context) -> str:
+    """What the menu is called: the add-on's preset that the settings are those of, else the one chosen last."""
+    for preset in presets.PRESETS:
+        if all(_is_shown(context, step) for step in (preset.partition, preset.mesh)):
+            return preset.label
+    chosen = ISIMP_MT_presets.bl_label
+    return _TITLE if chosen in _OURS else chosen
+
+
+def _is_shown(context, step) -> bool:
+    shown = settings.to_step(type(step), settings.group(context, type(step)))
+    return all(getattr(shown, name) == getattr(step, name) for name in _kept(type(step)))
+
+
+def draw(context, layout) -> None:
+    row = layout.row(align=True)
+    row.use_property_split = False
+    shown = title(context)
+    row.menu("ISIMP_MT_presets", text=shown)
+    row.operator("isimp.preset_add", text="", icon="ADD")
+    if shown not in _OURS:
+        row.operator("isimp.preset_add", text="", icon="REMOVE").remove_active = True
+
+
+CLASSES = (ISIMP_OT_preset, ISIMP_MT_presets, ISIMP_OT_preset_add)

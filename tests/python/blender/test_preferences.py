@@ -1,0 +1,41 @@
+"""Preferences: what a user sets once for all files."""
+
+import bpy
+import numpy as np
+import pytest
+import scans
+
+from isimp import session
+from isimp.blender import preferences, runtime
+
+pytestmark = pytest.mark.usefixtures("scene")
+
+
+def test_threads_and_back_end_reach_the_engine_and_change_no_result(monkeypatch):
+    wish = type("Wish", (preferences._Default,), {"threads": 0, "backend": "cpu"})
+    monkeypatch.setattr(preferences, "get", lambda context: wish)
+    asked, options = [], session.engine.PartitionOptions
+
+    def noting(**given):
+        asked.append((given["threads"], given["backend"]))
+        return options(**given)
+
+    monkeypatch.setattr(session.engine, "PartitionOptions", noting)
+    labels = []
+    for threads in (0, 1, 3):
+        wish.threads = threads
+        runtime.get().session = session.Session()
+        scan = scans.dimple(scans.cube(cells=8))
+        bpy.ops.isimp.partition(proxies=12, method="naive")
+        labels.append(scans.regions(scan))
+    assert asked == [(0, "cpu"), (1, "cpu"), (3, "cpu")]
+    assert all(np.array_equal(labels[0], other) for other in labels[1:])
+
+
+def test_a_back_end_that_is_gone_is_not_asked_for(monkeypatch):
+    wish = type("Wish", (preferences._Default,), {"backend": "cuda"})
+    monkeypatch.setattr(preferences, "get", lambda context: wish)
+    monkeypatch.setattr(preferences, "_BACKENDS", ("cpu",))
+    scans.cube()
+    assert bpy.ops.isimp.partition(proxies=6, method="queued") == {"FINISHED"}
+    assert runtime.get().session.backend == "cpu"

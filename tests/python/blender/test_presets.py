@@ -1,0 +1,69 @@
+"""Presets in the panel: the add-on's own, and users', which Blender keeps as files."""
+
+import bpy
+import pytest
+import scans
+
+from isimp import presets as given
+from isimp import recipe as rcp
+from isimp.blender import presets, settings
+
+pytestmark = pytest.mark.usefixtures("scene")
+
+
+def shown(cls):
+    return settings.to_step(cls, settings.group(bpy.context, cls))
+
+
+@pytest.fixture(autouse=True)
+def fresh():
+    """Settings as they are at first, and as they were before."""
+    kept = {cls: shown(cls) for cls in (rcp.Partition, rcp.Mesh)}
+    yield
+    for cls, step in kept.items():
+        settings.copy(cls, step, settings.group(bpy.context, cls))
+    presets.ISIMP_MT_presets.bl_label = "Presets"
+
+
+@pytest.mark.parametrize("preset", given.PRESETS, ids=lambda preset: preset.name)
+def test_a_preset_sets_what_makes_its_kind_of_scan_and_no_more(preset):
+    group = settings.group(bpy.context, rcp.Partition)
+    group.proxies, group.weights = 123, "Density"
+    bpy.ops.isimp.preset(name=preset.name)
+    step = shown(rcp.Partition)
+    assert (step.proxies, step.weights) == (123, "Density")
+    assert (step.count_by, step.noise, step.leave_out) == (
+        preset.partition.count_by,
+        preset.partition.noise,
+        preset.partition.leave_out,
+    )
+    assert step.detail == pytest.approx(preset.partition.detail)
+    assert shown(rcp.Mesh) == preset.mesh
+    assert presets.title(bpy.context) == preset.label
+    group.seed += 1
+    assert presets.title(bpy.context) == "Presets"
+
+
+def test_a_preset_is_what_partition_does():
+    scans.cube(cells=10)
+    bpy.ops.isimp.preset(name="cad")
+    panel = settings.group(bpy.context, rcp.Partition)
+    bpy.ops.isimp.partition(**{name: getattr(panel, name) for name in settings.names(rcp.Partition)})
+    assert len(set(scans.regions(bpy.context.object))) == 6
+
+
+def test_users_keep_presets_of_their_own(tmp_path, monkeypatch):
+    monkeypatch.setenv("BLENDER_USER_SCRIPTS", str(tmp_path))
+    group, meshing = (settings.group(bpy.context, cls) for cls in (rcp.Partition, rcp.Mesh))
+    bpy.ops.isimp.preset(name="building")
+    group.seed, group.detail, meshing.flatten = 77, 0.0123, 11
+    bpy.ops.isimp.preset_add(name="My Walls")
+    (file,) = (tmp_path / "presets" / "isimp").iterdir()
+    assert presets.title(bpy.context) == bpy.path.display_name(file.name)
+    bpy.ops.isimp.preset(name="figure")
+    assert (group.seed, presets.title(bpy.context)) == (1, "Photogrammetry figure")
+    bpy.ops.script.execute_preset(filepath=str(file), menu_idname="ISIMP_MT_presets")
+    assert (group.seed, meshing.flatten) == (77, 11)
+    assert group.detail == pytest.approx(0.0123)
+    bpy.ops.isimp.preset_add(remove_active=True)
+    assert not file.exists()
