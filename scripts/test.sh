@@ -25,8 +25,8 @@ stage_lint() {
   "$tests_venv/bin/ruff" format --check .
 }
 
-stage_cpp() { # the C++ tests
-  cpp_tests build-test -DISIMP_CUDA=OFF
+stage_cpp() { # the C++ tests, those of the benchmarks among them
+  cpp_tests build-test -DISIMP_BENCH=ON -DISIMP_CUDA=OFF
 }
 
 stage_wheel() { # what `pip install .` makes, kept for the stages that follow
@@ -103,7 +103,7 @@ stage_asan() { # the same under the address and undefined-behaviour sanitizers
 
 stage_tidy() { # clang-tidy, on the engine's own sources
   apt_install clang-tidy
-  cpp_build build-test -DISIMP_CUDA=OFF
+  cpp_build build-test -DISIMP_BENCH=ON -DISIMP_CUDA=OFF
   run-clang-tidy -quiet -p build-test -j2 "^$root/native/src/"
 }
 
