@@ -1,56 +1,31 @@
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Bbox_3.h>
 #include <CGAL/box_intersection_d.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <vector>
 
+#include "isimp/mesh/meet.h"
 #include "judge.h"
 
 namespace isimp::meshing {
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Point = Kernel::Point_3;
-using Solid = Kernel::Triangle_3;
 using Box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, std::int32_t>;
 
-Point point(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
-Point stored(const Vec3& p) { return point(p.cast<float>().cast<double>()); }
+Vec3 stored(const Vec3& p) { return p.cast<float>().cast<double>(); }
 
-/// Whether two triangles that share the vertices a[i] = b[j] alone meet elsewhere.
-bool meet_beyond_vertex(const Solid& a, int i, const Solid& b, int j) {
-  return CGAL::do_intersect(b, Kernel::Segment_3(a[(i + 1) % 3], a[(i + 2) % 3])) ||
-         CGAL::do_intersect(a, Kernel::Segment_3(b[(j + 1) % 3], b[(j + 2) % 3]));
-}
-
-/// Whether two triangles meet elsewhere than in the corners and the edge they share.
-bool meet(const Facet& f, const Solid& a, const Facet& g, const Solid& b) {
-  int shared = 0, i = 0, j = 0, sum_f = 0, sum_g = 0;
-  for (int k = 0; k < 3; ++k)
-    for (int m = 0; m < 3; ++m) {
-      if (f.corner[k] != g.corner[m]) continue;
-      ++shared;
-      i = k;
-      j = m;
-      sum_f += k;
-      sum_g += m;
-    }
-  if (shared == 0) return CGAL::do_intersect(a, b);
-  if (shared == 1) return meet_beyond_vertex(a, i, b, j);
-  if (shared == 3) return true;
-  // They share an edge: they meet elsewhere only if one lies folded on the other.
-  const int free_f = 3 - sum_f, free_g = 3 - sum_g;
-  const Point &p = a[(free_f + 1) % 3], &q = a[(free_f + 2) % 3], &r = a[free_f], &s = b[free_g];
-  return CGAL::coplanar(p, q, r, s) && CGAL::coplanar_orientation(p, q, r, s) == CGAL::POSITIVE;
+CGAL::Bbox_3 box_of(const Corners& t) {
+  const Vec3 low = t[0].cwiseMin(t[1]).cwiseMin(t[2]), high = t[0].cwiseMax(t[1]).cwiseMax(t[2]);
+  return {low.x(), low.y(), low.z(), high.x(), high.y(), high.z()};
 }
 
 /// The middle of where the edges of two triangles pass through the other one; of the smaller's if none does.
-Vec3 meeting_place(const std::array<Vec3, 3>& f, const std::array<Vec3, 3>& g) {
+Vec3 meeting_place(const Corners& f, const Corners& g) {
   Vec3 sum = Vec3::Zero();
   int found = 0;
   for (const auto* t : {&f, &g}) {
-    const std::array<Vec3, 3>& other = t == &f ? g : f;
+    const Corners& other = t == &f ? g : f;
     const Vec3 u = other[1] - other[0], v = other[2] - other[0], n = u.cross(v);
     for (int k = 0; k < 3; ++k) {
       const Vec3 &p = (*t)[k], &q = (*t)[(k + 1) % 3];
@@ -64,8 +39,8 @@ Vec3 meeting_place(const std::array<Vec3, 3>& f, const std::array<Vec3, 3>& g) {
     }
   }
   if (found > 0) return sum / found;
-  const auto area = [](const std::array<Vec3, 3>& t) { return (t[1] - t[0]).cross(t[2] - t[0]).squaredNorm(); };
-  const std::array<Vec3, 3>& small = area(f) < area(g) ? f : g;
+  const auto area = [](const Corners& t) { return (t[1] - t[0]).cross(t[2] - t[0]).squaredNorm(); };
+  const Corners& small = area(f) < area(g) ? f : g;
   return (small[0] + small[1] + small[2]) / 3;
 }
 
@@ -73,14 +48,14 @@ Vec3 meeting_place(const std::array<Vec3, 3>& f, const std::array<Vec3, 3>& g) {
 
 std::vector<Hit> find_hits(std::span<const Facet> facets, std::span<const Vec3> position,
                            const std::vector<bool>& changed) {
-  std::vector<Solid> solids;
+  std::vector<Corners> solids;
   std::vector<Box> all, moved;
   solids.reserve(facets.size());
   for (std::size_t i = 0; i < facets.size(); ++i) {
     const auto& c = facets[i].corner;
-    solids.emplace_back(stored(position[c[0]]), stored(position[c[1]]), stored(position[c[2]]));
-    if (solids[i].is_degenerate()) continue;
-    all.emplace_back(solids[i].bbox(), static_cast<std::int32_t>(i));
+    solids.push_back({stored(position[c[0]]), stored(position[c[1]]), stored(position[c[2]])});
+    if (!has_area(solids[i])) continue;
+    all.emplace_back(box_of(solids[i]), static_cast<std::int32_t>(i));
     if (changed[facets[i].piece]) moved.push_back(all.back());
   }
   std::vector<std::array<std::int32_t, 2>> met;
@@ -88,7 +63,7 @@ std::vector<Hit> find_hits(std::span<const Facet> facets, std::span<const Vec3> 
     const std::int32_t i = x.info(), j = y.info();
     const Facet &f = facets[i], &g = facets[j];
     if (f.piece == g.piece && f.part == g.part) return;
-    if (meet(f, solids[i], g, solids[j])) met.push_back({std::min(i, j), std::max(i, j)});
+    if (meet_elsewhere(f.corner, solids[i], g.corner, solids[j])) met.push_back({std::min(i, j), std::max(i, j)});
   };
   if (moved.size() == all.size()) {
     CGAL::box_self_intersection_d(all.begin(), all.end(), test);
@@ -99,7 +74,7 @@ std::vector<Hit> find_hits(std::span<const Facet> facets, std::span<const Vec3> 
   std::sort(met.begin(), met.end());
   std::vector<Hit> hits;
   const auto corners = [&](const Facet& f) {
-    return std::array{position[f.corner[0]], position[f.corner[1]], position[f.corner[2]]};
+    return Corners{position[f.corner[0]], position[f.corner[1]], position[f.corner[2]]};
   };
   for (const auto& [i, j] : met) {
     const Facet &f = facets[i], &g = facets[j];
@@ -118,14 +93,14 @@ std::vector<Hit> find_hits(std::span<const Facet> facets, std::span<const Vec3> 
 
 bool scan_intersects(const Mesh& mesh, std::span<const std::int32_t> faces, std::span<const std::int32_t> others) {
   std::vector<Facet> facets;
-  std::vector<Solid> solids;
+  std::vector<Corners> solids;
   const auto boxes = [&](std::span<const std::int32_t> some) {
     std::vector<Box> result;
     for (const std::int32_t f : some) {
       const Triangle& t = mesh.triangles()[f];
-      const Solid s(point(mesh.vertices()[t[0]]), point(mesh.vertices()[t[1]]), point(mesh.vertices()[t[2]]));
-      if (s.is_degenerate()) continue;
-      result.emplace_back(s.bbox(), static_cast<std::int32_t>(solids.size()));
+      const Corners s{mesh.vertices()[t[0]], mesh.vertices()[t[1]], mesh.vertices()[t[2]]};
+      if (!has_area(s)) continue;
+      result.emplace_back(box_of(s), static_cast<std::int32_t>(solids.size()));
       solids.push_back(s);
       facets.push_back({t, f, 0});
     }
@@ -135,7 +110,8 @@ bool scan_intersects(const Mesh& mesh, std::span<const std::int32_t> faces, std:
   bool found = false;
   CGAL::box_intersection_d(a.begin(), a.end(), b.begin(), b.end(), [&](const Box& x, const Box& y) {
     const std::int32_t i = x.info(), j = y.info();
-    found = found || (facets[i].piece != facets[j].piece && meet(facets[i], solids[i], facets[j], solids[j]));
+    found = found || (facets[i].piece != facets[j].piece &&
+                      meet_elsewhere(facets[i].corner, solids[i], facets[j].corner, solids[j]));
   });
   return found;
 }
