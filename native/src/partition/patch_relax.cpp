@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "isimp/partition/block_changes.h"
+
 namespace isimp {
 namespace {
 
@@ -30,45 +32,21 @@ struct Sum {
 };
 
 /// The regions as seen from one block: what they were, and what moves within the block have changed.
-class BlockSums {
- public:
-  explicit BlockSums(const std::vector<Sum>& sums) : sums_(sums), seen_(sums.size()) {}
-  const Sum& operator[](std::int32_t r) const { return seen_[r].changed ? seen_[r].now : sums_[r]; }
+struct BlockSums {
+  const std::vector<Sum>& sums;
+  BlockChanges<Sum, Sum> changes;
+  const Sum& operator[](std::int32_t r) const { return changes[r].changed ? changes[r].view : sums[r]; }
   void move(const NodeSum& s, std::int32_t from, std::int32_t to) {
     add(from, s, -1);
     add(to, s, 1);
   }
-  /// The changes, which are then forgotten.
-  std::vector<std::pair<std::int32_t, Sum>> take() {
-    std::vector<std::pair<std::int32_t, Sum>> result;
-    result.reserve(changed_.size());
-    for (const std::int32_t r : changed_) {
-      result.emplace_back(r, seen_[r].change);
-      seen_[r] = {};
-    }
-    changed_.clear();
-    return result;
-  }
-
- private:
-  struct Seen {
-    Sum change, now;
-    bool changed = false;
-  };
   void add(std::int32_t r, const NodeSum& s, std::int32_t sign) {
-    Seen& seen = seen_[r];
-    if (!seen.changed) {
-      seen.now = sums_[r];
-      seen.changed = true;
-      changed_.push_back(r);
-    }
+    const auto [seen, before] = changes.touch(r);
+    if (!before) seen.view = sums[r];
     seen.change.add(s, sign);
-    seen.now.add(s, sign);
-    seen.now.measure();
+    seen.view.add(s, sign);
+    seen.view.measure();
   }
-  const std::vector<Sum>& sums_;
-  std::vector<Seen> seen_;
-  std::vector<std::int32_t> changed_;
 };
 
 /// The regions for whoever is alone at work: moves show at once.
@@ -125,14 +103,14 @@ class PatchRelaxation {
 
   std::int64_t sweep(Job& job) {
     threads_.share(block_count(), [&](const auto& next) {
-      BlockSums sums(sum_);
+      BlockSums sums{sum_, BlockChanges<Sum, Sum>(sum_.size())};
       for (std::int32_t b = next(); b < block_count(); b = next()) {
         Block& block = blocks_[b];
         std::swap(block.queue, block.current);
         block.queue.clear();
         block.beyond.clear();
         block.moves = go_through(block.current, block, sums, nodes_of(b), job);
-        block.changes = sums.take();
+        block.changes = sums.changes.take();
       }
     });
     for (const Block& block : blocks_)

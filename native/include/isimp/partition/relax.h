@@ -7,6 +7,7 @@
 
 #include "isimp/core/job.h"
 #include "isimp/mesh/face_graph.h"
+#include "isimp/partition/block_changes.h"
 #include "isimp/partition/border_moves.h"
 #include "isimp/partition/metric.h"
 #include "isimp/partition/threads.h"
@@ -113,49 +114,27 @@ class Relaxation {
   };
 
   /// The regions as seen from one block: what they were, and what moves within the block have changed.
-  class BlockRegions {
-   public:
-    BlockRegions(const std::vector<RegionSum>& sums, const std::vector<BorderProxy>& proxies)
-        : sums_(sums), proxies_(proxies), seen_(sums.size()) {}
+  struct BlockRegions {
+    const std::vector<RegionSum>& sums;
+    const std::vector<BorderProxy>& proxies;
+    BlockChanges<RegionSum, BorderProxy> changes;
     [[nodiscard]] const BorderProxy& proxy(std::int32_t r) const {
-      return seen_[r].changed ? seen_[r].proxy : proxies_[r];
+      return changes[r].changed ? changes[r].view : proxies[r];
     }
-    [[nodiscard]] std::int32_t faces(std::int32_t r) const { return sums_[r].faces + seen_[r].change.faces; }
+    [[nodiscard]] std::int32_t faces(std::int32_t r) const { return sums[r].faces + changes[r].change.faces; }
     void move(const FaceRecord& face, std::int32_t from, std::int32_t to) {
-      seen_[from].change.remove(face);
-      seen_[to].change.add(face);
-      refit(from);
-      refit(to);
+      auto& left = changes.touch(from).first;
+      left.change.remove(face);
+      left.view = seen(from, left.change);
+      auto& joined = changes.touch(to).first;
+      joined.change.add(face);
+      joined.view = seen(to, joined.change);
     }
-    /// The changes, which are then forgotten.
-    std::vector<std::pair<std::int32_t, RegionSum>> take() {
-      std::vector<std::pair<std::int32_t, RegionSum>> result;
-      result.reserve(changed_.size());
-      for (const std::int32_t r : changed_) {
-        result.emplace_back(r, seen_[r].change);
-        seen_[r] = {};
-      }
-      changed_.clear();
-      return result;
+    [[nodiscard]] BorderProxy seen(std::int32_t r, const RegionSum& change) const {
+      RegionSum sum = sums[r];
+      sum.add(change);
+      return BorderProxy::of(sum);
     }
-
-   private:
-    struct Seen {
-      RegionSum change;
-      BorderProxy proxy;
-      bool changed = false;
-    };
-    void refit(std::int32_t r) {
-      Seen& seen = seen_[r];
-      if (!std::exchange(seen.changed, true)) changed_.push_back(r);
-      RegionSum sum = sums_[r];
-      sum.add(seen.change);
-      seen.proxy = BorderProxy::of(sum);
-    }
-    const std::vector<RegionSum>& sums_;
-    const std::vector<BorderProxy>& proxies_;
-    std::vector<Seen> seen_;
-    std::vector<std::int32_t> changed_;
   };
 
   struct Block {
@@ -210,7 +189,7 @@ class Relaxation {
     lists_.queue.clear();
     const auto count = static_cast<std::int32_t>(blocks.size());
     threads_.share(count, [&](const auto& next) {
-      BlockRegions regions(sums_, proxies_);
+      BlockRegions regions{sums_, proxies_, BlockChanges<RegionSum, BorderProxy>(sums_.size())};
       for (std::int32_t b = next(); b < count; b = next()) {
         Block& block = blocks[b];
         const Reach reach{b * kBlock, std::min(n, (b + 1) * kBlock), n};
@@ -219,7 +198,7 @@ class Relaxation {
           block.lists.queue.clear();
           block.moves += sweep(block.lists, regions, reach, &block.beyond, job);
         }
-        block.changes = regions.take();
+        block.changes = regions.changes.take();
       }
     });
     return join(blocks, job);
