@@ -28,8 +28,9 @@ Edit::Edit(const Mesh& mesh, const Partition& partition)
     : surface(mesh, partition.guided),
       graph(surface.graph()),
       result(checked(mesh, partition)),
-      held(result.region_locked),
-      labels{result.face_region.data(), &graph, &held} {}
+      labels{result.face_region.data(), &graph} {
+  hold(result.region_locked);
+}
 
 std::int32_t Edit::at(std::int32_t face) const {
   if (face < 0 || face >= graph.size())
@@ -46,19 +47,27 @@ std::int32_t Edit::region_at(std::int32_t face) const {
 
 void Edit::restart(const Partition& partition) {
   result = partition;
-  release();
+  hold(result.region_locked);
   labels.region = result.face_region.data();
 }
 
+void Edit::hold(std::vector<std::uint8_t> regions) {
+  held_ = std::move(regions);
+  if (!held_.empty()) held_.resize(result.region_sum.size(), 0);
+  labels.held = held_.empty() ? nullptr : held_.data();
+}
+
 void Edit::hold_all_but(std::span<const std::int32_t> regions) {
-  held.assign(result.region_sum.size(), 1);
-  for (const std::int32_t r : regions) held[r] = 0;
+  std::vector<std::uint8_t> others(result.region_sum.size(), 1);
+  for (const std::int32_t r : regions) others[r] = 0;
+  hold(std::move(others));
 }
 
 std::int32_t Edit::add_region() {
   result.region_sum.emplace_back();
   result.region_seed.push_back(kNone);
   if (!result.region_locked.empty()) result.region_locked.push_back(0);
+  hold(std::move(held_));
   return static_cast<std::int32_t>(result.region_sum.size()) - 1;
 }
 
@@ -67,7 +76,7 @@ void Edit::remove_region(std::int32_t region) {
   result.region_sum.erase(result.region_sum.begin() + at);
   result.region_seed.erase(result.region_seed.begin() + at);
   if (!result.region_locked.empty()) result.region_locked.erase(result.region_locked.begin() + at);
-  release();
+  hold(result.region_locked);
   for (std::int32_t& r : result.face_region) r -= r > region;
 }
 
@@ -119,7 +128,7 @@ double Edit::error() const {
 
 Partition Edit::finish() {
   const auto regions = static_cast<std::int32_t>(result.region_sum.size());
-  held.clear();
+  hold({});
   result.region_normal.resize(result.region_sum.size());
   std::vector<std::int32_t> lost;
   for (std::int32_t r = 0; r < regions; ++r) {

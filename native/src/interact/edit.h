@@ -17,8 +17,7 @@ struct Edit {
   Surface surface;
   const FaceGraph& graph;
   Partition result;
-  std::vector<std::uint8_t> held;  ///< by region: what edits leave as it is; at first the locked ones
-  EditLabels labels;
+  EditLabels labels;                  ///< of `result`
   std::vector<std::int32_t> borders;  ///< faces that the last relaxation looked at
   std::vector<std::int32_t> hints;    ///< some face of each region that was touched, in the order of finding
 
@@ -38,9 +37,10 @@ struct Edit {
   /// Starts over from another partition of the same surface.
   void restart(const Partition& partition);
 
-  /// Holds all regions but these, until `release`.
+  /// What edits leave as it is: by region, or empty for none. At first the locked ones.
+  [[nodiscard]] const std::vector<std::uint8_t>& held() const { return held_; }
+  void hold(std::vector<std::uint8_t> regions);
   void hold_all_but(std::span<const std::int32_t> regions);
-  void release() { held = result.region_locked; }
 
   /// Moves a face of a region to another one.
   void move(std::int32_t i, std::int32_t to);
@@ -67,6 +67,8 @@ struct Edit {
 
  private:
   void reseed(std::int32_t region);
+
+  std::vector<std::uint8_t> held_;
 };
 
 }  // namespace isimp

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "isimp/mesh/face_graph.h"
 
@@ -14,12 +13,12 @@ inline constexpr std::int32_t kHeld = -3;
 struct EditLabels {
   std::int32_t* region;
   const FaceGraph* graph;
-  const std::vector<std::uint8_t>* held;  ///< by region; those beyond its end are not held
+  const std::uint8_t* held = nullptr;  ///< by region; null: none is held
 
   [[nodiscard]] std::int32_t get(std::int32_t i) const {
     if (i == graph->size()) return kNone;
     const std::int32_t r = region[graph->mesh_face[i]];
-    return r >= 0 && static_cast<std::size_t>(r) < held->size() && (*held)[r] != 0 ? kHeld : r;
+    return held != nullptr && r >= 0 && held[r] != 0 ? kHeld : r;
   }
   void set(std::int32_t i, std::int32_t r) const { region[graph->mesh_face[i]] = r; }
 };

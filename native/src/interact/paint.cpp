@@ -45,13 +45,14 @@ std::vector<std::int32_t> spread(const Edit& edit, std::span<const std::int32_t>
 
 /// Gives open faces of a region to those around it. \return the faces that went
 std::vector<std::int32_t> give_away(Edit& edit, std::vector<std::int32_t> open, std::int32_t region) {
-  std::vector<std::uint8_t> held = std::move(edit.held);
-  edit.held = held;
-  edit.held.resize(edit.result.region_sum.size(), 0);
-  edit.held[region] = 1;
+  const std::vector<std::uint8_t> before = edit.held();
+  std::vector<std::uint8_t> closed = before;
+  closed.resize(edit.result.region_sum.size(), 0);
+  closed[region] = 1;
+  edit.hold(std::move(closed));
   std::vector<std::int32_t> touched, gone;
   flood_from_around(edit.graph, edit.labels, open, edit.result.region_sum, touched);
-  edit.held = std::move(held);
+  edit.hold(before);
   for (const std::int32_t i : open)
     if (edit.labels.get(i) == kOpen) {
       edit.labels.set(i, region);
@@ -89,7 +90,11 @@ Partition paint_faces(const Mesh& mesh, const Partition& partition, std::span<co
   const std::int32_t target =
       onto == kNone ? edit.add_region() : edit.result.face_region[edit.graph.mesh_face[edit.at(onto)]];
   if (target == kNone) throw InvalidInput("face " + std::to_string(onto) + " lies in a part that was left out");
-  if (onto != kNone && edit.locked(target)) edit.held[target] = 0;
+  if (onto != kNone && edit.locked(target)) {
+    std::vector<std::uint8_t> others = edit.held();
+    others[target] = 0;
+    edit.hold(std::move(others));
+  }
   std::vector<std::int32_t> open;
   for (const std::int32_t face : faces) {
     const std::int32_t i = edit.at(face), r = edit.labels.get(i);
