@@ -105,33 +105,30 @@ class Hand:
                 return
         raise AssertionError("the add-on has no tab in the sidebar")
 
-    def buttons(self):
-        """{what it does or sets: (x, y)} of the buttons in the sidebar; the mouse wanders over them."""
-        side, found, last = self.region("UI"), {}, self.region("UI").y + self.region("UI").height
-        for y in range(last - 34, side.y, -16):
-            for share in (0.3, 0.62):
-                self.at = (side.x + (side.width - 20) * share, y)
-                self.event("MOUSEMOVE", "NOTHING")
-                yield
-                yield
-                name = self.under_mouse()
-                if name:
-                    found.setdefault(name, []).append(self.at)
-                    last = y
-            if last - y > 250:  # labels alone
-                break
-        return {name: places[len(places) // 2] for name, places in found.items()}
+    def rows(self, near):
+        """Heights in the sidebar at which buttons may be, those next to `near` first."""
+        side = self.region("UI")
+        return sorted(range(side.y + side.height - 34, side.y, -16), key=lambda y: abs(y - near))
 
     def find(self, name):
-        """Moves to a button, by what it does or the end of what it sets."""
-        for _ in range(3):
-            full = next((known for known in self.known if known.endswith(name)), None)
-            if full:
-                yield from self.move(*self.known[full])
-                if self.under_mouse() == full:
+        """Moves to a button, by what it does or the end of what it sets; looks first where it was seen last."""
+        side = self.region("UI")
+        full, at = next(((full, at) for full, at in self.known.items() if full.endswith(name)), (None, None))
+        if full:
+            yield from self.move(*at)
+            if self.under_mouse() == full:
+                return
+        seen = set()
+        for y in self.rows(at[1] if full else side.y + side.height):
+            for share in (0.3, 0.62):
+                yield from self.move(side.x + (side.width - 20) * share, y)
+                under = self.under_mouse()
+                if under:
+                    seen.add(under)
+                    self.known[under] = self.at
+                if under.endswith(name):
                     return
-            self.known = yield from self.buttons()
-        raise AssertionError(f"no button {name}, there are {sorted(self.known)}")
+        raise AssertionError(f"no button {name}, there are {sorted(seen)}")
 
     def under_mouse(self):
         """What the button under the mouse does or sets; empty if there is none."""

@@ -14,7 +14,7 @@ HERE = Path(__file__).parent
 ROOT = HERE.parents[3]
 OUT = Path(os.environ.get("ISIMP_WINDOW_OUT", ROOT / "out" / "window"))
 SIZE = 1200, 1150  # pixels: the whole panel is to be seen
-LIMIT = 400  # seconds; half a minute on a quiet machine
+LIMIT = 600  # seconds; one or two minutes on a quiet machine
 
 
 def site():
