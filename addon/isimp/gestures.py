@@ -25,7 +25,7 @@ class Hit:
 class Wish:
     """What a gesture comes to: a verb and the faces it is about."""
 
-    verb: str  #: add, delete, merge, select, paint, new or erase
+    verb: str  #: add, delete, merge, select, paint, new, erase or smooth
     faces: tuple
     into: int | None = None  #: a face of the region that takes part
 
@@ -85,8 +85,8 @@ class Stroke:
         self._last = self._first = None
         self._verb = "paint"
 
-    def press(self, hit: Hit | None, facing, new: bool = False, erase: bool = False) -> None:
-        self._verb = "new" if new else "erase" if erase else "paint"
+    def press(self, hit: Hit | None, facing, verb: str = "paint") -> None:
+        self._verb = verb
         self.move(hit, facing)
 
     def move(self, hit: Hit | None, facing) -> None:

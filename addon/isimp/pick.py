@@ -123,8 +123,11 @@ def area(vertices: np.ndarray, triangles: np.ndarray) -> float:
     return float(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
 
 
-def flatness(vertices: np.ndarray, triangles: np.ndarray, chosen: np.ndarray) -> tuple[float, float]:
-    """(area, largest distance of a corner from the mean plane) of some triangles."""
+def flatness(vertices: np.ndarray, triangles: np.ndarray, chosen: np.ndarray) -> tuple[float, float, float]:
+    """(area, error, largest distance of a corner from the mean plane) of some triangles.
+
+    The error is the sum of area times squared distance of the normals from the mean one, as the engine's.
+    """
     a, b, c = (vertices[triangles[chosen, k]].astype(np.float64) for k in range(3))
     cross = np.cross(b - a, c - a) / 2
     size = np.linalg.norm(cross, axis=1)
@@ -132,7 +135,7 @@ def flatness(vertices: np.ndarray, triangles: np.ndarray, chosen: np.ndarray) ->
     normal = cross.sum(axis=0)
     length = np.linalg.norm(normal)
     if total <= 0 or length <= 0:
-        return total, 0.0
+        return total, 0.0, 0.0
     middle = (size[:, None] * (a + b + c) / 3).sum(axis=0) / total
     corners = np.concatenate([a, b, c]) - middle
-    return total, float(np.abs(corners @ (normal / length)).max())
+    return total, max(0.0, 2 * float(total - length)), float(np.abs(corners @ (normal / length)).max())

@@ -231,6 +231,21 @@ class EraseFaces(Step):
 
 
 @dataclass(frozen=True)
+class SmoothFaces(Step):
+    """Even out the borders between regions where they run through some faces."""
+
+    faces: tuple[int, ...] = ()
+    rounds: int = 10
+
+    def __post_init__(self):
+        object.__setattr__(self, "faces", _indices(self.faces))
+        _check(self.rounds < 1, f"rounds must be at least 1, got {self.rounds}")
+
+    def describe(self) -> str:
+        return f"Smooth the borders in {_count(self.faces)}"
+
+
+@dataclass(frozen=True)
 class GrowRegion(Step):
     """Let a region take the faces beside it."""
 
@@ -336,6 +351,7 @@ KINDS = {
     CutRegion: "cut_region",
     PaintFaces: "paint",
     EraseFaces: "erase",
+    SmoothFaces: "smooth",
     GrowRegion: "grow",
     ShrinkRegion: "shrink",
     LockRegions: "lock",

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import hashlib
 import re
 import time
-from collections import OrderedDict
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from . import recipe as rcp
-from . import view
+from . import smoothing, view
+from .cache import Cache
+from .scan import Scan
 from .task import Stopped, Watch
 
 ENGINE_PROBLEM = ""  #: why the engine can't be used; empty when it can
@@ -38,45 +38,6 @@ class StepFailed(Exception):
     def __init__(self, index: int, step: rcp.Step, reason: str, outcome: Outcome | None):
         super().__init__(f"Step {index + 1}, {step.describe()}: {reason}")
         self.index, self.step, self.reason, self.outcome = index, step, reason, outcome
-
-
-@dataclass(frozen=True, eq=False)
-class Scan:
-    """The user's mesh as arrays: faces with any number of corners, cut into triangles.
-
-    vertices (V, 3) float, scene units; triangles (T, 3) int32; triangle_face (T,) int32, the user's face each is of.
-    """
-
-    vertices: np.ndarray
-    triangles: np.ndarray
-    triangle_face: np.ndarray
-    face_count: int
-    #: {name: (face_count,) float} what its user painted; a name that it does not have is missing
-    layers: dict = field(default_factory=dict)
-
-    @cached_property
-    def layers_digest(self) -> str:
-        """Equal for equal layers."""
-        digest = hashlib.blake2b(digest_size=16)
-        for name in sorted(self.layers):
-            digest.update(name.encode() + b"\0")
-            digest.update(np.ascontiguousarray(self.layers[name]).view(np.uint8).data)
-        return digest.hexdigest()
-
-    @cached_property
-    def digest(self) -> str:
-        """Equal for equal arrays, the layers left aside."""
-        digest = hashlib.blake2b(digest_size=16)
-        for array in (self.vertices, self.triangles, self.triangle_face):
-            digest.update(f"{array.dtype}{array.shape}".encode())
-            digest.update(np.ascontiguousarray(array).view(np.uint8).data)
-        digest.update(str(self.face_count).encode())
-        return digest.hexdigest()
-
-    @cached_property
-    def edges(self) -> tuple[np.ndarray, np.ndarray]:
-        """(E, 2) triangles that share an edge, (E, 2) the vertices of that edge."""
-        return view.shared_edges(self.triangles)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,31 +67,6 @@ class Outcome:
     def face_colors(self) -> np.ndarray:
         """(face_count, 4) float32 linear RGBA."""
         return view.face_colors(self.face_region, self.region_color)
-
-
-class Cache:
-    """The values used last, as many as fit into `budget` bytes; the newest one always does."""
-
-    def __init__(self, budget: int):
-        self._budget, self._size = budget, 0
-        self._items: OrderedDict[Any, tuple[Any, int]] = OrderedDict()
-
-    def get(self, key):
-        if key not in self._items:
-            return None
-        self._items.move_to_end(key)
-        return self._items[key][0]
-
-    def put(self, key, value, size: int) -> None:
-        if key in self._items:
-            self._size -= self._items.pop(key)[1]
-        self._items[key] = (value, size)
-        self._size += size
-        while self._size > self._budget and len(self._items) > 1:
-            self._size -= self._items.popitem(last=False)[1][1]
-
-    def __len__(self) -> int:
-        return len(self._items)
 
 
 class Session:
@@ -189,6 +125,16 @@ class Session:
         """
         prepared = self.prepare(scan)
         return engine.region_statistics(prepared.mesh, outcome.partition, _triangle_at(prepared, face))
+
+    def locked_regions(self, scan: Scan, recipe: rcp.Recipe, watch: Watch | None = None) -> np.ndarray:
+        """The numbers of the regions that the recipe leaves locked. Raises ValueError or Stopped."""
+        if not any(isinstance(step, (rcp.LockRegions, rcp.PaintFaces)) for _, step in recipe.active()):
+            return np.empty(0, np.int64)
+        try:
+            outcome = self.replay(scan, recipe.without_mesh(), watch)
+        except StepFailed as error:
+            outcome = error.outcome
+        return np.empty(0, np.int64) if outcome is None else np.flatnonzero(outcome.partition.region_locked)
 
     def _longest_known(self, keys: list) -> tuple[int, Outcome | None]:
         for number in range(len(keys), 0, -1):
@@ -412,6 +358,42 @@ def _apply_paint(step: rcp.PaintFaces, prepared, before, watch, begin, end) -> O
     return _with_regions(prepared, partition, _carried_colors(before, partition), {})
 
 
+def _apply_erase(step: rcp.EraseFaces, prepared, before, watch, begin, end) -> Outcome:
+    """A hand may take from a region that is locked against all else."""
+    before, faces = _needs_regions(before), _triangles_at(prepared, step.faces)
+    partition, region = before.partition, int(before.partition.face_region[faces[0]])
+    locked = region >= 0 and bool(partition.region_locked[region])
+    if locked:
+        partition = engine.unlock_regions(prepared.mesh, partition, faces[:1])
+    partition = _engine_call(watch, begin, end, "erasing", engine.erase_faces, prepared.mesh, partition, faces)
+    if locked and partition.region_count == before.partition.region_count:  # else it is gone
+        partition = engine.lock_regions(prepared.mesh, partition, np.flatnonzero(partition.face_region == region)[:1])
+    return _with_regions(prepared, partition, _carried_colors(before, partition), {})
+
+
+def _apply_smooth(step: rcp.SmoothFaces, prepared, before, watch, begin, end) -> Outcome:
+    """Works on the user's faces: those that change their region are painted onto it, one region after the other."""
+    before, count = _needs_regions(before), prepared.scan.face_count
+    _triangles_at(prepared, step.faces)  # raises if there are no such faces
+    inside = np.zeros(count, bool)
+    inside[list(step.faces)] = True
+    inside &= prepared.face_triangle >= 0
+    partition, label, pairs = before.partition, before.face_region, prepared.face_pairs
+    wanted = smoothing.smoothed(label, pairs, inside, np.asarray(partition.region_locked, bool), step.rounds)
+    for region in np.unique(label[wanted != label]):
+        if not (wanted[label == region] == region).any():
+            wanted[label == region] = region  # a brush that covers all of it must not take it away
+    for region in np.unique(wanted[wanted != label]):
+        stays = int(np.flatnonzero((label == region) & (wanted == region))[0])
+        now = face_regions(prepared, partition)
+        moved = smoothing.reachable((wanted == region) & (now != now[stays]) & inside, now == now[stays], pairs)
+        if moved.any():
+            faces = _triangles_at(prepared, tuple(np.flatnonzero(moved).tolist()))
+            args = (prepared.mesh, partition, faces, _triangle_at(prepared, stays))
+            partition = _engine_call(watch, begin, end, "smoothing", engine.paint_faces, *args)
+    return _with_regions(prepared, partition, _carried_colors(before, partition), {})
+
+
 def _apply_lock(step: rcp.LockRegions, prepared, before, watch, begin, end) -> Outcome:
     before = _needs_regions(before)
     change = engine.unlock_regions if isinstance(step, rcp.UnlockRegions) else engine.lock_regions
@@ -441,7 +423,6 @@ def _times(step, prepared) -> tuple:
 _EDITS = {
     rcp.SplitRegion: ("splitting", "split_region", _at_face),
     rcp.CutRegion: ("splitting", "split_along", _cut_arguments),
-    rcp.EraseFaces: ("erasing", "erase_faces", lambda step, prepared: (_triangles_at(prepared, step.faces),)),
     rcp.GrowRegion: ("growing", "grow_region", _at_face_by_rings),
     rcp.ShrinkRegion: ("shrinking", "shrink_region", _at_face_by_rings),
     rcp.AddWorst: ("adding proxies", "add_worst", _times),
@@ -473,6 +454,8 @@ _APPLY = {
     rcp.DeleteProxy: _apply_delete,
     rcp.MergeRegions: _apply_merge,
     rcp.PaintFaces: _apply_paint,
+    rcp.EraseFaces: _apply_erase,
+    rcp.SmoothFaces: _apply_smooth,
     rcp.LockRegions: _apply_lock,
     rcp.UnlockRegions: _apply_lock,
     rcp.Mesh: _apply_mesh,

@@ -32,6 +32,8 @@ class Sketch:
     heat: np.ndarray = field(default_factory=lambda: np.empty((0, 4), np.float32))
     #: (2 E, 3) the edges of polygons that something is amiss with
     problems: np.ndarray = field(default_factory=_points)
+    #: (3 L, 3) the triangles of locked regions
+    locked: np.ndarray = field(default_factory=_points)
     #: why there are no polygons; empty if there are
     reason: str = ""
 
@@ -76,12 +78,13 @@ def draw(
 ) -> Sketch:
     """The sketch of regions, and of the polygons that the recipe would give; None: no polygons. Raises Stopped."""
     lines = borders(session.prepare(scan, watch, 0.0, 0.1).scan, face_region)  # the scan whose edges are kept
+    locked = triangles_of(scan, face_region, session.locked_regions(scan, recipe, watch))
     if meshing is None:
-        return Sketch(lines)
+        return Sketch(lines, locked=locked)
     try:
         made = session.replay(scan, recipe.then(meshing), watch)
     except StepFailed as error:
-        return Sketch(lines, reason=error.reason)
+        return Sketch(lines, locked=locked, reason=error.reason)
     polygons = made.polygons
     vertices, loops, start = (np.asarray(a) for a in (polygons.vertices, polygons.loops, polygons.loop_start))
     triangles, of = session.triangulate(polygons)
@@ -94,7 +97,16 @@ def draw(
         vertices[triangles.ravel()].astype(np.float32),
         heat_colors(np.repeat(share[of], 3)),
         vertices[edges_of(amiss, loops, start).ravel()].astype(np.float32),
+        locked,
     )
+
+
+def triangles_of(scan: Scan, face_region: np.ndarray, regions: np.ndarray) -> np.ndarray:
+    """(3 T, 3) float32 the triangles of some regions."""
+    if not len(regions):
+        return _points()
+    chosen = np.isin(face_region[scan.triangle_face], regions)
+    return scan.vertices[scan.triangles[chosen].ravel()].astype(np.float32)
 
 
 def edges_of(chosen: list, loops: np.ndarray, loop_start: np.ndarray) -> np.ndarray:

@@ -125,3 +125,9 @@ def face_colors(face_region: np.ndarray, region_color: np.ndarray) -> np.ndarray
     """(F, 4) float32 linear RGBA of each face. region_color: (R,) indices into PALETTE."""
     table = np.vstack([PALETTE[region_color], np.array([NO_REGION], np.float32)])
     return table[face_region]  # -1 is the last row
+
+
+def packed_colors(face_region: np.ndarray, region_color: np.ndarray) -> np.ndarray:
+    """(F,) uint32: linear RGBA of each face, a byte each, in the order of memory."""
+    table = np.vstack([PALETTE[region_color], np.array([NO_REGION], np.float32)])
+    return (255 * table).round().astype(np.uint8).view(np.uint32).ravel()[face_region]

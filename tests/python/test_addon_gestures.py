@@ -85,7 +85,7 @@ def test_a_stroke_covers_all_between_its_places(grid):
 
 def test_what_does_not_hang_together_with_the_first_place_is_not_painted(grid):
     stroke = Stroke(*grid, radius=0.12)
-    stroke.press(hit(-0.85, 0.05), DOWN, new=True)
+    stroke.press(hit(-0.85, 0.05), DOWN, "new")
     stroke.move(None, DOWN)  # past the scan, and back elsewhere
     stroke.move(hit(0.85, 0.05), DOWN)
     wish = stroke.release()
@@ -95,7 +95,7 @@ def test_what_does_not_hang_together_with_the_first_place_is_not_painted(grid):
 
 def test_a_brush_smaller_than_a_face_paints_the_face(grid):
     stroke = Stroke(*grid, radius=1e-6)
-    stroke.press(hit(0.55, 0.35), DOWN, erase=True)
+    stroke.press(hit(0.55, 0.35), DOWN, "erase")
     assert stroke.release() == Wish("erase", (cell(0.55, 0.35),))
 
 

@@ -17,6 +17,7 @@ FULL = Recipe(
         rcp.CutRegion(face=5, line=((0.1, 0.2, 0.3), (1.0, 2.0, 1e-17)), direction=(0.0, 0.0, -1.0)),
         rcp.PaintFaces(faces=(7, 8, 9), onto=3, lock=True),
         rcp.EraseFaces(faces=(1,)),
+        rcp.SmoothFaces(faces=(1, 2), rounds=3),
         rcp.GrowRegion(face=2, rings=3),
         rcp.ShrinkRegion(face=2),
         rcp.LockRegions(faces=(1, 30)),

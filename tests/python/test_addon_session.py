@@ -150,6 +150,7 @@ EDITS = [
     rcp.PaintFaces(faces=STROKE),
     rcp.PaintFaces(faces=STROKE, lock=True),
     rcp.EraseFaces(faces=STROKE),
+    rcp.SmoothFaces(faces=STROKE),
     rcp.GrowRegion(face=3, rings=2),
     rcp.ShrinkRegion(face=3),
     rcp.LockRegions(faces=(3, 200)),

@@ -1,9 +1,9 @@
 """Settings that show what they give while they are dragged, as those of a modifier do.
 
 The settings live on the window manager, which undo leaves alone. When one is changed, a timer has the recipe with the
-new value replayed on a thread and shows the outcome on the scan; once the settings have rested for a moment, one
-operator makes a step to undo of it. Until then `before` knows what to give back, as an undo in between must find what
-the last step left. After undo and redo the settings follow the recipe.
+new value replayed on a thread and draws the outcome over the scan (preview.py); once the settings have rested for a
+moment, one operator writes it on the scan and makes a step to undo of it. An undo in between does the same first, and
+so undoes just that. After undo and redo the settings follow the recipe.
 """
 
 import logging
@@ -13,12 +13,11 @@ import bpy
 
 from ..session import StepFailed
 from ..task import Status
-from . import mesh_io, modal, pending, reading, runtime, show, store, targets
+from . import modal, overlay, pending, preview, reading, runtime, show, store, targets
 
 log = logging.getLogger("isimp")
 _SETTLED = 0.3  # seconds without a change
 _TICK = 0.02
-_EDIT_FACES = 20_000  # in Edit Mode layers are written one by one: with more, nothing is shown before it settles
 
 
 def _find(context):
@@ -37,7 +36,7 @@ def _tick():
     live, context = runtime.get().live, bpy.context
     scan = _find(context)
     if scan is None:
-        pending.interrupt()
+        pending.interrupt(context)
         return None
     if live.work is not None:
         if live.work.task.status is Status.RUNNING:
@@ -46,21 +45,25 @@ def _tick():
         if not _take_up(context, work):
             return None
     try:
-        shown, changed = store.load(scan), pending.recipe_of(context, scan)
+        kept, changed = store.load(scan), pending.recipe_of(context, scan)
     except ValueError as error:  # settings that do not go together
         log.info("%s", error)
         live.pending = False
         return None
+    if changed == kept and live.shown is not None:  # back where it was
+        live.shown = None
+        overlay.redraw()
+    wanted = visible(context, scan, changed)
     rested = time.monotonic() - live.touched > _SETTLED
-    if changed == shown:
+    if changed == kept or (live.shown is not None and live.shown.work.recipe == wanted):
         if rested:
             live.pending = False
-            if live.before is not None:
+            if live.shown is not None:
                 bpy.ops.isimp.settle("EXEC_DEFAULT", True)
         return None if rested else _TICK
-    if rested or not _is_slow(scan, changed):
+    if rested or not wanted.ends_in_mesh():
         runtime.get().stop_sketching()
-        live.work = modal.Work(context, scan, visible(context, scan, changed))
+        live.work = preview.Work(context, scan, wanted, again=live.shown is not None)
         live.work.start()
     return _TICK
 
@@ -68,11 +71,6 @@ def _tick():
 def visible(context, scan, recipe):
     """The recipe without its polygons where the scan is looked at, not they."""
     return recipe.without_mesh() if context.view_layer.objects.active == scan else recipe
-
-
-def _is_slow(scan, recipe) -> bool:
-    """Whether the outcome is too slow to show for each value on the way."""
-    return recipe.ends_in_mesh() or (scan.mode == "EDIT" and len(scan.data.polygons) > _EDIT_FACES)
 
 
 def _take_up(context, work) -> bool:
@@ -83,13 +81,9 @@ def _take_up(context, work) -> bool:
         return False
     if work.recipe.ends_in_mesh():
         bpy.ops.isimp.settle("EXEC_DEFAULT", True)
-        return True
-    if live.before is None:
-        live.before = mesh_io.Kept(scan)
-    if error is not None:
-        show.show_failed(context, scan, work, error)
     else:
-        show.show_regions(context, scan, work, work.task.result)
+        live.shown = preview.Preview(work, live.shown)
+        overlay.redraw()
     return True
 
 
@@ -111,23 +105,26 @@ class ISIMP_OT_settle(modal.RecipeOperator, bpy.types.Operator):
         return f"{before.get('regions', '?')} -> {numbers['regions']} regions"
 
     def execute(self, context):
-        live = runtime.get().live
-        if live.before is None:
+        if runtime.get().live.shown is None:
             return super().execute(context)
-        live.before = None
-        return {"FINISHED"}
+        return {"FINISHED"} if pending.write_shown(context) else {"CANCELLED"}
 
 
 @bpy.app.handlers.persistent
 def _before_undo(*_):
-    """Gives back what the last step left, as undo compares with that."""
+    """Makes a step to undo of what was changed, so that it is what is undone, and nothing before it."""
+    if _find(bpy.context) is not None:
+        pending.push(bpy.context)
+    runtime.get().live.pending = False
+
+
+@bpy.app.handlers.persistent
+def _drop_changes(*_):
+    """Before what comes from elsewhere: a file, or a step that is done again."""
     live = runtime.get().live
     if live.work is not None:
         live.work.abandon()
-        live.work = None
-    if live.before is not None:
-        live.before.give_back()
-        live.before = None
+    live.work = live.shown = None
     live.pending = False
 
 
@@ -135,15 +132,6 @@ def _before_undo(*_):
 def _after_undo(*_):
     reading.forget()
     pending.follow(bpy.context)
-
-
-@bpy.app.handlers.persistent
-def _before_load(*_):
-    live = runtime.get().live
-    if live.work is not None:
-        live.work.abandon()
-    live.work = live.before = None
-    live.pending = False
 
 
 @bpy.app.handlers.persistent
@@ -159,10 +147,10 @@ def _after_update(scene, depsgraph):
 
 _HANDLERS = (
     ("undo_pre", _before_undo),
-    ("redo_pre", _before_undo),
+    ("redo_pre", _drop_changes),
     ("undo_post", _after_undo),
     ("redo_post", _after_undo),
-    ("load_pre", _before_load),
+    ("load_pre", _drop_changes),
     ("load_post", _after_undo),
     ("depsgraph_update_post", _after_update),
 )

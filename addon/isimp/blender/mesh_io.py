@@ -168,6 +168,11 @@ def select_polygons(obj, chosen: np.ndarray) -> None:
     mesh.update()
 
 
+def face_count(obj) -> int:
+    """How many faces an object's mesh has now, in either mode."""
+    return len(bmesh.from_edit_mesh(obj.data).faces if obj.mode == "EDIT" else obj.data.polygons)
+
+
 def state_of(obj) -> int:
     """The state kept beside the regions; 0 where there is none. Cost: none to speak of."""
     if obj.mode == "EDIT":
@@ -211,34 +216,8 @@ def write_regions(obj, face_region: np.ndarray, face_color: np.ndarray, state: i
     else:
         if corner_color is None:
             corner_color = np.repeat(face_color, corner_totals(obj.data), axis=0)
-        color = _write_layers(obj.data, face_region, corner_color, state)
-        runtime.get().written.clear()  # one is enough, and large
-        runtime.get().written[obj.name] = (state, face_region, color)
+        _write_layers(obj.data, face_region, corner_color, state)
     show_color(obj.data)
-
-
-class Kept:
-    """Regions, colours and state of a scan in object mode, to give back; edit mode's undo needs none of it."""
-
-    def __init__(self, obj):
-        self.name, self.state = obj.name, state_of(obj)
-        layer = obj.data.attributes.get(COLOR)
-        self.empty = obj.mode == "EDIT" or layer is None
-        state, *written = runtime.get().written.get(obj.name, (0,))
-        if not self.empty and state == self.state and written[1].size == 4 * len(layer.data):
-            self.region, self.color = written  # no copy: nobody writes into them
-        elif not self.empty:
-            self.region = read_regions(obj)
-            self.color = np.empty(4 * len(layer.data), np.float32)
-            layer.data.foreach_get("color", self.color)
-
-    def give_back(self) -> None:
-        obj = bpy.data.objects.get(self.name)
-        if self.empty or obj is None or obj.mode == "EDIT" or len(obj.data.polygons) != len(self.region):
-            return
-        _write_ints(obj.data, self.region, self.state)
-        _layer(obj.data, COLOR, "FLOAT_COLOR", "CORNER").data.foreach_set("color", self.color)
-        _updated(obj.data)
 
 
 def write_state(obj, state: int) -> None:
@@ -276,12 +255,11 @@ def clear_regions(obj) -> None:
     give_color_back(obj.data)
 
 
-def _write_layers(mesh, face_region, corner_color, state) -> np.ndarray:
+def _write_layers(mesh, face_region, corner_color, state) -> None:
     _write_ints(mesh, face_region, state)
     color = np.ascontiguousarray(corner_color, np.float32).ravel()
     _layer(mesh, COLOR, "FLOAT_COLOR", "CORNER").data.foreach_set("color", color)
     _updated(mesh)
-    return color
 
 
 def _updated(mesh) -> None:

@@ -22,11 +22,12 @@ _TICK = 0.05
 class Work:
     """A recipe under way on an object: read here, replayed on a thread, then taken up again by the operator."""
 
-    def __init__(self, context, obj, recipe):
+    def __init__(self, context, obj, recipe, again=False):
+        """again: the scan has not changed since it was read last."""
         preferences.obey(context, runtime.get().session)
         self.name, self.recipe = obj.name, recipe
         self.state = mesh_io.state_of(obj)
-        self.scan = reading.read(context, obj, recipe.layers())
+        self.scan = reading.read(context, obj, recipe.layers(), again)
         self.corners = mesh_io.corner_totals(obj.data)
         self.face_color = self.corner_color = None
         self.task = None
@@ -52,9 +53,7 @@ class Work:
         obj = bpy.data.objects.get(self.name)
         if obj is None or obj.type != "MESH" or obj.mode not in {"OBJECT", "EDIT"}:
             return None
-        if obj.mode == "EDIT":
-            obj.update_from_editmode()
-        same = len(obj.data.polygons) == self.scan.face_count and mesh_io.state_of(obj) == self.state
+        same = mesh_io.face_count(obj) == self.scan.face_count and mesh_io.state_of(obj) == self.state
         return obj if same else None
 
 
@@ -135,7 +134,7 @@ class RecipeOperator:
         if problem:
             self.report({"ERROR"}, problem)
             return None
-        pending.interrupt()
+        pending.interrupt(context)
         try:
             return Work(context, scan, self.wanted(context, scan))
         except (mesh_io.Unusable, ValueError) as problem:

@@ -16,13 +16,13 @@ from mathutils import Matrix, Vector
 from .. import recipe as rcp
 from .. import sketch
 from ..task import Status, Task
-from . import mesh_io, preferences, reading, runtime, settings, store, targets
+from . import mesh_io, preferences, reading, runtime, settings, shaders, store, targets
 
 _KEPT = 8  # sketches
 _TICK = 0.1
 # How much nearer to the eye than they are lines are drawn, of the scan's size, so that the faces they lie on don't hide
 # them; those of the polygons more, as the scan bulges over them.
-_ON, _OVER = 0.003, 0.03
+_UNDER, _ON, _OVER = 0.0015, 0.003, 0.03
 
 
 @dataclass
@@ -42,9 +42,10 @@ def scan_shown(context):
 
 def _key(context, scan):
     """What a sketch depends on: scan, its state, its shape, how its polygons are made (None where they are not)."""
-    panel = context.window_manager.isimp
+    panel, shown = context.window_manager.isimp, runtime.get().live.shown_of(scan)
     meshing = settings.to_step(rcp.Mesh, panel.mesh) if panel.outline or panel.heat else None
-    return scan.name, mesh_io.state_of(scan), mesh_io.shape_matrix(scan).tobytes(), meshing
+    state = mesh_io.state_of(scan) if shown is None else shown.work.recipe
+    return scan.name, state, mesh_io.shape_matrix(scan).tobytes(), meshing
 
 
 def _drawing(context, scan):
@@ -63,7 +64,7 @@ def _tick():
     current, context = runtime.get(), bpy.context
     if current is None or not context.window_manager.isimp.overlay:
         return None
-    if current.running is not None or current.live.pending:
+    if current.running is not None or current.live.work is not None:
         return _TICK
     scan = scan_shown(context)
     key = _key(context, scan) if scan is not None else None
@@ -77,8 +78,7 @@ def _tick():
     if key is None or key in current.drawings:
         return None
     try:
-        recipe = store.load(scan)
-        arrays, regions = reading.read(context, scan, recipe.layers()), mesh_io.read_regions(scan)
+        recipe, arrays, regions = _seen(context, scan)
     except mesh_io.Unusable as problem:
         _keep(key, sketch.Sketch(reason=str(problem)))
         return None
@@ -86,6 +86,15 @@ def _tick():
     task = Task(lambda watch: sketch.draw(session, arrays, regions, recipe, key[3], watch))
     current.sketching = (key, task)
     return _TICK
+
+
+def _seen(context, scan):
+    """Recipe, arrays and regions of what is seen of a scan. Raises Unusable."""
+    shown = runtime.get().live.shown_of(scan)
+    if shown is not None:
+        return shown.work.recipe, shown.work.scan, shown.work.task.result.face_region
+    recipe = store.load(scan)
+    return recipe, reading.read(context, scan, recipe.layers()), mesh_io.read_regions(scan)
 
 
 def _keep(key, made) -> None:
@@ -126,19 +135,31 @@ def _leave():
 
 def _draw():
     current, context = runtime.get(), bpy.context
-    if current is None or not context.space_data.overlay.show_overlays:
+    if current is None:
         return
     if current.status and not _tool_is_ours(context) and not bpy.app.timers.is_registered(_leave):
         bpy.app.timers.register(_leave, first_interval=0.0)  # nothing may be changed while drawing
     scan = scan_shown(context)
     if scan is None:
         return
+    shown, lines_too = current.live.shown_of(scan), context.space_data.overlay.show_overlays
     with _Over(context.region_data, scan) as space:
-        drawing = _drawing(context, scan) if context.window_manager.isimp.overlay else None
-        if drawing is not None:
-            _draw_sketch(context, space, drawing)
-        if current.hover is not None and current.hover.scan == scan.name:
+        if shown is not None and context.space_data.shading.type == "SOLID":
+            space.nearer(_UNDER)
+            shown.draw()
+            space.nearer(_ON)
+        if lines_too and context.window_manager.isimp.overlay:
+            _draw_lines_over(context, space, scan, shown)
+        if lines_too and current.hover is not None and current.hover.scan == scan.name:
             _draw_hover(current.hover)
+
+
+def _draw_lines_over(context, space, scan, shown) -> None:
+    wish, drawing = preferences.get(context), _drawing(context, scan)
+    if drawing is not None:
+        _draw_sketch(context, space, drawing)
+    elif shown is not None:
+        lines(shown.borders, wish.border_color, wish.line_width)
 
 
 def _draw_text():
@@ -209,6 +230,10 @@ class _Over:
 
 def _draw_sketch(context, space, drawing) -> None:
     panel, wish, made = context.window_manager.isimp, preferences.get(context), drawing.sketch
+    if len(made.locked):
+        shader = shaders.hatched()
+        shader.bind()
+        _batch(drawing, "locked", "TRIS", shader).draw(shader)
     _draw_lines(drawing, "borders", wish.border_color, wish.line_width)
     space.nearer(_OVER)
     if panel.heat and len(made.surface):

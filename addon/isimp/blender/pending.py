@@ -2,7 +2,7 @@
 
 import bpy
 
-from . import runtime, settings, store, targets
+from . import runtime, settings, show, store, targets
 
 LABEL = "Change Settings"  #: of the step to undo
 
@@ -17,16 +17,39 @@ def recipe_of(context, scan):
     return settings.from_panel(context, recipe)
 
 
-def interrupt() -> None:
+def interrupt(context) -> None:
     """Stops what is under way. What is shown and no step to undo yet becomes one."""
     runtime.get().stop_sketching()
     live = runtime.get().live
     if live.work is not None:
         live.work.abandon()
         live.work = None
-    if live.before is not None:
-        live.before = None
+    if live.shown is not None and write_shown(context):
         bpy.ops.ed.undo_push(message=LABEL)
+
+
+def push(context) -> None:
+    """A step to undo of the settings as they are, even if what they give is not there yet."""
+    scan, _ = targets.find(context)
+    is_shown = runtime.get().live.shown is not None
+    changed = is_shown or recipe_of(context, scan) != store.load(scan)
+    interrupt(context)
+    if changed and not is_shown:
+        bpy.ops.ed.undo_push(message=LABEL)
+
+
+def write_shown(context) -> bool:
+    """Writes what is shown on its scan; False if that is gone."""
+    live = runtime.get().live
+    work, live.shown = live.shown.work, None
+    scan, error = work.target(), work.task.error
+    if scan is None:
+        return False
+    if error is not None:
+        show.show_failed(context, scan, work, error)
+    else:
+        show.show_regions(context, scan, work, work.task.result)
+    return True
 
 
 def follow(context) -> None:

@@ -33,9 +33,13 @@ def _counts(mesh):
     return len(mesh.vertices), len(mesh.edges), len(mesh.loops), len(mesh.polygons)
 
 
-def read(context, obj, layers=frozenset()):
-    """As `mesh_io.read`, with the layers of the given names that the object has. Raises Unusable."""
-    scan = _read(context, obj)
+def read(context, obj, layers=frozenset(), again=False):
+    """As `mesh_io.read`, with the layers of the given names that the object has. Raises Unusable.
+
+    again: nothing but news from Blender can have changed the mesh since it was read last.
+    """
+    known = runtime.get().scans.get(obj.name)
+    scan = known.scan if again and known is not None else _read(context, obj)
     if not layers:
         return scan
     known = runtime.get().scans.get(obj.name)

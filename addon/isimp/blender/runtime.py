@@ -13,7 +13,7 @@ class Live:
     def __init__(self):
         self.touched = 0.0  #: when a setting was changed last
         self.work = None  #: what is being computed for it
-        self.before = None  #: what the scan showed before, while that is not yet a step to undo
+        self.shown = None  #: a Preview of what is no step to undo yet; see preview.py
         self.wake = None  #: called when a setting was changed; None where there are no timers
         self.pending = False  #: whether a setting was changed that is no step to undo yet
         self.scan = ""  #: whose settings the panel shows
@@ -23,6 +23,11 @@ class Live:
         if self.wake is not None and not self._quiet:
             self.touched, self.pending = time.monotonic(), True
             self.wake()
+
+    def shown_of(self, scan):
+        """The Preview of a scan, if there is one that shows anything."""
+        shown = self.shown
+        return shown if shown is not None and shown.name == scan.name and shown.work.task.error is None else None
 
     @contextmanager
     def quiet(self):
@@ -42,9 +47,9 @@ class Runtime:
         self.recipes = {}  #: state -> Recipe, parsed
         self.live = Live()
         self.scans = {}  #: object's name -> what was read of it last; see reading.py
-        self.written = {}  #: object's name -> (state, regions, colours) as last written on it
         self.own_writes = set()  #: names of meshes whose next change is the add-on's own
         self.drawings = OrderedDict()  #: what is drawn over scans; see overlay.py
+        self.shaders = {}  #: own ones, by name
         self.handles = ()  #: of what draws
         self.sketching = None  #: (key, Task) of what will be drawn
         self.status = ""  #: what the status bar says for a tool

@@ -251,6 +251,20 @@ class _Shown:
         items=(("NONE", "No Mirror", ""), ("X", "X", ""), ("Y", "Y", ""), ("Z", "Z", "")),
         default="NONE",
     )
+    stroke: EnumProperty(
+        name="Stroke",
+        description="What painting does",
+        items=(
+            ("paint", "Grow", "Into the region first touched"),
+            ("new", "New", "A region of its own (Ctrl)"),
+            ("smooth", "Smooth", "Even out borders between regions (Shift)"),
+            ("erase", "Erase", "From the region first touched; those around it take its place (Ctrl and Shift)"),
+        ),
+        default="paint",
+    )
+    lock_painted: BoolProperty(
+        name="Lock", description="Lock regions that are painted anew: nothing but painting changes them", default=True
+    )
     all_steps: BoolProperty(name="All Steps", description="List all steps, not only the last ones")
 
 

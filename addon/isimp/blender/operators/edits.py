@@ -113,6 +113,8 @@ class ISIMP_OT_paint_faces(AtFaces, bpy.types.Operator):
         options={"SKIP_SAVE"},
     )
     erase: BoolProperty(name="Erase", description="Take them from the region of the first", options={"SKIP_SAVE"})
+    smooth: BoolProperty(name="Smooth", description="Even out the borders among them", options={"SKIP_SAVE"})
+    lock: BoolProperty(name="Lock", description="Lock the region if it is a new one", options={"SKIP_SAVE"})
 
     @classmethod
     def problem(cls, context, scan):
@@ -121,9 +123,13 @@ class ISIMP_OT_paint_faces(AtFaces, bpy.types.Operator):
     def wanted(self, context, scan):
         recipe = pending.recipe_of(context, scan)
         for onto, faces in self.strokes(scan):
-            step = rcp.EraseFaces(faces=faces) if self.erase else rcp.PaintFaces(faces=faces, onto=onto)
-            recipe = recipe.then(step)
+            recipe = recipe.then(self.step(onto, faces))
         return recipe
+
+    def step(self, onto: int, faces: tuple):
+        if self.erase or self.smooth:
+            return rcp.EraseFaces(faces=faces) if self.erase else rcp.SmoothFaces(faces=faces)
+        return rcp.PaintFaces(faces=faces, onto=onto, lock=self.lock and onto < 0)
 
     def strokes(self, scan) -> list:
         if not self.painted:

@@ -35,27 +35,35 @@ class _Region(_Tool):
     )
 
 
+_MIRRORED = [("data_path", "window_manager.isimp.mirror"), ("value_1", "NONE"), ("value_2", "X")]
+
+
 class _Paint(_Tool):
     bl_idname = "isimp.paint_tool"
     bl_label = "Paint Region"
     bl_description = (
         "Regions drawn by hand.\n"
-        "• Paint: into the region first touched\n• Ctrl: a new region\n• Shift: erase from it\n• F: radius"
+        "• Paint: into the region first touched\n• Ctrl: a new region\n"
+        "• Shift: smooth borders\n• Ctrl and Shift: erase from the region\n• F: radius\n• X: mirror"
     )
     bl_icon = "brush.paint_vertex.draw"
     bl_keymap = (
-        _hover("Paint: into this region · Ctrl: a new one · Shift: erase · F: radius"),
+        _hover("Paint: into this region · Ctrl: a new one · Shift: smooth · Ctrl-Shift: erase · F: radius · X: mirror"),
         _press("isimp.paint"),
         _press("isimp.paint", ctrl=True),
         _press("isimp.paint", shift=True),
+        _press("isimp.paint", ctrl=True, shift=True),
         ("isimp.brush", {"type": "F", "value": "PRESS"}, None),
+        ("wm.context_toggle_enum", {"type": "X", "value": "PRESS"}, {"properties": _MIRRORED}),
     )
 
     @staticmethod
     def draw_settings(context, layout, tool):
         panel = context.window_manager.isimp
+        layout.prop(panel, "stroke", expand=True)
         layout.prop(panel, "brush")
         layout.prop(panel, "mirror")
+        layout.prop(panel, "lock_painted")
 
 
 class _Cut(_Tool):

@@ -8,12 +8,18 @@ from .. import overlay, runtime
 from . import under
 from .point import ModalTool, do
 
-_PAINT, _ERASE, _CUT = (1.0, 0.85, 0.2, 0.6), (0.3, 0.8, 1.0, 0.5), (1.0, 0.85, 0.2, 1.0)
+_CUT = (1.0, 0.85, 0.2, 1.0)
+_COLORS = {
+    "paint": (1.0, 0.85, 0.2, 0.6),
+    "new": (1.0, 1.0, 1.0, 0.6),
+    "smooth": (0.4, 1.0, 0.5, 0.45),
+    "erase": (0.3, 0.8, 1.0, 0.5),
+}
 _AXES = {"NONE": None, "X": 0, "Y": 1, "Z": 2}
 
 
 class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
-    """Paint into the region first touched. Ctrl: a new region. Shift: erase from it. F: radius. Esc: drop"""
+    """Paint into the region first touched. Ctrl: a new region. Shift: smooth. Both: erase. F: radius. Esc: drop"""
 
     bl_idname = "isimp.paint"
     bl_label = "Paint Region"
@@ -30,10 +36,12 @@ class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
         sides = [np.ones(3)] if axis is None else [np.ones(3), np.where(np.arange(3) == axis, -1.0, 1.0)]
         args = (ground.surface, ground.scan.triangle_face, ground.scan.edges[0], radius)
         self._strokes = [(side, Stroke(*args)) for side in sides]
-        self._color = _ERASE if event.shift else _PAINT
+        held = {(True, True): "erase", (True, False): "new", (False, True): "smooth"}
+        verb = held.get((bool(event.ctrl), bool(event.shift)), panel.stroke)
+        self._color, self._lock = _COLORS[verb], panel.lock_painted
         for side, stroke in self._strokes:
             place, direction = self.seen(event, side)
-            stroke.press(place, direction, new=event.ctrl, erase=event.shift)
+            stroke.press(place, direction, verb)
         self.show_stroke(context, event)
         return self.go(context, "Let go: done · Esc: drop")
 
@@ -75,7 +83,9 @@ class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
                 onto = -1 if wish.into is None else wish.into
                 strokes.append(f"{onto}:{','.join(map(str, faces))}")
         if strokes:
-            do("isimp.paint_faces", painted=";".join(strokes), erase=wishes[0].verb == "erase")
+            verb = wishes[0].verb
+            more = {verb: True} if verb in {"erase", "smooth"} else {"lock": self._lock}
+            do("isimp.paint_faces", painted=";".join(strokes), **more)
 
 
 class ISIMP_OT_cut(ModalTool, bpy.types.Operator):

@@ -8,7 +8,7 @@ from bpy_extras import view3d_utils
 from ... import pick
 from ...gestures import Hit
 from ...task import Status, Task
-from .. import mesh_io, reading, runtime, targets, text
+from .. import mesh_io, reading, runtime, store, targets, text
 
 _MOST_SHOWN = 200_000  # triangles of a region that are lightened
 
@@ -39,6 +39,7 @@ class Ground:
         self.state = mesh_io.state_of(obj)
         self.label = mesh_io.read_regions(obj)
         self._area = None
+        self._error = store.numbers(obj).get("error", 0.0)  #: of all regions together
 
     @property
     def surface(self):
@@ -89,11 +90,12 @@ class Ground:
         if region < 0:
             return "Left out: click to bring this part back"
         triangles = self.triangles_of(region)
-        share, away = pick.flatness(self.scan.vertices, self.scan.triangles, triangles)
+        share, error, away = pick.flatness(self.scan.vertices, self.scan.triangles, triangles)
         away = text.length(away, unit.system, unit.scale_length)
         if self._area is None:
             self._area = pick.area(self.scan.vertices, self.scan.triangles)
-        return f"Region {region} · {share / self._area:.1%} of the area · flat to {away}"
+        part = min(1.0, error / self._error) if self._error > 1e-9 * self._area else 0.0
+        return f"Region {region} · {share / self._area:.1%} of the area · {part:.1%} of the error · flat to {away}"
 
 
 def ground(context, wait: bool = False):

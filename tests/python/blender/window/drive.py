@@ -182,7 +182,7 @@ class Hand:
 def main(scenario, out):
     spec = util.spec_from_file_location("scenario", scenario)
     module = util.module_from_spec(spec)
-    sys.path.insert(0, str(scenario.parent))
+    sys.path[:0] = [str(scenario.parent), str(scenario.parent.parent)]
     spec.loader.exec_module(module)
     steps = module.run(Hand(out))
 

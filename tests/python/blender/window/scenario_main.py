@@ -6,11 +6,11 @@ import numpy as np
 import isimp
 
 
-def make_scan():
-    """A sphere with flat spots, of triangles."""
+def make_scan(subdivisions=5):
+    """A sphere with flat spots, of 20 * 4 ^ (subdivisions - 1) triangles."""
     bpy.ops.object.select_all(action="SELECT")
     bpy.ops.object.delete()
-    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=5, radius=2)
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=subdivisions, radius=2)
     scan = bpy.context.object
     scan.name = "Scan"
     for vertex in scan.data.vertices:

@@ -21,11 +21,19 @@ def settled():
 
     live = runtime.get().live
     for _ in range(200):
-        if not live.pending and live.work is None and live.before is None:
+        if not live.pending and live.work is None and live.shown is None:
             yield 0.2
             return
         yield 0.05
     raise AssertionError("the settings do not settle")
+
+
+def shown():
+    """How many regions are seen: of what is drawn over the scan while a setting is dragged, else of the scan."""
+    from isimp.blender import runtime
+
+    drawn = runtime.get().live.shown_of(scan())
+    return regions() if drawn is None else drawn.work.task.result.numbers["regions"]
 
 
 def drag(hand, name, pixels, check=None):
@@ -39,7 +47,7 @@ def drag(hand, name, pixels, check=None):
         hand.at = (x + pixels * step / 24, y)
         hand.event("MOUSEMOVE", "NOTHING")
         yield 0.06
-        seen.add(regions())
+        seen.add(shown())
     hand.event("LEFTMOUSE", "RELEASE")
     yield from settled()
     return seen

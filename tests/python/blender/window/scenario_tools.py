@@ -70,6 +70,15 @@ def drawn():
     return runtime.get().drawings[key].sketch
 
 
+def border():
+    """How many edges of the scan lie between regions."""
+    import scans
+
+    label = scans.regions(scan())
+    pairs = scans.face_pairs(scan().data)
+    return int(np.count_nonzero(label[pairs[:, 0]] != label[pairs[:, 1]]))
+
+
 def run(hand):
     isimp.register()
     make_scan()
@@ -93,7 +102,8 @@ def run(hand):
         if runtime.get().hover is not None:
             break
         yield 0.1
-    assert "of the area" in runtime.get().hover.text, runtime.get().hover
+    for word in ("of the area", "of the error", "flat to"):
+        assert word in runtime.get().hover.text, runtime.get().hover
     assert "Ctrl: delete" in runtime.get().status
     yield from hand.shot("tools-2-hover")
 
@@ -156,6 +166,8 @@ def run(hand):
     yield from hand.key("L")
     yield from hand.settle()
     same("locked", type(steps()[-1]).__name__, "LockRegions")
+    yield from sketched()
+    same("hatched", len(drawn().locked) > 0, True)
     yield from hand.shot("tools-6-locked")
     yield from hand.move(*place(hand, 0.0, 0.0))
     yield from hand.key("L")
@@ -166,14 +178,24 @@ def run(hand):
     bpy.context.window_manager.isimp.brush = 25
     yield from drag(hand, (-0.4, 0.0), (0.3, 0.1), ctrl=True, shot="tools-7-paint")
     same("painted a new region", (regions(), type(steps()[-1]).__name__), (before + 1, "PaintFaces"))
+    same("and locked it", steps()[-1].lock, True)
     painted = len(steps()[-1].faces)
     yield from drag(hand, (-0.3, 0.0), (-0.3, 0.4))
     same("painted into it", (regions(), steps()[-1].onto >= 0), (before + 1, True))
     yield from hand.undo()
     same("a stroke is one step to undo", len(steps()[-1].faces), painted)
-    yield from drag(hand, (-0.4, 0.0), (-0.2, 0.0), shift=True)
+    yield from drag(hand, (-0.4, 0.0), (-0.2, 0.0), ctrl=True, shift=True)
     same("erased", type(steps()[-1]).__name__, "EraseFaces")
-    bpy.context.window_manager.isimp.mirror = "X"
+    ragged = border()
+    yield from drag(hand, (0.1, 0.6), (0.95, 0.3), shift=True, shot="tools-7-smooth")
+    same("smoothed", (type(steps()[-1]).__name__, border() < ragged), ("SmoothFaces", True))
+    yield from hand.undo()
+    same("not smoothed", border(), ragged)
+    yield from hand.redo()
+    same("smoothed again", border() < ragged, True)
+    yield from hand.into_view()
+    yield from hand.key("X")
+    same("X mirrors", bpy.context.window_manager.isimp.mirror, "X")
     yield from drag(hand, (0.3, -0.4), (0.4, -0.4), ctrl=True)
     same("painted on both sides", [type(step).__name__ for step in steps()[-2:]], ["PaintFaces", "PaintFaces"])
     left, right = (set(step.faces) for step in steps()[-2:])

@@ -14,6 +14,8 @@ HERE = Path(__file__).parent
 ROOT = HERE.parents[3]
 OUT = Path(os.environ.get("ISIMP_WINDOW_OUT", ROOT / "out" / "window"))
 SIZE = 1200, 1150  # pixels: the whole panel is to be seen
+SMALL = 800, 640  # where no button is looked for: less to draw
+WITHOUT_BUTTONS = {"live", "tools"}
 LIMIT = 600  # seconds; one or two minutes on a quiet machine
 
 
@@ -34,9 +36,10 @@ def test_scenario(scenario):
     if missing:
         pytest.skip(f"needs {', '.join(missing)} (Debian: blender, xvfb, imagemagick)")
     OUT.mkdir(parents=True, exist_ok=True)
-    blender = ["blender", "--factory-startup", "--enable-event-simulate", "-p", "0", "0", *map(str, SIZE)]
+    size = SMALL if scenario in WITHOUT_BUTTONS else SIZE
+    blender = ["blender", "--factory-startup", "--enable-event-simulate", "-p", "0", "0", *map(str, size)]
     script = ["--python", str(HERE / "drive.py"), "--", str(HERE / f"scenario_{scenario}.py"), str(OUT)]
-    command = ["xvfb-run", "-a", "-s", f"-screen 0 {SIZE[0]}x{SIZE[1]}x24", *blender, *script]
+    command = ["xvfb-run", "-a", "-s", f"-screen 0 {size[0]}x{size[1]}x24", *blender, *script]
     environment = os.environ | {"ISIMP_SITE": site()}
     with (OUT / f"{scenario}.log").open("w+") as log:
         process = subprocess.Popen(command, env=environment, stdout=log, stderr=log, start_new_session=True)

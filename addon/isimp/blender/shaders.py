@@ -1,0 +1,70 @@
+"""The add-on's own programs for the graphics card: regions as lit by Blender, and hatching."""
+
+import gpu
+
+from . import runtime
+
+_PLACE = """
+void main() {
+  seen = (ModelViewMatrix * vec4(pos, 1.0)).xyz;
+  tint = color;
+  gl_Position = ModelViewProjectionMatrix * vec4(pos, 1.0);
+}
+"""
+# As by Blender's own studio light, as nearly as can be.
+_LIGHT = """
+void main() {
+  vec3 normal = normalize(cross(dFdx(seen), dFdy(seen)));
+  float lit = max(dot(normal, normalize(vec3(-0.25, 0.45, 0.85))), 0.0);
+  FragColor = vec4(tint.rgb * (0.19 + 0.36 * lit) + 0.04 * lit, 1.0);
+}
+"""
+_FLAT_PLACE = """
+void main() {
+  gl_Position = ModelViewProjectionMatrix * vec4(pos, 1.0);
+}
+"""
+# A dark stripe with a light one beside it is seen on every colour.
+_HATCH = """
+void main() {
+  float at = mod(gl_FragCoord.x + gl_FragCoord.y, 14.0);
+  if (at > 4.0) {
+    discard;
+  }
+  FragColor = at < 2.0 ? vec4(0.0, 0.0, 0.0, 0.7) : vec4(1.0, 1.0, 1.0, 0.45);
+}
+"""
+
+
+def lit():
+    """Corners with a colour each (pos, color), lit by the slope of their triangle."""
+    known = runtime.get().shaders
+    if "lit" not in known:
+        info, between = gpu.types.GPUShaderCreateInfo(), gpu.types.GPUStageInterfaceInfo("isimp_lit")
+        between.smooth("VEC3", "seen")
+        between.flat("VEC4", "tint")
+        info.push_constant("MAT4", "ModelViewProjectionMatrix")
+        info.push_constant("MAT4", "ModelViewMatrix")
+        info.vertex_in(0, "VEC3", "pos")
+        info.vertex_in(1, "VEC4", "color")
+        info.vertex_out(between)
+        known["lit"] = _made(info, _PLACE, _LIGHT)
+    return known["lit"]
+
+
+def hatched():
+    """Triangles (pos) as stripes that stay as wide on the screen."""
+    known = runtime.get().shaders
+    if "hatched" not in known:
+        info = gpu.types.GPUShaderCreateInfo()
+        info.push_constant("MAT4", "ModelViewProjectionMatrix")
+        info.vertex_in(0, "VEC3", "pos")
+        known["hatched"] = _made(info, _FLAT_PLACE, _HATCH)
+    return known["hatched"]
+
+
+def _made(info, place, color):
+    info.fragment_out(0, "VEC4", "FragColor")
+    info.vertex_source(place)
+    info.fragment_source(color)
+    return gpu.shader.create_from_info(info)

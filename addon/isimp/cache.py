@@ -1,0 +1,31 @@
+"""What was computed last, within a budget. Standard library only."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from typing import Any
+
+
+class Cache:
+    """The values used last, as many as fit into `budget` bytes; the newest one always does."""
+
+    def __init__(self, budget: int):
+        self._budget, self._size = budget, 0
+        self._items: OrderedDict[Any, tuple[Any, int]] = OrderedDict()
+
+    def get(self, key):
+        if key not in self._items:
+            return None
+        self._items.move_to_end(key)
+        return self._items[key][0]
+
+    def put(self, key, value, size: int) -> None:
+        if key in self._items:
+            self._size -= self._items.pop(key)[1]
+        self._items[key] = (value, size)
+        self._size += size
+        while self._size > self._budget and len(self._items) > 1:
+            self._size -= self._items.popitem(last=False)[1][1]
+
+    def __len__(self) -> int:
+        return len(self._items)

@@ -1,0 +1,50 @@
+"""A user's mesh as arrays. numpy only."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from . import view
+
+
+@dataclass(frozen=True, eq=False)
+class Scan:
+    """The user's mesh as arrays: faces with any number of corners, cut into triangles.
+
+    vertices (V, 3) float, scene units; triangles (T, 3) int32; triangle_face (T,) int32, the user's face each is of.
+    """
+
+    vertices: np.ndarray
+    triangles: np.ndarray
+    triangle_face: np.ndarray
+    face_count: int
+    #: {name: (face_count,) float} what its user painted; a name that it does not have is missing
+    layers: dict = field(default_factory=dict)
+
+    @cached_property
+    def layers_digest(self) -> str:
+        """Equal for equal layers."""
+        digest = hashlib.blake2b(digest_size=16)
+        for name in sorted(self.layers):
+            digest.update(name.encode() + b"\0")
+            digest.update(np.ascontiguousarray(self.layers[name]).view(np.uint8).data)
+        return digest.hexdigest()
+
+    @cached_property
+    def digest(self) -> str:
+        """Equal for equal arrays, the layers left aside."""
+        digest = hashlib.blake2b(digest_size=16)
+        for array in (self.vertices, self.triangles, self.triangle_face):
+            digest.update(f"{array.dtype}{array.shape}".encode())
+            digest.update(np.ascontiguousarray(array).view(np.uint8).data)
+        digest.update(str(self.face_count).encode())
+        return digest.hexdigest()
+
+    @cached_property
+    def edges(self) -> tuple[np.ndarray, np.ndarray]:
+        """(E, 2) triangles that share an edge, (E, 2) the vertices of that edge."""
+        return view.shared_edges(self.triangles)

@@ -1,0 +1,55 @@
+"""Borders between regions evened out: what the Paint tool does with Shift. numpy only."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def smoothed(label: np.ndarray, pairs: np.ndarray, inside: np.ndarray, fixed: np.ndarray, rounds: int) -> np.ndarray:
+    """Labels of which each goes to the region that it is surrounded by most, as spread over its neighbourhood.
+
+    Regions are spread over faces that share an edge, a ring a round, and each face takes the one of which most arrived
+    (Merriman, Bence, Osher 1992: borders move by their curvature). What a face has is kept among equals.
+
+    label: (F,) region, -1 for none. pairs: (E, 2) faces that share an edge. inside: (F,) bool, what may change.
+    fixed: (R,) bool, regions that neither give nor take.
+    Cost: O(E) a round, and the faces near times the regions there.
+    """
+    near = inside.copy()
+    for _ in range(rounds):  # as far as what is spread comes from
+        near[pairs[near[pairs].any(axis=1)].ravel()] = True
+    pairs = pairs[near[pairs].all(axis=1)]
+    faces, ends = np.unique(pairs, return_inverse=True)
+    ends = ends.reshape(-1, 2)
+    own = label[faces]
+    movable = inside[faces] & (own >= 0)
+    movable[movable] = ~fixed[own[movable]]
+    regions, column = np.unique(own, return_inverse=True)
+    takes = regions >= 0
+    takes[takes] = ~fixed[regions[takes]]
+    share = np.zeros((len(faces), len(regions)))
+    share[np.arange(len(faces)), column] = 1.0
+    around = np.maximum(np.bincount(ends.ravel(), minlength=len(faces)), 1)[:, None]
+    start = share
+    for _ in range(rounds):
+        sum_around = np.zeros_like(share)
+        for here, there in (ends.T, ends.T[::-1]):
+            for region in range(len(regions)):
+                sum_around[:, region] += np.bincount(here, share[there, region], len(faces))
+        share = 0.5 * share + 0.5 * sum_around / around
+    share = np.where(takes, share, -1.0) + 1e-9 * start
+    made = label.copy()
+    made[faces[movable]] = regions[np.argmax(share[movable], axis=1)]
+    return made
+
+
+def reachable(wanted: np.ndarray, home: np.ndarray, pairs: np.ndarray) -> np.ndarray:
+    """(F,) bool: those of the wanted faces that a way over wanted ones leads to from home. Both (F,) bool."""
+    pairs = pairs[(wanted | home)[pairs].all(axis=1) & wanted[pairs].any(axis=1)]
+    reached = home.copy()
+    while True:
+        ends = reached[pairs]
+        fresh = pairs[ends[:, 0] != ends[:, 1]].ravel()
+        if not len(fresh):
+            return reached & wanted
+        reached[fresh] = True

@@ -1,0 +1,117 @@
+"""Borders evened out: what goes where, what stays, and how much shorter they get."""
+
+import numpy as np
+import pytest
+
+import shapes
+from isimp import recipe as rcp
+from isimp import view
+from isimp.session import Scan, Session
+from isimp.smoothing import reachable, smoothed
+
+SIDE = 30
+
+
+def grid():
+    """(pairs, place): squares of a grid, which share edges with those beside them."""
+    number = np.arange(SIDE * SIDE).reshape(SIDE, SIDE)
+    across, along = (
+        np.stack([a.ravel(), b.ravel()], axis=1)
+        for a, b in ((number[:, :-1], number[:, 1:]), (number[:-1], number[1:]))
+    )
+    return np.concatenate([across, along]), np.divmod(np.arange(SIDE * SIDE), SIDE)
+
+
+def length(label, pairs):
+    return int(np.count_nonzero(label[pairs[:, 0]] != label[pairs[:, 1]]))
+
+
+def test_a_jagged_border_becomes_shorter_and_a_straight_one_stays():
+    pairs, (row, column) = grid()
+    everywhere, free = np.ones(SIDE * SIDE, bool), np.zeros(2, bool)
+    straight = (column >= 15).astype(np.int32)
+    assert np.array_equal(smoothed(straight, pairs, everywhere, free, 10), straight)
+    jagged = (column >= 15 + 3 * (row % 4 < 2)).astype(np.int32)
+    made = smoothed(jagged, pairs, everywhere, free, 10)
+    assert length(made, pairs) - SIDE <= 0.5 * (length(jagged, pairs) - SIDE)
+
+
+def test_only_what_is_inside_changes_and_neither_locked_regions_nor_faces_in_none():
+    pairs, (row, column) = grid()
+    jagged = (column >= 15 + 3 * (row % 4 < 2)).astype(np.int32)
+    inside = row < 10
+    made = smoothed(jagged, pairs, inside, np.zeros(2, bool), 10)
+    assert (made[~inside] == jagged[~inside]).all()
+    assert (made[inside] != jagged[inside]).any()
+    for fixed in ([True, False], [False, True]):
+        assert np.array_equal(smoothed(jagged, pairs, inside, np.array(fixed), 10), jagged)
+    none = np.where(jagged == 1, -1, 0).astype(np.int32)
+    assert np.array_equal(smoothed(none, pairs, inside, np.zeros(1, bool), 10), none)
+
+
+def test_what_no_way_leads_to_is_not_reached():
+    pairs = np.array([[0, 1], [1, 2], [2, 3], [3, 4]])
+    home = np.array([True, False, False, False, False])
+    wanted = np.array([False, True, False, True, True])
+    assert reachable(wanted, home, pairs).tolist() == [False, True, False, False, False]
+
+
+@pytest.fixture
+def jagged():
+    """(session, scan, recipe, faces): a cube in its six sides, and a comb painted from one side into the next."""
+    vertices, triangles = shapes.cube(10)
+    scan = Scan(vertices, triangles, np.arange(len(triangles), dtype=np.int32), len(triangles))
+    session, recipe = Session(), rcp.Recipe().then(rcp.Partition(proxies=6))
+    label = session.replay(scan, recipe).face_region
+    ends = label[view.shared_edges(triangles)[0]]
+    pairs = view.shared_edges(triangles)[0]
+    meet = pairs[(ends[:, 0] == 0) & (ends[:, 1] == 1) | (ends[:, 0] == 1) & (ends[:, 1] == 0)]
+    beside = sorted({int(face) for face in meet.ravel() if label[face] == 1})[::2]
+    onto = int(meet[0][label[meet[0]] == 0][0])
+    recipe = recipe.then(rcp.PaintFaces(faces=tuple(beside), onto=onto))
+    return session, scan, recipe, np.flatnonzero((label == 0) | (label == 1))
+
+
+def test_the_step_gives_a_comb_back_and_says_so(jagged):
+    session, scan, recipe, faces = jagged
+    before = session.replay(scan, recipe)
+    step = rcp.SmoothFaces(faces=tuple(faces.tolist()))
+    after = session.replay(scan, recipe.then(step))
+    pairs = scan.edges[0]
+    assert length(after.face_region, pairs) < length(before.face_region, pairs)
+    assert after.numbers["regions"] == before.numbers["regions"] == 6
+    again = Session().replay(scan, recipe.then(step))
+    assert np.array_equal(after.face_region, again.face_region)
+    assert step.describe() == f"Smooth the borders in {len(faces)} faces"
+
+
+def test_a_locked_region_keeps_its_border(jagged):
+    session, scan, recipe, faces = jagged
+    before = session.replay(scan, recipe).face_region
+    locked = recipe.then(rcp.LockRegions(faces=(int(np.flatnonzero(before == 0)[0]),)))
+    after = session.replay(scan, locked.then(rcp.SmoothFaces(faces=tuple(faces.tolist())))).face_region
+    assert np.array_equal(before == 0, after == 0)
+
+
+def test_a_region_smaller_than_the_brush_does_not_vanish(jagged):
+    session, scan, recipe, faces = jagged
+    small = recipe.then(rcp.PaintFaces(faces=(int(faces[5]),)))
+    assert session.replay(scan, small).numbers["regions"] == 7
+    after = session.replay(scan, small.then(rcp.SmoothFaces(faces=tuple(faces.tolist()))))
+    assert after.numbers["regions"] == 7
+
+
+def test_a_hand_may_erase_from_a_locked_region_which_stays_locked(jagged):
+    """Erased across the middle, so that a part of it is cut off and goes to those around it."""
+    session, scan, recipe, _ = jagged
+    before = session.replay(scan, recipe)
+    side = np.flatnonzero(before.face_region == before.face_region[600])
+    middle = scan.vertices[scan.triangles].mean(axis=1)
+    axis = int(np.argmax(np.ptp(middle[side], axis=0)))
+    strip = side[np.abs(middle[side, axis] - 0.35) < 0.06]
+    locked = recipe.then(rcp.LockRegions(faces=(600,)))
+    outcome = session.replay(scan, locked.then(rcp.EraseFaces(faces=tuple(strip.tolist()))))
+    label, partition = outcome.face_region, outcome.partition
+    kept = np.flatnonzero(partition.region_locked)
+    assert len(kept) == 1
+    assert set(np.flatnonzero(label == kept[0])) < set(side.tolist()) - set(strip.tolist())
