@@ -1,6 +1,7 @@
 #include "isimp/partition/optimise.h"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 #include "isimp/partition/patch_relax.h"
@@ -59,6 +60,18 @@ std::vector<std::int32_t> cut(const Hierarchy& h, const Parts& parts, std::int32
     label = std::move(finer);
   }
   return label;
+}
+
+/// Adds those of some faces that lie on borders.
+void append_borders(const Relaxation<GraphLabels>& relaxation, std::span<const std::int32_t> among,
+                    std::vector<std::int32_t>& faces) {
+  std::size_t out = faces.size();
+  faces.resize(out + among.size());
+  for (const std::int32_t i : among) {
+    faces[out] = i;
+    out += relaxation.on_border(i) ? 1 : 0;
+  }
+  faces.resize(out);
 }
 
 /// The steps from a hierarchy to regions, and what they hand on.
@@ -122,8 +135,7 @@ class Optimiser {
         const auto around = patches.around(p);
         if (std::all_of(around.begin(), around.end(), [&](auto q) { return patch_label_[q] == patch_label_[p]; }))
           continue;
-        for (std::int32_t k = h_.patch_first[p]; k < h_.patch_first[p + 1]; ++k)
-          if (relaxation.on_border(h_.patch_face[k])) faces.push_back(h_.patch_face[k]);
+        append_borders(relaxation, h_.faces_of(p), faces);
       }
       found[piece] = std::move(faces);
     });
@@ -131,15 +143,17 @@ class Optimiser {
       for (const std::int32_t i : faces) relaxation.push(i);
   }
 
-  /// Of the faces pushed before, those that lie on borders still.
-  void push_still_on_border(Relaxation<GraphLabels>& relaxation) const {
-    const auto count = static_cast<std::int32_t>(relaxation.pushed().size());
-    std::vector<std::uint8_t> on_border(relaxation.pushed().size());
-    threads_.run(count, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
-      for (std::int32_t k = begin; k < end; ++k) on_border[k] = relaxation.on_border(relaxation.pushed()[k]) ? 1 : 0;
+  /// Those of some faces that lie on borders, in the same order.
+  [[nodiscard]] std::vector<std::int32_t> borders_among(const Relaxation<GraphLabels>& relaxation,
+                                                        std::span<const std::int32_t> faces) const {
+    const auto count = static_cast<std::int32_t>(faces.size());
+    const std::int32_t pieces = threads_.pieces(count);
+    std::vector<std::vector<std::int32_t>> found(static_cast<std::size_t>(pieces));
+    threads_.run(count, pieces, [&](std::int32_t piece, std::int32_t begin, std::int32_t end) {
+      append_borders(relaxation, faces.subspan(begin, static_cast<std::size_t>(end - begin)), found[piece]);
     });
-    for (std::int32_t k = 0; k < count; ++k)
-      if (on_border[k] != 0) relaxation.push(relaxation.pushed()[k]);
+    for (std::int32_t k = 1; k < pieces; ++k) found[0].insert(found[0].end(), found[k].begin(), found[k].end());
+    return std::move(found[0]);
   }
 
   /// Regions that components lack because they have too few patches; splitting will make up for them.
@@ -153,8 +167,8 @@ class Optimiser {
 
   /// Merges regions to the number given. \return which of those left touch
   MergeGraph merge_to(std::int32_t target, Relaxation<GraphLabels>& relaxation, Job& job) {
-    const MergeGraph touching =
-        graph_of_regions(graph_, regions_.label, regions_.sum.size(), part_, relaxation.pushed(), threads_);
+    const std::vector<std::int32_t> borders = borders_among(relaxation, relaxation.pushed());
+    const MergeGraph touching = graph_of_regions(graph_, regions_.label, regions_.sum.size(), part_, borders, threads_);
     const std::vector<std::int32_t> merged = merge_greedily(touching, regions_.sum, needs(parts_), target, job);
     threads_.run(graph_.size(), [&](std::int32_t, std::int32_t begin, std::int32_t end) {
       for (std::int32_t i = begin; i < end; ++i)
@@ -168,7 +182,7 @@ class Optimiser {
       part_.resize(regions_.sum.size());
     }
     relaxation.refit();
-    push_still_on_border(relaxation);
+    for (const std::int32_t i : borders_among(relaxation, borders)) relaxation.push(i);
     return contract(touching, merged, regions_.count(), threads_, job);
   }
 

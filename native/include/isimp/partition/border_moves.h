@@ -15,6 +15,7 @@ struct GraphLabels {
   std::int32_t* label;
   [[nodiscard]] std::int32_t get(std::int32_t i) const { return label[i]; }
   void set(std::int32_t i, std::int32_t region) const { label[i] = region; }
+  void prefetch(std::int32_t i) const { __builtin_prefetch(&label[i]); }
 };
 
 /// Labels by graph index that lie in an array of n in the order of the mesh.
@@ -70,29 +71,36 @@ struct BorderMoves {
     std::array<std::int32_t, 3> near;
     for (int k = 0; k < 3; ++k) near[k] = labels.get(neighbours[k]);
     const int same = (near[0] == own) + (near[1] == own) + (near[2] == own);
-    if (same == 3 || own < 0 || face == pinned || regions.faces(own) <= 1) return kNone;
+    if (same == 3 || same == 0 || own < 0 || face == pinned || regions.faces(own) <= 1) return kNone;
     const FaceRecord& f = graph.faces[face];
     // |S - wn| - |S| and |S + wn| - |S| to second order in w, divided by w.
     const BorderProxy& home = regions.proxy(own);
     const float from = home.dot(f);
     const float leaving = -from + f.area * (1 - from * from) * home.half_inverse;
     const float edge = edge_weight * (f.area < mean_area ? f.area : mean_area);
-    float best = kLeastGain * (f.area + edge);
-    std::int32_t to = kNone;
-    for (const std::int32_t other : near) {
-      if (other == own || other < 0) continue;
-      const int there = (near[0] == other) + (near[1] == other) + (near[2] == other);
+    const float least = kLeastGain * (f.area + edge);
+    const auto gain_of = [&](std::int32_t other, int there) {
       const BorderProxy& proxy = regions.proxy(other);
       const float into = proxy.dot(f);
       const float joining = into + f.area * (1 - into * into) * proxy.half_inverse;
-      const float gain = f.area * (leaving + joining) + edge * static_cast<float>(there - same);
+      return f.area * (leaving + joining) + edge * static_cast<float>(there - same);
+    };
+    if (same == 2) {  // most faces; without a loop, as nobody can foresee which neighbour is the other one
+      const std::int32_t other = near[0] ^ near[1] ^ near[2];
+      const bool wanted = other >= 0 && gain_of(other, 1) > least && may_join(face, other);
+      return wanted ? stays_joined(face, own, near, reach, other) : kNone;
+    }
+    float best = least;
+    std::int32_t to = kNone;
+    for (const std::int32_t other : near) {
+      if (other == own || other < 0) continue;
+      const float gain = gain_of(other, (near[0] == other) + (near[1] == other) + (near[2] == other));
       if (gain > best && may_join(face, other)) {
         best = gain;
         to = other;
       }
     }
-    if (to == kNone || same != 2) return same == 0 ? kNone : to;
-    return stays_joined(face, own, near, reach, to);
+    return to;
   }
 
  private:

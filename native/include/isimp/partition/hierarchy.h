@@ -28,6 +28,10 @@ struct Hierarchy {
   std::vector<Part> parts;                         ///< (C) the components; what is kept of them is decided at each cut
 
   [[nodiscard]] std::int32_t patches() const { return level.empty() ? 0 : level.front().size(); }
+  /// Graph indices of the faces of a patch.
+  [[nodiscard]] std::span<const std::int32_t> faces_of(std::int32_t p) const {
+    return std::span(patch_face).subspan(patch_first[p], static_cast<std::size_t>(patch_first[p + 1] - patch_first[p]));
+  }
   /// Whether it is the one that build_hierarchy would make for this number of regions, and so serves for it.
   [[nodiscard]] bool serves(const Surface& surface, std::int32_t proxies) const;
 };

@@ -50,10 +50,11 @@ class Relaxation {
   void push(std::int32_t face) { lists_.push(face, state_[face]); }
   /// Whether the face has a neighbour of another region.
   [[nodiscard]] bool on_border(std::int32_t face) const {
-    const std::int32_t own = moves_.labels.get(face);
+    const std::int32_t own = moves_.labels.get(face), n = moves_.graph.size();
+    bool border = false;  // to the end in any case: no processor guesses well which neighbour is the other one
     for (const std::int32_t j : moves_.graph.neighbours[face])
-      if (j != moves_.graph.size() && moves_.labels.get(j) != own) return true;
-    return false;
+      border |= static_cast<int>(j != n) & static_cast<int>(moves_.labels.get(j) != own);
+    return border;
   }
   void push_if_border(std::int32_t face) {
     if (on_border(face)) push(face);
@@ -86,7 +87,7 @@ class Relaxation {
   static constexpr std::int32_t kBlock = 1 << 15;          // faces of a block
   static constexpr std::size_t kMany = 1 << 13;            // faces in the queue from which blocks are worth it
   static constexpr int kSweepsOfBlock = 2;                 // before blocks hear of each other
-  static constexpr std::size_t kAhead = 8;                 // faces, for the memory to be there in time
+  static constexpr std::size_t kAhead = 16, kSoon = 6;     // faces, for the memory to be there in time
 
   /// Faces to look at, and all that have ever been.
   struct Lists {
@@ -156,6 +157,10 @@ class Relaxation {
         const std::int32_t soon = lists.current[i + kAhead];
         __builtin_prefetch(&graph.neighbours[soon]);
         __builtin_prefetch(&graph.faces[soon]);
+      }
+      if constexpr (requires { moves_.labels.prefetch(0); }) {
+        if (i + kSoon < size)
+          for (const std::int32_t j : graph.neighbours[lists.current[i + kSoon]]) moves_.labels.prefetch(j);
       }
       const std::int32_t face = lists.current[i];
       const std::int32_t to = moves_.target(face, regions, reach);
