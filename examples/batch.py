@@ -1,7 +1,7 @@
 """Simplifies a scan in the background of Blender.
 
     blender -b --python examples/batch.py -- IN OUT [OUT ...]
-            --proxies N | --tolerance T | --detail X | --recipe R.json [--picture P.png]
+            [--detail X | --tolerance T | --bound T | --proxies N | --recipe R.json] [--picture P.png]
 
 IN is any format that Blender reads, or .off. OUT are .obj, .ply, .glb, in the axes of IN, or .blend, which keeps the
 scan and its coloured regions. Ends with 0; 2 for wrong usage; 3 for a scan that can't be used, and a line saying why.
@@ -37,7 +37,7 @@ READERS = {
     ".usda": ("wm.usd_import",),
     ".usdz": ("wm.usd_import",),
 }
-PROXIES = 200
+COUNTS = ("proxies", "tolerance", "bound", "detail")
 METHODS = ("hierarchy", "teleport", "lloyd")
 WRITERS = (".blend", ".obj", ".ply", ".glb")
 Z_UP = {".ply", ".stl", ".off"}  # read as they are; all others are turned by Blender to have Z upwards
@@ -51,9 +51,10 @@ def arguments(argv):
     parser = argparse.ArgumentParser(prog="blender -b --python batch.py --", description=__doc__.split("\n")[0])
     parser.add_argument("input", type=Path, metavar="IN", help="the scan, in any format that Blender reads")
     parser.add_argument("outputs", type=Path, nargs="+", metavar="OUT", help=f"files to write: {', '.join(WRITERS)}")
-    parser.add_argument("--proxies", type=int, metavar="N", help=f"how many regions (default {PROXIES})")
-    parser.add_argument("--tolerance", type=float, metavar="T", help="in place of N: show what is larger, scan units")
-    parser.add_argument("--detail", type=float, metavar="X", help="in place of N: the same as a share of the size")
+    parser.add_argument("--detail", type=float, metavar="X", help="show what is larger than this share of the size")
+    parser.add_argument("--tolerance", type=float, metavar="T", help="the same as a length in scan units")
+    parser.add_argument("--bound", type=float, metavar="T", help="keep every vertex so near to its region's plane")
+    parser.add_argument("--proxies", type=int, metavar="N", help="just so many regions")
     parser.add_argument("--recipe", type=Path, metavar="R.json", help="the steps to do, as the add-on exports them")
     parser.add_argument("--method", choices=METHODS, help="how regions are found (default hierarchy)")
     parser.add_argument("--seed", type=int, help="number that starts the random choice of teleport and lloyd")
@@ -199,12 +200,12 @@ def activate(*objects):
 
 
 def simplify(options):
-    names = ("proxies", "tolerance", "detail", "method", "seed", "iterations")
+    names = (*COUNTS, "method", "seed", "iterations")
     settings = {name: getattr(options, name) for name in names if getattr(options, name) is not None}
-    ways = [name for name in ("proxies", "tolerance", "detail") if name in settings]
+    ways = [name for name in COUNTS if name in settings]
     if len(ways) > 1:
         raise Problem(f"--{' and --'.join(ways)} each say how many regions: give one")
-    settings |= {"count_by": ways[0]} if ways else {"proxies": PROXIES}
+    settings |= {"count_by": ways[0]} if ways else {}
     for name, least in (("proxies", 1), ("iterations", 1), ("seed", 0)):
         if settings.get(name, least) < least:
             raise Problem(f"--{name} must be at least {least}, got {settings[name]}")
@@ -212,8 +213,8 @@ def simplify(options):
         call("isimp.partition", **settings)
         call("isimp.mesh")
         return bpy.context.object
-    if settings != {"proxies": PROXIES}:
-        raise Problem("--recipe says how it is done: leave out --proxies, --tolerance, --detail, --method and the like")
+    if settings:
+        raise Problem("--recipe says how it is done: leave out --proxies, --detail, --method and the like")
     scan = bpy.context.object
     call("isimp.replay", recipe=options.recipe.read_text(encoding="utf-8"), strict=True)
     if bpy.context.object == scan:

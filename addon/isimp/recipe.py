@@ -15,7 +15,10 @@ from dataclasses import dataclass
 
 VERSION = 1
 METHODS = ("hierarchy", "teleport", "lloyd", "queued", "naive", "hybrid")
-COUNTS = ("detail", "tolerance", "bound", "proxies")  #: ways to say how many regions, each the name of a setting
+#: ways to say how many regions, each the name of a setting, and what it is if nobody says it
+COUNTS = {"detail": 0.005, "tolerance": 1.0, "bound": 1.0, "proxies": 200}
+#: settings of a Partition that ask for barriers, and the layer of the scan (`Scan.layers`) that has them
+MARKS = {"seams": ".seam", "sharp": ".sharp", "materials": ".material", "face_sets": ".face_set"}
 SEEDINGS = ("random", "farthest", "hierarchical")
 
 
@@ -84,17 +87,17 @@ class Step:
 
 @dataclass(frozen=True)
 class Partition(Step):
-    """Split the scan into regions; whatever was there before is replaced.
+    """Split the scan into regions; what was there before is replaced, but for regions that are locked.
 
     Of the settings named in COUNTS the one that `count_by` names says how many; the others rest.
     """
 
-    count_by: str = "proxies"
-    proxies: int = 200
-    detail: float = 0.005  #: what shows at this share of the size
-    tolerance: float = 1.0  #: the same in scene units
-    bound: float = 1.0  #: the most a vertex may be off its region's plane, scene units
-    adaptivity: float = 0.0  #: how much denser regions get where the scan is rough
+    count_by: str = ""  #: empty: the one that is given, "detail" if none is
+    proxies: int | None = None
+    detail: float | None = None  #: what shows at this share of the size
+    tolerance: float | None = None  #: the same in scene units
+    bound: float | None = None  #: the most a vertex may be off its region's plane, scene units
+    adaptivity: float = 0.25  #: how much denser regions get where the scan is rough
     noise: float = -1.0  #: standard deviation of the scan's noise, scene units; below 0: estimated
     snap: bool = True  #: take the number of planes where the scan clearly is made of so many
     seed: int = 1
@@ -104,8 +107,16 @@ class Partition(Step):
     leave_out: float = 0.001
     weights: str = ""  #: vertex group or face attribute that says where more regions go; none if empty
     influence: float = 1.0  #: how much it does, in [0, 2]
+    seams: bool = False  #: no region crosses an edge that is marked as a seam,
+    sharp: bool = False  #: nor one that is marked as sharp,
+    materials: bool = False  #: nor one between two materials,
+    face_sets: bool = False  #: nor one between two face sets,
+    angle: float = 180.0  #: nor one where the surface bends by more than so many degrees,
+    borders: str = ""  #: nor one between different values of this attribute of faces; none if empty
+    faces: tuple[int, ...] = ()  #: split these alone and leave the others as they are; empty: all
 
     def __post_init__(self):
+        self._settle_count()
         _check(self.count_by not in COUNTS, f"count_by must be one of {', '.join(COUNTS)}, got {self.count_by!r}")
         _check(not 0 < self.detail <= 1, f"detail must be in (0, 1], got {self.detail}")
         for name in ("tolerance", "bound"):
@@ -120,11 +131,28 @@ class Partition(Step):
         _check(self.seeding not in SEEDINGS, f"seeding must be one of {', '.join(SEEDINGS)}, got {self.seeding!r}")
         _check(not 0 <= self.leave_out < 1, f"leave_out must be in [0, 1), got {self.leave_out}")
         _check(not 0 <= self.influence <= 2, f"influence must be in [0, 2], got {self.influence}")
+        _check(not 0 <= self.angle <= 180, f"angle must be in [0, 180] degrees, got {self.angle}")
+        object.__setattr__(self, "faces", _indices(self.faces) if len(self.faces) else ())
+
+    def _settle_count(self) -> None:
+        given = [name for name in COUNTS if getattr(self, name) is not None]
+        if not self.count_by:
+            _check(len(given) > 1, f"{' and '.join(given)} each say how many regions: give one, or say count_by")
+            object.__setattr__(self, "count_by", given[0] if given else "detail")
+        for name, value in COUNTS.items():
+            if name not in given:
+                object.__setattr__(self, name, value)
+
+    def layers(self) -> frozenset:
+        """The names of the scan's own layers that it needs: see `Scan.layers`."""
+        marks = {layer for name, layer in MARKS.items() if getattr(self, name)}
+        return frozenset(marks | ({self.weights, self.borders} - {""}))
 
     def describe(self) -> str:
+        what = f"Partition {_count(self.faces)}" if self.faces else "Partition"
         if self.count_by == "proxies":
-            return f"Partition into {self.proxies}"
-        return f"Partition at {self.count_by} {getattr(self, self.count_by):.6g}"
+            return f"{what} into {self.proxies}"
+        return f"{what} at {self.count_by} {getattr(self, self.count_by):.6g}"
 
 
 @dataclass(frozen=True)
@@ -375,7 +403,7 @@ def step_from_dict(values: dict) -> Step:
     fields = {field.name: field for field in dataclasses.fields(_TYPES[kind])}
     for name, value in values.items():
         _check(name not in fields, f"{kind} has no setting {name!r}")
-        wanted = "list" if fields[name].type.startswith("tuple") else fields[name].type
+        wanted = "list" if fields[name].type.startswith("tuple") else fields[name].type.removesuffix(" | None")
         fits = isinstance(value, _ACCEPTS[wanted]) and (wanted == "bool" or not isinstance(value, bool))
         _check(not fits, f"{name} of {kind} must be a {wanted}, got {value!r}")
     return _TYPES[kind](**values)
@@ -388,10 +416,28 @@ class Recipe:
     steps: tuple[Step, ...] = ()
 
     def then(self, step: Step) -> Recipe:
-        """The recipe with one more step. A partition starts anew; nothing comes after Mesh but another Mesh."""
-        if isinstance(step, Partition):
-            return Recipe((step,))
-        return Recipe((*self.without_mesh().steps, step))
+        """The recipe with one more step. A partition of all starts anew after what is locked; Mesh stays the end."""
+        steps = self.without_mesh().steps
+        if isinstance(step, Partition) and not step.faces:
+            steps = steps[: self._last_lock() + 1]
+        elif isinstance(step, Partition) and steps and getattr(steps[-1], "faces", ()) == step.faces:
+            steps = steps[:-1] if isinstance(steps[-1], Partition) else steps  # the same part once more
+        return Recipe((*steps, step))
+
+    def _last_lock(self) -> int:
+        """The index of the last step that changes which regions are locked; -1 if none is locked after it."""
+        locked, last = set(), -1
+        for index, step in self.active():
+            if type(step) is LockRegions:
+                locked |= set(step.faces)
+            elif isinstance(step, UnlockRegions):
+                locked -= set(step.faces)
+            elif isinstance(step, PaintFaces) and step.lock:
+                locked.add(step.faces[0] if step.onto < 0 else step.onto)
+            else:
+                continue
+            last = index
+        return last if locked else -1
 
     def replaced(self, index: int, step: Step) -> Recipe:
         """The recipe with another step in the place of one."""
@@ -429,7 +475,7 @@ class Recipe:
 
     def layers(self) -> frozenset:
         """The names of the scan's own layers that its steps use."""
-        return frozenset(step.weights for _, step in self.active() if isinstance(step, Partition) and step.weights)
+        return frozenset().union(*(step.layers() for _, step in self.active() if isinstance(step, Partition)))
 
     def active(self) -> tuple[tuple[int, Step], ...]:
         """The steps that are switched on, each with its index."""
@@ -456,10 +502,8 @@ class Recipe:
             raise RecipeError(f"not a recipe: it is not JSON ({error})") from None
         _check(not isinstance(values, dict) or "isimp_recipe" not in values, "not a recipe: it has no 'isimp_recipe'")
         version = values["isimp_recipe"]
-        _check(
-            not isinstance(version, int) or version > VERSION,
-            f"the recipe is of version {version}, this add-on reads up to {VERSION}: update the add-on",
-        )
+        known = isinstance(version, int) and version <= VERSION
+        _check(not known, f"the recipe is of version {version}, this add-on reads up to {VERSION}: update the add-on")
         steps = values.get("steps")
         _check(not isinstance(steps, list), "not a recipe: 'steps' must be a list")
         return Recipe(tuple(_numbered_step(number, step) for number, step in enumerate(steps, 1)))

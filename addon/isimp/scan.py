@@ -22,7 +22,8 @@ class Scan:
     triangles: np.ndarray
     triangle_face: np.ndarray
     face_count: int
-    #: {name: (face_count,) float} what its user painted; a name that it does not have is missing
+    #: {name: (face_count,) numbers} what its user painted; a name that it does not have is missing. Those of
+    #: `recipe.MARKS` are what Blender knows of itself: edges as (K, 2) vertices, materials and face sets of each face.
     layers: dict = field(default_factory=dict)
 
     @cached_property
@@ -30,8 +31,8 @@ class Scan:
         """Equal for equal layers."""
         digest = hashlib.blake2b(digest_size=16)
         for name in sorted(self.layers):
-            digest.update(name.encode() + b"\0")
-            digest.update(np.ascontiguousarray(self.layers[name]).view(np.uint8).data)
+            digest.update(f"{name}\0{self.layers[name].shape}".encode())
+            digest.update(np.ascontiguousarray(self.layers[name]).tobytes())
         return digest.hexdigest()
 
     @cached_property

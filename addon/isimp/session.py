@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import time
 from dataclasses import dataclass, field, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -78,6 +77,7 @@ class Session:
         self.threads = threads  #: how many may work; 0: as many as there are cores
         self._meshes = Cache(budget)
         self._outcomes = Cache(budget)
+        self._parts = Cache(0)  # the last one alone
 
     def replay(self, scan: Scan, recipe: rcp.Recipe, watch: Watch | None = None) -> Outcome:
         """What the recipe gives on the scan.
@@ -145,11 +145,43 @@ class Session:
 
     def _apply(self, step, prepared, before, watch, begin, end) -> Outcome:
         started = time.perf_counter()
-        where = {"backend": self.backend, "threads": self.threads} if isinstance(step, rcp.Partition) else {}
-        outcome = _APPLY[type(step)](step, prepared, before, watch, begin, end, **where)
+        if isinstance(step, rcp.Partition):
+            outcome = self._partition(step, prepared, before, watch, begin, end)
+        else:
+            outcome = _APPLY[type(step)](step, prepared, before, watch, begin, end)
         seconds = time.perf_counter() - started
         numbers = {"step": step.kind, "seconds": seconds, **_scan_numbers(prepared), **outcome.numbers}
         return replace(outcome, numbers=numbers)
+
+    def _partition(self, step: rcp.Partition, prepared, before, watch, begin, end) -> Outcome:
+        options = engine.PartitionOptions(
+            **{step.count_by: getattr(step, step.count_by)},
+            noise=None if step.noise < 0 else step.noise,
+            **{name: getattr(step, name) for name in _SAME_NAMES},
+            backend=self.backend,
+            threads=self.threads,
+        )
+        guides = _guides(step, prepared, before)
+        args = (prepared.mesh, options, guides, self._part(prepared, guides, step.leave_out))
+        partition = _engine_call(watch, begin, end, "partitioning", _partition_guided, *args)
+        names = ("rounds", "tolerance", "noise", "snapped", "distance_max", "warnings")
+        numbers = {"asked": partition.proxies_asked} | {name: partition.report[name] for name in names}
+        kept = None if before is None or guides.before is None else _carried_colors(before, partition)
+        barriers = guides.arrays()["barriers"]
+        if barriers is not None:
+            inside = engine.guided.inside_regions(prepared.mesh, partition, barriers)
+            numbers |= {"barriers": len(barriers), "barriers_inside": inside}
+        return _with_regions(prepared, partition, kept, numbers)
+
+    def _part(self, prepared: Prepared, guides, leave_out: float):
+        """What of the mesh is split if not all of it is, kept so that another number is quick; None: all of it."""
+        faces = engine.guided.open_faces(prepared.mesh, guides, leave_out)
+        if faces is None:
+            return None
+        key = (prepared.scan.digest, faces.tobytes())
+        if self._parts.get(key) is None:
+            self._parts.put(key, engine.guided.part_of(prepared.mesh, faces), 1)
+        return self._parts.get(key)
 
 
 def _engine_call(watch: Watch, begin: float, end: float, stage: str, function, *args):
@@ -274,24 +306,38 @@ def _weights(step: rcp.Partition, prepared: Prepared) -> np.ndarray | None:
     return 16.0 ** (step.influence * painted[prepared.mesh_face])
 
 
-def _apply_partition(step: rcp.Partition, prepared, before, watch, begin, end, **where) -> Outcome:
-    options = engine.PartitionOptions(
-        **{step.count_by: getattr(step, step.count_by)},
-        noise=None if step.noise < 0 else step.noise,
-        snap=step.snap,
-        adaptivity=step.adaptivity,
-        seed=step.seed,
-        iterations=step.iterations,
-        method=step.method,
-        seeding=step.seeding,
-        leave_out=step.leave_out,
-        **where,
+def _barriers(step: rcp.Partition, prepared: Prepared) -> list[np.ndarray]:
+    """Edges that no region crosses, as the step and the scan's marks say."""
+    guides, mesh, found = engine.guides, prepared.mesh, []
+    values = [prepared.layers.get(rcp.MARKS[name]) for name in ("materials", "face_sets") if getattr(step, name)]
+    if step.borders:
+        if step.borders not in prepared.layers:
+            raise ValueError(f"there is no face attribute '{step.borders}' to take borders from.")
+        values.append(prepared.layers[step.borders])
+    of_faces = (each[prepared.mesh_face] for each in values if each is not None)
+    found.extend(guides.attribute_borders(mesh, each) for each in of_faces)
+    if step.angle < 180:
+        found.append(guides.sharp_edges(mesh, np.radians(step.angle)))
+    return found
+
+
+def _guides(step: rcp.Partition, prepared: Prepared, before: Outcome | None):
+    """What the step keeps to, as the engine wants it."""
+    marked = [prepared.layers.get(rcp.MARKS[name]) for name in ("seams", "sharp") if getattr(step, name)]
+    cuts = [engine.guides.marked_edges(prepared.mesh, edges) for edges in marked if edges is not None]
+    barriers = _barriers(step, prepared)
+    locked = before is not None and before.partition.region_locked.any()
+    return engine.guided.Guides(
+        weights=_weights(step, prepared),
+        barriers=np.concatenate(barriers) if barriers else None,
+        cuts=np.concatenate(cuts) if cuts else None,
+        faces=_triangles_at(prepared, step.faces) if step.faces else None,
+        before=before.partition if before is not None and (locked or step.faces) else None,
     )
-    function = partial(engine.partition, weights=_weights(step, prepared))
-    partition = _engine_call(watch, begin, end, "partitioning", function, prepared.mesh, options)
-    names = ("rounds", "tolerance", "noise", "snapped", "distance_max", "warnings")
-    numbers = {name: partition.report[name] for name in names}
-    return _with_regions(prepared, partition, None, {"asked": partition.proxies_asked} | numbers)
+
+
+def _partition_guided(mesh, options, guides, part, job):
+    return engine.guided.partition_guided(mesh, options, job, guides, part)
 
 
 def _apply_add(step: rcp.AddProxy, prepared, before, watch, begin, end) -> Outcome:
@@ -436,20 +482,24 @@ def _apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end) -> Outcome:
     before = _needs_regions(before)
     options = engine.MeshingOptions(chord_tolerance=step.chord_tolerance, flatten=step.flatten)
     args = (prepared.mesh, before.partition, options)
-    polygons = _engine_call(watch, begin, end, "meshing", engine.polygonize, *args)
+    found = _engine_call(watch, begin, end, "meshing", engine.within.polygonize_within, *args)
+    polygons, report = found.polygons, found.report
     names = ("regions", "error", "left_out")
+    more = ("closed", "manifold", "planarity_max", "planarity_mean", "scan_distance", "scan_distance_allowed")
     numbers = {name: before.numbers[name] for name in names} | {
         "polygons": len(polygons.loop_start),
         "corners": len(polygons.loops),
         "vertices": len(polygons.vertices),
-        **{name: polygons.report[name] for name in ("closed", "manifold", "planarity_max", "planarity_mean")},
-        "flaws": flaws(polygons.report),
+        **{name: report[name] for name in more if name in report},
+        "flaws": flaws(report),
     }
     return replace(before, polygons=polygons, numbers=numbers)
 
 
+#: settings of Partition that are the engine's, by the same names
+_SAME_NAMES = ("snap", "adaptivity", "seed", "iterations", "method", "seeding", "leave_out")
+
 _APPLY = {
-    rcp.Partition: _apply_partition,
     rcp.AddProxy: _apply_add,
     rcp.DeleteProxy: _apply_delete,
     rcp.MergeRegions: _apply_merge,

@@ -7,6 +7,7 @@
 #include "bindings.h"
 #include "call.h"
 #include "isimp/core/errors.h"
+#include "isimp/partition/inherited.h"
 #include "isimp/partition/partition.h"
 #include "kept_mesh.h"
 #include "options.h"
@@ -155,6 +156,14 @@ void bind_result(py::module_& m) {
       });
 }
 
+Guides read_guides(const std::optional<py::object>& weights, const std::optional<py::object>& barriers) {
+  Guides guides;
+  if (weights) guides.weights = read_numbers(*weights, "weights", "(F,)");
+  if (weights && guides.weights.empty()) throw InvalidInput("weights is empty: give one for each face");
+  if (barriers) guides.barriers = read_pairs(*barriers, "barriers");
+  return guides;
+}
+
 }  // namespace
 
 void bind_partition(py::module_& m) {
@@ -164,10 +173,7 @@ void bind_partition(py::module_& m) {
       "partition",
       [](const KeptMesh& mesh, PartitionOptions options, Job* job, const std::optional<py::object>& weights,
          const std::optional<py::object>& barriers) {
-        Guides guides;
-        if (weights) guides.weights = read_numbers(*weights, "weights", "(F,)");
-        if (weights && guides.weights.empty()) throw InvalidInput("weights is empty: give one for each face");
-        if (barriers) guides.barriers = read_pairs(*barriers, "barriers");
+        Guides guides = read_guides(weights, barriers);
         return call(job, [&](Job& j) { return mesh.split(options, std::move(guides), j); });
       },
       "mesh"_a, "options"_a = PartitionOptions(), "job"_a = py::none(), "weights"_a = py::none(),
@@ -186,15 +192,24 @@ Cost: method 'hierarchy' O(F), the others O(iterations * F).
 Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.)");
   m.def(
       "partition_from",
-      [](const KeptMesh& mesh, const py::object& face_region, Job* job) {
+      [](const KeptMesh& mesh, const py::object& face_region, Job* job, const std::optional<py::object>& weights,
+         const std::optional<py::object>& barriers, const Partition* before) {
         const std::vector<std::int32_t> labels = read_indices(face_region, "face_region", "(F,)");
-        return call(job, [&](Job& j) { return partition_from(mesh, labels, j); });
+        const Guides guides = read_guides(weights, barriers);
+        return call(job, [&](Job& j) {
+          const bool guided = !guides.weights.empty() || !guides.barriers.empty();
+          Partition part = partition_from(guided ? Surface(mesh, guides, j) : Surface(mesh), labels, j);
+          return before == nullptr ? std::move(part) : inherited(std::move(part), *before);
+        });
       },
-      "mesh"_a, "face_region"_a, "job"_a = py::none(),
+      "mesh"_a, "face_region"_a, "job"_a = py::none(), "weights"_a = py::none(), "barriers"_a = py::none(),
+      "before"_a = py::none(),
       R"(A partition with regions that are known: from elsewhere, or put together from several.
 
 face_region: (F,) int32 or int64, any numbers of at least 0, or -1 for a face in no region. A region that is not connected
-becomes as many as it has pieces, numbered by first face. Raises InvalidInput or Cancelled.)");
+becomes as many as it has pieces, numbered by first face. weights, barriers: as in partition. before: a partition each
+region of which holds whole ones of these: its bound and planes, its locks and how its number was found stay. Raises InvalidInput or
+Cancelled.)");
 }
 
 }  // namespace isimp::bindings

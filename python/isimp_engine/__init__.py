@@ -1,5 +1,8 @@
 """Dense scans into clean, editable n-gon meshes by Variational Shape Approximation: the engine."""
 
+from . import guided as guided
+from . import guides as guides
+from . import within as within
 from ._core import (
     Cancelled,
     CleanOptions,

@@ -1,7 +1,7 @@
 """Barriers from what a mesh shows: sharp edges, borders of a face attribute, edges that somebody marked.
 
-All give (K, 2) int32 pairs of vertices, edges of the mesh, for the `barriers` of `partition`; several are joined by
-`np.concatenate`.
+All give (K, 2) int32 pairs of vertices, edges of the mesh, for the `barriers` of `partition` and of
+`guided.partition_guided`; several are joined by `np.concatenate`.
 """
 
 from typing import Any
@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._core import InvalidInput, Job, Mesh, Partition, PartitionOptions, clean, partition, partition_from
+from ._core import InvalidInput, Mesh
 
 Pairs = NDArray[np.int32]
 
@@ -18,7 +18,7 @@ def sharp_edges(mesh: Mesh, angle: float) -> Pairs:
     """Edges at which the surface bends by more than `angle`, radians in [0, pi]. Faces without area bend nowhere."""
     if not 0 <= angle <= np.pi:
         raise InvalidInput(f"angle must be in [0, pi], got {angle}")
-    edges, a, b = _inner_edges(mesh)
+    edges, a, b = inner_edges(mesh)
     corners = mesh.vertices[mesh.triangles]
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(cross, axis=1)
@@ -29,13 +29,17 @@ def sharp_edges(mesh: Mesh, angle: float) -> Pairs:
     return edges[whole[a] & whole[b] & (cosine < np.cos(angle))]
 
 
-def attribute_borders(mesh: Mesh, values: NDArray[Any]) -> Pairs:
-    """Edges between faces of different value: a material, a face set or any other attribute, one value a face."""
+def attribute_borders(mesh: Mesh, values: NDArray[Any], among: NDArray[np.bool_] | None = None) -> Pairs:
+    """Edges between faces of different value: a material, a face set or any other attribute, one value a face.
+
+    among: (F,) faces to look at; None: all.
+    """
     values = np.asarray(values)
     if values.shape != (len(mesh.triangles),):
         raise InvalidInput(f"there must be one value for each of the {len(mesh.triangles)} faces, got {values.shape}")
-    edges, a, b = _inner_edges(mesh)
-    return edges[values[a] != values[b]]
+    edges, a, b = inner_edges(mesh)
+    between = values[a] != values[b]
+    return edges[between if among is None else between & among[a] & among[b]]
 
 
 def marked_edges(mesh: Mesh, edges: NDArray[Any]) -> Pairs:
@@ -44,35 +48,14 @@ def marked_edges(mesh: Mesh, edges: NDArray[Any]) -> Pairs:
     Edges that are gone, as their faces are, are left out.
     """
     marked = np.sort(np.asarray(edges, np.int64).reshape(-1, 2), axis=1)
-    mine, _, _ = _inner_edges(mesh)
+    mine, _, _ = inner_edges(mesh)
     source = np.sort(mesh.source_vertex[mine].astype(np.int64), axis=1)
     base = 1 + max(source.max(initial=0), marked.max(initial=0))
     known = (source >= 0).all(axis=1)
     return mine[known & np.isin(source[:, 0] * base + source[:, 1], marked[:, 0] * base + marked[:, 1])]
 
 
-def partition_part(
-    mesh: Mesh, base: Partition, faces: NDArray[Any], options: PartitionOptions | None = None, job: Job | None = None
-) -> Partition:
-    """Splits the faces given anew, alone, and leaves all others in the regions they are in.
-
-    The borders between both stay as they are, vertex by vertex, so that the polygons meet without a crack; regions that
-    the faces are taken out of become several where they fall apart. `options` speaks of the part alone.
-    """
-    chosen = np.zeros(len(mesh.triangles), bool)
-    chosen[np.asarray(faces, np.int64)] = True
-    inside = np.flatnonzero(chosen)
-    if not len(inside):
-        raise InvalidInput("no face is given")
-    alone = clean(mesh.vertices, mesh.triangles[inside], job=job)
-    options = PartitionOptions(**((options or PartitionOptions()).as_dict() | {"leave_out": 0.0}))
-    part = partition(alone, options, job)
-    labels = base.face_region.copy()
-    labels[inside[alone.source_face]] = base.region_count + part.face_region
-    return partition_from(mesh, labels, job)
-
-
-def _inner_edges(mesh: Mesh) -> tuple[Pairs, NDArray[np.intp], NDArray[np.intp]]:
+def inner_edges(mesh: Mesh) -> tuple[Pairs, NDArray[np.intp], NDArray[np.intp]]:
     """Each edge between two faces: its vertices, and the two."""
     f = mesh.triangles
     ends = np.sort(np.stack([f, np.roll(f, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)

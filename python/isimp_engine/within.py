@@ -14,13 +14,14 @@ from ._core import (
     Partition,
     PartitionOptions,
     PolygonMesh,
-    partition,
     polygonize,
     triangulate,
 )
+from .guided import Guides, partition_guided
 
 SLACK = 1.5  #: the polygons may be this many times further from the scan than its regions' planes
-_FIRST, _LEAST, _STEP = 1.0, 0.2, 0.75  # shares of the bound that planes, borders and corners may use up
+_SHARES = (1.0, 0.5, 0.25)  # of the bound that borders and corners may use up half of
+_STEP, _LEAST = 0.75, 0.2  # how the regions' own bound is lowered, and to what share of the one asked for
 _CHUNK = 1 << 20
 
 Points = NDArray[np.float64]
@@ -28,12 +29,22 @@ Points = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Within:
-    """A partition and its polygons, and the largest distance of a vertex of the scan from them, scene units."""
+    """A partition and its polygons; with a bound, how far the scan is from them."""
 
     partition: Partition
     polygons: PolygonMesh
-    distance: float
+    distance: (
+        float | None
+    )  #: the largest distance of a vertex of the scan from the polygons, scene units; None: no bound
+    allowed: float | None  #: what it must not be above: SLACK times the bound
     tries: int
+
+    @property
+    def report(self) -> dict[str, Any]:
+        """The polygons' report; with a bound, `scan_distance` and `scan_distance_allowed` in it."""
+        if self.distance is None:
+            return self.polygons.report
+        return self.polygons.report | {"scan_distance": self.distance, "scan_distance_allowed": self.allowed}
 
 
 def scan_distances(mesh: Mesh, part: Partition, polygons: PolygonMesh, enough: float = 0.0) -> Points:
@@ -59,30 +70,75 @@ def scan_distances(mesh: Mesh, part: Partition, polygons: PolygonMesh, enough: f
     return result
 
 
-def partition_within(
-    mesh: Mesh, options: PartitionOptions, meshing: MeshingOptions | None = None, job: Job | None = None, **guides: Any
+def polygonize_within(
+    mesh: Mesh, part: Partition, meshing: MeshingOptions | None = None, job: Job | None = None
 ) -> Within:
-    """Regions and polygons such that no vertex of the scan is further than SLACK times options.bound from the polygons.
+    """The polygons of a partition; with a bound such that the scan is within SLACK times it of them, if that can be.
 
-    Borders may leave their chords, polygons bend and corners move by half the bound; where that is not enough, all
-    of it and the regions' own bound are lowered step by step. Raises InvalidInput if options has no bound.
+    Borders may leave their chords, polygons bend and corners move by half the bound, and by less where that is not
+    enough. Without a bound it is `polygonize`.
     """
-    bound = options.bound
-    if bound is None:
-        partition(mesh, options, job, **guides)  # says what is wrong with the rest
-        raise ValueError("options.bound is not given")
-    share, tries, best = _FIRST, 0, None
-    while True:
-        own = PartitionOptions(**(options.as_dict() | {"bound": share * bound}))
-        part = partition(mesh, own, job, **guides)
-        polygons = polygonize(mesh, part, _tight(mesh, part, share * bound, meshing), job)
-        distance = float(np.nanmax(scan_distances(mesh, part, polygons, SLACK * bound)))
-        tries += 1
+    if part.bound is None:
+        return Within(part, polygonize(mesh, part, meshing or MeshingOptions(), job), None, None, 1)
+    allowed, best = SLACK * part.bound, None
+    for tries, share in enumerate(_SHARES, 1):
+        polygons = polygonize(mesh, part, _tight(mesh, part, share * part.bound, meshing), job)
+        distance = float(np.nanmax(scan_distances(mesh, part, polygons, allowed)))
         if best is None or distance < best.distance:
-            best = Within(part, polygons, distance, tries)
-        if distance <= SLACK * bound or share * _STEP < _LEAST:
-            return Within(best.partition, best.polygons, best.distance, tries)
-        share *= _STEP
+            best = Within(part, polygons, distance, allowed, tries)
+        if distance <= allowed:
+            break
+    return Within(best.partition, best.polygons, best.distance, allowed, tries)
+
+
+def partition_within(
+    mesh: Mesh,
+    options: PartitionOptions,
+    meshing: MeshingOptions | None = None,
+    job: Job | None = None,
+    guides: Guides | None = None,
+) -> Within:
+    """Regions and their polygons; with a bound such that the scan is within SLACK times it of them, if that can be.
+
+    Where tighter polygons do not do, the regions' own bound is lowered step by step.
+    """
+    return Tries(mesh, options, meshing, guides).polygonize(job)
+
+
+class Tries:
+    """The same in two steps, for those who show or time them one by one."""
+
+    def __init__(
+        self,
+        mesh: Mesh,
+        options: PartitionOptions,
+        meshing: MeshingOptions | None = None,
+        guides: Guides | None = None,
+    ) -> None:
+        self._mesh, self._options, self._meshing, self._guides = mesh, options, meshing, guides
+        self._part: Partition | None = None
+
+    def partition(self, job: Job | None = None, share: float = 1.0) -> Partition:
+        """The regions, with a share of the bound if there is one."""
+        bound = self._options.bound
+        own = {} if bound is None else {"bound": share * bound}
+        options = PartitionOptions(**(self._options.as_dict() | own))
+        self._part = partition_guided(self._mesh, options, job, self._guides)
+        return self._part
+
+    def polygonize(self, job: Job | None = None) -> Within:
+        """The polygons, and the regions that they needed in the end."""
+        bound, share, tries = self._options.bound, 1.0, 0
+        found = best = polygonize_within(self._mesh, self._part or self.partition(job), self._meshing, job)
+        if bound is None or found.distance is None:
+            return found
+        while True:
+            tries += found.tries
+            best = min(best, found, key=lambda one: one.distance)
+            share *= _STEP
+            if best.distance <= SLACK * bound or share < _LEAST:
+                return Within(best.partition, best.polygons, best.distance, SLACK * bound, tries)
+            found = polygonize_within(self._mesh, self.partition(job, share), self._meshing, job)
 
 
 def _tight(mesh: Mesh, part: Partition, bound: float, given: MeshingOptions | None) -> MeshingOptions:

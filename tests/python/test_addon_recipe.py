@@ -1,5 +1,6 @@
 """The recipe: steps as values, saved and read again."""
 
+import dataclasses
 import json
 
 import pytest
@@ -10,6 +11,7 @@ from isimp.recipe import AddProxy, DeleteProxy, Mesh, Partition, Recipe, RecipeE
 FULL = Recipe(
     (
         Partition(proxies=7, seed=3, iterations=5, method="lloyd", seeding="farthest", leave_out=0.0),
+        Partition(bound=0.1, seams=True, sharp=True, materials=True, angle=40.0, borders="groups", faces=(1, 2)),
         AddProxy(face=12),
         DeleteProxy(face=3, enabled=False),
         rcp.MergeRegions(face=1, other=2),
@@ -94,6 +96,47 @@ def test_then_starts_anew_at_a_partition_and_keeps_mesh_last():
     assert recipe.then(Partition(proxies=4)).steps == (Partition(proxies=4),)
 
 
+def test_a_partition_keeps_the_steps_that_led_to_locked_regions():
+    first, paint, more = Partition(proxies=3), rcp.PaintFaces(faces=(4, 5), lock=True), AddProxy(face=1)
+    recipe = Recipe((first, AddProxy(face=2), paint, more, Mesh()))
+    kept = recipe.then(Partition(detail=0.01))
+    assert kept.steps == (first, AddProxy(face=2), paint, Partition(detail=0.01))
+    assert kept.then(Partition(proxies=9)).steps == (first, AddProxy(face=2), paint, Partition(proxies=9))
+    assert recipe.then(rcp.UnlockRegions(faces=(4,))).then(first).steps == (first,), "nothing is locked any more"
+    for locks in (rcp.LockRegions(faces=(8,)), rcp.PaintFaces(faces=(1,), onto=8, lock=True)):
+        assert len(Recipe((first, locks)).then(rcp.UnlockRegions(faces=(1,))).then(first).steps) == 4
+        assert Recipe((first, dataclasses.replace(locks, enabled=False))).then(first).steps == (first,)
+
+
+def test_a_partition_of_a_part_follows_what_there_is_and_replaces_itself():
+    whole, part = Partition(proxies=3), Partition(proxies=5, faces=(1, 2))
+    recipe = Recipe((whole,)).then(part)
+    assert recipe.steps == (whole, part)
+    assert recipe.then(Partition(proxies=7, faces=(1, 2))).steps == (whole, Partition(proxies=7, faces=(1, 2)))
+    assert recipe.then(Partition(faces=(3,))).steps == (whole, part, Partition(faces=(3,)))
+    assert Partition(faces=(3,)).describe() == "Partition face 3 at detail 0.005"
+
+
+def test_what_is_given_says_how_many():
+    assert (Partition().count_by, Partition().adaptivity) == ("detail", 0.25)
+    for name in rcp.COUNTS:
+        assert Partition(**{name: 2 if name == "proxies" else 0.5}).count_by == name
+    assert Partition(count_by="bound", proxies=3).count_by == "bound"
+    assert rcp.step_from_dict({"step": "partition", "proxies": 6}) == Partition(proxies=6)
+    with pytest.raises(RecipeError, match="tolerance and proxies each say how many regions: give one, or say count_by"):
+        Partition(proxies=3, tolerance=0.1)
+
+
+def test_the_layers_that_a_recipe_needs():
+    recipe = Recipe((Partition(weights="w", borders="b", seams=True), Partition(materials=True, enabled=False)))
+    assert recipe.layers() == {"w", "b", ".seam"}
+    assert Recipe((Partition(sharp=True, materials=True, face_sets=True),)).layers() == {
+        ".sharp",
+        ".material",
+        ".face_set",
+    }
+
+
 def test_keys_depend_on_what_comes_before_and_not_on_steps_switched_off():
     first, second = Partition(proxies=3), AddProxy(face=1)
     keys = Recipe((first, second)).prefix_keys()
@@ -105,8 +148,8 @@ def test_keys_depend_on_what_comes_before_and_not_on_steps_switched_off():
 
 def test_a_step_switched_off_is_saved_as_such():
     values = json.loads(FULL.to_json())["steps"]
-    assert [values[2].get("enabled"), "enabled" in values[1]] == [False, False]
-    assert [index for index, _ in FULL.active()] == [0, 1, *range(3, len(FULL.steps))]
+    assert [values[3].get("enabled"), "enabled" in values[2]] == [False, False]
+    assert [index for index, _ in FULL.active()] == [0, 1, 2, *range(4, len(FULL.steps))]
 
 
 def test_a_recipe_without_its_mesh():

@@ -118,9 +118,9 @@ def test_mesh_gives_polygons_with_regions(scan):
 
 def test_what_was_computed_before_is_kept(scan, monkeypatch):
     session, calls = Session(), []
-    for name in ("clean", "partition", "add_proxy"):
-        real = getattr(engine, name)
-        monkeypatch.setattr(engine, name, lambda *a, real=real, name=name, **k: (calls.append(name), real(*a, **k))[1])
+    for of, name in ((engine, "clean"), (engine.guided, "partition"), (engine, "add_proxy")):
+        real = getattr(of, name)
+        monkeypatch.setattr(of, name, lambda *a, real=real, name=name, **k: (calls.append(name), real(*a, **k))[1])
     recipe = SIDES.then(AddProxy(face=3))
     first = session.replay(scan, recipe)
     assert calls == ["clean", "partition", "add_proxy"]
@@ -141,6 +141,7 @@ def test_edit_and_edit_back_is_equal_to_the_bit(scan):
         assert np.array_equal(again.polygons.loops, first.polygons.loops)
 
 
+PLAIN = Partition(proxies=12, adaptivity=0.0)  # the stroke then is in one piece with nothing cut off beside it
 STROKE = tuple(range(100, 110))
 EDITS = [
     rcp.MergeRegions(face=3),  # with the one beside it
@@ -183,7 +184,7 @@ def test_every_edit_can_be_replayed_taken_back_and_done_again_to_the_bit(quads, 
 
 
 def test_painted_faces_are_a_region_and_locked_ones_stay(quads):
-    session, recipe = Session(), Recipe((Partition(proxies=12), rcp.PaintFaces(faces=STROKE, lock=True)))
+    session, recipe = Session(), Recipe((PLAIN, rcp.PaintFaces(faces=STROKE, lock=True)))
     painted = session.replay(quads, recipe)
     region = painted.face_region[100]
     assert np.flatnonzero(painted.face_region == region).tolist() == list(STROKE)
@@ -318,3 +319,125 @@ def test_weights_changed_are_not_taken_for_those_before(scan):
     assert session.replay(flat, recipe) is first
     with pytest.raises(StepFailed, match="there is no vertex group or face attribute 'w'"):
         session.replay(scan, recipe)
+
+
+def seam_of(scan, wanted):
+    """Edges of a scan with both ends where `wanted` holds, as (K, 2) vertices."""
+    edges = scan.edges[1]
+    on = wanted(scan.vertices)
+    return edges[on[edges].all(axis=1)].astype(np.int32)
+
+
+def halves(scan):
+    """1 for each face above the middle, else 0."""
+    height = scan.vertices[scan.triangles].mean(axis=1)[:, 2]
+    return (np.bincount(scan.triangle_face, height) > 0).astype(np.int32)
+
+
+GUIDES = {
+    "materials": lambda scan: {".material": halves(scan)},
+    "face_sets": lambda scan: {".face_set": halves(scan)},
+    "borders": lambda scan: {"groups": halves(scan)},
+    "seams": lambda scan: {".seam": scan.edges[1][np.ptp(halves(scan)[scan.triangle_face[scan.edges[0]]], axis=1) > 0]},
+    "sharp": lambda scan: {
+        ".sharp": scan.edges[1][np.ptp(halves(scan)[scan.triangle_face[scan.edges[0]]], axis=1) > 0]
+    },
+}
+
+
+@pytest.mark.parametrize("option", GUIDES)
+def test_no_step_makes_a_region_cross_what_is_marked(quads, option):
+    scan, side = replace(quads, layers=GUIDES[option](quads)), halves(quads)
+    marked = {option: "groups" if option == "borders" else True}
+    session, recipe = Session(), Recipe((Partition(proxies=12, **marked),))
+    outcome = session.replay(scan, recipe)
+    assert outcome.numbers["barriers"] > 20
+    assert outcome.numbers["barriers_inside"] == 0
+    for step in EDITS[1:]:
+        outcome = session.replay(scan, recipe.then(step))
+        for region in range(outcome.numbers["regions"]):
+            assert len(set(side[outcome.face_region == region])) == 1, step
+    free = session.replay(scan, Recipe((Partition(proxies=12),)))
+    assert any(len(set(side[free.face_region == region])) == 2 for region in range(12)), "it would cross otherwise"
+    polygons = session.replay(scan, recipe.then(Mesh())).polygons
+    regions = np.asarray(polygons.polygon_region)
+    assert set(regions) == set(range(session.replay(scan, recipe).numbers["regions"]))
+
+
+def test_an_angle_keeps_sharp_edges():
+    vertices, triangles = np.array([[x, y, abs(x - 1)] for x in range(3) for y in range(4)], float), []
+    for x in range(2):
+        for y in range(3):
+            a = 4 * x + y
+            triangles += [(a, a + 4, a + 5), (a, a + 5, a + 1)]
+    roof = each_triangle(Scan(vertices, np.array(triangles, np.int32), np.arange(12), 12))
+    one = Session().replay(roof, Recipe((Partition(proxies=1, leave_out=0.0),)))
+    assert one.numbers["regions"] == 1
+    two = Session().replay(roof, Recipe((Partition(proxies=1, angle=45.0, leave_out=0.0),)))
+    assert (two.numbers["regions"], two.numbers["barriers"]) == (2, 3)
+
+
+def test_a_seam_that_ends_inside_a_region_splits_it(scan):
+    stroke = seam_of(scan, lambda v: (np.abs(v[:, 1]) < 1e-9) & (v[:, 0] > 0) & (np.abs(v[:, 2]) < 0.7))
+    assert len(stroke) >= 3
+    marked = replace(scan, layers={".seam": stroke})
+    outcome = Session().replay(marked, Recipe((Partition(proxies=4, seams=True),)))
+    assert (outcome.numbers["barriers"], outcome.numbers["barriers_inside"]) == (len(stroke), 0)
+    assert Session().replay(marked, Recipe((Partition(proxies=4),))).numbers["regions"] == 4
+
+
+def test_a_missing_attribute_is_named_and_missing_marks_are_none(scan):
+    with pytest.raises(StepFailed, match="there is no face attribute 'groups' to take borders from"):
+        Session().replay(scan, Recipe((Partition(proxies=6, borders="groups"),)))
+    outcome = Session().replay(scan, Recipe((Partition(proxies=6, seams=True, materials=True),)))
+    assert outcome.numbers["regions"] == 6
+
+
+def test_a_part_is_split_alone_and_the_rest_keeps_its_regions_and_colours(scan):
+    session, recipe = Session(), Recipe((Partition(proxies=12),))
+    before = session.replay(scan, recipe)
+    faces = tuple(np.flatnonzero(before.face_region == before.face_region[50]).tolist())
+    part = rcp.Partition(proxies=4, faces=faces)
+    after = session.replay(scan, Recipe.from_json(recipe.then(part).to_json()))
+    inside = np.isin(np.arange(scan.face_count), faces)
+    assert len(set(after.face_region[inside])) == 4
+    assert not set(after.face_region[inside]) & set(after.face_region[~inside])
+    assert after.numbers["regions"] == 15
+    np.testing.assert_array_equal(
+        before.region_color[before.face_region[~inside]], after.region_color[after.face_region[~inside]]
+    )
+    alone = session.replay(scan, Recipe((part,)))
+    assert set(np.flatnonzero(alone.face_region >= 0)) == set(faces)
+
+
+def test_a_later_partition_keeps_what_is_locked(quads):
+    session, recipe = Session(), Recipe((PLAIN, rcp.PaintFaces(faces=STROKE, lock=True)))
+    painted = session.replay(quads, recipe)
+    color = painted.region_color[painted.face_region[100]]
+    for settings in ({"proxies": 20}, {"proxies": 9}, {"detail": 0.02}, {"bound": 0.1}):
+        after = session.replay(quads, recipe.then(rcp.AddWorst(times=2)).then(Partition(**settings)))
+        assert np.flatnonzero(after.face_region == after.face_region[100]).tolist() == list(STROKE)
+        assert after.numbers["locked"] == 1
+        assert after.region_color[after.face_region[100]] == color
+        assert after.numbers["regions"] == settings.get("proxies", after.numbers["regions"])
+    twice = recipe.then(Partition(proxies=20)).then(Partition(proxies=9))
+    assert (
+        session.replay(quads, twice).face_region == session.replay(quads, recipe.then(Partition(proxies=9))).face_region
+    ).all()
+
+
+def test_the_part_that_is_not_locked_is_cut_off_once(quads, monkeypatch):
+    session, made = Session(), []
+    real = engine.guided.part_of
+    monkeypatch.setattr(engine.guided, "part_of", lambda *args: (made.append(1), real(*args))[1])
+    recipe = Recipe((PLAIN, rcp.PaintFaces(faces=STROKE, lock=True)))
+    for proxies in (20, 21, 22):
+        session.replay(quads, recipe.then(Partition(proxies=proxies)))
+    assert len(made) == 1
+
+
+def test_a_bound_holds_for_the_polygons_too(quads):
+    for bound in (0.02, 0.1):
+        numbers = Session().replay(quads, Recipe((Partition(bound=bound), Mesh()))).numbers
+        assert 0 < numbers["scan_distance"] <= numbers["scan_distance_allowed"] == pytest.approx(1.5 * bound)
+    assert "scan_distance" not in Session().replay(quads, Recipe((Partition(proxies=12), Mesh()))).numbers

@@ -26,7 +26,7 @@ def edges_of(polygons):
 
 def crossed(mesh, part, barriers):
     """How many of the barriers have the same region on both sides."""
-    edges, a, b = guides._inner_edges(mesh)
+    edges, a, b = guides.inner_edges(mesh)
     wanted = {tuple(sorted(pair)) for pair in barriers.tolist()}
     chosen = np.array([tuple(pair) in wanted for pair in edges.tolist()])
     return int((part.face_region[a][chosen] == part.face_region[b][chosen]).sum())
@@ -96,34 +96,6 @@ def test_parts_of_a_city_tile_are_kept_apart(method):
     size = np.bincount(part.face_region[part.face_region >= 0], minlength=part.region_count)
     assert (np.isin(share, [0]) | (share == size)).all()
     assert len(polygons.loop_start) >= part.region_count * 0.9
-
-
-def test_only_a_part_is_split_anew():
-    mesh = engine.Mesh(*shapes.bumpy(40))
-    base = engine.partition(mesh, engine.PartitionOptions(proxies=30))
-    middle = mesh.vertices[mesh.triangles].mean(axis=1)
-    faces = np.flatnonzero(np.linalg.norm(middle[:, :2] - 0.5, axis=1) < 0.3)
-    part = guides.partition_part(mesh, base, faces, engine.PartitionOptions(proxies=25))
-    inside = np.zeros(len(mesh.triangles), bool)
-    inside[faces] = True
-    assert len(set(part.face_region[inside])) == 25
-    assert not set(part.face_region[inside]) & set(part.face_region[~inside])
-    # Outside two faces are in one region if and only if they were, but where a region fell apart.
-    for region in set(part.face_region[~inside]):
-        assert len(set(base.face_region[part.face_region == region])) == 1
-    polygons = engine.polygonize(mesh, part)
-    assert polygons.report["manifold"]
-    count = {}
-    ends = [*polygons.loop_start[1:], len(polygons.loops)]
-    for start, end in zip(polygons.loop_start, ends, strict=True):
-        loop = polygons.loops[start:end]
-        for a, b in zip(loop, np.roll(loop, -1), strict=True):
-            count[min(a, b), max(a, b)] = count.get((min(a, b), max(a, b)), 0) + 1
-    single = np.array([pair for pair, n in count.items() if n == 1])  # only along the sheet's own border
-    rim = mesh.vertices[polygons.source_vertex[single.ravel()]][:, :2]
-    assert (np.isclose(rim, 0) | np.isclose(rim, 1)).any(axis=1).all()
-    with pytest.raises(engine.InvalidInput, match="no face is given"):
-        guides.partition_part(mesh, base, [])
 
 
 def test_labels_from_elsewhere_become_a_partition():

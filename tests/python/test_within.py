@@ -30,5 +30,12 @@ def test_the_polygons_keep_one_and_a_half_times_the_bound(bound):
     away = within.scan_distances(mesh, result.partition, result.polygons)
     assert result.distance >= np.nanmax(away) - 1e-12
     assert result.polygons.report["closed"]
-    with pytest.raises(ValueError, match="bound is not given"):
-        within.partition_within(mesh, engine.PartitionOptions(proxies=9))
+    report = result.report
+    assert (report["scan_distance"], report["scan_distance_allowed"]) == (result.distance, pytest.approx(1.5 * bound))
+
+
+def test_without_a_bound_nothing_is_measured():
+    mesh = engine.Mesh(*shapes.cube(6))
+    result = within.partition_within(mesh, engine.PartitionOptions(proxies=6))
+    assert (result.partition.region_count, result.distance, result.allowed) == (6, None, None)
+    assert "scan_distance" not in result.report

@@ -10,7 +10,7 @@ import dataclasses
 import bpy
 import numpy as np
 
-from . import mesh_io, runtime, weights
+from . import marks, mesh_io, runtime, weights
 
 
 class Known:
@@ -43,7 +43,8 @@ def read(context, obj, layers=frozenset(), again=False):
     if not layers:
         return scan
     known = runtime.get().scans.get(obj.name)
-    return dataclasses.replace(scan, layers=weights.read(obj, layers, {} if known is None else known.groups))
+    found = weights.read(obj, layers, {} if known is None else known.groups)
+    return dataclasses.replace(scan, layers=found | marks.read(obj, layers, len(scan.vertices)))
 
 
 def _read(context, obj):

@@ -31,7 +31,7 @@ def read(obj, wanted, groups: dict) -> dict:
                 groups[name] = _of_faces(obj.data, _group(obj, obj.vertex_groups[name].index))
             found[name] = groups[name]
         elif obj.mode == "EDIT":
-            values = _edit_layer(obj.data, name)
+            values = edit_layer(obj.data, name)
             if values is not None:
                 found[name] = values
         elif name in obj.data.attributes and _fits(obj.data.attributes[name]):
@@ -62,7 +62,7 @@ def _of_faces(mesh, values: np.ndarray) -> np.ndarray:
     return (np.add.reduceat(values[corners].astype(np.float64), start) / totals).astype(np.float32)
 
 
-def _edit_layer(mesh, name: str):
+def edit_layer(mesh, name: str):
     """(faces,) float32 of a layer in edit mode, or None."""
     edit = bmesh.from_edit_mesh(mesh)
     for kind in ("float", "int"):

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import CleanOptions, FileError, InvalidInput, PartitionOptions, __version__
-from . import info, simplify
+from . import guiding, info, simplify
 from .errors import UsageError
 
 OK, USAGE, BAD_INPUT, INTERRUPTED = 0, 2, 3, 130
@@ -54,6 +54,7 @@ def parser() -> argparse.ArgumentParser:
     about = f"Turns off: {PartitionOptions.snap.__doc__}"
     command.add_argument("--no-snap", dest="snap", action="store_false", default=None, help=about)
     add_fields(command, CleanOptions, _CLEAN_FIELDS)
+    guiding.add_options(command)
     command.add_argument(
         "--labels", type=Path, metavar="L.npy", help="one int32 region per face of INPUT, in file order; -1: none"
     )

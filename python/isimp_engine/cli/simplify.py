@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from .. import InvalidInput, Job, MeshingOptions, Partition, __version__, partition, polygonize, write
-from . import words
+from .. import InvalidInput, Job, MeshingOptions, Partition, __version__, write
+from ..within import Tries
+from . import guiding, words
 from .errors import UsageError
 from .files import Outputs
 from .loading import Input, clean_mesh, facts, labels, load
@@ -45,11 +46,14 @@ def run(arguments: argparse.Namespace) -> None:
         mesh, repaired, repaired_at = clean_mesh(source, arguments.clean, job)
     with steps("partition") as job:
         try:
-            part = partition(mesh, options, job)
+            guides = guiding.guides_of(arguments, source, mesh, job)
+            tries = Tries(mesh, options, meshing, guides)
+            tries.partition(job)
         except InvalidInput as error:  # the mesh is sound by now, so it is the options
             raise UsageError(f"{arguments.input}: {error}") from None
     with steps("mesh") as job:
-        poly = polygonize(mesh, part, meshing, job)
+        found = tries.polygonize(job)
+        part, poly = found.partition, found.polygons
     with Outputs() as outputs:
         with steps("write") as job:
             outputs.write(arguments.output, lambda path: write(path, poly, job))
@@ -62,12 +66,13 @@ def run(arguments: argparse.Namespace) -> None:
             "repair": repaired,
             "repaired_at": repaired_at,
             "mesh": facts(mesh),
-            "options": options.as_dict() | {"clean": arguments.clean.as_dict(), "meshing": meshing.as_dict()},
+            "options": options.as_dict()
+            | {"clean": arguments.clean.as_dict(), "meshing": meshing.as_dict(), "guides": guiding.as_dict(arguments)},
             "regions": part.region_count,
             "error": part.error,
             "history": part.history.tolist(),
             "partition": part.report,
-            "output": {"path": str(arguments.output)} | poly.report,
+            "output": {"path": str(arguments.output)} | found.report,
             "seconds": steps.seconds,
             "peak_mb": peak_mb(),
         }
@@ -128,5 +133,8 @@ def summary(source: Input, part: Partition, report: dict[str, Any]) -> Iterator[
     kind = f"{'closed' if out['closed'] else 'open'}, {'manifold' if out['manifold'] else 'not manifold'}"
     yield f"{out['path']}: {polygons} of {regions}, {out['corners'] / max(out['polygons'], 1):.1f} corners each, {kind}"
     yield f"  flat to {mean} of the diagonal, at worst {worst}; {sum(report['seconds'].values()):.1f} s"
+    if out.get("scan_distance") is not None:
+        kept = "within" if out["scan_distance"] <= out["scan_distance_allowed"] else "NOT within"
+        yield f"  the scan is at most {out['scan_distance']:.4g} off, {kept} {out['scan_distance_allowed']:.4g}"
     if flaws := [f"{out[key]} {key}" for key in ("crossing", "flipped", "bent", "intersecting") if out[key]]:
         yield f"  not perfect: {', '.join(flaws)}"

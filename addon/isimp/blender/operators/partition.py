@@ -1,7 +1,9 @@
+import dataclasses
+
 import bpy
 
 from ... import recipe as rcp
-from .. import settings
+from .. import settings, store, targets
 from ..modal import RecipeOperator
 from ..show import show_regions
 
@@ -13,7 +15,12 @@ class ISIMP_OT_partition(RecipeOperator, settings.PartitionSettings, bpy.types.O
     bl_label = "Partition"
 
     def wanted(self, context, scan):
-        return rcp.Recipe().then(settings.to_step(rcp.Partition, self))
+        step = settings.to_step(rcp.Partition, self)
+        given = [name for name in rcp.COUNTS if self.properties.is_property_set(name)]
+        if len(given) == 1 and not self.properties.is_property_set("count_by"):
+            step = dataclasses.replace(step, count_by=given[0])
+        before = rcp.Recipe() if targets.needs_regions(scan) else store.load(scan)
+        return before.then(step)  # which keeps what led to locked regions
 
     show = staticmethod(show_regions)
 

@@ -40,6 +40,7 @@ class ISIMP_PT_main(Panel, bpy.types.Panel):
         button.scale_y = 1.4
         operator = button.operator("isimp.partition", icon="MOD_EXPLODE")
         settings.copy(rcp.Partition, panel.partition, operator)
+        operator.count_by = partition.count_by  # said even where it is the default: see its `wanted`
 
 
 class ISIMP_PT_options(Panel, bpy.types.Panel):

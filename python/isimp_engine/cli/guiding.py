@@ -1,0 +1,85 @@
+"""What the command line says of single faces and edges of the file, as the engine wants it."""
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import InvalidInput, Job, Mesh, guides, partition_from
+from ..guided import Guides
+from .errors import UsageError
+from .loading import Input
+
+_FILES = {
+    "weights": ("W.npy", "one number per face of INPUT, at least 0; regions grow dense like the root of it"),
+    "borders": ("B.npy", "one value per face of INPUT; no region has faces of two values"),
+    "cuts": ("E.npy", "(K, 2) vertices of INPUT, edges that no region crosses and that split a region they end in"),
+    "part": ("P.npy", "split these faces of INPUT alone, by their numbers; the others stay as --base has them"),
+    "base": ("L.npy", "one region per face of INPUT, as --labels wrote it; without it the others have none"),
+}
+
+
+def add_options(command: argparse.ArgumentParser) -> None:
+    about = "no region crosses an edge at which INPUT bends by more than so many degrees, in [0, 180]"
+    command.add_argument("--angle", type=float, metavar="A", help=about)
+    for name, (metavar, about) in _FILES.items():
+        command.add_argument(f"--{name}", type=Path, metavar=metavar, help=about)
+
+
+def as_dict(arguments: argparse.Namespace) -> dict[str, Any]:
+    """What was given, for the report."""
+    files = {name: getattr(arguments, name) for name in _FILES}
+    return {"angle": arguments.angle} | {name: path and str(path) for name, path in files.items()}
+
+
+def guides_of(arguments: argparse.Namespace, source: Input, mesh: Mesh, job: Job) -> Guides:
+    """The guides that the command line asks for, by faces and vertices of the mesh."""
+    face = np.where(mesh.source_face >= 0, source.polygon[mesh.source_face], -1)
+    barriers = []
+    if arguments.angle is not None:
+        try:
+            barriers.append(guides.sharp_edges(mesh, np.radians(arguments.angle)))
+        except InvalidInput:
+            raise UsageError(f"--angle must be in [0, 180], got {arguments.angle}") from None
+    if arguments.borders:
+        values = _load(arguments, "borders", (source.faces,))
+        barriers.append(guides.attribute_borders(mesh, values[face], among=face >= 0))
+    weights = _load(arguments, "weights", (source.faces,)) if arguments.weights else None
+    before = None
+    if arguments.base:
+        if not arguments.part:
+            raise UsageError("--base is for --part: it says in which regions the other faces are")
+        labels = _load(arguments, "base", (source.faces,))
+        before = partition_from(mesh, np.where(face >= 0, labels[face], -1), job)
+    return Guides(
+        weights=None if weights is None else np.where(face >= 0, weights[face], 1.0),
+        barriers=np.concatenate(barriers) if barriers else None,
+        cuts=guides.marked_edges(mesh, _load(arguments, "cuts", (None, 2))) if arguments.cuts else None,
+        faces=_part(arguments, source, face) if arguments.part else None,
+        before=before,
+    )
+
+
+def _part(arguments: argparse.Namespace, source: Input, face: NDArray[Any]) -> NDArray[np.intp]:
+    chosen = _load(arguments, "part", (None,))
+    if len(chosen) and not 0 <= chosen.min() <= chosen.max() < source.faces:
+        raise UsageError(f"{arguments.part}: faces must be in [0, {source.faces})")
+    return np.flatnonzero(np.isin(face, chosen))
+
+
+def _load(arguments: argparse.Namespace, name: str, shape: tuple[int | None, ...]) -> NDArray[Any]:
+    """The array in the file of an option, with this shape (None: any length) and of numbers."""
+    path = getattr(arguments, name)
+    try:
+        values = np.load(path, allow_pickle=False)
+    except (ValueError, EOFError):
+        raise UsageError(f"{path}: is no .npy file of numbers") from None
+    fits = values.ndim == len(shape) and all(n in (None, m) for n, m in zip(shape, values.shape, strict=True))
+    whole = name in ("weights", "borders") or values.dtype.kind in "iu"
+    if not fits or not whole or values.dtype.kind not in "iufb":
+        wanted = ", ".join("K" if n is None else str(n) for n in shape)
+        kind = "numbers" if name in ("weights", "borders") else "integers"
+        raise UsageError(f"{path}: must be ({wanted}) {kind}, is {values.shape} {values.dtype}")
+    return values
