@@ -392,3 +392,76 @@ def test_help_and_version():
 def test_the_version_is_the_projects():
     cmake = (Path(__file__).resolve().parents[2] / "CMakeLists.txt").read_text()
     assert f"project(isimp VERSION {engine.__version__} " in cmake
+
+
+def test_guides_are_kept_to_and_said(scan, tmp_path):
+    out, labels, report = tmp_path / "out.ply", tmp_path / "labels.npy", tmp_path / "report.json"
+    vertices, triangles = engine.read(scan)
+    right = vertices[triangles].mean(axis=1)[:, 0] > 0.5
+    np.save(tmp_path / "b.npy", right)
+    np.save(tmp_path / "w.npy", np.where(right, 16.0, 1.0))
+    outputs = (out, "--labels", labels, "--report", report)
+    counts = []
+    for more in ((), ("--weights", tmp_path / "w.npy")):
+        done = isimp("simplify", scan, *outputs, "--proxies", 20, "--borders", tmp_path / "b.npy", *more)
+        assert done.returncode == 0, done.stderr
+        regions = np.load(labels)
+        assert not set(regions[right]) & set(regions[~right])
+        counts.append(len(set(regions[right])))
+    assert counts[1] > counts[0]
+    assert json.loads(report.read_text())["options"]["guides"]["weights"] == str(tmp_path / "w.npy")
+
+    np.save(tmp_path / "p.npy", np.flatnonzero(right))
+    done = isimp("simplify", scan, out, "--labels", tmp_path / "new.npy", "--proxies", 5, "--part", tmp_path / "p.npy",
+                 "--base", labels)  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    new = np.load(tmp_path / "new.npy")
+    assert len(set(new[right])) == 5
+    pairs = np.unique(np.stack([regions, new], axis=1)[~right], axis=0)
+    assert len(pairs) == len(set(regions[~right])) == len(set(new[~right])), "the others are as they were"
+
+
+def test_edges_that_are_sharp_or_cut_part_regions(tmp_path):
+    path, labels = tmp_path / "cube.ply", tmp_path / "labels.npy"
+    vertices, triangles = shapes.cube(4)
+    meshfiles.ply_binary(path, vertices, triangles.tolist())
+    done = isimp("simplify", path, tmp_path / "out.obj", "--proxies", 1, "--angle", 45, "--labels", labels)
+    assert done.returncode == 0, done.stderr
+    assert np.load(labels).max() == 5
+    edge = triangles[0, :2][None]
+    np.save(tmp_path / "e.npy", edge)
+    done = isimp(
+        "simplify", path, tmp_path / "out.obj", "--proxies", 6, "--cuts", tmp_path / "e.npy", "--labels", labels
+    )
+    assert done.returncode == 0, done.stderr
+    beside = np.load(labels)[[set(edge[0]) <= set(t) for t in triangles.tolist()]]
+    assert len(set(beside)) == 2
+
+
+def test_a_bound_is_measured_on_the_polygons(scan, tmp_path):
+    report = tmp_path / "report.json"
+    done = isimp("simplify", scan, tmp_path / "out.ply", "--bound", 0.02, "--report", report)
+    assert done.returncode == 0, done.stderr
+    said = json.loads(report.read_text())
+    assert said["partition"]["distance_max"] <= 0.02
+    assert 0 < said["output"]["scan_distance"] <= said["output"]["scan_distance_allowed"] == pytest.approx(0.03)
+    assert "the scan is at most" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("flags", "values", "message"),
+    [
+        (["--angle", "190"], None, "--angle must be in [0, 180], got 190"),
+        (["--borders", "f.npy"], np.zeros(3), "f.npy: must be (1800) numbers, is (3,) float64"),
+        (["--cuts", "f.npy"], np.zeros((4, 2)), "f.npy: must be (K, 2) integers, is (4, 2) float64"),
+        (["--part", "f.npy"], np.array([1800]), "f.npy: faces must be in [0, 1800)"),
+        (["--base", "f.npy"], np.zeros(1800, int), "--base is for --part"),
+        (["--weights", "f.npy"], None, "f.npy: is no .npy file of numbers"),
+    ],
+)
+def test_guides_that_cannot_be_used_are_named(scan, tmp_path, flags, values, message):
+    if values is None:
+        (tmp_path / "f.npy").write_text("nothing")
+    else:
+        np.save(tmp_path / "f.npy", values)
+    check_line(isimp("simplify", scan, "out.ply", *flags, cwd=tmp_path), 2, message)

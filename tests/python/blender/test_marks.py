@@ -1,0 +1,68 @@
+"""What Blender marks on a mesh: regions that keep to seams, sharp edges, materials and face sets."""
+
+import bpy
+import numpy as np
+import pytest
+import scans
+
+from isimp.recipe import Mesh, PaintFaces, Partition, Recipe
+
+pytestmark = pytest.mark.usefixtures("scene")
+
+
+@pytest.fixture
+def scan():
+    """A cube whose middle, all round, is marked in each way."""
+    obj = scans.cube(cells=4)
+    mesh, points = obj.data, scans.coordinates(obj.data)
+    for edge in mesh.edges:
+        edge.use_seam = edge.use_edge_sharp = bool((np.abs(points[list(edge.vertices), 2]) < 1e-6).all())
+    mesh.polygons.foreach_set("material_index", above(obj).astype(np.int32))
+    if bpy.app.version >= (3, 6):
+        mesh.attributes.new(".sculpt_face_set", "INT", "FACE").data.foreach_set("value", above(obj).astype(np.int32))
+    mesh.attributes.new("groups", "INT", "FACE").data.foreach_set("value", above(obj).astype(np.int32))
+    return obj
+
+
+def above(obj):
+    return np.array([polygon.center.z > 0 for polygon in obj.data.polygons])
+
+
+OPTIONS = ["seams", "sharp", "materials", "borders"] + (["face_sets"] if bpy.app.version >= (3, 6) else [])
+
+
+@pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
+@pytest.mark.parametrize("option", OPTIONS)
+def test_regions_keep_to_what_is_marked(scan, option, mode):
+    bpy.ops.object.mode_set(mode=mode)
+    step = Partition(proxies=6, **{option: "groups" if option == "borders" else True})
+    assert bpy.ops.isimp.replay(recipe=Recipe((step,)).to_json()) == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    regions, upper = scans.regions(scan), above(scan)
+    assert not set(regions[upper]) & set(regions[~upper])
+    assert bpy.ops.isimp.replay(recipe=Recipe((Partition(proxies=6),)).to_json()) == {"FINISHED"}
+    regions = scans.regions(scan)
+    assert len(set(regions[upper]) & set(regions[~upper])) == 4, "without it the four sides are whole"
+
+
+def test_marks_that_modifiers_move_away_are_said(scan):
+    scan.modifiers.new("More", "SUBSURF").levels = 1
+    with pytest.raises(RuntimeError, match="can't be traced through its modifiers: apply them first"):
+        bpy.ops.isimp.replay(recipe=Recipe((Partition(proxies=6, seams=True),)).to_json())
+
+
+def test_the_number_is_found_unless_one_is_given(scan):
+    bpy.ops.isimp.partition()
+    assert len(set(scans.regions(scan))) == 6
+    bpy.ops.isimp.partition(proxies=9)
+    assert len(set(scans.regions(scan))) == 9
+
+
+def test_partition_keeps_locked_regions(scan):
+    recipe = Recipe((Partition(proxies=6),))
+    bpy.ops.isimp.replay(recipe=recipe.to_json())
+    bpy.ops.isimp.replay(recipe=recipe.then(PaintFaces(faces=(0, 1), lock=True)).then(Mesh()).to_json())
+    bpy.ops.isimp.partition(proxies=10)
+    regions = scans.regions(scan)
+    assert np.flatnonzero(regions == regions[0]).tolist() == [0, 1]
+    assert len(set(regions)) == 10
