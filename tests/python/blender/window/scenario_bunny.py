@@ -56,6 +56,7 @@ def run(hand):
     yield from hand.open_tab()
     yield from view(hand)
     yield from hand.shot("bunny-1-scan")
+    bpy.context.window_manager.isimp.partition.count_by = "proxies"
     yield from hand.press("isimp.partition")
     same("regions", regions(), 200)
     yield from sketched()

@@ -60,6 +60,7 @@ def run(hand):
     before = regions()
     assert before > 0
     bpy.context.window_manager.isimp.live = False  # else the number alone would be a step
+    bpy.context.window_manager.isimp.partition.count_by = "proxies"
     yield from hand.type_into("partition.proxies", "9")
 
     yield from press_slowly(hand, 300)

@@ -60,6 +60,7 @@ def run(hand):
     yield from hand.open_tab()
     yield from hand.shot("1-start")
 
+    bpy.context.window_manager.isimp.partition.count_by = "proxies"
     yield from hand.type_into("partition.proxies", "14")
     same("typed", bpy.context.window_manager.isimp.partition.proxies, 14)
     yield from hand.press("isimp.partition")

@@ -59,6 +59,7 @@ def run(hand):
     make_scan()
     yield 0.5
     yield from hand.open_tab()
+    bpy.context.window_manager.isimp.partition.count_by = "proxies"
     yield from hand.type_into("partition.proxies", "14")
     same("nothing before Partition", regions(), 0)
     yield from hand.press("isimp.partition")
