@@ -1,6 +1,7 @@
 """Bounds, adaptivity and painted weights on scans: the tables of how many regions they give, and where.
 
-    bench/guided_counts.py bounds       regions for a bound of .25, .5 and 1 % of the diagonal, and how it is kept
+    bench/guided_counts.py bounds       regions for a bound of .25, .5 and 1 % of the diagonal, how it is kept, and how
+                                        far the scan is from the polygons (at most 1.5 bounds)
     bench/guided_counts.py adaptivity   share of the regions in the roughest fifth of the area
     bench/guided_counts.py weights      regions in a painted zone, and in the rest
 
@@ -63,7 +64,11 @@ def bounds(folder, names):
             wanted = f"wanted {WANTED[name][k]:4}" if name in WANTED else ""
             kept, speed = farthest(mesh, part) / bound, took / len(mesh.triangles) * 1e6
             print(f"{name:32} {percent:4} %  {part.region_count:5} regions {wanted}  kept to {kept:.4f}", end="")
-            print(f"  {speed:.2f} s a million faces, x{took / plain:.1f}", flush=True)
+            print(f"  {speed:.2f} s a million faces, x{took / plain:.1f}", end="")
+            step = engine.within.polygonize_within(mesh, part)
+            both = engine.within.partition_within(mesh, engine.PartitionOptions(bound=bound, noise=0.0))
+            print(f"  scan to polygons {step.distance / bound:.3f} bounds, with its regions tightened", end="")
+            print(f" {both.distance / bound:.3f} of {both.partition.region_count} regions", flush=True)
 
 
 def neighbours(mesh):
