@@ -26,8 +26,10 @@ void bind_options(py::module_& m) {
              "With fewer regions than this there is no bound on flatness: they are bent themselves.")
       .field("flatness", &Options::flatness,
              "Polygons bent by more than this share of the diagonal are split; no bound at 0.")
-      .field("repair_budget", &Options::repair_budget,
-             "Splits and diagonals that the repair may make, as a share of the regions.")
+      .field(
+          "repair_budget", &Options::repair_budget,
+          "Splits and diagonals that the repair may make, as a share of the polygons before; those that turn out not "
+          "to be needed are taken back.")
       .finish();
 }
 
@@ -95,8 +97,8 @@ polygons, corners, vertices, regions; regions_split (those that became more than
 euler; planarity_max, planarity_mean (weighted by area) and distance_max (of a corner from its vertex), scene units;
 crossing, flipped, bent: polygons that stayed so; intersecting: pairs of polygons that still intersect, excused: such
 pairs whose regions do so in the scan itself; diagonals that the repair put across regions, repair_rounds, and
-repair_capped: whether it would have needed more than options.repair_budget; imperfect: all of these by polygon, a list
-of dicts with polygon (its index), flaw ("crossing", "no_area", "flipped", "bent", "intersecting" or "excused") and, for
+repair_capped: whether something is left that takes more than options.repair_budget; imperfect: all of these by polygon,
+a list of dicts with polygon (its index), flaw ("crossing", "no_area", "flipped", "bent", "intersecting" or "excused") and, for
 the last two, other (the polygon it meets; each pair is listed under both).)")
       .def("__repr__", [](const PolygonMesh& poly) {
         return py::str("<PolygonMesh: {} polygons, {} vertices, {}>")

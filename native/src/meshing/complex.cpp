@@ -95,6 +95,22 @@ std::vector<Vec3> Complex::points(std::span<const std::int32_t> path) const {
 
 void Complex::add_corner(std::int32_t vertex) {
   corner_[vertex] = 1;
+  mark_dirty(vertex);
+}
+
+bool Complex::drop_corner(std::int32_t vertex) {
+  if (is_anchor(vertex)) return false;
+  corner_[vertex] = 0;
+  mark_dirty(vertex);
+  return true;
+}
+
+void Complex::forget(std::int32_t piece) {
+  loops_[piece].clear();
+  chords_[piece].clear();
+}
+
+void Complex::mark_dirty(std::int32_t vertex) {
   for_each_leaving(mesh_, vertex, [&](std::int32_t h) {
     const std::int32_t l = labels_.label[h / 3];
     if (dirty_.empty() || dirty_.back() != l) dirty_.push_back(l);
@@ -106,7 +122,8 @@ double Complex::depth(std::int32_t chord) const { return farthest(points(path(ch
 bool Complex::bend(std::int32_t chord) {
   const std::vector<std::int32_t> vertices = path(chord);
   if (vertices.size() < 3) return false;
-  add_corner(vertices[farthest(points(vertices)).where]);
+  bent_.push_back(vertices[farthest(points(vertices)).where]);
+  add_corner(bent_.back());
   return true;
 }
 
@@ -180,7 +197,7 @@ void Complex::make_regular() {
 bool Complex::add_third_corners() {
   bool any = false;
   for (std::int32_t l = 0; l < labels_.piece_count(); ++l) {
-    if (chords_[l].size() >= 3) continue;
+    if (chords_[l].size() >= 3 || loops_[l].empty()) continue;
     std::int32_t best = kNone;
     double most = -1;
     for (const std::int32_t h : chords_[l]) {
@@ -241,6 +258,7 @@ bool Complex::part_duplicates() {
   };
   std::vector<Entry> entries;
   for (std::int32_t l = 0; l < labels_.piece_count(); ++l) {
+    if (loops_[l].empty()) continue;
     Entry e{{}, l};
     for (const std::int32_t h : chords_[l]) e.corners.push_back(mesh_.from(h));
     std::sort(e.corners.begin(), e.corners.end());

@@ -48,6 +48,10 @@ class Complex {
   void make_regular();
   /// Makes a boundary vertex a corner.
   void add_corner(std::int32_t vertex);
+  /// Makes a vertex no corner any more, unless it has to be one. \return whether it could be
+  bool drop_corner(std::int32_t vertex);
+  /// Forgets a piece that is no more.
+  void forget(std::int32_t piece);
   /// How far the boundary leaves a chord at most; -1 if there is no vertex between its ends.
   [[nodiscard]] double depth(std::int32_t chord) const;
   /// Makes the vertex between two corners a corner that is farthest from the chord. \return whether there is one
@@ -60,6 +64,8 @@ class Complex {
   [[nodiscard]] std::span<const std::int32_t> chords(std::int32_t piece) const { return chords_[piece]; }
   [[nodiscard]] std::span<const std::int32_t> loop(std::int32_t piece) const { return loops_[piece]; }
   [[nodiscard]] bool is_corner(std::int32_t vertex) const { return corner_[vertex] != 0; }
+  /// The vertices that `bend` made corners, some of them perhaps more than once or dropped since.
+  [[nodiscard]] std::span<const std::int32_t> bent() const { return bent_; }
   /// The vertices from corner to corner.
   [[nodiscard]] std::vector<std::int32_t> path(std::int32_t chord) const;
   [[nodiscard]] const RegularCounts& counts() const { return counts_; }
@@ -73,6 +79,7 @@ class Complex {
   [[nodiscard]] std::vector<Vec3> smooth(std::int32_t chord, std::vector<std::int32_t>& vertices) const;
   /// Of the angle at which the two pieces of a chord meet, but at least tolerance.least_sine; 1 on the border.
   [[nodiscard]] double sine_at(std::int32_t chord) const;
+  void mark_dirty(std::int32_t vertex);
   void collect_dirty();
   bool add_third_corners();
   bool part_multi_edges();
@@ -86,6 +93,7 @@ class Complex {
   std::vector<std::vector<std::int32_t>> chords_;  ///< those of them that start at a corner
   std::vector<std::int32_t> dirty_;                ///< pieces whose chords_ are out of date
   std::vector<std::int32_t> changed_;              ///< pieces whose chords_ have been brought up to date
+  std::vector<std::int32_t> bent_;
   RegularCounts counts_;
 };
 

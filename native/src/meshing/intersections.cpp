@@ -44,6 +44,27 @@ Vec3 meeting_place(const Corners& f, const Corners& g) {
   return (small[0] + small[1] + small[2]) / 3;
 }
 
+/// Calls test(a, b) for each box a of `some` and each other b of `all` that have a place in common.
+/// Cost: O(n log n + pairs that overlap along one axis), which for few boxes is less than to build a tree.
+template <class Test>
+void for_each_meeting(std::span<const Box> some, std::vector<Box>& all, Test test) {
+  std::sort(all.begin(), all.end(), [](const Box& x, const Box& y) {
+    return x.min_coord(0) < y.min_coord(0) || (x.min_coord(0) == y.min_coord(0) && x.info() < y.info());
+  });
+  double widest = 0;
+  for (const Box& b : all) widest = std::max(widest, b.max_coord(0) - b.min_coord(0));
+  for (const Box& a : some) {
+    auto b = std::lower_bound(all.begin(), all.end(), a.min_coord(0) - widest,
+                              [](const Box& x, double low) { return x.min_coord(0) < low; });
+    for (; b != all.end() && b->min_coord(0) <= a.max_coord(0); ++b) {
+      bool apart = b->info() == a.info();
+      for (int axis = 0; axis < 3; ++axis)
+        apart = apart || b->max_coord(axis) < a.min_coord(axis) || a.max_coord(axis) < b->min_coord(axis);
+      if (!apart) test(a, *b);
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<Hit> find_hits(std::span<const Facet> facets, std::span<const Vec3> position,
@@ -68,10 +89,11 @@ std::vector<Hit> find_hits(std::span<const Facet> facets, std::span<const Vec3> 
   if (moved.size() == all.size()) {
     CGAL::box_self_intersection_d(all.begin(), all.end(), test);
   } else {
-    CGAL::box_intersection_d(moved.begin(), moved.end(), all.begin(), all.end(), test);
+    for_each_meeting(moved, all, test);
   }
   // Facets come by piece and part, so the lower one is of the lower polygon.
   std::sort(met.begin(), met.end());
+  met.erase(std::unique(met.begin(), met.end()), met.end());
   std::vector<Hit> hits;
   const auto corners = [&](const Facet& f) {
     return Corners{position[f.corner[0]], position[f.corner[1]], position[f.corner[2]]};

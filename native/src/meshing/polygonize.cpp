@@ -49,6 +49,7 @@ void check(const Mesh& mesh, const Partition& partition, const MeshingOptions& o
 void count_splits(const Labels& labels, std::int32_t regions, MeshingReport& report) {
   std::vector<std::int32_t> pieces(regions, 0);
   for (const Piece& p : labels.pieces) {
+    if (p.face == kNone) continue;
     ++pieces[p.region];
     report.split_for_unconnected += p.cause == Cause::unconnected;
     report.split_for_pinches += p.cause == Cause::pinch;

@@ -78,6 +78,7 @@ Polygons collect_polygons(const Complex& complex, const Labels& labels, Diagonal
   std::vector<Cycle> cycles;
   for (std::int32_t l = 0; l < labels.piece_count(); ++l) {
     p.first_of.push_back(p.count());
+    if (complex.chords(l).empty()) continue;  // no more
     cycles.assign(1, {});
     for (const std::int32_t h : complex.chords(l)) cycles[0].push_back(labels.mesh.from(h));
     const std::size_t before = diagonals[l].size();

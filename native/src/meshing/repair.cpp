@@ -4,22 +4,22 @@
 #include <algorithm>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <optional>
 #include <string_view>
 #include <utility>
 
-#include "judge.h"
+#include "coarsen.h"
+#include "findings.h"
 
 namespace isimp::meshing {
 namespace {
 
 constexpr int kRounds = 40;
-constexpr int kPatience = 12;              ///< how often the last act of a plan is repeated
-constexpr double kPull = 0.5;              ///< what a pull leaves of a corner's radius ...
-constexpr double kLeastPull = 0.1;         ///< ... down to this share of it; then it goes back to its vertex
-constexpr int kAfterSplit = 5;             ///< where in its plan goes on what comes of a split
-constexpr std::int32_t kLeastBudget = 30;  ///< splits that are always allowed
+constexpr int kPatience = 12;               ///< how often the last act of a plan is repeated
+constexpr double kPull = 0.5;               ///< what a pull leaves of a corner's radius ...
+constexpr double kLeastPull = 0.1;          ///< ... down to this share of it; then it goes back to its vertex
+constexpr int kAfterSplit = 5;              ///< where in its plan goes on what comes of a split
+constexpr std::int32_t kLeastBudget = 100;  ///< splits that are always allowed
 
 /// What is done at the first, second, ... time a piece is found faulty: q pull the corners concerned, p pull all, b
 /// bend a chord, d diagonal, s split. What comes of a split is pulled before it is split again.
@@ -28,81 +28,44 @@ constexpr std::string_view kPlanCrossing = "qbpbspspspspsps", kPlanFlipped = "pp
 
 class Repairer {
  public:
-  Repairer(State& state, Job& job) : s_(state), job_(job) {
-    const auto allowed = static_cast<std::int32_t>(s_.options.repair_budget * s_.regions);
+  Repairer(State& state, Job& job) : s_(state), job_(job), findings_(state, bounds(state)) {
+    const auto allowed = static_cast<std::int32_t>(s_.options.repair_budget * s_.labels.piece_count());
     most_polygons_ = s_.labels.piece_count() + std::max(kLeastBudget, allowed);
-    if (s_.regions >= s_.options.flatness_from) bounds_.bend = s_.options.flatness * s_.mesh.diagonal();
-    bounds_.thickness = kThickness * s_.mesh.diagonal();
   }
 
   RepairOutcome run() {
-    std::vector<std::int32_t> changed = s_.update({});
-    judge(changed);
-    for (; outcome_.rounds < kRounds; ++outcome_.rounds) {
-      job_.report(std::min(0.95, outcome_.rounds / 20.0));
-      if (!act()) break;
-      changed = s_.update(std::exchange(changed_, {}));
-      judge(changed);
-    }
+    judge(s_.update({}));
+    mend(kRounds);
+    outcome_.taken_back = coarsen(s_, findings_, job_);
+    std::fill(tries_.begin(), tries_.end(), 0);
+    if (outcome_.taken_back > 0) mend(kRounds);
     sum_up();
     return outcome_;
   }
 
  private:
-  /// What the judge found of a piece's polygons.
-  struct Found {
-    std::vector<PolygonVerdict> polygons;
-    std::vector<Facet> facets;
-    [[nodiscard]] std::uint8_t faults() const {
-      std::uint8_t all = 0;
-      for (const PolygonVerdict& v : polygons) all |= v.faults;
-      return all;
+  static Bounds bounds(const State& s) {
+    Bounds b;
+    if (s.regions >= s.options.flatness_from) b.bend = s.options.flatness * s.mesh.diagonal();
+    b.thickness = kThickness * s.mesh.diagonal();
+    return b;
+  }
+
+  /// Acts and looks again, until nothing is faulty, nothing helps or the rounds are over.
+  void mend(int rounds) {
+    for (int round = 0; round < rounds; ++round, ++outcome_.rounds) {
+      job_.report(std::min(0.95, outcome_.rounds / 20.0));
+      if (!act()) break;
+      std::vector<std::int32_t> changed = s_.update(std::exchange(changed_, {}));
+      changed.insert(changed.end(), gone_.begin(), gone_.end());
+      gone_.clear();
+      judge(changed);
     }
-  };
+  }
 
   void judge(std::span<const std::int32_t> pieces) {
-    found_.resize(s_.labels.pieces.size());
+    findings_.judge(pieces);
     tries_.resize(s_.labels.pieces.size(), 0);
-    std::vector<bool> changed(s_.labels.pieces.size(), false);
-    for (const std::int32_t l : pieces) {
-      changed[l] = true;
-      Found& f = found_[l];
-      f.polygons.clear();
-      f.facets.clear();
-      for (std::int32_t q = s_.polygons.first_of[l]; q < s_.polygons.first_of[l + 1]; ++q)
-        f.polygons.push_back(judge_polygon(s_.polygons.of(q), s_.corners.position, s_.planes[l].normal, bounds_,
-                                           {{}, l, q - s_.polygons.first_of[l]}, f.facets));
-    }
-    std::vector<Facet> facets;
-    for (const Found& f : found_) facets.insert(facets.end(), f.facets.begin(), f.facets.end());
-    std::erase_if(hits_, [&](const Hit& h) { return changed[h.a] || changed[h.b]; });
-    const std::vector<Hit> fresh = find_hits(facets, s_.corners.position, changed);
-    hits_.insert(hits_.end(), fresh.begin(), fresh.end());
-    std::sort(hits_.begin(), hits_.end(), [](const Hit& x, const Hit& y) { return x.key() < y.key(); });
-  }
-
-  /// Whether the regions of two polygons that meet do so in the scan itself.
-  bool excused(const Hit& h) {
-    std::array<std::int32_t, 2> regions{s_.labels.pieces[h.a].region, s_.labels.pieces[h.b].region};
-    std::sort(regions.begin(), regions.end());
-    const auto [at, fresh] = excuses_.try_emplace(regions, false);
-    if (fresh) at->second = scan_intersects(s_.mesh, faces_of_region(regions[0]), faces_of_region(regions[1]));
-    return at->second;
-  }
-
-  std::span<const std::int32_t> faces_of_region(std::int32_t region) {
-    if (region_start_.empty()) {
-      const auto& of = s_.partition.face_region;
-      region_start_.assign(s_.regions + 1, 0);
-      for (const std::int32_t r : of)
-        if (r != kNone) ++region_start_[r + 1];
-      std::partial_sum(region_start_.begin(), region_start_.end(), region_start_.begin());
-      region_faces_.resize(region_start_.back());
-      std::vector<std::int32_t> fill(region_start_.begin(), region_start_.end() - 1);
-      for (std::int32_t f = 0; f < s_.mesh.face_count(); ++f)
-        if (of[f] != kNone) region_faces_[fill[of[f]]++] = f;
-    }
-    return std::span(region_faces_).subspan(region_start_[region], region_start_[region + 1] - region_start_[region]);
   }
 
   /// One step of its plan for every faulty piece. \return whether anything was done
@@ -110,8 +73,8 @@ class Repairer {
     const auto pieces = s_.labels.piece_count();
     std::vector<bool> hit(pieces, false), spared(pieces, false);
     met_.assign(pieces, nullptr);
-    for (const Hit& h : hits_) {
-      if (excused(h)) continue;
+    for (const Hit& h : findings_.hits()) {
+      if (findings_.excused(h)) continue;
       hit[h.a] = hit[h.b] = true;
       met_[h.a] = met_[h.b] = &h;
       // Of two that meet, the smaller is not split.
@@ -120,8 +83,12 @@ class Repairer {
     bool any = false;
     polygons_ = s_.polygons.count();
     for (std::int32_t l = 0; l < pieces; ++l) {
-      const std::uint8_t faults = found_[l].faults();
+      const std::uint8_t faults = findings_.of(l).faults();
       if (faults == 0 && !hit[l]) continue;
+      if ((faults & kNoArea) && dissolve(l)) {
+        any = true;
+        continue;
+      }
       const std::string_view plan = (faults & kCrossing)              ? kPlanCrossing
                                     : (faults & (kFlipped | kNoArea)) ? kPlanFlipped
                                     : hit[l]                          ? kPlanHit
@@ -139,6 +106,32 @@ class Repairer {
     if (step == 'd' && add_diagonal(l)) return true;
     if (spared && outcome_.rounds % 3 != 0) return true;
     return split(l);
+  }
+
+  /// Gives a piece without area to the neighbour of its region with the longest boundary that stays a disc with it.
+  bool dissolve(std::int32_t l) {
+    const auto& touched = s_.labels.touched;
+    if (std::find(touched.begin(), touched.end(), l) != touched.end()) return false;  // its loop is out of date
+    std::map<std::int32_t, double> shared;
+    for (const std::int32_t h : s_.complex.loop(l))
+      if (const std::int32_t k = s_.labels.across(h);
+          k != kNone && k != l && s_.labels.pieces[k].region == s_.labels.pieces[l].region)
+        shared[k] += (s_.mesh.vertices()[s_.mesh.to(h)] - s_.mesh.vertices()[s_.mesh.from(h)]).norm();
+    std::vector<std::pair<double, std::int32_t>> order;
+    for (const auto& [k, length] : shared) order.emplace_back(-length, k);
+    std::sort(order.begin(), order.end());
+    const std::int32_t component = s_.mesh.component()[s_.labels.pieces[l].face];
+    const auto beside = std::count_if(s_.labels.pieces.begin(), s_.labels.pieces.end(), [&](const Piece& p) {
+      return p.face != kNone && s_.mesh.component()[p.face] == component;
+    });
+    if (beside <= kLeastClosed) return false;
+    for (const auto& [length, k] : order) {
+      if (!s_.unite(k, l)) continue;
+      changed_.push_back(k);
+      gone_.push_back(l);
+      return true;
+    }
+    return false;
   }
 
   bool pull(std::vector<std::int32_t> corners, std::int32_t l) {
@@ -164,8 +157,8 @@ class Repairer {
   /// The ends of edges that cross or the corners of facets that meet; else all of the piece.
   [[nodiscard]] std::vector<std::int32_t> corners_concerned(std::int32_t l) const {
     std::vector<std::int32_t> some;
-    for (std::size_t i = 0; i < found_[l].polygons.size(); ++i) {
-      const PolygonVerdict& v = found_[l].polygons[i];
+    for (std::size_t i = 0; i < findings_.of(l).polygons.size(); ++i) {
+      const PolygonVerdict& v = findings_.of(l).polygons[i];
       const auto loop = s_.polygons.of(s_.polygons.first_of[l] + static_cast<std::int32_t>(i));
       if (v.faults & (kFlipped | kNoArea)) some.insert(some.end(), loop.begin(), loop.end());
       for (const std::int32_t e : v.crossing)
@@ -178,8 +171,8 @@ class Repairer {
   /// Adds a corner on the one of two chords that cross that its boundary leaves further.
   bool bend(std::int32_t l) {
     bool any = false;
-    for (std::size_t i = 0; i < found_[l].polygons.size(); ++i) {
-      const auto& crossing = found_[l].polygons[i].crossing;
+    for (std::size_t i = 0; i < findings_.of(l).polygons.size(); ++i) {
+      const auto& crossing = findings_.of(l).polygons[i].crossing;
       if (crossing[0] < 0) continue;
       const auto polygon = s_.polygons.of(s_.polygons.first_of[l] + static_cast<std::int32_t>(i));
       std::int32_t worse = kNone;
@@ -210,8 +203,8 @@ class Repairer {
   bool add_diagonal(std::int32_t l) {
     std::int32_t worst = kNone;
     double most = -1;
-    for (std::size_t i = 0; i < found_[l].polygons.size(); ++i) {
-      const PolygonVerdict& v = found_[l].polygons[i];
+    for (std::size_t i = 0; i < findings_.of(l).polygons.size(); ++i) {
+      const PolygonVerdict& v = findings_.of(l).polygons[i];
       const double badness = v.bend + (v.faults & ~kBent ? s_.mesh.diagonal() : 0.0);
       if (badness <= most) continue;
       most = badness;
@@ -279,8 +272,8 @@ class Repairer {
 
   /// The middle of the shorter of two edges of one polygon that cross; nothing where none do.
   [[nodiscard]] std::optional<Vec3> place_of_crossing(std::int32_t l) const {
-    for (std::size_t i = 0; i < found_[l].polygons.size(); ++i) {
-      const auto& crossing = found_[l].polygons[i].crossing;
+    for (std::size_t i = 0; i < findings_.of(l).polygons.size(); ++i) {
+      const auto& crossing = findings_.of(l).polygons[i].crossing;
       if (crossing[0] < 0) continue;
       const auto loop = s_.polygons.of(s_.polygons.first_of[l] + static_cast<std::int32_t>(i));
       const auto end = [&](std::int32_t e) { return s_.corners.position[loop[e % loop.size()]]; };
@@ -294,9 +287,9 @@ class Repairer {
   void sum_up() {
     auto& list = outcome_.imperfect;
     for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l)
-      for (std::size_t i = 0; i < found_[l].polygons.size(); ++i) {
+      for (std::size_t i = 0; i < findings_.of(l).polygons.size(); ++i) {
         const std::int32_t q = s_.polygons.first_of[l] + static_cast<std::int32_t>(i);
-        const std::uint8_t faults = found_[l].polygons[i].faults;
+        const std::uint8_t faults = findings_.of(l).polygons[i].faults;
         outcome_.crossing += (faults & (kCrossing | kNoArea)) != 0;
         outcome_.flipped += (faults & kFlipped) != 0;
         outcome_.bent += (faults & kBent) != 0;
@@ -305,28 +298,27 @@ class Repairer {
         if (faults & kFlipped) list.push_back({q, Flaw::flipped, kNone});
         if (faults & kBent) list.push_back({q, Flaw::bent, kNone});
       }
-    for (const Hit& h : hits_) {
-      const bool excuse = excused(h);
+    for (const Hit& h : findings_.hits()) {
+      const bool excuse = findings_.excused(h);
       ++(excuse ? outcome_.excused : outcome_.intersecting);
       const std::int32_t q = s_.polygons.first_of[h.a] + h.part_a, r = s_.polygons.first_of[h.b] + h.part_b;
       const Flaw flaw = excuse ? Flaw::excused : Flaw::intersecting;
       list.push_back({q, flaw, r});
       list.push_back({r, flaw, q});
     }
+    const RepairOutcome& o = outcome_;
+    outcome_.capped = o.capped && o.crossing + o.flipped + o.bent + o.intersecting > 0;
   }
 
   State& s_;
   Job& job_;
   RepairOutcome outcome_;
   std::int32_t most_polygons_ = 0, polygons_ = 0;  // polygons_: as they will be after the acts of this round
-  Bounds bounds_;
-  std::vector<Found> found_;                               // by piece
-  std::vector<int> tries_;                                 // by piece
-  std::vector<Hit> hits_;                                  // in rising order
-  std::vector<const Hit*> met_;                            // by piece: where it meets another; null where it does not
-  std::map<std::array<std::int32_t, 2>, bool> excuses_;    // by pair of regions
-  std::vector<std::int32_t> region_start_, region_faces_;  // faces by region, made when first asked for
-  std::vector<std::int32_t> changed_;                      // pieces whose diagonals or pulls were changed in this round
+  Findings findings_;
+  std::vector<int> tries_;             // by piece
+  std::vector<const Hit*> met_;        // by piece: where it meets another; null where it does not
+  std::vector<std::int32_t> gone_;     // pieces that were given to a neighbour in this round
+  std::vector<std::int32_t> changed_;  // pieces whose diagonals or pulls were changed in this round
 };
 
 }  // namespace

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "judge.h"
 
 namespace isimp::meshing {
 namespace {
-
-constexpr std::int32_t kLeastClosed = 4;  ///< no closed surface has fewer polygons
 
 void sort_unique(std::vector<std::int32_t>& v) {
   std::sort(v.begin(), v.end());
@@ -67,10 +66,43 @@ bool State::split(std::int32_t piece, const Vec3* place, Job& job) {
       place ? part_near(cutter, piece, *place, Cause::repair) : bisect(cutter, piece, Cause::repair);
   if (fresh == kNone) return false;
   make_discs(cutter, {piece, fresh}, job);
+  diagonals.resize(labels.pieces.size());
+  for (const std::int32_t l : labels.touched) diagonals[l].clear();
   return true;
 }
 
-std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed) {
+std::optional<Union> State::unite(std::int32_t kept, std::int32_t gone) {
+  std::vector<std::int32_t> all = labels.faces_of(kept);
+  Union u{kept, gone, labels.pieces[kept], labels.pieces[gone], labels.faces_of(gone), {}, {}};
+  all.insert(all.end(), u.faces.begin(), u.faces.end());
+  std::vector<std::int32_t> between;
+  for (const std::int32_t h : complex.loop(gone))
+    if (labels.across(h) == kept) between.insert(between.end(), {mesh.from(h), mesh.to(h)});
+  for (const std::int32_t f : u.faces) labels.label[f] = kept;
+  if (labels.shape(all).defect() != 0) {
+    for (const std::int32_t f : u.faces) labels.label[f] = gone;
+    return {};
+  }
+  if (labels.pieces[kept].cause == Cause::repair) labels.pieces[kept].cause = u.gone_piece.cause;
+  labels.pieces[gone].face = kNone;
+  labels.touched.push_back(kept);
+  u.kept_diagonals = std::exchange(diagonals[kept], {});
+  u.gone_diagonals = std::exchange(diagonals[gone], {});
+  complex.forget(gone);
+  for (const std::int32_t v : between) complex.drop_corner(v);
+  return u;
+}
+
+void State::part_again(const Union& u) {
+  for (const std::int32_t f : u.faces) labels.label[f] = u.gone;
+  labels.pieces[u.kept] = u.kept_piece;
+  labels.pieces[u.gone] = u.gone_piece;
+  diagonals[u.kept] = u.kept_diagonals;
+  diagonals[u.gone] = u.gone_diagonals;
+  labels.touched.insert(labels.touched.end(), {u.kept, u.gone});
+}
+
+std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, std::span<const Vec3> before) {
   sort_unique(labels.touched);
   planes.resize(labels.pieces.size());
   diagonals.resize(labels.pieces.size());
@@ -78,7 +110,6 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed) {
   for (const std::int32_t l : labels.touched) {
     const std::vector<std::int32_t> faces = labels.faces_of(l);
     planes[l] = plane_of(mesh, faces);
-    diagonals[l].clear();
     starts.push_back(boundary_start(labels, faces));
   }
   complex.refresh(labels.touched, starts);
@@ -95,9 +126,13 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed) {
     for (std::int32_t q = polygons.first_of[l]; q < polygons.first_of[l + 1]; ++q)
       moving.insert(moving.end(), polygons.of(q).begin(), polygons.of(q).end());
   sort_unique(moving);
+  const std::vector<std::int32_t> moved = moving;
+  std::erase_if(moving, [&](std::int32_t c) { return c < static_cast<std::int32_t>(before.size()); });
+  for (const std::int32_t c : moved)
+    if (c < static_cast<std::int32_t>(before.size())) corners.position[c] = before[c];
   place(polygons, mesh, planes, moving, corners);
   flatten(polygons, mesh, planes, moving, options.flatten, corners);
-  for (const std::int32_t c : moving)
+  for (const std::int32_t c : moved)
     for (const std::int32_t q : polygons.at(c)) near.push_back(polygons.piece[q]);
   sort_unique(near);
   return near;

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -12,6 +14,16 @@
 
 namespace isimp::meshing {
 
+constexpr std::int32_t kLeastClosed = 4;  ///< no closed surface has fewer polygons
+
+/// Two pieces made one, and what it takes to part them again.
+struct Union {
+  std::int32_t kept = kNone, gone = kNone;
+  Piece kept_piece, gone_piece;
+  std::vector<std::int32_t> faces;  ///< of the one that is gone
+  std::vector<std::array<std::int32_t, 2>> kept_diagonals, gone_diagonals;
+};
+
 /// All that is known while a mesh is turned into polygons, from labels to positions, and how to bring it up to date
 /// after a local change.
 class State {
@@ -20,10 +32,14 @@ class State {
 
   /// Splits a piece in two (and on, until all of it is discs): in halves, or near a place. \return whether it could be
   bool split(std::int32_t piece, const Vec3* place, Job& job);
+  /// Makes two pieces one if that is a disc. \return what was changed, nothing if it is none
+  std::optional<Union> unite(std::int32_t kept, std::int32_t gone);
+  void part_again(const Union& u);
   /// Brings polygons and positions up to date after splits, new corners, new diagonals or pulls.
   /// \param changed  pieces whose diagonals or pulls changed; the others are known
+  /// \param before  where the corners were, for those to go back to; the others, and all if empty, are placed anew
   /// \return the pieces of which a polygon may have changed its place, in rising order
-  std::vector<std::int32_t> update(std::vector<std::int32_t> changed);
+  std::vector<std::int32_t> update(std::vector<std::int32_t> changed, std::span<const Vec3> before = {});
 
   const Mesh& mesh;
   const Partition& partition;

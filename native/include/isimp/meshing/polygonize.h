@@ -22,7 +22,9 @@ struct MeshingOptions {
   std::int32_t flatten = 30;         ///< rounds of planes and corners in turn; 0 leaves the first placement
   std::int32_t flatness_from = 100;  ///< with fewer regions than this there is no bound: they are bent themselves
   double flatness = 0.005;           ///< polygons bent by more than this are split; no bound at 0
-  double repair_budget = 0.9;        ///< splits and diagonals that the repair may make, as a share of the regions
+  /// Splits and diagonals that the repair may make, as a share of the polygons before; those that turn out not to be
+  /// needed are taken back.
+  double repair_budget = 4;
 };
 
 /// What a polygon can be that it should not.
@@ -61,7 +63,7 @@ struct MeshingReport {
   std::vector<Imperfection> imperfect;  ///< all of these by polygon, in rising order; a pair under both
   std::int32_t diagonals = 0;           ///< edges that repair put across a region
   std::int32_t repair_rounds = 0;
-  bool repair_capped = false;  ///< the repair would have split more than repair_budget allows
+  bool repair_capped = false;  ///< something is left that takes more splits than repair_budget allows
 };
 
 /// A mesh of simple polygons without holes.

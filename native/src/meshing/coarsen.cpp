@@ -1,0 +1,243 @@
+#include "coarsen.h"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+
+namespace isimp::meshing {
+namespace {
+
+constexpr int kRounds = 40;
+
+/// What the repair did and what may turn out not to be needed.
+enum class Act : std::int32_t { pull, corner, diagonal, split };
+
+struct Candidate {
+  Act act;
+  std::int32_t piece;  ///< that keeps its number
+  std::int32_t other;  ///< split: the piece that goes; corner: its vertex
+  double score;        ///< the higher, the sooner it is tried
+};
+
+/// An act that was taken back, and what it takes to do it again.
+struct Trial {
+  Act act;
+  std::int32_t piece, vertex;
+  std::optional<Union> united;
+  std::array<std::int32_t, 2> diagonal{kNone, kNone};
+  std::vector<std::pair<std::int32_t, double>> pulls;  ///< corners and their shares
+};
+
+class Coarsener {
+ public:
+  Coarsener(State& state, Findings& findings, Job& job)
+      : s_(state), findings_(findings), job_(job), pieces_of_(s_.mesh.component_count(), 0) {
+    for (const Piece& p : s_.labels.pieces)
+      if (p.face != kNone) ++pieces_of_[s_.mesh.component()[p.face]];
+  }
+
+  std::int32_t run() {
+    const std::int32_t before = s_.polygons.count();
+    for (const bool whole : {true, false})
+      for (int round = 0; round < kRounds; ++round) {
+        job_.poll();
+        if (!try_some(whole)) break;
+      }
+    return before - s_.polygons.count();
+  }
+
+ private:
+  [[nodiscard]] std::vector<std::int32_t> neighbours(std::int32_t l) const {
+    std::vector<std::int32_t> some;
+    for (const std::int32_t h : s_.complex.chords(l))
+      if (const std::int32_t k = s_.labels.across(h); k != kNone) some.push_back(k);
+    std::sort(some.begin(), some.end());
+    some.erase(std::unique(some.begin(), some.end()), some.end());
+    return some;
+  }
+
+  [[nodiscard]] bool tried(Act act, std::int32_t a, std::int32_t b = kNone, std::int32_t c = kNone) const {
+    return tried_.contains({static_cast<std::int32_t>(act), a, b, c});
+  }
+  void mark_tried(Act act, std::int32_t a, std::int32_t b = kNone, std::int32_t c = kNone) {
+    tried_.insert({static_cast<std::int32_t>(act), a, b, c});
+  }
+
+  /// The first of a piece's diagonals that was not tried, their number if there is none.
+  [[nodiscard]] std::size_t untried_diagonal(std::int32_t l) const {
+    const auto& all = s_.diagonals[l];
+    const auto at =
+        std::find_if(all.begin(), all.end(), [&](const auto& d) { return !tried(Act::diagonal, l, d[0], d[1]); });
+    return static_cast<std::size_t>(at - all.begin());
+  }
+
+  [[nodiscard]] bool pulled(std::int32_t l) const {
+    for (std::int32_t q = s_.polygons.first_of[l]; q < s_.polygons.first_of[l + 1]; ++q)
+      for (const std::int32_t c : s_.polygons.of(q))
+        if (s_.corners.pull[c] < 1) return true;
+    return false;
+  }
+
+  /// What is left to try, the most promising first: of two pieces those that share most of their boundary.
+  /// \param whole  what makes polygons fewer; else what gives their corners more freedom
+  [[nodiscard]] std::vector<Candidate> candidates(bool whole) const {
+    std::vector<Candidate> all;
+    for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l) {
+      const Piece& p = s_.labels.pieces[l];
+      if (p.face == kNone) continue;
+      if (!whole && !tried(Act::pull, l) && pulled(l)) all.push_back({Act::pull, l, l, 0});
+      if (whole && untried_diagonal(l) < s_.diagonals[l].size()) all.push_back({Act::diagonal, l, l, 0.5});
+      if (whole && p.cause != Cause::region && p.cause != Cause::closed) add_unions(l, all);
+    }
+    for (const std::int32_t v : s_.complex.bent()) {
+      const std::int32_t l = s_.labels.label[s_.mesh.vertex_halfedge()[v] / 3];
+      if (!whole && s_.complex.is_corner(v) && !tried(Act::corner, v)) all.push_back({Act::corner, l, v, 1});
+    }
+    std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.score > b.score; });
+    return all;
+  }
+
+  void add_unions(std::int32_t gone, std::vector<Candidate>& all) const {
+    std::map<std::int32_t, double> shared;
+    double sum = 0;
+    for (const std::int32_t h : s_.complex.loop(gone)) {
+      const double length = (s_.mesh.vertices()[s_.mesh.to(h)] - s_.mesh.vertices()[s_.mesh.from(h)]).norm();
+      sum += length;
+      const std::int32_t k = s_.labels.across(h);
+      if (k != kNone && s_.labels.pieces[k].region == s_.labels.pieces[gone].region) shared[k] += length;
+    }
+    for (const auto& [k, length] : shared)
+      if (!tried(Act::split, gone, k)) all.push_back({Act::split, k, gone, sum > 0 ? length / sum : 0});
+  }
+
+  /// The pieces that may change when a candidate is tried.
+  [[nodiscard]] std::vector<std::int32_t> zone_of(const Candidate& c) const {
+    std::vector<std::int32_t> zone = neighbours(c.piece);
+    zone.push_back(c.piece);
+    if (c.act == Act::split) {
+      const std::vector<std::int32_t> more = neighbours(c.other);
+      zone.insert(zone.end(), more.begin(), more.end());
+    }
+    return zone;
+  }
+
+  /// Tries as many candidates as can be told apart if they fail. \return whether there was anything
+  bool try_some(bool whole) {
+    std::vector<bool> busy(s_.labels.pieces.size(), false);
+    std::vector<Trial> trials;
+    for (const Candidate& c : candidates(whole)) {
+      const std::vector<std::int32_t> zone = zone_of(c);
+      if (std::any_of(zone.begin(), zone.end(), [&](std::int32_t l) { return busy[l]; })) continue;
+      std::optional<Trial> trial = start(c);
+      if (!trial) continue;
+      for (const std::int32_t l : zone) busy[l] = true;
+      trials.push_back(std::move(*trial));
+    }
+    if (trials.empty()) return false;
+    const std::vector<bool> before = findings_.faulty();
+    const std::vector<Vec3> positions = s_.corners.position;
+    bring_up_to_date(trials, {});
+    const std::vector<bool> after = findings_.faulty();
+    std::erase_if(trials, [&](const Trial& t) { return !spoils(t, before, after); });
+    for (const Trial& t : trials) undo(t);
+    if (!trials.empty()) bring_up_to_date(trials, positions);
+    return true;
+  }
+
+  /// Takes back one act. \return nothing where it has to stay
+  std::optional<Trial> start(const Candidate& c) {
+    Trial trial{c.act, c.piece, kNone, {}, {kNone, kNone}, {}};
+    switch (c.act) {
+      case Act::pull:
+        mark_tried(Act::pull, c.piece);
+        release(trial);
+        break;
+      case Act::corner:
+        mark_tried(Act::corner, c.other);
+        trial.vertex = c.other;
+        if (!s_.complex.drop_corner(c.other)) return {};
+        break;
+      case Act::diagonal: {
+        auto& all = s_.diagonals[c.piece];
+        const auto at = all.begin() + static_cast<std::ptrdiff_t>(untried_diagonal(c.piece));
+        trial.diagonal = *at;
+        mark_tried(Act::diagonal, c.piece, trial.diagonal[0], trial.diagonal[1]);
+        all.erase(at);
+        break;
+      }
+      case Act::split: {
+        mark_tried(Act::split, c.other, c.piece);
+        std::int32_t& left = pieces_of_[s_.mesh.component()[s_.labels.pieces[c.other].face]];
+        if (left <= kLeastClosed) return {};
+        trial.united = s_.unite(c.piece, c.other);
+        if (!trial.united) return {};
+        --left;
+      }
+    }
+    return trial;
+  }
+
+  /// Gives the corners of a piece their whole radius back.
+  void release(Trial& t) {
+    for (std::int32_t q = s_.polygons.first_of[t.piece]; q < s_.polygons.first_of[t.piece + 1]; ++q)
+      for (const std::int32_t c : s_.polygons.of(q)) {
+        if (s_.corners.pull[c] >= 1) continue;
+        t.pulls.emplace_back(c, s_.corners.pull[c]);
+        s_.corners.pull[c] = 1;
+      }
+  }
+
+  void undo(const Trial& t) {
+    switch (t.act) {
+      case Act::pull:
+        for (const auto& [corner, share] : t.pulls) s_.corners.pull[corner] = share;
+        break;
+      case Act::corner:
+        s_.complex.add_corner(t.vertex);
+        break;
+      case Act::diagonal:
+        s_.diagonals[t.piece].push_back(t.diagonal);
+        break;
+      case Act::split:
+        s_.part_again(*t.united);
+        ++pieces_of_[s_.mesh.component()[s_.labels.pieces[t.piece].face]];
+    }
+  }
+
+  void bring_up_to_date(const std::vector<Trial>& trials, std::span<const Vec3> positions) {
+    std::vector<std::int32_t> pieces;
+    for (const Trial& t : trials) pieces.push_back(t.piece);
+    std::vector<std::int32_t> changed = s_.update(std::move(pieces), positions);
+    for (const Trial& t : trials)
+      if (t.united) changed.push_back(t.united->gone);
+    std::sort(changed.begin(), changed.end());
+    changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
+    findings_.judge(changed);
+  }
+
+  /// Whether a piece near the one tried has become faulty.
+  [[nodiscard]] bool spoils(const Trial& t, const std::vector<bool>& before, const std::vector<bool>& after) const {
+    const auto fresh = [&](std::int32_t l) { return after[l] && !before[l]; };
+    if (after[t.piece]) return true;
+    for (const std::int32_t k : neighbours(t.piece)) {
+      if (fresh(k)) return true;
+      for (const std::int32_t m : neighbours(k))
+        if (fresh(m)) return true;
+    }
+    return false;
+  }
+
+  State& s_;
+  Findings& findings_;
+  Job& job_;
+  std::vector<std::int32_t> pieces_of_;          // by component of the mesh
+  std::set<std::array<std::int32_t, 4>> tried_;  // acts, and what tells each from others of its kind
+};
+
+}  // namespace
+
+std::int32_t coarsen(State& state, Findings& findings, Job& job) { return Coarsener(state, findings, job).run(); }
+
+}  // namespace isimp::meshing

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "judge.h"
+#include "state.h"
+
+namespace isimp::meshing {
+
+/// What the judge found of the polygons of each piece, kept up to date while they change.
+class Findings {
+ public:
+  Findings(const State& state, const Bounds& bounds) : s_(state), bounds_(bounds) {}
+
+  /// What was found of a piece's polygons.
+  struct Found {
+    std::vector<PolygonVerdict> polygons;
+    std::vector<Facet> facets;
+    [[nodiscard]] std::uint8_t faults() const;
+  };
+
+  /// Judges the polygons of some pieces, and which they meet, again. Cost: O(polygons of all pieces).
+  void judge(std::span<const std::int32_t> pieces);
+  [[nodiscard]] const Found& of(std::int32_t piece) const { return found_[piece]; }
+  /// Pairs of polygons that meet, in rising order.
+  [[nodiscard]] const std::vector<Hit>& hits() const { return hits_; }
+  /// Whether the regions of two polygons that meet do so in the scan itself.
+  bool excused(const Hit& h);
+  /// By piece: whether it has a fault of its own, or meets another and is not excused.
+  std::vector<bool> faulty();
+
+ private:
+  std::span<const std::int32_t> faces_of_region(std::int32_t region);
+
+  const State& s_;
+  const Bounds bounds_;
+  std::vector<Found> found_;                               // by piece
+  std::vector<Hit> hits_;                                  // in rising order
+  std::map<std::array<std::int32_t, 2>, bool> excuses_;    // by pair of regions
+  std::vector<std::int32_t> region_start_, region_faces_;  // faces by region, made when first asked for
+};
+
+}  // namespace isimp::meshing
