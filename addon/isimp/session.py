@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import time
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -12,6 +11,7 @@ import numpy as np
 from . import recipe as rcp
 from . import smoothing, view
 from .cache import Cache
+from .prepared import Prepared, face_areas, face_regions, in_users_faces, scan_numbers, triangle_at, triangles_at
 from .scan import Scan
 from .task import Stopped, Watch
 
@@ -37,19 +37,6 @@ class StepFailed(Exception):
     def __init__(self, index: int, step: rcp.Step, reason: str, outcome: Outcome | None):
         super().__init__(f"Step {index + 1}, {step.describe()}: {reason}")
         self.index, self.step, self.reason, self.outcome = index, step, reason, outcome
-
-
-@dataclass(frozen=True, eq=False)
-class Prepared:
-    """A scan as the engine takes it, and the way back to the user's faces."""
-
-    scan: Scan
-    mesh: Any
-    mesh_face: np.ndarray  #: (F',) the user's face each face of the mesh is of
-    face_triangle: np.ndarray  #: (face_count,) the largest face of the mesh in each user's face, -1 if none is left
-    face_pairs: np.ndarray  #: (E, 2) user's faces that share an edge
-    layers: dict = field(default_factory=dict, kw_only=True)  #: of the scan as it is now
-    areas: np.ndarray | None  #: (F',) where a user's face has more than one triangle; None where each has one
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +82,7 @@ class Session:
             try:
                 outcome = self._apply(step, prepared, outcome, watch, begin, end)
             except engine.InvalidInput as error:
-                raise StepFailed(index, step, _in_users_faces(str(error), prepared), outcome) from error
+                raise StepFailed(index, step, in_users_faces(str(error), prepared), outcome) from error
             except ValueError as error:
                 raise StepFailed(index, step, str(error), outcome) from error
             self._outcomes.put(keys[number], outcome, _size(outcome, prepared))
@@ -124,7 +111,7 @@ class Session:
         Raises ValueError if there is no such face, or it is in no region. Cost: of the size of the region.
         """
         prepared = self.prepare(scan)
-        return engine.region_statistics(prepared.mesh, outcome.partition, _triangle_at(prepared, face))
+        return engine.region_statistics(prepared.mesh, outcome.partition, triangle_at(prepared, face))
 
     def locked_regions(self, scan: Scan, recipe: rcp.Recipe, watch: Watch | None = None) -> np.ndarray:
         """The numbers of the regions that the recipe leaves locked. Raises ValueError or Stopped."""
@@ -150,7 +137,7 @@ class Session:
         else:
             outcome = _APPLY[type(step)](step, prepared, before, watch, begin, end)
         seconds = time.perf_counter() - started
-        numbers = {"step": step.kind, "seconds": seconds, **_scan_numbers(prepared), **outcome.numbers}
+        numbers = {"step": step.kind, "seconds": seconds, **scan_numbers(prepared), **outcome.numbers}
         return replace(outcome, numbers=numbers)
 
     def _partition(self, step: rcp.Partition, prepared, before, watch, begin, end) -> Outcome:
@@ -207,77 +194,10 @@ def _prepare(scan: Scan, watch: Watch, begin: float, end: float) -> Prepared:
             areas = None
             face_triangle[mesh_face] = np.arange(len(mesh_face), dtype=np.int32)
         else:
-            areas = _areas(mesh)
+            areas = face_areas(mesh)
             order = np.argsort(areas, kind="stable")
             face_triangle[mesh_face[order]] = order  # the last one written is the largest
         return Prepared(scan, mesh, mesh_face, face_triangle, pairs, areas)
-
-
-def _areas(mesh) -> np.ndarray:
-    a, b, c = (mesh.vertices[mesh.triangles[:, k]] for k in range(3))
-    return 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
-
-
-def face_regions(prepared: Prepared, partition) -> np.ndarray:
-    """(face_count,) int32 region of each of the user's faces, -1 where it is in none.
-
-    A face whose triangles are in several regions is in the one with most of its area; a region that would have no
-    face that way gets the one its seed is in.
-    """
-    label = np.asarray(partition.face_region)
-    region = np.full(prepared.scan.face_count, -1, np.int32)
-    if prepared.areas is None:
-        region[prepared.mesh_face] = label
-        return region
-    inside = label >= 0
-    key = prepared.mesh_face[inside].astype(np.int64) * partition.region_count + label[inside]
-    keys, where = np.unique(key, return_inverse=True)
-    area = np.bincount(where, prepared.areas[inside])
-    order = np.lexsort((-keys, area))  # by area, of equal areas the lowest region last
-    region[keys[order] // partition.region_count] = keys[order] % partition.region_count
-    seed_face = prepared.mesh_face[np.asarray(partition.region_seed)]
-    lost = np.setdiff1d(np.arange(partition.region_count), region)
-    region[seed_face[lost]] = lost
-    return region
-
-
-def _scan_numbers(prepared: Prepared) -> dict:
-    report = prepared.mesh.report
-    names = ("components", "border_loops", "closed", "diagonal", "repairs")
-    return {"triangles": len(prepared.scan.triangles), "faces": prepared.scan.face_count} | {
-        name: report[name] for name in names if name in report
-    }
-
-
-def _in_users_faces(message: str, prepared: Prepared) -> str:
-    """What the engine said, with the user's faces in the place of its own."""
-
-    def users(number: re.Match) -> str:
-        face = int(number[0])
-        return str(prepared.mesh_face[face]) if face < len(prepared.mesh_face) else number[0]
-
-    return re.sub(r"\bfaces? \d+(?: and \d+)?", lambda found: re.sub(r"\d+", users, found[0]), message)
-
-
-def _triangle_at(prepared: Prepared, face: int) -> int:
-    if face >= prepared.scan.face_count:
-        raise ValueError(f"there is no face {face}: the mesh has {prepared.scan.face_count} faces.")
-    triangle = int(prepared.face_triangle[face])
-    if triangle < 0:
-        raise ValueError(f"face {face} was left out when the mesh was mended, as it has no area or is there twice.")
-    return triangle
-
-
-def _triangles_at(prepared: Prepared, faces: tuple[int, ...]) -> np.ndarray:
-    """The triangles of some of the user's faces, one of the first face first."""
-    first = _triangle_at(prepared, faces[0])
-    count = prepared.scan.face_count
-    if max(faces) >= count:
-        raise ValueError(f"there is no face {max(faces)}: the mesh has {count} faces.")
-    wanted = np.zeros(count, bool)
-    wanted[list(faces)] = True
-    triangles = np.flatnonzero(wanted[prepared.mesh_face])
-    return np.concatenate([[first], triangles[triangles != first]])
 
 
 def _needs_regions(before: Outcome | None) -> Outcome:
@@ -331,7 +251,7 @@ def _guides(step: rcp.Partition, prepared: Prepared, before: Outcome | None):
         weights=_weights(step, prepared),
         barriers=np.concatenate(barriers) if barriers else None,
         cuts=np.concatenate(cuts) if cuts else None,
-        faces=_triangles_at(prepared, step.faces) if step.faces else None,
+        faces=triangles_at(prepared, step.faces) if step.faces else None,
         before=before.partition if before is not None and (locked or step.faces) else None,
     )
 
@@ -341,14 +261,14 @@ def _partition_guided(mesh, options, guides, part, job):
 
 
 def _apply_add(step: rcp.AddProxy, prepared, before, watch, begin, end) -> Outcome:
-    before, triangle = _needs_regions(before), _triangle_at(prepared, step.face)
+    before, triangle = _needs_regions(before), triangle_at(prepared, step.face)
     args = (prepared.mesh, before.partition, triangle)
     partition = _engine_call(watch, begin, end, "adding a proxy", engine.add_proxy, *args)
     return _with_regions(prepared, partition, np.append(before.region_color, -1), {})
 
 
 def _apply_delete(step: rcp.DeleteProxy, prepared, before, watch, begin, end) -> Outcome:
-    before, triangle = _needs_regions(before), _triangle_at(prepared, step.face)
+    before, triangle = _needs_regions(before), triangle_at(prepared, step.face)
     args = (prepared.mesh, before.partition, triangle)
     partition = _engine_call(watch, begin, end, "deleting a proxy", engine.delete_proxy, *args)
     gone = int(before.partition.face_region[triangle])  # regions above it move down by one
@@ -386,16 +306,16 @@ def _apply_edit(step: rcp.Step, prepared, before, watch, begin, end) -> Outcome:
 
 
 def _apply_merge(step: rcp.MergeRegions, prepared, before, watch, begin, end) -> Outcome:
-    before, other = _needs_regions(before), _triangle_at(prepared, step.other)
-    args = (prepared.mesh, before.partition, _triangle_at(prepared, step.face), other)
+    before, other = _needs_regions(before), triangle_at(prepared, step.other)
+    args = (prepared.mesh, before.partition, triangle_at(prepared, step.face), other)
     partition = _engine_call(watch, begin, end, "merging", engine.merge_regions, *args)
     gone = int(before.partition.face_region[other])  # regions above it move down by one
     return _with_regions(prepared, partition, np.delete(before.region_color, gone), {})
 
 
 def _apply_paint(step: rcp.PaintFaces, prepared, before, watch, begin, end) -> Outcome:
-    before, faces = _needs_regions(before), _triangles_at(prepared, step.faces)
-    onto = None if step.onto < 0 else _triangle_at(prepared, step.onto)
+    before, faces = _needs_regions(before), triangles_at(prepared, step.faces)
+    onto = None if step.onto < 0 else triangle_at(prepared, step.onto)
     args = (prepared.mesh, before.partition, faces, onto)
     partition = _engine_call(watch, begin, end, "painting", engine.paint_faces, *args)
     if step.lock:
@@ -406,7 +326,7 @@ def _apply_paint(step: rcp.PaintFaces, prepared, before, watch, begin, end) -> O
 
 def _apply_erase(step: rcp.EraseFaces, prepared, before, watch, begin, end) -> Outcome:
     """A hand may take from a region that is locked against all else."""
-    before, faces = _needs_regions(before), _triangles_at(prepared, step.faces)
+    before, faces = _needs_regions(before), triangles_at(prepared, step.faces)
     partition, region = before.partition, int(before.partition.face_region[faces[0]])
     locked = region >= 0 and bool(partition.region_locked[region])
     if locked:
@@ -420,7 +340,7 @@ def _apply_erase(step: rcp.EraseFaces, prepared, before, watch, begin, end) -> O
 def _apply_smooth(step: rcp.SmoothFaces, prepared, before, watch, begin, end) -> Outcome:
     """Works on the user's faces: those that change their region are painted onto it, one region after the other."""
     before, count = _needs_regions(before), prepared.scan.face_count
-    _triangles_at(prepared, step.faces)  # raises if there are no such faces
+    triangles_at(prepared, step.faces)  # raises if there are no such faces
     inside = np.zeros(count, bool)
     inside[list(step.faces)] = True
     inside &= prepared.face_triangle >= 0
@@ -434,8 +354,8 @@ def _apply_smooth(step: rcp.SmoothFaces, prepared, before, watch, begin, end) ->
         now = face_regions(prepared, partition)
         moved = smoothing.reachable((wanted == region) & (now != now[stays]) & inside, now == now[stays], pairs)
         if moved.any():
-            faces = _triangles_at(prepared, tuple(np.flatnonzero(moved).tolist()))
-            args = (prepared.mesh, partition, faces, _triangle_at(prepared, stays))
+            faces = triangles_at(prepared, tuple(np.flatnonzero(moved).tolist()))
+            args = (prepared.mesh, partition, faces, triangle_at(prepared, stays))
             partition = _engine_call(watch, begin, end, "smoothing", engine.paint_faces, *args)
     return _with_regions(prepared, partition, _carried_colors(before, partition), {})
 
@@ -443,22 +363,22 @@ def _apply_smooth(step: rcp.SmoothFaces, prepared, before, watch, begin, end) ->
 def _apply_lock(step: rcp.LockRegions, prepared, before, watch, begin, end) -> Outcome:
     before = _needs_regions(before)
     change = engine.unlock_regions if isinstance(step, rcp.UnlockRegions) else engine.lock_regions
-    faces = np.array([_triangle_at(prepared, face) for face in step.faces])
+    faces = np.array([triangle_at(prepared, face) for face in step.faces])
     partition = change(prepared.mesh, before.partition, faces)
     return _with_regions(prepared, partition, before.region_color, {})
 
 
 def _cut_arguments(step: rcp.CutRegion, prepared) -> tuple:
     direction = np.array(step.direction, float) if step.direction else None
-    return _triangle_at(prepared, step.face), np.array(step.line, float), direction
+    return triangle_at(prepared, step.face), np.array(step.line, float), direction
 
 
 def _at_face(step, prepared) -> tuple:
-    return (_triangle_at(prepared, step.face),)
+    return (triangle_at(prepared, step.face),)
 
 
 def _at_face_by_rings(step, prepared) -> tuple:
-    return _triangle_at(prepared, step.face), step.rings
+    return triangle_at(prepared, step.face), step.rings
 
 
 def _times(step, prepared) -> tuple:

@@ -41,7 +41,7 @@ class Sketch:
 def borders(scan: Scan, face_region: np.ndarray) -> np.ndarray:
     """(2 B, 3) float32 the edges between faces of different regions, and between a region and none."""
     pairs, edges = scan.edges
-    ends = edges[view.border_edges(face_region, scan.triangle_face[pairs])]
+    ends = edges[view.border_edges(face_region[scan.triangle_face], pairs)]
     return scan.vertices[ends.ravel()].astype(np.float32)
 
 

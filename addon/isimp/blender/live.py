@@ -56,10 +56,12 @@ def _tick():
     wanted = visible(context, scan, changed)
     rested = time.monotonic() - live.touched > _SETTLED
     if changed == kept or (live.shown is not None and live.shown.work.recipe == wanted):
+        if rested and live.shown is not None and not live.shown.work.is_ready():
+            return _TICK
         if rested:
             live.pending = False
             if live.shown is not None:
-                bpy.ops.isimp.settle("EXEC_DEFAULT", True)
+                settle()
         return None if rested else _TICK
     if rested or not wanted.ends_in_mesh():
         runtime.get().stop_sketching()
@@ -80,11 +82,16 @@ def _take_up(context, work) -> bool:
         live.pending = False
         return False
     if work.recipe.ends_in_mesh():
-        bpy.ops.isimp.settle("EXEC_DEFAULT", True)
+        settle()
     else:
         live.shown = preview.Preview(work, live.shown)
         overlay.redraw()
     return True
+
+
+def settle() -> None:
+    """Makes a step to undo of what was changed."""
+    bpy.ops.isimp.settle("EXEC_DEFAULT", True)
 
 
 class ISIMP_OT_settle(modal.RecipeOperator, bpy.types.Operator):

@@ -212,7 +212,8 @@ def write_regions(obj, face_region: np.ndarray, face_color: np.ndarray, state: i
     corner_color: `face_color` for each corner, if that is there already.
     """
     if obj.mode == "EDIT":
-        _write_edit_layers(obj.data, face_region, face_color, state)
+        _write_edit_layers(obj.data, face_region, face_color, state, _unlike(obj, face_region, face_color))
+        runtime.get().written = {obj.name: (state, face_region, face_color)}
     else:
         if corner_color is None:
             corner_color = np.repeat(face_color, corner_totals(obj.data), axis=0)
@@ -281,18 +282,40 @@ def _layer(mesh, name, kind, domain):
     return layer or mesh.attributes.new(name, kind, domain)
 
 
-def _write_edit_layers(mesh, face_region, face_color, state) -> None:
+def _unlike(obj, face_region, face_color):
+    """(F,) bool which faces do not have this region and colour, in edit mode; None if that is not known."""
+    state, region, color = runtime.get().written.get(obj.name, (0, None, None))
+    if (
+        not state
+        or state != state_of(obj)
+        or len(region) != len(face_region)
+        or not np.array_equal(region, read_regions(obj))
+    ):
+        return None  # other faces, or in another order
+    return (region != face_region) | (color != face_color).any(axis=1)
+
+
+def _write_edit_layers(mesh, face_region, face_color, state, changed) -> None:
+    """Face by face, as there is no other way: `changed` (F,) bool says which; None: all."""
     edit = bmesh.from_edit_mesh(mesh)
+    fresh = edit.loops.layers.float_color.get(COLOR) is None
     for name in (REGION, STATE):
         if edit.faces.layers.int.get(name) is None:
             edit.faces.layers.int.new(name)
+            fresh = True
     if edit.loops.layers.float_color.get(COLOR) is None:
         edit.loops.layers.float_color.new(COLOR)
     region, stamp = (edit.faces.layers.int[name] for name in (REGION, STATE))
     color = edit.loops.layers.float_color[COLOR]
-    for face, label, value in zip(edit.faces, face_region.tolist(), face_color.tolist(), strict=True):
-        face[region] = label
+    for face in edit.faces:
         face[stamp] = state
+    faces = edit.faces
+    if changed is not None and not fresh:
+        edit.faces.ensure_lookup_table()
+        faces = [edit.faces[number] for number in np.flatnonzero(changed).tolist()]
+        face_region, face_color = face_region[changed], face_color[changed]
+    for face, label, value in zip(faces, face_region.tolist(), face_color.tolist(), strict=True):
+        face[region] = label
         for corner in face.loops:
             corner[color] = value
     bmesh.update_edit_mesh(mesh, loop_triangles=False, destructive=False)

@@ -35,9 +35,13 @@ class Work:
     def run(self, watch=None):
         """The outcome, and its colours as the mesh takes them; on any thread."""
         outcome = runtime.get().session.replay(self.scan, self.recipe, watch)
+        self.paint(outcome)
+        return outcome
+
+    def paint(self, outcome) -> None:
+        """Makes the outcome's colours as the mesh takes them; on any thread."""
         self.face_color = outcome.face_colors
         self.corner_color = np.repeat(self.face_color, self.corners, axis=0)
-        return outcome
 
     def start(self) -> None:
         self.task = Task(self.run)

@@ -158,8 +158,8 @@ def _draw_lines_over(context, space, scan, shown) -> None:
     wish, drawing = preferences.get(context), _drawing(context, scan)
     if drawing is not None:
         _draw_sketch(context, space, drawing)
-    elif shown is not None:
-        lines(shown.borders, wish.border_color, wish.line_width)
+    elif shown is not None and len(shown.work.borders):
+        shown.draw_borders(_line_shader(wish.border_color, wish.line_width))
 
 
 def _draw_text():
@@ -233,7 +233,7 @@ def _draw_sketch(context, space, drawing) -> None:
     if len(made.locked):
         shader = shaders.hatched()
         shader.bind()
-        _batch(drawing, "locked", "TRIS", shader).draw(shader)
+        shaders.draw(_batch(drawing, "locked", "TRIS", shader), shader)
     _draw_lines(drawing, "borders", wish.border_color, wish.line_width)
     space.nearer(_OVER)
     if panel.heat and len(made.surface):
@@ -255,7 +255,7 @@ def lines(points, color, width) -> None:
     """Draws pairs of points as lines; nothing is kept."""
     if len(points):
         shader = _line_shader(color, width)
-        batch_for_shader(shader, "LINES", {"pos": points}).draw(shader)
+        shaders.draw(batch_for_shader(shader, "LINES", {"pos": points}), shader)
 
 
 def _line_shader(color, width):
@@ -275,7 +275,7 @@ def _named(name):
 def _draw_lines(drawing, name, color, width) -> None:
     if len(getattr(drawing.sketch, name)):
         shader = _line_shader(color, width)
-        _batch(drawing, name, "LINES", shader).draw(shader)
+        shaders.draw(_batch(drawing, name, "LINES", shader), shader)
 
 
 def _draw_points(drawing, name, color, size) -> None:
@@ -284,13 +284,13 @@ def _draw_points(drawing, name, color, size) -> None:
         gpu.state.point_size_set(size)
         shader.bind()
         shader.uniform_float("color", color)
-        _batch(drawing, name, "POINTS", shader).draw(shader)
+        shaders.draw(_batch(drawing, name, "POINTS", shader), shader)
 
 
 def _draw_heat(drawing) -> None:
     shader = gpu.shader.from_builtin(_named("SMOOTH_COLOR"))
     shader.bind()
-    _batch(drawing, "surface", "TRIS", shader, color=drawing.sketch.heat).draw(shader)
+    shaders.draw(_batch(drawing, "surface", "TRIS", shader, color=drawing.sketch.heat), shader)
 
 
 def _draw_hover(hover) -> None:
@@ -299,7 +299,7 @@ def _draw_hover(hover) -> None:
     for points, color in hover.fills:
         if len(points):
             shader.uniform_float("color", color)
-            batch_for_shader(shader, "TRIS", {"pos": points}).draw(shader)
+            shaders.draw(batch_for_shader(shader, "TRIS", {"pos": points}), shader)
     for points, color, width in hover.lines:
         lines(points, color, width)
 

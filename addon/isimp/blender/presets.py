@@ -13,7 +13,7 @@ _TITLE = "Presets"
 # Titles of the menu that are no preset of the user's.
 _OURS = {_TITLE, *(preset.label for preset in presets.PRESETS)}
 # What belongs to one scan rather than to a kind: lengths in its units, a count, its weights.
-_LEFT = frozenset({"proxies", "tolerance", "bound", "weights", "influence"})
+_LEFT = frozenset({"proxies", "tolerance", "bound", "weights", "influence", "borders"})
 
 
 def _kept(cls) -> list:

@@ -7,13 +7,17 @@ can only be written face by face.
 
 import gpu
 import numpy as np
+from gpu_extras.batch import batch_for_shader
 
 from .. import sketch, view
+from ..task import Task
 from . import modal, runtime, shaders
 
 
 class Work(modal.Work):
     """A recipe replayed to be seen, and written only if it settles."""
+
+    _painting = None  #: the Task that colours the corners as the mesh takes them
 
     def run(self, watch=None):
         session = runtime.get().session
@@ -22,6 +26,14 @@ class Work(modal.Work):
         self.color = np.repeat(colors[self.scan.triangle_face], 3).view(np.uint8).reshape(-1, 4)
         self.borders = sketch.borders(session.prepare(self.scan).scan, outcome.face_region)
         return outcome
+
+    def is_ready(self) -> bool:
+        """Whether all is there to write it; asks for what is missing."""
+        if self.task.error is not None or self.corner_color is not None:
+            return True
+        if self._painting is None:
+            self._painting = Task(lambda watch: self.paint(self.task.result))
+        return False
 
 
 class Preview:
@@ -32,11 +44,12 @@ class Preview:
         self.name = work.name
         self._scan = work.scan
         self._corners = before._corners if before is not None and before._scan is work.scan else None
-        self._batch = None
+        self._batch = self._lines = None
 
-    @property
-    def borders(self):
-        return self.work.borders
+    def draw_borders(self, shader) -> None:
+        if self._lines is None:
+            self._lines = batch_for_shader(shader, "LINES", {"pos": self.work.borders})
+        shaders.draw(self._lines, shader)
 
     def draw(self) -> None:
         if self._corners is None:
@@ -48,7 +61,7 @@ class Preview:
         shader = shaders.lit()
         shader.bind()
         gpu.state.depth_mask_set(True)  # its own far side is not to be seen
-        self._batch.draw(shader)
+        shaders.draw(self._batch, shader)
         gpu.state.depth_mask_set(False)
 
 

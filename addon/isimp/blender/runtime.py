@@ -47,6 +47,7 @@ class Runtime:
         self.recipes = {}  #: state -> Recipe, parsed
         self.live = Live()
         self.scans = {}  #: object's name -> what was read of it last; see reading.py
+        self.written = {}  #: object's name -> (state, regions, colours) as last written on it in Edit Mode
         self.own_writes = set()  #: names of meshes whose next change is the add-on's own
         self.drawings = OrderedDict()  #: what is drawn over scans; see overlay.py
         self.shaders = {}  #: own ones, by name

@@ -22,7 +22,15 @@ def _weights(self, context, edit_text):
     return [] if problem else weights.names(scan)
 
 
-_SEARCHED = {"search": _weights} if "search" in StringProperty.__doc__ else {}
+def _face_attributes(self, context, edit_text):
+    """What the field of the attribute that parts regions offers."""
+    scan, problem = targets.find(context)
+    return [] if problem else weights.face_names(scan)
+
+
+_CAN_SEARCH = "search" in StringProperty.__doc__
+_SEARCHED = {"search": _weights} if _CAN_SEARCH else {}
+_FACES_SEARCHED = {"search": _face_attributes} if _CAN_SEARCH else {}
 
 
 class PartitionSettings:
@@ -30,10 +38,10 @@ class PartitionSettings:
         name="Number By",
         description="What says how many regions there are",
         items=(
+            ("detail", "Automatic", "As many as the shape asks for, at a detail that is a share of its size"),
             ("proxies", "Count", "Just so many"),
             ("tolerance", "Tolerance", "As many as show what is larger than a length: .2 m on a building, say"),
             ("bound", "Bound", "As many as keep every vertex within a length of its region's plane"),
-            ("detail", "Detail", "As many as the shape asks for, at a share of its size"),
         ),
         default=_PARTITION.count_by,
     )
@@ -161,6 +169,40 @@ class PartitionSettings:
         default=_PARTITION.influence,
         min=0.0,
         max=2.0,
+    )
+
+    seams: BoolProperty(
+        name="Seams",
+        description="No region crosses an edge that is marked as a seam (Edge > Mark Seam)",
+        default=_PARTITION.seams,
+    )
+    sharp: BoolProperty(
+        name="Sharp Edges",
+        description="No region crosses an edge that is marked as sharp (Edge > Mark Sharp)",
+        default=_PARTITION.sharp,
+    )
+    materials: BoolProperty(
+        name="Materials", description="No region has faces of two materials", default=_PARTITION.materials
+    )
+    face_sets: BoolProperty(
+        name="Face Sets",
+        description="No region has faces of two face sets, as sculpt mode makes them",
+        default=_PARTITION.face_sets,
+    )
+    angle: FloatProperty(
+        name="Bend",
+        description="No region crosses an edge where the surface bends by more than so many degrees. 180: it may",
+        default=_PARTITION.angle,
+        min=0.0,
+        max=180.0,
+        precision=0,
+        step=100,
+    )
+    borders: StringProperty(
+        name="Attribute",
+        description="No region has faces with different values of this attribute of faces. Empty: it may",
+        default=_PARTITION.borders,
+        **_FACES_SEARCHED,
     )
 
 

@@ -36,6 +36,11 @@ void main() {
 """
 
 
+def draw(batch, shader) -> None:
+    """Has the graphics card draw."""
+    batch.draw(shader)
+
+
 def lit():
     """Corners with a colour each (pos, color), lit by the slope of their triangle."""
     known = runtime.get().shaders

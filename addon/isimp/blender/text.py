@@ -61,11 +61,16 @@ def report_lines(numbers: dict, system: str, scale: float) -> list:
     flat, worst = (amount(numbers, name, system, scale) for name in ("planarity_mean", "planarity_max"))
     sound = "Closed" if numbers["closed"] else "Open, as the scan is"
     sound = sound if numbers["manifold"] else "Polygons meet where they should not (not manifold)"
-    return [
+    lines = [
         (f"{_count(numbers['polygons'], 'polygon')} · {each:.1f} corners each", False),
         (f"Flat to {flat} (worst {worst})", False),
         (sound, not numbers["manifold"]),
     ]
+    if "scan_distance" in numbers:
+        away, allowed = (amount(numbers, name, system, scale) for name in ("scan_distance", "scan_distance_allowed"))
+        too_far = numbers["scan_distance"] > numbers["scan_distance_allowed"]
+        lines.append((f"Scan within {away}" + (f", more than {allowed}" if too_far else ""), too_far))
+    return lines
 
 
 def problems(numbers: dict) -> str:
@@ -96,6 +101,9 @@ def number_rows(numbers: dict, system: str, scale: float) -> list:
         rows += [("Polygons", f"{numbers['polygons']:,}"), ("Corners", f"{numbers['corners']:,}")]
         rows += [("Vertices", f"{numbers['vertices']:,}")]
     rows.append(("Error", f"{numbers['error']:.4g}"))
+    if numbers.get("barriers"):
+        kept = numbers["barriers"] - numbers.get("barriers_inside", 0)
+        rows.append(("Kept to", f"{kept:,} of {_count(numbers['barriers'], 'edge')}"))
     if numbers.get("left_out"):
         rows.append(("Left out", _count(numbers["left_out"], "face")))
     rows.append(("Seconds", f"{numbers['seconds']:.2f}"))

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 import scans
 
+from isimp.blender import weights
 from isimp.recipe import Mesh, PaintFaces, Partition, Recipe
 
 pytestmark = pytest.mark.usefixtures("scene")
@@ -66,3 +67,31 @@ def test_partition_keeps_locked_regions(scan):
     regions = scans.regions(scan)
     assert np.flatnonzero(regions == regions[0]).tolist() == [0, 1]
     assert len(set(regions)) == 10
+
+
+@pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
+def test_the_panel_s_settings_say_what_is_kept_to(scan, mode):
+    bpy.ops.object.mode_set(mode=mode)
+    bpy.ops.isimp.partition(proxies=6, seams=True)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    regions, upper = scans.regions(scan), above(scan)
+    assert not set(regions[upper]) & set(regions[~upper])
+    assert "groups" in weights.face_names(scan)
+
+
+@pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
+def test_only_the_selected_faces_are_split_anew(scan, mode):
+    bpy.ops.isimp.partition(proxies=6)
+    before = scans.regions(scan)
+    side = np.flatnonzero(before == before[0])
+    bpy.ops.object.mode_set(mode=mode)
+    scans.select_faces(scan)
+    with pytest.raises(RuntimeError, match="No face is selected"):
+        bpy.ops.isimp.partition(proxies=4, part=True)
+    scans.select_faces(scan, *side.tolist())
+    bpy.ops.isimp.partition(proxies=4, part=True)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    after = scans.regions(scan)
+    assert len(set(after[side])) == 4
+    others = np.setdiff1d(np.arange(len(after)), side)
+    assert len(set(zip(before[others].tolist(), after[others].tolist(), strict=True))) == 5

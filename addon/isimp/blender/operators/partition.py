@@ -1,9 +1,10 @@
 import dataclasses
 
 import bpy
+from bpy.props import BoolProperty
 
 from ... import recipe as rcp
-from .. import settings, store, targets
+from .. import mesh_io, settings, store, targets
 from ..modal import RecipeOperator
 from ..show import show_regions
 
@@ -14,8 +15,24 @@ class ISIMP_OT_partition(RecipeOperator, settings.PartitionSettings, bpy.types.O
     bl_idname = "isimp.partition"
     bl_label = "Partition"
 
+    part: BoolProperty(
+        name="Only Selected Faces",
+        description="Split the selected faces alone; all others stay in their regions",
+        options={"SKIP_SAVE"},
+    )
+
+    @classmethod
+    def description(cls, context, properties):
+        part = "Split the selected faces anew, at the settings above; all others stay in their regions"
+        return part if properties.part else cls.__doc__
+
     def wanted(self, context, scan):
         step = settings.to_step(rcp.Partition, self)
+        if self.part:
+            faces = mesh_io.selected_faces(scan)
+            if not len(faces):
+                raise mesh_io.Unusable("No face is selected: select those to split anew in Edit Mode (Tab, then 3).")
+            step = dataclasses.replace(step, faces=tuple(faces.tolist()))
         given = [name for name in rcp.COUNTS if self.properties.is_property_set(name)]
         if len(given) == 1 and not self.properties.is_property_set("count_by"):
             step = dataclasses.replace(step, count_by=given[0])

@@ -2,7 +2,8 @@
 
 import bpy
 
-from .. import display, store, targets
+from ... import recipe as rcp
+from .. import display, settings, store, targets
 from .common import SubPanel
 
 
@@ -17,6 +18,9 @@ class ISIMP_PT_regions(SubPanel, bpy.types.Panel):
         sizes = _row(column, ("isimp.grow", "Grow", "FULLSCREEN_ENTER"), ("isimp.grow", "Shrink", "FULLSCREEN_EXIT"))
         sizes[1].shrink = True
         column.operator("isimp.paint_faces", text="From Selection", icon="BRUSH_DATA")
+        anew = column.operator("isimp.partition", text="Split Anew", icon="MOD_EXPLODE")
+        settings.copy(rcp.Partition, panel.partition, anew)
+        anew.part, anew.count_by = True, panel.partition.count_by
         column.operator("isimp.select_region", icon="RESTRICT_SELECT_OFF")
         column = layout.column(align=True)
         locked = store.numbers(targets.find(context)[0]).get("locked", 0)

@@ -28,9 +28,9 @@ class ISIMP_PT_main(Panel, bpy.types.Panel):
             draw_lines(context, layout, warning, icon="ERROR")
         presets.draw(context, layout)
         partition = panel.partition
-        row = layout.row(align=True)
-        row.use_property_split = False
-        row.prop(partition, "count_by", expand=True)
+        ways = layout.grid_flow(row_major=True, columns=2, align=True)
+        for name in rcp.COUNTS:
+            ways.prop_enum(partition, "count_by", name)
         row = layout.row(align=True)
         row.prop(partition, partition.count_by)
         row.prop(panel, "live", text="", icon="PLAY")
@@ -69,6 +69,23 @@ class ISIMP_PT_options(Panel, bpy.types.Panel):
             layout.prop(partition, "influence", slider=True)
 
 
+class ISIMP_PT_borders(Panel, bpy.types.Panel):
+    bl_label = "Keep To"
+    bl_parent_id = "ISIMP_PT_options"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout, partition = self.prepare(), context.window_manager.isimp.partition
+        column = layout.column(heading="Marked", align=True)
+        column.prop(partition, "seams")
+        column.prop(partition, "sharp")
+        column.prop(partition, "materials")
+        if bpy.app.version >= (3, 6, 0):  # before, nothing tells of them
+            column.prop(partition, "face_sets")
+        layout.prop(partition, "angle")
+        layout.prop(partition, "borders", icon="SPREADSHEET")
+
+
 def _draw_progress(layout, running) -> None:
     column = layout.column()
     column.label(text=running.name, icon="SORTTIME")
@@ -82,4 +99,4 @@ def _draw_progress(layout, running) -> None:
     column.operator("isimp.stop", text="Stop (Esc)", icon="CANCEL")
 
 
-CLASSES = (ISIMP_PT_main, ISIMP_PT_options)
+CLASSES = (ISIMP_PT_main, ISIMP_PT_options, ISIMP_PT_borders)

@@ -39,7 +39,7 @@ def run(hand):
         settings().partition.proxies = 30
         yield from wait_for(hand, 30)
         same("not written yet", regions(), 14)
-        same("drawn with its own lines", len(runtime.get().live.shown.borders) > 0, True)
+        same("drawn with its own lines", len(runtime.get().live.shown.work.borders) > 0, True)
         yield from sketched()
         yield from hand.shot(f"live-{mode.lower()}-1-drawn")
         settings().partition.proxies = 22

@@ -1,0 +1,91 @@
+"""A scan as the engine has it, and the ways between its faces and the user's. numpy only."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from .scan import Scan
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A scan as the engine takes it, and the way back to the user's faces."""
+
+    scan: Scan
+    mesh: Any
+    mesh_face: np.ndarray  #: (F',) the user's face each face of the mesh is of
+    face_triangle: np.ndarray  #: (face_count,) the largest face of the mesh in each user's face, -1 if none is left
+    face_pairs: np.ndarray  #: (E, 2) user's faces that share an edge
+    layers: dict = field(default_factory=dict, kw_only=True)  #: of the scan as it is now
+    areas: np.ndarray | None  #: (F',) where a user's face has more than one triangle; None where each has one
+
+
+def face_areas(mesh) -> np.ndarray:
+    a, b, c = (mesh.vertices[mesh.triangles[:, k]] for k in range(3))
+    return 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+
+
+def face_regions(prepared: Prepared, partition) -> np.ndarray:
+    """(face_count,) int32 region of each of the user's faces, -1 where it is in none.
+
+    A face whose triangles are in several regions is in the one with most of its area; a region that would have no
+    face that way gets the one its seed is in.
+    """
+    label = np.asarray(partition.face_region)
+    region = np.full(prepared.scan.face_count, -1, np.int32)
+    if prepared.areas is None:
+        region[prepared.mesh_face] = label
+        return region
+    inside = label >= 0
+    key = prepared.mesh_face[inside].astype(np.int64) * partition.region_count + label[inside]
+    keys, where = np.unique(key, return_inverse=True)
+    area = np.bincount(where, prepared.areas[inside])
+    order = np.lexsort((-keys, area))  # by area, of equal areas the lowest region last
+    region[keys[order] // partition.region_count] = keys[order] % partition.region_count
+    seed_face = prepared.mesh_face[np.asarray(partition.region_seed)]
+    lost = np.setdiff1d(np.arange(partition.region_count), region)
+    region[seed_face[lost]] = lost
+    return region
+
+
+def scan_numbers(prepared: Prepared) -> dict:
+    report = prepared.mesh.report
+    names = ("components", "border_loops", "closed", "diagonal", "repairs")
+    return {"triangles": len(prepared.scan.triangles), "faces": prepared.scan.face_count} | {
+        name: report[name] for name in names if name in report
+    }
+
+
+def in_users_faces(message: str, prepared: Prepared) -> str:
+    """What the engine said, with the user's faces in the place of its own."""
+
+    def users(number: re.Match) -> str:
+        face = int(number[0])
+        return str(prepared.mesh_face[face]) if face < len(prepared.mesh_face) else number[0]
+
+    return re.sub(r"\bfaces? \d+(?: and \d+)?", lambda found: re.sub(r"\d+", users, found[0]), message)
+
+
+def triangle_at(prepared: Prepared, face: int) -> int:
+    if face >= prepared.scan.face_count:
+        raise ValueError(f"there is no face {face}: the mesh has {prepared.scan.face_count} faces.")
+    triangle = int(prepared.face_triangle[face])
+    if triangle < 0:
+        raise ValueError(f"face {face} was left out when the mesh was mended, as it has no area or is there twice.")
+    return triangle
+
+
+def triangles_at(prepared: Prepared, faces: tuple[int, ...]) -> np.ndarray:
+    """The triangles of some of the user's faces, one of the first face first."""
+    first = triangle_at(prepared, faces[0])
+    count = prepared.scan.face_count
+    if max(faces) >= count:
+        raise ValueError(f"there is no face {max(faces)}: the mesh has {count} faces.")
+    wanted = np.zeros(count, bool)
+    wanted[list(faces)] = True
+    triangles = np.flatnonzero(wanted[prepared.mesh_face])
+    return np.concatenate([[first], triangles[triangles != first]])

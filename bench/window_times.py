@@ -1,0 +1,206 @@
+"""How long the add-on keeps a real window waiting, on a scan of many faces: who takes how much.
+
+    bench/window_times.py SCAN.ply [--site FOLDER]     the folder with isimp_engine, if not this Python's
+
+Starts Blender under Xvfb, drags the number of regions, adds and deletes one, and prints, for each: the engine, all its
+threads; what the worker's thread does besides, in numpy; what the add-on does on the window's own thread, in sum and
+the longest piece at once; its draw calls there, which software drawing (llvmpipe) answers by transforming every corner,
+as no graphics card would; and what Blender itself does there (its copy for undo too) until colours are on the screen.
+Processor time, as that is little disturbed by what else runs.
+"""
+
+import argparse
+import os
+import subprocess
+import sys
+import threading
+import time
+from functools import partial
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+WINDOW = ROOT / "tests" / "python" / "blender" / "window"
+VALUES = (210, 260, 300, 400, 220, 500, 340)
+FACES = (1000, 200_000, 500_000)
+
+
+def start(scan, site):
+    """Runs this file as a scenario (see drive.py)."""
+    blender = ["blender", "--factory-startup", "--enable-event-simulate", "-p", "0", "0", "800", "640"]
+    script = ["--python", str(WINDOW / "drive.py"), "--", str(Path(__file__).resolve()), "."]
+    environment = os.environ | {"ISIMP_SITE": os.pathsep.join([str(ROOT / "addon"), *site]), "ISIMP_SCAN": str(scan)}
+    command = ["xvfb-run", "-a", "-s", "-screen 0 800x640x24", *blender, *script]
+    return subprocess.run(command, env=environment, check=False).returncode
+
+
+class Clock(threading.local):
+    """Processor time of the window's thread by whom, since the last `told`; what is inside of others' is theirs."""
+
+    def __init__(self):
+        self.spent, self.longest, self.inside = {}, 0.0, []
+
+    def around(self, owner, name, who):
+        """Counts what a function takes as somebody's, and not as of whoever called it."""
+        function = getattr(owner, name)
+
+        def timed(*args, **more):
+            begin = time.thread_time()
+            self.inside.append(0.0)
+            try:
+                return function(*args, **more)
+            finally:
+                taken = 1000 * (time.thread_time() - begin)
+                own = taken - self.inside.pop()
+                if self.inside:
+                    self.inside[-1] += taken
+                self.spent[who] = self.spent.get(who, 0.0) + own
+                if who == "add-on":
+                    self.longest = max(self.longest, own)
+
+        setattr(owner, name, timed)
+        return timed
+
+    def told(self):
+        told = self.spent, self.longest
+        self.spent, self.longest = {}, 0.0
+        return told
+
+
+class Work:
+    """Processor time of all threads, in the engine and beside it, while a recipe is replayed; since the last `told`."""
+
+    def __init__(self):
+        self.engine = self.total = 0.0
+
+    def around(self, owner, name, what):
+        function = getattr(owner, name)
+
+        def timed(*args, **more):
+            begin = time.process_time() if what == "engine" else time.thread_time()
+            try:
+                return function(*args, **more)
+            finally:
+                end = time.process_time() if what == "engine" else time.thread_time()
+                setattr(self, what, getattr(self, what) + 1000 * (end - begin))
+
+        setattr(owner, name, timed)
+
+    def told(self):
+        told = self.engine, self.total
+        self.engine = self.total = 0.0
+        return told
+
+
+def load(path):
+    import bpy
+    import numpy as np
+
+    from isimp import session
+
+    points, triangles = session.engine.read(path)
+    count = len(triangles)
+    mesh = bpy.data.meshes.new("Scan")
+    mesh.vertices.add(len(points))
+    mesh.loops.add(3 * count)
+    mesh.polygons.add(count)
+    mesh.vertices.foreach_set("co", np.asarray(points, np.float32).ravel())
+    mesh.loops.foreach_set("vertex_index", np.asarray(triangles, np.int32).ravel())
+    mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * count, 3, dtype=np.int32))
+    mesh.polygons.foreach_set("loop_total", np.full(count, 3, np.int32))
+    mesh.update(calc_edges=True)
+    for other in list(bpy.data.objects):
+        bpy.data.objects.remove(other)
+    obj = bpy.data.objects.new("Scan", mesh)
+    bpy.context.scene.collection.objects.link(obj)
+    bpy.context.view_layer.objects.active = obj
+    obj.select_set(True)
+    bpy.ops.ed.undo_push(message="scan")
+    print(f"{count:,} faces, Blender {bpy.app.version_string}")
+
+
+def run(hand):
+    import bpy
+
+    import isimp
+    from isimp import session
+    from isimp.blender import live, modal, overlay, pending, preview, runtime, shaders
+
+    isimp.register()
+    load(os.environ["ISIMP_SCAN"])
+    yield 1
+    with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
+        bpy.ops.view3d.view_selected()
+    bpy.context.window_manager.isimp.outline = False
+    yield 1
+    bpy.ops.isimp.partition("EXEC_DEFAULT", True, proxies=200)
+    yield 2
+    clock, work, drawn, rows = Clock(), Work(), [], []
+    for name in ("partition", "add_proxy", "delete_proxy"):
+        work.around(session.engine, name, "engine")
+    for kind in (preview.Work, modal.Work):
+        work.around(kind, "run", "total")
+        clock.around(kind, "run", "worker")  # where there is no thread for it
+    clock.around(shaders, "draw", "driver")
+    execute = clock.around(modal.RecipeOperator, "execute", "add-on")
+    modal.RecipeOperator.execute = lambda self, context: execute(self, context)  # Blender counts arguments
+    clock.around(pending, "write_shown", "add-on")
+    clock.around(live, "settle", "Blender")
+    tick = clock.around(live, "_tick", "add-on")
+    runtime.get().live.wake = lambda: bpy.app.timers.is_registered(tick) or bpy.app.timers.register(tick)
+    for handle in runtime.get().handles:
+        bpy.types.SpaceView3D.draw_handler_remove(handle, "WINDOW")
+    add = bpy.types.SpaceView3D.draw_handler_add
+    runtime.get().handles = (add(clock.around(overlay, "_draw", "add-on"), (), "WINDOW", "POST_VIEW"),)
+    ended = add(lambda: drawn.append(time.thread_time()), (), "WINDOW", "POST_PIXEL")
+    panel = bpy.context.window_manager.isimp.partition
+
+    def measured(what, do, until=lambda: True):
+        clock.told()
+        work.told()
+        begin = time.thread_time()
+        do()
+        while not until():
+            yield 0.01
+        count = len(drawn)
+        while len(drawn) == count:
+            yield 0.01
+        rows.append((what, 1000 * (drawn[-1] - begin), work.told(), *clock.told()))
+        yield 0.5
+
+    live._SETTLED = 600.0
+    for value in VALUES:
+
+        def is_shown(value=value):
+            shown = runtime.get().live.shown
+            return shown is not None and shown.work.recipe.steps[0].proxies == value
+
+        yield from measured("slider", lambda value=value: setattr(panel, "proxies", value), is_shown)
+    live._SETTLED = 0.0
+    yield from measured("settle", runtime.get().live.touch, lambda: runtime.get().live.shown is None)
+    for name in ("add_proxy", "delete_proxy"):
+        for face in FACES:
+            if face < len(bpy.context.object.data.polygons):
+                call = partial(getattr(bpy.ops.isimp, name), "EXEC_DEFAULT", True, face=face)
+                yield from measured(name, call)
+    bpy.types.SpaceView3D.draw_handler_remove(ended, "WINDOW")
+    show(rows)
+
+
+def show(rows):
+    names = ("engine", "numpy", "add-on", "longest", "driver", "Blender")
+    print(f"{'':14}" + "".join(f"{name:>12}" for name in names) + "   ms of processor time, median (most)")
+    for what in dict.fromkeys(row[0] for row in rows):
+        cells = []
+        for _, window, (engine, total), spent, longest in (row for row in rows if row[0] == what):
+            ours = {name: spent.get(name, 0.0) for name in ("add-on", "driver", "worker")}
+            cells.append((engine, total, ours["add-on"], longest, ours["driver"], window - sum(ours.values())))
+        columns = (sorted(column) for column in zip(*cells, strict=True))
+        print(f"{what:14}" + "".join(f"{f'{c[len(c) // 2]:.0f} ({c[-1]:.0f})':>12}" for c in columns), flush=True)
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("scan", type=Path)
+    parser.add_argument("--site", action="append", help="a folder with isimp_engine")
+    options = parser.parse_args()
+    sys.exit(start(options.scan.resolve(), options.site or [p for p in sys.path if p.endswith("-packages")]))
