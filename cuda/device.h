@@ -1,20 +1,18 @@
 #pragma once
 
-#include <thrust/device_vector.h>
 #include <thrust/execution_policy.h>
 #include <thrust/for_each.h>
-#include <thrust/host_vector.h>
 #include <thrust/iterator/counting_iterator.h>
-#include <thrust/memory.h>
-#include <thrust/system_error.h>
 #include <thrust/transform_reduce.h>
 
 #include <cstdint>
 #include <cuda/atomic>
 #include <span>
 
+#include "memory.h"
+
 #ifdef __CUDACC__
-#include <thrust/system/cuda/error.h>
+#include <thrust/system/cuda/execution_policy.h>
 #endif
 #ifdef _OPENMP
 #include <omp.h>
@@ -41,42 +39,36 @@ inline constexpr const char* kName = "cpu";
 template <class T>
 class Readable {
  public:
-  explicit Readable(std::span<const T> numbers) : numbers_(numbers.data(), numbers.data() + numbers.size()) {}
-  [[nodiscard]] const T* data() const { return thrust::raw_pointer_cast(numbers_.data()); }
+#ifdef __CUDACC__
+  Readable(Memory& memory, std::span<const T> numbers) : numbers_(memory) {
+    numbers_.assign(numbers.data(), numbers.size());
+  }
+#else
+  Readable(Memory& /*memory*/, std::span<const T> numbers) : numbers_(numbers) {}
+#endif
+  [[nodiscard]] const T* data() const { return numbers_.data(); }
 
  private:
 #ifdef __CUDACC__
-  thrust::device_vector<T> numbers_;
+  Array<T> numbers_;
 #else
   std::span<const T> numbers_;
 #endif
 };
 
-/// Numbers in the memory of the device. Those of the CPU are filled by one thread: it is not worth more.
-template <class T>
-#ifdef __CUDACC__
-using Array = thrust::device_vector<T>;
-#else
-using Array = thrust::host_vector<T>;
-#endif
+/// From how many steps on a CPU's threads are worth their start.
+inline constexpr std::int64_t kWorthThreads = 1 << 13;
 
-template <class T>
-T* raw(Array<T>& array) {
-  return thrust::raw_pointer_cast(array.data());
-}
-template <class T>
-const T* raw(const Array<T>& array) {
-  return thrust::raw_pointer_cast(array.data());
-}
-
-/// Calls work(policy) with where `count` steps are best done: a CPU's threads are not worth their start for few.
+/// Calls work(policy) with where `count` steps are best done.
 template <class Work>
-auto with_policy([[maybe_unused]] std::int64_t count, Work work) {
-#ifndef __CUDACC__
-  constexpr std::int64_t kWorthThreads = 1 << 13;
+auto with_policy([[maybe_unused]] Memory& memory, [[maybe_unused]] std::int64_t count, Work work) {
+#ifdef __CUDACC__
+  Scratch scratch{&memory};
+  return work(thrust::cuda::par(scratch));
+#else
   if (count < kWorthThreads) return work(thrust::seq);
-#endif
   return work(thrust::device);
+#endif
 }
 
 #ifdef __CUDACC__
@@ -94,20 +86,35 @@ void for_all(std::int64_t begin, std::int64_t end, Kernel kernel) {
 #ifdef __CUDACC__  // not thrust::for_each, which takes nvcc ten times as long for each kernel
   constexpr std::int64_t kBlock = 256;
   run_kernel<<<static_cast<unsigned>((end - begin + kBlock - 1) / kBlock), kBlock>>>(begin, end, kernel);
-  if (const cudaError_t error = cudaGetLastError(); error != cudaSuccess)
-    throw thrust::system_error(error, thrust::cuda_category());
+  check(cudaGetLastError());
 #else
-  const thrust::counting_iterator<std::int64_t> zero(0);
-  with_policy(end - begin, [&](auto policy) { thrust::for_each(policy, zero + begin, zero + end, kernel); });
+  if (end - begin < kWorthThreads) {
+    for (; begin < end; ++begin) kernel(begin);
+  } else {
+    const thrust::counting_iterator<std::int64_t> zero(0);
+    thrust::for_each(thrust::device, zero + begin, zero + end, kernel);
+  }
 #endif
+}
+
+template <class T>
+struct Set {
+  T* to;
+  T value;
+  ISIMP_KERNEL void operator()(std::int64_t i) const { to[i] = value; }
+};
+template <class T>
+void set_all(Array<T>& array, T value) {
+  for_all(0, static_cast<std::int64_t>(array.size()), Set<T>{array.data(), value});
 }
 
 /// What merge() makes of all kernel(i) for i in [0, end), in any order.
 template <class Kernel, class Value, class Merge>
-Value reduce_all(std::int64_t end, Kernel kernel, Value start, Merge merge) {
+Value reduce_all(Memory& memory, std::int64_t end, Kernel kernel, Value start, Merge merge) {
   const thrust::counting_iterator<std::int64_t> zero(0);
-  return with_policy(
-      end, [&](auto policy) { return thrust::transform_reduce(policy, zero, zero + end, kernel, start, merge); });
+  return with_policy(memory, end, [&](const auto& policy) {
+    return thrust::transform_reduce(policy, zero, zero + end, kernel, start, merge);
+  });
 }
 
 /// A number that kernels of one step change at the same time; the order must not matter.

@@ -1,20 +1,15 @@
 #pragma once
 
-#include <thrust/copy.h>
-#include <thrust/fill.h>
-#include <thrust/sequence.h>
-#include <thrust/system_error.h>
-
 #include <algorithm>
 #include <bit>
 #include <memory>
-#include <new>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "flooding.h"
 #include "isimp/core/errors.h"
+#include "isimp/parallel/backend.h"
 #include "isimp/parallel/flooder.h"
 #include "nearest.h"
 #include "pieces.h"
@@ -25,14 +20,12 @@ namespace isimp::parallel {
 /// Does some work on the device; its failures become the engine's, in words.
 template <class Work>
 auto guarded(const char* what, std::size_t faces, Work work) {
-  const std::string on = " on back end '" + std::string(kName) + "'";
-  const std::string instead = std::string(kName) == "cpu" ? "" : "; back end 'cpu' can do the same in the main memory";
   try {
     return work();
-  } catch (const std::bad_alloc&) {
-    throw Error(std::string(what) + " " + std::to_string(faces) + " faces ran out of memory" + on + instead);
+  } catch (const OutOfMemory& e) {
+    throw Error(out_of_memory(kName, what, faces, e.wanted, e.held));
   } catch (const thrust::system_error& e) {
-    throw Error(std::string(what) + " failed" + on + ": " + e.what() + instead);
+    throw Error(out_of_order(kName, what, faces, e.what()));
   }
 }
 
@@ -72,7 +65,7 @@ struct LabelSeeds {
   ISIMP_KERNEL void operator()(std::int64_t r) const { view.label[view.seed[r]] = static_cast<std::int32_t>(r); }
 };
 
-/// The memory that a surface takes on the device, and the steps on it. A device_vector frees itself.
+/// The memory that a surface takes on the device, and the steps on it.
 class DeviceFlooder final : public Flooder {
   template <class Work>
   auto work(const char* what, std::int32_t threads, Work run) {
@@ -83,12 +76,11 @@ class DeviceFlooder final : public Flooder {
   /// Sends the proxies over. \param anew  every face is free but the seeds
   View begin(const Proxies& proxies, bool anew) {
     regions_ = static_cast<std::int32_t>(proxies.seed.size());
-    seed_.assign(proxies.seed.begin(), proxies.seed.end());
-    const auto* normal = reinterpret_cast<const Normal*>(proxies.normal.data());
-    normal_.assign(normal, normal + regions_);
-    const View view{faces_.data(), neighbours_.data(), raw(normal_), raw(seed_), raw(label_), count_};
+    seed_.assign(proxies.seed.data(), proxies.seed.size());
+    normal_.assign(reinterpret_cast<const Normal*>(proxies.normal.data()), proxies.seed.size());
+    const View view{faces_.data(), neighbours_.data(), normal_.data(), seed_.data(), label_.data(), count_};
     if (anew) {
-      thrust::fill(label_.begin(), label_.end(), -1);
+      set_all(label_, -1);
       for_all(0, regions_, LabelSeeds{view});
     }
     return view;
@@ -97,7 +89,7 @@ class DeviceFlooder final : public Flooder {
   template <int kColumns>
   Fit fit_columns() {
     const std::vector<double> sums =
-        sum_up<kColumns>(faces_.data(), placed() ? raw(place_) : nullptr, raw(label_), count_, regions_, shift_);
+        sum_up<kColumns>(memory_, faces_.data(), place_.data(), label_.data(), count_, regions_, shift_);
     Fit fit;
     for (std::size_t at = 0; at < sums.size(); at += kColumns) {
       fit.sum.push_back({sums[at], sums[at + 1], sums[at + 2], sums[at + 3]});
@@ -116,21 +108,28 @@ class DeviceFlooder final : public Flooder {
   }
 
  public:
-  explicit DeviceFlooder(const FloodSurface& surface)
+  DeviceFlooder(const FloodSurface& surface, std::size_t most)
       : count_(static_cast<std::int32_t>(surface.faces.size() / 4)),
-        faces_(surface.faces),
-        neighbours_(surface.neighbours),
-        label_(static_cast<std::size_t>(count_) + 1, -1),
-        queue_(count_) {
-    const Survey found = survey(faces_.data(), nullptr, count_, 0);
+        memory_(most),
+        faces_(memory_, surface.faces),
+        neighbours_(memory_, surface.neighbours),
+        label_(memory_, static_cast<std::size_t>(count_) + 1),
+        kept_(memory_),
+        seed_(memory_),
+        component_(memory_),
+        normal_(memory_),
+        place_(memory_),
+        queue_(memory_, count_) {
+    set_all(label_, -1);
+    const Survey found = survey(memory_, faces_.data(), nullptr, count_, 0);
     if (found.first_bad < count_) throw InvalidInput(complaint(found.first_bad, &surface.faces[4 * found.first_bad]));
     shift_ = shift_for(found.largest_area, count_);
   }
 
   void place(std::span<const float> centre, std::span<const std::int32_t> component) override {
     guarded("placing", static_cast<std::size_t>(count_), [&] {
-      place_.assign(centre.begin(), centre.end());
-      component_.assign(component.begin(), component.end());
+      component_.assign(component.data(), component.size());
+      place_.assign(centre.data(), centre.size());
       host_component_.assign(component.begin(), component.end());
     });
   }
@@ -158,13 +157,15 @@ class DeviceFlooder final : public Flooder {
     work("flooding", threads, [&] {
       const View view = begin(proxies, true);
       const auto* centre = reinterpret_cast<const Normal*>(proxies.centre.data());
-      const Array<Normal> centres(centre, centre + regions_);
       const HostGrid host(proxies.centre);
-      const Array<std::int32_t> start(host.start), region(host.region), in_part(seeds_in_components(proxies));
+      const Readable<Normal> centres(memory_, {centre, proxies.seed.size()});
+      const std::vector<std::int32_t> host_in_part = seeds_in_components(proxies);
+      const Readable<std::int32_t> start(memory_, host.start), region(memory_, host.region),
+          in_part(memory_, host_in_part);
       const bool brute = search == Search::brute;
-      const Grid grid{brute ? nullptr : raw(start), raw(region), host.side};
-      const ChooseNear choose{view,         raw(place_), raw(centres), component_.empty() ? nullptr : raw(component_),
-                              raw(in_part), nearest,     regions_,     grid};
+      const Grid grid{brute ? nullptr : start.data(), region.data(), host.side};
+      const ChooseNear choose{view,           place_.data(), centres.data(), component_.data(),
+                              in_part.data(), nearest,       regions_,       grid};
       const std::int64_t slice = std::max<std::int64_t>(1 << 10, (1 << 24) / (brute ? regions_ : 64));
       for (std::int64_t i = 0; i < count_; i += slice) {
         job.poll();
@@ -181,10 +182,10 @@ class DeviceFlooder final : public Flooder {
     return work("fitting", threads, [&] {
       const View view = begin(proxies, false);
       using Key = NearestOfRun::Key;
-      Array<Key> keys(static_cast<std::size_t>(regions_), ~Key{0});
-      for_all(0, (count_ + NearestOfRun::kRun - 1) / NearestOfRun::kRun, NearestOfRun{view, raw(keys)});
-      std::vector<Key> host(keys.size());
-      thrust::copy(keys.begin(), keys.end(), host.begin());
+      Array<Key> keys(memory_, static_cast<std::size_t>(regions_));
+      set_all(keys, ~Key{0});
+      for_all(0, (count_ + NearestOfRun::kRun - 1) / NearestOfRun::kRun, NearestOfRun{view, keys.data()});
+      const std::vector<Key> host = keys.read();
       std::vector<std::int32_t> faces(host.size());
       for (std::size_t r = 0; r < faces.size(); ++r) faces[r] = static_cast<std::int32_t>(host[r] & 0xffffffffU);
       return faces;
@@ -192,26 +193,29 @@ class DeviceFlooder final : public Flooder {
   }
 
   void keep() override {
-    guarded("keeping", static_cast<std::size_t>(count_), [&] { kept_ = label_; });
+    guarded("keeping", static_cast<std::size_t>(count_), [&] { kept_.assign(label_.data(), label_.size()); });
   }
   void go_back() override { label_.swap(kept_); }
 
   std::int32_t cut_to_pieces(std::int32_t threads, Job& job) override {
     return work("joining", threads, [&] {
       const auto faces = static_cast<std::size_t>(count_);
-      const View view{faces_.data(), neighbours_.data(), nullptr, nullptr, raw(label_), count_};
-      Array<std::int32_t> parent(faces), root(faces);
-      Array<std::int32_t> first(static_cast<std::size_t>(regions_), std::numeric_limits<std::int32_t>::max());
-      Array<Integer> area(faces, 0), largest(static_cast<std::size_t>(regions_), -1);
-      thrust::sequence(parent.begin(), parent.end());
-      const Join join{view, raw(parent)};
+      const auto regions = static_cast<std::size_t>(regions_);
+      const View view{faces_.data(), neighbours_.data(), nullptr, nullptr, label_.data(), count_};
+      Array<std::int32_t> parent(memory_, faces), root(memory_, faces), first(memory_, regions);
+      Array<Integer> area(memory_, faces), largest(memory_, regions);
+      set_all(first, std::numeric_limits<std::int32_t>::max());
+      set_all(area, Integer{0});
+      set_all(largest, Integer{-1});
+      for_all(0, count_, Alone{parent.data()});
+      const Join join{view, parent.data()};
       for_all(0, count_, join);
       job.poll();
-      for_all(0, count_, Flatten{join, faces_.data(), std::ldexp(1.0, shift_), raw(root), raw(area)});
-      const LargestPiece find{view, raw(root), raw(area), raw(largest)};
+      for_all(0, count_, Flatten{join, faces_.data(), std::ldexp(1.0, shift_), root.data(), area.data()});
+      const LargestPiece find{view, root.data(), area.data(), largest.data()};
       for_all(0, count_, find);
-      for_all(0, count_, FirstOfLargest{find, raw(first)});
-      return reduce_all(count_, FreeOthers{view, raw(root), raw(first)}, 0, thrust::plus<std::int32_t>());
+      for_all(0, count_, FirstOfLargest{find, first.data()});
+      return reduce_all(memory_, count_, FreeOthers{view, root.data(), first.data()}, 0, thrust::plus<std::int32_t>());
     });
   }
 
@@ -222,7 +226,7 @@ class DeviceFlooder final : public Flooder {
       std::int32_t steps = 0;
       for (float level = 0; queue_.size() > 0; ++steps) {
         job.poll();
-        const float least = reduce_all(queue_.size(), LeastOffer{view, queue_.faces()}, kNoOffer, Less{});
+        const float least = reduce_all(memory_, queue_.size(), LeastOffer{view, queue_.faces()}, kNoOffer, Less{});
         level = std::max(level, end_of_level(least));
         for_all(0, queue_.size(), ChooseOnce{view, queue_.faces(), queue_.chosen(), level});
         queue_.advance(view);
@@ -233,8 +237,10 @@ class DeviceFlooder final : public Flooder {
 
   void labels(std::span<std::int32_t> labels) const override {
     guarded("reading", static_cast<std::size_t>(count_),
-            [&] { thrust::copy(label_.begin(), label_.begin() + count_, labels.begin()); });
+            [&] { label_.read(labels.data(), static_cast<std::size_t>(count_)); });
   }
+
+  [[nodiscard]] MemoryUse memory() const override { return {memory_.held(), memory_.allocations()}; }
 
  private:
   /// The largest float of an error's quarter octave.
@@ -245,6 +251,7 @@ class DeviceFlooder final : public Flooder {
 
   std::int32_t count_, regions_ = 0;
   int shift_ = 0;
+  Memory memory_;  // before all that takes of it
   Readable<float> faces_;
   Readable<std::int32_t> neighbours_;
   Array<std::int32_t> label_, kept_, seed_, component_;
@@ -255,7 +262,7 @@ class DeviceFlooder final : public Flooder {
 };
 
 /// \throws InvalidInput  as Kernels::load says
-inline std::unique_ptr<Flooder> load_flooder(const FloodSurface& surface) {
+inline std::unique_ptr<Flooder> load_flooder(const FloodSurface& surface, std::size_t most) {
   const auto count = static_cast<std::int64_t>(surface.faces.size() / 4);
   if (surface.faces.size() % 4 != 0 || surface.neighbours.size() != 3 * static_cast<std::size_t>(count))
     throw InvalidInput("flooding wants 4 numbers and 3 neighbours a face, but got " +
@@ -264,7 +271,7 @@ inline std::unique_ptr<Flooder> load_flooder(const FloodSurface& surface) {
     if (surface.neighbours[h] < 0 || surface.neighbours[h] > count)
       throw InvalidInput("face " + std::to_string(h / 3) + " has neighbour " + std::to_string(surface.neighbours[h]) +
                          ", but there are " + std::to_string(count) + " faces");
-  return std::make_unique<DeviceFlooder>(surface);
+  return std::make_unique<DeviceFlooder>(surface, most);
 }
 
 }  // namespace isimp::parallel

@@ -1,8 +1,9 @@
 #pragma once
 
-#include <thrust/reduce.h>
-#include <thrust/transform_scan.h>
+#include <thrust/iterator/transform_iterator.h>
+#include <thrust/scan.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "device.h"
@@ -104,7 +105,9 @@ struct Less {
 };
 
 /// Claims faces for the next queue: `mine` has a bit for each neighbour of a face that is now its to add, and kItself.
-/// Who of several claims a face is left to chance, and does not change the set.
+/// Who of several claims a face is left to chance. Only faces are claimed to which the region is better than their own.
+/// That may have changed in this very step already or not yet; but it changes for the better only, so that what is not
+/// claimed would have stayed as it is, and what is claimed needlessly will.
 struct Claim {
   static constexpr std::int32_t kItself = 8;
 
@@ -112,18 +115,28 @@ struct Claim {
   std::int32_t* mark;  ///< (N) the step in which a face was claimed last
   std::int32_t step;
 
-  ISIMP_KERNEL bool one(std::int32_t j) const { return shared(mark[j]).exchange(step, kRelaxed) != step; }
-  ISIMP_KERNEL std::int32_t around(std::int32_t i) const {
+  bool once;  ///< whether a face that has a region keeps it
+
+  ISIMP_KERNEL bool one(std::int32_t j) const {
+    const auto last = shared(mark[j]);
+    return last.load(kRelaxed) != step && last.exchange(step, kRelaxed) != step;
+  }
+  ISIMP_KERNEL bool wants(std::int32_t j, std::int32_t region) const {
+    const std::int32_t own = shared(view.label[j]).load(kRelaxed);
+    return own < 0 || (!once && own != region && view.error(j, region) < view.error(j, own));
+  }
+  /// The neighbours of a face of that region.
+  ISIMP_KERNEL std::int32_t around(std::int32_t i, std::int32_t region) const {
     std::int32_t mine = 0;
     for (int k = 0; k < 3; ++k) {
       const std::int32_t j = view.neighbour(i, k);
-      if (j != view.count && one(j)) mine |= 1 << k;
+      if (j != view.count && wants(j, region) && one(j)) mine |= 1 << k;
     }
     return mine;
   }
 };
 
-/// Gives the faces what was chosen; the neighbours of those that changed come next, and those still free wait on.
+/// Gives the faces what was chosen; neighbours of those that changed come next, and those still free wait on.
 struct Apply {
   Claim claim;
   const std::int32_t* queue;
@@ -134,8 +147,8 @@ struct Apply {
     const std::int32_t i = queue[q];
     claims[q] = 0;
     if (chosen[q] != claim.view.label[i]) {
-      claim.view.label[i] = chosen[q];
-      claims[q] = claim.around(i);
+      shared(claim.view.label[i]).store(chosen[q], kRelaxed);
+      claims[q] = claim.around(i, chosen[q]);
     } else if (chosen[q] < 0 && claim.one(i)) {
       claims[q] = Claim::kItself;
     }
@@ -145,7 +158,9 @@ struct Apply {
 struct ClaimAroundSeeds {
   Claim claim;
   std::int32_t* claims;
-  ISIMP_KERNEL void operator()(std::int64_t r) const { claims[r] = claim.around(claim.view.seed[r]); }
+  ISIMP_KERNEL void operator()(std::int64_t r) const {
+    claims[r] = claim.around(claim.view.seed[r], static_cast<std::int32_t>(r));
+  }
 };
 
 /// Free faces next to a region.
@@ -161,9 +176,13 @@ struct ClaimFree {
   }
 };
 
+/// How many faces a candidate has claimed; none for the one after the last, so that a scan ends with the sum.
 struct CountBits {
-  ISIMP_KERNEL std::int32_t operator()(std::int32_t claims) const {
-    return (claims & 1) + (claims >> 1 & 1) + (claims >> 2 & 1) + (claims >> 3 & 1);
+  const std::int32_t* claims;
+  std::int64_t candidates;
+  ISIMP_KERNEL std::int32_t operator()(std::int64_t q) const {
+    const std::int32_t bits = q < candidates ? claims[q] : 0;
+    return (bits & 1) + (bits >> 1 & 1) + (bits >> 2 & 1) + (bits >> 3 & 1);
   }
 };
 
@@ -187,55 +206,73 @@ struct Scatter {
 /// The faces of a step, and how those of the next one are gathered: indicator, exclusive scan, scatter.
 class Queue {
  public:
-  explicit Queue(std::int32_t faces) : mark_(static_cast<std::size_t>(faces), 0) {}
+  Queue(Memory& memory, std::int32_t faces)
+      : memory_(memory),
+        now_(memory),
+        next_(memory),
+        chosen_(memory),
+        claims_(memory),
+        offset_(memory),
+        mark_(memory, static_cast<std::size_t>(faces)) {
+    set_all(mark_, 0);
+  }
 
   [[nodiscard]] std::int32_t size() const { return size_; }
-  [[nodiscard]] const std::int32_t* faces() const { return raw(now_); }
-  [[nodiscard]] std::int32_t* chosen() { return raw(chosen_); }
+  [[nodiscard]] const std::int32_t* faces() const { return now_.data(); }
+  [[nodiscard]] std::int32_t* chosen() { return chosen_.data(); }
 
   void start_around_seeds(const View& view, std::int32_t seeds) {
+    once_ = false;
     grow(claims_, seeds);
-    for_all(0, seeds, ClaimAroundSeeds{next_claim(view), raw(claims_)});
+    for_all(0, seeds, ClaimAroundSeeds{next_claim(view), claims_.data()});
     gather(view, seeds, view.seed);
   }
+  /// For faces that have no region yet; those of others stay.
   void start_free(const View& view) {
+    once_ = true;
     grow(claims_, view.count);
-    for_all(0, view.count, ClaimFree{next_claim(view), raw(claims_)});
+    for_all(0, view.count, ClaimFree{next_claim(view), claims_.data()});
     gather(view, view.count, thrust::counting_iterator<std::int32_t>(0));
   }
   /// Applies what was chosen and makes the next queue.
   void advance(const View& view) {
     grow(claims_, size_);
-    for_all(0, size_, Apply{next_claim(view), faces(), chosen(), raw(claims_)});
+    for_all(0, size_, Apply{next_claim(view), faces(), chosen(), claims_.data()});
     gather(view, size_, faces());
   }
 
  private:
-  static void grow(Array<std::int32_t>& array, std::int64_t size) {
-    if (static_cast<std::int64_t>(array.size()) < size) array.resize(static_cast<std::size_t>(size + size / 4));
+  /// Makes room for a queue, which never has a face twice; what was there is lost.
+  void grow(Array<std::int32_t>& array, std::int64_t size) {
+    const auto most = static_cast<std::int64_t>(mark_.size()) + 1;
+    if (static_cast<std::int64_t>(array.size()) < size)
+      array.resize(static_cast<std::size_t>(std::max(size, std::min(2 * size, most))));
   }
-  Claim next_claim(const View& view) { return {view, raw(mark_), ++step_}; }
+  Claim next_claim(const View& view) { return {view, mark_.data(), ++step_, once_}; }
 
   template <class Faces>
   void gather(const View& view, std::int64_t candidates, Faces from) {
     std::int32_t found = 0;
     if (candidates > 0) {
-      grow(offset_, candidates);
-      with_policy(candidates, [&](auto policy) {
-        thrust::transform_exclusive_scan(policy, raw(claims_), raw(claims_) + candidates, raw(offset_), CountBits{}, 0,
-                                         thrust::plus<std::int32_t>());
+      grow(offset_, candidates + 1);
+      const auto bits = thrust::make_transform_iterator(thrust::counting_iterator<std::int64_t>(0),
+                                                        CountBits{claims_.data(), candidates});
+      with_policy(memory_, candidates, [&](const auto& policy) {
+        thrust::exclusive_scan(policy, bits, bits + candidates + 1, offset_.data());
       });
-      found = offset_[candidates - 1] + CountBits{}(claims_[candidates - 1]);
+      device_copy(&found, offset_.data() + candidates, sizeof found);
       grow(next_, found);
       grow(chosen_, found);
-      for_all(0, candidates, Scatter<Faces>{view, from, raw(claims_), raw(offset_), raw(next_)});
+      for_all(0, candidates, Scatter<Faces>{view, from, claims_.data(), offset_.data(), next_.data()});
     }
     now_.swap(next_);
     size_ = found;
   }
 
+  Memory& memory_;
   Array<std::int32_t> now_, next_, chosen_, claims_, offset_, mark_;
   std::int32_t size_ = 0, step_ = 0;
+  bool once_ = false;
 };
 
 }  // namespace isimp::parallel

@@ -1,7 +1,5 @@
 // The kernels, written once for all back ends: nvcc makes the CUDA ones of this file, the C++ compiler those of the
 // CPU.
-#include <thrust/system_error.h>
-
 #include "device.h"
 #include "device_flooder.h"
 #include "devices.h"
@@ -22,17 +20,18 @@ void check_lengths(std::size_t faces, std::size_t labels, std::int32_t regions, 
 std::vector<RegionSum> fit_regions(std::span<const float> faces, std::span<const std::int32_t> labels,
                                    std::int32_t regions) {
   const auto count = static_cast<std::int64_t>(labels.size());
-  const Readable<float> read_faces(faces);
-  const Readable<std::int32_t> read_labels(labels);
-  const Survey found = survey(read_faces.data(), read_labels.data(), count, regions);
+  Memory memory(kNoLimit);
+  const Readable<float> read_faces(memory, faces);
+  const Readable<std::int32_t> read_labels(memory, labels);
+  const Survey found = survey(memory, read_faces.data(), read_labels.data(), count, regions);
   if (const std::int64_t bad = found.first_bad; bad < count) {
     if (labels[bad] < -1 || labels[bad] >= regions)
       throw InvalidInput("face " + std::to_string(bad) + " has label " + std::to_string(labels[bad]) +
                          ", but there are " + std::to_string(regions) + " regions");
     throw InvalidInput(complaint(bad, &faces[4 * bad]));
   }
-  const std::vector<double> sums =
-      sum_up<4>(read_faces.data(), nullptr, read_labels.data(), count, regions, shift_for(found.largest_area, count));
+  const std::vector<double> sums = sum_up<4>(memory, read_faces.data(), nullptr, read_labels.data(), count, regions,
+                                             shift_for(found.largest_area, count));
   std::vector<RegionSum> result(static_cast<std::size_t>(regions));
   for (std::size_t r = 0; r < result.size(); ++r)
     result[r] = {sums[4 * r], sums[4 * r + 1], sums[4 * r + 2], sums[4 * r + 3]};
@@ -48,8 +47,8 @@ class DeviceKernels final : public Kernels {
     return guarded("fitting", labels.size(), [&] { return fit_regions(faces, labels, regions); });
   }
 
-  [[nodiscard]] std::unique_ptr<Flooder> load(const FloodSurface& surface) const override {
-    return guarded("loading", surface.faces.size() / 4, [&] { return load_flooder(surface); });
+  [[nodiscard]] std::unique_ptr<Flooder> load(const FloodSurface& surface, std::size_t most) const override {
+    return guarded("loading", surface.faces.size() / 4, [&] { return load_flooder(surface, most); });
   }
 };
 

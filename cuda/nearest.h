@@ -85,9 +85,9 @@ struct ChooseNear {
     std::int32_t cell[3];
     for (int k = 0; k < 3; ++k) cell[k] = cell_of(p[k], grid.side);
     for (std::int32_t reach = 0; reach < grid.side; ++reach) {
-      const float seen =
-          (static_cast<float>(reach) - 1.001F) / static_cast<float>(grid.side);  // with room for rounding
-      if (near.found == near.wanted && seen > 0 && near.distance[near.found - 1] < seen * seen) return;
+      const float seen = static_cast<float>(reach) - 1.001F;  // in cells, with room for rounding
+      const auto side = static_cast<float>(grid.side);
+      if (near.found == near.wanted && seen > 0 && near.distance[near.found - 1] * side * side < seen * seen) return;
       shell(near, i, cell, reach);
     }
   }

@@ -9,6 +9,12 @@
 /// order of joining changes a name.
 namespace isimp::parallel {
 
+/// Every face a piece of its own.
+struct Alone {
+  std::int32_t* parent;  ///< (N)
+  ISIMP_KERNEL void operator()(std::int64_t i) const { parent[i] = static_cast<std::int32_t>(i); }
+};
+
 /// Joins a face to its neighbours of the same label. The larger root always hangs itself below the smaller.
 /// Source: the hooking of ECL-CC, Jaiganesh and Burtscher 2018.
 struct Join {

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <thrust/copy.h>
-
 #include <cmath>
 #include <string>
 #include <vector>
@@ -43,8 +41,9 @@ struct MergeSurveys {
   }
 };
 
-inline Survey survey(const float* faces, const std::int32_t* labels, std::int64_t count, std::int32_t regions) {
-  return reduce_all(count, LookAtFace{faces, labels, count, regions}, Survey{0.0F, count}, MergeSurveys{});
+inline Survey survey(Memory& memory, const float* faces, const std::int32_t* labels, std::int64_t count,
+                     std::int32_t regions) {
+  return reduce_all(memory, count, LookAtFace{faces, labels, count, regions}, Survey{0.0F, count}, MergeSurveys{});
 }
 
 inline std::string complaint(std::int64_t i, const float* f) {
@@ -105,14 +104,14 @@ struct AddRun {
 
 /// The sums of all regions, kColumns for each, as real numbers.
 template <int kColumns>
-std::vector<double> sum_up(const float* faces, const float* centres, const std::int32_t* labels, std::int64_t count,
-                           std::int32_t regions, int shift) {
-  Array<Integer> sums(kColumns * static_cast<std::size_t>(regions), 0);
+std::vector<double> sum_up(Memory& memory, const float* faces, const float* centres, const std::int32_t* labels,
+                           std::int64_t count, std::int32_t regions, int shift) {
+  Array<Integer> sums(memory, kColumns * static_cast<std::size_t>(regions));
+  set_all(sums, Integer{0});
   constexpr std::int64_t kRun = AddRun<kColumns>::kRun;
   for_all(0, (count + kRun - 1) / kRun,
-          AddRun<kColumns>{faces, centres, labels, count, std::ldexp(1.0, shift), raw(sums)});
-  std::vector<Integer> integers(sums.size());
-  thrust::copy(sums.begin(), sums.end(), integers.begin());
+          AddRun<kColumns>{faces, centres, labels, count, std::ldexp(1.0, shift), sums.data()});
+  const std::vector<Integer> integers = sums.read();
   std::vector<double> result(integers.size());
   for (std::size_t i = 0; i < result.size(); ++i) result[i] = std::ldexp(static_cast<double>(integers[i]), -shift);
   return result;

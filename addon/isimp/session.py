@@ -83,7 +83,7 @@ class Session:
                 outcome = self._apply(step, prepared, outcome, watch, begin, end)
             except engine.InvalidInput as error:
                 raise StepFailed(index, step, in_users_faces(str(error), prepared), outcome) from error
-            except ValueError as error:
+            except (ValueError, RuntimeError) as error:  # that of a device that ran out of memory, say
                 raise StepFailed(index, step, str(error), outcome) from error
             self._outcomes.put(keys[number], outcome, _size(outcome, prepared))
         if outcome is None:

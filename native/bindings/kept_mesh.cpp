@@ -1,7 +1,5 @@
 #include "kept_mesh.h"
 
-#include "isimp/partition/parallel_lloyd.h"
-
 namespace isimp::bindings {
 
 KeptMesh::Kept KeptMesh::recall(Guides guides, double adaptivity) const {
@@ -18,20 +16,6 @@ KeptMesh::Kept KeptMesh::recall(Guides guides, double adaptivity) const {
 void KeptMesh::keep(const Kept& kept) const {
   const std::lock_guard lock(mutex_);
   kept_ = kept;
-}
-
-KeptMesh::Loaded KeptMesh::borrow(const Surface& surface, const std::string& backend) const {
-  {
-    const std::lock_guard lock(mutex_);
-    if (loaded_.flooder && loaded_.backend == backend && loaded_.graph == surface.guided())
-      return std::exchange(loaded_, {});
-  }
-  return {backend, surface.guided(), load(surface, backend)};
-}
-
-void KeptMesh::give_back(Loaded loaded) const {
-  const std::lock_guard lock(mutex_);
-  loaded_ = std::move(loaded);
 }
 
 Partition KeptMesh::split(const PartitionOptions& options, Guides guides, Job& job) const {
@@ -111,11 +95,9 @@ Partition KeptMesh::split_by_count(const Surface& surface, Kept kept, const Part
   }
   const Job::Part stage(job, "relaxing", done, 1.0);
   if (!parallel) return partition(surface, *kept.hierarchy, options, job);
-  Loaded loaded = borrow(surface, options.backend);
-  Partition result =
-      partition(surface, kept.hierarchy ? *kept.hierarchy : Hierarchy{}, options, job, loaded.flooder.get());
-  give_back(std::move(loaded));
-  return result;
+  return flooder_.with(surface, options.backend, [&](parallel::Flooder& flooder) {
+    return partition(surface, kept.hierarchy ? *kept.hierarchy : Hierarchy{}, options, job, &flooder);
+  });
 }
 
 }  // namespace isimp::bindings

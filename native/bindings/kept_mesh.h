@@ -2,13 +2,12 @@
 
 #include <memory>
 #include <mutex>
-#include <string>
 #include <utility>
 
 #include "isimp/hybrid/hybrid.h"
 #include "isimp/mesh/mesh.h"
-#include "isimp/parallel/flooder.h"
 #include "isimp/partition/hierarchy.h"
+#include "isimp/partition/kept_flooder.h"
 #include "isimp/partition/partition.h"
 #include "isimp/partition/surface.h"
 
@@ -43,18 +42,9 @@ class KeptMesh : public Mesh {
   Partition split_by_count(const Surface& surface, Kept kept, const PartitionOptions& options, Job& job) const;
   Partition split_decimated(const Surface& surface, Kept kept, const PartitionOptions& options, Job& job) const;
 
-  /// A surface in the memory of a back end. One call at a time has it; another one meanwhile makes its own.
-  struct Loaded {
-    std::string backend;
-    std::shared_ptr<const GuidedGraph> graph;  // of the surface; null without guides
-    std::unique_ptr<parallel::Flooder> flooder;
-  };
-  [[nodiscard]] Loaded borrow(const Surface& surface, const std::string& backend) const;
-  void give_back(Loaded loaded) const;
-
   mutable std::mutex mutex_;
   mutable Kept kept_;
-  mutable Loaded loaded_;
+  KeptFlooder flooder_;
 };
 
 }  // namespace isimp::bindings

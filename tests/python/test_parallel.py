@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import isimp_engine as engine
+from isimp import session
 from isimp.recipe import METHODS, Partition, Recipe
 from isimp.session import Scan, Session, StepFailed, backends
 from shapes import cube as cube_arrays
@@ -80,6 +81,16 @@ def test_a_back_end_that_is_not_here_is_refused_with_the_reason_and_what_there_i
     for method in (*THESIS, "hierarchy"):
         with pytest.raises(engine.InvalidInput, match=r"back end 'cuda' is not available here: .*; there is: cpu"):
             split(mesh, method=method, backend="cuda")
+
+
+def test_a_device_that_fails_stops_the_recipe_with_its_reason(mesh, monkeypatch):
+    def fail(*_, **__):
+        raise RuntimeError("ran out of memory; back end 'cpu' can do the same")
+
+    monkeypatch.setattr(session, "_partition_guided", fail)
+    scan = Scan(mesh.vertices, mesh.triangles, np.arange(len(mesh.triangles), dtype=np.int32), len(mesh.triangles))
+    with pytest.raises(StepFailed, match=r"^Step 1, .*: ran out of memory; back end 'cpu' can do the same"):
+        Session().replay(scan, Recipe((Partition(proxies=12, method="queued"),)))
 
 
 def test_the_recipe_knows_every_method_of_the_engine_and_a_session_the_back_ends(mesh):

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -11,6 +13,8 @@
 #include "isimp/parallel/sums.h"
 
 namespace isimp::parallel {
+
+inline constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();
 
 /// The data-parallel kernels of one back end. They see spans of plain numbers, no mesh; the memory of the device stays
 /// behind them. Every one gives the same bits on every back end and any number of threads.
@@ -39,10 +43,22 @@ class Kernels {
   /// Loads a surface for flooding. What it points to must outlive the flooder, which reads it in place on the CPU.
   /// Memory: up to 40 bytes a face on the CPU, beside the surface; on a device 68; 16 more each while naive flooding
   /// has its places and while regions are cut to pieces.
+  /// \param most  bytes of the device that the flooder may ever hold
   /// \throws InvalidInput  lengths that do not agree; a face as fit() refuses it; a neighbour outside [0, N]
-  /// \throws Error         the device has too little memory or failed
-  [[nodiscard]] virtual std::unique_ptr<Flooder> load(const FloodSurface& surface) const = 0;
+  /// \throws Error         the device has too little memory, or less than `most` would do, or it failed; so may any
+  /// call
+  ///                       to the flooder, which can be used again afterwards
+  [[nodiscard]] virtual std::unique_ptr<Flooder> load(const FloodSurface& surface,
+                                                      std::size_t most = kNoLimit) const = 0;
 };
+
+/// What a back end that ran out of memory says of it, and that the CPU can do the same.
+/// \param doing "flooding". \param wanted, held  bytes that were asked for last, and those it had already
+[[nodiscard]] std::string out_of_memory(std::string_view backend, std::string_view doing, std::size_t faces,
+                                        std::size_t wanted, std::size_t held);
+/// The same of any other failure. \param reason  in the words of the back end
+[[nodiscard]] std::string out_of_order(std::string_view backend, std::string_view doing, std::size_t faces,
+                                       std::string_view reason);
 
 /// The back ends that work here: "cpu" always; "cuda" where a device is present, the driver works and this build has
 /// the CUDA part. The first call looks for devices, which can take a second where there are any.

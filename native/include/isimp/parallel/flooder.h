@@ -77,6 +77,14 @@ class Flooder {
 
   /// \param labels (N) gets the region of each face, -1 for none
   virtual void labels(std::span<std::int32_t> labels) const = 0;
+
+  /// Memory of the device that is held for this surface, all of it until the flooder goes. The numbers that a CPU reads
+  /// in place do not count.
+  struct MemoryUse {
+    std::size_t bytes = 0;
+    std::int64_t allocations = 0;  ///< how often the device was asked for some
+  };
+  [[nodiscard]] virtual MemoryUse memory() const = 0;
 };
 
 }  // namespace isimp::parallel
