@@ -76,7 +76,8 @@ void bind_options(py::module_& m) {
       .choice(
           "connect", &Options::connect, {{"repair", Connect::repair}, {"flood", Connect::flood}},
           "How the regions of 'naive' and 'queued' become connected at the end: 'repair', the largest piece of each "
-          "grows over the others; 'flood', one sequential round, as the thesis has it, which loses more.")
+          "grows over the others; 'flood', one sequential round, as the thesis has it, which loses more. Of "
+          "'hybrid' 'flood' is the thesis's, and 'repair' takes the default method and relaxed borders.")
       .field("fraction", &Options::fraction, "Of the faces what 'hybrid' keeps when it decimates, in (0, 1].")
       .finish();
 }

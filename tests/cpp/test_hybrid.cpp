@@ -70,6 +70,16 @@ TEST(Hybrid, HasExactlyTheRegionsAskedForAndErrsLittle) {
   }
 }
 
+TEST(Hybrid, ErrsLessThanTheThesissOwn) {
+  const Mesh mesh = shapes::mesh(shapes::shuffled(shapes::noisy(shapes::torus(160, 80), 0.001, 2), 3));
+  const Partition flooded = run(mesh, {.proxies = 100, .connect = Connect::flood});
+  expect_sound(mesh, flooded);
+  const Partition relaxed = run(mesh, {.proxies = 100, .threads = 1});
+  expect_sound(mesh, relaxed);
+  EXPECT_LT(relaxed.error, flooded.error);
+  EXPECT_EQ(run(mesh, {.proxies = 100, .threads = 3}).face_region, relaxed.face_region);
+}
+
 TEST(Hybrid, ComponentsKeepTheirRegionsAndSpecksAreLeftOut) {
   auto arrays = shapes::both(shapes::cube(6), shapes::sphere(3), {3, 0, 0});
   auto speck = shapes::cube(2);

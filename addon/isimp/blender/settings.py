@@ -119,7 +119,7 @@ class PartitionSettings:
             ("lloyd", "Lloyd", "Flood and fit in turn from the starting faces, as first published"),
             ("queued", "Queued", "As Lloyd, with all faces of a queue flooded at once: for many processors"),
             ("naive", "Naive", "As Lloyd, with every face choosing among the nearest regions: for many processors"),
-            ("hybrid", "Hybrid", "Lloyd on a decimated copy of the scan, carried back to it"),
+            ("hybrid", "Hybrid", "Partition a decimated copy of the scan, and carry the regions back to it"),
         ),
         default=_PARTITION.method,
     )

@@ -11,6 +11,7 @@
 #include "isimp/partition/flooding.h"
 #include "isimp/partition/make_partition.h"
 #include "isimp/partition/metric.h"
+#include "isimp/partition/relax.h"
 
 namespace isimp {
 namespace {
@@ -170,6 +171,15 @@ class Carrier {
   std::vector<bool> taken_;  // (n + 1)
 };
 
+/// Borders come back where the coarse faces had them; on the dense mesh they find their places.
+void relax_borders(const FaceGraph& graph, Regions& regions, const Threads& threads, Job& job) {
+  constexpr int kSweeps = 60;
+  Relaxation<GraphLabels> relaxation(graph, {regions.label.data()}, regions.sum, border_weight(regions.error()),
+                                     threads);
+  for (std::int32_t i = 0; i < graph.size(); ++i) relaxation.push_if_border(i);
+  relaxation.run(kSweeps, job);
+}
+
 }  // namespace
 
 Partition hybrid(const Surface& surface, const Decimated& all, const PartitionOptions& options, Job& job) {
@@ -181,7 +191,8 @@ Partition hybrid(const Surface& surface, const Decimated& all, const PartitionOp
     throw InvalidInput("the mesh has " + std::to_string(coarse.mesh.face_count()) + " faces left at fraction " +
                        std::to_string(all.fraction) + ", too few for " + std::to_string(parts.regions()) + " regions");
   PartitionOptions plain = options;
-  plain.method = Method::lloyd;
+  const bool faithful = options.connect == Connect::flood;
+  plain.method = faithful ? Method::lloyd : Method::hierarchy;
   plain.proxies = parts.regions();
   plain.leave_out = 0.0;
   Carrier carrier(surface, parts);
@@ -195,7 +206,9 @@ Partition hybrid(const Surface& surface, const Decimated& all, const PartitionOp
   Flooding().run(surface.graph(), carrier.proxies, carrier.seeds, regions.label, job);
   regions.sum.resize(carrier.seeds.size());
   sum_regions(surface.graph(), regions, job);
-  return make_partition(surface, parts, regions, {regions.error()}, Threads(options.threads), job);
+  const Threads threads(options.threads);
+  if (!faithful) relax_borders(surface.graph(), regions, threads, job);
+  return make_partition(surface, parts, regions, {regions.error()}, threads, job);
 }
 
 }  // namespace isimp

@@ -31,10 +31,11 @@ enum class Method {
   teleport,   ///< lloyd, then merge the cheapest pair and split the worst region until it no longer helps
   naive,      ///< as lloyd, each face looking at the nearest regions at once: the thesis's data-parallel flooding
   queued,     ///< as lloyd, from a queue all of whose faces are flooded at once: the thesis's queued flooding
-  hybrid,     ///< lloyd on a decimated mesh, carried back: the thesis's hybrid; hybrid() does it, not partition()
+  hybrid,     ///< on a decimated mesh, and carried back: the thesis's hybrid; hybrid() does it, not partition()
 };
 
-/// How the pieces that parallel flooding leaves become connected regions.
+/// How the pieces that parallel flooding leaves become connected regions, and which of its two ways Method::hybrid
+/// goes.
 enum class Connect {
   repair,  ///< the largest piece of each region grows over the others: parallel, and it loses less
   flood,   ///< one sequential round of lloyd, the thesis's own
@@ -59,7 +60,7 @@ struct PartitionOptions {
   std::string backend = "cpu";  ///< where Method::naive and queued run: one of parallel::backends(); same labels on all
   std::int32_t nearest = 8;     ///< how many of the nearest regions a face looks at in Method::naive, in [1, 32]
   parallel::Search search = parallel::Search::grid;  ///< how Method::naive finds them; the result is the same
-  Connect connect = Connect::repair;                 ///< what Method::naive and queued end with
+  Connect connect = Connect::repair;                 ///< what Method::naive, queued and hybrid end with
   double fraction = 0.125;  ///< of the faces that Method::hybrid keeps when it decimates, in (0, 1]
 };
 
