@@ -5,7 +5,7 @@
 
 Needs the package as `pip install .` makes it, and matplotlib for the plots. Times are processor time on one thread,
 and wall time where a device works; each is given as a ratio to `lloyd` in the same process. FOLDER gets a CSV file and
-a plot for each experiment.
+a plot for each experiment, and findings.csv: what the thesis found, beside what these figures say of it.
 """
 
 from __future__ import annotations
@@ -16,15 +16,16 @@ import sys
 import time
 from pathlib import Path
 
+import thesis_findings
+
 import isimp_engine as engine
 
-SCANS = {
+SCANS = {  # by name, below --data; anything else is the name of a file there
     "bunny": "scan/bunny_69k.ply",
     "armadillo": "scan/armadillo_86k.ply",
     "armadillo x 4": "scan/armadillo_346k_loop.ply",
     "dragon": "scan/dragon_871k.ply",
 }
-COUNTS = (100, 500, 2000)
 FRACTIONS = tuple(1 / 2**k for k in range(1, 6))
 ROUNDS = 20
 WAYS = {  # options of partition(), and how many rounds are enough to know the time of one
@@ -35,7 +36,7 @@ WAYS = {  # options of partition(), and how many rounds are enough to know the t
     "default": ({"method": "hierarchy"}, ROUNDS),
 }
 COLORS = {"lloyd": "black", "queued": "tab:blue", "naive": "tab:orange", "naive, brute force": "tab:red"}
-COLORS |= {"default": "tab:green", "hybrid": "tab:purple"}
+COLORS |= {"default": "tab:green", "hybrid": "tab:purple", "hybrid, relaxed": "tab:pink"}
 
 
 def load(path: Path) -> engine.Mesh:
@@ -50,10 +51,10 @@ def timed(mesh: engine.Mesh, **options) -> tuple[float, engine.Partition]:
     return clock() - start, part
 
 
-def speed(name: str, path: Path) -> list[dict]:
+def speed(name: str, path: Path, counts: list[int]) -> list[dict]:
     """Of every method on every back end the time of a round against lloyd's; of the default the time of all."""
     mesh, rows = load(path), []
-    for proxies in COUNTS:
+    for proxies in counts:
         seconds = {}
         for backend in engine.backends():
             if backend != "cpu":  # the first call wakes the device
@@ -72,14 +73,13 @@ def speed(name: str, path: Path) -> list[dict]:
     return rows
 
 
-def rounds(name: str, path: Path) -> list[dict]:
+def rounds(name: str, path: Path, counts: list[int]) -> list[dict]:
     """The distortion after each round, as a share of lloyd's after the last, and that of the connected result."""
-    mesh, rows = load(path), []
-    last = None
+    mesh, rows, last = load(path), [], None
     for way in ("lloyd", "queued", "naive", "default"):
         for connect in ("repair", "flood") if way in ("queued", "naive") else ("",):
             options = WAYS[way][0] | ({"connect": connect} if connect else {})
-            part = timed(mesh, proxies=500, iterations=ROUNDS, **options)[1]
+            part = timed(mesh, proxies=middle(counts), iterations=ROUNDS, **options)[1]
             last = last or part.error
             row = {"scan": name, "method": way}
             if connect != "flood":  # the rounds before are the same
@@ -89,24 +89,29 @@ def rounds(name: str, path: Path) -> list[dict]:
     return rows
 
 
-def fractions(name: str, path: Path) -> list[dict]:
+def fractions(name: str, path: Path, counts: list[int]) -> list[dict]:
     """Time and distortion of the hybrid by the fraction of faces kept, against lloyd on all of them."""
-    mesh = load(path)
-    base, lloyd = timed(mesh, proxies=500, iterations=ROUNDS, method="lloyd")
-    rows = [row_of(name, "lloyd", 1.0, 0.0, 1.0, 1.0)]
-    spent, part = timed(mesh, proxies=500, method="hierarchy")
-    rows.append(row_of(name, "default", 1.0, 0.0, spent / base, part.error / lloyd.error))
+    mesh, proxies = load(path), middle(counts)
+    base, lloyd = timed(mesh, proxies=proxies, iterations=ROUNDS, method="lloyd")
+
+    def row(method, fraction, decimating, partitioning, part) -> dict:
+        times = {"decimating": decimating / base, "partitioning": partitioning / base}
+        return {"scan": name, "method": method, "fraction": fraction} | times | {"error": part.error / lloyd.error}
+
+    rows = [row("lloyd", 1.0, 0.0, base, lloyd)]
+    rows.append(row("default", 1.0, 0.0, *timed(mesh, proxies=proxies, method="hierarchy")))
     for fraction in FRACTIONS:
-        options = {"proxies": 500, "iterations": ROUNDS, "method": "hybrid", "fraction": fraction}
-        first, part = timed(mesh, **options)
-        again, _ = timed(mesh, **options)  # the decimated mesh is kept
-        rows.append(row_of(name, "hybrid", fraction, (first - again) / base, again / base, part.error / lloyd.error))
+        options = {"proxies": proxies, "iterations": ROUNDS, "method": "hybrid", "fraction": fraction}
+        first, part = timed(mesh, connect="flood", **options)
+        again, _ = timed(mesh, connect="flood", **options)  # the decimated mesh is kept
+        rows.append(row("hybrid", fraction, first - again, again, part))
+        rows.append(row("hybrid, relaxed", fraction, first - again, *timed(mesh, connect="repair", **options)))
     return rows
 
 
-def row_of(name, method, fraction, decimating, partitioning, error) -> dict:
-    times = {"decimating": decimating, "partitioning": partitioning}
-    return {"scan": name, "method": method, "fraction": fraction} | times | {"error": error}
+def middle(counts: list[int]) -> int:
+    """The number of regions where only one is tried."""
+    return sorted(counts)[len(counts) // 2]
 
 
 def legend_below(figure) -> None:
@@ -154,20 +159,22 @@ def plot_rounds(figure, rows: list[dict]) -> None:
 def plot_fractions(figure, rows: list[dict]) -> None:
     scans = list(dict.fromkeys(row["scan"] for row in rows))
     for place, scan in enumerate(scans, 1):
-        line = [r for r in rows if r["scan"] == scan and r["method"] == "hybrid"]
-        at = range(len(line))
-        names = [f"1/{round(1 / r['fraction'])}" for r in line]
         axes = figure.add_subplot(2, len(scans), place, title=scan, yscale="log")
-        kept, first = [r["partitioning"] for r in line], [r["decimating"] + r["partitioning"] for r in line]
-        axes.plot(at, first, "o-", color="tab:red", label="decimating and partitioning")
-        axes.plot(at, kept, "o-", color=COLORS["hybrid"], label="partitioning, decimated before")
         below = figure.add_subplot(2, len(scans), place + len(scans), xlabel="faces kept", ylim=(0.5, 1.5))
-        below.plot(at, [r["error"] for r in line], "o-", color=COLORS["hybrid"], label="hybrid")
+        for method in ("hybrid", "hybrid, relaxed"):
+            line = [r for r in rows if r["scan"] == scan and r["method"] == method]
+            at = range(len(line))
+            color = {"color": COLORS[method]}
+            if method == "hybrid":
+                first = [r["decimating"] + r["partitioning"] for r in line]
+                axes.plot(at, first, "o-", color="tab:red", label="decimating and hybrid")
+            axes.plot(at, [r["partitioning"] for r in line], "o-", label=f"{method}, decimated before", **color)
+            below.plot(at, [r["error"] for r in line], "o-", **color)
         default = next(r for r in rows if r["scan"] == scan and r["method"] == "default")
         for each, value in ((axes, default["partitioning"]), (below, default["error"])):
             each.axhline(1, color="black", linewidth=0.8, label="lloyd")
             each.axhline(value, color=COLORS["default"], linestyle=":", label="default")
-            each.set_xticks(at, names)
+            each.set_xticks(at, [f"1/{round(1 / r['fraction'])}" for r in line])
         axes.set_ylabel("time, lloyd = 1" if place == 1 else "")
         below.set_ylabel("distortion, lloyd = 1" if place == 1 else "")
     legend_below(figure)
@@ -208,14 +215,17 @@ def draw(path: Path, plot, size: tuple[float, float], rows: list[dict]) -> None:
     figure.savefig(path, dpi=100)
 
 
-def main() -> None:
+def main(arguments: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--data", type=Path, required=True, help="the folder with the scans")
     parser.add_argument("--out", type=Path, default=Path("out/thesis"), help="where CSV files and plots go")
-    parser.add_argument("--scans", default="bunny,armadillo,armadillo x 4", help=", ".join(SCANS))
+    parser.add_argument("--scans", default="bunny,armadillo x 4,dragon", help=", ".join(SCANS) + ", or files in --data")
+    parser.add_argument("--counts", default="100,500,2000", help="of regions; where one is enough, the middle one")
     parser.add_argument("--only", default=",".join(EXPERIMENTS), help="which experiments")
+    parser.add_argument("--csv-only", action="store_true", help="draw nothing: no matplotlib needed")
     parser.add_argument("--plots-only", action="store_true", help="draw the CSV files that are there")
-    given = parser.parse_args()
+    given = parser.parse_args(arguments)
+    counts = [int(count) for count in given.counts.split(",")]
     given.out.mkdir(parents=True, exist_ok=True)
     for name in given.only.split(","):
         run, plot, size = EXPERIMENTS[name]
@@ -224,9 +234,16 @@ def main() -> None:
             rows = []
             for scan in given.scans.split(","):
                 print(f"{name}: {scan}", file=sys.stderr)
-                rows += run(scan, given.data / SCANS[scan])
+                rows += run(scan, given.data / SCANS.get(scan, scan), counts)
                 write_rows(file, rows)
-        draw(given.out / f"thesis_{name}.jpg", plot, size, read_rows(file))
+        if not given.csv_only:
+            draw(given.out / f"thesis_{name}.jpg", plot, size, read_rows(file))
+    files = {name: given.out / f"{name}.csv" for name in EXPERIMENTS}
+    if all(file.exists() for file in files.values()):
+        found = thesis_findings.findings(**{name: read_rows(file) for name, file in files.items()})
+        write_rows(given.out / "findings.csv", found)
+        for row in found:
+            print(f"{'holds' if row['holds'] else 'does not hold':13}  {row['thesis']}: {row['here']}")
 
 
 if __name__ == "__main__":
