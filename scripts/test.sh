@@ -88,12 +88,13 @@ stage_cuda() { # the CUDA part: compiled with nvcc, the machine's or PyPI's, and
     LIBRARY_PATH=$(echo "$tools"/lib/python3*/site-packages/nvidia/cu13/lib) # nvcc looks in lib64
     export LIBRARY_PATH
   fi
-  cmake -S . -B build-cuda -G Ninja -DISIMP_TESTS=ON -DISIMP_WERROR=ON -DISIMP_CUDA=ON -DPython_EXECUTABLE="$tools/bin/python"
-  local test
-  for test in test_parallel test_parallel_lloyd; do
-    ninja -C build-cuda -j2 "$test"
-    "build-cuda/tests/cpp/$test" --gtest_output=xml:"$results/$test.xml"
-  done
+  cmake -S . -B build-cuda -G Ninja -DISIMP_TESTS=ON -DISIMP_PYTHON=ON -DISIMP_WERROR=ON -DISIMP_CUDA=ON \
+    -Dpybind11_DIR="$("$tests_venv/bin/python" -m pybind11 --cmakedir)" -DPython_EXECUTABLE="$tools/bin/python"
+  local tests=(test_parallel test_parallel_lloyd test_device_memory) test
+  ninja -C build-cuda -j2 isimp_python "${tests[@]}"
+  for test in "${tests[@]}"; do "build-cuda/tests/cpp/$test" --gtest_output=xml:"$results/$test.xml"; done
+  ISIMP_CUDA_BUILD=$root/build-cuda PYTHONPATH=$root/build-cuda/python "$tests_venv/bin/python" -m pytest \
+    tests/cuda tests/python/test_parallel.py --junitxml "$results/pytest.xml"
 }
 
 stage_asan() { # the same under the address and undefined-behaviour sanitizers

@@ -1,0 +1,88 @@
+"""What nvcc made, in the build folder named by ISIMP_CUDA_BUILD: run by the stage `cuda` of scripts/test.sh."""
+
+import json
+import os
+import re
+import shlex
+import struct
+import subprocess
+from pathlib import Path
+
+import pytest
+
+import isimp_engine as engine
+from isimp_engine import _core
+
+BUILD = Path(os.environ["ISIMP_CUDA_BUILD"])
+PTX, MACHINE = 1, 2  # kinds of code in a fat binary
+
+
+def compile_command() -> list[str]:
+    """How kernels.cu was compiled."""
+    for entry in json.loads((BUILD / "compile_commands.json").read_text()):
+        if entry["file"].endswith("kernels.cu"):
+            words = shlex.split(entry["command"])
+            return words[next(i for i, word in enumerate(words) if word.endswith("nvcc")) :]
+    raise AssertionError("kernels.cu was not compiled")
+
+
+def fat_binary(path: Path) -> set[tuple[int, int]]:
+    """(kind, architecture) of each piece of device code in a file.
+
+    A container begins with a magic number, two shorts and its size; a piece with its kind, its header's size and its
+    own, and has its architecture at 28.
+    """
+    content, found = path.read_bytes(), set()
+    for start in re.finditer(re.escape(struct.pack("<I", 0xBA55ED50)), content):
+        _, header, size = struct.unpack_from("<HHQ", content, start.start() + 4)
+        at = start.start() + header
+        end = at + size
+        while at < end:
+            kind, _, head, length = struct.unpack_from("<HHIQ", content, at)
+            found.add((kind, struct.unpack_from("<I", content, at + 28)[0]))
+            at += head + length
+    return found
+
+
+def test_the_module_is_the_one_with_cuda_and_loads_without_a_driver():
+    assert Path(_core.__file__).is_relative_to(BUILD)
+    assert engine.backends()[0] == "cpu"
+    if engine.backends() == ["cpu"]:
+        mesh = engine.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+        options = engine.PartitionOptions(proxies=1, method="queued", backend="cuda")
+        with pytest.raises(
+            engine.InvalidInput, match=r"^back end 'cuda' is not available here: .+; there is: cpu$"
+        ) as e:
+            engine.partition(mesh, options)
+        assert "left out of this build" not in str(e.value)
+
+
+def test_the_module_asks_for_no_library_of_cuda():
+    needed = subprocess.run(["readelf", "-d", _core.__file__], capture_output=True, text=True, check=True).stdout
+    assert "NEEDED" in needed
+    assert not re.search(r"NEEDED.*(cuda|cudart|nvrtc|nvidia)", needed)
+
+
+def test_there_is_code_for_every_architecture_up_to_9_0_and_for_later_ones():
+    nvcc = compile_command()[0]
+    known = subprocess.run([nvcc, "--list-gpu-arch"], capture_output=True, text=True, check=True).stdout
+    wanted = {a for a in (60, 70, 75, 80, 86, 89, 90) if f"compute_{a}" in known}
+    code = fat_binary(Path(_core.__file__))
+    assert {a for kind, a in code if kind == MACHINE} >= wanted
+    assert 90 in {a for kind, a in code if kind == PTX}
+
+
+def test_arithmetic_is_rounded_as_on_the_processor(tmp_path):
+    """No multiplication is fused with an addition, nothing is flushed to zero or approximated."""
+    words = [word for word in compile_command() if not word.startswith(("--generate-code", "-arch", "-gencode"))]
+    for word in ("-o", "-MT", "-MF"):
+        at = words.index(word)
+        del words[at : at + 2]
+    for word in ("-c", "-MD"):
+        words.remove(word)
+    ptx = tmp_path / "kernels.ptx"
+    subprocess.run([*words, "-arch=compute_90", "-ptx", "-o", ptx], cwd=BUILD, check=True)
+    code = ptx.read_text()
+    assert len(re.findall(r"\b(?:add|sub|mul)\.rn\.f32\b", code)) > 20
+    wrong = r"\bfma\.\S*f(?:32|64)|\.ftz|\.approx|\.full|\b(?:add|sub|mul|div|sqrt)\.f(?:32|64)"
+    assert not re.findall(wrong, code)
