@@ -1,0 +1,84 @@
+// Inputs at the ends of what there is: hardly any faces a region, ten thousand components, slivers, nothing but a
+// plane.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "isimp/partition/partition.h"
+#include "partition_checks.h"
+#include "shapes.h"
+
+namespace isimp {
+namespace {
+
+using checks::expect_sound;
+
+Partition run(const Mesh& mesh, const PartitionOptions& options) {
+  Job job;
+  return partition(mesh, options, job);
+}
+
+/// Sound, with so many regions, and the same on two threads.
+Partition run_checked(const Mesh& mesh, PartitionOptions options) {
+  options.threads = 1;
+  const Partition result = run(mesh, options);
+  expect_sound(mesh, result);
+  EXPECT_EQ(result.region_count(), *options.proxies);
+  options.threads = 2;
+  EXPECT_EQ(run(mesh, options).face_region, result.face_region);
+  return result;
+}
+
+std::vector<std::int32_t> sizes(const Partition& p) {
+  std::vector<std::int32_t> faces;
+  for (const RegionSum& sum : p.region_sum) faces.push_back(sum.faces);
+  return faces;
+}
+
+TEST(Extremes, TwentyFacesARegion) {
+  const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(5), 0.002, 1));
+  const PartitionOptions options{.proxies = mesh.face_count() / 20};
+  const Partition p = run_checked(mesh, options);
+  const Partition plain = run(mesh, {.proxies = options.proxies, .method = Method::lloyd});
+  EXPECT_LT(p.error, 0.9 * plain.error);
+}
+
+TEST(Extremes, TenThousandCubesWithTheirSixSides) {
+  constexpr std::int32_t kCubes = 10'000;
+  const shapes::Arrays cube = shapes::cube();
+  shapes::Arrays all;
+  for (std::int32_t k = 0; k < kCubes; ++k) {
+    const auto first = static_cast<std::int32_t>(all.vertices.size());
+    for (const Vec3& v : cube.vertices) all.vertices.emplace_back(v + 2 * Vec3(k % 22, k / 22 % 22, k / 484));
+    for (const Triangle& t : cube.triangles) all.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  }
+  const Mesh mesh = shapes::mesh(all);
+  const Partition p = run_checked(mesh, {.proxies = 6 * kCubes, .leave_out = 0});
+  EXPECT_NEAR(p.error, 0.0, 1e-9 * mesh.report().area);
+  const Partition least = run(mesh, {.proxies = 1, .leave_out = 0});
+  expect_sound(mesh, least);
+  EXPECT_EQ(least.proxies_needed, 4 * kCubes);
+  EXPECT_EQ(least.region_count(), 4 * kCubes);
+}
+
+TEST(Extremes, SliversCountByTheirArea) {
+  // A thousand faces round the ring for six round the tube: each some eighty times as long as it is wide.
+  const Mesh mesh = shapes::mesh(shapes::torus(2000, 6));
+  const Partition p = run_checked(mesh, {.proxies = 60});
+  const Partition plain = run(mesh, {.proxies = 60, .method = Method::lloyd});
+  EXPECT_LT(p.error, plain.error);
+}
+
+TEST(Extremes, APlaneIsSharedOutThoughNothingTellsItsFacesApart) {
+  const Mesh mesh = shapes::mesh(shapes::plane(60));
+  const Partition p = run_checked(mesh, {.proxies = 100});
+  EXPECT_NEAR(p.error, 0.0, 1e-9 * mesh.report().area);
+  const std::vector<std::int32_t> faces = sizes(p);
+  EXPECT_LE(*std::max_element(faces.begin(), faces.end()), 10 * mesh.face_count() / 100);
+  const Partition whole = run_checked(mesh, {.proxies = 1});
+  EXPECT_NEAR(whole.region_normal[0].z(), 1.0, 1e-12);
+}
+
+}  // namespace
+}  // namespace isimp
