@@ -17,6 +17,7 @@ SCANS = {
     "bunny": "scan/bunny_69k.ply",
 }
 COUNTS = (100, 500, 2000)
+FACES_A_REGION = 400  # where the number of faces grows
 
 
 @dataclass(frozen=True)
@@ -59,17 +60,17 @@ def full(rounds: int) -> list[Job]:
 
 
 def growth(*, quick: bool) -> list[Job]:
-    """Time and error over the number of faces and the number of regions."""
+    """Time and error over the number of faces, each region having as many, and over the number of regions."""
     faces = (1000, 2000, 4000) if quick else (10_000, 30_000, 100_000, 300_000, 1_000_000, 3_000_000, 10_000_000)
     counts = (5, 20, 80) if quick else (10, 30, 100, 300, 1000, 3000, 10_000)
     plan = []
     for n in faces:
         several = n < 500_000
         names = "mesh,reference,lloyd,default" if n <= 1_000_000 else "mesh,lloyd,default"  # REF would take minutes
-        options = ("--rounds", "3" if several else "1", "--inner", "3" if several else "1", "--cases", names)
-        plan.append(Job(f"faces/{n}", "isimp_bench", f"made:torus:{n}", faces[0] // 20, 0, options))
+        options = ("--rounds", "3" if several else "1", "--inner", "3", "--cases", names)
+        plan.append(Job(f"faces/{n}", "isimp_bench", f"made:torus:{n}", n // FACES_A_REGION, 0, options))
     mesh = "made:torus:4000" if quick else "made:torus:1000000"
-    few = ("--rounds", "1", "--inner", "1", "--cases", "reference,lloyd,default")
+    few = ("--rounds", "1", "--inner", "3", "--cases", "reference,lloyd,default")
     plan += [Job(f"regions/{p}", "isimp_bench", mesh, p, 0, few) for p in counts]
     return plan
 
