@@ -7,6 +7,7 @@
 namespace isimp {
 
 void Job::poll() const {
+  if (at_poll) at_poll();
   if (cancelled()) throw Cancelled();
 }
 

@@ -66,14 +66,14 @@ Mesh clean(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const Cl
   Topology topology;
   {
     const Job::Part part(job, "cleaning", 0.0, 0.5);
-    const auto look = [&] {
+    const auto look = [&](double from, double to) {
+      const Job::Part edges(job, "cleaning", from, to);
       topology = find_topology(soup.vertices.size(), soup.faces(), job);
       sound = topology.flaw.empty() && !has_twins(topology);
     };
-    look();
-    job.report(0.3);
+    look(0.0, 0.8);
     if (sound) welded = weld(soup, border_vertices(soup, topology), options.weld, job);
-    if (welded) look();
+    if (welded) look(0.8, 1.0);
     if (sound) {
       parts = compact(soup, topology, job);
     } else {

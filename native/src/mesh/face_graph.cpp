@@ -129,6 +129,7 @@ FaceGraph make_face_graph(std::span<const Vec3> vertices, std::span<const Triang
   FaceGraph graph;
   const auto n = static_cast<std::int32_t>(triangles.size());
   set_order(graph, Curve(box), vertices, triangles, job);
+  job.report(0.5);
 
   // In the mesh's own order, in which a face's vertices and neighbours tend to be near: half the cache misses.
   const double side = box.sizes().maxCoeff(),

@@ -63,9 +63,11 @@ Mesh::Mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, std::vec
       source_vertex_(std::move(source_vertex)) {
   check_arrays(vertices_, triangles_);
   const Job::Part part(job, "reading the mesh", 0.0, 1.0);
-  detail::Topology topology = detail::find_topology(vertices_.size(), triangles_, job);
+  detail::Topology topology = [&] {
+    const Job::Part edges(job, "reading the mesh", 0.0, 0.5);
+    return detail::find_topology(vertices_.size(), triangles_, job);
+  }();
   if (!topology.flaw.empty()) throw InvalidInput(topology.flaw + kHint);
-  job.report(0.5);
   complete(std::move(topology), std::move(repairs), job);
 }
 
@@ -90,7 +92,10 @@ void Mesh::complete(detail::Topology topology, RepairReport repairs, Job& job) {
     if (vertex_halfedge_[v] != kNone) box.extend(vertices_[v]);
   });
   report_.diagonal = box.diagonal().norm();
-  graph_ = make_face_graph(vertices_, triangles_, opposite_, box, job);
+  {
+    const Job::Part faces(job, job.stage(), 0.6, 1.0);
+    graph_ = make_face_graph(vertices_, triangles_, opposite_, box, job);
+  }
 
   report_.repairs = std::move(repairs);
   report_.vertices = vertex_count();

@@ -82,6 +82,7 @@ class RisingHalfedges {
 bool pair_halfedges(Topology& topology, std::size_t vertex_count, std::span<const Triangle> triangles, Job& job) {
   const RisingHalfedges rising(vertex_count, triangles, job);
   if (rising.has_twins()) return false;
+  job.report(0.3);
   std::vector<std::int32_t>& opposite = topology.opposite;
   opposite.assign(3 * triangles.size(), kNone);
   std::vector<std::pair<std::int32_t, std::int32_t>> alone;  // the falling half-edges on a border, turned round
@@ -174,7 +175,10 @@ Topology find_topology(std::size_t vertex_count, std::span<const Triangle> trian
   Topology topology;
   if (!pair_halfedges(topology, vertex_count, triangles, job)) {
     topology.flaw = describe_bad_edge(vertex_count, triangles, job);
-  } else if (!find_fans(topology, vertex_count, triangles, job)) {
+    return topology;
+  }
+  job.report(0.7);
+  if (!find_fans(topology, vertex_count, triangles, job)) {
     topology.flaw = describe_bad_vertex(topology, triangles);
   }
   return topology;

@@ -124,6 +124,7 @@ void merge_fitting(const Surface& surface, std::span<const std::int32_t> need, d
   std::vector<RegionSum> sum = bounded.regions.sum;
   std::vector<Slab> slab = bounded.slab;
   const auto accept = [&](std::int32_t u, std::int32_t v) {
+    job.poll();
     const RegionSum &a = sum[u], &b = sum[v];
     if (a.x * b.x + a.y * b.y + a.z * b.z < detail::kLeastCosine * a.length() * b.length()) return false;
     RegionSum both = a;
@@ -150,6 +151,7 @@ void merge_fitting(const Surface& surface, std::span<const std::int32_t> need, d
     return true;
   };
   const MergeTree tree = merge_all(clusters, {.need = need, .accept = accept}, job);
+  job.poll();
   const std::vector<std::int32_t> becomes = cut_after(tree, tree.merges());
   std::vector<std::int32_t> above(slab.size(), kNone);
   for (std::size_t k = 0; k < tree.merges(); ++k)
@@ -190,7 +192,10 @@ void relax(const Surface& surface, double bound, BoundedRegions& bounded, Job& j
   }
   Relaxation<BoundedLabels> relaxation(surface.graph(), {{regions.label.data()}, &corners, &bounded.slab}, regions.sum,
                                        border_weight(regions.error()));
-  for (std::int32_t i = 0; i < surface.graph().size(); ++i) relaxation.push_if_border(i);
+  for (std::int32_t i = 0; i < surface.graph().size(); ++i) {
+    if ((i & 0xffff) == 0) job.poll();
+    relaxation.push_if_border(i);
+  }
   relaxation.run(kSweeps, job);
 }
 

@@ -86,8 +86,10 @@ Start start_from_patches(const Surface& surface, std::vector<FaceRecord> smooth,
   Start start{.clusters = {.sum = {}, .first = chosen.first, .neighbour = chosen.neighbour, .part = chosen.part},
               .cluster = h.patch};
   for (const NodeSum& s : chosen.sum) start.clusters.sum.push_back({s.x, s.y, s.z, 2.0 * s.length, 1});
-  for (std::int32_t& c : start.cluster)
-    for (std::size_t l = 0; l < level; ++l) c = h.to_next[l][c];
+  for (std::size_t i = 0; i < start.cluster.size(); ++i) {
+    if ((i & 0xffff) == 0) job.poll();
+    for (std::size_t l = 0; l < level; ++l) start.cluster[i] = h.to_next[l][start.cluster[i]];
+  }
   return start;
 }
 
@@ -133,6 +135,7 @@ DetailTree::DetailTree(const Surface& surface, const DetailSettings& settings, J
   Job::Part stage(job, "merging", 0.9, 1.0);
   const FaceGraph& graph = surface.graph();
   for (std::int32_t i = 0; i < graph.size(); ++i) {
+    if ((i & 0xffff) == 0) job.poll();
     const std::int32_t own = patches_.label[i];
     for (const std::int32_t j : graph.neighbours[i])
       if (j != graph.size() && patches_.label[j] != own) {
@@ -153,8 +156,12 @@ void DetailTree::make_patches(const Surface& surface, Job& job) {
   {
     const double limit = merge_limit(settings_.finest * size_, noise_, kLeastNoise) / area_;
     std::vector<FaceRecord> smooth = filtered_faces(graph, kFilterPasses, filter_range(bend_), job);
-    const Start start = graph.size() < kManyFaces ? start_from_faces(graph, smooth, part)
-                                                  : start_from_patches(surface, std::move(smooth), limit, job);
+    job.report(0.3);
+    const Start start = [&] {
+      const Job::Part half(job, "merging", 0.3, 0.6);
+      return graph.size() < kManyFaces ? start_from_faces(graph, smooth, part)
+                                       : start_from_patches(surface, std::move(smooth), limit, job);
+    }();
     const MergeTree fine = merge_all(start.clusters, {.cost = limit, .need = need_}, job);
     const std::vector<std::int32_t> patch = cut_after(fine, fine.merges());
     patches_.label.resize(start.cluster.size());
@@ -165,6 +172,7 @@ void DetailTree::make_patches(const Surface& surface, Job& job) {
   std::vector<std::int32_t> number(patches_.sum.size(), kNone);
   std::int32_t kept = 0;
   for (std::int32_t i = 0; i < graph.size(); ++i) {
+    if ((i & 0xffff) == 0) job.poll();
     std::int32_t& label = patches_.label[i];
     const std::int32_t of = part.empty() ? 0 : part[i];
     if (number[label] == kNone && parts_.parts[of].kept) {

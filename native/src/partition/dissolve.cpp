@@ -173,6 +173,7 @@ class Dissolving {
 
 bool dissolve(const Surface& surface, std::span<const std::int32_t> need, double width, BoundedRegions& bounded,
               Job& job) {
+  job.poll();
   Dissolving dissolving(surface, need, width, bounded);
   const bool any = dissolving.run(job);
   if (any) dissolving.renumber();

@@ -77,7 +77,7 @@ Patches patches_between(const FaceGraph& graph, Hierarchy& h, std::int32_t begin
   Tile tile;
   std::int32_t out = begin * h.tile;
   for (std::int32_t t = begin; t < end; ++t) {
-    if ((t & 0x3ff) == 0) job.poll();
+    if ((t & 0xff) == 0) job.poll();
     const std::int32_t base = t * h.tile;
     tile.read(graph, base, std::min(h.tile, n - base));
     while (!tile.empty()) {
@@ -146,7 +146,7 @@ std::vector<std::int32_t> rows_between(const FaceGraph& faces, const Hierarchy& 
   std::vector<std::int32_t> seen(static_cast<std::size_t>(patches) + 1, -1);
   std::size_t out = 0;
   for (std::int32_t p = begin; p < end; ++p) {
-    if ((p & 0xfff) == 0) job.poll();
+    if ((p & 0x3ff) == 0) job.poll();
     const std::size_t start = out;
     seen[p] = p;
     seen[patches] = p;  // stands for the outside
@@ -228,6 +228,7 @@ Hierarchy build_hierarchy(const Surface& surface, std::int32_t proxies, Job& job
     if (next.size() == h.level.back().size()) break;
     h.to_next.push_back(std::move(map));
     h.level.push_back(std::move(next));
+    job.report(1 - 0.4 * h.level.back().size() / h.level.front().size());
   }
 
   return h;

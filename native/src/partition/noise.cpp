@@ -33,8 +33,10 @@ std::vector<Vec3> umbrella(const Mesh& mesh, std::span<const Vec3> values, Job& 
     }
   }
   std::vector<Vec3> result(values.size(), Vec3::Zero());
-  for (std::size_t v = 0; v < values.size(); ++v)
+  for (std::size_t v = 0; v < values.size(); ++v) {
+    if ((v & kPollEvery) == 0) job.poll();
     if (rings[v].count > 0) result[v] = values[v] - rings[v].sum / rings[v].count;
+  }
   return result;
 }
 
@@ -62,13 +64,16 @@ double estimate_noise(const Mesh& mesh, Job& job) {
   const auto vertices = mesh.vertices();
   const std::vector<Vec3> twice = umbrella(mesh, umbrella(mesh, vertices, job), job);
   std::vector<Vec3> normals(vertices.size(), Vec3::Zero());
-  for (const Triangle& t : mesh.triangles()) {
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    if ((f & kPollEvery) == 0) job.poll();
+    const Triangle& t = mesh.triangles()[f];
     const Vec3 cross = (vertices[t[1]] - vertices[t[0]]).cross(vertices[t[2]] - vertices[t[0]]);
     for (const std::int32_t v : t) normals[v] += cross;
   }
   std::vector<double> left;
   left.reserve(vertices.size());
   for (std::size_t v = 0; v < vertices.size(); ++v) {
+    if ((v & kPollEvery) == 0) job.poll();
     const std::int32_t h = mesh.vertex_halfedge()[v];
     const double length = normals[v].norm();
     if (h == kNone || mesh.opposite(h) == kNone || !(length > 0)) continue;
@@ -77,6 +82,7 @@ double estimate_noise(const Mesh& mesh, Job& job) {
   if (left.size() < kFewest) return 0.0;
   const auto middle = left.begin() + static_cast<std::ptrdiff_t>(left.size() / 2);
   std::nth_element(left.begin(), middle, left.end());
+  job.poll();
   const double noise = *middle / kMedianOfNormal / kTwiceUmbrella;
   return noise > kMostNoise * mean_edge(mesh) ? 0.0 : noise;
 }

@@ -64,12 +64,13 @@ std::vector<std::int32_t> cut(const Hierarchy& h, const Parts& parts, std::int32
 
 /// Adds those of some faces that lie on borders.
 void append_borders(const Relaxation<GraphLabels>& relaxation, std::span<const std::int32_t> among,
-                    std::vector<std::int32_t>& faces) {
+                    std::vector<std::int32_t>& faces, Job& job) {
   std::size_t out = faces.size();
   faces.resize(out + among.size());
-  for (const std::int32_t i : among) {
-    faces[out] = i;
-    out += relaxation.on_border(i) ? 1 : 0;
+  for (std::size_t k = 0; k < among.size(); ++k) {
+    if ((k & 0x3fff) == 0x3fff) job.poll();
+    faces[out] = among[k];
+    out += relaxation.on_border(among[k]) ? 1 : 0;
   }
   faces.resize(out);
 }
@@ -93,13 +94,14 @@ class Optimiser {
     Job::Part stage(job, "relaxing", 0.4, 1.0);
     Relaxation<GraphLabels> relaxation(graph_, {regions_.label.data()}, regions_.sum, border_weight(regions_.error()),
                                        threads_);
-    push_borders(relaxation);
+    push_borders(relaxation, job);
     relaxation.run(kFirstSweeps, job);
     job.report(0.4);
     const MergeGraph pairs = merge_to(wanted - lacking(), relaxation, job);
     job.report(0.5);
     relaxation.run(kLastSweeps, job);
     job.report(0.9);
+    const Job::Part last(job, "relaxing", 0.9, 1.0);
     Teleport teleport(graph_, parts_, regions_, std::move(part_), relaxation);
     const bool filled = teleport.fill_up(job);
     const double ratio = least_ratio(wanted);
@@ -117,7 +119,10 @@ class Optimiser {
     }
     regions_.label.resize(graph_.faces.size());
     threads_.run(graph_.size(), [&](std::int32_t, std::int32_t begin, std::int32_t end) {
-      for (std::int32_t i = begin; i < end; ++i) regions_.label[i] = patch_label_[h_.patch[i]];
+      for (std::int32_t i = begin; i < end; ++i) {
+        if ((i & 0xffff) == 0) job.poll();
+        regions_.label[i] = patch_label_[h_.patch[i]];
+      }
     });
     regions_.label[graph_.size()] = kNone;
     regions_.sum.resize(static_cast<std::size_t>(regions));
@@ -125,17 +130,18 @@ class Optimiser {
   }
 
   /// Border faces lie in patches that have a neighbour of another label.
-  void push_borders(Relaxation<GraphLabels>& relaxation) const {
+  void push_borders(Relaxation<GraphLabels>& relaxation, Job& job) const {
     const MergeGraph& patches = h_.level.front();
     const std::int32_t pieces = threads_.pieces(patches.size(), 1 << 12);
     std::vector<std::vector<std::int32_t>> found(static_cast<std::size_t>(pieces));
     threads_.run(patches.size(), pieces, [&](std::int32_t piece, std::int32_t begin, std::int32_t end) {
       std::vector<std::int32_t> faces;
       for (std::int32_t p = begin; p < end; ++p) {
+        if ((p & 0x3ff) == 0) job.poll();
         const auto around = patches.around(p);
         if (std::all_of(around.begin(), around.end(), [&](auto q) { return patch_label_[q] == patch_label_[p]; }))
           continue;
-        append_borders(relaxation, h_.faces_of(p), faces);
+        append_borders(relaxation, h_.faces_of(p), faces, job);
       }
       found[piece] = std::move(faces);
     });
@@ -145,12 +151,12 @@ class Optimiser {
 
   /// Those of some faces that lie on borders, in the same order.
   [[nodiscard]] std::vector<std::int32_t> borders_among(const Relaxation<GraphLabels>& relaxation,
-                                                        std::span<const std::int32_t> faces) const {
+                                                        std::span<const std::int32_t> faces, Job& job) const {
     const auto count = static_cast<std::int32_t>(faces.size());
     const std::int32_t pieces = threads_.pieces(count);
     std::vector<std::vector<std::int32_t>> found(static_cast<std::size_t>(pieces));
     threads_.run(count, pieces, [&](std::int32_t piece, std::int32_t begin, std::int32_t end) {
-      append_borders(relaxation, faces.subspan(begin, static_cast<std::size_t>(end - begin)), found[piece]);
+      append_borders(relaxation, faces.subspan(begin, static_cast<std::size_t>(end - begin)), found[piece], job);
     });
     for (std::int32_t k = 1; k < pieces; ++k) found[0].insert(found[0].end(), found[k].begin(), found[k].end());
     return std::move(found[0]);
@@ -167,12 +173,14 @@ class Optimiser {
 
   /// Merges regions to the number given. \return which of those left touch
   MergeGraph merge_to(std::int32_t target, Relaxation<GraphLabels>& relaxation, Job& job) {
-    const std::vector<std::int32_t> borders = borders_among(relaxation, relaxation.pushed());
+    const std::vector<std::int32_t> borders = borders_among(relaxation, relaxation.pushed(), job);
     const MergeGraph touching = graph_of_regions(graph_, regions_.label, regions_.sum.size(), part_, borders, threads_);
     const std::vector<std::int32_t> merged = merge_greedily(touching, regions_.sum, needs(parts_), target, job);
     threads_.run(graph_.size(), [&](std::int32_t, std::int32_t begin, std::int32_t end) {
-      for (std::int32_t i = begin; i < end; ++i)
+      for (std::int32_t i = begin; i < end; ++i) {
+        if ((i & 0xffff) == 0) job.poll();
         if (std::int32_t& r = regions_.label[i]; r != kNone) r = merged[r];
+      }
     });
     std::vector<RegionSum> sums(static_cast<std::size_t>(1 + *std::max_element(merged.begin(), merged.end())));
     for (std::size_t r = 0; r < merged.size(); ++r) sums[merged[r]].add(regions_.sum[r]);
@@ -182,7 +190,7 @@ class Optimiser {
       part_.resize(regions_.sum.size());
     }
     relaxation.refit();
-    for (const std::int32_t i : borders_among(relaxation, borders)) relaxation.push(i);
+    for (const std::int32_t i : borders_among(relaxation, borders, job)) relaxation.push(i);
     return contract(touching, merged, regions_.count(), threads_, job);
   }
 

@@ -126,7 +126,10 @@ Partition make_partition(const Surface& surface, const Parts& parts, const Regio
   Partition result;
   result.face_region.resize(static_cast<std::size_t>(graph.size()));
   threads.run(graph.size(), [&](std::int32_t, std::int32_t begin, std::int32_t end) {
-    for (std::int32_t i = begin; i < end; ++i) result.face_region[graph.mesh_face[i]] = regions.label[i];
+    for (std::int32_t i = begin; i < end; ++i) {
+      if ((i & 0xffff) == 0) job.poll();
+      result.face_region[graph.mesh_face[i]] = regions.label[i];
+    }
   });
   result.region_seed = nearest_faces(graph, regions, job, threads);
   for (std::int32_t& seed : result.region_seed) seed = graph.mesh_face[seed];

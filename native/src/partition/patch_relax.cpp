@@ -80,7 +80,7 @@ struct Block {
 class PatchRelaxation {
  public:
   PatchRelaxation(const MergeGraph& graph, std::vector<std::int32_t>& label, std::int32_t regions,
-                  const Threads& threads)
+                  const Threads& threads, Job& job)
       : graph_(graph),
         label_(label),
         threads_(threads),
@@ -88,11 +88,14 @@ class PatchRelaxation {
         mark_(label.size(), 0),
         queued_(label.size(), 0),
         blocks_(static_cast<std::size_t>(graph.size() / kBlock + 1)) {
-    for (std::int32_t u = 0; u < graph.size(); ++u)
+    for (std::int32_t u = 0; u < graph.size(); ++u) {
+      if ((u & 0xffff) == 0) job.poll();
       if (label[u] != kNone) sum_[label[u]].add(graph.sum[u], 1);
+    }
     for (Sum& s : sum_) s.measure();
     threads_.share(block_count(), [&](const auto& next) {
       for (std::int32_t b = next(); b < block_count(); b = next()) {
+        job.poll();
         blocks_[b].stamp = b;
         for (std::int32_t u = nodes_of(b).begin; u < nodes_of(b).end; ++u)
           for (const std::int32_t v : graph_.around(u))
@@ -223,7 +226,7 @@ class PatchRelaxation {
 
 void relax_patches(const MergeGraph& graph, std::vector<std::int32_t>& label, std::int32_t regions, int sweeps,
                    const Threads& threads, Job& job) {
-  PatchRelaxation relaxation(graph, label, regions, threads);
+  PatchRelaxation relaxation(graph, label, regions, threads, job);
   for (int k = 0; k < sweeps && relaxation.sweep(job) > 0; ++k) {
   }
 }

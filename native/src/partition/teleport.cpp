@@ -282,7 +282,7 @@ int Teleport::renew(int tries, double least_ratio, Job& job) {
 }
 
 int Teleport::run(int tries, double least_ratio, Job& job) {
-  int moves = 0;
+  int moves = 0, rounds = 0;
   renewal_work_ = kRenewals * graph_.size();
   for (;;) {
     const Regions before = regions_;
@@ -298,6 +298,7 @@ int Teleport::run(int tries, double least_ratio, Job& job) {
       return moves;
     }
     moves += made;
+    job.report(1 - 1 / (1 + 0.2 * ++rounds));  // nobody knows how many rounds there will be
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 
 namespace isimp {
 
@@ -27,6 +28,8 @@ class Job {
 
   /// Throws Cancelled if someone asked for it. Call at least every 50 ms.
   void poll() const;
+  /// Called at every poll, by whichever thread polls, before it looks whether to stop. Set before the work begins.
+  std::function<void()> at_poll;
   /// Polls, and sets progress to `fraction` in [0, 1] of the present Part (of the whole job outside any Part).
   void report(double fraction);
 
