@@ -51,6 +51,29 @@ TEST(Bound, FewerRegionsServeALargerOne) {
   EXPECT_NEAR(static_cast<double>(fine) / coarse, 4.0, 0.6);
 }
 
+TEST(Bound, TakesThePlaneThatFitsBestAndNotTheMeanOne) {
+  // z = c (x^2 + y^2) over the triangle x + y < 1 lies between planes c / 2 apart, of slopes c; across the mean normal,
+  // of slopes 2 c / 3, they are 5 c / 9 apart.
+  constexpr int kCells = 24;
+  constexpr double kBend = 0.1;
+  Arrays bowl;
+  std::vector<std::vector<std::int32_t>> at(kCells + 1, std::vector<std::int32_t>(kCells + 1));
+  for (int i = 0; i <= kCells; ++i)
+    for (int j = 0; i + j <= kCells; ++j) {
+      const double x = static_cast<double>(i) / kCells, y = static_cast<double>(j) / kCells;
+      at[i][j] = static_cast<std::int32_t>(bowl.vertices.size());
+      bowl.vertices.emplace_back(x, y, kBend * (x * x + y * y));
+    }
+  for (int i = 0; i < kCells; ++i)
+    for (int j = 0; i + j < kCells; ++j) {
+      bowl.triangles.push_back({at[i][j], at[i + 1][j], at[i][j + 1]});
+      if (i + j + 1 < kCells) bowl.triangles.push_back({at[i + 1][j], at[i + 1][j + 1], at[i][j + 1]});
+    }
+  const Mesh mesh = shapes::mesh(bowl);
+  EXPECT_EQ(within(mesh, 0.265 * kBend).region_count(), 1);
+  EXPECT_GT(within(mesh, 0.24 * kBend).region_count(), 1);
+}
+
 TEST(Bound, FlatThingsNeedNoMoreThanTheirSides) {
   EXPECT_EQ(within(shapes::mesh(shapes::plane(20)), 0.001).region_count(), 1);
   EXPECT_EQ(within(shapes::mesh(shapes::cube(9)), 0.001).region_count(), 6);

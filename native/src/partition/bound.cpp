@@ -7,6 +7,7 @@
 #include "dissolve.h"
 #include "isimp/partition/merge_tree.h"
 #include "isimp/partition/relax.h"
+#include "narrow.h"
 
 namespace isimp {
 namespace {
@@ -16,7 +17,8 @@ using detail::Corners;
 constexpr std::int32_t kFacesAProxy = 96;  // so that patches are of 8 faces
 constexpr double kLeastLength = 0.5;       // of a region's area: where normals cancel more there is no plane
 constexpr int kSweeps = 30;
-constexpr int kRounds = 4;  // of merging, dissolving and relaxing
+constexpr double kFirstWidth = 0.3;  // share of the width that nodes of the hierarchy may take up: merging finds better
+constexpr int kRounds = 3;           // of merging, dissolving and relaxing
 
 /// Cuts the hierarchy from above into nodes that fit.
 class Cutting {
@@ -123,6 +125,7 @@ void merge_fitting(const Surface& surface, std::span<const std::int32_t> need, d
   std::vector<std::vector<std::int32_t>> faces = detail::faces_of(bounded);
   std::vector<RegionSum> sum = bounded.regions.sum;
   std::vector<Slab> slab = bounded.slab;
+  std::vector<detail::Core> core(slab.size());
   const auto accept = [&](std::int32_t u, std::int32_t v) {
     job.poll();
     const RegionSum &a = sum[u], &b = sum[v];
@@ -130,17 +133,12 @@ void merge_fitting(const Surface& surface, std::span<const std::int32_t> need, d
     RegionSum both = a;
     both.add(b);
     if (both.length() < kLeastLength * both.weight / 2) return false;
-    Slab joint;
-    const auto fits = [&](const Vec3& normal) {
-      joint = Slab{.normal = normal};
-      for (std::size_t k = 0; k < std::max(faces[u].size(), faces[v].size()); ++k) {
-        if (k < faces[u].size()) corners.add_to(joint, faces[u][faces[u].size() - 1 - k]);
-        if (k < faces[v].size()) corners.add_to(joint, faces[v][k]);
-        if (joint.width() > width) return false;
-      }
-      return true;
-    };
-    if (!fits(both.normal()) && !fits(slab[a.weight < b.weight ? v : u].normal)) return false;
+    Slab joint{.normal = both.normal()};
+    detail::Core joint_core = core[u];
+    joint_core.insert(joint_core.end(), core[v].begin(), core[v].end());
+    if (!detail::turn_to_fit(corners, faces[u], faces[v], width, joint, joint_core)) return false;
+    core[u] = core[v] = {};
+    core.push_back(std::move(joint_core));
     if (faces[u].size() < faces[v].size()) std::swap(u, v);
     std::vector<std::int32_t> all = std::move(faces[u]);
     all.insert(all.end(), faces[v].begin(), faces[v].end());
@@ -199,8 +197,8 @@ void relax(const Surface& surface, double bound, BoundedRegions& bounded, Job& j
   relaxation.run(kSweeps, job);
 }
 
-/// Makes the slabs as narrow as the regions' vertices let them be, across the mean normals where these fit.
-void tighten(const Surface& surface, double width, BoundedRegions& bounded, Job& job) {
+/// Makes the slabs as narrow as the regions' vertices let them be; in the end across the mean normals where these fit.
+void tighten(const Surface& surface, double width, bool is_end, BoundedRegions& bounded, Job& job) {
   const Corners corners(surface);
   const std::vector<std::int32_t>& label = bounded.regions.label;
   std::vector<Slab> mean(bounded.slab.size()), stored(bounded.slab.size());
@@ -214,7 +212,8 @@ void tighten(const Surface& surface, double width, BoundedRegions& bounded, Job&
     corners.add_to(mean[label[i]], i);
     corners.add_to(stored[label[i]], i);
   }
-  for (std::size_t r = 0; r < mean.size(); ++r) bounded.slab[r] = mean[r].width() <= width ? mean[r] : stored[r];
+  for (std::size_t r = 0; r < mean.size(); ++r)
+    bounded.slab[r] = mean[r].width() <= (is_end ? width : stored[r].width()) ? mean[r] : stored[r];
 }
 
 }  // namespace
@@ -228,7 +227,7 @@ BoundedRegions bounded_regions(const Surface& surface, const Hierarchy& hierarch
   const double width = 2 * bound;
   std::vector<std::int32_t> need;
   for (const Part& part : parts.parts) need.push_back(part.need);
-  BoundedRegions bounded = Cutting(surface, hierarchy, parts, width).run(job);
+  BoundedRegions bounded = Cutting(surface, hierarchy, parts, kFirstWidth * width).run(job);
   job.report(0.2);
   for (int round = 0; round < kRounds; ++round) {
     const std::int32_t before = bounded.regions.count();
@@ -236,9 +235,10 @@ BoundedRegions bounded_regions(const Surface& surface, const Hierarchy& hierarch
     detail::dissolve(surface, need, width, bounded, job);
     if (round > 0 && bounded.regions.count() == before) break;
     relax(surface, bound, bounded, job);
-    tighten(surface, width, bounded, job);
+    tighten(surface, width, false, bounded, job);
     job.report(0.2 + 0.8 * (round + 1) / kRounds);
   }
+  tighten(surface, width, true, bounded, job);
   return bounded;
 }
 

@@ -143,18 +143,7 @@ class Dissolving {
     }
     faces_[r].clear();
     --left_[part_of(r)];
-    for (const auto& [to, slab] : before) refit(to);
     return true;
-  }
-
-  /// Turns the slab across the mean normal, if it is no wider than allowed there.
-  void refit(std::int32_t r) {
-    Slab turned{.normal = regions_.sum[r].normal()};
-    for (const std::int32_t f : faces_[r]) {
-      corners_.add_to(turned, f);
-      if (turned.width() > width_) return;
-    }
-    slab_[r] = turned;
   }
 
   const FaceGraph& graph_;

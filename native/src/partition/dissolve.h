@@ -20,6 +20,10 @@ class Corners {
   void add_to(Slab& slab, std::int32_t face) const {
     for (const std::int32_t v : mesh_.triangles()[graph_.mesh_face[face]]) slab.add(mesh_.vertices()[v]);
   }
+  [[nodiscard]] std::array<const Vec3*, 3> of(std::int32_t face) const {
+    const Triangle& t = mesh_.triangles()[graph_.mesh_face[face]];
+    return {&mesh_.vertices()[t[0]], &mesh_.vertices()[t[1]], &mesh_.vertices()[t[2]]};
+  }
   /// How wide a slab is with one more face in it; endless for a face that is turned away from it.
   [[nodiscard]] double width_with(const Slab& slab, std::int32_t face) const {
     const FaceRecord& f = graph_.faces[face];

@@ -32,9 +32,10 @@ struct BoundedRegions {
 
 /// Few regions, each with all its vertices within `bound` of one plane.
 ///
-/// 1. Down the hierarchy from its coarsest level, a node is taken whole if it fits between two planes across its mean
-///    normal, 2 * bound apart; else its children are looked at, at last single faces.
-/// 2. Neighbours merge, cheapest first by the rise of the error, where both together fit.
+/// 1. Down the hierarchy from its coarsest level, a node is taken whole if it fits well between two planes across its
+///    mean normal, 2 * bound apart; else its children are looked at, at last single faces.
+/// 2. Neighbours merge, cheapest first by the rise of the error, where both together fit between two such planes,
+///    however these are turned.
 /// 3. Regions dissolve, smallest first: their faces go to neighbours between whose planes they lie, all or none.
 /// 4. Borders relax, by moves only that keep every vertex between its region's planes; then 3 once more.
 /// Every component keeps as many regions as it needs.
