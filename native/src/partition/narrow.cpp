@@ -7,8 +7,9 @@
 namespace isimp::detail {
 namespace {
 
-constexpr int kRounds = 24;         // of weighing points anew
+constexpr int kRounds = 12;         // of weighing points anew
 constexpr double kLeastTurn = 0.8;  // cosine: planes stay nearer than that to the mean normal
+constexpr double kHopeless = 1.5;   // times the width allowed: no turning mends that
 constexpr int kLooks = 5;           // at all faces, to make them fit
 constexpr std::size_t kCore = 24;   // points kept
 
@@ -103,7 +104,9 @@ bool turn_to_fit(const Corners& corners, std::span<const std::int32_t> some, std
   Vec3 normal = slab.normal;
   const Vec3 mean = normal;
   for (int looks = 0; looks < kLooks; ++looks) {
-    if (across(core, normal).width() > width) {
+    const double wide = across(core, normal).width();
+    if (wide > kHopeless * width) return false;
+    if (wide > width) {
       const Slab known = narrowest(core, mean, width);
       if (known.width() > width) return false;
       normal = known.normal;
