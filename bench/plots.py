@@ -31,6 +31,6 @@ def draw(growth: dict[str, Any], folder: Path) -> None:
             errors.loglog(x, [fact(run, case, "error") for run in done], "o-", color=color, label=title, markersize=3)
         times.set(xlabel=label, ylabel="processor time, µs a face" if kind == "faces" else "processor time, ms")
         errors.set(xlabel=label, ylabel="D, share of the area")
-        times.legend(frameon=False)
+        errors.legend(frameon=False, loc="lower left")  # the one corner without lines
         figure.savefig(folder / f"growth_{kind}.svg", metadata={"Date": None})
         plt.close(figure)
