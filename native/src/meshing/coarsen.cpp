@@ -208,6 +208,7 @@ class Coarsener {
 
   void bring_up_to_date(const std::vector<Trial>& trials, std::span<const Vec3> positions) {
     std::vector<std::int32_t> pieces;
+    pieces.reserve(trials.size());
     for (const Trial& t : trials) pieces.push_back(t.piece);
     std::vector<std::int32_t> changed = s_.update(std::move(pieces), positions);
     for (const Trial& t : trials)

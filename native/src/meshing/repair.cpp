@@ -118,6 +118,7 @@ class Repairer {
           k != kNone && k != l && s_.labels.pieces[k].region == s_.labels.pieces[l].region)
         shared[k] += (s_.mesh.vertices()[s_.mesh.to(h)] - s_.mesh.vertices()[s_.mesh.from(h)]).norm();
     std::vector<std::pair<double, std::int32_t>> order;
+    order.reserve(shared.size());
     for (const auto& [k, length] : shared) order.emplace_back(-length, k);
     std::sort(order.begin(), order.end());
     const std::int32_t component = s_.mesh.component()[s_.labels.pieces[l].face];
