@@ -58,8 +58,10 @@ def follow(context) -> None:
     scan, problem = targets.find(context)
     live.scan, live.pending = (scan.name if scan is not None else ""), False
     recipe = None if problem else store.load(scan)
-    if recipe:
+    if recipe is not None and recipe.steps:
         settings.to_panel(context, recipe)
+    elif scan is not None:
+        settings.forget_foreign(context, scan)
 
 
 def go_on() -> None:

@@ -377,6 +377,16 @@ def to_panel(context, recipe) -> None:
                 copy(cls, found[1], group(context, cls))
 
 
+def forget_foreign(context, scan) -> None:
+    """Empties the fields that name a layer which only another scan has."""
+    partition = group(context, rcp.Partition)
+    with runtime.get().live.quiet():
+        if partition.weights not in weights.names(scan):
+            partition.weights = ""
+        if partition.borders not in weights.face_names(scan):
+            partition.borders = ""
+
+
 def from_panel(context, recipe):
     """The recipe with the settings that the panel shows."""
     steps = list(recipe.steps)

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import scans
 
-from isimp.blender import store
+from isimp.blender import pending, store
 
 pytestmark = pytest.mark.usefixtures("scene")
 
@@ -64,3 +64,13 @@ def test_what_is_offered(scan):
     bpy.ops.isimp.partition(proxies=9)
     assert weights.names(scan)[:4] == ["Other", "Group", "Point", "Face"]
     assert not {"isimp_region", "isimp_color"} & set(weights.names(scan))
+
+
+def test_a_scan_without_them_is_not_asked_for_those_of_another(scan):
+    panel = bpy.context.window_manager.isimp.partition
+    panel.weights = scan.vertex_groups[0].name
+    pending.follow(bpy.context)
+    assert panel.weights == scan.vertex_groups[0].name
+    scans.cube("Other")
+    pending.follow(bpy.context)
+    assert panel.weights == ""

@@ -46,7 +46,7 @@ class _Paint(_Tool):
         "• Paint: into the region first touched\n• Ctrl: a new region\n"
         "• Shift: smooth borders\n• Ctrl and Shift: erase from the region\n• F: radius\n• X: mirror"
     )
-    bl_icon = "brush.paint_vertex.draw"
+    bl_icon = "ops.paint.vertex_color_fill"
     bl_keymap = (
         _hover("Paint: into this region · Ctrl: a new one · Shift: smooth · Ctrl-Shift: erase · F: radius · X: mirror"),
         _press("isimp.paint"),
