@@ -58,19 +58,19 @@ ANY = {
 }
 
 
-REAL = {  # from this number of regions on; 0: the report is true, but something is left
+# From this number of regions on; 0: the report is true, but something is left. Two meshes that meet themselves at
+# hundreds of places, which takes the judge minutes, are left to bench/soundness.py.
+REAL = {
     "scan/bunny_69k": 50,
     "scan/rockerarm_20k": 50,
     "scan/armadillo_86k": 50,
     "building/fandisk_13k": 50,
     "building/cgal_mech_holes_shark_10k": 50,
     "building/openmvs_castle_175k": 50,
-    "building/frankfurt_tile_49k": 300,
     "nasty/cgal_bones_4k_26comp": 50,
     "nasty/easy3d_degenerate_8": 0,
     "nasty/lionstatue_63k_misoriented": 50,
     "nasty/ogre_124k_44comp": 300,
-    "nasty/openscad_nonmanifold_1k": 0,
     "nasty/self_intersect_17k": 50,
     "nasty/thingi_58011": 50,
     "nasty/thingi_88566": 50,
