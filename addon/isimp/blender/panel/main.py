@@ -29,6 +29,7 @@ class ISIMP_PT_main(Panel, bpy.types.Panel):
         presets.draw(context, layout)
         partition = panel.partition
         ways = layout.grid_flow(row_major=True, columns=2, align=True)
+        ways.use_property_split = False
         for name in rcp.COUNTS:
             ways.prop_enum(partition, "count_by", name)
         row = layout.row(align=True)
