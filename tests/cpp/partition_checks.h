@@ -12,6 +12,9 @@
 
 namespace isimp::checks {
 
+/// The area of a face over its longest edge squared from which on it counts as one: see make_face_graph.
+inline constexpr double kLeastShape = 0.5e-12;
+
 /// Error of a partition from its labels and normals, in double.
 inline double error_of(const Mesh& mesh, const Partition& p) {
   double error = 0.0;
@@ -19,8 +22,10 @@ inline double error_of(const Mesh& mesh, const Partition& p) {
     const Triangle& t = mesh.triangles()[f];
     const Vec3 u = mesh.vertices()[t[1]] - mesh.vertices()[t[0]], v = mesh.vertices()[t[2]] - mesh.vertices()[t[0]];
     const Vec3 doubled = u.cross(v);
-    if (p.face_region[f] == kNone || doubled.norm() == 0) continue;
-    error += 0.5 * doubled.norm() * (doubled.normalized() - p.region_normal[p.face_region[f]]).squaredNorm();
+    const double area = doubled.norm() / 2,
+                 longest = std::max({u.squaredNorm(), v.squaredNorm(), (v - u).squaredNorm()});
+    if (p.face_region[f] == kNone || area <= kLeastShape * longest) continue;
+    error += area * (doubled.normalized() - p.region_normal[p.face_region[f]]).squaredNorm();
   }
   return error;
 }

@@ -108,5 +108,16 @@ TEST(FaceGraph, AFaceWithoutAreaTakesItsNeighboursNormal) {
   EXPECT_EQ(flat.nz, 1.0F);
 }
 
+TEST(FaceGraph, TinyFacesBesideALongOneWithoutAreaHaveTheirShares) {
+  Arrays a = shapes::plane(1);
+  for (Vec3& p : a.vertices) p *= 1e-25;
+  for (const double x : {1.0, 2.0, 3.0}) a.vertices.emplace_back(x, 0, 0);
+  a.triangles.push_back({4, 5, 6});
+  const Mesh mesh = shapes::mesh(a);
+  EXPECT_EQ(mesh.report().zero_area_faces, 1);
+  EXPECT_NEAR(mesh.report().area, 1e-50, 1e-60);
+  for (const std::int32_t f : {0, 1}) EXPECT_NEAR(mesh.graph().faces[mesh.graph().graph_face[f]].area, 0.5F, 1e-6);
+}
+
 }  // namespace
 }  // namespace isimp

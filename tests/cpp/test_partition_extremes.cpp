@@ -36,6 +36,24 @@ std::vector<std::int32_t> sizes(const Partition& p) {
   return faces;
 }
 
+TEST(Extremes, FacesWithoutAreaCountNothingHoweverSmallTheRestIs) {
+  // Two slivers at right angles, the second too thin to have a normal of its own.
+  const Mesh slivers =
+      shapes::mesh({{{0, 0, 0}, {1, 0, 0}, {0.5, 1.5e-12, 0}, {0.5, 0, 0.5e-12}}, {{0, 1, 2}, {1, 0, 3}}});
+  EXPECT_EQ(slivers.report().zero_area_faces, 1);
+  EXPECT_DOUBLE_EQ(slivers.report().area, 0.75e-12);
+  EXPECT_EQ(run_checked(slivers, {.proxies = 1}).error, 0.0);
+
+  shapes::Arrays tiny = shapes::cube(2);
+  for (Vec3& p : tiny.vertices) p *= 1e-25;
+  const auto n = static_cast<std::int32_t>(tiny.vertices.size());
+  for (const double x : {1.0, 2.0, 3.0}) tiny.vertices.emplace_back(x, 0, 0);
+  tiny.triangles.push_back({n, n + 1, n + 2});
+  const Partition cube = run_checked(shapes::mesh(tiny), {.proxies = 6});
+  EXPECT_NEAR(cube.error, 0.0, 1e-56);
+  EXPECT_EQ(cube.parts_left_out, 1);
+}
+
 TEST(Extremes, TwentyFacesARegion) {
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(5), 0.002, 1));
   const PartitionOptions options{.proxies = mesh.face_count() / 20};

@@ -14,7 +14,8 @@ namespace {
 using detail::for_each_index;
 
 constexpr double kFlat = 1e-12;  // doubled area over longest edge squared, below which a normal is rounding noise
-constexpr int kAxisBits = 11;    // cells an axis, as a power of two: 33 bits of place leave 31 for the face's number
+constexpr double kLeastScaled = 1e-20;  // of the whole area: below it, floats would not hold those of single faces
+constexpr int kAxisBits = 11;  // cells an axis, as a power of two: 33 bits of place leave 31 for the face's number
 constexpr int kFaceBits = 31;
 constexpr int kDigitBits = 11;  // of the radix sort: three digits are one place
 
@@ -132,8 +133,8 @@ FaceGraph make_face_graph(std::span<const Vec3> vertices, std::span<const Triang
   job.report(0.5);
 
   // In the mesh's own order, in which a face's vertices and neighbours tend to be near: half the cache misses.
-  const double side = box.sizes().maxCoeff(),
-               scale = side * side > 0 ? 1 / (side * side) : 1.0;  // floats hold the areas
+  const double side = box.sizes().maxCoeff();
+  double scale = side * side > 0 ? 1 / (side * side) : 1.0;  // floats hold the areas
   std::vector<std::int32_t> missing;
   graph.faces.resize(triangles.size() + 1);
   graph.neighbours.resize(triangles.size() + 1);
@@ -148,6 +149,13 @@ FaceGraph make_face_graph(std::span<const Vec3> vertices, std::span<const Triang
       graph.neighbours[i][k] = other == kNone ? n : graph.graph_face[other / 3];
     }
   });
+  if (graph.area > 0 && scale * graph.area < kLeastScaled) {  // all small, in a box that faces without area make large
+    scale = 1 / std::exchange(graph.area, 0.0);
+    for_each_index(triangles.size(), job, [&](std::size_t f) {
+      const auto& [a, b, c] = triangles[f];
+      graph.faces[graph.graph_face[f]] = measure(vertices[a], vertices[b], vertices[c], scale, graph.area);
+    });
+  }
   const auto share = static_cast<float>(graph.area > 0 ? 1 / (scale * graph.area) : 0.0);
   for (FaceRecord& record : graph.faces) record.area *= share;
   fill_missing_normals(graph, missing);

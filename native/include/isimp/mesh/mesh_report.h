@@ -25,7 +25,7 @@ struct MeshReport {
   std::int64_t euler = 0;  ///< used vertices - edges + faces
   std::int32_t zero_area_faces = 0;
   std::int32_t unused_vertices = 0;
-  double area = 0.0;      ///< scene units squared
+  double area = 0.0;      ///< scene units squared; faces that count as without area add nothing
   double diagonal = 0.0;  ///< of the bounding box, scene units
   bool closed = false;    ///< no border at all
   RepairReport repairs;   ///< empty after Mesh(...)

@@ -74,7 +74,8 @@ struct Partition {
   std::vector<Vec3> region_normal;        ///< (R) unit, area-weighted mean; zero for a region without area;
                                           ///< with a bound, where that does not keep it, the normal of one that does
   std::vector<RegionSum> region_sum;      ///< (R) what the faces add up to, so that edits cost only what they touch
-  double error = 0.0;                     ///< sum of area * |n_face - n_region|^2, scene units squared
+  double error = 0.0;                     ///< sum of area * |n_face - n_region|^2 of the faces that have an area
+                                          ///< (see make_face_graph), scene units squared
   std::vector<double> history;            ///< the error after each round; `error` is not above any of them, but for
                                           ///< Method::naive and queued: rounds of pieces, the last entry is `error`
 
