@@ -10,6 +10,7 @@ namespace isimp::meshing {
 namespace {
 
 constexpr int kRounds = 40;
+constexpr std::size_t kWorthwhile = 300;  ///< a round that tries less than one piece of so many is the last
 
 /// What the repair did and what may turn out not to be needed.
 enum class Act : std::int32_t { pull, corner, diagonal, split };
@@ -123,7 +124,7 @@ class Coarsener {
     return zone;
   }
 
-  /// Tries as many candidates as can be told apart if they fail. \return whether there was anything
+  /// Tries as many candidates as can be told apart if they fail. \return whether to go on
   bool try_some(bool whole) {
     std::vector<bool> busy(s_.labels.pieces.size(), false);
     std::vector<Trial> trials;
@@ -136,6 +137,7 @@ class Coarsener {
       trials.push_back(std::move(*trial));
     }
     if (trials.empty()) return false;
+    const bool go_on = trials.size() * kWorthwhile >= s_.labels.pieces.size();
     const std::vector<bool> before = findings_.faulty();
     const std::vector<Vec3> positions = s_.corners.position;
     bring_up_to_date(trials, {});
@@ -143,7 +145,7 @@ class Coarsener {
     std::erase_if(trials, [&](const Trial& t) { return !spoils(t, before, after); });
     for (const Trial& t : trials) undo(t);
     if (!trials.empty()) bring_up_to_date(trials, positions);
-    return true;
+    return go_on;
   }
 
   /// Takes back one act. \return nothing where it has to stay

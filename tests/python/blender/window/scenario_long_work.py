@@ -101,6 +101,8 @@ def run(hand):
     same("file closed meanwhile", running(), False)
     yield from hand.open_tab()
     DELAY[0] = 0.0
+    bpy.context.window_manager.isimp.partition.count_by = "proxies"
+    yield 0.3
     yield from hand.type_into("partition.proxies", "6")
     yield from hand.press("isimp.partition")
     same("works in the new file", len(bpy.context.object.data.attributes["isimp_region"].data), 6)
