@@ -19,9 +19,9 @@ fi
 ln -sf /proc/self/mounts "$chroot/etc/mtab"
 echo 'Acquire::Check-Valid-Until "false";' >"$chroot/etc/apt/apt.conf.d/90-old"
 cp -L /etc/resolv.conf "$chroot/etc/resolv.conf"
-cp /etc/ssl/certs/ca-certificates.crt "$chroot/root/certificates.crt" # pip brings none that a network of one's own needs
+cp /etc/ssl/certs/ca-certificates.crt "$chroot/opt/certificates.crt" # pip brings none that a network of one's own needs
 mkdir -p "$chroot/isimp" "$chroot/shared"
-[ -z "${ISIMP_WHEEL:-}" ] || cp "$ISIMP_WHEEL" "$chroot/root/"
+[ -z "${ISIMP_WHEEL:-}" ] || cp "$ISIMP_WHEEL" "$chroot/opt/"
 
 # The mounts vanish with the process.
 export chroot root
@@ -29,8 +29,8 @@ exec unshare --mount bash -euo pipefail -s -- "$suite" "${packages[*]}" "$(basen
 for name in proc sys dev; do mount --rbind "/$name" "$chroot/$name"; done
 mount --bind "$root" "$chroot/isimp"
 [ ! -d "$root/../shared" ] || mount --bind "$root/../shared" "$chroot/shared"
-exec chroot "$chroot" /usr/bin/env -i HOME=/root PATH=/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 \
-  PIP_CERT=/root/certificates.crt PIP_ROOT_USER_ACTION=ignore bash -euo pipefail -s -- "$@" <<'INSIDE'
+exec chroot "$chroot" /usr/bin/env -i HOME=/tmp PATH=/usr/sbin:/usr/bin:/sbin:/bin LANG=C.UTF-8 \
+  PIP_CERT=/opt/certificates.crt PIP_ROOT_USER_ACTION=ignore bash -euo pipefail -s -- "$@" <<'INSIDE'
 suite=$1 packages=$2 wheel=$3
 shift 3
 if ! dpkg-query -W $packages >/dev/null 2>&1; then
@@ -38,10 +38,10 @@ if ! dpkg-query -W $packages >/dev/null 2>&1; then
   DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends $packages >/dev/null
 fi
 blender --version | head -1
-venv=/root/venv
+venv=/opt/venv
 [ -d $venv ] || python3 -m venv --system-site-packages $venv
 $venv/bin/pip install -q pytest
-$venv/bin/pip install -q --force-reinstall --no-deps "${wheel:+/root/}${wheel:-/isimp}"
+$venv/bin/pip install -q --force-reinstall --no-deps "${wheel:+/opt/}${wheel:-/isimp}"
 cd /isimp
 chosen=$(IFS='|'; echo "$*" | sed 's/|/ or /g')
 export ISIMP_WINDOW_OUT=/isimp/out/window-$suite ISIMP_DATA=/shared/data
