@@ -1,10 +1,11 @@
 #include "coarsen.h"
 
 #include <algorithm>
-#include <map>
 #include <optional>
 #include <set>
 #include <utility>
+
+#include "sorted.h"
 
 namespace isimp::meshing {
 namespace {
@@ -54,8 +55,7 @@ class Coarsener {
     std::vector<std::int32_t> some;
     for (const std::int32_t h : s_.complex.chords(l))
       if (const std::int32_t k = s_.labels.across(h); k != kNone) some.push_back(k);
-    std::sort(some.begin(), some.end());
-    some.erase(std::unique(some.begin(), some.end()), some.end());
+    sort_unique(some);
     return some;
   }
 
@@ -101,16 +101,9 @@ class Coarsener {
   }
 
   void add_unions(std::int32_t gone, std::vector<Candidate>& all) const {
-    std::map<std::int32_t, double> shared;
-    double sum = 0;
-    for (const std::int32_t h : s_.complex.loop(gone)) {
-      const double length = (s_.mesh.vertices()[s_.mesh.to(h)] - s_.mesh.vertices()[s_.mesh.from(h)]).norm();
-      sum += length;
-      const std::int32_t k = s_.labels.across(h);
-      if (k != kNone && s_.labels.pieces[k].region == s_.labels.pieces[gone].region) shared[k] += length;
-    }
-    for (const auto& [k, length] : shared)
-      if (!tried(Act::split, gone, k)) all.push_back({Act::split, k, gone, sum > 0 ? length / sum : 0});
+    const SharedBoundary shared = s_.shared_boundary(gone);
+    for (const auto& [k, length] : shared.with)
+      if (!tried(Act::split, gone, k)) all.push_back({Act::split, k, gone, shared.all > 0 ? length / shared.all : 0});
   }
 
   /// The pieces that may change when a candidate is tried.
@@ -215,8 +208,7 @@ class Coarsener {
     std::vector<std::int32_t> changed = s_.update(std::move(pieces), positions);
     for (const Trial& t : trials)
       if (t.united) changed.push_back(t.united->gone);
-    std::sort(changed.begin(), changed.end());
-    changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
+    sort_unique(changed);
     findings_.judge(changed);
   }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "polyline.h"
+#include "sorted.h"
 
 namespace isimp::meshing {
 Complex::Complex(const Labels& labels, const std::vector<Plane>& planes)
@@ -164,8 +165,7 @@ void Complex::keep_shape(std::int32_t piece) {
 }
 
 void Complex::collect_dirty() {
-  std::sort(dirty_.begin(), dirty_.end());
-  dirty_.erase(std::unique(dirty_.begin(), dirty_.end()), dirty_.end());
+  sort_unique(dirty_);
   for (const std::int32_t l : dirty_) {
     chords_[l].clear();
     for (const std::int32_t h : loops_[l])
@@ -178,8 +178,7 @@ void Complex::collect_dirty() {
 std::vector<std::int32_t> Complex::take_changed() {
   std::vector<std::int32_t> result;
   result.swap(changed_);
-  std::sort(result.begin(), result.end());
-  result.erase(std::unique(result.begin(), result.end()), result.end());
+  sort_unique(result);
   return result;
 }
 

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sorted.h"
+
 namespace isimp::meshing {
 namespace {
 
@@ -103,8 +105,7 @@ void flatten(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> 
              std::span<const std::int32_t> moving, int rounds, Corners& corners) {
   std::vector<std::int32_t> near;  // the polygons round the moving corners
   for (const std::int32_t c : moving) near.insert(near.end(), polygons.at(c).begin(), polygons.at(c).end());
-  std::sort(near.begin(), near.end());
-  near.erase(std::unique(near.begin(), near.end()), near.end());
+  sort_unique(near);
   std::vector<Fit> fits(polygons.piece.size());
   std::vector<Vec3> next(moving.size());
   for (int round = 0; round < rounds; ++round) {

@@ -3,13 +3,13 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
-#include <map>
 #include <optional>
 #include <string_view>
 #include <utility>
 
 #include "coarsen.h"
 #include "findings.h"
+#include "sorted.h"
 
 namespace isimp::meshing {
 namespace {
@@ -112,14 +112,10 @@ class Repairer {
   bool dissolve(std::int32_t l) {
     const auto& touched = s_.labels.touched;
     if (std::find(touched.begin(), touched.end(), l) != touched.end()) return false;  // its loop is out of date
-    std::map<std::int32_t, double> shared;
-    for (const std::int32_t h : s_.complex.loop(l))
-      if (const std::int32_t k = s_.labels.across(h);
-          k != kNone && k != l && s_.labels.pieces[k].region == s_.labels.pieces[l].region)
-        shared[k] += (s_.mesh.vertices()[s_.mesh.to(h)] - s_.mesh.vertices()[s_.mesh.from(h)]).norm();
+    const SharedBoundary shared = s_.shared_boundary(l);
     std::vector<std::pair<double, std::int32_t>> order;
-    order.reserve(shared.size());
-    for (const auto& [k, length] : shared) order.emplace_back(-length, k);
+    order.reserve(shared.with.size());
+    for (const auto& [k, length] : shared.with) order.emplace_back(-length, k);
     std::sort(order.begin(), order.end());
     const std::int32_t component = s_.mesh.component()[s_.labels.pieces[l].face];
     const auto beside = std::count_if(s_.labels.pieces.begin(), s_.labels.pieces.end(), [&](const Piece& p) {
@@ -138,8 +134,7 @@ class Repairer {
   bool pull(std::vector<std::int32_t> corners, std::int32_t l) {
     ++outcome_.pulls;
     changed_.push_back(l);
-    std::sort(corners.begin(), corners.end());
-    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+    sort_unique(corners);
     for (const std::int32_t c : corners) {
       double& share = s_.corners.pull[c];
       share *= kPull;

@@ -6,14 +6,10 @@
 #include <utility>
 
 #include "judge.h"
+#include "sorted.h"
 
 namespace isimp::meshing {
 namespace {
-
-void sort_unique(std::vector<std::int32_t>& v) {
-  std::sort(v.begin(), v.end());
-  v.erase(std::unique(v.begin(), v.end()), v.end());
-}
 
 ChordTolerance chord_tolerance(const Mesh& mesh, std::span<const Plane> planes, std::int32_t regions,
                                const MeshingOptions& options) {
@@ -69,6 +65,17 @@ bool State::split(std::int32_t piece, const Vec3* place, Job& job) {
   diagonals.resize(labels.pieces.size());
   for (const std::int32_t l : labels.touched) diagonals[l].clear();
   return true;
+}
+
+SharedBoundary State::shared_boundary(std::int32_t piece) const {
+  SharedBoundary found;
+  for (const std::int32_t h : complex.loop(piece)) {
+    const double length = (mesh.vertices()[mesh.to(h)] - mesh.vertices()[mesh.from(h)]).norm();
+    found.all += length;
+    const std::int32_t k = labels.across(h);
+    if (k != kNone && k != piece && labels.pieces[k].region == labels.pieces[piece].region) found.with[k] += length;
+  }
+  return found;
 }
 
 std::optional<Union> State::unite(std::int32_t kept, std::int32_t gone) {

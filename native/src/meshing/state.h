@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <vector>
@@ -24,6 +25,12 @@ struct Union {
   std::vector<std::array<std::int32_t, 2>> kept_diagonals, gone_diagonals;
 };
 
+/// How long the boundary of a piece is, and the part of it that each other piece of its region is across of.
+struct SharedBoundary {
+  std::map<std::int32_t, double> with;
+  double all = 0;
+};
+
 /// All that is known while a mesh is turned into polygons, from labels to positions, and how to bring it up to date
 /// after a local change.
 class State {
@@ -32,6 +39,7 @@ class State {
 
   /// Splits a piece in two (and on, until all of it is discs): in halves, or near a place. \return whether it could be
   bool split(std::int32_t piece, const Vec3* place, Job& job);
+  [[nodiscard]] SharedBoundary shared_boundary(std::int32_t piece) const;
   /// Makes two pieces one if that is a disc. \return what was changed, nothing if it is none
   std::optional<Union> unite(std::int32_t kept, std::int32_t gone);
   void part_again(const Union& u);
