@@ -7,6 +7,14 @@
 
 namespace isimp {
 
+void take_how_found(Partition& part, const Partition& before) {
+  part.bound = before.bound;
+  part.distance_max = before.distance_max;
+  part.tolerance = before.tolerance;
+  part.noise = before.noise;
+  part.snapped = before.snapped;
+}
+
 Partition inherited(Partition part, const Partition& before) {
   if (part.face_region.size() != before.face_region.size())
     throw InvalidInput("one partition has " + std::to_string(part.face_region.size()) + " faces, the other " +
@@ -24,11 +32,7 @@ Partition inherited(Partition part, const Partition& before) {
     take(part.region_normal, before.region_normal);
     take(part.region_offset, before.region_offset);
   }
-  part.bound = before.bound;
-  part.distance_max = before.distance_max;
-  part.tolerance = before.tolerance;
-  part.noise = before.noise;
-  part.snapped = before.snapped;
+  take_how_found(part, before);
   part.proxies_asked = before.proxies_asked;
   part.proxies_needed = before.proxies_needed;
   part.parts_left_out = before.parts_left_out;

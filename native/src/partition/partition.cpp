@@ -10,6 +10,7 @@
 #include "isimp/partition/adaptivity.h"
 #include "isimp/partition/bound.h"
 #include "isimp/partition/hierarchy.h"
+#include "isimp/partition/inherited.h"
 #include "isimp/partition/lloyd.h"
 #include "isimp/partition/make_partition.h"
 #include "isimp/partition/noise.h"
@@ -217,11 +218,7 @@ Partition restated(const Surface& surface, Partition of_adapted, const Partition
     result.region_offset = std::move(of_adapted.region_offset);
     restate_error(graph, result);
   }
-  result.bound = of_adapted.bound;
-  result.distance_max = of_adapted.distance_max;
-  result.tolerance = of_adapted.tolerance;
-  result.noise = of_adapted.noise;
-  result.snapped = of_adapted.snapped;
+  take_how_found(result, of_adapted);
   return result;
 }
 
