@@ -97,7 +97,7 @@ def test_only_session_imports_the_engine_and_only_blender_bpy():
 
 
 @pytest.mark.skipif(not ADDON.is_dir(), reason="the add-on is not here")
-@pytest.mark.parametrize(("file", "extra"), [("recipe.py", set()), ("view.py", {"numpy"})])
+@pytest.mark.parametrize(("file", "extra"), [("steps.py", set()), ("recipe.py", set()), ("view.py", {"numpy"})])
 def test_recipe_and_view_stand_on_little(file, extra):
     for name in imports(ADDON / file):
         assert name.startswith(".") or name in extra or name in sys.stdlib_module_names, f"{file} imports {name}"

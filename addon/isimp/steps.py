@@ -1,0 +1,407 @@
+"""What can be done to a scan, step by step, as plain values.
+
+Steps name input faces (the user's own polygons), never region numbers: numbers change when an earlier step changes.
+Standard library only.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import operator
+from dataclasses import dataclass
+
+METHODS = ("hierarchy", "teleport", "lloyd", "queued", "naive", "hybrid")
+#: ways to say how many regions, each the name of a setting, and what it is if nobody says it
+COUNTS = {"detail": 0.005, "tolerance": 1.0, "bound": 1.0, "proxies": 200}
+#: settings of a Partition that ask for barriers, and the layer of the scan (`Scan.layers`) that has them
+MARKS = {"seams": ".seam", "sharp": ".sharp", "materials": ".material", "face_sets": ".face_set"}
+SEEDINGS = ("random", "farthest", "hierarchical")
+
+
+class RecipeError(ValueError):
+    """A recipe can't be used; the message says which step and why."""
+
+
+def check(wrong: bool, message: str) -> None:
+    """Raises RecipeError if something is wrong."""
+    if wrong:
+        raise RecipeError(message)
+
+
+def _check_face(face: int) -> None:
+    check(face < 0, f"face must be at least 0, got {face}")
+
+
+def _indices(faces) -> tuple[int, ...]:
+    """Faces as plain integers; any sequence of integers will do, numpy's too."""
+    try:
+        plain = tuple(operator.index(face) for face in faces if not isinstance(face, bool))
+    except TypeError:
+        plain = ()
+    check(len(plain) == 0 or len(plain) != len(faces), f"faces must be a list of faces, got {_short(faces)}")
+    check(min(plain) < 0, f"faces must be at least 0, got {min(plain)}")
+    return plain
+
+
+def _numbers(values, name: str) -> tuple[float, ...]:
+    try:
+        plain = tuple(float(value) for value in values)
+    except (TypeError, ValueError):
+        raise RecipeError(f"{name} must be a list of numbers, got {_short(values)}") from None
+    check(not all(map(math.isfinite, plain)), f"{name} must be finite, got {_short(values)}")
+    return plain
+
+
+def _short(value) -> str:
+    text = repr(value)
+    return text if len(text) < 60 else text[:57] + "..."
+
+
+def _count(faces: tuple) -> str:
+    return f"face {faces[0]}" if len(faces) == 1 else f"{len(faces)} faces"
+
+
+@dataclass(frozen=True)
+class Step:
+    """What every step has: it can be switched off, and then does nothing."""
+
+    enabled: bool = dataclasses.field(default=True, kw_only=True)
+
+    @property
+    def kind(self) -> str:
+        return KINDS[type(self)]
+
+    def describe(self) -> str:
+        """What the step does, in the user's words."""
+        raise NotImplementedError
+
+    def to_dict(self) -> dict:
+        values = {"step": self.kind, **dataclasses.asdict(self)}
+        if self.enabled:
+            del values["enabled"]
+        return values
+
+
+@dataclass(frozen=True)
+class Partition(Step):
+    """Split the scan into regions; what was there before is replaced, but for regions that are locked.
+
+    Of the settings named in COUNTS the one that `count_by` names says how many; the others rest.
+    """
+
+    count_by: str = ""  #: empty: the one that is given, "detail" if none is
+    proxies: int | None = None
+    detail: float | None = None  #: what shows at this share of the size
+    tolerance: float | None = None  #: the same in scene units
+    bound: float | None = None  #: the most a vertex may be off its region's plane, scene units
+    adaptivity: float = 0.25  #: how much denser regions get where the scan is rough
+    noise: float = -1.0  #: standard deviation of the scan's noise, scene units; below 0: estimated
+    snap: bool = True  #: take the number of planes where the scan clearly is made of so many
+    seed: int = 1
+    iterations: int = 20
+    method: str = "hierarchy"
+    seeding: str = "random"
+    leave_out: float = 0.001
+    weights: str = ""  #: vertex group or face attribute that says where more regions go; none if empty
+    influence: float = 1.0  #: how much it does, in [0, 2]
+    seams: bool = False  #: no region crosses an edge that is marked as a seam,
+    sharp: bool = False  #: nor one that is marked as sharp,
+    materials: bool = False  #: nor one between two materials,
+    face_sets: bool = False  #: nor one between two face sets,
+    angle: float = 180.0  #: nor one where the surface bends by more than so many degrees,
+    borders: str = ""  #: nor one between different values of this attribute of faces; none if empty
+    faces: tuple[int, ...] = ()  #: split these alone and leave the others as they are; empty: all
+
+    def __post_init__(self):
+        self._settle_count()
+        check(self.count_by not in COUNTS, f"count_by must be one of {', '.join(COUNTS)}, got {self.count_by!r}")
+        check(not 0 < self.detail <= 1, f"detail must be in (0, 1], got {self.detail}")
+        for name in ("tolerance", "bound"):
+            value = getattr(self, name)
+            check(not (math.isfinite(value) and value > 0), f"{name} must be above 0, got {value}")
+        check(not 0 <= self.adaptivity <= 1, f"adaptivity must be in [0, 1], got {self.adaptivity}")
+        check(not math.isfinite(self.noise), f"noise must be a length, or below 0, got {self.noise}")
+        check(self.proxies < 1, f"proxies must be at least 1, got {self.proxies}")
+        check(self.seed < 0, f"seed must be at least 0, got {self.seed}")
+        check(self.iterations < 1, f"iterations must be at least 1, got {self.iterations}")
+        check(self.method not in METHODS, f"method must be one of {', '.join(METHODS)}, got {self.method!r}")
+        check(self.seeding not in SEEDINGS, f"seeding must be one of {', '.join(SEEDINGS)}, got {self.seeding!r}")
+        check(not 0 <= self.leave_out < 1, f"leave_out must be in [0, 1), got {self.leave_out}")
+        check(not 0 <= self.influence <= 2, f"influence must be in [0, 2], got {self.influence}")
+        check(not 0 <= self.angle <= 180, f"angle must be in [0, 180] degrees, got {self.angle}")
+        object.__setattr__(self, "faces", _indices(self.faces) if len(self.faces) else ())
+
+    def _settle_count(self) -> None:
+        given = [name for name in COUNTS if getattr(self, name) is not None]
+        if not self.count_by:
+            check(len(given) > 1, f"{' and '.join(given)} each say how many regions: give one, or say count_by")
+            object.__setattr__(self, "count_by", given[0] if given else "detail")
+        for name, value in COUNTS.items():
+            if name not in given:
+                object.__setattr__(self, name, value)
+
+    def layers(self) -> frozenset:
+        """The names of the scan's own layers that it needs: see `Scan.layers`."""
+        marks = {layer for name, layer in MARKS.items() if getattr(self, name)}
+        return frozenset(marks | ({self.weights, self.borders} - {""}))
+
+    def describe(self) -> str:
+        what = f"Partition {_count(self.faces)}" if self.faces else "Partition"
+        if self.count_by == "proxies":
+            return f"{what} into {self.proxies}"
+        return f"{what} at {self.count_by} {getattr(self, self.count_by):.6g}"
+
+
+@dataclass(frozen=True)
+class AddProxy(Step):
+    """Start a new region at a face of the scan."""
+
+    face: int = 0
+
+    def __post_init__(self):
+        _check_face(self.face)
+
+    def describe(self) -> str:
+        return f"Add proxy at face {self.face}"
+
+
+@dataclass(frozen=True)
+class DeleteProxy(Step):
+    """Take away the region that holds a face of the scan."""
+
+    face: int = 0
+
+    def __post_init__(self):
+        _check_face(self.face)
+
+    def describe(self) -> str:
+        return f"Delete proxy at face {self.face}"
+
+
+@dataclass(frozen=True)
+class MergeRegions(Step):
+    """Make the region of one face part of the region of another beside it."""
+
+    face: int = 0  #: of the region that stays
+    other: int = 0  #: of the one that becomes part of it
+
+    def __post_init__(self):
+        _check_face(self.face)
+        _check_face(self.other)
+
+    def describe(self) -> str:
+        return f"Merge the region at face {self.other} into that at face {self.face}"
+
+
+@dataclass(frozen=True)
+class SplitRegion(Step):
+    """Split a region in the two parts that are most unlike."""
+
+    face: int = 0
+
+    def __post_init__(self):
+        _check_face(self.face)
+
+    def describe(self) -> str:
+        return f"Split the region at face {self.face}"
+
+
+@dataclass(frozen=True)
+class CutRegion(Step):
+    """Split a region along a line that is swept along a direction, as that of sight; scan coordinates."""
+
+    face: int = 0
+    line: tuple[tuple[float, ...], ...] = ()  #: points, at least 2
+    direction: tuple[float, ...] = ()  #: empty: the region's normal
+
+    def __post_init__(self):
+        _check_face(self.face)
+        object.__setattr__(self, "line", tuple(_numbers(point, "a point of line") for point in self.line))
+        object.__setattr__(self, "direction", _numbers(self.direction, "direction"))
+        check(len(self.line) < 2, f"line must have at least 2 points, got {len(self.line)}")
+        check(any(len(point) != 3 for point in self.line), "each point of line must have 3 numbers")
+        check(len(self.direction) not in (0, 3), f"direction must have 3 numbers, got {len(self.direction)}")
+
+    def describe(self) -> str:
+        return f"Cut the region at face {self.face}"
+
+
+@dataclass(frozen=True)
+class PaintFaces(Step):
+    """Make faces a region of their own, or part of the region of the face `onto`."""
+
+    faces: tuple[int, ...] = ()
+    onto: int = -1  #: below 0: a new region
+    lock: bool = False  #: and lock it
+
+    def __post_init__(self):
+        object.__setattr__(self, "faces", _indices(self.faces))
+
+    def describe(self) -> str:
+        where = "a new region" if self.onto < 0 else f"the region at face {self.onto}"
+        return f"Paint {_count(self.faces)} into {where}" + (", locked" if self.lock else "")
+
+
+@dataclass(frozen=True)
+class EraseFaces(Step):
+    """Take faces from the region of the first of them; those around share them."""
+
+    faces: tuple[int, ...] = ()
+
+    def __post_init__(self):
+        object.__setattr__(self, "faces", _indices(self.faces))
+
+    def describe(self) -> str:
+        return f"Erase {_count(self.faces)} from the region at face {self.faces[0]}"
+
+
+@dataclass(frozen=True)
+class SmoothFaces(Step):
+    """Even out the borders between regions where they run through some faces."""
+
+    faces: tuple[int, ...] = ()
+    rounds: int = 10
+
+    def __post_init__(self):
+        object.__setattr__(self, "faces", _indices(self.faces))
+        check(self.rounds < 1, f"rounds must be at least 1, got {self.rounds}")
+
+    def describe(self) -> str:
+        return f"Smooth the borders in {_count(self.faces)}"
+
+
+@dataclass(frozen=True)
+class GrowRegion(Step):
+    """Let a region take the faces beside it."""
+
+    face: int = 0
+    rings: int = 1
+
+    def __post_init__(self):
+        _check_face(self.face)
+        check(self.rings < 1, f"rings must be at least 1, got {self.rings}")
+
+    def describe(self) -> str:
+        return f"Grow the region at face {self.face} by {self.rings}"
+
+
+@dataclass(frozen=True)
+class ShrinkRegion(GrowRegion):
+    """Let a region give the faces along its border away."""
+
+    def describe(self) -> str:
+        return f"Shrink the region at face {self.face} by {self.rings}"
+
+
+@dataclass(frozen=True)
+class LockRegions(Step):
+    """Have the steps that follow leave the regions of some faces as they are."""
+
+    faces: tuple[int, ...] = ()
+
+    def __post_init__(self):
+        object.__setattr__(self, "faces", _indices(self.faces))
+
+    def describe(self) -> str:
+        return f"Lock the regions at {_count(self.faces)}"
+
+
+@dataclass(frozen=True)
+class UnlockRegions(LockRegions):
+    """Have the steps that follow change the regions of some faces again."""
+
+    def describe(self) -> str:
+        return f"Unlock the regions at {_count(self.faces)}"
+
+
+@dataclass(frozen=True)
+class AddWorst(Step):
+    """Add proxies where the error is largest."""
+
+    times: int = 1
+
+    def __post_init__(self):
+        check(self.times < 1, f"times must be at least 1, got {self.times}")
+
+    def describe(self) -> str:
+        return f"Add {self.times} at the worst"
+
+
+@dataclass(frozen=True)
+class DeleteLeast(AddWorst):
+    """Delete the regions that are missed least."""
+
+    def describe(self) -> str:
+        return f"Delete the least {self.times}"
+
+
+@dataclass(frozen=True)
+class MergeCheapest(AddWorst):
+    """Merge the neighbours that are most alike."""
+
+    def describe(self) -> str:
+        return f"Merge the cheapest {self.times}"
+
+
+@dataclass(frozen=True)
+class Improve(Step):
+    """Move regions to where they are worth more until it no longer helps."""
+
+    def describe(self) -> str:
+        return "Improve"
+
+
+@dataclass(frozen=True)
+class Mesh(Step):
+    """Turn the regions into polygons."""
+
+    chord_tolerance: float = 0.5
+    flatten: int = 30
+
+    def __post_init__(self):
+        wrong = not (math.isfinite(self.chord_tolerance) and self.chord_tolerance > 0)
+        check(wrong, f"chord_tolerance must be above 0, got {self.chord_tolerance}")
+        check(self.flatten < 0, f"flatten must be at least 0, got {self.flatten}")
+
+    def describe(self) -> str:
+        return "Mesh"
+
+
+KINDS = {
+    Partition: "partition",
+    AddProxy: "add_proxy",
+    DeleteProxy: "delete_proxy",
+    MergeRegions: "merge_regions",
+    SplitRegion: "split_region",
+    CutRegion: "cut_region",
+    PaintFaces: "paint",
+    EraseFaces: "erase",
+    SmoothFaces: "smooth",
+    GrowRegion: "grow",
+    ShrinkRegion: "shrink",
+    LockRegions: "lock",
+    UnlockRegions: "unlock",
+    AddWorst: "add_worst",
+    DeleteLeast: "delete_least",
+    MergeCheapest: "merge_cheapest",
+    Improve: "improve",
+    Mesh: "mesh",
+}
+_TYPES = {kind: cls for cls, kind in KINDS.items()}
+_ACCEPTS = {"bool": bool, "int": int, "str": str, "float": (float, int), "list": (list, tuple)}
+
+
+def step_from_dict(values: dict) -> Step:
+    """The step that `Step.to_dict` made. Raises RecipeError, which says what is wrong with it."""
+    check(not isinstance(values, dict) or "step" not in values, f"not a step: {values!r}")
+    values = dict(values)
+    kind = values.pop("step")
+    check(not isinstance(kind, str) or kind not in _TYPES, f"{kind!r} is not a step that this version knows")
+    fields = {field.name: field for field in dataclasses.fields(_TYPES[kind])}
+    for name, value in values.items():
+        check(name not in fields, f"{kind} has no setting {name!r}")
+        wanted = "list" if fields[name].type.startswith("tuple") else fields[name].type.removesuffix(" | None")
+        fits = isinstance(value, _ACCEPTS[wanted]) and (wanted == "bool" or not isinstance(value, bool))
+        check(not fits, f"{name} of {kind} must be a {wanted}, got {value!r}")
+    return _TYPES[kind](**values)
