@@ -10,6 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 
 _DRAG = 8.0  # pixels before a press is a drag
+_MIN_RING, _MOST_RINGS = 0.05, 1000  # pixels; faces
+
+
+def _is_far(begin, at) -> bool:
+    """Whether the mouse has gone from one place to another."""
+    return (at[0] - begin[0]) ** 2 + (at[1] - begin[1]) ** 2 > _DRAG**2
 
 
 @dataclass(frozen=True)
@@ -25,9 +31,10 @@ class Hit:
 class Wish:
     """What a gesture comes to: a verb and the faces it is about."""
 
-    verb: str  #: add, delete, merge, select, paint, new, erase or smooth
+    verb: str  #: add, delete, merge, select, paint, new, erase, smooth, split, cut, grow or shrink
     faces: tuple
     into: int | None = None  #: a face of the region that takes part
+    rings: int = 0  #: how many faces deep
 
 
 class Pointing:
@@ -44,8 +51,7 @@ class Pointing:
 
     def move(self, hit: Hit | None, at=(0.0, 0.0)) -> None:
         self.over = hit
-        far = (at[0] - self._from[0]) ** 2 + (at[1] - self._from[1]) ** 2 > _DRAG**2
-        self._dragged = self._dragged or far
+        self._dragged = self._dragged or _is_far(self._from, at)
 
     @property
     def merging(self) -> bool:
@@ -138,21 +144,62 @@ def connected(chosen: np.ndarray, pairs: np.ndarray, start: int) -> np.ndarray:
 
 
 class Cut:
-    """The Cut tool: a straight line drawn over a region parts it, as seen."""
+    """The Cut tool: a straight line drawn over a region parts it, as seen; a click parts it in two by itself."""
 
     def __init__(self):
-        self._hits = []
+        self._hits, self._from, self.dragged = [], (0.0, 0.0), False
 
-    def move(self, hit: Hit | None) -> None:
-        """A place along the line; the first is where the mouse was pressed."""
+    def press(self, hit: Hit | None, at=(0.0, 0.0)) -> None:
+        self._hits, self._from, self.dragged = [hit], at, False
+
+    def move(self, hit: Hit | None, at=(0.0, 0.0)) -> None:
+        """A place along the line."""
         self._hits.append(hit)
+        self.dragged = self.dragged or _is_far(self._from, at)
 
     @property
     def target(self) -> Hit | None:
-        """Where the line meets the region that it meets most."""
-        hits = [hit for hit in self._hits if hit is not None and hit.region >= 0]
+        """Where the line meets the region that it meets most; before there is one, where the mouse was pressed."""
+        hits = [hit for hit in self._hits[: None if self.dragged else 1] if hit is not None and hit.region >= 0]
         if not hits:
             return None
         regions = [hit.region for hit in hits]
         most = max(set(regions), key=lambda region: (regions.count(region), -region))
         return next(hit for hit in hits if hit.region == most)
+
+    def release(self) -> Wish | None:
+        target = self.target
+        return None if target is None else Wish("cut" if self.dragged else "split", (target.face,))
+
+
+class Sizing:
+    """The Grow tool: dragged to the right, a region grows as far as the mouse goes; to the left, it shrinks."""
+
+    def __init__(self, ring: float):
+        """ring: how many pixels wide a ring of faces is seen."""
+        self._ring = ring
+        self._hit, self._from, self._click, self._dragged = None, (0.0, 0.0), 1, False
+        self._rings = 0  # how many to grow by; below 0: to shrink by
+
+    def press(self, hit: Hit | None, at=(0.0, 0.0), ctrl: bool = False) -> None:
+        """A click is one ring more; with ctrl, one less."""
+        self._hit, self._from, self._click = hit, at, -1 if ctrl else 1
+        self._rings, self._dragged = 0, False
+
+    def move(self, at) -> None:
+        self._dragged = self._dragged or _is_far(self._from, at)
+        away = at[0] - self._from[0]
+        self._rings = 0 if abs(away) <= _DRAG else rings_in(abs(away), self._ring) * (1 if away > 0 else -1)
+
+    @property
+    def wish(self) -> Wish | None:
+        """What letting go now would do; None: nothing, as it was dragged back to where it began."""
+        rings = self._rings if self._dragged else self._click
+        if self._hit is None or self._hit.region < 0 or rings == 0:
+            return None
+        return Wish("grow" if rings > 0 else "shrink", (self._hit.face,), rings=abs(rings))
+
+
+def rings_in(pixels: float, ring: float) -> int:
+    """How many rings of faces, each so many pixels wide, there are in a width; at least one."""
+    return min(max(1, round(pixels / max(ring, _MIN_RING))), _MOST_RINGS)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from isimp import view
-from isimp.gestures import Cut, Hit, Pointing, Stroke, Wish
+from isimp.gestures import Cut, Hit, Pointing, Sizing, Stroke, Wish, rings_in
 from isimp.pick import Surface
 
 A, A2, B, NONE = Hit(1, 0), Hit(2, 0), Hit(9, 1), Hit(20, -1)
@@ -116,7 +116,63 @@ def test_a_stroke_does_not_reach_the_far_side(grid):
 
 def test_a_cut_is_of_the_region_it_meets_most():
     cut = Cut()
-    assert cut.target is None
-    for place in (None, hit(-0.5, 0, region=1), hit(0, 0, region=3), hit(0.1, 0, region=3), hit(0.2, 0, region=-1)):
-        cut.move(place)
+    assert (cut.target, cut.release()) == (None, None)
+    cut.press(None)
+    for place in (hit(-0.5, 0, region=1), hit(0, 0, region=3), hit(0.1, 0, region=3), hit(0.2, 0, region=-1)):
+        cut.move(place, FAR)
     assert cut.target == hit(0, 0, region=3)
+    assert cut.release() == Wish("cut", (cell(0, 0),))
+
+
+@pytest.mark.parametrize(("begin", "moves", "wanted"), [(A, [(B, NEAR)], "split"), (A, [(B, FAR), (A, NEAR)], "cut")])
+def test_a_cut_without_a_line_splits_where_it_was_pressed(begin, moves, wanted):
+    cut = Cut()
+    cut.press(B, FAR)  # what was before is forgotten
+    cut.move(B, NEAR)
+    cut.press(begin, (0.0, 0.0))
+    for place, at in moves:
+        cut.move(place, at)
+    assert cut.release() == Wish(wanted, (begin.face,))
+
+
+@pytest.mark.parametrize("begin", [None, NONE])
+def test_nothing_is_split_beside_the_regions(begin):
+    cut = Cut()
+    cut.press(begin)
+    assert cut.release() is None
+
+
+@pytest.mark.parametrize(
+    ("held", "moves", "wanted"),
+    [
+        ({}, [], ("grow", 1)),
+        ({"ctrl": True}, [], ("shrink", 1)),
+        ({}, [(3.0, 3.0)], ("grow", 1)),  # a hand that trembles
+        ({}, [(60.0, 5.0)], ("grow", 12)),
+        ({"ctrl": True}, [(60.0, 0.0)], ("grow", 12)),
+        ({}, [(-41.0, 0.0)], ("shrink", 8)),
+        ({}, [(60.0, 0.0), (2.0, 0.0)], None),  # dragged back: as it was
+        ({}, [(0.0, 60.0)], None),
+        ({}, [(60.0, 0.0), (-10.0, 0.0)], ("shrink", 2)),
+    ],
+)
+def test_sizing_goes_as_far_as_the_mouse(held, moves, wanted):
+    tool = Sizing(ring=5.0)
+    tool.press(A, (100.0, 50.0), **held)
+    for x, y in moves:
+        tool.move((100.0 + x, 50.0 + y))
+    assert tool.wish == (None if wanted is None else Wish(wanted[0], (A.face,), rings=wanted[1]))
+
+
+def test_sizing_beside_the_regions_does_nothing():
+    for begin in (None, NONE):
+        tool = Sizing(ring=5.0)
+        tool.press(begin)
+        assert tool.wish is None
+        tool.move(FAR)
+        assert tool.wish is None
+
+
+def test_rings_are_at_least_one_and_not_endless():
+    assert [rings_in(8.0, ring) for ring in (2.0, 3.0, 100.0, 1e-9, 0.0)] == [4, 3, 1, 160, 160]
+    assert rings_in(1e9, 1.0) == 1000

@@ -34,6 +34,8 @@ def _tick():
     if runtime.get() is None:
         return None
     live, context = runtime.get().live, bpy.context
+    if live.held:
+        return _TICK
     scan = _find(context)
     if scan is None:
         pending.interrupt(context)
@@ -131,7 +133,7 @@ def _drop_changes(*_):
     live = runtime.get().live
     if live.work is not None:
         live.work.abandon()
-    live.work = live.shown = None
+    live.work = live.shown = live.tried = None
     live.pending = False
 
 

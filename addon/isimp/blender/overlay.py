@@ -5,6 +5,7 @@ arrays to the graphics card, and never changes anything of the file.
 """
 
 from dataclasses import dataclass, field
+from functools import partial
 
 import blf
 import bpy
@@ -16,7 +17,7 @@ from mathutils import Matrix, Vector
 from .. import recipe as rcp
 from .. import sketch
 from ..task import Status, Task
-from . import mesh_io, preferences, reading, runtime, settings, shaders, store, targets
+from . import mesh_io, preferences, reading, runtime, settings, shaders, store, targets, text
 
 _KEPT = 8  # sketches
 _TICK = 0.1
@@ -64,7 +65,7 @@ def _tick():
     current, context = runtime.get(), bpy.context
     if current is None or not context.window_manager.isimp.overlay:
         return None
-    if current.running is not None or current.live.work is not None:
+    if current.running is not None or current.live.work is not None or current.live.held:
         return _TICK
     scan = scan_shown(context)
     key = _key(context, scan) if scan is not None else None
@@ -181,14 +182,29 @@ def _draw_text():
         lines(np.array([(*at, 0.0) for at in hover.stretch], np.float32), (1.0, 0.85, 0.2, 1.0), 2.0)
         gpu.state.blend_set("NONE")
     if hover.text:
-        font = 0
-        blf.size(font, round(12 * scale), *(() if bpy.app.version >= (4, 0, 0) else (72,)))
-        blf.enable(font, blf.SHADOW)
-        blf.shadow(font, 5, 0.0, 0.0, 0.0, 0.9)
-        blf.color(font, 1.0, 1.0, 1.0, 1.0)
-        blf.position(font, hover.at[0] + 18 * scale, hover.at[1] - 20 * scale, 0)
-        blf.draw(font, hover.text)
-        blf.disable(font, blf.SHADOW)
+        _draw_words(context, hover, scale)
+
+
+def _draw_words(context, hover, scale) -> None:
+    """What is said beside the mouse, clear of the sidebar and the toolbar that may lie over the viewport."""
+    font = 0
+    blf.size(font, round(12 * scale), *(() if bpy.app.version >= (4, 0, 0) else (72,)))
+    blf.enable(font, blf.SHADOW)
+    blf.shadow(font, 5, 0.0, 0.0, 0.0, 0.9)
+    blf.color(font, 1.0, 1.0, 1.0, 1.0)
+    here, away = context.region, 18 * scale
+    beside = [other for other in context.area.regions if other.type in {"UI", "TOOLS"} and other.width > 1]
+    right = min([here.width, *(other.x - here.x for other in beside if other.alignment == "RIGHT")]) - away / 2
+    left = max([0, *(other.x + other.width - here.x for other in beside if other.alignment == "LEFT")]) + away / 2
+    told, x = text.beside(hover.text, partial(_width, font), hover.at[0] + away, right, left)
+    for number, line in enumerate(told):
+        blf.position(font, x, hover.at[1] - (20 + 18 * number) * scale, 0)
+        blf.draw(font, line)
+    blf.disable(font, blf.SHADOW)
+
+
+def _width(font, words: str) -> float:
+    return blf.dimensions(font, words)[0]
 
 
 class _Over:

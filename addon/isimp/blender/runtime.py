@@ -14,6 +14,8 @@ class Live:
         self.touched = 0.0  #: when a setting was changed last
         self.work = None  #: what is being computed for it
         self.shown = None  #: a Preview of what is no step to undo yet; see preview.py
+        self.tried = None  #: a Preview of what a tool would do, while the mouse is held
+        self.held = False  #: whether a tool has the session to itself, as the mouse is held
         self.wake = None  #: called when a setting was changed; None where there are no timers
         self.pending = False  #: whether a setting was changed that is no step to undo yet
         self.scan = ""  #: whose settings the panel shows
@@ -26,7 +28,7 @@ class Live:
 
     def shown_of(self, scan):
         """The Preview of a scan, if there is one that shows anything."""
-        shown = self.shown
+        shown = self.shown if self.tried is None else self.tried
         return shown if shown is not None and shown.name == scan.name and shown.work.task.error is None else None
 
     @contextmanager

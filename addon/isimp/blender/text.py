@@ -9,6 +9,20 @@ def wrapped(message: str, width: int) -> list:
     return textwrap.wrap(message, width)
 
 
+def beside(said: str, measure, wanted: float, right: float, left: float) -> tuple[list, float]:
+    """(lines, where they begin) of words that should begin at `wanted` and must lie between `left` and `right`.
+
+    measure: how wide some words are. Lines break between statements, at " · ", and only where one line has no room.
+    """
+    lines, room = [], right - left
+    for part in said.split(" · "):
+        if lines and measure(f"{lines[-1]} · {part}") <= room:
+            lines[-1] += f" · {part}"
+        else:
+            lines.append(part)
+    return lines, max(left, min(wanted, right - max(map(measure, lines))))
+
+
 def _count(number: int, one: str) -> str:
     return f"{number:,} {one}{'' if number == 1 else 's'}"
 

@@ -94,10 +94,14 @@ class ISIMP_OT_grow(_Edit, bpy.types.Operator):
         return shrink if properties.shrink else cls.__doc__
 
     def wanted(self, context, scan):
-        step, recipe = (rcp.ShrinkRegion if self.shrink else rcp.GrowRegion), pending.recipe_of(context, scan)
+        recipe = pending.recipe_of(context, scan)
         for face in self.each(scan):
-            recipe = recipe.then(step(face=face, rings=self.rings))
+            recipe = recipe.then(self.step(face, self.rings, self.shrink))
         return recipe
+
+    @staticmethod
+    def step(face: int, rings: int, shrink: bool):
+        return (rcp.ShrinkRegion if shrink else rcp.GrowRegion)(face=face, rings=rings)
 
 
 class ISIMP_OT_paint_faces(AtFaces, bpy.types.Operator):

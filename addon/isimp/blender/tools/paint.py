@@ -89,7 +89,7 @@ class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
 
 
 class ISIMP_OT_cut(ModalTool, bpy.types.Operator):
-    """Draw a line over a region: it is parted there, as seen"""
+    """Draw a line over a region: it is parted there, as seen. Click: it is parted where its halves differ most"""
 
     bl_idname = "isimp.cut"
     bl_label = "Cut Region"
@@ -99,8 +99,9 @@ class ISIMP_OT_cut(ModalTool, bpy.types.Operator):
             return {"CANCELLED"}
         self._cut, self._from = Cut(), self.place(event)
         self._rays = [self.ray(event)]
-        self._cut.move(self._ground.hit(self._rays[0]))
-        return self.go(context, "Drag over a region and let go: cut · Esc: drop")
+        hit = self._ground.hit(self._rays[0])
+        self._cut.press(hit, self._from)
+        return self.go(context, "Let go here: part it in two · Drag over a region: cut it there · Esc: drop")
 
     def modal(self, context, event):
         if self.is_dropped(event):
@@ -108,7 +109,7 @@ class ISIMP_OT_cut(ModalTool, bpy.types.Operator):
             return {"CANCELLED"}
         if event.type == "MOUSEMOVE":
             self._rays = [self._rays[0], self.ray(event)]
-            self._cut.move(self._ground.hit(self._rays[1]))
+            self._cut.move(self._ground.hit(self._rays[1]), self.place(event))
             target = self._cut.target
             hover = under.Hover(self._ground.name, -1, at=self.place(event), stretch=(self._from, self.place(event)))
             if target is not None:
@@ -123,8 +124,11 @@ class ISIMP_OT_cut(ModalTool, bpy.types.Operator):
 
     def fulfil(self) -> None:
         """Parts the region along the line, at the depth of where it was met, swept along the sight."""
-        target = self._cut.target
-        if target is None or len(self._rays) < 2:
+        wish, target = self._cut.release(), self._cut.target
+        if wish is None:
+            return
+        if wish.verb == "split":
+            do("isimp.split", face=wish.faces[0])
             return
         place = np.array(target.place)
         line = []

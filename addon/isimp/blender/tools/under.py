@@ -69,6 +69,15 @@ class Ground:
         )
         return float(np.linalg.norm((there - here)[:3])) / 10
 
+    def ring(self, region, view, at, hit) -> float:
+        """How many pixels wide a ring of faces along the border of the region hit is seen.
+
+        On a grid of equilateral triangles a ring moves the border by half their height, .66 roots of their area.
+        """
+        triangles = self.scan.triangles[self.triangles_of(hit.region)]
+        wide = 0.66 * (pick.area(self.scan.vertices, triangles) / max(1, len(triangles))) ** 0.5
+        return wide / max(self.pixel(region, view, at, hit.place), 1e-12)
+
     def world(self, place):
         return (self.place @ np.append(place, 1.0))[:3].tolist()
 

@@ -1,0 +1,114 @@
+"""Growing and shrinking the region under the mouse: by a drag that shows what it gives, or by the wheel."""
+
+import bpy
+from bpy.props import BoolProperty
+
+from ...gestures import Sizing, rings_in
+from ...session import StepFailed
+from ...task import Status
+from .. import overlay, pending, preview, runtime, targets
+from ..operators.edits import ISIMP_OT_grow
+from . import under
+from .point import ModalTool, do
+
+_TICK = 0.02
+_NOTCH = 8.0  # pixels that the wheel moves a border by
+
+
+class ISIMP_OT_size(ModalTool, bpy.types.Operator):
+    """Drag to the right: the region grows; to the left: it shrinks. Click: by one ring of faces; ctrl-click: less"""
+
+    bl_idname = "isimp.size"
+    bl_label = "Grow or Shrink Region"
+
+    def invoke(self, context, event):
+        pending.interrupt(context)
+        if not self.begin(context, event):
+            return {"CANCELLED"}
+        hit = self._ground.hit(self.ray(event))
+        if hit is None:
+            return {"PASS_THROUGH"}
+        self._gesture = Sizing(self._ground.ring(self._region, self._view, self.place(event), hit))
+        self._gesture.press(hit, self.place(event), ctrl=event.ctrl)
+        self._scan, _ = targets.find(context)
+        self._recipe = pending.recipe_of(context, self._scan)
+        self._work = self._tried = None  # what computes the outcome of a wish, and of which
+        self._said = ""
+        runtime.get().live.held = True
+        self._timer = context.window_manager.event_timer_add(_TICK, window=context.window)
+        return self.go(context, "Right: grow · Left: shrink · Let go: do it · Esc: drop")
+
+    def modal(self, context, event):
+        if self.is_dropped(event):
+            self.end(context)
+            return {"CANCELLED"}
+        if event.type == "MOUSEMOVE":
+            self._gesture.move(self.place(event))
+            self.tell(self.place(event))
+        elif event.type == "TIMER":
+            self.follow(context)
+        elif event.type == "LEFTMOUSE" and event.value == "RELEASE":
+            self._gesture.move(self.place(event))
+            wish = self._gesture.wish
+            self.end(context)
+            if wish is not None:
+                do("isimp.grow", face=wish.faces[0], rings=wish.rings, shrink=wish.verb == "shrink")
+            return {"FINISHED"}
+        return {"RUNNING_MODAL"}
+
+    def tell(self, at) -> None:
+        """Says beside the mouse what letting go would do."""
+        wish = self._gesture.wish
+        what = "As it was" if wish is None else f"{wish.verb.capitalize()} by {wish.rings} faces"
+        runtime.get().hover = under.Hover(self._ground.name, -1, at=at, text=self._said or what)
+        overlay.redraw()
+
+    def follow(self, context) -> None:
+        """Takes up what was computed, and has computed what is wished now."""
+        live, work, wish = runtime.get().live, self._work, self._gesture.wish
+        if work is not None:
+            if work.task.status is Status.RUNNING:
+                return
+            self._work, error = None, work.task.error
+            self._said = error.reason.capitalize() if isinstance(error, StepFailed) else ""
+            live.tried = preview.Preview(work, live.tried) if error is None else live.tried
+            overlay.redraw()
+        if wish == self._tried:
+            return
+        self._tried = wish
+        if wish is None:
+            live.tried, self._said = None, ""
+            overlay.redraw()
+            return
+        runtime.get().stop_sketching()
+        step = ISIMP_OT_grow.step(wish.faces[0], wish.rings, wish.verb == "shrink")
+        self._work = preview.Work(context, self._scan, self._recipe.then(step), again=True)
+        self._work.start()
+
+    def end(self, context) -> None:
+        live = runtime.get().live
+        if self._work is not None:
+            self._work.abandon()
+        context.window_manager.event_timer_remove(self._timer)
+        live.tried, live.held = None, False
+        super().end(context)
+
+
+class ISIMP_OT_size_here(ModalTool, bpy.types.Operator):
+    """Let the region under the mouse grow a little, or shrink"""
+
+    bl_idname = "isimp.size_here"
+    bl_label = "Grow or Shrink Region a Little"
+
+    shrink: BoolProperty(name="Shrink", description="Make it smaller", options={"SKIP_SAVE"})
+
+    def invoke(self, context, event):
+        hit = self._ground.hit(self.ray(event)) if self.begin(context, event) else None
+        if hit is None:
+            return {"PASS_THROUGH"}
+        ring = self._ground.ring(self._region, self._view, self.place(event), hit)
+        do("isimp.grow", face=hit.face, rings=rings_in(_NOTCH, ring), shrink=self.shrink)
+        return {"FINISHED"}
+
+
+CLASSES = (ISIMP_OT_size, ISIMP_OT_size_here)

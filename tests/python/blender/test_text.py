@@ -1,0 +1,23 @@
+"""What is said, and where it fits."""
+
+import pytest
+
+from isimp.blender import text
+
+SAID = "Region 3 · 12.3% of the area · flat to 2 mm"  # 43 letters
+
+
+@pytest.mark.parametrize(
+    ("wanted", "right", "lines", "at"),
+    [
+        (20, 500, [SAID], 20),
+        (300, 500, [SAID], 70),  # moved to the left, so that it ends at the border
+        (300, 440, [SAID], 10),
+        (300, 439, ["Region 3 · 12.3% of the area", "flat to 2 mm"], 159),
+        (0, 500, [SAID], 10),
+        (50, 200, ["Region 3", "12.3% of the area", "flat to 2 mm"], 30),
+        (50, 60, ["Region 3", "12.3% of the area", "flat to 2 mm"], 10),  # no room at all
+    ],
+)
+def test_words_beside_the_mouse_stay_where_they_are_seen(wanted, right, lines, at):
+    assert text.beside(SAID, lambda words: 10 * len(words), wanted, right, 10) == (lines, at)

@@ -1,0 +1,157 @@
+"""Gestures that change a region as a whole, with a real mouse: split, cut, grow and shrink; undo and redo of each."""
+
+import zlib
+
+import bpy
+import numpy as np
+from scenario_main import make_scan, regions, same, scan
+from scenario_tools import drag, place, steps, tool, view
+
+import isimp
+
+
+def labels():
+    import scans
+
+    return scans.regions(scan())
+
+
+def size_of(x, z):
+    """How many faces the region at a place of the scan's front has."""
+    found, _, _, face = scan().ray_cast((1.5 * x, -9, 1.5 * z), (0, 1, 0))
+    assert found
+    label = labels()
+    return int(np.count_nonzero(label == label[face]))
+
+
+def pressed(hand, x, z, **held):
+    yield from hand.click(*place(hand, x, z), **held)
+    yield from hand.settle()
+
+
+def undone_and_redone(hand, what, seen):
+    """Ctrl-Z takes a gesture back in one go, and Ctrl-Shift-Z does it again. seen: what to look at."""
+    after, count = seen(), len(steps())
+    yield from hand.undo()
+    before = seen()
+    same(f"{what}, undone", (before != after, len(steps())), (True, count - 1))
+    yield from hand.redo()
+    same(f"{what}, redone", (seen(), len(steps())), (after, count))
+    return before
+
+
+def last():
+    return type(steps()[-1]).__name__
+
+
+def split_and_cut(hand):
+    yield from tool(hand, "isimp.region_tool.object")
+    before = regions()
+    yield from pressed(hand, 0.1, 0.1, shift=True)
+    same("shift-click splits", (regions(), last()), (before + 1, "SplitRegion"))
+    yield from undone_and_redone(hand, "split", regions)
+    yield from hand.undo()
+    yield from drag(hand, (-0.9, -0.1), (0.9, -0.1), shift=True, shot="gestures-1-cut")
+    same("shift-drag cuts", (regions(), last()), (before + 1, "CutRegion"))
+    low, high = np.array(steps()[-1].line)
+    assert low[0] * high[0] < 0 < 0.2 - abs(low[2]), steps()[-1].line  # from left to right, as drawn
+    yield from undone_and_redone(hand, "cut", regions)
+    yield from hand.undo()
+
+    yield from tool(hand, "isimp.cut_tool.object")
+    yield from pressed(hand, 0.1, 0.1)
+    same("a click of the Cut tool splits", (regions(), last()), (before + 1, "SplitRegion"))
+    yield from hand.undo()
+    yield from hand.move(*place(hand, -0.5, 0.0))
+    hand.event("LEFTMOUSE", "PRESS")
+    yield 0.1
+    yield from hand.move(*place(hand, 0.5, 0.0))
+    yield from hand.key("ESC")
+    hand.event("LEFTMOUSE", "RELEASE")
+    yield 0.3
+    same("Esc drops a cut", (regions(), last()), (before, "Partition"))
+
+
+def by_the_wheel(hand):
+    yield from tool(hand, "isimp.region_tool.object")
+    before, count = size_of(0, 0), len(steps())
+    yield from hand.move(*place(hand, 0.0, 0.0))
+    hand.event("WHEELUPMOUSE", "PRESS", ctrl=True)
+    yield from hand.settle()
+    same("ctrl-wheel grows", (size_of(0, 0) > before, last(), len(steps())), (True, "GrowRegion", count + 1))
+    yield from undone_and_redone(hand, "grown", lambda: size_of(0, 0))
+    grown = size_of(0, 0)
+    yield from hand.move(*place(hand, 0.0, 0.0))
+    hand.event("WHEELDOWNMOUSE", "PRESS", ctrl=True)
+    yield from hand.settle()
+    same("and shrinks", (size_of(0, 0) < grown, last()), (True, "ShrinkRegion"))
+    yield from undone_and_redone(hand, "shrunk", lambda: size_of(0, 0))
+    yield from hand.undo()
+    yield from hand.undo()
+    same("as it was", (size_of(0, 0), len(steps())), (before, count))
+
+
+def by_a_drag(hand, mode):
+    """Drags the Grow tool; what is seen before the mouse is let go is what comes of it."""
+    from isimp.blender import runtime
+
+    yield from tool(hand, f"isimp.grow_tool.{mode}")
+    live, before, count = runtime.get().live, labels(), len(steps())
+    for to, name in (((0.5, 0.0), "GrowRegion"), ((-0.4, 0.0), "ShrinkRegion")):
+        x, y = place(hand, 0.0, 0.0)
+        yield from hand.move(x, y)
+        hand.event("LEFTMOUSE", "PRESS")
+        yield 0.1
+        yield from hand.move(*place(hand, *to))
+        for _ in range(200):
+            yield 0.05
+            if live.tried is not None:
+                break
+        yield 0.5
+        tried = live.tried.work.task.result.face_region
+        same("not written yet", np.array_equal(labels(), before), True)
+        words = runtime.get().hover.text
+        assert words.startswith(name.removesuffix("Region")), words
+        yield from hand.shot(f"gestures-2-{mode}-{name.lower()}")
+        hand.event("LEFTMOUSE", "RELEASE")
+        yield from hand.settle()
+        same("as seen before", (np.array_equal(labels(), tried), last()), (True, name))
+        same("nothing is held", (live.tried, live.held), (None, False))
+        size = int(np.count_nonzero(labels() != before))
+        assert size > 20, size
+        yield from undone_and_redone(hand, name, lambda: zlib.crc32(labels()))
+        yield from hand.undo()
+        same("undone", (np.array_equal(labels(), before), len(steps())), (True, count))
+    yield from hand.move(*place(hand, 0.0, 0.0))
+    hand.event("LEFTMOUSE", "PRESS")
+    yield 0.1
+    yield from hand.move(*place(hand, 0.5, 0.0))
+    yield 0.5
+    yield from hand.key("ESC")
+    hand.event("LEFTMOUSE", "RELEASE")
+    yield 0.3
+    dropped = np.array_equal(labels(), before), len(steps()), live.tried, live.held
+    same("Esc drops it", dropped, (True, count, None, False))
+    yield from pressed(hand, 0.0, 0.0)
+    same("a click grows by a ring", (last(), steps()[-1].rings), ("GrowRegion", 1))
+    yield from hand.undo()
+    yield from pressed(hand, 0.0, 0.0, ctrl=True)
+    same("a ctrl-click shrinks by one", (last(), steps()[-1].rings), ("ShrinkRegion", 1))
+    yield from hand.undo()
+    same("undone", (np.array_equal(labels(), before), len(steps())), (True, count))
+
+
+def run(hand):
+    isimp.register()
+    make_scan()
+    yield 0.5
+    yield from hand.open_tab()
+    bpy.ops.isimp.partition("EXEC_DEFAULT", True, proxies=14)
+    yield from view(hand)
+    yield from split_and_cut(hand)
+    yield from by_the_wheel(hand)
+    yield from by_a_drag(hand, "object")
+    yield from hand.into_view()
+    yield from hand.key("TAB")
+    yield 0.5
+    yield from by_a_drag(hand, "edit_mesh")
