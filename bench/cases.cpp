@@ -11,6 +11,7 @@
 #include "isimp/mesh/clean.h"
 #include "isimp/mesh/io.h"
 #include "isimp/meshing/polygonize.h"
+#include "isimp/partition/detail_tree.h"
 #include "isimp/partition/hierarchy.h"
 #include "isimp/partition/partition.h"
 
@@ -93,6 +94,34 @@ Case new_count_case(const SetupPtr& setup, const std::string& name, std::int32_t
     Sample sample = sample_of(*setup, lap, result);
     sample.facts["kept"] = (*kept)->serves(*setup->mesh, *options.proxies);
     return sample;
+  };
+  return {name, run, setup->inner};
+}
+
+/// Another detail from a tree that is kept, as by someone who moves the slider of the panel.
+Case new_detail_case(const SetupPtr& setup, const std::string& name, double detail, double adaptivity,
+                     std::int32_t threads) {
+  struct Kept {
+    Surface surface;
+    DetailTree tree;
+  };
+  const auto kept = std::make_shared<std::optional<Kept>>();
+  const auto run = [setup, kept, detail, adaptivity, threads](int round) {
+    Job job;
+    PartitionOptions options = options_of(*setup, round, Method::hierarchy, threads);
+    options.proxies = std::nullopt;
+    options.detail = detail * (1 + 0.01 * round);
+    options.adaptivity = adaptivity;
+    if (!*kept) {
+      const Surface surface = adaptivity > 0 ? adapted(*setup->mesh, options, job) : Surface(*setup->mesh);
+      kept->emplace(Kept{surface, DetailTree(surface, *detail_settings(surface, options), job)});
+    }
+    Partition result;
+    const Lap lap = timed([&] {
+      result = partition((*kept)->surface, (*kept)->tree, options, job);
+      if (adaptivity > 0) result = restated(*setup->mesh, std::move(result), options, job);
+    });
+    return sample_of(*setup, lap, result);
   };
   return {name, run, setup->inner};
 }
@@ -202,6 +231,10 @@ std::vector<Case> all_cases(const SetupPtr& setup) {
   cases.back().inner = 1;
   cases.push_back(new_count_case(setup, "new_count", 1));
   cases.push_back(new_count_case(setup, "new_count_two_threads", 2));
+  cases.push_back(new_detail_case(setup, "new_detail", kDefaultDetail, 0, 1));
+  cases.push_back(new_detail_case(setup, "new_detail_two_threads", kDefaultDetail, 0, 2));
+  cases.push_back(new_detail_case(setup, "new_detail_finest", kFinestDetail, 0, 1));
+  cases.push_back(new_detail_case(setup, "new_detail_adapted", kDefaultDetail, 0.25, 1));
   cases.push_back(edit_case(setup, base, "add", add_proxy));
   cases.push_back(edit_case(setup, base, "delete", delete_proxy));
   cases.push_back(polygonize_case(setup, base));

@@ -96,12 +96,25 @@ TEST(Detail, LeavesSpecksOut) {
   EXPECT_EQ(std::count(regions.label.begin(), regions.label.end(), kNone), 12 + 1);
 }
 
+TEST(Detail, LeavesNothingToMergeBelowTheCut) {
+  Job job;
+  const Mesh mesh = shapes::mesh(shapes::noisy(shapes::torus(120, 60), 0.02, 4));
+  const DetailTree tree(mesh, {.finest = 0.001, .noise = 0}, job);
+  for (const double tolerance : {0.005, 0.01, 0.02}) {
+    const Cut cut = tree.choose(tolerance, false);
+    const Regions regions = tree.regions(mesh, cut, Threads(1), job);
+    EXPECT_LT(regions.count(), tree.count(cut));  // borders that moved made more of them alike
+    const ClusterGraph all = region_clusters(mesh.graph(), regions, job);
+    EXPECT_EQ(merge_all(all, {.cost = cut.cost / mesh.graph().area, .need = {}}, job).merges(), 0U) << tolerance;
+  }
+}
+
 TEST(Detail, IsTheSameOnEveryRun) {
   Job job;
-  const Mesh mesh = shapes::mesh(shapes::noisy(shapes::torus(60, 30), 0.01, 4));
+  const Mesh mesh = shapes::mesh(shapes::noisy(shapes::torus(300, 150), 0.002, 4));  // enough faces for blocks
   const auto labels = [&](std::int32_t threads) {
-    const DetailTree tree(mesh, {.finest = 0.005, .noise = 0.005}, job);
-    return tree.regions(mesh, tree.choose(0.02, true), Threads(threads), job).label;
+    const DetailTree tree(mesh, {.finest = 0.001, .noise = 0.001}, job);
+    return tree.regions(mesh, tree.choose(0.003, true), Threads(threads), job).label;
   };
   EXPECT_EQ(labels(1), labels(1));
   EXPECT_EQ(labels(1), labels(3));

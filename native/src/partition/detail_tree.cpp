@@ -107,9 +107,31 @@ void relabel(Regions& regions, const std::vector<std::int32_t>& becomes, std::si
 
 /// A cluster for each region. \param faces  among which all border faces are
 ClusterGraph clusters_of(const FaceGraph& graph, const Regions& regions, std::vector<std::int32_t> part,
-                         std::span<const std::int32_t> faces) {
-  MergeGraph touching = graph_of_regions(graph, regions.label, regions.sum.size(), std::move(part), faces);
+                         std::span<const std::int32_t> faces, const Threads& threads) {
+  MergeGraph touching = graph_of_regions(graph, regions.label, regions.sum.size(), std::move(part), faces, threads);
   return {regions.sum, std::move(touching.first), std::move(touching.neighbour), std::move(touching.part)};
+}
+
+/// What an edge between regions weighs where normals of neighbours differ by this much.
+double border_weight_of(double bend) { return kBorder + kNoisyBorder * std::min(1.0, bend * bend); }
+
+/// Has border faces of changed regions, and those across from them, looked at. \return the other border faces
+std::vector<std::int32_t> push_beside(const FaceGraph& graph, const std::vector<std::int32_t>& label,
+                                      std::span<const std::int32_t> faces, const std::vector<std::uint8_t>& changed,
+                                      Relaxation<GraphLabels>& relaxation) {
+  std::vector<std::int32_t> others;
+  for (const std::int32_t i : faces) {
+    const std::int32_t own = label[i];
+    bool border = false, beside = changed[own] != 0;
+    for (const std::int32_t j : graph.neighbours[i]) {
+      if (label[j] == own || label[j] == kNone) continue;
+      border = true;
+      beside |= changed[label[j]] != 0;
+    }
+    if (border && beside) relaxation.push(i);
+    if (border && !beside) others.push_back(i);
+  }
+  return others;
 }
 
 }  // namespace
@@ -143,7 +165,8 @@ DetailTree::DetailTree(const Surface& surface, const DetailSettings& settings, J
         break;
       }
   }
-  tree_ = merge_all(clusters_of(graph, patches_, part_, borders_), {.need = need_}, job);
+  tree_ = merge_all(clusters_of(graph, patches_, part_, borders_, Threads(1)), {.need = need_}, job);
+  relax_patches(graph, job);
   falling_ = tree_.cost;
   std::sort(falling_.begin(), falling_.end(), std::greater<>());
   falling_.resize(std::min(falling_.size(), kMostCosts));
@@ -186,6 +209,18 @@ void DetailTree::make_patches(const Surface& surface, Job& job) {
   sum_regions(graph, patches_, job);
 }
 
+/// Most of what relaxing a cut does is the same at all of them: it is done once. The tree does not hear of it, so that
+/// it says the same at any resolution.
+void DetailTree::relax_patches(const FaceGraph& graph, Job& job) {
+  Relaxation<GraphLabels> relaxation(graph, {patches_.label.data()}, patches_.sum, border_weight_of(bend_));
+  for (const std::int32_t i : borders_) relaxation.push(i);
+  relaxation.run(kSweeps, job);
+  borders_.clear();
+  for (const std::int32_t i : relaxation.pushed())
+    if (relaxation.on_border(i)) borders_.push_back(i);
+  std::sort(borders_.begin(), borders_.end());
+}
+
 Cut DetailTree::choose(double tolerance, bool snap) const {
   const auto left = static_cast<std::int32_t>(patches_.sum.size() - tree_.merges());
   return choose_cut(falling_, left, kRounding * area_, tolerance, noise_, snap);
@@ -201,23 +236,28 @@ Regions DetailTree::regions(const Surface& surface, const Cut& cut, const Thread
   Regions result = patches_;
   std::vector<std::int32_t> part = part_;
   const auto become = [&](const MergeTree& tree, std::size_t merges) {
+    const std::size_t before = result.sum.size();
     const std::vector<std::int32_t> becomes = cut_after(tree, merges);
     relabel(result, becomes, result.sum.size() - merges, threads);
     for (std::size_t r = 0; r < part.size(); ++r) part[becomes[r]] = part[r];  // becomes[r] is never above r
     if (!part.empty()) part.resize(result.sum.size());
+    std::vector<std::uint8_t> of_several(result.sum.size(), 0), seen(result.sum.size(), 0);
+    for (std::size_t r = 0; r < before; ++r) of_several[becomes[r]] |= std::exchange(seen[becomes[r]], 1);
+    return of_several;
   };
   become(tree_, static_cast<std::size_t>(merges(cut)));
-  const double border = kBorder + kNoisyBorder * std::min(1.0, bend_ * bend_);
+  const double border = border_weight_of(bend_);
   std::vector<std::int32_t> near = borders_;  // where borders are, or were
+  std::vector<std::uint8_t> changed(result.sum.size(), 1);
   for (int round = 0; round < kRounds; ++round) {
-    Relaxation<GraphLabels> relaxation(graph, {result.label.data()}, result.sum, border);
-    for (const std::int32_t i : near) relaxation.push_if_border(i);
+    Relaxation<GraphLabels> relaxation(graph, {result.label.data()}, result.sum, border, threads);
+    near = push_beside(graph, result.label, near, changed, relaxation);
     relaxation.run(kSweeps, job);
-    near = relaxation.pushed();
+    near.insert(near.end(), relaxation.pushed().begin(), relaxation.pushed().end());
     const MergeTree more =
-        merge_all(clusters_of(graph, result, part, near), {.cost = cut.cost / area_, .need = need_}, job);
+        merge_all(clusters_of(graph, result, part, near, threads), {.cost = cut.cost / area_, .need = need_}, job);
     if (more.merges() == 0) break;
-    become(more, more.merges());
+    changed = become(more, more.merges());
   }
   return result;
 }

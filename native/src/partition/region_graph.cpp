@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::size_t kAhead = 8;  // faces, for the memory to be there in time
 
-/// A set of ordered pairs of numbers below 2^31 that grows as it fills.
+/// A set of pairs of numbers below 2^31 that grows as it fills.
 class PairSet {
  public:
   PairSet() : slots_(1 << 12, kEmpty) {}
@@ -58,7 +58,7 @@ void insert_pairs(const FaceGraph& graph, const std::vector<std::int32_t>& label
     if (own == kNone) continue;
     for (const std::int32_t j : graph.neighbours[faces[k]]) {
       const std::int32_t other = label[j];
-      if (other == own || other == kNone || last == std::pair(own, other)) continue;
+      if (other <= own || last == std::pair(own, other)) continue;  // the face beyond sees the others
       last = {own, other};
       pairs.insert(own, other);
     }
@@ -79,7 +79,10 @@ std::vector<std::pair<std::int32_t, std::int32_t>> neighbouring_regions(const Fa
   for (std::size_t k = 1; k < found.size(); ++k)
     found[k].visit([&](std::int32_t u, std::int32_t v) { found[0].insert(u, v); });
   std::vector<std::pair<std::int32_t, std::int32_t>> result;
-  found[0].visit([&](std::int32_t u, std::int32_t v) { result.emplace_back(u, v); });
+  found[0].visit([&](std::int32_t u, std::int32_t v) {
+    result.emplace_back(u, v);
+    result.emplace_back(v, u);
+  });
   std::sort(result.begin(), result.end());
   return result;
 }

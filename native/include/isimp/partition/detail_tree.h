@@ -54,13 +54,14 @@ class DetailTree {
  private:
   [[nodiscard]] std::int32_t merges(const Cut& cut) const;
   void make_patches(const Surface& surface, Job& job);
+  void relax_patches(const FaceGraph& graph, Job& job);
 
   DetailSettings settings_;
   double area_ = 0.0, size_ = 0.0, noise_ = 0.0, bend_ = 0.0;
   Parts parts_;
-  std::vector<std::int32_t> need_;  // least number of regions of each component
-  std::vector<std::int32_t> part_;  // component of each patch; empty if there is one
-  Regions patches_;
+  std::vector<std::int32_t> need_;     // least number of regions of each component
+  std::vector<std::int32_t> part_;     // component of each patch; empty if there is one
+  Regions patches_;                    // their borders relaxed
   std::vector<std::int32_t> borders_;  // faces beside another patch
   MergeTree tree_;                     // over the patches
   std::vector<double> falling_;        // what its dearest merges cost, scene units squared
