@@ -1,11 +1,15 @@
 // CGAL's Surface_mesh_approximation on the same mesh, judged by the same measure, with rounds of the plain reference
-// in between so that its times can be set in relation to the engine's. Prints JSON.
+// in between so that its times can be set in relation to the engine's. Prints JSON; writes its triangles where asked.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/Variational_shape_approximation.h>
 
+#include <array>
 #include <cstdint>
+#include <fstream>
 #include <iostream>
+#include <iterator>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -44,7 +48,21 @@ Json json_of(const Lap& lap) {
   return json;
 }
 
-Json approximate(const Mesh& mesh, const PlainSurface& plain, std::int32_t proxies, VSA::Seeding_method seeding) {
+void write_off(Approximation& approximation, const std::string& path) {
+  std::vector<Kernel::Point_3> points;
+  std::vector<std::array<std::size_t, 3>> triangles;
+  approximation.output(CGAL::parameters::anchors(std::back_inserter(points)).triangles(std::back_inserter(triangles)));
+  std::ofstream file(path);
+  file.precision(std::numeric_limits<double>::max_digits10);
+  file << "OFF\n" << points.size() << ' ' << triangles.size() << " 0\n";
+  for (const Kernel::Point_3& p : points) file << p << '\n';
+  for (const auto& t : triangles) file << "3 " << t[0] << ' ' << t[1] << ' ' << t[2] << '\n';
+  file.close();
+  if (!file) throw FileError("cannot write " + path);
+}
+
+Json approximate(const Mesh& mesh, const PlainSurface& plain, std::int32_t proxies, VSA::Seeding_method seeding,
+                 const std::string& off) {
   Json json;
   const MemoryGauge gauge;
   Surface surface = to_cgal(mesh);
@@ -64,18 +82,19 @@ Json approximate(const Mesh& mesh, const PlainSurface& plain, std::int32_t proxi
   json["meshing"] =
       json_of(timed([&] { json["manifold"] = approximation.extract_mesh(CGAL::parameters::all_default()); }));
   json["peak_bytes"] = gauge.peak();
+  if (!off.empty()) write_off(approximation, off);
   json["result"] = to_json(evaluate(mesh, plain, label));
   return json;
 }
 
 int run(int argc, char** argv) {
-  if (argc != 5 || (std::string(argv[4]) != "random" && std::string(argv[4]) != "hierarchical"))
-    throw InvalidInput("peer_cgal INPUT LOOP PROXIES random|hierarchical");
+  if (argc < 5 || argc > 6 || (std::string(argv[4]) != "random" && std::string(argv[4]) != "hierarchical"))
+    throw InvalidInput("peer_cgal INPUT LOOP PROXIES random|hierarchical [OUT.off]");
   const Arrays arrays = load_input(argv[1], std::stoi(argv[2]));
   Job job;
   const Mesh mesh(arrays.vertices, arrays.triangles, job);
   const auto seeding = std::string(argv[4]) == "random" ? VSA::RANDOM : VSA::HIERARCHICAL;
-  std::cout << approximate(mesh, plain_surface(mesh), std::stoi(argv[3]), seeding) << '\n';
+  std::cout << approximate(mesh, plain_surface(mesh), std::stoi(argv[3]), seeding, argc == 6 ? argv[5] : "") << '\n';
   return 0;
 }
 

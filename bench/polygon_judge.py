@@ -180,14 +180,6 @@ def least_surface(points, p):
     n = len(p)
     if n == 3:
         return [(0, 1, 2)]
-    i, k, j = (x.ravel() for x in np.meshgrid(*[np.arange(n)] * 3, indexing="ij"))
-    right = (i < k) & (k < j)
-    i, k, j = i[right], k[right], j[right]
-    size = np.full((n, n, n), np.inf)
-    good = signs_2d(p[i], p[k], p[j]) > 0
-    size[i[good], k[good], j[good]] = np.linalg.norm(
-        np.cross(points[k] - points[i], points[j] - points[i])[good], axis=1
-    )
     a, b = np.triu_indices(n, 2)
     seen = np.full((n, n), True)
     edge = np.arange(n)
@@ -206,7 +198,10 @@ def least_surface(points, p):
             if not seen[s, t]:
                 cost[s, t] = np.inf
                 continue
-            sums = cost[s, s + 1 : t] + cost[s + 1 : t, t] + size[s, s + 1 : t, t]
+            k = np.arange(s + 1, t)
+            begin, end = (np.broadcast_to(p[x], (len(k), 2)) for x in (s, t))
+            size = np.linalg.norm(np.cross(points[k] - points[s], points[t] - points[k]), axis=1)
+            sums = cost[s, k] + cost[k, t] + np.where(signs_2d(begin, p[k], end) > 0, size, np.inf)
             via[s, t] = s + 1 + int(np.argmin(sums))
             cost[s, t] = sums.min()
     if not np.isfinite(cost[0, n - 1]):
@@ -324,11 +319,20 @@ class Scan:
             f, g = self.triangles[self.faces_of(a)], self.triangles[self.faces_of(b)]
             full = [self.area[self.faces_of(r)] > 0 for r in (a, b)]
             f, g = f[full[0]], g[full[1]]
+            f, g = self.within_box(f, g), self.within_box(g, f)
             pairs = box_pairs(self.vertices, f, self.vertices, g)
             f, g = f[pairs[:, 0]], g[pairs[:, 1]]
             other = (f != g).any(1)
             self.known[key] = bool(meeting(self.vertices, f[other], g[other]).any())
         return self.known[key]
+
+    def within_box(self, f, g):
+        """Those of the faces f whose boxes reach into the box round all of g."""
+        corners, others = self.vertices[f], self.vertices[g.ravel()]
+        if not len(others):
+            return f[:0]
+        reach = (corners.min(1) <= others.max(0)) & (corners.max(1) >= others.min(0))
+        return f[reach.all(1)]
 
     def samples(self, count):
         """Points spread over the surface, the same every time."""
