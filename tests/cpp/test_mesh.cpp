@@ -1,6 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
+#include <map>
+#include <random>
+#include <set>
+#include <utility>
+#include <vector>
 
 #include "isimp/core/errors.h"
 #include "isimp/mesh/mesh.h"
@@ -80,6 +86,81 @@ TEST(Mesh, BadInputIsNamed) {
 TEST(Mesh, TwoTrianglesThatTouchInAPointAreTwoFans) {
   const Arrays bow_tie{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, -1, 0}}, {{0, 1, 2}, {0, 3, 4}}};
   EXPECT_EQ(message_of(bow_tie), "the faces of vertex 0 form two or more fans; clean(...) repairs this");
+}
+
+using Edge = std::pair<std::int32_t, std::int32_t>;
+
+/// Part of what is said of a mesh, by the definition: each edge is run along once at most each way, and the faces of
+/// each vertex are one fan.
+std::string verdict_on(const std::vector<Triangle>& triangles) {
+  std::set<Edge> seen;
+  std::map<std::int32_t, std::vector<Edge>> around;  // by vertex, the ends of the side of each face that faces it
+  for (const auto& [a, b, c] : triangles) {
+    for (const Edge& edge : {Edge{a, b}, Edge{b, c}, Edge{c, a}})
+      if (!seen.insert(edge).second) return "the edge of vertices";
+    around[a].emplace_back(b, c);
+    around[b].emplace_back(c, a);
+    around[c].emplace_back(a, b);
+  }
+  for (auto& [vertex, left] : around) {
+    std::set<std::int32_t> fan{left.front().first};
+    for (bool grown = true; grown;) {
+      const auto out = std::remove_if(left.begin(), left.end(), [&](const Edge& side) {
+        if (!fan.contains(side.first) && !fan.contains(side.second)) return false;
+        fan.insert({side.first, side.second});
+        return true;
+      });
+      grown = out != left.end();
+      left.erase(out, left.end());
+    }
+    if (!left.empty()) return "two or more fans";
+  }
+  return "no error";
+}
+
+TEST(Mesh, TakesExactlyWhatIsSound) {
+  std::mt19937 random(1);
+  int sound = 0;
+  for (int run = 0; run < 4000; ++run) {
+    // The same few vertices, or a hub with more edges than are searched one by one.
+    const bool hub = run % 4 == 0;
+    const std::uint32_t vertices = hub ? 40 : 4 + random() % 5;
+    Arrays a{std::vector<Vec3>(vertices, Vec3(0, 0, 0)), {}};
+    const auto some = [&] { return static_cast<std::int32_t>(random() % vertices); };
+    if (hub)
+      for (std::int32_t v = 1; v + 1 < 32; ++v) a.triangles.push_back({0, v, v + 1});
+    for (std::uint32_t k = hub ? random() % 3 : 1 + random() % 6; k > 0; --k) {
+      Triangle t{hub ? 0 : some(), some(), some()};
+      if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) a.triangles.push_back(t);
+    }
+    if (a.triangles.empty()) continue;
+    std::shuffle(a.triangles.begin(), a.triangles.end(), random);
+    std::vector<std::int32_t> name(vertices);  // so that the hub is not always the lowest
+    for (std::uint32_t v = 0; v < vertices; ++v) name[v] = static_cast<std::int32_t>(v);
+    std::shuffle(name.begin(), name.end(), random);
+    for (Triangle& t : a.triangles)
+      for (std::int32_t& v : t) v = name[v];
+    const std::string verdict = verdict_on(a.triangles), message = message_of(a);
+    ASSERT_NE(message.find(verdict), std::string::npos) << "run " << run << ": " << message << ", not " << verdict;
+    sound += verdict == "no error" ? 1 : 0;
+  }
+  EXPECT_GT(sound, 400);
+  EXPECT_LT(sound, 3600);
+}
+
+TEST(FaceGraph, FollowsTheCurve) {
+  const Mesh mesh = shapes::mesh(shapes::shuffled(shapes::plane(150), 7));
+  std::vector<std::pair<std::uint64_t, std::int32_t>> order;
+  for (const std::int32_t f : mesh.graph().mesh_face) {
+    Vec3 middle(0, 0, 0);
+    for (const std::int32_t v : mesh.triangles()[f]) middle += mesh.vertices()[v];
+    std::uint64_t place = 0;
+    for (int bit = 0; bit < 11; ++bit)
+      for (int k = 0; k < 3; ++k)
+        place |= (static_cast<std::uint64_t>(middle[k] / 3 * 2047) >> bit & 1) << (3 * bit + k);
+    order.emplace_back(place, f);
+  }
+  EXPECT_TRUE(std::is_sorted(order.begin(), order.end()));
 }
 
 TEST(FaceGraph, IsInBothOrdersTheSameAndEndsInASentinel) {

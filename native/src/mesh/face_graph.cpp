@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include "pieces.h"
@@ -17,9 +18,12 @@ constexpr double kFlat = 1e-12;  // doubled area over longest edge squared, belo
 constexpr double kLeastScaled = 1e-20;  // of the whole area: below it, floats would not hold those of single faces
 constexpr int kAxisBits = 11;  // cells an axis, as a power of two: 33 bits of place leave 31 for the face's number
 constexpr int kFaceBits = 31;
-constexpr int kDigitBits = 11;  // of the radix sort: three digits are one place
+constexpr int kDigitBits = 11;      // of the sort's first digit
+constexpr int kByteBits = 8;        // of the others: three of them are the rest of a place
+constexpr std::size_t kAhead = 12;  // faces, for the memory to be there in time
 
-std::uint32_t spread_bits(std::uint32_t x) {  // every bit of the lower eleven goes to a place divisible by three
+/// Every bit of the lower eleven goes to a place divisible by three.
+constexpr std::uint32_t spread_bits(std::uint32_t x) {
   x = (x | x << 16) & 0x070000ff;
   x = (x | x << 8) & 0x0700f00f;
   x = (x | x << 4) & 0x430c30c3;
@@ -27,17 +31,22 @@ std::uint32_t spread_bits(std::uint32_t x) {  // every bit of the lower eleven g
   return x;
 }
 
+constexpr auto kSpread = [] {
+  std::array<std::uint32_t, 1 << kAxisBits> table{};
+  for (std::uint32_t x = 0; x < table.size(); ++x) table[x] = spread_bits(x);
+  return table;
+}();
+
 /// The cells of a box along a curve that visits cells near each other near each other (Morton).
 class Curve {
  public:
   explicit Curve(const Box& box) : low_(box.min()), scale_(0) {
-    if (const double side = box.sizes().maxCoeff(); side > 0) scale_ = ((1 << kAxisBits) - 1) / side;
+    if (const double side = box.sizes().maxCoeff(); side > 0) scale_ = (kSpread.size() - 1) / side;
   }
   [[nodiscard]] std::uint64_t place(const Vec3& p) const {
     const Vec3 cell = (p - low_) * scale_;
     const auto axis = [&](int k) {
-      return static_cast<std::uint64_t>(
-          spread_bits(static_cast<std::uint32_t>(std::max(0, static_cast<int>(cell[k])))));
+      return static_cast<std::uint64_t>(kSpread[std::clamp(static_cast<int>(cell[k]), 0, (1 << kAxisBits) - 1)]);
     };
     return axis(0) | axis(1) << 1 | axis(2) << 2;
   }
@@ -47,21 +56,37 @@ class Curve {
   double scale_;
 };
 
-/// Sorts by the bits above the face's number; equal ones keep their order.
+/// Counting sort by some bits; equal ones keep their order. \return where each digit's keys begin, and the end
+template <int kBits>
+std::array<std::uint32_t, (1 << kBits) + 1> sort_by_bits(std::span<const std::uint64_t> keys, std::uint64_t* sorted,
+                                                         int shift, Job& job) {
+  constexpr std::uint64_t kMask = (1 << kBits) - 1;
+  std::array<std::uint32_t, (1 << kBits) + 1> begin{};
+  for_each_index(keys.size(), job, [&](std::size_t i) { ++begin[(keys[i] >> shift & kMask) + 1]; });
+  for (std::size_t d = 1; d < begin.size(); ++d) begin[d] += begin[d - 1];
+  std::array<std::uint32_t, (1 << kBits) + 1> next = begin;
+  for_each_index(keys.size(), job, [&](std::size_t i) { sorted[next[keys[i] >> shift & kMask]++] = keys[i]; });
+  return begin;
+}
+
+/// Sorts by the bits above the face's number; equal ones keep their order. The highest digit comes first: the faces of
+/// each of its values then fit into a cache together, where the other digits cost little.
 void sort_by_place(std::vector<std::uint64_t>& keys, Job& job) {
-  constexpr std::uint64_t kMask = (1 << kDigitBits) - 1;
-  std::vector<std::uint64_t> other(keys.size());
-  std::array<std::array<std::uint32_t, kMask + 1>, 3> place{};
-  for_each_index(keys.size(), job, [&](std::size_t i) {
-    for (std::size_t d = 0; d < 3; ++d) ++place[d][keys[i] >> (kFaceBits + d * kDigitBits) & kMask];
-  });
-  for (std::size_t d = 0; d < 3; ++d) {
-    std::uint32_t sum = 0;
-    for (std::uint32_t& begin : place[d]) sum += std::exchange(begin, sum);
-    for_each_index(keys.size(), job, [&](std::size_t i) {
-      other[place[d][keys[i] >> (kFaceBits + d * kDigitBits) & kMask]++] = keys[i];
-    });
-    keys.swap(other);
+  constexpr std::size_t kFew = 64;  // keys that are sorted by comparisons
+  const auto other = std::make_unique_for_overwrite<std::uint64_t[]>(keys.size());
+  const auto begin = sort_by_bits<kDigitBits>(keys, other.get(), kFaceBits + 3 * kAxisBits - kDigitBits, job);
+  for (std::size_t d = 0; d + 1 < begin.size(); ++d) {
+    const std::span<std::uint64_t> from(&other[begin[d]], begin[d + 1] - begin[d]);
+    const std::span<std::uint64_t> to(&keys[begin[d]], from.size());
+    if (from.empty()) continue;
+    if (from.size() <= kFew) {
+      std::sort(from.begin(), from.end());
+      std::copy(from.begin(), from.end(), to.begin());
+      continue;
+    }
+    sort_by_bits<kByteBits>(from, to.data(), kFaceBits, job);
+    sort_by_bits<kByteBits>(to, from.data(), kFaceBits + kByteBits, job);
+    sort_by_bits<kByteBits>(from, to.data(), kFaceBits + 2 * kByteBits, job);
   }
 }
 
@@ -93,6 +118,12 @@ void fill_missing_normals(FaceGraph& graph, const std::vector<std::int32_t>& mis
   }
 }
 
+/// Has the vertices of a face a little ahead fetched.
+void fetch_soon(std::span<const Vec3> vertices, std::span<const Triangle> triangles, std::size_t f) {
+  if (f + kAhead >= triangles.size()) return;
+  for (const std::int32_t v : triangles[f + kAhead]) __builtin_prefetch(&vertices[v]);
+}
+
 /// A face's record, its area times `scale`; all zero for a face without area. Adds its area.
 FaceRecord measure(const Vec3& a, const Vec3& b, const Vec3& c, double scale, double& area) {
   const Vec3 u = b - a, v = c - a, cross = u.cross(v);
@@ -110,6 +141,7 @@ void set_order(FaceGraph& graph, const Curve& curve, std::span<const Vec3> verti
                std::span<const Triangle> triangles, Job& job) {
   std::vector<std::uint64_t> keys(triangles.size());
   for_each_index(triangles.size(), job, [&](std::size_t f) {
+    fetch_soon(vertices, triangles, f);
     const auto& [a, b, c] = triangles[f];
     keys[f] = curve.place((vertices[a] + vertices[b] + vertices[c]) * (1.0 / 3.0)) << kFaceBits | f;
   });
@@ -140,6 +172,7 @@ FaceGraph make_face_graph(std::span<const Vec3> vertices, std::span<const Triang
   graph.neighbours.resize(triangles.size() + 1);
   graph.neighbours[triangles.size()] = {n, n, n};
   for_each_index(triangles.size(), job, [&](std::size_t f) {
+    fetch_soon(vertices, triangles, f);
     const std::int32_t i = graph.graph_face[f];
     const auto& [a, b, c] = triangles[f];
     const FaceRecord& r = graph.faces[i] = measure(vertices[a], vertices[b], vertices[c], scale, graph.area);

@@ -111,26 +111,41 @@ void Mesh::complete(detail::Topology topology, RepairReport repairs, Job& job) {
 
 /// Sets of vertices that grow together along edges. Since the faces of a vertex are one fan, faces that share a vertex
 /// are joined across edges too; and there are only half as many vertices as faces.
+///
+/// First every vertex takes the lowest name among its face's vertices, face after face, without a branch. Few names are
+/// left then, and few faces where different ones meet: only there are sets joined.
 void Mesh::find_components(std::span<const std::int32_t> border, Job& job) {
-  std::vector<std::int32_t> up = identity(vertices_.size());  // each vertex's next in its set; a root is its own
+  std::vector<std::int32_t> name = identity(vertices_.size());  // a vertex of the same set, never a higher one
+  // From low to high, so that what a vertex points to points to the end already.
+  const auto shorten = [&](std::vector<std::int32_t>& to) {
+    for_each_index(to.size(), job, [&](std::size_t v) { to[v] = to[to[v]]; });
+  };
+  for_each_index(triangles_.size(), job, [&](std::size_t f) {
+    const auto& [a, b, c] = triangles_[f];
+    const std::int32_t lowest = std::min(name[a], std::min(name[b], name[c]));
+    for (const std::int32_t v : triangles_[f]) name[v] = std::min(name[v], lowest);
+  });
+  shorten(name);
+  std::vector<std::int32_t> up = name;  // each vertex's next in its set; a root is its own
   const auto find = [&](std::int32_t v) {
     while (up[v] != v) v = up[v] = up[up[v]];
     return v;
   };
   const auto join = [&](std::int32_t u, std::int32_t v) {
-    if (up[u] == up[v]) return;
+    if (u == v) return;
     const auto [first, second] = std::minmax({find(u), find(v)});
     up[second] = first;
   };
   for_each_index(triangles_.size(), job, [&](std::size_t f) {
     const auto& [a, b, c] = triangles_[f];
-    join(a, b);
-    join(b, c);
+    join(name[a], name[b]);
+    join(name[b], name[c]);
   });
+  shorten(up);
   std::vector<std::int32_t> number(vertices_.size(), kNone);  // of the component, at its root
   component_.resize(triangles_.size());
   for_each_index(triangles_.size(), job, [&](std::size_t f) {
-    std::int32_t& id = number[find(triangles_[f][0])];
+    std::int32_t& id = number[up[triangles_[f][0]]];
     if (id == kNone) id = report_.components++;
     component_[f] = id;
   });

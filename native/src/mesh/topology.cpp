@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <memory>
 #include <utility>
 
@@ -18,6 +19,34 @@ std::string edge_name(std::int32_t a, std::int32_t b) {
   return "the edge of vertices " + std::to_string(std::min(a, b)) + " and " + std::to_string(std::max(a, b));
 }
 
+struct HalfEdge {
+  std::int32_t from, to, h;
+};
+
+/// Calls visit(half_edge, soon) for those that run from a smaller to a larger vertex, or for all others; `soon` is one
+/// a little ahead. They are put in a list first, without a branch: which way one runs no processor can foresee.
+template <bool kRising, class Visit>
+void for_each_halfedge(std::span<const Triangle> triangles, Job& job, Visit visit) {
+  constexpr std::size_t kBunch = 512, kAhead = 12;  // faces
+  std::array<HalfEdge, 3 * kBunch + 1> found;
+  for (std::size_t begin = 0; begin < triangles.size(); begin += kBunch) {
+    if (begin % kPollEvery == 0) job.poll();
+    const std::size_t end = std::min(triangles.size(), begin + kBunch);
+    std::size_t n = 0;
+    const auto list = [&](std::int32_t from, std::int32_t to, std::size_t h) {
+      found[n] = {from, to, static_cast<std::int32_t>(h)};
+      n += (from < to) == kRising ? 1 : 0;
+    };
+    for (std::size_t f = begin; f < end; ++f) {
+      const auto& [a, b, c] = triangles[f];
+      list(a, b, 3 * f);
+      list(b, c, 3 * f + 1);
+      list(c, a, 3 * f + 2);
+    }
+    for (std::size_t i = 0; i < n; ++i) visit(found[i], found[std::min(i + kAhead, n - 1)]);
+  }
+}
+
 /// The half-edges that run from a smaller to a larger vertex, by the smaller one. In a sound mesh every other half-edge
 /// finds its opposite among the few of its larger end's bucket.
 class RisingHalfedges {
@@ -31,82 +60,90 @@ class RisingHalfedges {
     });
     std::uint32_t sum = 0;
     for (std::uint32_t& end : end_) sum += std::exchange(end, sum);  // now where each bucket begins
-    entries_ = std::make_unique_for_overwrite<Entry[]>(sum);
-    for_each_index(triangles.size(), job, [&](std::size_t f) {
-      const auto& [a, b, c] = triangles[f];
-      const auto h = static_cast<std::int32_t>(3 * f);
-      if (a < b) entries_[end_[a]++] = {b, h};
-      if (b < c) entries_[end_[b]++] = {c, h + 1};
-      if (c < a) entries_[end_[c]++] = {a, h + 2};
+    entries_ = std::make_unique_for_overwrite<Entry[]>(sum + kAtOnce);
+    for (std::uint32_t i = 0; i < kAtOnce; ++i) entries_[sum + i] = {kNone, kNone};
+    for_each_halfedge<true>(triangles, job, [&](const HalfEdge& e, const HalfEdge& soon) {
+      __builtin_prefetch(&entries_[end_[soon.from]], 1);
+      entries_[end_[e.from]++] = {e.to, e.h};
     });
-    for_each_index(vertex_count, job, [&](std::size_t v) { tidy(begin(v), end_[v]); });
+    for_each_index(vertex_count, job, [&](std::size_t v) {
+      if (end_[v] - begin(v) > kMany) std::sort(&entries_[begin(v)], &entries_[end_[v]], by_end);
+    });
   }
 
-  /// Whether two half-edges run the same way.
-  [[nodiscard]] bool has_twins() const { return has_twins_; }
-  /// The half-edge from one vertex to a larger one, or kNone.
+  /// Has a vertex's bucket fetched.
+  void fetch(std::int32_t from) const { __builtin_prefetch(&entries_[begin(static_cast<std::size_t>(from))]); }
+  /// The first half-edge from one vertex to a larger one, or kNone.
   [[nodiscard]] std::int32_t find(std::int32_t from, std::int32_t to) const {
-    const std::uint32_t last = end_[from];
-    std::uint32_t i = begin(static_cast<std::size_t>(from));
-    if (last - i > kMany) {
-      const Entry* at =
-          std::lower_bound(&entries_[i], &entries_[last], to, [](const Entry& e, std::int32_t v) { return e.to < v; });
-      return at != &entries_[last] && at->to == to ? at->half_edge : kNone;
-    }
+    const std::uint32_t at = place(from, to);
+    return at < end_[from] ? entries_[at].half_edge : kNone;
+  }
+  /// Whether another half-edge runs the same way as one that is there.
+  [[nodiscard]] bool has_twin(std::int32_t from, std::int32_t to) const {
+    const std::uint32_t first = place(from, to), last = end_[from];
+    std::uint32_t i = first + 1;
+    if (last - begin(static_cast<std::size_t>(from)) > kMany) return i < last && entries_[i].to == to;  // sorted
     while (i < last && entries_[i].to != to) ++i;
-    return i < last ? entries_[i].half_edge : kNone;
+    return i < last;
   }
 
  private:
   struct Entry {
     std::int32_t to, half_edge;
   };
+  static constexpr std::uint32_t kAtOnce = 4;  // entries compared before anything is decided
+  static bool by_end(const Entry& a, const Entry& b) { return a.to < b.to; }
   [[nodiscard]] std::uint32_t begin(std::size_t v) const { return v == 0 ? 0 : end_[v - 1]; }
-  /// Sorts a long bucket, and looks for twins.
-  void tidy(std::uint32_t first, std::uint32_t last) {
-    if (last - first > kMany) {
-      std::sort(&entries_[first], &entries_[last], [](const Entry& a, const Entry& b) { return a.to < b.to; });
-      for (std::uint32_t i = first + 1; i < last; ++i) has_twins_ |= entries_[i].to == entries_[i - 1].to;
-      return;
+
+  /// Where the first half-edge from one vertex to another is; the bucket's end or more if there is none.
+  [[nodiscard]] std::uint32_t place(std::int32_t from, std::int32_t to) const {
+    const std::uint32_t last = end_[from];
+    std::uint32_t i = begin(static_cast<std::size_t>(from));
+    if (last - i > kMany) {
+      const Entry* at = std::lower_bound(&entries_[i], &entries_[last], Entry{to, 0}, by_end);
+      return at != &entries_[last] && at->to == to ? static_cast<std::uint32_t>(at - entries_.get()) : last;
     }
-    for (std::uint32_t i = first; i < last; ++i)
-      for (std::uint32_t j = i + 1; j < last; ++j) has_twins_ |= entries_[i].to == entries_[j].to;
+    for (; i < last; i += kAtOnce) {
+      std::uint32_t equal = 0;
+      for (std::uint32_t k = 0; k < kAtOnce; ++k) equal |= static_cast<std::uint32_t>(entries_[i + k].to == to) << k;
+      if (equal != 0) return i + static_cast<std::uint32_t>(std::countr_zero(equal));
+    }
+    return last;
   }
 
   std::vector<std::uint32_t> end_;  // of each vertex's bucket
   std::unique_ptr<Entry[]> entries_;
-  bool has_twins_ = false;
 };
 
 /// Pairs all half-edges; false if an edge has three or more faces, or two that run the same way.
 bool pair_halfedges(Topology& topology, std::size_t vertex_count, std::span<const Triangle> triangles, Job& job) {
   const RisingHalfedges rising(vertex_count, triangles, job);
-  if (rising.has_twins()) return false;
   job.report(0.3);
   std::vector<std::int32_t>& opposite = topology.opposite;
   opposite.assign(3 * triangles.size(), kNone);
   std::vector<std::pair<std::int32_t, std::int32_t>> alone;  // the falling half-edges on a border, turned round
-  bool sound = true;
-  const auto pair = [&](std::int32_t from, std::int32_t to, std::int32_t h) {
-    if (from < to) return;
-    const std::int32_t other = rising.find(to, from);
+  std::size_t pairs = 0;
+  for_each_halfedge<false>(triangles, job, [&](const HalfEdge& e, const HalfEdge& soon) {
+    rising.fetch(soon.to);
+    const std::int32_t other = rising.find(e.to, e.from);
     if (other == kNone) {
-      alone.emplace_back(to, from);
+      alone.emplace_back(e.to, e.from);
       return;
     }
-    sound &= opposite[other] == kNone;
-    opposite[other] = h;
-    opposite[h] = other;
-  };
-  for_each_index(triangles.size(), job, [&](std::size_t f) {
-    const auto& [a, b, c] = triangles[f];
-    const auto h = static_cast<std::int32_t>(3 * f);
-    pair(a, b, h);
-    pair(b, c, h + 1);
-    pair(c, a, h + 2);
+    ++pairs;
+    opposite[other] = e.h;
+    opposite[e.h] = other;
   });
   std::sort(alone.begin(), alone.end());
-  return sound && std::adjacent_find(alone.begin(), alone.end()) == alone.end();
+  bool sound = std::adjacent_find(alone.begin(), alone.end()) == alone.end();
+  // Of several rising ones that run the same way only the first has found its opposite.
+  for_each_index(opposite.size(), job, [&](std::size_t h) {
+    if (opposite[h] != kNone) return;
+    topology.border.push_back(static_cast<std::int32_t>(h));
+    const std::int32_t from = triangles[h / 3][h % 3], to = triangles[h / 3][(h + 1) % 3];
+    sound = sound && (from > to || !rising.has_twin(from, to));
+  });
+  return sound && opposite.size() == topology.border.size() + 2 * pairs;  // else one has been found by several
 }
 
 /// Names the first edge that is not sound.
@@ -126,14 +163,14 @@ std::string describe_bad_edge(std::size_t vertex_count, std::span<const Triangle
   return what;
 }
 
-/// The number of faces that turning round a vertex meets.
-std::int64_t walk(const std::vector<std::int32_t>& opposite, std::int32_t start) {
+/// The number of faces that turning round a vertex meets, from one half-edge that leaves it to another or a border.
+std::int64_t walk(const std::vector<std::int32_t>& opposite, std::int32_t from, std::int32_t to) {
   std::int64_t met = 0;
-  std::int32_t h = start;
+  std::int32_t h = from;
   do {
     ++met;
     h = opposite[Mesh::prev(h)];
-  } while (h != kNone && h != start);
+  } while (h != kNone && h != to);
   return met;
 }
 
@@ -141,9 +178,36 @@ std::string describe_bad_vertex(const Topology& topology, std::span<const Triang
   std::vector<std::int64_t> faces(topology.vertex_halfedge.size(), 0);
   for (const Triangle& t : triangles)
     for (const std::int32_t v : t) ++faces[v];
+  const auto met = [&](std::int32_t start) { return walk(topology.opposite, start, start); };
   std::size_t v = 0;
-  while (faces[v] == 0 || faces[v] == walk(topology.opposite, topology.vertex_halfedge[v])) ++v;
+  while (faces[v] == 0 || faces[v] == met(topology.vertex_halfedge[v])) ++v;
   return "the faces of vertex " + std::to_string(v) + " form two or more fans";
+}
+
+/// The number of faces that turning round each of some vertices meets, together.
+///
+/// Several walks at once, which take the next vertex by a choice between values and not by a branch: how long a walk
+/// is nobody can foresee, and each of its steps waits for the one before.
+std::int64_t walk_all(const std::vector<std::int32_t>& opposite, const std::vector<std::int32_t>& starts, Job& job) {
+  constexpr std::size_t kWalks = 4;
+  std::int64_t met = 0;
+  std::size_t next = std::min(kWalks, starts.size());
+  std::array<std::int32_t, kWalks> start{}, at{};
+  for (std::size_t k = 0; k < next; ++k) start[k] = at[k] = starts[k];
+  for (std::uint32_t polled = 0; next + kWalks <= starts.size(); ++polled) {
+    if (polled % kPollEvery == 0) job.poll();
+    met += kWalks;
+    for (std::size_t k = 0; k < kWalks; ++k) {
+      const std::int32_t h = opposite[Mesh::prev(at[k])];
+      const bool done = static_cast<int>(h == kNone) | static_cast<int>(h == start[k]);
+      start[k] = done ? starts[next] : start[k];
+      at[k] = done ? starts[next] : h;
+      next += done ? 1 : 0;
+    }
+  }
+  for (std::size_t k = 0; k < std::min(kWalks, starts.size()); ++k) met += walk(opposite, at[k], start[k]);
+  for (; next < starts.size(); ++next) met += walk(opposite, starts[next], starts[next]);
+  return met;
 }
 
 /// Finds a half-edge that leaves each vertex; false if the faces of some vertex are not one fan.
@@ -153,20 +217,18 @@ bool find_fans(Topology& topology, std::size_t vertex_count, std::span<const Tri
   for_each_index(triangles.size(), job, [&](std::size_t f) {
     for (std::size_t k = 0; k < 3; ++k) leaving[triangles[f][k]] = static_cast<std::int32_t>(3 * f + k);
   });
-  for_each_index(topology.opposite.size(), job, [&](std::size_t h) {
-    if (topology.opposite[h] != kNone) return;
-    topology.border.push_back(static_cast<std::int32_t>(h));
-    leaving[triangles[h / 3][h % 3]] = static_cast<std::int32_t>(h);  // from there the walk meets all faces
-  });
-  std::int64_t met = 0;  // no walk meets more than its vertex's faces, so that the sum tells whether one met fewer
+  for (const std::int32_t h : topology.border)
+    leaving[triangles[h / 3][h % 3]] = h;  // from there a walk meets all faces
+  std::vector<std::int32_t> starts(vertex_count);
+  std::size_t used = 0;
   for_each_index(vertex_count, job, [&](std::size_t v) {
-    if (leaving[v] == kNone) {
-      ++topology.unused_vertices;
-    } else {
-      met += walk(topology.opposite, leaving[v]);
-    }
+    starts[used] = leaving[v];
+    used += leaving[v] == kNone ? 0 : 1;
   });
-  return met == static_cast<std::int64_t>(topology.opposite.size());
+  starts.resize(used);
+  topology.unused_vertices = static_cast<std::int32_t>(vertex_count - used);
+  // No walk meets more than its vertex's faces, so that the sum tells whether one met fewer.
+  return walk_all(topology.opposite, starts, job) == static_cast<std::int64_t>(topology.opposite.size());
 }
 
 }  // namespace
