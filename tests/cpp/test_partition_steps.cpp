@@ -302,6 +302,49 @@ TEST(Relaxation, SweepsLongBordersInBlocksWithTheSameResultOnAnyNumberOfThreads)
   }
 }
 
+/// Floods the open faces from the regions around them with a queue of all offers.
+void flood_plainly(const FaceGraph& g, std::vector<std::int32_t>& label, const std::vector<std::int32_t>& faces,
+                   const std::vector<NormalMetric::Proxy>& proxies) {
+  LocalQueue queue;
+  const auto offer = [&](std::int32_t i, std::int32_t r) {
+    queue.push(NormalMetric::error(g.faces[i], proxies[r]), i, r);
+  };
+  for (const std::int32_t i : faces)
+    for (const std::int32_t j : g.neighbours[i])
+      if (label[j] >= 0) offer(i, label[j]);
+  while (!queue.empty()) {
+    const LocalQueue::Entry next = queue.pop();
+    if (label[next.face] != kOpen) continue;
+    label[next.face] = next.region;
+    for (const std::int32_t j : g.neighbours[next.face])
+      if (label[j] == kOpen) offer(j, next.region);
+  }
+}
+
+TEST(LocalFlood, LeavesOutOnlyOffersThatCannotWin) {
+  for (const double noise : {0.0, 0.01}) {  // many equal errors, and none
+    const Mesh mesh = shapes::mesh(noise > 0 ? shapes::noisy(shapes::sphere(4), noise, 4) : shapes::cube(20));
+    const FaceGraph& g = mesh.graph();
+    Job job;
+    const Partition p = partition(mesh, {.proxies = 12}, job);
+    for (std::int32_t region = 0; region < p.region_count(); ++region) {
+      std::vector<std::int32_t> label(g.faces.size(), kNone), faces, touched;
+      for (std::int32_t i = 0; i < g.size(); ++i) {
+        label[i] = p.face_region[g.mesh_face[i]];
+        if (label[i] == region) faces.push_back(i);
+      }
+      for (const std::int32_t i : faces) label[i] = kOpen;
+      std::vector<NormalMetric::Proxy> proxies;
+      for (const RegionSum& sum : p.region_sum) proxies.push_back(NormalMetric::fit(sum));
+      std::vector<std::int32_t> plain = label;
+      flood_plainly(g, plain, faces, proxies);
+      std::vector<RegionSum> sums = p.region_sum;
+      ASSERT_TRUE(flood_from_around(g, GraphLabels{label.data()}, std::span<const std::int32_t>(faces), sums, touched));
+      ASSERT_EQ(label, plain) << "region " << region;
+    }
+  }
+}
+
 TEST(RegionGraph, ListsBothDirectionsOnce) {
   const FaceGraph g = strip({0, 0, 0, 0});
   const std::vector<std::int32_t> label{0, 1, 1, 2, kNone}, faces{0, 1, 2, 3};

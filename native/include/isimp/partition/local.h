@@ -17,6 +17,8 @@ namespace isimp {
 
 /// Label of a face that has been taken out of its region and waits for another.
 inline constexpr std::int32_t kOpen = -2;
+/// While a flood lasts, kOffered - k is the label of an open face whose best offer so far is that of its region k.
+inline constexpr std::int32_t kOffered = -4;
 
 /// Gathers the faces of the region of a face (or of the part left out it lies in), and marks each as kOpen.
 template <class Labels>
@@ -43,8 +45,10 @@ class LocalQueue {
     std::int32_t face, region;
     bool operator>(const Entry& o) const { return error != o.error ? error > o.error : arrival > o.arrival; }
   };
+  /// What an error counts as.
+  static float level(float error) { return std::max(error, 0x1p-24F); }
   void push(float error, std::int32_t face, std::int32_t region) {
-    entries_.push_back({std::max(error, 0x1p-24F), arrivals_++, face, region});
+    entries_.push_back({level(error), arrivals_++, face, region});
     std::push_heap(entries_.begin(), entries_.end(), std::greater<>());
   }
   Entry pop() {
@@ -58,6 +62,40 @@ class LocalQueue {
  private:
   std::vector<Entry> entries_;
   std::uint32_t arrivals_ = 0;
+};
+
+/// Offers of open faces to regions, best first. One that cannot win is left out: its face has had a better one, or as
+/// good a one earlier.
+template <class Labels>
+class Offers {
+ public:
+  Offers(const FaceGraph& graph, Labels labels) : graph_(graph), labels_(labels) {}
+
+  /// Offers a face, if it is open, to region k of those whose proxies are given.
+  template <class Proxies>
+  void add(std::int32_t face, std::int32_t k, const Proxies& proxies) {
+    const std::int32_t label = labels_.get(face);
+    if (label != kOpen && label > kOffered) return;
+    const FaceRecord& f = graph_.faces[face];
+    const float error = LocalQueue::level(NormalMetric::error(f, proxies[k]));
+    if (label != kOpen && LocalQueue::level(NormalMetric::error(f, proxies[kOffered - label])) <= error) return;
+    labels_.set(face, kOffered - k);
+    queue_.push(error, face, k);
+  }
+  /// Calls settle(face, k) with the best offer of each face, which must label it and may add others.
+  template <class Settle>
+  void settle_all(Settle settle) {
+    while (!queue_.empty()) {
+      const LocalQueue::Entry next = queue_.pop();
+      if (labels_.get(next.face) <= kOffered) settle(next.face, next.region);
+    }
+  }
+  [[nodiscard]] bool empty() const { return queue_.empty(); }
+
+ private:
+  const FaceGraph& graph_;
+  Labels labels_;
+  LocalQueue queue_;
 };
 
 /// The face nearest to a proxy; ties to the first in the list. `skip` is not considered.
@@ -132,7 +170,7 @@ inline Halves two_sides(const FaceGraph& graph, std::span<const std::int32_t> fa
 template <class Labels>
 void flood_halves(const FaceGraph& graph, Labels labels, std::span<const std::int32_t> faces, Halves& halves,
                   int rounds, bool keep) {
-  LocalQueue queue;
+  Offers<Labels> offers(graph, labels);
   for (int round = 0; round < rounds; ++round) {
     if (round > 0) {
       for (int k = 0; k < 2; ++k) halves.proxy[k] = NormalMetric::fit(halves.sum[k]);
@@ -152,16 +190,12 @@ void flood_halves(const FaceGraph& graph, Labels labels, std::span<const std::in
     const auto settle = [&](std::int32_t face, int k) {
       labels.set(face, halves.region[k]);
       halves.sum[k].add(graph.faces[face]);
-      for (const std::int32_t j : graph.neighbours[face])
-        if (labels.get(j) == kOpen) queue.push(NormalMetric::error(graph.faces[j], halves.proxy[k]), j, k);
+      for (const std::int32_t j : graph.neighbours[face]) offers.add(j, k, halves.proxy);
     };
     labels.set(halves.seed[1], halves.region[1]);  // so that the first seed's neighbours do not claim it
     settle(halves.seed[0], 0);
     settle(halves.seed[1], 1);
-    while (!queue.empty()) {
-      const auto next = queue.pop();
-      if (labels.get(next.face) == kOpen) settle(next.face, next.region);
-    }
+    offers.settle_all(settle);
   }
 }
 
@@ -171,11 +205,8 @@ void flood_halves(const FaceGraph& graph, Labels labels, std::span<const std::in
 template <class Labels>
 bool flood_from_around(const FaceGraph& graph, Labels labels, std::span<const std::int32_t> faces,
                        std::vector<RegionSum>& sums, std::vector<std::int32_t>& touched) {
-  LocalQueue queue;
+  Offers<Labels> offers(graph, labels);
   std::vector<NormalMetric::Proxy> proxies;  // of touched[k]
-  const auto offer = [&](std::int32_t face, std::int32_t k) {
-    queue.push(NormalMetric::error(graph.faces[face], proxies[k]), face, k);
-  };
   const std::size_t first = touched.size();
   for (const std::int32_t face : faces)
     for (const std::int32_t j : graph.neighbours[face]) {
@@ -187,18 +218,15 @@ bool flood_from_around(const FaceGraph& graph, Labels labels, std::span<const st
         touched.push_back(r);
         proxies.push_back(NormalMetric::fit(sums[r]));
       }
-      offer(face, k);
+      offers.add(face, k, proxies);
     }
-  if (queue.empty()) return false;
-  while (!queue.empty()) {
-    const auto next = queue.pop();
-    if (labels.get(next.face) != kOpen) continue;
-    const std::int32_t r = touched[first + static_cast<std::size_t>(next.region)];
-    labels.set(next.face, r);
-    sums[r].add(graph.faces[next.face]);
-    for (const std::int32_t j : graph.neighbours[next.face])
-      if (labels.get(j) == kOpen) offer(j, next.region);
-  }
+  if (offers.empty()) return false;
+  offers.settle_all([&](std::int32_t face, std::int32_t k) {
+    const std::int32_t r = touched[first + static_cast<std::size_t>(k)];
+    labels.set(face, r);
+    sums[r].add(graph.faces[face]);
+    for (const std::int32_t j : graph.neighbours[face]) offers.add(j, k, proxies);
+  });
   return true;
 }
 
