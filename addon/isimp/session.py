@@ -48,6 +48,7 @@ class Outcome:
     partition: Any
     polygons: Any = None  #: the engine's PolygonMesh after Mesh, else None
     numbers: dict = field(default_factory=dict)  #: what the last step did, and what the scan is
+    made: Any = None  #: how the engine made the partition; None once it was edited
 
     @property
     def face_colors(self) -> np.ndarray:
@@ -149,7 +150,8 @@ class Session:
             threads=self.threads,
         )
         guides = _guides(step, prepared, before)
-        args = (prepared.mesh, options, guides, self._part(prepared, guides, step.leave_out))
+        made = engine.within.Made(options, guides, self._part(prepared, guides, step.leave_out))
+        args = (prepared.mesh, options, guides, made.part)
         partition = _engine_call(watch, begin, end, "partitioning", _partition_guided, *args)
         names = ("rounds", "tolerance", "noise", "snapped", "distance_max", "warnings")
         numbers = {"asked": partition.proxies_asked} | {name: partition.report[name] for name in names}
@@ -158,7 +160,7 @@ class Session:
         if barriers is not None:
             inside = engine.guided.inside_regions(prepared.mesh, partition, barriers)
             numbers |= {"barriers": len(barriers), "barriers_inside": inside}
-        return _with_regions(prepared, partition, kept, numbers)
+        return replace(_with_regions(prepared, partition, kept, numbers), made=made)
 
     def _part(self, prepared: Prepared, guides, leave_out: float):
         """What of the mesh is split if not all of it is, kept so that another number is quick; None: all of it."""
@@ -399,21 +401,33 @@ _EDITS = {
 
 
 def _apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end) -> Outcome:
+    """A bound that the polygons would not keep makes the regions anew, unless somebody has edited them."""
     before = _needs_regions(before)
     options = engine.MeshingOptions(chord_tolerance=step.chord_tolerance, flatten=step.flatten)
+
+    def job(of: float, to: float):
+        return watch.part("meshing", begin + of * (end - begin), begin + to * (end - begin), engine.Job())
+
     args = (prepared.mesh, before.partition, options)
-    found = _engine_call(watch, begin, end, "meshing", engine.within.polygonize_within, *args)
+    try:
+        found = engine.within.polygonize_within(*args, made=before.made, jobs=job)
+    except engine.Cancelled:
+        raise Stopped from None
+    regions = before
+    if found.partition is not before.partition:
+        regions = _with_regions(prepared, found.partition, _carried_colors(before, found.partition), {})
     polygons, report = found.polygons, found.report
     names = ("regions", "error", "left_out")
     more = ("closed", "manifold", "planarity_max", "planarity_mean", "scan_distance", "scan_distance_allowed")
-    numbers = {name: before.numbers[name] for name in names} | {
+    numbers = {name: regions.numbers[name] for name in names} | {
+        "regions_before": before.numbers["regions"],
         "polygons": len(polygons.loop_start),
         "corners": len(polygons.loops),
         "vertices": len(polygons.vertices),
         **{name: report[name] for name in more if name in report},
         "flaws": flaws(report),
     }
-    return replace(before, polygons=polygons, numbers=numbers)
+    return replace(regions, polygons=polygons, numbers=numbers)
 
 
 #: settings of Partition that are the engine's, by the same names

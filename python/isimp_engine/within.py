@@ -1,6 +1,7 @@
 """A bound kept by the polygons too: how far the scan is from them, and how to make it less."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import (
+    Cancelled,
     Job,
     Mesh,
     MeshingOptions,
@@ -17,14 +19,16 @@ from ._core import (
     polygonize,
     triangulate,
 )
-from .guided import Guides, partition_guided
+from .guided import Guides, Part, partition_guided
 
 SLACK = 1.5  #: the polygons may be this many times further from the scan than its regions' planes
 _SHARES = (1.0, 0.5, 0.25)  # of the bound that borders and corners may use up half of
 _STEP, _LEAST = 0.75, 0.2  # how the regions' own bound is lowered, and to what share of the one asked for
 _CHUNK = 1 << 20
+_GROUP, _BITS = 64, 7  # vertices that look for triangles together, and bits of the place that brings them together
 
 Points = NDArray[np.float64]
+Jobs = Callable[[float, float], AbstractContextManager[Job | None]]  # the job for the work between two shares of all
 
 
 @dataclass(frozen=True)
@@ -47,7 +51,24 @@ class Within:
         return self.polygons.report | {"scan_distance": self.distance, "scan_distance_allowed": self.allowed}
 
 
-def scan_distances(mesh: Mesh, part: Partition, polygons: PolygonMesh, enough: float = 0.0) -> Points:
+@dataclass(frozen=True)
+class Made:
+    """How a partition was made, so that it can be made anew with planes nearer to the scan; see partition_guided."""
+
+    options: PartitionOptions
+    guides: Guides | None = None
+    part: Part | None = None
+
+    def again(self, mesh: Mesh, share: float, job: Job | None) -> Partition:
+        """The partition with a share of the bound."""
+        options = self.options.as_dict()
+        options["bound"] *= share
+        return partition_guided(mesh, PartitionOptions(**options), job, self.guides, self.part)
+
+
+def scan_distances(
+    mesh: Mesh, part: Partition, polygons: PolygonMesh, enough: float = 0.0, job: Job | None = None
+) -> Points:
     """How far each vertex of the scan is from the polygons; NaN where it is in no region.
 
     First from those of its own regions; where that is more than `enough`, from all: what is below it may be less still.
@@ -62,32 +83,47 @@ def scan_distances(mesh: Mesh, part: Partition, polygons: PolygonMesh, enough: f
     pairs = np.unique(pairs, axis=0)
     result = np.full(len(mesh.vertices), np.inf)
     for at, triangle in _products(pairs[:, 0], first[pairs[:, 1]], first[pairs[:, 1] + 1]):
+        _poll(job)
         np.minimum.at(result, at, _to_triangles(mesh.vertices[at], corners[triangle]))
-    for vertex in np.flatnonzero((result > enough) & np.isin(np.arange(len(result)), pairs[:, 0])):
-        away = _to_triangles(np.broadcast_to(mesh.vertices[vertex], (len(corners), 3)), corners)
-        result[vertex] = min(result[vertex], away.min())
+    seen = np.zeros(len(result), bool)
+    seen[pairs[:, 0]] = True
+    for at, triangle in _all_near(mesh.vertices, np.flatnonzero((result > enough) & seen), result, corners):
+        _poll(job)
+        np.minimum.at(result, at, _to_triangles(mesh.vertices[at], corners[triangle]))
     result[np.isinf(result)] = np.nan
     return result
 
 
 def polygonize_within(
-    mesh: Mesh, part: Partition, meshing: MeshingOptions | None = None, job: Job | None = None
+    mesh: Mesh,
+    part: Partition,
+    meshing: MeshingOptions | None = None,
+    job: Job | None = None,
+    made: Made | None = None,
+    jobs: Jobs | None = None,
 ) -> Within:
     """The polygons of a partition; with a bound such that the scan is within SLACK times it of them, if that can be.
 
     Borders may leave their chords, polygons bend and corners move by half the bound, and by less where that is not
-    enough. Without a bound it is `polygonize`.
+    enough. Where it still is not, and it is known how the partition was made, that is done anew with a lower bound.
+    Without a bound it is `polygonize`.
+    jobs: in place of `job`, for who wants to see how far the work is: a job for each stretch of it.
     """
+    stretches = _Stretches(jobs or (lambda begin, end: nullcontext(job)))
     if part.bound is None:
-        return Within(part, polygonize(mesh, part, meshing or MeshingOptions(), job), None, None, 1)
-    allowed, best = SLACK * part.bound, None
-    for tries, share in enumerate(_SHARES, 1):
-        polygons = polygonize(mesh, part, _tight(mesh, part, share * part.bound, meshing), job)
-        distance = float(np.nanmax(scan_distances(mesh, part, polygons, allowed)))
-        if best is None or distance < best.distance:
-            best = Within(part, polygons, distance, allowed, tries)
-        if distance <= allowed:
-            break
+        with stretches.last() as own:
+            return Within(part, polygonize(mesh, part, meshing or MeshingOptions(), own), None, None, 1)
+    allowed, best, tries = SLACK * part.bound, None, 0
+    for split in _ever_tighter(mesh, part, made, stretches):
+        for share in _SHARES:
+            tries += 1
+            with stretches.half() as own:
+                polygons = polygonize(mesh, split, _tight(mesh, split, share * split.bound, meshing), own)
+                distance = float(np.nanmax(scan_distances(mesh, split, polygons, allowed, own)))
+            if best is None or distance < best.distance:
+                best = Within(split, polygons, distance, allowed, tries)
+            if distance <= allowed:
+                return best
     return Within(best.partition, best.polygons, best.distance, allowed, tries)
 
 
@@ -98,47 +134,39 @@ def partition_within(
     job: Job | None = None,
     guides: Guides | None = None,
 ) -> Within:
-    """Regions and their polygons; with a bound such that the scan is within SLACK times it of them, if that can be.
-
-    Where tighter polygons do not do, the regions' own bound is lowered step by step.
-    """
-    return Tries(mesh, options, meshing, guides).polygonize(job)
+    """Regions and their polygons; with a bound such that the scan is within SLACK times it of them, if that can be."""
+    made = Made(options, guides)
+    return polygonize_within(mesh, partition_guided(mesh, options, job, guides), meshing, job, made)
 
 
-class Tries:
-    """The same in two steps, for those who show or time them one by one."""
+class _Stretches:
+    """Cuts work of which nobody knows how long it takes: each piece gets half of what is left to show."""
 
-    def __init__(
-        self,
-        mesh: Mesh,
-        options: PartitionOptions,
-        meshing: MeshingOptions | None = None,
-        guides: Guides | None = None,
-    ) -> None:
-        self._mesh, self._options, self._meshing, self._guides = mesh, options, meshing, guides
-        self._part: Partition | None = None
+    def __init__(self, jobs: Jobs) -> None:
+        self._jobs, self._done = jobs, 0.0
 
-    def partition(self, job: Job | None = None, share: float = 1.0) -> Partition:
-        """The regions, with a share of the bound if there is one."""
-        bound = self._options.bound
-        own = {} if bound is None else {"bound": share * bound}
-        options = PartitionOptions(**(self._options.as_dict() | own))
-        self._part = partition_guided(self._mesh, options, job, self._guides)
-        return self._part
+    def half(self) -> AbstractContextManager[Job | None]:
+        begin, self._done = self._done, (1 + self._done) / 2
+        return self._jobs(begin, self._done)
 
-    def polygonize(self, job: Job | None = None) -> Within:
-        """The polygons, and the regions that they needed in the end."""
-        bound, share, tries = self._options.bound, 1.0, 0
-        found = best = polygonize_within(self._mesh, self._part or self.partition(job), self._meshing, job)
-        if bound is None or found.distance is None:
-            return found
-        while True:
-            tries += found.tries
-            best = min(best, found, key=lambda one: one.distance)
-            share *= _STEP
-            if best.distance <= SLACK * bound or share < _LEAST:
-                return Within(best.partition, best.polygons, best.distance, SLACK * bound, tries)
-            found = polygonize_within(self._mesh, self.partition(job, share), self._meshing, job)
+    def last(self) -> AbstractContextManager[Job | None]:
+        return self._jobs(self._done, 1.0)
+
+
+def _ever_tighter(mesh: Mesh, part: Partition, made: Made | None, stretches: _Stretches) -> Iterator[Partition]:
+    """The partition, and if it is known how it was made, it again with ever less of its bound."""
+    yield part
+    share = _STEP
+    while made is not None and share >= _LEAST:
+        with stretches.half() as job:
+            tighter = made.again(mesh, share, job)
+        yield tighter
+        share *= _STEP
+
+
+def _poll(job: Job | None) -> None:
+    if job is not None and job.cancelled:
+        raise Cancelled
 
 
 def _tight(mesh: Mesh, part: Partition, bound: float, given: MeshingOptions | None) -> MeshingOptions:
@@ -159,6 +187,30 @@ def _products(vertex: NDArray[Any], begin: NDArray[Any], end: NDArray[Any]) -> I
         if n.sum():
             offset = np.arange(n.sum()) - np.repeat(np.cumsum(n) - n, n)
             yield np.repeat(vertex[at], n), np.repeat(begin[at], n) + offset
+
+
+def _all_near(points: Points, which: NDArray[Any], known: Points, corners: Points) -> Iterator[tuple[NDArray, NDArray]]:
+    """Some vertices with all triangles that may be nearer than what is known: those whose boxes come near enough."""
+    if not len(which):
+        return
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    for group in np.split(which[_along_a_curve(points[which])], np.arange(_GROUP, len(which), _GROUP)):
+        reach, place = known[group].max(), points[group]
+        near = (low <= place.max(axis=0) + reach) & (high >= place.min(axis=0) - reach)
+        found = np.flatnonzero(near.all(axis=1))
+        for piece in np.split(found, np.arange(_CHUNK // _GROUP, len(found), _CHUNK // _GROUP)):
+            yield np.repeat(group, len(piece)), np.tile(piece, len(group))
+
+
+def _along_a_curve(points: Points) -> NDArray[np.intp]:
+    """An order of points in which what is near is mostly near in space: Morton's."""
+    span = max(float(np.ptp(points, axis=0).max()), 1e-300)
+    cell = ((points - points.min(axis=0)) / span * ((1 << _BITS) - 1)).astype(np.int64)
+    key = np.zeros(len(points), np.int64)
+    for bit in range(_BITS):
+        for axis in range(3):
+            key |= (cell[:, axis] >> bit & 1) << (3 * bit + axis)
+    return np.argsort(key, kind="stable")
 
 
 def _to_triangles(p: Points, corners: Points) -> Points:

@@ -436,6 +436,41 @@ def test_the_part_that_is_not_locked_is_cut_off_once(quads, monkeypatch):
     assert len(made) == 1
 
 
+def test_a_bound_that_the_polygons_would_not_keep_makes_the_regions_anew(quads, monkeypatch):
+    monkeypatch.setattr(engine.within, "SLACK", 0.8)  # nearer than the regions' own planes have to be
+    session, recipe = Session(), Recipe((Partition(bound=0.1),))
+    loose, meshed = session.replay(quads, recipe), session.replay(quads, recipe.then(Mesh()))
+    numbers = meshed.numbers
+    assert numbers["scan_distance"] <= numbers["scan_distance_allowed"] == pytest.approx(0.08)
+    assert numbers["regions_before"] == loose.numbers["regions"] < numbers["regions"]
+    assert numbers["regions"] == meshed.partition.region_count == len(meshed.region_color)
+    assert set(meshed.polygons.polygon_region) <= set(meshed.face_region)
+    locked = recipe.then(rcp.LockRegions(faces=(0,)))  # by hand: all stay, and the numbers say how far the scan is
+    kept, by_hand = session.replay(quads, locked.then(Mesh())), session.replay(quads, locked)
+    np.testing.assert_array_equal(kept.face_region, by_hand.face_region)
+    assert kept.numbers["scan_distance"] > kept.numbers["scan_distance_allowed"]
+
+
+def test_the_search_for_polygons_within_a_bound_shows_how_far_it_is_and_can_be_stopped(quads, monkeypatch):
+    monkeypatch.setattr(engine.within, "SLACK", 0.8)
+    session, recipe, watch, seen = Session(), Recipe((Partition(bound=0.1),)), Watch(), []
+    session.replay(quads, recipe)
+    real = engine.within.polygonize
+
+    def polygonize(*args):
+        seen.append((watch.progress, watch.stage))
+        if len(seen) == 3:
+            watch.cancel()
+        return real(*args)
+
+    monkeypatch.setattr(engine.within, "polygonize", polygonize)
+    with pytest.raises(Stopped):
+        session.replay(quads, recipe.then(Mesh()), watch)
+    assert [stage for _, stage in seen] == ["meshing"] * 3
+    shares = [share for share, _ in seen]
+    assert 0 < shares[0] < shares[1] < shares[2] < 1
+
+
 def test_a_bound_holds_for_the_polygons_too(quads):
     for bound in (0.02, 0.1):
         numbers = Session().replay(quads, Recipe((Partition(bound=bound), Mesh()))).numbers

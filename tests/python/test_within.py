@@ -14,6 +14,29 @@ def test_distances_are_to_planes_sides_and_corners():
     np.testing.assert_allclose(within._to_triangles(points, corners), [3, 2, 5, 0])
 
 
+def test_distances_are_the_least_to_any_triangle(monkeypatch):
+    monkeypatch.setattr(within, "_CHUNK", 1 << 10)  # so that there are several pieces of each
+    mesh = engine.Mesh(*shapes.torus(40, 20))
+    part = engine.partition(mesh, engine.PartitionOptions(bound=0.1))
+    polygons = engine.polygonize(mesh, part)
+    triangles, _ = engine.triangulate(polygons.vertices, polygons.loops, polygons.loop_start)
+    corners = polygons.vertices[triangles]
+    wanted = [within._to_triangles(np.broadcast_to(v, (len(corners), 3)), corners).min() for v in mesh.vertices]
+    np.testing.assert_array_equal(within.scan_distances(mesh, part, polygons), wanted)
+    rough = within.scan_distances(mesh, part, polygons, enough=0.05)
+    assert (rough >= wanted).all()
+    np.testing.assert_array_equal(rough[rough > 0.05], np.array(wanted)[rough > 0.05])
+
+
+def test_the_search_can_be_stopped():
+    mesh, job = engine.Mesh(*shapes.torus(24, 12)), engine.Job()
+    part = engine.partition(mesh, engine.PartitionOptions(bound=0.1))
+    polygons = engine.polygonize(mesh, part)
+    job.cancel()
+    with pytest.raises(engine.Cancelled):
+        within.scan_distances(mesh, part, polygons, job=job)
+
+
 def test_a_cube_is_where_its_polygons_are():
     mesh = engine.Mesh(*shapes.cube(6))
     part = engine.partition(mesh, engine.PartitionOptions(proxies=6))
@@ -32,6 +55,19 @@ def test_the_polygons_keep_one_and_a_half_times_the_bound(bound):
     assert result.polygons.report["closed"]
     report = result.report
     assert (report["scan_distance"], report["scan_distance_allowed"]) == (result.distance, pytest.approx(1.5 * bound))
+
+
+def test_regions_are_made_anew_only_if_it_is_known_how(monkeypatch):
+    monkeypatch.setattr(within, "SLACK", 0.8)
+    mesh, options = engine.Mesh(*shapes.torus(48, 24)), engine.PartitionOptions(bound=0.05)
+    part = engine.partition(mesh, options)
+    as_it_is = within.polygonize_within(mesh, part)
+    assert as_it_is.partition is part
+    assert as_it_is.distance > as_it_is.allowed
+    anew = within.polygonize_within(mesh, part, made=within.Made(options))
+    assert anew.distance <= anew.allowed == pytest.approx(0.8 * 0.05)
+    assert anew.partition.region_count > part.region_count
+    assert anew.tries > as_it_is.tries
 
 
 def test_without_a_bound_nothing_is_measured():

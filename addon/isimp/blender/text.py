@@ -84,6 +84,9 @@ def report_lines(numbers: dict, system: str, scale: float) -> list:
         away, allowed = (amount(numbers, name, system, scale) for name in ("scan_distance", "scan_distance_allowed"))
         too_far = numbers["scan_distance"] > numbers["scan_distance_allowed"]
         lines.append((f"Scan within {away}" + (f", more than {allowed}" if too_far else ""), too_far))
+    added = numbers["regions"] - numbers.get("regions_before", numbers["regions"])
+    if added > 0:
+        lines.append((f"{_count(added, 'region')} more, to keep the bound", False))
     return lines
 
 

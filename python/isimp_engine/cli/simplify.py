@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from .. import InvalidInput, Job, MeshingOptions, Partition, __version__, write
-from ..within import Tries
+from ..guided import partition_guided
+from ..within import Made, polygonize_within
 from . import guiding, words
 from .errors import UsageError
 from .files import Outputs
@@ -47,12 +48,11 @@ def run(arguments: argparse.Namespace) -> None:
     with steps("partition") as job:
         try:
             guides = guiding.guides_of(arguments, source, mesh, job)
-            tries = Tries(mesh, options, meshing, guides)
-            tries.partition(job)
+            part = partition_guided(mesh, options, job, guides)
         except InvalidInput as error:  # the mesh is sound by now, so it is the options
             raise UsageError(f"{arguments.input}: {error}") from None
     with steps("mesh") as job:
-        found = tries.polygonize(job)
+        found = polygonize_within(mesh, part, meshing, job, Made(options, guides))
         part, poly = found.partition, found.polygons
     with Outputs() as outputs:
         with steps("write") as job:

@@ -8,6 +8,9 @@ import pytest
 import scans
 from mathutils import Matrix
 
+from isimp.blender import store, text
+from isimp.session import engine
+
 pytestmark = pytest.mark.usefixtures("scene")
 
 
@@ -172,3 +175,18 @@ def test_the_result_can_be_modelled_on():
     assert not result.data.validate()
     assert len(result.data.polygons) > 6
     assert scans.regions(result).min() >= 0
+
+
+def test_a_bound_is_kept_by_the_polygons_too(monkeypatch):
+    monkeypatch.setattr(engine.within, "SLACK", 0.8)  # nearer than the regions' own planes have to be
+    scan = scans.cube()
+    places = scans.coordinates(scan.data) + np.random.default_rng(1).normal(0, 0.05, (len(scan.data.vertices), 3))
+    scan.data.vertices.foreach_set("co", places.astype(np.float32).ravel())
+    assert bpy.ops.isimp.partition(count_by="bound", bound=0.1) == {"FINISHED"}
+    before = store.numbers(scan)["regions"]
+    assert bpy.ops.isimp.mesh() == {"FINISHED"}
+    numbers = store.numbers(scan)
+    assert numbers["scan_distance"] <= numbers["scan_distance_allowed"] == pytest.approx(0.08)
+    assert numbers["regions"] == len(np.unique(scans.regions(scan))) > before
+    lines = [line for line, amiss in text.report_lines(numbers, "NONE", 1.0) if not amiss]
+    assert f"{numbers['regions'] - before} regions more, to keep the bound" in lines
