@@ -126,6 +126,21 @@ Case new_detail_case(const SetupPtr& setup, const std::string& name, double deta
   return {name, run, setup->inner};
 }
 
+/// Few regions within a share of the diagonal of their planes.
+Case bound_case(const SetupPtr& setup, const std::string& name, double share) {
+  const auto run = [setup, share](int round) {
+    PartitionOptions options = options_of(*setup, round, Method::hierarchy, 1);
+    options.proxies = std::nullopt;
+    options.bound = share * setup->mesh->report().diagonal * (1 + 0.001 * round);
+    options.noise = 0.0;
+    Partition result;
+    Job job;
+    const Lap lap = timed([&] { result = partition(*setup->mesh, options, job); });
+    return sample_of(*setup, lap, result);
+  };
+  return {name, run, 1};
+}
+
 /// A converged partition to edit and to make polygons of, made when it is first asked for.
 class Base {
  public:
@@ -235,6 +250,8 @@ std::vector<Case> all_cases(const SetupPtr& setup) {
   cases.push_back(new_detail_case(setup, "new_detail_two_threads", kDefaultDetail, 0, 2));
   cases.push_back(new_detail_case(setup, "new_detail_finest", kFinestDetail, 0, 1));
   cases.push_back(new_detail_case(setup, "new_detail_adapted", kDefaultDetail, 0.25, 1));
+  cases.push_back(bound_case(setup, "bound_fine", 0.0025));
+  cases.push_back(bound_case(setup, "bound_coarse", 0.01));
   cases.push_back(edit_case(setup, base, "add", add_proxy));
   cases.push_back(edit_case(setup, base, "delete", delete_proxy));
   cases.push_back(polygonize_case(setup, base));

@@ -54,21 +54,28 @@ def seconds(call):
 
 
 def bounds(folder, names):
+    """Returns whether every run kept its bound, by the regions' planes and by the polygons."""
+    kept_all = True
     for name in names:
         mesh = load(folder, name)
         for k, percent in enumerate(BOUNDS):
             bound = percent / 100 * mesh.report["diagonal"]
-            took, part = seconds(partial(split, mesh, bound=bound, noise=0.0))
-            fresh = load(folder, name)
-            plain, _ = seconds(partial(split, fresh, proxies=part.region_count))
+            options = engine.PartitionOptions(bound=bound, noise=0.0, threads=1)
+            took, part = seconds(partial(engine.partition, mesh, options))
+            plain, _ = seconds(partial(split, load(folder, name), proxies=part.region_count))
             wanted = f"wanted {WANTED[name][k]:4}" if name in WANTED else ""
             kept, speed = farthest(mesh, part) / bound, took / len(mesh.triangles) * 1e6
             print(f"{name:32} {percent:4} %  {part.region_count:5} regions {wanted}  kept to {kept:.4f}", end="")
-            print(f"  {speed:.2f} s a million faces, x{took / plain:.1f}", end="")
-            step = engine.within.polygonize_within(mesh, part)
-            both = engine.within.partition_within(mesh, engine.PartitionOptions(bound=bound, noise=0.0))
-            print(f"  scan to polygons {step.distance / bound:.3f} bounds, with its regions tightened", end="")
-            print(f" {both.distance / bound:.3f} of {both.partition.region_count} regions", flush=True)
+            print(f"  {speed:.2f} s a million faces, x{took / plain:.1f}", end="", flush=True)
+            made = engine.within.Made(options)
+            took, found = seconds(partial(engine.within.polygonize_within, mesh, part, made=made))
+            sound = kept <= 1 + 1e-9 and found.distance <= found.allowed
+            kept_all &= sound
+            print(f"  scan to polygons {found.distance / bound:.3f} bounds", end="")
+            print(
+                f" with {found.partition.region_count} regions, {took:.1f} s", "" if sound else "  NOT KEPT", flush=True
+            )
+    return kept_all
 
 
 def neighbours(mesh):
@@ -158,7 +165,9 @@ def main():
     if sys.argv[1] == "bounds":
         rest = sorted(str(p.relative_to(folder))[:-4] for p in folder.glob("*/*.ply"))
         skipped = ("known/empty", "known/one_triangle")
-        bounds(folder, [*WANTED, *(n for n in rest if n not in WANTED and n not in skipped)])
+        kept = bounds(folder, [*WANTED, *(n for n in rest if n not in WANTED and n not in skipped)])
+        print("every bound kept" if kept else "NOT every bound kept")
+        sys.exit(not kept)
     elif sys.argv[1] == "adaptivity":
         adaptivity(folder, ["scan/bunny_69k", "scan/armadillo_86k", "nasty/lionstatue_63k_misoriented"])
     else:

@@ -20,20 +20,91 @@ constexpr int kSweeps = 30;
 constexpr double kFirstWidth = 0.3;  // share of the width that nodes of the hierarchy may take up: merging finds better
 constexpr int kRounds = 3;           // of merging, dissolving and relaxing
 
-/// Cuts the hierarchy from above into nodes that fit.
-class Cutting {
+/// The nodes of a hierarchy with their faces in a row: those of a node are a stretch of it.
+class Nodes {
  public:
-  Cutting(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts, double width)
-      : graph_(surface.graph()), corners_(surface), h_(hierarchy), parts_(parts), width_(width) {
-    for (const auto& up : h_.to_next) {
-      std::vector<std::int32_t> first(h_.level[children_.size() + 1].sum.size() + 1, 0), child(up.size());
+  struct Node {
+    std::int32_t begin = 0, end = 0;  ///< its faces, in `face`
+    RegionSum sum;
+  };
+
+  Nodes(const FaceGraph& graph, const Hierarchy& h, Job& job) {
+    job.poll();
+    for (const auto& up : h.to_next) {
+      std::vector<std::int32_t> first(h.level[children_.size() + 1].sum.size() + 1, 0), child(up.size());
       for (const std::int32_t u : up) ++first[u + 1];
       std::partial_sum(first.begin(), first.end(), first.begin());
       std::vector<std::int32_t> fill(first.begin(), first.end() - 1);
       for (std::size_t k = 0; k < up.size(); ++k) child[fill[up[k]]++] = static_cast<std::int32_t>(k);
       children_.push_back({std::move(first), std::move(child)});
     }
+    std::vector<std::int32_t> order(h.level.back().sum.size()), below;
+    std::iota(order.begin(), order.end(), 0);
+    for (std::size_t level = h.level.size() - 1; level > 0; --level) {
+      below.clear();
+      for (const std::int32_t u : order) {
+        const std::span<const std::int32_t> children = this->children(level, u);
+        below.insert(below.end(), children.begin(), children.end());
+      }
+      order.swap(below);
+    }
+    level_.resize(h.level.size());
+    level_[0].resize(h.level[0].sum.size());
+    faces_.reserve(h.patch_face.size());
+    for (const std::int32_t p : order) {
+      Node& patch = level_[0][p];
+      patch.begin = static_cast<std::int32_t>(faces_.size());
+      for (const std::int32_t face : h.faces_of(p)) {
+        faces_.push_back(face);
+        patch.sum.add(graph.faces[face]);
+      }
+      patch.end = static_cast<std::int32_t>(faces_.size());
+    }
+    for (std::size_t level = 1; level < level_.size(); ++level) join(level);
   }
+
+  [[nodiscard]] const Node& at(std::size_t level, std::int32_t node) const { return level_[level][node]; }
+  [[nodiscard]] std::span<const std::int32_t> faces(const Node& node) const {
+    return std::span(faces_).subspan(node.begin, static_cast<std::size_t>(node.end - node.begin));
+  }
+  /// Of a node of a level above the lowest: nodes of the level below.
+  [[nodiscard]] std::span<const std::int32_t> children(std::size_t level, std::int32_t node) const {
+    const Children& c = children_[level - 1];
+    return std::span(c.child).subspan(c.first[node], static_cast<std::size_t>(c.first[node + 1] - c.first[node]));
+  }
+
+ private:
+  struct Children {
+    std::vector<std::int32_t> first, child;
+  };
+
+  void join(std::size_t level) {
+    level_[level].resize(children_[level - 1].first.size() - 1);
+    for (std::size_t u = 0; u < level_[level].size(); ++u) {
+      const std::span<const std::int32_t> below = children(level, static_cast<std::int32_t>(u));
+      Node& node = level_[level][u];
+      node.begin = level_[level - 1][below.front()].begin;
+      node.end = level_[level - 1][below.back()].end;
+      for (const std::int32_t child : below) node.sum.add(level_[level - 1][child].sum);
+    }
+  }
+
+  std::vector<Children> children_;  // [l] of level l + 1
+  std::vector<std::vector<Node>> level_;
+  std::vector<std::int32_t> faces_;
+};
+
+/// Cuts the hierarchy from above into nodes that fit.
+class Cutting {
+ public:
+  Cutting(const Surface& surface, const Corners& corners, const Hierarchy& hierarchy, const Parts& parts, double width,
+          Job& job)
+      : graph_(surface.graph()),
+        corners_(corners),
+        h_(hierarchy),
+        nodes_(graph_, hierarchy, job),
+        parts_(parts),
+        width_(width) {}
 
   BoundedRegions run(Job& job) {
     result_.regions.label.assign(graph_.faces.size(), kNone);
@@ -46,7 +117,7 @@ class Cutting {
       job.poll();
       // Where there are fewer patches than the component needs, its faces are what is left to begin with.
       if (nodes[part] < parts_.parts[part].need) {
-        for (const std::int32_t face : faces_under(h_.level.size() - 1, u)) take({face});
+        take_each(nodes_.faces(nodes_.at(h_.level.size() - 1, u)));
       } else {
         descend(h_.level.size() - 1, u, job);
       }
@@ -56,42 +127,28 @@ class Cutting {
   }
 
  private:
-  struct Children {
-    std::vector<std::int32_t> first, child;
-  };
-
-  void descend(std::size_t level, std::int32_t node, Job& job) {
-    const std::vector<std::int32_t> faces = faces_under(level, node);
+  void descend(std::size_t level, std::int32_t u, Job& job) {
+    const Nodes::Node& node = nodes_.at(level, u);
+    const std::span<const std::int32_t> faces = nodes_.faces(node);
     if (faces.size() > 0xffff) job.poll();
-    if (take(faces)) return;
+    if (take(faces, node.sum)) return;
     if (level == 0) {
-      for (const std::int32_t face : faces) take({face});
+      take_each(faces);
       return;
     }
-    const Children& below = children_[level - 1];
-    for (std::int32_t k = below.first[node]; k < below.first[node + 1]; ++k) descend(level - 1, below.child[k], job);
+    for (const std::int32_t child : nodes_.children(level, u)) descend(level - 1, child, job);
   }
 
-  [[nodiscard]] std::vector<std::int32_t> faces_under(std::size_t level, std::int32_t node) const {
-    std::vector<std::int32_t> nodes{node}, below;
-    for (; level > 0; --level) {
-      const Children& c = children_[level - 1];
-      below.clear();
-      for (const std::int32_t u : nodes)
-        below.insert(below.end(), c.child.begin() + c.first[u], c.child.begin() + c.first[u + 1]);
-      nodes.swap(below);
+  void take_each(std::span<const std::int32_t> faces) {
+    for (const std::int32_t& face : faces) {
+      RegionSum sum;
+      sum.add(graph_.faces[face]);
+      take({&face, 1}, sum);
     }
-    std::vector<std::int32_t> faces;
-    for (const std::int32_t p : nodes)
-      faces.insert(faces.end(), h_.patch_face.begin() + h_.patch_first[p],
-                   h_.patch_face.begin() + h_.patch_first[p + 1]);
-    return faces;
   }
 
   /// Makes a region of faces if they fit; a single face always does.
-  bool take(const std::vector<std::int32_t>& faces) {
-    RegionSum sum;
-    for (const std::int32_t face : faces) sum.add(graph_.faces[face]);
+  bool take(std::span<const std::int32_t> faces, const RegionSum& sum) {
     Slab slab{.normal = sum.normal()};
     if (faces.size() > 1 && sum.length() < kLeastLength * sum.weight / 2) return false;
     const std::size_t stride = faces.size() > 64 ? 32 : 1;  // a look here and there tells most that do not fit
@@ -107,22 +164,23 @@ class Cutting {
   }
 
   const FaceGraph& graph_;
-  Corners corners_;
+  const Corners& corners_;
   const Hierarchy& h_;
+  Nodes nodes_;
   const Parts& parts_;
   double width_;
-  std::vector<Children> children_;
   BoundedRegions result_;
 };
 
 /// Merges neighbours where both together fit.
-void merge_fitting(const Surface& surface, std::span<const std::int32_t> need, double width, BoundedRegions& bounded,
-                   Job& job) {
+void merge_fitting(const Surface& surface, const Corners& corners, std::span<const std::int32_t> need, double width,
+                   BoundedRegions& bounded, Job& job) {
   const FaceGraph& graph = surface.graph();
-  const Corners corners(surface);
   ClusterGraph clusters = region_clusters(graph, bounded.regions, job);
   clusters.part = detail::parts_of_regions(surface, bounded);
-  std::vector<std::vector<std::int32_t>> faces = detail::faces_of(bounded);
+  std::vector<std::vector<std::int32_t>> points = corners.points_of(bounded);
+  std::vector<std::int32_t> leaf(points.size());  // one that a node is made of
+  std::iota(leaf.begin(), leaf.end(), 0);
   std::vector<RegionSum> sum = bounded.regions.sum;
   std::vector<Slab> slab = bounded.slab;
   std::vector<detail::Core> core(slab.size());
@@ -136,14 +194,14 @@ void merge_fitting(const Surface& surface, std::span<const std::int32_t> need, d
     Slab joint{.normal = both.normal()};
     detail::Core joint_core = core[u];
     joint_core.insert(joint_core.end(), core[v].begin(), core[v].end());
-    if (!detail::turn_to_fit(corners, faces[u], faces[v], width, joint, joint_core)) return false;
+    if (!detail::turn_to_fit(corners, points[u], points[v], width, joint, joint_core)) return false;
     core[u] = core[v] = {};
     core.push_back(std::move(joint_core));
-    if (faces[u].size() < faces[v].size()) std::swap(u, v);
-    std::vector<std::int32_t> all = std::move(faces[u]);
-    all.insert(all.end(), faces[v].begin(), faces[v].end());
-    faces[v].clear();
-    faces.push_back(std::move(all));
+    if (points[u].size() < points[v].size()) std::swap(u, v);
+    std::vector<std::int32_t> all = std::move(points[u]), fewer = std::move(points[v]);
+    all.insert(all.end(), fewer.begin(), fewer.end());
+    points.push_back(std::move(all));
+    leaf.push_back(leaf[u]);
     sum.push_back(both);
     slab.push_back(joint);
     return true;
@@ -160,9 +218,8 @@ void merge_fitting(const Surface& surface, std::span<const std::int32_t> need, d
   result.regions.sum.assign(result.slab.size(), {});
   for (std::size_t node = 0; node < slab.size(); ++node) {
     if (above[node] != kNone) continue;
-    const std::int32_t leaf = result.regions.label[faces[node].front()];
-    result.slab[becomes[leaf]] = slab[node];
-    result.regions.sum[becomes[leaf]] = sum[node];
+    result.slab[becomes[leaf[node]]] = slab[node];
+    result.regions.sum[becomes[leaf[node]]] = sum[node];
   }
   for (std::int32_t& label : result.regions.label)
     if (label != kNone) label = becomes[label];
@@ -180,8 +237,7 @@ struct BoundedLabels : GraphLabels {
 };
 
 /// Moves border faces as far as the bound lets them. Afterwards slabs are as wide as they may be.
-void relax(const Surface& surface, double bound, BoundedRegions& bounded, Job& job) {
-  const Corners corners(surface);
+void relax(const Surface& surface, const Corners& corners, double bound, BoundedRegions& bounded, Job& job) {
   Regions& regions = bounded.regions;
   for (Slab& slab : bounded.slab) {
     const double middle = slab.middle();
@@ -198,22 +254,17 @@ void relax(const Surface& surface, double bound, BoundedRegions& bounded, Job& j
 }
 
 /// Makes the slabs as narrow as the regions' vertices let them be; in the end across the mean normals where these fit.
-void tighten(const Surface& surface, double width, bool is_end, BoundedRegions& bounded, Job& job) {
-  const Corners corners(surface);
-  const std::vector<std::int32_t>& label = bounded.regions.label;
-  std::vector<Slab> mean(bounded.slab.size()), stored(bounded.slab.size());
-  for (std::size_t r = 0; r < mean.size(); ++r) {
-    mean[r].normal = bounded.regions.sum[r].normal();
-    stored[r].normal = bounded.slab[r].normal;
+void tighten(const Corners& corners, double width, bool is_end, BoundedRegions& bounded, Job& job) {
+  const std::vector<std::vector<std::int32_t>> points = corners.points_of(bounded);
+  for (std::size_t r = 0; r < points.size(); ++r) {
+    if ((r & 0xff) == 0) job.poll();
+    Slab mean{.normal = bounded.regions.sum[r].normal()}, stored{.normal = bounded.slab[r].normal};
+    for (const std::int32_t v : points[r]) {
+      mean.add(corners.vertex(v));
+      stored.add(corners.vertex(v));
+    }
+    bounded.slab[r] = mean.width() <= (is_end ? width : stored.width()) ? mean : stored;
   }
-  for (std::int32_t i = 0; i < surface.graph().size(); ++i) {
-    if ((i & 0xffff) == 0) job.poll();
-    if (label[i] == kNone) continue;
-    corners.add_to(mean[label[i]], i);
-    corners.add_to(stored[label[i]], i);
-  }
-  for (std::size_t r = 0; r < mean.size(); ++r)
-    bounded.slab[r] = mean[r].width() <= (is_end ? width : stored[r].width()) ? mean[r] : stored[r];
 }
 
 }  // namespace
@@ -227,18 +278,19 @@ BoundedRegions bounded_regions(const Surface& surface, const Hierarchy& hierarch
   const double width = 2 * bound;
   std::vector<std::int32_t> need;
   for (const Part& part : parts.parts) need.push_back(part.need);
-  BoundedRegions bounded = Cutting(surface, hierarchy, parts, kFirstWidth * width).run(job);
+  const Corners corners(surface);
+  BoundedRegions bounded = Cutting(surface, corners, hierarchy, parts, kFirstWidth * width, job).run(job);
   job.report(0.2);
   for (int round = 0; round < kRounds; ++round) {
     const std::int32_t before = bounded.regions.count();
-    merge_fitting(surface, need, width, bounded, job);
-    detail::dissolve(surface, need, width, bounded, job);
+    merge_fitting(surface, corners, need, width, bounded, job);
+    detail::dissolve(surface, corners, need, width, bounded, job);
     if (round > 0 && bounded.regions.count() == before) break;
-    relax(surface, bound, bounded, job);
-    tighten(surface, width, false, bounded, job);
+    relax(surface, corners, bound, bounded, job);
+    tighten(corners, width, false, bounded, job);
     job.report(0.2 + 0.8 * (round + 1) / kRounds);
   }
-  tighten(surface, width, true, bounded, job);
+  tighten(corners, width, true, bounded, job);
   return bounded;
 }
 

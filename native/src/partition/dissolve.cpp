@@ -13,11 +13,21 @@ namespace {
 constexpr int kPasses = 6;
 constexpr std::size_t kProbes = 16;  // faces looked at before a whole region is
 
+/// The faces of each region, in rising order.
+std::vector<std::vector<std::int32_t>> faces_of(const BoundedRegions& bounded) {
+  std::vector<std::vector<std::int32_t>> faces(bounded.slab.size());
+  const std::vector<std::int32_t>& label = bounded.regions.label;
+  for (std::size_t i = 0; i < label.size(); ++i)
+    if (label[i] != kNone) faces[label[i]].push_back(static_cast<std::int32_t>(i));
+  return faces;
+}
+
 class Dissolving {
  public:
-  Dissolving(const Surface& surface, std::span<const std::int32_t> need, double width, BoundedRegions& bounded)
+  Dissolving(const Surface& surface, const Corners& corners, std::span<const std::int32_t> need, double width,
+             BoundedRegions& bounded)
       : graph_(surface.graph()),
-        corners_(surface),
+        corners_(corners),
         need_(need),
         width_(width),
         regions_(bounded.regions),
@@ -147,7 +157,7 @@ class Dissolving {
   }
 
   const FaceGraph& graph_;
-  Corners corners_;
+  const Corners& corners_;
   std::span<const std::int32_t> need_;
   double width_;
   Regions& regions_;
@@ -160,21 +170,43 @@ class Dissolving {
 
 }  // namespace
 
-bool dissolve(const Surface& surface, std::span<const std::int32_t> need, double width, BoundedRegions& bounded,
-              Job& job) {
+Corners::Corners(const Surface& surface)
+    : graph_(surface.graph()), corner_(static_cast<std::size_t>(surface.face_count())) {
+  const Mesh& mesh = surface.mesh();
+  std::vector<std::int32_t> number(mesh.vertices().size(), kNone);
+  vertex_.reserve(number.size());
+  for (std::int32_t i = 0; i < graph_.size(); ++i) {
+    const Triangle& t = mesh.triangles()[graph_.mesh_face[i]];
+    for (int k = 0; k < 3; ++k) {
+      std::int32_t& v = number[t[k]];
+      if (v == kNone) {
+        v = static_cast<std::int32_t>(vertex_.size());
+        vertex_.push_back(mesh.vertices()[t[k]]);
+      }
+      corner_[i][k] = v;
+    }
+  }
+}
+
+std::vector<std::vector<std::int32_t>> Corners::points_of(const BoundedRegions& bounded) const {
+  std::vector<std::vector<std::int32_t>> points(bounded.slab.size());
+  std::vector<std::int32_t> latest(vertex_.size(), kNone);  // region that a vertex was last seen in
+  for (std::size_t i = 0; i < corner_.size(); ++i) {
+    const std::int32_t r = bounded.regions.label[i];
+    if (r == kNone) continue;
+    for (const std::int32_t v : corner_[i])
+      if (std::exchange(latest[v], r) != r) points[r].push_back(v);
+  }
+  return points;
+}
+
+bool dissolve(const Surface& surface, const Corners& corners, std::span<const std::int32_t> need, double width,
+              BoundedRegions& bounded, Job& job) {
   job.poll();
-  Dissolving dissolving(surface, need, width, bounded);
+  Dissolving dissolving(surface, corners, need, width, bounded);
   const bool any = dissolving.run(job);
   if (any) dissolving.renumber();
   return any;
-}
-
-std::vector<std::vector<std::int32_t>> faces_of(const BoundedRegions& bounded) {
-  std::vector<std::vector<std::int32_t>> faces(bounded.slab.size());
-  const std::vector<std::int32_t>& label = bounded.regions.label;
-  for (std::size_t i = 0; i < label.size(); ++i)
-    if (label[i] != kNone) faces[label[i]].push_back(static_cast<std::int32_t>(i));
-  return faces;
 }
 
 std::vector<std::int32_t> parts_of_regions(const Surface& surface, const BoundedRegions& bounded) {

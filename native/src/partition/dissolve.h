@@ -13,17 +13,18 @@ namespace isimp::detail {
 /// Cosine: a face whose normal is further from its region's is behind the plane, not beside it.
 inline constexpr double kLeastCosine = 0.2;
 
-/// The corners of a surface's faces, by graph index.
+/// The corners of a surface's faces, by graph index; vertices numbered as the faces come to them, so that what is near
+/// on the surface is near in memory.
 class Corners {
  public:
-  explicit Corners(const Surface& surface) : mesh_(surface.mesh()), graph_(surface.graph()) {}
+  explicit Corners(const Surface& surface);
+
   void add_to(Slab& slab, std::int32_t face) const {
-    for (const std::int32_t v : mesh_.triangles()[graph_.mesh_face[face]]) slab.add(mesh_.vertices()[v]);
+    for (const std::int32_t v : corner_[face]) slab.add(vertex_[v]);
   }
-  [[nodiscard]] std::array<const Vec3*, 3> of(std::int32_t face) const {
-    const Triangle& t = mesh_.triangles()[graph_.mesh_face[face]];
-    return {&mesh_.vertices()[t[0]], &mesh_.vertices()[t[1]], &mesh_.vertices()[t[2]]};
-  }
+  [[nodiscard]] const Vec3& vertex(std::int32_t v) const { return vertex_[v]; }
+  /// The vertices of each region, by number here; hardly any of them twice.
+  [[nodiscard]] std::vector<std::vector<std::int32_t>> points_of(const BoundedRegions& bounded) const;
   /// How wide a slab is with one more face in it; endless for a face that is turned away from it.
   [[nodiscard]] double width_with(const Slab& slab, std::int32_t face) const {
     const FaceRecord& f = graph_.faces[face];
@@ -35,18 +36,16 @@ class Corners {
   }
 
  private:
-  const Mesh& mesh_;
   const FaceGraph& graph_;
+  std::vector<Vec3> vertex_;
+  std::vector<std::array<std::int32_t, 3>> corner_;
 };
 
 /// Takes regions away whose faces, one by one, fit between the planes of their neighbours; smallest first.
 /// \param need  (C) the least number of regions of each component. \param part  (R) component of each region
 /// \return whether any went; labels and sums are numbered anew then
-bool dissolve(const Surface& surface, std::span<const std::int32_t> need, double width, BoundedRegions& bounded,
-              Job& job);
-
-/// The faces of each region, in rising order.
-std::vector<std::vector<std::int32_t>> faces_of(const BoundedRegions& bounded);
+bool dissolve(const Surface& surface, const Corners& corners, std::span<const std::int32_t> need, double width,
+              BoundedRegions& bounded, Job& job);
 
 /// The component of each region; empty if there is one.
 std::vector<std::int32_t> parts_of_regions(const Surface& surface, const BoundedRegions& bounded);

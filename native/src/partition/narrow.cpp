@@ -10,7 +10,7 @@ namespace {
 constexpr int kRounds = 12;         // of weighing points anew
 constexpr double kLeastTurn = 0.8;  // cosine: planes stay nearer than that to the mean normal
 constexpr double kHopeless = 1.5;   // times the width allowed: no turning mends that
-constexpr int kLooks = 5;           // at all faces, to make them fit
+constexpr int kLooks = 5;           // at all points, to make them fit
 constexpr std::size_t kCore = 24;   // points kept
 
 Slab across(std::span<const Vec3> points, const Vec3& normal) {
@@ -19,22 +19,21 @@ Slab across(std::span<const Vec3> points, const Vec3& normal) {
   return slab;
 }
 
-/// The slab of all corners across a normal, its outermost points put in the core; stops where it is too wide.
+/// The slab of all points across a normal, its outermost points put in the core; stops where it is too wide.
 Slab look(const Corners& corners, std::span<const std::int32_t> some, std::span<const std::int32_t> others,
           const Vec3& normal, double width, Core& core) {
   Slab slab{.normal = normal};
   Vec3 lowest = Vec3::Zero(), highest = Vec3::Zero();
-  const auto add = [&](std::int32_t face) {
-    for (const Vec3* p : corners.of(face)) {
-      const double z = normal.dot(*p);
-      if (z < slab.low) {
-        slab.low = z;
-        lowest = *p;
-      }
-      if (z > slab.high) {
-        slab.high = z;
-        highest = *p;
-      }
+  const auto add = [&](std::int32_t v) {
+    const Vec3& p = corners.vertex(v);
+    const double z = normal.dot(p);
+    if (z < slab.low) {
+      slab.low = z;
+      lowest = p;
+    }
+    if (z > slab.high) {
+      slab.high = z;
+      highest = p;
     }
   };
   // From where both meet outwards, as far points are apart most.
