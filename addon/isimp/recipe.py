@@ -108,6 +108,16 @@ class Recipe:
         self._check_index(index)
         return Recipe((*self.steps[:index], step, *self.steps[index + 1 :]))
 
+    def changed(self, index: int, step: Step) -> Recipe:
+        """The recipe after a setting of one of its steps was changed.
+
+        What was locked since stays as it is: a partition of all is followed by the changed one after the last lock.
+        """
+        last = self._last_lock()
+        if isinstance(step, Partition) and not step.faces and last > index:
+            return Recipe((*self.steps[: last + 1], step, *self.steps[last + 1 :]))
+        return self.replaced(index, step)
+
     def removed(self, index: int) -> Recipe:
         """The recipe without one of its steps."""
         self._check_index(index)

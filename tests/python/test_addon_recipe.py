@@ -108,6 +108,19 @@ def test_a_partition_keeps_the_steps_that_led_to_locked_regions():
         assert Recipe((first, dataclasses.replace(locks, enabled=False))).then(first).steps == (first,)
 
 
+def test_a_changed_partition_comes_after_what_was_locked_since():
+    first, more, lock, after = Partition(proxies=3), AddProxy(face=2), rcp.LockRegions(faces=(8,)), AddProxy(face=5)
+    new = Partition(proxies=9)
+    assert Recipe((first, more, after)).changed(0, new).steps == (new, more, after), "nothing is locked"
+    changed = Recipe((first, more, lock, after)).changed(0, new)
+    assert changed.steps == (first, more, lock, new, after)
+    newer = Partition(proxies=10)
+    assert changed.changed(3, newer).steps == (first, more, lock, newer, after)
+    part = Partition(proxies=2, faces=(1, 2))
+    assert Recipe((first, Partition(faces=(1, 2)), lock)).changed(1, part).steps == (first, part, lock)
+    assert Recipe((first, lock, after)).changed(2, more).steps == (first, lock, more)
+
+
 def test_a_partition_of_a_part_follows_what_there_is_and_replaces_itself():
     whole, part = Partition(proxies=3), Partition(proxies=5, faces=(1, 2))
     recipe = Recipe((whole,)).then(part)

@@ -50,7 +50,10 @@ class IsimpPreferences(bpy.types.AddonPreferences):
             layout.label(text=title)
             for name in names:
                 layout.prop(self, name)
-        layout.prop(self, "show_keys", icon="DISCLOSURE_TRI_DOWN" if self.show_keys else "DISCLOSURE_TRI_RIGHT")
+        title = layout.row()
+        title.use_property_split, title.alignment = False, "LEFT"
+        icon = "DISCLOSURE_TRI_DOWN" if self.show_keys else "DISCLOSURE_TRI_RIGHT"
+        title.prop(self, "show_keys", icon=icon, emboss=False)
         if self.show_keys:
             _draw_keys(context, layout)
 

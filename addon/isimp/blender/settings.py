@@ -359,6 +359,12 @@ def copy(cls, source, target) -> None:
             setattr(target, name, getattr(source, name))
 
 
+def give(cls, source, operator) -> None:
+    """Gives a button's operator the settings of a step, each of them: what is not given it takes from its last use."""
+    for name in names(cls):
+        setattr(operator, name, getattr(source, name))
+
+
 def shown_step(recipe, cls):
     """(index, step) that the panel's settings of a class stand for: the open step, else the last one; or None."""
     open_step = bpy.context.window_manager.isimp.open_step
@@ -389,12 +395,14 @@ def forget_foreign(context, scan) -> None:
 
 def from_panel(context, recipe):
     """The recipe with the settings that the panel shows."""
-    steps = list(recipe.steps)
+    is_open = context.window_manager.isimp.open_step
     for cls in _GROUPS:
         found = shown_step(recipe, cls)
-        if found is not None:
-            steps[found[0]] = updated(found[1], group(context, cls))
-    return type(recipe)(tuple(steps))
+        step = updated(found[1], group(context, cls)) if found is not None else None
+        if found is not None and step != found[1]:
+            change = recipe.replaced if found[0] == is_open else recipe.changed
+            recipe = change(found[0], step)
+    return recipe
 
 
 CLASSES = (*_GROUPS.values(), IsimpPanel)

@@ -85,7 +85,9 @@ class ISIMP_OT_grow(_Edit, bpy.types.Operator):
     bl_idname = "isimp.grow"
     bl_label = "Grow Region"
 
-    rings: IntProperty(name="Rings", description="How many faces deep", default=1, min=1, soft_max=20)
+    rings: IntProperty(
+        name="Rings", description="How many faces deep", default=1, min=1, soft_max=20, options={"SKIP_SAVE"}
+    )
     shrink: BoolProperty(name="Shrink", description="Give the faces along the border away", options={"SKIP_SAVE"})
 
     @classmethod

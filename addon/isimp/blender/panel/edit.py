@@ -19,8 +19,8 @@ class ISIMP_PT_regions(SubPanel, bpy.types.Panel):
         sizes[1].shrink = True
         column.operator("isimp.paint_faces", text="From Selection", icon="BRUSH_DATA")
         anew = column.operator("isimp.partition", text="Split Anew", icon="MOD_EXPLODE")
-        settings.copy(rcp.Partition, panel.partition, anew)
-        anew.part, anew.count_by = True, panel.partition.count_by
+        settings.give(rcp.Partition, panel.partition, anew)
+        anew.part = True
         column.operator("isimp.select_region", icon="RESTRICT_SELECT_OFF")
         column = layout.column(align=True)
         locked = store.numbers(targets.find(context)[0]).get("locked", 0)

@@ -40,8 +40,7 @@ class ISIMP_PT_main(Panel, bpy.types.Panel):
         button = layout.column()
         button.scale_y = 1.4
         operator = button.operator("isimp.partition", icon="MOD_EXPLODE")
-        settings.copy(rcp.Partition, panel.partition, operator)
-        operator.count_by = partition.count_by  # said even where it is the default: see its `wanted`
+        settings.give(rcp.Partition, panel.partition, operator)
 
 
 class ISIMP_PT_options(Panel, bpy.types.Panel):
@@ -63,7 +62,7 @@ class ISIMP_PT_options(Panel, bpy.types.Panel):
         column.active = partition.method != "hierarchy"  # which starts from no faces
         for name in ("seeding", "seed", "iterations"):
             column.prop(partition, name)
-        layout.prop(partition, "leave_out")
+        layout.prop(partition, "leave_out", text="Leave Out")
         layout.prop(partition, "adaptivity", slider=True)
         layout.prop(partition, "weights", icon="GROUP_VERTEX")
         if partition.weights:

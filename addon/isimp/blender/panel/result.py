@@ -6,6 +6,9 @@ from ... import recipe as rcp
 from .. import settings, store, targets, text
 from .common import SubPanel, draw_lines
 
+#: Where the name of a property is too long for the sidebar as it comes
+_LABELS = {"chord_tolerance": {"text": "Corners"}}
+
 
 class ISIMP_PT_result(SubPanel, bpy.types.Panel):
     bl_label = "Result"
@@ -17,11 +20,11 @@ class ISIMP_PT_result(SubPanel, bpy.types.Panel):
         column.prop(panel, "outline")
         column.prop(panel, "heat")
         for name in settings.names(rcp.Mesh):
-            layout.prop(meshing, name)
+            layout.prop(meshing, name, **_LABELS.get(name, {}))
         button = layout.column()
         button.scale_y = 1.4
         operator = button.operator("isimp.mesh", icon="MESH_ICOSPHERE")
-        settings.copy(rcp.Mesh, meshing, operator)
+        settings.give(rcp.Mesh, meshing, operator)
         scan, _ = targets.find(context)
         unit = context.scene.unit_settings
         for line, alert in text.report_lines(store.numbers(scan), unit.system, unit.scale_length):
