@@ -1,13 +1,15 @@
 """Simplifies a scan in the background of Blender.
 
     blender -b --python examples/batch.py -- IN OUT [OUT ...]
-            [--detail X | --tolerance T | --bound T | --proxies N | --recipe R.json] [--picture P.png]
+            [--detail X | --tolerance T | --bound T | --proxies N | --recipe R.json] [--picture P.png] [--table T.csv]
 
 IN is any format that Blender reads, or .off. OUT are .obj, .ply, .glb, in the axes of IN, or .blend, which keeps the
 scan and its coloured regions. Ends with 0; 2 for wrong usage; 3 for a scan that can't be used, and a line saying why.
+Scan after scan with the same T.csv, each adds a row to it: what came of it, or why nothing did.
 """
 
 import argparse
+import csv
 import os
 import sys
 import time
@@ -40,6 +42,7 @@ READERS = {
 COUNTS = ("proxies", "tolerance", "bound", "detail")
 METHODS = ("hierarchy", "teleport", "lloyd")
 WRITERS = (".blend", ".obj", ".ply", ".glb")
+COLUMNS = ("scan", "faces", "regions", "polygons", "closed", "worst flatness", "farthest", "seconds", "problem")
 Z_UP = {".ply", ".stl", ".off"}  # read as they are; all others are turned by Blender to have Z upwards
 
 
@@ -62,6 +65,7 @@ def arguments(argv):
     parser.add_argument(
         "--object", metavar="NAME", help="which object of a .blend (default: the active, or the only one)"
     )
+    parser.add_argument("--table", type=Path, metavar="T.csv", help="add a row that says what came of the scan")
     parser.add_argument("--picture", type=Path, metavar="P.png", help="regions and polygons side by side")
     parser.add_argument(
         "--up", choices=("X", "Y", "Z"), default="Z", help="the picture's upward axis, in Blender's space"
@@ -97,6 +101,11 @@ def switch_on_addon():
     import isimp
 
     isimp.register()
+
+
+def of_addon(name):
+    """A module of the add-on, whether it was installed as an extension or not."""
+    return next(module for known, module in sys.modules.items() if f".{known}".endswith(f".{name}"))
 
 
 def call(name, **settings):
@@ -152,8 +161,7 @@ def imported(path):
 
 
 def from_engine(path):
-    # The engine as the add-on found it: installed, or packed with it.
-    session = next(module for name, module in sys.modules.items() if name.split(".")[-2:] == ["isimp", "session"])
+    session = of_addon("isimp.session")  # which has the engine as it found it: installed, or packed with it
     try:
         vertices, triangles = session.engine.read(str(path))
     except session.engine.InvalidInput as error:
@@ -244,14 +252,51 @@ def write(path, options):
         raise Problem(f"'{path}' could not be written")
 
 
+def add_row(path, row):
+    """Adds a scan's row to a table, which is begun if there is none."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("a", newline="", encoding="utf-8") as file:
+        table = csv.DictWriter(file, COLUMNS)
+        if file.tell() == 0:
+            table.writeheader()
+        table.writerow(row)
+
+
+def what_came(scan, result):
+    """The row of a scan that became polygons."""
+    numbers = of_addon("isimp.blender.store").numbers(scan)
+    return {
+        "regions": numbers["regions"],
+        "polygons": len(result.data.polygons),
+        "closed": "yes" if numbers["closed"] else "no",
+        "worst flatness": f"{numbers['planarity_max']:.6g}",
+        "farthest": f"{numbers['scan_distance']:.6g}" if "scan_distance" in numbers else "",
+    }
+
+
 def main(argv):
     options = arguments(argv)
-    started = time.perf_counter()
+    row, started = {"scan": str(options.input)}, time.perf_counter()
+    code = run(options, row, started)
+    row["seconds"] = f"{time.perf_counter() - started:.1f}"
+    try:
+        if options.table is not None:
+            add_row(options.table, row)
+    except OSError as problem:
+        print(f"{options.table}: {problem}", file=sys.stderr)
+        return 3
+    return code
+
+
+def run(options, row, started):
+    """Does it all, and says so in the row of the table; the code to end with."""
     try:
         switch_on_addon()
         scan = read(options)
         name, faces = scan.name, len(scan.data.polygons)
+        row["faces"] = faces
         result = simplify(options)
+        row |= what_came(scan, result)
         for path in options.outputs:
             write(path, options)
         seconds = time.perf_counter() - started
@@ -262,6 +307,7 @@ def main(argv):
             picture.render(scan, result, options.picture.resolve(), up=options.up, turn=options.turn)
             print(options.picture)
     except (Problem, OSError, ValueError) as problem:
+        row["problem"] = str(problem)
         print(f"{options.input}: {problem}", file=sys.stderr)
         return 3
     return 0

@@ -1,5 +1,6 @@
 """The batch example: files in, files and a picture out."""
 
+import csv
 import json
 import sys
 from pathlib import Path
@@ -141,6 +142,25 @@ def test_two_ways_to_say_the_number_are_refused(tmp_path, capsys):
     export(".ply", tmp_path / "cube.ply")
     assert run(tmp_path / "cube.ply", tmp_path / "out.obj", "--proxies", 6, "--detail", 0.1) == 3
     assert "--proxies and --detail each say how many" in capsys.readouterr().err
+
+
+def test_a_table_has_a_row_for_each_scan_and_says_why_nothing_came_of_one(tmp_path):
+    export(".ply", tmp_path / "cube.ply")
+    (tmp_path / "points.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\n")
+    table, more = tmp_path / "made" / "table.csv", ("--proxies", 6, "--table")
+    names = ("cube.ply", "points.obj", "none.ply", "cube.ply")
+    assert [run(tmp_path / name, tmp_path / "out.obj", *more, table) for name in names] == [0, 3, 3, 0]
+    with table.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [Path(row["scan"]).name for row in rows] == list(names)
+    for row in (rows[0], rows[3]):
+        came = [row[name] for name in ("faces", "regions", "polygons", "closed", "problem")]
+        assert came == ["300", "6", "6", "yes", ""]
+        assert float(row["worst flatness"]) < 1e-5
+        assert float(row["seconds"]) >= 0
+    assert "no mesh with faces" in rows[1]["problem"]
+    assert "there is no file" in rows[2]["problem"]
+    assert rows[1]["polygons"] == rows[2]["polygons"] == ""
 
 
 def test_glb_goes_out(tmp_path):
