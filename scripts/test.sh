@@ -56,7 +56,7 @@ stage_window() { # the add-on's buttons, pressed in a window of that Blender
   apt_install "${blender_packages[@]}" xvfb xauth imagemagick
   use_tests_venv
   install_wheel "$tests_venv"
-  timeout 2000 "$tests_venv/bin/python" -m pytest tests/python/blender/window --junitxml "$results/pytest.xml"
+  timeout 3600 "$tests_venv/bin/python" -m pytest tests/python/blender/window --junitxml "$results/pytest.xml"
 }
 
 stage_bpy45() {

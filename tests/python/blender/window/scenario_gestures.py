@@ -1,19 +1,11 @@
 """Gestures that change a region as a whole, with a real mouse: split, cut, grow and shrink; undo and redo of each."""
 
-import zlib
-
 import bpy
 import numpy as np
 from scenario_main import make_scan, regions, same, scan
-from scenario_tools import drag, place, steps, tool, view
+from scenario_tools import drag, labels, last, place, state, steps, tool, undone_and_redone, view
 
 import isimp
-
-
-def labels():
-    import scans
-
-    return scans.regions(scan())
 
 
 def size_of(x, z):
@@ -27,21 +19,6 @@ def size_of(x, z):
 def pressed(hand, x, z, **held):
     yield from hand.click(*place(hand, x, z), **held)
     yield from hand.settle()
-
-
-def undone_and_redone(hand, what, seen):
-    """Ctrl-Z takes a gesture back in one go, and Ctrl-Shift-Z does it again. seen: what to look at."""
-    after, count = seen(), len(steps())
-    yield from hand.undo()
-    before = seen()
-    same(f"{what}, undone", (before != after, len(steps())), (True, count - 1))
-    yield from hand.redo()
-    same(f"{what}, redone", (seen(), len(steps())), (after, count))
-    return before
-
-
-def last():
-    return type(steps()[-1]).__name__
 
 
 def split_and_cut(hand):
@@ -119,7 +96,7 @@ def by_a_drag(hand, mode):
         same("nothing is held", (live.tried, live.held), (None, False))
         size = int(np.count_nonzero(labels() != before))
         assert size > 20, size
-        yield from undone_and_redone(hand, name, lambda: zlib.crc32(labels()))
+        yield from undone_and_redone(hand, name, state)
         yield from hand.undo()
         same("undone", (np.array_equal(labels(), before), len(steps())), (True, count))
     yield from hand.move(*place(hand, 0.0, 0.0))

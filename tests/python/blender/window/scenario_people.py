@@ -1,4 +1,14 @@
-"""Three who use it: a designer, a game artist, an urban modeller, each from a scan to what they wanted."""
+"""Four who use it: a designer, a game artist, an urban modeller, a pipeline engineer, from scans to what they want.
+
+Partition, Mesh and what else is a button of the panel is pressed there.
+"""
+
+import csv
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path
 
 import bmesh
 import bpy
@@ -9,7 +19,15 @@ from scenario_steps import settings, settled
 from scenario_tools import drag, place, steps, tool, view
 
 import isimp
-from isimp import recipe as rcp
+
+BATCH = Path(__file__).parents[4] / "examples" / "batch.py"
+#: As the manual has it; what stands before --python lets it find the engine where these tests have it.
+OVERNIGHT = """
+for scan in *.off; do
+  blender -b --factory-startup --python-expr "import sys; sys.path[:0] = {folders}" --python "$1" -- \\
+    "$scan" "${{scan%.off}}.obj" --recipe recipe.json --table results.csv || echo "$scan" >> failed.txt
+done
+""".format(folders=[folder for folder in os.environ.get("ISIMP_SITE", "").split(os.pathsep) if folder])
 
 
 def label():
@@ -23,14 +41,11 @@ def face_at(x, z):
     return face
 
 
-def press(hand, name, step):
-    """What the button in the panel does, with the settings that it shows."""
-    from isimp.blender import settings as properties
-
-    group = properties.group(bpy.context, step)
-    values = {name: getattr(group, name) for name in properties.names(step)}
-    with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
-        getattr(bpy.ops.isimp, name)("INVOKE_DEFAULT", True, **values)
+def press(hand, name):
+    """Presses the button in the panel, and waits until it is done."""
+    hand.region("UI").tag_redraw()  # settings that were not typed may have moved what is below them
+    yield 0.3
+    yield from hand.press(f"isimp.{name}")
     yield from hand.settle(120)
 
 
@@ -44,7 +59,7 @@ def designer(hand):
     """Two presses; before the second a merge, an island gone and a missed facet."""
     make_scan()
     yield 0.3
-    yield from press(hand, "partition", rcp.Partition)
+    yield from press(hand, "partition")
     same("the number is found", (settings().partition.count_by, regions() > 6), ("detail", True))
     yield from view(hand)
     yield from tool(hand, "isimp.region_tool.object")
@@ -59,7 +74,7 @@ def designer(hand):
     yield from hand.settle()
     same("and one more", regions(), before)
     yield from hand.shot("people-1-designer")
-    yield from press(hand, "mesh", rcp.Mesh)
+    yield from press(hand, "mesh")
     made = bpy.context.object
     same("the scan is hidden", scan().hide_get(), True)
     count = len(made.data.polygons)
@@ -93,7 +108,7 @@ def artist(hand):
     yield from view(hand)
     bpy.ops.isimp.preset(name="figure")
     settings().partition.count_by, settings().partition.proxies = "proxies", 60
-    yield from press(hand, "partition", rcp.Partition)
+    yield from press(hand, "partition")
     same("as many as asked", regions(), 60)
     obj = scan()
     upper = np.array([polygon.center.z > 0.4 for polygon in obj.data.polygons])
@@ -114,11 +129,11 @@ def artist(hand):
     same("locked", type(steps()[-1]).__name__, "LockRegions")
     kept = np.flatnonzero(label() == label()[hands])
     settings().partition.proxies = 90
-    yield from press(hand, "partition", rcp.Partition)
+    yield from press(hand, "partition")
     same("anew", regions(), 90)
     same("but what is locked", np.array_equal(np.flatnonzero(label() == label()[hands]), kept), True)
     yield from hand.shot("people-2-artist")
-    yield from press(hand, "mesh", rcp.Mesh)
+    yield from press(hand, "mesh")
     target = hand.out / "people.glb"
     bpy.ops.export_scene.gltf(filepath=str(target), use_selection=True)
     assert target.stat().st_size > 1000
@@ -150,9 +165,9 @@ def modeller(hand):
         bpy.ops.view3d.view_selected()
     bpy.ops.isimp.preset(name="building")
     settings().partition.count_by, settings().partition.tolerance = "tolerance", 0.2
-    yield from press(hand, "partition", rcp.Partition)
+    yield from press(hand, "partition")
     same("five planes a house", regions(), 15)
-    yield from press(hand, "mesh", rcp.Mesh)
+    yield from press(hand, "mesh")
     made = bpy.context.object
     same("facades are single polygons", len(made.data.polygons), 15)
     assert polygon_flatness(made.data) < 1e-4
@@ -164,11 +179,56 @@ def modeller(hand):
     yield from hand.shot("people-3-modeller")
 
 
+def engineer(hand):
+    """A recipe made once by hand and exported; then scan after scan overnight, and a table in the morning."""
+    make_scan()
+    yield 0.3
+    yield from view(hand)
+    settings().partition.count_by, settings().partition.proxies = "proxies", 14
+    yield from press(hand, "partition")
+    yield from tool(hand, "isimp.region_tool.object")
+    yield from hand.click(*place(hand, 0.4, 0.4))
+    yield from hand.settle()
+    same("the recipe", [type(step).__name__ for step in steps()], ["Partition", "AddProxy"])
+    folder = hand.out / "overnight"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
+    bpy.ops.isimp.recipe_export(filepath=str(folder / "recipe.json"))
+    points, faces = scans.coordinates(scan().data), [tuple(face.vertices) for face in scan().data.polygons]
+    for name, scale in (("a", 1.0), ("c", 0.5), ("e", 2.0)):
+        write_off(folder / f"{name}.off", points * (1.0, scale, 1.0), faces)
+    (folder / "b.off").write_text((folder / "a.off").read_text()[:-200] + "\n3 1 2 99999999\n")  # damaged
+    write_off(folder / "d.off", points, faces[: steps()[-1].face])  # has no such face
+    script = folder / "overnight.sh"
+    script.write_text(OVERNIGHT)
+    script.chmod(0o755)
+    with (folder / "log.txt").open("w") as log:
+        night = subprocess.Popen(["sh", str(script), str(BATCH)], cwd=folder, stdout=log, stderr=log)
+    while night.poll() is None:
+        yield 0.5
+    with (folder / "results.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    same("a row each", [row["scan"] for row in rows], [f"{name}.off" for name in "abcde"])
+    same("polygons", [int(row["polygons"] or 0) >= 15 for row in rows], [True, False, True, False, True])
+    same("failed", (folder / "failed.txt").read_text().split(), ["b.off", "d.off"])
+    damaged, short = (row["problem"] for row in rows if row["problem"])
+    assert re.search(r"b\.off: line \d+: expected 3 vertices", damaged), damaged
+    assert f"there is no face {steps()[-1].face}" in short, short
+    same("the others are there", sorted(path.stem for path in folder.glob("*.obj")), ["a", "c", "e"])
+
+
+def write_off(path, points, faces):
+    lines = ["OFF", f"{len(points)} {len(faces)} 0"]
+    lines += [" ".join(map(str, point)) for point in points]
+    lines += [" ".join(map(str, (len(face), *face))) for face in faces]
+    path.write_text("\n".join(lines) + "\n")
+
+
 def run(hand):
     isimp.register()
     yield 0.5
     yield from hand.open_tab()
-    for person in (designer, artist, modeller):
+    for person in (designer, artist, modeller, engineer):
         print(person.__name__, flush=True)
         for obj in list(bpy.data.objects):  # hidden ones too
             bpy.data.objects.remove(obj)

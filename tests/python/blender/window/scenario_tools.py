@@ -1,4 +1,6 @@
-"""The tools in the toolbar, with a real mouse: click, ctrl-click, alt-click; undo and redo; what is drawn meanwhile."""
+"""The Region tool, with a real mouse: clicks, a drag and L; undo and redo of each; what is drawn."""
+
+import zlib
 
 import bpy
 import numpy as np
@@ -50,6 +52,31 @@ def steps():
     return store.load(scan()).steps
 
 
+def undone_and_redone(hand, what, seen):
+    """Ctrl-Z takes what was done back in one go, and Ctrl-Shift-Z does it again. seen: what to look at."""
+    after, count = seen(), len(steps())
+    yield from hand.undo()
+    same(f"{what}, undone", (seen() != after, len(steps())), (True, count - 1))
+    yield from hand.redo()
+    same(f"{what}, redone", (seen(), len(steps())), (after, count))
+
+
+def labels():
+    """(faces,) the region of each face of the scan, in either mode."""
+    import scans
+
+    return scans.regions(scan())
+
+
+def state():
+    """What stands for all regions: a number that is another one if a face is in another region."""
+    return zlib.crc32(labels())
+
+
+def last():
+    return type(steps()[-1]).__name__
+
+
 def sketched():
     """Waits until what is drawn over the scan is there."""
     from isimp.blender import runtime
@@ -70,13 +97,90 @@ def drawn():
     return runtime.get().drawings[key].sketch
 
 
-def border():
-    """How many edges of the scan lie between regions."""
-    import scans
+def selected():
+    flags = np.empty(len(scan().data.polygons), bool)
+    scan().data.polygons.foreach_get("select", flags)
+    return int(flags.sum())
 
-    label = scans.regions(scan())
-    pairs = scans.face_pairs(scan().data)
-    return int(np.count_nonzero(label[pairs[:, 0]] != label[pairs[:, 1]]))
+
+def hovered(hand):
+    from isimp.blender import runtime
+
+    yield from hand.move(*place(hand, 0.2, 0.2))
+    for _ in range(100):
+        yield from hand.move(*place(hand, 0.2, 0.21))
+        if runtime.get().hover is not None:
+            break
+        yield 0.1
+    for word in ("of the area", "of the error", "flat to"):
+        assert word in runtime.get().hover.text, runtime.get().hover
+    assert "Ctrl: delete" in runtime.get().status
+
+
+def clicked(hand):
+    before = regions()
+    yield from hand.click(*place(hand, 0.4, 0.4))
+    yield from hand.settle()
+    same("click adds", (regions(), last()), (before + 1, "AddProxy"))
+    yield from sketched()
+    yield from hand.shot("tools-3-add")
+    yield from undone_and_redone(hand, "added", state)
+    yield from hand.click(*place(hand, 0.4, 0.4), ctrl=True)
+    yield from hand.settle()
+    same("ctrl-click deletes", (regions(), last()), (before, "DeleteProxy"))
+    yield from undone_and_redone(hand, "deleted", state)
+
+    none = selected()
+    yield from hand.click(*place(hand, -0.3, -0.3), alt=True)
+    yield from hand.settle()
+    picked = selected()
+    assert 20 < picked < len(scan().data.polygons) / 2, picked
+    yield from hand.undo()
+    same("not selected", selected(), none)
+    yield from hand.redo()
+    same("selected again", (selected(), regions()), (picked, before))
+
+
+def dropped(hand):
+    x, y = place(hand, 0.0, 0.0)
+    before = state()
+    for drop in ({"kind": "ESC"}, {"kind": "Z", "ctrl": True}):
+        yield from hand.move(x, y)
+        hand.event("LEFTMOUSE", "PRESS")
+        yield 0.1
+        yield from hand.move(*place(hand, 0.6, 0.85))
+        yield from hand.key(**drop)
+        hand.event("LEFTMOUSE", "RELEASE")
+        yield 0.3
+        same(f"{drop['kind']} drops a drag", state(), before)
+
+
+def in_edit_mode(hand):
+    yield from hand.into_view()
+    yield from hand.key("TAB")
+    yield 0.3
+    before = regions()
+    yield from tool(hand, "isimp.region_tool.edit_mesh")
+    yield from hand.click(*place(hand, 0.4, 0.4))
+    yield from hand.settle()
+    same("click adds in Edit Mode", (scan().mode, regions()), ("EDIT", before + 1))
+    yield from undone_and_redone(hand, "added in Edit Mode", state)
+    yield from hand.undo()
+    yield from drag(hand, (0.0, 0.0), (0.6, 0.85))
+    same("a drag merges in Edit Mode", (regions(), last()), (before - 1, "MergeRegions"))
+    yield from undone_and_redone(hand, "merged in Edit Mode", state)
+    yield from hand.undo()
+    yield from hand.shot("tools-4-edit")
+    yield from hand.into_view()
+    yield from hand.key("TAB")
+    yield 0.3
+    yield from tool(hand, "isimp.region_tool.object")
+
+
+def locked():
+    from isimp.blender import store
+
+    return store.numbers(scan()).get("locked", 0)
 
 
 def run(hand):
@@ -93,119 +197,35 @@ def run(hand):
     assert len(sketch.corners)
     yield from hand.shot("tools-1-sketch")
     yield from tool(hand, "isimp.region_tool.object")
+    yield from hovered(hand)
+    yield from hand.shot("tools-2-hover")
+    yield from clicked(hand)
+    yield from dropped(hand)
+    yield from in_edit_mode(hand)
+
+    before = regions()
+    yield from drag(hand, (0.0, 0.0), (0.9, 0.85), shot="tools-5-merge")
+    same("a drag merges", (regions(), last()), (before - 1, "MergeRegions"))
+    yield from undone_and_redone(hand, "merged", state)
+    yield from hand.undo()
+    for wanted in (1, 0):
+        yield from hand.move(*place(hand, 0.0, 0.0))
+        yield from hand.key("L")
+        yield from hand.settle()
+        same("L", (last(), locked()), ("LockRegions" if wanted else "UnlockRegions", wanted))
+        yield from sketched()
+        same("hatched", len(drawn().locked) > 0, bool(wanted))
+        yield from undone_and_redone(hand, "L", locked)
+        if wanted:
+            kept = state()
+            yield from hand.click(*place(hand, 0.0, 0.0), ctrl=True)
+            yield from hand.settle()
+            same("what is locked is not deleted", (state(), regions()), (kept, before))
+            yield from sketched()
+            yield from hand.shot("tools-6-locked")
 
     from isimp.blender import runtime
 
-    yield from hand.move(*place(hand, 0.2, 0.2))
-    for _ in range(100):
-        yield from hand.move(*place(hand, 0.2, 0.21))
-        if runtime.get().hover is not None:
-            break
-        yield 0.1
-    for word in ("of the area", "of the error", "flat to"):
-        assert word in runtime.get().hover.text, runtime.get().hover
-    assert "Ctrl: delete" in runtime.get().status
-    yield from hand.shot("tools-2-hover")
-
-    yield from hand.click(*place(hand, 0.4, 0.4))
-    yield from hand.settle()
-    same("click adds", regions(), 15)
-    yield from sketched()
-    yield from hand.shot("tools-3-add")
-    yield from hand.undo()
-    same("undone", regions(), 14)
-    yield from hand.redo()
-    same("redone", regions(), 15)
-    yield from hand.click(*place(hand, 0.4, 0.4), ctrl=True)
-    yield from hand.settle()
-    same("ctrl-click deletes", regions(), 14)
-    yield from hand.click(*place(hand, -0.3, -0.3), alt=True)
-    yield from hand.settle()
-    selected = np.empty(len(scan().data.polygons), bool)
-    scan().data.polygons.foreach_get("select", selected)
-    assert 20 < selected.sum() < len(selected) / 2, selected.sum()
-
-    x, y = place(hand, 0.0, 0.0)
-    yield from hand.move(x, y)
-    hand.event("LEFTMOUSE", "PRESS")
-    yield 0.1
-    yield from hand.move(x + 5, y)
-    yield from hand.key("ESC")
-    hand.event("LEFTMOUSE", "RELEASE")
-    yield 0.3
-    same("Esc drops", regions(), 14)
-
-    yield from hand.into_view()
-    yield from hand.key("TAB")
-    yield 0.3
-    yield from tool(hand, "isimp.region_tool.edit_mesh")
-    yield from hand.click(*place(hand, 0.4, 0.4))
-    yield from hand.settle()
-    same("click adds in Edit Mode", (scan().mode, regions()), ("EDIT", 15))
-    yield from hand.undo()
-    same("undone in Edit Mode", regions(), 14)
-    yield from hand.shot("tools-4-edit")
-    yield from hand.into_view()
-    yield from hand.key("TAB")
-    yield 0.3
-    yield from tool(hand, "isimp.region_tool.object")
-    before = regions()
-    yield from hand.move(*place(hand, 0.0, 0.0))
-    hand.event("LEFTMOUSE", "PRESS")
-    yield 0.1
-    for x in (0.3, 0.6, 0.9):
-        yield from hand.move(*place(hand, x, 0.85))
-        yield 0.1
-    yield from hand.shot("tools-5-merge")
-    hand.event("LEFTMOUSE", "RELEASE")
-    yield from hand.settle()
-    same("a drag merges", regions(), before - 1)
-    yield from hand.undo()
-    same("undone", regions(), before)
-    yield from hand.move(*place(hand, 0.0, 0.0))
-    yield from hand.key("L")
-    yield from hand.settle()
-    same("locked", type(steps()[-1]).__name__, "LockRegions")
-    yield from sketched()
-    same("hatched", len(drawn().locked) > 0, True)
-    yield from hand.shot("tools-6-locked")
-    yield from hand.move(*place(hand, 0.0, 0.0))
-    yield from hand.key("L")
-    yield from hand.settle()
-    same("unlocked", type(steps()[-1]).__name__, "UnlockRegions")
-
-    yield from tool(hand, "isimp.paint_tool.object")
-    bpy.context.window_manager.isimp.brush = 25
-    yield from drag(hand, (-0.4, 0.0), (0.3, 0.1), ctrl=True, shot="tools-7-paint")
-    same("painted a new region", (regions(), type(steps()[-1]).__name__), (before + 1, "PaintFaces"))
-    same("and locked it", steps()[-1].lock, True)
-    painted = len(steps()[-1].faces)
-    yield from drag(hand, (-0.3, 0.0), (-0.3, 0.4))
-    same("painted into it", (regions(), steps()[-1].onto >= 0), (before + 1, True))
-    yield from hand.undo()
-    same("a stroke is one step to undo", len(steps()[-1].faces), painted)
-    yield from drag(hand, (-0.4, 0.0), (-0.2, 0.0), ctrl=True, shift=True)
-    same("erased", type(steps()[-1]).__name__, "EraseFaces")
-    ragged = border()
-    yield from drag(hand, (0.1, 0.6), (0.95, 0.3), shift=True, shot="tools-7-smooth")
-    same("smoothed", (type(steps()[-1]).__name__, border() < ragged), ("SmoothFaces", True))
-    yield from hand.undo()
-    same("not smoothed", border(), ragged)
-    yield from hand.redo()
-    same("smoothed again", border() < ragged, True)
-    yield from hand.into_view()
-    yield from hand.key("X")
-    same("X mirrors", bpy.context.window_manager.isimp.mirror, "X")
-    yield from drag(hand, (0.3, -0.4), (0.4, -0.4), ctrl=True)
-    same("painted on both sides", [type(step).__name__ for step in steps()[-2:]], ["PaintFaces", "PaintFaces"])
-    left, right = (set(step.faces) for step in steps()[-2:])
-    assert 0.5 < len(left) / len(right) < 2, (len(left), len(right))
-    before = regions()
-
-    yield from tool(hand, "isimp.cut_tool.object")
-    yield from drag(hand, (-0.9, -0.15), (0.9, -0.12), shot="tools-8-cut")
-    same("cut", (regions(), type(steps()[-1]).__name__), (before + 1, "CutRegion"))
-    yield from hand.shot("tools-9-after")
     yield from tool(hand, "builtin.select_box")
     yield 0.3
     same("another tool", (runtime.get().hover, runtime.get().status), (None, ""))

@@ -15,7 +15,8 @@ ROOT = HERE.parents[3]
 OUT = Path(os.environ.get("ISIMP_WINDOW_OUT", ROOT / "out" / "window"))
 SIZE = 1200, 1150  # pixels: the whole panel is to be seen
 SMALL = 800, 640  # where no button is looked for: less to draw
-WITHOUT_BUTTONS = {"gestures", "live", "people", "tools"}
+WITHOUT_BUTTONS = {"gestures", "live", "paint", "tools"}
+NARROW = {"buttons": (480, 960), "people": (800, 960)}  # where buttons are few, and much is drawn
 LIMIT = 600  # seconds; one or two minutes on a quiet machine
 
 
@@ -36,7 +37,7 @@ def test_scenario(scenario):
     if missing:
         pytest.skip(f"needs {', '.join(missing)} (Debian: blender, xvfb, imagemagick)")
     OUT.mkdir(parents=True, exist_ok=True)
-    size = SMALL if scenario in WITHOUT_BUTTONS else SIZE
+    size = SMALL if scenario in WITHOUT_BUTTONS else NARROW.get(scenario, SIZE)
     blender = ["blender", "--factory-startup", "--enable-event-simulate", "-p", "0", "0", *map(str, size)]
     script = ["--python", str(HERE / "drive.py"), "--", str(HERE / f"scenario_{scenario}.py"), str(OUT)]
     command = ["xvfb-run", "-a", "-s", f"-screen 0 {size[0]}x{size[1]}x24", *blender, *script]
