@@ -93,7 +93,9 @@ def _take_up(context, work) -> bool:
 
 def settle() -> None:
     """Makes a step to undo of what was changed."""
-    bpy.ops.isimp.settle("EXEC_DEFAULT", True)
+    window = bpy.context.window_manager.windows[0]  # a timer has none
+    with bpy.context.temp_override(window=window):
+        bpy.ops.isimp.settle("INVOKE_DEFAULT", True)
 
 
 class ISIMP_OT_settle(modal.RecipeOperator, bpy.types.Operator):
@@ -113,9 +115,25 @@ class ISIMP_OT_settle(modal.RecipeOperator, bpy.types.Operator):
     def told(self, before, numbers):
         return f"{before.get('regions', '?')} -> {numbers['regions']} regions"
 
+    def invoke(self, context, event):
+        if runtime.get().live.shown is None:
+            return self.execute(context)
+        self._work = runtime.get().live.shown.work
+        runtime.get().live.held = True
+        return self.go_on(context)
+
+    def cancel(self, context):
+        super().cancel(context)
+        runtime.get().live.held = False
+
     def execute(self, context):
         if runtime.get().live.shown is None:
             return super().execute(context)
+        return self._settle(context)
+
+    def _settle(self, context):
+        """Writes what is shown on the scan; in Edit Mode it is written there already."""
+        runtime.get().live.held = False
         return {"FINISHED"} if pending.write_shown(context) else {"CANCELLED"}
 
 

@@ -1,5 +1,7 @@
 """All reading and writing of Blender meshes: bulk arrays in object mode, BMesh layers in edit mode."""
 
+from itertools import islice
+
 import bmesh
 import bpy
 import numpy as np
@@ -11,6 +13,8 @@ REGION, COLOR = "isimp_region", "isimp_color"
 FLAW = "isimp_flaw"  # of the result's polygons: 1 where something is amiss
 STATE = ".isimp_state"  # which recipe led to the regions; see store.py
 _ORIGIN = ".isimp_origin"
+_PIECE = 5000  # faces: writing all of them takes about a hundredth of a second
+_UNKNOWN = -2  # no region has this number
 
 
 class Unusable(Exception):
@@ -137,7 +141,7 @@ def select_polygons(obj, chosen: np.ndarray) -> None:
     """Selects polygons and their corners, and no others, in either mode. chosen: (polygons,) bool."""
     mesh = obj.data
     if obj.mode == "EDIT":
-        edit = bmesh.from_edit_mesh(mesh)
+        edit = edit_mesh(mesh)
         for part in (edit.verts, edit.edges, edit.faces):
             for item in part:
                 item.select = False
@@ -168,15 +172,25 @@ def select_polygons(obj, chosen: np.ndarray) -> None:
     mesh.update()
 
 
+def edit_mesh(mesh):
+    """The BMesh of a mesh in edit mode.
+
+    It is kept: for each that Python lets go, Blender has to change every element, 60 ms of a million faces.
+    """
+    edit = bmesh.from_edit_mesh(mesh)
+    runtime.get().edit = edit
+    return edit
+
+
 def face_count(obj) -> int:
     """How many faces an object's mesh has now, in either mode."""
-    return len(bmesh.from_edit_mesh(obj.data).faces if obj.mode == "EDIT" else obj.data.polygons)
+    return len(edit_mesh(obj.data).faces if obj.mode == "EDIT" else obj.data.polygons)
 
 
 def state_of(obj) -> int:
     """The state kept beside the regions; 0 where there is none. Cost: none to speak of."""
     if obj.mode == "EDIT":
-        faces = bmesh.from_edit_mesh(obj.data).faces
+        faces = edit_mesh(obj.data).faces
         layer = faces.layers.int.get(STATE)
         return next(iter(faces))[layer] if layer is not None and len(faces) else 0
     layer = obj.data.attributes.get(STATE)
@@ -185,16 +199,28 @@ def state_of(obj) -> int:
 
 def read_regions(obj) -> np.ndarray:
     """(faces,) int32 as last written; all -1 where there are none. In edit mode as of the last update_from_editmode."""
-    regions = np.full(len(obj.data.polygons), -1, np.int32)
     if obj.mode == "EDIT":
-        layer = bmesh.from_edit_mesh(obj.data).faces.layers.int.get(REGION)
-        if layer is not None:
-            regions[:] = [face[layer] for face in bmesh.from_edit_mesh(obj.data).faces]
-        return regions
+        return _read_edit_regions(obj)
+    regions = np.full(len(obj.data.polygons), -1, np.int32)
     layer = obj.data.attributes.get(REGION)
     if layer is not None:
         layer.data.foreach_get("value", regions)
     return regions
+
+
+def _read_edit_regions(obj) -> np.ndarray:
+    """As `read_regions`; not read again while nothing tells of a change."""
+    seen, faces = runtime.get().seen, edit_mesh(obj.data).faces
+    state, regions = seen.get(obj.name, (0, None))
+    if state and state == state_of(obj) and len(regions) == len(faces):
+        return regions.copy()
+    layer = faces.layers.int.get(REGION)
+    if layer is None:
+        return np.full(len(faces), -1, np.int32)
+    regions = np.fromiter((face[layer] for face in faces), np.int32, len(faces))
+    if not bpy.app.background:  # where nothing tells of changes
+        runtime.get().seen = {obj.name: (state_of(obj), regions)}
+    return regions.copy()
 
 
 def corner_totals(mesh) -> np.ndarray | int:
@@ -212,8 +238,9 @@ def write_regions(obj, face_region: np.ndarray, face_color: np.ndarray, state: i
     corner_color: `face_color` for each corner, if that is there already.
     """
     if obj.mode == "EDIT":
-        _write_edit_layers(obj.data, face_region, face_color, state, _unlike(obj, face_region, face_color))
-        runtime.get().written = {obj.name: (state, face_region, face_color)}
+        if not _is_written(obj, face_region, state):
+            for _ in writing(obj, face_region, face_color, state):
+                pass
     else:
         if corner_color is None:
             corner_color = np.repeat(face_color, corner_totals(obj.data), axis=0)
@@ -224,7 +251,7 @@ def write_regions(obj, face_region: np.ndarray, face_color: np.ndarray, state: i
 def write_state(obj, state: int) -> None:
     """Puts another state beside the regions, which stay."""
     if obj.mode == "EDIT":
-        edit = bmesh.from_edit_mesh(obj.data)
+        edit = edit_mesh(obj.data)
         stamp = edit.faces.layers.int.get(STATE) or edit.faces.layers.int.new(STATE)
         for face in edit.faces:
             face[stamp] = state
@@ -238,7 +265,7 @@ def write_state(obj, state: int) -> None:
 def clear_regions(obj) -> None:
     """Takes regions, their colours and the state from the mesh, and shows again the colours that were shown before."""
     if obj.mode == "EDIT":
-        edit = bmesh.from_edit_mesh(obj.data)
+        edit = edit_mesh(obj.data)
         for layers, name in (
             (edit.faces.layers.int, REGION),
             (edit.faces.layers.int, STATE),
@@ -282,43 +309,57 @@ def _layer(mesh, name, kind, domain):
     return layer or mesh.attributes.new(name, kind, domain)
 
 
-def _unlike(obj, face_region, face_color):
-    """(F,) bool which faces do not have this region and colour, in edit mode; None if that is not known."""
-    state, region, color = runtime.get().written.get(obj.name, (0, None, None))
-    if (
-        not state
-        or state != state_of(obj)
-        or len(region) != len(face_region)
-        or not np.array_equal(region, read_regions(obj))
-    ):
-        return None  # other faces, or in another order
-    return (region != face_region) | (color != face_color).any(axis=1)
+def _is_written(obj, face_region, state) -> bool:
+    """Whether just these regions were written in edit mode last, and nothing was done since."""
+    known, region, _ = runtime.get().written.get(obj.name, (0, None, None))
+    return known == state == state_of(obj) and region is face_region
 
 
-def _write_edit_layers(mesh, face_region, face_color, state, changed) -> None:
-    """Face by face, as there is no other way: `changed` (F,) bool says which; None: all."""
-    edit = bmesh.from_edit_mesh(mesh)
-    fresh = edit.loops.layers.float_color.get(COLOR) is None
-    for name in (REGION, STATE):
-        if edit.faces.layers.int.get(name) is None:
-            edit.faces.layers.int.new(name)
-            fresh = True
-    if edit.loops.layers.float_color.get(COLOR) is None:
-        edit.loops.layers.float_color.new(COLOR)
+def writing(obj, face_region, face_color, state):
+    """As `write_regions` in edit mode, where there is no way but face by face: in pieces, yielding what share is done.
+
+    Only faces that have another region or colour are touched. Nothing else may change the mesh between two pieces.
+    """
+    edit = edit_mesh(obj.data)
+    before, was, old_color = runtime.get().written.pop(obj.name, (0, None, None))
+    fresh = 0
+    for fresh in _make_edit_layers(edit):
+        yield 0.01 * fresh
+    if fresh or not before or before != state_of(obj) or len(was) != len(face_region):
+        was, differs = np.full(len(face_region), _UNKNOWN), np.ones(len(face_region), bool)
+    else:
+        differs = (was != face_region) | (old_color != face_color).any(axis=1)
     region, stamp = (edit.faces.layers.int[name] for name in (REGION, STATE))
-    color = edit.loops.layers.float_color[COLOR]
-    for face in edit.faces:
-        face[stamp] = state
-    faces = edit.faces
-    if changed is not None and not fresh:
-        edit.faces.ensure_lookup_table()
-        faces = [edit.faces[number] for number in np.flatnonzero(changed).tolist()]
-        face_region, face_color = face_region[changed], face_color[changed]
-    for face, label, value in zip(faces, face_region.tolist(), face_color.tolist(), strict=True):
-        face[region] = label
-        for corner in face.loops:
-            corner[color] = value
-    bmesh.update_edit_mesh(mesh, loop_triangles=False, destructive=False)
+    color, faces = edit.loops.layers.float_color[COLOR], iter(edit.faces)
+    for begin in range(0, len(face_region), _PIECE):
+        piece = slice(begin, begin + _PIECE)
+        values = (each[piece].tolist() for each in (was, differs, face_region, face_color))
+        for face, seen, another, label, value in zip(islice(faces, _PIECE), *values, strict=True):
+            face[stamp] = state
+            if another or face[region] != seen:  # other faces, or in another order
+                _paint(face, region, label, color, value)
+        yield min(1.0, piece.stop / len(face_region))
+    runtime.get().written = {obj.name: (state, face_region, face_color)}
+    runtime.get().seen = {}
+    runtime.get().own_writes.add(obj.data.name)
+    bmesh.update_edit_mesh(obj.data, loop_triangles=False, destructive=False)
+
+
+def _paint(face, region, label, color, value) -> None:
+    face[region] = label
+    for corner in face.loops:
+        corner[color] = value
+
+
+def _make_edit_layers(edit):
+    """Makes the layers that are missing; yields how many, after each. What was known of others is useless then."""
+    made = 0
+    for layers, names in ((edit.faces.layers.int, (REGION, STATE)), (edit.loops.layers.float_color, (COLOR,))):
+        for name in names:
+            if layers.get(name) is None:
+                layers.new(name)
+                made += 1
+                yield made
 
 
 def show_color(mesh) -> None:

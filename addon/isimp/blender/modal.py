@@ -5,18 +5,22 @@ shows how far it is and applies the result once it is there; Esc leaves everythi
 """
 
 import logging
+import time
+from contextlib import suppress
 
 import bpy
 import numpy as np
 
 from ..session import StepFailed
 from ..task import Status, Stopped, Task
-from . import mesh_io, pending, preferences, reading, runtime, store, targets
-from .show import show_failed
+from . import mesh_io, pending, preferences, reading, runtime, show, store, targets
 
 log = logging.getLogger("isimp")
 _AT_ONCE = 0.15  # seconds: shorter work needs no progress bar
 _TICK = 0.05
+_SPAN = 0.04  # seconds that writing may keep the window waiting
+#: What the mouse and keys may still do while a mesh in Edit Mode is written, which must not change meanwhile
+_NAVIGATION = ("MOUSE", "MIDDLE", "WHEEL", "TRACKPAD", "NDOF", "NUMPAD_", "TIMER", "WINDOW")
 
 
 class Work:
@@ -26,11 +30,18 @@ class Work:
         """again: the scan has not changed since it was read last."""
         preferences.obey(context, runtime.get().session)
         self.name, self.recipe = obj.name, recipe
-        self.state = mesh_io.state_of(obj)
+        self.states = {mesh_io.state_of(obj)}  #: those that are no change from elsewhere
         self.scan = reading.read(context, obj, recipe.layers(), again)
         self.corners = mesh_io.corner_totals(obj.data)
         self.face_color = self.corner_color = None
         self.task = None
+        self.shown = None  #: what share of the outcome is written, once that has begun; see show.writing
+
+    def progress(self) -> tuple:
+        """(share, words) of how far it is."""
+        if self.shown is not None:
+            return self.shown, f"Showing {self.shown:.0%}"
+        return self.task.watch.progress, self.task.describe()
 
     def run(self, watch=None):
         """The outcome, and its colours as the mesh takes them; on any thread."""
@@ -57,7 +68,7 @@ class Work:
         obj = bpy.data.objects.get(self.name)
         if obj is None or obj.type != "MESH" or obj.mode not in {"OBJECT", "EDIT"}:
             return None
-        same = mesh_io.face_count(obj) == self.scan.face_count and mesh_io.state_of(obj) == self.state
+        same = mesh_io.face_count(obj) == self.scan.face_count and mesh_io.state_of(obj) in self.states
         return obj if same else None
 
 
@@ -71,6 +82,9 @@ class RecipeOperator:
 
     #: Whether the recipe is kept if one of its steps can't be done: it is marked, and what was seen before stays
     keeps_failed = False
+
+    _writing = None  #: what is under way in Edit Mode: see show.writing
+    _before = None  #: what there was to say of the regions before
 
     @classmethod
     def poll(cls, context):
@@ -102,7 +116,11 @@ class RecipeOperator:
         if self._work is None:
             return {"CANCELLED"}
         self._work.start()
-        if self._work.task.wait(_AT_ONCE) is not Status.RUNNING:
+        return self.go_on(context)
+
+    def go_on(self, context):
+        """Takes up what a work of its own gave, or waits for it, without a frozen window."""
+        if self._work.task.wait(_AT_ONCE) is not Status.RUNNING and self._written(_AT_ONCE):
             return self._settle(context)
         runtime.get().running = self._work
         self._timer = context.window_manager.event_timer_add(_TICK, window=context.window)
@@ -111,20 +129,42 @@ class RecipeOperator:
 
     def modal(self, context, event):
         task = self._work.task
-        if event.type == "ESC" and event.value == "PRESS":
+        if event.type == "ESC" and event.value == "PRESS" and self._writing is None:
             task.watch.cancel()
             return {"RUNNING_MODAL"}
         if event.type != "TIMER":
-            return {"PASS_THROUGH"}
+            free = self._writing is None or event.type.startswith(_NAVIGATION)
+            return {"PASS_THROUGH" if free else "RUNNING_MODAL"}
         if task.status is Status.RUNNING:
-            _show_progress(context, f"{self._work.name}: {task.describe()} - Esc stops it")
+            _show_progress(context, f"{self._work.name}: {self._work.progress()[1]} - Esc stops it")
+            return {"PASS_THROUGH"}
+        if not self._written(_SPAN):
+            _show_progress(context, f"{self._work.name}: {self._work.progress()[1]}")
             return {"PASS_THROUGH"}
         self._end_modal(context)
         return self._settle(context)
 
+    def _written(self, seconds: float) -> bool:
+        """Goes on with what is written face by face, for so long; whether nothing of it is left."""
+        work, end = self._work, time.monotonic() + seconds
+        scan = work.target()
+        if scan is None or work.task.error is not None:
+            return True
+        if self._writing is None:
+            self._before = store.numbers(scan)
+            self._writing = show.writing(scan, work, work.task.result)
+        with suppress(ReferenceError):  # Edit Mode was left meanwhile, by a script
+            for work.shown in self._writing:
+                if time.monotonic() > end:
+                    return False
+        return True
+
     def cancel(self, context):
         """Blender calls this when the window or the file is closed meanwhile."""
         self._work.abandon()
+        with suppress(ReferenceError):
+            for _ in self._writing or ():  # half of it would be of neither state
+                pass
         self._end_modal(context)
 
     def _end_modal(self, context) -> None:
@@ -169,7 +209,7 @@ class RecipeOperator:
         obj = self._target(work)
         if obj is None:
             return {"CANCELLED"}
-        show_failed(context, obj, work, error)
+        show.show_failed(context, obj, work, error)
         pending.follow(context)
         self.report({"WARNING"}, f"{str(error).rstrip('.')}. The last good result stays.")
         return {"FINISHED"}
@@ -178,7 +218,7 @@ class RecipeOperator:
         obj = self._target(work)
         if obj is None:
             return {"CANCELLED"}
-        before = store.numbers(obj)
+        before = store.numbers(obj) if self._before is None else self._before
         self.show(context, obj, work, outcome)
         pending.follow(context)
         self.report({"INFO"}, self.told(before, outcome.numbers))
@@ -197,4 +237,6 @@ def _show_progress(context, text) -> None:
     for window in context.window_manager.windows:
         for area in window.screen.areas:
             if area.type == "VIEW_3D":
-                area.tag_redraw()
+                for region in area.regions:
+                    if region.type == "UI" or text is None:  # a bar alone is no reason to draw the scan anew
+                        region.tag_redraw()

@@ -36,7 +36,7 @@ class Drawing:
 
 def scan_shown(context):
     """The scan whose regions are seen, or None."""
-    scan, problem = targets.find(context)
+    scan, problem = targets.seen(context)
     seen = not problem and context.view_layer.objects.active == scan and scan.visible_get()
     return scan if seen and mesh_io.state_of(scan) and not targets.needs_regions(scan) else None
 

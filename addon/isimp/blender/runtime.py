@@ -15,7 +15,7 @@ class Live:
         self.work = None  #: what is being computed for it
         self.shown = None  #: a Preview of what is no step to undo yet; see preview.py
         self.tried = None  #: a Preview of what a tool would do, while the mouse is held
-        self.held = False  #: whether a tool has the session to itself, as the mouse is held
+        self.held = False  #: whether what is shown now is not to change: the mouse is held, or it is being written
         self.wake = None  #: called when a setting was changed; None where there are no timers
         self.pending = False  #: whether a setting was changed that is no step to undo yet
         self.scan = ""  #: whose settings the panel shows
@@ -50,6 +50,8 @@ class Runtime:
         self.live = Live()
         self.scans = {}  #: object's name -> what was read of it last; see reading.py
         self.written = {}  #: object's name -> (state, regions, colours) as last written on it in Edit Mode
+        self.seen = {}  #: object's name -> (state, regions) as read in Edit Mode since anything was changed
+        self.edit = None  #: the BMesh of what is in Edit Mode, kept; see mesh_io.edit_mesh
         self.own_writes = set()  #: names of meshes whose next change is the add-on's own
         self.drawings = OrderedDict()  #: what is drawn over scans; see overlay.py
         self.shaders = {}  #: own ones, by name

@@ -40,6 +40,19 @@ def _write(scan, work, outcome, state) -> None:
     mesh_io.write_regions(scan, outcome.face_region, color, state, work.corner_color)
 
 
+def writing(scan, work, outcome):
+    """What `show_outcome` will write face by face, in pieces, so that the window need not wait for it.
+
+    Yields what share is done. Nothing is left for later in Edit Mode; nothing is done in Object Mode.
+    """
+    if scan.mode != "EDIT" or outcome.polygons is not None:
+        return
+    state = store.save(scan, work.recipe, outcome.numbers)
+    work.states.add(state)
+    color = work.face_color if work.face_color is not None else outcome.face_colors
+    yield from mesh_io.writing(scan, outcome.face_region, color, state)
+
+
 def show_outcome(context, scan, work, outcome) -> None:
     """Shows what a recipe gave: polygons if it ends in Mesh, else regions."""
     (show_regions if outcome.polygons is None else show_polygons)(context, scan, work, outcome)

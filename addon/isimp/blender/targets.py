@@ -43,14 +43,24 @@ def result_of(scene, scan):
 def find(context):
     """(scan, "") or (None, why not). The scan is the active object, or the one the active result was made from."""
     problem = _not_now()
+    return (None, problem) if problem else seen(context)
+
+
+def seen(context):
+    """As `find`, but while something is under way too: to look at, and not to change."""
     active = context.view_layer.objects.active
     scan = scan_of(active) or active
-    return (None, problem or _unusable(scan)) if problem or _unusable(scan) else (scan, "")
+    problem = _no_engine() or _unusable(scan)
+    return (None, problem) if problem else (scan, "")
+
+
+def _no_engine() -> str:
+    if session.ENGINE_PROBLEM:
+        return f"Install the zip made for this system: the iSimp engine does not load here ({session.ENGINE_PROBLEM})"
+    return ""
 
 
 def _not_now() -> str:
-    if session.ENGINE_PROBLEM:
-        return f"Install the zip made for this system: the iSimp engine does not load here ({session.ENGINE_PROBLEM})"
     running = runtime.get().running
     if running is not None:
         return f"Still working on '{running.name}': wait, or press Esc"

@@ -1,6 +1,5 @@
 """What its user painted on a scan, one number a face: vertex groups, and attributes of faces or vertices."""
 
-import bmesh
 import numpy as np
 
 from . import mesh_io
@@ -74,7 +73,7 @@ def _of_faces(mesh, values: np.ndarray) -> np.ndarray:
 
 def edit_layer(mesh, name: str):
     """(faces,) float32 of a layer in edit mode, or None."""
-    edit = bmesh.from_edit_mesh(mesh)
+    edit = mesh_io.edit_mesh(mesh)
     for kind in ("float", "int"):
         layer = getattr(edit.faces.layers, kind).get(name)
         if layer is not None:

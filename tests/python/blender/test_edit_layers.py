@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import scans
 
-from isimp.blender import mesh_io
+from isimp.blender import mesh_io, modal, show, store
+from isimp.recipe import AddProxy
 
 pytestmark = pytest.mark.usefixtures("scene")
 
@@ -27,21 +28,21 @@ def scan():
     return scan
 
 
-def written(scan, monkeypatch, do):
-    """How many faces were written, and what is seen afterwards; None for all."""
-    counts, write = [], mesh_io._write_edit_layers
+def written(monkeypatch, do):
+    """How many faces were written."""
+    faces, paint = [], mesh_io._paint
 
-    def noting(mesh, region, color, state, changed):
-        counts.append(None if changed is None else int(changed.sum()))
-        write(mesh, region, color, state, changed)
+    def noting(face, *values):
+        faces.append(face)
+        paint(face, *values)
 
-    monkeypatch.setattr(mesh_io, "_write_edit_layers", noting)
+    monkeypatch.setattr(mesh_io, "_paint", noting)
     do()
-    return counts[-1], seen(scan)
+    return len(faces)
 
 
 def test_an_edit_writes_the_neighbourhood_and_gives_what_object_mode_gives(scan, monkeypatch):
-    count, made = written(scan, monkeypatch, lambda: bpy.ops.isimp.add_proxy(face=20))
+    count, made = written(monkeypatch, lambda: bpy.ops.isimp.add_proxy(face=20)), seen(scan)
     assert 0 < count < len(scan.data.polygons) / 2
     scans.mode("OBJECT")
     assert made[0] == scans.regions(scan).tolist()
@@ -57,6 +58,32 @@ def test_faces_in_another_order_are_all_written(scan, monkeypatch):
     edit.faces.sort(key=lambda face: -face.index)
     edit.faces.index_update()
     bmesh.update_edit_mesh(scan.data)
-    count, made = written(scan, monkeypatch, lambda: bpy.ops.isimp.partition(proxies=8))
-    assert count is None
-    assert len(set(made[0])) == 8
+    assert written(monkeypatch, lambda: bpy.ops.isimp.partition(proxies=8)) == len(scan.data.polygons)
+    assert len(set(seen(scan)[0])) == 8
+
+
+def test_what_was_written_in_pieces_is_not_written_again(scan, monkeypatch):
+    """As a window does it, that must not wait for all of it at once."""
+    monkeypatch.setattr(mesh_io, "_PIECE", 50)
+    recipe = store.load(scan).then(AddProxy(face=20))
+    work = modal.Work(bpy.context, scan, recipe)
+    outcome, before, shares = work.run(), seen(scan), []
+
+    def in_pieces():
+        shares.extend(show.writing(scan, work, outcome))
+
+    count = written(monkeypatch, in_pieces)
+    made = seen(scan)
+    assert 0 < count < len(scan.data.polygons) / 2
+    assert (len(shares), shares[-1]) == (-(-len(scan.data.polygons) // 50), 1.0)
+    assert made[0] == outcome.face_region.tolist() != before[0]
+    assert work.target() == scan, "its own state is no change from elsewhere"
+    assert written(monkeypatch, lambda: show.show_outcome(bpy.context, scan, work, outcome)) == 0
+    assert (seen(scan), store.load(scan)) == (made, recipe)
+
+
+def test_writing_in_pieces_is_nothing_in_object_mode(scan):
+    scans.mode("OBJECT")
+    work = modal.Work(bpy.context, scan, store.load(scan).then(AddProxy(face=20)))
+    assert list(show.writing(scan, work, work.run())) == []
+    assert len(set(scans.regions(scan).tolist())) == 10

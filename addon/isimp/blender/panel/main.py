@@ -89,14 +89,15 @@ class ISIMP_PT_borders(Panel, bpy.types.Panel):
 def _draw_progress(layout, running) -> None:
     column = layout.column()
     column.label(text=running.name, icon="SORTTIME")
-    task = running.task
+    share, said = running.progress()
     if hasattr(column, "progress"):
-        column.progress(factor=task.watch.progress, text=task.describe())
+        column.progress(factor=share, text=said)
     else:
-        column.label(text=task.describe())
-        split = column.split(factor=max(0.02, min(1.0, task.watch.progress)))
+        column.label(text=said)
+        split = column.split(factor=max(0.02, min(1.0, share)))
         split.operator("isimp.stop", text=" ", depress=True)
-    column.operator("isimp.stop", text="Stop (Esc)", icon="CANCEL")
+    if running.shown is None:  # what is being written is so in a moment, and stopped half way it would be nothing
+        column.operator("isimp.stop", text="Stop (Esc)", icon="CANCEL")
 
 
 CLASSES = (ISIMP_PT_main, ISIMP_PT_options, ISIMP_PT_borders)

@@ -1,0 +1,84 @@
+"""Regions written in pieces in Edit Mode: what the window may do meanwhile, one step to undo, and drags that settle."""
+
+import bpy
+from scenario_main import make_scan, regions, same, scan
+from scenario_steps import settings, settled, shown
+from scenario_tools import state, steps, undone_and_redone, view
+
+import isimp
+
+
+def slow_down():
+    """Has every piece take a turn of its own, as those of a million faces do."""
+    from isimp.blender import mesh_io, modal
+
+    modal._AT_ONCE, modal._SPAN, mesh_io._PIECE = 0.0, 0.0, 100
+
+
+def running():
+    from isimp.blender import runtime
+
+    return runtime.get().running is not None
+
+
+def pressed(hand, proxies):
+    with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
+        bpy.ops.isimp.partition("INVOKE_DEFAULT", True, proxies=proxies)
+    yield 0.3
+    same("under way", running(), True)
+
+
+def run(hand):
+    isimp.register()
+    make_scan(5)
+    yield 0.5
+    yield from hand.open_tab()
+    yield from view(hand)
+    settings().outline = False
+    yield from hand.into_view()
+    yield from hand.key("TAB")
+    yield 0.3
+    slow_down()
+    faces = len(scan().data.polygons)
+    yield from pressed(hand, 14)
+    yield from hand.into_view()
+    yield from hand.key("ESC")
+    yield from hand.key("X")  # would ask what to delete
+    yield from hand.key("TAB")
+    same("nothing else is done meanwhile", (running(), scan().mode), (True, "EDIT"))
+    yield from hand.shot("pieces-1-writing")
+    yield from hand.settle(120)
+    same("all is written", (regions(), scan().mode, len(scan().data.polygons)), (14, "EDIT", faces))
+    yield from pressed(hand, 20)
+    yield from hand.settle(120)
+    same("once more", regions(), 20)
+    yield from hand.undo()
+    same("one step to undo", (regions(), settings().partition.proxies), (14, 14))
+    yield from hand.redo()
+    same("and to redo", (regions(), settings().partition.proxies), (20, 20))
+
+    before = state()
+    settings().partition.proxies = 30
+    seen = set()
+    for _ in range(600):
+        seen.add(shown())
+        if running():
+            break
+        yield 0.05
+    same("drawn before it is written", 30 in seen, True)
+    same("and while it is", (running(), shown()), (True, 30))
+    yield from settled()
+    yield from hand.settle(120)
+    same("settled", (regions(), state() != before, len(steps())), (30, True, 1))
+    yield from hand.undo()
+    same("undone", (state() == before, settings().partition.proxies), (True, 20))
+    yield from hand.redo()
+    same("redone", (regions(), settings().partition.proxies), (30, 30))
+    bpy.ops.isimp.add_proxy("INVOKE_DEFAULT", True, face=100)
+    yield from hand.settle(120)
+    same("added", regions(), 31)
+    yield from undone_and_redone(hand, "added", state)
+    yield from hand.into_view()
+    yield from hand.key("TAB")
+    yield 0.3
+    same("in Object Mode", (scan().mode, regions()), ("OBJECT", 31))
