@@ -21,6 +21,7 @@ def interrupt(context) -> None:
     """Stops what is under way. What is shown and no step to undo yet becomes one."""
     runtime.get().stop_sketching()
     live = runtime.get().live
+    live.tried, live.held = None, False  # of a tool that did not come to its end
     if live.work is not None:
         live.work.abandon()
         live.work = None
