@@ -131,7 +131,7 @@ Case bound_case(const SetupPtr& setup, const std::string& name, double share) {
   const auto run = [setup, share](int round) {
     PartitionOptions options = options_of(*setup, round, Method::hierarchy, 1);
     options.proxies = std::nullopt;
-    options.bound = share * setup->mesh->report().diagonal * (1 + 0.001 * round);
+    options.bound = share * setup->mesh->report().diagonal;
     options.noise = 0.0;
     Partition result;
     Job job;
@@ -251,6 +251,7 @@ std::vector<Case> all_cases(const SetupPtr& setup) {
   cases.push_back(new_detail_case(setup, "new_detail_finest", kFinestDetail, 0, 1));
   cases.push_back(new_detail_case(setup, "new_detail_adapted", kDefaultDetail, 0.25, 1));
   cases.push_back(bound_case(setup, "bound_fine", 0.0025));
+  cases.push_back(bound_case(setup, "bound_mid", 0.005));
   cases.push_back(bound_case(setup, "bound_coarse", 0.01));
   cases.push_back(edit_case(setup, base, "add", add_proxy));
   cases.push_back(edit_case(setup, base, "delete", delete_proxy));

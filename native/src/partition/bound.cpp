@@ -17,8 +17,8 @@ using detail::Corners;
 constexpr std::int32_t kFacesAProxy = 96;  // so that patches are of 8 faces
 constexpr double kLeastLength = 0.5;       // of a region's area: where normals cancel more there is no plane
 constexpr int kSweeps = 30;
-constexpr double kFirstWidth = 0.3;  // share of the width that nodes of the hierarchy may take up: merging finds better
-constexpr int kRounds = 3;           // of merging, dissolving and relaxing
+constexpr double kFirstWidth = 0.4;  // share of the width that nodes of the hierarchy may take up: merging finds better
+constexpr int kRounds = 3;           // of squeezing, merging, dissolving and relaxing
 
 /// The nodes of a hierarchy with their faces in a row: those of a node are a stretch of it.
 class Nodes {
@@ -178,7 +178,7 @@ void merge_fitting(const Surface& surface, const Corners& corners, std::span<con
   const FaceGraph& graph = surface.graph();
   ClusterGraph clusters = region_clusters(graph, bounded.regions, job);
   clusters.part = detail::parts_of_regions(surface, bounded);
-  std::vector<std::vector<std::int32_t>> points = corners.points_of(bounded);
+  std::vector<std::vector<std::int32_t>> points = corners.points_of(bounded, job);
   std::vector<std::int32_t> leaf(points.size());  // one that a node is made of
   std::iota(leaf.begin(), leaf.end(), 0);
   std::vector<RegionSum> sum = bounded.regions.sum;
@@ -255,7 +255,7 @@ void relax(const Surface& surface, const Corners& corners, double bound, Bounded
 
 /// Makes the slabs as narrow as the regions' vertices let them be; in the end across the mean normals where these fit.
 void tighten(const Corners& corners, double width, bool is_end, BoundedRegions& bounded, Job& job) {
-  const std::vector<std::vector<std::int32_t>> points = corners.points_of(bounded);
+  const std::vector<std::vector<std::int32_t>> points = corners.points_of(bounded, job);
   for (std::size_t r = 0; r < points.size(); ++r) {
     if ((r & 0xff) == 0) job.poll();
     Slab mean{.normal = bounded.regions.sum[r].normal()}, stored{.normal = bounded.slab[r].normal};
@@ -278,16 +278,21 @@ BoundedRegions bounded_regions(const Surface& surface, const Hierarchy& hierarch
   const double width = 2 * bound;
   std::vector<std::int32_t> need;
   for (const Part& part : parts.parts) need.push_back(part.need);
-  const Corners corners(surface);
+  const Corners corners(surface, job);
   BoundedRegions bounded = Cutting(surface, corners, hierarchy, parts, kFirstWidth * width, job).run(job);
   job.report(0.2);
   for (int round = 0; round < kRounds; ++round) {
-    const std::int32_t before = bounded.regions.count();
-    merge_fitting(surface, corners, need, width, bounded, job);
-    detail::dissolve(surface, corners, need, width, bounded, job);
-    if (round > 0 && bounded.regions.count() == before) break;
-    relax(surface, corners, bound, bounded, job);
-    tighten(corners, width, false, bounded, job);
+    BoundedRegions fewer = bounded;
+    if (round > 0) {
+      detail::squeeze(surface, corners, need, width, fewer, job);
+      tighten(corners, width, false, fewer, job);
+    }
+    merge_fitting(surface, corners, need, width, fewer, job);
+    detail::dissolve(surface, corners, need, width, fewer, job);
+    if (round > 0 && fewer.regions.count() == bounded.regions.count()) break;
+    relax(surface, corners, bound, fewer, job);
+    tighten(corners, width, false, fewer, job);
+    bounded = std::move(fewer);
     job.report(0.2 + 0.8 * (round + 1) / kRounds);
   }
   tighten(corners, width, true, bounded, job);

@@ -11,6 +11,7 @@ namespace isimp::detail {
 namespace {
 
 constexpr int kPasses = 6;
+constexpr std::size_t kPollEvery = 0x7ff;
 constexpr std::size_t kProbes = 16;  // faces looked at before a whole region is
 
 /// The faces of each region, in rising order.
@@ -43,21 +44,24 @@ class Dissolving {
   bool run(Job& job) {
     bool any = false;
     for (int pass = 0; pass < kPasses; ++pass) {
-      std::vector<std::int32_t> order;
-      for (std::int32_t r = 0; r < regions_.count(); ++r)
-        if (!faces_[r].empty()) order.push_back(r);
-      std::sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) {
-        return std::pair(regions_.sum[a].weight, a) < std::pair(regions_.sum[b].weight, b);
-      });
       bool gone = false;
-      for (const std::int32_t r : order) {
+      for (const std::int32_t r : smallest_first()) {
         job.poll();
-        gone |= dissolve_one(r);
+        gone |= dissolve_one(r, false);
       }
       if (!gone) break;
       any = true;
     }
     return any;
+  }
+
+  void squeeze(Job& job) {
+    std::vector<std::int32_t> order = smallest_first();
+    order.resize(order.size() / 2);
+    for (const std::int32_t r : order) {
+      job.poll();
+      dissolve_one(r, true);
+    }
   }
 
   void renumber() {
@@ -84,6 +88,16 @@ class Dissolving {
     }
   };
 
+  [[nodiscard]] std::vector<std::int32_t> smallest_first() const {
+    std::vector<std::int32_t> order;
+    for (std::int32_t r = 0; r < regions_.count(); ++r)
+      if (!faces_[r].empty()) order.push_back(r);
+    std::sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) {
+      return std::pair(regions_.sum[a].weight, a) < std::pair(regions_.sum[b].weight, b);
+    });
+    return order;
+  }
+
   [[nodiscard]] std::int32_t part_of(std::int32_t r) const { return part_.empty() ? 0 : part_[r]; }
 
   [[nodiscard]] std::vector<std::int32_t> regions_around(std::int32_t r) const {
@@ -108,7 +122,9 @@ class Dissolving {
     return std::all_of(faces.begin(), faces.end(), fits);
   }
 
-  bool dissolve_one(std::int32_t r) {
+  /// \param in_part  where not all of it can go, the rest may stay if it hangs together
+  /// \return whether the region is gone
+  bool dissolve_one(std::int32_t r, bool in_part) {
     if (left_[part_of(r)] <= need_[part_of(r)]) return false;
     const std::vector<std::int32_t> around = regions_around(r);
     // What was in vain once is so until a region around has changed.
@@ -116,8 +132,30 @@ class Dissolving {
     for (const std::int32_t to : around) latest = std::max(latest, changed_[to]);
     if (tried_[r] >= latest) return false;
     tried_[r] = clock_;
-    if (!hopeful(r, around)) return false;
+    if (!in_part && !hopeful(r, around)) return false;
+    std::map<std::int32_t, Slab> before;
+    const std::vector<std::int32_t> moved = give_away(r, before);
+    const bool gone = moved.size() == faces_[r].size();
+    if (!gone && !(in_part && hangs_together(r))) {
+      for (const std::int32_t f : moved) regions_.label[f] = r;
+      for (const auto& [to, slab] : before) slab_[to] = slab;
+      return false;
+    }
+    if (!moved.empty()) changed_[r] = ++clock_;
+    for (const std::int32_t f : moved) {
+      const std::int32_t to = regions_.label[f];
+      faces_[to].push_back(f);
+      regions_.sum[to].add(graph_.faces[f]);
+      regions_.sum[r].remove(graph_.faces[f]);
+      changed_[to] = clock_;
+    }
+    std::erase_if(faces_[r], [&](std::int32_t f) { return regions_.label[f] != r; });
+    if (gone) --left_[part_of(r)];
+    return gone;
+  }
 
+  /// Moves faces to regions around as long as one fits there, the best first. \param before  slabs that grew by it
+  std::vector<std::int32_t> give_away(std::int32_t r, std::map<std::int32_t, Slab>& before) {
     std::priority_queue<Offer, std::vector<Offer>, std::greater<>> queue;
     const auto offer = [&](std::int32_t face, std::int32_t to) {
       const double width = corners_.width_with(slab_[to], face);
@@ -126,7 +164,6 @@ class Dissolving {
     for (const std::int32_t f : faces_[r])
       for (const std::int32_t j : graph_.neighbours[f])
         if (const std::int32_t to = regions_.label[j]; to != r && to != kNone) offer(f, to);
-    std::map<std::int32_t, Slab> before;
     std::vector<std::int32_t> moved;
     while (!queue.empty() && moved.size() < faces_[r].size()) {
       const Offer next = queue.top();
@@ -139,21 +176,25 @@ class Dissolving {
       for (const std::int32_t j : graph_.neighbours[next.face])
         if (regions_.label[j] == r) offer(j, next.to);
     }
-    if (moved.size() < faces_[r].size()) {
-      for (const std::int32_t f : moved) regions_.label[f] = r;
-      for (const auto& [to, slab] : before) slab_[to] = slab;
-      return false;
-    }
-    ++clock_;
-    for (const std::int32_t f : moved) {
-      const std::int32_t to = regions_.label[f];
-      faces_[to].push_back(f);
-      regions_.sum[to].add(graph_.faces[f]);
-      changed_[to] = clock_;
-    }
-    faces_[r].clear();
-    --left_[part_of(r)];
-    return true;
+    return moved;
+  }
+
+  /// Whether the faces that are still of a region are connected.
+  bool hangs_together(std::int32_t r) {
+    const auto first =
+        std::find_if(faces_[r].begin(), faces_[r].end(), [&](std::int32_t f) { return regions_.label[f] == r; });
+    std::vector<std::int32_t> met{*first};
+    regions_.label[*first] = kNone;
+    for (std::size_t k = 0; k < met.size(); ++k)
+      for (const std::int32_t j : graph_.neighbours[met[k]])
+        if (regions_.label[j] == r) {
+          regions_.label[j] = kNone;
+          met.push_back(j);
+        }
+    for (const std::int32_t f : met) regions_.label[f] = r;
+    return met.size() ==
+           static_cast<std::size_t>(std::count_if(faces_[r].begin(), faces_[r].end(),
+                                                  [&](std::int32_t f) { return regions_.label[f] == r; }));
   }
 
   const FaceGraph& graph_;
@@ -170,12 +211,13 @@ class Dissolving {
 
 }  // namespace
 
-Corners::Corners(const Surface& surface)
+Corners::Corners(const Surface& surface, Job& job)
     : graph_(surface.graph()), corner_(static_cast<std::size_t>(surface.face_count())) {
   const Mesh& mesh = surface.mesh();
   std::vector<std::int32_t> number(mesh.vertices().size(), kNone);
   vertex_.reserve(number.size());
   for (std::int32_t i = 0; i < graph_.size(); ++i) {
+    if ((i & kPollEvery) == 0) job.poll();
     const Triangle& t = mesh.triangles()[graph_.mesh_face[i]];
     for (int k = 0; k < 3; ++k) {
       std::int32_t& v = number[t[k]];
@@ -188,10 +230,11 @@ Corners::Corners(const Surface& surface)
   }
 }
 
-std::vector<std::vector<std::int32_t>> Corners::points_of(const BoundedRegions& bounded) const {
+std::vector<std::vector<std::int32_t>> Corners::points_of(const BoundedRegions& bounded, Job& job) const {
   std::vector<std::vector<std::int32_t>> points(bounded.slab.size());
   std::vector<std::int32_t> latest(vertex_.size(), kNone);  // region that a vertex was last seen in
   for (std::size_t i = 0; i < corner_.size(); ++i) {
+    if ((i & kPollEvery) == 0) job.poll();
     const std::int32_t r = bounded.regions.label[i];
     if (r == kNone) continue;
     for (const std::int32_t v : corner_[i])
@@ -207,6 +250,14 @@ bool dissolve(const Surface& surface, const Corners& corners, std::span<const st
   const bool any = dissolving.run(job);
   if (any) dissolving.renumber();
   return any;
+}
+
+void squeeze(const Surface& surface, const Corners& corners, std::span<const std::int32_t> need, double width,
+             BoundedRegions& bounded, Job& job) {
+  job.poll();
+  Dissolving dissolving(surface, corners, need, width, bounded);
+  dissolving.squeeze(job);
+  dissolving.renumber();
 }
 
 std::vector<std::int32_t> parts_of_regions(const Surface& surface, const BoundedRegions& bounded) {

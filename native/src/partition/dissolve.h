@@ -17,14 +17,14 @@ inline constexpr double kLeastCosine = 0.2;
 /// on the surface is near in memory.
 class Corners {
  public:
-  explicit Corners(const Surface& surface);
+  Corners(const Surface& surface, Job& job);
 
   void add_to(Slab& slab, std::int32_t face) const {
     for (const std::int32_t v : corner_[face]) slab.add(vertex_[v]);
   }
   [[nodiscard]] const Vec3& vertex(std::int32_t v) const { return vertex_[v]; }
   /// The vertices of each region, by number here; hardly any of them twice.
-  [[nodiscard]] std::vector<std::vector<std::int32_t>> points_of(const BoundedRegions& bounded) const;
+  [[nodiscard]] std::vector<std::vector<std::int32_t>> points_of(const BoundedRegions& bounded, Job& job) const;
   /// How wide a slab is with one more face in it; endless for a face that is turned away from it.
   [[nodiscard]] double width_with(const Slab& slab, std::int32_t face) const {
     const FaceRecord& f = graph_.faces[face];
@@ -46,6 +46,11 @@ class Corners {
 /// \return whether any went; labels and sums are numbered anew then
 bool dissolve(const Surface& surface, const Corners& corners, std::span<const std::int32_t> need, double width,
               BoundedRegions& bounded, Job& job);
+
+/// Has the smaller half of the regions give their faces to neighbours, as above, as far as that goes: what is left of
+/// one merges more easily. Slabs then are wider than they need be.
+void squeeze(const Surface& surface, const Corners& corners, std::span<const std::int32_t> need, double width,
+             BoundedRegions& bounded, Job& job);
 
 /// The component of each region; empty if there is one.
 std::vector<std::int32_t> parts_of_regions(const Surface& surface, const BoundedRegions& bounded);
