@@ -2,6 +2,7 @@
 
     bench/guided_counts.py bounds       regions for a bound of .25, .5 and 1 % of the diagonal, how it is kept, and how
                                         far the scan is from the polygons (at most 1.5 bounds)
+    bench/guided_counts.py planes       the same without the polygons, which take much longer
     bench/guided_counts.py adaptivity   share of the regions in the roughest fifth of the area
     bench/guided_counts.py weights      regions in a painted zone, and in the rest
 
@@ -53,8 +54,8 @@ def seconds(call):
     return time.process_time() - start, result
 
 
-def bounds(folder, names):
-    """Returns whether every run kept its bound, by the regions' planes and by the polygons."""
+def bounds(folder, names, *, polygons):
+    """Returns whether every run kept its bound, by the regions' planes and, if they are wanted, by the polygons."""
     kept_all = True
     for name in names:
         mesh = load(folder, name)
@@ -67,14 +68,15 @@ def bounds(folder, names):
             kept, speed = farthest(mesh, part) / bound, took / len(mesh.triangles) * 1e6
             print(f"{name:32} {percent:4} %  {part.region_count:5} regions {wanted}  kept to {kept:.4f}", end="")
             print(f"  {speed:.2f} s a million faces, x{took / plain:.1f}", end="", flush=True)
-            made = engine.within.Made(options)
-            took, found = seconds(partial(engine.within.polygonize_within, mesh, part, made=made))
-            sound = kept <= 1 + 1e-9 and found.distance <= found.allowed
+            sound, told = kept <= 1 + 1e-9, ""
+            if polygons:
+                made = engine.within.Made(options)
+                took, found = seconds(partial(engine.within.polygonize_within, mesh, part, made=made))
+                sound &= found.distance <= found.allowed
+                told = f"  scan to polygons {found.distance / bound:.3f} bounds"
+                told += f" with {found.partition.region_count} regions, {took:.1f} s"
+            print(told + ("" if sound else "  NOT KEPT"), flush=True)
             kept_all &= sound
-            print(f"  scan to polygons {found.distance / bound:.3f} bounds", end="")
-            print(
-                f" with {found.partition.region_count} regions, {took:.1f} s", "" if sound else "  NOT KEPT", flush=True
-            )
     return kept_all
 
 
@@ -160,12 +162,16 @@ def weights(folder, names):
 
 def main():
     folder = data_folder(None)
-    if folder is None or len(sys.argv) != 2 or sys.argv[1] not in ("bounds", "adaptivity", "weights"):
+    if folder is None or len(sys.argv) != 2 or sys.argv[1] not in ("bounds", "planes", "adaptivity", "weights"):
         sys.exit(__doc__)
-    if sys.argv[1] == "bounds":
+    if sys.argv[1] in ("bounds", "planes"):
         rest = sorted(str(p.relative_to(folder))[:-4] for p in folder.glob("*/*.ply"))
         skipped = ("known/empty", "known/one_triangle")
-        kept = bounds(folder, [*WANTED, *(n for n in rest if n not in WANTED and n not in skipped)])
+        kept = bounds(
+            folder,
+            [*WANTED, *(n for n in rest if n not in WANTED and n not in skipped)],
+            polygons=sys.argv[1] == "bounds",
+        )
         print("every bound kept" if kept else "NOT every bound kept")
         sys.exit(not kept)
     elif sys.argv[1] == "adaptivity":

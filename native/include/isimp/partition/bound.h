@@ -38,9 +38,8 @@ struct BoundedRegions {
 ///    however these are turned.
 /// 3. Regions dissolve, smallest first: their faces go to neighbours between whose planes they lie, all or none.
 /// 4. Borders relax, by moves only that keep every vertex between its region's planes.
-/// 5. Small regions give their neighbours what lies between their planes, and 2 to 4 follow with what is left of them;
-/// so
-///    twice at most.
+/// 5. Small regions give their neighbours what lies between their planes, and 2 to 4 follow with what is left; twice at
+///    most.
 /// Every component keeps as many regions as it needs.
 /// \param bound  scene units, above 0
 /// Cost: O(F log F), about a second for a million faces.
