@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scans
 
-from isimp.blender import mesh_io, modal, show, store
+from isimp.blender import mesh_io, modal, reading, show, store
 from isimp.recipe import AddProxy
 
 pytestmark = pytest.mark.usefixtures("scene")
@@ -87,3 +87,11 @@ def test_writing_in_pieces_is_nothing_in_object_mode(scan):
     work = modal.Work(bpy.context, scan, store.load(scan).then(AddProxy(face=20)))
     assert list(show.writing(scan, work, work.run())) == []
     assert len(set(scans.regions(scan).tolist())) == 10
+
+
+def test_what_was_read_stands_in_edit_mode_until_faces_come(scan):
+    known = reading.Known(scan, mesh_io.read(bpy.context, scan))
+    assert known.stands(scan)
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.subdivide()
+    assert not known.stands(scan)
