@@ -1,0 +1,137 @@
+"""The buttons under Edit Regions and By Error, pressed in the sidebar in Edit Mode; undo and redo of each."""
+
+import bmesh
+import bpy
+import numpy as np
+from scenario_main import make_scan, regions, same, scan
+from scenario_tools import labels, last, state, steps, undone_and_redone
+
+import isimp
+
+
+def show_heuristics():
+    """Has the panel By Error open from the beginning; before the add-on is switched on."""
+    from isimp.blender.panel import edit
+
+    edit.ISIMP_PT_heuristics.bl_options = set()
+
+
+def select(faces):
+    edit = bmesh.from_edit_mesh(scan().data)
+    edit.faces.ensure_lookup_table()
+    for face in edit.faces:
+        face.select_set(False)
+    for face in faces:
+        edit.faces[int(face)].select_set(True)
+    bmesh.update_edit_mesh(scan().data)
+    bpy.ops.ed.undo_push(message="select")
+
+
+def beside():
+    """A face, and one in another region that shares an edge with it."""
+    import scans
+
+    pairs, label = scans.face_pairs(scan().data), labels()
+    return next(pair for pair in pairs.tolist() if label[pair[0]] != label[pair[1]])
+
+
+def pressed(hand, name, wanted, kind, before=0):
+    """Presses a button; so many regions more than before, by a step of a kind; undo and redo."""
+    yield from hand.press(name)
+    same(name, (regions() - before, last()), (wanted, kind))
+    yield from undone_and_redone(hand, name, state)
+    yield from hand.undo()
+
+
+def twins(hand, name, lesser):
+    """Two buttons of one operator beside each other: moves to the one whose flag is as said."""
+    yield from hand.find(f"bpy.ops.{name}")
+    if lesser:
+        side = hand.region("UI")
+        yield from hand.move(side.x + (side.width - 20) * 0.75, hand.at[1])
+        same("beside", hand.under_mouse(), f"bpy.ops.{name}")
+    yield from hand.click(*hand.at)
+    yield from hand.settle()
+
+
+def at_selected_faces(hand):
+    count = regions()
+    face, other = beside()
+    select([face])
+    yield from pressed(hand, "isimp.add_proxy", 1, "AddProxy", count)
+    yield from pressed(hand, "isimp.delete_proxy", -1, "DeleteProxy", count)
+    yield from pressed(hand, "isimp.split", 1, "SplitRegion", count)
+    for name, lesser, kind in (("isimp.grow", False, "GrowRegion"), ("isimp.grow", True, "ShrinkRegion")):
+        yield from twins(hand, name, lesser)
+        same(kind, last(), kind)
+        yield from undone_and_redone(hand, kind, state)
+        yield from hand.undo()
+    select([face, other])
+    yield from pressed(hand, "isimp.merge", -1, "MergeRegions", count)
+    label = labels()
+    select([face])
+    yield from hand.press("isimp.select_region")
+    same("a whole region is selected", scan().data.total_face_sel, int(np.count_nonzero(label == label[face])))
+    yield from hand.undo()
+    same("no longer", scan().data.total_face_sel, 1)
+    yield from hand.redo()
+    select([face, *around(face, label)])
+    yield from pressed(hand, "isimp.paint_faces", 1, "PaintFaces", count)
+
+
+def around(face, label):
+    """The faces of its region that share an edge with a face."""
+    import scans
+
+    pairs = scans.face_pairs(scan().data)
+    near = np.concatenate([pairs[pairs[:, 0] == face, 1], pairs[pairs[:, 1] == face, 0]])
+    return set(near[label[near] == label[face]].tolist())
+
+
+def locks(hand):
+    face, _ = beside()
+    select([face])
+    yield from twins(hand, "isimp.lock", False)
+    same("Lock", (last(), locked()), ("LockRegions", 1))
+    yield from undone_and_redone(hand, "locked", locked)
+    yield from hand.shot("buttons-1-locked")
+    yield from twins(hand, "isimp.lock", True)
+    same("Unlock", (last(), locked()), ("UnlockRegions", 0))
+    yield from undone_and_redone(hand, "unlocked", locked)
+
+
+def locked():
+    from isimp.blender import store
+
+    return store.numbers(scan()).get("locked", 0)
+
+
+def by_error(hand):
+    count = regions()
+    bpy.context.window_manager.isimp.times = 2
+    for name, wanted, kind in (("add_worst", 2, "AddWorst"), ("delete_least", -2, "DeleteLeast")):
+        yield from pressed(hand, f"isimp.{name}", wanted, kind, count)
+    yield from pressed(hand, "isimp.merge_cheapest", -2, "MergeCheapest", count)
+    yield from hand.press("isimp.improve")
+    same("Improve", (regions(), last()), (count, "Improve"))
+    yield from hand.undo()
+    same("undone", (regions(), len(steps()), last()), (count, 3, "UnlockRegions"))
+
+
+def run(hand):
+    show_heuristics()
+    isimp.register()
+    make_scan()
+    yield 0.5
+    yield from hand.open_tab()
+    bpy.context.window_manager.isimp.partition.count_by = "proxies"
+    bpy.context.window_manager.isimp.partition.proxies = 14
+    yield from hand.press("isimp.partition")
+    same("regions", regions(), 14)
+    yield from hand.into_view()
+    yield from hand.key("TAB")
+    yield from hand.key("THREE")
+    yield 0.3
+    yield from at_selected_faces(hand)
+    yield from locks(hand)
+    yield from by_error(hand)
