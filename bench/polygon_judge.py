@@ -18,6 +18,7 @@ class Verdict:
     faults: list = field(default_factory=list)
     crossing: list = field(default_factory=list)
     empty: list = field(default_factory=list)
+    given: list = field(default_factory=list)  # without area, but so is the face of the scan that they are
     flipped: list = field(default_factory=list)
     bent: list = field(default_factory=list)
     far: list = field(default_factory=list)  # corners
@@ -303,6 +304,18 @@ class Scan:
         self.order, self.starts = order, np.searchsorted(self.region[order], np.arange(self.region.max() + 2))
         self.diagonal = np.linalg.norm(np.ptp(self.vertices[np.unique(mesh.triangles)], axis=0))
         self.known = {}
+        self.flat = set()
+        self.stored = self.vertices.astype(np.float32).astype(float)
+
+    def has_flat_face(self, vertices):
+        """Whether these are the corners of a face without area."""
+        if not self.flat:
+            corners = self.stored[self.triangles]
+            area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
+            extent = np.linalg.norm(corners - corners.mean(1, keepdims=True), axis=2).max(1)
+            flat = area <= THIN * self.diagonal * extent
+            self.flat = {(), *map(tuple, np.sort(self.triangles[flat], 1).tolist())}
+        return tuple(sorted(vertices.tolist())) in self.flat
 
     def faces_of(self, region):
         return self.order[self.starts[region] : self.starts[region + 1]]
@@ -320,15 +333,15 @@ class Scan:
             full = [self.area[self.faces_of(r)] > 0 for r in (a, b)]
             f, g = f[full[0]], g[full[1]]
             f, g = self.within_box(f, g), self.within_box(g, f)
-            pairs = box_pairs(self.vertices, f, self.vertices, g)
+            pairs = box_pairs(self.stored, f, self.stored, g)
             f, g = f[pairs[:, 0]], g[pairs[:, 1]]
             other = (f != g).any(1)
-            self.known[key] = bool(meeting(self.vertices, f[other], g[other]).any())
+            self.known[key] = bool(meeting(self.stored, f[other], g[other]).any())
         return self.known[key]
 
     def within_box(self, f, g):
         """Those of the faces f whose boxes reach into the box round all of g."""
-        corners, others = self.vertices[f], self.vertices[g.ravel()]
+        corners, others = self.stored[f], self.stored[g.ravel()]
         if not len(others):
             return f[:0]
         reach = (corners.min(1) <= others.max(0)) & (corners.max(1) >= others.min(0))
@@ -387,7 +400,7 @@ def look_at_polygons(poly, scan, loops, position, flatness, v):
         v.area[q] = np.linalg.norm(area)
         extent = np.linalg.norm(points - points.mean(0), axis=1).max()
         if v.area[q] <= THIN * size * extent:
-            v.empty.append(q)
+            (v.given if scan.has_flat_face(poly.source_vertex[loop]) else v.empty).append(q)
             continue
         if flatness and v.bend[q] > flatness * size * (1 + 1e-6):
             v.bent.append(q)

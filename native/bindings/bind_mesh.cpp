@@ -112,10 +112,11 @@ In this order, each counted and located in the mesh's report under the key named
  split_edges           edges of three or more faces, taken apart
  split_vertices        copies of vertices, one for each further fan of faces
  subdivided_edges      halved, since two edges with the same ends remained
+ turned_edges          the longest edge of a face without area, so that it and the one beside it have some
  unused_vertices       dropped: no kept face uses them
  filled_holes          covered by new faces, where a cover meets nothing else and is at most half of its part
  cut_handles           taken out with the ring of faces round them, both ends covered
-Zero-area faces of three different vertices are kept. Faces and vertices keep the caller's order; copies and covers come last.
+Faces without area that this does not help are kept. Faces and vertices keep the caller's order; copies and covers come last.
 vertices: (V, 3) float32 or float64, anything in it. triangles: (F, 3) int32 or int64 in [0, V).
 Raises InvalidInput (another shape, no faces, an index out of range, a negative length, no face is left) or
 Cancelled. Cost: O(V + F); closing holes or handles adds O((V + F) log F).)");

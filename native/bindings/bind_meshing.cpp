@@ -71,8 +71,8 @@ py::dict report_of(const MeshingReport& r) {
                   "euler"_a = r.euler, "planarity_max"_a = r.planarity_max, "planarity_mean"_a = r.planarity_mean,
                   "distance_max"_a = r.distance_max, "crossing"_a = r.crossing, "flipped"_a = r.flipped,
                   "bent"_a = r.bent, "intersecting"_a = r.intersecting, "excused"_a = r.excused,
-                  "diagonals"_a = r.diagonals, "repair_rounds"_a = r.repair_rounds, "repair_capped"_a = r.repair_capped,
-                  "imperfect"_a = imperfections(r));
+                  "without_area"_a = r.without_area, "diagonals"_a = r.diagonals, "repair_rounds"_a = r.repair_rounds,
+                  "repair_capped"_a = r.repair_capped, "imperfect"_a = imperfections(r));
 }
 
 void bind_result(py::module_& m) {
@@ -96,10 +96,10 @@ void bind_result(py::module_& m) {
 polygons, corners, vertices, regions; regions_split (those that became more than one polygon) and why; closed, manifold,
 euler; planarity_max, planarity_mean (weighted by area) and distance_max (of a corner from its vertex), scene units;
 crossing, flipped, bent: polygons that stayed so; intersecting: pairs of polygons that still intersect, excused: such
-pairs whose regions do so in the scan itself; diagonals that the repair put across regions, repair_rounds, and
+pairs whose regions do so in the scan itself; without_area: polygons that are a face of the scan without any; diagonals that the repair put across regions, repair_rounds, and
 repair_capped: whether something is left that takes more than options.repair_budget; imperfect: all of these by polygon,
 a list of dicts with polygon (its index), flaw ("crossing", "no_area", "flipped", "bent", "intersecting" or "excused") and, for
-the last two, other (the polygon it meets; each pair is listed under both).)")
+the last two, other (the polygon it meets; each pair is listed under both; none for a face of the scan without area).)")
       .def("__repr__", [](const PolygonMesh& poly) {
         return py::str("<PolygonMesh: {} polygons, {} vertices, {}>")
             .format(poly.polygon_count(), poly.vertices.size(), poly.report.closed ? "closed" : "open");

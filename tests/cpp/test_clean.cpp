@@ -141,14 +141,45 @@ TEST(Clean, DropsBrokenAndDuplicateFacesAndUnusedVerticesAndSaysWhere) {
   EXPECT_EQ(all_repairs(mesh), 2 + 2 + 2 + 3);
 }
 
-TEST(Clean, KeepsFacesWithoutAreaThatCloseTheSurface) {
-  // The square of test_mesh: vertex 4 is on the diagonal, face 1 is flat.
+TEST(Clean, TurnsTheLongestEdgeOfAFaceWithoutArea) {
+  // The square of test_mesh: vertex 4 is on the diagonal, face 1 is flat. It takes half of face 0.
   const Arrays a{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.5, 0}},
                  {{0, 1, 2}, {0, 2, 4}, {0, 4, 3}, {4, 2, 3}}};
   const Mesh mesh = cleaned(a);
   EXPECT_EQ(mesh.face_count(), 4);
-  EXPECT_EQ(mesh.report().zero_area_faces, 1);
+  EXPECT_EQ(mesh.report().zero_area_faces, 0);
   EXPECT_EQ(mesh.report().border_edges, 4);
+  EXPECT_NEAR(mesh.report().area, 1, 1e-12);
+  EXPECT_EQ(repair(mesh, "turned_edges").where, (std::vector<std::int32_t>{1}));
+  Job job;  // the neighbours are kept up to date: looked for anew they are the same
+  const Mesh again({mesh.vertices().begin(), mesh.vertices().end()}, {mesh.triangles().begin(), mesh.triangles().end()},
+                   job);
+  EXPECT_TRUE(std::ranges::equal(again.opposite(), mesh.opposite()));
+}
+
+TEST(Clean, TurnsFacesWithoutAreaThatLieInARow) {
+  // Triangles on both sides of the line y = 0, six vertices on it, and between them four flat faces folded to and fro.
+  const Arrays a{{{4, -2, 0}, {6, 0, 0}, {4, 0, 0}, {2, 0, 0}, {1, 0, 0}, {3, 0, 0}, {5, 0, 0}, {3, 2, 0}},
+                 {{0, 1, 2}, {0, 2, 3}, {3, 2, 4}, {2, 1, 6}, {2, 6, 4}, {4, 6, 5}, {5, 6, 7}, {4, 5, 7}}};
+  const Mesh mesh = cleaned(a);
+  EXPECT_EQ(mesh.face_count(), 8);
+  EXPECT_EQ(mesh.report().zero_area_faces, 0);
+  EXPECT_EQ(mesh.report().border_edges, 6);
+  EXPECT_NEAR(mesh.report().area, 8, 1e-12);
+  for (const Triangle& t : mesh.triangles())  // none faces away
+    EXPECT_GT((mesh.vertices()[t[1]] - mesh.vertices()[t[0]]).cross(mesh.vertices()[t[2]] - mesh.vertices()[t[0]]).z(),
+              0);
+}
+
+TEST(Clean, KeepsFacesWithoutAreaThatCanNotBeTurned) {
+  // A flat face along the border, and one whose other diagonal is an edge already.
+  const Arrays border{{{0, 0, 0}, {2, 0, 0}, {1, 0, 0}, {1, 1, 0}}, {{1, 0, 2}, {1, 2, 3}, {2, 0, 3}}};
+  EXPECT_EQ(cleaned(border).report().zero_area_faces, 1);
+  const Arrays folded{{{0, 0, 0}, {2, 0, 0}, {1, 0, 0}, {1, 1, 0}}, {{0, 1, 2}, {1, 0, 3}, {3, 2, 1}, {3, 0, 2}}};
+  const Mesh mesh = cleaned(folded);
+  EXPECT_TRUE(mesh.report().closed);
+  EXPECT_EQ(mesh.report().zero_area_faces, 1);
+  EXPECT_EQ(all_repairs(mesh), 0);
 }
 
 TEST(Clean, ClosesAnStlSoup) {

@@ -16,6 +16,7 @@ KEYS = {
     "split_edges",
     "split_vertices",
     "subdivided_edges",
+    "turned_edges",
     "unused_vertices",
     "filled_holes",
     "cut_handles",

@@ -27,6 +27,42 @@ def touching():
     return shapes.voxels(solid)
 
 
+def folded():
+    """Triangles on both sides of a line; between them faces without area, folded to and fro along it."""
+    vertices = [[4, -2, 0], [6, 0, 0], [4, 0, 0], [2, 0, 0], [1, 0, 0], [3, 0, 0], [5, 0, 0], [3, 2, 0]]
+    triangles = [[0, 1, 2], [0, 2, 3], [3, 2, 4], [2, 1, 6], [2, 6, 4], [4, 6, 5], [5, 6, 7], [4, 5, 7]]
+    return np.array(vertices, float), np.array(triangles, np.int32)
+
+
+def seam(left=11, right=14, bend=0.5):
+    """Two sheets whose borders lie on one line, but not their vertices: sewn together by faces without area."""
+    rows, triangles, first = [], [], 0
+    for side, n in ((-1, left), (1, right)):
+        for column in range(5):
+            x = side * column / 4
+            rows += [(x, y, bend * abs(x)) for y in np.linspace(0, 1, n)]
+            for k in range(n - 1) if column < 4 else ():
+                a, b = first + column * n + k, first + (column + 1) * n + k
+                faces = [[a, a + 1, b], [b, a + 1, b + 1]]
+                triangles += faces if side < 0 else [face[::-1] for face in faces]
+        first += 5 * n
+    i, j, start = 0, 0, 5 * left
+    while i < left - 1 or j < right - 1:
+        if j == right - 1 or (i < left - 1 and (i + 1) / (left - 1) <= (j + 1) / (right - 1)):
+            triangles.append([i + 1, i, start + j])
+            i += 1
+        else:
+            triangles.append([i, start + j, start + j + 1])
+            j += 1
+    return np.array(rows, float), np.array(triangles, np.int32)
+
+
+def coarse_soup(seed):
+    """Faces whose corners lie on a coarse grid: many have no area, many meet in whole edges and sheets."""
+    random = np.random.default_rng(seed)
+    return np.round(random.random((60, 3)) * 3) / 3, random.integers(0, 60, (90, 3)).astype(np.int32)
+
+
 def shaken(vertices, triangles, size):
     return vertices + size * np.random.default_rng(1).standard_normal(vertices.shape), triangles
 
@@ -51,10 +87,14 @@ SOUND = {  # from this number of regions on nothing may be left to report
     "nested": (nested, 1),
     "touching": (touching, 1),
     "fan": (fan, 1),
+    "folded": (folded, 1),
+    "seam": (seam, 1),
+    "soup": (soup, 1),
+    "coarse soup": (lambda: coarse_soup(6), 1),
 }
 ANY = {
     "random voxels": lambda: shapes.voxels(np.random.default_rng(3).random((6, 6, 6)) < 0.5),
-    "soup": soup,
+    "folded soup": lambda: coarse_soup(7),
 }
 
 
@@ -68,7 +108,7 @@ REAL = {
     "building/cgal_mech_holes_shark_10k": 50,
     "building/openmvs_castle_175k": 50,
     "nasty/cgal_bones_4k_26comp": 50,
-    "nasty/easy3d_degenerate_8": 0,
+    "nasty/easy3d_degenerate_8": 50,
     "nasty/lionstatue_63k_misoriented": 50,
     "nasty/ogre_124k_44comp": 300,
     "nasty/self_intersect_17k": 50,

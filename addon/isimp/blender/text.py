@@ -46,6 +46,7 @@ _FAULTS = {
     "split_edges": "split edge",
     "split_vertices": "split corner",
     "subdivided_edges": "split edge",
+    "turned_edges": "flat face",
 }  # vertices that no face uses are none
 
 

@@ -83,14 +83,16 @@ Mesh clean(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const Cl
   }
   if (parts.triangles.empty())
     throw InvalidInput("no usable face is left: welding corners at the same place leaves no face three of them");
+  if (!sound) topology = find_topology(parts.vertices.size(), parts.triangles, job);
+  if (!topology.flaw.empty()) throw Error("cleaning left " + topology.flaw);
+  turn_flat_faces(parts, topology, soup.log, job);
   const bool closing = options.fill_holes > 0 || options.cut_handles > 0;
   if (closing) {
     const Job::Part part(job, "closing holes", 0.5, 0.75);
     close_small(parts, options, soup.log, job);
-    sound = false;  // to be looked at anew
   }
   const Job::Part part(job, "cleaning", closing ? 0.75 : 0.5, 1.0);
-  if (sound) return Mesh(std::move(parts), std::move(topology), soup.log.take(), job);
+  if (!closing) return Mesh(std::move(parts), std::move(topology), soup.log.take(), job);
   return Mesh(std::move(parts.vertices), std::move(parts.triangles), std::move(parts.source_face),
               std::move(parts.source_vertex), soup.log.take(), job);
 }

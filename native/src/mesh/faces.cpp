@@ -11,8 +11,9 @@ namespace isimp::detail {
 namespace {
 
 constexpr std::array kKeys{
-    "non_finite_faces", "repeated_index_faces", "duplicate_faces",  "welded_vertices", "flipped_faces", "cut_edges",
-    "split_edges",      "split_vertices",       "subdivided_edges", "unused_vertices", "filled_holes",  "cut_handles"};
+    "non_finite_faces", "repeated_index_faces", "duplicate_faces", "welded_vertices",  "flipped_faces",
+    "cut_edges",        "split_edges",          "split_vertices",  "subdivided_edges", "turned_edges",
+    "unused_vertices",  "filled_holes",         "cut_handles"};
 constexpr std::size_t kKeptPlaces = 16;
 constexpr double kFarthest = 1e30;  // areas, their squares and sums of them stay finite
 

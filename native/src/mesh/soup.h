@@ -22,6 +22,7 @@ enum class Mend {
   split_edges,
   split_vertices,
   subdivided_edges,
+  turned_edges,
   unused_vertices,
   filled_holes,
   cut_handles,
@@ -116,5 +117,10 @@ bool has_twins(const Topology& topology);
 std::vector<std::int32_t> border_vertices(const Soup& soup, const Topology& topology);
 /// Drops the vertices that no face uses, from the topology too. Takes the soup apart.
 Parts compact(Soup& soup, Topology& topology, Job& job);
+
+// turn.cpp
+/// Turns the longest edge of each face without area, so that it and the one beside it have some. Sound before and
+/// after.
+void turn_flat_faces(Parts& parts, Topology& topology, RepairLog& log, Job& job);
 
 }  // namespace isimp::detail

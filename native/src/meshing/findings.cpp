@@ -8,7 +8,17 @@ namespace isimp::meshing {
 std::uint8_t Findings::Found::faults() const {
   std::uint8_t all = 0;
   for (const PolygonVerdict& v : polygons) all |= v.faults;
-  return all;
+  return all & ~kGiven;
+}
+
+bool Findings::is_given(std::int32_t piece) const {
+  const std::int32_t f = s_.labels.pieces[piece].face;
+  for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
+    if (s_.labels.inner(h)) return false;
+  std::vector<Vec3> corners;
+  for (const std::int32_t v : s_.mesh.triangles()[f]) corners.push_back(s_.mesh.vertices()[v]);
+  std::vector<Facet> none;
+  return (judge_polygon(std::array{0, 1, 2}, corners, Vec3::Zero(), bounds_, {}, none).faults & kNoArea) != 0;
 }
 
 void Findings::judge(std::span<const std::int32_t> pieces) {
@@ -22,6 +32,7 @@ void Findings::judge(std::span<const std::int32_t> pieces) {
     for (std::int32_t q = s_.polygons.first_of[l]; q < s_.polygons.first_of[l + 1]; ++q)
       f.polygons.push_back(judge_polygon(s_.polygons.of(q), s_.corners.position, s_.planes[l].normal, bounds_,
                                          {{}, l, q - s_.polygons.first_of[l]}, f.facets));
+    if (f.polygons.size() == 1 && f.polygons[0].faults == kNoArea && is_given(l)) f.polygons[0].faults = kGiven;
   }
   std::vector<Facet> facets;
   for (const Found& f : found_) facets.insert(facets.end(), f.facets.begin(), f.facets.end());

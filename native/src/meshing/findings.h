@@ -34,6 +34,8 @@ class Findings {
   std::vector<bool> faulty();
 
  private:
+  /// Whether a piece is a face of the scan that has no area.
+  [[nodiscard]] bool is_given(std::int32_t piece) const;
   std::span<const std::int32_t> faces_of_region(std::int32_t region);
 
   const State& s_;

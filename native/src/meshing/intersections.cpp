@@ -162,7 +162,7 @@ bool scan_intersects(const Mesh& mesh, std::span<const std::int32_t> faces, std:
     std::vector<Box> result;
     for (const std::int32_t f : some) {
       const Triangle& t = mesh.triangles()[f];
-      const Corners s{mesh.vertices()[t[0]], mesh.vertices()[t[1]], mesh.vertices()[t[2]]};
+      const Corners s{stored(mesh.vertices()[t[0]]), stored(mesh.vertices()[t[1]]), stored(mesh.vertices()[t[2]])};
       if (!has_area(s)) continue;
       result.emplace_back(s, static_cast<std::int32_t>(solids.size()));
       solids.push_back(s);

@@ -12,6 +12,8 @@ namespace isimp::meshing {
 
 /// What can be wrong with a polygon on its own.
 enum Fault : std::uint8_t { kCrossing = 1, kFlipped = 2, kNoArea = 4, kBent = 8 };
+/// In the place of kNoArea, where the polygon is a face of the scan that has no area itself: that is no fault.
+constexpr std::uint8_t kGiven = 16;
 
 /// A triangle of a polygon's triangulation, by corners.
 struct Facet {
@@ -55,7 +57,8 @@ std::vector<Hit> find_hits(std::span<const Facet> facets, std::span<const Vec3> 
                            const std::vector<bool>& changed);
 
 /// Whether one of some faces of the scan meets one of some others elsewhere than in the vertices they share. Vertices
-/// at one place that were not welded, or were parted where the scan is not manifold, are not shared.
+/// at one place that were not welded, or were parted where the scan is not manifold, are not shared. Exact on
+/// coordinates rounded as above.
 bool scan_intersects(const Mesh& mesh, std::span<const std::int32_t> faces, std::span<const std::int32_t> others);
 
 /// Fills in what the report says of edges and fans: closed, manifold, euler.

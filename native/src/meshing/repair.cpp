@@ -19,6 +19,7 @@ constexpr int kPatience = 12;               ///< how often the last act of a pla
 constexpr double kPull = 0.5;               ///< what a pull leaves of a corner's radius ...
 constexpr double kLeastPull = 0.1;          ///< ... down to this share of it; then it goes back to its vertex
 constexpr int kAfterSplit = 5;              ///< where in its plan goes on what comes of a split
+constexpr std::size_t kShard = 16;          ///< faces of a piece that falls apart into them where nothing else helped
 constexpr std::int32_t kLeastBudget = 100;  ///< splits that are always allowed
 
 /// What is done at the first, second, ... time a piece is found faulty: q pull the corners concerned, p pull all, b
@@ -39,6 +40,10 @@ class Repairer {
     outcome_.taken_back = coarsen(s_, findings_, job_);
     std::fill(tries_.begin(), tries_.end(), 0);
     if (outcome_.taken_back > 0) mend(kRounds);
+    if (fall_back()) {
+      coarsen(s_, findings_, job_);
+      fall_back();
+    }
     sum_up();
     return outcome_;
   }
@@ -56,11 +61,45 @@ class Repairer {
     for (int round = 0; round < rounds; ++round, ++outcome_.rounds) {
       job_.report(std::min(0.95, outcome_.rounds / 20.0));
       if (!act()) break;
-      std::vector<std::int32_t> changed = s_.update(std::exchange(changed_, {}));
-      changed.insert(changed.end(), gone_.begin(), gone_.end());
-      gone_.clear();
-      judge(changed);
+      bring_up_to_date();
     }
+  }
+
+  void bring_up_to_date() {
+    std::vector<std::int32_t> changed = s_.update(std::exchange(changed_, {}));
+    changed.insert(changed.end(), gone_.begin(), gone_.end());
+    gone_.clear();
+    judge(changed);
+  }
+
+  /// The last resort: what is still faulty is split down to faces of the scan, at their places, so that what is wrong
+  /// then is so in the scan. \return whether there was any
+  bool fall_back() {
+    bool ever = false;
+    for (bool any = true; any; ++outcome_.rounds) {
+      job_.poll();
+      any = false;
+      polygons_ = s_.polygons.count();
+      met_.assign(s_.labels.pieces.size(), nullptr);
+      for (const Hit& h : findings_.hits())
+        if (!findings_.excused(h)) met_[h.a] = met_[h.b] = &h;
+      const std::vector<bool> faulty = findings_.faulty();
+      for (std::int32_t l = 0; l < static_cast<std::int32_t>(faulty.size()); ++l)
+        if (faulty[l]) any = shatter(l) || any;
+      if (any) bring_up_to_date();
+      ever = ever || any;
+    }
+    return ever;
+  }
+
+  bool shatter(std::int32_t l) {
+    const std::size_t faces = s_.labels.faces_of(l).size();
+    if (faces > kShard || (faces > 1 && spent())) return split(l);
+    polygons_ += static_cast<std::int32_t>(faces) - 1;
+    changed_.push_back(l);
+    const bool any = s_.shatter(l);
+    tries_.resize(s_.labels.pieces.size(), 0);
+    return any;
   }
 
   void judge(std::span<const std::int32_t> pieces) {
@@ -293,6 +332,8 @@ class Repairer {
         if (faults & kNoArea) list.push_back({q, Flaw::no_area, kNone});
         if (faults & kFlipped) list.push_back({q, Flaw::flipped, kNone});
         if (faults & kBent) list.push_back({q, Flaw::bent, kNone});
+        outcome_.without_area += (faults & kGiven) != 0;
+        if (faults & kGiven) list.push_back({q, Flaw::excused, kNone});
       }
     for (const Hit& h : findings_.hits()) {
       const bool excuse = findings_.excused(h);

@@ -9,6 +9,7 @@ namespace isimp::meshing {
 struct RepairOutcome {
   std::int32_t crossing = 0, flipped = 0, bent = 0;  ///< polygons
   std::int32_t intersecting = 0, excused = 0;  ///< pairs of polygons; excused: their regions intersect in the scan
+  std::int32_t without_area = 0;               ///< polygons that are a face of the scan without area
   std::int32_t splits = 0, diagonals = 0, bends = 0, pulls = 0, rounds = 0;
   std::int32_t taken_back = 0;          ///< polygons that splits and diagonals had made and that were not needed
   bool capped = false;                  ///< something is left, and more splits were wanted than allowed
@@ -17,7 +18,7 @@ struct RepairOutcome {
 
 /// Looks for polygons that cross themselves, are flipped, are bent or intersect, and changes them and what is round
 /// them until none is left or nothing helps: pulls corners back to the mesh, adds corners, adds diagonals, splits
-/// pieces. Then takes back what was not needed.
+/// pieces. Then takes back what was not needed. What is still faulty then falls back to the scan's own faces.
 RepairOutcome repair(State& state, Job& job);
 
 }  // namespace isimp::meshing

@@ -67,6 +67,23 @@ bool State::split(std::int32_t piece, const Vec3* place, Job& job) {
   return true;
 }
 
+bool State::shatter(std::int32_t piece) {
+  const std::vector<std::int32_t> faces = labels.faces_of(piece);
+  bool any = faces.size() > 1;
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const std::int32_t l = i == 0 ? piece : labels.part(std::span(faces).subspan(i, 1), faces[0], Cause::repair);
+    labels.pieces[l].region = partition.face_region[faces[i]];  // it may have been given away with a piece without area
+  }
+  for (const std::int32_t f : faces)
+    for (const std::int32_t v : mesh.triangles()[f]) {
+      if (!complex.is_corner(v)) complex.add_corner(v);
+      any = std::exchange(corners.pull[corners.at(v)], 0) > 0 || any;
+    }
+  diagonals.resize(labels.pieces.size());
+  diagonals[piece].clear();
+  return any;
+}
+
 SharedBoundary State::shared_boundary(std::int32_t piece) const {
   SharedBoundary found;
   for (const std::int32_t h : complex.loop(piece)) {

@@ -39,6 +39,8 @@ class State {
 
   /// Splits a piece in two (and on, until all of it is discs): in halves, or near a place. \return whether it could be
   bool split(std::int32_t piece, const Vec3* place, Job& job);
+  /// Makes each face of a piece a piece of its own, all corners of which stay on the mesh. \return whether that is new
+  bool shatter(std::int32_t piece);
   [[nodiscard]] SharedBoundary shared_boundary(std::int32_t piece) const;
   /// Makes two pieces one if that is a disc. \return what was changed, nothing if it is none
   std::optional<Union> unite(std::int32_t kept, std::int32_t gone);

@@ -13,6 +13,7 @@ _REPAIRS = {
     "split_edges": "taken apart for having three or more faces",
     "split_vertices": "copied for further fans of faces",
     "subdivided_edges": "halved for having the same ends as another",
+    "turned_edges": "turned, so that faces without area have some",
     "unused_vertices": "dropped for being in no face",
     "filled_holes": "covered",
     "cut_handles": "cut",

@@ -28,14 +28,17 @@ struct CleanOptions {
 ///                            solid wedge stay together, so that solids that touch fall apart
 ///  - `split_vertices`        copies of vertices that were made for each further fan of faces
 ///  - `subdivided_edges`      halved, since two edges with the same ends remained after the above
+///  - `turned_edges`          the longest edge of a face thinner than rounding, turned so that it and the face beside
+///  it
+///                            have an area each
 ///  - `unused_vertices`       dropped: no kept face uses them
 ///  - `filled_holes`          covered by new faces; one stays open where every cover tried would meet the surface, or
 ///                            would be more than half of its part (it is the outline then, not a hole)
 ///  - `cut_handles`           handles whose ring of faces was taken out, both ends being covered
 /// `where` holds the caller's vertices for the keys that end in `vertices`, else the caller's faces.
-/// Faces without area that name three different vertices are kept, since dropping them would tear holes, and counted
-/// in `report().zero_area_faces`. Faces and vertices keep the caller's order; copies of vertices and covers come last,
-/// the latter with kNone for their source.
+/// Faces without area that no turn helps (along a border, say) are kept, since dropping them would tear holes; they are
+/// counted in `report().zero_area_faces`. Faces and vertices keep the caller's order; copies of vertices and covers
+/// come last, the latter with kNone for their source.
 ///
 /// \param vertices   (V) anything
 /// \param triangles  (F) indices in [0, V)

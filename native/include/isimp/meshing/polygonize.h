@@ -34,7 +34,7 @@ enum class Flaw : std::uint8_t {
   flipped,       ///< faces away from the scan
   bent,          ///< by more than MeshingOptions::flatness
   intersecting,  ///< meets another polygon
-  excused,       ///< the same, where the scan meets itself too
+  excused,       ///< the same, where the scan meets itself too; alone, where it is a face of the scan without area
 };
 
 struct Imperfection {
@@ -60,6 +60,7 @@ struct MeshingReport {
   std::int32_t crossing = 0, flipped = 0, bent = 0;  ///< polygons that stayed so; those of no area count as crossing
   std::int32_t intersecting = 0;        ///< pairs of polygons that still intersect though their regions do not
   std::int32_t excused = 0;             ///< such pairs of regions that intersect in the scan itself
+  std::int32_t without_area = 0;        ///< polygons that are a face of the scan that has no area itself
   std::vector<Imperfection> imperfect;  ///< all of these by polygon, in rising order; a pair under both
   std::int32_t diagonals = 0;           ///< edges that repair put across a region
   std::int32_t repair_rounds = 0;

@@ -1,0 +1,160 @@
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "isimp/mesh/mesh.h"
+#include "pieces.h"
+#include "soup.h"
+
+namespace isimp::detail {
+namespace {
+
+constexpr int kRounds = 64;     // rows of flat faces take one a face
+constexpr double kThin = 2e-6;  // height over the diagonal: about what float32 can tell apart
+constexpr double kFlat = 1e-3;  // height over its longest edge: a face is not flat for being small
+
+/// Turns edges of a sound mesh, and keeps its topology.
+class Turner {
+ public:
+  Turner(Parts& parts, Topology& topology, RepairLog& log) : p_(parts), t_(topology), log_(log) {
+    Vec3 low = p_.vertices[0], high = low;
+    for (const Vec3& v : p_.vertices) {
+      low = low.cwiseMin(v);
+      high = high.cwiseMax(v);
+    }
+    thin_ = kThin * (high - low).norm();
+  }
+
+  void run(Job& job) {
+    std::vector<std::int32_t> flat;
+    for_each_index(p_.triangles.size(), job, [&](std::size_t f) {
+      if (is_flat(static_cast<std::int32_t>(f))) flat.push_back(static_cast<std::int32_t>(f));
+    });
+    bool any = !flat.empty();
+    for (int round = 0; round < kRounds && any; ++round) {
+      job.poll();
+      any = false;
+      std::vector<std::pair<double, std::int32_t>> order;
+      for (const std::int32_t f : flat)
+        if (is_flat(f)) order.emplace_back(-length(longest(f)), f);
+      std::sort(order.begin(), order.end());
+      flat.clear();
+      for (const auto& [length, f] : order) {
+        const std::int32_t beyond = t_.opposite[longest(f)];
+        any = (is_flat(f) && turn(longest(f))) || any;
+        flat.push_back(f);
+        if (beyond != kNone) flat.push_back(beyond / 3);
+      }
+      std::sort(flat.begin(), flat.end());
+      flat.erase(std::unique(flat.begin(), flat.end()), flat.end());
+    }
+    if (log_.count(Mend::turned_edges) == 0 || t_.border.empty()) return;
+    t_.border.clear();
+    for_each_index(t_.opposite.size(), job, [&](std::size_t h) {
+      if (t_.opposite[h] == kNone) t_.border.push_back(static_cast<std::int32_t>(h));
+    });
+  }
+
+ private:
+  std::int32_t& from(std::int32_t h) { return p_.triangles[h / 3][h % 3]; }
+  [[nodiscard]] const Vec3& at(std::int32_t h) const { return p_.vertices[p_.triangles[h / 3][h % 3]]; }
+  [[nodiscard]] double length(std::int32_t h) const { return (at(Mesh::next(h)) - at(h)).norm(); }
+
+  [[nodiscard]] std::int32_t longest(std::int32_t f) const {
+    std::int32_t best = 3 * f;
+    for (std::int32_t h = 3 * f + 1; h < 3 * f + 3; ++h)
+      if (length(h) > length(best)) best = h;
+    return best;
+  }
+
+  [[nodiscard]] static Vec3 vector_area(const Vec3& a, const Vec3& b, const Vec3& c) { return (b - a).cross(c - a); }
+  [[nodiscard]] Vec3 vector_area(std::int32_t f) const { return vector_area(at(3 * f), at(3 * f + 1), at(3 * f + 2)); }
+
+  [[nodiscard]] double height(std::int32_t f) const {
+    const double l = length(longest(f));
+    return l > 0 ? vector_area(f).norm() / l : 0;
+  }
+
+  /// Whether the face is so thin that it has no normal to speak of.
+  [[nodiscard]] bool is_flat(std::int32_t f) const {
+    const double twice_area = vector_area(f).norm();
+    const double longest_squared =
+        std::max({(at(3 * f) - at(3 * f + 1)).squaredNorm(), (at(3 * f + 1) - at(3 * f + 2)).squaredNorm(),
+                  (at(3 * f + 2) - at(3 * f)).squaredNorm()});
+    return twice_area <= kFlat * longest_squared && twice_area <= thin_ * std::sqrt(longest_squared);
+  }
+
+  [[nodiscard]] bool joined(std::int32_t a, std::int32_t b) const {
+    const std::int32_t start = t_.vertex_halfedge[a];
+    std::int32_t h = start;
+    do {
+      const Triangle& t = p_.triangles[h / 3];
+      if (std::find(t.begin(), t.end(), b) != t.end()) return true;
+      h = t_.opposite[Mesh::prev(h)];
+    } while (h != kNone && h != start);
+    return false;
+  }
+
+  /// Puts edge c d in the place of edge a b = h of flat face (a, b, c) and the face (b, a, d) beside it, if both come
+  /// out higher and facing as the latter did, or the edge gets shorter where that is flat too.
+  bool turn(std::int32_t h) {
+    const std::int32_t o = t_.opposite[h];
+    if (o == kNone) return false;
+    const std::int32_t c_at = Mesh::prev(h), d_at = Mesh::prev(o);
+    const std::int32_t a = from(h), b = from(o), c = from(c_at), d = from(d_at);
+    const Vec3 old_area = vector_area(o / 3);
+    const double old_height = std::min(height(h / 3), height(o / 3));
+    const bool both_flat = is_flat(o / 3);
+    const auto& v = p_.vertices;
+    const bool shorter = longest(o / 3) == o && (v[d] - v[c]).norm() < length(h);
+    if (joined(c, d)) return false;
+    const std::int32_t bc = Mesh::next(h), ad = Mesh::next(o);
+    const std::int32_t beyond_ca = t_.opposite[c_at], beyond_db = t_.opposite[d_at];
+    from(h) = d;  // (a, b, c) becomes (d, b, c)
+    from(o) = c;  // (b, a, d) becomes (c, a, d)
+    const auto faces_well = [&](std::int32_t f) { return height(f) > old_height && vector_area(f).dot(old_area) > 0; };
+    if (!(both_flat && shorter) && (!faces_well(h / 3) || !faces_well(o / 3))) {
+      from(h) = a;
+      from(o) = b;
+      return false;
+    }
+    join(h, beyond_db);
+    join(o, beyond_ca);
+    t_.opposite[c_at] = d_at;
+    t_.opposite[d_at] = c_at;
+    keep_leaving(a, ad);
+    keep_leaving(b, bc);
+    keep_leaving(c, o);
+    keep_leaving(d, h);
+    log_.add(Mend::turned_edges, p_.source_face[h / 3]);
+    return true;
+  }
+
+  void join(std::int32_t h, std::int32_t beyond) {
+    t_.opposite[h] = beyond;
+    if (beyond != kNone) t_.opposite[beyond] = h;
+  }
+
+  /// Sets the half-edge from which turning meets all faces of a vertex, given one that leaves it.
+  void keep_leaving(std::int32_t v, std::int32_t h) {
+    const std::int32_t start = h;
+    for (std::int32_t back = t_.opposite[h]; back != kNone; back = t_.opposite[h]) {
+      h = Mesh::next(back);
+      if (h == start) break;
+    }
+    t_.vertex_halfedge[v] = h;
+  }
+
+  Parts& p_;
+  Topology& t_;
+  RepairLog& log_;
+  double thin_;
+};
+
+}  // namespace
+
+void turn_flat_faces(Parts& parts, Topology& topology, RepairLog& log, Job& job) {
+  Turner(parts, topology, log).run(job);
+}
+
+}  // namespace isimp::detail
