@@ -23,8 +23,8 @@ import isimp_engine as engine
 ROOT = Path(__file__).resolve().parents[1]
 MESHES = ("bunny", "armadillo_86k", "fandisk", "castle", "frankfurt")
 SAMPLES = 3000
-# Runs in Blender: planar decimation to about so many polygons. The angle is doubled until few enough are left, then the
-# range is halved: wide angles take minutes.
+# Runs in Blender: planar decimation to about so many polygons. The angle is doubled until few enough are left, but
+# not beyond a third of a half turn, since wide angles take minutes; then the range is halved.
 DECIMATE = """
 import math, sys, bpy, numpy as np
 source, result, wanted = sys.argv[sys.argv.index("--") + 1:]
@@ -37,7 +37,7 @@ decimate = scan.modifiers.new("planar", "DECIMATE")
 decimate.decimate_type = "DISSOLVE"
 low, high, angle, best = 0.0, None, math.radians(1), None
 for _ in range(16):
-    decimate.angle_limit = min(angle, math.pi)
+    decimate.angle_limit = angle
     found = scan.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
     many = len(found.polygons)
     if best is None or abs(many - int(wanted)) < best[0]:
@@ -48,9 +48,9 @@ for _ in range(16):
         found.vertices.foreach_get("co", position)
         best = abs(many - int(wanted)), position.reshape(-1, 3), loops, start
     low, high = (angle, high) if many > int(wanted) else (low, angle)
-    if many == int(wanted) or low >= math.pi:
+    if many == int(wanted) or low >= math.pi / 3:
         break
-    angle = 2 * low if high is None else (low + high) / 2
+    angle = min(2 * low, math.pi / 3) if high is None else (low + high) / 2
 np.savez(result, vertices=best[1], loops=best[2], loop_start=best[3])
 """
 

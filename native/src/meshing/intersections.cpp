@@ -1,7 +1,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -15,8 +14,7 @@ Vec3 stored(const Vec3& p) { return p.cast<float>().cast<double>(); }
 
 struct Box {
   Vec3 low, high;
-  std::int32_t index;   ///< the caller's
-  int width_class = 0;  ///< for Boxes
+  std::int32_t index;  ///< the caller's
 
   Box(const Corners& t, std::int32_t i)
       : low(t[0].cwiseMin(t[1]).cwiseMin(t[2])), high(t[0].cwiseMax(t[1]).cwiseMax(t[2])), index(i) {}
@@ -50,60 +48,69 @@ Vec3 meeting_place(const Corners& f, const Corners& g) {
   return (small[0] + small[1] + small[2]) / 3;
 }
 
-/// Boxes to look for those that meet a given one.
-///
-/// They are sorted along one axis, in classes of like width, so that one that is wide does not make the search for all
-/// others long. Cost: O(n log n) to make; a search, O(boxes that overlap along that axis).
-class Boxes {
+/// A tree of boxes, to look for those that meet a given one: halved at the median of their middles, along the axis on
+/// which these spread most, down to a few. Cost: O(n log n) to make; a search, about O(log n + boxes that it meets).
+class BoxTree {
  public:
-  explicit Boxes(std::vector<Box> all) : all_(std::move(all)) {
-    if (all_.empty()) return;
-    low_ = all_[0].low;
-    high_ = all_[0].high;
-    for (const Box& b : all_) {
-      low_ = low_.cwiseMin(b.low);
-      high_ = high_.cwiseMax(b.high);
-    }
-    const double extent = (high_ - low_).maxCoeff(&axis_);
-    for (Box& b : all_) {
-      const double share = (b.high[axis_] - b.low[axis_]) / extent;  // not a number where there is no extent
-      b.width_class = std::ilogb(share > kNarrowest ? share : kNarrowest);
-    }
-    std::sort(all_.begin(), all_.end(), [&](const Box& x, const Box& y) {
-      return std::tuple(x.width_class, x.low[axis_], x.index) < std::tuple(y.width_class, y.low[axis_], y.index);
-    });
-    for (std::size_t i = 0; i < all_.size(); ++i) {
-      if (i == 0 || all_[i].width_class != all_[i - 1].width_class) classes_.push_back({i, i, 0});
-      classes_.back().end = i + 1;
-      classes_.back().widest = std::max(classes_.back().widest, all_[i].high[axis_] - all_[i].low[axis_]);
-    }
+  explicit BoxTree(std::vector<Box> all) : all_(std::move(all)) {
+    if (!all_.empty()) make(0, static_cast<std::int32_t>(all_.size()));
   }
 
   /// Whether some box has a place in common with `a` and passes the test; stops at the first.
   template <class Test>
   [[nodiscard]] bool any(const Box& a, Test test) const {
-    if (all_.empty() || a.apart(low_, high_)) return false;
-    for (const Class& c : classes_) {
-      const auto end = all_.begin() + static_cast<std::ptrdiff_t>(c.end);
-      auto b = std::lower_bound(all_.begin() + static_cast<std::ptrdiff_t>(c.begin), end, a.low[axis_] - c.widest,
-                                [&](const Box& x, double low) { return x.low[axis_] < low; });
-      for (; b != end && b->low[axis_] <= a.high[axis_]; ++b)
-        if (!b->apart(a.low, a.high) && test(*b)) return true;
+    for (std::size_t n = 0; n < nodes_.size();) {
+      const Node& node = nodes_[n];
+      if (node.around.apart(a.low, a.high)) {
+        n = node.after;
+        continue;
+      }
+      if (node.is_leaf)
+        for (std::int32_t i = node.begin; i < node.end; ++i)
+          if (!all_[i].apart(a.low, a.high) && test(all_[i])) return true;
+      ++n;
     }
     return false;
   }
 
  private:
-  struct Class {
-    std::size_t begin, end;
-    double widest;
+  struct Node {
+    Box around;
+    std::int32_t begin, end;
+    bool is_leaf;
+    std::size_t after;  ///< the node that follows where nothing below this one is asked for
   };
-  static constexpr double kNarrowest = 1.0 / 1024;  ///< of the extent: narrower boxes are one class
+  static constexpr std::int32_t kLeaf = 8;
+
+  /// Nodes stand before those below them.
+  void make(std::int32_t begin, std::int32_t end) {
+    Box around = all_[begin];
+    Vec3 low = middle(around), high = low;
+    for (std::int32_t i = begin + 1; i < end; ++i) {
+      around.low = around.low.cwiseMin(all_[i].low);
+      around.high = around.high.cwiseMax(all_[i].high);
+      low = low.cwiseMin(middle(all_[i]));
+      high = high.cwiseMax(middle(all_[i]));
+    }
+    const std::size_t node = nodes_.size();
+    nodes_.push_back({around, begin, end, end - begin <= kLeaf, 0});
+    if (!nodes_[node].is_leaf) {
+      int axis = 0;
+      (high - low).maxCoeff(&axis);
+      const std::int32_t half = begin + (end - begin) / 2;
+      std::nth_element(all_.begin() + begin, all_.begin() + half, all_.begin() + end, [&](const Box& x, const Box& y) {
+        return x.low[axis] + x.high[axis] < y.low[axis] + y.high[axis];
+      });
+      make(begin, half);
+      make(half, end);
+    }
+    nodes_[node].after = nodes_.size();
+  }
+
+  static Vec3 middle(const Box& b) { return (b.low + b.high) / 2; }
 
   std::vector<Box> all_;
-  std::vector<Class> classes_;
-  Vec3 low_, high_;
-  int axis_ = 0;
+  std::vector<Node> nodes_;
 };
 
 }  // namespace
@@ -121,14 +128,14 @@ std::vector<Hit> find_hits(std::span<const Facet> facets, std::span<const Vec3> 
     if (changed[facets[i].piece]) moved.push_back(all.back());
   }
   std::vector<std::array<std::int32_t, 2>> met;
-  const Boxes search(std::move(all));
-  for (const Box& x : moved) {
+  const BoxTree search(std::move(moved));  // fewer than all of them
+  for (const Box& x : all) {
     const std::int32_t i = x.index;
     const Facet& f = facets[i];
     (void)search.any(x, [&](const Box& y) {
       const std::int32_t j = y.index;
       const Facet& g = facets[j];
-      const bool seen_from_there = j <= i && changed[g.piece];
+      const bool seen_from_there = j <= i && changed[f.piece];
       if (seen_from_there || (f.piece == g.piece && f.part == g.part)) return false;
       if (meet_elsewhere(f.corner, solids[i], g.corner, solids[j])) met.push_back({std::min(i, j), std::max(i, j)});
       return false;
@@ -171,7 +178,7 @@ bool scan_intersects(const Mesh& mesh, std::span<const std::int32_t> faces, std:
     return result;
   };
   const std::vector<Box> some = boxes(faces);
-  const Boxes search(boxes(others));
+  const BoxTree search(boxes(others));
   return std::any_of(some.begin(), some.end(), [&](const Box& x) {
     return search.any(x, [&](const Box& y) {
       const std::int32_t i = x.index, j = y.index;
