@@ -103,7 +103,7 @@ stage_asan() { # the same under the address and undefined-behaviour sanitizers
 }
 
 stage_tidy() { # clang-tidy, on the engine's own sources
-  apt_install clang-tidy
+  apt_install clang-tidy libomp-dev # its omp.h, which the CPU back end asks for
   cpp_build build-test -DISIMP_BENCH=ON -DISIMP_CUDA=OFF
   run-clang-tidy -quiet -p build-test -j2 "^$root/native/src/"
 }

@@ -95,6 +95,7 @@ SOUND = {  # from this number of regions on nothing may be left to report
 ANY = {
     "random voxels": lambda: shapes.voxels(np.random.default_rng(3).random((6, 6, 6)) < 0.5),
     "folded soup": lambda: coarse_soup(7),
+    "soup of handed-over faces": lambda: coarse_soup(5),
 }
 
 

@@ -24,6 +24,16 @@ ChordTolerance chord_tolerance(const Mesh& mesh, std::span<const Plane> planes, 
   return t;
 }
 
+/// The region that has most of some faces' area. Not always that of the piece they were parted from: what mends a pinch
+/// hands faces over to a neighbour of another region.
+std::int32_t main_region(const Mesh& mesh, const Partition& partition, std::span<const std::int32_t> faces) {
+  std::map<std::int32_t, double> area;
+  for (const std::int32_t f : faces)
+    area[partition.face_region[f]] += mesh.graph().faces[mesh.graph().graph_face[f]].area;
+  return std::max_element(area.begin(), area.end(), [](const auto& a, const auto& b) { return a.second < b.second; })
+      ->first;
+}
+
 /// A boundary half-edge of a piece, found from one of its faces.
 std::int32_t boundary_start(Labels& labels, std::span<const std::int32_t> faces) {
   for (const std::int32_t f : faces)
@@ -47,6 +57,8 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
   job.report(0.1);
   make_discs(cutter, find_defects(labels), job);
   if (mesh.report().closed_components > 0) split_closed_components(cutter, kLeastClosed, job);
+  for (const std::int32_t l : labels.touched)
+    labels.pieces[l].region = main_region(mesh, partition, labels.faces_of(l));
   labels.touched.clear();
   job.report(0.3);
   planes = planes_of(labels);
@@ -70,10 +82,8 @@ bool State::split(std::int32_t piece, const Vec3* place, Job& job) {
 bool State::shatter(std::int32_t piece) {
   const std::vector<std::int32_t> faces = labels.faces_of(piece);
   bool any = faces.size() > 1;
-  for (std::size_t i = 0; i < faces.size(); ++i) {
-    const std::int32_t l = i == 0 ? piece : labels.part(std::span(faces).subspan(i, 1), faces[0], Cause::repair);
-    labels.pieces[l].region = partition.face_region[faces[i]];  // it may have been given away with a piece without area
-  }
+  for (std::size_t i = 1; i < faces.size(); ++i) labels.part(std::span(faces).subspan(i, 1), faces[0], Cause::repair);
+  labels.touched.push_back(piece);
   for (const std::int32_t f : faces)
     for (const std::int32_t v : mesh.triangles()[f]) {
       if (!complex.is_corner(v)) complex.add_corner(v);
@@ -133,6 +143,7 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, std::
   std::vector<std::int32_t> starts;
   for (const std::int32_t l : labels.touched) {
     const std::vector<std::int32_t> faces = labels.faces_of(l);
+    labels.pieces[l].region = main_region(mesh, partition, faces);
     planes[l] = plane_of(mesh, faces);
     starts.push_back(boundary_start(labels, faces));
   }
