@@ -96,8 +96,8 @@ void bind_result(py::module_& m) {
 polygons, corners, vertices, regions; regions_split (those that became more than one polygon) and why; closed, manifold,
 euler; planarity_max, planarity_mean (weighted by area) and distance_max (of a corner from its vertex), scene units;
 crossing, flipped, bent: polygons that stayed so; intersecting: pairs of polygons that still intersect, excused: such
-pairs whose regions do so in the scan itself; without_area: polygons that are a face of the scan without any; diagonals that the repair put across regions, repair_rounds, and
-repair_capped: whether something is left that takes more than options.repair_budget; imperfect: all of these by polygon,
+pairs whose regions do so in the scan itself; without_area: polygons that are a face of the scan without any; diagonals
+that the repair put across regions, repair_rounds, and repair_capped: whether something is left that takes more than options.repair_budget; imperfect: all of these by polygon,
 a list of dicts with polygon (its index), flaw ("crossing", "no_area", "flipped", "bent", "intersecting" or "excused") and, for
 the last two, other (the polygon it meets; each pair is listed under both; none for a face of the scan without area).)")
       .def("__repr__", [](const PolygonMesh& poly) {

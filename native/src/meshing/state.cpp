@@ -57,6 +57,7 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
   job.report(0.1);
   make_discs(cutter, find_defects(labels), job);
   if (mesh.report().closed_components > 0) split_closed_components(cutter, kLeastClosed, job);
+  sort_unique(labels.touched);
   for (const std::int32_t l : labels.touched)
     labels.pieces[l].region = main_region(mesh, partition, labels.faces_of(l));
   labels.touched.clear();

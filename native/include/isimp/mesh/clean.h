@@ -28,9 +28,8 @@ struct CleanOptions {
 ///                            solid wedge stay together, so that solids that touch fall apart
 ///  - `split_vertices`        copies of vertices that were made for each further fan of faces
 ///  - `subdivided_edges`      halved, since two edges with the same ends remained after the above
-///  - `turned_edges`          the longest edge of a face thinner than rounding, turned so that it and the face beside
-///  it
-///                            have an area each
+///  - `turned_edges`          the longest edge of a face thinner than rounding, turned so that it and the
+///                            face beside it have an area each
 ///  - `unused_vertices`       dropped: no kept face uses them
 ///  - `filled_holes`          covered by new faces; one stays open where every cover tried would meet the surface, or
 ///                            would be more than half of its part (it is the outline then, not a hole)
