@@ -1,11 +1,8 @@
 """Gestures that change a region as a whole, with a real mouse: split, cut, grow and shrink; undo and redo of each."""
 
-import bpy
 import numpy as np
-from scenario_main import make_scan, regions, same, scan
-from scenario_tools import drag, labels, last, place, state, steps, tool, undone_and_redone, view
-
-import isimp
+from scenario_main import regions, same, scan
+from scenario_tools import begin, drag, labels, last, place, state, steps, tool, undone_and_redone
 
 
 def size_of(x, z):
@@ -119,12 +116,7 @@ def by_a_drag(hand, mode):
 
 
 def run(hand):
-    isimp.register()
-    make_scan()
-    yield 0.5
-    yield from hand.open_tab()
-    bpy.ops.isimp.partition("EXEC_DEFAULT", True, proxies=14)
-    yield from view(hand)
+    yield from begin(hand)
     yield from split_and_cut(hand)
     yield from by_the_wheel(hand)
     yield from by_a_drag(hand, "object")

@@ -2,10 +2,8 @@
 
 import bpy
 import numpy as np
-from scenario_main import make_scan, regions, same, scan
-from scenario_tools import drag, labels, last, place, state, steps, tool, undone_and_redone, view
-
-import isimp
+from scenario_main import regions, same, scan
+from scenario_tools import begin, drag, labels, last, place, state, steps, tool, undone_and_redone
 
 
 def border():
@@ -90,12 +88,7 @@ def settings():
 
 
 def run(hand):
-    isimp.register()
-    make_scan()
-    yield 0.5
-    yield from hand.open_tab()
-    bpy.ops.isimp.partition("EXEC_DEFAULT", True, proxies=14)
-    yield from view(hand)
+    yield from begin(hand)
     yield from tool(hand, "isimp.paint_tool.object")
     settings().brush = 25
     yield from strokes(hand)

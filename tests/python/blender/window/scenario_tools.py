@@ -15,6 +15,16 @@ def tool(hand, name):
     yield 0.3
 
 
+def begin(hand):
+    """A scan in fourteen regions, seen from the front."""
+    isimp.register()
+    make_scan()
+    yield 0.5
+    yield from hand.open_tab()
+    bpy.ops.isimp.partition("EXEC_DEFAULT", True, proxies=14)
+    yield from view(hand)
+
+
 def view(hand):
     """Looks at the scan from the front, so that it fills the view."""
     with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
@@ -184,12 +194,7 @@ def locked():
 
 
 def run(hand):
-    isimp.register()
-    make_scan()
-    yield 0.5
-    yield from hand.open_tab()
-    bpy.ops.isimp.partition("EXEC_DEFAULT", True, proxies=14)
-    yield from view(hand)
+    yield from begin(hand)
     yield from sketched()
     sketch = drawn()
     assert len(sketch.borders)
