@@ -350,6 +350,9 @@ TEST(RegionGraph, ListsBothDirectionsOnce) {
   const std::vector<std::int32_t> label{0, 1, 1, 2, kNone}, faces{0, 1, 2, 3};
   const std::vector<std::pair<std::int32_t, std::int32_t>> pairs{{0, 1}, {1, 0}, {1, 2}, {2, 1}};
   EXPECT_EQ(neighbouring_regions(g, label, faces), pairs);
+  const std::vector<std::int32_t> sparse{7000, 5, 5, 900, kNone};
+  const std::vector<std::pair<std::int32_t, std::int32_t>> few{{5, 900}, {5, 7000}, {900, 5}, {7000, 5}};
+  EXPECT_EQ(neighbouring_regions(g, sparse, faces), few) << "numbers too far apart to count them";
 }
 
 TEST(Hierarchy, PatchesAreConnectedAndSmooth) {

@@ -32,8 +32,10 @@ class Tile {
       const FaceRecord& f = graph.faces[begin + i];
       std::uint32_t joined = 0;
       for (const std::int32_t j : graph.neighbours[begin + i]) {
-        const auto at = static_cast<std::uint32_t>(j - begin);
-        const std::uint32_t inside = at < static_cast<std::uint32_t>(count) ? at : static_cast<std::uint32_t>(i);
+        // By masks, as no processor guesses well what lies in the tile; the face itself stands in for what does not.
+        const auto at = static_cast<std::uint32_t>(j - begin), own = static_cast<std::uint32_t>(i);
+        const std::uint32_t outside = 0U - static_cast<std::uint32_t>(at >= static_cast<std::uint32_t>(count));
+        const std::uint32_t inside = at ^ ((at ^ own) & outside);
         const FaceRecord& g = graph.faces[begin + static_cast<std::int32_t>(inside)];
         joined |= static_cast<std::uint32_t>(f.nx * g.nx + f.ny * g.ny + f.nz * g.nz >= kCrease) << inside;
       }
@@ -208,7 +210,8 @@ bool Hierarchy::serves(const Surface& surface, std::int32_t proxies) const {
          tile == tile_for(surface.face_count(), proxies);
 }
 
-Hierarchy build_hierarchy(const Surface& surface, std::int32_t proxies, Job& job, std::int32_t thread_count) {
+Hierarchy build_hierarchy(const Surface& surface, std::int32_t proxies, Job& job, std::int32_t thread_count,
+                          std::int64_t coarsest) {
   const Threads threads(thread_count);
   Job::Part stage(job, "merging", 0.0, 1.0);
   Hierarchy h;
@@ -220,7 +223,7 @@ Hierarchy build_hierarchy(const Surface& surface, std::int32_t proxies, Job& job
   h.parts = parts_of(surface, h, patches);
 
   job.report(0.6);
-  while (h.level.back().size() > kCoarsest) {
+  while (h.level.back().size() > std::max<std::int64_t>(coarsest, kCoarsest)) {
     const bool satellites = h.level.size() <= 2;
     std::vector<std::int32_t> map;
     MergeGraph next = merge_round(h.level.back(), satellites, kLeastOfPart, map, threads, job);

@@ -1,6 +1,7 @@
 #include "isimp/partition/merging.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -13,6 +14,7 @@ namespace {
 
 constexpr float kGate = 0.7F;
 constexpr std::int32_t kAlone = -1;
+constexpr std::int32_t kWorthAThread = 1 << 12;  // nodes
 
 /// The cheapest partner of each node, and its price.
 struct Best {
@@ -30,7 +32,7 @@ float tie_break(std::int32_t u, std::int32_t v, float lengths) {
 Best find_partners(const MergeGraph& graph, const Threads& threads, Job& job) {
   const std::int32_t n = graph.size();
   Best best{std::vector<std::int32_t>(n, kAlone), std::vector<float>(n, std::numeric_limits<float>::infinity())};
-  threads.run(n, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+  threads.run(n, threads.pieces(n, kWorthAThread), [&](std::int32_t, std::int32_t begin, std::int32_t end) {
     for (std::int32_t u = begin; u < end; ++u) {
       if ((u & 0x3fff) == 0) job.poll();
       const NodeSum a = graph.sum[u];
@@ -51,11 +53,25 @@ Best find_partners(const MergeGraph& graph, const Threads& threads, Job& job) {
   return best;
 }
 
-/// The price up to which pairs merge.
+/// The price up to which pairs merge: what would stand at kGate of the way if all prices were sorted. Only those that
+/// agree with it in their first bits are.
 float gate(std::vector<float> prices) {
   if (prices.empty()) return 0.0F;
-  const auto at = prices.begin() + static_cast<std::ptrdiff_t>(kGate * static_cast<float>(prices.size() - 1));
-  std::nth_element(prices.begin(), at, prices.end());
+  constexpr int kShift = 20;  // leaves exponent and three digits; prices are not below 0, so their bits rise with them
+  const auto bucket = [](float price) { return std::bit_cast<std::uint32_t>(std::max(0.0F, price)) >> kShift; };
+  auto rank = static_cast<std::size_t>(kGate * static_cast<float>(prices.size() - 1));
+  std::vector<std::uint32_t> count(std::size_t{1} << (32 - kShift), 0);
+  for (const float price : prices) ++count[bucket(price)];
+  std::uint32_t of_rank = 0;
+  while (rank >= count[of_rank]) rank -= count[of_rank++];
+  std::size_t same = 0;
+  for (std::size_t k = 0; k < prices.size(); ++k) {
+    const float price = prices[k];
+    prices[same] = price;
+    same += bucket(price) == of_rank ? 1 : 0;
+  }
+  const auto at = prices.begin() + static_cast<std::ptrdiff_t>(rank);
+  std::nth_element(prices.begin(), at, prices.begin() + static_cast<std::ptrdiff_t>(same));
   return *at;
 }
 
@@ -116,7 +132,7 @@ MergeGraph contract_lists(const MergeGraph& graph, const std::vector<std::int32_
   result.sum.resize(lists.head.size());
   result.first.assign(lists.head.size() + 1, 0);
   if (!graph.part.empty()) result.part.resize(lists.head.size());
-  const std::int32_t pieces = threads.pieces(clusters);
+  const std::int32_t pieces = threads.pieces(clusters, kWorthAThread);
   std::vector<std::vector<std::int32_t>> rows(static_cast<std::size_t>(pieces));
   threads.run(clusters, pieces, [&](std::int32_t k, std::int32_t begin, std::int32_t end) {
     rows[k] = contract_between(graph, map, lists, begin, end, result, job);

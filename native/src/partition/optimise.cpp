@@ -13,9 +13,8 @@ namespace isimp {
 namespace {
 
 constexpr double kSurplus = 1.5;  // regions before the last merging, as a multiple of those wanted
-constexpr double kNodesARegion = 3.5;
-constexpr int kTries = 4;  // of teleports that do not pay
-constexpr int kPatchSweeps = 5, kFirstSweeps = 6, kLastSweeps = 60;
+constexpr int kTries = 4;         // of teleports that do not pay
+constexpr int kPatchSweeps = 2, kFirstSweeps = 6, kLastSweeps = 60;
 
 /// How far out of line a region must be for teleports to be tried. On a scan of many regions they gain little and cost
 /// much; a shape of a few sides must come out right, and there any side that is wrong stands out.
@@ -51,7 +50,7 @@ std::int64_t nodes_kept(const MergeGraph& graph, const Parts& parts) {
 std::vector<std::int32_t> cut(const Hierarchy& h, const Parts& parts, std::int32_t regions, std::int32_t target,
                               Job& job) {
   std::size_t level = h.level.size() - 1;
-  while (level > 0 && static_cast<double>(nodes_kept(h.level[level], parts)) < kNodesARegion * regions) --level;
+  while (level > 0 && nodes_kept(h.level[level], parts) < nodes_for(regions)) --level;
   const MergeGraph& coarse = h.level[level];
   std::vector<std::int32_t> label = merge_greedily(coarse, sums_of(coarse, parts), needs(parts), target, job);
   while (level-- > 0) {

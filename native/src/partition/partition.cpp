@@ -242,7 +242,7 @@ Partition partition(const Surface& surface, const Hierarchy& hierarchy, const Pa
   Hierarchy own;
   if (hierarchical && !hierarchy.serves(surface, proxies)) {
     Job::Part merging(job, "merging", 0.0, 0.4);
-    own = build_hierarchy(surface, proxies, job, options.threads);
+    own = build_hierarchy(surface, proxies, job, options.threads, nodes_for(proxies));
   }
   const Hierarchy& h = own.patches() > 0 ? own : hierarchy;
   const Parts parts =

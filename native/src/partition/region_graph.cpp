@@ -1,16 +1,22 @@
 #include "isimp/partition/region_graph.h"
 
 #include <algorithm>
+#include <bit>
+#include <numeric>
 
 namespace isimp {
 namespace {
 
-constexpr std::size_t kAhead = 8;  // faces, for the memory to be there in time
+constexpr std::size_t kAhead = 8;          // faces, for the memory to be there in time
+constexpr std::size_t kBorderOfPair = 16;  // border faces for each pair of regions, if there are few
+
+using Pairs = std::vector<std::pair<std::int32_t, std::int32_t>>;
 
 /// A set of pairs of numbers below 2^31 that grows as it fills.
 class PairSet {
  public:
-  PairSet() : slots_(1 << 12, kEmpty) {}
+  /// \param room  pairs that are likely to come
+  explicit PairSet(std::size_t room) : slots_(std::bit_ceil(std::max<std::size_t>(2 * room, 1 << 10)), kEmpty) {}
   void insert(std::int32_t u, std::int32_t v) {
     const std::uint64_t key = static_cast<std::uint64_t>(u) << 32 | static_cast<std::uint32_t>(v);
     std::size_t at = place(key);
@@ -65,6 +71,23 @@ void insert_pairs(const FaceGraph& graph, const std::vector<std::int32_t>& label
   }
 }
 
+/// Sorts by counting, first by the one number and then by the other, unless there are too few pairs for that.
+void sort_pairs(Pairs& pairs) {
+  std::int32_t most = 0;
+  for (const auto& [u, unused] : pairs) most = std::max(most, u);  // each pair stands there in both directions
+  if (static_cast<std::size_t>(most) > 4 * pairs.size()) {
+    std::sort(pairs.begin(), pairs.end());
+    return;
+  }
+  std::vector<std::int32_t> first(static_cast<std::size_t>(most) + 2, 0);
+  for (const auto& [u, unused] : pairs) ++first[u + 1];
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  Pairs by_second(pairs.size());
+  std::vector<std::int32_t> next = first;
+  for (const auto& pair : pairs) by_second[next[pair.second]++] = pair;
+  for (const auto& pair : by_second) pairs[first[pair.first]++] = pair;
+}
+
 }  // namespace
 
 std::vector<std::pair<std::int32_t, std::int32_t>> neighbouring_regions(const FaceGraph& graph,
@@ -72,18 +95,19 @@ std::vector<std::pair<std::int32_t, std::int32_t>> neighbouring_regions(const Fa
                                                                         std::span<const std::int32_t> faces,
                                                                         const Threads& threads) {
   const auto size = static_cast<std::int32_t>(faces.size());
-  std::vector<PairSet> found(static_cast<std::size_t>(threads.pieces(size)));
+  const std::int32_t pieces = threads.pieces(size);
+  std::vector<PairSet> found(static_cast<std::size_t>(pieces), PairSet(faces.size() / kBorderOfPair / pieces));
   threads.run(size, [&](std::int32_t piece, std::int32_t begin, std::int32_t end) {
     insert_pairs(graph, label, faces.subspan(begin, static_cast<std::size_t>(end - begin)), found[piece]);
   });
   for (std::size_t k = 1; k < found.size(); ++k)
     found[k].visit([&](std::int32_t u, std::int32_t v) { found[0].insert(u, v); });
-  std::vector<std::pair<std::int32_t, std::int32_t>> result;
+  Pairs result;
   found[0].visit([&](std::int32_t u, std::int32_t v) {
     result.emplace_back(u, v);
     result.emplace_back(v, u);
   });
-  std::sort(result.begin(), result.end());
+  sort_pairs(result);
   return result;
 }
 
