@@ -33,7 +33,15 @@ bool meet_elsewhere(const Triangle& f, const Corners& s, const Triangle& g, cons
   if (shared == 3) return true;
   const Solid a = solid(s), b = solid(t);
   if (shared == 0) return CGAL::do_intersect(a, b);
-  if (shared == 1) return CGAL::do_intersect(b, side(a, i)) || CGAL::do_intersect(a, side(b, j));
+  if (shared == 1) {
+    // Mostly one lies to one side of the other.
+    const auto apart = [](const Solid& x, const Solid& y, int corner) {
+      const CGAL::Orientation o = CGAL::orientation(x[0], x[1], x[2], y[corner + 1]);
+      return o != CGAL::COPLANAR && o == CGAL::orientation(x[0], x[1], x[2], y[corner + 2]);
+    };
+    if (apart(a, b, j) || apart(b, a, i)) return false;
+    return CGAL::do_intersect(b, side(a, i)) || CGAL::do_intersect(a, side(b, j));
+  }
   // They share an edge: they meet elsewhere only if one lies folded on the other.
   const int free_f = 3 - sum_f, free_g = 3 - sum_g;
   const Point &p = a[free_f + 1], &q = a[free_f + 2], &r = a[free_f], &o = b[free_g];

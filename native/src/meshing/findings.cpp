@@ -31,11 +31,13 @@ void Findings::judge(std::span<const std::int32_t> pieces) {
     f.facets.clear();
     for (std::int32_t q = s_.polygons.first_of[l]; q < s_.polygons.first_of[l + 1]; ++q)
       f.polygons.push_back(judge_polygon(s_.polygons.of(q), s_.corners.position, s_.planes[l].normal, bounds_,
-                                         {{}, l, q - s_.polygons.first_of[l]}, f.facets));
+                                         {{}, l, q - s_.polygons.first_of[l]}, f.facets.facets));
+    f.facets.locate(s_.corners.position);
     if (f.polygons.size() == 1 && f.polygons[0].faults == kNoArea && is_given(l)) f.polygons[0].faults = kGiven;
   }
-  std::vector<Facet> facets;
-  for (const Found& f : found_) facets.insert(facets.end(), f.facets.begin(), f.facets.end());
+  std::vector<const FacetSet*> facets;
+  facets.reserve(found_.size());
+  for (const Found& f : found_) facets.push_back(&f.facets);
   std::erase_if(hits_, [&](const Hit& h) { return changed[h.a] || changed[h.b]; });
   const std::vector<Hit> fresh = find_hits(facets, s_.corners.position, changed);
   hits_.insert(hits_.end(), fresh.begin(), fresh.end());

@@ -19,7 +19,7 @@ class Findings {
   /// What was found of a piece's polygons.
   struct Found {
     std::vector<PolygonVerdict> polygons;
-    std::vector<Facet> facets;
+    FacetSet facets;
     [[nodiscard]] std::uint8_t faults() const;
   };
 

@@ -12,16 +12,20 @@ namespace {
 
 Vec3 stored(const Vec3& p) { return p.cast<float>().cast<double>(); }
 
-struct Box {
-  Vec3 low, high;
-  std::int32_t index;  ///< the caller's
-
-  Box(const Corners& t, std::int32_t i)
-      : low(t[0].cwiseMin(t[1]).cwiseMin(t[2])), high(t[0].cwiseMax(t[1]).cwiseMax(t[2])), index(i) {}
-
-  [[nodiscard]] bool apart(const Vec3& other_low, const Vec3& other_high) const {
-    return (low.array() > other_high.array()).any() || (high.array() < other_low.array()).any();
+/// The box of a triangle whose coordinates are float32.
+Box box_of(const Corners& t) {
+  Box box{};
+  for (int k = 0; k < 3; ++k) {
+    box.low[k] = static_cast<float>(std::min({t[0][k], t[1][k], t[2][k]}));
+    box.high[k] = static_cast<float>(std::max({t[0][k], t[1][k], t[2][k]}));
   }
+  return box;
+}
+
+/// A box and what is in it: facet `index` of `piece`.
+struct Entry {
+  Box box;
+  std::int32_t piece, index;
 };
 
 /// The middle of where the edges of two triangles pass through the other one; of the smaller's if none does.
@@ -52,7 +56,7 @@ Vec3 meeting_place(const Corners& f, const Corners& g) {
 /// which these spread most, down to a few. Cost: O(n log n) to make; a search, about O(log n + boxes that it meets).
 class BoxTree {
  public:
-  explicit BoxTree(std::vector<Box> all) : all_(std::move(all)) {
+  explicit BoxTree(std::vector<Entry> all) : all_(std::move(all)) {
     if (!all_.empty()) make(0, static_cast<std::int32_t>(all_.size()));
   }
 
@@ -61,94 +65,129 @@ class BoxTree {
   [[nodiscard]] bool any(const Box& a, Test test) const {
     for (std::size_t n = 0; n < nodes_.size();) {
       const Node& node = nodes_[n];
-      if (node.around.apart(a.low, a.high)) {
-        n = node.after;
+      if (node.around.apart(a)) {
+        n = static_cast<std::size_t>(node.after);
         continue;
       }
-      if (node.is_leaf)
-        for (std::int32_t i = node.begin; i < node.end; ++i)
-          if (!all_[i].apart(a.low, a.high) && test(all_[i])) return true;
+      for (std::int32_t i = node.begin; i < node.end; ++i)
+        if (!all_[i].box.apart(a) && test(all_[i])) return true;
       ++n;
     }
     return false;
+  }
+  [[nodiscard]] bool any(const Box& a) const {
+    return any(a, [](const Entry&) { return true; });
   }
 
  private:
   struct Node {
     Box around;
-    std::int32_t begin, end;
-    bool is_leaf;
-    std::size_t after;  ///< the node that follows where nothing below this one is asked for
+    std::int32_t begin, end;  ///< of what lies in a leaf; the same in others
+    std::int32_t after;       ///< the node that follows where nothing below this one is asked for
   };
   static constexpr std::int32_t kLeaf = 8;
 
   /// Nodes stand before those below them.
   void make(std::int32_t begin, std::int32_t end) {
-    Box around = all_[begin];
-    Vec3 low = middle(around), high = low;
+    Box around = all_[begin].box;
+    std::array<float, 3> low{}, high{};  // of twice the middles
+    for (int k = 0; k < 3; ++k) low[k] = high[k] = around.low[k] + around.high[k];
     for (std::int32_t i = begin + 1; i < end; ++i) {
-      around.low = around.low.cwiseMin(all_[i].low);
-      around.high = around.high.cwiseMax(all_[i].high);
-      low = low.cwiseMin(middle(all_[i]));
-      high = high.cwiseMax(middle(all_[i]));
+      const Box& box = all_[i].box;
+      around.include(box);
+      for (int k = 0; k < 3; ++k) {
+        low[k] = std::min(low[k], box.low[k] + box.high[k]);
+        high[k] = std::max(high[k], box.low[k] + box.high[k]);
+      }
     }
     const std::size_t node = nodes_.size();
-    nodes_.push_back({around, begin, end, end - begin <= kLeaf, 0});
-    if (!nodes_[node].is_leaf) {
+    const bool is_leaf = end - begin <= kLeaf;
+    nodes_.push_back({around, begin, is_leaf ? end : begin, 0});
+    if (!is_leaf) {
       int axis = 0;
-      (high - low).maxCoeff(&axis);
+      for (int k = 1; k < 3; ++k)
+        if (high[k] - low[k] > high[axis] - low[axis]) axis = k;
       const std::int32_t half = begin + (end - begin) / 2;
-      std::nth_element(all_.begin() + begin, all_.begin() + half, all_.begin() + end, [&](const Box& x, const Box& y) {
-        return x.low[axis] + x.high[axis] < y.low[axis] + y.high[axis];
-      });
+      std::nth_element(all_.begin() + begin, all_.begin() + half, all_.begin() + end,
+                       [&](const Entry& x, const Entry& y) {
+                         return x.box.low[axis] + x.box.high[axis] < y.box.low[axis] + y.box.high[axis];
+                       });
       make(begin, half);
       make(half, end);
     }
-    nodes_[node].after = nodes_.size();
+    nodes_[node].after = static_cast<std::int32_t>(nodes_.size());
   }
 
-  static Vec3 middle(const Box& b) { return (b.low + b.high) / 2; }
-
-  std::vector<Box> all_;
+  std::vector<Entry> all_;
   std::vector<Node> nodes_;
 };
 
+/// Two facets that meet, by piece and index, the lower one first.
+struct Meeting {
+  std::int32_t piece, index, other_piece, other_index;
+  auto operator<=>(const Meeting&) const = default;
+};
+
+std::vector<Meeting> find_meetings(std::span<const FacetSet* const> pieces, const std::vector<bool>& changed) {
+  std::vector<Entry> moved;
+  for (std::size_t l = 0; l < pieces.size(); ++l)
+    if (changed[l])
+      for (const std::int32_t i : pieces[l]->solid)
+        moved.push_back({pieces[l]->boxes[i], static_cast<std::int32_t>(l), i});
+  std::vector<Meeting> met;
+  const BoxTree search(std::move(moved));  // fewer than all of them
+  for (std::int32_t l = 0; l < static_cast<std::int32_t>(pieces.size()); ++l) {
+    const FacetSet& some = *pieces[l];
+    if (some.solid.empty() || (!changed[l] && !search.any(some.around))) continue;
+    for (const std::int32_t i : some.solid) {
+      const Facet& f = some.facets[i];
+      (void)search.any(some.boxes[i], [&](const Entry& y) {
+        const bool seen_from_there = changed[l] && (y.piece < l || (y.piece == l && y.index <= i));
+        const Facet& g = pieces[y.piece]->facets[y.index];
+        if (seen_from_there || (y.piece == l && f.part == g.part)) return false;
+        if (!meet_elsewhere(f.corner, some.solids[i], g.corner, pieces[y.piece]->solids[y.index])) return false;
+        const bool lower = l < y.piece || (l == y.piece && i < y.index);
+        met.push_back(lower ? Meeting{l, i, y.piece, y.index} : Meeting{y.piece, y.index, l, i});
+        return false;
+      });
+    }
+  }
+  std::sort(met.begin(), met.end());
+  return met;
+}
+
 }  // namespace
 
-std::vector<Hit> find_hits(std::span<const Facet> facets, std::span<const Vec3> position,
+void Box::include(const Box& other) {
+  for (std::size_t k = 0; k < 4; ++k) {
+    low[k] = std::min(low[k], other.low[k]);
+    high[k] = std::max(high[k], other.high[k]);
+  }
+}
+
+void FacetSet::locate(std::span<const Vec3> position) {
+  solids.clear();
+  boxes.clear();
+  solid.clear();
+  for (const auto& [corner, piece, part] : facets) {
+    solids.push_back({stored(position[corner[0]]), stored(position[corner[1]]), stored(position[corner[2]])});
+    boxes.push_back(box_of(solids.back()));
+    if (!has_area(solids.back())) continue;
+    if (solid.empty()) around = boxes.back();
+    around.include(boxes.back());
+    solid.push_back(static_cast<std::int32_t>(solids.size()) - 1);
+  }
+}
+
+std::vector<Hit> find_hits(std::span<const FacetSet* const> pieces, std::span<const Vec3> position,
                            const std::vector<bool>& changed) {
-  std::vector<Corners> solids;
-  std::vector<Box> all, moved;
-  solids.reserve(facets.size());
-  for (std::size_t i = 0; i < facets.size(); ++i) {
-    const auto& c = facets[i].corner;
-    solids.push_back({stored(position[c[0]]), stored(position[c[1]]), stored(position[c[2]])});
-    if (!has_area(solids[i])) continue;
-    all.emplace_back(solids[i], static_cast<std::int32_t>(i));
-    if (changed[facets[i].piece]) moved.push_back(all.back());
-  }
-  std::vector<std::array<std::int32_t, 2>> met;
-  const BoxTree search(std::move(moved));  // fewer than all of them
-  for (const Box& x : all) {
-    const std::int32_t i = x.index;
-    const Facet& f = facets[i];
-    (void)search.any(x, [&](const Box& y) {
-      const std::int32_t j = y.index;
-      const Facet& g = facets[j];
-      const bool seen_from_there = j <= i && changed[f.piece];
-      if (seen_from_there || (f.piece == g.piece && f.part == g.part)) return false;
-      if (meet_elsewhere(f.corner, solids[i], g.corner, solids[j])) met.push_back({std::min(i, j), std::max(i, j)});
-      return false;
-    });
-  }
-  // Facets come by piece and part, so the lower one is of the lower polygon.
-  std::sort(met.begin(), met.end());
   std::vector<Hit> hits;
   const auto corners = [&](const Facet& f) {
     return Corners{position[f.corner[0]], position[f.corner[1]], position[f.corner[2]]};
   };
-  for (const auto& [i, j] : met) {
-    const Facet &f = facets[i], &g = facets[j];
+  // Facets come by part, so the lower one is of the lower polygon.
+  for (const Meeting& m : find_meetings(pieces, changed)) {
+    const Facet &f = pieces[m.piece]->facets[m.index], &g = pieces[m.other_piece]->facets[m.other_index];
     hits.push_back({f.piece,
                     f.part,
                     g.piece,
@@ -163,27 +202,37 @@ std::vector<Hit> find_hits(std::span<const Facet> facets, std::span<const Vec3> 
 }
 
 bool scan_intersects(const Mesh& mesh, std::span<const std::int32_t> faces, std::span<const std::int32_t> others) {
-  std::vector<Facet> facets;
-  std::vector<Corners> solids;
-  const auto boxes = [&](std::span<const std::int32_t> some) {
-    std::vector<Box> result;
+  const auto corners_of = [&](std::int32_t f) {
+    const Triangle& t = mesh.triangles()[f];
+    return Corners{stored(mesh.vertices()[t[0]]), stored(mesh.vertices()[t[1]]), stored(mesh.vertices()[t[2]])};
+  };
+  const auto boxes = [&](std::span<const std::int32_t> some, const Box* near) {
+    std::vector<Entry> result;
     for (const std::int32_t f : some) {
-      const Triangle& t = mesh.triangles()[f];
-      const Corners s{stored(mesh.vertices()[t[0]]), stored(mesh.vertices()[t[1]]), stored(mesh.vertices()[t[2]])};
-      if (!has_area(s)) continue;
-      result.emplace_back(s, static_cast<std::int32_t>(solids.size()));
-      solids.push_back(s);
-      facets.push_back({t, f, 0});
+      const Corners s = corners_of(f);
+      const Box box = box_of(s);
+      if ((!near || !near->apart(box)) && has_area(s)) result.push_back({box, f, 0});
     }
     return result;
   };
-  const std::vector<Box> some = boxes(faces);
-  const BoxTree search(boxes(others));
-  return std::any_of(some.begin(), some.end(), [&](const Box& x) {
-    return search.any(x, [&](const Box& y) {
-      const std::int32_t i = x.index, j = y.index;
-      return facets[i].piece != facets[j].piece &&
-             meet_elsewhere(facets[i].corner, solids[i], facets[j].corner, solids[j]);
+  const auto around = [](const std::vector<Entry>& some) {
+    Box box = some[0].box;
+    for (const Entry& x : some) box.include(x.box);
+    return box;
+  };
+  // What lies outside the other's box is of no interest.
+  std::vector<Entry> some = boxes(faces, nullptr);
+  if (some.empty()) return false;
+  Box box = around(some);
+  std::vector<Entry> more = boxes(others, &box);
+  if (more.empty()) return false;
+  box = around(more);
+  std::erase_if(some, [&](const Entry& x) { return x.box.apart(box); });
+  const BoxTree search(std::move(more));
+  return std::any_of(some.begin(), some.end(), [&](const Entry& x) {
+    return search.any(x.box, [&](const Entry& y) {
+      return x.piece != y.piece && meet_elsewhere(mesh.triangles()[x.piece], corners_of(x.piece),
+                                                  mesh.triangles()[y.piece], corners_of(y.piece));
     });
   });
 }

@@ -43,6 +43,30 @@ struct Bounds {
 PolygonVerdict judge_polygon(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Vec3& normal,
                              const Bounds& bounds, Facet like, std::vector<Facet>& facets);
 
+/// A box with sides along the axes. Coordinates that are looked for in space are float32, so it is exact.
+struct Box {
+  std::array<float, 4> low, high;  ///< the fourth is 0, so that four can be compared at once
+  [[nodiscard]] bool apart(const Box& other) const {
+    bool out = false;
+    for (std::size_t k = 0; k < 4; ++k) out |= (low[k] > other.high[k]) | (high[k] < other.low[k]);
+    return out;
+  }
+  void include(const Box& other);
+};
+
+/// The facets of a piece's polygons where they can be looked for.
+struct FacetSet {
+  std::vector<Facet> facets;
+  std::vector<std::array<Vec3, 3>> solids;  ///< where the corners of each lie, rounded to float32
+  std::vector<Box> boxes;                   ///< of each
+  std::vector<std::int32_t> solid;          ///< which facets have area: the others meet nothing
+  Box around;                               ///< all of these
+
+  void clear() { facets.clear(); }
+  /// Makes all but the facets from these. To be called again when a corner has moved.
+  void locate(std::span<const Vec3> position);
+};
+
 /// Two polygons that meet elsewhere than in what they share.
 struct Hit {
   std::int32_t a, part_a, b, part_b;    ///< pieces, a <= b, and which of their polygons
@@ -52,8 +76,9 @@ struct Hit {
 };
 
 /// All pairs of polygons that intersect and of which one at least is of a `changed` piece, in rising order.
-/// Cost: O(n log n + pairs of boxes) for n facets.
-std::vector<Hit> find_hits(std::span<const Facet> facets, std::span<const Vec3> position,
+/// \param pieces  their facets, by piece
+/// Cost: O(c log c + pieces + pairs of boxes) for c facets of changed pieces.
+std::vector<Hit> find_hits(std::span<const FacetSet* const> pieces, std::span<const Vec3> position,
                            const std::vector<bool>& changed);
 
 /// Whether one of some faces of the scan meets one of some others elsewhere than in the vertices they share. Vertices
