@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "ease.h"
 #include "sorted.h"
 
 namespace isimp::meshing {
@@ -12,24 +13,24 @@ namespace {
 
 constexpr int kRounds = 40;
 constexpr std::size_t kWorthwhile = 300;  ///< a round that tries less than one piece of so many is the last
+constexpr double kHopeless = 1.5;         ///< times the bound: no placement will make a polygon so bent flat
 
 /// What the repair did and what may turn out not to be needed.
-enum class Act : std::int32_t { pull, corner, diagonal, split };
+enum class Act : std::int32_t { diagonal, split };
 
 struct Candidate {
   Act act;
   std::int32_t piece;  ///< that keeps its number
-  std::int32_t other;  ///< split: the piece that goes; corner: its vertex
+  std::int32_t other;  ///< split: the piece that goes
   double score;        ///< the higher, the sooner it is tried
 };
 
 /// An act that was taken back, and what it takes to do it again.
 struct Trial {
   Act act;
-  std::int32_t piece, vertex;
+  std::int32_t piece;
   std::optional<Union> united;
   std::array<std::int32_t, 2> diagonal{kNone, kNone};
-  std::vector<std::pair<std::int32_t, double>> pulls;  ///< corners and their shares
 };
 
 class Coarsener {
@@ -42,11 +43,11 @@ class Coarsener {
 
   std::int32_t run() {
     const std::int32_t before = s_.polygons.count();
-    for (const bool whole : {true, false})
-      for (int round = 0; round < kRounds; ++round) {
-        job_.poll();
-        if (!try_some(whole)) break;
-      }
+    try_all();
+    ease(s_, findings_, job_);
+    // Corners that are free again may do without what they needed when they were not.
+    std::erase_if(tried_, [](const auto& t) { return t[0] == static_cast<std::int32_t>(Act::diagonal); });
+    try_all();
     return before - s_.polygons.count();
   }
 
@@ -74,27 +75,14 @@ class Coarsener {
     return static_cast<std::size_t>(at - all.begin());
   }
 
-  [[nodiscard]] bool pulled(std::int32_t l) const {
-    for (std::int32_t q = s_.polygons.first_of[l]; q < s_.polygons.first_of[l + 1]; ++q)
-      for (const std::int32_t c : s_.polygons.of(q))
-        if (s_.corners.pull[c] < 1) return true;
-    return false;
-  }
-
   /// What is left to try, the most promising first: of two pieces those that share most of their boundary.
-  /// \param whole  what makes polygons fewer; else what gives their corners more freedom
-  [[nodiscard]] std::vector<Candidate> candidates(bool whole) const {
+  [[nodiscard]] std::vector<Candidate> candidates() const {
     std::vector<Candidate> all;
     for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l) {
       const Piece& p = s_.labels.pieces[l];
       if (p.face == kNone) continue;
-      if (!whole && !tried(Act::pull, l) && pulled(l)) all.push_back({Act::pull, l, l, 0});
-      if (whole && untried_diagonal(l) < s_.diagonals[l].size()) all.push_back({Act::diagonal, l, l, 0.5});
-      if (whole && p.cause != Cause::region && p.cause != Cause::closed) add_unions(l, all);
-    }
-    for (const std::int32_t v : s_.complex.bent()) {
-      const std::int32_t l = s_.labels.label[s_.mesh.vertex_halfedge()[v] / 3];
-      if (!whole && s_.complex.is_corner(v) && !tried(Act::corner, v)) all.push_back({Act::corner, l, v, 1});
+      if (untried_diagonal(l) < s_.diagonals[l].size()) all.push_back({Act::diagonal, l, l, 0.5});
+      if (p.cause != Cause::region && p.cause != Cause::closed) add_unions(l, all);
     }
     std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.score > b.score; });
     return all;
@@ -117,11 +105,18 @@ class Coarsener {
     return zone;
   }
 
+  void try_all() {
+    for (int round = 0; round < kRounds; ++round) {
+      job_.poll();
+      if (!try_some()) return;
+    }
+  }
+
   /// Tries as many candidates as can be told apart if they fail. \return whether to go on
-  bool try_some(bool whole) {
+  bool try_some() {
     std::vector<bool> busy(s_.labels.pieces.size(), false);
     std::vector<Trial> trials;
-    for (const Candidate& c : candidates(whole)) {
+    for (const Candidate& c : candidates()) {
       const std::vector<std::int32_t> zone = zone_of(c);
       if (std::any_of(zone.begin(), zone.end(), [&](std::int32_t l) { return busy[l]; })) continue;
       std::optional<Trial> trial = start(c);
@@ -134,26 +129,67 @@ class Coarsener {
     const std::vector<bool> before = findings_.faulty();
     const std::vector<Vec3> positions = s_.corners.position;
     bring_up_to_date(trials, {});
-    const std::vector<bool> after = findings_.faulty();
-    std::erase_if(trials, [&](const Trial& t) { return !spoils(t, before, after); });
-    for (const Trial& t : trials) undo(t);
-    if (!trials.empty()) bring_up_to_date(trials, positions);
+    while (!trials.empty()) {  // what was done again may spoil what is beside it
+      const std::vector<bool> after = findings_.faulty();
+      std::vector<Trial> good, failed;
+      for (Trial& t : trials) (spoils(t, before, after) ? failed : good).push_back(std::move(t));
+      trials.swap(good);
+      if (failed.empty()) break;
+      for (const Trial& t : failed) undo(t);
+      bring_up_to_date(failed, positions);
+    }
     return go_on;
+  }
+
+  /// Whether a polygon is so faulty, both with its corners where they are and on the mesh, that placing it anew is not
+  /// worth a try.
+  [[nodiscard]] bool is_hopeless(std::span<const std::int32_t> vertices, const Vec3& normal) const {
+    if (vertices.size() < 3) return false;
+    std::vector<std::int32_t> polygon(vertices.size());
+    std::vector<Vec3> placed, home;
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      polygon[i] = static_cast<std::int32_t>(i);
+      const std::int32_t corner = s_.corners.of_vertex[vertices[i]];
+      home.push_back(s_.mesh.vertices()[vertices[i]]);
+      placed.push_back(corner == kNone ? home.back() : s_.corners.position[corner]);
+    }
+    const Bounds bounds{kHopeless * findings_.bounds().bend, findings_.bounds().thickness};
+    return judge_polygon(polygon, placed, normal, bounds).faults != 0 &&
+           judge_polygon(polygon, home, normal, bounds).faults != 0;
+  }
+
+  /// The same of two pieces made one with the loop given, and of those beside them that lose a corner by it.
+  [[nodiscard]] bool is_hopeless(std::span<const std::int32_t> loop, const Candidate& c) const {
+    const Plane &a = s_.planes[c.piece], &b = s_.planes[c.other];
+    std::vector<std::int32_t> vertices, lost;
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      const std::int32_t v = s_.mesh.from(loop[i]);
+      if (!s_.complex.is_corner(v)) continue;
+      const bool junction = s_.labels.label[loop[i] / 3] != s_.labels.label[loop[i > 0 ? i - 1 : loop.size() - 1] / 3];
+      if (junction && s_.complex.boundary_edges(v) == 3) {  // two are left
+        lost.push_back(loop[i]);
+      } else {
+        vertices.push_back(v);
+      }
+    }
+    if (is_hopeless(vertices, (a.area * a.normal + b.area * b.normal).normalized())) return true;
+    return std::any_of(lost.begin(), lost.end(), [&](std::int32_t h) { return spoils_beside(h); });
+  }
+
+  /// Whether the piece across a half-edge is hopeless without the corner that it leaves.
+  [[nodiscard]] bool spoils_beside(std::int32_t h) const {
+    const std::int32_t l = s_.labels.across(h);
+    if (l == kNone || !s_.diagonals[l].empty() || findings_.of(l).faults() != 0) return false;
+    std::vector<std::int32_t> vertices;
+    for (const std::int32_t g : s_.complex.chords(l))
+      if (s_.mesh.from(g) != s_.mesh.from(h)) vertices.push_back(s_.mesh.from(g));
+    return is_hopeless(vertices, s_.planes[l].normal);
   }
 
   /// Takes back one act. \return nothing where it has to stay
   std::optional<Trial> start(const Candidate& c) {
-    Trial trial{c.act, c.piece, kNone, {}, {kNone, kNone}, {}};
+    Trial trial{c.act, c.piece, {}, {kNone, kNone}};
     switch (c.act) {
-      case Act::pull:
-        mark_tried(Act::pull, c.piece);
-        release(trial);
-        break;
-      case Act::corner:
-        mark_tried(Act::corner, c.other);
-        trial.vertex = c.other;
-        if (!s_.complex.drop_corner(c.other)) return {};
-        break;
       case Act::diagonal: {
         auto& all = s_.diagonals[c.piece];
         const auto at = all.begin() + static_cast<std::ptrdiff_t>(untried_diagonal(c.piece));
@@ -166,32 +202,17 @@ class Coarsener {
         mark_tried(Act::split, c.other, c.piece);
         std::int32_t& left = pieces_of_[s_.mesh.component()[s_.labels.pieces[c.other].face]];
         if (left <= kLeastClosed) return {};
+        const std::vector<std::int32_t> loop = s_.loop_together(c.piece, c.other);
+        if (loop.empty() || is_hopeless(loop, c)) return {};
         trial.united = s_.unite(c.piece, c.other);
-        if (!trial.united) return {};
         --left;
       }
     }
     return trial;
   }
 
-  /// Gives the corners of a piece their whole radius back.
-  void release(Trial& t) {
-    for (std::int32_t q = s_.polygons.first_of[t.piece]; q < s_.polygons.first_of[t.piece + 1]; ++q)
-      for (const std::int32_t c : s_.polygons.of(q)) {
-        if (s_.corners.pull[c] >= 1) continue;
-        t.pulls.emplace_back(c, s_.corners.pull[c]);
-        s_.corners.pull[c] = 1;
-      }
-  }
-
   void undo(const Trial& t) {
     switch (t.act) {
-      case Act::pull:
-        for (const auto& [corner, share] : t.pulls) s_.corners.pull[corner] = share;
-        break;
-      case Act::corner:
-        s_.complex.add_corner(t.vertex);
-        break;
       case Act::diagonal:
         s_.diagonals[t.piece].push_back(t.diagonal);
         break;

@@ -6,11 +6,12 @@
 
 namespace isimp::meshing {
 
-/// Takes back what was done beyond need: gives corners that were pulled their radius back, drops corners, removes
-/// diagonals and unites pieces that were parted with neighbours of the same region, wherever no polygon becomes faulty
-/// by it. Many at a time that are not near each other; those by which something became faulty are done again.
+/// Takes back what was done beyond need: removes diagonals and unites pieces that were parted with neighbours of the
+/// same region, wherever no polygon becomes faulty by it. Many at a time that are not near each other; those by which
+/// something became faulty are done again. What is plainly going to be faulty is not tried. Then corners are eased
+/// (ease.h), and what they are free to do without now is tried again.
 /// \return how many polygons are gone
-/// Cost: up to forty rounds of `State::update` and `Findings::judge`.
+/// Cost: up to eighty rounds of `State::update` and `Findings::judge`.
 std::int32_t coarsen(State& state, Findings& findings, Job& job);
 
 }  // namespace isimp::meshing

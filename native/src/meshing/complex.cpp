@@ -14,7 +14,7 @@ Complex::Complex(const Labels& labels, const std::vector<Plane>& planes)
       planes_(planes),
       corner_(static_cast<std::size_t>(labels.mesh.vertex_count()), 0) {}
 
-bool Complex::is_anchor(std::int32_t vertex) const {
+int Complex::boundary_edges(std::int32_t vertex) const {
   int edges = 0;
   std::int32_t last = kNone;
   for_each_leaving(mesh_, vertex, [&](std::int32_t h) {
@@ -22,7 +22,7 @@ bool Complex::is_anchor(std::int32_t vertex) const {
     last = h;
   });
   edges += mesh_.opposite(Mesh::prev(last)) == kNone;  // the border edge that arrives
-  return edges != 2;
+  return edges;
 }
 
 void Complex::refresh(std::span<const std::int32_t> pieces, std::span<const std::int32_t> starts) {

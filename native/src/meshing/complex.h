@@ -63,7 +63,10 @@ class Complex {
   /// First half-edges of a piece's chords, in order.
   [[nodiscard]] std::span<const std::int32_t> chords(std::int32_t piece) const { return chords_[piece]; }
   [[nodiscard]] std::span<const std::int32_t> loop(std::int32_t piece) const { return loops_[piece]; }
+  /// How many of the edges at a vertex are boundary, those of the mesh included.
+  [[nodiscard]] int boundary_edges(std::int32_t vertex) const;
   [[nodiscard]] bool is_corner(std::int32_t vertex) const { return corner_[vertex] != 0; }
+  [[nodiscard]] std::span<const std::uint8_t> corner_flags() const { return corner_; }  ///< (V)
   /// The vertices that `bend` made corners, some of them perhaps more than once or dropped since.
   [[nodiscard]] std::span<const std::int32_t> bent() const { return bent_; }
   /// The vertices from corner to corner.
@@ -71,7 +74,7 @@ class Complex {
   [[nodiscard]] const RegularCounts& counts() const { return counts_; }
 
  private:
-  [[nodiscard]] bool is_anchor(std::int32_t vertex) const;
+  [[nodiscard]] bool is_anchor(std::int32_t vertex) const { return boundary_edges(vertex) != 2; }
   [[nodiscard]] std::vector<Vec3> points(std::span<const std::int32_t> path) const;
   void seed_ring(std::int32_t piece);
   void subdivide(std::int32_t chord);

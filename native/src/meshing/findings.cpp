@@ -17,8 +17,7 @@ bool Findings::is_given(std::int32_t piece) const {
     if (s_.labels.inner(h)) return false;
   std::vector<Vec3> corners;
   for (const std::int32_t v : s_.mesh.triangles()[f]) corners.push_back(s_.mesh.vertices()[v]);
-  std::vector<Facet> none;
-  return (judge_polygon(std::array{0, 1, 2}, corners, Vec3::Zero(), bounds_, {}, none).faults & kNoArea) != 0;
+  return (judge_polygon(std::array{0, 1, 2}, corners, Vec3::Zero(), bounds_).faults & kNoArea) != 0;
 }
 
 void Findings::judge(std::span<const std::int32_t> pieces) {
@@ -31,7 +30,7 @@ void Findings::judge(std::span<const std::int32_t> pieces) {
     f.facets.clear();
     for (std::int32_t q = s_.polygons.first_of[l]; q < s_.polygons.first_of[l + 1]; ++q)
       f.polygons.push_back(judge_polygon(s_.polygons.of(q), s_.corners.position, s_.planes[l].normal, bounds_,
-                                         {{}, l, q - s_.polygons.first_of[l]}, f.facets.facets));
+                                         {{}, l, q - s_.polygons.first_of[l]}, &f.facets.facets));
     f.facets.locate(s_.corners.position);
     if (f.polygons.size() == 1 && f.polygons[0].faults == kNoArea && is_given(l)) f.polygons[0].faults = kGiven;
   }

@@ -32,6 +32,7 @@ class Findings {
   bool excused(const Hit& h);
   /// By piece: whether it has a fault of its own, or meets another and is not excused.
   std::vector<bool> faulty();
+  [[nodiscard]] const Bounds& bounds() const { return bounds_; }
 
  private:
   /// Whether a piece is a face of the scan that has no area.

@@ -39,9 +39,9 @@ struct Bounds {
 };
 
 /// \param normal  that of the piece: a polygon that faces away from it is flipped
-/// \param facets  the triangulation is added here, marked as `like`
+/// \param facets  the triangulation is added here, marked as `like`; null where nobody asks for it
 PolygonVerdict judge_polygon(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Vec3& normal,
-                             const Bounds& bounds, Facet like, std::vector<Facet>& facets);
+                             const Bounds& bounds, Facet like = {}, std::vector<Facet>* facets = nullptr);
 
 /// A box with sides along the axes. Coordinates that are looked for in space are float32, so it is exact.
 struct Box {

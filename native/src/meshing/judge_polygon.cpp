@@ -197,7 +197,7 @@ class LeastSurface {
 }  // namespace
 
 PolygonVerdict judge_polygon(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Vec3& normal,
-                             const Bounds& bounds, Facet like, std::vector<Facet>& facets) {
+                             const Bounds& bounds, Facet like, std::vector<Facet>* facets) {
   PolygonVerdict verdict;
   const Flat f = flat(polygon, position);
   verdict.bend = f.bend;
@@ -210,10 +210,10 @@ PolygonVerdict judge_polygon(std::span<const std::int32_t> polygon, std::span<co
   verdict.crossing = find_crossing(f.points);
   if (verdict.crossing[0] >= 0) {
     verdict.faults |= kCrossing;
-  } else {
+  } else if (facets) {
     constexpr std::size_t kFew = 24;
-    if (polygon.size() == 3 || polygon.size() > kFew || !LeastSurface(f.points, polygon, position).cut(like, facets))
-      Ears(f.points, polygon).cut(like, facets);
+    if (polygon.size() == 3 || polygon.size() > kFew || !LeastSurface(f.points, polygon, position).cut(like, *facets))
+      Ears(f.points, polygon).cut(like, *facets);
   }
   return verdict;
 }

@@ -39,7 +39,7 @@ class Repairer {
     mend(kRounds);
     outcome_.taken_back = coarsen(s_, findings_, job_);
     std::fill(tries_.begin(), tries_.end(), 0);
-    if (outcome_.taken_back > 0) mend(kRounds);
+    mend(kRounds);
     if (fall_back()) {
       coarsen(s_, findings_, job_);
       fall_back();
@@ -149,8 +149,10 @@ class Repairer {
 
   /// Gives a piece without area to the neighbour of its region with the longest boundary that stays a disc with it.
   bool dissolve(std::int32_t l) {
-    const auto& touched = s_.labels.touched;
-    if (std::find(touched.begin(), touched.end(), l) != touched.end()) return false;  // its loop is out of date
+    const auto out_of_date = [&](std::int32_t k) {
+      return std::find(s_.labels.touched.begin(), s_.labels.touched.end(), k) != s_.labels.touched.end();
+    };
+    if (out_of_date(l)) return false;
     const SharedBoundary shared = s_.shared_boundary(l);
     std::vector<std::pair<double, std::int32_t>> order;
     order.reserve(shared.with.size());
@@ -162,7 +164,8 @@ class Repairer {
     });
     if (beside <= kLeastClosed) return false;
     for (const auto& [length, k] : order) {
-      if (!s_.unite(k, l)) continue;
+      if (out_of_date(k) || s_.loop_together(k, l).empty()) continue;
+      s_.unite(k, l);
       changed_.push_back(k);
       gone_.push_back(l);
       return true;

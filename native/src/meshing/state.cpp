@@ -106,18 +106,37 @@ SharedBoundary State::shared_boundary(std::int32_t piece) const {
   return found;
 }
 
-std::optional<Union> State::unite(std::int32_t kept, std::int32_t gone) {
-  std::vector<std::int32_t> all = labels.faces_of(kept);
-  Union u{kept, gone, labels.pieces[kept], labels.pieces[gone], labels.faces_of(gone), {}, {}};
-  all.insert(all.end(), u.faces.begin(), u.faces.end());
+std::vector<std::int32_t> State::loop_together(std::int32_t kept, std::int32_t gone) {
+  const auto a = complex.loop(kept), b = complex.loop(gone);
+  std::vector<std::int32_t> together;
+  // Two discs are a disc together if they share one path and no vertex beyond it.
+  std::size_t shared = 0, common = 0;
+  labels.vertex_marks.clear();
+  for (const std::int32_t h : a) {
+    shared += labels.across(h) == gone;
+    labels.vertex_marks.add(mesh.from(h));
+  }
+  for (const std::int32_t h : b) common += labels.vertex_marks.has(mesh.from(h));
+  if (shared == 0 || shared == a.size() || shared == b.size() || common != shared + 1) return together;
+  const auto add_rest = [&](std::span<const std::int32_t> loop, std::int32_t other) {
+    std::size_t i = 0;  // after the path
+    const auto n = loop.size();
+    while (labels.across(loop[i]) == other || labels.across(loop[(i + n - 1) % n]) != other) ++i;
+    for (; labels.across(loop[i % n]) != other; ++i) together.push_back(loop[i % n]);
+  };
+  add_rest(a, gone);
+  add_rest(b, kept);
+  return together;
+}
+
+Union State::unite(std::int32_t kept, std::int32_t gone) {
+  Union u{kept, gone, labels.pieces[kept], labels.pieces[gone], labels.faces_of(gone), {}, {}, {}};
   std::vector<std::int32_t> between;
   for (const std::int32_t h : complex.loop(gone))
     if (labels.across(h) == kept) between.insert(between.end(), {mesh.from(h), mesh.to(h)});
+  for (const std::int32_t l : {kept, gone})
+    for (const std::int32_t h : complex.chords(l)) u.corners.push_back(mesh.from(h));
   for (const std::int32_t f : u.faces) labels.label[f] = kept;
-  if (labels.shape(all).defect() != 0) {
-    for (const std::int32_t f : u.faces) labels.label[f] = gone;
-    return {};
-  }
   if (labels.pieces[kept].cause == Cause::repair) labels.pieces[kept].cause = u.gone_piece.cause;
   labels.pieces[gone].face = kNone;
   labels.touched.push_back(kept);
@@ -135,6 +154,9 @@ void State::part_again(const Union& u) {
   diagonals[u.kept] = u.kept_diagonals;
   diagonals[u.gone] = u.gone_diagonals;
   labels.touched.insert(labels.touched.end(), {u.kept, u.gone});
+  for (const std::int32_t h : complex.loop(u.kept))
+    if (complex.is_corner(mesh.from(h))) complex.drop_corner(mesh.from(h));
+  for (const std::int32_t v : u.corners) complex.add_corner(v);
 }
 
 std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, std::span<const Vec3> before) {

@@ -21,7 +21,8 @@ constexpr std::int32_t kLeastClosed = 4;  ///< no closed surface has fewer polyg
 struct Union {
   std::int32_t kept = kNone, gone = kNone;
   Piece kept_piece, gone_piece;
-  std::vector<std::int32_t> faces;  ///< of the one that is gone
+  std::vector<std::int32_t> faces;    ///< of the one that is gone
+  std::vector<std::int32_t> corners;  ///< vertices of both that were
   std::vector<std::array<std::int32_t, 2>> kept_diagonals, gone_diagonals;
 };
 
@@ -42,8 +43,11 @@ class State {
   /// Makes each face of a piece a piece of its own, all corners of which stay on the mesh. \return whether that is new
   bool shatter(std::int32_t piece);
   [[nodiscard]] SharedBoundary shared_boundary(std::int32_t piece) const;
-  /// Makes two pieces one if that is a disc. \return what was changed, nothing if it is none
-  std::optional<Union> unite(std::int32_t kept, std::int32_t gone);
+  /// The boundary that two pieces would have together, as half-edges in order; empty where that would be no disc.
+  /// Cost: O(their boundaries), of which the complex must be up to date.
+  [[nodiscard]] std::vector<std::int32_t> loop_together(std::int32_t kept, std::int32_t gone);
+  /// Makes two pieces one, which must be a disc. \return what was changed
+  Union unite(std::int32_t kept, std::int32_t gone);
   void part_again(const Union& u);
   /// Brings polygons and positions up to date after splits, new corners, new diagonals or pulls.
   /// \param changed  pieces whose diagonals or pulls changed; the others are known

@@ -1,0 +1,128 @@
+#include "ease.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "sorted.h"
+
+namespace isimp::meshing {
+namespace {
+
+constexpr int kRounds = 20;
+constexpr std::int32_t kShare = 6;
+
+class Easing {
+ public:
+  Easing(State& state, Findings& findings, Job& job)
+      : s_(state),
+        findings_(findings),
+        job_(job),
+        faulty_(findings.faulty()),
+        corner_(s_.complex.corner_flags().begin(), s_.complex.corner_flags().end()),
+        pull_(s_.corners.pull),
+        position_(s_.corners.position),
+        diagonals_(s_.diagonals) {}
+
+  /// \param share  of how many a corner is taken, so that in turn all are
+  void run(std::int32_t share, std::int32_t turn) {
+    std::vector<std::int32_t> pieces = release_pulls(share, turn);
+    if (!drop_bends(share, turn) && pieces.empty()) return;
+    bring_up_to_date(std::move(pieces), {});
+    for (int round = 0; round < kRounds; ++round) {
+      job_.poll();
+      pieces = near_faults();
+      if (pieces.empty()) return;
+      for (const std::int32_t l : pieces) do_again(l);
+      bring_up_to_date(std::move(pieces), position_);
+    }
+  }
+
+ private:
+  /// \return the pieces whose corners have been given their radius back
+  std::vector<std::int32_t> release_pulls(std::int32_t share, std::int32_t turn) {
+    std::vector<bool> spared(s_.corners.count(), false);
+    std::vector<std::int32_t> pieces;
+    for (std::int32_t q = 0; q < s_.polygons.count(); ++q)
+      for (const std::int32_t c : s_.polygons.of(q))
+        if (faulty_[s_.polygons.piece[q]]) spared[c] = true;
+    for (std::int32_t c = 0; c < s_.corners.count(); ++c) {
+      if (c % share != turn || spared[c] || s_.corners.pull[c] >= 1 || s_.polygons.at(c).empty()) continue;
+      s_.corners.pull[c] = 1;
+      for (const std::int32_t q : s_.polygons.at(c)) pieces.push_back(s_.polygons.piece[q]);
+    }
+    return pieces;
+  }
+
+  /// \return whether there is any that could be dropped
+  bool drop_bends(std::int32_t share, std::int32_t turn) {
+    std::vector<std::int32_t> bent(s_.complex.bent().begin(), s_.complex.bent().end());
+    sort_unique(bent);
+    bool any = false;
+    for (const std::int32_t v : bent) {
+      bool spared = v % share != turn || !s_.complex.is_corner(v);
+      for_each_leaving(s_.mesh, v, [&](std::int32_t h) { spared = spared || faulty_[s_.labels.label[h / 3]]; });
+      any = (!spared && s_.complex.drop_corner(v)) || any;
+    }
+    return any;
+  }
+
+  void bring_up_to_date(std::vector<std::int32_t> pieces, std::span<const Vec3> positions) {
+    findings_.judge(s_.update(std::move(pieces), positions));
+  }
+
+  /// The pieces that have become faulty, and those round ones that are so again.
+  std::vector<std::int32_t> near_faults() {
+    const std::vector<bool> now = findings_.faulty();
+    std::vector<std::int32_t> near;
+    rings_.resize(now.size(), 0);
+    for (std::size_t l = 0; l < now.size(); ++l) {
+      if (!now[l] || faulty_[l]) continue;
+      std::vector<std::int32_t> zone{static_cast<std::int32_t>(l)};
+      for (int ring = rings_[l]++; ring > 0; --ring) add_neighbours(zone);
+      near.insert(near.end(), zone.begin(), zone.end());
+    }
+    sort_unique(near);
+    return near;
+  }
+
+  void add_neighbours(std::vector<std::int32_t>& zone) const {
+    const std::vector<std::int32_t> inner = zone;
+    for (const std::int32_t l : inner)
+      for (const std::int32_t h : s_.complex.chords(l))
+        if (const std::int32_t k = s_.labels.across(h); k != kNone) zone.push_back(k);
+    sort_unique(zone);
+  }
+
+  /// Makes the corners and polygons of a piece what they were.
+  void do_again(std::int32_t l) {
+    s_.diagonals[l] = diagonals_[l];
+    for (const std::int32_t h : s_.complex.loop(l)) {
+      const std::int32_t v = s_.mesh.from(h);
+      if (corner_[v] != 0 && !s_.complex.is_corner(v)) s_.complex.add_corner(v);
+      if (corner_[v] == 0 && s_.complex.is_corner(v)) s_.complex.drop_corner(v);
+      const std::int32_t c = s_.corners.of_vertex[v];
+      if (c != kNone && c < static_cast<std::int32_t>(pull_.size())) s_.corners.pull[c] = pull_[c];
+    }
+  }
+
+  State& s_;
+  Findings& findings_;
+  Job& job_;
+  // What was before.
+  const std::vector<bool> faulty_;          // by piece
+  const std::vector<std::uint8_t> corner_;  // by vertex
+  const std::vector<double> pull_;          // by corner
+  const std::vector<Vec3> position_;        // by corner
+  const Diagonals diagonals_;               // by piece
+  std::vector<int> rings_;                  // by piece: how often it was found to be faulty
+};
+
+}  // namespace
+
+void ease(State& state, Findings& findings, Job& job) {
+  Easing(state, findings, job).run(1, 0);
+  // Those that were done again for the sake of others get another chance.
+  for (std::int32_t turn = 0; turn < kShare; ++turn) Easing(state, findings, job).run(kShare, turn);
+}
+
+}  // namespace isimp::meshing
