@@ -5,7 +5,9 @@
 Starts Blender under Xvfb, drags the number of regions, adds and deletes one, and prints, for each: the engine, all its
 threads; what the worker's thread does besides, in numpy; what the add-on does on the window's own thread, in sum and
 the longest piece at once; its draw calls there, which software drawing (llvmpipe) answers by transforming every corner,
-as no graphics card would; and what Blender itself does there (its copy for undo too) until colours are on the screen.
+as no graphics card would; what Blender itself does there (its copy for undo too) until colours are on the screen; and
+what of that is more than Blender takes by itself, in the same window and scene before the add-on is switched on: for a
+redraw alone, and for a redraw of colours that were written anew, with a step to undo.
 Processor time, as that is little disturbed by what else runs.
 """
 
@@ -125,34 +127,14 @@ def run(hand):
     from isimp import session
     from isimp.blender import live, modal, overlay, pending, preview, runtime, shaders
 
-    isimp.register()
     load(os.environ["ISIMP_SCAN"])
     yield 1
     with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
         bpy.ops.view3d.view_selected()
-    bpy.context.window_manager.isimp.outline = False
     yield 1
-    bpy.ops.isimp.partition("EXEC_DEFAULT", True, proxies=200)
-    yield 2
     clock, work, drawn, rows = Clock(), Work(), [], []
-    for name in ("partition", "add_proxy", "delete_proxy"):
-        work.around(session.engine, name, "engine")
-    for kind in (preview.Work, modal.Work):
-        work.around(kind, "run", "total")
-        clock.around(kind, "run", "worker")  # where there is no thread for it
-    clock.around(shaders, "draw", "driver")
-    execute = clock.around(modal.RecipeOperator, "execute", "add-on")
-    modal.RecipeOperator.execute = lambda self, context: execute(self, context)  # Blender counts arguments
-    clock.around(pending, "write_shown", "add-on")
-    clock.around(live, "settle", "Blender")
-    tick = clock.around(live, "_tick", "add-on")
-    runtime.get().live.wake = lambda: bpy.app.timers.is_registered(tick) or bpy.app.timers.register(tick)
-    for handle in runtime.get().handles:
-        bpy.types.SpaceView3D.draw_handler_remove(handle, "WINDOW")
     add = bpy.types.SpaceView3D.draw_handler_add
-    runtime.get().handles = (add(clock.around(overlay, "_draw", "add-on"), (), "WINDOW", "POST_VIEW"),)
     ended = add(lambda: drawn.append(time.thread_time()), (), "WINDOW", "POST_PIXEL")
-    panel = bpy.context.window_manager.isimp.partition
 
     def measured(what, do, until=lambda: True):
         clock.told()
@@ -166,6 +148,32 @@ def run(hand):
             yield 0.01
         rows.append((what, 1000 * (drawn[-1] - begin), work.told(), *clock.told()))
         yield 0.5
+
+    yield from alone(hand, measured)
+    isimp.register()
+    bpy.context.window_manager.isimp.outline = False
+    bpy.ops.isimp.partition("EXEC_DEFAULT", True, proxies=200)
+    yield 2
+    for owner, name in (
+        (session.engine.guided, "partition_guided"),
+        (session.engine, "add_proxy"),
+        (session.engine, "delete_proxy"),
+    ):
+        work.around(owner, name, "engine")
+    for kind in (preview.Work, modal.Work):
+        work.around(kind, "run", "total")
+        clock.around(kind, "run", "worker")  # where there is no thread for it
+    clock.around(shaders, "draw", "driver")
+    execute = clock.around(modal.RecipeOperator, "execute", "add-on")
+    modal.RecipeOperator.execute = lambda self, context: execute(self, context)  # Blender counts arguments
+    clock.around(pending, "write_shown", "add-on")
+    clock.around(live, "settle", "Blender")
+    tick = clock.around(live, "_tick", "add-on")
+    runtime.get().live.wake = lambda: bpy.app.timers.is_registered(tick) or bpy.app.timers.register(tick)
+    for handle in runtime.get().handles:
+        bpy.types.SpaceView3D.draw_handler_remove(handle, "WINDOW")
+    runtime.get().handles = (add(clock.around(overlay, "_draw", "add-on"), (), "WINDOW", "POST_VIEW"),)
+    panel = bpy.context.window_manager.isimp.partition
 
     live._SETTLED = 600.0
     for value in VALUES:
@@ -186,14 +194,53 @@ def run(hand):
     show(rows)
 
 
+def alone(hand, measured):
+    """What Blender takes by itself, for what the add-on has it do too."""
+    import bpy
+    import numpy as np
+
+    obj = bpy.context.object
+    layer = obj.data.attributes.new("Own", "FLOAT_COLOR", "CORNER")
+    obj.data.color_attributes.active_color = obj.data.color_attributes["Own"]
+    hand.area.spaces.active.shading.color_type = "VERTEX"
+    colors = np.random.default_rng(1).random(4 * len(layer.data), np.float32)
+
+    def write():
+        bpy.context.object.data.attributes["Own"].data.foreach_set("color", colors)
+        bpy.context.object.data.update()
+        bpy.ops.ed.undo_push(message="own")
+
+    yield from measured("", write)
+    for _ in range(5):
+        yield from measured("redraw alone", hand.area.tag_redraw)
+    for _ in range(5):
+        yield from measured("colours alone", write)
+    obj = bpy.context.object
+    obj.data.attributes.remove(obj.data.attributes["Own"])
+    bpy.ops.ed.undo_push(message="as before")
+    yield 0.5
+
+
+#: what Blender does by itself that is the same as what it has to do for the add-on
+_ALIKE = {"slider": "redraw alone", "settle": "colours alone", "add_proxy": "colours alone"}
+_ALIKE["delete_proxy"] = "colours alone"
+
+
 def show(rows):
-    names = ("engine", "numpy", "add-on", "longest", "driver", "Blender")
+    rows = rows[1:]  # that of the first colours
+    names = ("engine", "numpy", "add-on", "longest", "driver", "Blender", "more")
+    own = {what: sorted(row[1] for row in rows if row[0] == what) for what in _ALIKE.values()}
     print(f"{'':14}" + "".join(f"{name:>12}" for name in names) + "   ms of processor time, median (most)")
     for what in dict.fromkeys(row[0] for row in rows):
         cells = []
         for _, window, (engine, total), spent, longest in (row for row in rows if row[0] == what):
             ours = {name: spent.get(name, 0.0) for name in ("add-on", "driver", "worker")}
-            cells.append((engine, total, ours["add-on"], longest, ours["driver"], window - sum(ours.values())))
+            blender = window - sum(ours.values())
+            alike = own.get(_ALIKE.get(what), [blender])
+            more = blender - alike[len(alike) // 2]
+            cells.append((engine, total, ours["add-on"], longest, ours["driver"], blender, more))
+            if os.environ.get("ISIMP_EACH"):
+                print(what, *(round(cell) for cell in cells[-1]))
         columns = (sorted(column) for column in zip(*cells, strict=True))
         print(f"{what:14}" + "".join(f"{f'{c[len(c) // 2]:.0f} ({c[-1]:.0f})':>12}" for c in columns), flush=True)
 

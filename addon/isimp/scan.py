@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -26,6 +26,13 @@ class Scan:
     #: `recipe.MARKS` are what Blender knows of itself: edges as (K, 2) vertices, materials and face sets of each face.
     layers: dict = field(default_factory=dict)
 
+    #: what is computed of the mesh, for all that differ in their layers alone
+    _known: dict = field(default_factory=dict, repr=False)
+
+    def with_layers(self, layers: dict) -> Scan:
+        """The same mesh with other layers."""
+        return replace(self, layers=layers)
+
     @cached_property
     def layers_digest(self) -> str:
         """Equal for equal layers."""
@@ -35,17 +42,21 @@ class Scan:
             digest.update(np.ascontiguousarray(self.layers[name]).tobytes())
         return digest.hexdigest()
 
-    @cached_property
+    @property
     def digest(self) -> str:
         """Equal for equal arrays, the layers left aside."""
-        digest = hashlib.blake2b(digest_size=16)
-        for array in (self.vertices, self.triangles, self.triangle_face):
-            digest.update(f"{array.dtype}{array.shape}".encode())
-            digest.update(np.ascontiguousarray(array).view(np.uint8).data)
-        digest.update(str(self.face_count).encode())
-        return digest.hexdigest()
+        if "digest" not in self._known:
+            digest = hashlib.blake2b(digest_size=16)
+            for array in (self.vertices, self.triangles, self.triangle_face):
+                digest.update(f"{array.dtype}{array.shape}".encode())
+                digest.update(np.ascontiguousarray(array).view(np.uint8).data)
+            digest.update(str(self.face_count).encode())
+            self._known["digest"] = digest.hexdigest()
+        return self._known["digest"]
 
-    @cached_property
+    @property
     def edges(self) -> tuple[np.ndarray, np.ndarray]:
         """(E, 2) triangles that share an edge, (E, 2) the vertices of that edge."""
-        return view.shared_edges(self.triangles)
+        if "edges" not in self._known:
+            self._known["edges"] = view.shared_edges(self.triangles)
+        return self._known["edges"]

@@ -42,6 +42,7 @@ def _tick():
         return None
     if live.work is not None:
         if live.work.task.status is Status.RUNNING:
+            live.work.read_on(context, _TICK)
             return _TICK
         work, live.work = live.work, None
         if not _take_up(context, work):

@@ -5,6 +5,8 @@ shows how far it is and applies the result once it is there; Esc leaves everythi
 """
 
 import logging
+import math
+import threading
 import time
 from contextlib import suppress
 
@@ -16,9 +18,9 @@ from ..task import Status, Stopped, Task
 from . import mesh_io, pending, preferences, reading, runtime, show, store, targets
 
 log = logging.getLogger("isimp")
-_AT_ONCE = 0.15  # seconds: shorter work needs no progress bar
+_AT_ONCE = 0.08  # seconds that the window waits for short work, which needs no progress bar
 _TICK = 0.05
-_SPAN = 0.04  # seconds that writing may keep the window waiting
+_SPAN = 0.04  # seconds that reading or writing may keep the window waiting
 #: What the mouse and keys may still do while a mesh in Edit Mode is written, which must not change meanwhile
 _NAVIGATION = ("MOUSE", "MIDDLE", "WHEEL", "TRACKPAD", "NDOF", "NUMPAD_", "TIMER", "WINDOW")
 
@@ -31,7 +33,12 @@ class Work:
         preferences.obey(context, runtime.get().session)
         self.name, self.recipe = obj.name, recipe
         self.states = {mesh_io.state_of(obj)}  #: those that are no change from elsewhere
-        self.scan = reading.read(context, obj, recipe.layers(), again)
+        self._layers, self._is_read, self._problem = recipe.layers(), threading.Event(), None
+        if reading.ready(context, obj, self._layers, 0.0):
+            self.scan = reading.read(context, obj, self._layers, again)
+            self._is_read.set()
+        else:
+            self.scan = reading.read(context, obj, again=again)
         self.corners = mesh_io.corner_totals(obj.data)
         self.face_color = self.corner_color = None
         self.task = None
@@ -43,11 +50,31 @@ class Work:
             return self.shown, f"Showing {self.shown:.0%}"
         return self.task.watch.progress, self.task.describe()
 
+    def read_on(self, context, seconds: float = math.inf) -> None:
+        """Goes on reading what weighs, for so long. Called by the main thread while the work waits for it."""
+        obj = self.target()
+        if self._is_read.is_set() or (obj is not None and not reading.ready(context, obj, self._layers, seconds)):
+            return
+        try:
+            if obj is not None:  # else the work goes on in vain
+                self.scan = reading.read(context, obj, self._layers, again=True)
+        except mesh_io.Unusable as problem:
+            self._problem = ValueError(str(problem))
+        self._is_read.set()
+
     def run(self, watch=None):
         """The outcome, and its colours as the mesh takes them; on any thread."""
-        outcome = runtime.get().session.replay(self.scan, self.recipe, watch)
+        outcome = self.replay(watch)
         self.paint(outcome)
         return outcome
+
+    def replay(self, watch):
+        """The outcome, once all is read."""
+        while not self._is_read.wait(_TICK):
+            watch.poll()
+        if self._problem is not None:
+            raise self._problem
+        return runtime.get().session.replay(self.scan, self.recipe, watch)
 
     def paint(self, outcome) -> None:
         """Makes the outcome's colours as the mesh takes them; on any thread."""
@@ -103,6 +130,7 @@ class RecipeOperator:
         work = self._begin(context)
         if work is None:
             return {"CANCELLED"}
+        work.read_on(context)
         try:
             outcome = work.run()
         except Exception as error:  # noqa: BLE001  (no step may show its user a traceback)
@@ -120,7 +148,10 @@ class RecipeOperator:
 
     def go_on(self, context):
         """Takes up what a work of its own gave, or waits for it, without a frozen window."""
-        if self._work.task.wait(_AT_ONCE) is not Status.RUNNING and self._written(_AT_ONCE):
+        end = time.monotonic() + _AT_ONCE
+        self._work.read_on(context, 0.5 * _AT_ONCE)
+        status = self._work.task.wait(max(0.0, end - time.monotonic()))
+        if status is not Status.RUNNING and self._written(end - time.monotonic()):
             return self._settle(context)
         runtime.get().running = self._work
         self._timer = context.window_manager.event_timer_add(_TICK, window=context.window)
@@ -136,6 +167,7 @@ class RecipeOperator:
             free = self._writing is None or event.type.startswith(_NAVIGATION)
             return {"PASS_THROUGH" if free else "RUNNING_MODAL"}
         if task.status is Status.RUNNING:
+            self._work.read_on(context, _SPAN)
             _show_progress(context, f"{self._work.name}: {self._work.progress()[1]} - Esc stops it")
             return {"PASS_THROUGH"}
         if not self._written(_SPAN):

@@ -21,7 +21,7 @@ class Work(modal.Work):
 
     def run(self, watch=None):
         session = runtime.get().session
-        outcome = session.replay(self.scan, self.recipe, watch)
+        outcome = self.replay(watch)
         colors = view.packed_colors(outcome.face_region, outcome.region_color)
         self.color = np.repeat(colors[self.scan.triangle_face], 3).view(np.uint8).reshape(-1, 4)
         self.borders = sketch.borders(session.prepare(self.scan).scan, outcome.face_region)
@@ -43,7 +43,8 @@ class Preview:
         self.work = work
         self.name = work.name
         self._scan = work.scan
-        self._corners = before._corners if before is not None and before._scan is work.scan else None
+        same = before is not None and before._scan.digest == work.scan.digest  # its layers may be others
+        self._corners = before._corners if same else None
         self._batch = self._lines = None
 
     def draw_borders(self, shader) -> None:

@@ -5,7 +5,8 @@ scene is brought up to date, and the vertices are compared each time. Scripts ch
 background everything is read.
 """
 
-import dataclasses
+import math
+import time
 
 import bpy
 import numpy as np
@@ -17,7 +18,7 @@ class Known:
     """A scan as it was read, and of what."""
 
     def __init__(self, obj, scan):
-        self.mesh, self.scan, self.groups = obj.data.name, scan, {}
+        self.mesh, self.scan = obj.data.name, scan
         self.counts, self.points, self.shape = _counts(obj.data), mesh_io.points(obj.data), mesh_io.shape_matrix(obj)
 
     def fits(self, obj) -> bool:
@@ -51,13 +52,40 @@ def read(context, obj, layers=frozenset(), again=False):
     scan = known.scan if again and known is not None else _read(context, obj)
     if not layers:
         return scan
-    known = runtime.get().scans.get(obj.name)
-    found = weights.read(obj, layers, {} if known is None else known.groups)
-    return dataclasses.replace(scan, layers=found | marks.read(obj, layers, len(scan.vertices)))
+    ready(context, obj, layers)
+    groups = {name: group for name in layers if (group := _group(obj, name)) is not None}
+    found = weights.read(obj, layers, groups)
+    return scan.with_layers(found | marks.read(obj, layers, len(scan.vertices)))
+
+
+def ready(context, obj, layers, seconds: float = math.inf) -> bool:
+    """Reads on for so long what `read` of these layers would have to wait for; whether all of that is there."""
+    end = time.monotonic() + seconds
+    if not any(name in obj.vertex_groups for name in layers):
+        return True
+    if not bpy.app.background:
+        _read(context, obj)  # in Edit Mode, brings what is read here up to date; forgets what is known of another mesh
+    known, corners = runtime.get().scans.get(obj.name), None
+    if known is not None and len(known.scan.triangles) == len(obj.data.polygons) and not mesh_io.has_modifiers(obj):
+        corners = known.scan.triangles.ravel()
+    groups = (_group(obj, name) for name in sorted(layers))
+    return all(group.go_on(obj, end - time.monotonic(), corners) for group in groups if group is not None)
+
+
+def _group(obj, name: str):
+    """What is read of a vertex group, now or before; None if the object has no such group."""
+    if name not in obj.vertex_groups:
+        return None
+    groups = runtime.get().groups
+    if (obj.name, name) not in groups:
+        groups[obj.name, name] = weights.Group(obj, name)
+    return groups[obj.name, name]
 
 
 def _read(context, obj):
     known = runtime.get().scans
+    if bpy.app.background:
+        forget()
     if bpy.app.background or mesh_io.has_modifiers(obj):
         return mesh_io.read(context, obj)
     if obj.mode == "EDIT":
@@ -66,6 +94,7 @@ def _read(context, obj):
         obj.update_from_editmode()
     if obj.name not in known or not known[obj.name].fits(obj):
         known.clear()  # one is enough, and large
+        runtime.get().groups.clear()
         known[obj.name] = Known(obj, mesh_io.read(context, obj))
     return known[obj.name].scan
 
@@ -85,6 +114,6 @@ def forget_changed(depsgraph) -> None:
 def forget(name=None) -> None:
     """Drops what was read of a mesh, or of all."""
     runtime.get().seen = {}
-    known = runtime.get().scans
-    for key in [key for key, value in known.items() if name in (None, value.mesh)]:
-        del known[key]
+    for known in (runtime.get().scans, runtime.get().groups):
+        for key in [key for key, value in known.items() if name in (None, value.mesh)]:
+            del known[key]

@@ -49,6 +49,7 @@ class Runtime:
         self.recipes = {}  #: state -> Recipe, parsed
         self.live = Live()
         self.scans = {}  #: object's name -> what was read of it last; see reading.py
+        self.groups = {}  #: (object's name, vertex group's) -> weights.Group, as far as it is read
         self.written = {}  #: object's name -> (state, regions, colours) as last written on it in Edit Mode
         self.seen = {}  #: object's name -> (state, regions) as read in Edit Mode since anything was changed
         self.edit = None  #: the BMesh of what is in Edit Mode, kept; see mesh_io.edit_mesh

@@ -1,11 +1,15 @@
 """What its user painted on a scan, one number a face: vertex groups, and attributes of faces or vertices."""
 
+import math
+import time
+
 import numpy as np
 
 from . import mesh_io
 
 _OWN = frozenset({mesh_io.REGION, mesh_io.STATE, mesh_io.COLOR})
 _KINDS = {"FLOAT", "INT", "BOOLEAN", "INT8"}
+_PIECE = 5000  # vertices: a few thousandths of a second
 
 
 def names(obj) -> list:
@@ -27,14 +31,12 @@ def _fits(layer) -> bool:
 def read(obj, wanted, groups: dict) -> dict:
     """{name: (faces,) float32} of those of the wanted names that the object has, as of the last update_from_editmode.
 
-    groups: what is known of vertex groups, and kept of them, as they take long to read.
+    groups: {name: Group} of those that are vertex groups.
     """
     found = {}
     for name in sorted(wanted):
-        if name in obj.vertex_groups:
-            if name not in groups:
-                groups[name] = _of_faces(obj.data, _group(obj, obj.vertex_groups[name].index))
-            found[name] = groups[name]
+        if name in groups:
+            found[name] = groups[name].values
         elif obj.mode == "EDIT":
             values = edit_layer(obj.data, name)
             if values is not None:
@@ -48,24 +50,45 @@ def read(obj, wanted, groups: dict) -> dict:
     return found
 
 
-def _group(obj, index: int) -> np.ndarray:
-    """(V,) float32 weight of each vertex in a group.
+class Group:
+    """The weights of a vertex group, read in pieces, as Blender hands them out one by one.
 
-    Cost: a loop in Python, a fifth of a second for 400,000 vertices; geometry nodes that make an attribute of the group
-    take as long, as Blender copies and evaluates the mesh for them.
+    That takes a fifth of a second for 400,000 vertices; geometry nodes that make an attribute of the group take as
+    long, as Blender copies and evaluates the mesh for them, and do it at once.
     """
-    values = np.zeros(len(obj.data.vertices), np.float32)
-    for number, vertex in enumerate(obj.data.vertices):
-        for entry in vertex.groups:
-            if entry.group == index:
-                values[number] = entry.weight
-    return values
+
+    def __init__(self, obj, name: str):
+        self.mesh, self.name = obj.data.name, name
+        self.values = None  #: (faces,) float32 once all is read
+        self._weight, self._done = np.zeros(len(obj.data.vertices), np.float32), 0
+
+    def go_on(self, obj, seconds: float = math.inf, corners=None) -> bool:
+        """Reads on for so long, a piece at least; whether all is read. Nothing of Blender's is kept meanwhile.
+
+        corners: (L,) the vertices of all faces' corners, if they are known already.
+        """
+        end = time.monotonic() + seconds
+        if len(self._weight) != len(obj.data.vertices):
+            self.__init__(obj, self.name)
+        index = obj.vertex_groups[self.name].index
+        while self._done < len(self._weight):
+            for number, vertex in enumerate(obj.data.vertices[self._done : self._done + _PIECE], self._done):
+                for entry in vertex.groups:
+                    if entry.group == index:
+                        self._weight[number] = entry.weight
+            self._done += _PIECE
+            if time.monotonic() > end:
+                return False
+        if self.values is None:
+            self.values = _of_faces(obj.data, self._weight, corners)
+        return True
 
 
-def _of_faces(mesh, values: np.ndarray) -> np.ndarray:
+def _of_faces(mesh, values: np.ndarray, corners=None) -> np.ndarray:
     """(faces,) float32 the mean of each face's corners."""
-    corners = np.empty(len(mesh.loops), np.int32)
-    mesh.loops.foreach_get("vertex_index", corners)
+    if corners is None:
+        corners = np.empty(len(mesh.loops), np.int32)
+        mesh.loops.foreach_get("vertex_index", corners)
     totals = np.broadcast_to(mesh_io.corner_totals(mesh), len(mesh.polygons))
     start = np.cumsum(totals) - totals
     return (np.add.reduceat(values[corners].astype(np.float64), start) / totals).astype(np.float32)

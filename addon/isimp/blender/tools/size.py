@@ -68,6 +68,7 @@ class ISIMP_OT_size(ModalTool, bpy.types.Operator):
         live, work, wish = runtime.get().live, self._work, self._gesture.wish
         if work is not None:
             if work.task.status is Status.RUNNING:
+                work.read_on(context, _TICK)
                 return
             self._work, error = None, work.task.error
             self._said = error.reason.capitalize() if isinstance(error, StepFailed) else ""

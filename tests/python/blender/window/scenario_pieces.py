@@ -1,18 +1,48 @@
-"""Regions written in pieces in Edit Mode: what the window may do meanwhile, one step to undo, and drags that settle."""
+"""What is read and written in pieces: what the window may do meanwhile, one step to undo, and drags that settle."""
 
 import bpy
 from scenario_main import make_scan, regions, same, scan
 from scenario_steps import settings, settled, shown
-from scenario_tools import state, steps, undone_and_redone, view
+from scenario_tools import labels, state, steps, undone_and_redone, view
 
 import isimp
 
 
 def slow_down():
     """Has every piece take a turn of its own, as those of a million faces do."""
-    from isimp.blender import mesh_io, modal
+    from isimp.blender import mesh_io, modal, overlay, weights
 
-    modal._AT_ONCE, modal._SPAN, mesh_io._PIECE = 0.0, 0.0, 100
+    modal._AT_ONCE, modal._SPAN, overlay._SPAN, mesh_io._PIECE, weights._PIECE = 0.0, 0.0, 0.0, 100, 20
+
+
+def weighed(hand):
+    """A vertex group is read in pieces, in Object Mode; Esc drops that too."""
+    from isimp.blender import runtime
+
+    upper = [vertex.index for vertex in scan().data.vertices if vertex.co.z > 0]
+    scan().vertex_groups.new(name="Upper").add(upper, 1.0, "REPLACE")
+    yield 0.3
+    before, count = state(), len(steps())
+    yield from pressed(hand, 40, weights="Upper", influence=2.0)
+    same("read so far", len(runtime.get().groups), 1)
+    same("not all", next(iter(runtime.get().groups.values())).values, None)
+    yield from hand.into_view()
+    yield from hand.key("ESC")
+    yield from hand.settle()
+    same("Esc", (state(), len(steps())), (before, count))
+    yield from pressed(hand, 40, weights="Upper", influence=2.0)
+    yield from hand.settle(120)
+    same("weighed", (regions(), steps()[0].weights), (40, "Upper"))
+    above = {label for label, polygon in zip(labels(), scan().data.polygons, strict=True) if polygon.center.z > 0}
+    assert len(above) > 24, len(above)  # half of them without weights
+    yield from hand.undo()
+    same("undone", (state(), len(steps())), (before, count))
+    yield from hand.redo()
+    same("redone", (regions(), steps()[0].weights), (40, "Upper"))
+    runtime.get().groups.clear()
+    settings().partition.proxies = 44
+    yield from settled()
+    same("dragged", regions(), 44)
 
 
 def running():
@@ -21,9 +51,9 @@ def running():
     return runtime.get().running is not None
 
 
-def pressed(hand, proxies):
+def pressed(hand, proxies, **more):
     with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
-        bpy.ops.isimp.partition("INVOKE_DEFAULT", True, proxies=proxies)
+        bpy.ops.isimp.partition("INVOKE_DEFAULT", True, proxies=proxies, **more)
     yield 0.3
     same("under way", running(), True)
 
@@ -82,3 +112,4 @@ def run(hand):
     yield from hand.key("TAB")
     yield 0.3
     same("in Object Mode", (scan().mode, regions()), ("OBJECT", 31))
+    yield from weighed(hand)
