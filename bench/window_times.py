@@ -2,12 +2,12 @@
 
     bench/window_times.py SCAN.ply [--site FOLDER]     the folder with isimp_engine, if not this Python's
 
-Starts Blender under Xvfb, drags the number of regions, adds and deletes one, and prints, for each: the engine, all its
-threads; what the worker's thread does besides, in numpy; what the add-on does on the window's own thread, in sum and
+Starts Blender under Xvfb, drags the number of regions, adds and deletes one, and prints, for each: the engine, on one
+thread; what the worker's thread does besides, in numpy; what the add-on does on the window's own thread, in sum and
 the longest piece at once; its draw calls there, which software drawing (llvmpipe) answers by transforming every corner,
 as no graphics card would; what Blender itself does there (its copy for undo too) until colours are on the screen; and
-what of that is more than Blender takes by itself, in the same window and scene before the add-on is switched on: for a
-redraw alone, and for a redraw of colours that were written anew, with a step to undo.
+what of that is more than Blender takes by itself for as many redraws, in the same window and scene before the add-on is
+switched on: of the scan as it is, and of colours written anew, with a step to undo.
 Processor time, as that is little disturbed by what else runs.
 """
 
@@ -17,8 +17,10 @@ import subprocess
 import sys
 import threading
 import time
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
+from statistics import median
 
 ROOT = Path(__file__).resolve().parent.parent
 WINDOW = ROOT / "tests" / "python" / "blender" / "window"
@@ -68,8 +70,21 @@ class Clock(threading.local):
         return told
 
 
+def by_threads() -> dict:
+    """{thread: seconds of processor time} of those of this process that are there now."""
+    found = {}
+    for folder in Path("/proc/self/task").iterdir():
+        with suppress(FileNotFoundError):  # it has ended
+            found[folder.name] = int((folder / "schedstat").read_text().split()[0]) / 1e9
+    return found
+
+
 class Work:
-    """Processor time of all threads, in the engine and beside it, while a recipe is replayed; since the last `told`."""
+    """Processor time in the engine and beside it while a recipe is replayed, since the last `told`.
+
+    The engine works on threads of its own, which end with the call: theirs is what the process took and no thread did
+    that was there before.
+    """
 
     def __init__(self):
         self.engine = self.total = 0.0
@@ -78,12 +93,16 @@ class Work:
         function = getattr(owner, name)
 
         def timed(*args, **more):
-            begin = time.process_time() if what == "engine" else time.thread_time()
+            begin, before = time.thread_time(), (time.process_time(), by_threads())
             try:
                 return function(*args, **more)
             finally:
-                end = time.process_time() if what == "engine" else time.thread_time()
-                setattr(self, what, getattr(self, what) + 1000 * (end - begin))
+                taken = time.thread_time() - begin
+                if what == "engine":
+                    now = by_threads()
+                    others = sum(now[thread] - spent for thread, spent in before[1].items() if thread in now)
+                    taken = time.process_time() - before[0] - others
+                setattr(self, what, getattr(self, what) + 1000 * taken)
 
         setattr(owner, name, timed)
 
@@ -125,7 +144,7 @@ def run(hand):
 
     import isimp
     from isimp import session
-    from isimp.blender import live, modal, overlay, pending, preview, runtime, shaders
+    from isimp.blender import live, modal, overlay, pending, preferences, preview, runtime, shaders
 
     load(os.environ["ISIMP_SCAN"])
     yield 1
@@ -134,23 +153,30 @@ def run(hand):
     yield 1
     clock, work, drawn, rows = Clock(), Work(), [], []
     add = bpy.types.SpaceView3D.draw_handler_add
-    ended = add(lambda: drawn.append(time.thread_time()), (), "WINDOW", "POST_PIXEL")
+    wanted = []  # whether what was asked for is on the screen
+
+    def ended():
+        if wanted:
+            drawn.append((time.thread_time(), wanted[0]()))
+
+    on_screen = add(ended, (), "WINDOW", "POST_PIXEL")
 
     def measured(what, do, until=lambda: True):
         clock.told()
         work.told()
+        drawn.clear()
         begin = time.thread_time()
         do()
-        while not until():
+        wanted[:] = [until]
+        while not (drawn and drawn[-1][1]):
             yield 0.01
-        count = len(drawn)
-        while len(drawn) == count:
-            yield 0.01
-        rows.append((what, 1000 * (drawn[-1] - begin), work.told(), *clock.told()))
+        wanted.clear()
+        rows.append((what, 1000 * (drawn[-1][0] - begin), len(drawn), work.told(), *clock.told()))
         yield 0.5
 
     yield from alone(hand, measured)
     isimp.register()
+    preferences.obey = lambda context, session: setattr(session, "threads", 1)
     bpy.context.window_manager.isimp.outline = False
     bpy.ops.isimp.partition("EXEC_DEFAULT", True, proxies=200)
     yield 2
@@ -190,7 +216,7 @@ def run(hand):
             if face < len(bpy.context.object.data.polygons):
                 call = partial(getattr(bpy.ops.isimp, name), "EXEC_DEFAULT", True, face=face)
                 yield from measured(name, call)
-    bpy.types.SpaceView3D.draw_handler_remove(ended, "WINDOW")
+    bpy.types.SpaceView3D.draw_handler_remove(on_screen, "WINDOW")
     show(rows)
 
 
@@ -221,26 +247,18 @@ def alone(hand, measured):
     yield 0.5
 
 
-#: what Blender does by itself that is the same as what it has to do for the add-on
-_ALIKE = {"slider": "redraw alone", "settle": "colours alone", "add_proxy": "colours alone"}
-_ALIKE["delete_proxy"] = "colours alone"
-
-
 def show(rows):
     rows = rows[1:]  # that of the first colours
-    names = ("engine", "numpy", "add-on", "longest", "driver", "Blender", "more")
-    own = {what: sorted(row[1] for row in rows if row[0] == what) for what in _ALIKE.values()}
+    names = ("engine", "numpy", "add-on", "longest", "driver", "Blender", "more", "redraws")
+    redraw, colors = (median(row[1] for row in rows if row[0] == f"{what} alone") for what in ("redraw", "colours"))
     print(f"{'':14}" + "".join(f"{name:>12}" for name in names) + "   ms of processor time, median (most)")
     for what in dict.fromkeys(row[0] for row in rows):
         cells = []
-        for _, window, (engine, total), spent, longest in (row for row in rows if row[0] == what):
+        for _, window, redraws, (engine, total), spent, longest in (row for row in rows if row[0] == what):
             ours = {name: spent.get(name, 0.0) for name in ("add-on", "driver", "worker")}
             blender = window - sum(ours.values())
-            alike = own.get(_ALIKE.get(what), [blender])
-            more = blender - alike[len(alike) // 2]
-            cells.append((engine, total, ours["add-on"], longest, ours["driver"], blender, more))
-            if os.environ.get("ISIMP_EACH"):
-                print(what, *(round(cell) for cell in cells[-1]))
+            alone = redraws * redraw if what in {"slider", "redraw alone"} else colors + (redraws - 1) * redraw
+            cells.append((engine, total, ours["add-on"], longest, ours["driver"], blender, blender - alone, redraws))
         columns = (sorted(column) for column in zip(*cells, strict=True))
         print(f"{what:14}" + "".join(f"{f'{c[len(c) // 2]:.0f} ({c[-1]:.0f})':>12}" for c in columns), flush=True)
 

@@ -29,6 +29,15 @@ def face_areas(mesh) -> np.ndarray:
     return 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
 
 
+def pair_lengths(prepared: Prepared) -> np.ndarray:
+    """(E,) how long the edge is that each of `face_pairs` shares."""
+    scan = prepared.scan
+    triangles, ends = scan.edges
+    faces = scan.triangle_face[triangles]
+    ends = scan.vertices[ends[faces[:, 0] != faces[:, 1]]].astype(np.float64)
+    return np.nan_to_num(np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1))
+
+
 def face_regions(prepared: Prepared, partition) -> np.ndarray:
     """(face_count,) int32 region of each of the user's faces, -1 where it is in none.
 

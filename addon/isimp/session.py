@@ -11,7 +11,16 @@ import numpy as np
 from . import recipe as rcp
 from . import smoothing, view
 from .cache import Cache
-from .prepared import Prepared, face_areas, face_regions, in_users_faces, scan_numbers, triangle_at, triangles_at
+from .prepared import (
+    Prepared,
+    face_areas,
+    face_regions,
+    in_users_faces,
+    pair_lengths,
+    scan_numbers,
+    triangle_at,
+    triangles_at,
+)
 from .scan import Scan
 from .task import Stopped, Watch
 
@@ -340,14 +349,23 @@ def _apply_erase(step: rcp.EraseFaces, prepared, before, watch, begin, end) -> O
 
 
 def _apply_smooth(step: rcp.SmoothFaces, prepared, before, watch, begin, end) -> Outcome:
-    """Works on the user's faces: those that change their region are painted onto it, one region after the other."""
+    """Works on the user's faces: those that change their region are painted onto it, one region after the other.
+
+    A hand that begins in a locked region may smooth that one too; others that are locked neither give nor take.
+    """
     before, count = _needs_regions(before), prepared.scan.face_count
     triangles_at(prepared, step.faces)  # raises if there are no such faces
     inside = np.zeros(count, bool)
     inside[list(step.faces)] = True
     inside &= prepared.face_triangle >= 0
     partition, label, pairs = before.partition, before.face_region, prepared.face_pairs
-    wanted = smoothing.smoothed(label, pairs, inside, np.asarray(partition.region_locked, bool), step.rounds)
+    fixed, first = np.array(partition.region_locked, bool), int(label[step.faces[0]])
+    locked = first >= 0 and bool(fixed[first])
+    if locked:
+        partition = engine.unlock_regions(prepared.mesh, partition, triangles_at(prepared, step.faces[:1]))
+        fixed[first] = False
+    wanted = smoothing.smoothed(label, pairs, inside, fixed, step.rounds)
+    wanted = smoothing.shortened(wanted, pairs, pair_lengths(prepared), inside, fixed)
     for region in np.unique(label[wanted != label]):
         if not (wanted[label == region] == region).any():
             wanted[label == region] = region  # a brush that covers all of it must not take it away
@@ -359,6 +377,9 @@ def _apply_smooth(step: rcp.SmoothFaces, prepared, before, watch, begin, end) ->
             faces = triangles_at(prepared, tuple(np.flatnonzero(moved).tolist()))
             args = (prepared.mesh, partition, faces, triangle_at(prepared, stays))
             partition = _engine_call(watch, begin, end, "smoothing", engine.paint_faces, *args)
+    if locked:
+        stays = int(np.flatnonzero((label == first) & (wanted == first))[0])
+        partition = engine.lock_regions(prepared.mesh, partition, np.array([triangle_at(prepared, stays)]))
     return _with_regions(prepared, partition, _carried_colors(before, partition), {})
 
 

@@ -258,7 +258,7 @@ class EraseFaces(Step):
 
 @dataclass(frozen=True)
 class SmoothFaces(Step):
-    """Even out the borders between regions where they run through some faces."""
+    """Even out the borders between regions where they run through some faces. The first may be of a locked region."""
 
     faces: tuple[int, ...] = ()
     rounds: int = 10

@@ -7,7 +7,7 @@ import shapes
 from isimp import recipe as rcp
 from isimp import view
 from isimp.session import Scan, Session
-from isimp.smoothing import reachable, smoothed
+from isimp.smoothing import reachable, shortened, smoothed
 
 SIDE = 30
 
@@ -49,6 +49,45 @@ def test_only_what_is_inside_changes_and_neither_locked_regions_nor_faces_in_non
     assert np.array_equal(smoothed(none, pairs, inside, np.zeros(1, bool), 10), none)
 
 
+def triangles():
+    """(pairs, length of their edges, middle of each) of a grid of squares that are two triangles each."""
+    row, column = np.divmod(np.arange(SIDE * SIDE), SIDE)
+    corner = row * (SIDE + 1) + column
+    lower = np.stack([corner, corner + 1, corner + SIDE + 2], axis=1)
+    upper = np.stack([corner, corner + SIDE + 2, corner + SIDE + 1], axis=1)
+    place = np.stack(np.divmod(np.arange((SIDE + 1) ** 2), SIDE + 1)[::-1], axis=1).astype(float)
+    faces = np.concatenate([lower, upper])
+    pairs, ends = view.shared_edges(faces)
+    return pairs, np.linalg.norm(place[ends[:, 0]] - place[ends[:, 1]], axis=1), place[faces].mean(axis=1)
+
+
+def test_no_tooth_is_left_and_borders_get_shorter():
+    """A slanted border as a brush leaves it, by the middles of triangles, and some noise."""
+    pairs, edge, middle = triangles()
+    noise = np.random.default_rng(1).normal(0, 1.5, len(middle))
+    label = (middle[:, 0] + 0.4 * middle[:, 1] + noise > 21).astype(np.int32)
+    everywhere, free = np.ones(len(label), bool), np.zeros(2, bool)
+    even = smoothed(label, pairs, everywhere, free, 10)
+    made = shortened(even, pairs, edge, everywhere, free)
+
+    def teeth(label):
+        other = label[pairs[:, 0]] != label[pairs[:, 1]]
+        return int(np.count_nonzero(np.bincount(pairs[other].ravel(), minlength=len(label)) > 1))
+
+    def long(label):
+        return edge[label[pairs[:, 0]] != label[pairs[:, 1]]].sum()
+
+    assert teeth(even) > 0
+    assert teeth(made) == 0
+    assert long(made) < long(even) < 0.5 * long(label)
+    assert np.array_equal(shortened(made, pairs, edge, everywhere, free), made)
+    inside = middle[:, 1] < 10
+    assert (shortened(even, pairs, edge, inside, free)[~inside] == even[~inside]).all()
+    assert np.array_equal(shortened(even, pairs, edge, everywhere, ~free), even)
+    none = np.where(even == 1, -1, 0).astype(np.int32)
+    assert np.array_equal(shortened(none, pairs, edge, everywhere, np.zeros(1, bool)), none)
+
+
 def test_what_no_way_leads_to_is_not_reached():
     pairs = np.array([[0, 1], [1, 2], [2, 3], [3, 4]])
     home = np.array([True, False, False, False, False])
@@ -85,12 +124,26 @@ def test_the_step_gives_a_comb_back_and_says_so(jagged):
     assert step.describe() == f"Smooth the borders in {len(faces)} faces"
 
 
-def test_a_locked_region_keeps_its_border(jagged):
+def test_a_locked_region_keeps_its_border_where_the_hand_begins_in_another(jagged):
     session, scan, recipe, faces = jagged
     before = session.replay(scan, recipe).face_region
+    faces = faces[np.argsort(before[faces] == 0, kind="stable")]
     locked = recipe.then(rcp.LockRegions(faces=(int(np.flatnonzero(before == 0)[0]),)))
     after = session.replay(scan, locked.then(rcp.SmoothFaces(faces=tuple(faces.tolist())))).face_region
     assert np.array_equal(before == 0, after == 0)
+
+
+def test_a_locked_region_that_the_hand_begins_in_is_smoothed_and_stays_locked(jagged):
+    session, scan, recipe, faces = jagged
+    before = session.replay(scan, recipe).face_region
+    first = int(np.flatnonzero(before == 0)[0])
+    locked = recipe.then(rcp.LockRegions(faces=(first,)))
+    rest = faces[faces != first].tolist()
+    smooth, free = (each.then(rcp.SmoothFaces(faces=(first, *rest))) for each in (locked, recipe))
+    after = session.replay(scan, smooth)
+    assert np.array_equal(after.face_region, session.replay(scan, free).face_region)
+    assert (after.face_region != before).any()
+    assert np.flatnonzero(after.partition.region_locked).tolist() == [after.face_region[first]]
 
 
 def test_a_region_smaller_than_the_brush_does_not_vanish(jagged):

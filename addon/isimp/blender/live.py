@@ -68,7 +68,7 @@ def _tick():
         return None if rested else _TICK
     if rested or not wanted.ends_in_mesh():
         runtime.get().stop_sketching()
-        live.work = preview.Work(context, scan, wanted, again=live.shown is not None)
+        live.work = preview.Work(context, scan, wanted, live.shown, again=live.shown is not None)
         live.work.start()
     return _TICK
 
@@ -87,7 +87,7 @@ def _take_up(context, work) -> bool:
     if work.recipe.ends_in_mesh():
         settle()
     else:
-        live.shown = preview.Preview(work, live.shown)
+        live.shown = preview.Preview(work)
         overlay.redraw()
     return True
 

@@ -19,12 +19,20 @@ class Work(modal.Work):
 
     _painting = None  #: the Task that colours the corners as the mesh takes them
 
+    def __init__(self, context, obj, recipe, before=None, again=False):
+        """before: the Preview seen before, if there is one. again: as that of a Work."""
+        super().__init__(context, obj, recipe, again)
+        self.before = before
+
     def run(self, watch=None):
         session = runtime.get().session
         outcome = self.replay(watch)
         colors = view.packed_colors(outcome.face_region, outcome.region_color)
         self.color = np.repeat(colors[self.scan.triangle_face], 3).view(np.uint8).reshape(-1, 4)
         self.borders = sketch.borders(session.prepare(self.scan).scan, outcome.face_region)
+        self.points = None  # they are there already
+        if self.before is None or self.before.work.scan.digest != self.scan.digest:
+            self.points = self.scan.vertices[self.scan.triangles.ravel()].astype(np.float32, copy=False)
         return outcome
 
     def is_ready(self) -> bool:
@@ -39,13 +47,13 @@ class Work(modal.Work):
 class Preview:
     """What is seen of a `Work` that has ended. The corners of a scan are handed to the graphics card only once."""
 
-    def __init__(self, work, before=None):
+    def __init__(self, work):
         self.work = work
         self.name = work.name
-        self._scan = work.scan
-        same = before is not None and before._scan.digest == work.scan.digest  # its layers may be others
-        self._corners = before._corners if same else None
-        self._batch = self._lines = None
+        self._points, self._corners = work.points, None
+        if work.points is None:
+            self._points, self._corners = work.before._points, work.before._corners
+        self._batch = self._lines = work.points = work.before = None
 
     def draw_borders(self, shader) -> None:
         if self._lines is None:
@@ -54,11 +62,11 @@ class Preview:
 
     def draw(self) -> None:
         if self._corners is None:
-            points = self._scan.vertices[self._scan.triangles.ravel()].astype(np.float32, copy=False)
-            self._corners = _buffer("pos", "F32", 3, "FLOAT", points)
+            self._corners, self._points = _buffer("pos", "F32", 3, "FLOAT", self._points), None
         if self._batch is None:
             self._batch = gpu.types.GPUBatch(type="TRIS", buf=self._corners)
             self._batch.vertbuf_add(_buffer("color", "U8", 4, "INT_TO_FLOAT_UNIT", self.work.color))
+            self.work.color = None
         shader = shaders.lit()
         shader.bind()
         gpu.state.depth_mask_set(True)  # its own far side is not to be seen

@@ -72,7 +72,7 @@ class ISIMP_OT_size(ModalTool, bpy.types.Operator):
                 return
             self._work, error = None, work.task.error
             self._said = error.reason.capitalize() if isinstance(error, StepFailed) else ""
-            live.tried = preview.Preview(work, live.tried) if error is None else live.tried
+            live.tried = preview.Preview(work) if error is None else live.tried
             overlay.redraw()
         if wish == self._tried:
             return
@@ -83,7 +83,7 @@ class ISIMP_OT_size(ModalTool, bpy.types.Operator):
             return
         runtime.get().stop_sketching()
         step = ISIMP_OT_grow.step(wish.faces[0], wish.rings, wish.verb == "shrink")
-        self._work = preview.Work(context, self._scan, self._recipe.then(step), again=True)
+        self._work = preview.Work(context, self._scan, self._recipe.then(step), live.tried, again=True)
         self._work.start()
 
     def end(self, context) -> None:

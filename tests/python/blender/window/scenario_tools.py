@@ -27,6 +27,10 @@ def begin(hand):
 
 def view(hand):
     """Looks at the scan from the front, so that it fills the view."""
+    if bpy.app.version >= (4, 0, 0):  # where the sidebar and the buttons beside it would lie over it
+        bpy.context.preferences.system.use_region_overlap = False
+        hand.area.spaces.active.show_gizmo_navigate = False
+        yield 0.5
     with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
         bpy.ops.view3d.view_axis(type="FRONT")
         bpy.ops.view3d.view_selected()
