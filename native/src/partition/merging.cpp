@@ -29,12 +29,15 @@ float tie_break(std::int32_t u, std::int32_t v, float lengths) {
   return 1e-9F * lengths * (1.0F + static_cast<float>(name >> 16) * 0x1p-16F);
 }
 
-Best find_partners(const MergeGraph& graph, const Threads& threads, Job& job) {
+/// \param takes_part  by part: whether its nodes merge
+Best find_partners(const MergeGraph& graph, const std::vector<std::uint8_t>& takes_part, const Threads& threads,
+                   Job& job) {
   const std::int32_t n = graph.size();
   Best best{std::vector<std::int32_t>(n, kAlone), std::vector<float>(n, std::numeric_limits<float>::infinity())};
   threads.run(n, threads.pieces(n, kWorthAThread), [&](std::int32_t, std::int32_t begin, std::int32_t end) {
     for (std::int32_t u = begin; u < end; ++u) {
       if ((u & 0x3fff) == 0) job.poll();
+      if (takes_part[graph.part_of(u)] == 0) continue;
       const NodeSum a = graph.sum[u];
       float least = std::numeric_limits<float>::infinity();
       std::int32_t partner = kAlone;
@@ -55,38 +58,88 @@ Best find_partners(const MergeGraph& graph, const Threads& threads, Job& job) {
 
 /// The price up to which pairs merge: what would stand at kGate of the way if all prices were sorted. Only those that
 /// agree with it in their first bits are.
-float gate(std::vector<float> prices) {
-  if (prices.empty()) return 0.0F;
+float gate(const Best& best) {
   constexpr int kShift = 20;  // leaves exponent and three digits; prices are not below 0, so their bits rise with them
   const auto bucket = [](float price) { return std::bit_cast<std::uint32_t>(std::max(0.0F, price)) >> kShift; };
-  auto rank = static_cast<std::size_t>(kGate * static_cast<float>(prices.size() - 1));
-  std::vector<std::uint32_t> count(std::size_t{1} << (32 - kShift), 0);
-  for (const float price : prices) ++count[bucket(price)];
+  const std::uint32_t none = bucket(std::numeric_limits<float>::infinity());  // price of what does not merge
+  std::vector<std::size_t> count(none + 1, 0);
+  for (const float price : best.price) ++count[bucket(price)];
+  const std::size_t priced = best.price.size() - count[none];
+  if (priced == 0) return 0.0F;
+  auto rank = static_cast<std::size_t>(kGate * static_cast<float>(priced - 1));
   std::uint32_t of_rank = 0;
   while (rank >= count[of_rank]) rank -= count[of_rank++];
-  std::size_t same = 0;
-  for (std::size_t k = 0; k < prices.size(); ++k) {
-    const float price = prices[k];
-    prices[same] = price;
-    same += bucket(price) == of_rank ? 1 : 0;
+  std::vector<float> alike(count[of_rank] + 1);  // one spare, written to before it is known to be wanted
+  std::size_t out = 0;
+  for (const float price : best.price) {
+    alike[out] = price;
+    out += bucket(price) == of_rank ? 1 : 0;
   }
-  const auto at = prices.begin() + static_cast<std::ptrdiff_t>(rank);
-  std::nth_element(prices.begin(), at, prices.begin() + static_cast<std::ptrdiff_t>(same));
+  const auto at = alike.begin() + static_cast<std::ptrdiff_t>(rank);
+  std::nth_element(alike.begin(), at, alike.end() - 1);
   return *at;
 }
 
-std::vector<std::int32_t> nodes_by_part(const MergeGraph& graph) {
-  if (graph.part.empty()) return {graph.size()};
+/// Of each part, whether it has more than so many nodes.
+std::vector<std::uint8_t> parts_above(const MergeGraph& graph, std::int32_t least) {
+  if (graph.part.empty()) return {graph.size() > least};
   std::vector<std::int32_t> nodes(
       static_cast<std::size_t>(1 + *std::max_element(graph.part.begin(), graph.part.end())));
   for (const std::int32_t c : graph.part) ++nodes[c];
-  return nodes;
+  std::vector<std::uint8_t> above(nodes.size());
+  for (std::size_t c = 0; c < nodes.size(); ++c) above[c] = nodes[c] > least ? 1 : 0;
+  return above;
 }
 
 /// Clusters as linked lists of their nodes: head[w], then next[u]; kAlone ends.
 struct Lists {
   std::vector<std::int32_t> head, next;
 };
+
+/// Of each node the lower one of the pair that it is in: two that are each other's cheapest partner, at no more than
+/// the limit. kAlone where it is in none. As what follows, without branches, for which pairs leave no pattern to
+/// foresee.
+std::vector<std::int32_t> pair_up(const Best& best, float limit, const Threads& threads) {
+  const auto n = static_cast<std::int32_t>(best.partner.size());
+  std::vector<std::int32_t> leader(static_cast<std::size_t>(n));
+  threads.run(n, threads.pieces(n, 4 * kWorthAThread), [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+    for (std::int32_t u = begin; u < end; ++u) {
+      const std::int32_t v = best.partner[u], other = best.partner[v == kAlone ? u : v];
+      const std::int32_t paired = -static_cast<std::int32_t>((other == u) & (best.price[u] <= limit));
+      leader[u] = (std::min(u, v) & paired) | (kAlone & ~paired);
+    }
+  });
+  return leader;
+}
+
+/// Numbers the clusters by their first nodes. \param satellites  nodes whose partner is in a pair join it
+/// \param map  is set to the cluster of each node
+Lists number_clusters(const Best& best, const std::vector<std::int32_t>& leader, bool satellites,
+                      std::vector<std::int32_t>& map) {
+  const auto n = static_cast<std::int32_t>(leader.size());
+  Lists lists{std::vector<std::int32_t>(leader.size()), std::vector<std::int32_t>(leader.size())};
+  std::vector<std::int32_t> joins(leader.size());  // satellites
+  map.resize(leader.size());
+  std::int32_t clusters = 0, joining = 0;
+  for (std::int32_t u = 0; u < n; ++u) {
+    const std::int32_t v = best.partner[u], first = leader[u];
+    const bool alone = first == kAlone, leads = first == u;
+    const bool joined = satellites & alone & (leader[v == kAlone ? u : v] != kAlone);
+    lists.next[u] = leads ? v : kAlone;
+    lists.head[clusters] = joins[joining] = u;
+    map[u] = clusters;
+    map[u] = map[alone ? u : first];
+    clusters += static_cast<std::int32_t>(leads | (alone & !joined));
+    joining += static_cast<std::int32_t>(joined);
+  }
+  lists.head.resize(static_cast<std::size_t>(clusters));
+  while (joining-- > 0) {  // from behind, so that each cluster lists its own in rising order
+    const std::int32_t u = joins[joining], first = leader[best.partner[u]], second = best.partner[first];
+    map[u] = map[first];
+    lists.next[u] = std::exchange(lists.next[second], u);
+  }
+  return lists;
+}
 
 /// Sums and neighbours of the clusters from `begin` to `end`. \return the rows; their lengths go to result.first
 std::vector<std::int32_t> contract_between(const MergeGraph& graph, const std::vector<std::int32_t>& map,
@@ -148,57 +201,9 @@ MergeGraph contract_lists(const MergeGraph& graph, const std::vector<std::int32_
 
 MergeGraph merge_round(const MergeGraph& graph, bool satellites, std::int32_t least, std::vector<std::int32_t>& map,
                        const Threads& threads, Job& job) {
-  const std::int32_t n = graph.size();
-  const Best best = find_partners(graph, threads, job);
-  std::vector<std::int32_t> nodes_of_part = nodes_by_part(graph);
-  float limit = std::numeric_limits<float>::infinity();
-  if (!satellites) {
-    std::vector<float> prices;  // of the nodes that may merge at all
-    prices.reserve(static_cast<std::size_t>(n));
-    for (std::int32_t u = 0; u < n; ++u)
-      if (nodes_of_part[graph.part_of(u)] > least) prices.push_back(best.price[u]);
-    limit = gate(std::move(prices));
-  }
-  const auto may_merge = [&](std::int32_t u) {
-    std::int32_t& left = nodes_of_part[graph.part_of(u)];
-    return left > least && left-- > 0;
-  };
-  // leader[u]: the lower node of the pair that u belongs to; itself if it stays alone.
-  std::vector<std::int32_t> leader(static_cast<std::size_t>(n), kAlone);
-  for (std::int32_t u = 0; u < n; ++u) {
-    const std::int32_t v = best.partner[u];
-    if (v > u && best.partner[v] == u && best.price[u] <= limit && may_merge(u)) leader[u] = leader[v] = u;
-  }
-  Lists lists{{}, std::vector<std::int32_t>(static_cast<std::size_t>(n), kAlone)};
-  std::vector<std::int32_t> tail, &head = lists.head, &next = lists.next;
-  head.reserve(static_cast<std::size_t>(n));
-  tail.reserve(static_cast<std::size_t>(n));
-  map.resize(static_cast<std::size_t>(n));
-  const auto in_pair = [&](std::int32_t u) { return leader[u] != kAlone; };
-  std::vector<std::int32_t> joins;  // satellites, and the pair each joins
-  for (std::int32_t u = 0; u < n; ++u) {
-    if (in_pair(u) && leader[u] != u) {
-      const std::int32_t w = map[leader[u]];
-      map[u] = w;
-      next[tail[w]] = u;
-      tail[w] = u;
-      continue;
-    }
-    const std::int32_t v = best.partner[u];
-    if (satellites && !in_pair(u) && v != kAlone && in_pair(v) && may_merge(u)) {
-      joins.push_back(u);
-      continue;
-    }
-    map[u] = static_cast<std::int32_t>(head.size());
-    head.push_back(u);
-    tail.push_back(u);
-  }
-  for (const std::int32_t u : joins) {
-    const std::int32_t w = map[leader[best.partner[u]]];
-    map[u] = w;
-    next[tail[w]] = u;
-    tail[w] = u;
-  }
+  const Best best = find_partners(graph, parts_above(graph, satellites ? 3 * least : 2 * least), threads, job);
+  const float limit = satellites ? std::numeric_limits<float>::infinity() : gate(best);
+  const Lists lists = number_clusters(best, pair_up(best, limit, threads), satellites, map);
   return contract_lists(graph, map, lists, threads, job);
 }
 

@@ -35,7 +35,8 @@ struct MergeGraph {
 ///
 /// The price is |S_u| + |S_v| - |S_u + S_v|, half of what merging adds to the error. Only pairs below the .7 quantile
 /// of all nodes' best prices merge: without that gate big clusters merge where a graph is coarse already, while small
-/// ones queue up before one hub elsewhere. Parts of `least` nodes or fewer are left alone.
+/// ones queue up before one hub elsewhere. Parts of up to 2 `least` nodes are left alone, with satellites 3, so that
+/// about `least` are left of any other.
 /// \param satellites  nodes whose cheapest partner is in a pair join it too: coarser, but twice as quick
 /// \param map         (N) is set to the new node of each node
 /// \return the contracted graph, of the same size if nothing merged
