@@ -33,7 +33,8 @@ def scan_line(mesh, numbers: dict) -> str:
     if not _looked_at(mesh, numbers):
         return _count(triangles, "triangle")
     holes = "closed" if numbers["closed"] else _count(numbers["border_loops"], "hole")
-    return f"{_count(numbers['triangles'], 'triangle')} · {_count(numbers['components'], 'part')} · {holes}"
+    told = f"{_count(numbers['triangles'], 'triangle')} · {_count(numbers['components'], 'part')} · {holes}"
+    return told.replace(" ", "\N{NO-BREAK SPACE}").replace("·\N{NO-BREAK SPACE}", "· ")  # a number stays with its word
 
 
 _FAULTS = {

@@ -110,7 +110,7 @@ class ISIMP_OT_paint_faces(AtFaces, bpy.types.Operator):
     """Make the selected faces a region of their own, just as they are"""
 
     bl_idname = "isimp.paint_faces"
-    bl_label = "Region From Selection"
+    bl_label = "Paint Faces"
 
     painted: StringProperty(
         name="Faces",

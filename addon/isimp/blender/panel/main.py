@@ -14,7 +14,7 @@ class ISIMP_PT_main(Panel, bpy.types.Panel):
         layout = self.prepare()
         running = runtime.get().running
         if running is not None:
-            _draw_progress(layout, running)
+            _draw_progress(context, layout, running)
             return
         scan, problem = targets.find(context)
         if problem:
@@ -86,14 +86,14 @@ class ISIMP_PT_borders(Panel, bpy.types.Panel):
         layout.prop(partition, "borders", icon="SPREADSHEET")
 
 
-def _draw_progress(layout, running) -> None:
+def _draw_progress(context, layout, running) -> None:
     column = layout.column()
     column.label(text=running.name, icon="SORTTIME")
     share, said = running.progress()
+    draw_lines(context, column, said, icon="BLANK1")  # the time left is to be read at any width
     if hasattr(column, "progress"):
-        column.progress(factor=share, text=said)
+        column.progress(factor=share, text=f"{share:.0%}")
     else:
-        column.label(text=said)
         split = column.split(factor=max(0.02, min(1.0, share)))
         split.operator("isimp.stop", text=" ", depress=True)
     if running.shown is None:  # what is being written is so in a moment, and stopped half way it would be nothing
