@@ -14,6 +14,8 @@ namespace {
 constexpr int kRounds = 40;
 constexpr std::size_t kWorthwhile = 300;  ///< a round that tries less than one piece of so many is the last
 constexpr double kHopeless = 1.5;         ///< times the bound: no placement will make a polygon so bent flat
+/// That bound where there is none, of the diagonal: what is bent further meets what is near or not as it is filled.
+constexpr double kFree = 0.05;
 
 /// What the repair did and what may turn out not to be needed.
 enum class Act : std::int32_t { diagonal, split };
@@ -89,6 +91,13 @@ class Coarsener {
   }
 
   void add_unions(std::int32_t gone, std::vector<Candidate>& all) const {
+    const auto chords = s_.complex.chords(gone);
+    if (std::none_of(chords.begin(), chords.end(), [&](std::int32_t h) {
+          const std::int32_t k = s_.labels.across(h);
+          return k != kNone && s_.labels.pieces[k].region == s_.labels.pieces[gone].region &&
+                 !tried(Act::split, gone, k);
+        }))
+      return;
     const SharedBoundary shared = s_.shared_boundary(gone);
     for (const auto& [k, length] : shared.with)
       if (!tried(Act::split, gone, k)) all.push_back({Act::split, k, gone, shared.all > 0 ? length / shared.all : 0});
@@ -153,7 +162,8 @@ class Coarsener {
       home.push_back(s_.mesh.vertices()[vertices[i]]);
       placed.push_back(corner == kNone ? home.back() : s_.corners.position[corner]);
     }
-    const Bounds bounds{kHopeless * findings_.bounds().bend, findings_.bounds().thickness};
+    const double bend = findings_.bounds().bend > 0 ? findings_.bounds().bend : kFree * s_.mesh.diagonal();
+    const Bounds bounds{kHopeless * bend, findings_.bounds().thickness};
     return judge_polygon(polygon, placed, normal, bounds).faults != 0 &&
            judge_polygon(polygon, home, normal, bounds).faults != 0;
   }

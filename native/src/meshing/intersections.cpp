@@ -22,10 +22,10 @@ Box box_of(const Corners& t) {
   return box;
 }
 
-/// A box and what is in it: facet `index` of `piece`.
+/// A box and what is in it, a piece or a face of the scan.
 struct Entry {
   Box box;
-  std::int32_t piece, index;
+  std::int32_t index;
 };
 
 /// The middle of where the edges of two triangles pass through the other one; of the smaller's if none does.
@@ -74,9 +74,6 @@ class BoxTree {
       ++n;
     }
     return false;
-  }
-  [[nodiscard]] bool any(const Box& a) const {
-    return any(a, [](const Entry&) { return true; });
   }
 
  private:
@@ -128,29 +125,34 @@ struct Meeting {
   auto operator<=>(const Meeting&) const = default;
 };
 
+/// Notes which facets of two pieces meet, or of one, each pair once.
+void find_meetings(const FacetSet& a, const FacetSet& b, std::vector<Meeting>& met) {
+  for (const std::int32_t i : a.solid) {
+    const Box& box = a.boxes[i];
+    if (box.apart(b.around)) continue;
+    const Facet& f = a.facets[i];
+    for (const std::int32_t j : b.solid) {
+      const Facet& g = b.facets[j];
+      if (box.apart(b.boxes[j]) || (&a == &b && (j <= i || f.part == g.part))) continue;
+      if (meet_elsewhere(f.corner, a.solids[i], g.corner, b.solids[j])) met.push_back({f.piece, i, g.piece, j});
+    }
+  }
+}
+
+/// First by pieces whose boxes meet, as these are few.
 std::vector<Meeting> find_meetings(std::span<const FacetSet* const> pieces, const std::vector<bool>& changed) {
   std::vector<Entry> moved;
-  for (std::size_t l = 0; l < pieces.size(); ++l)
-    if (changed[l])
-      for (const std::int32_t i : pieces[l]->solid)
-        moved.push_back({pieces[l]->boxes[i], static_cast<std::int32_t>(l), i});
+  for (std::int32_t l = 0; l < static_cast<std::int32_t>(pieces.size()); ++l)
+    if (changed[l] && !pieces[l]->solid.empty()) moved.push_back({pieces[l]->around, l});
   std::vector<Meeting> met;
-  const BoxTree search(std::move(moved));  // fewer than all of them
+  const BoxTree search(std::move(moved));
   for (std::int32_t l = 0; l < static_cast<std::int32_t>(pieces.size()); ++l) {
-    const FacetSet& some = *pieces[l];
-    if (some.solid.empty() || (!changed[l] && !search.any(some.around))) continue;
-    for (const std::int32_t i : some.solid) {
-      const Facet& f = some.facets[i];
-      (void)search.any(some.boxes[i], [&](const Entry& y) {
-        const bool seen_from_there = changed[l] && (y.piece < l || (y.piece == l && y.index <= i));
-        const Facet& g = pieces[y.piece]->facets[y.index];
-        if (seen_from_there || (y.piece == l && f.part == g.part)) return false;
-        if (!meet_elsewhere(f.corner, some.solids[i], g.corner, pieces[y.piece]->solids[y.index])) return false;
-        const bool lower = l < y.piece || (l == y.piece && i < y.index);
-        met.push_back(lower ? Meeting{l, i, y.piece, y.index} : Meeting{y.piece, y.index, l, i});
-        return false;
-      });
-    }
+    if (pieces[l]->solid.empty()) continue;
+    (void)search.any(pieces[l]->around, [&](const Entry& y) {
+      const bool seen_from_there = changed[l] && y.index < l;
+      if (!seen_from_there) find_meetings(*pieces[std::min(l, y.index)], *pieces[std::max(l, y.index)], met);
+      return false;
+    });
   }
   std::sort(met.begin(), met.end());
   return met;
@@ -206,33 +208,29 @@ bool scan_intersects(const Mesh& mesh, std::span<const std::int32_t> faces, std:
     const Triangle& t = mesh.triangles()[f];
     return Corners{stored(mesh.vertices()[t[0]]), stored(mesh.vertices()[t[1]]), stored(mesh.vertices()[t[2]])};
   };
-  const auto boxes = [&](std::span<const std::int32_t> some, const Box* near) {
+  const auto around = [&](std::span<const std::int32_t> some) {
+    Box box = box_of(corners_of(some[0]));
+    for (const std::int32_t f : some) box.include(box_of(corners_of(f)));
+    return box;
+  };
+  const auto boxes = [&](std::span<const std::int32_t> from, const Box& near) {
     std::vector<Entry> result;
-    for (const std::int32_t f : some) {
+    for (const std::int32_t f : from) {
       const Corners s = corners_of(f);
       const Box box = box_of(s);
-      if ((!near || !near->apart(box)) && has_area(s)) result.push_back({box, f, 0});
+      if (!near.apart(box) && has_area(s)) result.push_back({box, f});
     }
     return result;
   };
-  const auto around = [](const std::vector<Entry>& some) {
-    Box box = some[0].box;
-    for (const Entry& x : some) box.include(x.box);
-    return box;
-  };
+  if (faces.empty() || others.empty()) return false;
   // What lies outside the other's box is of no interest.
-  std::vector<Entry> some = boxes(faces, nullptr);
-  if (some.empty()) return false;
-  Box box = around(some);
-  std::vector<Entry> more = boxes(others, &box);
-  if (more.empty()) return false;
-  box = around(more);
-  std::erase_if(some, [&](const Entry& x) { return x.box.apart(box); });
+  const std::vector<Entry> some = boxes(faces, around(others));
+  std::vector<Entry> more = boxes(others, around(faces));
   const BoxTree search(std::move(more));
   return std::any_of(some.begin(), some.end(), [&](const Entry& x) {
     return search.any(x.box, [&](const Entry& y) {
-      return x.piece != y.piece && meet_elsewhere(mesh.triangles()[x.piece], corners_of(x.piece),
-                                                  mesh.triangles()[y.piece], corners_of(y.piece));
+      return x.index != y.index && meet_elsewhere(mesh.triangles()[x.index], corners_of(x.index),
+                                                  mesh.triangles()[y.index], corners_of(y.index));
     });
   });
 }

@@ -7,6 +7,11 @@
 #include <numeric>
 
 namespace isimp::meshing {
+namespace {
+
+constexpr std::int32_t kStride = 1 << 13;  ///< faces or vertices from one poll to the next
+
+}  // namespace
 
 std::int32_t Shape::defect() const {
   const auto loop_count = static_cast<std::int32_t>(loops.size());
@@ -80,10 +85,11 @@ Shape Labels::shape(std::span<const std::int32_t> faces, bool check_parts) {
   return s;
 }
 
-Labels label_pieces(const Mesh& mesh, std::span<const std::int32_t> face_region) {
+Labels label_pieces(const Mesh& mesh, std::span<const std::int32_t> face_region, const Job& job) {
   Labels labels(mesh);
   std::vector<std::int32_t> stack;
   std::vector<bool> seen;
+  std::int32_t done = 0;
   for (std::int32_t start = 0; start < mesh.face_count(); ++start) {
     const std::int32_t region = face_region[start];
     if (region == kNone || labels.label[start] != kNone) continue;
@@ -96,6 +102,7 @@ Labels label_pieces(const Mesh& mesh, std::span<const std::int32_t> face_region)
     while (!stack.empty()) {
       const std::int32_t f = stack.back();
       stack.pop_back();
+      if (++done % kStride == 0) job.poll();
       for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h) {
         const std::int32_t o = mesh.opposite(h);
         if (o == kNone || face_region[o / 3] != region || labels.label[o / 3] != kNone) continue;
@@ -114,12 +121,13 @@ struct Boundary {
   std::vector<std::int32_t> grouped, start;
 };
 
-Boundary find_boundary(const Labels& labels) {
+Boundary find_boundary(const Labels& labels, const Job& job) {
   Boundary b;
   std::vector<std::int32_t> found;
   b.start.assign(labels.pieces.size() + 1, 0);
   const std::int32_t half_edges = 3 * labels.mesh.face_count();
   for (std::int32_t h = 0; h < half_edges; ++h) {
+    if (h % (3 * kStride) == 0) job.poll();
     const std::int32_t l = labels.label[h / 3];
     if (l == kNone || labels.inner(h)) continue;
     found.push_back(h);
@@ -134,15 +142,16 @@ Boundary find_boundary(const Labels& labels) {
 
 }  // namespace
 
-std::vector<std::int32_t> find_defects(Labels& labels) {
+std::vector<std::int32_t> find_defects(Labels& labels, const Job& job) {
   const Mesh& mesh = labels.mesh;
-  const Boundary boundary = find_boundary(labels);
+  const Boundary boundary = find_boundary(labels, job);
   std::vector<std::int64_t> chi2(labels.pieces.size(), 0);  // 2 V_inside + B - F
   for (const std::int32_t l : labels.label)
     if (l != kNone) --chi2[l];
   labels.vertex_marks.clear();
   for (const std::int32_t h : boundary.grouped) labels.vertex_marks.add(mesh.from(h));
   for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
+    if (v % kStride == 0) job.poll();
     const std::int32_t h = mesh.vertex_halfedge()[v];
     if (h == kNone || labels.label[h / 3] == kNone || labels.vertex_marks.has(v)) continue;
     chi2[labels.label[h / 3]] += 2;

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "isimp/core/job.h"
 #include "isimp/mesh/mesh.h"
 
 namespace isimp::meshing {
@@ -100,7 +101,7 @@ void for_each_leaving(const Mesh& mesh, std::int32_t v, Function fn) {
 
 /// One label for each connected piece of a region. \param face_region (F) in [-1, R)
 /// Cost: O(F).
-Labels label_pieces(const Mesh& mesh, std::span<const std::int32_t> face_region);
+Labels label_pieces(const Mesh& mesh, std::span<const std::int32_t> face_region, const Job& job);
 
 /// Gives pieces without any area, or thinner than `thickness` (scene units), to the neighbour with the longest
 /// boundary, since no polygon can stand for them; a part of the mesh that has no other pieces keeps them. The labels
@@ -108,7 +109,7 @@ Labels label_pieces(const Mesh& mesh, std::span<const std::int32_t> face_region)
 std::int32_t merge_pieces_without_area(Labels& labels, double thickness);
 
 /// The labels of pieces that are not discs, in rising order. Cost: O(F).
-std::vector<std::int32_t> find_defects(Labels& labels);
+std::vector<std::int32_t> find_defects(Labels& labels, const Job& job);
 
 /// One boundary half-edge of each piece. Cost: O(F).
 std::vector<std::int32_t> boundary_starts(const Labels& labels);

@@ -49,13 +49,13 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
       partition(p),
       options(o),
       regions(partition.region_count()),
-      labels(label_pieces(m, partition.face_region)),
+      labels(label_pieces(m, partition.face_region, job)),
       cutter(labels),
       complex(labels, planes),
       corners(m.vertex_count()) {
   merged_without_area = merge_pieces_without_area(labels, 2 * kThickness * m.diagonal());
   job.report(0.1);
-  make_discs(cutter, find_defects(labels), job);
+  make_discs(cutter, find_defects(labels, job), job);
   if (mesh.report().closed_components > 0) split_closed_components(cutter, kLeastClosed, job);
   sort_unique(labels.touched);
   for (const std::int32_t l : labels.touched)
@@ -63,10 +63,13 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
   labels.touched.clear();
   job.report(0.3);
   planes = planes_of(labels);
+  job.report(0.33);
   complex.tolerance = chord_tolerance(mesh, planes, regions, options);
   std::vector<std::int32_t> all(labels.pieces.size());
   std::iota(all.begin(), all.end(), 0);
-  complex.refresh(all, boundary_starts(labels));
+  const std::vector<std::int32_t> starts = boundary_starts(labels);
+  job.report(0.35);
+  complex.refresh(all, starts);
   job.report(0.4);
 }
 
