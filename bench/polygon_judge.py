@@ -1,13 +1,20 @@
 """Judges a polygon mesh against the scan it was made of, from arrays alone and by other means than the engine's own.
 
 Signs are exact: they are taken from float64 where its error bound allows, else from Python's integers.
+
+A polygon is flipped if it faces away from what it stands for. That is known by its outline on the scan: it runs along
+the borders of its region, and straight from corner to corner where a region was cut further. All surfaces with one
+outline have one vector area, however they are folded in between, so that the outline says which way the polygon has to
+face even where sheets of the scan lie on each other. The faces of the region beside it can't say so there, as some are
+of another sheet, that other polygons stand for: they count where no two of them are more than 90 degrees apart. Which
+way round outlines run, the border of their region says; as an edge runs once each way, it does for all of its polygons
+at once (at a pinch, single ones may have taken over faces of another region, and run along the border's other side).
 """
 
 from dataclasses import dataclass, field
 
 import numpy as np
 
-FACING = 0.0  # cosine between a polygon and the scan beside it up to which it counts as flipped
 THIN = 1e-6  # of the diagonal: a polygon thinner than this has no area
 
 
@@ -305,6 +312,7 @@ class Scan:
         self.diagonal = np.linalg.norm(np.ptp(self.vertices[np.unique(mesh.triangles)], axis=0))
         self.known = {}
         self.flat = set()
+        self.borders = self.region_borders()
         self.stored = self.vertices.astype(np.float32).astype(float)
 
     def has_flat_face(self, vertices):
@@ -320,10 +328,55 @@ class Scan:
     def faces_of(self, region):
         return self.order[self.starts[region] : self.starts[region + 1]]
 
-    def normal_near(self, region, place, radius):
+    def vectors_near(self, region, place, radius):
+        """The vector areas of a region's faces round a place, of the nearest one at least."""
         faces = self.faces_of(region)
         distance = np.linalg.norm(self.middle[faces] - place, axis=1)
-        return self.vector[faces[distance <= max(radius, distance.min())]].sum(0)
+        return self.vector[faces[distance <= max(radius, distance.min())]]
+
+    def region_borders(self):
+        """By region and vertex: the edges from there on the region's border. Where each ends and goes on is kept."""
+        edges, following, owner = edges_of(self.triangles)
+        key, back = (edges[:, i].astype(np.int64) << 32 | edges[:, 1 - i] for i in (0, 1))
+        rank = np.argsort(key)
+        at = np.minimum(np.searchsorted(key[rank], back), len(key) - 1)
+        twin = np.where(key[rank][at] == back, rank[at], -1)
+        region = self.region[owner]
+        inner = (twin >= 0) & (region == region[twin])
+        outer = np.flatnonzero(~inner)
+        after = following[outer]  # round the end of each edge, within the region, to the next on its border
+        while inner[after].any():
+            after = np.where(inner[after], following[twin[after]], after)
+        self.border_end = dict(zip(outer.tolist(), edges[outer, 1].tolist(), strict=True))
+        self.border_next = dict(zip(outer.tolist(), after.tolist(), strict=True))
+        starts = {}
+        for edge, r, vertex in zip(outer.tolist(), region[outer].tolist(), edges[outer, 0].tolist(), strict=True):
+            starts.setdefault((r, vertex), []).append(edge)
+        return starts
+
+    def along_border(self, region, start, end, every):
+        """The vertices from start to before end along a region's border; None if there is a corner between."""
+        for first in self.borders.get((region, start), ()):
+            edge, path = first, [start]
+            while self.border_end[edge] not in every and len(path) < len(self.border_end):
+                path.append(self.border_end[edge])
+                edge = self.border_next[edge]
+            if self.border_end[edge] == end:
+                return path
+        return None
+
+    def outline(self, region, corners, every):
+        """A polygon's outline on the scan, from vertex to vertex, and whether it runs along its region's border.
+
+        That is counted: edges that do, less those that run against it. `every`: the vertices that are some polygon's
+        corners.
+        """
+        line, along = [], 0
+        for start, end in zip(corners, corners[1:] + corners[:1], strict=True):
+            path = self.along_border(region, start, end, every)
+            along += (path is not None) - (self.along_border(region, end, start, every) is not None)
+            line += path or [start]
+        return line, along
 
     def meets_itself(self, a, b):
         """Whether a face of region a meets one of region b elsewhere than in the vertices they share."""
@@ -390,9 +443,21 @@ def distances(points, corners, facets):
     return result
 
 
-def look_at_polygons(poly, scan, loops, position, flatness, v):
+def faces_away(area, outline, near):
+    """Whether a polygon of this vector area faces away from its outline on the scan or from the faces `near` it."""
+    total = near.sum(0)
+    agree = near @ total >= np.sqrt(0.5) * np.linalg.norm(total) * np.linalg.norm(near, axis=1)
+    return area @ vector_area(outline) < 0 or (agree.all() and area @ total < 0)
+
+
+def look_at_polygons(poly, scan, loops, position, flatness, outlined, v):
     facets, owner = [], []
     size = scan.diagonal
+    if outlined:
+        home, region_of = np.asarray(poly.source_vertex), np.asarray(poly.polygon_region)
+        every = set(home.tolist())
+        outlines = [scan.outline(r, home[loop].tolist(), every) for r, loop in zip(region_of, loops, strict=True)]
+        along = np.bincount(region_of, [n for _, n in outlines])
     v.bend, v.area = np.zeros(len(loops)), np.zeros(len(loops))
     for q, loop in enumerate(loops):
         points = position[loop]
@@ -404,8 +469,13 @@ def look_at_polygons(poly, scan, loops, position, flatness, v):
             continue
         if flatness and v.bend[q] > flatness * size * (1 + 1e-6):
             v.bent.append(q)
-        near = [scan.normal_near(poly.polygon_region[q], points.mean(0), radius) for radius in (extent, 0)]
-        if all(area @ normal <= FACING for normal in near):  # some scans have faces that are folded back themselves
+        region, middle = poly.polygon_region[q], points.mean(0)
+        if outlined:
+            near = scan.vectors_near(region, middle, extent)
+            flipped = along[region] < 0 or faces_away(area, scan.vertices[outlines[q][0]], near)
+        else:
+            flipped = all(area @ scan.vectors_near(region, middle, radius).sum(0) <= 0 for radius in (extent, 0))
+        if flipped:
             v.flipped.append(q)
         triangles = None if crosses_itself(plane) else least_surface(points, plane)
         if triangles is None:
@@ -419,8 +489,12 @@ def look_at_polygons(poly, scan, loops, position, flatness, v):
     return np.array(owner)
 
 
-def judge(poly, mesh, part, flatness=0.0, reach=0.01):
-    """A Verdict on the polygons of a partition; `flatness` and `reach` as shares of the diagonal, 0 for no bound."""
+def judge(poly, mesh, part, flatness=0.0, reach=0.01, outlined=False):
+    """A Verdict on the polygons of a partition; `flatness` and `reach` as shares of the diagonal, 0 for no bound.
+
+    `outlined`: the regions and vertices that polygons stand for are known, so that their outlines say what is flipped.
+    Where these are a guess, as of what others made, only the faces beside do.
+    """
     v = Verdict()
     scan = Scan(mesh, part.face_region)
     loops = polygons_of(poly)
@@ -442,7 +516,7 @@ def judge(poly, mesh, part, flatness=0.0, reach=0.01):
     moved = np.linalg.norm(vertices - scan.vertices[poly.source_vertex], axis=1)
     v.far = np.flatnonzero(moved > reach * scan.diagonal * (1 + 1e-6)).tolist()
     position = vertices.astype(np.float32).astype(float)  # as it will be stored
-    owner = look_at_polygons(poly, scan, loops, position, flatness, v)
+    owner = look_at_polygons(poly, scan, loops, position, flatness, outlined, v)
     full = np.linalg.norm(np.cross(position[v.facets[:, 1]] - position[v.facets[:, 0]],
                                    position[v.facets[:, 2]] - position[v.facets[:, 0]]), axis=1) > 0  # fmt: skip
     asked = np.flatnonzero((owner >= 0) & full)

@@ -44,7 +44,7 @@ def run(name, mesh, proxies):
     poly = engine.polygonize(mesh, part, options)
     seconds = time.process_time() - started
     bounded = part.region_count >= options.flatness_from
-    v, scan = judge(poly, mesh, part, options.flatness if bounded else 0, options.reach)
+    v, scan = judge(poly, mesh, part, options.flatness if bounded else 0, options.reach, outlined=True)
     said = poly.report
     extra = sum(said[f"split_for_{why}"] for why in ("unconnected", "holes", "handles", "pinches", "closed"))
     q = len(poly.loop_start)

@@ -1,5 +1,7 @@
 """What docs/guarantee.md promises, on families of made meshes, through a judge that shares no code with the engine."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from polygon_judge import judge
@@ -95,6 +97,7 @@ SOUND = {  # from this number of regions on nothing may be left to report
 ANY = {
     "random voxels": lambda: shapes.voxels(np.random.default_rng(3).random((6, 6, 6)) < 0.5),
     "folded soup": lambda: coarse_soup(7),
+    "sheets on sheets": lambda: coarse_soup(0),
     "soup of handed-over faces": lambda: coarse_soup(5),
 }
 
@@ -127,7 +130,7 @@ def judged(arrays, proxies):
     poly = engine.polygonize(mesh, part, options)
     bound = options.flatness if part.region_count >= options.flatness_from else 0
     curved = set(np.flatnonzero(poly.planarity > options.flatness * mesh.report["diagonal"]))
-    return judge(poly, mesh, part, bound, options.reach)[0], poly, curved
+    return judge(poly, mesh, part, bound, options.reach, outlined=True)[0], poly, curved
 
 
 def check_the_report(verdict, poly, curved):
@@ -203,7 +206,7 @@ def test_the_judge_sees_what_is_wrong(cube):
                 setattr(self, name, arrays.get(name, np.array(getattr(good, name))))
 
     def found(**arrays):
-        return judge(Changed(**arrays), cube, part)[0]
+        return judge(Changed(**arrays), cube, part, outlined=True)[0]
 
     assert found().sound
     loops, vertices = np.array(good.loops), np.array(good.vertices)
@@ -224,3 +227,18 @@ def test_the_judge_sees_what_is_wrong(cube):
     assert found(vertices=moved).far == [low]
     assert found(vertices=moved).hits
     assert judge(Changed(vertices=moved), cube, part, flatness=0.01)[0].bent
+
+
+def test_the_judge_sees_which_way_polygons_of_folded_regions_face():
+    mesh = engine.clean(*coarse_soup(0))
+    part = engine.partition(mesh, engine.PartitionOptions(proxies=20, leave_out=0))
+    poly = engine.polygonize(mesh, part)
+    ends = [*poly.loop_start[1:], len(poly.loops)]
+    turned = SimpleNamespace(
+        vertices=poly.vertices, loop_start=poly.loop_start, polygon_region=poly.polygon_region,
+        source_vertex=poly.source_vertex,
+        loops=np.concatenate([poly.loops[a:b][::-1] for a, b in zip(poly.loop_start, ends, strict=True)]),
+    )  # fmt: skip
+    assert judge(poly, mesh, part, outlined=True)[0].flipped == []
+    found = judge(turned, mesh, part, outlined=True)[0]
+    assert sorted(found.flipped + found.given) == list(range(len(ends)))
