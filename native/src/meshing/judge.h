@@ -47,9 +47,10 @@ PolygonVerdict judge_polygon(std::span<const std::int32_t> polygon, std::span<co
 struct Box {
   std::array<float, 4> low, high;  ///< the fourth is 0, so that four can be compared at once
   [[nodiscard]] bool apart(const Box& other) const {
-    bool out = false;
-    for (std::size_t k = 0; k < 4; ++k) out |= (low[k] > other.high[k]) | (high[k] < other.low[k]);
-    return out;
+    int out = 0;  // without a branch a side
+    for (std::size_t k = 0; k < 4; ++k)
+      out |= static_cast<int>(low[k] > other.high[k]) | static_cast<int>(high[k] < other.low[k]);
+    return out != 0;
   }
   void include(const Box& other);
 };
