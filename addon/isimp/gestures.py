@@ -96,7 +96,10 @@ class Stroke:
         self.move(hit, facing)
 
     def move(self, hit: Hit | None, facing) -> None:
-        """Covers what is between the last place and this, of the faces that look against `facing`."""
+        """Covers what is between the last place and this, on the side that is met.
+
+        facing: along the sight. So an open scan may be painted from its back, and a thin one not through it.
+        """
         if hit is None:
             self._last = None
             return
@@ -106,6 +109,9 @@ class Stroke:
         steps = int(np.ceil(np.linalg.norm(place - begin) / max(0.5 * self._radius, 1e-12)))
         steps = min(max(steps, 1), 200)
         self._last = place
+        facing = np.asarray(facing, float)
+        if self._surface.normal(self._triangle_of(hit)) @ facing > 0:
+            facing = -facing
         for share in np.arange(1, steps + 1) / steps:
             self.covered.update(self._surface.ball(begin + share * (place - begin), self._radius, facing).tolist())
         self.covered.add(self._triangle_of(hit))

@@ -108,10 +108,27 @@ def test_a_stroke_dropped_or_beside_the_scan_paints_nothing(grid):
     assert (stroke.release(), stroke.covered) == (None, set())
 
 
-def test_a_stroke_does_not_reach_the_far_side(grid):
-    stroke = Stroke(*grid, radius=0.2)
-    stroke.press(hit(0.05, 0.05), (0, 0, 1))  # seen from below, where the faces look away
-    assert len(stroke.release().faces) == 1  # the one that was hit
+def test_an_open_scan_is_painted_from_its_back_as_from_its_front(grid):
+    painted = []
+    for sight in (DOWN, (0, 0, 1)):
+        stroke = Stroke(*grid, radius=0.2)
+        stroke.press(hit(0.05, 0.05), sight)
+        painted.append(stroke.release())
+    assert painted[0] == painted[1]
+    assert len(painted[0].faces) > 5
+
+
+@pytest.mark.parametrize(("sight", "face", "upper"), [(DOWN, 210, True), ((0, 0, 1), 610, False)])
+def test_a_stroke_does_not_reach_the_far_side(grid, sight, face, upper):
+    line = np.linspace(-1, 1, 21)
+    top = np.array([(x, y, 0.01) for x in line for y in line])
+    cells = [(21 * i + j, 21 * i + j + 21, 21 * i + j + 22, 21 * i + j + 1) for i in range(20) for j in range(20)]
+    triangles = np.array([t for a, b, c, d in cells for t in ((a, b, c), (a, c, d))])
+    sheets = Surface(np.vstack([top, top - [0, 0, 0.02]]), np.vstack([triangles, triangles[:, ::-1] + len(top)]))
+    stroke = Stroke(sheets, np.repeat(np.arange(800), 2), grid[2], radius=0.2)
+    stroke.press(Hit(face, 0, (0.05, 0.05, 0.01 if upper else -0.01)), sight)
+    assert len(stroke.covered) > 5
+    assert all((triangle < 800) == upper for triangle in stroke.covered)
 
 
 def test_a_cut_is_of_the_region_it_meets_most():
