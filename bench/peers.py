@@ -23,11 +23,12 @@ import isimp_engine as engine
 ROOT = Path(__file__).resolve().parents[1]
 MESHES = ("bunny", "armadillo_86k", "fandisk", "castle", "frankfurt")
 SAMPLES = 3000
-# Runs in Blender: planar decimation to about so many polygons. The angle is doubled until few enough are left, but
-# not beyond a third of a half turn, since wide angles take minutes; then the range is halved.
+# Runs in Blender: planar decimation to about so many polygons. The angle grows by half until few enough are left, then
+# the range is halved. On large scans wide angles take minutes: no try follows one that took longer than `PATIENCE`.
+PATIENCE = 20  # seconds of the processor
 DECIMATE = """
-import math, sys, bpy, numpy as np
-source, result, wanted = sys.argv[sys.argv.index("--") + 1:]
+import math, sys, time, bpy, numpy as np
+source, result, wanted, patience = sys.argv[sys.argv.index("--") + 1:]
 data = np.load(source)
 mesh = bpy.data.meshes.new("scan")
 mesh.from_pydata(data["vertices"].tolist(), [], data["triangles"].tolist())
@@ -37,7 +38,7 @@ decimate = scan.modifiers.new("planar", "DECIMATE")
 decimate.decimate_type = "DISSOLVE"
 low, high, angle, best = 0.0, None, math.radians(1), None
 for _ in range(16):
-    decimate.angle_limit = angle
+    decimate.angle_limit, started = angle, time.process_time()
     found = scan.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
     many = len(found.polygons)
     if best is None or abs(many - int(wanted)) < best[0]:
@@ -48,9 +49,9 @@ for _ in range(16):
         found.vertices.foreach_get("co", position)
         best = abs(many - int(wanted)), position.reshape(-1, 3), loops, start
     low, high = (angle, high) if many > int(wanted) else (low, angle)
-    if many == int(wanted) or low >= math.pi / 3:
+    if many == int(wanted) or low >= math.pi or time.process_time() - started > float(patience):
         break
-    angle = min(2 * low, math.pi / 3) if high is None else (low + high) / 2
+    angle = min(1.5 * low, math.pi) if high is None else (low + high) / 2
 np.savez(result, vertices=best[1], loops=best[2], loop_start=best[3])
 """
 
@@ -78,7 +79,7 @@ def by_decimate(mesh, part, wanted, folder):
     np.savez(folder / "scan.npz", vertices=mesh.vertices, triangles=mesh.triangles)
     (folder / "decimate.py").write_text(DECIMATE)
     script = ["--python-exit-code", "1", "--python", folder / "decimate.py"]
-    files = [folder / "scan.npz", folder / "planar.npz", str(wanted)]
+    files = [folder / "scan.npz", folder / "planar.npz", str(wanted), str(PATIENCE)]
     subprocess.run(["blender", "-b", "--factory-startup", *script, "--", *files], check=True, stdout=subprocess.DEVNULL)
     made = np.load(folder / "planar.npz")
     return as_polygons(made["vertices"], made["loops"], made["loop_start"], mesh, part)
