@@ -6,9 +6,11 @@ A polygon is flipped if it faces away from what it stands for. That is known by 
 the borders of its region, and straight from corner to corner where a region was cut further. All surfaces with one
 outline have one vector area, however they are folded in between, so that the outline says which way the polygon has to
 face even where sheets of the scan lie on each other. The faces of the region beside it can't say so there, as some are
-of another sheet, that other polygons stand for: they count where no two of them are more than 90 degrees apart. Which
-way round outlines run, the border of their region says; as an edge runs once each way, it does for all of its polygons
-at once (at a pinch, single ones may have taken over faces of another region, and run along the border's other side).
+of another sheet, that other polygons stand for. Where part of the outline is guessed, as a straight cut, the faces
+beside the polygon are heard too, if no two of them are more than 90 degrees apart: then both have to speak against it.
+Which way round outlines run, the border of their region says; as an edge runs once each way, it does for all of its
+polygons at once (at a pinch, single ones may have taken over faces of another region, and run along the border's other
+side).
 """
 
 from dataclasses import dataclass, field
@@ -366,17 +368,17 @@ class Scan:
         return None
 
     def outline(self, region, corners, every):
-        """A polygon's outline on the scan, from vertex to vertex, and whether it runs along its region's border.
+        """A polygon's outline on the scan by vertices, how much it runs along its region's border, whether all does.
 
-        That is counted: edges that do, less those that run against it. `every`: the vertices that are some polygon's
-        corners.
+        How much: edges that do, less those that run against it. `every`: the vertices that are some polygon's corners.
         """
-        line, along = [], 0
+        line, along, known = [], 0, True
         for start, end in zip(corners, corners[1:] + corners[:1], strict=True):
             path = self.along_border(region, start, end, every)
             along += (path is not None) - (self.along_border(region, end, start, every) is not None)
             line += path or [start]
-        return line, along
+            known = known and path is not None
+        return line, along, known
 
     def meets_itself(self, a, b):
         """Whether a face of region a meets one of region b elsewhere than in the vertices they share."""
@@ -443,11 +445,14 @@ def distances(points, corners, facets):
     return result
 
 
-def faces_away(area, outline, near):
-    """Whether a polygon of this vector area faces away from its outline on the scan or from the faces `near` it."""
+def faces_away(area, outline, known, near):
+    """Whether a polygon of this vector area faces away from its outline on the scan.
+
+    Where not all of that is `known`, it has to face away from the faces `near` it as well, if these agree.
+    """
     total = near.sum(0)
     agree = near @ total >= np.sqrt(0.5) * np.linalg.norm(total) * np.linalg.norm(near, axis=1)
-    return area @ vector_area(outline) < 0 or (agree.all() and area @ total < 0)
+    return area @ vector_area(outline) < 0 and (known or not agree.all() or area @ total < 0)
 
 
 def look_at_polygons(poly, scan, loops, position, flatness, outlined, v):
@@ -457,7 +462,7 @@ def look_at_polygons(poly, scan, loops, position, flatness, outlined, v):
         home, region_of = np.asarray(poly.source_vertex), np.asarray(poly.polygon_region)
         every = set(home.tolist())
         outlines = [scan.outline(r, home[loop].tolist(), every) for r, loop in zip(region_of, loops, strict=True)]
-        along = np.bincount(region_of, [n for _, n in outlines])
+        along = np.bincount(region_of, [n for _, n, _ in outlines])
     v.bend, v.area = np.zeros(len(loops)), np.zeros(len(loops))
     for q, loop in enumerate(loops):
         points = position[loop]
@@ -471,8 +476,9 @@ def look_at_polygons(poly, scan, loops, position, flatness, outlined, v):
             v.bent.append(q)
         region, middle = poly.polygon_region[q], points.mean(0)
         if outlined:
+            line, _, known = outlines[q]
             near = scan.vectors_near(region, middle, extent)
-            flipped = along[region] < 0 or faces_away(area, scan.vertices[outlines[q][0]], near)
+            flipped = along[region] < 0 or faces_away(area, scan.vertices[line], known, near)
         else:
             flipped = all(area @ scan.vectors_near(region, middle, radius).sum(0) <= 0 for radius in (extent, 0))
         if flipped:

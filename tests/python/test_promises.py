@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from polygon_judge import judge
+from polygon_judge import faces_away, judge
 
 import isimp_engine as engine
 import shapes
@@ -242,3 +242,23 @@ def test_the_judge_sees_which_way_polygons_of_folded_regions_face():
     assert judge(poly, mesh, part, outlined=True)[0].flipped == []
     found = judge(turned, mesh, part, outlined=True)[0]
     assert sorted(found.flipped + found.given) == list(range(len(ends)))
+
+
+UP, DOWN, SIDE = (0, 0, 1), (0, 0, -1), (1, 0, 0)
+
+
+@pytest.mark.parametrize(
+    ("area", "known", "near", "flipped"),
+    [
+        (DOWN, True, [UP], True),
+        (UP, True, [DOWN, DOWN], False),  # of another sheet
+        (DOWN, True, [DOWN], True),
+        (DOWN, False, [UP], True),
+        (DOWN, False, [DOWN], False),  # the guess is wrong
+        (DOWN, False, [DOWN, UP, SIDE], True),  # these say nothing
+        (UP, False, [DOWN], False),
+    ],
+)
+def test_a_known_outline_says_alone_which_way_a_polygon_faces(area, known, near, flipped):
+    outline = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], float)  # that faces up
+    assert faces_away(np.array(area, float), outline, known, np.array(near, float)) == flipped
