@@ -16,6 +16,7 @@ side).
 from dataclasses import dataclass, field
 
 import numpy as np
+from outlines import Outlines, edges_of, twins
 
 THIN = 1e-6  # of the diagonal: a polygon thinner than this has no area
 
@@ -46,18 +47,6 @@ def polygons_of(poly):
     return np.split(np.asarray(poly.loops), poly.loop_start[1:])
 
 
-def edges_of(loops):
-    """Directed edges (E, 2), the corner each starts at being its index, and the corner that follows."""
-    if isinstance(loops, np.ndarray):  # all of one size
-        sizes, corners = np.full(len(loops), loops.shape[1]), loops.ravel()
-    else:
-        sizes, corners = np.array([len(loop) for loop in loops]), np.concatenate(loops)
-    following = np.arange(len(corners)) + 1
-    ends = np.cumsum(sizes)
-    following[ends - 1] = ends - sizes
-    return np.stack([corners, corners[following]], 1), following, np.repeat(np.arange(len(loops)), sizes)
-
-
 def groups(n, pairs):
     """How many groups n things form when those of each pair belong together, and the group of each."""
     label = np.arange(n)
@@ -80,11 +69,7 @@ def topology(loops):
     ordered = edges[order]
     if (ordered[1:] == ordered[:-1]).all(1).any():
         faults.append("an edge runs twice one way")
-    key = edges[:, 0].astype(np.int64) << 32 | edges[:, 1]
-    back = edges[:, 1].astype(np.int64) << 32 | edges[:, 0]
-    rank = np.argsort(key)
-    at = np.minimum(np.searchsorted(key[rank], back), len(key) - 1)
-    other = np.where(key[rank][at] == back, rank[at], -1)
+    other = twins(edges)
     paired = other >= 0
     used = np.unique(edges)
     fans, _ = groups(len(edges), np.stack([np.flatnonzero(paired), following[other[paired]]], 1))
@@ -314,7 +299,6 @@ class Scan:
         self.diagonal = np.linalg.norm(np.ptp(self.vertices[np.unique(mesh.triangles)], axis=0))
         self.known = {}
         self.flat = set()
-        self.borders = self.region_borders()
         self.stored = self.vertices.astype(np.float32).astype(float)
 
     def has_flat_face(self, vertices):
@@ -335,50 +319,6 @@ class Scan:
         faces = self.faces_of(region)
         distance = np.linalg.norm(self.middle[faces] - place, axis=1)
         return self.vector[faces[distance <= max(radius, distance.min())]]
-
-    def region_borders(self):
-        """By region and vertex: the edges from there on the region's border. Where each ends and goes on is kept."""
-        edges, following, owner = edges_of(self.triangles)
-        key, back = (edges[:, i].astype(np.int64) << 32 | edges[:, 1 - i] for i in (0, 1))
-        rank = np.argsort(key)
-        at = np.minimum(np.searchsorted(key[rank], back), len(key) - 1)
-        twin = np.where(key[rank][at] == back, rank[at], -1)
-        region = self.region[owner]
-        inner = (twin >= 0) & (region == region[twin])
-        outer = np.flatnonzero(~inner)
-        after = following[outer]  # round the end of each edge, within the region, to the next on its border
-        while inner[after].any():
-            after = np.where(inner[after], following[twin[after]], after)
-        self.border_end = dict(zip(outer.tolist(), edges[outer, 1].tolist(), strict=True))
-        self.border_next = dict(zip(outer.tolist(), after.tolist(), strict=True))
-        starts = {}
-        for edge, r, vertex in zip(outer.tolist(), region[outer].tolist(), edges[outer, 0].tolist(), strict=True):
-            starts.setdefault((r, vertex), []).append(edge)
-        return starts
-
-    def along_border(self, region, start, end, every):
-        """The vertices from start to before end along a region's border; None if there is a corner between."""
-        for first in self.borders.get((region, start), ()):
-            edge, path = first, [start]
-            while self.border_end[edge] not in every and len(path) < len(self.border_end):
-                path.append(self.border_end[edge])
-                edge = self.border_next[edge]
-            if self.border_end[edge] == end:
-                return path
-        return None
-
-    def outline(self, region, corners, every):
-        """A polygon's outline on the scan by vertices, how much it runs along its region's border, whether all does.
-
-        How much: edges that do, less those that run against it. `every`: the vertices that are some polygon's corners.
-        """
-        line, along, known = [], 0, True
-        for start, end in zip(corners, corners[1:] + corners[:1], strict=True):
-            path = self.along_border(region, start, end, every)
-            along += (path is not None) - (self.along_border(region, end, start, every) is not None)
-            line += path or [start]
-            known = known and path is not None
-        return line, along, known
 
     def meets_itself(self, a, b):
         """Whether a face of region a meets one of region b elsewhere than in the vertices they share."""
@@ -461,7 +401,8 @@ def look_at_polygons(poly, scan, loops, position, flatness, outlined, v):
     if outlined:
         home, region_of = np.asarray(poly.source_vertex), np.asarray(poly.polygon_region)
         every = set(home.tolist())
-        outlines = [scan.outline(r, home[loop].tolist(), every) for r, loop in zip(region_of, loops, strict=True)]
+        on_scan = Outlines(scan.triangles, scan.region)
+        outlines = [on_scan.outline(r, home[loop].tolist(), every) for r, loop in zip(region_of, loops, strict=True)]
         along = np.bincount(region_of, [n for _, n, _ in outlines])
     v.bend, v.area = np.zeros(len(loops)), np.zeros(len(loops))
     for q, loop in enumerate(loops):
