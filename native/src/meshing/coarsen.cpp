@@ -54,14 +54,6 @@ class Coarsener {
   }
 
  private:
-  [[nodiscard]] std::vector<std::int32_t> neighbours(std::int32_t l) const {
-    std::vector<std::int32_t> some;
-    for (const std::int32_t h : s_.complex.chords(l))
-      if (const std::int32_t k = s_.labels.across(h); k != kNone) some.push_back(k);
-    sort_unique(some);
-    return some;
-  }
-
   [[nodiscard]] bool tried(Act act, std::int32_t a, std::int32_t b = kNone, std::int32_t c = kNone) const {
     return tried_.contains({static_cast<std::int32_t>(act), a, b, c});
   }
@@ -105,10 +97,10 @@ class Coarsener {
 
   /// The pieces that may change when a candidate is tried.
   [[nodiscard]] std::vector<std::int32_t> zone_of(const Candidate& c) const {
-    std::vector<std::int32_t> zone = neighbours(c.piece);
+    std::vector<std::int32_t> zone = s_.neighbours(c.piece);
     zone.push_back(c.piece);
     if (c.act == Act::split) {
-      const std::vector<std::int32_t> more = neighbours(c.other);
+      const std::vector<std::int32_t> more = s_.neighbours(c.other);
       zone.insert(zone.end(), more.begin(), more.end());
     }
     return zone;
@@ -247,9 +239,9 @@ class Coarsener {
   [[nodiscard]] bool spoils(const Trial& t, const std::vector<bool>& before, const std::vector<bool>& after) const {
     const auto fresh = [&](std::int32_t l) { return after[l] && !before[l]; };
     if (after[t.piece]) return true;
-    for (const std::int32_t k : neighbours(t.piece)) {
+    for (const std::int32_t k : s_.neighbours(t.piece)) {
       if (fresh(k)) return true;
-      for (const std::int32_t m : neighbours(k))
+      for (const std::int32_t m : s_.neighbours(k))
         if (fresh(m)) return true;
     }
     return false;

@@ -87,9 +87,10 @@ class Easing {
 
   void add_neighbours(std::vector<std::int32_t>& zone) const {
     const std::vector<std::int32_t> inner = zone;
-    for (const std::int32_t l : inner)
-      for (const std::int32_t h : s_.complex.chords(l))
-        if (const std::int32_t k = s_.labels.across(h); k != kNone) zone.push_back(k);
+    for (const std::int32_t l : inner) {
+      const std::vector<std::int32_t> beside = s_.neighbours(l);
+      zone.insert(zone.end(), beside.begin(), beside.end());
+    }
     sort_unique(zone);
   }
 

@@ -98,6 +98,14 @@ bool State::shatter(std::int32_t piece) {
   return any;
 }
 
+std::vector<std::int32_t> State::neighbours(std::int32_t piece) const {
+  std::vector<std::int32_t> some;
+  for (const std::int32_t h : complex.chords(piece))
+    if (const std::int32_t l = labels.across(h); l != kNone) some.push_back(l);
+  sort_unique(some);
+  return some;
+}
+
 SharedBoundary State::shared_boundary(std::int32_t piece) const {
   SharedBoundary found;
   for (const std::int32_t h : complex.loop(piece)) {

@@ -42,6 +42,8 @@ class State {
   bool split(std::int32_t piece, const Vec3* place, Job& job);
   /// Makes each face of a piece a piece of its own, all corners of which stay on the mesh. \return whether that is new
   bool shatter(std::int32_t piece);
+  /// The pieces across the chords of one, in rising order.
+  [[nodiscard]] std::vector<std::int32_t> neighbours(std::int32_t piece) const;
   [[nodiscard]] SharedBoundary shared_boundary(std::int32_t piece) const;
   /// The boundary that two pieces would have together, as half-edges in order; empty where that would be no disc.
   /// Cost: O(their boundaries), of which the complex must be up to date.
