@@ -26,10 +26,14 @@ Partition KeptMesh::split(const PartitionOptions& options, Guides guides, Job& j
   kept.graph = surface.guided();
   if (kept.graph != recalled) keep(kept);
   if (options.adaptivity == 0) return split(surface, std::move(kept), options, job);
+  double done = 0.0;
   if (!kept.adapted) {
+    done = adapting_share(options);
+    const Job::Part stage(job, "finding details", 0.0, done);
     kept.adapted = adapted(surface, options, job).guided();
     keep(kept);
   }
+  const Job::Part stage(job, "partitioning", done, 1.0);
   const Surface finer(*this, kept.adapted);
   PartitionOptions plain = options;  // what is adapted once must not be again
   plain.adaptivity = 0;

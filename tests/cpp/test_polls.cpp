@@ -5,7 +5,9 @@
 #include <atomic>
 #include <functional>
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "isimp/core/errors.h"
@@ -54,6 +56,11 @@ PartitionOptions found(std::optional<double> detail, std::optional<double> bound
   return options;
 }
 
+PartitionOptions adaptive(PartitionOptions options) {
+  options.adaptivity = 0.25;
+  return options;
+}
+
 std::vector<Stage> stages_over_faces() {
   const auto by = [](const std::string& name, const PartitionOptions& o) {
     return Stage{name, [o](const Input& in, Job& job) { partition(in.mesh, o, job); }};
@@ -67,6 +74,8 @@ std::vector<Stage> stages_over_faces() {
       by("lloyd", counted(Method::lloyd, 100)),
       by("detail", found(0.05, std::nullopt)),
       by("bound", found(std::nullopt, 0.05)),
+      by("adaptive", adaptive(counted(Method::hierarchy, 100))),
+      by("adaptive_detail", adaptive(found(0.05, std::nullopt))),
   };
 }
 
@@ -115,6 +124,22 @@ TEST_P(Polls, SeeProgressRiseInSmallSteps) {
   GetParam().run(large(), job);
   EXPECT_EQ(job.progress(), 1.0);
   EXPECT_LE(largest, 0.3 + 1e-9);
+}
+
+// Each pass over all faces takes long enough to be seen.
+TEST(Progress, MovesWithEveryPassThatLooksForDetails) {
+  const Input input(84);
+  for (const auto& [options, passes] :
+       {std::pair(adaptive(counted(Method::hierarchy, 100)), 8 + 8), std::pair(found(0.05, std::nullopt), 8)}) {
+    Job job;
+    std::set<double> seen;
+    const std::string stage = options.adaptivity > 0 ? "finding details" : "merging";
+    job.at_poll = [&] {
+      if (job.stage() == stage) seen.insert(job.progress());
+    };
+    partition(input.mesh, options, job);
+    EXPECT_GE(static_cast<int>(seen.size()), passes) << stage;
+  }
 }
 
 // From wherever the cancel is heard, nothing but Cancelled comes out.

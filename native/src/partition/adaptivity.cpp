@@ -77,7 +77,7 @@ std::vector<double> roughness(const Field& field, int steps, Job& job) {
     else
       now[u].setZero();
   for (int step = 0; step < steps; ++step) {
-    job.poll();
+    job.report(static_cast<double>(step) / steps);
     for (std::int32_t u = 0; u < graph.size(); ++u) {
       Vec3 sum = now[u] * field.area[u];
       double area = field.area[u];
@@ -111,13 +111,17 @@ double quantile(const std::vector<double>& values, const std::vector<float>& are
 
 std::vector<float> adaptive_weights(const Surface& surface, double adaptivity, const Threads& threads, Job& job) {
   const Mesh& mesh = surface.mesh();
-  Field field = faces_of(surface.graph(), job);
+  Field field = [&] {
+    const Job::Part smoothing(job, "finding details", 0.0, 0.6);
+    return faces_of(surface.graph(), job);
+  }();
   const double edges = kRadius * surface_size(mesh) / std::max(mean_edge(mesh), 1e-300);
   double steps = std::clamp(kStepsARadius * edges * edges, 3.0, 4000.0);
   const double all = field.graph.size();
   while (steps * kClusterSteps * field.graph.size() / all > 2 * kFewestSteps) join_pairs(field, threads, job);
   if (field.graph.size() < all) steps *= kClusterSteps * field.graph.size() / all;
 
+  const Job::Part spreading(job, "finding details", 0.7, 0.9);
   std::vector<double> rough = roughness(field, static_cast<int>(std::lround(steps)), job);
   const double quiet = quantile(rough, field.area, kQuiet) / 2;
   double mean = 0.0, total = 0.0;

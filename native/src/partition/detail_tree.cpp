@@ -178,10 +178,12 @@ void DetailTree::make_patches(const Surface& surface, Job& job) {
   const std::vector<std::int32_t> part = parts_of_faces(surface);
   {
     const double limit = merge_limit(settings_.finest * size_, noise_, kLeastNoise) / area_;
-    std::vector<FaceRecord> smooth = filtered_faces(graph, kFilterPasses, filter_range(bend_), job);
-    job.report(0.3);
+    std::vector<FaceRecord> smooth = [&] {
+      const Job::Part smoothing(job, "merging", 0.1, 0.7);
+      return filtered_faces(graph, kFilterPasses, filter_range(bend_), job);
+    }();
     const Start start = [&] {
-      const Job::Part half(job, "merging", 0.3, 0.6);
+      const Job::Part half(job, "merging", 0.7, 0.9);
       return graph.size() < kManyFaces ? start_from_faces(graph, smooth, part)
                                        : start_from_patches(surface, std::move(smooth), limit, job);
     }();

@@ -33,6 +33,7 @@ std::vector<FaceRecord> filtered_faces(const FaceGraph& graph, int passes, doubl
   const auto sharpness = static_cast<float>(-1 / (2 * range * range));
   const std::int32_t n = graph.size();
   for (int pass = 0; pass < passes; ++pass) {
+    job.report(static_cast<double>(pass) / passes);
     for (std::int32_t i = 0; i < n; ++i) {
       if ((i & 0xffff) == 0) job.poll();
       const FaceRecord& f = now[i];

@@ -190,9 +190,16 @@ Partition partition_within(const Surface& surface, const PartitionOptions& optio
 
 Partition partition(const Surface& surface, const PartitionOptions& options, Job& job) {
   if (options.adaptivity == 0) return partition(surface, Hierarchy{}, options, job);
-  const Surface finer = adapted(surface, options, job);
+  const double share = adapting_share(options);
+  const Surface finer = [&] {
+    const Job::Part stage(job, "finding details", 0.0, share);
+    return adapted(surface, options, job);
+  }();
+  const Job::Part stage(job, "partitioning", share, 1.0);
   return restated(surface, partition(finer, Hierarchy{}, options, job), options, job);
 }
+
+double adapting_share(const PartitionOptions& options) { return options.proxies ? 0.7 : 0.4; }
 
 Surface adapted(const Surface& surface, const PartitionOptions& options, Job& job) {
   check(surface, options);

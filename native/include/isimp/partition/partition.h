@@ -139,6 +139,8 @@ Partition partition(const Surface& surface, const DetailTree& tree, const Partit
 
 /// The surface that a partition with options.adaptivity is made on, by the functions above, which do not look at it ...
 Surface adapted(const Surface& surface, const PartitionOptions& options, Job& job);
+/// How much of the work of a partition with adaptivity that is, in [0, 1].
+double adapting_share(const PartitionOptions& options);
 /// ... and the partition of it as one of the surface itself.
 Partition restated(const Surface& surface, Partition of_adapted, const PartitionOptions& options, Job& job);
 
