@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from .scan import Scan
+from .spare import blocks
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,9 +20,13 @@ class Prepared:
     mesh: Any
     mesh_face: np.ndarray  #: (F',) the user's face each face of the mesh is of
     face_triangle: np.ndarray  #: (face_count,) the largest face of the mesh in each user's face, -1 if none is left
-    face_pairs: np.ndarray  #: (E, 2) user's faces that share an edge
     layers: dict = field(default_factory=dict, kw_only=True)  #: of the scan as it is now
     areas: np.ndarray | None  #: (F',) where a user's face has more than one triangle; None where each has one
+
+    @property
+    def face_pairs(self) -> np.ndarray:
+        """(E, 2) user's faces that share an edge."""
+        return self.scan.face_edges[0]
 
 
 def face_areas(mesh) -> np.ndarray:
@@ -32,9 +37,7 @@ def face_areas(mesh) -> np.ndarray:
 def pair_lengths(prepared: Prepared) -> np.ndarray:
     """(E,) how long the edge is that each of `face_pairs` shares."""
     scan = prepared.scan
-    triangles, ends = scan.edges
-    faces = scan.triangle_face[triangles]
-    ends = scan.vertices[ends[faces[:, 0] != faces[:, 1]]].astype(np.float64)
+    ends = scan.vertices[scan.face_edges[1]].astype(np.float64)
     return np.nan_to_num(np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1))
 
 
@@ -47,7 +50,8 @@ def face_regions(prepared: Prepared, partition) -> np.ndarray:
     label = np.asarray(partition.face_region)
     region = np.full(prepared.scan.face_count, -1, np.int32)
     if prepared.areas is None:
-        region[prepared.mesh_face] = label
+        for block in blocks(len(label)):
+            region[prepared.mesh_face[block]] = label[block]
         return region
     inside = label >= 0
     key = prepared.mesh_face[inside].astype(np.int64) * partition.region_count + label[inside]

@@ -60,3 +60,15 @@ class Scan:
         if "edges" not in self._known:
             self._known["edges"] = view.shared_edges(self.triangles)
         return self._known["edges"]
+
+    @property
+    def face_edges(self) -> tuple[np.ndarray, np.ndarray]:
+        """As `edges`, but the user's faces that share an edge."""
+        if "face_edges" not in self._known:
+            pairs, ends = self.edges
+            if not np.array_equal(self.triangle_face, np.arange(len(self.triangles))):
+                faces = self.triangle_face.astype(np.intp)[pairs.T]
+                apart = faces[0] != faces[1]
+                pairs, ends = faces[:, apart].T, ends[apart]
+            self._known["face_edges"] = pairs, ends
+        return self._known["face_edges"]

@@ -54,14 +54,15 @@ class Outcome:
 
     face_region: np.ndarray  #: (face_count,) int32, -1 where a face is in no region
     region_color: np.ndarray  #: (R,) int32 into view.PALETTE
+    border: np.ndarray  #: (K,) those of the scan's `face_edges` where regions meet, or a region and none
     partition: Any
     polygons: Any = None  #: the engine's PolygonMesh after Mesh, else None
     numbers: dict = field(default_factory=dict)  #: what the last step did, and what the scan is
     made: Any = None  #: how the engine made the partition; None once it was edited
 
     @property
-    def face_colors(self) -> np.ndarray:
-        """(face_count, 4) float32 linear RGBA."""
+    def face_color(self) -> np.ndarray:
+        """(face_count,) uint8 into view.COLORS."""
         return view.face_colors(self.face_region, self.region_color)
 
 
@@ -85,10 +86,11 @@ class Session:
         steps, keys = recipe.active(), [(scan.digest, scan.layers_digest, key) for key in recipe.prefix_keys()]
         done, outcome = self._longest_known(keys)
         if done < len(steps):
-            prepared = replace(self.prepare(scan, watch, 0.0, 0.2), layers=scan.layers)
+            shares = _shares([step for _, step in steps[done:]], self._meshes.get(scan.digest) is None)
+            prepared = replace(self.prepare(scan, watch, 0.0, shares[0]), layers=scan.layers)
         for number in range(done, len(steps)):
             index, step = steps[number]
-            begin, end = (0.2 + 0.8 * (n - done) / (len(steps) - done) for n in (number, number + 1))
+            begin, end = shares[number - done : number - done + 2]
             try:
                 outcome = self._apply(step, prepared, outcome, watch, begin, end)
             except engine.InvalidInput as error:
@@ -182,6 +184,12 @@ class Session:
         return self._parts.get(key)
 
 
+def _shares(steps: list, is_new: bool) -> list[float]:
+    """How far the work is when the scan, which may be new, is prepared, and after each of the steps."""
+    times = [_PREPARING if is_new else 0.0, *(_TIMES.get(type(step), 1.0) for step in steps)]
+    return [sum(times[: number + 1]) / sum(times) for number in range(len(times))]
+
+
 def _engine_call(watch: Watch, begin: float, end: float, stage: str, function, *args):
     """Calls the engine with a job of its own, so that its progress shows and it can be stopped."""
     with watch.part(stage, begin, end, engine.Job()) as job:
@@ -194,21 +202,21 @@ def _engine_call(watch: Watch, begin: float, end: float, stage: str, function, *
 def _prepare(scan: Scan, watch: Watch, begin: float, end: float) -> Prepared:
     if len(scan.triangles) == 0:
         raise ValueError("The mesh has no faces: there is nothing to simplify.")
-    middle = begin + 0.8 * (end - begin)
+    middle = begin + 0.4 * (end - begin)
     mesh = _engine_call(watch, begin, middle, "reading the mesh", engine.clean, scan.vertices, scan.triangles)
     with watch.part("reading the mesh", middle, end):
         mesh_face = scan.triangle_face[mesh.source_face]
-        pairs = scan.triangle_face[scan.edges[0]]
-        pairs = pairs[pairs[:, 0] != pairs[:, 1]]
+        scan.face_edges  # noqa: B018  (made here and kept)
         face_triangle = np.full(scan.face_count, -1, np.int32)
-        if len(scan.triangles) == scan.face_count and len(np.unique(mesh_face)) == len(mesh_face):
+        triangle = np.arange(len(mesh_face), dtype=np.int32)
+        face_triangle[mesh_face] = triangle
+        if len(scan.triangles) == scan.face_count and np.array_equal(face_triangle[mesh_face], triangle):
             areas = None
-            face_triangle[mesh_face] = np.arange(len(mesh_face), dtype=np.int32)
         else:
             areas = face_areas(mesh)
             order = np.argsort(areas, kind="stable")
             face_triangle[mesh_face[order]] = order  # the last one written is the largest
-        return Prepared(scan, mesh, mesh_face, face_triangle, pairs, areas)
+        return Prepared(scan, mesh, mesh_face, face_triangle, areas)
 
 
 def _needs_regions(before: Outcome | None) -> Outcome:
@@ -220,11 +228,12 @@ def _needs_regions(before: Outcome | None) -> Outcome:
 def _with_regions(prepared: Prepared, partition, kept: np.ndarray | None, numbers: dict) -> Outcome:
     """kept: (R,) the colour each region has already, -1 for a new one."""
     face_region = face_regions(prepared, partition)
-    pairs = view.region_pairs(face_region, prepared.face_pairs)
+    border = view.border_pairs(face_region, prepared.face_pairs)
+    pairs = view.region_pairs(face_region, prepared.face_pairs[border])
     color = view.assign_colors(partition.region_count, pairs, kept)
     known = {"regions": partition.region_count, "error": partition.error, "left_out": int((face_region < 0).sum())}
     known["locked"] = int(np.count_nonzero(partition.region_locked))
-    return Outcome(face_region, color, partition, numbers=known | numbers)
+    return Outcome(face_region, color, border, partition, numbers=known | numbers)
 
 
 def _weights(step: rcp.Partition, prepared: Prepared) -> np.ndarray | None:
@@ -451,6 +460,10 @@ def _apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end) -> Outcome:
     return replace(regions, polygons=polygons, numbers=numbers)
 
 
+#: about how long a step takes beside others, and what comes before the first
+_TIMES = {rcp.Partition: 5.0, rcp.Mesh: 14.0}
+_PREPARING = 3.0
+
 #: settings of Partition that are the engine's, by the same names
 _SAME_NAMES = ("snap", "adaptivity", "seed", "iterations", "method", "seeding", "leave_out")
 
@@ -469,5 +482,10 @@ _APPLY = {
 
 
 def _size(outcome: Outcome, prepared: Prepared) -> int:
-    size = outcome.face_region.nbytes + 4 * len(prepared.mesh_face) + 200 * len(outcome.region_color)
+    size = (
+        outcome.face_region.nbytes
+        + outcome.border.nbytes
+        + 4 * len(prepared.mesh_face)
+        + 200 * len(outcome.region_color)
+    )
     return size if outcome.polygons is None else size + 64 * len(outcome.polygons.loops)

@@ -38,11 +38,9 @@ class Sketch:
     reason: str = ""
 
 
-def borders(scan: Scan, face_region: np.ndarray) -> np.ndarray:
-    """(2 B, 3) float32 the edges between faces of different regions, and between a region and none."""
-    pairs, edges = scan.edges
-    ends = edges[view.border_edges(face_region[scan.triangle_face], pairs)]
-    return scan.vertices[ends.ravel()].astype(np.float32)
+def borders(scan: Scan, border: np.ndarray) -> np.ndarray:
+    """(2 B, 3) float32 some of the edges between faces."""
+    return scan.vertices[scan.face_edges[1][border].ravel()].astype(np.float32)
 
 
 def outline(vertices: np.ndarray, loops: np.ndarray, loop_start: np.ndarray) -> np.ndarray:
@@ -77,7 +75,8 @@ def draw(
     session: Session, scan: Scan, face_region: np.ndarray, recipe: rcp.Recipe, meshing: rcp.Mesh | None, watch: Watch
 ) -> Sketch:
     """The sketch of regions, and of the polygons that the recipe would give; None: no polygons. Raises Stopped."""
-    lines = borders(session.prepare(scan, watch, 0.0, 0.1).scan, face_region)  # the scan whose edges are kept
+    prepared = session.prepare(scan, watch, 0.0, 0.1)  # its scan is the one whose edges are kept
+    lines = borders(prepared.scan, view.border_pairs(face_region, prepared.face_pairs))
     locked = triangles_of(scan, face_region, session.locked_regions(scan, recipe, watch))
     if meshing is None:
         return Sketch(lines, locked=locked)

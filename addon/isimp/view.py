@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from .spare import Spare, blocks, taken
+
 # Twelve colours spread as far apart as they go in Oklab, for full colour vision and for the three dichromacies at once
 # (least distance .1). Magenta is left free for problems.
 _BASE = ("b55422", "556dc6", "94627f", "1896bc", "a09602", "9f9afc")  # sRGB
@@ -23,13 +25,18 @@ BASE_COLORS = len(_BASE)
 PALETTE = np.ones((2 * BASE_COLORS, 4), np.float32)
 PALETTE[:BASE_COLORS, :3] = _LINEAR
 PALETTE[BASE_COLORS:, :3] = _LINEAR * _SHADE
+#: (2 B + 1, 4) float32: PALETTE and NO_REGION
+COLORS = np.vstack([PALETTE, np.array([NO_REGION], np.float32)])
+#: (2 B + 1,) uint32: the same with a byte each, in the order of memory
+PACKED = (255 * COLORS).round().astype(np.uint8).view(np.uint32).ravel()
 
 
 def shared_edges(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of triangles that share an edge, and that edge.
 
-    triangles: (T, 3) int. Returns (E, 2) int32 triangles and (E, 2) int32 vertices. An edge with three triangles gives
-    three pairs; of more than three, those next to and next but one to each other in order. Cost: O(T log T).
+    triangles: (T, 3) int. Returns (E, 2) triangles, each column in one piece, and (E, 2) int32 vertices. An edge with
+    three triangles gives three pairs; of more than three, those next to and next but one to each other in order.
+    Cost: O(T log T).
     """
     start = triangles.astype(np.int64)
     end = np.roll(start, -1, axis=1)
@@ -39,9 +46,9 @@ def shared_edges(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     pairs, edges = [], []
     for step in (1, 2):
         at = np.flatnonzero(key[:-step] == key[step:])
-        pairs.append(np.stack([order[at], order[at + step]], axis=1) // 3)
+        pairs.append(np.stack([order[at], order[at + step]]) // 3)
         edges.append(np.stack([key[at] >> 32, key[at] & 0xFFFFFFFF], axis=1))
-    return np.concatenate(pairs).astype(np.int32), np.concatenate(edges).astype(np.int32)
+    return np.concatenate(pairs, axis=1).T, np.concatenate(edges).astype(np.int32)
 
 
 def region_pairs(face_region: np.ndarray, face_pairs: np.ndarray) -> np.ndarray:
@@ -53,9 +60,13 @@ def region_pairs(face_region: np.ndarray, face_pairs: np.ndarray) -> np.ndarray:
     return np.stack([key >> 32, key & 0xFFFFFFFF], axis=1).astype(np.int32)
 
 
-def border_edges(face_region: np.ndarray, face_pairs: np.ndarray) -> np.ndarray:
-    """(E,) bool: whether the two faces of a pair are in different regions."""
-    return face_region[face_pairs[:, 0]] != face_region[face_pairs[:, 1]]
+def border_pairs(face_region: np.ndarray, face_pairs: np.ndarray) -> np.ndarray:
+    """(K,) those of the pairs whose two faces are in different regions. face_pairs: (E, 2) faces."""
+    found = [np.empty(0, np.intp)]
+    for block in blocks(len(face_pairs)):
+        a, b = (face_region.take(faces) for faces in face_pairs[block].T)
+        found.append(block.start + np.flatnonzero(a != b))
+    return np.concatenate(found)
 
 
 def assign_colors(count: int, pairs: np.ndarray, kept: np.ndarray | None = None) -> np.ndarray:
@@ -122,12 +133,17 @@ def _smallest_last(color: list[int], around: list[set[int]]) -> list[int]:
 
 
 def face_colors(face_region: np.ndarray, region_color: np.ndarray) -> np.ndarray:
-    """(F, 4) float32 linear RGBA of each face. region_color: (R,) indices into PALETTE."""
-    table = np.vstack([PALETTE[region_color], np.array([NO_REGION], np.float32)])
-    return table[face_region]  # -1 is the last row
+    """(F,) uint8 the row of COLORS of each face. region_color: (R,) indices into PALETTE."""
+    return taken(np.append(region_color, len(PALETTE)).astype(np.uint8), face_region)  # -1 is the last
 
 
-def packed_colors(face_region: np.ndarray, region_color: np.ndarray) -> np.ndarray:
-    """(F,) uint32: linear RGBA of each face, a byte each, in the order of memory."""
-    table = np.vstack([PALETTE[region_color], np.array([NO_REGION], np.float32)])
-    return (255 * table).round().astype(np.uint8).view(np.uint32).ravel()[face_region]
+def corner_colors(table: np.ndarray, face_color: np.ndarray, corners, spare: Spare) -> np.ndarray:
+    """The colour of each corner, one face after the other. table: COLORS or PACKED; corners: how many a face has."""
+    several = isinstance(corners, np.ndarray)
+    colors = spare.take((corners.sum() if several else corners * len(face_color), *table.shape[1:]), table.dtype)
+    done = 0
+    for block in blocks(len(face_color)):
+        rows = np.repeat(face_color[block], corners[block] if several else corners)
+        np.take(table, rows, axis=0, out=colors[done : done + len(rows)], mode="clip")  # other modes make a copy
+        done += len(rows)
+    return colors

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from isimp import view
+from isimp.spare import Spare
 
 # What is left of linear RGB for those who lack one kind of cone (Machado, Oliveira, Fernandes 2009, severity 1).
 DICHROMACY = {
@@ -99,11 +100,26 @@ def test_region_pairs_and_borders_leave_out_faces_without_region():
     label = np.array([0, 0, 1, -1], np.int32)
     faces = np.array([[0, 1], [1, 2], [2, 1], [2, 3]])
     assert view.region_pairs(label, faces).tolist() == [[0, 1]]
-    assert view.border_edges(label, faces).tolist() == [False, True, True, True]
+    assert view.border_pairs(label, faces).tolist() == [1, 2, 3]
 
 
 def test_faces_without_region_are_grey():
-    color = view.face_colors(np.array([1, -1], np.int32), np.array([3, 4], np.int32))
-    assert color.dtype == np.float32
-    assert color[0].tolist() == view.PALETTE[4].tolist()
-    assert color[1].tolist() == pytest.approx(view.NO_REGION)
+    row = view.face_colors(np.array([1, -1], np.int32), np.array([3, 4], np.int32))
+    assert view.COLORS[row[0]].tolist() == view.PALETTE[4].tolist()
+    assert view.COLORS[row[1]].tolist() == pytest.approx(view.NO_REGION)
+
+
+@pytest.mark.parametrize("corners", [3, np.array([4, 3])])
+@pytest.mark.parametrize("table", [view.COLORS, view.PACKED])
+def test_corners_have_the_colour_of_their_face_in_memory_that_is_used_again(table, corners):
+    spare = Spare()
+    made = view.corner_colors(table, np.array([5, 24], np.uint8), corners, spare)
+    assert np.array_equal(made, np.repeat(table[[5, 24]], corners, axis=0))
+    spare.give(made)
+    again = view.corner_colors(table, np.array([24, 7], np.uint8), corners, spare)
+    assert again is made
+    assert np.array_equal(made, np.repeat(table[[24, 7]], corners, axis=0))
+    other = view.corner_colors(table, np.array([5, 24], np.uint8), corners, spare)
+    assert not np.shares_memory(other, made)  # which nobody gave back
+    spare.give(other)
+    assert len(view.corner_colors(table, np.array([5], np.uint8), 3, spare)) == 3  # of another scan

@@ -6,6 +6,7 @@ import bmesh
 import bpy
 import numpy as np
 
+from .. import view
 from ..session import Scan
 from . import runtime
 
@@ -235,7 +236,8 @@ def corner_totals(mesh) -> np.ndarray | int:
 def write_regions(obj, face_region: np.ndarray, face_color: np.ndarray, state: int, corner_color=None) -> None:
     """Puts regions, their colours and the state that led to them on the mesh. Nothing else of it is changed.
 
-    corner_color: `face_color` for each corner, if that is there already.
+    face_color: (faces,) into view.COLORS. corner_color: the colour of each corner, if that is there already; it is used
+    for others then.
     """
     if obj.mode == "EDIT":
         if not _is_written(obj, face_region, state):
@@ -243,7 +245,7 @@ def write_regions(obj, face_region: np.ndarray, face_color: np.ndarray, state: i
                 pass
     else:
         if corner_color is None:
-            corner_color = np.repeat(face_color, corner_totals(obj.data), axis=0)
+            corner_color = view.corner_colors(view.COLORS, face_color, corner_totals(obj.data), runtime.get().spare)
         _write_layers(obj.data, face_region, corner_color, state)
     show_color(obj.data)
 
@@ -285,8 +287,8 @@ def clear_regions(obj) -> None:
 
 def _write_layers(mesh, face_region, corner_color, state) -> None:
     _write_ints(mesh, face_region, state)
-    color = np.ascontiguousarray(corner_color, np.float32).ravel()
-    _layer(mesh, COLOR, "FLOAT_COLOR", "CORNER").data.foreach_set("color", color)
+    _layer(mesh, COLOR, "FLOAT_COLOR", "CORNER").data.foreach_set("color", corner_color.ravel())
+    runtime.get().spare.give(corner_color)
     _updated(mesh)
 
 
@@ -328,12 +330,13 @@ def writing(obj, face_region, face_color, state):
     if fresh or not before or before != state_of(obj) or len(was) != len(face_region):
         was, differs = np.full(len(face_region), _UNKNOWN), np.ones(len(face_region), bool)
     else:
-        differs = (was != face_region) | (old_color != face_color).any(axis=1)
+        differs = (was != face_region) | (old_color != face_color)
     region, stamp = (edit.faces.layers.int[name] for name in (REGION, STATE))
     color, faces = edit.loops.layers.float_color[COLOR], iter(edit.faces)
     for begin in range(0, len(face_region), _PIECE):
         piece = slice(begin, begin + _PIECE)
-        values = (each[piece].tolist() for each in (was, differs, face_region, face_color))
+        values = (each[piece].tolist() for each in (was, differs, face_region))
+        values = (*values, view.COLORS[face_color[piece]].tolist())
         for face, seen, another, label, value in zip(islice(faces, _PIECE), *values, strict=True):
             face[stamp] = state
             if another or face[region] != seen:  # other faces, or in another order

@@ -11,8 +11,8 @@ import time
 from contextlib import suppress
 
 import bpy
-import numpy as np
 
+from .. import view
 from ..session import StepFailed
 from ..task import Status, Stopped, Task
 from . import mesh_io, pending, preferences, reading, runtime, show, store, targets
@@ -20,7 +20,6 @@ from . import mesh_io, pending, preferences, reading, runtime, show, store, targ
 log = logging.getLogger("isimp")
 _AT_ONCE = 0.08  # seconds that the window waits for short work, which needs no progress bar
 _TICK = 0.05
-_SPAN = 0.04  # seconds that reading or writing may keep the window waiting
 #: What the mouse and keys may still do while a mesh in Edit Mode is written, which must not change meanwhile
 _NAVIGATION = ("MOUSE", "MIDDLE", "WHEEL", "TRACKPAD", "NDOF", "NUMPAD_", "TIMER", "WINDOW")
 
@@ -78,8 +77,8 @@ class Work:
 
     def paint(self, outcome) -> None:
         """Makes the outcome's colours as the mesh takes them; on any thread."""
-        self.face_color = outcome.face_colors
-        self.corner_color = np.repeat(self.face_color, self.corners, axis=0)
+        self.face_color = outcome.face_color
+        self.corner_color = view.corner_colors(view.COLORS, self.face_color, self.corners, runtime.get().spare)
 
     def start(self) -> None:
         self.task = Task(self.run)
@@ -167,10 +166,10 @@ class RecipeOperator:
             free = self._writing is None or event.type.startswith(_NAVIGATION)
             return {"PASS_THROUGH" if free else "RUNNING_MODAL"}
         if task.status is Status.RUNNING:
-            self._work.read_on(context, _SPAN)
+            self._work.read_on(context, reading.SPAN)
             _show_progress(context, f"{self._work.name}: {self._work.progress()[1]} - Esc stops it")
             return {"PASS_THROUGH"}
-        if not self._written(_SPAN):
+        if not self._written(reading.SPAN):
             _show_progress(context, f"{self._work.name}: {self._work.progress()[1]}")
             return {"PASS_THROUGH"}
         self._end_modal(context)

@@ -21,7 +21,6 @@ from . import mesh_io, preferences, reading, runtime, settings, shaders, store, 
 
 _KEPT = 8  # sketches
 _TICK = 0.1
-_SPAN = 0.04  # seconds that reading may keep the window waiting
 # How much nearer to the eye than they are lines are drawn, of the scan's size, so that the faces they lie on don't hide
 # them; those of the polygons more, as the scan bulges over them.
 _UNDER, _ON, _OVER = 0.0015, 0.003, 0.03
@@ -79,8 +78,10 @@ def _tick():
             _keep(wanted, task.result or sketch.Sketch(reason=str(task.error)))
     if key is None or key in current.drawings:
         return None
-    if current.live.shown_of(scan) is None and not reading.ready(context, scan, store.load(scan).layers(), _SPAN):
-        return _TICK
+    if current.live.shown_of(scan) is None:
+        layers = store.load(scan).layers()
+        if not reading.ready(context, scan, layers, reading.SPAN):
+            return _TICK
     try:
         recipe, arrays, regions = _seen(context, scan)
     except mesh_io.Unusable as problem:

@@ -10,6 +10,7 @@ import numpy as np
 from gpu_extras.batch import batch_for_shader
 
 from .. import sketch, view
+from ..spare import taken
 from ..task import Task
 from . import modal, runtime, shaders
 
@@ -27,9 +28,9 @@ class Work(modal.Work):
     def run(self, watch=None):
         session = runtime.get().session
         outcome = self.replay(watch)
-        colors = view.packed_colors(outcome.face_region, outcome.region_color)
-        self.color = np.repeat(colors[self.scan.triangle_face], 3).view(np.uint8).reshape(-1, 4)
-        self.borders = sketch.borders(session.prepare(self.scan).scan, outcome.face_region)
+        face_color = taken(outcome.face_color, self.scan.triangle_face)
+        self.color = view.corner_colors(view.PACKED, face_color, 3, runtime.get().spare)
+        self.borders = sketch.borders(session.prepare(self.scan).scan, outcome.border)
         self.points = None  # they are there already
         if self.before is None or self.before.work.scan.digest != self.scan.digest:
             self.points = self.scan.vertices[self.scan.triangles.ravel()].astype(np.float32, copy=False)
@@ -65,8 +66,9 @@ class Preview:
             self._corners, self._points = _buffer("pos", "F32", 3, "FLOAT", self._points), None
         if self._batch is None:
             self._batch = gpu.types.GPUBatch(type="TRIS", buf=self._corners)
-            self._batch.vertbuf_add(_buffer("color", "U8", 4, "INT_TO_FLOAT_UNIT", self.work.color))
-            self.work.color = None
+            color, self.work.color = self.work.color, None
+            self._batch.vertbuf_add(_buffer("color", "U8", 4, "INT_TO_FLOAT_UNIT", color.view(np.uint8).reshape(-1, 4)))
+            runtime.get().spare.give(color)
         shader = shaders.lit()
         shader.bind()
         gpu.state.depth_mask_set(True)  # its own far side is not to be seen

@@ -13,6 +13,8 @@ import numpy as np
 
 from . import marks, mesh_io, runtime, weights
 
+SPAN = 0.04  #: seconds at once that reading, or writing, may keep the window waiting
+
 
 class Known:
     """A scan as it was read, and of what."""

@@ -5,6 +5,7 @@ from collections import OrderedDict
 from contextlib import contextmanager
 
 from ..session import Session
+from ..spare import Spare
 
 
 class Live:
@@ -44,6 +45,7 @@ class Live:
 class Runtime:
     def __init__(self):
         self.session = Session()
+        self.spare = Spare()
         self.running = None  #: the modal operator's Work while there is one
         self.nodes = {}  #: what store.py knows beyond what undo takes back
         self.recipes = {}  #: state -> Recipe, parsed

@@ -36,8 +36,9 @@ def show_polygons(context, scan, work, outcome) -> None:
 
 
 def _write(scan, work, outcome, state) -> None:
-    color = work.face_color if work.face_color is not None else outcome.face_colors
+    color = work.face_color if work.face_color is not None else outcome.face_color
     mesh_io.write_regions(scan, outcome.face_region, color, state, work.corner_color)
+    work.corner_color = None
 
 
 def writing(scan, work, outcome):
@@ -49,7 +50,7 @@ def writing(scan, work, outcome):
         return
     state = store.save(scan, work.recipe, outcome.numbers)
     work.states.add(state)
-    color = work.face_color if work.face_color is not None else outcome.face_colors
+    color = work.face_color if work.face_color is not None else outcome.face_color
     yield from mesh_io.writing(scan, outcome.face_region, color, state)
 
 
