@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "polyline.h"
 #include "sorted.h"
@@ -75,6 +76,20 @@ double Complex::sine_at(std::int32_t chord) const {
   if (other == kNone) return 1;
   const Vec3 &left = planes_[labels_.label[chord / 3]].normal, &right = planes_[other].normal;
   return left.dot(right) < 0 ? 1.0 : std::max(left.cross(right).norm(), tolerance.least_sine);
+}
+
+bool Complex::has_chord(std::int32_t a, std::int32_t b) const {
+  const auto leads = [&](std::int32_t from, std::int32_t to) {
+    bool found = false;
+    for_each_leaving(mesh_, from, [&](std::int32_t h) {
+      const auto& chords = chords_[labels_.label[h / 3]];
+      const auto at = std::find(chords.begin(), chords.end(), h);
+      if (at == chords.end()) return;
+      found = found || mesh_.from(at + 1 == chords.end() ? chords.front() : at[1]) == to;
+    });
+    return found;
+  };
+  return leads(a, b) || leads(b, a);  // along the border of the mesh it can be seen from one end only
 }
 
 std::vector<std::int32_t> Complex::path(std::int32_t chord) const {
@@ -175,27 +190,33 @@ void Complex::collect_dirty() {
   dirty_.clear();
 }
 
-std::vector<std::int32_t> Complex::take_changed() {
-  std::vector<std::int32_t> result;
-  result.swap(changed_);
-  sort_unique(result);
-  return result;
+std::vector<std::int32_t> Complex::make_regular() {
+  for (bool any = true; any;) {
+    collect_dirty();
+    sort_unique(changed_);
+    any = add_third_corners();
+    if (any) continue;
+    const std::vector<std::int32_t> near = with_neighbours(changed_);
+    any = part_multi_edges(near) || part_duplicates(near);
+  }
+  return std::exchange(changed_, {});
 }
 
-void Complex::make_regular() {
-  bool changed = true;
-  while (changed) {
-    collect_dirty();
-    changed = add_third_corners();
-    if (changed) continue;
-    changed = part_multi_edges();
-    if (!changed) changed = part_duplicates();
-  }
+/// Some pieces and those that have a corner in common with one of them, in rising order.
+std::vector<std::int32_t> Complex::with_neighbours(std::span<const std::int32_t> pieces) const {
+  std::vector<bool> near(labels_.pieces.size(), false);
+  for (const std::int32_t l : pieces)
+    for (const std::int32_t h : chords_[l])
+      for_each_leaving(mesh_, mesh_.from(h), [&](std::int32_t g) { near[labels_.label[g / 3]] = true; });
+  std::vector<std::int32_t> result;
+  for (std::int32_t l = 0; l < labels_.piece_count(); ++l)
+    if (near[l]) result.push_back(l);
+  return result;
 }
 
 bool Complex::add_third_corners() {
   bool any = false;
-  for (std::int32_t l = 0; l < labels_.piece_count(); ++l) {
+  for (const std::int32_t l : changed_) {
     if (chords_[l].size() >= 3 || loops_[l].empty()) continue;
     std::int32_t best = kNone;
     double most = -1;
@@ -212,13 +233,13 @@ bool Complex::add_third_corners() {
   return any;
 }
 
-bool Complex::part_multi_edges() {
+bool Complex::part_multi_edges(std::span<const std::int32_t> pieces) {
   struct Entry {
     std::int32_t a, b, chord;
     auto operator<=>(const Entry&) const = default;
   };
   std::vector<Entry> entries;
-  for (std::int32_t l = 0; l < labels_.piece_count(); ++l) {
+  for (const std::int32_t l : pieces) {
     const auto n = chords_[l].size();
     for (std::size_t i = 0; i < n; ++i) {
       const std::int32_t h = chords_[l][i];
@@ -249,14 +270,14 @@ bool Complex::part_multi_edges() {
   return any;
 }
 
-bool Complex::part_duplicates() {
+bool Complex::part_duplicates(std::span<const std::int32_t> pieces) {
   struct Entry {
     std::vector<std::int32_t> corners;
     std::int32_t piece;
     auto operator<=>(const Entry&) const = default;
   };
   std::vector<Entry> entries;
-  for (std::int32_t l = 0; l < labels_.piece_count(); ++l) {
+  for (const std::int32_t l : pieces) {
     if (loops_[l].empty()) continue;
     Entry e{{}, l};
     for (const std::int32_t h : chords_[l]) e.corners.push_back(mesh_.from(h));

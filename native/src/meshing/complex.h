@@ -44,8 +44,10 @@ class Complex {
   /// \param starts  one boundary half-edge of each
   void refresh(std::span<const std::int32_t> pieces, std::span<const std::int32_t> starts);
   /// Adds corners until every polygon has three, no two chords have the same ends, no two polygons the same corners.
-  /// Where no corner is left to add (two triangles of the mesh), polygons may stay alike: see `judge`.
-  void make_regular();
+  /// Where no corner is left to add (two triangles of the mesh), polygons may stay alike: see `judge`. Only what has a
+  /// corner in common with a piece that has changed is looked at, as nothing else can have become irregular.
+  /// \return the pieces whose corners have changed since this was last called, in rising order
+  std::vector<std::int32_t> make_regular();
   /// Makes a boundary vertex a corner.
   void add_corner(std::int32_t vertex);
   /// Makes a vertex no corner any more, unless it has to be one. \return whether it could be
@@ -57,9 +59,6 @@ class Complex {
   /// Makes the vertex between two corners a corner that is farthest from the chord. \return whether there is one
   bool bend(std::int32_t chord);
 
-  /// The pieces whose corners have changed since this was last asked, in rising order.
-  std::vector<std::int32_t> take_changed();
-
   /// First half-edges of a piece's chords, in order.
   [[nodiscard]] std::span<const std::int32_t> chords(std::int32_t piece) const { return chords_[piece]; }
   [[nodiscard]] std::span<const std::int32_t> loop(std::int32_t piece) const { return loops_[piece]; }
@@ -69,6 +68,8 @@ class Complex {
   [[nodiscard]] std::span<const std::uint8_t> corner_flags() const { return corner_; }  ///< (V)
   /// The vertices that `bend` made corners, some of them perhaps more than once or dropped since.
   [[nodiscard]] std::span<const std::int32_t> bent() const { return bent_; }
+  /// Whether some chord has these two vertices as its ends.
+  [[nodiscard]] bool has_chord(std::int32_t a, std::int32_t b) const;
   /// The vertices from corner to corner.
   [[nodiscard]] std::vector<std::int32_t> path(std::int32_t chord) const;
   [[nodiscard]] const RegularCounts& counts() const { return counts_; }
@@ -85,8 +86,9 @@ class Complex {
   void mark_dirty(std::int32_t vertex);
   void collect_dirty();
   bool add_third_corners();
-  bool part_multi_edges();
-  bool part_duplicates();
+  [[nodiscard]] std::vector<std::int32_t> with_neighbours(std::span<const std::int32_t> pieces) const;
+  bool part_multi_edges(std::span<const std::int32_t> pieces);
+  bool part_duplicates(std::span<const std::int32_t> pieces);
 
   const Labels& labels_;
   const Mesh& mesh_;
@@ -95,7 +97,7 @@ class Complex {
   std::vector<std::vector<std::int32_t>> loops_;   ///< boundary half-edges of each piece, in order
   std::vector<std::vector<std::int32_t>> chords_;  ///< those of them that start at a corner
   std::vector<std::int32_t> dirty_;                ///< pieces whose chords_ are out of date
-  std::vector<std::int32_t> changed_;              ///< pieces whose chords_ have been brought up to date
+  std::vector<std::int32_t> changed_;              ///< pieces whose chords_ were, and were not yet made regular
   std::vector<std::int32_t> bent_;
   RegularCounts counts_;
 };

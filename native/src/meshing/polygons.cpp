@@ -13,19 +13,6 @@ using Edge = std::array<std::int32_t, 2>;
 
 Edge edge(std::int32_t a, std::int32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
-/// The edges that diagonals must not repeat.
-std::vector<Edge> all_chords(const Complex& complex, const Labels& labels) {
-  std::vector<Edge> edges;
-  for (std::int32_t l = 0; l < labels.piece_count(); ++l) {
-    const auto chords = complex.chords(l);
-    for (std::size_t i = 0; i < chords.size(); ++i)
-      if (labels.owns(chords[i]))
-        edges.push_back(edge(labels.mesh.from(chords[i]), labels.mesh.from(chords[(i + 1) % chords.size()])));
-  }
-  std::sort(edges.begin(), edges.end());
-  return edges;
-}
-
 /// Splits the one of `cycles` that has both ends and not as neighbours. \return whether there is one
 bool split_at(std::vector<Cycle>& cycles, const Edge& diagonal) {
   for (std::size_t k = 0; k < cycles.size(); ++k) {
@@ -67,34 +54,44 @@ std::int32_t Corners::at(std::int32_t v) {
   return c;
 }
 
-Polygons collect_polygons(const Complex& complex, const Labels& labels, Diagonals& diagonals, Corners& corners,
-                          std::vector<std::int32_t>& dropped) {
+Polygons collect_polygons(const Complex& complex, const Labels& labels, const Polygons& before, Diagonals& diagonals,
+                          Corners& corners, std::vector<std::int32_t>& changed) {
   Polygons p;
   p.start.push_back(0);
   diagonals.resize(labels.pieces.size());
-  std::vector<Edge> taken, added;
-  if (std::any_of(diagonals.begin(), diagonals.end(), [](const auto& d) { return !d.empty(); }))
-    taken = all_chords(complex, labels);
+  std::vector<bool> fresh(labels.pieces.size(), true);
+  std::fill_n(fresh.begin(), before.first_of.empty() ? 0 : before.first_of.size() - 1, false);
+  for (const std::int32_t l : changed) fresh[l] = true;
+  std::vector<Edge> added;
   std::vector<Cycle> cycles;
+  const auto add = [&](std::int32_t l) {
+    p.piece.push_back(l);
+    p.start.push_back(static_cast<std::int32_t>(p.corners.size()));
+  };
   for (std::int32_t l = 0; l < labels.piece_count(); ++l) {
     p.first_of.push_back(p.count());
     if (complex.chords(l).empty()) continue;  // no more
+    if (!fresh[l] && diagonals[l].empty()) {
+      const auto same = before.of(before.first_of[l]);
+      p.corners.insert(p.corners.end(), same.begin(), same.end());
+      add(l);
+      continue;
+    }
     cycles.assign(1, {});
     for (const std::int32_t h : complex.chords(l)) cycles[0].push_back(labels.mesh.from(h));
-    const std::size_t before = diagonals[l].size();
+    const std::size_t had = diagonals[l].size();
     std::erase_if(diagonals[l], [&](const Edge& d) {
       const Edge e = edge(d[0], d[1]);
-      if (std::binary_search(taken.begin(), taken.end(), e) ||
-          std::find(added.begin(), added.end(), e) != added.end() || !split_at(cycles, d))
+      if (complex.has_chord(d[0], d[1]) || std::find(added.begin(), added.end(), e) != added.end() ||
+          !split_at(cycles, d))
         return true;
       added.push_back(e);
       return false;
     });
-    if (diagonals[l].size() < before) dropped.push_back(l);
+    if (diagonals[l].size() < had) changed.push_back(l);
     for (const Cycle& c : cycles) {
       for (const std::int32_t v : c) p.corners.push_back(corners.at(v));
-      p.piece.push_back(l);
-      p.start.push_back(static_cast<std::int32_t>(p.corners.size()));
+      add(l);
     }
   }
   p.first_of.push_back(p.count());

@@ -45,9 +45,10 @@ struct Polygons {
 
 /// One polygon a piece, and one more for each of its diagonals. A diagonal that a chord or another diagonal has taken
 /// the place of is dropped.
-/// \param dropped  the pieces that lost one are added here
-Polygons collect_polygons(const Complex& complex, const Labels& labels, Diagonals& diagonals, Corners& corners,
-                          std::vector<std::int32_t>& dropped);
+/// \param before  the polygons so far; those of pieces that did not change and have no diagonals are taken over
+/// \param changed  pieces whose chords or diagonals changed; those that lost a diagonal are added here
+Polygons collect_polygons(const Complex& complex, const Labels& labels, const Polygons& before, Diagonals& diagonals,
+                          Corners& corners, std::vector<std::int32_t>& changed);
 
 /// Vector area of a polygon: its direction is the polygon's normal, its length the area.
 /// Source: Newell's method.

@@ -183,10 +183,9 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, std::
   }
   complex.refresh(labels.touched, starts);
   labels.touched.clear();
-  complex.make_regular();
-  const std::vector<std::int32_t> cornered = complex.take_changed();
+  const std::vector<std::int32_t> cornered = complex.make_regular();
   changed.insert(changed.end(), cornered.begin(), cornered.end());
-  polygons = collect_polygons(complex, labels, diagonals, corners, changed);
+  polygons = collect_polygons(complex, labels, polygons, diagonals, corners, changed);
   sort_unique(changed);
   set_radii(polygons, mesh, options.reach * mesh.diagonal(), corners);
 
