@@ -1,6 +1,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -14,7 +15,7 @@ Vec3 stored(const Vec3& p) { return p.cast<float>().cast<double>(); }
 
 /// The box of a triangle whose coordinates are float32.
 Box box_of(const Corners& t) {
-  Box box{};
+  Box box;
   for (int k = 0; k < 3; ++k) {
     box.low[k] = static_cast<float>(std::min({t[0][k], t[1][k], t[2][k]}));
     box.high[k] = static_cast<float>(std::max({t[0][k], t[1][k], t[2][k]}));
@@ -125,15 +126,45 @@ struct Meeting {
   auto operator<=>(const Meeting&) const = default;
 };
 
+Facing facing_of(const Corners& t) {
+  // A side is a sum of six products of three differences each, rounded by less than this in all.
+  constexpr double kRounding = 64 * std::numeric_limits<double>::epsilon();
+  const Vec3 u = t[1] - t[0], v = t[2] - t[0];
+  return {u.cross(v), kRounding * u.cwiseAbs().maxCoeff() * v.cwiseAbs().maxCoeff()};
+}
+
+/// Whether all corners of facet j that facet i does not share surely lie to the same side of i's plane, so that the two
+/// meet in no more than they share. Most facets that are near each other are told apart by this.
+bool beside(const FacetSet& a, std::int32_t i, const FacetSet& b, std::int32_t j) {
+  const auto& of_i = a.facets[i].corner;
+  int sides = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3 d = b.solids[j][k] - a.solids[i][0];
+    const double height = a.facings[i].normal.dot(d), unsure = a.facings[i].slack * d.cwiseAbs().maxCoeff();
+    if (height > unsure) {
+      sides |= 1;
+    } else if (height < -unsure) {
+      sides |= 2;
+    } else if (std::find(of_i.begin(), of_i.end(), b.facets[j].corner[k]) == of_i.end()) {
+      return false;
+    }
+  }
+  return sides == 1 || sides == 2;
+}
+
 /// Notes which facets of two pieces meet, or of one, each pair once.
 void find_meetings(const FacetSet& a, const FacetSet& b, std::vector<Meeting>& met) {
+  std::vector<std::int32_t> near;
+  for (const std::int32_t j : b.solid)
+    if (!b.boxes[j].apart(a.around)) near.push_back(j);
   for (const std::int32_t i : a.solid) {
     const Box& box = a.boxes[i];
     if (box.apart(b.around)) continue;
     const Facet& f = a.facets[i];
-    for (const std::int32_t j : b.solid) {
+    for (const std::int32_t j : near) {
       const Facet& g = b.facets[j];
       if (box.apart(b.boxes[j]) || (&a == &b && (j <= i || f.part == g.part))) continue;
+      if (beside(a, i, b, j) || beside(b, j, a, i)) continue;
       if (meet_elsewhere(f.corner, a.solids[i], g.corner, b.solids[j])) met.push_back({f.piece, i, g.piece, j});
     }
   }
@@ -160,19 +191,14 @@ std::vector<Meeting> find_meetings(std::span<const FacetSet* const> pieces, cons
 
 }  // namespace
 
-void Box::include(const Box& other) {
-  for (std::size_t k = 0; k < 4; ++k) {
-    low[k] = std::min(low[k], other.low[k]);
-    high[k] = std::max(high[k], other.high[k]);
-  }
-}
-
 void FacetSet::locate(std::span<const Vec3> position) {
   solids.clear();
+  facings.clear();
   boxes.clear();
   solid.clear();
   for (const auto& [corner, piece, part] : facets) {
     solids.push_back({stored(position[corner[0]]), stored(position[corner[1]]), stored(position[corner[2]])});
+    facings.push_back(facing_of(solids.back()));
     boxes.push_back(box_of(solids.back()));
     if (!has_area(solids.back())) continue;
     if (solid.empty()) around = boxes.back();

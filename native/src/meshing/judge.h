@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -45,20 +46,28 @@ PolygonVerdict judge_polygon(std::span<const std::int32_t> polygon, std::span<co
 
 /// A box with sides along the axes. Coordinates that are looked for in space are float32, so it is exact.
 struct Box {
-  std::array<float, 4> low, high;  ///< the fourth is 0, so that four can be compared at once
+  Eigen::Array4f low = Eigen::Array4f::Zero(), high = low;  ///< the fourth is 0, so that four are compared at once
   [[nodiscard]] bool apart(const Box& other) const {
-    int out = 0;  // without a branch a side
-    for (std::size_t k = 0; k < 4; ++k)
-      out |= static_cast<int>(low[k] > other.high[k]) | static_cast<int>(high[k] < other.low[k]);
-    return out != 0;
+    // The sign of a difference is never rounded away.
+    return (low - other.high).max(other.low - high).maxCoeff() > 0;
   }
-  void include(const Box& other);
+  void include(const Box& other) {
+    low = low.min(other.low);
+    high = high.max(other.high);
+  }
+};
+
+/// The plane through a triangle, to tell quickly that something lies to one side of it.
+struct Facing {
+  Vec3 normal;   ///< its length is twice the area
+  double slack;  ///< times how far a point is along an axis: by how much rounding may have changed its side
 };
 
 /// The facets of a piece's polygons where they can be looked for.
 struct FacetSet {
   std::vector<Facet> facets;
   std::vector<std::array<Vec3, 3>> solids;  ///< where the corners of each lie, rounded to float32
+  std::vector<Facing> facings;              ///< of each
   std::vector<Box> boxes;                   ///< of each
   std::vector<std::int32_t> solid;          ///< which facets have area: the others meet nothing
   Box around;                               ///< all of these
