@@ -41,6 +41,15 @@ def scan_shown(context):
     return scan if seen and mesh_io.state_of(scan) and not targets.needs_regions(scan) else None
 
 
+def hover_shown(context):
+    """What is shown of the region under the mouse, or None: not once something else than its scan is looked at."""
+    hover = runtime.get().hover
+    if hover is None or not context.space_data.overlay.show_overlays:
+        return None
+    scan = scan_shown(context) if hover.scan else None
+    return hover if not hover.scan or (scan is not None and scan.name == hover.scan) else None
+
+
 def _key(context, scan):
     """What a sketch depends on: scan, its state, its shape, how its polygons are made (None where they are not)."""
     panel, shown = context.window_manager.isimp, runtime.get().live.shown_of(scan)
@@ -60,6 +69,19 @@ def _drawing(context, scan):
     return next((drawings[other] for other in reversed(drawings) if other[:3] == key[:3]), None)
 
 
+def _missing(context, scan):
+    """The key of what is to be made next; None if all is there. Borders come first, which need no polygons."""
+    drawings, key = runtime.get().drawings, _key(context, scan)
+    if key in drawings:
+        return None
+    plain = _without_polygons(key)
+    return key if plain in drawings else plain
+
+
+def _without_polygons(key):
+    return (*key[:3], None)
+
+
 def _tick():
     """Makes the sketch that is missing, unless others work."""
     current, context = runtime.get(), bpy.context
@@ -68,7 +90,7 @@ def _tick():
     if current.running is not None or current.live.work is not None or current.live.held:
         return _TICK
     scan = scan_shown(context)
-    key = _key(context, scan) if scan is not None else None
+    key = _missing(context, scan) if scan is not None else None
     if current.sketching is not None:
         wanted, task = current.sketching
         if task.status is Status.RUNNING and wanted == key:
@@ -76,7 +98,8 @@ def _tick():
         current.stop_sketching()
         if task.status is not Status.STOPPED:
             _keep(wanted, task.result or sketch.Sketch(reason=str(task.error)))
-    if key is None or key in current.drawings:
+            key = _missing(context, scan) if scan is not None else None
+    if key is None:
         return None
     if current.live.shown_of(scan) is None:
         layers = store.load(scan).layers()
@@ -85,7 +108,7 @@ def _tick():
     try:
         recipe, arrays, regions = _seen(context, scan)
     except mesh_io.Unusable as problem:
-        _keep(key, sketch.Sketch(reason=str(problem)))
+        _keep(_key(context, scan), sketch.Sketch(reason=str(problem)))
         return None
     session = current.session
     task = Task(lambda watch: sketch.draw(session, arrays, regions, recipe, key[3], watch))
@@ -104,6 +127,7 @@ def _seen(context, scan):
 
 def _keep(key, made) -> None:
     drawings = runtime.get().drawings
+    drawings.pop(_without_polygons(key), None)
     drawings[key] = Drawing(made)
     while len(drawings) > _KEPT:
         drawings.popitem(last=False)
@@ -155,8 +179,8 @@ def _draw():
             space.nearer(_ON)
         if lines_too and context.window_manager.isimp.overlay:
             _draw_lines_over(context, space, scan, shown)
-        if lines_too and current.hover is not None and current.hover.scan == scan.name:
-            _draw_hover(current.hover)
+        if (hover := hover_shown(context)) is not None:
+            _draw_hover(hover)
 
 
 def _draw_lines_over(context, space, scan, shown) -> None:
@@ -169,10 +193,10 @@ def _draw_lines_over(context, space, scan, shown) -> None:
 
 def _draw_text():
     """The few words beside the mouse, and the brush's circle."""
-    current, context = runtime.get(), bpy.context
-    if current is None or current.hover is None or not context.space_data.overlay.show_overlays:
+    context = bpy.context
+    hover = hover_shown(context) if runtime.get() is not None else None
+    if hover is None:
         return
-    hover = current.hover
     scale = context.preferences.system.ui_scale
     if hover.ring:
         angle = np.linspace(0, 2 * np.pi, 49)

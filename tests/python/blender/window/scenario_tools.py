@@ -132,11 +132,21 @@ def hovered(hand):
 
 
 def clicked(hand):
-    before = regions()
+    from isimp.blender import overlay
+
+    before, keep, kept = regions(), overlay._keep, []
+
+    def noted(key, made):
+        kept.append(key[3] is None)
+        keep(key, made)
+
+    overlay._keep = noted
     yield from hand.click(*place(hand, 0.4, 0.4))
     yield from hand.settle()
     same("click adds", (regions(), last()), (before + 1, "AddProxy"))
     yield from sketched()
+    overlay._keep = keep
+    same("borders, then polygons", kept, [True, False])
     yield from hand.shot("tools-3-add")
     yield from undone_and_redone(hand, "added", state)
     yield from hand.click(*place(hand, 0.4, 0.4), ctrl=True)
@@ -191,6 +201,18 @@ def in_edit_mode(hand):
     yield from tool(hand, "isimp.region_tool.object")
 
 
+def away(hand):
+    """Nothing is said of a scan that is not looked at any more."""
+    from isimp.blender import overlay, runtime
+
+    context = bpy.context
+    with context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
+        same("hovered", overlay.hover_shown(context) is runtime.get().hover is not None, True)
+        context.view_layer.objects.active = None
+        same("not looked at", overlay.hover_shown(context), None)
+        context.view_layer.objects.active = scan()
+
+
 def locked():
     from isimp.blender import store
 
@@ -208,6 +230,7 @@ def run(hand):
     yield from tool(hand, "isimp.region_tool.object")
     yield from hovered(hand)
     yield from hand.shot("tools-2-hover")
+    away(hand)
     yield from clicked(hand)
     yield from dropped(hand)
     yield from in_edit_mode(hand)
