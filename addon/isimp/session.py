@@ -22,7 +22,7 @@ from .prepared import (
     triangles_at,
 )
 from .scan import Scan
-from .task import Stopped, Watch
+from .task import Stopped, Watch, shares
 
 ENGINE_PROBLEM = ""  #: why the engine can't be used; empty when it can
 try:
@@ -83,14 +83,15 @@ class Session:
         Raises StepFailed (which carries the last good outcome), ValueError (the scan itself can't be used) or Stopped.
         """
         watch = watch or Watch()
-        steps, keys = recipe.active(), [(scan.digest, scan.layers_digest, key) for key in recipe.prefix_keys()]
+        steps, keys = recipe.active(), _keys(scan, recipe)
         done, outcome = self._longest_known(keys)
         if done < len(steps):
-            shares = _shares([step for _, step in steps[done:]], self._meshes.get(scan.digest) is None)
-            prepared = replace(self.prepare(scan, watch, 0.0, shares[0]), layers=scan.layers)
+            times = [0.0 if self._meshes.get(scan.digest) else _PREPARING]
+            ends = shares(times + [_TIMES.get(type(step), 1.0) for _, step in steps[done:]])
+            prepared = replace(self.prepare(scan, watch, 0.0, ends[0]), layers=scan.layers)
         for number in range(done, len(steps)):
             index, step = steps[number]
-            begin, end = shares[number - done : number - done + 2]
+            begin, end = ends[number - done : number - done + 2]
             try:
                 outcome = self._apply(step, prepared, outcome, watch, begin, end)
             except engine.InvalidInput as error:
@@ -134,6 +135,12 @@ class Session:
         except StepFailed as error:
             outcome = error.outcome
         return np.empty(0, np.int64) if outcome is None else np.flatnonzero(outcome.partition.region_locked)
+
+    def known(self, scan: Scan, recipe: rcp.Recipe) -> Outcome | None:
+        """What the recipe gave, if that is kept; nothing is computed."""
+        keys = _keys(scan, recipe)
+        done, outcome = self._longest_known(keys)
+        return outcome if done == len(keys) else None
 
     def _longest_known(self, keys: list) -> tuple[int, Outcome | None]:
         for number in range(len(keys), 0, -1):
@@ -184,10 +191,9 @@ class Session:
         return self._parts.get(key)
 
 
-def _shares(steps: list, is_new: bool) -> list[float]:
-    """How far the work is when the scan, which may be new, is prepared, and after each of the steps."""
-    times = [_PREPARING if is_new else 0.0, *(_TIMES.get(type(step), 1.0) for step in steps)]
-    return [sum(times[: number + 1]) / sum(times) for number in range(len(times))]
+def _keys(scan: Scan, recipe: rcp.Recipe) -> list[tuple]:
+    """What the outcomes of the recipe's steps are kept by."""
+    return [(scan.digest, scan.layers_digest, key) for key in recipe.prefix_keys()]
 
 
 def _engine_call(watch: Watch, begin: float, end: float, stage: str, function, *args):

@@ -11,11 +11,17 @@ import time
 from collections.abc import Callable
 from contextlib import contextmanager
 from enum import Enum
+from itertools import accumulate
 from typing import Any
 
 
 class Stopped(Exception):
     """The work was stopped from outside. Nothing was changed."""
+
+
+def shares(times: list[float]) -> list[float]:
+    """How far work is after each of its parts, which take about such times."""
+    return [done / sum(times) for done in accumulate(times)]
 
 
 class Watch:

@@ -285,6 +285,15 @@ def test_stop_is_heard_and_progress_only_rises(scan):
     assert watch.progress == pytest.approx(1.0)
 
 
+def test_what_is_known_is_told_without_work(scan):
+    session, recipe = Session(), Recipe((Partition(proxies=30), AddProxy(face=11)))
+    assert session.known(scan, recipe) is None
+    outcome = session.replay(scan, recipe)
+    assert session.known(scan, recipe) is outcome
+    assert session.known(scan, recipe.then(AddProxy(face=200))) is None
+    assert session.known(scan, Recipe()) is None
+
+
 def test_the_cache_is_bounded_and_keeps_what_was_used_last():
     cache = Cache(budget=10)
     for key in "abc":

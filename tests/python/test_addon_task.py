@@ -4,7 +4,7 @@ import threading
 
 import pytest
 
-from isimp.task import Status, Stopped, Task, Watch
+from isimp.task import Status, Stopped, Task, Watch, shares
 
 
 class Job:
@@ -15,6 +15,10 @@ class Job:
 
     def cancel(self):
         self.cancelled = True
+
+
+def test_each_part_has_its_share_of_the_progress():
+    assert shares([0.0, 1.0, 3.0]) == [0.0, 0.25, 1.0]
 
 
 def test_progress_is_that_of_the_job_within_its_part():

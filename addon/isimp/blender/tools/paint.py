@@ -79,13 +79,22 @@ class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
         for wish in wishes:
             faces = [face for face in wish.faces if face not in taken]  # the two may meet in the middle
             taken.update(faces)
-            if faces:
+            if faces and self.changes(wish, faces):
                 onto = -1 if wish.into is None else wish.into
                 strokes.append(f"{onto}:{','.join(map(str, faces))}")
         if strokes:
             verb = wishes[0].verb
             more = {verb: True} if verb in {"erase", "smooth"} else {"lock": self._lock}
             do("isimp.paint_faces", painted=";".join(strokes), **more)
+        elif wishes:
+            self.report({"INFO"}, "Nothing to paint: all of it is in that region already, or locked")
+
+    def changes(self, wish, faces) -> bool:
+        """Whether there is anything to paint, which half of a mirrored stroke may lack."""
+        if wish.verb != "paint" or wish.into is None:
+            return True
+        regions, into = self._ground.label[faces], self._ground.label[wish.into]
+        return bool((~np.isin(regions, self._ground.locked) & (regions != into)).any())
 
 
 class ISIMP_OT_cut(ModalTool, bpy.types.Operator):

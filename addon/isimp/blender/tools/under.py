@@ -6,6 +6,7 @@ import numpy as np
 from bpy_extras import view3d_utils
 
 from ... import pick
+from ... import recipe as rcp
 from ...gestures import Hit
 from ...task import Status, Task
 from .. import mesh_io, reading, runtime, store, targets, text
@@ -38,6 +39,7 @@ class Ground:
         self.to_scan = np.linalg.inv(self.place)
         self.state = mesh_io.state_of(obj)
         self.label = mesh_io.read_regions(obj)
+        self.locked = _locked(context, obj)  #: numbers of regions, as far as that is known without work
         self._area = None
         self._error = store.numbers(obj).get("error", 0.0)  #: of all regions together
 
@@ -105,6 +107,12 @@ class Ground:
             self._area = pick.area(self.scan.vertices, self.scan.triangles)
         part = min(1.0, error / self._error) if self._error > 1e-9 * self._area else 0.0
         return f"Region {region} · {share / self._area:.1%} of the area · {part:.1%} of the error · flat to {away}"
+
+
+def _locked(context, obj) -> np.ndarray:
+    recipe = (store.load(obj) or rcp.Recipe()).without_mesh()
+    outcome = runtime.get().session.known(reading.read(context, obj, recipe.layers(), again=True), recipe)
+    return np.empty(0, int) if outcome is None else np.flatnonzero(outcome.partition.region_locked)
 
 
 def ground(context, wait: bool = False):

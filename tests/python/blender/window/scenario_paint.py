@@ -55,6 +55,20 @@ def mirrored(hand):
     same("X again", settings().mirror, "NONE")
 
 
+def half_in_vain(hand):
+    """What one side has to paint is painted, though the other has nothing to; a stroke that has nothing is no step."""
+    settings().lock_painted = False
+    yield from drag(hand, (0.5, 0.0), (0.5, 0.25), ctrl=True)
+    settings().mirror, before, ours = "X", steps(), set(steps()[-1].faces)
+    yield from drag(hand, (0.5, 0.05), (0.5, 0.15))  # what is across is of one region
+    same("nothing to paint on either side", steps(), before)
+    yield from drag(hand, (0.5, 0.1), (0.35, 0.1))
+    same("one side painted", [type(step).__name__ for step in steps()[len(before) :]], ["PaintFaces"])
+    same("into the region", steps()[-1].onto in ours, True)
+    yield from undone_and_redone(hand, "one side", state)
+    settings().mirror, settings().lock_painted = "NONE", True
+
+
 def radius(hand):
     count = len(steps())
     yield from hand.into_view()
@@ -93,6 +107,7 @@ def run(hand):
     settings().brush = 25
     yield from strokes(hand)
     yield from mirrored(hand)
+    yield from half_in_vain(hand)
     yield from dropped(hand)
     yield from radius(hand)
     settings().brush, settings().stroke = 25, "new"  # as in the tool's settings, without a key
