@@ -183,9 +183,12 @@ def edit_mesh(mesh):
     return edit
 
 
-def face_count(obj) -> int:
-    """How many faces an object's mesh has now, in either mode."""
-    return len(edit_mesh(obj.data).faces if obj.mode == "EDIT" else obj.data.polygons)
+def counts(obj) -> tuple[int, int]:
+    """How many vertices and faces an object's mesh has now, in either mode."""
+    if obj.mode == "EDIT":
+        edit = edit_mesh(obj.data)
+        return len(edit.verts), len(edit.faces)
+    return len(obj.data.vertices), len(obj.data.polygons)
 
 
 def state_of(obj) -> int:

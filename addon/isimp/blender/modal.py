@@ -94,7 +94,7 @@ class Work:
         obj = bpy.data.objects.get(self.name)
         if obj is None or obj.type != "MESH" or obj.mode not in {"OBJECT", "EDIT"}:
             return None
-        same = mesh_io.face_count(obj) == self.scan.face_count and mesh_io.state_of(obj) in self.states
+        same = mesh_io.counts(obj)[1] == self.scan.face_count and mesh_io.state_of(obj) in self.states
         return obj if same else None
 
 

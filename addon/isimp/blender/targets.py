@@ -3,7 +3,7 @@
 import bpy
 
 from .. import session
-from . import runtime, store
+from . import mesh_io, runtime, store
 
 _OTHER = {
     "CURVE": "a curve",
@@ -81,8 +81,9 @@ def _unusable(obj) -> str:
             )
     if obj.mode not in {"OBJECT", "EDIT"}:
         return "Leave this mode first: iSimp works in Object and Edit Mode"
-    if obj.mode == "OBJECT" and len(obj.data.polygons) == 0:
-        if len(obj.data.vertices):
+    points, faces = mesh_io.counts(obj)
+    if faces == 0:
+        if points:
             return f"'{obj.name}' has points but no faces: reconstruct a surface first"
         return f"'{obj.name}' is empty: import a scan first"
     return ""

@@ -4,9 +4,13 @@ import textwrap
 
 import bpy
 
+_STAY = "\N{NO-BREAK SPACE}"
+
 
 def wrapped(message: str, width: int) -> list:
-    return textwrap.wrap(message, width)
+    """Lines of so many letters; what is to stay together is parted only where it is longer than that."""
+    parts = (part if len(part) <= width else part.replace(_STAY, " ") for part in message.split(" "))
+    return textwrap.wrap(" ".join(parts), width)
 
 
 def beside(said: str, measure, wanted: float, right: float, left: float) -> tuple[list, float]:
@@ -34,7 +38,7 @@ def scan_line(mesh, numbers: dict) -> str:
         return _count(triangles, "triangle")
     holes = "closed" if numbers["closed"] else _count(numbers["border_loops"], "hole")
     told = f"{_count(numbers['triangles'], 'triangle')} · {_count(numbers['components'], 'part')} · {holes}"
-    return told.replace(" ", "\N{NO-BREAK SPACE}").replace("·\N{NO-BREAK SPACE}", "· ")  # a number stays with its word
+    return told.replace(" ", _STAY).replace(f"·{_STAY}", "· ")  # a number stays with its word
 
 
 _FAULTS = {

@@ -48,7 +48,12 @@ def test_a_mesh_without_faces():
 def test_no_faces_in_edit_mode():
     scans.add("Cloud", [(0, 0, 0), (1, 0, 0), (0, 1, 0)], [])
     scans.mode("EDIT")
-    refused(lambda: bpy.ops.isimp.partition(proxies=3), "no faces")
+    assert "points but no faces" in why_not()
+    bpy.ops.mesh.primitive_cube_add()  # into the mesh
+    assert bpy.ops.isimp.partition.poll()
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.delete(type="VERT")
+    assert "is empty" in why_not()
 
 
 def test_other_modes():

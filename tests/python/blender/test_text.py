@@ -21,3 +21,9 @@ SAID = "Region 3 · 12.3% of the area · flat to 2 mm"  # 43 letters
 )
 def test_words_beside_the_mouse_stay_where_they_are_seen(wanted, right, lines, at):
     assert text.beside(SAID, lambda words: 10 * len(words), wanted, right, 10) == (lines, at)
+
+
+def test_a_number_is_parted_from_its_word_only_where_it_must_be():
+    line = "5,120\N{NO-BREAK SPACE}triangles · 1\N{NO-BREAK SPACE}part"
+    assert text.wrapped(line, 20) == ["5,120\N{NO-BREAK SPACE}triangles ·", "1\N{NO-BREAK SPACE}part"]
+    assert text.wrapped(line, 10) == ["5,120", "triangles", "· 1\N{NO-BREAK SPACE}part"]

@@ -2,14 +2,16 @@
 
 from .. import targets, text
 
+_NARROW = 16  # letters in a line
+
 
 class Panel:
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
     bl_category = "iSimp"
 
-    def prepare(self):
-        self.layout.use_property_split = True
+    def prepare(self, context):
+        self.layout.use_property_split = not is_narrow(context)
         self.layout.use_property_decorate = False
         return self.layout
 
@@ -40,4 +42,14 @@ def draw_lines(context, layout, message: str, icon: str, alert: bool = False) ->
 def letters(context) -> int:
     """How many letters fit into a line with an icon before it."""
     width = context.region.width / context.preferences.system.ui_scale if context.region else 260
-    return max(16, int((width - 70) / 5.8))
+    return max(8, int((width - 80) / 5.8))
+
+
+def is_narrow(context) -> bool:
+    """Whether what stands side by side could not be read."""
+    return letters(context) < _NARROW
+
+
+def side_by_side(context, layout):
+    """A place for two things: one below the other where the sidebar is narrow."""
+    return layout.column(align=True) if is_narrow(context) else layout.row(align=True)

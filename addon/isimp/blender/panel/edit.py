@@ -4,18 +4,20 @@ import bpy
 
 from ... import recipe as rcp
 from .. import display, settings, store, targets
-from .common import SubPanel
+from .common import SubPanel, side_by_side
 
 
 class ISIMP_PT_regions(SubPanel, bpy.types.Panel):
     bl_label = "Edit Regions"
 
     def draw(self, context):
-        layout, panel = self.prepare(), context.window_manager.isimp
+        layout, panel = self.prepare(context), context.window_manager.isimp
         column = layout.column(align=True)
-        _row(column, ("isimp.add_proxy", "Add", "ADD"), ("isimp.delete_proxy", "Delete", "REMOVE"))
-        _row(column, ("isimp.split", "Split", "MOD_BOOLEAN"), ("isimp.merge", "Merge", "AUTOMERGE_ON"))
-        sizes = _row(column, ("isimp.grow", "Grow", "FULLSCREEN_ENTER"), ("isimp.grow", "Shrink", "FULLSCREEN_EXIT"))
+        _row(context, column, ("isimp.add_proxy", "Add", "ADD"), ("isimp.delete_proxy", "Delete", "REMOVE"))
+        _row(context, column, ("isimp.split", "Split", "MOD_BOOLEAN"), ("isimp.merge", "Merge", "AUTOMERGE_ON"))
+        sizes = _row(
+            context, column, ("isimp.grow", "Grow", "FULLSCREEN_ENTER"), ("isimp.grow", "Shrink", "FULLSCREEN_EXIT")
+        )
         sizes[1].shrink = True
         column.operator("isimp.paint_faces", text="From Selection", icon="BRUSH_DATA")
         anew = column.operator("isimp.partition", text="Split Anew", icon="MOD_EXPLODE")
@@ -25,9 +27,9 @@ class ISIMP_PT_regions(SubPanel, bpy.types.Panel):
         column = layout.column(align=True)
         locked = store.numbers(targets.find(context)[0]).get("locked", 0)
         column.label(text=f"{locked} locked" if locked else "None locked", icon="LOCKED" if locked else "UNLOCKED")
-        locks = _row(column, ("isimp.lock", "Lock", "LOCKED"), ("isimp.lock", "Unlock", "UNLOCKED"))
+        locks = _row(context, column, ("isimp.lock", "Lock", "LOCKED"), ("isimp.lock", "Unlock", "UNLOCKED"))
         locks[1].unlock = True
-        row = layout.row(align=True)
+        row = side_by_side(context, layout)
         row.use_property_split = False
         shown = display.is_shown(context)
         row.operator("isimp.show_regions", text="Colours", icon="HIDE_OFF" if shown else "HIDE_ON", depress=shown)
@@ -40,7 +42,7 @@ class ISIMP_PT_heuristics(SubPanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
-        layout, panel = self.prepare(), context.window_manager.isimp
+        layout, panel = self.prepare(context), context.window_manager.isimp
         layout.prop(panel, "times")
         column = layout.column(align=True)
         for name in ("add_worst", "delete_least", "merge_cheapest"):
@@ -48,8 +50,8 @@ class ISIMP_PT_heuristics(SubPanel, bpy.types.Panel):
         column.operator("isimp.improve")
 
 
-def _row(column, *buttons) -> list:
-    row = column.row(align=True)
+def _row(context, column, *buttons) -> list:
+    row = side_by_side(context, column)
     return [row.operator(operator, text=name, icon=icon) for operator, name, icon in buttons]
 
 

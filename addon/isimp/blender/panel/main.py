@@ -4,14 +4,14 @@ import bpy
 
 from ... import recipe as rcp
 from .. import presets, runtime, settings, store, targets, text
-from .common import Panel, draw_lines
+from .common import Panel, draw_lines, is_narrow
 
 
 class ISIMP_PT_main(Panel, bpy.types.Panel):
     bl_label = "iSimp"
 
     def draw(self, context):
-        layout = self.prepare()
+        layout = self.prepare(context)
         running = runtime.get().running
         if running is not None:
             _draw_progress(context, layout, running)
@@ -28,7 +28,7 @@ class ISIMP_PT_main(Panel, bpy.types.Panel):
             draw_lines(context, layout, warning, icon="ERROR")
         presets.draw(context, layout)
         partition = panel.partition
-        ways = layout.grid_flow(row_major=True, columns=2, align=True)
+        ways = layout.grid_flow(row_major=True, columns=1 if is_narrow(context) else 2, align=True)
         ways.use_property_split = False
         for name in rcp.COUNTS:
             ways.prop_enum(partition, "count_by", name)
@@ -53,7 +53,7 @@ class ISIMP_PT_options(Panel, bpy.types.Panel):
         return not targets.find(context)[1]
 
     def draw(self, context):
-        layout, partition = self.prepare(), context.window_manager.isimp.partition
+        layout, partition = self.prepare(context), context.window_manager.isimp.partition
         if partition.count_by != "proxies":
             layout.prop(partition, "noise")
             layout.prop(partition, "snap")
@@ -75,7 +75,7 @@ class ISIMP_PT_borders(Panel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
-        layout, partition = self.prepare(), context.window_manager.isimp.partition
+        layout, partition = self.prepare(context), context.window_manager.isimp.partition
         column = layout.column(heading="Marked", align=True)
         column.prop(partition, "seams")
         column.prop(partition, "sharp")

@@ -14,7 +14,7 @@ class ISIMP_PT_result(SubPanel, bpy.types.Panel):
     bl_label = "Result"
 
     def draw(self, context):
-        layout, panel = self.prepare(), context.window_manager.isimp
+        layout, panel = self.prepare(context), context.window_manager.isimp
         meshing = panel.mesh
         column = layout.column(heading="Preview", align=True)
         column.prop(panel, "outline")

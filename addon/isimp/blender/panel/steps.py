@@ -3,7 +3,7 @@
 import bpy
 
 from .. import settings, store, targets
-from .common import SubPanel, draw_lines
+from .common import SubPanel, draw_lines, side_by_side
 
 _ROWS = 16  # shown unless all are asked for
 
@@ -13,7 +13,7 @@ class ISIMP_PT_steps(SubPanel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
-        layout, panel = self.prepare(), context.window_manager.isimp
+        layout, panel = self.prepare(context), context.window_manager.isimp
         scan, _ = targets.find(context)
         recipe, numbers = store.load(scan), store.numbers(scan)
         if recipe is None:
@@ -33,10 +33,10 @@ class ISIMP_PT_steps(SubPanel, bpy.types.Panel):
                 draw_lines(context, column, numbers["reason"], icon="BLANK1", alert=True)
             if is_open:
                 _draw_settings(context, column.box(), index, step, recipe)
-        row = layout.row(align=True)
+        row = side_by_side(context, layout)
         row.operator("isimp.recipe_copy", text="Copy", icon="COPYDOWN")
         row.operator("isimp.recipe_paste", text="Paste", icon="PASTEDOWN")
-        row = layout.row(align=True)
+        row = side_by_side(context, layout)
         row.operator("isimp.recipe_export", text="Export", icon="EXPORT")
         row.operator("isimp.recipe_import", text="Import", icon="IMPORT")
 
