@@ -211,7 +211,7 @@ PolygonVerdict judge_polygon(std::span<const std::int32_t> polygon, std::span<co
   if (verdict.crossing[0] >= 0) {
     verdict.faults |= kCrossing;
   } else if (facets) {
-    constexpr std::size_t kFew = 24;
+    constexpr std::size_t kFew = 64;
     if (polygon.size() == 3 || polygon.size() > kFew || !LeastSurface(f.points, polygon, position).cut(like, *facets))
       Ears(f.points, polygon).cut(like, *facets);
   }
