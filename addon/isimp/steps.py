@@ -356,7 +356,7 @@ class Improve(Step):
 class Mesh(Step):
     """Turn the regions into polygons."""
 
-    chord_tolerance: float = 0.5
+    chord_tolerance: float = 0.7
     flatten: int = 30
 
     def __post_init__(self):

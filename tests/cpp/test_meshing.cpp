@@ -227,6 +227,23 @@ TEST(Polygonize, NoCornerMovesFurtherThanTheReach) {
   }
 }
 
+double volume(const PolygonMesh& p) {
+  double sum = 0;
+  for (std::size_t q = 0; q < p.loop_start.size(); ++q) {
+    const int first = p.loop_start[q];
+    const int end = q + 1 < p.loop_start.size() ? p.loop_start[q + 1] : static_cast<int>(p.loops.size());
+    for (int i = first + 1; i + 1 < end; ++i)
+      sum += p.vertices[p.loops[first]].dot(p.vertices[p.loops[i]].cross(p.vertices[p.loops[i + 1]])) / 6;
+  }
+  return sum;
+}
+
+TEST(Polygonize, PolygonsOfABulgeStayWhereTheScanIs) {
+  const Mesh mesh = shapes::mesh(shapes::sphere(4));
+  const PolygonMesh p = run(mesh, labelled::voronoi(mesh, 80, 2));
+  EXPECT_NEAR(volume(p) / (4.0 / 3 * 3.14159265), 1.0, 0.05);
+}
+
 std::string message_of(const Mesh& mesh, const Partition& partition, const MeshingOptions& options = {}) {
   try {
     run(mesh, partition, options);

@@ -45,13 +45,15 @@ Vec3 within(const Vec3& p, const Vec3& home, double radius) {
   return length > radius ? Vec3(home + d * (radius / length)) : p;
 }
 
-/// Fits a plane to the corners of a polygon; where they do not fix one, that of the piece.
+/// Fits a plane to the corners of a polygon, held near that of the piece: flat polygons could else settle anywhere, and
+/// those of a bulge would drift inwards. Where the corners do not fix a plane, that of the piece.
 struct Fit {
   Vec3 normal, centre;
 };
 
 Fit fit(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Plane& plane) {
-  constexpr double kPull = 0.01;  // how much the piece's own spread counts beside the corners'
+  constexpr double kOfSpread = 0.05;  // how much the piece's own spread counts beside the corners'
+  constexpr double kOfPlane = 0.1;    // how far towards the plane of the piece that of the corners is shifted
   Fit f{plane.normal, Vec3::Zero()};
   for (const std::int32_t c : polygon) f.centre += position[c];
   f.centre /= static_cast<double>(polygon.size());
@@ -59,7 +61,7 @@ Fit fit(std::span<const std::int32_t> polygon, std::span<const Vec3> position, c
   for (const std::int32_t c : polygon) k += (position[c] - f.centre) * (position[c] - f.centre).transpose();
   k /= static_cast<double>(polygon.size());
   if (k.trace() <= 0) return f;
-  k += kPull * plane.spread;
+  k += kOfSpread * plane.spread;
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
   solver.computeDirect(k);
   if (solver.eigenvalues()[1] < 1e-4 * solver.eigenvalues()[2]) return f;
@@ -67,6 +69,7 @@ Fit fit(std::span<const std::int32_t> polygon, std::span<const Vec3> position, c
   const double same = n.dot(plane.normal);
   if (std::abs(same) < 0.3) return f;
   f.normal = same < 0 ? Vec3(-n) : n;
+  f.centre += kOfPlane * f.normal.dot(plane.centre - f.centre) * f.normal;
   return f;
 }
 

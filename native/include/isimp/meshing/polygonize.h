@@ -14,10 +14,10 @@ namespace isimp {
 /// All lengths as a share of the bounding box's diagonal unless said otherwise.
 struct MeshingOptions {
   /// A boundary is subdivided where it leaves its chord by more than this times sqrt(area / regions) ...
-  double chord_tolerance = 0.5;
+  double chord_tolerance = 0.7;
   /// ... and until its chords leave out or add no more than this share of the smaller of the two regions' areas, so
   /// that small ones keep their shape. Both count the less, the flatter the two regions meet.
-  double chord_area = 0.48;
+  double chord_area = 0.53;
   double reach = 0.01;               ///< no corner is moved further than this from the scan's vertex it stands for
   std::int32_t flatten = 30;         ///< rounds of planes and corners in turn; 0 leaves the first placement
   std::int32_t flatness_from = 100;  ///< with fewer regions than this there is no bound: they are bent themselves
