@@ -46,6 +46,7 @@ class Coarsener {
   std::int32_t run() {
     const std::int32_t before = s_.polygons.count();
     try_all();
+    findings_.keep();
     ease(s_, findings_, job_);
     // Corners that are free again may do without what they needed when they were not.
     std::erase_if(tried_, [](const auto& t) { return t[0] == static_cast<std::int32_t>(Act::diagonal); });
@@ -129,6 +130,7 @@ class Coarsener {
     const bool go_on = trials.size() * kWorthwhile >= s_.labels.pieces.size();
     const std::vector<bool> before = findings_.faulty();
     const std::vector<Vec3> positions = s_.corners.position;
+    findings_.keep();
     bring_up_to_date(trials, {});
     while (!trials.empty()) {  // what was done again may spoil what is beside it
       const std::vector<bool> after = findings_.faulty();

@@ -1,7 +1,9 @@
 #include "findings.h"
 
 #include <algorithm>
+#include <iterator>
 #include <numeric>
+#include <utility>
 
 namespace isimp::meshing {
 
@@ -11,36 +13,71 @@ std::uint8_t Findings::Found::faults() const {
   return all & ~kGiven;
 }
 
-bool Findings::is_given(std::int32_t piece) const {
+Findings::Source Findings::source_of(std::int32_t piece) const {
+  Source s;
+  for (std::int32_t q = s_.polygons.first_of[piece]; q < s_.polygons.first_of[piece + 1]; ++q) {
+    for (const std::int32_t c : s_.polygons.of(q)) {
+      s.loops.push_back(c);
+      s.places.push_back(s_.corners.position[c]);
+    }
+    s.loops.push_back(kNone);
+  }
+  s.normal = s_.planes[piece].normal;
   const std::int32_t f = s_.labels.pieces[piece].face;
-  for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
-    if (s_.labels.inner(h)) return false;
+  s.is_face = f != kNone && !s_.labels.inner(3 * f) && !s_.labels.inner(3 * f + 1) && !s_.labels.inner(3 * f + 2);
+  return s;
+}
+
+bool Findings::is_given(std::int32_t piece) const {
   std::vector<Vec3> corners;
-  for (const std::int32_t v : s_.mesh.triangles()[f]) corners.push_back(s_.mesh.vertices()[v]);
+  for (const std::int32_t v : s_.mesh.triangles()[s_.labels.pieces[piece].face])
+    corners.push_back(s_.mesh.vertices()[v]);
   return (judge_polygon(std::array{0, 1, 2}, corners, Vec3::Zero(), bounds_).faults & kNoArea) != 0;
+}
+
+Findings::Found Findings::find(std::int32_t piece, Source source) const {
+  Found f{std::move(source), {}, {}};
+  const std::int32_t first = s_.polygons.first_of[piece];
+  for (std::int32_t q = first; q < s_.polygons.first_of[piece + 1]; ++q)
+    f.polygons.push_back(judge_polygon(s_.polygons.of(q), s_.corners.position, f.source.normal, bounds_,
+                                       {{}, piece, q - first}, &f.facets.facets));
+  f.facets.locate(s_.corners.position);
+  if (f.polygons.size() == 1 && f.polygons[0].faults == kNoArea && f.source.is_face && is_given(piece))
+    f.polygons[0].faults = kGiven;
+  return f;
 }
 
 void Findings::judge(std::span<const std::int32_t> pieces) {
   found_.resize(s_.labels.pieces.size());
   std::vector<bool> changed(s_.labels.pieces.size(), false);
   for (const std::int32_t l : pieces) {
+    Source source = source_of(l);
+    if (source == found_[l].source) continue;
     changed[l] = true;
-    Found& f = found_[l];
-    f.polygons.clear();
-    f.facets.clear();
-    for (std::int32_t q = s_.polygons.first_of[l]; q < s_.polygons.first_of[l + 1]; ++q)
-      f.polygons.push_back(judge_polygon(s_.polygons.of(q), s_.corners.position, s_.planes[l].normal, bounds_,
-                                         {{}, l, q - s_.polygons.first_of[l]}, &f.facets.facets));
-    f.facets.locate(s_.corners.position);
-    if (f.polygons.size() == 1 && f.polygons[0].faults == kNoArea && is_given(l)) f.polygons[0].faults = kGiven;
+    const auto [kept, fresh] = kept_.try_emplace(l);
+    std::swap(kept->second, found_[l]);
+    if (found_[l].source == source) {
+      kept_.erase(kept);
+    } else {
+      found_[l] = find(l, std::move(source));
+    }
   }
+  std::vector<bool> same(found_.size(), true);  // as what was kept
+  for (const auto& [l, found] : kept_) same[l] = false;
   std::vector<const FacetSet*> facets;
   facets.reserve(found_.size());
   for (const Found& f : found_) facets.push_back(&f.facets);
   std::erase_if(hits_, [&](const Hit& h) { return changed[h.a] || changed[h.b]; });
-  const std::vector<Hit> fresh = find_hits(facets, s_.corners.position, changed);
+  std::copy_if(kept_hits_.begin(), kept_hits_.end(), std::back_inserter(hits_),
+               [&](const Hit& h) { return (changed[h.a] || changed[h.b]) && same[h.a] && same[h.b]; });
+  const std::vector<Hit> fresh = find_hits(facets, s_.corners.position, changed, same);
   hits_.insert(hits_.end(), fresh.begin(), fresh.end());
   std::sort(hits_.begin(), hits_.end(), [](const Hit& x, const Hit& y) { return x.key() < y.key(); });
+}
+
+void Findings::keep() {
+  kept_.clear();
+  kept_hits_ = hits_;
 }
 
 bool Findings::excused(const Hit& h) {

@@ -16,15 +16,28 @@ class Findings {
  public:
   Findings(const State& state, const Bounds& bounds) : s_(state), bounds_(bounds) {}
 
+  /// All that the judge looks at in a piece.
+  struct Source {
+    std::vector<std::int32_t> loops;  ///< corners of its polygons, kNone after each
+    std::vector<Vec3> places;         ///< of these corners
+    Vec3 normal = Vec3::Zero();
+    bool is_face = false;  ///< one of the scan
+    bool operator==(const Source&) const = default;
+  };
   /// What was found of a piece's polygons.
   struct Found {
+    Source source;
     std::vector<PolygonVerdict> polygons;
     FacetSet facets;
     [[nodiscard]] std::uint8_t faults() const;
   };
 
-  /// Judges the polygons of some pieces, and which they meet, again. Cost: O(polygons of all pieces).
+  /// Judges the polygons of some pieces, and which they meet, again. Those that are what they were are left alone.
+  /// Cost: O(polygons of all pieces).
   void judge(std::span<const std::int32_t> pieces);
+  /// Keeps what is found now, so that it need not be found again of pieces that a trial changes and its undoing makes
+  /// what they were. In place of what was kept before.
+  void keep();
   [[nodiscard]] const Found& of(std::int32_t piece) const { return found_[piece]; }
   /// Pairs of polygons that meet, in rising order.
   [[nodiscard]] const std::vector<Hit>& hits() const { return hits_; }
@@ -35,6 +48,8 @@ class Findings {
   [[nodiscard]] const Bounds& bounds() const { return bounds_; }
 
  private:
+  [[nodiscard]] Source source_of(std::int32_t piece) const;
+  [[nodiscard]] Found find(std::int32_t piece, Source source) const;
   /// Whether a piece is a face of the scan that has no area.
   [[nodiscard]] bool is_given(std::int32_t piece) const;
   std::span<const std::int32_t> faces_of_region(std::int32_t region);
@@ -43,6 +58,8 @@ class Findings {
   const Bounds bounds_;
   std::vector<Found> found_;                               // by piece
   std::vector<Hit> hits_;                                  // in rising order
+  std::map<std::int32_t, Found> kept_;                     // of the pieces that are no more what they were at `keep`
+  std::vector<Hit> kept_hits_;                             // all of then
   std::map<std::array<std::int32_t, 2>, bool> excuses_;    // by pair of regions
   std::vector<std::int32_t> region_start_, region_faces_;  // faces by region, made when first asked for
 };

@@ -171,7 +171,8 @@ void find_meetings(const FacetSet& a, const FacetSet& b, std::vector<Meeting>& m
 }
 
 /// First by pieces whose boxes meet, as these are few.
-std::vector<Meeting> find_meetings(std::span<const FacetSet* const> pieces, const std::vector<bool>& changed) {
+std::vector<Meeting> find_meetings(std::span<const FacetSet* const> pieces, const std::vector<bool>& changed,
+                                   const std::vector<bool>& known) {
   std::vector<Entry> moved;
   for (std::int32_t l = 0; l < static_cast<std::int32_t>(pieces.size()); ++l)
     if (changed[l] && !pieces[l]->solid.empty()) moved.push_back({pieces[l]->around, l});
@@ -180,8 +181,9 @@ std::vector<Meeting> find_meetings(std::span<const FacetSet* const> pieces, cons
   for (std::int32_t l = 0; l < static_cast<std::int32_t>(pieces.size()); ++l) {
     if (pieces[l]->solid.empty()) continue;
     (void)search.any(pieces[l]->around, [&](const Entry& y) {
-      const bool seen_from_there = changed[l] && y.index < l;
-      if (!seen_from_there) find_meetings(*pieces[std::min(l, y.index)], *pieces[std::max(l, y.index)], met);
+      const bool seen_from_there = changed[l] && y.index < l, is_known = known[l] && known[y.index];
+      if (!seen_from_there && !is_known)
+        find_meetings(*pieces[std::min(l, y.index)], *pieces[std::max(l, y.index)], met);
       return false;
     });
   }
@@ -208,13 +210,13 @@ void FacetSet::locate(std::span<const Vec3> position) {
 }
 
 std::vector<Hit> find_hits(std::span<const FacetSet* const> pieces, std::span<const Vec3> position,
-                           const std::vector<bool>& changed) {
+                           const std::vector<bool>& changed, const std::vector<bool>& known) {
   std::vector<Hit> hits;
   const auto corners = [&](const Facet& f) {
     return Corners{position[f.corner[0]], position[f.corner[1]], position[f.corner[2]]};
   };
   // Facets come by part, so the lower one is of the lower polygon.
-  for (const Meeting& m : find_meetings(pieces, changed)) {
+  for (const Meeting& m : find_meetings(pieces, changed, known)) {
     const Facet &f = pieces[m.piece]->facets[m.index], &g = pieces[m.other_piece]->facets[m.other_index];
     hits.push_back({f.piece,
                     f.part,

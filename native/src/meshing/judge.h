@@ -87,9 +87,10 @@ struct Hit {
 
 /// All pairs of polygons that intersect and of which one at least is of a `changed` piece, in rising order.
 /// \param pieces  their facets, by piece
+/// \param known  by piece: pairs of two such are left out
 /// Cost: O(c log c + pieces + pairs of boxes) for c facets of changed pieces.
 std::vector<Hit> find_hits(std::span<const FacetSet* const> pieces, std::span<const Vec3> position,
-                           const std::vector<bool>& changed);
+                           const std::vector<bool>& changed, const std::vector<bool>& known);
 
 /// Whether one of some faces of the scan meets one of some others elsewhere than in the vertices they share. Vertices
 /// at one place that were not welded, or were parted where the scan is not manifold, are not shared. Exact on
