@@ -158,24 +158,37 @@ void Complex::subdivide(std::int32_t chord) {
 
 /// Adds corners to a piece whose polygon is too different from it, however small it is.
 void Complex::keep_shape(std::int32_t piece) {
+  struct Part {
+    std::int32_t chord;
+    double area;  // that the chord leaves out, below 0 where it adds
+  };
+  const auto& loop = loops_[piece];
+  std::vector<std::int32_t> vertices;
+  const auto part_of = [&](std::int32_t h) {
+    const std::vector<Vec3> line = smooth(h, vertices);
+    return Part{h, line.size() < 3 ? 0 : area_left_out(line).dot(planes_[piece].normal) * sine_at(h)};
+  };
+  std::vector<Part> parts;  // in the order of the loop
+  for (const std::int32_t h : loop)
+    if (is_corner(mesh_.from(h))) parts.push_back(part_of(h));
   const double allowed = tolerance.of_area * planes_[piece].area;
-  for (std::size_t added = 0; added < loops_[piece].size(); ++added) {
+  while (true) {
     double sum = 0, most = 0;
-    std::int32_t worst = kNone;
-    std::vector<std::int32_t> vertices;
-    for (const std::int32_t h : loops_[piece]) {
-      if (!is_corner(mesh_.from(h))) continue;
-      const std::vector<Vec3> line = smooth(h, vertices);
-      if (line.size() < 3) continue;
-      const double area = area_left_out(line).dot(planes_[piece].normal) * sine_at(h);
-      sum += area;
-      if (std::abs(area) <= most) continue;
-      most = std::abs(area);
-      worst = h;
+    auto worst = parts.end();
+    for (auto p = parts.begin(); p != parts.end(); ++p) {
+      sum += p->area;
+      if (std::abs(p->area) <= most) continue;
+      most = std::abs(p->area);
+      worst = p;
     }
-    if (std::abs(sum) <= allowed || worst == kNone) return;
-    const std::vector<Vec3> line = smooth(worst, vertices);
-    add_corner(vertices[farthest(line).where]);
+    if (std::abs(sum) <= allowed || worst == parts.end()) return;
+    const std::vector<Vec3> line = smooth(worst->chord, vertices);
+    const std::size_t where = farthest(line).where;
+    add_corner(vertices[where]);
+    // The chord ends there now, and another begins: the first one, if that is beyond the end of the loop.
+    const std::size_t at = std::find(loop.begin(), loop.end(), worst->chord) - loop.begin() + where;
+    *worst = part_of(worst->chord);
+    parts.insert(at < loop.size() ? worst + 1 : parts.begin(), part_of(loop[at % loop.size()]));
   }
 }
 

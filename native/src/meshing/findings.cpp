@@ -84,7 +84,7 @@ bool Findings::excused(const Hit& h) {
   std::array<std::int32_t, 2> regions{s_.labels.pieces[h.a].region, s_.labels.pieces[h.b].region};
   std::sort(regions.begin(), regions.end());
   const auto [at, fresh] = excuses_.try_emplace(regions, false);
-  if (fresh) at->second = scan_intersects(s_.mesh, faces_of_region(regions[0]), faces_of_region(regions[1]));
+  if (fresh) at->second = scan_intersects(s_.mesh, part_of_region(regions[0]), part_of_region(regions[1]));
   return at->second;
 }
 
@@ -96,7 +96,7 @@ std::vector<bool> Findings::faulty() {
   return faulty;
 }
 
-std::span<const std::int32_t> Findings::faces_of_region(std::int32_t region) {
+ScanPart Findings::part_of_region(std::int32_t region) {
   if (region_start_.empty()) {
     const auto& of = s_.partition.face_region;
     region_start_.assign(s_.regions + 1, 0);
@@ -104,11 +104,16 @@ std::span<const std::int32_t> Findings::faces_of_region(std::int32_t region) {
       if (r != kNone) ++region_start_[r + 1];
     std::partial_sum(region_start_.begin(), region_start_.end(), region_start_.begin());
     region_faces_.resize(region_start_.back());
+    region_around_.resize(s_.regions);
     std::vector<std::int32_t> fill(region_start_.begin(), region_start_.end() - 1);
     for (std::int32_t f = 0; f < s_.mesh.face_count(); ++f)
       if (of[f] != kNone) region_faces_[fill[of[f]]++] = f;
   }
-  return std::span(region_faces_).subspan(region_start_[region], region_start_[region + 1] - region_start_[region]);
+  const auto faces =
+      std::span(region_faces_).subspan(region_start_[region], region_start_[region + 1] - region_start_[region]);
+  std::optional<Box>& around = region_around_[region];
+  if (!around) around = box_around(s_.mesh, faces);
+  return {faces, *around};
 }
 
 }  // namespace isimp::meshing

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -52,7 +53,7 @@ class Findings {
   [[nodiscard]] Found find(std::int32_t piece, Source source) const;
   /// Whether a piece is a face of the scan that has no area.
   [[nodiscard]] bool is_given(std::int32_t piece) const;
-  std::span<const std::int32_t> faces_of_region(std::int32_t region);
+  ScanPart part_of_region(std::int32_t region);
 
   const State& s_;
   const Bounds bounds_;
@@ -62,6 +63,7 @@ class Findings {
   std::vector<Hit> kept_hits_;                             // all of then
   std::map<std::array<std::int32_t, 2>, bool> excuses_;    // by pair of regions
   std::vector<std::int32_t> region_start_, region_faces_;  // faces by region, made when first asked for
+  std::vector<std::optional<Box>> region_around_;          // by region, each made when first asked for
 };
 
 }  // namespace isimp::meshing

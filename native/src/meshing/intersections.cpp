@@ -13,6 +13,11 @@ namespace {
 
 Vec3 stored(const Vec3& p) { return p.cast<float>().cast<double>(); }
 
+Corners corners_of(const Mesh& mesh, std::int32_t face) {
+  const Triangle& t = mesh.triangles()[face];
+  return {stored(mesh.vertices()[t[0]]), stored(mesh.vertices()[t[1]]), stored(mesh.vertices()[t[2]])};
+}
+
 /// The box of a triangle whose coordinates are float32.
 Box box_of(const Corners& t) {
   Box box;
@@ -231,34 +236,33 @@ std::vector<Hit> find_hits(std::span<const FacetSet* const> pieces, std::span<co
   return hits;
 }
 
-bool scan_intersects(const Mesh& mesh, std::span<const std::int32_t> faces, std::span<const std::int32_t> others) {
-  const auto corners_of = [&](std::int32_t f) {
-    const Triangle& t = mesh.triangles()[f];
-    return Corners{stored(mesh.vertices()[t[0]]), stored(mesh.vertices()[t[1]]), stored(mesh.vertices()[t[2]])};
-  };
-  const auto around = [&](std::span<const std::int32_t> some) {
-    Box box = box_of(corners_of(some[0]));
-    for (const std::int32_t f : some) box.include(box_of(corners_of(f)));
-    return box;
-  };
-  const auto boxes = [&](std::span<const std::int32_t> from, const Box& near) {
+Box box_around(const Mesh& mesh, std::span<const std::int32_t> faces) {
+  Box box;
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const Box one = box_of(corners_of(mesh, faces[i]));
+    if (i == 0) box = one;
+    box.include(one);
+  }
+  return box;
+}
+
+bool scan_intersects(const Mesh& mesh, const ScanPart& some, const ScanPart& others) {
+  // What lies outside the other's box is of no interest.
+  const auto boxes = [&](const ScanPart& from, const Box& near) {
     std::vector<Entry> result;
-    for (const std::int32_t f : from) {
-      const Corners s = corners_of(f);
+    for (const std::int32_t f : from.faces) {
+      const Corners s = corners_of(mesh, f);
       const Box box = box_of(s);
       if (!near.apart(box) && has_area(s)) result.push_back({box, f});
     }
     return result;
   };
-  if (faces.empty() || others.empty()) return false;
-  // What lies outside the other's box is of no interest.
-  const std::vector<Entry> some = boxes(faces, around(others));
-  std::vector<Entry> more = boxes(others, around(faces));
-  const BoxTree search(std::move(more));
-  return std::any_of(some.begin(), some.end(), [&](const Entry& x) {
+  const std::vector<Entry> looking = boxes(some, others.around);
+  const BoxTree search(boxes(others, some.around));
+  return std::any_of(looking.begin(), looking.end(), [&](const Entry& x) {
     return search.any(x.box, [&](const Entry& y) {
-      return x.index != y.index && meet_elsewhere(mesh.triangles()[x.index], corners_of(x.index),
-                                                  mesh.triangles()[y.index], corners_of(y.index));
+      return x.index != y.index && meet_elsewhere(mesh.triangles()[x.index], corners_of(mesh, x.index),
+                                                  mesh.triangles()[y.index], corners_of(mesh, y.index));
     });
   });
 }

@@ -92,10 +92,17 @@ struct Hit {
 std::vector<Hit> find_hits(std::span<const FacetSet* const> pieces, std::span<const Vec3> position,
                            const std::vector<bool>& changed, const std::vector<bool>& known);
 
+/// Some faces of the scan and the box around them.
+struct ScanPart {
+  std::span<const std::int32_t> faces;
+  Box around;
+};
+Box box_around(const Mesh& mesh, std::span<const std::int32_t> faces);
+
 /// Whether one of some faces of the scan meets one of some others elsewhere than in the vertices they share. Vertices
 /// at one place that were not welded, or were parted where the scan is not manifold, are not shared. Exact on
 /// coordinates rounded as above.
-bool scan_intersects(const Mesh& mesh, std::span<const std::int32_t> faces, std::span<const std::int32_t> others);
+bool scan_intersects(const Mesh& mesh, const ScanPart& some, const ScanPart& others);
 
 /// Fills in what the report says of edges and fans: closed, manifold, euler.
 void judge_topology(PolygonMesh& mesh);

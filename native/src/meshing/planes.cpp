@@ -12,7 +12,7 @@ namespace {
 struct Moments {
   double area = 0;
   Vec3 normal = Vec3::Zero(), first = Vec3::Zero();
-  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();  ///< its lower half
   std::int32_t face = kNone;
 
   void add(const Mesh& mesh, std::int32_t f, const Vec3& origin) {
@@ -27,7 +27,8 @@ struct Moments {
     normal += n;
     first += s / 3 * sum;
     // The integral of x x^T over a triangle is its area / 12 times this.
-    second += s / 12 * (sum * sum.transpose() + a * a.transpose() + b * b.transpose() + c * c.transpose());
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j <= i; ++j) second(i, j) += s / 12 * (sum[i] * sum[j] + a[i] * a[j] + b[i] * b[j] + c[i] * c[j]);
   }
 };
 
@@ -46,7 +47,7 @@ Plane plane(const Mesh& mesh, const Moments& m, const Vec3& origin) {
   p.normal = m.normal / length;
   const Vec3 c = m.first / m.area;
   p.centre = c + origin;
-  p.spread = m.second / m.area - c * c.transpose();
+  p.spread = Eigen::Matrix3d(m.second.selfadjointView<Eigen::Lower>()) / m.area - c * c.transpose();
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
   solver.computeDirect(p.spread, Eigen::EigenvaluesOnly);
   p.width = std::sqrt(12 * std::max(0.0, solver.eigenvalues()[1]));
