@@ -12,6 +12,7 @@ namespace isimp::meshing {
 namespace {
 
 constexpr int kRounds = 40;
+constexpr double kGoOn = 0.8;             ///< about what is left to do after a round
 constexpr std::size_t kWorthwhile = 300;  ///< a round that tries less than one piece of so many is the last
 constexpr double kHopeless = 1.5;         ///< times the bound: no placement will make a polygon so bent flat
 /// That bound where there is none, of the diagonal: what is bent further meets what is near or not as it is filled.
@@ -45,12 +46,12 @@ class Coarsener {
 
   std::int32_t run() {
     const std::int32_t before = s_.polygons.count();
-    try_all();
+    try_all(0.0, 0.6);
     findings_.keep();
     ease(s_, findings_, job_);
     // Corners that are free again may do without what they needed when they were not.
     std::erase_if(tried_, [](const auto& t) { return t[0] == static_cast<std::int32_t>(Act::diagonal); });
-    try_all();
+    try_all(0.8, 1.0);
     return before - s_.polygons.count();
   }
 
@@ -107,9 +108,11 @@ class Coarsener {
     return zone;
   }
 
-  void try_all() {
-    for (int round = 0; round < kRounds; ++round) {
-      job_.poll();
+  void try_all(double from, double to) {
+    const Job::Part part(job_, "joining polygons", from, to);
+    double left = 1.0;
+    for (int round = 0; round < kRounds; ++round, left *= kGoOn) {
+      job_.report(1 - left);
       if (!try_some()) return;
     }
   }

@@ -124,7 +124,7 @@ PolygonMesh polygonize(const Mesh& mesh, const Partition& partition, const Meshi
   State state(mesh, partition, options, job);
   RepairOutcome outcome;
   {
-    Job::Part part(job, "repairing", 0.4, 0.95);
+    Job::Part part(job, "repairing", 0.1, 0.98);
     outcome = repair(state, job);
   }
   std::vector<std::int32_t> place;

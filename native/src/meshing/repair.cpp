@@ -35,11 +35,21 @@ class Repairer {
   }
 
   RepairOutcome run() {
-    judge(s_.update({}));
-    mend(kRounds);
-    outcome_.taken_back = coarsen(s_, findings_, job_);
-    std::fill(tries_.begin(), tries_.end(), 0);
-    mend(kRounds);
+    {
+      const Job::Part part(job_, "repairing", 0.0, 0.25);
+      judge(s_.update({}));
+      mend(kRounds);
+    }
+    {
+      const Job::Part part(job_, "repairing", 0.25, 0.7);
+      outcome_.taken_back = coarsen(s_, findings_, job_);
+    }
+    {
+      const Job::Part part(job_, "repairing", 0.7, 0.75);
+      std::fill(tries_.begin(), tries_.end(), 0);
+      mend(kRounds);
+    }
+    const Job::Part part(job_, "repairing", 0.75, 1.0);
     if (fall_back()) {
       coarsen(s_, findings_, job_);
       fall_back();
@@ -59,7 +69,7 @@ class Repairer {
   /// Acts and looks again, until nothing is faulty, nothing helps or the rounds are over.
   void mend(int rounds) {
     for (int round = 0; round < rounds; ++round, ++outcome_.rounds) {
-      job_.report(std::min(0.95, outcome_.rounds / 20.0));
+      job_.report(std::min(0.95, round / 20.0));
       if (!act()) break;
       bring_up_to_date();
     }

@@ -54,23 +54,22 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
       complex(labels, planes),
       corners(m.vertex_count()) {
   merged_without_area = merge_pieces_without_area(labels, 2 * kThickness * m.diagonal());
-  job.report(0.1);
+  job.report(0.02);
   make_discs(cutter, find_defects(labels, job), job);
   if (mesh.report().closed_components > 0) split_closed_components(cutter, kLeastClosed, job);
   sort_unique(labels.touched);
   for (const std::int32_t l : labels.touched)
     labels.pieces[l].region = main_region(mesh, partition, labels.faces_of(l));
   labels.touched.clear();
-  job.report(0.3);
+  job.report(0.07);
   planes = planes_of(labels);
-  job.report(0.33);
   complex.tolerance = chord_tolerance(mesh, planes, regions, options);
   std::vector<std::int32_t> all(labels.pieces.size());
   std::iota(all.begin(), all.end(), 0);
   const std::vector<std::int32_t> starts = boundary_starts(labels);
-  job.report(0.35);
+  job.report(0.08);
   complex.refresh(all, starts);
-  job.report(0.4);
+  job.report(0.1);
 }
 
 bool State::split(std::int32_t piece, const Vec3* place, Job& job) {
