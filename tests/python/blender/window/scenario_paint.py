@@ -57,16 +57,19 @@ def mirrored(hand):
 
 def half_in_vain(hand):
     """What one side has to paint is painted, though the other has nothing to; a stroke that has nothing is no step."""
-    settings().lock_painted = False
+    start, settings().lock_painted = state(), False
     yield from drag(hand, (0.5, 0.0), (0.5, 0.25), ctrl=True)
     settings().mirror, before, ours = "X", steps(), set(steps()[-1].faces)
     yield from drag(hand, (0.5, 0.05), (0.5, 0.15))  # what is across is of one region
     same("nothing to paint on either side", steps(), before)
-    yield from drag(hand, (0.5, 0.1), (0.35, 0.1))
+    yield from drag(hand, (0.5, 0.1), (0.25, 0.1))
     same("one side painted", [type(step).__name__ for step in steps()[len(before) :]], ["PaintFaces"])
     same("into the region", steps()[-1].onto in ours, True)
     yield from undone_and_redone(hand, "one side", state)
     settings().mirror, settings().lock_painted = "NONE", True
+    yield from hand.undo()
+    yield from hand.undo()
+    same("as before", state(), start)
 
 
 def radius(hand):
@@ -105,9 +108,9 @@ def run(hand):
     yield from begin(hand)
     yield from tool(hand, "isimp.paint_tool.object")
     settings().brush = 25
+    yield from half_in_vain(hand)
     yield from strokes(hand)
     yield from mirrored(hand)
-    yield from half_in_vain(hand)
     yield from dropped(hand)
     yield from radius(hand)
     settings().brush, settings().stroke = 25, "new"  # as in the tool's settings, without a key
