@@ -26,10 +26,11 @@ int Complex::boundary_edges(std::int32_t vertex) const {
   return edges;
 }
 
-void Complex::refresh(std::span<const std::int32_t> pieces, std::span<const std::int32_t> starts) {
+void Complex::refresh(std::span<const std::int32_t> pieces, std::span<const std::int32_t> starts, const Job& job) {
   loops_.resize(labels_.pieces.size());
   chords_.resize(labels_.pieces.size());
   for (std::size_t i = 0; i < pieces.size(); ++i) {
+    job.poll();
     auto& loop = loops_[pieces[i]];
     loop.clear();
     std::int32_t h = starts[i];
@@ -43,12 +44,17 @@ void Complex::refresh(std::span<const std::int32_t> pieces, std::span<const std:
   }
   dirty_.insert(dirty_.end(), pieces.begin(), pieces.end());
   collect_dirty();
-  for (const std::int32_t l : pieces)
+  for (const std::int32_t l : pieces) {
+    job.poll();
     for (const std::int32_t h : chords_[l]) {
       const bool other_does = !labels_.owns(h) && std::binary_search(pieces.begin(), pieces.end(), labels_.across(h));
       if (!other_does) subdivide(h);
     }
-  for (const std::int32_t l : pieces) keep_shape(l);
+  }
+  for (const std::int32_t l : pieces) {
+    job.poll();
+    keep_shape(l);
+  }
 }
 
 /// A boundary without any corner gets two that are far apart, so that a square begins with two of its own corners.

@@ -42,7 +42,7 @@ class Complex {
   /// Walks the boundaries of the given pieces, after their labels changed, and chooses corners on them.
   /// \param pieces  in rising order
   /// \param starts  one boundary half-edge of each
-  void refresh(std::span<const std::int32_t> pieces, std::span<const std::int32_t> starts);
+  void refresh(std::span<const std::int32_t> pieces, std::span<const std::int32_t> starts, const Job& job);
   /// Adds corners until every polygon has three, no two chords have the same ends, no two polygons the same corners.
   /// Where no corner is left to add (two triangles of the mesh), polygons may stay alike: see `judge`. Only what has a
   /// corner in common with a piece that has changed is looked at, as nothing else can have become irregular.

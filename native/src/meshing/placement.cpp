@@ -75,18 +75,19 @@ Fit fit(std::span<const std::int32_t> polygon, std::span<const Vec3> position, c
 
 }  // namespace
 
-void set_radii(const Polygons& polygons, const Mesh& mesh, double reach, Corners& corners) {
-  std::fill(corners.radius.begin(), corners.radius.end(), reach);
-  for (std::int32_t q = 0; q < polygons.count(); ++q) {
-    const auto loop = polygons.of(q);
-    for (std::size_t i = 0; i < loop.size(); ++i) {
-      const std::int32_t a = loop[i], b = loop[(i + 1) % loop.size()];
-      const double d = kOfEdge * (mesh.vertices()[corners.vertex[a]] - mesh.vertices()[corners.vertex[b]]).norm();
-      corners.radius[a] = std::min(corners.radius[a], d);
-      corners.radius[b] = std::min(corners.radius[b], d);
+void set_radii(const Polygons& polygons, const Mesh& mesh, double reach, std::span<const std::int32_t> moving,
+               Corners& corners) {
+  const auto home = [&](std::int32_t c) -> const Vec3& { return mesh.vertices()[corners.vertex[c]]; };
+  for (const std::int32_t c : moving) {
+    double least = reach;
+    for (const std::int32_t q : polygons.at(c)) {
+      const auto loop = polygons.of(q);
+      const std::size_t n = loop.size(), i = std::find(loop.begin(), loop.end(), c) - loop.begin();
+      for (const std::size_t k : {i + 1, i + n - 1})
+        least = std::min(least, kOfEdge * (home(c) - home(loop[k % n])).norm());
     }
+    corners.radius[c] = least * corners.pull[c];
   }
-  for (std::int32_t c = 0; c < corners.count(); ++c) corners.radius[c] *= corners.pull[c];
 }
 
 void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,

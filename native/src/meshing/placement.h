@@ -7,9 +7,10 @@
 
 namespace isimp::meshing {
 
-/// Sets how far each corner may be moved from its mesh vertex: `reach`, not much further than its shortest edge is
-/// long, and less where the repair has pulled it back.
-void set_radii(const Polygons& polygons, const Mesh& mesh, double reach, Corners& corners);
+/// Sets how far each of the given corners may be moved from its mesh vertex: `reach`, not much further than its
+/// shortest edge is long, and less where the repair has pulled it back.
+void set_radii(const Polygons& polygons, const Mesh& mesh, double reach, std::span<const std::int32_t> moving,
+               Corners& corners);
 
 /// Puts the given corners where the planes of the pieces round them meet, by least squares from the mesh vertex;
 /// directions in which the planes hardly fix a point are left out, and no corner is moved further than its radius.

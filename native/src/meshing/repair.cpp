@@ -123,6 +123,7 @@ class Repairer {
     std::vector<bool> hit(pieces, false), spared(pieces, false);
     met_.assign(pieces, nullptr);
     for (const Hit& h : findings_.hits()) {
+      job_.poll();
       if (findings_.excused(h)) continue;
       hit[h.a] = hit[h.b] = true;
       met_[h.a] = met_[h.b] = &h;
@@ -134,6 +135,7 @@ class Repairer {
     for (std::int32_t l = 0; l < pieces; ++l) {
       const std::uint8_t faults = findings_.of(l).faults();
       if (faults == 0 && !hit[l]) continue;
+      job_.poll();
       if ((faults & kNoArea) && dissolve(l)) {
         any = true;
         continue;

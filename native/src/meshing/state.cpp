@@ -52,7 +52,8 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
       labels(label_pieces(m, partition.face_region, job)),
       cutter(labels),
       complex(labels, planes),
-      corners(m.vertex_count()) {
+      corners(m.vertex_count()),
+      job_(job) {
   merged_without_area = merge_pieces_without_area(labels, 2 * kThickness * m.diagonal());
   job.report(0.02);
   make_discs(cutter, find_defects(labels, job), job);
@@ -68,7 +69,7 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
   std::iota(all.begin(), all.end(), 0);
   const std::vector<std::int32_t> starts = boundary_starts(labels);
   job.report(0.08);
-  complex.refresh(all, starts);
+  complex.refresh(all, starts, job);
   job.report(0.1);
 }
 
@@ -170,6 +171,7 @@ void State::part_again(const Union& u) {
 }
 
 std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, std::span<const Vec3> before) {
+  job_.poll();
   sort_unique(labels.touched);
   planes.resize(labels.pieces.size());
   diagonals.resize(labels.pieces.size());
@@ -180,23 +182,24 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, std::
     planes[l] = plane_of(mesh, faces);
     starts.push_back(boundary_start(labels, faces));
   }
-  complex.refresh(labels.touched, starts);
+  complex.refresh(labels.touched, starts, job_);
   labels.touched.clear();
   const std::vector<std::int32_t> cornered = complex.make_regular();
   changed.insert(changed.end(), cornered.begin(), cornered.end());
   polygons = collect_polygons(complex, labels, polygons, diagonals, corners, changed);
   sort_unique(changed);
-  set_radii(polygons, mesh, options.reach * mesh.diagonal(), corners);
 
   std::vector<std::int32_t> moving, near;
   for (const std::int32_t l : changed)
     for (std::int32_t q = polygons.first_of[l]; q < polygons.first_of[l + 1]; ++q)
       moving.insert(moving.end(), polygons.of(q).begin(), polygons.of(q).end());
   sort_unique(moving);
+  set_radii(polygons, mesh, options.reach * mesh.diagonal(), moving, corners);
   const std::vector<std::int32_t> moved = moving;
   std::erase_if(moving, [&](std::int32_t c) { return c < static_cast<std::int32_t>(before.size()); });
   for (const std::int32_t c : moved)
     if (c < static_cast<std::int32_t>(before.size())) corners.position[c] = before[c];
+  job_.poll();
   place(polygons, mesh, planes, moving, corners);
   flatten(polygons, mesh, planes, moving, options.flatten, corners);
   for (const std::int32_t c : moved)

@@ -36,6 +36,7 @@ struct SharedBoundary {
 /// after a local change.
 class State {
  public:
+  /// \param job  polled by `update` too
   State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& job);
 
   /// Splits a piece in two (and on, until all of it is discs): in halves, or near a place. \return whether it could be
@@ -69,6 +70,9 @@ class State {
   Diagonals diagonals;  ///< by piece
   Corners corners;
   Polygons polygons;
+
+ private:
+  const Job& job_;
 };
 
 }  // namespace isimp::meshing
