@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <queue>
 #include <tuple>
 
@@ -285,6 +286,20 @@ Regions relaxed(const Mesh& mesh, std::int32_t proxies, std::int32_t threads) {
     for (const std::int32_t i : faces) labels.set(i, k);
   }
   return moved;
+}
+
+TEST(Relaxation, WeighsAFaceAsItIsHoweverLargeBesideItsRegion) {
+  for (const float area : {0.001F, 0.1F, 0.5F, 1.0F, 2.0F, 40.0F})
+    for (const float along : {-1.0F, -0.8F, 0.0F, 0.3F, 1.0F}) {
+      RegionSum region;
+      region.x = 1;
+      const double across = std::sqrt(1 - along * along);
+      RegionSum with = region;
+      with.x += area * along;
+      with.y += area * across;
+      EXPECT_NEAR(BorderProxy::of(region).growth(along, area), (with.length() - region.length()) / area, 2e-3)
+          << area << " " << along;
+    }
 }
 
 TEST(Relaxation, NeverTearsARegionNorEmptiesOne) {

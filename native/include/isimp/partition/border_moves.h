@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <utility>
 
@@ -39,6 +40,14 @@ struct BorderProxy {
             static_cast<float>(inverse / 2)};
   }
   [[nodiscard]] float dot(const FaceRecord& f) const { return f.nx * x + f.ny * y + f.nz * z; }
+  /// By how much |S| grows for the face's area w when it joins: (|S + w n| - |S|) / w. When it leaves, with -n for n.
+  [[nodiscard]] float growth(float along, float area) const {
+    constexpr float kSmall = 0.05F;  // w / 2 |S| up to which the second order of the series is enough
+    const float half_ratio = area * half_inverse;
+    if (half_ratio <= kSmall) return along + half_ratio * (1 - along * along);
+    const float ratio = 2 * half_ratio;
+    return (std::sqrt(std::max(0.0F, 1 + ratio * (2 * along + ratio))) - 1) / ratio;
+  }
 };
 
 /// A stretch of faces whose labels may be read; the sentinel behind the last face may always be.
@@ -73,16 +82,13 @@ struct BorderMoves {
     const int same = (near[0] == own) + (near[1] == own) + (near[2] == own);
     if (same == 3 || same == 0 || own < 0 || face == pinned || regions.faces(own) <= 1) return kNone;
     const FaceRecord& f = graph.faces[face];
-    // |S - wn| - |S| and |S + wn| - |S| to second order in w, divided by w.
     const BorderProxy& home = regions.proxy(own);
-    const float from = home.dot(f);
-    const float leaving = -from + f.area * (1 - from * from) * home.half_inverse;
+    const float leaving = home.growth(-home.dot(f), f.area);
     const float edge = edge_weight * (f.area < mean_area ? f.area : mean_area);
     const float least = kLeastGain * (f.area + edge);
     const auto gain_of = [&](std::int32_t other, int there) {
       const BorderProxy& proxy = regions.proxy(other);
-      const float into = proxy.dot(f);
-      const float joining = into + f.area * (1 - into * into) * proxy.half_inverse;
+      const float joining = proxy.growth(proxy.dot(f), f.area);
       return f.area * (leaving + joining) + edge * static_cast<float>(there - same);
     };
     if (same == 2) {  // most faces; without a loop, as nobody can foresee which neighbour is the other one

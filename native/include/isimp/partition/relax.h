@@ -22,10 +22,10 @@ inline double border_weight(double error) { return std::min(0.6 * error, 0.12); 
 /// Boundary relaxation: moves single faces between neighbouring regions as long as that lowers the energy
 /// error + lambda * mean face area * number of edges between regions.
 ///
-/// With S the sum of area * normal, the error is 2 (A - sum |S|), so that the change by a move costs O(1); the second
-/// order of its series is enough. Without the boundary term ragged borders are rewarded. A region never falls apart:
-/// a face leaves only if its neighbours of the same region stay joined round a vertex they share, which can be seen by
-/// a walk round that vertex. Sweeps look at the faces near which something has changed.
+/// With S the sum of area * normal, the error is 2 (A - sum |S|), so that the change by a move costs O(1). Without the
+/// boundary term ragged borders are rewarded. A region never falls apart: a face leaves only if its neighbours of the
+/// same region stay joined round a vertex they share, which can be seen by a walk round that vertex. Sweeps look at the
+/// faces near which something has changed.
 ///
 /// Long queues are swept in blocks of the Morton order, which threads share. A block looks at nothing outside it but
 /// the sums of the regions as they were at the start; so no block can tell what the others do, nor a region fall apart
