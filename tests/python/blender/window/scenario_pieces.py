@@ -10,9 +10,9 @@ import isimp
 
 def slow_down():
     """Has every piece take a turn of its own, as those of a million faces do."""
-    from isimp.blender import mesh_io, modal, overlay, weights
+    from isimp.blender import mesh_io, modal, reading, weights
 
-    modal._AT_ONCE, modal._SPAN, overlay._SPAN, mesh_io._PIECE, weights._PIECE = 0.0, 0.0, 0.0, 100, 20
+    modal._AT_ONCE, reading.SPAN, mesh_io._PIECE, weights._PIECE = 0.0, 0.0, 100, 20
 
 
 def weighed(hand):
