@@ -77,6 +77,15 @@ def fan(spokes=40):
     return np.concatenate([[[0, 0, 0.3]], rim]), triangles
 
 
+def crossing():
+    """Eight tori that pass through one another."""
+    random = np.random.default_rng(2)
+    vertices, triangles = shapes.torus(24, 12)
+    turned = [vertices @ np.linalg.qr(random.standard_normal((3, 3)))[0] * 0.6 + random.standard_normal(3) * 0.5
+              for _ in range(8)]  # fmt: skip
+    return np.concatenate(turned), np.concatenate([triangles + i * len(vertices) for i in range(8)]).astype(np.int32)
+
+
 SOUND = {  # from this number of regions on nothing may be left to report
     "noisy cube": (lambda: shaken(*shapes.cube(8), 0.004), 1),
     "torus": (lambda: shapes.torus(30, 15), 1),
@@ -168,6 +177,11 @@ def test_what_the_repair_did_beyond_need_is_taken_back():
 @pytest.mark.parametrize("name", ANY)
 def test_whatever_comes_in_the_report_is_true(name, proxies):
     check_the_report(*judged(ANY[name](), proxies))
+
+
+@pytest.mark.parametrize("proxies", [80, 150])
+def test_pairs_that_meet_are_named_after_many_trials(proxies):
+    check_the_report(*judged(crossing(), proxies))
 
 
 @pytest.mark.parametrize("proxies", [50, 300])

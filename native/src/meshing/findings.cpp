@@ -55,8 +55,9 @@ void Findings::judge(std::span<const std::int32_t> pieces) {
     if (source == found_[l].source) continue;
     changed[l] = true;
     const auto [kept, fresh] = kept_.try_emplace(l);
-    std::swap(kept->second, found_[l]);
-    if (found_[l].source == source) {
+    if (fresh) kept->second = std::move(found_[l]);
+    if (kept->second.source == source) {
+      found_[l] = std::move(kept->second);
       kept_.erase(kept);
     } else {
       found_[l] = find(l, std::move(source));
