@@ -23,13 +23,21 @@ class Progress:
         self._thread = threading.Thread(target=self._redraw, daemon=True)
 
     def __enter__(self) -> None:
-        self._thread.start()
+        try:
+            self._thread.start()
+        except KeyboardInterrupt:  # waiting for the thread, which may have drawn already
+            self._stop()
+            raise
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        self._stop()
+
+    def _stop(self) -> None:
         self._done.set()
-        self._thread.join()
+        if self._thread.is_alive():
+            self._thread.join()
         self._stream.write("\r\x1b[K")
         self._stream.flush()
 
