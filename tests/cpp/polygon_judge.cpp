@@ -8,9 +8,6 @@
 #include <vector>
 
 namespace isimp::judge {
-namespace {
-
-using Loop = std::vector<std::int32_t>;
 
 std::vector<Loop> polygons_of(const PolygonMesh& mesh) {
   std::vector<Loop> polygons;
@@ -20,6 +17,8 @@ std::vector<Loop> polygons_of(const PolygonMesh& mesh) {
   }
   return polygons;
 }
+
+namespace {
 
 struct Groups {
   explicit Groups(std::size_t n) : parent(n) { std::iota(parent.begin(), parent.end(), 0); }

@@ -2,11 +2,17 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "isimp/mesh/mesh.h"
 #include "isimp/meshing/polygonize.h"
 
 namespace isimp::judge {
+
+using Loop = std::vector<std::int32_t>;
+
+/// The vertices of each polygon in turn.
+std::vector<Loop> polygons_of(const PolygonMesh& mesh);
 
 /// What a polygon mesh is, found from its arrays alone, by other means than the engine's own checks.
 struct Verdict {

@@ -8,6 +8,7 @@
 #include "isimp/interact/interact.h"
 #include "isimp/meshing/polygonize.h"
 #include "partition_checks.h"
+#include "polygon_judge.h"
 #include "shapes.h"
 
 namespace isimp {
@@ -81,11 +82,9 @@ std::vector<std::int32_t> sizes(const Mesh& mesh, const Partition& p) {
   Job job;
   const PolygonMesh polygons = polygonize(mesh, p, {}, job);
   std::vector<std::int32_t> result(static_cast<std::size_t>(p.region_count()), 0);
-  for (std::int32_t q = 0; q < polygons.polygon_count(); ++q) {
-    const bool last = q + 1 == polygons.polygon_count();
-    const auto end = last ? static_cast<std::int32_t>(polygons.loops.size()) : polygons.loop_start[q + 1];
-    result[polygons.polygon_region[q]] += end - polygons.loop_start[q];
-  }
+  const std::vector<judge::Loop> loops = judge::polygons_of(polygons);
+  for (std::size_t q = 0; q < loops.size(); ++q)
+    result[polygons.polygon_region[q]] += static_cast<std::int32_t>(loops[q].size());
   std::sort(result.begin(), result.end() - 1);
   return result;
 }

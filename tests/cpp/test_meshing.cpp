@@ -21,10 +21,7 @@ PolygonMesh run(const Mesh& mesh, const Partition& partition, const MeshingOptio
 /// How many polygons have 3, 4, ... corners.
 std::vector<int> corner_counts(const PolygonMesh& p) {
   std::vector<int> counts;
-  for (std::size_t q = 0; q < p.loop_start.size(); ++q) {
-    const auto end = q + 1 < p.loop_start.size() ? p.loop_start[q + 1] : static_cast<int>(p.loops.size());
-    counts.push_back(end - p.loop_start[q]);
-  }
+  for (const judge::Loop& loop : judge::polygons_of(p)) counts.push_back(static_cast<int>(loop.size()));
   std::sort(counts.begin(), counts.end());
   return counts;
 }
@@ -229,12 +226,9 @@ TEST(Polygonize, NoCornerMovesFurtherThanTheReach) {
 
 double volume(const PolygonMesh& p) {
   double sum = 0;
-  for (std::size_t q = 0; q < p.loop_start.size(); ++q) {
-    const int first = p.loop_start[q];
-    const int end = q + 1 < p.loop_start.size() ? p.loop_start[q + 1] : static_cast<int>(p.loops.size());
-    for (int i = first + 1; i + 1 < end; ++i)
-      sum += p.vertices[p.loops[first]].dot(p.vertices[p.loops[i]].cross(p.vertices[p.loops[i + 1]])) / 6;
-  }
+  for (const judge::Loop& loop : judge::polygons_of(p))
+    for (std::size_t i = 1; i + 1 < loop.size(); ++i)
+      sum += p.vertices[loop[0]].dot(p.vertices[loop[i]].cross(p.vertices[loop[i + 1]])) / 6;
   return sum;
 }
 
