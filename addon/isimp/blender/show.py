@@ -35,9 +35,12 @@ def show_polygons(context, scan, work, outcome) -> None:
     display.give_back(context)
 
 
+def _color(work, outcome):
+    return work.face_color if work.face_color is not None else outcome.face_color
+
+
 def _write(scan, work, outcome, state) -> None:
-    color = work.face_color if work.face_color is not None else outcome.face_color
-    mesh_io.write_regions(scan, outcome.face_region, color, state, work.corner_color)
+    mesh_io.write_regions(scan, outcome.face_region, _color(work, outcome), state, work.corner_color)
     work.corner_color = None
 
 
@@ -50,8 +53,7 @@ def writing(scan, work, outcome):
         return
     state = store.save(scan, work.recipe, outcome.numbers)
     work.states.add(state)
-    color = work.face_color if work.face_color is not None else outcome.face_color
-    yield from mesh_io.writing(scan, outcome.face_region, color, state)
+    yield from mesh_io.writing(scan, outcome.face_region, _color(work, outcome), state)
 
 
 def show_outcome(context, scan, work, outcome) -> None:
