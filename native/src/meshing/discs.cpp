@@ -33,15 +33,15 @@ std::array<std::int32_t, 2> faces_at_pinch(const Labels& labels, std::int32_t pi
   return {first[0], first[1]};
 }
 
-/// Cuts a piece that is no disc. \return the new label
-std::int32_t cut(Cutter& cutter, std::int32_t piece, const Shape& shape) {
-  if (shape.pinches > 0)
-    return bisect(cutter, piece, Cause::pinch, faces_at_pinch(cutter.labels, piece, shape.pinch_vertex));
-  std::int32_t fresh = kNone;
-  if (shape.genus == 0 && shape.loops.size() > 1) fresh = cut_chain(cutter, piece, shape);
-  if (fresh == kNone && shape.genus > 0) fresh = cut_handle(cutter, piece, shape);
-  if (fresh != kNone) return fresh;
-  return bisect(cutter, piece, shape.genus > 0 ? Cause::handle : shape.loops.empty() ? Cause::closed : Cause::hole);
+/// Cuts a piece that is no disc. What is new has the last labels.
+void cut(Cutter& cutter, std::int32_t piece, const Shape& shape, Job& job) {
+  if (shape.pinches > 0) {
+    bisect(cutter, piece, Cause::pinch, faces_at_pinch(cutter.labels, piece, shape.pinch_vertex));
+    return;
+  }
+  if (shape.genus == 0 && shape.loops.size() > 1 && cut_chain(cutter, piece, shape) != kNone) return;
+  if (shape.genus > 0 && cut_handles(cutter, piece, shape, job) > 0) return;
+  bisect(cutter, piece, shape.genus > 0 ? Cause::handle : shape.loops.empty() ? Cause::closed : Cause::hole);
 }
 
 }  // namespace
@@ -58,9 +58,10 @@ void make_discs(Cutter& cutter, std::vector<std::int32_t> todo, Job& job) {
       todo.insert(todo.end(), changed.begin(), changed.end());
       if (!changed.empty()) continue;
     }
-    const std::int32_t fresh = cut(cutter, piece, shape);
+    const std::int32_t before = cutter.labels.piece_count();
+    cut(cutter, piece, shape, job);
     todo.push_back(piece);
-    todo.push_back(fresh);
+    for (std::int32_t l = before; l < cutter.labels.piece_count(); ++l) todo.push_back(l);
   }
 }
 

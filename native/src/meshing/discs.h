@@ -68,10 +68,12 @@ std::vector<std::int32_t> hand_over_sector(Cutter& cutter, std::int32_t vertex);
 /// \return the new label, kNone if there is no such chain
 std::int32_t cut_chain(Cutter& cutter, std::int32_t piece, const Shape& shape);
 
-/// Parts the faces along a short loop round a handle from the rest, so that genus falls.
+/// Parts the faces along short loops round handles from the rest, so that genus falls with each. The loops are found
+/// once; those that an earlier one crosses are left to another call.
 /// Source: Erickson, Whittlesey 2005 (tree and cotree); each boundary loop counts as one face.
-/// \return the new label, kNone if none of the loops will do
-std::int32_t cut_handle(Cutter& cutter, std::int32_t piece, const Shape& shape);
+/// \return how many labels are new, the last ones; 0 if none of the loops will do
+/// Cost: O(n log n) for n faces of the piece, and O(n) a loop.
+std::int32_t cut_handles(Cutter& cutter, std::int32_t piece, const Shape& shape, Job& job);
 
 /// Splits or changes pieces until each of `todo`, and what comes of it, is a disc.
 void make_discs(Cutter& cutter, std::vector<std::int32_t> todo, Job& job);

@@ -8,7 +8,7 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr int kTries = 200;  // of the 2 g loops, shortest first
+constexpr int kTries = 200;  ///< loops that do not lower genus, before the others are left alone
 
 struct Loop {
   double length = 0;
@@ -157,24 +157,64 @@ std::vector<std::int32_t> keep_largest_part(Labels& labels, std::int32_t piece, 
   return std::move(*largest);
 }
 
+/// Cuts a piece along one loop after another, each away from the cuts before it.
+class HandleCutter {
+ public:
+  HandleCutter(Cutter& cutter, std::int32_t piece, const Shape& shape)
+      : cutter_(cutter),
+        labels_(cutter.labels),
+        piece_(piece),
+        genus_(shape.genus),
+        faces_(labels_.faces_of(piece)),
+        loops_(Trees(cutter, piece, faces_, shape).handle_loops()) {}
+
+  void run(Job& job) {
+    int tries = 0;
+    cutter_.blocked.clear();
+    for (const Loop& loop : loops_) {
+      if (genus_ == 0 || tries == kTries) return;
+      if (std::any_of(loop.vertices.begin(), loop.vertices.end(), [&](auto v) { return cutter_.blocked.has(v); }))
+        continue;
+      job.poll();
+      if (!cut_along(loop)) ++tries;
+    }
+  }
+
+ private:
+  /// \return whether genus has fallen
+  bool cut_along(const Loop& loop) {
+    std::vector<std::int32_t> strip = strip_along(cutter_, piece_, loop);
+    if (strip.size() >= faces_.size()) return false;
+    labels_.part(strip, faces_[0], Cause::handle);
+    std::vector<std::int32_t> rest = keep_largest_part(labels_, piece_, faces_, strip);
+    const Shape a = labels_.shape(rest), b = labels_.shape(strip, true);
+    if (b.parts == 1 && a.genus + b.genus < genus_) {
+      genus_ = a.genus;
+      faces_ = std::move(rest);
+      for (const std::int32_t f : strip)
+        for (const std::int32_t v : labels_.mesh.triangles()[f]) cutter_.blocked.add(v);
+      return true;
+    }
+    for (const std::int32_t f : strip) labels_.label[f] = piece_;
+    labels_.pieces.pop_back();
+    labels_.touched.resize(labels_.touched.size() - 2);
+    return false;
+  }
+
+  Cutter& cutter_;
+  Labels& labels_;
+  const std::int32_t piece_;
+  std::int32_t genus_;
+  std::vector<std::int32_t> faces_;  // of the piece that is left
+  const std::vector<Loop> loops_;    // the shortest first
+};
+
 }  // namespace
 
-std::int32_t cut_handle(Cutter& cutter, std::int32_t piece, const Shape& shape) {
-  Labels& labels = cutter.labels;
-  const std::vector<std::int32_t> faces = labels.faces_of(piece);
-  const std::vector<Loop> loops = Trees(cutter, piece, faces, shape).handle_loops();
-  for (std::size_t i = 0; i < std::min<std::size_t>(loops.size(), kTries); ++i) {
-    std::vector<std::int32_t> strip = strip_along(cutter, piece, loops[i]);
-    if (strip.size() >= faces.size()) continue;
-    const std::int32_t fresh = labels.part(strip, faces[0], Cause::handle);
-    const std::vector<std::int32_t> rest = keep_largest_part(labels, piece, faces, strip);
-    const Shape a = labels.shape(rest), b = labels.shape(strip, true);
-    if (b.parts == 1 && a.genus + b.genus < shape.genus) return fresh;
-    for (const std::int32_t f : strip) labels.label[f] = piece;
-    labels.pieces.pop_back();
-    labels.touched.resize(labels.touched.size() - 2);
-  }
-  return kNone;
+std::int32_t cut_handles(Cutter& cutter, std::int32_t piece, const Shape& shape, Job& job) {
+  const std::int32_t before = cutter.labels.piece_count();
+  HandleCutter(cutter, piece, shape).run(job);
+  return cutter.labels.piece_count() - before;
 }
 
 }  // namespace isimp::meshing

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "discs.h"
+#include "sorted.h"
 
 namespace isimp::meshing {
 namespace {
@@ -57,24 +58,50 @@ std::vector<HandOver> hand_overs(const Fan& fan) {
   return result;
 }
 
+/// By how much V - E + F of a piece rises when some faces come to it that are not its own (yet, or any more).
+/// Cost: O(the faces round their corners).
+int rise_of_euler(const Labels& labels, std::int32_t piece, std::span<const std::int32_t> faces) {
+  const Mesh& mesh = labels.mesh;
+  const auto added = [&](std::int32_t f) { return std::find(faces.begin(), faces.end(), f) != faces.end(); };
+  const auto has = [&](std::int32_t f) { return labels.label[f] == piece && !added(f); };
+  std::vector<std::int32_t> vertices;
+  auto rise = static_cast<int>(faces.size());
+  for (const std::int32_t f : faces)
+    for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h) {
+      vertices.push_back(mesh.from(h));
+      const std::int32_t o = mesh.opposite(h);
+      const bool old = o != kNone && has(o / 3), counted = o != kNone && o < h && added(o / 3);
+      if (!old && !counted) --rise;
+    }
+  sort_unique(vertices);
+  for (const std::int32_t v : vertices) {
+    bool old = false;
+    for_each_leaving(mesh, v, [&](std::int32_t h) { old = old || has(h / 3); });
+    if (!old) ++rise;
+  }
+  return rise;
+}
+
 }  // namespace
 
+// A connected piece with a boundary is from a disc by 1 - (V - E + F), as a pinch is one vertex and not two in this
+// sum: whether a hand-over helps shows at the sector itself. Only that the giver stays connected has to be looked at.
 std::vector<std::int32_t> hand_over_sector(Cutter& cutter, std::int32_t vertex) {
   Labels& labels = cutter.labels;
   const Fan fan = sectors_of(labels, vertex);
   for (const auto& [sector, to] : hand_overs(fan)) {
     const std::int32_t from = sector->label;
-    std::vector<std::int32_t> giver = labels.faces_of(from), taker = labels.faces_of(to);
+    if (rise_of_euler(labels, to, sector->faces) <= rise_of_euler(labels, from, sector->faces)) continue;
+    std::vector<std::int32_t> giver = labels.faces_of(from);
     if (giver.size() <= sector->faces.size()) continue;
-    const std::int32_t before = labels.shape(giver).defect() + labels.shape(taker).defect();
     for (const std::int32_t f : sector->faces) labels.label[f] = to;
     std::erase_if(giver, [&](std::int32_t f) { return labels.label[f] != from; });
-    taker.insert(taker.end(), sector->faces.begin(), sector->faces.end());
-    if (labels.shape(giver, true).defect() + labels.shape(taker, true).defect() < before) {
-      labels.pieces[from].face = giver[0];
+    const std::int32_t face = std::exchange(labels.pieces[from].face, giver[0]);
+    if (labels.faces_of(from).size() == giver.size()) {
       labels.touched.insert(labels.touched.end(), {from, to});
       return {from, to};
     }
+    labels.pieces[from].face = face;
     for (const std::int32_t f : sector->faces) labels.label[f] = from;
   }
   return {};
