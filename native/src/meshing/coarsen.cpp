@@ -5,7 +5,6 @@
 #include <set>
 #include <utility>
 
-#include "ease.h"
 #include "sorted.h"
 
 namespace isimp::meshing {
@@ -15,6 +14,8 @@ constexpr int kRounds = 40;
 constexpr double kGoOn = 0.8;             ///< about what is left to do after a round
 constexpr std::size_t kWorthwhile = 300;  ///< a round that tries less than one piece of so many is the last
 constexpr double kHopeless = 1.5;         ///< times the bound: no placement will make a polygon so bent flat
+constexpr int kRings = 2;                 ///< how far from what was tried a fault is looked for at first ...
+constexpr int kMostRings = 5;             ///< ... and before all that was tried is held for the cause
 /// That bound where there is none, of the diagonal: what is bent further meets what is near or not as it is filled.
 constexpr double kFree = 0.05;
 
@@ -28,6 +29,8 @@ struct Candidate {
   double score;        ///< the higher, the sooner it is tried
 };
 
+using Key = std::array<std::int32_t, 4>;  ///< an act, and what tells it from others of its kind
+
 /// An act that was taken back, and what it takes to do it again.
 struct Trial {
   Act act;
@@ -38,8 +41,8 @@ struct Trial {
 
 class Coarsener {
  public:
-  Coarsener(State& state, Findings& findings, Job& job)
-      : s_(state), findings_(findings), job_(job), pieces_of_(s_.mesh.component_count(), 0) {
+  Coarsener(State& state, Findings& findings, Scope scope, Job& job)
+      : s_(state), findings_(findings), scope_(std::move(scope)), job_(job), pieces_of_(s_.mesh.component_count(), 0) {
     for (const Piece& p : s_.labels.pieces)
       if (p.face != kNone) ++pieces_of_[s_.mesh.component()[p.face]];
   }
@@ -48,7 +51,7 @@ class Coarsener {
     const std::int32_t before = s_.polygons.count();
     try_all(0.0, 0.6);
     findings_.keep();
-    ease(s_, findings_, job_);
+    ease(s_, findings_, scope_, job_);
     // Corners that are free again may do without what they needed when they were not.
     std::erase_if(tried_, [](const auto& t) { return t[0] == static_cast<std::int32_t>(Act::diagonal); });
     try_all(0.8, 1.0);
@@ -77,24 +80,27 @@ class Coarsener {
     for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l) {
       const Piece& p = s_.labels.pieces[l];
       if (p.face == kNone) continue;
-      if (untried_diagonal(l) < s_.diagonals[l].size()) all.push_back({Act::diagonal, l, l, 0.5});
+      if (scope_.has(l) && untried_diagonal(l) < s_.diagonals[l].size()) all.push_back({Act::diagonal, l, l, 0.5});
       if (p.cause != Cause::region && p.cause != Cause::closed) add_unions(l, all);
     }
     std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.score > b.score; });
     return all;
   }
 
+  [[nodiscard]] bool may_unite(std::int32_t kept, std::int32_t gone) const {
+    return (scope_.has(kept) || scope_.has(gone)) && !tried(Act::split, gone, kept);
+  }
+
   void add_unions(std::int32_t gone, std::vector<Candidate>& all) const {
     const auto chords = s_.complex.chords(gone);
     if (std::none_of(chords.begin(), chords.end(), [&](std::int32_t h) {
           const std::int32_t k = s_.labels.across(h);
-          return k != kNone && s_.labels.pieces[k].region == s_.labels.pieces[gone].region &&
-                 !tried(Act::split, gone, k);
+          return k != kNone && s_.labels.pieces[k].region == s_.labels.pieces[gone].region && may_unite(k, gone);
         }))
       return;
     const SharedBoundary shared = s_.shared_boundary(gone);
     for (const auto& [k, length] : shared.with)
-      if (!tried(Act::split, gone, k)) all.push_back({Act::split, k, gone, shared.all > 0 ? length / shared.all : 0});
+      if (may_unite(k, gone)) all.push_back({Act::split, k, gone, shared.all > 0 ? length / shared.all : 0});
   }
 
   /// The pieces that may change when a candidate is tried.
@@ -135,13 +141,21 @@ class Coarsener {
     const std::vector<Vec3> positions = s_.corners.position;
     findings_.keep();
     bring_up_to_date(trials, {});
+    int rings = kRings;
     while (!trials.empty()) {  // what was done again may spoil what is beside it
       const std::vector<bool> after = findings_.faulty();
       std::vector<Trial> good, failed;
-      for (Trial& t : trials) (spoils(t, before, after) ? failed : good).push_back(std::move(t));
+      for (Trial& t : trials) (spoils(t, rings, before, after) ? failed : good).push_back(std::move(t));
       trials.swap(good);
-      if (failed.empty()) break;
-      for (const Trial& t : failed) undo(t);
+      if (failed.empty()) {
+        if (!any_fresh(before, after)) break;
+        ++rings;  // corners that were added to keep polygons apart have moved what is further away
+        continue;
+      }
+      for (const Trial& t : failed) {
+        undo(t);
+        if (rings > kRings && suspected_.insert(key_of(t)).second) tried_.erase(key_of(t));
+      }
       bring_up_to_date(failed, positions);
     }
     return go_on;
@@ -212,10 +226,16 @@ class Coarsener {
         const std::vector<std::int32_t> loop = s_.loop_together(c.piece, c.other);
         if (loop.empty() || is_hopeless(loop, c)) return {};
         trial.united = s_.unite(c.piece, c.other);
+        scope_.add(c.piece);
         --left;
       }
     }
     return trial;
+  }
+
+  [[nodiscard]] static Key key_of(const Trial& t) {
+    const auto act = static_cast<std::int32_t>(t.act);
+    return t.united ? Key{act, t.united->gone, t.piece, kNone} : Key{act, t.piece, t.diagonal[0], t.diagonal[1]};
   }
 
   void undo(const Trial& t) {
@@ -240,27 +260,38 @@ class Coarsener {
     findings_.judge(changed);
   }
 
-  /// Whether a piece near the one tried has become faulty.
-  [[nodiscard]] bool spoils(const Trial& t, const std::vector<bool>& before, const std::vector<bool>& after) const {
-    const auto fresh = [&](std::int32_t l) { return after[l] && !before[l]; };
-    if (after[t.piece]) return true;
-    for (const std::int32_t k : s_.neighbours(t.piece)) {
-      if (fresh(k)) return true;
-      for (const std::int32_t m : s_.neighbours(k))
-        if (fresh(m)) return true;
+  [[nodiscard]] static bool any_fresh(const std::vector<bool>& before, const std::vector<bool>& after) {
+    for (std::size_t l = 0; l < after.size(); ++l)
+      if (after[l] && !before[l]) return true;
+    return false;
+  }
+
+  /// Whether a piece at most so many rings from the one tried has become faulty, or that one is. With more rings than
+  /// are looked at, it is held for the cause of whatever has.
+  [[nodiscard]] bool spoils(const Trial& t, int rings, const std::vector<bool>& before,
+                            const std::vector<bool>& after) const {
+    if (after[t.piece] || rings > kMostRings) return true;
+    std::vector<std::int32_t> zone{t.piece};
+    for (int ring = 0; ring < rings; ++ring) {
+      s_.add_neighbours(zone);
+      if (std::any_of(zone.begin(), zone.end(), [&](std::int32_t l) { return after[l] && !before[l]; })) return true;
     }
     return false;
   }
 
   State& s_;
   Findings& findings_;
+  Scope scope_;
   Job& job_;
-  std::vector<std::int32_t> pieces_of_;          // by component of the mesh
-  std::set<std::array<std::int32_t, 4>> tried_;  // acts, and what tells each from others of its kind
+  std::vector<std::int32_t> pieces_of_;  // by component of the mesh
+  std::set<Key> tried_;
+  std::set<Key> suspected_;  // was not tried alone when something further away became faulty; gets another chance
 };
 
 }  // namespace
 
-std::int32_t coarsen(State& state, Findings& findings, Job& job) { return Coarsener(state, findings, job).run(); }
+std::int32_t coarsen(State& state, Findings& findings, Scope scope, Job& job) {
+  return Coarsener(state, findings, std::move(scope), job).run();
+}
 
 }  // namespace isimp::meshing

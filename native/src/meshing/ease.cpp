@@ -13,9 +13,10 @@ constexpr std::int32_t kShare = 6;
 
 class Easing {
  public:
-  Easing(State& state, Findings& findings, Job& job)
+  Easing(State& state, Findings& findings, const Scope& scope, Job& job)
       : s_(state),
         findings_(findings),
+        scope_(scope),
         job_(job),
         faulty_(findings.faulty()),
         corner_(s_.complex.corner_flags().begin(), s_.complex.corner_flags().end()),
@@ -46,9 +47,12 @@ class Easing {
       for (const std::int32_t c : s_.polygons.of(q))
         if (faulty_[s_.polygons.piece[q]]) spared[c] = true;
     for (std::int32_t c = 0; c < s_.corners.count(); ++c) {
-      if (c % share != turn || spared[c] || s_.corners.pull[c] >= 1 || s_.polygons.at(c).empty()) continue;
+      if (c % share != turn || spared[c] || s_.corners.pull[c] >= 1) continue;
+      const auto around = s_.polygons.at(c);
+      if (std::none_of(around.begin(), around.end(), [&](auto q) { return scope_.has(s_.polygons.piece[q]); }))
+        continue;
       s_.corners.pull[c] = 1;
-      for (const std::int32_t q : s_.polygons.at(c)) pieces.push_back(s_.polygons.piece[q]);
+      for (const std::int32_t q : around) pieces.push_back(s_.polygons.piece[q]);
     }
     return pieces;
   }
@@ -59,9 +63,13 @@ class Easing {
     sort_unique(bent);
     bool any = false;
     for (const std::int32_t v : bent) {
-      bool spared = v % share != turn || !s_.complex.is_corner(v);
-      for_each_leaving(s_.mesh, v, [&](std::int32_t h) { spared = spared || faulty_[s_.labels.label[h / 3]]; });
-      any = (!spared && s_.complex.drop_corner(v)) || any;
+      if (v % share != turn || !s_.complex.is_corner(v)) continue;
+      bool spared = false, asked = false;
+      for_each_leaving(s_.mesh, v, [&](std::int32_t h) {
+        spared = spared || faulty_[s_.labels.label[h / 3]];
+        asked = asked || scope_.has(s_.labels.label[h / 3]);
+      });
+      any = (asked && !spared && s_.complex.drop_corner(v)) || any;
     }
     return any;
   }
@@ -78,20 +86,11 @@ class Easing {
     for (std::size_t l = 0; l < now.size(); ++l) {
       if (!now[l] || faulty_[l]) continue;
       std::vector<std::int32_t> zone{static_cast<std::int32_t>(l)};
-      for (int ring = rings_[l]++; ring > 0; --ring) add_neighbours(zone);
+      for (int ring = rings_[l]++; ring > 0; --ring) s_.add_neighbours(zone);
       near.insert(near.end(), zone.begin(), zone.end());
     }
     sort_unique(near);
     return near;
-  }
-
-  void add_neighbours(std::vector<std::int32_t>& zone) const {
-    const std::vector<std::int32_t> inner = zone;
-    for (const std::int32_t l : inner) {
-      const std::vector<std::int32_t> beside = s_.neighbours(l);
-      zone.insert(zone.end(), beside.begin(), beside.end());
-    }
-    sort_unique(zone);
   }
 
   /// Makes the corners and polygons of a piece what they were.
@@ -108,6 +107,7 @@ class Easing {
 
   State& s_;
   Findings& findings_;
+  const Scope& scope_;
   Job& job_;
   // What was before.
   const std::vector<bool> faulty_;          // by piece
@@ -120,10 +120,10 @@ class Easing {
 
 }  // namespace
 
-void ease(State& state, Findings& findings, Job& job) {
-  Easing(state, findings, job).run(1, 0);
+void ease(State& state, Findings& findings, const Scope& scope, Job& job) {
+  Easing(state, findings, scope, job).run(1, 0);
   // Those that were done again for the sake of others get another chance.
-  for (std::int32_t turn = 0; turn < kShare; ++turn) Easing(state, findings, job).run(kShare, turn);
+  for (std::int32_t turn = 0; turn < kShare; ++turn) Easing(state, findings, scope, job).run(kShare, turn);
 }
 
 }  // namespace isimp::meshing

@@ -42,7 +42,8 @@ class Repairer {
     }
     {
       const Job::Part part(job_, "repairing", 0.25, 0.7);
-      outcome_.taken_back = coarsen(s_, findings_, job_);
+      outcome_.taken_back = coarsen(s_, findings_, {}, job_);
+      acted_.clear(s_.labels.piece_count());
     }
     {
       const Job::Part part(job_, "repairing", 0.7, 0.75);
@@ -51,7 +52,7 @@ class Repairer {
     }
     const Job::Part part(job_, "repairing", 0.75, 1.0);
     if (fall_back()) {
-      coarsen(s_, findings_, job_);
+      coarsen(s_, findings_, acted_, job_);
       fall_back();
     }
     sum_up();
@@ -95,7 +96,10 @@ class Repairer {
         if (!findings_.excused(h)) met_[h.a] = met_[h.b] = &h;
       const std::vector<bool> faulty = findings_.faulty();
       for (std::int32_t l = 0; l < static_cast<std::int32_t>(faulty.size()); ++l)
-        if (faulty[l]) any = shatter(l) || any;
+        if (faulty[l]) {
+          acted_.add(l);
+          any = shatter(l) || any;
+        }
       if (any) bring_up_to_date();
       ever = ever || any;
     }
@@ -145,6 +149,7 @@ class Repairer {
                                     : hit[l]                          ? kPlanHit
                                                                       : kPlanBent;
       if (tries_[l] >= static_cast<int>(plan.size()) + kPatience) continue;
+      acted_.add(l);
       const char step = plan[std::min<std::size_t>(tries_[l]++, plan.size() - 1)];
       any = do_step(step, l, hit[l] && faults == 0 && spared[l]) || any;
     }
@@ -371,6 +376,7 @@ class Repairer {
   std::vector<const Hit*> met_;        // by piece: where it meets another; null where it does not
   std::vector<std::int32_t> gone_;     // pieces that were given to a neighbour in this round
   std::vector<std::int32_t> changed_;  // pieces whose diagonals or pulls were changed in this round
+  Scope acted_;                        // pieces of which something was changed since all could be joined
 };
 
 }  // namespace

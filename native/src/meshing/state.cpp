@@ -106,6 +106,14 @@ std::vector<std::int32_t> State::neighbours(std::int32_t piece) const {
   return some;
 }
 
+void State::add_neighbours(std::vector<std::int32_t>& pieces) const {
+  for (std::size_t i = 0, n = pieces.size(); i < n; ++i) {
+    const std::vector<std::int32_t> beside = neighbours(pieces[i]);
+    pieces.insert(pieces.end(), beside.begin(), beside.end());
+  }
+  sort_unique(pieces);
+}
+
 SharedBoundary State::shared_boundary(std::int32_t piece) const {
   SharedBoundary found;
   for (const std::int32_t h : complex.loop(piece)) {

@@ -45,6 +45,8 @@ class State {
   bool shatter(std::int32_t piece);
   /// The pieces across the chords of one, in rising order.
   [[nodiscard]] std::vector<std::int32_t> neighbours(std::int32_t piece) const;
+  /// Adds them to some pieces, in rising order then.
+  void add_neighbours(std::vector<std::int32_t>& pieces) const;
   [[nodiscard]] SharedBoundary shared_boundary(std::int32_t piece) const;
   /// The boundary that two pieces would have together, as half-edges in order; empty where that would be no disc.
   /// Cost: O(their boundaries), of which the complex must be up to date.
