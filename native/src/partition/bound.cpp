@@ -14,7 +14,7 @@ namespace {
 
 using detail::Corners;
 
-constexpr std::int32_t kFacesAProxy = 96;  // so that patches are of 8 faces
+constexpr std::int32_t kFacesAProxy = 96;  // so that patches are of 6 faces
 constexpr double kLeastLength = 0.5;       // of a region's area: where normals cancel more there is no plane
 constexpr int kSweeps = 30;
 constexpr double kFirstWidth = 0.4;  // share of the width that nodes of the hierarchy may take up: merging finds better
@@ -245,7 +245,7 @@ void relax(const Surface& surface, const Corners& corners, double bound, Bounded
     slab.high = std::max(slab.high, middle + bound);
   }
   Relaxation<BoundedLabels> relaxation(surface.graph(), {{regions.label.data()}, &corners, &bounded.slab}, regions.sum,
-                                       border_weight(regions.error()));
+                                       light_border_weight(regions.error()));
   for (std::int32_t i = 0; i < surface.graph().size(); ++i) {
     if ((i & 0xffff) == 0) job.poll();
     relaxation.push_if_border(i);

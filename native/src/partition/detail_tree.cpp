@@ -26,7 +26,7 @@ constexpr double kNoisyBorder = 0.115;  // what is added to it where normals are
 constexpr double kRounding = 1e-9;      // of the area: costs below this are none
 constexpr std::size_t kMostCosts = 20000;
 constexpr std::int32_t kManyFaces = 50000;  // from here on small patches are merged many at once
-constexpr std::int32_t kFacesAProxy = 96;   // for patches of 8 faces
+constexpr std::int32_t kFacesAProxy = 96;   // for patches of 6 faces
 constexpr double kUsual = 0.7, kFar = 1.0 / 16;
 
 std::vector<std::int32_t> parts_of_faces(const Surface& surface) {

@@ -11,17 +11,18 @@
 namespace isimp {
 namespace {
 
-constexpr std::int32_t kWidestTile = 32;  // one bit a face
-constexpr std::int32_t kTilesARegion = 12;
-constexpr float kCrease = 0.95F;          // cosine: neighbours that differ by more are never in one patch
-constexpr std::int32_t kCoarsest = 64;    // nodes, where the rounds end
-constexpr std::int32_t kLeastOfPart = 8;  // nodes of a component, below which rounds leave it alone
+constexpr std::int32_t kTile = 64;            // faces: one bit each
+constexpr std::int32_t kLargestPatch = 24;    // faces
+constexpr std::int32_t kPatchesARegion = 10;  // of the largest size
+constexpr float kCrease = 0.95F;              // cosine: neighbours that differ by more are never in one patch
+constexpr std::int32_t kCoarsest = 64;        // nodes, where the rounds end
+constexpr std::int32_t kLeastOfPart = 8;      // nodes of a component, below which rounds leave it alone
 
-std::int32_t tile_for(std::int32_t faces, std::int32_t proxies) {
-  const std::int64_t room = faces / (static_cast<std::int64_t>(kTilesARegion) * proxies);
-  std::int32_t tile = kWidestTile;
-  while (tile > 1 && tile > room) tile /= 2;
-  return tile;
+std::int32_t patch_size_for(std::int32_t faces, std::int32_t proxies) {
+  const std::int64_t room = faces / (static_cast<std::int64_t>(kPatchesARegion) * proxies);
+  std::int32_t size = kLargestPatch;
+  while (size > 1 && size > room) size /= 2;
+  return size;
 }
 
 /// Patches within one tile, by sets of faces as bits of a word.
@@ -30,38 +31,39 @@ class Tile {
   void read(const FaceGraph& graph, std::int32_t begin, std::int32_t count) {
     for (std::int32_t i = 0; i < count; ++i) {
       const FaceRecord& f = graph.faces[begin + i];
-      std::uint32_t joined = 0;
+      std::uint64_t joined = 0;
       for (const std::int32_t j : graph.neighbours[begin + i]) {
         // By masks, as no processor guesses well what lies in the tile; the face itself stands in for what does not.
         const auto at = static_cast<std::uint32_t>(j - begin), own = static_cast<std::uint32_t>(i);
         const std::uint32_t outside = 0U - static_cast<std::uint32_t>(at >= static_cast<std::uint32_t>(count));
         const std::uint32_t inside = at ^ ((at ^ own) & outside);
         const FaceRecord& g = graph.faces[begin + static_cast<std::int32_t>(inside)];
-        joined |= static_cast<std::uint32_t>(f.nx * g.nx + f.ny * g.ny + f.nz * g.nz >= kCrease) << inside;
+        joined |= static_cast<std::uint64_t>(f.nx * g.nx + f.ny * g.ny + f.nz * g.nz >= kCrease) << inside;
       }
       joined_[i] = joined;
     }
-    left_ = count == 32 ? ~0U : (1U << count) - 1;
+    left_ = ~std::uint64_t{0} >> (kTile - count);
   }
   [[nodiscard]] bool empty() const { return left_ == 0; }
-  /// The next patch: calls `visit` with the place of each of its faces in the tile.
+  /// The next patch, of no more faces than `most`: calls `visit` with the place of each of them in the tile.
   template <class Visit>
-  void take(Visit visit) {
-    std::uint32_t border = left_ & (~left_ + 1);
+  void take(std::int32_t most, Visit visit) {
+    std::uint64_t border = left_ & (~left_ + 1);
     left_ &= ~border;
-    while (border != 0) {
+    for (; border != 0 && most > 0; --most) {
       const int i = std::countr_zero(border);
       border &= border - 1;
-      const std::uint32_t fresh = joined_[i] & left_;
+      const std::uint64_t fresh = joined_[i] & left_;
       left_ &= ~fresh;
       border |= fresh;
       visit(i);
     }
+    left_ |= border;
   }
 
  private:
-  std::uint32_t joined_[32];
-  std::uint32_t left_ = 0;
+  std::uint64_t joined_[kTile];
+  std::uint64_t left_ = 0;
 };
 
 /// What one thread finds of the patches; those of all threads in a row are the whole.
@@ -77,18 +79,18 @@ Patches patches_between(const FaceGraph& graph, Hierarchy& h, std::int32_t begin
   const std::int32_t n = graph.size();
   Patches patches;
   Tile tile;
-  std::int32_t out = begin * h.tile;
+  std::int32_t out = begin * kTile;
   for (std::int32_t t = begin; t < end; ++t) {
     if ((t & 0xff) == 0) job.poll();
-    const std::int32_t base = t * h.tile;
-    tile.read(graph, base, std::min(h.tile, n - base));
+    const std::int32_t base = t * kTile;
+    tile.read(graph, base, std::min(kTile, n - base));
     while (!tile.empty()) {
       const auto id = static_cast<std::int32_t>(patches.first.size());
       patches.first.push_back(out);
       NodeSum s;
       float area = 0;
       bool open = false;
-      tile.take([&](int i) {
+      tile.take(h.patch_size, [&](int i) {
         const FaceRecord& f = graph.faces[base + i];
         const auto& around = graph.neighbours[base + i];
         s.x += f.area * f.nx;
@@ -114,7 +116,7 @@ void append(std::vector<T>& to, const std::vector<T>& from) {
 }
 
 Patches make_patches(const FaceGraph& graph, Hierarchy& h, const Threads& threads, Job& job) {
-  const std::int32_t n = graph.size(), tiles = (n + h.tile - 1) / h.tile;
+  const std::int32_t n = graph.size(), tiles = (n + kTile - 1) / kTile;
   h.patch.resize(static_cast<std::size_t>(n));
   h.patch_face.resize(static_cast<std::size_t>(n));
   const std::int32_t pieces = threads.pieces(n);
@@ -207,7 +209,7 @@ std::vector<Part> parts_of(const Surface& surface, const Hierarchy& h, const Pat
 
 bool Hierarchy::serves(const Surface& surface, std::int32_t proxies) const {
   return patch.size() == static_cast<std::size_t>(surface.face_count()) &&
-         tile == tile_for(surface.face_count(), proxies);
+         patch_size == patch_size_for(surface.face_count(), proxies);
 }
 
 Hierarchy build_hierarchy(const Surface& surface, std::int32_t proxies, Job& job, std::int32_t thread_count,
@@ -215,7 +217,7 @@ Hierarchy build_hierarchy(const Surface& surface, std::int32_t proxies, Job& job
   const Threads threads(thread_count);
   Job::Part stage(job, "merging", 0.0, 1.0);
   Hierarchy h;
-  h.tile = tile_for(surface.face_count(), proxies);
+  h.patch_size = patch_size_for(surface.face_count(), proxies);
   Patches patches = make_patches(surface.graph(), h, threads, job);
 
   job.report(0.3);

@@ -84,7 +84,7 @@ Regions teleport(const Surface& surface, const Parts& parts, Regions regions, st
     const std::vector<std::int32_t> faces = nearest_faces(graph, regions, job);
     for (const std::int32_t face : faces) part.push_back(surface.component()[graph.mesh_face[face]]);
   }
-  Relaxation<GraphLabels> relaxation(graph, {regions.label.data()}, regions.sum, border_weight(regions.error()));
+  Relaxation<GraphLabels> relaxation(graph, {regions.label.data()}, regions.sum, light_border_weight(regions.error()));
   for (std::int32_t i = 0; i < graph.size(); ++i) relaxation.push_if_border(i);
   relaxation.run(kSweeps, job);
   Teleport moves(graph, parts, regions, std::move(part), relaxation);

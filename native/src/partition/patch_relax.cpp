@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "isimp/partition/block_changes.h"
+#include "isimp/partition/relax.h"
 
 namespace isimp {
 namespace {
@@ -92,7 +93,13 @@ class PatchRelaxation {
       if ((u & 0xffff) == 0) job.poll();
       if (label[u] != kNone) sum_[label[u]].add(graph.sum[u], 1);
     }
-    for (Sum& s : sum_) s.measure();
+    double lengths = 0;
+    for (Sum& s : sum_) {
+      s.measure();
+      lengths += s.length;
+    }
+    // Of a mean node's area, not a face's: two nodes share several edges, and a face later smooths what it can reach.
+    border_ = border_weight(std::max(0.0, 2 * (1 - lengths))) / graph.size();
     threads_.share(block_count(), [&](const auto& next) {
       for (std::int32_t b = next(); b < block_count(); b = next()) {
         job.poll();
@@ -176,7 +183,10 @@ class PatchRelaxation {
       const std::int32_t other = label_[v];
       if (other == own || other == last) continue;
       last = other;
-      const double gain = leaving + sums[other].length_with(s, 1.0) - sums[other].length;
+      std::int32_t shorter = 0;
+      for (const std::int32_t w : graph_.around(u))
+        shorter += static_cast<std::int32_t>(label_[w] == other) - static_cast<std::int32_t>(label_[w] == own);
+      const double gain = leaving + sums[other].length_with(s, 1.0) - sums[other].length + border_ * shorter;
       if (gain > best) {
         best = gain;
         to = other;
@@ -217,6 +227,7 @@ class PatchRelaxation {
   std::vector<std::int32_t>& label_;
   const Threads& threads_;
   std::vector<Sum> sum_;
+  double border_ = 0;  // what one more pair of neighbours in different regions costs
   std::vector<std::int32_t> mark_;
   std::vector<std::uint8_t> queued_;
   std::vector<Block> blocks_;

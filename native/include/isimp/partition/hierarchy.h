@@ -14,12 +14,12 @@ namespace isimp {
 
 /// A mesh as small smooth patches, and ever coarser graphs of them: made once, cut at any number of regions.
 ///
-/// Patches: the faces in Morton order are cut into tiles of `tile` faces; a patch is what hangs together within a tile
-/// without crossing a crease. Levels: the graph of patches, merged round by round (see merge_round). Region counts are
-/// served by the coarsest level that still has several nodes a region, so that the last merges are made one at a time
-/// from exact prices.
+/// Patches: the faces in Morton order are cut into tiles of 64; a patch is what hangs together within a tile without
+/// crossing a crease, `patch_size` faces at the most. Levels: the graph of patches, merged round by round (see
+/// merge_round). Region counts are served by the coarsest level that still has several nodes a region, so that the last
+/// merges are made one at a time from exact prices.
 struct Hierarchy {
-  std::int32_t tile = 0;                           ///< faces of a tile
+  std::int32_t patch_size = 0;                     ///< faces of a patch at the most
   std::vector<std::int32_t> patch;                 ///< (F) by graph index
   std::vector<std::int32_t> patch_first;           ///< (K + 1) where each patch begins in patch_face
   std::vector<std::int32_t> patch_face;            ///< (F) graph indices, patch by patch
@@ -36,8 +36,8 @@ struct Hierarchy {
   [[nodiscard]] bool serves(const Surface& surface, std::int32_t proxies) const;
 };
 
-/// Makes the hierarchy that serves `proxies` regions: the tiles shrink where there are few faces a region. Counts
-/// of up to F / 384 are all served by the same one. It is the same on any number of threads.
+/// Makes the hierarchy that serves `proxies` regions: the patches shrink where there are few faces a region.
+/// Counts of up to F / 240 are all served by the same one. It is the same on any number of threads.
 /// \param threads   0: as many as there are cores
 /// \param coarsest  nodes of a level from which no coarser one is made: 0 for a hierarchy that is kept and may be asked
 ///                  for any smaller number of regions, nodes_for(proxies) for one that is not

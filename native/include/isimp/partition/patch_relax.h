@@ -9,7 +9,8 @@
 
 namespace isimp {
 
-/// Boundary relaxation one level up: whole patches move between neighbouring regions while that lowers the error.
+/// Boundary relaxation one level up: whole patches move between neighbouring regions while that lowers the error plus a
+/// weight for each two neighbours in different regions.
 ///
 /// A patch leaves only if its neighbours of the same region hang together among themselves, so regions stay connected.
 /// The result is the same on any number of threads (see Relaxation).
