@@ -45,32 +45,102 @@ Vec3 within(const Vec3& p, const Vec3& home, double radius) {
   return length > radius ? Vec3(home + d * (radius / length)) : p;
 }
 
-/// Fits a plane to the corners of a polygon, held near that of the piece: flat polygons could else settle anywhere, and
-/// those of a bulge would drift inwards. Where the corners do not fix a plane, that of the piece.
-struct Fit {
-  Vec3 normal, centre;
+/// A symmetric matrix, its trace 1.
+struct Spread {
+  double xx, xy, xz, yy, yz, zz;
+
+  [[nodiscard]] Vec3 times(const Vec3& n) const {
+    return {xx * n[0] + xy * n[1] + xz * n[2], xy * n[0] + yy * n[1] + yz * n[2], xz * n[0] + yz * n[1] + zz * n[2]};
+  }
+  /// The sum of the products of two eigenvalues each.
+  [[nodiscard]] double minors() const { return xx * yy - xy * xy + xx * zz - xz * xz + yy * zz - yz * yz; }
+  /// The adjugate of this less a multiple of one, times n.
+  [[nodiscard]] Vec3 adjugate_times(double less, const Vec3& n) const {
+    const double a = xx - less, b = yy - less, c = zz - less;
+    return Spread{b * c - yz * yz, xz * yz - xy * c, xy * yz - b * xz,
+                  a * c - xz * xz, xy * xz - a * yz, a * b - xy * xy}
+        .times(n);
+  }
 };
 
-Fit fit(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Plane& plane) {
+/// Of the largest eigenvalue: with the two smaller ones below it, a spread is a line, on which no plane is fixed.
+constexpr double kLine = 1e-4;
+
+/// Turns a unit vector that is near the direction of the smallest eigenvalue into that direction, unless the spread is
+/// a line. Each step takes an error to about its third power. \return whether it could; else it may be another's
+/// direction Source: the Rayleigh quotient iteration.
+bool refine(const Spread& k, Vec3& n) {
+  constexpr int kSteps = 3;
+  constexpr double kSmall = 1e-6;  // squared, of a step: the one after it would change nothing that counts
+  double turned = 1;
+  for (int step = 0; step < kSteps && turned > kSmall; ++step) {
+    const Vec3 next = k.adjugate_times(n.dot(k.times(n)), n);
+    const double length = next.norm();
+    if (!(length > 1e-12)) return false;
+    turned = (next / length - n).squaredNorm();
+    n = next / length;
+  }
+  // Of the other two the sum and the product.
+  const double least = n.dot(k.times(n)), sum = 1 - least, product = k.minors() - least * sum;
+  const bool is_least = 2 * least < sum && product - least * sum + least * least > 0;
+  return turned <= kSmall && is_least && product >= kLine * sum * sum;
+}
+
+/// A plane fitted to the corners of a polygon, held near that of the piece: flat polygons could else settle anywhere,
+/// and those of a bulge would drift inwards. Where the corners do not fix a plane, that of the piece.
+struct Fit {
+  Vec3 normal, centre;
+  bool fixed = false;
+
+  void to(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Plane& plane);
+
+ private:
+  bool find_normal(const Spread& k, const Vec3& of_piece);
+};
+
+/// In the turns after the first the normal is near the one before.
+bool Fit::find_normal(const Spread& k, const Vec3& of_piece) {
+  if (!fixed || !refine(k, normal)) {
+    Eigen::Matrix3d full;
+    full << k.xx, k.xy, k.xz, k.xy, k.yy, k.yz, k.xz, k.yz, k.zz;
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+    solver.computeDirect(full);
+    if (solver.eigenvalues()[1] < kLine * solver.eigenvalues()[2]) return false;
+    normal = solver.eigenvectors().col(0);
+  }
+  const double same = normal.dot(of_piece);
+  if (same < 0) normal = -normal;
+  return std::abs(same) >= 0.3;
+}
+
+void Fit::to(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Plane& plane) {
   constexpr double kOfSpread = 0.05;  // how much the piece's own spread counts beside the corners'
   constexpr double kOfPlane = 0.1;    // how far towards the plane of the piece that of the corners is shifted
-  Fit f{plane.normal, Vec3::Zero()};
-  for (const std::int32_t c : polygon) f.centre += position[c];
-  f.centre /= static_cast<double>(polygon.size());
-  Eigen::Matrix3d k = Eigen::Matrix3d::Zero();
-  for (const std::int32_t c : polygon) k += (position[c] - f.centre) * (position[c] - f.centre).transpose();
-  k /= static_cast<double>(polygon.size());
-  if (k.trace() <= 0) return f;
-  k += kOfSpread * plane.spread;
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(k);
-  if (solver.eigenvalues()[1] < 1e-4 * solver.eigenvalues()[2]) return f;
-  const Vec3 n = solver.eigenvectors().col(0);
-  const double same = n.dot(plane.normal);
-  if (std::abs(same) < 0.3) return f;
-  f.normal = same < 0 ? Vec3(-n) : n;
-  f.centre += kOfPlane * f.normal.dot(plane.centre - f.centre) * f.normal;
-  return f;
+  const double share = 1 / static_cast<double>(polygon.size());
+  centre = Vec3::Zero();
+  for (const std::int32_t c : polygon) centre += position[c];
+  centre *= share;
+  double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+  for (const std::int32_t c : polygon) {
+    const Vec3 d = position[c] - centre;
+    xx += d[0] * d[0];
+    xy += d[0] * d[1];
+    xz += d[0] * d[2];
+    yy += d[1] * d[1];
+    yz += d[1] * d[2];
+    zz += d[2] * d[2];
+  }
+  const double trace = (xx + yy + zz) * share + kOfSpread * plane.spread.trace();
+  const double a = share / trace, b = kOfSpread / trace;
+  const auto& s = plane.spread;
+  fixed = xx + yy + zz > 0 && find_normal({a * xx + b * s(0, 0), a * xy + b * s(0, 1), a * xz + b * s(0, 2),
+                                           a * yy + b * s(1, 1), a * yz + b * s(1, 2), a * zz + b * s(2, 2)},
+                                          plane.normal);
+  if (!fixed) {
+    normal = plane.normal;
+    return;
+  }
+  centre += kOfPlane * normal.dot(plane.centre - centre) * normal;
 }
 
 }  // namespace
@@ -109,18 +179,25 @@ void flatten(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> 
              std::span<const std::int32_t> moving, int rounds, Corners& corners) {
   std::vector<std::int32_t> near;  // the polygons round the moving corners
   for (const std::int32_t c : moving) near.insert(near.end(), polygons.at(c).begin(), polygons.at(c).end());
+  std::vector<std::int32_t> round = near;  // the same in the order of the corners, by where they stand in `near`
   sort_unique(near);
-  std::vector<Fit> fits(polygons.piece.size());
+  for (std::int32_t& q : round)
+    q = static_cast<std::int32_t>(std::lower_bound(near.begin(), near.end(), q) - near.begin());
+  std::vector<Fit> fits(near.size());
   std::vector<Vec3> next(moving.size());
-  for (int round = 0; round < rounds; ++round) {
-    for (const std::int32_t q : near) fits[q] = fit(polygons.of(q), corners.position, planes[polygons.piece[q]]);
+  for (int turn = 0; turn < rounds; ++turn) {
+    for (std::size_t i = 0; i < near.size(); ++i)
+      fits[i].to(polygons.of(near[i]), corners.position, planes[polygons.piece[near[i]]]);
+    auto fit = round.begin();
     for (std::size_t i = 0; i < moving.size(); ++i) {
       const std::int32_t c = moving[i];
+      const std::size_t count = polygons.at(c).size();
       const Vec3& at = corners.position[c];
       Vec3 move = Vec3::Zero();
-      for (const std::int32_t q : polygons.at(c)) move -= fits[q].normal * fits[q].normal.dot(at - fits[q].centre);
-      next[i] = within(at + move * (kRelax / static_cast<double>(polygons.at(c).size())),
-                       mesh.vertices()[corners.vertex[c]], corners.radius[c]);
+      for (const auto end = fit + static_cast<std::ptrdiff_t>(count); fit != end; ++fit)
+        move -= fits[*fit].normal * fits[*fit].normal.dot(at - fits[*fit].centre);
+      next[i] = within(at + move * (kRelax / static_cast<double>(count)), mesh.vertices()[corners.vertex[c]],
+                       corners.radius[c]);
     }
     for (std::size_t i = 0; i < moving.size(); ++i) corners.position[moving[i]] = next[i];
   }
