@@ -26,34 +26,36 @@ int Complex::boundary_edges(std::int32_t vertex) const {
   return edges;
 }
 
-void Complex::refresh(std::span<const std::int32_t> pieces, std::span<const std::int32_t> starts, const Job& job) {
+void Complex::refresh(std::span<const std::int32_t> pieces, std::vector<std::vector<std::int32_t>> loops,
+                      const Job& job) {
   loops_.resize(labels_.pieces.size());
   chords_.resize(labels_.pieces.size());
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     job.poll();
-    auto& loop = loops_[pieces[i]];
-    loop.clear();
-    std::int32_t h = starts[i];
-    do {
-      loop.push_back(h);
-      h = labels_.next_on_boundary(h);
-    } while (h != starts[i]);
-    for (const std::int32_t g : loop)
-      if (!is_corner(mesh_.from(g)) && is_anchor(mesh_.from(g))) add_corner(mesh_.from(g));
+    loops_[pieces[i]] = std::move(loops[i]);
+    add_anchors(loops_[pieces[i]]);
     seed_ring(pieces[i]);
   }
   dirty_.insert(dirty_.end(), pieces.begin(), pieces.end());
   collect_dirty();
   for (const std::int32_t l : pieces) {
     job.poll();
-    for (const std::int32_t h : chords_[l]) {
-      const bool other_does = !labels_.owns(h) && std::binary_search(pieces.begin(), pieces.end(), labels_.across(h));
-      if (!other_does) subdivide(h);
-    }
+    subdivide_chords(l, pieces);
   }
   for (const std::int32_t l : pieces) {
     job.poll();
     keep_shape(l);
+  }
+}
+
+/// Those where what is across changes: a disc is at a vertex but once, so where it does not, only two pieces meet
+/// there.
+void Complex::add_anchors(std::span<const std::int32_t> loop) {
+  std::int32_t last = labels_.across(loop.back());
+  for (const std::int32_t h : loop) {
+    const std::int32_t across = labels_.across(h);
+    if (across != last && !is_corner(mesh_.from(h))) add_corner(mesh_.from(h));
+    last = across;
   }
 }
 
@@ -98,21 +100,20 @@ bool Complex::has_chord(std::int32_t a, std::int32_t b) const {
   return leads(a, b) || leads(b, a);  // along the border of the mesh it can be seen from one end only
 }
 
-std::vector<std::int32_t> Complex::path(std::int32_t chord) const {
-  std::vector<std::int32_t> vertices{mesh_.from(chord)};
-  std::int32_t h = chord;
-  do {
-    vertices.push_back(mesh_.to(h));
-    h = labels_.next_on_boundary(h);
-  } while (!is_corner(mesh_.from(h)));
-  return vertices;
+std::size_t Complex::place_of(std::int32_t chord) const {
+  const auto& loop = loops_[labels_.label[chord / 3]];
+  return std::find(loop.begin(), loop.end(), chord) - loop.begin();
 }
 
-std::vector<Vec3> Complex::points(std::span<const std::int32_t> path) const {
-  std::vector<Vec3> points;
-  points.reserve(path.size());
-  for (const std::int32_t v : path) points.push_back(mesh_.vertices()[v]);
-  return points;
+void Complex::collect_line(std::span<const std::int32_t> loop, std::size_t at, std::vector<Vec3>& line) const {
+  std::int32_t v = mesh_.from(loop[at]);
+  line.clear();
+  do {
+    line.push_back(mesh_.vertices()[v]);
+    if (++at == loop.size()) at = 0;
+    v = mesh_.from(loop[at]);
+  } while (!is_corner(v));
+  line.push_back(mesh_.vertices()[v]);
 }
 
 void Complex::add_corner(std::int32_t vertex) {
@@ -139,44 +140,53 @@ void Complex::mark_dirty(std::int32_t vertex) {
   });
 }
 
-double Complex::depth(std::int32_t chord) const { return farthest(points(path(chord))).distance; }
+double Complex::depth(std::int32_t chord) const {
+  std::vector<Vec3> line;
+  collect_line(loops_[labels_.label[chord / 3]], place_of(chord), line);
+  return farthest(line).distance;
+}
 
 bool Complex::bend(std::int32_t chord) {
-  const std::vector<std::int32_t> vertices = path(chord);
-  if (vertices.size() < 3) return false;
-  bent_.push_back(vertices[farthest(points(vertices)).where]);
+  const auto& loop = loops_[labels_.label[chord / 3]];
+  const std::size_t at = place_of(chord);
+  collect_line(loop, at, line_);
+  if (line_.size() < 3) return false;
+  const std::size_t bend = at + farthest(line_).where;
+  bent_.push_back(mesh_.from(loop[bend % loop.size()]));
   add_corner(bent_.back());
   return true;
 }
 
-std::vector<Vec3> Complex::smooth(std::int32_t chord, std::vector<std::int32_t>& vertices) const {
-  vertices = path(chord);
-  return without_zigzag(points(vertices));
-}
-
-/// Chooses corners on a chord that leaves its path too far.
-void Complex::subdivide(std::int32_t chord) {
-  std::vector<std::int32_t> vertices;
-  const std::vector<Vec3> line = smooth(chord, vertices);
-  const double reach = labels_.across(chord) == kNone ? tolerance.most_on_border : tolerance.most / sine_at(chord);
-  for (const std::size_t i : simplify(line, reach)) add_corner(vertices[i]);
+/// Chooses corners on the chords of a piece that leave their paths too far, but for those that the other side does.
+void Complex::subdivide_chords(std::int32_t piece, std::span<const std::int32_t> pieces) {
+  const auto& loop = loops_[piece];
+  std::size_t at = 0;
+  for (const std::int32_t h : chords_[piece]) {
+    while (loop[at] != h) ++at;
+    if (!labels_.owns(h) && std::binary_search(pieces.begin(), pieces.end(), labels_.across(h))) continue;
+    collect_line(loop, at, line_);
+    take_out_zigzag(line_);
+    const double reach = labels_.across(h) == kNone ? tolerance.most_on_border : tolerance.most / sine_at(h);
+    for (const std::size_t i : simplify(line_, reach)) add_corner(loop, at + i);
+  }
 }
 
 /// Adds corners to a piece whose polygon is too different from it, however small it is.
 void Complex::keep_shape(std::int32_t piece) {
   struct Part {
-    std::int32_t chord;
-    double area;  // that the chord leaves out, below 0 where it adds
+    std::size_t at;  // where its chord begins in the loop
+    double area;     // that the chord leaves out, below 0 where it adds
   };
   const auto& loop = loops_[piece];
-  std::vector<std::int32_t> vertices;
-  const auto part_of = [&](std::int32_t h) {
-    const std::vector<Vec3> line = smooth(h, vertices);
-    return Part{h, line.size() < 3 ? 0 : area_left_out(line).dot(planes_[piece].normal) * sine_at(h)};
+  const auto part_at = [&](std::size_t at) {
+    collect_line(loop, at, line_);
+    if (line_.size() < 3) return Part{at, 0};
+    take_out_zigzag(line_);
+    return Part{at, area_left_out(line_).dot(planes_[piece].normal) * sine_at(loop[at])};
   };
   std::vector<Part> parts;  // in the order of the loop
-  for (const std::int32_t h : loop)
-    if (is_corner(mesh_.from(h))) parts.push_back(part_of(h));
+  for (std::size_t i = 0; i < loop.size(); ++i)
+    if (is_corner(mesh_.from(loop[i]))) parts.push_back(part_at(i));
   const double allowed = tolerance.of_area * planes_[piece].area;
   while (true) {
     double sum = 0, most = 0;
@@ -188,13 +198,14 @@ void Complex::keep_shape(std::int32_t piece) {
       worst = p;
     }
     if (std::abs(sum) <= allowed || worst == parts.end()) return;
-    const std::vector<Vec3> line = smooth(worst->chord, vertices);
-    const std::size_t where = farthest(line).where;
-    add_corner(vertices[where]);
+    collect_line(loop, worst->at, line_);
+    take_out_zigzag(line_);
+    const std::size_t at = worst->at + farthest(line_).where;
+    add_corner(loop, at);
     // The chord ends there now, and another begins: the first one, if that is beyond the end of the loop.
-    const std::size_t at = std::find(loop.begin(), loop.end(), worst->chord) - loop.begin() + where;
-    *worst = part_of(worst->chord);
-    parts.insert(at < loop.size() ? worst + 1 : parts.begin(), part_of(loop[at % loop.size()]));
+    *worst = part_at(worst->at);
+    const bool beyond = at >= loop.size();
+    parts.insert(beyond ? parts.begin() : worst + 1, part_at(beyond ? at - loop.size() : at));
   }
 }
 

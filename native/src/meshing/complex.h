@@ -39,10 +39,10 @@ class Complex {
 
   ChordTolerance tolerance;
 
-  /// Walks the boundaries of the given pieces, after their labels changed, and chooses corners on them.
+  /// Chooses corners on the boundaries of the given pieces, after their labels changed. All pieces must be discs.
   /// \param pieces  in rising order
-  /// \param starts  one boundary half-edge of each
-  void refresh(std::span<const std::int32_t> pieces, std::span<const std::int32_t> starts, const Job& job);
+  /// \param loops  the boundary half-edges of each, in order
+  void refresh(std::span<const std::int32_t> pieces, std::vector<std::vector<std::int32_t>> loops, const Job& job);
   /// Adds corners until every polygon has three, no two chords have the same ends, no two polygons the same corners.
   /// Where no corner is left to add (two triangles of the mesh), polygons may stay alike: see `judge`. Only what has a
   /// corner in common with a piece that has changed is looked at, as nothing else can have become irregular.
@@ -70,17 +70,22 @@ class Complex {
   [[nodiscard]] std::span<const std::int32_t> bent() const { return bent_; }
   /// Whether some chord has these two vertices as its ends.
   [[nodiscard]] bool has_chord(std::int32_t a, std::int32_t b) const;
-  /// The vertices from corner to corner.
-  [[nodiscard]] std::vector<std::int32_t> path(std::int32_t chord) const;
   [[nodiscard]] const RegularCounts& counts() const { return counts_; }
 
  private:
   [[nodiscard]] bool is_anchor(std::int32_t vertex) const { return boundary_edges(vertex) != 2; }
-  [[nodiscard]] std::vector<Vec3> points(std::span<const std::int32_t> path) const;
+  /// Where a chord begins in the loop of its piece.
+  [[nodiscard]] std::size_t place_of(std::int32_t chord) const;
+  /// The points from corner to corner. \param at  where the first is in the loop
+  void collect_line(std::span<const std::int32_t> loop, std::size_t at, std::vector<Vec3>& line) const;
+  /// Makes the vertex a corner that is some steps behind a place in a loop.
+  void add_corner(std::span<const std::int32_t> loop, std::size_t at) {
+    add_corner(mesh_.from(loop[at < loop.size() ? at : at - loop.size()]));
+  }
+  void add_anchors(std::span<const std::int32_t> loop);
   void seed_ring(std::int32_t piece);
-  void subdivide(std::int32_t chord);
+  void subdivide_chords(std::int32_t piece, std::span<const std::int32_t> pieces);
   void keep_shape(std::int32_t piece);
-  [[nodiscard]] std::vector<Vec3> smooth(std::int32_t chord, std::vector<std::int32_t>& vertices) const;
   /// Of the angle at which the two pieces of a chord meet, but at least tolerance.least_sine; 1 on the border.
   [[nodiscard]] double sine_at(std::int32_t chord) const;
   void mark_dirty(std::int32_t vertex);
@@ -99,6 +104,7 @@ class Complex {
   std::vector<std::int32_t> dirty_;                ///< pieces whose chords_ are out of date
   std::vector<std::int32_t> changed_;              ///< pieces whose chords_ were, and were not yet made regular
   std::vector<std::int32_t> bent_;
+  std::vector<Vec3> line_;  ///< of the chord that is looked at
   RegularCounts counts_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -12,7 +13,10 @@ namespace isimp::meshing {
 
 /// Shortest paths over vertices or faces; the arrays are kept between searches.
 struct Search {
-  explicit Search(std::size_t n) : distance(n), via(n), reached(n) {}
+  explicit Search(std::size_t n)
+      : distance(std::make_unique_for_overwrite<double[]>(n)),
+        via(std::make_unique_for_overwrite<std::int32_t[]>(n)),
+        reached(n) {}
   /// Clears what was reached.
   void start();
   /// Reaches i over `from_via` if that is nearer than before. \return whether it was
@@ -20,8 +24,8 @@ struct Search {
   /// The nearest one not yet taken, kNone if there is none.
   std::int32_t take();
 
-  std::vector<double> distance;   ///< valid where reached
-  std::vector<std::int32_t> via;  ///< what each was reached over
+  std::unique_ptr<double[]> distance;   ///< valid where reached
+  std::unique_ptr<std::int32_t[]> via;  ///< what each was reached over
   Marks reached;
 
  private:
@@ -41,7 +45,7 @@ struct Cutter {
 
   Labels& labels;
   Search vertices, faces;
-  std::vector<std::int32_t> vertex_loop;  ///< valid where vertex_marks: boundary loop of the vertex
+  std::unique_ptr<std::int32_t[]> vertex_loop;  ///< valid where vertex_marks: boundary loop of the vertex
   Marks vertex_marks, blocked, halfedge_marks, face_marks;
 };
 

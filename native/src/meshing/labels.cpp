@@ -35,6 +35,16 @@ std::vector<std::int32_t> Labels::faces_of(std::int32_t piece) {
   return faces;
 }
 
+std::vector<std::int32_t> Labels::loop_from(std::int32_t h) const {
+  std::vector<std::int32_t> loop;
+  std::int32_t g = h;
+  do {
+    loop.push_back(g);
+    g = next_on_boundary(g);
+  } while (g != h);
+  return loop;
+}
+
 std::int32_t Labels::part(std::span<const std::int32_t> faces, std::int32_t stays, Cause cause) {
   const std::int32_t from = label[faces[0]], to = piece_count();
   for (const std::int32_t f : faces) label[f] = to;
@@ -85,71 +95,93 @@ Shape Labels::shape(std::span<const std::int32_t> faces, bool check_parts) {
   return s;
 }
 
-Labels label_pieces(const Mesh& mesh, std::span<const std::int32_t> face_region, const Job& job) {
-  Labels labels(mesh);
-  std::vector<std::int32_t> stack;
-  std::vector<bool> seen;
-  std::int32_t done = 0;
-  for (std::int32_t start = 0; start < mesh.face_count(); ++start) {
-    const std::int32_t region = face_region[start];
-    if (region == kNone || labels.label[start] != kNone) continue;
-    const std::int32_t id = labels.piece_count();
-    if (seen.size() <= static_cast<std::size_t>(region)) seen.resize(region + 1, false);
-    labels.pieces.push_back({start, region, seen[region] ? Cause::unconnected : Cause::region});
-    seen[region] = true;
-    labels.label[start] = id;
-    stack.push_back(start);
-    while (!stack.empty()) {
-      const std::int32_t f = stack.back();
-      stack.pop_back();
-      if (++done % kStride == 0) job.poll();
-      for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h) {
-        const std::int32_t o = mesh.opposite(h);
-        if (o == kNone || face_region[o / 3] != region || labels.label[o / 3] != kNone) continue;
-        labels.label[o / 3] = id;
-        stack.push_back(o / 3);
-      }
-    }
-  }
-  return labels;
-}
-
 namespace {
 
-/// The boundary half-edges, grouped by piece: those of piece l are grouped[start[l]] ... grouped[start[l + 1] - 1].
-struct Boundary {
-  std::vector<std::int32_t> grouped, start;
-};
+/// The lowest face of a tree of faces, in which each hangs on a lower one.
+std::int32_t lowest(std::vector<std::int32_t>& below, std::int32_t f) {
+  while (below[f] != f) f = below[f] = below[below[f]];
+  return f;
+}
 
-Boundary find_boundary(const Labels& labels, const Job& job) {
-  Boundary b;
-  std::vector<std::int32_t> found;
-  b.start.assign(labels.pieces.size() + 1, 0);
-  const std::int32_t half_edges = 3 * labels.mesh.face_count();
-  for (std::int32_t h = 0; h < half_edges; ++h) {
-    if (h % (3 * kStride) == 0) job.poll();
-    const std::int32_t l = labels.label[h / 3];
-    if (l == kNone || labels.inner(h)) continue;
-    found.push_back(h);
-    ++b.start[l + 1];
+/// Hangs face f, the highest so far, on the trees of those before it that are beside it in its region.
+void hang(const Mesh& mesh, std::span<const std::int32_t> region, std::int32_t f, std::vector<std::int32_t>& below,
+          std::vector<std::int32_t>& between) {
+  std::int32_t root = f;
+  for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h) {
+    const std::int32_t o = mesh.opposite(h), g = o / 3;
+    if (o == kNone || region[g] != region[f]) {
+      between.push_back(h);
+    } else if (g < f && below[g] != root) {
+      const std::int32_t other = lowest(below, g);
+      below[std::max(root, other)] = std::min(root, other);
+      root = std::min(root, other);
+    }
   }
-  std::partial_sum(b.start.begin(), b.start.end(), b.start.begin());
-  std::vector<std::int32_t> fill(b.start.begin(), b.start.end() - 1);
-  b.grouped.resize(found.size());
-  for (const std::int32_t h : found) b.grouped[fill[labels.label[h / 3]]++] = h;
-  return b;
+  below[f] = root;
 }
 
 }  // namespace
 
-std::vector<std::int32_t> find_defects(Labels& labels, const Job& job) {
+std::vector<std::int32_t> label_pieces(Labels& labels, std::span<const std::int32_t> face_region, const Job& job) {
   const Mesh& mesh = labels.mesh;
-  const Boundary boundary = find_boundary(labels, job);
+  std::vector<std::int32_t> between;
+  std::vector<std::int32_t>& label =
+      labels.label;  // at first, a lower face of the same piece; its own if there is none
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    if (f % kStride == 0) job.poll();
+    if (face_region[f] == kNone) continue;
+    label[f] = f;
+    hang(mesh, face_region, f, label, between);
+  }
+  std::vector<bool> seen;
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const std::int32_t region = face_region[f];
+    if (region == kNone) continue;
+    if (label[f] != f) {
+      label[f] = label[label[f]];
+      continue;
+    }
+    label[f] = labels.piece_count();
+    if (seen.size() <= static_cast<std::size_t>(region)) seen.resize(region + 1, false);
+    labels.pieces.push_back({f, region, seen[region] ? Cause::unconnected : Cause::region});
+    seen[region] = true;
+  }
+  return between;
+}
+
+Outlines trace_outlines(const Labels& labels, std::span<const std::int32_t> between, const Job& job) {
+  Outlines o;
+  o.start.assign(labels.pieces.size() + 1, 0);
+  o.loops.assign(labels.pieces.size(), 0);
+  for (const std::int32_t h : between)
+    if (!labels.inner(h)) ++o.start[labels.label[h / 3] + 1];
+  std::partial_sum(o.start.begin(), o.start.end(), o.start.begin());
+  std::vector<std::int32_t> fill(o.start.begin(), o.start.end() - 1), grouped(o.start.back());
+  for (const std::int32_t h : between)
+    if (!labels.inner(h)) grouped[fill[labels.label[h / 3]]++] = h;
+  o.halfedges.reserve(grouped.size());
+  std::vector<bool> walked(3 * static_cast<std::size_t>(labels.mesh.face_count()), false);
+  for (std::size_t i = 0; i < grouped.size(); ++i) {
+    if (i % kStride == 0) job.poll();
+    if (walked[grouped[i]]) continue;
+    ++o.loops[labels.label[grouped[i] / 3]];
+    std::int32_t h = grouped[i];
+    do {
+      walked[h] = true;
+      o.halfedges.push_back(h);
+      h = labels.next_on_boundary(h);
+    } while (h != grouped[i]);
+  }
+  return o;
+}
+
+std::vector<std::int32_t> find_defects(Labels& labels, const Outlines& outlines, const Job& job) {
+  const Mesh& mesh = labels.mesh;
   std::vector<std::int64_t> chi2(labels.pieces.size(), 0);  // 2 V_inside + B - F
   for (const std::int32_t l : labels.label)
     if (l != kNone) --chi2[l];
   labels.vertex_marks.clear();
-  for (const std::int32_t h : boundary.grouped) labels.vertex_marks.add(mesh.from(h));
+  for (const std::int32_t h : outlines.halfedges) labels.vertex_marks.add(mesh.from(h));
   for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
     if (v % kStride == 0) job.poll();
     const std::int32_t h = mesh.vertex_halfedge()[v];
@@ -157,27 +189,15 @@ std::vector<std::int32_t> find_defects(Labels& labels, const Job& job) {
     chi2[labels.label[h / 3]] += 2;
   }
   std::vector<std::int32_t> defects;
-  labels.halfedge_marks.clear();
   for (std::int32_t l = 0; l < labels.piece_count(); ++l) {
-    std::int32_t loops = 0, pinches = 0;
+    const auto outline = outlines.of(l);
+    bool pinched = false;
     labels.vertex_marks.clear();
-    for (std::int32_t i = boundary.start[l]; i < boundary.start[l + 1]; ++i) {
-      if (labels.halfedge_marks.has(boundary.grouped[i])) continue;
-      ++loops;
-      for (std::int32_t g = boundary.grouped[i]; labels.halfedge_marks.add(g); g = labels.next_on_boundary(g))
-        pinches += !labels.vertex_marks.add(mesh.from(g));
-    }
-    const std::int64_t chi = (chi2[l] + boundary.start[l + 1] - boundary.start[l]) / 2;
-    if (loops != 1 || chi != 1 || pinches != 0) defects.push_back(l);
+    for (const std::int32_t h : outline) pinched = !labels.vertex_marks.add(mesh.from(h)) || pinched;
+    const std::int64_t chi = (chi2[l] + static_cast<std::int64_t>(outline.size())) / 2;
+    if (outlines.loops[l] != 1 || chi != 1 || pinched) defects.push_back(l);
   }
   return defects;
-}
-
-std::vector<std::int32_t> boundary_starts(const Labels& labels) {
-  std::vector<std::int32_t> starts(labels.pieces.size(), kNone);
-  for (std::int32_t h = 3 * labels.mesh.face_count() - 1; h >= 0; --h)
-    if (const std::int32_t l = labels.label[h / 3]; l != kNone && !labels.inner(h)) starts[l] = h;
-  return starts;
 }
 
 namespace {
@@ -215,10 +235,10 @@ double extent_of(Labels& labels, std::int32_t piece) {
 
 std::int32_t merge_pieces_without_area(Labels& labels, double thickness) {
   const Mesh& mesh = labels.mesh;
-  std::vector<double> area(labels.pieces.size(), 0);
+  std::vector<double> area(labels.pieces.size(), 0);  // at least as far as it takes to see that there is one
   for (std::int32_t f = 0; f < mesh.face_count(); ++f)
-    if (labels.label[f] != kNone)
-      area[labels.label[f]] += mesh.graph().area * mesh.graph().faces[mesh.graph().graph_face[f]].area;
+    if (const std::int32_t l = labels.label[f]; l != kNone && area[l] <= thickness * mesh.diagonal())
+      area[l] += mesh.graph().area * mesh.graph().faces[mesh.graph().graph_face[f]].area;
   std::vector<std::int32_t> empty;
   std::vector<bool> thin(labels.pieces.size(), false);
   for (std::int32_t l = 0; l < labels.piece_count(); ++l) {

@@ -6,26 +6,9 @@
 
 #include "isimp/core/job.h"
 #include "isimp/mesh/mesh.h"
+#include "marks.h"
 
 namespace isimp::meshing {
-
-/// A set of indices in [0, n) that is emptied in O(1).
-class Marks {
- public:
-  explicit Marks(std::size_t n) : stamp_(n, 0) {}
-  void clear() { ++now_; }
-  /// \return whether `i` is new to the set
-  bool add(std::int32_t i) {
-    const bool fresh = stamp_[i] != now_;
-    stamp_[i] = now_;
-    return fresh;
-  }
-  [[nodiscard]] bool has(std::int32_t i) const { return stamp_[i] == now_; }
-
- private:
-  std::vector<std::uint32_t> stamp_;
-  std::uint32_t now_ = 1;
-};
 
 /// Why a piece is there.
 enum class Cause : std::uint8_t { region, unconnected, pinch, hole, handle, closed, repair };
@@ -77,6 +60,8 @@ struct Labels {
     while (inner(g)) g = Mesh::next(mesh.opposite(g));
     return g;
   }
+  /// The boundary loop of half-edge h, from there on.
+  [[nodiscard]] std::vector<std::int32_t> loop_from(std::int32_t h) const;
   [[nodiscard]] std::int32_t piece_count() const { return static_cast<std::int32_t>(pieces.size()); }
 
   /// The faces of a piece, by flooding from one of them. Clears and uses face_marks.
@@ -99,19 +84,29 @@ void for_each_leaving(const Mesh& mesh, std::int32_t v, Function fn) {
   }
 }
 
-/// One label for each connected piece of a region. \param face_region (F) in [-1, R)
-/// Cost: O(F).
-Labels label_pieces(const Mesh& mesh, std::span<const std::int32_t> face_region, const Job& job);
+/// Labels the faces: one label for each connected piece of a region. \param face_region (F) in [-1, R)
+/// \return the half-edges with another region across or none, in rising order Cost: O(F).
+std::vector<std::int32_t> label_pieces(Labels& labels, std::span<const std::int32_t> face_region, const Job& job);
 
 /// Gives pieces without any area, or thinner than `thickness` (scene units), to the neighbour with the longest
 /// boundary, since no polygon can stand for them; a part of the mesh that has no other pieces keeps them. The labels
 /// that are left over move down. \return how many went Cost: O(F).
 std::int32_t merge_pieces_without_area(Labels& labels, double thickness);
 
-/// The labels of pieces that are not discs, in rising order. Cost: O(F).
-std::vector<std::int32_t> find_defects(Labels& labels, const Job& job);
+/// The boundary half-edges by piece: those of piece l are halfedges[start[l]] ... halfedges[start[l + 1] - 1], one loop
+/// after the other in order, the first one from the lowest half-edge.
+struct Outlines {
+  std::vector<std::int32_t> halfedges, start;
+  std::vector<std::int32_t> loops;  ///< how many of each piece
+  [[nodiscard]] std::span<const std::int32_t> of(std::int32_t piece) const {
+    return std::span(halfedges).subspan(start[piece], start[piece + 1] - start[piece]);
+  }
+};
 
-/// One boundary half-edge of each piece. Cost: O(F).
-std::vector<std::int32_t> boundary_starts(const Labels& labels);
+/// \param between  all boundary half-edges, and perhaps others, in rising order Cost: O(between).
+Outlines trace_outlines(const Labels& labels, std::span<const std::int32_t> between, const Job& job);
+
+/// The labels of pieces that are not discs, in rising order. Cost: O(F).
+std::vector<std::int32_t> find_defects(Labels& labels, const Outlines& outlines, const Job& job);
 
 }  // namespace isimp::meshing

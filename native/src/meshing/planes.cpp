@@ -1,9 +1,6 @@
 #include "planes.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
-#include <algorithm>
-#include <cmath>
 
 namespace isimp::meshing {
 namespace {
@@ -48,9 +45,6 @@ Plane plane(const Mesh& mesh, const Moments& m, const Vec3& origin) {
   const Vec3 c = m.first / m.area;
   p.centre = c + origin;
   p.spread = Eigen::Matrix3d(m.second.selfadjointView<Eigen::Lower>()) / m.area - c * c.transpose();
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.computeDirect(p.spread, Eigen::EigenvaluesOnly);
-  p.width = std::sqrt(12 * std::max(0.0, solver.eigenvalues()[1]));
   return p;
 }
 

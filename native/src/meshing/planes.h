@@ -14,7 +14,6 @@ struct Plane {
   Vec3 centre = Vec3::Zero();
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();  ///< covariance of the surface round the centre
   double area = 0;
-  double width = 0;  ///< the shorter side of the rectangle with the same covariance
 };
 
 /// The planes of all pieces. Cost: O(F).

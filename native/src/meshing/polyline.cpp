@@ -87,16 +87,19 @@ Farthest farthest(std::span<const Vec3> line) {
   return {std::sqrt(most), where};
 }
 
-std::vector<Vec3> without_zigzag(std::span<const Vec3> line) {
+void take_out_zigzag(std::span<Vec3> line) {
   const std::size_t n = line.size();
-  std::vector<Vec3> turn(n, Vec3::Zero()), smooth(line.begin(), line.end());
-  for (std::size_t i = 1; i + 1 < n; ++i) turn[i] = line[i - 1] - 2 * line[i] + line[i + 1];
+  const auto turn_at = [&](std::size_t i) -> Vec3 { return line[i - 1] - 2 * line[i] + line[i + 1]; };
+  if (n < 4) return;
+  Vec3 before = Vec3::Zero(), turn = turn_at(1);
   for (std::size_t i = 1; i + 1 < n; ++i) {
-    double against = 0;  // how much its neighbours turn the other way
-    for (const std::size_t k : {i - 1, i + 1}) against = std::max(against, -turn[k].dot(turn[i]));
-    if (against > 0) smooth[i] += turn[i] / 4 * std::min(1.0, against / turn[i].squaredNorm());
+    const Vec3 after = i + 2 < n ? turn_at(i + 1) : Vec3(Vec3::Zero());
+    // How much the neighbours turn the other way.
+    const double against = std::max({0.0, -before.dot(turn), -after.dot(turn)});
+    if (against > 0) line[i] += turn / 4 * std::min(1.0, against / turn.squaredNorm());
+    before = turn;
+    turn = after;
   }
-  return smooth;
 }
 
 Vec3 area_left_out(std::span<const Vec3> line) {

@@ -18,9 +18,9 @@ struct Farthest {
 /// lie on the chord. Cost: O(n).
 Farthest farthest(std::span<const Vec3> line);
 
-/// A polyline that keeps its ends and its bends, with zigzag taken out: a point that turns against its neighbours is
-/// moved towards the mean of the middles of its two edges.
-std::vector<Vec3> without_zigzag(std::span<const Vec3> line);
+/// Takes zigzag out of a polyline; its ends and its bends stay: a point that turns against its neighbours is moved
+/// towards the mean of the middles of its two edges.
+void take_out_zigzag(std::span<Vec3> line);
 
 /// Vector area between a line and its chord, walked along the line and back on the chord.
 Vec3 area_left_out(std::span<const Vec3> line);

@@ -32,7 +32,7 @@ Cutter::Cutter(Labels& l)
     : labels(l),
       vertices(l.mesh.vertex_count()),
       faces(l.mesh.face_count()),
-      vertex_loop(l.mesh.vertex_count()),
+      vertex_loop(std::make_unique_for_overwrite<std::int32_t[]>(l.mesh.vertex_count())),
       vertex_marks(l.mesh.vertex_count()),
       blocked(l.mesh.vertex_count()),
       halfedge_marks(3 * static_cast<std::size_t>(l.mesh.face_count())),

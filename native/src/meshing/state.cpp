@@ -28,18 +28,31 @@ ChordTolerance chord_tolerance(const Mesh& mesh, std::span<const Plane> planes, 
 /// hands faces over to a neighbour of another region.
 std::int32_t main_region(const Mesh& mesh, const Partition& partition, std::span<const std::int32_t> faces) {
   std::map<std::int32_t, double> area;
-  for (const std::int32_t f : faces)
-    area[partition.face_region[f]] += mesh.graph().faces[mesh.graph().graph_face[f]].area;
+  auto at = area.end();
+  for (const std::int32_t f : faces) {
+    const std::int32_t region = partition.face_region[f];
+    if (at == area.end() || at->first != region) at = area.try_emplace(region, 0).first;
+    at->second += mesh.graph().faces[mesh.graph().graph_face[f]].area;
+  }
   return std::max_element(area.begin(), area.end(), [](const auto& a, const auto& b) { return a.second < b.second; })
       ->first;
 }
 
 /// A boundary half-edge of a piece, found from one of its faces.
-std::int32_t boundary_start(Labels& labels, std::span<const std::int32_t> faces) {
+std::int32_t boundary_start(const Labels& labels, std::span<const std::int32_t> faces) {
   for (const std::int32_t f : faces)
     for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
       if (!labels.inner(h)) return h;
   return kNone;
+}
+
+/// The first one of them all.
+std::int32_t lowest_boundary(const Labels& labels, std::span<const std::int32_t> faces) {
+  std::int32_t lowest = 3 * labels.mesh.face_count();
+  for (const std::int32_t f : faces)
+    for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
+      if (h < lowest && !labels.inner(h)) lowest = h;
+  return lowest;
 }
 
 }  // namespace
@@ -49,27 +62,34 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
       partition(p),
       options(o),
       regions(partition.region_count()),
-      labels(label_pieces(m, partition.face_region, job)),
+      labels(m),
       cutter(labels),
       complex(labels, planes),
       corners(m.vertex_count()),
       job_(job) {
+  const std::vector<std::int32_t> between = label_pieces(labels, partition.face_region, job);
   merged_without_area = merge_pieces_without_area(labels, 2 * kThickness * m.diagonal());
   job.report(0.02);
-  make_discs(cutter, find_defects(labels, job), job);
+  const Outlines outlines = trace_outlines(labels, between, job);
+  make_discs(cutter, find_defects(labels, outlines, job), job);
   if (mesh.report().closed_components > 0) split_closed_components(cutter, kLeastClosed, job);
+  std::vector<std::vector<std::int32_t>> loops(labels.pieces.size());
+  for (std::int32_t l = 0; l < static_cast<std::int32_t>(outlines.loops.size()); ++l)
+    loops[l].assign(outlines.of(l).begin(), outlines.of(l).end());
   sort_unique(labels.touched);
-  for (const std::int32_t l : labels.touched)
-    labels.pieces[l].region = main_region(mesh, partition, labels.faces_of(l));
+  for (const std::int32_t l : labels.touched) {
+    const std::vector<std::int32_t> faces = labels.faces_of(l);
+    labels.pieces[l].region = main_region(mesh, partition, faces);
+    loops[l] = labels.loop_from(lowest_boundary(labels, faces));
+  }
   labels.touched.clear();
   job.report(0.07);
   planes = planes_of(labels);
   complex.tolerance = chord_tolerance(mesh, planes, regions, options);
   std::vector<std::int32_t> all(labels.pieces.size());
   std::iota(all.begin(), all.end(), 0);
-  const std::vector<std::int32_t> starts = boundary_starts(labels);
   job.report(0.08);
-  complex.refresh(all, starts, job);
+  complex.refresh(all, std::move(loops), job);
   job.report(0.1);
 }
 
@@ -183,14 +203,14 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, std::
   sort_unique(labels.touched);
   planes.resize(labels.pieces.size());
   diagonals.resize(labels.pieces.size());
-  std::vector<std::int32_t> starts;
+  std::vector<std::vector<std::int32_t>> loops;
   for (const std::int32_t l : labels.touched) {
     const std::vector<std::int32_t> faces = labels.faces_of(l);
     labels.pieces[l].region = main_region(mesh, partition, faces);
     planes[l] = plane_of(mesh, faces);
-    starts.push_back(boundary_start(labels, faces));
+    loops.push_back(labels.loop_from(boundary_start(labels, faces)));
   }
-  complex.refresh(labels.touched, starts, job_);
+  complex.refresh(labels.touched, std::move(loops), job_);
   labels.touched.clear();
   const std::vector<std::int32_t> cornered = complex.make_regular();
   changed.insert(changed.end(), cornered.begin(), cornered.end());
