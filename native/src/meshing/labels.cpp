@@ -10,6 +10,7 @@ namespace isimp::meshing {
 namespace {
 
 constexpr std::int32_t kStride = 1 << 13;  ///< faces or vertices from one poll to the next
+constexpr std::int32_t kAhead = 12;        ///< of the face that is looked at, what is beside another is fetched
 
 }  // namespace
 
@@ -97,51 +98,61 @@ Shape Labels::shape(std::span<const std::int32_t> faces, bool check_parts) {
 
 namespace {
 
-/// The lowest face of a tree of faces, in which each hangs on a lower one.
-std::int32_t lowest(std::vector<std::int32_t>& below, std::int32_t f) {
-  while (below[f] != f) f = below[f] = below[below[f]];
+/// A face while pieces are looked for: of each piece the faces hang on lower ones, down to its lowest.
+struct Hung {
+  std::int32_t region, on;
+};
+
+std::int32_t lowest(std::vector<Hung>& faces, std::int32_t f) {
+  while (faces[f].on != f) f = faces[f].on = faces[faces[f].on].on;
   return f;
 }
 
-/// Hangs face f, the highest so far, on the trees of those before it that are beside it in its region.
-void hang(const Mesh& mesh, std::span<const std::int32_t> region, std::int32_t f, std::vector<std::int32_t>& below,
-          std::vector<std::int32_t>& between) {
+/// Hangs face f, the highest so far, on those before it that are beside it in its region, and notes which are in
+/// another.
+void hang(const Mesh& mesh, std::int32_t f, std::vector<Hung>& faces, Bits& between) {
   std::int32_t root = f;
   for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h) {
     const std::int32_t o = mesh.opposite(h), g = o / 3;
-    if (o == kNone || region[g] != region[f]) {
-      between.push_back(h);
-    } else if (g < f && below[g] != root) {
-      const std::int32_t other = lowest(below, g);
-      below[std::max(root, other)] = std::min(root, other);
+    if (o == kNone) {
+      between.add(h);
+    } else if (g >= f) {
+      continue;
+    } else if (faces[g].region != faces[f].region) {
+      between.add(h);
+      between.add(o);
+    } else if (faces[g].on != root) {
+      const std::int32_t other = lowest(faces, g);
+      faces[std::max(root, other)].on = std::min(root, other);
       root = std::min(root, other);
     }
   }
-  below[f] = root;
+  faces[f].on = root;
 }
 
 }  // namespace
 
-std::vector<std::int32_t> label_pieces(Labels& labels, std::span<const std::int32_t> face_region, const Job& job) {
+Bits label_pieces(Labels& labels, std::span<const std::int32_t> face_region, const Job& job) {
   const Mesh& mesh = labels.mesh;
-  std::vector<std::int32_t> between;
-  std::vector<std::int32_t>& label =
-      labels.label;  // at first, a lower face of the same piece; its own if there is none
+  Bits between(3 * static_cast<std::size_t>(mesh.face_count()));
+  std::vector<Hung> faces(mesh.face_count());
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
     if (f % kStride == 0) job.poll();
-    if (face_region[f] == kNone) continue;
-    label[f] = f;
-    hang(mesh, face_region, f, label, between);
+    if (f + kAhead < mesh.face_count())
+      for (std::int32_t h = 3 * (f + kAhead), end = h + 3; h < end; ++h)
+        if (mesh.opposite(h) < h) __builtin_prefetch(&faces[std::max(mesh.opposite(h), 0) / 3]);
+    faces[f] = {face_region[f], f};
+    if (face_region[f] != kNone) hang(mesh, f, faces, between);
   }
   std::vector<bool> seen;
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    const std::int32_t region = face_region[f];
+    const auto [region, on] = faces[f];
     if (region == kNone) continue;
-    if (label[f] != f) {
-      label[f] = label[label[f]];
+    if (on != f) {
+      labels.label[f] = labels.label[on];
       continue;
     }
-    label[f] = labels.piece_count();
+    labels.label[f] = labels.piece_count();
     if (seen.size() <= static_cast<std::size_t>(region)) seen.resize(region + 1, false);
     labels.pieces.push_back({f, region, seen[region] ? Cause::unconnected : Cause::region});
     seen[region] = true;
@@ -149,28 +160,35 @@ std::vector<std::int32_t> label_pieces(Labels& labels, std::span<const std::int3
   return between;
 }
 
-Outlines trace_outlines(const Labels& labels, std::span<const std::int32_t> between, const Job& job) {
-  Outlines o;
+Outlines trace_outlines(const Labels& labels, const Bits& boundary, const Job& job) {
+  const Mesh& mesh = labels.mesh;
+  std::vector<std::int32_t> walked, loop_start;
+  Bits left = boundary;
+  for (std::int64_t first = left.next(0); first >= 0; first = left.next(first)) {
+    job.poll();
+    loop_start.push_back(static_cast<std::int32_t>(walked.size()));
+    for (auto h = static_cast<std::int32_t>(first); left.has(h);) {
+      left.remove(h);
+      walked.push_back(h);
+      h = Mesh::next(h);
+      while (!boundary.has(h)) h = Mesh::next(mesh.opposite(h));
+    }
+  }
+  loop_start.push_back(static_cast<std::int32_t>(walked.size()));
+  // The same by piece.
+  Outlines o{std::vector<std::int32_t>(walked.size()), {}, {}};
   o.start.assign(labels.pieces.size() + 1, 0);
   o.loops.assign(labels.pieces.size(), 0);
-  for (const std::int32_t h : between)
-    if (!labels.inner(h)) ++o.start[labels.label[h / 3] + 1];
+  const auto piece = [&](std::size_t loop) { return labels.label[walked[loop_start[loop]] / 3]; };
+  for (std::size_t i = 0; i + 1 < loop_start.size(); ++i) {
+    ++o.loops[piece(i)];
+    o.start[piece(i) + 1] += loop_start[i + 1] - loop_start[i];
+  }
   std::partial_sum(o.start.begin(), o.start.end(), o.start.begin());
-  std::vector<std::int32_t> fill(o.start.begin(), o.start.end() - 1), grouped(o.start.back());
-  for (const std::int32_t h : between)
-    if (!labels.inner(h)) grouped[fill[labels.label[h / 3]]++] = h;
-  o.halfedges.reserve(grouped.size());
-  std::vector<bool> walked(3 * static_cast<std::size_t>(labels.mesh.face_count()), false);
-  for (std::size_t i = 0; i < grouped.size(); ++i) {
-    if (i % kStride == 0) job.poll();
-    if (walked[grouped[i]]) continue;
-    ++o.loops[labels.label[grouped[i] / 3]];
-    std::int32_t h = grouped[i];
-    do {
-      walked[h] = true;
-      o.halfedges.push_back(h);
-      h = labels.next_on_boundary(h);
-    } while (h != grouped[i]);
+  std::vector<std::int32_t> fill(o.start.begin(), o.start.end() - 1);
+  for (std::size_t i = 0; i + 1 < loop_start.size(); ++i) {
+    std::copy(walked.begin() + loop_start[i], walked.begin() + loop_start[i + 1], o.halfedges.begin() + fill[piece(i)]);
+    fill[piece(i)] += loop_start[i + 1] - loop_start[i];
   }
   return o;
 }
@@ -233,7 +251,7 @@ double extent_of(Labels& labels, std::int32_t piece) {
 
 }  // namespace
 
-std::int32_t merge_pieces_without_area(Labels& labels, double thickness) {
+std::int32_t merge_pieces_without_area(Labels& labels, double thickness, Bits& boundary) {
   const Mesh& mesh = labels.mesh;
   std::vector<double> area(labels.pieces.size(), 0);  // at least as far as it takes to see that there is one
   for (std::int32_t f = 0; f < mesh.face_count(); ++f)
@@ -266,6 +284,8 @@ std::int32_t merge_pieces_without_area(Labels& labels, double thickness) {
   for (std::int32_t& l : labels.label)
     if (l != kNone) l = moved[l];
   std::erase_if(labels.pieces, [](const Piece& p) { return p.face == kNone; });
+  for (std::int64_t h = boundary.next(0); h >= 0; h = boundary.next(h + 1))
+    if (labels.inner(static_cast<std::int32_t>(h))) boundary.remove(static_cast<std::int32_t>(h));
   return gone;
 }
 

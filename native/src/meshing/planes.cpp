@@ -5,6 +5,8 @@
 namespace isimp::meshing {
 namespace {
 
+constexpr std::int32_t kAhead = 12;  ///< of the face that is looked at, the corners of another are fetched
+
 /// Integrals over a set of faces, about an origin that keeps the numbers small.
 struct Moments {
   double area = 0;
@@ -56,8 +58,11 @@ std::vector<Plane> planes_of(const Labels& labels) {
   std::vector<Vec3> origin(labels.pieces.size());
   for (std::size_t l = 0; l < origin.size(); ++l)
     origin[l] = mesh.vertices()[mesh.triangles()[labels.pieces[l].face][0]];
-  for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    if (f + kAhead < mesh.face_count())
+      for (const std::int32_t v : mesh.triangles()[f + kAhead]) __builtin_prefetch(&mesh.vertices()[v]);
     if (const std::int32_t l = labels.label[f]; l != kNone) moments[l].add(mesh, f, origin[l]);
+  }
   std::vector<Plane> planes(moments.size());
   for (std::size_t l = 0; l < planes.size(); ++l) planes[l] = plane(mesh, moments[l], origin[l]);
   return planes;

@@ -67,10 +67,10 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
       complex(labels, planes),
       corners(m.vertex_count()),
       job_(job) {
-  const std::vector<std::int32_t> between = label_pieces(labels, partition.face_region, job);
-  merged_without_area = merge_pieces_without_area(labels, 2 * kThickness * m.diagonal());
+  Bits boundary = label_pieces(labels, partition.face_region, job);
+  merged_without_area = merge_pieces_without_area(labels, 2 * kThickness * m.diagonal(), boundary);
   job.report(0.02);
-  const Outlines outlines = trace_outlines(labels, between, job);
+  const Outlines outlines = trace_outlines(labels, boundary, job);
   make_discs(cutter, find_defects(labels, outlines, job), job);
   if (mesh.report().closed_components > 0) split_closed_components(cutter, kLeastClosed, job);
   std::vector<std::vector<std::int32_t>> loops(labels.pieces.size());
