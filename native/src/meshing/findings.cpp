@@ -13,8 +13,13 @@ std::uint8_t Findings::Found::faults() const {
   return all & ~kGiven;
 }
 
+bool Findings::is_face(std::int32_t piece) const {
+  const std::int32_t f = s_.labels.pieces[piece].face;
+  return f != kNone && !s_.labels.inner(3 * f) && !s_.labels.inner(3 * f + 1) && !s_.labels.inner(3 * f + 2);
+}
+
 Findings::Source Findings::source_of(std::int32_t piece) const {
-  Source s;
+  Source s{{}, {}, s_.planes[piece].normal, is_face(piece)};
   for (std::int32_t q = s_.polygons.first_of[piece]; q < s_.polygons.first_of[piece + 1]; ++q) {
     for (const std::int32_t c : s_.polygons.of(q)) {
       s.loops.push_back(c);
@@ -22,10 +27,18 @@ Findings::Source Findings::source_of(std::int32_t piece) const {
     }
     s.loops.push_back(kNone);
   }
-  s.normal = s_.planes[piece].normal;
-  const std::int32_t f = s_.labels.pieces[piece].face;
-  s.is_face = f != kNone && !s_.labels.inner(3 * f) && !s_.labels.inner(3 * f + 1) && !s_.labels.inner(3 * f + 2);
   return s;
+}
+
+bool Findings::is_source(const Source& s, std::int32_t piece) const {
+  auto loop = s.loops.begin();
+  auto place = s.places.begin();
+  for (std::int32_t q = s_.polygons.first_of[piece]; q < s_.polygons.first_of[piece + 1]; ++q) {
+    for (const std::int32_t c : s_.polygons.of(q))
+      if (loop == s.loops.end() || *loop++ != c || *place++ != s_.corners.position[c]) return false;
+    if (loop == s.loops.end() || *loop++ != kNone) return false;
+  }
+  return loop == s.loops.end() && s.normal == s_.planes[piece].normal && s.is_face == is_face(piece);
 }
 
 bool Findings::is_given(std::int32_t piece) const {
@@ -47,37 +60,41 @@ Findings::Found Findings::find(std::int32_t piece, Source source) const {
   return f;
 }
 
+void Findings::set(std::int32_t piece, Found found) {
+  found_[piece] = std::move(found);
+  around_[piece] = found_[piece].facets.around;
+}
+
 void Findings::judge(std::span<const std::int32_t> pieces) {
-  found_.resize(s_.labels.pieces.size());
-  std::vector<bool> changed(s_.labels.pieces.size(), false);
+  const std::size_t count = s_.labels.pieces.size();
+  found_.resize(count);
+  kept_.resize(count);
+  around_.resize(count, Box::nowhere());
+  std::vector<bool> changed(count, false);
   for (const std::int32_t l : pieces) {
-    Source source = source_of(l);
-    if (source == found_[l].source) continue;
+    if (is_source(found_[l].source, l)) continue;
     changed[l] = true;
-    const auto [kept, fresh] = kept_.try_emplace(l);
-    if (fresh) kept->second = std::move(found_[l]);
-    if (kept->second.source == source) {
-      found_[l] = std::move(kept->second);
-      kept_.erase(kept);
-    } else {
-      found_[l] = find(l, std::move(source));
-    }
+    std::unique_ptr<Found>& kept = kept_[l];
+    const bool again = kept && is_source(kept->source, l);
+    if (!kept) kept = std::make_unique<Found>(std::move(found_[l]));
+    set(l, again ? std::move(*kept) : find(l, source_of(l)));
+    if (again) kept.reset();
   }
-  std::vector<bool> same(found_.size(), true);  // as what was kept
-  for (const auto& [l, found] : kept_) same[l] = false;
+  std::vector<bool> same(count);  // as what was kept
+  for (std::size_t l = 0; l < count; ++l) same[l] = !kept_[l];
   std::vector<const FacetSet*> facets;
-  facets.reserve(found_.size());
+  facets.reserve(count);
   for (const Found& f : found_) facets.push_back(&f.facets);
   std::erase_if(hits_, [&](const Hit& h) { return changed[h.a] || changed[h.b]; });
   std::copy_if(kept_hits_.begin(), kept_hits_.end(), std::back_inserter(hits_),
                [&](const Hit& h) { return (changed[h.a] || changed[h.b]) && same[h.a] && same[h.b]; });
-  const std::vector<Hit> fresh = find_hits(facets, s_.corners.position, changed, same);
+  const std::vector<Hit> fresh = find_hits(facets, around_, s_.corners.position, changed, same);
   hits_.insert(hits_.end(), fresh.begin(), fresh.end());
   std::sort(hits_.begin(), hits_.end(), [](const Hit& x, const Hit& y) { return x.key() < y.key(); });
 }
 
 void Findings::keep() {
-  kept_.clear();
+  for (auto& kept : kept_) kept.reset();
   kept_hits_ = hits_;
 }
 

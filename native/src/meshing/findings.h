@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -50,6 +51,10 @@ class Findings {
 
  private:
   [[nodiscard]] Source source_of(std::int32_t piece) const;
+  /// Whether that of a piece is this one still.
+  [[nodiscard]] bool is_source(const Source& s, std::int32_t piece) const;
+  [[nodiscard]] bool is_face(std::int32_t piece) const;
+  void set(std::int32_t piece, Found found);
   [[nodiscard]] Found find(std::int32_t piece, Source source) const;
   /// Whether a piece is a face of the scan that has no area.
   [[nodiscard]] bool is_given(std::int32_t piece) const;
@@ -58,8 +63,9 @@ class Findings {
   const State& s_;
   const Bounds bounds_;
   std::vector<Found> found_;                               // by piece
+  std::vector<Box> around_;                                // by piece: its facets' box
   std::vector<Hit> hits_;                                  // in rising order
-  std::map<std::int32_t, Found> kept_;                     // of the pieces that are no more what they were at `keep`
+  std::vector<std::unique_ptr<Found>> kept_;               // of the pieces that are no more what they were at `keep`
   std::vector<Hit> kept_hits_;                             // all of then
   std::map<std::array<std::int32_t, 2>, bool> excuses_;    // by pair of regions
   std::vector<std::int32_t> region_start_, region_faces_;  // faces by region, made when first asked for

@@ -157,11 +157,12 @@ bool beside(const FacetSet& a, std::int32_t i, const FacetSet& b, std::int32_t j
   return sides == 1 || sides == 2;
 }
 
-/// Notes which facets of two pieces meet, or of one, each pair once.
-void find_meetings(const FacetSet& a, const FacetSet& b, std::vector<Meeting>& met) {
-  std::vector<std::int32_t> near;
+/// Notes which facets of two pieces meet, or of one, each pair once. \param near  to be used
+void find_meetings(const FacetSet& a, const FacetSet& b, std::vector<std::int32_t>& near, std::vector<Meeting>& met) {
+  near.clear();
   for (const std::int32_t j : b.solid)
     if (!b.boxes[j].apart(a.around)) near.push_back(j);
+  if (near.empty()) return;
   for (const std::int32_t i : a.solid) {
     const Box& box = a.boxes[i];
     if (box.apart(b.around)) continue;
@@ -176,19 +177,21 @@ void find_meetings(const FacetSet& a, const FacetSet& b, std::vector<Meeting>& m
 }
 
 /// First by pieces whose boxes meet, as these are few.
-std::vector<Meeting> find_meetings(std::span<const FacetSet* const> pieces, const std::vector<bool>& changed,
-                                   const std::vector<bool>& known) {
+std::vector<Meeting> find_meetings(std::span<const FacetSet* const> pieces, std::span<const Box> arounds,
+                                   const std::vector<bool>& changed, const std::vector<bool>& known) {
   std::vector<Entry> moved;
   for (std::int32_t l = 0; l < static_cast<std::int32_t>(pieces.size()); ++l)
-    if (changed[l] && !pieces[l]->solid.empty()) moved.push_back({pieces[l]->around, l});
+    if (changed[l] && !pieces[l]->solid.empty()) moved.push_back({arounds[l], l});
   std::vector<Meeting> met;
+  std::vector<std::int32_t> near;
   const BoxTree search(std::move(moved));
   for (std::int32_t l = 0; l < static_cast<std::int32_t>(pieces.size()); ++l) {
-    if (pieces[l]->solid.empty()) continue;
-    (void)search.any(pieces[l]->around, [&](const Entry& y) {
+    (void)search.any(arounds[l], [&](const Entry& y) {
       const bool seen_from_there = changed[l] && y.index < l, is_known = known[l] && known[y.index];
-      if (!seen_from_there && !is_known)
-        find_meetings(*pieces[std::min(l, y.index)], *pieces[std::max(l, y.index)], met);
+      // Of a piece of one polygon, no two facets can.
+      const bool is_alone = y.index == l && pieces[l]->facets.back().part == 0;
+      if (!seen_from_there && !is_known && !is_alone)
+        find_meetings(*pieces[std::min(l, y.index)], *pieces[std::max(l, y.index)], near, met);
       return false;
     });
   }
@@ -203,25 +206,26 @@ void FacetSet::locate(std::span<const Vec3> position) {
   facings.clear();
   boxes.clear();
   solid.clear();
+  around = Box::nowhere();
   for (const auto& [corner, piece, part] : facets) {
     solids.push_back({stored(position[corner[0]]), stored(position[corner[1]]), stored(position[corner[2]])});
     facings.push_back(facing_of(solids.back()));
     boxes.push_back(box_of(solids.back()));
     if (!has_area(solids.back())) continue;
-    if (solid.empty()) around = boxes.back();
     around.include(boxes.back());
     solid.push_back(static_cast<std::int32_t>(solids.size()) - 1);
   }
 }
 
-std::vector<Hit> find_hits(std::span<const FacetSet* const> pieces, std::span<const Vec3> position,
-                           const std::vector<bool>& changed, const std::vector<bool>& known) {
+std::vector<Hit> find_hits(std::span<const FacetSet* const> pieces, std::span<const Box> arounds,
+                           std::span<const Vec3> position, const std::vector<bool>& changed,
+                           const std::vector<bool>& known) {
   std::vector<Hit> hits;
   const auto corners = [&](const Facet& f) {
     return Corners{position[f.corner[0]], position[f.corner[1]], position[f.corner[2]]};
   };
   // Facets come by part, so the lower one is of the lower polygon.
-  for (const Meeting& m : find_meetings(pieces, changed, known)) {
+  for (const Meeting& m : find_meetings(pieces, arounds, changed, known)) {
     const Facet &f = pieces[m.piece]->facets[m.index], &g = pieces[m.other_piece]->facets[m.other_index];
     hits.push_back({f.piece,
                     f.part,

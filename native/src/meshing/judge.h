@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -51,6 +52,13 @@ struct Box {
     // The sign of a difference is never rounded away.
     return (low - other.high).max(other.low - high).maxCoeff() > 0;
   }
+  /// The box of nothing, apart from all.
+  static Box nowhere() {
+    Box box;
+    box.low.head<3>().setConstant(std::numeric_limits<float>::infinity());
+    box.high = -box.low;
+    return box;
+  }
   void include(const Box& other) {
     low = low.min(other.low);
     high = high.max(other.high);
@@ -70,7 +78,7 @@ struct FacetSet {
   std::vector<Facing> facings;              ///< of each
   std::vector<Box> boxes;                   ///< of each
   std::vector<std::int32_t> solid;          ///< which facets have area: the others meet nothing
-  Box around;                               ///< all of these
+  Box around = Box::nowhere();              ///< all of these
 
   void clear() { facets.clear(); }
   /// Makes all but the facets from these. To be called again when a corner has moved.
@@ -87,10 +95,12 @@ struct Hit {
 
 /// All pairs of polygons that intersect and of which one at least is of a `changed` piece, in rising order.
 /// \param pieces  their facets, by piece
+/// \param arounds  by piece, their boxes
 /// \param known  by piece: pairs of two such are left out
 /// Cost: O(c log c + pieces + pairs of boxes) for c facets of changed pieces.
-std::vector<Hit> find_hits(std::span<const FacetSet* const> pieces, std::span<const Vec3> position,
-                           const std::vector<bool>& changed, const std::vector<bool>& known);
+std::vector<Hit> find_hits(std::span<const FacetSet* const> pieces, std::span<const Box> arounds,
+                           std::span<const Vec3> position, const std::vector<bool>& changed,
+                           const std::vector<bool>& known);
 
 /// Some faces of the scan and the box around them.
 struct ScanPart {

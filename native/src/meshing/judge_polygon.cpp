@@ -49,9 +49,28 @@ Flat flat(std::span<const std::int32_t> polygon, std::span<const Vec3> position)
   return f;
 }
 
-bool boxes_apart(const Point& a, const Point& b, const Point& c, const Point& d) {
+inline bool boxes_apart(const Point& a, const Point& b, const Point& c, const Point& d) {
   return std::max(a.x(), b.x()) < std::min(c.x(), d.x()) || std::max(c.x(), d.x()) < std::min(a.x(), b.x()) ||
          std::max(a.y(), b.y()) < std::min(c.y(), d.y()) || std::max(c.y(), d.y()) < std::min(a.y(), b.y());
+}
+
+/// Whether the polygon turns left at every corner and goes round but once. Such a polygon is simple, and all between
+/// two of its corners lies inside. Cost: O(n).
+bool is_convex(const std::vector<Point>& p) {
+  const std::size_t n = p.size();
+  const auto rises = [&](std::size_t i) {  // edge i, of the half of all directions from 0 to 180 degrees
+    const Point &a = p[i], &b = p[(i + 1) % n];
+    return b.y() > a.y() || (b.y() == a.y() && b.x() > a.x());
+  };
+  int rounds = 0;
+  bool before = rises(n - 1);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (CGAL::orientation(p[i], p[(i + 1) % n], p[(i + 2) % n]) != CGAL::LEFT_TURN) return false;
+    const bool here = rises(i);
+    rounds += here && !before;
+    before = here;
+  }
+  return rounds == 1;
 }
 
 /// Whether edge i touches edge j, j > i, elsewhere than where they follow each other.
@@ -135,8 +154,15 @@ class Ears {
 /// normal. Source: Gilbert 1979. Cost: O(n^3).
 class LeastSurface {
  public:
-  LeastSurface(const std::vector<Point>& points, std::span<const std::int32_t> polygon, std::span<const Vec3> position)
-      : p_(points), polygon_(polygon), position_(position), n_(points.size()), cost_(n_ * n_, 0), via_(n_ * n_, 0) {}
+  LeastSurface(const std::vector<Point>& points, bool convex, std::span<const std::int32_t> polygon,
+               std::span<const Vec3> position)
+      : p_(points),
+        convex_(convex),
+        polygon_(polygon),
+        position_(position),
+        n_(points.size()),
+        cost_(n_ * n_, 0),
+        via_(n_ * n_, 0) {}
 
   /// \return whether there is one
   bool cut(const Facet& like, std::vector<Facet>& facets) {
@@ -153,10 +179,11 @@ class LeastSurface {
   void best(std::size_t i, std::size_t j) {
     double& least = cost_[i * n_ + j];
     least = kNever;
-    if (j - i < n_ - 1 && !inside(i, j)) return;
+    if (!convex_ && j - i < n_ - 1 && !inside(i, j)) return;
     for (std::size_t k = i + 1; k < j; ++k) {
       const double rest = cost_[i * n_ + k] + cost_[k * n_ + j];
-      if (rest >= least || CGAL::orientation(p_[i], p_[k], p_[j]) != CGAL::LEFT_TURN) continue;
+      if (rest >= least) continue;
+      if (!convex_ && CGAL::orientation(p_[i], p_[k], p_[j]) != CGAL::LEFT_TURN) continue;
       const Vec3 &a = position_[polygon_[i]], &b = position_[polygon_[k]], &c = position_[polygon_[j]];
       const double sum = rest + (b - a).cross(c - a).norm();
       if (sum >= least) continue;
@@ -187,6 +214,7 @@ class LeastSurface {
   }
 
   const std::vector<Point>& p_;
+  const bool convex_;
   std::span<const std::int32_t> polygon_;
   std::span<const Vec3> position_;
   std::size_t n_;
@@ -207,12 +235,14 @@ PolygonVerdict judge_polygon(std::span<const std::int32_t> polygon, std::span<co
   }
   if (f.normal.dot(normal) <= kFacing * f.normal.norm()) verdict.faults |= kFlipped;
   if (bounds.bend > 0 && f.bend > bounds.bend) verdict.faults |= kBent;
-  verdict.crossing = find_crossing(f.points);
+  const bool convex = is_convex(f.points);
+  if (!convex) verdict.crossing = find_crossing(f.points);
   if (verdict.crossing[0] >= 0) {
     verdict.faults |= kCrossing;
   } else if (facets) {
     constexpr std::size_t kFew = 64;
-    if (polygon.size() == 3 || polygon.size() > kFew || !LeastSurface(f.points, polygon, position).cut(like, *facets))
+    if (polygon.size() == 3 || polygon.size() > kFew ||
+        !LeastSurface(f.points, convex, polygon, position).cut(like, *facets))
       Ears(f.points, polygon).cut(like, *facets);
   }
   return verdict;
