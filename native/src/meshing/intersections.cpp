@@ -138,24 +138,37 @@ Facing facing_of(const Corners& t) {
   return {u.cross(v), kRounding * u.cwiseAbs().maxCoeff() * v.cwiseAbs().maxCoeff()};
 }
 
-/// Whether all corners of facet j that facet i does not share surely lie to the same side of i's plane, so that the two
-/// meet in no more than they share. Most facets that are near each other are told apart by this.
-bool beside(const FacetSet& a, std::int32_t i, const FacetSet& b, std::int32_t j) {
-  const auto& of_i = a.facets[i].corner;
+/// A triangle with what it takes to tell quickly that another lies to one side of it.
+struct Placed {
+  const std::array<std::int32_t, 3>& corner;
+  const Corners& at;
+  const Facing& facing;
+};
+
+/// Whether all corners of g that f does not share surely lie to the same side of f's plane, so that the two meet in no
+/// more than they share. Most triangles that are near each other are told apart by this.
+bool beside(const Placed& f, const Placed& g) {
   int sides = 0;
   for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3 d = b.solids[j][k] - a.solids[i][0];
-    const double height = a.facings[i].normal.dot(d), unsure = a.facings[i].slack * d.cwiseAbs().maxCoeff();
+    const Vec3 d = g.at[k] - f.at[0];
+    const double height = f.facing.normal.dot(d), unsure = f.facing.slack * d.cwiseAbs().maxCoeff();
     if (height > unsure) {
       sides |= 1;
     } else if (height < -unsure) {
       sides |= 2;
-    } else if (std::find(of_i.begin(), of_i.end(), b.facets[j].corner[k]) == of_i.end()) {
+    } else if (std::find(f.corner.begin(), f.corner.end(), g.corner[k]) == f.corner.end()) {
       return false;
     }
   }
   return sides == 1 || sides == 2;
 }
+
+/// Whether two triangles that have area meet elsewhere than in what they share.
+bool meet(const Placed& f, const Placed& g) {
+  return !beside(f, g) && !beside(g, f) && meet_elsewhere(f.corner, f.at, g.corner, g.at);
+}
+
+Placed placed(const FacetSet& set, std::int32_t i) { return {set.facets[i].corner, set.solids[i], set.facings[i]}; }
 
 /// Notes which facets of two pieces meet, or of one, each pair once. \param near  to be used
 void find_meetings(const FacetSet& a, const FacetSet& b, std::vector<std::int32_t>& near, std::vector<Meeting>& met) {
@@ -170,8 +183,7 @@ void find_meetings(const FacetSet& a, const FacetSet& b, std::vector<std::int32_
     for (const std::int32_t j : near) {
       const Facet& g = b.facets[j];
       if (box.apart(b.boxes[j]) || (&a == &b && (j <= i || f.part == g.part))) continue;
-      if (beside(a, i, b, j) || beside(b, j, a, i)) continue;
-      if (meet_elsewhere(f.corner, a.solids[i], g.corner, b.solids[j])) met.push_back({f.piece, i, g.piece, j});
+      if (meet(placed(a, i), placed(b, j))) met.push_back({f.piece, i, g.piece, j});
     }
   }
 }
@@ -241,12 +253,20 @@ std::vector<Hit> find_hits(std::span<const FacetSet* const> pieces, std::span<co
 }
 
 Box box_around(const Mesh& mesh, std::span<const std::int32_t> faces) {
-  Box box;
+  constexpr std::size_t kAhead = 12;  // fetched before they are looked at
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::max()), high = -low;
   for (std::size_t i = 0; i < faces.size(); ++i) {
-    const Box one = box_of(corners_of(mesh, faces[i]));
-    if (i == 0) box = one;
-    box.include(one);
+    if (i + kAhead < faces.size())
+      for (const std::int32_t v : mesh.triangles()[faces[i + kAhead]]) __builtin_prefetch(&mesh.vertices()[v]);
+    for (const std::int32_t v : mesh.triangles()[faces[i]]) {
+      low = low.cwiseMin(mesh.vertices()[v]);
+      high = high.cwiseMax(mesh.vertices()[v]);
+    }
   }
+  if (faces.empty()) return Box::nowhere();
+  Box box;
+  box.low.head<3>() = low.cast<float>().array();  // rounding leaves the order as it is
+  box.high.head<3>() = high.cast<float>().array();
   return box;
 }
 
@@ -264,9 +284,12 @@ bool scan_intersects(const Mesh& mesh, const ScanPart& some, const ScanPart& oth
   const std::vector<Entry> looking = boxes(some, others.around);
   const BoxTree search(boxes(others, some.around));
   return std::any_of(looking.begin(), looking.end(), [&](const Entry& x) {
+    const Corners s = corners_of(mesh, x.index);
+    const Facing facing = facing_of(s);
     return search.any(x.box, [&](const Entry& y) {
-      return x.index != y.index && meet_elsewhere(mesh.triangles()[x.index], corners_of(mesh, x.index),
-                                                  mesh.triangles()[y.index], corners_of(mesh, y.index));
+      if (x.index == y.index) return false;
+      const Corners t = corners_of(mesh, y.index);
+      return meet({mesh.triangles()[x.index], s, facing}, {mesh.triangles()[y.index], t, facing_of(t)});
     });
   });
 }
