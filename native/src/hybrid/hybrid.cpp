@@ -171,11 +171,12 @@ class Carrier {
   std::vector<bool> taken_;  // (n + 1)
 };
 
-/// Borders come back where the coarse faces had them; on the dense mesh they find their places.
+/// Borders come back where the coarse faces had them, which were smoothed there; on the dense mesh they find their
+/// places.
 void relax_borders(const FaceGraph& graph, Regions& regions, const Threads& threads, Job& job) {
   constexpr int kSweeps = 60;
-  Relaxation<GraphLabels> relaxation(graph, {regions.label.data()}, regions.sum, light_border_weight(regions.error()),
-                                     threads);
+  Relaxation<GraphLabels> relaxation(graph, {regions.label.data()}, regions.sum,
+                                     0.5 * light_border_weight(regions.error()), threads);
   for (std::int32_t i = 0; i < graph.size(); ++i) relaxation.push_if_border(i);
   relaxation.run(kSweeps, job);
 }
