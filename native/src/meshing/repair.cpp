@@ -159,17 +159,19 @@ class Repairer {
 
   bool do_step(char step, std::int32_t l, bool spared) {
     if (step == 'p' || step == 'q') return pull(step == 'p' ? corners_of(l) : corners_concerned(l), l);
-    if (step == 'b' && bend(l)) return true;
+    if (step == 'b' && !out_of_date(l) && bend(l)) return true;
     if (step == 'd' && add_diagonal(l)) return true;
     if (spared && outcome_.rounds % 3 != 0) return true;
     return split(l);
   }
 
+  /// Whether faces of a piece have come or gone in this round, so that the complex no longer knows its boundary.
+  [[nodiscard]] bool out_of_date(std::int32_t l) const {
+    return std::find(s_.labels.touched.begin(), s_.labels.touched.end(), l) != s_.labels.touched.end();
+  }
+
   /// Gives a piece without area to the neighbour of its region with the longest boundary that stays a disc with it.
   bool dissolve(std::int32_t l) {
-    const auto out_of_date = [&](std::int32_t k) {
-      return std::find(s_.labels.touched.begin(), s_.labels.touched.end(), k) != s_.labels.touched.end();
-    };
     if (out_of_date(l)) return false;
     const SharedBoundary shared = s_.shared_boundary(l);
     std::vector<std::pair<double, std::int32_t>> order;
