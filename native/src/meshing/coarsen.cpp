@@ -142,8 +142,8 @@ class Coarsener {
     findings_.keep();
     bring_up_to_date(trials, {});
     int rings = kRings;
-    while (!trials.empty()) {  // what was done again may spoil what is beside it
-      const std::vector<bool> after = findings_.faulty();
+    std::vector<bool> after = findings_.faulty();
+    while (!trials.empty()) {
       std::vector<Trial> good, failed;
       for (Trial& t : trials) (spoils(t, rings, before, after) ? failed : good).push_back(std::move(t));
       trials.swap(good);
@@ -157,6 +157,7 @@ class Coarsener {
         if (rings > kRings && suspected_.insert(key_of(t)).second) tried_.erase(key_of(t));
       }
       bring_up_to_date(failed, positions);
+      after = findings_.faulty();  // what was done again may spoil what is beside it
     }
     return go_on;
   }

@@ -106,13 +106,14 @@ std::size_t Complex::place_of(std::int32_t chord) const {
 }
 
 void Complex::collect_line(std::span<const std::int32_t> loop, std::size_t at, std::vector<Vec3>& line) const {
+  const std::size_t start = at;
   std::int32_t v = mesh_.from(loop[at]);
   line.clear();
   do {
     line.push_back(mesh_.vertices()[v]);
     if (++at == loop.size()) at = 0;
     v = mesh_.from(loop[at]);
-  } while (!is_corner(v));
+  } while (!is_corner(v) && at != start);  // all round, where corners have gone and none has come for them yet
   line.push_back(mesh_.vertices()[v]);
 }
 
