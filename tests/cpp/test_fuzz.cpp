@@ -184,18 +184,21 @@ MeshingOptions meshing_options(Dice& dice) {
   return options;
 }
 
-/// Whether a face has no area, as the judge measures it, or vertices coincide: there a polygon may have none either.
-bool is_flat_somewhere(const Mesh& mesh) {
-  std::vector<Vec3> places(mesh.vertices().begin(), mesh.vertices().end());
-  const auto before = [](const Vec3& p, const Vec3& q) {
-    return std::lexicographical_compare(p.data(), p.data() + 3, q.data(), q.data() + 3);
-  };
-  std::sort(places.begin(), places.end(), before);
-  if (std::adjacent_find(places.begin(), places.end()) != places.end()) return true;
-  return std::any_of(mesh.triangles().begin(), mesh.triangles().end(), [&](const Triangle& t) {
+/// How many faces are thinner than what counts as without area: so many polygons may be, and no more.
+std::int32_t thin_faces(const Mesh& mesh) {
+  constexpr double kThin = 2e-6;  // of the diagonal; twice the engine's bound, as it measures extents otherwise
+  return static_cast<std::int32_t>(std::count_if(mesh.triangles().begin(), mesh.triangles().end(), [&](auto& t) {
     const Vec3 &a = mesh.vertices()[t[0]], &b = mesh.vertices()[t[1]], &c = mesh.vertices()[t[2]];
-    return (b - a).cross(c - a).norm() < 1e-13 * mesh.diagonal() * mesh.diagonal();
-  });
+    const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
+    return (b - a).cross(c - a).norm() <= kThin * mesh.diagonal() * longest;
+  }));
+}
+
+/// The judge's faults, but for polygons without area where the scan has as many faces without any.
+std::string unexcused(const std::string& faults, const Mesh& mesh) {
+  const std::regex no_area("polygon [0-9]+ has no area; ");
+  const auto flat = std::distance(std::sregex_iterator(faults.begin(), faults.end(), no_area), std::sregex_iterator());
+  return flat <= thin_faces(mesh) ? std::regex_replace(faults, no_area, "") : faults;
 }
 
 void all_the_way(Arrays a, Dice& dice) {
@@ -215,9 +218,7 @@ void all_the_way(Arrays a, Dice& dice) {
     }
     if (testing::Test::HasFailure()) return;
     const PolygonMesh polygons = polygonize(mesh, p, meshing_options(dice), job);
-    std::string faults = judge::faults_against(polygons, mesh, p);
-    if (is_flat_somewhere(mesh)) faults = std::regex_replace(faults, std::regex("polygon [0-9]+ has no area; "), "");
-    EXPECT_EQ(faults, "");
+    EXPECT_EQ(unexcused(judge::faults_against(polygons, mesh, p), mesh), "");
   } catch (const InvalidInput& e) {
     EXPECT_GT(std::string(e.what()).size(), 10U);
   }
