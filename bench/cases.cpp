@@ -196,12 +196,13 @@ Case edit_case(const SetupPtr& setup, const std::shared_ptr<Base>& base, const s
   return {name, run, 1};
 }
 
-Case polygonize_case(const SetupPtr& setup, const std::shared_ptr<Base>& base) {
-  const auto run = [setup, base](int) {
+Case polygonize_case(const SetupPtr& setup, const std::shared_ptr<Base>& base, const std::string& name,
+                     std::int32_t threads) {
+  const auto run = [setup, base, threads](int) {
     const Partition& regions = base->get();
     PolygonMesh polygons;
     Job job;
-    Sample sample{{timed([&] { polygons = polygonize(*setup->mesh, regions, {}, job); })}, {}};
+    Sample sample{{timed([&] { polygons = polygonize(*setup->mesh, regions, {.threads = threads}, job); })}, {}};
     const MeshingReport& report = polygons.report;
     sample.facts["polygons"] = report.polygons;
     sample.facts["regions"] = report.regions;
@@ -210,9 +211,10 @@ Case polygonize_case(const SetupPtr& setup, const std::shared_ptr<Base>& base) {
     sample.facts["manifold"] = report.manifold;
     sample.facts["planarity_max"] = report.planarity_max;
     sample.facts["intersecting"] = report.intersecting;
+    sample.facts["fingerprint"] = std::to_string(fingerprint(polygons));
     return sample;
   };
-  return {"polygonize", run, 1};
+  return {name, run, 1};
 }
 
 Case write_case(const SetupPtr& setup, const std::shared_ptr<Base>& base) {
@@ -255,7 +257,8 @@ std::vector<Case> all_cases(const SetupPtr& setup) {
   cases.push_back(bound_case(setup, "bound_coarse", 0.01));
   cases.push_back(edit_case(setup, base, "add", add_proxy));
   cases.push_back(edit_case(setup, base, "delete", delete_proxy));
-  cases.push_back(polygonize_case(setup, base));
+  cases.push_back(polygonize_case(setup, base, "polygonize", 1));
+  cases.push_back(polygonize_case(setup, base, "polygonize_two_threads", 2));
   cases.push_back(write_case(setup, base));
   return cases;
 }

@@ -1,6 +1,7 @@
 #include "evaluate.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <vector>
 
 namespace isimp::bench {
@@ -79,6 +80,19 @@ Json to_json(const Score& score) {
   json["unlabelled_area"] = score.unlabelled_area;
   json["fingerprint"] = std::to_string(score.fingerprint);  // text: a double has no room for 64 bits
   return json;
+}
+
+std::uint64_t fingerprint(const PolygonMesh& polygons) {
+  std::uint64_t print = 14695981039346656037U;  // FNV-1a over the bytes
+  const auto add = [&](const auto& values) {
+    for (const std::byte b : std::as_bytes(std::span(values)))
+      print = (print ^ std::to_integer<std::uint8_t>(b)) * 1099511628211U;
+  };
+  add(polygons.vertices);
+  add(polygons.loops);
+  add(polygons.loop_start);
+  add(polygons.polygon_region);
+  return print;
 }
 
 }  // namespace isimp::bench

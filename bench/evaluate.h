@@ -4,6 +4,7 @@
 #include <span>
 
 #include "isimp/mesh/mesh.h"
+#include "isimp/meshing/polygonize.h"
 #include "json.h"
 #include "reference.h"
 
@@ -25,5 +26,8 @@ struct Score {
 Score evaluate(const Mesh& mesh, const PlainSurface& surface, std::span<const std::int32_t> label);
 
 Json to_json(const Score& score);
+
+/// Equal for equal polygons, to the last bit of where they are.
+std::uint64_t fingerprint(const PolygonMesh& polygons);
 
 }  // namespace isimp::bench

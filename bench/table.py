@@ -175,6 +175,25 @@ def set_up_rows(where: str, result: Result) -> Iterator[Row]:
         yield Row("clean on a sound mesh", where, wanted, measured, clean <= 1.5 * mesh + 100)
 
 
+def same_polygons(result: Result) -> bool:
+    """Whether every run gave the same polygons, on one thread and on two."""
+    cases = (result["cases"][name] for name in ("polygonize", "polygonize_two_threads"))
+    return len({run["fingerprint"] for case in cases for runs in case for run in runs}) == 1
+
+
+def meshing_threads_row(where: str, result: Result) -> Row:
+    one, two = (least(result, case, "own_ms") for case in ("polygonize", "polygonize_two_threads"))
+    wall = least(result, "polygonize", "wall_ms") / least(result, "polygonize_two_threads", "wall_ms")
+    same = same_polygons(result)
+    return Row(
+        "polygonize, two threads against one, by the calling thread's time",
+        where,
+        "same polygons",
+        f"{one / two:.2f} x (wall: {wall:.2f} x), {'same' if same else 'OTHER'} polygons",
+        same,
+    )
+
+
 def meshing_row(where: str, name: str, result: Result) -> Row:
     ratio = median(per_round(result, "polygonize")) / reference_round(result)
     most = {"armadillo": 1.0, "dragon": 1.5}.get(name)
@@ -272,6 +291,8 @@ def rows(results: dict[str, Result], growth: dict[str, Result]) -> list[Row]:
                 table += set_up_rows(where, result)
             if "polygonize" in result["cases"]:
                 table.append(meshing_row(where, kind, result))
+            if "polygonize_two_threads" in result["cases"]:
+                table.append(meshing_threads_row(where, result))
     table += growth_rows(growth)
     return sorted(table, key=lambda row: row.what)
 
@@ -279,7 +300,12 @@ def rows(results: dict[str, Result], growth: dict[str, Result]) -> list[Row]:
 def sound(table: list[Row], results: dict[str, Result]) -> bool:
     """What must hold whatever the times: rows there are, and runs of the same thing gave the same."""
     judged = [result for result in results.values() if "default" in result.get("cases", {})]
-    return bool(table) and bool(judged) and all(same_labels(result) for result in judged)
+    return (
+        bool(table)
+        and bool(judged)
+        and all(same_labels(result) for result in judged)
+        and all(same_polygons(result) for result in judged if "polygonize_two_threads" in result["cases"])
+    )
 
 
 def text(table: list[Row], *, judge: bool) -> str:

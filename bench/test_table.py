@@ -53,6 +53,18 @@ class Table(unittest.TestCase):
         assert not table.sound(rows, {"dragon/500": given})
         assert "OTHER" in table.text(rows, judge=True)
 
+    def test_other_polygons_on_two_threads_are_an_error(self) -> None:
+        given = result(871_414, 7000, 70, 0.079)
+        for case, ms in (("polygonize", 400.0), ("polygonize_two_threads", 250.0)):
+            given["cases"][case] = runs(ms, polygons=600, manifold=True)
+        rows = table.rows({"dragon/500": given}, {})
+        assert table.sound(rows, {"dragon/500": given})
+        assert any(row.measured == "1.60 x (wall: 1.60 x), same polygons" for row in rows)
+        given["cases"]["polygonize_two_threads"][0][0]["fingerprint"] = "2"
+        rows = table.rows({"dragon/500": given}, {})
+        assert not table.sound(rows, {"dragon/500": given})
+        assert "OTHER polygons" in table.text(rows, judge=True)
+
     def test_growth_is_the_spread_of_the_time_a_face(self) -> None:
         growth = {f"faces/{n}": result(n, 100, ms, 0.1) for n, ms in ((1000, 10), (10_000, 120))}
         (row,) = table.growth_rows(growth)

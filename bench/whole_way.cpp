@@ -61,7 +61,7 @@ Json whole_way(const std::string& input, std::int32_t loop, std::int32_t proxies
   Partition regions;
   phases.run("partition", [&] { regions = partition(*mesh, options, job); });
   PolygonMesh polygons;
-  phases.run("polygonize", [&] { polygons = polygonize(*mesh, regions, {}, job); });
+  phases.run("polygonize", [&] { polygons = polygonize(*mesh, regions, {.threads = 1}, job); });
   phases.run("write", [&] {
     write_polygons(scratch + "/whole_way.ply", polygons.vertices, polygons.loops, polygons.loop_start, job);
   });

@@ -153,6 +153,8 @@ class Session:
         started = time.perf_counter()
         if isinstance(step, rcp.Partition):
             outcome = self._partition(step, prepared, before, watch, begin, end)
+        elif isinstance(step, rcp.Mesh):
+            outcome = _apply_mesh(step, prepared, before, watch, begin, end, self.threads)
         else:
             outcome = _APPLY[type(step)](step, prepared, before, watch, begin, end)
         seconds = time.perf_counter() - started
@@ -436,10 +438,10 @@ _EDITS = {
 }
 
 
-def _apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end) -> Outcome:
+def _apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end, threads: int) -> Outcome:
     """A bound that the polygons would not keep makes the regions anew, unless somebody has edited them."""
     before = _needs_regions(before)
-    options = engine.MeshingOptions(chord_tolerance=step.chord_tolerance, flatten=step.flatten)
+    options = engine.MeshingOptions(chord_tolerance=step.chord_tolerance, flatten=step.flatten, threads=threads)
 
     def job(of: float, to: float):
         return watch.part("meshing", begin + of * (end - begin), begin + to * (end - begin), engine.Job())
@@ -482,7 +484,6 @@ _APPLY = {
     rcp.SmoothFaces: _apply_smooth,
     rcp.LockRegions: _apply_lock,
     rcp.UnlockRegions: _apply_lock,
-    rcp.Mesh: _apply_mesh,
     **dict.fromkeys(_EDITS, _apply_edit),
 }
 

@@ -30,6 +30,8 @@ void bind_options(py::module_& m) {
           "repair_budget", &Options::repair_budget,
           "Splits and diagonals that the repair may make, as a share of the polygons before; those that turn out not "
           "to be needed are taken back.")
+      .field("threads", &Options::threads,
+             "How many threads may work; 0: as many as there are cores. The result does not depend on it.")
       .finish();
 }
 

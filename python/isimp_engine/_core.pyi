@@ -189,6 +189,7 @@ class MeshingOptions:
     flatness_from: int
     flatness: float
     repair_budget: float
+    threads: int
     def __init__(
         self,
         *,
@@ -199,6 +200,7 @@ class MeshingOptions:
         flatness_from: int = ...,
         flatness: float = ...,
         repair_budget: float = ...,
+        threads: int = ...,
     ) -> None: ...
     def as_dict(self) -> dict[str, Any]: ...
 

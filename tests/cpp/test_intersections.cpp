@@ -46,7 +46,8 @@ struct Made {
       arounds.push_back(p.around);
     }
     std::vector<Key> keys;
-    for (const Hit& h : find_hits(sets, arounds, position, changed, known)) keys.push_back(h.key());
+    const Job job;
+    for (const Hit& h : find_hits(sets, arounds, position, changed, known, Threads(2), job)) keys.push_back(h.key());
     return keys;
   }
 

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <queue>
 #include <tuple>
@@ -398,30 +397,6 @@ TEST(Hierarchy, GivesTheSameWhenKept) {
   EXPECT_TRUE(kept.serves(mesh, 20));
   EXPECT_FALSE(kept.serves(mesh, 3000));
   EXPECT_FALSE(Hierarchy{}.serves(mesh, 20));
-}
-
-TEST(Threads, CutALoopWithoutGapsAndPassOnWhatFails) {
-  const Threads threads(3);
-  std::vector<int> seen(100, 0);
-  threads.run(100, 3, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
-    for (std::int32_t i = begin; i < end; ++i) ++seen[i];
-  });
-  EXPECT_EQ(seen, std::vector<int>(100, 1));
-  EXPECT_EQ(threads.pieces(10), 1);
-  EXPECT_EQ(threads.pieces(1 << 20), 3);
-  EXPECT_THROW(threads.run(3, 3,
-                           [](std::int32_t k, std::int32_t, std::int32_t) {
-                             if (k == 2) throw Cancelled();
-                           }),
-               Cancelled);
-}
-
-TEST(Threads, HandOutEachStepOnce) {
-  std::vector<std::atomic<int>> seen(1000);
-  Threads(4).share(1000, [&](const auto& next) {
-    for (std::int32_t i = next(); i < 1000; i = next()) ++seen[i];
-  });
-  for (const std::atomic<int>& times : seen) EXPECT_EQ(times, 1);
 }
 
 TEST(Threads, DoNotChangeTheResult) {

@@ -11,6 +11,7 @@ namespace isimp::meshing {
 namespace {
 
 constexpr int kRounds = 40;
+constexpr std::int32_t kTogether = 256;   ///< pieces that one thread looks at for what can be tried
 constexpr double kGoOn = 0.8;             ///< about what is left to do after a round
 constexpr std::size_t kWorthwhile = 300;  ///< a round that tries less than one piece of so many is the last
 constexpr double kHopeless = 1.5;         ///< times the bound: no placement will make a polygon so bent flat
@@ -76,15 +77,23 @@ class Coarsener {
 
   /// What is left to try, the most promising first: of two pieces those that share most of their boundary.
   [[nodiscard]] std::vector<Candidate> candidates() const {
+    const std::int32_t count = s_.labels.piece_count();
+    std::vector<std::vector<Candidate>> by_block(count / kTogether + 1);
+    s_.threads.blocks(count, kTogether, [&](std::int32_t block, std::int32_t begin, std::int32_t end) {
+      job_.poll();
+      for (std::int32_t l = begin; l < end; ++l) add_candidates(l, by_block[block]);
+    });
     std::vector<Candidate> all;
-    for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l) {
-      const Piece& p = s_.labels.pieces[l];
-      if (p.face == kNone) continue;
-      if (scope_.has(l) && untried_diagonal(l) < s_.diagonals[l].size()) all.push_back({Act::diagonal, l, l, 0.5});
-      if (p.cause != Cause::region && p.cause != Cause::closed) add_unions(l, all);
-    }
+    for (const auto& some : by_block) all.insert(all.end(), some.begin(), some.end());
     std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.score > b.score; });
     return all;
+  }
+
+  void add_candidates(std::int32_t l, std::vector<Candidate>& all) const {
+    const Piece& p = s_.labels.pieces[l];
+    if (p.face == kNone) return;
+    if (scope_.has(l) && untried_diagonal(l) < s_.diagonals[l].size()) all.push_back({Act::diagonal, l, l, 0.5});
+    if (p.cause != Cause::region && p.cause != Cause::closed) add_unions(l, all);
   }
 
   [[nodiscard]] bool may_unite(std::int32_t kept, std::int32_t gone) const {

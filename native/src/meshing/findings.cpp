@@ -7,6 +7,10 @@
 
 namespace isimp::meshing {
 
+namespace {
+constexpr std::int32_t kFew = 4;  ///< pieces that are judged on one thread
+}
+
 std::uint8_t Findings::Found::faults() const {
   std::uint8_t all = 0;
   for (const PolygonVerdict& v : polygons) all |= v.faults;
@@ -71,14 +75,26 @@ void Findings::judge(std::span<const std::int32_t> pieces) {
   kept_.resize(count);
   around_.resize(count, Box::nowhere());
   std::vector<bool> changed(count, false);
-  for (const std::int32_t l : pieces) {
-    if (is_source(found_[l].source, l)) continue;
+  std::vector<Was> was(pieces.size(), Was::same);
+  std::vector<Found> fresh(pieces.size());
+  const auto n = static_cast<std::int32_t>(pieces.size());
+  s_.threads.blocks(n, kFew, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+    job_.poll();
+    for (std::int32_t i = begin; i < end; ++i) {
+      const std::int32_t l = pieces[i];
+      if (is_source(found_[l].source, l)) continue;
+      was[i] = kept_[l] && is_source(kept_[l]->source, l) ? Was::kept : Was::other;
+      if (was[i] == Was::other) fresh[i] = find(l, source_of(l));
+    }
+  });
+  for (std::int32_t i = 0; i < n; ++i) {
+    const std::int32_t l = pieces[i];
+    if (was[i] == Was::same || changed[l]) continue;
     changed[l] = true;
     std::unique_ptr<Found>& kept = kept_[l];
-    const bool again = kept && is_source(kept->source, l);
     if (!kept) kept = std::make_unique<Found>(std::move(found_[l]));
-    set(l, again ? std::move(*kept) : find(l, source_of(l)));
-    if (again) kept.reset();
+    set(l, was[i] == Was::kept ? std::move(*kept) : std::move(fresh[i]));
+    if (was[i] == Was::kept) kept.reset();
   }
   std::vector<bool> same(count);  // as what was kept
   for (std::size_t l = 0; l < count; ++l) same[l] = !kept_[l];
@@ -88,9 +104,10 @@ void Findings::judge(std::span<const std::int32_t> pieces) {
   std::erase_if(hits_, [&](const Hit& h) { return changed[h.a] || changed[h.b]; });
   std::copy_if(kept_hits_.begin(), kept_hits_.end(), std::back_inserter(hits_),
                [&](const Hit& h) { return (changed[h.a] || changed[h.b]) && same[h.a] && same[h.b]; });
-  const std::vector<Hit> fresh = find_hits(facets, around_, s_.corners.position, changed, same);
-  hits_.insert(hits_.end(), fresh.begin(), fresh.end());
+  const std::vector<Hit> found = find_hits(facets, around_, s_.corners.position, changed, same, s_.threads, job_);
+  hits_.insert(hits_.end(), found.begin(), found.end());
   std::sort(hits_.begin(), hits_.end(), [](const Hit& x, const Hit& y) { return x.key() < y.key(); });
+  find_excuses();
 }
 
 void Findings::keep() {
@@ -98,15 +115,30 @@ void Findings::keep() {
   kept_hits_ = hits_;
 }
 
-bool Findings::excused(const Hit& h) {
+std::array<std::int32_t, 2> Findings::regions_of(const Hit& h) const {
   std::array<std::int32_t, 2> regions{s_.labels.pieces[h.a].region, s_.labels.pieces[h.b].region};
   std::sort(regions.begin(), regions.end());
-  const auto [at, fresh] = excuses_.try_emplace(regions, false);
-  if (fresh) at->second = scan_intersects(s_.mesh, part_of_region(regions[0]), part_of_region(regions[1]));
-  return at->second;
+  return regions;
 }
 
-std::vector<bool> Findings::faulty() {
+void Findings::find_excuses() {
+  struct Pair {
+    ScanPart a, b;
+    bool* meet;
+  };
+  std::vector<Pair> pairs;
+  for (const Hit& h : hits_) {
+    const std::array<std::int32_t, 2> regions = regions_of(h);
+    const auto [at, fresh] = excuses_.try_emplace(regions, false);
+    if (fresh) pairs.push_back({part_of_region(regions[0]), part_of_region(regions[1]), &at->second});
+  }
+  s_.threads.blocks(static_cast<std::int32_t>(pairs.size()), 1, [&](std::int32_t pair, std::int32_t, std::int32_t) {
+    job_.poll();
+    *pairs[pair].meet = scan_intersects(s_.mesh, pairs[pair].a, pairs[pair].b);
+  });
+}
+
+std::vector<bool> Findings::faulty() const {
   std::vector<bool> faulty(found_.size());
   for (std::size_t l = 0; l < found_.size(); ++l) faulty[l] = found_[l].faults() != 0;
   for (const Hit& h : hits_)

@@ -16,7 +16,7 @@ namespace isimp::meshing {
 /// What the judge found of the polygons of each piece, kept up to date while they change.
 class Findings {
  public:
-  Findings(const State& state, const Bounds& bounds) : s_(state), bounds_(bounds) {}
+  Findings(const State& state, const Bounds& bounds, const Job& job) : s_(state), bounds_(bounds), job_(job) {}
 
   /// All that the judge looks at in a piece.
   struct Source {
@@ -44,9 +44,9 @@ class Findings {
   /// Pairs of polygons that meet, in rising order.
   [[nodiscard]] const std::vector<Hit>& hits() const { return hits_; }
   /// Whether the regions of two polygons that meet do so in the scan itself.
-  bool excused(const Hit& h);
+  [[nodiscard]] bool excused(const Hit& h) const { return excuses_.at(regions_of(h)); }
   /// By piece: whether it has a fault of its own, or meets another and is not excused.
-  std::vector<bool> faulty();
+  [[nodiscard]] std::vector<bool> faulty() const;
   [[nodiscard]] const Bounds& bounds() const { return bounds_; }
 
  private:
@@ -54,7 +54,12 @@ class Findings {
   /// Whether that of a piece is this one still.
   [[nodiscard]] bool is_source(const Source& s, std::int32_t piece) const;
   [[nodiscard]] bool is_face(std::int32_t piece) const;
+  /// What a piece that is judged again was before.
+  enum class Was : std::uint8_t { same, kept, other };
   void set(std::int32_t piece, Found found);
+  [[nodiscard]] std::array<std::int32_t, 2> regions_of(const Hit& h) const;
+  /// Looks for what is not known yet of the pairs of regions whose polygons meet.
+  void find_excuses();
   [[nodiscard]] Found find(std::int32_t piece, Source source) const;
   /// Whether a piece is a face of the scan that has no area.
   [[nodiscard]] bool is_given(std::int32_t piece) const;
@@ -62,6 +67,7 @@ class Findings {
 
   const State& s_;
   const Bounds bounds_;
+  const Job& job_;
   std::vector<Found> found_;                               // by piece
   std::vector<Box> around_;                                // by piece: its facets' box
   std::vector<Hit> hits_;                                  // in rising order

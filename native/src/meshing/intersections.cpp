@@ -188,27 +188,37 @@ void find_meetings(const FacetSet& a, const FacetSet& b, std::vector<std::int32_
   }
 }
 
+constexpr std::int32_t kTogether = 64;  ///< pieces that are looked at on one thread ...
+constexpr std::size_t kFewMoved = 8;    ///< ... and all are where no more have moved than this
+
 /// First by pieces whose boxes meet, as these are few.
 std::vector<Meeting> find_meetings(std::span<const FacetSet* const> pieces, std::span<const Box> arounds,
-                                   const std::vector<bool>& changed, const std::vector<bool>& known) {
+                                   const std::vector<bool>& changed, const std::vector<bool>& known,
+                                   const Threads& threads, const Job& job) {
+  const auto count = static_cast<std::int32_t>(pieces.size());
   std::vector<Entry> moved;
-  for (std::int32_t l = 0; l < static_cast<std::int32_t>(pieces.size()); ++l)
+  for (std::int32_t l = 0; l < count; ++l)
     if (changed[l] && !pieces[l]->solid.empty()) moved.push_back({arounds[l], l});
-  std::vector<Meeting> met;
-  std::vector<std::int32_t> near;
+  const std::int32_t together = moved.size() < kFewMoved ? std::max(count, 1) : kTogether;
+  std::vector<std::vector<Meeting>> met(count / together + 1);  // by block
   const BoxTree search(std::move(moved));
-  for (std::int32_t l = 0; l < static_cast<std::int32_t>(pieces.size()); ++l) {
-    (void)search.any(arounds[l], [&](const Entry& y) {
-      const bool seen_from_there = changed[l] && y.index < l, is_known = known[l] && known[y.index];
-      // Of a piece of one polygon, no two facets can.
-      const bool is_alone = y.index == l && pieces[l]->facets.back().part == 0;
-      if (!seen_from_there && !is_known && !is_alone)
-        find_meetings(*pieces[std::min(l, y.index)], *pieces[std::max(l, y.index)], near, met);
-      return false;
-    });
-  }
-  std::sort(met.begin(), met.end());
-  return met;
+  threads.blocks(count, together, [&](std::int32_t block, std::int32_t begin, std::int32_t end) {
+    job.poll();
+    std::vector<std::int32_t> near;
+    for (std::int32_t l = begin; l < end; ++l)
+      (void)search.any(arounds[l], [&](const Entry& y) {
+        const bool seen_from_there = changed[l] && y.index < l, is_known = known[l] && known[y.index];
+        // Of a piece of one polygon, no two facets can.
+        const bool is_alone = y.index == l && pieces[l]->facets.back().part == 0;
+        if (!seen_from_there && !is_known && !is_alone)
+          find_meetings(*pieces[std::min(l, y.index)], *pieces[std::max(l, y.index)], near, met[block]);
+        return false;
+      });
+  });
+  std::vector<Meeting> all;
+  for (const std::vector<Meeting>& some : met) all.insert(all.end(), some.begin(), some.end());
+  std::sort(all.begin(), all.end());
+  return all;
 }
 
 }  // namespace
@@ -231,13 +241,13 @@ void FacetSet::locate(std::span<const Vec3> position) {
 
 std::vector<Hit> find_hits(std::span<const FacetSet* const> pieces, std::span<const Box> arounds,
                            std::span<const Vec3> position, const std::vector<bool>& changed,
-                           const std::vector<bool>& known) {
+                           const std::vector<bool>& known, const Threads& threads, const Job& job) {
   std::vector<Hit> hits;
   const auto corners = [&](const Facet& f) {
     return Corners{position[f.corner[0]], position[f.corner[1]], position[f.corner[2]]};
   };
   // Facets come by part, so the lower one is of the lower polygon.
-  for (const Meeting& m : find_meetings(pieces, arounds, changed, known)) {
+  for (const Meeting& m : find_meetings(pieces, arounds, changed, known, threads, job)) {
     const Facet &f = pieces[m.piece]->facets[m.index], &g = pieces[m.other_piece]->facets[m.other_index];
     hits.push_back({f.piece,
                     f.part,

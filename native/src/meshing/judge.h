@@ -7,7 +7,9 @@
 #include <span>
 #include <vector>
 
+#include "isimp/core/job.h"
 #include "isimp/meshing/polygonize.h"
+#include "isimp/partition/threads.h"
 #include "labels.h"
 
 namespace isimp::meshing {
@@ -100,7 +102,7 @@ struct Hit {
 /// Cost: O(c log c + pieces + pairs of boxes) for c facets of changed pieces.
 std::vector<Hit> find_hits(std::span<const FacetSet* const> pieces, std::span<const Box> arounds,
                            std::span<const Vec3> position, const std::vector<bool>& changed,
-                           const std::vector<bool>& known);
+                           const std::vector<bool>& known, const Threads& threads, const Job& job);
 
 /// Some faces of the scan and the box around them.
 struct ScanPart {

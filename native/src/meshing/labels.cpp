@@ -27,8 +27,12 @@ Labels::Labels(const Mesh& m)
       halfedge_marks(3 * static_cast<std::size_t>(m.face_count())) {}
 
 std::vector<std::int32_t> Labels::faces_of(std::int32_t piece) {
-  std::vector<std::int32_t> faces{pieces[piece].face};
   face_marks.clear();
+  return flood(piece);
+}
+
+std::vector<std::int32_t> Labels::flood(std::int32_t piece) {
+  std::vector<std::int32_t> faces{pieces[piece].face};
   face_marks.add(faces[0]);
   for (std::size_t i = 0; i < faces.size(); ++i)
     for (std::int32_t h = 3 * faces[i], end = h + 3; h < end; ++h)

@@ -66,6 +66,8 @@ struct Labels {
 
   /// The faces of a piece, by flooding from one of them. Clears and uses face_marks.
   std::vector<std::int32_t> faces_of(std::int32_t piece);
+  /// The same where no mark of face_marks is on the piece, so that threads may do several at a time.
+  std::vector<std::int32_t> flood(std::int32_t piece);
   /// Gives `faces` a new label. Both what goes and what stays must be connected and not empty.
   /// \param stays  a face that keeps its label
   std::int32_t part(std::span<const std::int32_t> faces, std::int32_t stays, Cause cause);

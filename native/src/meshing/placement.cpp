@@ -16,6 +16,10 @@ constexpr double kTruncate = 0.2;
 constexpr double kRelax = 1.7;
 /// A corner may move by this times the length of its shortest edge.
 constexpr double kOfEdge = 1.5;
+// What one thread does at a time, worth waking another:
+constexpr std::int32_t kTogether = 64;  ///< corners that are placed
+constexpr std::int32_t kFitted = 512,
+                       kMoved = 1024;  ///< in a turn, polygons that are fitted and corners that are moved
 
 /// The step d, |d| <= radius, that best meets `a` d = `g` in the directions that `a` fixes.
 Vec3 trusted_step(const Eigen::Matrix3d& a, const Vec3& g, double radius) {
@@ -161,8 +165,8 @@ void set_radii(const Polygons& polygons, const Mesh& mesh, double reach, std::sp
 }
 
 void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
-           std::span<const std::int32_t> moving, Corners& corners) {
-  for (const std::int32_t c : moving) {
+           std::span<const std::int32_t> moving, const Threads& threads, Corners& corners) {
+  const auto place_one = [&](std::int32_t c) {
     const Vec3& home = mesh.vertices()[corners.vertex[c]];
     Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
     Vec3 g = Vec3::Zero();
@@ -172,34 +176,45 @@ void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> pl
       g += p.normal * p.normal.dot(p.centre - home);
     }
     corners.position[c] = home + trusted_step(a, g, corners.radius[c]);
-  }
+  };
+  threads.blocks(static_cast<std::int32_t>(moving.size()), kTogether,
+                 [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+                   for (const std::int32_t c : moving.subspan(begin, end - begin)) place_one(c);
+                 });
 }
 
 void flatten(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
-             std::span<const std::int32_t> moving, int rounds, Corners& corners) {
+             std::span<const std::int32_t> moving, int rounds, const Threads& threads, Corners& corners) {
   std::vector<std::int32_t> near;  // the polygons round the moving corners
   for (const std::int32_t c : moving) near.insert(near.end(), polygons.at(c).begin(), polygons.at(c).end());
   std::vector<std::int32_t> round = near;  // the same in the order of the corners, by where they stand in `near`
+  std::vector<std::size_t> round_end(moving.size());
+  for (std::size_t i = 0, end = 0; i < moving.size(); ++i) round_end[i] = end += polygons.at(moving[i]).size();
   sort_unique(near);
   for (std::int32_t& q : round)
     q = static_cast<std::int32_t>(std::lower_bound(near.begin(), near.end(), q) - near.begin());
   std::vector<Fit> fits(near.size());
-  std::vector<Vec3> next(moving.size());
-  for (int turn = 0; turn < rounds; ++turn) {
-    for (std::size_t i = 0; i < near.size(); ++i)
+  const auto fit = [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+    for (std::int32_t i = begin; i < end; ++i)
       fits[i].to(polygons.of(near[i]), corners.position, planes[polygons.piece[near[i]]]);
-    auto fit = round.begin();
-    for (std::size_t i = 0; i < moving.size(); ++i) {
+  };
+  const auto move = [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+    std::size_t k = begin > 0 ? round_end[begin - 1] : 0;
+    for (std::int32_t i = begin; i < end; ++i) {
       const std::int32_t c = moving[i];
-      const std::size_t count = polygons.at(c).size();
-      const Vec3& at = corners.position[c];
-      Vec3 move = Vec3::Zero();
-      for (const auto end = fit + static_cast<std::ptrdiff_t>(count); fit != end; ++fit)
-        move -= fits[*fit].normal * fits[*fit].normal.dot(at - fits[*fit].centre);
-      next[i] = within(at + move * (kRelax / static_cast<double>(count)), mesh.vertices()[corners.vertex[c]],
-                       corners.radius[c]);
+      const auto count = static_cast<double>(round_end[i] - k);
+      Vec3& at = corners.position[c];
+      Vec3 step = Vec3::Zero();
+      for (; k < round_end[i]; ++k) {
+        const Fit& f = fits[round[k]];
+        step -= f.normal * f.normal.dot(at - f.centre);
+      }
+      at = within(at + step * (kRelax / count), mesh.vertices()[corners.vertex[c]], corners.radius[c]);
     }
-    for (std::size_t i = 0; i < moving.size(); ++i) corners.position[moving[i]] = next[i];
+  };
+  for (int turn = 0; turn < rounds; ++turn) {
+    threads.blocks(static_cast<std::int32_t>(near.size()), kFitted, fit);
+    threads.blocks(static_cast<std::int32_t>(moving.size()), kMoved, move);
   }
 }
 

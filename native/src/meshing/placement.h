@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "isimp/partition/threads.h"
 #include "polygons.h"
 
 namespace isimp::meshing {
@@ -16,11 +17,11 @@ void set_radii(const Polygons& polygons, const Mesh& mesh, double reach, std::sp
 /// directions in which the planes hardly fix a point are left out, and no corner is moved further than its radius.
 /// Source: Cohen-Steiner, Alliez, Desbrun 2004, section 4; the truncation as in Kobbelt et al. 2001.
 void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
-           std::span<const std::int32_t> moving, Corners& corners);
+           std::span<const std::int32_t> moving, const Threads& threads, Corners& corners);
 
 /// Makes the polygons round the given corners flat by turns: a plane for each polygon, then each corner to the mean of
 /// its projections on the planes round it and on beyond, within its radius. Polygons that are flat already do not move.
 void flatten(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
-             std::span<const std::int32_t> moving, int rounds, Corners& corners);
+             std::span<const std::int32_t> moving, int rounds, const Threads& threads, Corners& corners);
 
 }  // namespace isimp::meshing

@@ -30,6 +30,7 @@ void check(const Mesh& mesh, const Partition& partition, const MeshingOptions& o
   range(options.flatness, 0, 100, "flatness");
   range(options.chord_area, 0, 100, "chord_area");
   range(options.repair_budget, 0, 1000, "repair_budget");
+  if (options.threads < 0) throw InvalidInput("threads must be at least 0, got " + std::to_string(options.threads));
   if (partition.face_region.size() != static_cast<std::size_t>(mesh.face_count()))
     throw InvalidInput("the partition has labels for " + std::to_string(partition.face_region.size()) +
                        " faces, but the mesh has " + std::to_string(mesh.face_count()));

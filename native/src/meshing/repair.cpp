@@ -30,7 +30,7 @@ constexpr std::string_view kPlanCrossing = "qbpbspsspsspss", kPlanFlipped = "ppd
 
 class Repairer {
  public:
-  Repairer(State& state, Job& job) : s_(state), job_(job), findings_(state, bounds(state)) {
+  Repairer(State& state, Job& job) : s_(state), job_(job), findings_(state, bounds(state), job) {
     const auto allowed = static_cast<std::int32_t>(s_.options.repair_budget * s_.labels.piece_count());
     most_polygons_ = s_.labels.piece_count() + std::max(kLeastBudget, allowed);
   }

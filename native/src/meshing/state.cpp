@@ -24,6 +24,8 @@ ChordTolerance chord_tolerance(const Mesh& mesh, std::span<const Plane> planes, 
   return t;
 }
 
+constexpr std::int32_t kFew = 4;  ///< pieces that are measured on one thread
+
 /// The region that has most of some faces' area. Not always that of the piece they were parted from: what mends a pinch
 /// hands faces over to a neighbour of another region.
 std::int32_t main_region(const Mesh& mesh, const Partition& partition, std::span<const std::int32_t> faces) {
@@ -61,6 +63,7 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
     : mesh(m),
       partition(p),
       options(o),
+      threads(o.threads),
       regions(partition.region_count()),
       labels(m),
       cutter(labels),
@@ -203,13 +206,19 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, std::
   sort_unique(labels.touched);
   planes.resize(labels.pieces.size());
   diagonals.resize(labels.pieces.size());
-  std::vector<std::vector<std::int32_t>> loops;
-  for (const std::int32_t l : labels.touched) {
-    const std::vector<std::int32_t> faces = labels.faces_of(l);
-    labels.pieces[l].region = main_region(mesh, partition, faces);
-    planes[l] = plane_of(mesh, faces);
-    loops.push_back(labels.loop_from(boundary_start(labels, faces)));
-  }
+  std::vector<std::vector<std::int32_t>> loops(labels.touched.size());
+  labels.face_marks.clear();
+  threads.blocks(static_cast<std::int32_t>(loops.size()), kFew,
+                 [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+                   job_.poll();
+                   for (std::int32_t i = begin; i < end; ++i) {
+                     const std::int32_t l = labels.touched[i];
+                     const std::vector<std::int32_t> faces = labels.flood(l);
+                     labels.pieces[l].region = main_region(mesh, partition, faces);
+                     planes[l] = plane_of(mesh, faces);
+                     loops[i] = labels.loop_from(boundary_start(labels, faces));
+                   }
+                 });
   complex.refresh(labels.touched, std::move(loops), job_);
   labels.touched.clear();
   const std::vector<std::int32_t> cornered = complex.make_regular();
@@ -228,8 +237,8 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, std::
   for (const std::int32_t c : moved)
     if (c < static_cast<std::int32_t>(before.size())) corners.position[c] = before[c];
   job_.poll();
-  place(polygons, mesh, planes, moving, corners);
-  flatten(polygons, mesh, planes, moving, options.flatten, corners);
+  place(polygons, mesh, planes, moving, threads, corners);
+  flatten(polygons, mesh, planes, moving, options.flatten, threads, corners);
   for (const std::int32_t c : moved)
     for (const std::int32_t q : polygons.at(c)) near.push_back(polygons.piece[q]);
   sort_unique(near);

@@ -10,6 +10,7 @@
 #include "complex.h"
 #include "discs.h"
 #include "isimp/meshing/polygonize.h"
+#include "isimp/partition/threads.h"
 #include "placement.h"
 #include "polygons.h"
 
@@ -63,6 +64,7 @@ class State {
   const Mesh& mesh;
   const Partition& partition;
   const MeshingOptions& options;
+  const Threads threads;
   const std::int32_t regions;            ///< of the partition
   std::int32_t merged_without_area = 0;  ///< pieces that were given to a neighbour, as they had no area
   Labels labels;

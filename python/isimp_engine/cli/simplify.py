@@ -40,7 +40,8 @@ class Steps:
 
 def run(arguments: argparse.Namespace) -> None:
     check_places(arguments)
-    steps, options, meshing = Steps(wanted(arguments.quiet)), arguments.options, MeshingOptions()
+    steps, options = Steps(wanted(arguments.quiet)), arguments.options
+    meshing = MeshingOptions(threads=options.threads)
     with steps("read") as job:
         source = load(arguments.input, job)
     with steps("clean") as job:

@@ -32,6 +32,23 @@ def test_threads_and_back_end_reach_the_engine_and_change_no_result(monkeypatch)
     assert all(np.array_equal(labels[0], other) for other in labels[1:])
 
 
+def test_threads_reach_the_meshing_too(monkeypatch):
+    wish = type("Wish", (preferences._Default,), {"threads": 3})
+    monkeypatch.setattr(preferences, "get", lambda context: wish)
+    asked, options = [], session.engine.MeshingOptions
+
+    def noting(**given):
+        asked.append(given["threads"])
+        return options(**given)
+
+    monkeypatch.setattr(session.engine, "MeshingOptions", noting)
+    runtime.get().session = session.Session()
+    scans.dimple(scans.cube(cells=8))
+    bpy.ops.isimp.partition(proxies=12)
+    bpy.ops.isimp.mesh()
+    assert asked == [3]
+
+
 def test_a_back_end_that_is_gone_is_not_asked_for(monkeypatch):
     wish = type("Wish", (preferences._Default,), {"backend": "cuda"})
     monkeypatch.setattr(preferences, "get", lambda context: wish)

@@ -25,6 +25,7 @@ struct MeshingOptions {
   /// Splits and diagonals that the repair may make, as a share of the polygons before; those that turn out not to be
   /// needed are taken back.
   double repair_budget = 4;
+  std::int32_t threads = 0;  ///< 0: as many as there are cores; the result does not depend on it
 };
 
 /// What a polygon can be that it should not.
@@ -65,6 +66,7 @@ struct MeshingReport {
   std::int32_t diagonals = 0;           ///< edges that repair put across a region
   std::int32_t repair_rounds = 0;
   bool repair_capped = false;  ///< something is left that takes more splits than repair_budget allows
+  bool operator==(const MeshingReport&) const = default;
 };
 
 /// A mesh of simple polygons without holes.

@@ -2,47 +2,78 @@
 
 #include <algorithm>
 #include <atomic>
+#include <condition_variable>
 #include <cstdint>
 #include <exception>
+#include <functional>
+#include <memory>
+#include <mutex>
 #include <thread>
 #include <vector>
 
 namespace isimp {
 
-/// The one place where partitioning starts threads: loops cut into equal pieces, one a thread, none waiting busily.
+/// Threads that sleep until there is something to do. They are started when first wanted and end with this.
+class Workers {
+ public:
+  Workers() = default;
+  Workers(const Workers&) = delete;
+  Workers& operator=(const Workers&) = delete;
+  ~Workers();
+
+  /// Calls body(piece), which must not throw, for each of so many pieces: the first one here, the others on whichever
+  /// thread comes to it first, this one among them. So nobody waits for a thread that has yet to wake up. While another
+  /// call is under way all is done here.
+  void run(std::int32_t pieces, const std::function<void(std::int32_t)>& body);
+
+ private:
+  void start(std::int32_t threads);
+  void work(std::unique_lock<std::mutex>& lock);
+
+  std::mutex mutex_;
+  std::condition_variable wake_, done_;
+  const std::function<void(std::int32_t)>* body_ = nullptr;  // null: nothing is under way
+  std::int32_t pieces_ = 0, next_ = 0, running_ = 0;
+  bool ending_ = false;
+  std::vector<std::jthread> threads_;
+};
+
+/// The one place where threads are started: loops cut into pieces that threads share, none waiting busily.
 ///
-/// What the pieces write must not depend on how many there are; whoever calls sees to that. Threads live for one loop:
-/// starting one costs some 20 us, so short loops are left to the caller's thread.
+/// What the pieces write must not depend on how many there are; whoever calls sees to that. The threads last from one
+/// loop to the next, and as long as a copy of this. Waking one costs some 10 us, so short loops are left to the
+/// caller's thread.
 class Threads {
  public:
   /// \param count  0: as many as the machine has
   explicit Threads(std::int32_t count)
-      : count_(count > 0 ? count : std::max(1, static_cast<std::int32_t>(std::thread::hardware_concurrency()))) {}
+      : count_(count > 0 ? count : std::max(1, static_cast<std::int32_t>(std::thread::hardware_concurrency()))),
+        workers_(count_ > 1 ? std::make_shared<Workers>() : nullptr) {}
 
   /// How many pieces `run` will cut n steps into. \param least  steps below which a piece is not worth a thread
   [[nodiscard]] std::int32_t pieces(std::int32_t n, std::int32_t least = 1 << 14) const {
     return std::clamp(n / least, 1, count_);
   }
 
-  /// Calls body(piece, begin, end) for each of so many pieces of [0, n). The first exception is thrown on.
+  /// Calls body(piece, begin, end) for each of so many pieces of [0, n), the first one on the caller's thread. The
+  /// first exception is thrown on.
   template <class Body>
   void run(std::int32_t n, std::int32_t pieces, Body body) const {
     const auto edge = [&](std::int32_t piece) {
       return static_cast<std::int32_t>(static_cast<std::int64_t>(n) * piece / pieces);
     };
+    if (pieces <= 1 || !workers_) {
+      for (std::int32_t piece = 0; piece < pieces; ++piece) body(piece, edge(piece), edge(piece + 1));
+      return;
+    }
     std::vector<std::exception_ptr> failure(static_cast<std::size_t>(pieces));
-    const auto guarded = [&](std::int32_t piece) {
+    workers_->run(pieces, [&](std::int32_t piece) {
       try {
         body(piece, edge(piece), edge(piece + 1));
       } catch (...) {
         failure[piece] = std::current_exception();
       }
-    };
-    {
-      std::vector<std::jthread> others;
-      for (std::int32_t piece = 1; piece < pieces; ++piece) others.emplace_back(guarded, piece);
-      guarded(0);
-    }
+    });
     for (const std::exception_ptr& e : failure)
       if (e) std::rethrow_exception(e);
   }
@@ -60,8 +91,19 @@ class Threads {
     run(workers, workers, [&](std::int32_t, std::int32_t, std::int32_t) { body([&] { return at++; }); });
   }
 
+  /// The same of blocks of [0, n), each of so many steps but the last: calls body(block, begin, end) for each.
+  template <class Body>
+  void blocks(std::int32_t n, std::int32_t size, Body body) const {
+    const std::int32_t count = n / size + (n % size > 0);
+    share(count, [&](const auto& next) {
+      for (std::int32_t block = next(); block < count; block = next())
+        body(block, block * size, std::min(n - block * size, size) + block * size);
+    });
+  }
+
  private:
   std::int32_t count_;
+  std::shared_ptr<Workers> workers_;
 };
 
 }  // namespace isimp
