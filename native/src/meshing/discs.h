@@ -11,7 +11,7 @@
 
 namespace isimp::meshing {
 
-/// Shortest paths over vertices or faces; the arrays are kept between searches.
+/// Shortest paths over vertices; the arrays are kept between searches.
 struct Search {
   explicit Search(std::size_t n)
       : distance(std::make_unique_for_overwrite<double[]>(n)),
@@ -44,19 +44,29 @@ struct Cutter {
   explicit Cutter(Labels& l);
 
   Labels& labels;
-  Search vertices, faces;
+  Search vertices;
+  std::unique_ptr<std::int32_t[]> face_place;   ///< valid for the faces of a piece that is cut: which of them each is
   std::unique_ptr<std::int32_t[]> vertex_loop;  ///< valid where vertex_marks: boundary loop of the vertex
   Marks vertex_marks, blocked, halfedge_marks, face_marks;
 };
 
-/// Parts a piece in two connected halves, each face to the nearer of two faces over the surface: the given ones or,
-/// where there are none, two that are far apart. \return the new label, kNone for a single face
+/// What of a piece a cut parts from the rest, both connected.
+struct Cut {
+  std::vector<std::int32_t> faces;  ///< none for a piece of a single face
+  std::int32_t stays = kNone;       ///< a face of the rest
+};
+
+/// Where a piece is cut in two halves, each face to the nearer of two faces over the surface: the given ones or, where
+/// there are none, two that are far apart. \param faces  all of the piece; threads may look at several pieces at a time
+Cut find_halves(const Cutter& cutter, std::span<const std::int32_t> faces,
+                std::array<std::int32_t, 2> seeds = {kNone, kNone});
+
+/// The same for the faces near a place and the rest.
+Cut find_part_near(const Cutter& cutter, std::span<const std::int32_t> faces, const Vec3& place);
+
+/// Parts a piece in two halves. \return the new label, kNone for a single face
 std::int32_t bisect(Cutter& cutter, std::int32_t piece, Cause cause,
                     std::array<std::int32_t, 2> seeds = {kNone, kNone});
-
-/// Parts the faces near a place from the rest of a piece, both connected. \return the new label, theirs; kNone for a
-/// single face
-std::int32_t part_near(Cutter& cutter, std::int32_t piece, const Vec3& place, Cause cause);
 
 /// Parts a piece in up to `parts` connected pieces of about the same size and round shape.
 /// \return how many labels are new, the last ones

@@ -282,24 +282,32 @@ Box box_around(const Mesh& mesh, std::span<const std::int32_t> faces) {
 
 bool scan_intersects(const Mesh& mesh, const ScanPart& some, const ScanPart& others) {
   // What lies outside the other's box is of no interest.
+  struct Face {
+    std::int32_t face;
+    Corners at;
+  };
+  std::vector<Face> faces;
   const auto boxes = [&](const ScanPart& from, const Box& near) {
     std::vector<Entry> result;
     for (const std::int32_t f : from.faces) {
       const Corners s = corners_of(mesh, f);
       const Box box = box_of(s);
-      if (!near.apart(box) && has_area(s)) result.push_back({box, f});
+      if (near.apart(box) || !has_area(s)) continue;
+      result.push_back({box, static_cast<std::int32_t>(faces.size())});
+      faces.push_back({f, s});
     }
     return result;
   };
   const std::vector<Entry> looking = boxes(some, others.around);
   const BoxTree search(boxes(others, some.around));
   return std::any_of(looking.begin(), looking.end(), [&](const Entry& x) {
-    const Corners s = corners_of(mesh, x.index);
+    const auto& [f, s] = faces[x.index];
     const Facing facing = facing_of(s);
+    const Placed here{mesh.triangles()[f], s, facing};
     return search.any(x.box, [&](const Entry& y) {
-      if (x.index == y.index) return false;
-      const Corners t = corners_of(mesh, y.index);
-      return meet({mesh.triangles()[x.index], s, facing}, {mesh.triangles()[y.index], t, facing_of(t)});
+      const auto& [g, t] = faces[y.index];
+      if (f == g || beside(here, {mesh.triangles()[g], t, facing})) return false;  // which asks for one side only
+      return meet(here, {mesh.triangles()[g], t, facing_of(t)});
     });
   });
 }

@@ -125,43 +125,85 @@ class Repairer {
   /// One step of its plan for every faulty piece. \return whether anything was done
   bool act() {
     const auto pieces = s_.labels.piece_count();
-    std::vector<bool> hit(pieces, false), spared(pieces, false);
+    spared_.assign(pieces, false);
     met_.assign(pieces, nullptr);
     for (const Hit& h : findings_.hits()) {
       job_.poll();
       if (findings_.excused(h)) continue;
-      hit[h.a] = hit[h.b] = true;
       met_[h.a] = met_[h.b] = &h;
       // Of two that meet, the smaller is not split.
-      if (h.a != h.b) spared[s_.planes[h.a].area < s_.planes[h.b].area ? h.a : h.b] = true;
+      if (h.a != h.b) spared_[s_.planes[h.a].area < s_.planes[h.b].area ? h.a : h.b] = true;
     }
     bool any = false;
     polygons_ = s_.polygons.count();
+    foresee_cuts();
     for (std::int32_t l = 0; l < pieces; ++l) {
       const std::uint8_t faults = findings_.of(l).faults();
-      if (faults == 0 && !hit[l]) continue;
+      if (faults == 0 && !met_[l]) continue;
       job_.poll();
       if ((faults & kNoArea) && dissolve(l)) {
         any = true;
         continue;
       }
-      const std::string_view plan = (faults & kCrossing)              ? kPlanCrossing
-                                    : (faults & (kFlipped | kNoArea)) ? kPlanFlipped
-                                    : hit[l]                          ? kPlanHit
-                                                                      : kPlanBent;
-      if (tries_[l] >= static_cast<int>(plan.size()) + kPatience) continue;
+      const char step = next_step(l, faults);
+      if (step == 0) continue;
       acted_.add(l);
-      const char step = plan[std::min<std::size_t>(tries_[l]++, plan.size() - 1)];
-      any = do_step(step, l, hit[l] && faults == 0 && spared[l]) || any;
+      ++tries_[l];
+      any = do_step(step, l, is_spared(l, faults)) || any;
     }
+    cuts_.clear();
     return any;
   }
+
+  /// What the plan for a piece with these faults has next, 0 where there is nothing left to try.
+  [[nodiscard]] char next_step(std::int32_t l, std::uint8_t faults) const {
+    if (faults == 0 && !met_[l]) return 0;
+    const std::string_view plan = (faults & kCrossing)              ? kPlanCrossing
+                                  : (faults & (kFlipped | kNoArea)) ? kPlanFlipped
+                                  : met_[l]                         ? kPlanHit
+                                                                    : kPlanBent;
+    if (tries_[l] >= static_cast<int>(plan.size()) + kPatience) return 0;
+    return plan[std::min<std::size_t>(tries_[l], plan.size() - 1)];
+  }
+
+  [[nodiscard]] bool is_spared(std::int32_t l, std::uint8_t faults) const { return faults == 0 && spared_[l]; }
+
+  /// Finds where the pieces will be split whose turn it is, as far as can be told before any is: on all threads.
+  void foresee_cuts() {
+    std::vector<std::int32_t> some;
+    for (std::int32_t l = 0; l < s_.labels.piece_count() && !spent(); ++l) {
+      const std::uint8_t faults = findings_.of(l).faults();
+      if (next_step(l, faults) == 's' && !(faults & kNoArea) && !waits(is_spared(l, faults))) some.push_back(l);
+    }
+    cuts_.resize(s_.labels.pieces.size());
+    s_.labels.face_marks.clear();
+    s_.threads.blocks(static_cast<std::int32_t>(some.size()), 1, [&](std::int32_t i, std::int32_t, std::int32_t) {
+      job_.poll();
+      cuts_[some[i]] = find_cut(some[i]);
+    });
+  }
+
+  [[nodiscard]] Cut find_cut(std::int32_t l) const {
+    const std::optional<Vec3> crossing = place_of_crossing(l);
+    return s_.find_cut(l, crossing ? &*crossing : met_[l] ? &met_[l]->where : nullptr);
+  }
+
+  /// The cut that was foreseen unless the piece has changed since, else another.
+  [[nodiscard]] Cut take_cut(std::int32_t l) {
+    if (l < static_cast<std::int32_t>(cuts_.size()) && !cuts_[l].faces.empty() && !out_of_date(l))
+      return std::exchange(cuts_[l], {});
+    s_.labels.face_marks.clear();
+    return find_cut(l);
+  }
+
+  /// Whether a split has to wait for a round in which the smaller of two that meet is split too.
+  [[nodiscard]] bool waits(bool spared) const { return spared && outcome_.rounds % 3 != 0; }
 
   bool do_step(char step, std::int32_t l, bool spared) {
     if (step == 'p' || step == 'q') return pull(step == 'p' ? corners_of(l) : corners_concerned(l), l);
     if (step == 'b' && !out_of_date(l) && bend(l)) return true;
     if (step == 'd' && add_diagonal(l)) return true;
-    if (spared && outcome_.rounds % 3 != 0) return true;
+    if (waits(spared)) return true;
     return split(l);
   }
 
@@ -319,8 +361,7 @@ class Repairer {
       outcome_.capped = true;
       return false;
     }
-    const std::optional<Vec3> crossing = place_of_crossing(l);
-    if (!s_.split(l, crossing ? &*crossing : met_[l] ? &met_[l]->where : nullptr, job_)) return false;
+    if (!s_.split(l, take_cut(l), job_)) return false;
     polygons_ += s_.labels.piece_count() - static_cast<std::int32_t>(tries_.size());
     ++outcome_.splits;
     tries_[l] = std::min(tries_[l], kAfterSplit);
@@ -376,6 +417,8 @@ class Repairer {
   std::int32_t most_polygons_ = 0, polygons_ = 0;  // polygons_: as they will be after the acts of this round
   Findings findings_;
   std::vector<int> tries_;             // by piece
+  std::vector<bool> spared_;           // by piece: of two that meet, the smaller
+  std::vector<Cut> cuts_;              // by piece: where it will be split in this round, as far as was foreseen
   std::vector<const Hit*> met_;        // by piece: where it meets another; null where it does not
   std::vector<std::int32_t> gone_;     // pieces that were given to a neighbour in this round
   std::vector<std::int32_t> changed_;  // pieces whose diagonals or pulls were changed in this round

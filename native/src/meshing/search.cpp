@@ -31,7 +31,7 @@ std::int32_t Search::take() {
 Cutter::Cutter(Labels& l)
     : labels(l),
       vertices(l.mesh.vertex_count()),
-      faces(l.mesh.face_count()),
+      face_place(std::make_unique_for_overwrite<std::int32_t[]>(l.mesh.face_count())),
       vertex_loop(std::make_unique_for_overwrite<std::int32_t[]>(l.mesh.vertex_count())),
       vertex_marks(l.mesh.vertex_count()),
       blocked(l.mesh.vertex_count()),

@@ -96,10 +96,14 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
   job.report(0.1);
 }
 
-bool State::split(std::int32_t piece, const Vec3* place, Job& job) {
-  const std::int32_t fresh =
-      place ? part_near(cutter, piece, *place, Cause::repair) : bisect(cutter, piece, Cause::repair);
-  if (fresh == kNone) return false;
+Cut State::find_cut(std::int32_t piece, const Vec3* place) {
+  const std::vector<std::int32_t> faces = labels.flood(piece);
+  return place ? find_part_near(cutter, faces, *place) : find_halves(cutter, faces);
+}
+
+bool State::split(std::int32_t piece, const Cut& cut, Job& job) {
+  if (cut.faces.empty()) return false;
+  const std::int32_t fresh = labels.part(cut.faces, cut.stays, Cause::repair);
   make_discs(cutter, {piece, fresh}, job);
   diagonals.resize(labels.pieces.size());
   for (const std::int32_t l : labels.touched) diagonals[l].clear();

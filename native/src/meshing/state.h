@@ -40,8 +40,11 @@ class State {
   /// \param job  polled by `update` too
   State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& job);
 
-  /// Splits a piece in two (and on, until all of it is discs): in halves, or near a place. \return whether it could be
-  bool split(std::int32_t piece, const Vec3* place, Job& job);
+  /// Where a piece would be split: in halves, or near a place. Threads may ask for several pieces at a time after the
+  /// face marks of labels have been cleared.
+  [[nodiscard]] Cut find_cut(std::int32_t piece, const Vec3* place);
+  /// Splits a piece in two (and on, until all of it is discs). \return whether it could be
+  bool split(std::int32_t piece, const Cut& cut, Job& job);
   /// Makes each face of a piece a piece of its own, all corners of which stay on the mesh. \return whether that is new
   bool shatter(std::int32_t piece);
   /// The pieces across the chords of one, in rising order.
