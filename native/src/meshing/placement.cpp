@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "sorted.h"
-
 namespace isimp::meshing {
 namespace {
 
@@ -18,8 +16,8 @@ constexpr double kRelax = 1.7;
 constexpr double kOfEdge = 1.5;
 // What one thread does at a time, worth waking another:
 constexpr std::int32_t kTogether = 64;  ///< corners that are placed
-constexpr std::int32_t kFitted = 512,
-                       kMoved = 1024;  ///< in a turn, polygons that are fitted and corners that are moved
+constexpr std::int32_t kFitted = 192,
+                       kMoved = 384;  ///< in a turn, polygons that are fitted and corners that are moved
 
 /// The step d, |d| <= radius, that best meets `a` d = `g` in the directions that `a` fixes.
 Vec3 trusted_step(const Eigen::Matrix3d& a, const Vec3& g, double radius) {
@@ -147,6 +145,53 @@ void Fit::to(std::span<const std::int32_t> polygon, std::span<const Vec3> positi
   centre += kOfPlane * normal.dot(plane.centre - centre) * normal;
 }
 
+/// Corners of which each may follow others in the turns of flattening, and the polygons round them.
+struct Group {
+  std::vector<std::int32_t> corners, polygons;
+  std::vector<std::int32_t> round, round_start{0};  ///< by corner: the polygons round it, by their places here
+  std::vector<Fit> fits;                            ///< by polygon
+
+  [[nodiscard]] std::span<const std::int32_t> round_of(std::int32_t i) const {
+    return std::span(round).subspan(round_start[i], round_start[i + 1] - round_start[i]);
+  }
+};
+
+std::vector<Group> groups_of(const Polygons& polygons, std::span<const std::int32_t> moving) {
+  // Polygons that have a moving corner in common hang together, each on a lower one down to the lowest.
+  std::vector<std::int32_t> on(polygons.count(), kNone);
+  const auto lowest = [&](std::int32_t q) {
+    while (on[q] != q) q = on[q] = on[on[q]];
+    return q;
+  };
+  for (const std::int32_t c : moving) {
+    std::int32_t low = kNone;
+    for (const std::int32_t q : polygons.at(c)) {
+      if (on[q] == kNone) on[q] = q;
+      const std::int32_t other = lowest(q);
+      if (low != kNone) on[std::max(low, other)] = std::min(low, other);
+      low = low == kNone ? other : std::min(low, other);
+    }
+  }
+  std::vector<Group> groups;
+  std::vector<std::int32_t> group(polygons.count()), place(polygons.count());
+  for (std::int32_t q = 0; q < polygons.count(); ++q) {
+    if (on[q] == kNone) continue;
+    const std::int32_t low = lowest(q);
+    if (low == q) groups.emplace_back();
+    group[q] = low == q ? static_cast<std::int32_t>(groups.size()) - 1 : group[low];
+    place[q] = static_cast<std::int32_t>(groups[group[q]].polygons.size());
+    groups[group[q]].polygons.push_back(q);
+  }
+  for (const std::int32_t c : moving) {
+    Group& g = groups[group[polygons.at(c)[0]]];
+    g.corners.push_back(c);
+    for (const std::int32_t q : polygons.at(c)) g.round.push_back(place[q]);
+    g.round_start.push_back(static_cast<std::int32_t>(g.round.size()));
+  }
+  for (Group& g : groups) g.fits.resize(g.polygons.size());
+  return groups;
+}
+
 }  // namespace
 
 void set_radii(const Polygons& polygons, const Mesh& mesh, double reach, std::span<const std::int32_t> moving,
@@ -185,37 +230,45 @@ void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> pl
 
 void flatten(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
              std::span<const std::int32_t> moving, int rounds, const Threads& threads, Corners& corners) {
-  std::vector<std::int32_t> near;  // the polygons round the moving corners
-  for (const std::int32_t c : moving) near.insert(near.end(), polygons.at(c).begin(), polygons.at(c).end());
-  std::vector<std::int32_t> round = near;  // the same in the order of the corners, by where they stand in `near`
-  std::vector<std::size_t> round_end(moving.size());
-  for (std::size_t i = 0, end = 0; i < moving.size(); ++i) round_end[i] = end += polygons.at(moving[i]).size();
-  sort_unique(near);
-  for (std::int32_t& q : round)
-    q = static_cast<std::int32_t>(std::lower_bound(near.begin(), near.end(), q) - near.begin());
-  std::vector<Fit> fits(near.size());
-  const auto fit = [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+  std::vector<Group> groups = groups_of(polygons, moving);
+  // Those that are large first, so that no thread is left with one at the end.
+  std::stable_sort(groups.begin(), groups.end(),
+                   [](const Group& a, const Group& b) { return a.corners.size() > b.corners.size(); });
+  const auto fit = [&](Group& g, std::int32_t begin, std::int32_t end) {
     for (std::int32_t i = begin; i < end; ++i)
-      fits[i].to(polygons.of(near[i]), corners.position, planes[polygons.piece[near[i]]]);
+      g.fits[i].to(polygons.of(g.polygons[i]), corners.position, planes[polygons.piece[g.polygons[i]]]);
   };
-  const auto move = [&](std::int32_t, std::int32_t begin, std::int32_t end) {
-    std::size_t k = begin > 0 ? round_end[begin - 1] : 0;
+  const auto move = [&](Group& g, std::int32_t begin, std::int32_t end) {
     for (std::int32_t i = begin; i < end; ++i) {
-      const std::int32_t c = moving[i];
-      const auto count = static_cast<double>(round_end[i] - k);
+      const std::int32_t c = g.corners[i];
+      const std::span<const std::int32_t> round = g.round_of(i);
       Vec3& at = corners.position[c];
       Vec3 step = Vec3::Zero();
-      for (; k < round_end[i]; ++k) {
-        const Fit& f = fits[round[k]];
-        step -= f.normal * f.normal.dot(at - f.centre);
-      }
-      at = within(at + step * (kRelax / count), mesh.vertices()[corners.vertex[c]], corners.radius[c]);
+      for (const std::int32_t k : round) step -= g.fits[k].normal * g.fits[k].normal.dot(at - g.fits[k].centre);
+      at = within(at + step * (kRelax / static_cast<double>(round.size())), mesh.vertices()[corners.vertex[c]],
+                  corners.radius[c]);
     }
   };
-  for (int turn = 0; turn < rounds; ++turn) {
-    threads.blocks(static_cast<std::int32_t>(near.size()), kFitted, fit);
-    threads.blocks(static_cast<std::int32_t>(moving.size()), kMoved, move);
+  // A large one is shared in each turn, of the others each is done by one thread.
+  std::int32_t large = 0;
+  for (Group& g : groups) {
+    const auto fits = static_cast<std::int32_t>(g.fits.size()), moves = static_cast<std::int32_t>(g.corners.size());
+    if (fits < 2 * kFitted) break;
+    ++large;
+    for (int turn = 0; turn < rounds; ++turn) {
+      threads.blocks(fits, kFitted, [&](std::int32_t, std::int32_t begin, std::int32_t end) { fit(g, begin, end); });
+      threads.blocks(moves, kMoved, [&](std::int32_t, std::int32_t begin, std::int32_t end) { move(g, begin, end); });
+    }
   }
+  const auto small = static_cast<std::int32_t>(groups.size()) - large;
+  const std::int32_t together = moving.size() < kTogether ? std::max(small, 1) : 1;
+  threads.blocks(small, together, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+    for (std::int32_t i = large + begin; i < large + end; ++i)
+      for (int turn = 0; turn < rounds; ++turn) {
+        fit(groups[i], 0, static_cast<std::int32_t>(groups[i].fits.size()));
+        move(groups[i], 0, static_cast<std::int32_t>(groups[i].corners.size()));
+      }
+  });
 }
 
 }  // namespace isimp::meshing
