@@ -1,0 +1,81 @@
+// Corners on the boundary between two halves of a sphere, where no third piece asks for any.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "complex.h"
+#include "shapes.h"
+
+namespace isimp::meshing {
+namespace {
+
+class Halves : public testing::Test {
+ protected:
+  Halves() : mesh_(shapes::mesh(shapes::sphere(3))), labels_(mesh_), complex_(labels_, planes_) {
+    label_pieces(labels_, above(mesh_), job_);
+    planes_ = planes_of(labels_);
+    complex_.tolerance = {10, 10, 10, 1};  // no chord is asked to be close
+    complex_.refresh(std::vector<std::int32_t>{0, 1}, {loop(0), loop(1)}, job_);
+  }
+
+  static std::vector<std::int32_t> above(const Mesh& mesh) {
+    std::vector<std::int32_t> half(static_cast<std::size_t>(mesh.face_count()));
+    for (std::size_t f = 0; f < half.size(); ++f) {
+      double z = 0;
+      for (const std::int32_t v : mesh.triangles()[f]) z += mesh.vertices()[v].z();
+      half[f] = z > 0 ? 1 : 0;
+    }
+    return half;
+  }
+
+  std::vector<std::int32_t> loop(std::int32_t piece) {
+    for (const std::int32_t f : labels_.faces_of(piece))
+      for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
+        if (!labels_.inner(h)) return labels_.loop_from(h);
+    return {};
+  }
+
+  const Job job_;
+  const Mesh mesh_;
+  Labels labels_;
+  std::vector<Plane> planes_;
+  Complex complex_;
+};
+
+TEST_F(Halves, HaveTheSameCornersAndNotFewerThanThree) {
+  ASSERT_EQ(labels_.piece_count(), 2);
+  complex_.make_regular();
+  std::vector<std::int32_t> corners[2];
+  for (const std::int32_t l : {0, 1})
+    for (const std::int32_t h : complex_.chords(l)) corners[l].push_back(mesh_.from(h));
+  EXPECT_GE(corners[0].size(), 3U);
+  std::reverse(corners[1].begin(), corners[1].end());
+  std::rotate(corners[1].begin(), std::find(corners[1].begin(), corners[1].end(), corners[0][0]), corners[1].end());
+  EXPECT_EQ(corners[0], corners[1]);
+}
+
+TEST_F(Halves, BendTheirChordWhereTheBoundaryIsFarthest) {
+  const std::int32_t chord = complex_.chords(0)[0];
+  const double depth = complex_.depth(chord);
+  EXPECT_GT(depth, 0.1);  // a third of a great circle or so
+  ASSERT_TRUE(complex_.bend(chord));
+  ASSERT_EQ(complex_.bent().size(), 1U);
+  EXPECT_TRUE(complex_.is_corner(complex_.bent()[0]));
+  EXPECT_LT(complex_.depth(chord), depth);
+}
+
+/// What changes pieces takes corners away before others come in their place: who asks of a chord meanwhile gets an
+/// answer, and the walk along it an end.
+TEST_F(Halves, CanBeAskedOfAChordWhoseCornersAreGone) {
+  const std::int32_t chord = complex_.chords(0)[0];
+  std::vector<std::int32_t> vertices;
+  for (const std::int32_t h : complex_.loop(0)) vertices.push_back(mesh_.from(h));
+  for (const std::int32_t v : vertices) EXPECT_TRUE(complex_.drop_corner(v));
+  EXPECT_NEAR(complex_.depth(chord), 2, 0.2);  // from one place all round to the same: the diameter
+  EXPECT_TRUE(complex_.bend(chord));
+}
+
+}  // namespace
+}  // namespace isimp::meshing
