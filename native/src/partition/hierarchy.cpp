@@ -68,9 +68,9 @@ class Tile {
 
 /// What one thread finds of the patches; those of all threads in a row are the whole.
 struct Patches {
-  std::vector<NodeSum> sum;
+  std::vector<NodeSum> node;
+  std::vector<RegionSum> sum;
   std::vector<std::int32_t> first;
-  std::vector<float> area;
   std::vector<std::uint8_t> open;  // whether a face of the patch is on a border
 };
 
@@ -88,7 +88,7 @@ Patches patches_between(const FaceGraph& graph, Hierarchy& h, std::int32_t begin
       const auto id = static_cast<std::int32_t>(patches.first.size());
       patches.first.push_back(out);
       NodeSum s;
-      float area = 0;
+      RegionSum sum;
       bool open = false;
       tile.take(h.patch_size, [&](int i) {
         const FaceRecord& f = graph.faces[base + i];
@@ -96,14 +96,14 @@ Patches patches_between(const FaceGraph& graph, Hierarchy& h, std::int32_t begin
         s.x += f.area * f.nx;
         s.y += f.area * f.ny;
         s.z += f.area * f.nz;
-        area += f.area;
+        sum.add(f);
         open |= around[0] == n || around[1] == n || around[2] == n;
         h.patch_face[out++] = base + i;
         h.patch[base + i] = id;
       });
       s.length = std::sqrt(s.x * s.x + s.y * s.y + s.z * s.z);
-      patches.sum.push_back(s);
-      patches.area.push_back(area);
+      patches.node.push_back(s);
+      patches.sum.push_back(sum);
       patches.open.push_back(open ? 1 : 0);
     }
   }
@@ -126,16 +126,17 @@ Patches make_patches(const FaceGraph& graph, Hierarchy& h, const Threads& thread
   });
   Patches all = std::move(found[0]);
   for (std::int32_t k = 1; k < pieces; ++k) {
-    const auto base = static_cast<std::int32_t>(all.sum.size());
+    const auto base = static_cast<std::int32_t>(all.node.size());
+    append(all.node, found[k].node);
     append(all.sum, found[k].sum);
     append(all.first, found[k].first);
-    append(all.area, found[k].area);
     append(all.open, found[k].open);
     const std::int32_t begin = found[k].first.front(), end = k + 1 < pieces ? found[k + 1].first.front() : n;
     for (std::int32_t i = begin; i < end; ++i) h.patch[i] += base;
   }
   h.patch_first = std::move(all.first);
   h.patch_first.push_back(n);
+  h.patch_sum = std::move(all.sum);
   return all;
 }
 
@@ -196,9 +197,8 @@ std::vector<Part> parts_of(const Surface& surface, const Hierarchy& h, const Pat
   for (Part& part : parts) part.first = surface.face_count();
   for (std::int32_t p = 0; p < graph.size(); ++p) {
     Part& part = parts[graph.part_of(p)];
-    const NodeSum& s = graph.sum[p];
-    part.sum.add(RegionSum{s.x, s.y, s.z, 2.0 * patches.area[p], h.patch_first[p + 1] - h.patch_first[p]});
-    part.area += patches.area[p];
+    part.sum.add(h.patch_sum[p]);
+    part.area += h.patch_sum[p].weight / 2;
     part.closed &= patches.open[p] == 0;
     part.first = std::min(part.first, h.patch_face[h.patch_first[p]]);
   }
@@ -221,7 +221,7 @@ Hierarchy build_hierarchy(const Surface& surface, std::int32_t proxies, Job& job
   Patches patches = make_patches(surface.graph(), h, threads, job);
 
   job.report(0.3);
-  h.level.push_back(graph_of_patches(surface, h, std::move(patches.sum), threads, job));
+  h.level.push_back(graph_of_patches(surface, h, std::move(patches.node), threads, job));
   h.parts = parts_of(surface, h, patches);
 
   job.report(0.6);

@@ -1,6 +1,7 @@
 #include "isimp/partition/optimise.h"
 
 #include <algorithm>
+#include <memory>
 #include <span>
 #include <utility>
 
@@ -61,17 +62,20 @@ std::vector<std::int32_t> cut(const Hierarchy& h, const Parts& parts, std::int32
   return label;
 }
 
-/// Adds those of some faces that lie on borders.
-void append_borders(const Relaxation<GraphLabels>& relaxation, std::span<const std::int32_t> among,
-                    std::vector<std::int32_t>& faces, Job& job) {
-  std::size_t out = faces.size();
-  faces.resize(out + among.size());
-  for (std::size_t k = 0; k < among.size(); ++k) {
+/// Those of some faces that lie on borders, found by one thread.
+std::vector<std::int32_t> find_borders(const Relaxation<GraphLabels>& relaxation, std::span<const std::int32_t> faces,
+                                       Job& job) {
+  constexpr std::size_t kAhead = 16;  // faces, for the memory to be there in time
+  // One spare, written to before it is known to be wanted.
+  const auto found = std::make_unique_for_overwrite<std::int32_t[]>(faces.size() + 1);
+  std::size_t out = 0;
+  for (std::size_t k = 0; k < faces.size(); ++k) {
     if ((k & 0x3fff) == 0x3fff) job.poll();
-    faces[out] = among[k];
-    out += relaxation.on_border(among[k]) ? 1 : 0;
+    if (k + kAhead < faces.size()) relaxation.fetch(faces[k + kAhead]);
+    found[out] = faces[k];
+    out += relaxation.on_border(faces[k]) ? 1 : 0;
   }
-  faces.resize(out);
+  return {found.get(), found.get() + out};
 }
 
 /// The steps from a hierarchy to regions, and what they hand on.
@@ -93,7 +97,7 @@ class Optimiser {
     Job::Part stage(job, "relaxing", 0.4, 1.0);
     Relaxation<GraphLabels> relaxation(graph_, {regions_.label.data()}, regions_.sum, border_weight(regions_.error()),
                                        threads_);
-    push_borders(relaxation, job);
+    for (const std::int32_t i : borders_among(relaxation, h_.patch_face, job)) relaxation.push(i);
     relaxation.run(kFirstSweeps, job);
     job.report(0.4);
     const MergeGraph pairs = merge_to(wanted - lacking(), relaxation, job);
@@ -125,27 +129,10 @@ class Optimiser {
     });
     regions_.label[graph_.size()] = kNone;
     regions_.sum.resize(static_cast<std::size_t>(regions));
-    sum_regions(graph_, regions_, job, threads_);
-  }
-
-  /// Border faces lie in patches that have a neighbour of another label.
-  void push_borders(Relaxation<GraphLabels>& relaxation, Job& job) const {
-    const MergeGraph& patches = h_.level.front();
-    const std::int32_t pieces = threads_.pieces(patches.size(), 1 << 12);
-    std::vector<std::vector<std::int32_t>> found(static_cast<std::size_t>(pieces));
-    threads_.run(patches.size(), pieces, [&](std::int32_t piece, std::int32_t begin, std::int32_t end) {
-      std::vector<std::int32_t> faces;
-      for (std::int32_t p = begin; p < end; ++p) {
-        if ((p & 0x3ff) == 0) job.poll();
-        const auto around = patches.around(p);
-        if (std::all_of(around.begin(), around.end(), [&](auto q) { return patch_label_[q] == patch_label_[p]; }))
-          continue;
-        append_borders(relaxation, h_.faces_of(p), faces, job);
-      }
-      found[piece] = std::move(faces);
-    });
-    for (const std::vector<std::int32_t>& faces : found)
-      for (const std::int32_t i : faces) relaxation.push(i);
+    for (std::int32_t p = 0; p < h_.patches(); ++p) {
+      if ((p & 0xffff) == 0) job.poll();
+      if (patch_label_[p] != kNone) regions_.sum[patch_label_[p]].add(h_.patch_sum[p]);
+    }
   }
 
   /// Those of some faces that lie on borders, in the same order.
@@ -155,7 +142,7 @@ class Optimiser {
     const std::int32_t pieces = threads_.pieces(count);
     std::vector<std::vector<std::int32_t>> found(static_cast<std::size_t>(pieces));
     threads_.run(count, pieces, [&](std::int32_t piece, std::int32_t begin, std::int32_t end) {
-      append_borders(relaxation, faces.subspan(begin, static_cast<std::size_t>(end - begin)), found[piece], job);
+      found[piece] = find_borders(relaxation, faces.subspan(begin, static_cast<std::size_t>(end - begin)), job);
     });
     for (std::int32_t k = 1; k < pieces; ++k) found[0].insert(found[0].end(), found[k].begin(), found[k].end());
     return std::move(found[0]);
@@ -172,8 +159,9 @@ class Optimiser {
 
   /// Merges regions to the number given. \return which of those left touch
   MergeGraph merge_to(std::int32_t target, Relaxation<GraphLabels>& relaxation, Job& job) {
-    const std::vector<std::int32_t> borders = borders_among(relaxation, relaxation.pushed(), job);
-    const MergeGraph touching = graph_of_regions(graph_, regions_.label, regions_.sum.size(), part_, borders, threads_);
+    const std::vector<std::int32_t>& looked_at = relaxation.pushed();  // all border faces are among them
+    const MergeGraph touching =
+        graph_of_regions(graph_, regions_.label, regions_.sum.size(), part_, looked_at, threads_);
     const std::vector<std::int32_t> merged = merge_greedily(touching, regions_.sum, needs(parts_), target, job);
     threads_.run(graph_.size(), [&](std::int32_t, std::int32_t begin, std::int32_t end) {
       for (std::int32_t i = begin; i < end; ++i) {
@@ -189,7 +177,7 @@ class Optimiser {
       part_.resize(regions_.sum.size());
     }
     relaxation.refit();
-    for (const std::int32_t i : borders_among(relaxation, borders, job)) relaxation.push(i);
+    for (const std::int32_t i : borders_among(relaxation, looked_at, job)) relaxation.push(i);
     return contract(touching, merged, regions_.count(), threads_, job);
   }
 

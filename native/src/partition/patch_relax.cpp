@@ -34,19 +34,17 @@ struct Sum {
 
 /// The regions as seen from one block: what they were, and what moves within the block have changed.
 struct BlockSums {
-  const std::vector<Sum>& sums;
   BlockChanges<Sum, Sum> changes;
-  const Sum& operator[](std::int32_t r) const { return changes[r].changed ? changes[r].view : sums[r]; }
+  const Sum& operator[](std::int32_t r) const { return changes.view(r); }
   void move(const NodeSum& s, std::int32_t from, std::int32_t to) {
     add(from, s, -1);
     add(to, s, 1);
   }
   void add(std::int32_t r, const NodeSum& s, std::int32_t sign) {
-    const auto [seen, before] = changes.touch(r);
-    if (!before) seen.view = sums[r];
-    seen.change.add(s, sign);
-    seen.view.add(s, sign);
-    seen.view.measure();
+    auto [change, view] = changes.touch(r);
+    change.add(s, sign);
+    view.add(s, sign);
+    view.measure();
   }
 };
 
@@ -71,7 +69,7 @@ struct Stretch {
 };
 
 struct Block {
-  std::vector<std::int32_t> current, queue, beyond, stack;
+  std::vector<std::int32_t> current, queue, beyond, stack, near;
   std::vector<std::pair<std::int32_t, Sum>> changes;
   std::int32_t stamp = 0;
   std::int64_t moves = 0;
@@ -104,16 +102,18 @@ class PatchRelaxation {
       for (std::int32_t b = next(); b < block_count(); b = next()) {
         job.poll();
         blocks_[b].stamp = b;
-        for (std::int32_t u = nodes_of(b).begin; u < nodes_of(b).end; ++u)
-          for (const std::int32_t v : graph_.around(u))
-            if (label_[u] != label_[v]) push(u, blocks_[b]);
+        for (std::int32_t u = nodes_of(b).begin; u < nodes_of(b).end; ++u) {
+          bool border = false;
+          for (const std::int32_t v : graph_.around(u)) border |= label_[u] != label_[v];
+          if (border) push(u, blocks_[b]);
+        }
       }
     });
   }
 
   std::int64_t sweep(Job& job) {
     threads_.share(block_count(), [&](const auto& next) {
-      BlockSums sums{sum_, BlockChanges<Sum, Sum>(sum_.size())};
+      BlockSums sums{BlockChanges<Sum, Sum>(sum_)};
       for (std::int32_t b = next(); b < block_count(); b = next()) {
         Block& block = blocks_[b];
         std::swap(block.queue, block.current);
@@ -161,7 +161,7 @@ class PatchRelaxation {
         continue;
       }
       queued_[u] = 0;
-      const std::int32_t to = best_move(u, sums);
+      const std::int32_t to = best_move(u, sums, block.near);
       if (to == kNone || !may_leave(u, block, reach)) continue;
       sums.move(graph_.sum[u], label_[u], to);
       label_[u] = to;
@@ -171,21 +171,24 @@ class PatchRelaxation {
     return moves;
   }
 
+  /// \param near  for the labels of the neighbours, which are counted again and again
   template <class Sums>
-  [[nodiscard]] std::int32_t best_move(std::int32_t u, const Sums& sums) const {
+  [[nodiscard]] std::int32_t best_move(std::int32_t u, const Sums& sums, std::vector<std::int32_t>& near) const {
     const std::int32_t own = label_[u];
     if (own == kNone || sums[own].nodes <= 1) return kNone;
     const NodeSum& s = graph_.sum[u];
     const double leaving = sums[own].length_with(s, -1.0) - sums[own].length;
     double best = 1e-6 * s.length;
     std::int32_t to = kNone, last = kNone;
-    for (const std::int32_t v : graph_.around(u)) {
-      const std::int32_t other = label_[v];
+    const auto around = graph_.around(u);
+    near.resize(around.size());
+    for (std::size_t k = 0; k < around.size(); ++k) near[k] = label_[around[k]];
+    for (const std::int32_t other : near) {
       if (other == own || other == last) continue;
       last = other;
       std::int32_t shorter = 0;
-      for (const std::int32_t w : graph_.around(u))
-        shorter += static_cast<std::int32_t>(label_[w] == other) - static_cast<std::int32_t>(label_[w] == own);
+      for (const std::int32_t r : near)
+        shorter += static_cast<std::int32_t>(r == other) - static_cast<std::int32_t>(r == own);
       const double gain = leaving + sums[other].length_with(s, 1.0) - sums[other].length + border_ * shorter;
       if (gain > best) {
         best = gain;

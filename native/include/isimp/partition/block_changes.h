@@ -11,33 +11,36 @@ namespace isimp {
 template <class Sum, class View>
 class BlockChanges {
  public:
-  struct Seen {
-    Sum change{};
-    View view{};
-    bool changed = false;
-  };
+  /// \param views  (R) how the regions look from outside
+  explicit BlockChanges(const std::vector<View>& views) : outside_(views), views_(views), changes_(views.size()) {}
 
-  explicit BlockChanges(std::size_t regions) : seen_(regions) {}
-
-  [[nodiscard]] const Seen& operator[](std::int32_t region) const { return seen_[region]; }
-  /// For a region that changes now. \return its place; `changed` tells whether it had changed before
-  std::pair<Seen&, bool> touch(std::int32_t region) {
-    Seen& seen = seen_[region];
-    const bool before = std::exchange(seen.changed, true);
-    if (!before) changed_.push_back(region);
-    return {seen, before};
+  [[nodiscard]] const View& view(std::int32_t region) const { return views_[region]; }
+  /// Of a region that changes now, the change and the view; whoever asks brings both up to date.
+  std::pair<Sum&, View&> touch(std::int32_t region) {
+    Change& change = changes_[region];
+    if (!std::exchange(change.any, true)) changed_.push_back(region);
+    return {change.sum, views_[region]};
   }
   /// The changes, which are then forgotten.
   std::vector<std::pair<std::int32_t, Sum>> take() {
     std::vector<std::pair<std::int32_t, Sum>> result;
     result.reserve(changed_.size());
-    for (const std::int32_t region : changed_) result.emplace_back(region, std::exchange(seen_[region], {}).change);
+    for (const std::int32_t region : changed_) {
+      result.emplace_back(region, std::exchange(changes_[region], {}).sum);
+      views_[region] = outside_[region];
+    }
     changed_.clear();
     return result;
   }
 
  private:
-  std::vector<Seen> seen_;
+  struct Change {
+    Sum sum{};
+    bool any = false;
+  };
+  const std::vector<View>& outside_;
+  std::vector<View> views_;
+  std::vector<Change> changes_;
   std::vector<std::int32_t> changed_;
 };
 

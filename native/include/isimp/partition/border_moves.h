@@ -70,7 +70,7 @@ struct BorderMoves {
   std::int32_t pinned = kNone;  ///< the one face that must not move
 
   /// The neighbouring region to which a move of the face lowers the energy most; kNone if there is none or it may not
-  /// leave its own. `regions` tells the proxy and the number of faces of each region.
+  /// leave its own. `regions` tells the proxy of each region.
   template <class Regions>
   std::int32_t target(std::int32_t face, Regions& regions, const Reach& reach) const {
     const auto& neighbours = graph.neighbours[face];
@@ -80,7 +80,7 @@ struct BorderMoves {
     std::array<std::int32_t, 3> near;
     for (int k = 0; k < 3; ++k) near[k] = labels.get(neighbours[k]);
     const int same = (near[0] == own) + (near[1] == own) + (near[2] == own);
-    if (same == 3 || same == 0 || own < 0 || face == pinned || regions.faces(own) <= 1) return kNone;
+    if (same == 3 || same == 0 || own < 0 || face == pinned) return kNone;
     const FaceRecord& f = graph.faces[face];
     const BorderProxy& home = regions.proxy(own);
     const float leaving = home.growth(-home.dot(f), f.area);

@@ -23,6 +23,7 @@ struct Hierarchy {
   std::vector<std::int32_t> patch;                 ///< (F) by graph index
   std::vector<std::int32_t> patch_first;           ///< (K + 1) where each patch begins in patch_face
   std::vector<std::int32_t> patch_face;            ///< (F) graph indices, patch by patch
+  std::vector<RegionSum> patch_sum;                ///< (K) what the faces of each add up to
   std::vector<MergeGraph> level;                   ///< [0] is the graph of patches
   std::vector<std::vector<std::int32_t>> to_next;  ///< [l] node of level l -> node of level l + 1
   std::vector<Part> parts;                         ///< (C) the components; what is kept of them is decided at each cut

@@ -61,6 +61,8 @@ class Relaxation {
       border |= static_cast<int>(j != n) & static_cast<int>(moves_.labels.get(j) != own);
     return border;
   }
+  /// Has what on_border will look at fetched, but for the labels.
+  void fetch(std::int32_t face) const { __builtin_prefetch(&moves_.graph.neighbours[face]); }
   void push_if_border(std::int32_t face) {
     if (on_border(face)) push(face);
   }
@@ -110,7 +112,6 @@ class Relaxation {
     std::vector<RegionSum>& sums;
     std::vector<BorderProxy>& proxies;
     [[nodiscard]] const BorderProxy& proxy(std::int32_t r) const { return proxies[r]; }
-    [[nodiscard]] std::int32_t faces(std::int32_t r) const { return sums[r].faces; }
     void move(const FaceRecord& face, std::int32_t from, std::int32_t to) {
       sums[from].remove(face);
       sums[to].add(face);
@@ -122,19 +123,15 @@ class Relaxation {
   /// The regions as seen from one block: what they were, and what moves within the block have changed.
   struct BlockRegions {
     const std::vector<RegionSum>& sums;
-    const std::vector<BorderProxy>& proxies;
     BlockChanges<RegionSum, BorderProxy> changes;
-    [[nodiscard]] const BorderProxy& proxy(std::int32_t r) const {
-      return changes[r].changed ? changes[r].view : proxies[r];
-    }
-    [[nodiscard]] std::int32_t faces(std::int32_t r) const { return sums[r].faces + changes[r].change.faces; }
+    [[nodiscard]] const BorderProxy& proxy(std::int32_t r) const { return changes.view(r); }
     void move(const FaceRecord& face, std::int32_t from, std::int32_t to) {
-      auto& left = changes.touch(from).first;
-      left.change.remove(face);
-      left.view = seen(from, left.change);
-      auto& joined = changes.touch(to).first;
-      joined.change.add(face);
-      joined.view = seen(to, joined.change);
+      auto [left, of_left] = changes.touch(from);
+      left.remove(face);
+      of_left = seen(from, left);
+      auto [joined, of_joined] = changes.touch(to);
+      joined.add(face);
+      of_joined = seen(to, joined);
     }
     [[nodiscard]] BorderProxy seen(std::int32_t r, const RegionSum& change) const {
       RegionSum sum = sums[r];
@@ -199,7 +196,7 @@ class Relaxation {
     lists_.queue.clear();
     const auto count = static_cast<std::int32_t>(blocks.size());
     threads_.share(count, [&](const auto& next) {
-      BlockRegions regions{sums_, proxies_, BlockChanges<RegionSum, BorderProxy>(sums_.size())};
+      BlockRegions regions{sums_, BlockChanges<RegionSum, BorderProxy>(proxies_)};
       for (std::int32_t b = next(); b < count; b = next()) {
         Block& block = blocks[b];
         const Reach reach{b * kBlock, std::min(n, (b + 1) * kBlock), n};
