@@ -14,8 +14,8 @@ namespace {
 class Halves : public testing::Test {
  protected:
   Halves() : mesh_(shapes::mesh(shapes::sphere(3))), labels_(mesh_), complex_(labels_, planes_) {
-    label_pieces(labels_, above(mesh_), job_);
-    planes_ = planes_of(labels_);
+    label_pieces(labels_, above(mesh_), Threads(1), job_);
+    planes_ = planes_of(labels_, Threads(1), job_);
     complex_.tolerance = {10, 10, 10, 1};  // no chord is asked to be close
     complex_.refresh(std::vector<std::int32_t>{0, 1}, {loop(0), loop(1)}, job_);
   }

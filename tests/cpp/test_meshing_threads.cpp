@@ -63,6 +63,9 @@ std::vector<Case> cases() {
          return shapes::mesh(shapes::both(shapes::sphere(4), shapes::sphere(4), {1.1, 0.1, 0.2}));
        },
        voronoi(160), [](const MeshingReport& r) { return r.excused; }},
+      {"many",  // so that threads have parts of the mesh, across which regions hang together
+       [] { return shapes::mesh(shapes::shuffled(shapes::torus(300, 150), 2)); }, voronoi(4),
+       [](const MeshingReport& r) { return r.split_for_handles + r.split_for_holes; }},
       {"pieces", [] { return shapes::mesh(shapes::sphere(3)); },
        [](const Mesh& mesh) { return labelled::noise(mesh, 9, 7); },
        [](const MeshingReport& r) { return r.split_for_unconnected; }},

@@ -112,44 +112,68 @@ std::int32_t lowest(std::vector<Hung>& faces, std::int32_t f) {
   return f;
 }
 
-/// Hangs face f, the highest so far, on those before it that are beside it in its region, and notes which are in
-/// another.
-void hang(const Mesh& mesh, std::int32_t f, std::vector<Hung>& faces, Bits& between) {
-  std::int32_t root = f;
-  for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h) {
-    const std::int32_t o = mesh.opposite(h), g = o / 3;
-    if (o == kNone) {
-      between.add(h);
-    } else if (g >= f) {
-      continue;
-    } else if (faces[g].region != faces[f].region) {
-      between.add(h);
-      between.add(o);
-    } else if (faces[g].on != root) {
-      const std::int32_t other = lowest(faces, g);
-      faces[std::max(root, other)].on = std::min(root, other);
-      root = std::min(root, other);
-    }
+/// Notes whether half-edge h, with a lower face g across it, is a boundary; where it is not, the two faces hang
+/// together. \param root  the lowest known of those that the face of h hangs on
+void join(std::int32_t h, std::int32_t o, std::int32_t& root, std::vector<Hung>& faces, Bits& between) {
+  const std::int32_t f = h / 3, g = o / 3;
+  if (faces[g].region != faces[f].region) {
+    between.add(h);
+    between.add(o);
+  } else if (faces[g].on != root) {
+    const std::int32_t other = lowest(faces, g);
+    faces[std::max(root, other)].on = std::min(root, other);
+    root = std::min(root, other);
   }
-  faces[f].on = root;
+}
+
+/// Hangs faces first ... last - 1 on each other. \return the half-edges with a face before the first one across
+std::vector<std::int32_t> hang(const Mesh& mesh, std::span<const std::int32_t> face_region, std::int32_t first,
+                               std::int32_t last, std::vector<Hung>& faces, Bits& between, const Job& job) {
+  std::vector<std::int32_t> outside;
+  for (std::int32_t f = first; f < last; ++f) {
+    if (f % kStride == 0) job.poll();
+    if (f + kAhead < last)
+      for (std::int32_t h = 3 * (f + kAhead), end = h + 3; h < end; ++h)
+        if (mesh.opposite(h) < h) __builtin_prefetch(&faces[std::max(mesh.opposite(h), 0) / 3]);
+    faces[f] = {face_region[f], f};
+    if (face_region[f] == kNone) continue;
+    std::int32_t root = f;
+    for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h) {
+      const std::int32_t o = mesh.opposite(h), g = o / 3;
+      if (o == kNone) {
+        between.add(h);
+      } else if (g < first) {
+        outside.push_back(h);
+      } else if (g < f) {
+        join(h, o, root, faces, between);
+      }
+    }
+    faces[f].on = root;
+  }
+  return outside;
 }
 
 }  // namespace
 
-Bits label_pieces(Labels& labels, std::span<const std::int32_t> face_region, const Job& job) {
+Bits label_pieces(Labels& labels, std::span<const std::int32_t> face_region, const Threads& threads, const Job& job) {
   const Mesh& mesh = labels.mesh;
-  Bits between(3 * static_cast<std::size_t>(mesh.face_count()));
-  std::vector<Hung> faces(mesh.face_count());
-  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    if (f % kStride == 0) job.poll();
-    if (f + kAhead < mesh.face_count())
-      for (std::int32_t h = 3 * (f + kAhead), end = h + 3; h < end; ++h)
-        if (mesh.opposite(h) < h) __builtin_prefetch(&faces[std::max(mesh.opposite(h), 0) / 3]);
-    faces[f] = {face_region[f], f};
-    if (face_region[f] != kNone) hang(mesh, f, faces, between);
-  }
+  const std::int32_t count = mesh.face_count();
+  Bits between(3 * static_cast<std::size_t>(count));
+  std::vector<Hung> faces(count);
+  // Parts of the faces whose half-edges begin with a word of the bits.
+  constexpr std::int32_t kAligned = 64;
+  const std::int32_t parts = threads.pieces(count);
+  std::vector<std::vector<std::int32_t>> outside(parts);
+  threads.run(count / kAligned + 1, parts, [&](std::int32_t part, std::int32_t begin, std::int32_t end) {
+    outside[part] = hang(mesh, face_region, kAligned * begin, std::min(kAligned * end, count), faces, between, job);
+  });
+  for (const std::vector<std::int32_t>& some : outside)
+    for (const std::int32_t h : some) {
+      std::int32_t root = lowest(faces, h / 3);
+      join(h, mesh.opposite(h), root, faces, between);
+    }
   std::vector<bool> seen;
-  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+  for (std::int32_t f = 0; f < count; ++f) {
     const auto [region, on] = faces[f];
     if (region == kNone) continue;
     if (on != f) {
@@ -197,26 +221,36 @@ Outlines trace_outlines(const Labels& labels, const Bits& boundary, const Job& j
   return o;
 }
 
-std::vector<std::int32_t> find_defects(Labels& labels, const Outlines& outlines, const Job& job) {
+std::vector<std::int32_t> find_defects(Labels& labels, const Outlines& outlines, const Threads& threads,
+                                       const Job& job) {
   const Mesh& mesh = labels.mesh;
-  std::vector<std::int64_t> chi2(labels.pieces.size(), 0);  // 2 V_inside + B - F
-  for (const std::int32_t l : labels.label)
-    if (l != kNone) --chi2[l];
   labels.vertex_marks.clear();
   for (const std::int32_t h : outlines.halfedges) labels.vertex_marks.add(mesh.from(h));
-  for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
-    if (v % kStride == 0) job.poll();
-    const std::int32_t h = mesh.vertex_halfedge()[v];
-    if (h == kNone || labels.label[h / 3] == kNone || labels.vertex_marks.has(v)) continue;
-    chi2[labels.label[h / 3]] += 2;
-  }
+  // 2 V_inside - F of each piece, by part of the mesh; one part where pieces are so many that adding up takes longer.
+  const bool is_fine = labels.piece_count() > mesh.face_count() / 16;
+  const std::int32_t parts = is_fine ? 1 : threads.pieces(mesh.face_count());
+  std::vector<std::vector<std::int32_t>> inside(parts, std::vector<std::int32_t>(labels.pieces.size(), 0));
+  threads.run(mesh.face_count(), parts, [&](std::int32_t part, std::int32_t begin, std::int32_t end) {
+    for (std::int32_t f = begin; f < end; ++f)
+      if (const std::int32_t l = labels.label[f]; l != kNone) --inside[part][l];
+  });
+  threads.run(mesh.vertex_count(), parts, [&](std::int32_t part, std::int32_t begin, std::int32_t end) {
+    for (std::int32_t v = begin; v < end; ++v) {
+      if (v % kStride == 0) job.poll();
+      const std::int32_t h = mesh.vertex_halfedge()[v];
+      if (h == kNone || labels.label[h / 3] == kNone || labels.vertex_marks.has(v)) continue;
+      inside[part][labels.label[h / 3]] += 2;
+    }
+  });
   std::vector<std::int32_t> defects;
   for (std::int32_t l = 0; l < labels.piece_count(); ++l) {
     const auto outline = outlines.of(l);
     bool pinched = false;
     labels.vertex_marks.clear();
     for (const std::int32_t h : outline) pinched = !labels.vertex_marks.add(mesh.from(h)) || pinched;
-    const std::int64_t chi = (chi2[l] + static_cast<std::int64_t>(outline.size())) / 2;
+    std::int64_t chi2 = static_cast<std::int64_t>(outline.size());
+    for (const std::vector<std::int32_t>& some : inside) chi2 += some[l];
+    const std::int64_t chi = chi2 / 2;
     if (outlines.loops[l] != 1 || chi != 1 || pinched) defects.push_back(l);
   }
   return defects;

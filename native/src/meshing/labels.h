@@ -6,6 +6,7 @@
 
 #include "isimp/core/job.h"
 #include "isimp/mesh/mesh.h"
+#include "isimp/partition/threads.h"
 #include "marks.h"
 
 namespace isimp::meshing {
@@ -88,7 +89,7 @@ void for_each_leaving(const Mesh& mesh, std::int32_t v, Function fn) {
 
 /// Labels the faces: one label for each connected piece of a region. \param face_region (F) in [-1, R)
 /// \return the boundary half-edges Cost: about O(F).
-Bits label_pieces(Labels& labels, std::span<const std::int32_t> face_region, const Job& job);
+Bits label_pieces(Labels& labels, std::span<const std::int32_t> face_region, const Threads& threads, const Job& job);
 
 /// Gives pieces without any area, or thinner than `thickness` (scene units), to the neighbour with the longest
 /// boundary, since no polygon can stand for them; a part of the mesh that has no other pieces keeps them. The labels
@@ -110,6 +111,7 @@ struct Outlines {
 Outlines trace_outlines(const Labels& labels, const Bits& boundary, const Job& job);
 
 /// The labels of pieces that are not discs, in rising order. Cost: O(F).
-std::vector<std::int32_t> find_defects(Labels& labels, const Outlines& outlines, const Job& job);
+std::vector<std::int32_t> find_defects(Labels& labels, const Outlines& outlines, const Threads& threads,
+                                       const Job& job);
 
 }  // namespace isimp::meshing

@@ -5,7 +5,8 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr std::int32_t kAhead = 12;  ///< of the face that is looked at, the corners of another are fetched
+constexpr std::int32_t kAhead = 12;        ///< of the face that is looked at, the corners of another are fetched
+constexpr std::int32_t kStride = 1 << 14;  ///< faces from one poll to the next
 
 /// Integrals over a set of faces, about an origin that keeps the numbers small.
 struct Moments {
@@ -52,19 +53,25 @@ Plane plane(const Mesh& mesh, const Moments& m, const Vec3& origin) {
 
 }  // namespace
 
-std::vector<Plane> planes_of(const Labels& labels) {
+std::vector<Plane> planes_of(const Labels& labels, const Threads& threads, const Job& job) {
   const Mesh& mesh = labels.mesh;
   std::vector<Moments> moments(labels.pieces.size());
   std::vector<Vec3> origin(labels.pieces.size());
   for (std::size_t l = 0; l < origin.size(); ++l)
     origin[l] = mesh.vertices()[mesh.triangles()[labels.pieces[l].face][0]];
-  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    if (f + kAhead < mesh.face_count())
-      for (const std::int32_t v : mesh.triangles()[f + kAhead]) __builtin_prefetch(&mesh.vertices()[v]);
-    if (const std::int32_t l = labels.label[f]; l != kNone) moments[l].add(mesh, f, origin[l]);
-  }
   std::vector<Plane> planes(moments.size());
-  for (std::size_t l = 0; l < planes.size(); ++l) planes[l] = plane(mesh, moments[l], origin[l]);
+  // Each thread has some of the pieces, and adds up their faces in the order of all.
+  const auto measure = [&](std::int32_t part, std::int32_t begin, std::int32_t end) {
+    const auto mine = [&](std::int32_t f) { return labels.label[f] >= begin && labels.label[f] < end; };
+    for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+      if (part == 0 && f % kStride == 0) job.poll();
+      if (f + kAhead < mesh.face_count() && mine(f + kAhead))
+        for (const std::int32_t v : mesh.triangles()[f + kAhead]) __builtin_prefetch(&mesh.vertices()[v]);
+      if (mine(f)) moments[labels.label[f]].add(mesh, f, origin[labels.label[f]]);
+    }
+    for (std::int32_t l = begin; l < end; ++l) planes[l] = plane(mesh, moments[l], origin[l]);
+  };
+  threads.run(labels.piece_count(), threads.pieces(mesh.face_count()), measure);
   return planes;
 }
 

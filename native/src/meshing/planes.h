@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "isimp/partition/threads.h"
 #include "labels.h"
 
 namespace isimp::meshing {
@@ -17,7 +18,7 @@ struct Plane {
 };
 
 /// The planes of all pieces. Cost: O(F).
-std::vector<Plane> planes_of(const Labels& labels);
+std::vector<Plane> planes_of(const Labels& labels, const Threads& threads, const Job& job);
 
 /// The plane of one piece from its faces.
 Plane plane_of(const Mesh& mesh, std::span<const std::int32_t> faces);

@@ -70,11 +70,11 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
       complex(labels, planes),
       corners(m.vertex_count()),
       job_(job) {
-  Bits boundary = label_pieces(labels, partition.face_region, job);
+  Bits boundary = label_pieces(labels, partition.face_region, threads, job);
   merged_without_area = merge_pieces_without_area(labels, 2 * kThickness * m.diagonal(), boundary);
   job.report(0.02);
   const Outlines outlines = trace_outlines(labels, boundary, job);
-  make_discs(cutter, find_defects(labels, outlines, job), job);
+  make_discs(cutter, find_defects(labels, outlines, threads, job), job);
   if (mesh.report().closed_components > 0) split_closed_components(cutter, kLeastClosed, job);
   std::vector<std::vector<std::int32_t>> loops(labels.pieces.size());
   for (std::int32_t l = 0; l < static_cast<std::int32_t>(outlines.loops.size()); ++l)
@@ -87,7 +87,7 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
   }
   labels.touched.clear();
   job.report(0.07);
-  planes = planes_of(labels);
+  planes = planes_of(labels, threads, job);
   complex.tolerance = chord_tolerance(mesh, planes, regions, options);
   std::vector<std::int32_t> all(labels.pieces.size());
   std::iota(all.begin(), all.end(), 0);
