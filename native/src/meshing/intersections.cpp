@@ -301,13 +301,14 @@ bool scan_intersects(const Mesh& mesh, const ScanPart& some, const ScanPart& oth
   const std::vector<Entry> looking = boxes(some, others.around);
   const BoxTree search(boxes(others, some.around));
   return std::any_of(looking.begin(), looking.end(), [&](const Entry& x) {
-    const auto& [f, s] = faces[x.index];
-    const Facing facing = facing_of(s);
-    const Placed here{mesh.triangles()[f], s, facing};
+    const Face& a = faces[x.index];
+    const Facing facing = facing_of(a.at);
+    const Placed here{mesh.triangles()[a.face], a.at, facing};
     return search.any(x.box, [&](const Entry& y) {
-      const auto& [g, t] = faces[y.index];
-      if (f == g || beside(here, {mesh.triangles()[g], t, facing})) return false;  // which asks for one side only
-      return meet(here, {mesh.triangles()[g], t, facing_of(t)});
+      const Face& b = faces[y.index];
+      const Triangle& t = mesh.triangles()[b.face];
+      if (a.face == b.face || beside(here, {t, b.at, facing})) return false;  // which asks for one side only
+      return meet(here, {t, b.at, facing_of(b.at)});
     });
   });
 }
