@@ -80,7 +80,7 @@ def partition_rows(where: str, result: Result, *, bars: bool) -> Iterator[Row]:
             f"{ratio:.1f} x, D {percent(more_error)}, border {percent(more_border)}",
             ratio >= speed and more_error <= error and (not border or more_border <= border) if bars else None,
         )
-    yield threads_row(where, result, bars=bars)
+    yield threads_row("default", "labels", where, result, same=same_labels(result), bar=1.5 if bars else None)
     if "teleport" in result["cases"]:
         yield teleport_row(where, result)
     if "new_count" in result["cases"]:
@@ -95,18 +95,19 @@ def same_labels(result: Result) -> bool:
     return all(len({run["fingerprint"] for run in one + two}) == 1 for one, two in rounds)
 
 
-def threads_row(where: str, result: Result, *, bars: bool) -> Row:
+def threads_row(case: str, of: str, where: str, result: Result, *, same: bool, bar: float | None) -> Row:
+    """A case on two threads against one; `same`: whether it gave the same ones `of` what it makes."""
     # By the processor time of the calling thread, which has a share in every loop and does the rest alone: wall time
     # says little where other programs keep the cores from working side by side.
-    one, two = (least(result, case, "own_ms") for case in ("default", "default_two_threads"))
-    wall = least(result, "default", "wall_ms") / least(result, "default_two_threads", "wall_ms")
-    same = same_labels(result)
+    both = (case, f"{case}_two_threads")
+    one, two = (least(result, name, "own_ms") for name in both)
+    wall_one, wall_two = (least(result, name, "wall_ms") for name in both)
     return Row(
-        "default, two threads against one, by the calling thread's time",
+        f"{case}, two threads against one, by the calling thread's time",
         where,
-        ">= 1.5 x, same labels" if bars else "same labels",
-        f"{one / two:.2f} x (wall: {wall:.2f} x), {'same' if same else 'OTHER'} labels",
-        same and (not bars or one >= 1.5 * two),
+        f">= {bar} x, same {of}" if bar else f"same {of}",
+        f"{one / two:.2f} x (wall: {wall_one / wall_two:.2f} x), {'same' if same else 'OTHER'} {of}",
+        same and (bar is None or one >= bar * two),
     )
 
 
@@ -179,19 +180,6 @@ def same_polygons(result: Result) -> bool:
     """Whether every run gave the same polygons, on one thread and on two."""
     cases = (result["cases"][name] for name in ("polygonize", "polygonize_two_threads"))
     return len({run["fingerprint"] for case in cases for runs in case for run in runs}) == 1
-
-
-def meshing_threads_row(where: str, result: Result) -> Row:
-    one, two = (least(result, case, "own_ms") for case in ("polygonize", "polygonize_two_threads"))
-    wall = least(result, "polygonize", "wall_ms") / least(result, "polygonize_two_threads", "wall_ms")
-    same = same_polygons(result)
-    return Row(
-        "polygonize, two threads against one, by the calling thread's time",
-        where,
-        "same polygons",
-        f"{one / two:.2f} x (wall: {wall:.2f} x), {'same' if same else 'OTHER'} polygons",
-        same,
-    )
 
 
 def meshing_row(where: str, name: str, result: Result) -> Row:
@@ -292,7 +280,8 @@ def rows(results: dict[str, Result], growth: dict[str, Result]) -> list[Row]:
             if "polygonize" in result["cases"]:
                 table.append(meshing_row(where, kind, result))
             if "polygonize_two_threads" in result["cases"]:
-                table.append(meshing_threads_row(where, result))
+                same = same_polygons(result)
+                table.append(threads_row("polygonize", "polygons", where, result, same=same, bar=None))
     table += growth_rows(growth)
     return sorted(table, key=lambda row: row.what)
 

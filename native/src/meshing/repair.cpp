@@ -170,8 +170,9 @@ class Repairer {
 
   /// Finds where the pieces will be split whose turn it is, as far as can be told before any is: on all threads.
   void foresee_cuts() {
+    if (spent()) return;
     std::vector<std::int32_t> some;
-    for (std::int32_t l = 0; l < s_.labels.piece_count() && !spent(); ++l) {
+    for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l) {
       const std::uint8_t faults = findings_.of(l).faults();
       if (next_step(l, faults) == 's' && !(faults & kNoArea) && !waits(is_spared(l, faults))) some.push_back(l);
     }
