@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "isimp/core/errors.h"
-#include "isimp/partition/threads.h"
+#include "isimp/core/threads.h"
 
 namespace isimp {
 namespace {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "isimp/core/job.h"
+#include "isimp/core/threads.h"
 #include "isimp/meshing/polygonize.h"
-#include "isimp/partition/threads.h"
 #include "labels.h"
 
 namespace isimp::meshing {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "isimp/core/job.h"
+#include "isimp/core/threads.h"
 #include "isimp/mesh/mesh.h"
-#include "isimp/partition/threads.h"
 #include "marks.h"
 
 namespace isimp::meshing {

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "isimp/partition/threads.h"
+#include "isimp/core/threads.h"
 #include "polygons.h"
 
 namespace isimp::meshing {

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "isimp/partition/threads.h"
+#include "isimp/core/threads.h"
 #include "labels.h"
 
 namespace isimp::meshing {

@@ -9,8 +9,8 @@
 
 #include "complex.h"
 #include "discs.h"
+#include "isimp/core/threads.h"
 #include "isimp/meshing/polygonize.h"
-#include "isimp/partition/threads.h"
 #include "placement.h"
 #include "polygons.h"
 

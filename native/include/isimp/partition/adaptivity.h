@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "isimp/core/job.h"
+#include "isimp/core/threads.h"
 #include "isimp/partition/surface.h"
-#include "isimp/partition/threads.h"
 
 namespace isimp {
 

@@ -5,12 +5,12 @@
 #include <vector>
 
 #include "isimp/core/job.h"
+#include "isimp/core/threads.h"
 #include "isimp/partition/count.h"
 #include "isimp/partition/merge_tree.h"
 #include "isimp/partition/parts.h"
 #include "isimp/partition/regions.h"
 #include "isimp/partition/surface.h"
-#include "isimp/partition/threads.h"
 
 namespace isimp {
 

@@ -3,11 +3,11 @@
 #include <vector>
 
 #include "isimp/core/job.h"
+#include "isimp/core/threads.h"
 #include "isimp/partition/partition.h"
 #include "isimp/partition/parts.h"
 #include "isimp/partition/regions.h"
 #include "isimp/partition/surface.h"
-#include "isimp/partition/threads.h"
 
 /// What every way of finding regions ends with.
 namespace isimp {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "isimp/core/job.h"
+#include "isimp/core/threads.h"
 #include "isimp/partition/metric.h"
-#include "isimp/partition/threads.h"
 
 namespace isimp {
 

@@ -1,11 +1,11 @@
 #pragma once
 
 #include "isimp/core/job.h"
+#include "isimp/core/threads.h"
 #include "isimp/partition/hierarchy.h"
 #include "isimp/partition/parts.h"
 #include "isimp/partition/regions.h"
 #include "isimp/partition/surface.h"
-#include "isimp/partition/threads.h"
 
 namespace isimp {
 

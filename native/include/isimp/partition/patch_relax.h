@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "isimp/core/job.h"
+#include "isimp/core/threads.h"
 #include "isimp/partition/merging.h"
-#include "isimp/partition/threads.h"
 
 namespace isimp {
 

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "isimp/core/job.h"
+#include "isimp/core/threads.h"
 #include "isimp/mesh/face_graph.h"
 #include "isimp/partition/metric.h"
-#include "isimp/partition/threads.h"
 
 namespace isimp {
 

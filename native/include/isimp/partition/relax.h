@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "isimp/core/job.h"
+#include "isimp/core/threads.h"
 #include "isimp/mesh/face_graph.h"
 #include "isimp/partition/block_changes.h"
 #include "isimp/partition/border_moves.h"
 #include "isimp/partition/metric.h"
-#include "isimp/partition/threads.h"
 
 namespace isimp {
 

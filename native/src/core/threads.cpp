@@ -1,4 +1,4 @@
-#include "isimp/partition/threads.h"
+#include "isimp/core/threads.h"
 
 #include <system_error>
 
