@@ -119,7 +119,8 @@ cpp_build() { # BUILD_DIR CMAKE_OPTION...
   use_tests_venv
   local build=$1
   shift
-  cmake -S . -B "$build" -G Ninja -DISIMP_TESTS=ON -DISIMP_WERROR=ON -DPython_EXECUTABLE="$tests_venv/bin/python" "$@"
+  cmake -S . -B "$build" -G Ninja -DISIMP_TESTS=ON -DISIMP_ASSERTIONS=ON -DISIMP_WERROR=ON \
+    -DPython_EXECUTABLE="$tests_venv/bin/python" "$@"
   ninja -C "$build" -j2
 }
 

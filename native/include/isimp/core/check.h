@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+
+#include "isimp/core/errors.h"
+
+namespace isimp {
+
+/// A statement about the engine's own state does not hold: a mistake in the engine, never in what the caller gave.
+class BrokenInvariant : public Error {
+ public:
+  using Error::Error;
+};
+
+namespace detail {
+
+/// \throws BrokenInvariant  always; the message names the statement and its place in the source
+[[noreturn]] void fail_assertion(const char* what, const char* condition, const char* file, int line);
+
+}  // namespace detail
+}  // namespace isimp
+
+/// States what must hold at this place, whatever the input: ISIMP_ASSERT(piece.face != kNone, "a live piece has a
+/// face").
+///
+/// Builds with the CMake option ISIMP_ASSERTIONS check it and throw BrokenInvariant where it does not hold, so that a
+/// test fails with the place instead of going on with damaged state. Other builds compile the condition, so that it
+/// stays valid, and never evaluate it. What depends on the input is not asserted but refused with InvalidInput.
+#ifdef ISIMP_ASSERTIONS
+#define ISIMP_ASSERT(condition, what) \
+  static_cast<void>((condition) ? 0 : (::isimp::detail::fail_assertion(what, #condition, __FILE__, __LINE__), 0))
+#else
+#define ISIMP_ASSERT(condition, what) static_cast<void>(true || (condition))
+#endif
