@@ -1,6 +1,7 @@
 #include <pybind11/stl.h>
 
 #include <memory>
+#include <tuple>
 
 #include "arrays.h"
 #include "bindings.h"
@@ -71,7 +72,15 @@ coordinates are finite. Borders, several components, zero-area faces and unused 
 
 vertices: (V, 3) float32 or float64, scene units. triangles: (F, 3) int32 or int64, counter-clockwise seen from outside.
 Raises InvalidInput, which names the first row that can't be used and why; `clean` takes such arrays. Cost: O(V + F).)")
-      .def_property_readonly("vertices", viewer<KeptMesh>(&Mesh::vertices), "(V, 3) float64, read-only.")
+      .def_property_readonly("vertices", viewer<KeptMesh>(&KeptMesh::placed_vertices), "(V, 3) float64, read-only.")
+      .def_property_readonly(
+          "origin",
+          [](const KeptMesh& mesh) {
+            return std::tuple{mesh.origin()[0], mesh.origin()[1], mesh.origin()[2]};
+          },
+          "(x, y, z): what the engine subtracts from coordinates that are large beside the mesh, as map coordinates "
+          "are; 0 along the other axes. The difference from `vertices` is exact. Results are in the caller's "
+          "coordinates.")
       .def_property_readonly("triangles", viewer<KeptMesh>(&Mesh::triangles), "(F, 3) int32, read-only.")
       .def_property_readonly("source_face", viewer<KeptMesh>(&Mesh::source_face),
                              "(F,) int32: the caller's face each face came from; the identity after Mesh(...); -1 for "

@@ -2,6 +2,15 @@
 
 namespace isimp::bindings {
 
+std::span<const Vec3> KeptMesh::placed_vertices() const {
+  if (origin().isZero(0)) return vertices();
+  std::call_once(once_placed_, [&] {
+    placed_.assign(vertices().begin(), vertices().end());
+    for (Vec3& v : placed_) v += origin();
+  });
+  return placed_;
+}
+
 KeptMesh::Kept KeptMesh::recall(Guides guides, double adaptivity) const {
   const std::lock_guard lock(mutex_);
   const bool same = kept_.guides.weights == guides.weights && kept_.guides.barriers == guides.barriers;

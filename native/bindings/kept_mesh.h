@@ -2,7 +2,9 @@
 
 #include <memory>
 #include <mutex>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "isimp/hybrid/hybrid.h"
 #include "isimp/mesh/mesh.h"
@@ -22,6 +24,8 @@ class KeptMesh : public Mesh {
   /// the tree that finds the number of regions, and the hierarchy, the decimated mesh or a device's memory where the
   /// method has one. May be called from several threads.
   [[nodiscard]] Partition split(const PartitionOptions& options, Guides guides, Job& job) const;
+  /// (V) in the caller's coordinates; made when first asked for where these are not the mesh's own.
+  [[nodiscard]] std::span<const Vec3> placed_vertices() const;
 
  private:
   struct Kept {
@@ -44,6 +48,8 @@ class KeptMesh : public Mesh {
 
   mutable std::mutex mutex_;
   mutable Kept kept_;
+  mutable std::once_flag once_placed_;
+  mutable std::vector<Vec3> placed_;  // empty where `origin` is zero
   KeptFlooder flooder_;
 };
 

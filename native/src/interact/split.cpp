@@ -151,7 +151,9 @@ Partition split_along(const Mesh& mesh, const Partition& partition, std::int32_t
   const Vec3 normal = partition.region_normal[region];
   const Vec3 middle = middle_of(mesh, face);
   const Vec3 along = direction != Vec3::Zero() ? direction : normal != Vec3::Zero() ? normal : Vec3(0, 0, 1);
-  Curtain curtain(line, along, middle);
+  std::vector<Vec3> local(line.begin(), line.end());
+  for (Vec3& p : local) p -= mesh.origin();
+  Curtain curtain(local, along, middle);
   const std::vector<std::int32_t> faces = take_out(graph, edit.labels, start);
   job.poll();
   double reach = 0.0;

@@ -1,6 +1,7 @@
 #include "isimp/mesh/mesh.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <string>
@@ -42,6 +43,20 @@ void check_arrays(std::span<const Vec3> vertices, std::span<const Triangle> tria
       throw InvalidInput("face " + std::to_string(f) + " names vertex " + std::to_string(t[0] == t[1] ? t[0] : t[2]) +
                          " twice" + kHint);
   }
+}
+
+/// What to subtract from coordinates in a box, so that they are of about its size. Differences are exact: where there
+/// is a shift, it and each coordinate are within a factor of two (Sterbenz's lemma), and so are the sums that lead
+/// back.
+Vec3 shift_to_zero(const Box& box) {
+  const double diagonal = box.diagonal().norm();
+  Vec3 shift = Vec3::Zero();
+  if (!(diagonal > 0)) return shift;
+  const double step = std::exp2(std::floor(std::log2(diagonal)) - 1);
+  const Vec3 middle = box.center();
+  for (int k = 0; k < 3; ++k)
+    if (std::abs(middle[k]) >= 2 * diagonal) shift[k] = std::nearbyint(middle[k] / step) * step;
+  return shift;
 }
 
 std::vector<std::int32_t> identity(std::size_t n) {
@@ -92,6 +107,11 @@ void Mesh::complete(detail::Topology topology, RepairReport repairs, Job& job) {
     if (vertex_halfedge_[v] != kNone) box.extend(vertices_[v]);
   });
   report_.diagonal = box.diagonal().norm();
+  origin_ = shift_to_zero(box);
+  if (!origin_.isZero(0)) {
+    for (Vec3& v : vertices_) v -= origin_;
+    box.translate(-origin_);
+  }
   {
     const Job::Part faces(job, job.stage(), 0.6, 1.0);
     graph_ = make_face_graph(vertices_, triangles_, opposite_, box, job);

@@ -83,7 +83,7 @@ PolygonMesh assemble(const State& state, std::vector<std::int32_t>& place) {
       if (index[c] == kNone) {
         const std::int32_t v = state.corners.vertex[c];
         index[c] = static_cast<std::int32_t>(out.vertices.size());
-        out.vertices.push_back(position[c]);
+        out.vertices.push_back(position[c] + state.mesh.origin());
         out.source_vertex.push_back(v);
         out.report.distance_max = std::max(out.report.distance_max, (position[c] - state.mesh.vertices()[v]).norm());
       }

@@ -23,6 +23,9 @@ struct Topology;
 /// the faces round a vertex form one fan, no face names a vertex twice, all coordinates are finite. Borders, several
 /// components, handles, zero-area faces and unused vertices are ordinary. `clean` makes such a mesh from anything.
 ///
+/// Coordinates are relative to `origin`: a mesh that lies far from zero, as in map coordinates, is shifted to zero on
+/// the way in, without rounding. What leaves the engine is shifted back.
+///
 /// Half-edge h = 3 * f + k runs along face f from its corner k to its corner k + 1 (mod 3).
 /// Memory: about 80 bytes a face.
 class Mesh {
@@ -42,7 +45,11 @@ class Mesh {
 
   [[nodiscard]] std::int32_t vertex_count() const { return static_cast<std::int32_t>(vertices_.size()); }
   [[nodiscard]] std::int32_t face_count() const { return static_cast<std::int32_t>(triangles_.size()); }
+  /// (V) relative to `origin`.
   [[nodiscard]] std::span<const Vec3> vertices() const { return vertices_; }
+  /// What was subtracted from the caller's coordinates. Along an axis it is 0 where the box's middle is less than two
+  /// diagonals from 0; elsewhere the middle, rounded to a power of two of about a quarter of the diagonal.
+  [[nodiscard]] const Vec3& origin() const { return origin_; }
   [[nodiscard]] std::span<const Triangle> triangles() const { return triangles_; }
   /// (F) the caller's face each face came from; the identity if the mesh was not cleaned.
   [[nodiscard]] std::span<const std::int32_t> source_face() const { return source_face_; }
@@ -85,6 +92,7 @@ class Mesh {
   void count_border_loops(std::span<const std::int32_t> border);
 
   std::vector<Vec3> vertices_;
+  Vec3 origin_ = Vec3::Zero();
   std::vector<Triangle> triangles_;
   std::vector<std::int32_t> source_face_, source_vertex_;
   std::vector<std::int32_t> opposite_, vertex_halfedge_, component_;

@@ -71,7 +71,7 @@ struct MeshingReport {
 
 /// A mesh of simple polygons without holes.
 struct PolygonMesh {
-  std::vector<Vec3> vertices;            ///< (W)
+  std::vector<Vec3> vertices;            ///< (W) in the caller's coordinates, not relative to Mesh::origin
   std::vector<std::int32_t> loops;       ///< (L) vertex of each corner, polygon after polygon
   std::vector<std::int32_t> loop_start;  ///< (Q) where each polygon begins in `loops`; it ends where the next begins
   std::vector<std::int32_t> polygon_region;  ///< (Q)
