@@ -64,17 +64,17 @@ py::list imperfections(const MeshingReport& r) {
 }
 
 py::dict report_of(const MeshingReport& r) {
-  return py::dict("polygons"_a = r.polygons, "corners"_a = r.corners, "vertices"_a = r.vertices,
-                  "regions"_a = r.regions, "regions_split"_a = r.regions_split,
-                  "merged_without_area"_a = r.merged_without_area, "split_for_unconnected"_a = r.split_for_unconnected,
-                  "split_for_holes"_a = r.split_for_holes, "split_for_handles"_a = r.split_for_handles,
-                  "split_for_pinches"_a = r.split_for_pinches, "split_for_closed"_a = r.split_for_closed,
-                  "split_for_repair"_a = r.split_for_repair, "closed"_a = r.closed, "manifold"_a = r.manifold,
-                  "euler"_a = r.euler, "planarity_max"_a = r.planarity_max, "planarity_mean"_a = r.planarity_mean,
-                  "distance_max"_a = r.distance_max, "crossing"_a = r.crossing, "flipped"_a = r.flipped,
-                  "bent"_a = r.bent, "intersecting"_a = r.intersecting, "excused"_a = r.excused,
-                  "without_area"_a = r.without_area, "diagonals"_a = r.diagonals, "repair_rounds"_a = r.repair_rounds,
-                  "repair_capped"_a = r.repair_capped, "imperfect"_a = imperfections(r));
+  return py::dict(
+      "polygons"_a = r.polygons, "corners"_a = r.corners, "vertices"_a = r.vertices, "regions"_a = r.regions,
+      "regions_split"_a = r.regions_split, "merged_without_area"_a = r.merged_without_area,
+      "split_for_unconnected"_a = r.split_for_unconnected, "split_for_holes"_a = r.split_for_holes,
+      "split_for_handles"_a = r.split_for_handles, "split_for_pinches"_a = r.split_for_pinches,
+      "split_for_closed"_a = r.split_for_closed, "split_for_repair"_a = r.split_for_repair, "closed"_a = r.closed,
+      "manifold"_a = r.manifold, "euler"_a = r.euler, "planarity_max"_a = r.planarity_max,
+      "planarity_mean"_a = r.planarity_mean, "distance_max"_a = r.distance_max, "crossing"_a = r.crossing,
+      "flipped"_a = r.flipped, "bent"_a = r.bent, "intersecting"_a = r.intersecting, "excused"_a = r.excused,
+      "excused_at_least"_a = r.excused_at_least, "without_area"_a = r.without_area, "diagonals"_a = r.diagonals,
+      "repair_rounds"_a = r.repair_rounds, "repair_capped"_a = r.repair_capped, "imperfect"_a = imperfections(r));
 }
 
 void bind_result(py::module_& m) {
@@ -98,8 +98,8 @@ void bind_result(py::module_& m) {
 polygons, corners, vertices, regions; regions_split (those that became more than one polygon) and why; closed, manifold,
 euler; planarity_max, planarity_mean (weighted by area) and distance_max (of a corner from its vertex), scene units;
 crossing, flipped, bent: polygons that stayed so; intersecting: pairs of polygons that still intersect, excused: such
-pairs whose regions do so in the scan itself; without_area: polygons that are a face of the scan without any; diagonals
-that the repair put across regions, repair_rounds, and repair_capped: whether something is left that takes more than options.repair_budget; imperfect: all of these by polygon,
+pairs whose regions do so in the scan itself (excused_at_least: there are more, counting stopped); without_area: polygons that are a face of the scan without any; diagonals
+that the repair put across regions, repair_rounds, and repair_capped: whether something is left that takes more than options.repair_budget; imperfect: all of these by polygon, of each flaw the first 1,000,
 a list of dicts with polygon (its index), flaw ("crossing", "no_area", "flipped", "bent", "intersecting" or "excused") and, for
 the last two, other (the polygon it meets; each pair is listed under both; none for a face of the scan without area).)")
       .def("__repr__", [](const PolygonMesh& poly) {

@@ -40,11 +40,12 @@ struct Made {
 
   [[nodiscard]] std::vector<Key> found(const std::vector<bool>& changed, const std::vector<bool>& known) const {
     std::vector<const FacetSet*> sets;
-    std::vector<Box> arounds;
+    Arounds arounds;
     for (const FacetSet& p : pieces) {
+      arounds.set(static_cast<std::int32_t>(sets.size()), p);
       sets.push_back(&p);
-      arounds.push_back(p.around);
     }
+    arounds.settle();
     std::vector<Key> keys;
     const Job job;
     for (const Hit& h : find_hits(sets, arounds, position, changed, known, Threads(2), job)) keys.push_back(h.key());
@@ -140,8 +141,7 @@ TEST(Intersections, ThoseOfTheScanAreThoseOfAllPairs) {
         meet = meet || (has_area(stored(mesh, f)) && has_area(stored(mesh, g)) &&
                         meet_elsewhere(mesh.triangles()[f], stored(mesh, f), mesh.triangles()[g], stored(mesh, g)));
     ++said[meet];
-    EXPECT_EQ(scan_intersects(mesh, {half[0], box_around(mesh, half[0])}, {half[1], box_around(mesh, half[1])}), meet)
-        << seed;
+    EXPECT_EQ(scan_intersects(mesh, ScanPart(mesh, half[0]), ScanPart(mesh, half[1])), meet) << seed;
   }
   EXPECT_GT(said[0], 5);
   EXPECT_GT(said[1], 5);

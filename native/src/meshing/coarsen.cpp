@@ -14,6 +14,9 @@ constexpr int kRounds = 40;
 constexpr std::int32_t kTogether = 256;   ///< pieces that one thread looks at for what can be tried
 constexpr double kGoOn = 0.8;             ///< about what is left to do after a round
 constexpr std::size_t kWorthwhile = 300;  ///< a round that tries less than one piece of so many is the last
+/// A round of many trials of which less than one in so many is good is the last one too: what is left then is a scan
+/// finer than its polygons, where each trial costs as much as it did and few will do.
+constexpr std::size_t kMany = 64, kPoor = 8;
 constexpr double kHopeless = 1.5;         ///< times the bound: no placement will make a polygon so bent flat
 constexpr int kRings = 2;                 ///< how far from what was tried a fault is looked for at first ...
 constexpr int kMostRings = 5;             ///< ... and before all that was tried is held for the cause
@@ -145,7 +148,7 @@ class Coarsener {
       trials.push_back(std::move(*trial));
     }
     if (trials.empty()) return false;
-    const bool go_on = trials.size() * kWorthwhile >= s_.labels.pieces.size();
+    const std::size_t tried = trials.size();
     const std::vector<bool> before = findings_.faulty();
     const std::vector<Vec3> positions = s_.corners.position;
     findings_.keep();
@@ -154,7 +157,10 @@ class Coarsener {
     std::vector<bool> after = findings_.faulty();
     while (!trials.empty()) {
       std::vector<Trial> good, failed;
-      for (Trial& t : trials) (spoils(t, rings, before, after) ? failed : good).push_back(std::move(t));
+      // Where more rings would have to be looked at, all that was tried is held for the cause.
+      const std::vector<bool> near = near_fresh(std::min(rings, kMostRings), before, after);
+      for (Trial& t : trials)
+        (rings > kMostRings || after[t.piece] || near[t.piece] ? failed : good).push_back(std::move(t));
       trials.swap(good);
       if (failed.empty()) {
         if (!any_fresh(before, after)) break;
@@ -168,7 +174,8 @@ class Coarsener {
       bring_up_to_date(failed, positions);
       after = findings_.faulty();  // what was done again may spoil what is beside it
     }
-    return go_on;
+    const bool is_poor = tried >= kMany && trials.size() * kPoor < tried;
+    return tried * kWorthwhile >= s_.labels.pieces.size() && !is_poor;
   }
 
   /// Whether a polygon is so faulty, both with its corners where they are and on the mesh, that placing it anew is not
@@ -210,7 +217,7 @@ class Coarsener {
   /// Whether the piece across a half-edge is hopeless without the corner that it leaves.
   [[nodiscard]] bool spoils_beside(std::int32_t h) const {
     const std::int32_t l = s_.labels.across(h);
-    if (l == kNone || !s_.diagonals[l].empty() || findings_.of(l).faults() != 0) return false;
+    if (l == kNone || !s_.diagonals[l].empty() || findings_.faults(l) != 0) return false;
     std::vector<std::int32_t> vertices;
     for (const std::int32_t g : s_.complex.chords(l))
       if (s_.mesh.from(g) != s_.mesh.from(h)) vertices.push_back(s_.mesh.from(g));
@@ -235,7 +242,7 @@ class Coarsener {
         if (left <= kLeastClosed) return {};
         const std::vector<std::int32_t> loop = s_.loop_together(c.piece, c.other);
         if (loop.empty() || is_hopeless(loop, c)) return {};
-        trial.united = s_.unite(c.piece, c.other);
+        trial.united = s_.unite(c.piece, c.other, loop);
         scope_.add(c.piece);
         --left;
       }
@@ -276,17 +283,27 @@ class Coarsener {
     return false;
   }
 
-  /// Whether a piece at most so many rings from the one tried has become faulty, or that one is. With more rings than
-  /// are looked at, it is held for the cause of whatever has.
-  [[nodiscard]] bool spoils(const Trial& t, int rings, const std::vector<bool>& before,
-                            const std::vector<bool>& after) const {
-    if (after[t.piece] || rings > kMostRings) return true;
-    std::vector<std::int32_t> zone{t.piece};
-    for (int ring = 0; ring < rings; ++ring) {
-      s_.add_neighbours(zone);
-      if (std::any_of(zone.begin(), zone.end(), [&](std::int32_t l) { return after[l] && !before[l]; })) return true;
+  /// By piece: whether it is at most so many rings from one that has become faulty, and so held for its cause.
+  [[nodiscard]] std::vector<bool> near_fresh(int rings, const std::vector<bool>& before,
+                                             const std::vector<bool>& after) const {
+    std::vector<bool> near(after.size(), false);
+    std::vector<std::int32_t> ring, next;
+    for (std::size_t l = 0; l < after.size(); ++l)
+      if (after[l] && !before[l]) {
+        near[l] = true;
+        ring.push_back(static_cast<std::int32_t>(l));
+      }
+    for (; rings > 0 && !ring.empty(); --rings) {
+      next.clear();
+      for (const std::int32_t l : ring)
+        for (const std::int32_t k : s_.neighbours(l))
+          if (!near[k]) {
+            near[k] = true;
+            next.push_back(k);
+          }
+      ring.swap(next);
     }
-    return false;
+    return near;
   }
 
   State& s_;

@@ -43,16 +43,18 @@ class Easing {
   std::vector<std::int32_t> release_pulls(std::int32_t share, std::int32_t turn) {
     std::vector<bool> spared(s_.corners.count(), false);
     std::vector<std::int32_t> pieces;
-    for (std::int32_t q = 0; q < s_.polygons.count(); ++q)
-      for (const std::int32_t c : s_.polygons.of(q))
-        if (faulty_[s_.polygons.piece[q]]) spared[c] = true;
+    for (std::size_t l = 0; l < faulty_.size(); ++l)
+      if (faulty_[l])
+        s_.polygons.for_each_of(static_cast<std::int32_t>(l), [&](std::int32_t q) {
+          for (const std::int32_t c : s_.polygons.of(q)) spared[c] = true;
+        });
     for (std::int32_t c = 0; c < s_.corners.count(); ++c) {
       if (c % share != turn || spared[c] || s_.corners.pull[c] >= 1) continue;
       const auto around = s_.polygons.at(c);
-      if (std::none_of(around.begin(), around.end(), [&](auto q) { return scope_.has(s_.polygons.piece[q]); }))
+      if (std::none_of(around.begin(), around.end(), [&](auto q) { return scope_.has(s_.polygons.piece(q)); }))
         continue;
       s_.corners.pull[c] = 1;
-      for (const std::int32_t q : around) pieces.push_back(s_.polygons.piece[q]);
+      for (const std::int32_t q : around) pieces.push_back(s_.polygons.piece(q));
     }
     return pieces;
   }

@@ -5,44 +5,36 @@
 #include <numeric>
 #include <utility>
 
+#include "sorted.h"
+
 namespace isimp::meshing {
 
 namespace {
 constexpr std::int32_t kFew = 4;  ///< pieces that are judged on one thread
 }
 
-std::uint8_t Findings::Found::faults() const {
-  std::uint8_t all = 0;
-  for (const PolygonVerdict& v : polygons) all |= v.faults;
-  return all & ~kGiven;
-}
-
-bool Findings::is_face(std::int32_t piece) const {
-  const std::int32_t f = s_.labels.pieces[piece].face;
-  return f != kNone && !s_.labels.inner(3 * f) && !s_.labels.inner(3 * f + 1) && !s_.labels.inner(3 * f + 2);
-}
-
 Findings::Source Findings::source_of(std::int32_t piece) const {
-  Source s{{}, {}, s_.planes[piece].normal, is_face(piece)};
-  for (std::int32_t q = s_.polygons.first_of[piece]; q < s_.polygons.first_of[piece + 1]; ++q) {
+  Source s{{}, {}, s_.planes[piece].normal, s_.labels.is_face(piece)};
+  s_.polygons.for_each_of(piece, [&](std::int32_t q) {
     for (const std::int32_t c : s_.polygons.of(q)) {
       s.loops.push_back(c);
       s.places.push_back(s_.corners.position[c]);
     }
     s.loops.push_back(kNone);
-  }
+  });
   return s;
 }
 
 bool Findings::is_source(const Source& s, std::int32_t piece) const {
   auto loop = s.loops.begin();
   auto place = s.places.begin();
-  for (std::int32_t q = s_.polygons.first_of[piece]; q < s_.polygons.first_of[piece + 1]; ++q) {
+  const std::int32_t first = s_.polygons.first_of(piece);
+  for (std::int32_t q = first; q < first + s_.polygons.count_of(piece); ++q) {
     for (const std::int32_t c : s_.polygons.of(q))
       if (loop == s.loops.end() || *loop++ != c || *place++ != s_.corners.position[c]) return false;
     if (loop == s.loops.end() || *loop++ != kNone) return false;
   }
-  return loop == s.loops.end() && s.normal == s_.planes[piece].normal && s.is_face == is_face(piece);
+  return loop == s.loops.end() && s.normal == s_.planes[piece].normal && s.is_face == s_.labels.is_face(piece);
 }
 
 bool Findings::is_given(std::int32_t piece) const {
@@ -54,26 +46,33 @@ bool Findings::is_given(std::int32_t piece) const {
 
 Findings::Found Findings::find(std::int32_t piece, Source source) const {
   Found f{std::move(source), {}, {}};
-  const std::int32_t first = s_.polygons.first_of[piece];
-  for (std::int32_t q = first; q < s_.polygons.first_of[piece + 1]; ++q)
+  const std::int32_t first = s_.polygons.first_of(piece);
+  for (std::int32_t q = first; q < first + s_.polygons.count_of(piece); ++q)
     f.polygons.push_back(judge_polygon(s_.polygons.of(q), s_.corners.position, f.source.normal, bounds_,
                                        {{}, piece, q - first}, &f.facets.facets));
   f.facets.locate(s_.corners.position);
   if (f.polygons.size() == 1 && f.polygons[0].faults == kNoArea && f.source.is_face && is_given(piece))
     f.polygons[0].faults = kGiven;
+  const auto is_home = [&](std::int32_t c) {
+    return s_.corners.position[c] == s_.mesh.vertices()[s_.corners.vertex[c]];
+  };
+  const auto& loops = f.source.loops;  // three corners and what ends them
+  f.facets.given = f.source.is_face && loops.size() == 4 && std::all_of(loops.begin(), loops.begin() + 3, is_home);
   return f;
 }
 
 void Findings::set(std::int32_t piece, Found found) {
   found_[piece] = std::move(found);
-  around_[piece] = found_[piece].facets.around;
+  around_.set(piece, found_[piece].facets);
+  faults_[piece] = 0;
+  for (const PolygonVerdict& v : found_[piece].polygons) faults_[piece] |= v.faults & ~kGiven;
 }
 
 void Findings::judge(std::span<const std::int32_t> pieces) {
   const std::size_t count = s_.labels.pieces.size();
   found_.resize(count);
   kept_.resize(count);
-  around_.resize(count, Box::nowhere());
+  faults_.resize(count, 0);
   std::vector<bool> changed(count, false);
   std::vector<Was> was(pieces.size(), Was::same);
   std::vector<Found> fresh(pieces.size());
@@ -96,6 +95,7 @@ void Findings::judge(std::span<const std::int32_t> pieces) {
     set(l, was[i] == Was::kept ? std::move(*kept) : std::move(fresh[i]));
     if (was[i] == Was::kept) kept.reset();
   }
+  around_.settle();
   std::vector<bool> same(count);  // as what was kept
   for (std::size_t l = 0; l < count; ++l) same[l] = !kept_[l];
   std::vector<const FacetSet*> facets;
@@ -104,10 +104,11 @@ void Findings::judge(std::span<const std::int32_t> pieces) {
   std::erase_if(hits_, [&](const Hit& h) { return changed[h.a] || changed[h.b]; });
   std::copy_if(kept_hits_.begin(), kept_hits_.end(), std::back_inserter(hits_),
                [&](const Hit& h) { return (changed[h.a] || changed[h.b]) && same[h.a] && same[h.b]; });
+  const auto known = static_cast<std::ptrdiff_t>(hits_.size());
   const std::vector<Hit> found = find_hits(facets, around_, s_.corners.position, changed, same, s_.threads, job_);
   hits_.insert(hits_.end(), found.begin(), found.end());
+  find_excuses(std::span(hits_).subspan(known));
   std::sort(hits_.begin(), hits_.end(), [](const Hit& x, const Hit& y) { return x.key() < y.key(); });
-  find_excuses();
 }
 
 void Findings::keep() {
@@ -121,49 +122,63 @@ std::array<std::int32_t, 2> Findings::regions_of(const Hit& h) const {
   return regions;
 }
 
-void Findings::find_excuses() {
+void Findings::find_excuses(std::span<Hit> hits) {
   struct Pair {
-    ScanPart a, b;
+    std::int32_t a, b;
     bool* meet;
   };
   std::vector<Pair> pairs;
-  for (const Hit& h : hits_) {
+  std::vector<std::int32_t> wanted;  // regions that are not known yet
+  for (const Hit& h : hits) {
     const std::array<std::int32_t, 2> regions = regions_of(h);
     const auto [at, fresh] = excuses_.try_emplace(regions, false);
-    if (fresh) pairs.push_back({part_of_region(regions[0]), part_of_region(regions[1]), &at->second});
+    if (!fresh) continue;
+    pairs.push_back({regions[0], regions[1], &at->second});
+    scan_parts_.resize(s_.regions);
+    for (const std::int32_t r : regions)
+      if (!scan_parts_[r]) wanted.push_back(r);
   }
-  s_.threads.blocks(static_cast<std::int32_t>(pairs.size()), 1, [&](std::int32_t pair, std::int32_t, std::int32_t) {
+  sort_unique(wanted);
+  if (!wanted.empty()) sort_faces_by_region();
+  s_.threads.blocks(static_cast<std::int32_t>(wanted.size()), 1, [&](std::int32_t i, std::int32_t, std::int32_t) {
     job_.poll();
-    *pairs[pair].meet = scan_intersects(s_.mesh, pairs[pair].a, pairs[pair].b);
+    const std::int32_t r = wanted[i];
+    const auto faces = std::span(region_faces_).subspan(region_start_[r], region_start_[r + 1] - region_start_[r]);
+    scan_parts_[r] = std::make_unique<ScanPart>(s_.mesh, faces);
   });
+  s_.threads.blocks(static_cast<std::int32_t>(pairs.size()), 1, [&](std::int32_t i, std::int32_t, std::int32_t) {
+    job_.poll();
+    *pairs[i].meet = scan_intersects(s_.mesh, *scan_parts_[pairs[i].a], *scan_parts_[pairs[i].b]);
+  });
+  for (Hit& h : hits) h.excused = excuses_.at(regions_of(h));
+}
+
+GivenHits Findings::given_hits(std::size_t most, std::int64_t most_counted) const {
+  std::vector<const FacetSet*> facets;
+  facets.reserve(found_.size());
+  for (const Found& f : found_) facets.push_back(&f.facets);
+  return find_given_hits(facets, around_, most, most_counted, job_);
 }
 
 std::vector<bool> Findings::faulty() const {
   std::vector<bool> faulty(found_.size());
-  for (std::size_t l = 0; l < found_.size(); ++l) faulty[l] = found_[l].faults() != 0;
+  for (std::size_t l = 0; l < found_.size(); ++l) faulty[l] = faults_[l] != 0;
   for (const Hit& h : hits_)
-    if (!excused(h)) faulty[h.a] = faulty[h.b] = true;
+    if (!h.excused) faulty[h.a] = faulty[h.b] = true;
   return faulty;
 }
 
-ScanPart Findings::part_of_region(std::int32_t region) {
-  if (region_start_.empty()) {
-    const auto& of = s_.partition.face_region;
-    region_start_.assign(s_.regions + 1, 0);
-    for (const std::int32_t r : of)
-      if (r != kNone) ++region_start_[r + 1];
-    std::partial_sum(region_start_.begin(), region_start_.end(), region_start_.begin());
-    region_faces_.resize(region_start_.back());
-    region_around_.resize(s_.regions);
-    std::vector<std::int32_t> fill(region_start_.begin(), region_start_.end() - 1);
-    for (std::int32_t f = 0; f < s_.mesh.face_count(); ++f)
-      if (of[f] != kNone) region_faces_[fill[of[f]]++] = f;
-  }
-  const auto faces =
-      std::span(region_faces_).subspan(region_start_[region], region_start_[region + 1] - region_start_[region]);
-  std::optional<Box>& around = region_around_[region];
-  if (!around) around = box_around(s_.mesh, faces);
-  return {faces, *around};
+void Findings::sort_faces_by_region() {
+  if (!region_start_.empty()) return;
+  const auto& of = s_.partition.face_region;
+  region_start_.assign(s_.regions + 1, 0);
+  for (const std::int32_t r : of)
+    if (r != kNone) ++region_start_[r + 1];
+  std::partial_sum(region_start_.begin(), region_start_.end(), region_start_.begin());
+  region_faces_.resize(region_start_.back());
+  std::vector<std::int32_t> fill(region_start_.begin(), region_start_.end() - 1);
+  for (std::int32_t f = 0; f < s_.mesh.face_count(); ++f)
+    if (of[f] != kNone) region_faces_[fill[of[f]]++] = f;
 }
 
 }  // namespace isimp::meshing

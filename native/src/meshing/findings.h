@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -31,20 +30,21 @@ class Findings {
     Source source;
     std::vector<PolygonVerdict> polygons;
     FacetSet facets;
-    [[nodiscard]] std::uint8_t faults() const;
   };
 
   /// Judges the polygons of some pieces, and which they meet, again. Those that are what they were are left alone.
-  /// Cost: O(polygons of all pieces).
+  /// Cost: O(changed polygons * log(all) + pieces).
   void judge(std::span<const std::int32_t> pieces);
   /// Keeps what is found now, so that it need not be found again of pieces that a trial changes and its undoing makes
   /// what they were. In place of what was kept before.
   void keep();
   [[nodiscard]] const Found& of(std::int32_t piece) const { return found_[piece]; }
-  /// Pairs of polygons that meet, in rising order.
+  /// All faults of a piece's polygons together.
+  [[nodiscard]] std::uint8_t faults(std::int32_t piece) const { return faults_[piece]; }
+  /// Pairs of polygons that meet, in rising order; but for those of two faces of the scan at their places.
   [[nodiscard]] const std::vector<Hit>& hits() const { return hits_; }
-  /// Whether the regions of two polygons that meet do so in the scan itself.
-  [[nodiscard]] bool excused(const Hit& h) const { return excuses_.at(regions_of(h)); }
+  /// Those of two faces of the scan at their places.
+  [[nodiscard]] GivenHits given_hits(std::size_t most, std::int64_t most_counted) const;
   /// By piece: whether it has a fault of its own, or meets another and is not excused.
   [[nodiscard]] std::vector<bool> faulty() const;
   [[nodiscard]] const Bounds& bounds() const { return bounds_; }
@@ -53,29 +53,29 @@ class Findings {
   [[nodiscard]] Source source_of(std::int32_t piece) const;
   /// Whether that of a piece is this one still.
   [[nodiscard]] bool is_source(const Source& s, std::int32_t piece) const;
-  [[nodiscard]] bool is_face(std::int32_t piece) const;
   /// What a piece that is judged again was before.
   enum class Was : std::uint8_t { same, kept, other };
   void set(std::int32_t piece, Found found);
   [[nodiscard]] std::array<std::int32_t, 2> regions_of(const Hit& h) const;
-  /// Looks for what is not known yet of the pairs of regions whose polygons meet.
-  void find_excuses();
+  /// Tells which of some hits are of regions that meet in the scan; what was found of a pair of regions is kept.
+  void find_excuses(std::span<Hit> hits);
   [[nodiscard]] Found find(std::int32_t piece, Source source) const;
   /// Whether a piece is a face of the scan that has no area.
   [[nodiscard]] bool is_given(std::int32_t piece) const;
-  ScanPart part_of_region(std::int32_t region);
+  void sort_faces_by_region();
 
   const State& s_;
   const Bounds bounds_;
   const Job& job_;
   std::vector<Found> found_;                               // by piece
-  std::vector<Box> around_;                                // by piece: its facets' box
+  std::vector<std::uint8_t> faults_;                       // by piece
+  Arounds around_;                                         // by piece: its facets' box
   std::vector<Hit> hits_;                                  // in rising order
   std::vector<std::unique_ptr<Found>> kept_;               // of the pieces that are no more what they were at `keep`
   std::vector<Hit> kept_hits_;                             // all of then
   std::map<std::array<std::int32_t, 2>, bool> excuses_;    // by pair of regions
   std::vector<std::int32_t> region_start_, region_faces_;  // faces by region, made when first asked for
-  std::vector<std::optional<Box>> region_around_;          // by region, each made when first asked for
+  std::vector<std::unique_ptr<ScanPart>> scan_parts_;      // by region, each made when first asked for
 };
 
 }  // namespace isimp::meshing

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "boxes.h"
 #include "isimp/mesh/meet.h"
 #include "judge.h"
 
@@ -27,12 +28,6 @@ Box box_of(const Corners& t) {
   }
   return box;
 }
-
-/// A box and what is in it, a piece or a face of the scan.
-struct Entry {
-  Box box;
-  std::int32_t index;
-};
 
 /// The middle of where the edges of two triangles pass through the other one; of the smaller's if none does.
 Vec3 meeting_place(const Corners& f, const Corners& g) {
@@ -57,73 +52,6 @@ Vec3 meeting_place(const Corners& f, const Corners& g) {
   const Corners& small = area(f) < area(g) ? f : g;
   return (small[0] + small[1] + small[2]) / 3;
 }
-
-/// A tree of boxes, to look for those that meet a given one: halved at the median of their middles, along the axis on
-/// which these spread most, down to a few. Cost: O(n log n) to make; a search, about O(log n + boxes that it meets).
-class BoxTree {
- public:
-  explicit BoxTree(std::vector<Entry> all) : all_(std::move(all)) {
-    if (!all_.empty()) make(0, static_cast<std::int32_t>(all_.size()));
-  }
-
-  /// Whether some box has a place in common with `a` and passes the test; stops at the first.
-  template <class Test>
-  [[nodiscard]] bool any(const Box& a, Test test) const {
-    for (std::size_t n = 0; n < nodes_.size();) {
-      const Node& node = nodes_[n];
-      if (node.around.apart(a)) {
-        n = static_cast<std::size_t>(node.after);
-        continue;
-      }
-      for (std::int32_t i = node.begin; i < node.end; ++i)
-        if (!all_[i].box.apart(a) && test(all_[i])) return true;
-      ++n;
-    }
-    return false;
-  }
-
- private:
-  struct Node {
-    Box around;
-    std::int32_t begin, end;  ///< of what lies in a leaf; the same in others
-    std::int32_t after;       ///< the node that follows where nothing below this one is asked for
-  };
-  static constexpr std::int32_t kLeaf = 8;
-
-  /// Nodes stand before those below them.
-  void make(std::int32_t begin, std::int32_t end) {
-    Box around = all_[begin].box;
-    std::array<float, 3> low{}, high{};  // of twice the middles
-    for (int k = 0; k < 3; ++k) low[k] = high[k] = around.low[k] + around.high[k];
-    for (std::int32_t i = begin + 1; i < end; ++i) {
-      const Box& box = all_[i].box;
-      around.include(box);
-      for (int k = 0; k < 3; ++k) {
-        low[k] = std::min(low[k], box.low[k] + box.high[k]);
-        high[k] = std::max(high[k], box.low[k] + box.high[k]);
-      }
-    }
-    const std::size_t node = nodes_.size();
-    const bool is_leaf = end - begin <= kLeaf;
-    nodes_.push_back({around, begin, is_leaf ? end : begin, 0});
-    if (!is_leaf) {
-      int axis = 0;
-      for (int k = 1; k < 3; ++k)
-        if (high[k] - low[k] > high[axis] - low[axis]) axis = k;
-      const std::int32_t half = begin + (end - begin) / 2;
-      std::nth_element(all_.begin() + begin, all_.begin() + half, all_.begin() + end,
-                       [&](const Entry& x, const Entry& y) {
-                         return x.box.low[axis] + x.box.high[axis] < y.box.low[axis] + y.box.high[axis];
-                       });
-      make(begin, half);
-      make(half, end);
-    }
-    nodes_[node].after = static_cast<std::int32_t>(nodes_.size());
-  }
-
-  std::vector<Entry> all_;
-  std::vector<Node> nodes_;
-};
 
 /// Two facets that meet, by piece and index, the lower one first.
 struct Meeting {
@@ -163,9 +91,34 @@ bool beside(const Placed& f, const Placed& g) {
   return sides == 1 || sides == 2;
 }
 
+/// The same for the sides of f, as seen along the axis that its normal is nearest to: whether all corners of g surely
+/// lie beyond one of them, but for those that both share. It tells triangles of one plane apart.
+bool beyond_side(const Placed& f, const Placed& g) {
+  constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
+  int axis = 0;
+  f.facing.normal.cwiseAbs().maxCoeff(&axis);
+  const int x = (axis + 1) % 3, y = (axis + 2) % 3;
+  const double turn = f.facing.normal[axis] > 0 ? -1 : 1;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t next = k < 2 ? k + 1 : 0;
+    const Vec3 &a = f.at[k], &b = f.at[next];
+    const double ux = b[x] - a[x], uy = b[y] - a[y], length = std::max(std::abs(ux), std::abs(uy));
+    bool all = true;
+    for (std::size_t m = 0; m < 3 && all; ++m) {
+      if (g.corner[m] == f.corner[k] || g.corner[m] == f.corner[next]) continue;
+      const double vx = g.at[m][x] - a[x], vy = g.at[m][y] - a[y];
+      const double unsure = kRounding * length * std::max(std::abs(vx), std::abs(vy));
+      all = turn * (ux * vy - uy * vx) > unsure;
+    }
+    if (all) return true;
+  }
+  return false;
+}
+
 /// Whether two triangles that have area meet elsewhere than in what they share.
 bool meet(const Placed& f, const Placed& g) {
-  return !beside(f, g) && !beside(g, f) && meet_elsewhere(f.corner, f.at, g.corner, g.at);
+  return !beside(f, g) && !beside(g, f) && !beyond_side(f, g) && !beyond_side(g, f) &&
+         meet_elsewhere(f.corner, f.at, g.corner, g.at);
 }
 
 Placed placed(const FacetSet& set, std::int32_t i) { return {set.facets[i].corner, set.solids[i], set.facings[i]}; }
@@ -188,33 +141,33 @@ void find_meetings(const FacetSet& a, const FacetSet& b, std::vector<std::int32_
   }
 }
 
-constexpr std::int32_t kTogether = 64;  ///< pieces that are looked at on one thread ...
-constexpr std::size_t kFewMoved = 8;    ///< ... and all are where no more have moved than this
+constexpr std::int32_t kTogether = 16;  ///< pieces that are looked at on one thread
 
 /// First by pieces whose boxes meet, as these are few.
-std::vector<Meeting> find_meetings(std::span<const FacetSet* const> pieces, std::span<const Box> arounds,
+std::vector<Meeting> find_meetings(std::span<const FacetSet* const> pieces, const Arounds& arounds,
                                    const std::vector<bool>& changed, const std::vector<bool>& known,
                                    const Threads& threads, const Job& job) {
-  const auto count = static_cast<std::int32_t>(pieces.size());
-  std::vector<Entry> moved;
-  for (std::int32_t l = 0; l < count; ++l)
-    if (changed[l] && !pieces[l]->solid.empty()) moved.push_back({arounds[l], l});
-  const std::int32_t together = moved.size() < kFewMoved ? std::max(count, 1) : kTogether;
-  std::vector<std::vector<Meeting>> met(count / together + 1);  // by block
-  const BoxTree search(std::move(moved));
-  threads.blocks(count, together, [&](std::int32_t block, std::int32_t begin, std::int32_t end) {
-    job.poll();
-    std::vector<std::int32_t> near;
-    for (std::int32_t l = begin; l < end; ++l)
-      (void)search.any(arounds[l], [&](const Entry& y) {
-        const bool seen_from_there = changed[l] && y.index < l, is_known = known[l] && known[y.index];
-        // Of a piece of one polygon, no two facets can.
-        const bool is_alone = y.index == l && pieces[l]->facets.back().part == 0;
-        if (!seen_from_there && !is_known && !is_alone)
-          find_meetings(*pieces[std::min(l, y.index)], *pieces[std::max(l, y.index)], near, met[block]);
-        return false;
-      });
-  });
+  std::vector<std::int32_t> moved;
+  for (std::int32_t l = 0; l < static_cast<std::int32_t>(pieces.size()); ++l)
+    if (changed[l] && !pieces[l]->solid.empty()) moved.push_back(l);
+  std::vector<std::vector<Meeting>> met(moved.size() / kTogether + 1);  // by block
+  threads.blocks(static_cast<std::int32_t>(moved.size()), kTogether,
+                 [&](std::int32_t block, std::int32_t begin, std::int32_t end) {
+                   std::vector<std::int32_t> near;
+                   for (std::int32_t i = begin; i < end; ++i) {
+                     job.poll();
+                     const std::int32_t l = moved[i];
+                     const auto look = [&](std::int32_t y) {
+                       const bool seen_from_there = changed[y] && y < l, is_known = known[l] && known[y];
+                       // Of a piece of one polygon, no two facets can.
+                       const bool is_alone = y == l && pieces[l]->facets.back().part == 0;
+                       if (!seen_from_there && !is_known && !is_alone)
+                         find_meetings(*pieces[std::min(l, y)], *pieces[std::max(l, y)], near, met[block]);
+                     };
+                     arounds.free.for_each_near(pieces[l]->around, look);
+                     if (!pieces[l]->given) arounds.given.for_each_near(pieces[l]->around, look);
+                   }
+                 });
   std::vector<Meeting> all;
   for (const std::vector<Meeting>& some : met) all.insert(all.end(), some.begin(), some.end());
   std::sort(all.begin(), all.end());
@@ -239,7 +192,17 @@ void FacetSet::locate(std::span<const Vec3> position) {
   }
 }
 
-std::vector<Hit> find_hits(std::span<const FacetSet* const> pieces, std::span<const Box> arounds,
+void Arounds::set(std::int32_t piece, const FacetSet& facets) {
+  free.set(piece, facets.given ? Box::nowhere() : facets.around);
+  given.set(piece, facets.given ? facets.around : Box::nowhere());
+}
+
+void Arounds::settle() {
+  free.settle();
+  given.settle();
+}
+
+std::vector<Hit> find_hits(std::span<const FacetSet* const> pieces, const Arounds& arounds,
                            std::span<const Vec3> position, const std::vector<bool>& changed,
                            const std::vector<bool>& known, const Threads& threads, const Job& job) {
   std::vector<Hit> hits;
@@ -262,54 +225,49 @@ std::vector<Hit> find_hits(std::span<const FacetSet* const> pieces, std::span<co
   return hits;
 }
 
-Box box_around(const Mesh& mesh, std::span<const std::int32_t> faces) {
+GivenHits find_given_hits(std::span<const FacetSet* const> pieces, const Arounds& arounds, std::size_t most,
+                          std::int64_t most_counted, const Job& job) {
+  GivenHits result;
+  std::vector<std::int32_t> met;
+  for (std::int32_t l = 0; l < static_cast<std::int32_t>(pieces.size()) && result.is_all; ++l) {
+    if (!pieces[l]->given || pieces[l]->solid.empty()) continue;
+    job.poll();
+    met.clear();
+    arounds.given.for_each_near(pieces[l]->around, [&](std::int32_t y) {
+      if (y > l && meet(placed(*pieces[l], 0), placed(*pieces[y], 0))) met.push_back(y);
+    });
+    std::sort(met.begin(), met.end());
+    result.count += static_cast<std::int64_t>(met.size());
+    result.is_all = result.count < most_counted;
+    for (const std::int32_t y : met) {
+      if (result.first.size() == most) break;
+      result.first.push_back({l, 0, y, 0, Vec3::Zero(), {}, true});
+    }
+  }
+  return result;
+}
+
+ScanPart::ScanPart(const Mesh& mesh, std::span<const std::int32_t> faces) {
   constexpr std::size_t kAhead = 12;  // fetched before they are looked at
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::max()), high = -low;
+  std::vector<Entry> boxes;
+  boxes.reserve(faces.size());
   for (std::size_t i = 0; i < faces.size(); ++i) {
     if (i + kAhead < faces.size())
       for (const std::int32_t v : mesh.triangles()[faces[i + kAhead]]) __builtin_prefetch(&mesh.vertices()[v]);
-    for (const std::int32_t v : mesh.triangles()[faces[i]]) {
-      low = low.cwiseMin(mesh.vertices()[v]);
-      high = high.cwiseMax(mesh.vertices()[v]);
-    }
+    const Corners at = corners_of(mesh, faces[i]);
+    if (has_area(at)) boxes.push_back({box_of(at), faces[i]});
   }
-  if (faces.empty()) return Box::nowhere();
-  Box box;
-  box.low.head<3>() = low.cast<float>().array();  // rounding leaves the order as it is
-  box.high.head<3>() = high.cast<float>().array();
-  return box;
+  tree = BoxTree(std::move(boxes));
 }
 
 bool scan_intersects(const Mesh& mesh, const ScanPart& some, const ScanPart& others) {
-  // What lies outside the other's box is of no interest.
-  struct Face {
-    std::int32_t face;
-    Corners at;
-  };
-  std::vector<Face> faces;
-  const auto boxes = [&](const ScanPart& from, const Box& near) {
-    std::vector<Entry> result;
-    for (const std::int32_t f : from.faces) {
-      const Corners s = corners_of(mesh, f);
-      const Box box = box_of(s);
-      if (near.apart(box) || !has_area(s)) continue;
-      result.push_back({box, static_cast<std::int32_t>(faces.size())});
-      faces.push_back({f, s});
-    }
-    return result;
-  };
-  const std::vector<Entry> looking = boxes(some, others.around);
-  const BoxTree search(boxes(others, some.around));
-  return std::any_of(looking.begin(), looking.end(), [&](const Entry& x) {
-    const Face& a = faces[x.index];
-    const Facing facing = facing_of(a.at);
-    const Placed here{mesh.triangles()[a.face], a.at, facing};
-    return search.any(x.box, [&](const Entry& y) {
-      const Face& b = faces[y.index];
-      const Triangle& t = mesh.triangles()[b.face];
-      if (a.face == b.face || beside(here, {t, b.at, facing})) return false;  // which asks for one side only
-      return meet(here, {t, b.at, facing_of(b.at)});
-    });
+  return some.tree.any_pair(others.tree, [&](const Entry& x, const Entry& y) {
+    if (x.index == y.index) return false;
+    const Corners a = corners_of(mesh, x.index), b = corners_of(mesh, y.index);
+    const Triangle &s = mesh.triangles()[x.index], &t = mesh.triangles()[y.index];
+    const Facing facing = facing_of(a);
+    if (beside({s, a, facing}, {t, b, facing})) return false;  // which asks for one side only
+    return meet({s, a, facing}, {t, b, facing_of(b)});
   });
 }
 

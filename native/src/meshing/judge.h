@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "boxes.h"
 #include "isimp/core/job.h"
 #include "isimp/core/threads.h"
 #include "isimp/meshing/polygonize.h"
@@ -47,26 +48,6 @@ struct Bounds {
 PolygonVerdict judge_polygon(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Vec3& normal,
                              const Bounds& bounds, Facet like = {}, std::vector<Facet>* facets = nullptr);
 
-/// A box with sides along the axes. Coordinates that are looked for in space are float32, so it is exact.
-struct Box {
-  Eigen::Array4f low = Eigen::Array4f::Zero(), high = low;  ///< the fourth is 0, so that four are compared at once
-  [[nodiscard]] bool apart(const Box& other) const {
-    // The sign of a difference is never rounded away.
-    return (low - other.high).max(other.low - high).maxCoeff() > 0;
-  }
-  /// The box of nothing, apart from all.
-  static Box nowhere() {
-    Box box;
-    box.low.head<3>().setConstant(std::numeric_limits<float>::infinity());
-    box.high = -box.low;
-    return box;
-  }
-  void include(const Box& other) {
-    low = low.min(other.low);
-    high = high.max(other.high);
-  }
-};
-
 /// The plane through a triangle, to tell quickly that something lies to one side of it.
 struct Facing {
   Vec3 normal;   ///< its length is twice the area
@@ -81,10 +62,19 @@ struct FacetSet {
   std::vector<Box> boxes;                   ///< of each
   std::vector<std::int32_t> solid;          ///< which facets have area: the others meet nothing
   Box around = Box::nowhere();              ///< all of these
+  bool given = false;                       ///< one face of the scan, its corners at their vertices
 
   void clear() { facets.clear(); }
   /// Makes all but the facets from these. To be called again when a corner has moved.
   void locate(std::span<const Vec3> position);
+};
+
+/// The boxes of all pieces: those of `given` ones apart, as pairs of two such are not looked for.
+struct Arounds {
+  MovingBoxes free, given;
+  void set(std::int32_t piece, const FacetSet& facets);
+  /// To be called after pieces were set, before a search.
+  void settle();
 };
 
 /// Two polygons that meet elsewhere than in what they share.
@@ -92,24 +82,36 @@ struct Hit {
   std::int32_t a, part_a, b, part_b;    ///< pieces, a <= b, and which of their polygons
   Vec3 where;                           ///< a place where they do
   std::array<std::int32_t, 6> corners;  ///< of the two facets that meet there
+  bool excused = false;                 ///< whether their regions meet in the scan itself
   [[nodiscard]] std::array<std::int32_t, 4> key() const { return {a, b, part_a, part_b}; }
 };
 
-/// All pairs of polygons that intersect and of which one at least is of a `changed` piece, in rising order.
-/// \param pieces  their facets, by piece
-/// \param arounds  by piece, their boxes
-/// \param known  by piece: pairs of two such are left out
-/// Cost: O(c log c + pieces + pairs of boxes) for c facets of changed pieces.
-std::vector<Hit> find_hits(std::span<const FacetSet* const> pieces, std::span<const Box> arounds,
+/// All pairs of polygons that intersect and of which one at least is of a `changed` piece, in rising order. Pairs of
+/// two `given` pieces are left out. \param pieces  their facets, by piece \param arounds  by piece, their boxes \param
+/// known  by piece: pairs of two such are left out Cost: O(c log(pieces) + pairs of boxes) for c changed pieces.
+std::vector<Hit> find_hits(std::span<const FacetSet* const> pieces, const Arounds& arounds,
                            std::span<const Vec3> position, const std::vector<bool>& changed,
                            const std::vector<bool>& known, const Threads& threads, const Job& job);
 
-/// Some faces of the scan and the box around them.
-struct ScanPart {
-  std::span<const std::int32_t> faces;
-  Box around;
+/// Pairs of faces of the scan, at their places, that meet.
+struct GivenHits {
+  std::vector<Hit> first;  ///< some of them, in rising order of the first, then of the second
+  std::int64_t count = 0;  ///< of all, as far as they were counted
+  bool is_all = true;      ///< whether all were
 };
-Box box_around(const Mesh& mesh, std::span<const std::int32_t> faces);
+
+/// The pairs of `given` pieces that meet.
+/// \param most  pairs that are listed
+/// \param most_counted  pairs after which no more are looked for
+GivenHits find_given_hits(std::span<const FacetSet* const> pieces, const Arounds& arounds, std::size_t most,
+                          std::int64_t most_counted, const Job& job);
+
+/// Some faces of the scan, where they can be looked for. Cost: O(n log n) to make.
+struct ScanPart {
+  ScanPart() = default;
+  ScanPart(const Mesh& mesh, std::span<const std::int32_t> faces);
+  BoxTree tree;  ///< the boxes of those that have area
+};
 
 /// Whether one of some faces of the scan meets one of some others elsewhere than in the vertices they share. Vertices
 /// at one place that were not welded, or were parted where the scan is not manifold, are not shared. Exact on

@@ -84,8 +84,43 @@ bool touch(const std::vector<Point>& p, std::size_t i, std::size_t j) {
   return CGAL::do_intersect(Kernel::Segment_2(a, b), Kernel::Segment_2(c, d));
 }
 
-/// Two edges of the polygon that touch, {-1, -1} if it is simple. Cost: O(n^2).
+constexpr std::size_t kSwept = 32;  ///< edges from which on those that may touch are looked for in order
+
+/// The same two edges as `find_crossing`, for many edges: they are taken in the order of their low ends along the
+/// longer side of the polygon, and compared with those that begin before they end. Cost: about O(n log n) for n short
+/// edges.
+std::array<std::int32_t, 2> sweep_for_crossing(const std::vector<Point>& p) {
+  const auto n = p.size();
+  double low[2] = {p[0].x(), p[0].y()}, high[2] = {low[0], low[1]};
+  for (const Point& q : p)
+    for (int k = 0; k < 2; ++k) {
+      low[k] = std::min(low[k], q[k]);
+      high[k] = std::max(high[k], q[k]);
+    }
+  const int axis = high[0] - low[0] >= high[1] - low[1] ? 0 : 1;
+  struct Edge {
+    double from, to;
+    std::size_t index;
+  };
+  std::vector<Edge> edges(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double a = p[i][axis], b = p[i + 1 < n ? i + 1 : 0][axis];
+    edges[i] = {std::min(a, b), std::max(a, b), i};
+  }
+  std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.from < b.from; });
+  std::array<std::size_t, 2> first{n, n};
+  for (std::size_t a = 0; a < n; ++a)
+    for (std::size_t b = a + 1; b < n && edges[b].from <= edges[a].to; ++b) {
+      const auto [i, j] = std::minmax(edges[a].index, edges[b].index);
+      if (std::array{i, j} < first && touch(p, i, j)) first = {i, j};
+    }
+  if (first[0] == n) return {-1, -1};
+  return {static_cast<std::int32_t>(first[0]), static_cast<std::int32_t>(first[1])};
+}
+
+/// The first two edges of the polygon that touch, {-1, -1} if it is simple. Cost: O(n^2) for few.
 std::array<std::int32_t, 2> find_crossing(const std::vector<Point>& p) {
+  if (p.size() >= kSwept) return sweep_for_crossing(p);
   for (std::size_t i = 0; i + 1 < p.size(); ++i)
     for (std::size_t j = i + 1; j < p.size(); ++j)
       if (touch(p, i, j)) return {static_cast<std::int32_t>(i), static_cast<std::int32_t>(j)};
@@ -135,9 +170,12 @@ class Ears {
   [[nodiscard]] bool is_ear(std::size_t i) const {
     const Point &a = p_[before(i)], &b = p_[left_[i]], &c = p_[after(i)];
     if (CGAL::orientation(a, b, c) != CGAL::LEFT_TURN) return false;
+    const auto [left, right] = std::minmax({a.x(), b.x(), c.x()});
+    const auto [low, high] = std::minmax({a.y(), b.y(), c.y()});
     for (const std::size_t k : left_) {
-      if (k == before(i) || k == left_[i] || k == after(i)) continue;
       const Point& q = p_[k];
+      if (q.x() < left || q.x() > right || q.y() < low || q.y() > high) continue;
+      if (k == before(i) || k == left_[i] || k == after(i)) continue;
       if (CGAL::orientation(a, b, q) != CGAL::RIGHT_TURN && CGAL::orientation(b, c, q) != CGAL::RIGHT_TURN &&
           CGAL::orientation(c, a, q) != CGAL::RIGHT_TURN)
         return false;

@@ -6,6 +6,9 @@
 #include <map>
 #include <numeric>
 
+#include "isimp/core/check.h"
+#include "isimp/core/errors.h"
+
 namespace isimp::meshing {
 namespace {
 
@@ -32,6 +35,7 @@ std::vector<std::int32_t> Labels::faces_of(std::int32_t piece) {
 }
 
 std::vector<std::int32_t> Labels::flood(std::int32_t piece) {
+  ISIMP_ASSERT(pieces[piece].face != kNone, "a piece that is flooded has a face");
   std::vector<std::int32_t> faces{pieces[piece].face};
   face_marks.add(faces[0]);
   for (std::size_t i = 0; i < faces.size(); ++i)
@@ -44,6 +48,7 @@ std::vector<std::int32_t> Labels::loop_from(std::int32_t h) const {
   std::vector<std::int32_t> loop;
   std::int32_t g = h;
   do {
+    if (loop.size() == 3 * label.size()) throw Error("a boundary of polygons does not close; please report this mesh");
     loop.push_back(g);
     g = next_on_boundary(g);
   } while (g != h);

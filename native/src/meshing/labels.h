@@ -61,6 +61,11 @@ struct Labels {
     while (inner(g)) g = Mesh::next(mesh.opposite(g));
     return g;
   }
+  /// Whether a piece is a single face.
+  [[nodiscard]] bool is_face(std::int32_t piece) const {
+    const std::int32_t f = pieces[piece].face;
+    return f != kNone && !inner(3 * f) && !inner(3 * f + 1) && !inner(3 * f + 2);
+  }
   /// The boundary loop of half-edge h, from there on.
   [[nodiscard]] std::vector<std::int32_t> loop_from(std::int32_t h) const;
   [[nodiscard]] std::int32_t piece_count() const { return static_cast<std::int32_t>(pieces.size()); }

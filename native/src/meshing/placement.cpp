@@ -158,7 +158,7 @@ struct Group {
 
 std::vector<Group> groups_of(const Polygons& polygons, std::span<const std::int32_t> moving) {
   // Polygons that have a moving corner in common hang together, each on a lower one down to the lowest.
-  std::vector<std::int32_t> on(polygons.count(), kNone);
+  std::vector<std::int32_t> on(polygons.numbers(), kNone);
   const auto lowest = [&](std::int32_t q) {
     while (on[q] != q) q = on[q] = on[on[q]];
     return q;
@@ -173,8 +173,8 @@ std::vector<Group> groups_of(const Polygons& polygons, std::span<const std::int3
     }
   }
   std::vector<Group> groups;
-  std::vector<std::int32_t> group(polygons.count()), place(polygons.count());
-  for (std::int32_t q = 0; q < polygons.count(); ++q) {
+  std::vector<std::int32_t> group(polygons.numbers()), place(polygons.numbers());
+  for (std::int32_t q = 0; q < polygons.numbers(); ++q) {
     if (on[q] == kNone) continue;
     const std::int32_t low = lowest(q);
     if (low == q) groups.emplace_back();
@@ -216,7 +216,7 @@ void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> pl
     Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
     Vec3 g = Vec3::Zero();
     for (const std::int32_t q : polygons.at(c)) {
-      const Plane& p = planes[polygons.piece[q]];
+      const Plane& p = planes[polygons.piece(q)];
       a += p.normal * p.normal.transpose();
       g += p.normal * p.normal.dot(p.centre - home);
     }
@@ -236,7 +236,7 @@ void flatten(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> 
                    [](const Group& a, const Group& b) { return a.corners.size() > b.corners.size(); });
   const auto fit = [&](Group& g, std::int32_t begin, std::int32_t end) {
     for (std::int32_t i = begin; i < end; ++i)
-      g.fits[i].to(polygons.of(g.polygons[i]), corners.position, planes[polygons.piece[g.polygons[i]]]);
+      g.fits[i].to(polygons.of(g.polygons[i]), corners.position, planes[polygons.piece(g.polygons[i])]);
   };
   const auto move = [&](Group& g, std::int32_t begin, std::int32_t end) {
     for (std::int32_t i = begin; i < end; ++i) {

@@ -45,6 +45,7 @@ Plane plane(const Mesh& mesh, const Moments& m, const Vec3& origin) {
     return p;
   }
   p.normal = m.normal / length;
+  p.projected = length / 2;
   const Vec3 c = m.first / m.area;
   p.centre = c + origin;
   p.spread = Eigen::Matrix3d(m.second.selfadjointView<Eigen::Lower>()) / m.area - c * c.transpose();
@@ -73,6 +74,19 @@ std::vector<Plane> planes_of(const Labels& labels, const Threads& threads, const
   };
   threads.run(labels.piece_count(), threads.pieces(mesh.face_count()), measure);
   return planes;
+}
+
+Plane united(const Plane& a, const Plane& b) {
+  Plane p;
+  p.area = a.area + b.area;
+  const Vec3 normal = a.projected * a.normal + b.projected * b.normal;
+  p.projected = normal.norm();
+  p.normal = normal / p.projected;
+  const double share = b.area / p.area;
+  const Vec3 between = b.centre - a.centre;
+  p.centre = a.centre + share * between;
+  p.spread = (1 - share) * a.spread + share * b.spread + share * (1 - share) * between * between.transpose();
+  return p;
 }
 
 Plane plane_of(const Mesh& mesh, std::span<const std::int32_t> faces) {

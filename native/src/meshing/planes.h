@@ -15,6 +15,7 @@ struct Plane {
   Vec3 centre = Vec3::Zero();
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();  ///< covariance of the surface round the centre
   double area = 0;
+  double projected = 0;  ///< length of the vector area; 0 where the faces do not tell a direction
 };
 
 /// The planes of all pieces. Cost: O(F).
@@ -22,5 +23,8 @@ std::vector<Plane> planes_of(const Labels& labels, const Threads& threads, const
 
 /// The plane of one piece from its faces.
 Plane plane_of(const Mesh& mesh, std::span<const std::int32_t> faces);
+
+/// The plane of two pieces together, both with `projected` above 0.
+Plane united(const Plane& a, const Plane& b);
 
 }  // namespace isimp::meshing

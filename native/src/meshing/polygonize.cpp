@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <map>
 #include <span>
 #include <sstream>
 #include <string>
@@ -64,16 +64,18 @@ void count_splits(const Labels& labels, std::int32_t regions, MeshingReport& rep
       static_cast<std::int32_t>(std::count_if(pieces.begin(), pieces.end(), [](int n) { return n > 1; }));
 }
 
-/// The polygons in the order of their regions, then of their pieces. \param place  the place of each in that order
+/// The polygons in the order of their regions, then of their pieces. \param place  by number: the place of each in that
+/// order
 PolygonMesh assemble(const State& state, std::vector<std::int32_t>& place) {
   PolygonMesh out;
   const Polygons& polygons = state.polygons;
   const auto& position = state.corners.position;
-  std::vector<std::int32_t> order(polygons.count()), index(state.corners.count(), kNone);
-  std::iota(order.begin(), order.end(), 0);
-  const auto region = [&](std::int32_t q) { return state.labels.pieces[polygons.piece[q]].region; };
+  std::vector<std::int32_t> order, index(state.corners.count(), kNone);
+  for (std::int32_t l = 0; l < state.labels.piece_count(); ++l)
+    polygons.for_each_of(l, [&](std::int32_t q) { order.push_back(q); });
+  const auto region = [&](std::int32_t q) { return state.labels.pieces[polygons.piece(q)].region; };
   std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return region(a) < region(b); });
-  place.resize(order.size());
+  place.resize(polygons.numbers());
   for (std::size_t i = 0; i < order.size(); ++i) place[order[i]] = static_cast<std::int32_t>(i);
   double area = 0, bent = 0;
   for (const std::int32_t q : order) {
@@ -112,8 +114,20 @@ void report_repair(const RepairOutcome& outcome, std::span<const std::int32_t> p
   report.diagonals = outcome.diagonals;
   report.repair_rounds = outcome.rounds;
   report.repair_capped = outcome.capped;
-  for (const Imperfection& i : outcome.imperfect)
-    report.imperfect.push_back({place[i.polygon], i.flaw, i.other == kNone ? kNone : place[i.other]});
+  report.excused_at_least = outcome.excused_at_least;
+  std::vector<Imperfection> list;  // with each pair under its first polygon
+  list.reserve(outcome.imperfect.size());
+  for (const auto& [polygon, flaw, other] : outcome.imperfect) {
+    Imperfection& i = list.emplace_back(place[polygon], flaw, other == kNone ? kNone : place[other]);
+    if (i.other != kNone && i.other < i.polygon) std::swap(i.polygon, i.other);
+  }
+  std::sort(list.begin(), list.end());
+  std::map<Flaw, std::size_t> listed;
+  for (const Imperfection& i : list) {
+    if (++listed[i.flaw] > kMostListed) continue;
+    report.imperfect.push_back(i);
+    if (i.other != kNone) report.imperfect.push_back({i.other, i.flaw, i.polygon});
+  }
   std::sort(report.imperfect.begin(), report.imperfect.end());
 }
 

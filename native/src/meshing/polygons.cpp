@@ -3,7 +3,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <set>
+#include <utility>
 
 namespace isimp::meshing {
 namespace {
@@ -30,14 +31,16 @@ bool split_at(std::vector<Cycle>& cycles, const Edge& diagonal) {
   return false;
 }
 
-void find_polygons_round_corners(Polygons& p, std::int32_t corners) {
-  p.around_start.assign(corners + 1, 0);
-  for (const std::int32_t c : p.corners) ++p.around_start[c + 1];
-  std::partial_sum(p.around_start.begin(), p.around_start.end(), p.around_start.begin());
-  std::vector<std::int32_t> fill(p.around_start.begin(), p.around_start.end() - 1);
-  p.around.resize(p.corners.size());
-  for (std::int32_t q = 0; q < p.count(); ++q)
-    for (const std::int32_t c : p.of(q)) p.around[fill[c]++] = q;
+/// The ends of all chords of some pieces, in order.
+std::vector<Edge> chord_ends(const Complex& complex, const Mesh& mesh, std::span<const std::int32_t> pieces) {
+  std::vector<Edge> ends;
+  for (const std::int32_t l : pieces) {
+    const auto chords = complex.chords(l);
+    for (std::size_t i = 0; i < chords.size(); ++i)
+      ends.push_back(edge(mesh.from(chords[i]), mesh.from(chords[i + 1 < chords.size() ? i + 1 : 0])));
+  }
+  std::sort(ends.begin(), ends.end());
+  return ends;
 }
 
 }  // namespace
@@ -54,49 +57,91 @@ std::int32_t Corners::at(std::int32_t v) {
   return c;
 }
 
-Polygons collect_polygons(const Complex& complex, const Labels& labels, const Polygons& before, Diagonals& diagonals,
-                          Corners& corners, std::vector<std::int32_t>& changed) {
-  Polygons p;
-  p.start.push_back(0);
-  diagonals.resize(labels.pieces.size());
-  std::vector<bool> fresh(labels.pieces.size(), true);
-  std::fill_n(fresh.begin(), before.first_of.empty() ? 0 : before.first_of.size() - 1, false);
-  for (const std::int32_t l : changed) fresh[l] = true;
-  std::vector<Edge> added;
-  std::vector<Cycle> cycles;
-  const auto add = [&](std::int32_t l) {
-    p.piece.push_back(l);
-    p.start.push_back(static_cast<std::int32_t>(p.corners.size()));
-  };
-  for (std::int32_t l = 0; l < labels.piece_count(); ++l) {
-    p.first_of.push_back(p.count());
-    if (complex.chords(l).empty()) continue;  // no more
-    if (!fresh[l] && diagonals[l].empty()) {
-      const auto same = before.of(before.first_of[l]);
-      p.corners.insert(p.corners.end(), same.begin(), same.end());
-      add(l);
-      continue;
+void Polygons::remove(std::int32_t piece) {
+  for_each_of(piece, [&](std::int32_t q) {
+    for (const std::int32_t c : of(q)) std::erase(around_[c], q);
+    used_ -= loops_[q].size;
+    loops_[q] = {0, 0, kNone};
+    --count_;
+  });
+  pieces_[piece].count = 0;
+}
+
+void Polygons::add(std::int32_t piece, std::span<const Cycle> cycles, Corners& corners) {
+  pieces_[piece] = {numbers(), static_cast<std::int32_t>(cycles.size())};
+  for (const Cycle& cycle : cycles) {
+    const std::int32_t q = numbers();
+    loops_.push_back({static_cast<std::int32_t>(corners_.size()), static_cast<std::int32_t>(cycle.size()), piece});
+    for (const std::int32_t v : cycle) {
+      const std::int32_t c = corners.at(v);
+      corners_.push_back(c);
+      if (static_cast<std::int32_t>(around_.size()) <= c) around_.resize(c + 1);
+      auto& round = around_[c];
+      round.insert(
+          std::upper_bound(round.begin(), round.end(), piece, [&](auto l, auto r) { return l < loops_[r].piece; }), q);
     }
+    used_ += cycle.size();
+    ++count_;
+  }
+}
+
+/// Numbers and corners close up once more than half of them are out of use.
+void Polygons::close_gaps() {
+  constexpr std::size_t kFew = 1024;
+  if (loops_.size() <= 2 * static_cast<std::size_t>(count_) + kFew && corners_.size() <= 2 * used_ + kFew) return;
+  std::vector<Loop> loops;
+  std::vector<std::int32_t> left;
+  for (auto& round : around_) round.clear();
+  for (std::size_t l = 0; l < pieces_.size(); ++l) {
+    const std::int32_t first = pieces_[l].first;
+    pieces_[l].first = static_cast<std::int32_t>(loops.size());
+    for (std::int32_t q = first; q < first + pieces_[l].count; ++q) {
+      for (const std::int32_t c : of(q)) around_[c].push_back(static_cast<std::int32_t>(loops.size()));
+      const auto begin = static_cast<std::int32_t>(left.size());
+      left.insert(left.end(), of(q).begin(), of(q).end());
+      loops.push_back({begin, loops_[q].size, loops_[q].piece});
+    }
+  }
+  loops_ = std::move(loops);
+  corners_ = std::move(left);
+}
+
+void Polygons::collect(const Complex& complex, const Labels& labels, Diagonals& diagonals, Corners& corners,
+                       std::vector<std::int32_t>& changed) {
+  close_gaps();
+  pieces_.resize(labels.pieces.size());
+  diagonals.resize(labels.pieces.size());
+  std::vector<bool> fresh(labels.pieces.size(), false);
+  for (const std::int32_t l : changed) fresh[l] = true;
+  const bool any = std::any_of(diagonals.begin(), diagonals.end(), [](const auto& d) { return !d.empty(); });
+  const std::vector<Edge> ends = any ? chord_ends(complex, labels.mesh, changed) : std::vector<Edge>{};
+  std::set<Edge> added;
+  std::vector<Cycle> cycles;
+  for (std::int32_t l = 0; l < labels.piece_count(); ++l) {
+    if (!fresh[l] && diagonals[l].empty()) continue;
+    if (!fresh[l]) {  // whose chords are the same: only others can have taken the place of a diagonal
+      const auto is_taken = [&](const auto& d) {
+        const Edge e = edge(d[0], d[1]);
+        return std::binary_search(ends.begin(), ends.end(), e) || added.contains(e);
+      };
+      if (std::none_of(diagonals[l].begin(), diagonals[l].end(), is_taken)) {
+        for (const auto& d : diagonals[l]) added.insert(edge(d[0], d[1]));
+        continue;
+      }
+    }
+    remove(l);
+    if (complex.chords(l).empty()) continue;  // no more
     cycles.assign(1, {});
     for (const std::int32_t h : complex.chords(l)) cycles[0].push_back(labels.mesh.from(h));
     const std::size_t had = diagonals[l].size();
     std::erase_if(diagonals[l], [&](const Edge& d) {
-      const Edge e = edge(d[0], d[1]);
-      if (complex.has_chord(d[0], d[1]) || std::find(added.begin(), added.end(), e) != added.end() ||
-          !split_at(cycles, d))
-        return true;
-      added.push_back(e);
-      return false;
+      return complex.has_chord(d[0], d[1]) || added.contains(edge(d[0], d[1])) || !split_at(cycles, d) ||
+             !added.insert(edge(d[0], d[1])).second;
     });
     if (diagonals[l].size() < had) changed.push_back(l);
-    for (const Cycle& c : cycles) {
-      for (const std::int32_t v : c) p.corners.push_back(corners.at(v));
-      add(l);
-    }
+    add(l, cycles, corners);
   }
-  p.first_of.push_back(p.count());
-  find_polygons_round_corners(p, corners.count());
-  return p;
+  around_.resize(corners.count());
 }
 
 Vec3 vector_area(std::span<const std::int32_t> polygon, std::span<const Vec3> position) {

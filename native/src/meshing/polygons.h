@@ -26,29 +26,57 @@ struct Corners {
 /// Extra edges across a piece, by the two mesh vertices.
 using Diagonals = std::vector<std::vector<std::array<std::int32_t, 2>>>;
 
-/// The polygons as arrays.
-struct Polygons {
-  std::vector<std::int32_t> start;                 ///< (Q + 1) where each begins in `corners`
-  std::vector<std::int32_t> corners;               ///< (L)
-  std::vector<std::int32_t> piece;                 ///< (Q) in rising order
-  std::vector<std::int32_t> first_of;              ///< (pieces + 1) the first polygon of each piece
-  std::vector<std::int32_t> around_start, around;  ///< (C + 1), (L) the polygons round each corner, in rising order
-
-  [[nodiscard]] std::int32_t count() const { return static_cast<std::int32_t>(piece.size()); }
+/// The polygons: one a piece, and one more for each of its diagonals. A polygon has a number; those of a piece are in a
+/// row. A number lasts until the piece is collected again.
+class Polygons {
+ public:
+  /// Numbers that are in use or were.
+  [[nodiscard]] std::int32_t numbers() const { return static_cast<std::int32_t>(loops_.size()); }
+  [[nodiscard]] std::int32_t count() const { return count_; }
+  /// How many a piece has; 0 for one that is no more.
+  [[nodiscard]] std::int32_t count_of(std::int32_t piece) const {
+    return piece < static_cast<std::int32_t>(pieces_.size()) ? pieces_[piece].count : 0;
+  }
+  /// The first of a piece's.
+  [[nodiscard]] std::int32_t first_of(std::int32_t piece) const { return pieces_[piece].first; }
+  [[nodiscard]] std::int32_t piece(std::int32_t q) const { return loops_[q].piece; }
+  /// The corners of a polygon, in order.
   [[nodiscard]] std::span<const std::int32_t> of(std::int32_t q) const {
-    return std::span(corners).subspan(start[q], start[q + 1] - start[q]);
+    return std::span(corners_).subspan(loops_[q].begin, loops_[q].size);
   }
-  [[nodiscard]] std::span<const std::int32_t> at(std::int32_t c) const {
-    return std::span(around).subspan(around_start[c], around_start[c + 1] - around_start[c]);
+  /// The polygons round a corner, in the order of their pieces.
+  [[nodiscard]] std::span<const std::int32_t> at(std::int32_t c) const { return around_[c]; }
+  /// Calls fn(q) for each polygon of a piece.
+  template <class Function>
+  void for_each_of(std::int32_t piece, Function fn) const {
+    const std::int32_t count = count_of(piece);
+    for (std::int32_t i = 0; i < count; ++i) fn(pieces_[piece].first + i);
   }
-};
 
-/// One polygon a piece, and one more for each of its diagonals. A diagonal that a chord or another diagonal has taken
-/// the place of is dropped.
-/// \param before  the polygons so far; those of pieces that did not change and have no diagonals are taken over
-/// \param changed  pieces whose chords or diagonals changed; those that lost a diagonal are added here
-Polygons collect_polygons(const Complex& complex, const Labels& labels, const Polygons& before, Diagonals& diagonals,
-                          Corners& corners, std::vector<std::int32_t>& changed);
+  /// Makes those of changed pieces anew. A diagonal that a chord or another diagonal has taken the place of is dropped.
+  /// \param changed  pieces whose chords or diagonals changed, or that are no more; those that lost a diagonal are
+  /// added Cost: O(polygons of these + diagonals of all + pieces).
+  void collect(const Complex& complex, const Labels& labels, Diagonals& diagonals, Corners& corners,
+               std::vector<std::int32_t>& changed);
+
+ private:
+  struct Loop {
+    std::int32_t begin, size, piece;
+  };
+  struct Row {
+    std::int32_t first = 0, count = 0;
+  };
+  void remove(std::int32_t piece);
+  void add(std::int32_t piece, std::span<const std::vector<std::int32_t>> cycles, Corners& corners);
+  void close_gaps();
+
+  std::vector<Loop> loops_;                        // by number
+  std::vector<std::int32_t> corners_;              // of the loops, with gaps where loops were
+  std::vector<Row> pieces_;                        // by piece
+  std::vector<std::vector<std::int32_t>> around_;  // by corner
+  std::int32_t count_ = 0;
+  std::size_t used_ = 0;  // of `corners_`
+};
 
 /// Vector area of a polygon: its direction is the polygon's normal, its length the area.
 /// Source: Newell's method.

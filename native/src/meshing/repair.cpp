@@ -15,12 +15,13 @@ namespace isimp::meshing {
 namespace {
 
 constexpr int kRounds = 40;
-constexpr int kPatience = 12;               ///< how often the last act of a plan is repeated
-constexpr double kPull = 0.5;               ///< what a pull leaves of a corner's radius ...
-constexpr double kLeastPull = 0.1;          ///< ... down to this share of it; then it goes back to its vertex
-constexpr int kAfterSplit = 5;              ///< where in its plan goes on what comes of a split
-constexpr std::size_t kShard = 16;          ///< faces of a piece that falls apart into them where nothing else helped
-constexpr std::int32_t kLeastBudget = 100;  ///< splits that are always allowed
+constexpr int kPatience = 12;                 ///< how often the last act of a plan is repeated
+constexpr double kPull = 0.5;                 ///< what a pull leaves of a corner's radius ...
+constexpr double kLeastPull = 0.1;            ///< ... down to this share of it; then it goes back to its vertex
+constexpr int kAfterSplit = 5;                ///< where in its plan goes on what comes of a split
+constexpr std::size_t kShard = 16;            ///< faces of a piece that falls apart into them where nothing else helped
+constexpr std::size_t kMostForDiagonal = 64;  ///< corners of a polygon beyond which it is split at once
+constexpr std::int32_t kLeastBudget = 100;    ///< splits that are always allowed
 
 /// What is done at the first, second, ... time a piece is found faulty: q pull the corners concerned, p pull all, b
 /// bend a chord, d diagonal, s split. What comes of a split is split twice for each time it is pulled: of
@@ -94,7 +95,7 @@ class Repairer {
       polygons_ = s_.polygons.count();
       met_.assign(s_.labels.pieces.size(), nullptr);
       for (const Hit& h : findings_.hits())
-        if (!findings_.excused(h)) met_[h.a] = met_[h.b] = &h;
+        if (!h.excused) met_[h.a] = met_[h.b] = &h;
       const std::vector<bool> faulty = findings_.faulty();
       for (std::int32_t l = 0; l < static_cast<std::int32_t>(faulty.size()); ++l)
         if (faulty[l]) {
@@ -129,7 +130,7 @@ class Repairer {
     met_.assign(pieces, nullptr);
     for (const Hit& h : findings_.hits()) {
       job_.poll();
-      if (findings_.excused(h)) continue;
+      if (h.excused) continue;
       met_[h.a] = met_[h.b] = &h;
       // Of two that meet, the smaller is not split.
       if (h.a != h.b) spared_[s_.planes[h.a].area < s_.planes[h.b].area ? h.a : h.b] = true;
@@ -138,7 +139,7 @@ class Repairer {
     polygons_ = s_.polygons.count();
     foresee_cuts();
     for (std::int32_t l = 0; l < pieces; ++l) {
-      const std::uint8_t faults = findings_.of(l).faults();
+      const std::uint8_t faults = findings_.faults(l);
       if (faults == 0 && !met_[l]) continue;
       job_.poll();
       if ((faults & kNoArea) && dissolve(l)) {
@@ -173,7 +174,7 @@ class Repairer {
     if (spent()) return;
     std::vector<std::int32_t> some;
     for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l) {
-      const std::uint8_t faults = findings_.of(l).faults();
+      const std::uint8_t faults = findings_.faults(l);
       if (next_step(l, faults) == 's' && !(faults & kNoArea) && !waits(is_spared(l, faults))) some.push_back(l);
     }
     cuts_.resize(s_.labels.pieces.size());
@@ -227,8 +228,10 @@ class Repairer {
     });
     if (beside <= kLeastClosed) return false;
     for (const auto& [length, k] : order) {
-      if (out_of_date(k) || s_.loop_together(k, l).empty()) continue;
-      s_.unite(k, l);
+      if (out_of_date(k)) continue;
+      std::vector<std::int32_t> loop = s_.loop_together(k, l);
+      if (loop.empty()) continue;
+      s_.unite(k, l, std::move(loop));
       changed_.push_back(k);
       gone_.push_back(l);
       return true;
@@ -250,8 +253,8 @@ class Repairer {
 
   [[nodiscard]] std::vector<std::int32_t> corners_of(std::int32_t l) const {
     std::vector<std::int32_t> all;
-    for (std::int32_t q = s_.polygons.first_of[l]; q < s_.polygons.first_of[l + 1]; ++q)
-      all.insert(all.end(), s_.polygons.of(q).begin(), s_.polygons.of(q).end());
+    s_.polygons.for_each_of(
+        l, [&](std::int32_t q) { all.insert(all.end(), s_.polygons.of(q).begin(), s_.polygons.of(q).end()); });
     return all;
   }
 
@@ -260,7 +263,7 @@ class Repairer {
     std::vector<std::int32_t> some;
     for (std::size_t i = 0; i < findings_.of(l).polygons.size(); ++i) {
       const PolygonVerdict& v = findings_.of(l).polygons[i];
-      const auto loop = s_.polygons.of(s_.polygons.first_of[l] + static_cast<std::int32_t>(i));
+      const auto loop = s_.polygons.of(s_.polygons.first_of(l) + static_cast<std::int32_t>(i));
       if (v.faults & (kFlipped | kNoArea)) some.insert(some.end(), loop.begin(), loop.end());
       for (const std::int32_t e : v.crossing)
         if (e >= 0) some.insert(some.end(), {loop[e], loop[(e + 1) % loop.size()]});
@@ -275,7 +278,7 @@ class Repairer {
     for (std::size_t i = 0; i < findings_.of(l).polygons.size(); ++i) {
       const auto& crossing = findings_.of(l).polygons[i].crossing;
       if (crossing[0] < 0) continue;
-      const auto polygon = s_.polygons.of(s_.polygons.first_of[l] + static_cast<std::int32_t>(i));
+      const auto polygon = s_.polygons.of(s_.polygons.first_of(l) + static_cast<std::int32_t>(i));
       std::int32_t worse = kNone;
       double most = 0;
       for (const std::int32_t e : crossing) {
@@ -309,8 +312,9 @@ class Repairer {
       const double badness = v.bend + (v.faults & ~kBent ? s_.mesh.diagonal() : 0.0);
       if (badness <= most) continue;
       most = badness;
-      worst = s_.polygons.first_of[l] + static_cast<std::int32_t>(i);
+      worst = s_.polygons.first_of(l) + static_cast<std::int32_t>(i);
     }
+    if (s_.polygons.of(worst).size() > kMostForDiagonal) return false;
     const std::array<std::int32_t, 2> d = best_diagonal(worst, s_.planes[l].normal);
     if (d[0] == kNone || spent()) return false;
     s_.diagonals[l].push_back(d);
@@ -321,6 +325,7 @@ class Repairer {
   }
 
   /// The one that leaves the flattest two polygons, both facing as `normal`; kNone where all ends are joined already.
+  /// Cost: O(n^3) for n corners.
   [[nodiscard]] std::array<std::int32_t, 2> best_diagonal(std::int32_t polygon, const Vec3& normal) const {
     const auto loop = s_.polygons.of(polygon);
     const auto n = loop.size();
@@ -375,7 +380,7 @@ class Repairer {
     for (std::size_t i = 0; i < findings_.of(l).polygons.size(); ++i) {
       const auto& crossing = findings_.of(l).polygons[i].crossing;
       if (crossing[0] < 0) continue;
-      const auto loop = s_.polygons.of(s_.polygons.first_of[l] + static_cast<std::int32_t>(i));
+      const auto loop = s_.polygons.of(s_.polygons.first_of(l) + static_cast<std::int32_t>(i));
       const auto end = [&](std::int32_t e) { return s_.corners.position[loop[e % loop.size()]]; };
       const auto length = [&](std::int32_t e) { return (end(e + 1) - end(e)).squaredNorm(); };
       const std::int32_t e = length(crossing[0]) <= length(crossing[1]) ? crossing[0] : crossing[1];
@@ -388,7 +393,7 @@ class Repairer {
     auto& list = outcome_.imperfect;
     for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l)
       for (std::size_t i = 0; i < findings_.of(l).polygons.size(); ++i) {
-        const std::int32_t q = s_.polygons.first_of[l] + static_cast<std::int32_t>(i);
+        const std::int32_t q = s_.polygons.first_of(l) + static_cast<std::int32_t>(i);
         const std::uint8_t faults = findings_.of(l).polygons[i].faults;
         outcome_.crossing += (faults & (kCrossing | kNoArea)) != 0;
         outcome_.flipped += (faults & kFlipped) != 0;
@@ -400,14 +405,18 @@ class Repairer {
         outcome_.without_area += (faults & kGiven) != 0;
         if (faults & kGiven) list.push_back({q, Flaw::excused, kNone});
       }
+    const auto add = [&](const Hit& h) {
+      list.push_back({s_.polygons.first_of(h.a) + h.part_a, h.excused ? Flaw::excused : Flaw::intersecting,
+                      s_.polygons.first_of(h.b) + h.part_b});
+    };
     for (const Hit& h : findings_.hits()) {
-      const bool excuse = findings_.excused(h);
-      ++(excuse ? outcome_.excused : outcome_.intersecting);
-      const std::int32_t q = s_.polygons.first_of[h.a] + h.part_a, r = s_.polygons.first_of[h.b] + h.part_b;
-      const Flaw flaw = excuse ? Flaw::excused : Flaw::intersecting;
-      list.push_back({q, flaw, r});
-      list.push_back({r, flaw, q});
+      ++(h.excused ? outcome_.excused : outcome_.intersecting);
+      add(h);
     }
+    const GivenHits given = findings_.given_hits(kMostListed, kMostCounted);
+    for (const Hit& h : given.first) add(h);
+    outcome_.excused += given.count;
+    outcome_.excused_at_least = !given.is_all;
     const RepairOutcome& o = outcome_;
     outcome_.capped = o.capped && o.crossing + o.flipped + o.bent + o.intersecting > 0;
   }

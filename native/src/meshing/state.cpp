@@ -25,6 +25,7 @@ ChordTolerance chord_tolerance(const Mesh& mesh, std::span<const Plane> planes, 
 }
 
 constexpr std::int32_t kFew = 4;  ///< pieces that are measured on one thread
+constexpr double kFlat = 1e-12;   ///< of the area: with a shorter vector area, faces do not tell a direction
 
 /// The region that has most of some faces' area. Not always that of the piece they were parted from: what mends a pinch
 /// hands faces over to a neighbour of another region.
@@ -114,14 +115,19 @@ bool State::shatter(std::int32_t piece) {
   const std::vector<std::int32_t> faces = labels.faces_of(piece);
   bool any = faces.size() > 1;
   for (std::size_t i = 1; i < faces.size(); ++i) labels.part(std::span(faces).subspan(i, 1), faces[0], Cause::repair);
-  labels.touched.push_back(piece);
   for (const std::int32_t f : faces)
     for (const std::int32_t v : mesh.triangles()[f]) {
-      if (!complex.is_corner(v)) complex.add_corner(v);
+      if (!complex.is_corner(v)) {
+        complex.add_corner(v);
+        any = true;
+      }
       any = std::exchange(corners.pull[corners.at(v)], 0) > 0 || any;
     }
   diagonals.resize(labels.pieces.size());
+  any = !diagonals[piece].empty() || any;
   diagonals[piece].clear();
+  // Where nothing has changed no update need follow, in which the piece would stop being listed.
+  if (any) labels.touched.push_back(piece);
   return any;
 }
 
@@ -175,8 +181,21 @@ std::vector<std::int32_t> State::loop_together(std::int32_t kept, std::int32_t g
   return together;
 }
 
-Union State::unite(std::int32_t kept, std::int32_t gone) {
-  Union u{kept, gone, labels.pieces[kept], labels.pieces[gone], labels.faces_of(gone), {}, {}, {}};
+Union State::unite(std::int32_t kept, std::int32_t gone, std::vector<std::int32_t> loop) {
+  Union u{kept,
+          gone,
+          labels.pieces[kept],
+          labels.pieces[gone],
+          labels.faces_of(gone),
+          {},
+          {},
+          {},
+          planes[kept],
+          planes[gone],
+          {},
+          {}};
+  u.kept_loop.assign(complex.loop(kept).begin(), complex.loop(kept).end());
+  u.gone_loop.assign(complex.loop(gone).begin(), complex.loop(gone).end());
   std::vector<std::int32_t> between;
   for (const std::int32_t h : complex.loop(gone))
     if (labels.across(h) == kept) between.insert(between.end(), {mesh.from(h), mesh.to(h)});
@@ -186,9 +205,15 @@ Union State::unite(std::int32_t kept, std::int32_t gone) {
   if (labels.pieces[kept].cause == Cause::repair) labels.pieces[kept].cause = u.gone_piece.cause;
   labels.pieces[gone].face = kNone;
   labels.touched.push_back(kept);
+  // Most of the area of both is of the same region, so most of what they are together is too.
+  if (u.kept_piece.region == u.gone_piece.region && u.kept_plane.projected > 0 && u.gone_plane.projected > 0) {
+    planes[kept] = united(u.kept_plane, u.gone_plane);
+    if (planes[kept].projected > kFlat * planes[kept].area) known_[kept] = std::move(loop);
+  }
   u.kept_diagonals = std::exchange(diagonals[kept], {});
   u.gone_diagonals = std::exchange(diagonals[gone], {});
   complex.forget(gone);
+  united_.push_back(gone);
   for (const std::int32_t v : between) complex.drop_corner(v);
   return u;
 }
@@ -200,6 +225,10 @@ void State::part_again(const Union& u) {
   diagonals[u.kept] = u.kept_diagonals;
   diagonals[u.gone] = u.gone_diagonals;
   labels.touched.insert(labels.touched.end(), {u.kept, u.gone});
+  planes[u.kept] = u.kept_plane;
+  planes[u.gone] = u.gone_plane;
+  known_[u.kept] = u.kept_loop;
+  known_[u.gone] = u.gone_loop;
   for (const std::int32_t h : complex.loop(u.kept))
     if (complex.is_corner(mesh.from(h))) complex.drop_corner(mesh.from(h));
   for (const std::int32_t v : u.corners) complex.add_corner(v);
@@ -207,7 +236,13 @@ void State::part_again(const Union& u) {
 
 std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, std::span<const Vec3> before) {
   job_.poll();
-  sort_unique(labels.touched);
+  std::sort(labels.touched.begin(), labels.touched.end());
+  // What was known of a piece is out of date if it was touched once more.
+  for (std::size_t i = 1; i < labels.touched.size(); ++i)
+    if (labels.touched[i] == labels.touched[i - 1]) known_.erase(labels.touched[i]);
+  labels.touched.erase(std::unique(labels.touched.begin(), labels.touched.end()), labels.touched.end());
+  // A piece may have been united with another since it was touched.
+  std::erase_if(labels.touched, [&](std::int32_t l) { return labels.pieces[l].face == kNone; });
   planes.resize(labels.pieces.size());
   diagonals.resize(labels.pieces.size());
   std::vector<std::vector<std::int32_t>> loops(labels.touched.size());
@@ -217,25 +252,38 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, std::
                    job_.poll();
                    for (std::int32_t i = begin; i < end; ++i) {
                      const std::int32_t l = labels.touched[i];
+                     if (const auto known = known_.find(l); known != known_.end()) {
+                       loops[i] = std::move(known->second);
+                       continue;
+                     }
                      const std::vector<std::int32_t> faces = labels.flood(l);
                      labels.pieces[l].region = main_region(mesh, partition, faces);
                      planes[l] = plane_of(mesh, faces);
                      loops[i] = labels.loop_from(boundary_start(labels, faces));
                    }
                  });
+  known_.clear();
   complex.refresh(labels.touched, std::move(loops), job_);
   labels.touched.clear();
   const std::vector<std::int32_t> cornered = complex.make_regular();
   changed.insert(changed.end(), cornered.begin(), cornered.end());
-  polygons = collect_polygons(complex, labels, polygons, diagonals, corners, changed);
+  changed.insert(changed.end(), united_.begin(), united_.end());
+  united_.clear();
+  polygons.collect(complex, labels, diagonals, corners, changed);
   sort_unique(changed);
 
   std::vector<std::int32_t> moving, near;
   for (const std::int32_t l : changed)
-    for (std::int32_t q = polygons.first_of[l]; q < polygons.first_of[l + 1]; ++q)
-      moving.insert(moving.end(), polygons.of(q).begin(), polygons.of(q).end());
+    polygons.for_each_of(
+        l, [&](std::int32_t q) { moving.insert(moving.end(), polygons.of(q).begin(), polygons.of(q).end()); });
   sort_unique(moving);
   set_radii(polygons, mesh, options.reach * mesh.diagonal(), moving, corners);
+  // Among faces of the scan alone a corner has its place already.
+  for (const std::int32_t c : moving) {
+    const auto around = polygons.at(c);
+    if (std::all_of(around.begin(), around.end(), [&](std::int32_t q) { return labels.is_face(polygons.piece(q)); }))
+      corners.radius[c] = 0;
+  }
   const std::vector<std::int32_t> moved = moving;
   std::erase_if(moving, [&](std::int32_t c) { return c < static_cast<std::int32_t>(before.size()); });
   for (const std::int32_t c : moved)
@@ -244,7 +292,7 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, std::
   place(polygons, mesh, planes, moving, threads, corners);
   flatten(polygons, mesh, planes, moving, options.flatten, threads, corners);
   for (const std::int32_t c : moved)
-    for (const std::int32_t q : polygons.at(c)) near.push_back(polygons.piece[q]);
+    for (const std::int32_t q : polygons.at(c)) near.push_back(polygons.piece(q));
   sort_unique(near);
   return near;
 }

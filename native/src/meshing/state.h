@@ -25,6 +25,8 @@ struct Union {
   std::vector<std::int32_t> faces;    ///< of the one that is gone
   std::vector<std::int32_t> corners;  ///< vertices of both that were
   std::vector<std::array<std::int32_t, 2>> kept_diagonals, gone_diagonals;
+  Plane kept_plane, gone_plane;
+  std::vector<std::int32_t> kept_loop, gone_loop;
 };
 
 /// How long the boundary of a piece is, and the part of it that each other piece of its region is across of.
@@ -56,7 +58,9 @@ class State {
   /// Cost: O(their boundaries), of which the complex must be up to date.
   [[nodiscard]] std::vector<std::int32_t> loop_together(std::int32_t kept, std::int32_t gone);
   /// Makes two pieces one, which must be a disc. \return what was changed
-  Union unite(std::int32_t kept, std::int32_t gone);
+  /// \param loop  what `loop_together` gave for them
+  /// Cost: O(faces of the one that goes + their boundaries).
+  Union unite(std::int32_t kept, std::int32_t gone, std::vector<std::int32_t> loop);
   void part_again(const Union& u);
   /// Brings polygons and positions up to date after splits, new corners, new diagonals or pulls.
   /// \param changed  pieces whose diagonals or pulls changed; the others are known
@@ -80,6 +84,9 @@ class State {
 
  private:
   const Job& job_;
+  std::vector<std::int32_t> united_;  // pieces that went into others since the last update
+  /// By piece: its boundary, where all that is asked of its faces is known after a change.
+  std::map<std::int32_t, std::vector<std::int32_t>> known_;
 };
 
 }  // namespace isimp::meshing

@@ -41,7 +41,7 @@ enum class Flaw : std::uint8_t {
 struct Imperfection {
   std::int32_t polygon = 0;
   Flaw flaw = Flaw::crossing;
-  std::int32_t other = -1;  ///< the polygon it meets; -1 for flaws of its own
+  std::int32_t other = kNone;  ///< the polygon it meets; -1 for flaws of its own
   auto operator<=>(const Imperfection&) const = default;
 };
 
@@ -59,11 +59,13 @@ struct MeshingReport {
   double planarity_max = 0.0, planarity_mean = 0.0;  ///< scene units; the mean is weighted by area
   double distance_max = 0.0;  ///< largest distance of a corner from the vertex it stands for, scene units
   std::int32_t crossing = 0, flipped = 0, bent = 0;  ///< polygons that stayed so; those of no area count as crossing
-  std::int32_t intersecting = 0;        ///< pairs of polygons that still intersect though their regions do not
-  std::int32_t excused = 0;             ///< such pairs of regions that intersect in the scan itself
-  std::int32_t without_area = 0;        ///< polygons that are a face of the scan that has no area itself
-  std::vector<Imperfection> imperfect;  ///< all of these by polygon, in rising order; a pair under both
-  std::int32_t diagonals = 0;           ///< edges that repair put across a region
+  std::int64_t intersecting = 0;  ///< pairs of polygons that still intersect though their regions do not
+  std::int64_t excused = 0;       ///< such pairs of regions that intersect in the scan itself
+  bool excused_at_least = false;  ///< there are more excused pairs: a million of the scan's faces were counted
+  std::int32_t without_area = 0;  ///< polygons that are a face of the scan that has no area itself
+  std::vector<Imperfection>
+      imperfect;               ///< of each flaw the first 1,000, by polygon, in rising order; a pair under both
+  std::int32_t diagonals = 0;  ///< edges that repair put across a region
   std::int32_t repair_rounds = 0;
   bool repair_capped = false;  ///< something is left that takes more splits than repair_budget allows
   bool operator==(const MeshingReport&) const = default;

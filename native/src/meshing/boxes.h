@@ -1,0 +1,134 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+namespace isimp::meshing {
+
+/// A box with sides along the axes. Coordinates that are looked for in space are float32, so it is exact.
+struct Box {
+  Eigen::Array4f low = Eigen::Array4f::Zero(), high = low;  ///< the fourth is 0, so that four are compared at once
+  [[nodiscard]] bool apart(const Box& other) const {
+    // The sign of a difference is never rounded away.
+    return (low - other.high).max(other.low - high).maxCoeff() > 0;
+  }
+  /// The box of nothing, apart from all.
+  static Box nowhere() {
+    Box box;
+    box.low.head<3>().setConstant(std::numeric_limits<float>::infinity());
+    box.high = -box.low;
+    return box;
+  }
+  void include(const Box& other) {
+    low = low.min(other.low);
+    high = high.max(other.high);
+  }
+  [[nodiscard]] bool operator==(const Box& other) const {
+    return (low == other.low).all() && (high == other.high).all();
+  }
+};
+
+/// A box and the index of what is in it, a piece or a face of the scan.
+struct Entry {
+  Box box;
+  std::int32_t index;
+};
+
+/// A tree of boxes, to look for those that meet a given one: halved at the median of their middles, along the axis on
+/// which these spread most, down to a few. Cost: O(n log n) to make; a search, about O(log n + boxes that it meets).
+class BoxTree {
+ public:
+  BoxTree() = default;
+  explicit BoxTree(std::vector<Entry> all);
+
+  [[nodiscard]] std::size_t size() const { return all_.size(); }
+  /// Whether some box has a place in common with `a` and passes the test; stops at the first.
+  template <class Test>
+  [[nodiscard]] bool any(const Box& a, Test test) const {
+    for (std::size_t n = 0; n < nodes_.size();) {
+      const Node& node = nodes_[n];
+      if (node.around.apart(a)) {
+        n = static_cast<std::size_t>(node.after);
+        continue;
+      }
+      for (std::int32_t i = node.begin; i < node.end; ++i)
+        if (!all_[i].box.apart(a) && test(all_[i])) return true;
+      ++n;
+    }
+    return false;
+  }
+  /// Whether some box of this tree has a place in common with one of another and both pass the test; stops at the
+  /// first.
+  template <class Test>
+  [[nodiscard]] bool any_pair(const BoxTree& other, Test test) const {
+    std::vector<std::pair<std::int32_t, std::int32_t>> left;  // nodes, of which those below are to be looked at
+    if (!nodes_.empty() && !other.nodes_.empty()) left.emplace_back(0, 0);
+    while (!left.empty()) {
+      const auto [n, m] = left.back();
+      left.pop_back();
+      const Node &a = nodes_[n], &b = other.nodes_[m];
+      if (a.around.apart(b.around)) continue;
+      const bool is_leaf = a.begin < a.end, is_other_leaf = b.begin < b.end;
+      if (is_leaf && is_other_leaf) {
+        for (std::int32_t i = a.begin; i < a.end; ++i)
+          for (std::int32_t j = b.begin; j < b.end; ++j)
+            if (!all_[i].box.apart(other.all_[j].box) && test(all_[i], other.all_[j])) return true;
+      } else if (is_other_leaf || (!is_leaf && a.after - n >= b.after - m)) {
+        left.insert(left.end(), {{n + 1, m}, {nodes_[n + 1].after, m}});
+      } else {
+        left.insert(left.end(), {{n, m + 1}, {n, other.nodes_[m + 1].after}});
+      }
+    }
+    return false;
+  }
+  [[nodiscard]] const Entry& at(std::int32_t place) const { return all_[place]; }
+  /// Moves the box at a place; the tree stays as it is but for the boxes round it. Cost: O(log n).
+  void move(std::int32_t place, const Box& box);
+
+ private:
+  struct Node {
+    Box around;
+    std::int32_t begin, end;  ///< of what lies in a leaf; the same in others
+    std::int32_t after;       ///< the node that follows where nothing below this one is asked for
+    std::int32_t parent;
+  };
+
+  /// Nodes stand before those below them.
+  void make(std::int32_t begin, std::int32_t end, std::int32_t parent);
+  [[nodiscard]] Box around(std::int32_t node) const;
+
+  std::vector<Entry> all_;
+  std::vector<Node> nodes_;
+  std::vector<std::int32_t> leaf_;  // by place
+};
+
+/// Boxes that come and move one by one, each with an index.
+class MovingBoxes {
+ public:
+  /// Sets the box at an index; those that were not set are nowhere. To be followed by `settle` before a search.
+  void set(std::int32_t index, const Box& box);
+  /// Makes ready for searches. Cost: about O(log n) for each box set, as the tree is made anew only when a share of all
+  /// are new.
+  void settle();
+  /// Calls fn(index) for each box that has a place in common with `a`.
+  template <class Function>
+  void for_each_near(const Box& a, Function fn) const {
+    for (const BoxTree* tree : {&tree_, &fresh_tree_})
+      (void)tree->any(a, [&](const Entry& e) {
+        fn(e.index);
+        return false;
+      });
+  }
+
+ private:
+  std::vector<Box> boxes_;
+  std::vector<std::int32_t> place_;  // by index: in the tree, -1 where it is not
+  std::vector<std::int32_t> moved_;  // since `settle`
+  std::vector<std::int32_t> fresh_;  // indices that came since the tree was made
+  BoxTree tree_, fresh_tree_;
+};
+
+}  // namespace isimp::meshing

@@ -1,0 +1,73 @@
+// Polygons of many corners: the edges that are found to cross against all pairs of edges.
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <numeric>
+#include <random>
+
+#include "judge.h"
+
+namespace isimp::meshing {
+namespace {
+
+using Pair = std::array<std::int32_t, 2>;
+
+std::int64_t turn(const Vec3& a, const Vec3& b, const Vec3& c) {
+  return static_cast<std::int64_t>((b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x()));
+}
+
+/// Whether two edges that do not follow each other have a point in common; coordinates are whole numbers.
+bool touch(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  const auto sign = [](std::int64_t x) { return (x > 0) - (x < 0); };
+  const auto on = [](const Vec3& p, const Vec3& q, const Vec3& x) {
+    return turn(p, q, x) == 0 && (x - p).dot(x - q) <= 0;
+  };
+  if (sign(turn(a, b, c)) * sign(turn(a, b, d)) < 0 && sign(turn(c, d, a)) * sign(turn(c, d, b)) < 0) return true;
+  return on(a, b, c) || on(a, b, d) || on(c, d, a) || on(c, d, b);
+}
+
+Pair first_of_all(const std::vector<Vec3>& p) {
+  const auto n = static_cast<std::int32_t>(p.size());
+  for (std::int32_t i = 0; i < n; ++i)
+    for (std::int32_t j = i + 2; j < n; ++j)
+      if ((i > 0 || j < n - 1) && touch(p[i], p[i + 1], p[j], p[(j + 1) % n])) return {i, j};
+  return {-1, -1};
+}
+
+/// A star whose corners lie on whole numbers; some change places.
+std::vector<Vec3> star(int corners, int swaps, std::mt19937& random) {
+  std::vector<Vec3> p;
+  for (int i = 0; i < corners; ++i) {
+    const double angle = 2 * std::numbers::pi * i / corners;
+    const double radius = 4000 + static_cast<double>(random() % 4000);
+    p.emplace_back(std::round(radius * std::cos(angle)), std::round(3 * radius * std::sin(angle)), 0);
+  }
+  for (int i = 0; i < swaps; ++i) {
+    const std::size_t at = random() % (p.size() - 1);
+    std::swap(p[at], p[at + 1]);
+  }
+  return p;
+}
+
+TEST(JudgePolygon, FindsTheFirstCrossingOfManyEdges) {
+  std::mt19937 random(7);
+  int crossed = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    const std::vector<Vec3> p = star(20 + static_cast<int>(random() % 100), trial % 3, random);
+    std::vector<std::int32_t> polygon(p.size());
+    std::iota(polygon.begin(), polygon.end(), 0);
+    std::vector<Facet> facets;
+    const PolygonVerdict verdict = judge_polygon(polygon, p, Vec3::UnitZ(), {0, 1e-3}, {}, &facets);
+    const Pair expected = first_of_all(p);
+    ASSERT_EQ(verdict.crossing, expected) << trial;
+    crossed += expected[0] >= 0;
+    if (expected[0] < 0) {
+      ASSERT_EQ(facets.size(), p.size() - 2) << trial;
+    }
+  }
+  EXPECT_GT(crossed, 20);
+  EXPECT_LT(crossed, 180);
+}
+
+}  // namespace
+}  // namespace isimp::meshing
