@@ -5,6 +5,11 @@
 namespace isimp::meshing {
 namespace {
 
+/// Up to so many boundary loops one chain makes two discs. The polygons of more would have too many corners.
+constexpr std::size_t kFewLoops = 8;
+/// Cutting round a handle takes time for all faces of its piece. With more handles than this a piece is halved first.
+constexpr std::int32_t kFewHandles = 64;
+
 /// Tries to mend one vertex where the piece touches itself by a hand-over. \return the pieces to look at again
 std::vector<std::int32_t> mend_pinch(Cutter& cutter, std::int32_t piece, const Shape& shape) {
   const Mesh& mesh = cutter.labels.mesh;
@@ -39,8 +44,9 @@ void cut(Cutter& cutter, std::int32_t piece, const Shape& shape, Job& job) {
     bisect(cutter, piece, Cause::pinch, faces_at_pinch(cutter.labels, piece, shape.pinch_vertex));
     return;
   }
+  if (shape.genus == 0 && shape.loops.size() > kFewLoops && cut_holes(cutter, piece, shape, job) > 0) return;
   if (shape.genus == 0 && shape.loops.size() > 1 && cut_chain(cutter, piece, shape) != kNone) return;
-  if (shape.genus > 0 && cut_handles(cutter, piece, shape, job) > 0) return;
+  if (shape.genus > 0 && shape.genus <= kFewHandles && cut_handles(cutter, piece, shape, job) > 0) return;
   bisect(cutter, piece, shape.genus > 0 ? Cause::handle : shape.loops.empty() ? Cause::closed : Cause::hole);
 }
 

@@ -82,6 +82,12 @@ std::vector<std::int32_t> hand_over_sector(Cutter& cutter, std::int32_t vertex);
 /// \return the new label, kNone if there is no such chain
 std::int32_t cut_chain(Cutter& cutter, std::int32_t piece, const Shape& shape);
 
+/// Cuts a piece of genus 0 with many boundary loops along chains of paths from loop to loop, each as straight as can
+/// be, so that holes in rows are parted by rows. All paths come from one forest of shortest paths. \return how many
+/// labels are new, the last ones; 0 if there is no such chain. Pieces may have holes left. Cost: O(n log n) for n faces
+/// of the piece.
+std::int32_t cut_holes(Cutter& cutter, std::int32_t piece, const Shape& shape, Job& job);
+
 /// Parts the faces along short loops round handles from the rest, so that genus falls with each. The loops are found
 /// once; those that an earlier one crosses are left to another call.
 /// Source: Erickson, Whittlesey 2005 (tree and cotree); each boundary loop counts as one face.

@@ -1,0 +1,105 @@
+// Regions of many holes and scans that meet themselves everywhere: what comes out, and how much of it is listed.
+#include <gtest/gtest.h>
+
+#include <map>
+#include <random>
+
+#include "isimp/mesh/clean.h"
+#include "isimp/mesh/meet.h"
+#include "isimp/meshing/polygonize.h"
+#include "labelled.h"
+#include "polygon_judge.h"
+#include "shapes.h"
+
+namespace isimp {
+namespace {
+
+/// The plane, n by n times three by three squares, without the middle one of each three by three.
+shapes::Arrays perforated(int n) {
+  const shapes::Arrays whole = shapes::plane(3 * n);
+  shapes::Arrays a{whole.vertices, {}};
+  for (const Triangle& t : whole.triangles) {
+    const Vec3 middle = 3 * n * (whole.vertices[t[0]] + whole.vertices[t[1]] + whole.vertices[t[2]]) / 3;
+    const auto is_middle = [](double x) { return static_cast<int>(x) % 3 == 1; };
+    if (!is_middle(middle.x()) || !is_middle(middle.y())) a.triangles.push_back(t);
+  }
+  return a;
+}
+
+TEST(ManyHoles, RowsOfHolesArePartedByRows) {
+  for (const int n : {4, 12, 25}) {
+    const Mesh mesh = shapes::mesh(perforated(n));
+    const Partition one = labelled::single(mesh);
+    Job job;
+    const PolygonMesh p = polygonize(mesh, one, {}, job);
+    EXPECT_EQ(judge::faults_against(p, mesh, one), "") << n;
+    EXPECT_EQ(p.report.polygons, n + 1);
+    EXPECT_EQ(p.report.split_for_holes, n);
+    EXPECT_TRUE(p.report.imperfect.empty());
+  }
+}
+
+TEST(ManyHoles, FewHolesTakeTwoPolygons) {
+  const Mesh mesh = shapes::mesh(perforated(2));
+  const Partition one = labelled::single(mesh);
+  Job job;
+  const PolygonMesh p = polygonize(mesh, one, {}, job);
+  EXPECT_EQ(judge::faults_against(p, mesh, one), "");
+  EXPECT_EQ(p.report.polygons, 2);
+}
+
+TEST(ManyHoles, HolesWithoutOrderAreCutToDiscs) {
+  std::mt19937 random(4);
+  const shapes::Arrays whole = shapes::noisy(shapes::plane(40), 0.002, 9);
+  shapes::Arrays a{whole.vertices, {}};
+  for (std::size_t f = 0; f < whole.triangles.size(); f += 2) {
+    if (random() % 12 == 0) continue;
+    a.triangles.push_back(whole.triangles[f]);
+    a.triangles.push_back(whole.triangles[f + 1]);
+  }
+  Job job;
+  const Mesh mesh = clean(a.vertices, a.triangles, {}, job);
+  ASSERT_GT(mesh.report().border_loops, 60);
+  const Partition one = labelled::single(mesh);
+  const PolygonMesh p = polygonize(mesh, one, {}, job);
+  EXPECT_EQ(judge::faults_against(p, mesh, one), "");
+  EXPECT_LE(p.report.split_for_holes, mesh.report().border_loops / 2);
+}
+
+TEST(Soups, AllPairsAreCountedAndTheFirstListed) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> any(0, 1);
+  shapes::Arrays a;
+  for (std::int32_t f = 0; f < 300; ++f) {
+    for (int k = 0; k < 3; ++k) a.vertices.emplace_back(any(random), any(random), any(random));
+    a.triangles.push_back({3 * f, 3 * f + 1, 3 * f + 2});
+  }
+  const Mesh mesh = shapes::mesh(a);
+  std::vector<std::int32_t> each(300);
+  for (std::int32_t f = 0; f < 300; ++f) each[f] = f;
+  Job job;
+  const PolygonMesh p = polygonize(mesh, labelled::by(each), {}, job);
+  std::int64_t pairs = 0;
+  const auto corners = [&](std::int32_t f) {
+    Corners c;
+    for (int k = 0; k < 3; ++k) c[k] = a.vertices[3 * f + k].cast<float>().cast<double>();
+    return c;
+  };
+  for (std::int32_t f = 0; f < 300; ++f)
+    for (std::int32_t g = f + 1; g < 300; ++g)
+      pairs += meet_elsewhere(a.triangles[f], corners(f), a.triangles[g], corners(g)) ? 1 : 0;
+  ASSERT_GT(pairs, 2000);
+  EXPECT_EQ(p.report.excused, pairs);
+  EXPECT_FALSE(p.report.excused_at_least);
+  EXPECT_EQ(p.report.intersecting, 0);
+  ASSERT_EQ(p.report.imperfect.size(), 2000U);
+  std::map<Imperfection, int> listed;
+  for (const Imperfection& i : p.report.imperfect) ++listed[i];
+  for (const auto& [i, times] : listed) {
+    EXPECT_EQ(times, 1);
+    EXPECT_TRUE(listed.contains({i.other, i.flaw, i.polygon}));
+  }
+}
+
+}  // namespace
+}  // namespace isimp
