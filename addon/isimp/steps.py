@@ -405,27 +405,30 @@ _ACCEPTS = {"bool": bool, "int": int, "str": str, "float": (float, int), "list":
 
 def step_from_dict(values: dict) -> Step:
     """The step that `Step.to_dict` made. Raises RecipeError, which says what is wrong with it."""
-    check(not isinstance(values, dict) or "step" not in values, f"not a step: {short(values)}")
+    if not isinstance(values, dict) or "step" not in values:
+        raise RecipeError(f"not a step: {short(values)}")
     values = dict(values)
     kind = values.pop("step")
-    check(not isinstance(kind, str) or kind not in _TYPES, f"{short(kind)} is not a step that this version knows")
+    if not isinstance(kind, str) or kind not in _TYPES:
+        raise RecipeError(f"{short(kind)} is not a step that this version knows")
     fields = {field.name: field for field in dataclasses.fields(_TYPES[kind])}
     for name, value in values.items():
-        check(name not in fields, f"{kind} has no setting {short(name)}")
+        if name not in fields:
+            raise RecipeError(f"{kind} has no setting {short(name)}")
         wanted = "list" if fields[name].type.startswith("tuple") else fields[name].type.removesuffix(" | None")
-        fits = isinstance(value, _ACCEPTS[wanted]) and (wanted == "bool" or not isinstance(value, bool))
-        check(not fits, f"{name} of {kind} must be a {wanted}, got {short(value)}")
-        _check_size(f"{name} of {kind}", wanted, value)
+        _check_value(f"{name} of {kind}", wanted, value)
     return _TYPES[kind](**values)
 
 
-def _check_size(what: str, wanted: str, value) -> None:
-    """Refuses what neither the engine nor Blender can hold."""
-    if isinstance(value, str):
-        check(not _is_name(value), f"{what} holds letters that no name has, got {short(value)}")
-    elif isinstance(value, int):
-        most = _LARGEST if wanted == "int" and not what.startswith("seed ") else _LARGEST_SEED
-        check(abs(value) > most, f"{what} must be at most {most}, got {short(value)}")
+def _check_value(what: str, wanted: str, value) -> None:
+    """Refuses a value of another type, and what neither the engine nor Blender can hold."""
+    if not isinstance(value, _ACCEPTS[wanted]) or (wanted != "bool" and isinstance(value, bool)):
+        raise RecipeError(f"{what} must be a {wanted}, got {short(value)}")
+    if isinstance(value, str) and not _is_name(value):
+        raise RecipeError(f"{what} holds letters that no name has, got {short(value)}")
+    most = _LARGEST if wanted == "int" and not what.startswith("seed ") else _LARGEST_SEED
+    if isinstance(value, int) and abs(value) > most:
+        raise RecipeError(f"{what} must be at most {most}, got {short(value)}")
 
 
 def _is_name(text: str) -> bool:

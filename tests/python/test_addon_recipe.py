@@ -49,9 +49,7 @@ def test_json_is_what_people_can_write():
     [
         ("{", "not JSON"),
         pytest.param("[" * 200_000, "not a recipe: its brackets are nested too deep", id="deep"),
-        pytest.param(
-            '{"isimp_recipe": "' + "9" * 10**6 + '"}', "version '9+[.]{3}9+'", id="long"
-        ),
+        pytest.param('{"isimp_recipe": "' + "9" * 10**6 + '"}', "version '9+[.]{3}9+'", id="long"),
         ("[]", "no 'isimp_recipe'"),
         ('{"isimp_recipe": 99, "steps": []}', "version 99.*update the add-on"),
         ('{"isimp_recipe": 1}', "'steps' must be a list"),

@@ -71,6 +71,9 @@ class _TakesRecipe:
         except RuntimeError as error:
             self.report({"ERROR"}, str(error).strip().removeprefix("Error: "))
             return {"CANCELLED"}
+        except (TypeError, ValueError):  # Blender can't hand it over
+            self.report({"ERROR"}, "Not a recipe: it is not text.")
+            return {"CANCELLED"}
         return {"CANCELLED"} if done == {"RUNNING_MODAL"} else done
 
 

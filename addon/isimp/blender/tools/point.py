@@ -123,7 +123,8 @@ def _is_locked(context, region: int) -> bool:
         return False
     recipe = store.load(scan)
     outcome = runtime.get().session.replay(reading.read(context, scan, recipe.layers()), recipe)
-    return region >= 0 and bool(outcome.partition.region_locked[region])
+    locked = outcome.partition.region_locked
+    return 0 <= region < len(locked) and bool(locked[region])
 
 
 class ISIMP_OT_point(ModalTool, bpy.types.Operator):
