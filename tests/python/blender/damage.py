@@ -16,6 +16,13 @@ def home(block):
     return block.bl_system_properties_get(do_create=True) if hasattr(block, "bl_system_properties_get") else block
 
 
+def put(group, name, value):
+    """Gives a property a value, of whatever type: Blender 5.0 changes the type of none that is there."""
+    if group.get(name) is not None:
+        del group[name]
+    group[name] = value
+
+
 def nodes(mesh):
     """The nodes as they lie in the file, whatever they are."""
     return home(mesh)["isimp"]["nodes"]
@@ -50,7 +57,7 @@ def set_last(**values):
 
     def damage(scan):
         for name, value in values.items():
-            last(scan.data)[name] = value
+            put(last(scan.data), name, value)
 
     return damage
 
@@ -68,7 +75,7 @@ def circle(scan):
 
 def long_chain(scan):
     chain = [{"name": str(at), "parent": at + 1, "step": '{"step": "add_proxy", "face": 1}'} for at in range(1, 30_000)]
-    home(scan.data)["isimp"]["nodes"] = chain
+    put(home(scan.data)["isimp"], "nodes", chain)
     write(scan.data.attributes[".isimp_state"], 1)
 
 
@@ -96,7 +103,7 @@ def in_place(value):
     """Puts something else in the place of all that is kept on the mesh."""
 
     def damage(scan):
-        home(scan.data)["isimp"] = value
+        put(home(scan.data), "isimp", value)
 
     return damage
 
@@ -107,7 +114,7 @@ def no_nodes(scan):
 
 def nodes_are(value):
     def damage(scan):
-        home(scan.data)["isimp"]["nodes"] = value
+        put(home(scan.data)["isimp"], "nodes", value)
 
     return damage
 
@@ -166,7 +173,7 @@ READABLE = {
     "regions below none": with_value("isimp_region", -(2**31)),
     "colours of points": of_kind("isimp_color", "BYTE_COLOR", "POINT"),
     "no colours": lambda scan: scan.data.attributes.remove(scan.data.attributes["isimp_color"]),
-    "a shown colour that is a number": lambda scan: home(scan.data)["isimp"].update({"user_color": 7}),
+    "a shown colour that is a number": lambda scan: put(home(scan.data)["isimp"], "user_color", 7),
 }
 
 
@@ -196,17 +203,17 @@ def at_random(draw: random.Random, mesh) -> None:
         node = draw.choice(found)
         kind = draw.randrange(6)
         if kind == 0:
-            node["parent"] = draw.choice(ids)
+            put(node, "parent", draw.choice(ids))
         elif kind == 1:
             text = str(node.get("step"))
             at = draw.randrange(len(text) + 1)
-            node["step"] = text[:at] + draw.choice(["", "x", "}", "9" * 30]) + text[at + draw.randrange(4) :]
+            put(node, "step", text[:at] + draw.choice(["", "x", "}", "9" * 30]) + text[at + draw.randrange(4) :])
         elif kind == 2:
-            node["name"] = draw.choice(["0", "-1", "x", "", str(draw.choice(ids)), "00" + str(ids[0])])
+            put(node, "name", draw.choice(["0", "-1", "x", "", str(draw.choice(ids)), "00" + str(ids[0])]))
         else:
-            node[draw.choice(["parent", "step", "numbers", "name", "more"])] = draw.choice(values)
+            put(node, draw.choice(["parent", "step", "numbers", "name", "more"]), draw.choice(values))
     if draw.random() < 0.05:
-        home(mesh)["isimp"] = draw.choice(values)
+        put(home(mesh), "isimp", draw.choice(values))
 
 
 class Layout:

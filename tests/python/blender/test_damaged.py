@@ -178,7 +178,7 @@ def test_what_is_kept_a_second_time_gets_a_name_of_its_own():
 @pytest.mark.parametrize("value", [5, {"key": 5, "scan_key": [1, 2], "scan_name": 2.5}, "x", [1, 2]])
 def test_object_properties_of_other_types(value, tmp_path, silent):
     scan = made()
-    damage.home(scan)["isimp"] = value
+    damage.put(damage.home(scan), "isimp", value)
     before = damage.dump(scan)
     scan = reopened(tmp_path / "damaged.blend")
     damage.panels()
@@ -228,11 +228,15 @@ def test_panel_settings_that_are_none(silent):
     made()
     panel = damage.home(bpy.context.window_manager)
     values = {"leave_out": 5.0, "count_by": 99, "noise": float("nan"), "proxies": -7, "weights": 3, "method": 1000}
-    panel["isimp"] = {
-        "partition": values,
-        "mesh": {"flatten": -3, "chord_tolerance": float("inf")},
-        "smooth": {"rounds": 0},
-    }
+    damage.put(
+        panel,
+        "isimp",
+        {
+            "partition": values,
+            "mesh": {"flatten": -3, "chord_tolerance": float("inf")},
+            "smooth": {"rounds": 0},
+        },
+    )
     damage.panels()
     assert damage.operators()["partition"]
     assert bpy.ops.isimp.partition(proxies=6) == {"FINISHED"}
