@@ -92,6 +92,7 @@ def test_what_is_wrong_beside_the_steps_does_no_harm(what, tmp_path, silent):
     scan = reopened(tmp_path / "damaged.blend")
     assert store.load(scan) == Recipe(STEPS)
     damage.panels()
+    assert mesh_io.read_regions(scan).max() < 20
     assert damage.operators()["delete_proxy"]
     bpy.ops.isimp.show_regions()
     bpy.ops.isimp.select_region(face=3)
@@ -154,6 +155,45 @@ def test_steps_that_cannot_be_read_are_not_forgotten(monkeypatch, silent):
     assert holds(scan.data, {"nodes": before})
     assert len(scan.data.isimp.nodes) <= 12
     assert store.load(scan).steps[1] == AddProxy(face=41)
+
+
+def test_steps_that_cannot_be_read_and_led_to_nothing_seen_are_not_forgotten(monkeypatch, silent):
+    monkeypatch.setattr(store, "MOST_NODES", 3)
+    scan = made()
+    damage.UNREADABLE["a step of a later version"][0](scan)
+    before = damage.dump(scan.data)["nodes"]
+    mesh_io.clear_regions(scan)
+    store.forget_file()
+    for proxies in range(5, 12):
+        bpy.ops.isimp.partition(proxies=proxies)
+    assert holds(scan.data, {"nodes": before})
+    assert len(scan.data.isimp.nodes) <= 6
+
+
+def test_steps_of_a_state_that_was_moved_aside_are_not_forgotten(monkeypatch, silent):
+    """Even where this version can read them: an earlier one, which could not, moved them aside."""
+    monkeypatch.setattr(store, "MOST_NODES", 3)
+    scan = made()
+    before = damage.dump(scan.data)["nodes"]
+    mesh_io.set_aside(scan, regions_too=True)
+    for proxies in range(5, 12):
+        bpy.ops.isimp.partition(proxies=proxies)
+    assert holds(scan.data, {"nodes": before})
+    assert len(scan.data.isimp.nodes) <= 6
+
+
+def test_undo_brings_back_what_there_was_to_say_of_the_same_steps(silent):
+    scan = scans.cube(cells=4)
+    scans.push("cube")
+    recipe = Recipe((Partition(proxies=6, weights="w"),)).to_json()
+    bpy.ops.isimp.replay("EXEC_DEFAULT", True, recipe=recipe)
+    assert store.numbers(scan)["failed"] == 0
+    scan.vertex_groups.new(name="w")
+    scans.push("group")
+    bpy.ops.isimp.replay("EXEC_DEFAULT", True, recipe=recipe)
+    assert "failed" not in store.numbers(scan)
+    bpy.ops.ed.undo()
+    assert store.numbers(bpy.data.objects["Scan"])["failed"] == 0
 
 
 def test_regions_of_which_no_state_is_known_are_kept():
