@@ -38,7 +38,7 @@ def read(obj, wanted, vertex_count: int) -> dict:
 
 
 def _face_sets(obj):
-    if obj.mode == "EDIT":
+    if mesh_io.is_edited(obj):
         return weights.edit_layer(obj.data, _FACE_SET)
     layer = obj.data.attributes.get(_FACE_SET)
     if layer is None or (layer.data_type, layer.domain) != ("INT", "FACE"):

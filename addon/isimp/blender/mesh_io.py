@@ -50,7 +50,7 @@ def place_matrix(obj) -> np.ndarray:
 def read(context, obj) -> Scan:
     """The object as seen: evaluated, scaled, cut into triangles; faces are those of its own mesh. Raises Unusable."""
     shape = shape_matrix(obj)
-    if obj.mode == "EDIT":
+    if is_edited(obj):
         obj.update_from_editmode()
     face_count = len(obj.data.polygons)
     if not has_modifiers(obj):
@@ -133,7 +133,7 @@ def _evaluated_arrays(context, obj):
 
 def selected_faces(obj) -> np.ndarray:
     """Indices of the faces that are selected, in either mode."""
-    if obj.mode == "EDIT":
+    if is_edited(obj):
         obj.update_from_editmode()
     selected = np.empty(len(obj.data.polygons), bool)
     obj.data.polygons.foreach_get("select", selected)
@@ -143,7 +143,7 @@ def selected_faces(obj) -> np.ndarray:
 def select_polygons(obj, chosen: np.ndarray) -> None:
     """Selects polygons and their corners, and no others, in either mode. chosen: (polygons,) bool."""
     mesh = obj.data
-    if obj.mode == "EDIT":
+    if is_edited(obj):
         edit = edit_mesh(mesh)
         for part in (edit.verts, edit.edges, edit.faces):
             for item in part:
@@ -185,9 +185,14 @@ def edit_mesh(mesh):
     return edit
 
 
+def is_edited(obj) -> bool:
+    """Whether an object's mesh is in Edit Mode. While a file that was saved there is opened, it is so only in name."""
+    return obj.mode == "EDIT" and obj.data.is_editmode
+
+
 def counts(obj) -> tuple[int, int]:
     """How many vertices and faces an object's mesh has now, in either mode."""
-    if obj.mode == "EDIT":
+    if is_edited(obj):
         edit = edit_mesh(obj.data)
         return len(edit.verts), len(edit.faces)
     return len(obj.data.vertices), len(obj.data.polygons)
@@ -247,7 +252,7 @@ def kept_states(obj) -> set:
     """The states beside the regions that were moved aside."""
     names, states = [name for name in kept_layers(obj.data) if name.startswith(f"{STATE}{KEPT}")], set()
     for name in names:
-        if obj.mode == "EDIT":
+        if is_edited(obj):
             faces = edit_mesh(obj.data).faces
             layer = faces.layers.int.get(name)
             states |= {face[layer] for face in faces} if layer is not None else set()
@@ -258,7 +263,7 @@ def kept_states(obj) -> set:
 
 def state_of(obj) -> int:
     """The state kept beside the regions; 0 where there is none. Cost: none to speak of."""
-    if obj.mode == "EDIT":
+    if is_edited(obj):
         faces = edit_mesh(obj.data).faces
         layer = faces.layers.int.get(STATE)
         return next(iter(faces))[layer] if layer is not None and len(faces) else 0
@@ -268,7 +273,7 @@ def state_of(obj) -> int:
 
 def read_regions(obj) -> np.ndarray:
     """(faces,) int32 as last written; all -1 where there are none. In edit mode as of the last update_from_editmode."""
-    if obj.mode == "EDIT":
+    if is_edited(obj):
         return _read_edit_regions(obj)
     regions = np.full(len(obj.data.polygons), -1, np.int32)
     layer = _own(obj.data, REGION)
@@ -313,7 +318,7 @@ def write_regions(obj, face_region: np.ndarray, face_color: np.ndarray, state: i
     face_color: (faces,) into view.COLORS. corner_color: the colour of each corner, if that is there already; it is used
     for others then.
     """
-    if obj.mode == "EDIT":
+    if is_edited(obj):
         if not _is_written(obj, face_region, state):
             for _ in writing(obj, face_region, face_color, state):
                 pass
@@ -326,7 +331,7 @@ def write_regions(obj, face_region: np.ndarray, face_color: np.ndarray, state: i
 
 def write_state(obj, state: int) -> None:
     """Puts another state beside the regions, which stay."""
-    if obj.mode == "EDIT":
+    if is_edited(obj):
         edit = edit_mesh(obj.data)
         stamp = edit.faces.layers.int.get(STATE) or edit.faces.layers.int.new(STATE)
         for face in edit.faces:
@@ -340,7 +345,7 @@ def write_state(obj, state: int) -> None:
 
 def clear_regions(obj) -> None:
     """Takes regions, their colours and the state from the mesh, and shows again the colours that were shown before."""
-    if obj.mode == "EDIT":
+    if is_edited(obj):
         edit = edit_mesh(obj.data)
         for layers, name in (
             (edit.faces.layers.int, REGION),

@@ -42,7 +42,7 @@ def read(obj, wanted, groups: dict) -> dict:
     for name in sorted(wanted):
         if name in groups:
             found[name] = groups[name].values
-        elif obj.mode == "EDIT":
+        elif mesh_io.is_edited(obj):
             values = edit_layer(obj.data, name)
             if values is not None:
                 found[name] = values

@@ -219,6 +219,8 @@ def at_random(draw: random.Random, mesh) -> None:
 class Layout:
     """Stands in for a panel's layout, and keeps what is to be read in it."""
 
+    operator_context = "INVOKE_DEFAULT"  #: which Blender asks for where something was appended to a panel
+
     def __init__(self, said):
         self.said = said
 

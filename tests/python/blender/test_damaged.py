@@ -85,6 +85,20 @@ def test_what_cannot_be_read_is_said_and_kept_and_partition_starts_anew(what, tm
     assert bpy.ops.isimp.mesh() == {"FINISHED"}
 
 
+@pytest.mark.parametrize("what", [None, "a step of a later version", "a state of points"])
+def test_a_file_saved_in_edit_mode_is_opened(what, tmp_path, silent):
+    scan = made()
+    if what is not None:
+        damage.UNREADABLE[what][0](scan)
+    scans.mode("EDIT")
+    scan = reopened(tmp_path / "edited.blend")
+    assert scan.mode == "EDIT"
+    damage.panels()
+    damage.operators()
+    assert bpy.ops.isimp.partition(proxies=6) == {"FINISHED"}
+    assert ("isimp_region.kept" in scan.data.attributes) == (what is not None)
+
+
 @pytest.mark.parametrize("what", damage.READABLE)
 def test_what_is_wrong_beside_the_steps_does_no_harm(what, tmp_path, silent):
     scan = made()
