@@ -13,8 +13,7 @@ from . import raw, runtime
 REGION, COLOR = "isimp_region", "isimp_color"
 FLAW = "isimp_flaw"  # of the result's polygons: 1 where something is amiss
 STATE = ".isimp_state"  # which recipe led to the regions; see store.py
-KEPT = ".kept"  # what follows the names of layers that were moved aside
-_KINDS = {REGION: ("INT", "FACE"), STATE: ("INT", "FACE"), COLOR: ("FLOAT_COLOR", "CORNER")}
+KINDS = {REGION: ("INT", "FACE"), STATE: ("INT", "FACE"), COLOR: ("FLOAT_COLOR", "CORNER")}
 _ORIGIN = ".isimp_origin"
 _PIECE = 5000  # faces: writing all of them takes about a hundredth of a second
 _UNKNOWN = -2  # no region has this number
@@ -198,67 +197,17 @@ def counts(obj) -> tuple[int, int]:
     return len(obj.data.vertices), len(obj.data.polygons)
 
 
-def _is_own(layer) -> bool:
-    return (layer.data_type, layer.domain) == _KINDS.get(layer.name)
+def is_own(layer) -> bool:
+    """Whether a layer is of the name and the kind of one of the add-on's."""
+    return (layer.data_type, layer.domain) == KINDS.get(layer.name)
 
 
-def _own(mesh, name: str):
+def own_layer(mesh, name: str):
     """A layer of the add-on's; None if there is none, or another one has its name."""
     layer = mesh.attributes.get(name)
-    if layer is None or _is_own(layer):
+    if layer is None or is_own(layer):
         return layer
-    return next((other for other in mesh.attributes if other.name == name and _is_own(other)), None)
-
-
-def foreign_layers(mesh) -> list:
-    """The names and kinds of layers that are called as the add-on's but are of another kind; in either mode."""
-    found = (layer for layer in mesh.attributes if layer.name in _KINDS and not _is_own(layer))
-    return [(layer.name, f"{layer.data_type} of {layer.domain}") for layer in found]
-
-
-def kept_layers(mesh) -> list:
-    """The names of the layers that `set_aside` left; in either mode."""
-    begin = tuple(f"{name}{KEPT}" for name in _KINDS)
-    return [layer.name for layer in mesh.attributes if layer.name.startswith(begin)]
-
-
-def has_regions(mesh) -> bool:
-    """Whether there is a layer of regions, of whatever state; in either mode."""
-    return _own(mesh, REGION) is not None
-
-
-def set_aside(obj, regions_too: bool) -> None:
-    """Renames layers that the add-on can't read, so that it can write its own and they stay in the file.
-
-    Those of its names but of other kinds; with `regions_too` the regions and their state as well.
-    """
-    mesh = obj.data
-    wanted = [(name, kind) for name, kind in _KINDS.items() if regions_too and name != COLOR and _own(mesh, name)]
-    others = foreign_layers(mesh)
-    if not wanted and not others:
-        return
-    suffix, number = KEPT, 1
-    while any(f"{name}{suffix}" in mesh.attributes for name in _KINDS):
-        number += 1
-        suffix = f"{KEPT}.{number}"
-    for name in (*(name for name, _ in wanted), *(name for name, _ in others)):
-        layers = [layer for layer in mesh.attributes if layer.name == name]
-        layers[0].name = f"{name}{suffix}"
-    runtime.get().written.pop(obj.name, None)
-    runtime.get().seen = {}
-
-
-def kept_states(obj) -> set:
-    """The states beside the regions that were moved aside."""
-    names, states = [name for name in kept_layers(obj.data) if name.startswith(f"{STATE}{KEPT}")], set()
-    for name in names:
-        if is_edited(obj):
-            faces = edit_mesh(obj.data).faces
-            layer = faces.layers.int.get(name)
-            states |= {face[layer] for face in faces} if layer is not None else set()
-        else:
-            states |= set(np.unique(read_layer(obj.data, name)).tolist())
-    return states - {0}
+    return next((other for other in mesh.attributes if other.name == name and is_own(other)), None)
 
 
 def state_of(obj) -> int:
@@ -267,7 +216,7 @@ def state_of(obj) -> int:
         faces = edit_mesh(obj.data).faces
         layer = faces.layers.int.get(STATE)
         return next(iter(faces))[layer] if layer is not None and len(faces) else 0
-    layer = _own(obj.data, STATE)
+    layer = own_layer(obj.data, STATE)
     return layer.data[0].value if layer is not None and len(layer.data) else 0
 
 
@@ -276,7 +225,7 @@ def read_regions(obj) -> np.ndarray:
     if is_edited(obj):
         return _read_edit_regions(obj)
     regions = np.full(len(obj.data.polygons), -1, np.int32)
-    layer = _own(obj.data, REGION)
+    layer = own_layer(obj.data, REGION)
     if layer is not None:
         layer.data.foreach_get("value", regions)
     return _possible(regions)
@@ -357,7 +306,7 @@ def clear_regions(obj) -> None:
         bmesh.update_edit_mesh(obj.data, loop_triangles=False, destructive=False)
     else:
         for name in (REGION, STATE, COLOR):
-            layer = _own(obj.data, name)
+            layer = own_layer(obj.data, name)
             if layer is not None:
                 obj.data.attributes.remove(layer)
         _updated(obj.data)

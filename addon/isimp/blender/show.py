@@ -8,13 +8,13 @@ import numpy as np
 from mathutils import Matrix
 
 from .. import stored
-from . import display, mesh_io, raw, store, targets
+from . import aside, display, mesh_io, raw, store, targets
 
 
 def _save(scan, work, numbers: dict) -> int:
     """Keeps the recipe and returns its state. What can't be read is moved aside first, and stays in the file."""
-    unknown = not mesh_io.state_of(scan) and mesh_io.has_regions(scan.data)
-    mesh_io.set_aside(scan, regions_too=bool(store.read(scan).problem) or unknown)
+    unknown = not mesh_io.state_of(scan) and aside.has_regions(scan.data)
+    aside.set_aside(scan, regions_too=bool(store.read(scan).problem) or unknown)
     state = store.save(scan, work.recipe, numbers)
     work.states |= {mesh_io.state_of(scan), state}
     return state

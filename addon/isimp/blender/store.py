@@ -9,7 +9,7 @@ seen; as nodes are only added, the property still knows it. Undo past the start 
 property behind; the copy in memory bridges that.
 
 Of nodes that this version can't read, none is ever changed or dropped: a later version may read them. Layers with such
-a state are renamed before others are written (see mesh_io.set_aside).
+a state are renamed before others are written (see aside.set_aside).
 """
 
 import json
@@ -19,7 +19,7 @@ import bpy
 from bpy.props import CollectionProperty, IntProperty, StringProperty
 
 from .. import stored
-from . import mesh_io, raw, runtime
+from . import aside, mesh_io, raw, runtime
 
 MOST_NODES = 4000
 _NO_LIST = "The steps can't be read: something else is in the place of their list"
@@ -62,9 +62,20 @@ def numbers(obj) -> dict:
 
 def read(obj) -> stored.Stored:
     """What is known of the regions on the object. Whatever is in the file: it never raises, and takes a moment."""
-    current, key = runtime.get(), (obj.data.name_full, mesh_io.state_of(obj))
+    return _read(obj.data, mesh_io.state_of(obj))
+
+
+def kept(obj):
+    """The recipe of the regions that were moved aside last, if this version can read it and it is another one."""
+    state = aside.last_state(obj)
+    recipe = _read(obj.data, state).recipe if state else None
+    return recipe if recipe is not None and recipe != load(obj) else None
+
+
+def _read(mesh, state: int) -> stored.Stored:
+    current, key = runtime.get(), (mesh.name_full, state)
     if key not in current.stored:
-        found = _Nodes(obj.data)
+        found = _Nodes(mesh)
         known = stored.Stored(None, problem=_NO_LIST) if found.are_lost and key[1] else None
         known = known or stored.read(key[1], found.node, current.recipes.get(key))
         current.stored[key], current.recipes[key] = known, known.recipe
@@ -149,7 +160,7 @@ def _forget_others(obj, state: int) -> None:
     """Drops the nodes that do not lead to the state, but for those that can't be read here and what leads to them."""
     mesh, found = obj.data, _Nodes(obj.data)
     good = stored.readable(found.ids, found.node)
-    heads = {state, *mesh_io.kept_states(obj), *(at for at in found.ids if at not in good)}
+    heads = {state, *aside.states(obj), *(at for at in found.ids if at not in good)}
     needed = set()
     while heads:
         at = heads.pop()

@@ -3,7 +3,7 @@
 import bpy
 
 from .. import session
-from . import mesh_io, raw, runtime, store
+from . import aside, mesh_io, raw, runtime, store
 
 _OTHER = {
     "CURVE": "a curve",
@@ -106,11 +106,12 @@ def needs_steps(scan) -> str:
 
 def notes(scan) -> list:
     """Lines that say what on a scan can't be read, and where it is kept; none where all is well."""
-    problem, aside = store.read(scan).problem, f"{mesh_io.REGION}{mesh_io.KEPT}"
-    lines = [f"{problem}. Nothing is lost: Partition starts anew and keeps this as '{aside}'."] if problem else []
-    for name, kind in mesh_io.foreign_layers(scan.data):
-        lines.append(f"'{name}' is no layer of iSimp's ({kind}): Partition keeps it as '{name}{mesh_io.KEPT}'.")
-    kept = mesh_io.kept_layers(scan.data) + raw.kept(scan.data) + raw.kept(scan)
+    problem, end = store.read(scan).problem, aside.suffix(scan.data)
+    anew = f"Nothing is lost: Partition starts anew and keeps this as '{mesh_io.REGION}{end}'"
+    lines = [f"{problem}. {anew}."] if problem else []
+    for name, kind in aside.foreign_layers(scan.data):
+        lines.append(f"'{name}' is no layer of iSimp's ({kind}): Partition keeps it as '{name}{end}'.")
+    kept = aside.layers(scan.data) + raw.kept(scan.data) + raw.kept(scan)
     shown = ", ".join(f"'{name}'" for name in kept if not name.startswith(".")) or ", ".join(kept)
     return [*lines, f"Kept, as it could not be read: {shown}"] if kept else lines
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scans
 
-from isimp.blender import mesh_io, store, targets
+from isimp.blender import aside, mesh_io, store, targets
 from isimp.recipe import AddProxy, Partition, Recipe
 
 pytestmark = pytest.mark.usefixtures("scene")
@@ -110,7 +110,7 @@ def test_what_is_wrong_beside_the_steps_does_no_harm(what, tmp_path, silent):
     assert damage.operators()["delete_proxy"]
     bpy.ops.isimp.show_regions()
     bpy.ops.isimp.select_region(face=3)
-    kept = {name: layer(scan, name) for name, _ in mesh_io.foreign_layers(scan.data)}
+    kept = {name: layer(scan, name) for name, _ in aside.foreign_layers(scan.data)}
     assert all(f"'{name}' is no layer of iSimp's" in damage.panels() for name in kept)
     assert bpy.ops.isimp.delete_proxy(face=20) == {"FINISHED"}
     assert len(store.load(scan).steps) == 3
@@ -189,7 +189,7 @@ def test_steps_of_a_state_that_was_moved_aside_are_not_forgotten(monkeypatch, si
     monkeypatch.setattr(store, "MOST_NODES", 3)
     scan = made()
     before = damage.dump(scan.data)["nodes"]
-    mesh_io.set_aside(scan, regions_too=True)
+    aside.set_aside(scan, regions_too=True)
     for proxies in range(5, 12):
         bpy.ops.isimp.partition(proxies=proxies)
     assert holds(scan.data, {"nodes": before})
@@ -210,6 +210,29 @@ def test_undo_brings_back_what_there_was_to_say_of_the_same_steps(silent):
     assert store.numbers(bpy.data.objects["Scan"])["failed"] == 0
 
 
+@pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
+def test_a_version_that_can_read_what_was_kept_takes_it_back(mode, tmp_path, silent):
+    scan = made()
+    node, regions = damage.last(scan.data), scans.regions(scan).tolist()
+    name, text = node["name"], node["step"]
+    damage.UNREADABLE["a step of a later version"][0](scan)
+    scan = reopened(tmp_path / "later.blend")
+    bpy.ops.isimp.partition(proxies=6)
+    assert not bpy.ops.isimp.take_back.poll()
+    assert store.kept(scan) is None
+    damage.put(next(node for node in damage.nodes(scan.data) if node["name"] == name), "step", text)
+    scan = reopened(tmp_path / "later.blend")
+    scans.activate(scan)
+    scans.mode(mode)
+    scans.push("opened")
+    assert store.kept(scan) == Recipe(STEPS)
+    assert bpy.ops.isimp.take_back("EXEC_DEFAULT", True) == {"FINISHED"}
+    assert (store.load(scan), scans.regions(scan).tolist()) == (Recipe(STEPS), regions)
+    assert not bpy.ops.isimp.take_back.poll()
+    bpy.ops.ed.undo()
+    assert len(store.load(bpy.data.objects["Scan"]).steps) == 1
+
+
 def test_regions_of_which_no_state_is_known_are_kept():
     scan = scans.cube(cells=3)
     own = scan.data.attributes.new("isimp_region", "INT", "FACE")
@@ -225,6 +248,7 @@ def test_what_is_kept_a_second_time_gets_a_name_of_its_own():
     for number, proxies in (("", 6), (".2", 7)):
         damage.write(scan.data.attributes[".isimp_state"], -5)
         store.forget_file()
+        assert f"keeps this as 'isimp_region.kept{number}'" in damage.panels()
         assert bpy.ops.isimp.partition(proxies=proxies) == {"FINISHED"}
         assert f".isimp_state.kept{number}" in scan.data.attributes
 
@@ -268,14 +292,22 @@ def test_a_result_that_shares_the_mesh_of_its_scan_is_not_filled():
     assert scans.geometry(scan.data) == geometry
 
 
-def test_colours_of_viewports_that_are_none(silent):
+@pytest.mark.parametrize("value", [5, "x", {"0": "NO_SUCH_TYPE", "1": 7}])
+def test_colours_of_viewports_that_are_none(value, silent):
+    screens = {window.screen for window in bpy.context.window_manager.windows}
+    shadings = [area.spaces.active.shading for screen in screens for area in screen.areas if area.type == "VIEW_3D"]
+    for screen in screens:
+        damage.put(screen, "isimp_color_type", value)
     scans.cube()
-    for value in (5, "x", {"0": "NO_SUCH_TYPE", "1": 7}):
-        for window in bpy.context.window_manager.windows:
-            window.screen["isimp_color_type"] = value
-        bpy.ops.isimp.partition(proxies=6)
-        bpy.ops.isimp.mesh()
-        bpy.ops.isimp.swap()
+    bpy.ops.isimp.partition(proxies=6)
+    bpy.ops.isimp.mesh()
+    bpy.ops.isimp.swap()
+    assert {shading.color_type for shading in shadings} == {"VERTEX"}
+    assert isinstance(value, dict) or {screen["isimp_color_type"] for screen in screens} == {value}, "it is not ours"
+    for shading in shadings:
+        shading.color_type = "MATERIAL"
+    for screen in screens:
+        screen.pop("isimp_color_type", None)
 
 
 def test_panel_settings_that_are_none(silent):

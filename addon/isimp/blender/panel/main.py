@@ -28,6 +28,8 @@ class ISIMP_PT_main(Panel, bpy.types.Panel):
             draw_lines(context, layout, warning, icon="ERROR")
         for note in targets.notes(scan):
             draw_lines(context, layout, note, icon="INFO")
+        if store.kept(scan) is not None:
+            layout.operator("isimp.take_back", icon="LOOP_BACK")
         presets.draw(context, layout)
         partition = panel.partition
         ways = layout.grid_flow(row_major=True, columns=1 if is_narrow(context) else 2, align=True)
