@@ -34,6 +34,8 @@ def run(hand):
         yield from hand.shot(f"damaged-1-opened-{mode.lower()}")
         same("opened", damage.dump(scan().data)["nodes"], before)
         assert "'future_step' is not a step that this version knows" in damage.panels()
+        with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
+            same("the tool says why it can't", bpy.ops.isimp.point("INVOKE_DEFAULT"), {"CANCELLED"})
         if mode == "OBJECT":
             yield from hand.press("isimp.partition")
         else:
