@@ -114,7 +114,15 @@ def call(name, **settings):
     try:
         return getattr(getattr(bpy.ops, group), operator)(**settings)
     except RuntimeError as error:
-        raise Problem(str(error).strip().removeprefix("Error: ")) from None
+        raise Problem(said(str(error))) from None
+
+
+def said(message):
+    """What an operator reported, as a line: of a fault in one that is written in Python only what went wrong."""
+    lines = [line.strip() for line in message.splitlines() if line.strip()]
+    if not any("Traceback (most recent" in line for line in lines):
+        return " ".join(lines).removeprefix("Error: ")
+    return next((line for line in reversed(lines) if not line.startswith(("Location:", "File "))), "")
 
 
 def exists(name):
@@ -224,17 +232,55 @@ def simplify(options):
     if settings:
         raise Problem("--recipe says how it is done: leave out --proxies, --detail, --method and the like")
     scan = bpy.context.object
-    call("isimp.replay", recipe=options.recipe.read_text(encoding="utf-8"), strict=True)
+    call("isimp.replay", recipe=recipe_text(options.recipe), strict=True)
     if bpy.context.object == scan:
         call("isimp.mesh")
     return bpy.context.object
 
 
+def recipe_text(path):
+    """The text of a recipe that can be used."""
+    try:
+        text = path.read_text(encoding="utf-8")
+        of_addon("isimp.recipe").Recipe.from_json(text)
+    except UnicodeDecodeError:
+        raise Problem(f"the recipe '{path}' can't be read: it is not UTF-8 text") from None
+    except OSError as error:
+        raise Problem(f"the recipe '{path}' can't be read: {error.strerror}") from None
+    except ValueError as error:
+        raise Problem(f"the recipe '{path}' can't be used: {error}") from None
+    return text
+
+
 def write(path, options):
+    """As `write_as`; whatever goes wrong becomes a Problem that names the file."""
+    make_room(path)
+    try:
+        write_as(path, options)
+    except OSError as error:
+        raise Problem(f"'{path}' can't be written: {error.strerror or error}") from None
+    except Problem as problem:
+        raise Problem(f"'{path}' can't be written: {problem}") from None
+
+
+def make_room(path):
+    """Makes the folder of a file to be, and sees that it can be written, as some of Blender's own writers don't say."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        existed = path.exists()
+        if existed and not (path.is_file() or path.is_dir()):
+            return  # a pipe, of which opening would not return
+        path.open("ab").close()
+        if not existed:
+            path.unlink()
+    except OSError as error:
+        raise Problem(f"'{path}' can't be written: {error.strerror}") from None
+
+
+def write_as(path, options):
     """Writes the result, or for a .blend everything, in the axes of what was read."""
     path = path.resolve()
     kind, y_up = path.suffix.lower(), options.input.suffix.lower() not in Z_UP
-    path.parent.mkdir(parents=True, exist_ok=True)
     if kind == ".blend":
         call("wm.save_as_mainfile", filepath=str(path), copy=True)
     elif kind == ".glb":
@@ -249,7 +295,7 @@ def write(path, options):
         axes = {"forward_axis": "NEGATIVE_Z", "up_axis": "Y"} if y_up else {"forward_axis": "Y", "up_axis": "Z"}
         call(f"wm.{kind[1:]}_export", filepath=str(path), **plain, **axes)
     if not path.is_file():
-        raise Problem(f"'{path}' could not be written")
+        raise Problem("Blender made no file")
 
 
 def add_row(path, row):
@@ -304,6 +350,7 @@ def run(options, row, started):
         if options.picture is not None:
             import picture
 
+            make_room(options.picture)
             picture.render(scan, result, options.picture.resolve(), up=options.up, turn=options.turn)
             print(options.picture)
     except (Problem, OSError, ValueError) as problem:

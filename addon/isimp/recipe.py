@@ -15,6 +15,7 @@ from .steps import (
     KINDS,
     MARKS,
     METHODS,
+    MOST_ROUNDS,
     SEEDINGS,
     AddProxy,
     AddWorst,
@@ -37,6 +38,7 @@ from .steps import (
     Step,
     UnlockRegions,
     check,
+    short,
     step_from_dict,
 )
 
@@ -45,6 +47,7 @@ __all__ = [
     "KINDS",
     "MARKS",
     "METHODS",
+    "MOST_ROUNDS",
     "SEEDINGS",
     "AddProxy",
     "AddWorst",
@@ -170,20 +173,31 @@ class Recipe:
     @staticmethod
     def from_json(text: str) -> Recipe:
         """The recipe that `to_json` made. Raises RecipeError, which says what can't be used and why."""
-        try:
-            values = json.loads(text)
-        except ValueError as error:
-            raise RecipeError(f"not a recipe: it is not JSON ({error})") from None
+        values = parsed(text, "not a recipe")
         check(not isinstance(values, dict) or "isimp_recipe" not in values, "not a recipe: it has no 'isimp_recipe'")
         version = values["isimp_recipe"]
         known = isinstance(version, int) and version <= VERSION
-        check(not known, f"the recipe is of version {version}, this add-on reads up to {VERSION}: update the add-on")
+        check(
+            not known,
+            f"the recipe is of version {short(version)}, this add-on reads up to {VERSION}: update the add-on",
+        )
         steps = values.get("steps")
         check(not isinstance(steps, list), "not a recipe: 'steps' must be a list")
-        return Recipe(tuple(_numbered_step(number, step) for number, step in enumerate(steps, 1)))
+        return Recipe(tuple(numbered_step(number, step) for number, step in enumerate(steps, 1)))
 
 
-def _numbered_step(number: int, values: dict) -> Step:
+def parsed(text: str, problem: str):
+    """The value of a JSON text. Raises RecipeError, which begins with the problem and says where the text is wrong."""
+    try:
+        return json.loads(text)
+    except ValueError as error:
+        raise RecipeError(f"{problem}: it is not JSON ({error})") from None
+    except RecursionError:
+        raise RecipeError(f"{problem}: its brackets are nested too deep") from None
+
+
+def numbered_step(number: int, values: dict) -> Step:
+    """As `step_from_dict`, with the number of the step in the message."""
     try:
         return step_from_dict(values)
     except RecipeError as error:

@@ -381,7 +381,7 @@ def _apply_smooth(step: rcp.SmoothFaces, prepared, before, watch, begin, end) ->
     if locked:
         partition = engine.unlock_regions(prepared.mesh, partition, triangles_at(prepared, step.faces[:1]))
         fixed[first] = False
-    wanted = smoothing.smoothed(label, pairs, inside, fixed, step.rounds)
+    wanted = smoothing.smoothed(label, pairs, inside, fixed, step.rounds, watch.poll)
     wanted = smoothing.shortened(wanted, pairs, pair_lengths(prepared), inside, fixed)
     for region in np.unique(label[wanted != label]):
         if not (wanted[label == region] == region).any():

@@ -3,22 +3,31 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable
 
 import numpy as np
 
 
-def smoothed(label: np.ndarray, pairs: np.ndarray, inside: np.ndarray, fixed: np.ndarray, rounds: int) -> np.ndarray:
+def smoothed(
+    label: np.ndarray,
+    pairs: np.ndarray,
+    inside: np.ndarray,
+    fixed: np.ndarray,
+    rounds: int,
+    poll: Callable[[], None] = lambda: None,
+) -> np.ndarray:
     """Labels of which each goes to the region that it is surrounded by most, as spread over its neighbourhood.
 
     Regions are spread over faces that share an edge, a ring a round, and each face takes the one of which most arrived
     (Merriman, Bence, Osher 1992: borders move by their curvature). What a face has is kept among equals.
 
     label: (F,) region, -1 for none. pairs: (E, 2) faces that share an edge. inside: (F,) bool, what may change.
-    fixed: (R,) bool, regions that neither give nor take.
+    fixed: (R,) bool, regions that neither give nor take. poll: called every round; what it raises ends the work.
     Cost: O(E) a round, and the faces near times the regions there.
     """
     near = inside.copy()
     for _ in range(rounds):  # as far as what is spread comes from
+        poll()
         near[pairs[near[pairs].any(axis=1)].ravel()] = True
     pairs = pairs[near[pairs].all(axis=1)]
     faces, ends = np.unique(pairs, return_inverse=True)
@@ -34,6 +43,7 @@ def smoothed(label: np.ndarray, pairs: np.ndarray, inside: np.ndarray, fixed: np
     around = np.maximum(np.bincount(ends.ravel(), minlength=len(faces)), 1)[:, None]
     start = share
     for _ in range(rounds):
+        poll()
         sum_around = np.zeros_like(share)
         for here, there in (ends.T, ends.T[::-1]):
             for region in range(len(regions)):

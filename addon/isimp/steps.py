@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import operator
+import reprlib
 from dataclasses import dataclass
 
 METHODS = ("hierarchy", "teleport", "lloyd", "queued", "naive", "hybrid")
@@ -17,6 +18,11 @@ COUNTS = {"detail": 0.005, "tolerance": 1.0, "bound": 1.0, "proxies": 200}
 #: settings of a Partition that ask for barriers, and the layer of the scan (`Scan.layers`) that has them
 MARKS = {"seams": ".seam", "sharp": ".sharp", "materials": ".material", "face_sets": ".face_set"}
 SEEDINGS = ("random", "farthest", "hierarchical")
+
+
+MOST_ROUNDS = 1000  #: of smoothing; by far fewer, borders no longer move
+_LARGEST = (1 << 31) - 1  # of the engine's whole numbers, but for seeds
+_LARGEST_SEED = (1 << 63) - 1
 
 
 class RecipeError(ValueError):
@@ -39,22 +45,27 @@ def _indices(faces) -> tuple[int, ...]:
         plain = tuple(operator.index(face) for face in faces if not isinstance(face, bool))
     except TypeError:
         plain = ()
-    check(len(plain) == 0 or len(plain) != len(faces), f"faces must be a list of faces, got {_short(faces)}")
-    check(min(plain) < 0, f"faces must be at least 0, got {min(plain)}")
+    check(len(plain) == 0 or len(plain) != len(faces), f"faces must be a list of faces, got {short(faces)}")
+    check(min(plain) < 0, f"faces must be at least 0, got {short(min(plain))}")
     return plain
 
 
 def _numbers(values, name: str) -> tuple[float, ...]:
     try:
         plain = tuple(float(value) for value in values)
-    except (TypeError, ValueError):
-        raise RecipeError(f"{name} must be a list of numbers, got {_short(values)}") from None
-    check(not all(map(math.isfinite, plain)), f"{name} must be finite, got {_short(values)}")
+    except (TypeError, ValueError, OverflowError):
+        raise RecipeError(f"{name} must be a list of numbers, got {short(values)}") from None
+    check(not all(map(math.isfinite, plain)), f"{name} must be finite, got {short(values)}")
     return plain
 
 
-def _short(value) -> str:
-    text = repr(value)
+_SHORT = reprlib.Repr()  # which neither goes deep nor far
+_SHORT.maxlevel, _SHORT.maxstring, _SHORT.maxlist, _SHORT.maxtuple = 3, 50, 10, 10
+
+
+def short(value) -> str:
+    """A value that may be anything, as it is put into a message."""
+    text = _SHORT.repr(value)
     return text if len(text) < 60 else text[:57] + "..."
 
 
@@ -115,7 +126,7 @@ class Partition(Step):
 
     def __post_init__(self):
         self._settle_count()
-        check(self.count_by not in COUNTS, f"count_by must be one of {', '.join(COUNTS)}, got {self.count_by!r}")
+        check(self.count_by not in COUNTS, f"count_by must be one of {', '.join(COUNTS)}, got {short(self.count_by)}")
         check(not 0 < self.detail <= 1, f"detail must be in (0, 1], got {self.detail}")
         for name in ("tolerance", "bound"):
             value = getattr(self, name)
@@ -125,8 +136,8 @@ class Partition(Step):
         check(self.proxies < 1, f"proxies must be at least 1, got {self.proxies}")
         check(self.seed < 0, f"seed must be at least 0, got {self.seed}")
         check(self.iterations < 1, f"iterations must be at least 1, got {self.iterations}")
-        check(self.method not in METHODS, f"method must be one of {', '.join(METHODS)}, got {self.method!r}")
-        check(self.seeding not in SEEDINGS, f"seeding must be one of {', '.join(SEEDINGS)}, got {self.seeding!r}")
+        check(self.method not in METHODS, f"method must be one of {', '.join(METHODS)}, got {short(self.method)}")
+        check(self.seeding not in SEEDINGS, f"seeding must be one of {', '.join(SEEDINGS)}, got {short(self.seeding)}")
         check(not 0 <= self.leave_out < 1, f"leave_out must be in [0, 1), got {self.leave_out}")
         check(not 0 <= self.influence <= 2, f"influence must be in [0, 2], got {self.influence}")
         check(not 0 <= self.angle <= 180, f"angle must be in [0, 180] degrees, got {self.angle}")
@@ -265,7 +276,7 @@ class SmoothFaces(Step):
 
     def __post_init__(self):
         object.__setattr__(self, "faces", _indices(self.faces))
-        check(self.rounds < 1, f"rounds must be at least 1, got {self.rounds}")
+        check(not 1 <= self.rounds <= MOST_ROUNDS, f"rounds must be in [1, {MOST_ROUNDS:,}], got {self.rounds}")
 
     def describe(self) -> str:
         return f"Smooth the borders in {_count(self.faces)}"
@@ -394,14 +405,35 @@ _ACCEPTS = {"bool": bool, "int": int, "str": str, "float": (float, int), "list":
 
 def step_from_dict(values: dict) -> Step:
     """The step that `Step.to_dict` made. Raises RecipeError, which says what is wrong with it."""
-    check(not isinstance(values, dict) or "step" not in values, f"not a step: {values!r}")
+    if not isinstance(values, dict) or "step" not in values:
+        raise RecipeError(f"not a step: {short(values)}")
     values = dict(values)
     kind = values.pop("step")
-    check(not isinstance(kind, str) or kind not in _TYPES, f"{kind!r} is not a step that this version knows")
+    if not isinstance(kind, str) or kind not in _TYPES:
+        raise RecipeError(f"{short(kind)} is not a step that this version knows")
     fields = {field.name: field for field in dataclasses.fields(_TYPES[kind])}
     for name, value in values.items():
-        check(name not in fields, f"{kind} has no setting {name!r}")
+        if name not in fields:
+            raise RecipeError(f"{kind} has no setting {short(name)}")
         wanted = "list" if fields[name].type.startswith("tuple") else fields[name].type.removesuffix(" | None")
-        fits = isinstance(value, _ACCEPTS[wanted]) and (wanted == "bool" or not isinstance(value, bool))
-        check(not fits, f"{name} of {kind} must be a {wanted}, got {value!r}")
+        _check_value(f"{name} of {kind}", wanted, value)
     return _TYPES[kind](**values)
+
+
+def _check_value(what: str, wanted: str, value) -> None:
+    """Refuses a value of another type, and what neither the engine nor Blender can hold."""
+    if not isinstance(value, _ACCEPTS[wanted]) or (wanted != "bool" and isinstance(value, bool)):
+        raise RecipeError(f"{what} must be a {wanted}, got {short(value)}")
+    if isinstance(value, str) and not _is_name(value):
+        raise RecipeError(f"{what} holds letters that no name has, got {short(value)}")
+    most = _LARGEST if wanted == "int" and not what.startswith("seed ") else _LARGEST_SEED
+    if isinstance(value, int) and abs(value) > most:
+        raise RecipeError(f"{what} must be at most {most}, got {short(value)}")
+
+
+def _is_name(text: str) -> bool:
+    try:
+        text.encode()
+    except UnicodeEncodeError:  # half of a pair, which JSON can write
+        return False
+    return "\0" not in text

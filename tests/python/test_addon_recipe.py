@@ -48,6 +48,8 @@ def test_json_is_what_people_can_write():
     ("text", "message"),
     [
         ("{", "not JSON"),
+        pytest.param("[" * 200_000, "not a recipe: its brackets are nested too deep", id="deep"),
+        pytest.param('{"isimp_recipe": "' + "9" * 10**6 + '"}', "version '9+[.]{3}9+'", id="long"),
         ("[]", "no 'isimp_recipe'"),
         ('{"isimp_recipe": 99, "steps": []}', "version 99.*update the add-on"),
         ('{"isimp_recipe": 1}', "'steps' must be a list"),
@@ -69,6 +71,16 @@ def test_json_is_what_people_can_write():
         ('{"isimp_recipe": 1, "steps": [{"step": "lock", "faces": [1, 2.5]}]}', r"a list of faces, got \[1, 2.5\]"),
         ('{"isimp_recipe": 1, "steps": [{"step": "erase", "faces": [4, -2]}]}', "faces must be at least 0, got -2"),
         ('{"isimp_recipe": 1, "steps": [{"step": "grow", "rings": 0}]}', "rings must be at least 1, got 0"),
+        (
+            '{"isimp_recipe": 1, "steps": [{"step": "grow", "rings": 3000000000}]}',
+            "rings of grow must be at most 2",
+        ),
+        (
+            '{"isimp_recipe": 1, "steps": [{"step": "smooth", "faces": [1], "rounds": 1001}]}',
+            r"must be in \[1, 1,000\]",
+        ),
+        ('{"isimp_recipe": 1, "steps": [{"step": "partition", "weights": "\\ud800"}]}', "letters that no name has"),
+        ('{"isimp_recipe": 1, "steps": [{"step": "cut_region", "line": [[1' + "0" * 400 + "]]}]}", "a list of numbers"),
         ('{"isimp_recipe": 1, "steps": [{"step": "add_worst", "times": 0}]}', "times must be at least 1, got 0"),
         ('{"isimp_recipe": 1, "steps": [{"step": "cut_region"}]}', "line must have at least 2 points, got 0"),
         (

@@ -8,6 +8,7 @@ from isimp import recipe as rcp
 from isimp import view
 from isimp.session import Scan, Session
 from isimp.smoothing import reachable, shortened, smoothed
+from isimp.task import Stopped
 
 SIDE = 30
 
@@ -47,6 +48,19 @@ def test_only_what_is_inside_changes_and_neither_locked_regions_nor_faces_in_non
         assert np.array_equal(smoothed(jagged, pairs, inside, np.array(fixed), 10), jagged)
     none = np.where(jagged == 1, -1, 0).astype(np.int32)
     assert np.array_equal(smoothed(none, pairs, inside, np.zeros(1, bool), 10), none)
+
+
+def test_smoothing_asks_every_round_whether_to_go_on():
+    pairs, (_, column) = grid()
+    label, everywhere, asked = (column >= 15).astype(np.int32), np.ones(SIDE * SIDE, bool), []
+    smoothed(label, pairs, everywhere, np.zeros(2, bool), 7, lambda: asked.append(1))
+    assert len(asked) == 14, "of spreading the neighbourhood, and of spreading the regions"
+
+    def stop():
+        raise Stopped
+
+    with pytest.raises(Stopped):
+        smoothed(label, pairs, everywhere, np.zeros(2, bool), 7, stop)
 
 
 def triangles():

@@ -1,6 +1,9 @@
 """The viewports' shading while regions are shown: set, remembered, and given back."""
 
+from contextlib import suppress
+
 import bpy
+from idprop.types import IDPropertyGroup
 
 from . import mesh_io, runtime
 
@@ -16,24 +19,35 @@ def _viewports(context):
                         yield window.screen, f"{index}", space
 
 
+def _is_ours(screen) -> bool:
+    """Whether what is, or would be, kept on a screen is the add-on's, and not something else of the same name."""
+    return isinstance(screen.get(_KEPT, None), IDPropertyGroup | None)
+
+
+def _kept(screen) -> dict:
+    """The colour type of each viewport of a screen as it was before."""
+    kept = screen.get(_KEPT)
+    return kept.to_dict() if isinstance(kept, IDPropertyGroup) else {}
+
+
 def show(context) -> None:
     """Lets Solid shading show the regions' colours in all viewports."""
     for screen, place, space in _viewports(context):
         if space.shading.color_type != "VERTEX":
-            kept = dict(screen.get(_KEPT, {}))
-            kept[place] = space.shading.color_type
-            screen[_KEPT] = kept
+            if _is_ours(screen):
+                screen[_KEPT] = _kept(screen) | {place: space.shading.color_type}
             space.shading.color_type = "VERTEX"
 
 
 def give_back(context) -> None:
     """Gives each viewport the colour type that it had before, unless its user chose another one meanwhile."""
     for screen, place, space in _viewports(context):
-        kept = dict(screen.get(_KEPT, {}))
+        kept = _kept(screen)
         if place in kept and space.shading.color_type == "VERTEX":
-            space.shading.color_type = kept[place]
+            with suppress(TypeError):  # no colour type of this version
+                space.shading.color_type = kept[place]
     for window in context.window_manager.windows:
-        if _KEPT in window.screen:
+        if _KEPT in window.screen and _is_ours(window.screen):
             del window.screen[_KEPT]
 
 

@@ -157,7 +157,14 @@ def _drop_changes(*_):
 
 
 @bpy.app.handlers.persistent
+def _before_load(*_):
+    _drop_changes()
+    store.forget_file()
+
+
+@bpy.app.handlers.persistent
 def _after_undo(*_):
+    store.forget()
     reading.forget()
     pending.follow(bpy.context)
 
@@ -178,7 +185,7 @@ _HANDLERS = (
     ("redo_pre", _drop_changes),
     ("undo_post", _after_undo),
     ("redo_post", _after_undo),
-    ("load_pre", _drop_changes),
+    ("load_pre", _before_load),
     ("load_post", _after_undo),
     ("depsgraph_update_post", _after_update),
 )

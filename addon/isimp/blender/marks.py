@@ -38,10 +38,10 @@ def read(obj, wanted, vertex_count: int) -> dict:
 
 
 def _face_sets(obj):
-    if obj.mode == "EDIT":
+    if mesh_io.is_edited(obj):
         return weights.edit_layer(obj.data, _FACE_SET)
     layer = obj.data.attributes.get(_FACE_SET)
-    if layer is None:
+    if layer is None or (layer.data_type, layer.domain) != ("INT", "FACE"):
         return None
     values = np.empty(len(layer.data), np.int32)
     layer.data.foreach_get("value", values)

@@ -8,11 +8,12 @@ import numpy as np
 
 from .. import view
 from ..session import Scan
-from . import runtime
+from . import raw, runtime
 
 REGION, COLOR = "isimp_region", "isimp_color"
 FLAW = "isimp_flaw"  # of the result's polygons: 1 where something is amiss
 STATE = ".isimp_state"  # which recipe led to the regions; see store.py
+KINDS = {REGION: ("INT", "FACE"), STATE: ("INT", "FACE"), COLOR: ("FLOAT_COLOR", "CORNER")}
 _ORIGIN = ".isimp_origin"
 _PIECE = 5000  # faces: writing all of them takes about a hundredth of a second
 _UNKNOWN = -2  # no region has this number
@@ -48,7 +49,7 @@ def place_matrix(obj) -> np.ndarray:
 def read(context, obj) -> Scan:
     """The object as seen: evaluated, scaled, cut into triangles; faces are those of its own mesh. Raises Unusable."""
     shape = shape_matrix(obj)
-    if obj.mode == "EDIT":
+    if is_edited(obj):
         obj.update_from_editmode()
     face_count = len(obj.data.polygons)
     if not has_modifiers(obj):
@@ -131,7 +132,7 @@ def _evaluated_arrays(context, obj):
 
 def selected_faces(obj) -> np.ndarray:
     """Indices of the faces that are selected, in either mode."""
-    if obj.mode == "EDIT":
+    if is_edited(obj):
         obj.update_from_editmode()
     selected = np.empty(len(obj.data.polygons), bool)
     obj.data.polygons.foreach_get("select", selected)
@@ -141,7 +142,7 @@ def selected_faces(obj) -> np.ndarray:
 def select_polygons(obj, chosen: np.ndarray) -> None:
     """Selects polygons and their corners, and no others, in either mode. chosen: (polygons,) bool."""
     mesh = obj.data
-    if obj.mode == "EDIT":
+    if is_edited(obj):
         edit = edit_mesh(mesh)
         for part in (edit.verts, edit.edges, edit.faces):
             for item in part:
@@ -183,32 +184,56 @@ def edit_mesh(mesh):
     return edit
 
 
+def is_edited(obj) -> bool:
+    """Whether an object's mesh is in Edit Mode. While a file that was saved there is opened, it is so only in name."""
+    return obj.mode == "EDIT" and obj.data.is_editmode
+
+
 def counts(obj) -> tuple[int, int]:
     """How many vertices and faces an object's mesh has now, in either mode."""
-    if obj.mode == "EDIT":
+    if is_edited(obj):
         edit = edit_mesh(obj.data)
         return len(edit.verts), len(edit.faces)
     return len(obj.data.vertices), len(obj.data.polygons)
 
 
+def is_own(layer) -> bool:
+    """Whether a layer is of the name and the kind of one of the add-on's."""
+    return (layer.data_type, layer.domain) == KINDS.get(layer.name)
+
+
+def own_layer(mesh, name: str):
+    """A layer of the add-on's; None if there is none, or another one has its name."""
+    layer = mesh.attributes.get(name)
+    if layer is None or is_own(layer):
+        return layer
+    return next((other for other in mesh.attributes if other.name == name and is_own(other)), None)
+
+
 def state_of(obj) -> int:
     """The state kept beside the regions; 0 where there is none. Cost: none to speak of."""
-    if obj.mode == "EDIT":
+    if is_edited(obj):
         faces = edit_mesh(obj.data).faces
         layer = faces.layers.int.get(STATE)
         return next(iter(faces))[layer] if layer is not None and len(faces) else 0
-    layer = obj.data.attributes.get(STATE)
+    layer = own_layer(obj.data, STATE)
     return layer.data[0].value if layer is not None and len(layer.data) else 0
 
 
 def read_regions(obj) -> np.ndarray:
     """(faces,) int32 as last written; all -1 where there are none. In edit mode as of the last update_from_editmode."""
-    if obj.mode == "EDIT":
+    if is_edited(obj):
         return _read_edit_regions(obj)
     regions = np.full(len(obj.data.polygons), -1, np.int32)
-    layer = obj.data.attributes.get(REGION)
+    layer = own_layer(obj.data, REGION)
     if layer is not None:
         layer.data.foreach_get("value", regions)
+    return _possible(regions)
+
+
+def _possible(regions: np.ndarray) -> np.ndarray:
+    """Regions without numbers that none can have, which take work or memory without end where they are counted."""
+    regions[(regions < 0) | (regions >= len(regions))] = -1
     return regions
 
 
@@ -221,7 +246,7 @@ def _read_edit_regions(obj) -> np.ndarray:
     layer = faces.layers.int.get(REGION)
     if layer is None:
         return np.full(len(faces), -1, np.int32)
-    regions = np.fromiter((face[layer] for face in faces), np.int32, len(faces))
+    regions = _possible(np.fromiter((face[layer] for face in faces), np.int32, len(faces)))
     if not bpy.app.background:  # where nothing tells of changes
         runtime.get().seen = {obj.name: (state_of(obj), regions)}
     return regions.copy()
@@ -242,7 +267,7 @@ def write_regions(obj, face_region: np.ndarray, face_color: np.ndarray, state: i
     face_color: (faces,) into view.COLORS. corner_color: the colour of each corner, if that is there already; it is used
     for others then.
     """
-    if obj.mode == "EDIT":
+    if is_edited(obj):
         if not _is_written(obj, face_region, state):
             for _ in writing(obj, face_region, face_color, state):
                 pass
@@ -255,7 +280,7 @@ def write_regions(obj, face_region: np.ndarray, face_color: np.ndarray, state: i
 
 def write_state(obj, state: int) -> None:
     """Puts another state beside the regions, which stay."""
-    if obj.mode == "EDIT":
+    if is_edited(obj):
         edit = edit_mesh(obj.data)
         stamp = edit.faces.layers.int.get(STATE) or edit.faces.layers.int.new(STATE)
         for face in edit.faces:
@@ -269,7 +294,7 @@ def write_state(obj, state: int) -> None:
 
 def clear_regions(obj) -> None:
     """Takes regions, their colours and the state from the mesh, and shows again the colours that were shown before."""
-    if obj.mode == "EDIT":
+    if is_edited(obj):
         edit = edit_mesh(obj.data)
         for layers, name in (
             (edit.faces.layers.int, REGION),
@@ -281,7 +306,7 @@ def clear_regions(obj) -> None:
         bmesh.update_edit_mesh(obj.data, loop_triangles=False, destructive=False)
     else:
         for name in (REGION, STATE, COLOR):
-            layer = obj.data.attributes.get(name)
+            layer = own_layer(obj.data, name)
             if layer is not None:
                 obj.data.attributes.remove(layer)
         _updated(obj.data)
@@ -370,15 +395,19 @@ def _make_edit_layers(edit):
 
 def show_color(mesh) -> None:
     """Makes the regions' colours the ones shown, and remembers which were before."""
-    active = mesh.color_attributes.active_color
+    active, ours = mesh.color_attributes.active_color, mesh.color_attributes.get(COLOR)
+    if ours is None:
+        return
     if active is not None and active.name != COLOR:
+        raw.make_way(mesh)
         mesh.isimp.user_color = active.name
-    mesh.color_attributes.active_color = mesh.color_attributes[COLOR]
+    mesh.color_attributes.active_color = ours
 
 
 def give_color_back(mesh) -> None:
     """Shows again the colours that were shown before the regions' were."""
-    layer = mesh.color_attributes.get(mesh.isimp.user_color) if mesh.isimp.user_color else None
+    name = raw.text(mesh, "user_color")
+    layer = mesh.color_attributes.get(name) if name else None
     if layer is not None:
         mesh.color_attributes.active_color = layer
 

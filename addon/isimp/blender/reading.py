@@ -90,7 +90,7 @@ def _read(context, obj):
         forget()
     if bpy.app.background or mesh_io.has_modifiers(obj):
         return mesh_io.read(context, obj)
-    if obj.mode == "EDIT":
+    if mesh_io.is_edited(obj):
         if obj.name in known and known[obj.name].stands(obj):
             return known[obj.name].scan
         obj.update_from_editmode()

@@ -48,7 +48,9 @@ class Runtime:
         self.spare = Spare()
         self.running = None  #: the modal operator's Work while there is one
         self.nodes = {}  #: what store.py knows beyond what undo takes back
-        self.recipes = {}  #: state -> Recipe, parsed
+        self.recipes = {}  #: (mesh's name, state) -> Recipe as it was read, None if it can't be
+        self.stored = {}  #: (mesh's name, state) -> stored.Stored, until something can have changed it
+        self.most_nodes = {}  #: mesh's name -> how many nodes it may have before some are forgotten; see store.py
         self.live = Live()
         self.scans = {}  #: object's name -> what was read of it last; see reading.py
         self.groups = {}  #: (object's name, vertex group's) -> weights.Group, as far as it is read

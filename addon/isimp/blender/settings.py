@@ -245,9 +245,18 @@ def _plain(cls) -> type:
     for field in dataclasses.fields(cls):
         if field.name != "enabled" and field.type in kinds:
             more = {"default": field.default} if field.default is not dataclasses.MISSING else {}
-            limits = {"min": 0} if field.type in {"int", "float"} and more.get("default", 0) >= 0 else {}
+            limits = _LIMITS.get((cls, field.name), {"min": 0} if field.type in {"int", "float"} else {})
             made[field.name] = kinds[field.type](name=_words(field.name), **more, **limits)
     return type(f"{cls.__name__}Settings", (), {"__annotations__": made})
+
+
+#: of settings that may be below 0, or not 0
+_LIMITS = {
+    (rcp.PaintFaces, "onto"): {},
+    (rcp.SmoothFaces, "rounds"): {"min": 1, "max": rcp.MOST_ROUNDS},
+    **{(cls, "rings"): {"min": 1} for cls in (rcp.GrowRegion, rcp.ShrinkRegion)},
+    **{(cls, "times"): {"min": 1} for cls in (rcp.AddWorst, rcp.DeleteLeast, rcp.MergeCheapest)},
+}
 
 
 def _words(name: str) -> str:
@@ -329,8 +338,25 @@ def names(cls) -> list:
     return [field.name for field in dataclasses.fields(cls) if field.name in _KNOWN[cls]]
 
 
+def held(prop, value):
+    """A value as a property can hold it: within its limits, and its default in place of what is no such value."""
+    if prop.type == "ENUM":
+        return value if value in prop.enum_items else prop.default
+    if prop.type not in {"INT", "FLOAT"}:
+        return value
+    if math.isnan(value):
+        return prop.default
+    return min(max(value, prop.hard_min), prop.hard_max)
+
+
+def _kinds(properties):
+    """What each property of a group, or of an operator, is."""
+    return getattr(properties, "properties", properties).bl_rna.properties
+
+
 def _values(cls, properties) -> dict:
-    values = {name: getattr(properties, name) for name in names(cls)}
+    kinds = _kinds(properties)
+    values = {name: held(kinds[name], getattr(properties, name)) for name in names(cls)}
     return {name: round(value, 6) if isinstance(value, float) else value for name, value in values.items()}
 
 
@@ -341,8 +367,8 @@ def to_step(cls, properties):
 
 def updated(step, properties):
     """The step with what properties of the same names say; a float that a property can't tell apart is kept."""
-    new = _values(type(step), properties)
-    changed = {name: value for name, value in new.items() if not _alike(value, getattr(step, name))}
+    new, kinds = _values(type(step), properties), _kinds(properties)
+    changed = {name: value for name, value in new.items() if not _alike(value, held(kinds[name], getattr(step, name)))}
     return dataclasses.replace(step, **changed) if changed else step
 
 
@@ -354,15 +380,18 @@ def _alike(a, b) -> bool:
 
 def copy(cls, source, target) -> None:
     """Copies the settings of a step from one holder (a step, too) to another."""
+    kinds = _kinds(target)
     for name in names(cls):
-        if getattr(target, name) != getattr(source, name):
-            setattr(target, name, getattr(source, name))
+        value = held(kinds[name], getattr(source, name))
+        if getattr(target, name) != value:
+            setattr(target, name, value)
 
 
 def give(cls, source, operator) -> None:
     """Gives a button's operator the settings of a step, each of them: what is not given it takes from its last use."""
+    kinds = _kinds(operator)
     for name in names(cls):
-        setattr(operator, name, getattr(source, name))
+        setattr(operator, name, held(kinds[name], getattr(source, name)))
 
 
 def shown_step(recipe, cls):

@@ -7,12 +7,22 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from . import display, mesh_io, store, targets
+from .. import stored
+from . import aside, display, mesh_io, raw, store, targets
+
+
+def _save(scan, work, numbers: dict) -> int:
+    """Keeps the recipe and returns its state. What can't be read is moved aside first, and stays in the file."""
+    unknown = not mesh_io.state_of(scan) and aside.has_regions(scan.data)
+    aside.set_aside(scan, regions_too=bool(store.read(scan).problem) or unknown)
+    state = store.save(scan, work.recipe, numbers)
+    work.states |= {mesh_io.state_of(scan), state}
+    return state
 
 
 def show_regions(context, scan, work, outcome) -> None:
     """Writes regions and colours on the scan and brings it to the front."""
-    state = store.save(scan, work.recipe, outcome.numbers)
+    state = _save(scan, work, outcome.numbers)
     _write(scan, work, outcome, state)
     result = targets.result_of(context.scene, scan)
     if context.view_layer.objects.active != scan:
@@ -24,9 +34,11 @@ def show_polygons(context, scan, work, outcome) -> None:
     """Makes or refreshes the result beside the scan, which is hidden, and brings it to the front."""
     if scan.mode == "EDIT":
         bpy.ops.object.mode_set(mode="OBJECT")
-    state = store.save(scan, work.recipe, outcome.numbers)
+    state = _save(scan, work, outcome.numbers)
     _write(scan, work, outcome, state)
     result = targets.result_of(context.scene, scan) or _new_result(context, scan)
+    for obj in (scan, result):
+        raw.make_way(obj)
     scan.isimp.key = scan.isimp.key or uuid.uuid4().hex
     result.isimp.scan_key, result.isimp.scan_name = scan.isimp.key, scan.name
     _fill(result, scan, outcome)
@@ -51,8 +63,7 @@ def writing(scan, work, outcome):
     """
     if scan.mode != "EDIT" or outcome.polygons is not None:
         return
-    state = store.save(scan, work.recipe, outcome.numbers)
-    work.states.add(state)
+    state = _save(scan, work, outcome.numbers)
     yield from mesh_io.writing(scan, outcome.face_region, _color(work, outcome), state)
 
 
@@ -63,10 +74,10 @@ def show_outcome(context, scan, work, outcome) -> None:
 
 def show_failed(context, scan, work, error) -> None:
     """Keeps a recipe of which a step can't be done, with the reason; what is seen stays, as the last good result."""
-    failed = {"failed": error.index, "reason": error.reason}
+    failed = {"failed": error.index, "reason": stored.line(error.reason)}
     outcome = error.outcome
-    if mesh_io.state_of(scan) or outcome is None:
-        state = store.save(scan, work.recipe, store.numbers(scan) | failed)
+    if outcome is None or (mesh_io.state_of(scan) and not store.read(scan).problem):
+        state = _save(scan, work, store.numbers(scan) | failed)
         mesh_io.write_state(scan, state)
     else:  # nothing was seen before
         show_regions(context, scan, work, replace(outcome, numbers=outcome.numbers | failed))

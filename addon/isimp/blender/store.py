@@ -7,6 +7,9 @@ the regions it led to; nodes are kept in a property of the mesh and never change
 Undo in edit mode restores the layers but no properties. As the state is in a layer, it is always that of the regions
 seen; as nodes are only added, the property still knows it. Undo past the start of edit mode and redo can leave the
 property behind; the copy in memory bridges that.
+
+Of nodes that this version can't read, none is ever changed or dropped: a later version may read them. Layers with such
+a state are renamed before others are written (see aside.set_aside).
 """
 
 import json
@@ -15,10 +18,11 @@ import zlib
 import bpy
 from bpy.props import CollectionProperty, IntProperty, StringProperty
 
-from .. import recipe as rcp
-from . import mesh_io, runtime
+from .. import stored
+from . import aside, mesh_io, raw, runtime
 
 MOST_NODES = 4000
+_NO_LIST = "The steps can't be read: something else is in the place of their list"
 
 
 class IsimpNode(bpy.types.PropertyGroup):
@@ -47,84 +51,125 @@ class IsimpObject(bpy.types.PropertyGroup):
 
 
 def load(obj):
-    """The recipe that led to the regions on the object: empty if it has none, None if it is not known."""
-    return recipe_of(obj.data, mesh_io.state_of(obj))
+    """The recipe that led to the regions on the object: empty if it has none, None if it can't be read."""
+    return read(obj).recipe
 
 
 def numbers(obj) -> dict:
-    """What the last step did."""
-    node = _node(obj.data, mesh_io.state_of(obj))
-    return json.loads(node[2]) if node and node[2] else {}
+    """What the last step did, as far as that can be read."""
+    return read(obj).numbers
 
 
-def recipe_of(mesh, state: int):
-    known = runtime.get().recipes
-    if state not in known:
-        steps = []
-        at = state
-        while at:
-            node = _node(mesh, at)
-            if node is None:
-                return None
-            steps.append(rcp.step_from_dict(json.loads(node[1])))
-            at = node[0]
-        known[state] = rcp.Recipe(tuple(reversed(steps)))
-    return known[state]
+def read(obj) -> stored.Stored:
+    """What is known of the regions on the object. Whatever is in the file: it never raises, and takes a moment."""
+    return _read(obj.data, mesh_io.state_of(obj))
+
+
+def kept(obj):
+    """The recipe of the regions that were moved aside last, if this version can read it and it is another one."""
+    state = aside.last_state(obj)
+    recipe = _read(obj.data, state).recipe if state else None
+    return recipe if recipe is not None and recipe != load(obj) else None
+
+
+def _read(mesh, state: int) -> stored.Stored:
+    current, key = runtime.get(), (mesh.name_full, state)
+    if key not in current.stored:
+        found = _Nodes(mesh)
+        known = stored.Stored(None, problem=_NO_LIST) if found.are_lost and key[1] else None
+        known = known or stored.read(key[1], found.node, current.recipes.get(key))
+        current.stored[key], current.recipes[key] = known, known.recipe
+    return current.stored[key]
+
+
+def forget() -> None:
+    """Reads again what can have changed: undo brings back other numbers of the same state."""
+    runtime.get().stored.clear()
+
+
+def forget_file() -> None:
+    """Drops what is known of a file, as another one is opened."""
+    forget()
+    runtime.get().recipes.clear()
+    runtime.get().nodes.clear()
+    runtime.get().most_nodes.clear()
+
+
+class _Nodes:
+    """The nodes of a mesh by their ids. Good until one is added or removed."""
+
+    def __init__(self, mesh):
+        found = raw.nodes(mesh)
+        self.are_lost = found is None
+        self._found = found or []
+        self.ids = [_id(node.get("name")) for node in self._found]
+        self.places = {at: place for place, at in reversed(list(enumerate(self.ids)))}  # of several the first
+
+    def node(self, state: int):
+        """(parent, step, numbers), or None if there is no such node, or what there is is none."""
+        place = self.places.get(state)
+        return runtime.get().nodes.get(state) if place is None else stored.node_from(self._found[place])
+
+    def suits(self, state: int, parent: int, step: str) -> bool:
+        """Whether an id is, or can be, that of a step."""
+        node = self.node(state)
+        return node[:2] == (parent, step) if node is not None else state not in self.places
+
+
+def _id(name) -> int:
+    """The id in the name of a node; 0, which no node has, if there is none."""
+    is_id = isinstance(name, str) and name.isascii() and name.isdecimal() and len(name) < 12
+    return int(name) if is_id and str(int(name)) == name else 0
 
 
 def save(obj, recipe, step_numbers: dict) -> int:
     """Keeps the recipe on the object's mesh. Returns its state, for the layer beside the regions."""
-    mesh = obj.data
-    parent = 0
-    for step in recipe.steps:
-        parent = _add_node(mesh, parent, json.dumps(step.to_dict(), sort_keys=True))
-    text = json.dumps(step_numbers)
-    _set_numbers(mesh, parent, text)
-    runtime.get().recipes[parent] = recipe
-    if len(mesh.isimp.nodes) > MOST_NODES:
-        _forget_others(mesh, parent)
-    return parent
-
-
-def _node(mesh, state: int):
-    """(parent, step, numbers) or None."""
-    item = mesh.isimp.nodes.get(str(state))
-    if item is not None:
-        return item.parent, item.step, item.numbers
-    return runtime.get().nodes.get(state)
-
-
-def _add_node(mesh, parent: int, step: str) -> int:
-    state = zlib.crc32(f"{parent} {step}".encode()) & 0x7FFFFFFF
-    while True:
-        node = _node(mesh, state)
-        if state and (node is None or node[:2] == (parent, step)):
-            break
-        state = (state + 1) & 0x7FFFFFFF  # taken by another step
-    if mesh.isimp.nodes.get(str(state)) is None:
+    mesh, memory, text = obj.data, runtime.get().nodes, json.dumps(step_numbers)
+    raw.make_way(mesh)
+    state, fresh = 0, []
+    found = _Nodes(mesh)
+    for step in (json.dumps(step.to_dict(), sort_keys=True) for step in recipe.steps):
+        parent, state = state, _state(found, state, step)
+        known = found.node(state) or (parent, step, "")
+        if state not in found.places:
+            fresh.append((state, known))
+        memory[state] = known
+    for at, node in fresh:
         item = mesh.isimp.nodes.add()
-        item.name, item.parent, item.step = str(state), parent, step
-        if node is not None:
-            item.numbers = node[2]
-    runtime.get().nodes.setdefault(state, (parent, step, ""))
+        item.name, item.parent, item.step, item.numbers = str(at), *node
+    mesh.isimp.nodes[_Nodes(mesh).places[state]].numbers = text
+    memory[state] = (*memory[state][:2], text)
+    forget()
+    runtime.get().recipes[mesh.name_full, state] = recipe
+    if len(mesh.isimp.nodes) > runtime.get().most_nodes.get(mesh.name_full, MOST_NODES):
+        _forget_others(obj, state)
+        # Those that have to stay may be many, and are not to be looked through every time.
+        runtime.get().most_nodes[mesh.name_full] = max(MOST_NODES, 2 * len(mesh.isimp.nodes))
     return state
 
 
-def _set_numbers(mesh, state: int, text: str) -> None:
-    item = mesh.isimp.nodes[str(state)]
-    item.numbers = text
-    runtime.get().nodes[state] = (item.parent, item.step, text)
+def _state(found: _Nodes, parent: int, step: str) -> int:
+    """The id of a step that follows another."""
+    state = zlib.crc32(f"{parent} {step}".encode()) & 0x7FFFFFFF
+    while not state or not found.suits(state, parent, step):
+        state = (state + 1) & 0x7FFFFFFF  # taken by another step
+    return state
 
 
-def _forget_others(mesh, state: int) -> None:
-    """Drops the nodes that do not lead to the state."""
+def _forget_others(obj, state: int) -> None:
+    """Drops the nodes that do not lead to the state, but for those that can't be read here and what leads to them."""
+    mesh, found = obj.data, _Nodes(obj.data)
+    good = stored.readable(found.ids, found.node)
+    heads = {state, *aside.states(obj), *(at for at in found.ids if at not in good)}
     needed = set()
-    while state:
-        needed.add(str(state))
-        state = mesh.isimp.nodes[str(state)].parent
-    for index in range(len(mesh.isimp.nodes) - 1, -1, -1):
-        if mesh.isimp.nodes[index].name not in needed:
-            mesh.isimp.nodes.remove(index)
+    while heads:
+        at = heads.pop()
+        if at and at not in needed:
+            needed.add(at)
+            heads.add((found.node(at) or (0,))[0])
+    for place, at in reversed(list(enumerate(found.ids))):
+        if at and at not in needed and place == found.places[at]:
+            mesh.isimp.nodes.remove(place)
 
 
 CLASSES = (IsimpNode, IsimpMesh, IsimpObject)

@@ -3,7 +3,7 @@
 import bpy
 
 from .. import session
-from . import mesh_io, runtime, store
+from . import aside, mesh_io, raw, runtime, store
 
 _OTHER = {
     "CURVE": "a curve",
@@ -23,21 +23,23 @@ _MAKES_MESH = {"CURVE", "SURFACE", "META", "FONT"}
 
 
 def scan_of(obj):
-    """The scan a result was made from, if it is still there; else None."""
-    if obj is None or not obj.isimp.scan_key:
+    """The scan a result was made from, if it is still there; else None. A scan of a result of its own is no result."""
+    wanted = raw.text(obj, "scan_key") if obj is not None else ""
+    if not wanted or raw.text(obj, "key"):
         return None
-    named = bpy.data.objects.get(obj.isimp.scan_name)
-    if named is not None and named.isimp.key == obj.isimp.scan_key:
+    named = bpy.data.objects.get(raw.text(obj, "scan_name"))
+    if named is not None and raw.text(named, "key") == wanted:
         return named
-    return next((other for other in bpy.data.objects if other.isimp.key == obj.isimp.scan_key), None)
+    return next((other for other in bpy.data.objects if raw.text(other, "key") == wanted), None)
 
 
 def result_of(scene, scan):
-    """The result made from a scan, if it is still in the scene; else None."""
-    if not scan.isimp.key:
+    """The result made from a scan, if it is still in the scene; else None. Never what shares the scan's mesh."""
+    key = raw.text(scan, "key")
+    if not key:
         return None
-    made = (obj for obj in scene.objects if obj.isimp.scan_key == scan.isimp.key and obj.type == "MESH")
-    return next((obj for obj in made if scan_of(obj) == scan), None)
+    made = (obj for obj in scene.objects if raw.text(obj, "scan_key") == key and obj.type == "MESH")
+    return next((obj for obj in made if obj.data != scan.data and scan_of(obj) == scan), None)
 
 
 def find(context):
@@ -96,10 +98,22 @@ def has_regions(scan) -> bool:
 
 def needs_steps(scan) -> str:
     """Why the recipe of a scan can't be worked on; empty if it can."""
-    recipe = store.load(scan)
-    if recipe is None:
-        return "It is not known how these regions were made: press Partition to start again"
-    return "" if recipe.steps else "There are no regions yet: press Partition first"
+    stored = store.read(scan)
+    if stored.recipe is None:
+        return f"{stored.problem}: press Partition to start again"
+    return "" if stored.recipe.steps else "There are no regions yet: press Partition first"
+
+
+def notes(scan) -> list:
+    """Lines that say what on a scan can't be read, and where it is kept; none where all is well."""
+    problem, end = store.read(scan).problem, aside.suffix(scan.data)
+    anew = f"Nothing is lost: Partition starts anew and keeps this as '{mesh_io.REGION}{end}'"
+    lines = [f"{problem}. {anew}."] if problem else []
+    for name, kind in aside.foreign_layers(scan.data):
+        lines.append(f"'{name}' is no layer of iSimp's ({kind}): Partition keeps it as '{name}{end}'.")
+    kept = aside.layers(scan.data) + raw.kept(scan.data) + raw.kept(scan)
+    shown = ", ".join(f"'{name}'" for name in kept if not name.startswith(".")) or ", ".join(kept)
+    return [*lines, f"Kept, as it could not be read: {shown}"] if kept else lines
 
 
 def needs_regions(scan) -> str:

@@ -117,17 +117,17 @@ def length(value: float, system: str, scale: float) -> str:
 
 def number_rows(numbers: dict, system: str, scale: float) -> list:
     """(name, value) of what the last step did, in the order they matter."""
-    if not numbers:
-        return []
-    rows = [("Regions", f"{numbers['regions']:,}")]
+    rows = [("Regions", f"{numbers['regions']:,}")] if "regions" in numbers else []
     if "polygons" in numbers:
         rows += [("Polygons", f"{numbers['polygons']:,}"), ("Corners", f"{numbers['corners']:,}")]
         rows += [("Vertices", f"{numbers['vertices']:,}")]
-    rows.append(("Error", f"{numbers['error']:.4g}"))
+    if "error" in numbers:
+        rows.append(("Error", f"{numbers['error']:.4g}"))
     if numbers.get("barriers"):
         kept = numbers["barriers"] - numbers.get("barriers_inside", 0)
         rows.append(("Kept to", f"{kept:,} of {_count(numbers['barriers'], 'edge')}"))
     if numbers.get("left_out"):
         rows.append(("Left out", _count(numbers["left_out"], "face")))
-    rows.append(("Seconds", f"{numbers['seconds']:.2f}"))
+    if "seconds" in numbers:
+        rows.append(("Seconds", f"{numbers['seconds']:.2f}"))
     return rows

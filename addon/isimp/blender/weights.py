@@ -5,9 +5,9 @@ import time
 
 import numpy as np
 
-from . import mesh_io
+from . import aside, mesh_io
 
-_OWN = frozenset({mesh_io.REGION, mesh_io.STATE, mesh_io.COLOR})
+_OWN = (mesh_io.REGION, mesh_io.STATE, mesh_io.COLOR)
 _KINDS = {"FLOAT", "INT", "BOOLEAN", "INT8"}
 _PIECE = 5000  # vertices: a few thousandths of a second
 
@@ -15,13 +15,18 @@ _PIECE = 5000  # vertices: a few thousandths of a second
 def names(obj) -> list:
     """The vertex groups and attributes that can weigh."""
     groups = [group.name for group in obj.vertex_groups]
-    return groups + [layer.name for layer in obj.data.attributes if _fits(layer) and layer.name not in {*_OWN, *groups}]
+    layers = (layer.name for layer in obj.data.attributes if _fits(layer))
+    return groups + [name for name in layers if not _is_own(name) and name not in groups]
 
 
 def face_names(obj) -> list:
     """The attributes of faces that regions can keep to."""
     layers = obj.data.attributes
-    return [layer.name for layer in layers if _fits(layer) and layer.domain == "FACE" and layer.name not in _OWN]
+    return [layer.name for layer in layers if _fits(layer) and layer.domain == "FACE" and not _is_own(layer.name)]
+
+
+def _is_own(name: str) -> bool:
+    return name in _OWN or name.startswith(tuple(f"{own}{aside.KEPT}" for own in _OWN))
 
 
 def _fits(layer) -> bool:
@@ -37,7 +42,7 @@ def read(obj, wanted, groups: dict) -> dict:
     for name in sorted(wanted):
         if name in groups:
             found[name] = groups[name].values
-        elif obj.mode == "EDIT":
+        elif mesh_io.is_edited(obj):
             values = edit_layer(obj.data, name)
             if values is not None:
                 found[name] = values

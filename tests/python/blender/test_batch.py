@@ -117,16 +117,23 @@ def test_a_recipe_says_what_is_done(tmp_path):
         ({"face": 99999}, [], "there is no face 99999"),
         ({"step": "magic"}, [], "'magic' is not a step"),
         ({}, ["--proxies", "9"], "leave out --proxies"),
-        (None, [], "r.json"),
+        (None, [], "the recipe 'r.json' can't be read: No such file"),
+        (b"[" * 200_000, [], "the recipe 'r.json' can't be used: not a recipe: its brackets are nested too deep"),
+        (b'{"isimp_recipe": "\xe9"}', [], "the recipe 'r.json' can't be read: it is not UTF-8 text"),
     ],
 )
-def test_a_recipe_that_cannot_be_done_writes_nothing(change, more, message, tmp_path, capsys):
+def test_a_recipe_that_cannot_be_done_writes_nothing(change, more, message, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     export(".ply", tmp_path / "cube.ply")
-    if change is not None:
+    if isinstance(change, bytes):
+        (tmp_path / "r.json").write_bytes(change)
+    elif change is not None:
         steps = [RECIPE["steps"][0], RECIPE["steps"][1] | change]
         (tmp_path / "r.json").write_text(json.dumps(RECIPE | {"steps": steps}))
-    assert run(tmp_path / "cube.ply", tmp_path / "out.obj", "--recipe", tmp_path / "r.json", *more) == 3
-    assert message in capsys.readouterr().err
+    assert run("cube.ply", "out.obj", "--recipe", "r.json", *more) == 3
+    said = capsys.readouterr().err
+    assert message in said
+    assert "Traceback" not in said
     assert not (tmp_path / "out.obj").exists()
 
 
@@ -161,6 +168,26 @@ def test_a_table_has_a_row_for_each_scan_and_says_why_nothing_came_of_one(tmp_pa
     assert "no mesh with faces" in rows[1]["problem"]
     assert "there is no file" in rows[2]["problem"]
     assert rows[1]["polygons"] == rows[2]["polygons"] == ""
+
+
+@pytest.mark.parametrize("name", ["out.obj", "out.ply", "out.glb", "out.blend", "p.png"])
+def test_what_cannot_be_written_is_said_in_one_line(name, tmp_path, capfd):
+    """Where a folder has the name, not even root can write a file."""
+    export(".ply", tmp_path / "cube.ply")
+    there = tmp_path / name
+    there.mkdir()
+    outputs = [tmp_path / "fine.obj", "--picture", there] if name == "p.png" else [there]
+    capfd.readouterr()
+    assert run(tmp_path / "cube.ply", *outputs, "--proxies", 6) == 3
+    said = capfd.readouterr().err.strip().splitlines()
+    assert said[-1].endswith(f"'{there}' can't be written: Is a directory")
+    assert not any("Traceback" in line for line in said)
+
+
+def test_what_a_writer_in_python_says_is_one_line():
+    message = 'Error: Python: Traceback (most recent call last):\n  File "a.py", line 1, in b\nOSError: full\n'
+    assert batch.said(message + "Location: a.py:3\n") == "OSError: full"
+    assert batch.said("Error: one thing\n and another\n") == "one thing and another"
 
 
 def test_glb_goes_out(tmp_path):

@@ -143,11 +143,21 @@ def test_a_recipe_of_which_a_step_fails_shows_what_could_be_done():
 
 @pytest.mark.parametrize(
     ("text", "said"),
-    [("not a recipe", "it is not JSON"), ("{}", "no 'isimp_recipe'"), (Recipe().to_json(), "no step that is switched")],
+    [
+        ("not a recipe", "it is not JSON"),
+        ("{}", "no 'isimp_recipe'"),
+        (Recipe().to_json(), "no step that is switched"),
+        pytest.param("[" * 200_000, "its brackets are nested too deep", id="deep"),
+        (
+            '{"isimp_recipe": 1, "steps": [{"step": "lock", "faces": "\\ud800"}]}',
+            "faces of lock must be a list",
+        ),
+        ('{"isimp_recipe": 1, "steps": []}\0', "it is not JSON|not text|no step"),
+    ],
 )
 def test_what_is_no_recipe_is_refused(edited, text, said, tmp_path):
     before = scans.regions(edited).tolist()
-    (tmp_path / "bad.json").write_text(text)
+    (tmp_path / "bad.json").write_text(text, encoding="utf-8")
     for call, settings in (("replay", {"recipe": text}), ("recipe_import", {"filepath": str(tmp_path / "bad.json")})):
         with pytest.raises(RuntimeError, match=said):
             getattr(bpy.ops.isimp, call)(**settings)

@@ -39,6 +39,26 @@ class ISIMP_OT_replay(RecipeOperator, bpy.types.Operator):
         return f"{numbers['triangles']:,} triangles in {numbers['regions']} regions"
 
 
+class ISIMP_OT_take_back(RecipeOperator, bpy.types.Operator):
+    """Do the steps again that were kept, as an earlier version could not read them, in place of those done since"""
+
+    bl_idname = "isimp.take_back"
+    bl_label = "Take Kept Steps Back"
+    keeps_failed = True
+
+    @classmethod
+    def problem(cls, context, scan):
+        return "" if store.kept(scan) is not None else "No steps are kept that can be read"
+
+    def wanted(self, context, scan):
+        return store.kept(scan)
+
+    show = staticmethod(show.show_outcome)
+
+    def told(self, before, numbers):
+        return f"{before.get('regions', '?')} -> {numbers['regions']} regions"
+
+
 class _HasRecipe:
     """Mixin of what reads the active scan's recipe."""
 
@@ -70,6 +90,9 @@ class _TakesRecipe:
             done = bpy.ops.isimp.replay("INVOKE_DEFAULT", True, recipe=recipe)
         except RuntimeError as error:
             self.report({"ERROR"}, str(error).strip().removeprefix("Error: "))
+            return {"CANCELLED"}
+        except (TypeError, ValueError):  # Blender can't hand it over
+            self.report({"ERROR"}, "Not a recipe: it is not text.")
             return {"CANCELLED"}
         return {"CANCELLED"} if done == {"RUNNING_MODAL"} else done
 
@@ -146,6 +169,7 @@ class ISIMP_OT_recipe_import(_TakesRecipe, bpy.types.Operator):
 
 CLASSES = (
     ISIMP_OT_replay,
+    ISIMP_OT_take_back,
     ISIMP_OT_recipe_copy,
     ISIMP_OT_recipe_paste,
     ISIMP_OT_recipe_export,

@@ -77,7 +77,7 @@ class ISIMP_OT_step_delete(_AtStep, bpy.types.Operator):
 
     def _cleared(self, context):
         scan, problem = targets.find(context)
-        if problem or len(store.load(scan).steps) != 1 or self.step != 0:
+        if problem or targets.needs_steps(scan) or len(store.load(scan).steps) != 1 or self.step != 0:
             return None
         mesh_io.clear_regions(scan)
         show.bring_to_front(context, scan, None)

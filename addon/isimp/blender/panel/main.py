@@ -26,6 +26,10 @@ class ISIMP_PT_main(Panel, bpy.types.Panel):
         draw_lines(context, column, text.scan_line(scan.data, numbers), icon="BLANK1")
         for warning in text.warnings(scan.data, numbers):
             draw_lines(context, layout, warning, icon="ERROR")
+        for note in targets.notes(scan):
+            draw_lines(context, layout, note, icon="INFO")
+        if store.kept(scan) is not None:
+            layout.operator("isimp.take_back", icon="LOOP_BACK")
         presets.draw(context, layout)
         partition = panel.partition
         ways = layout.grid_flow(row_major=True, columns=1 if is_narrow(context) else 2, align=True)
@@ -33,7 +37,7 @@ class ISIMP_PT_main(Panel, bpy.types.Panel):
         for name in rcp.COUNTS:
             ways.prop_enum(partition, "count_by", name)
         row = layout.row(align=True)
-        row.prop(partition, partition.count_by)
+        row.prop(partition, partition.count_by or "detail")  # which a file of another version may not say
         row.prop(panel, "live", text="", icon="PLAY")
         if partition.count_by != "proxies" and "regions" in numbers:
             layout.label(text=f"{numbers['regions']:,} regions", icon="FORWARD")

@@ -6,7 +6,7 @@ import bpy
 from bpy.props import StringProperty
 
 from ...gestures import Pointing
-from .. import overlay, reading, runtime, store
+from .. import overlay, reading, runtime, store, targets
 from . import under
 
 _LIGHT = (1.0, 1.0, 1.0, 0.25)
@@ -58,9 +58,11 @@ class ModalTool:
         if context.region is None or context.region.type != "WINDOW" or context.region_data is None:
             return False
         self._region, self._view = context.region, context.region_data
-        self._ground = under.ground(context, wait=True)
+        scan, problem = targets.find(context)
+        problem = problem or targets.needs_regions(scan)
+        self._ground = under.ground(context, wait=True) if not problem else None
         if self._ground is None:
-            self.report({"INFO"}, "There are no regions here yet: press Partition in the sidebar (N), tab iSimp.")
+            self.report({"INFO"}, f"{problem or 'There is nothing to point at here'} (sidebar: N, tab iSimp).")
         return self._ground is not None
 
     def go(self, context, keys: str):
@@ -123,7 +125,8 @@ def _is_locked(context, region: int) -> bool:
         return False
     recipe = store.load(scan)
     outcome = runtime.get().session.replay(reading.read(context, scan, recipe.layers()), recipe)
-    return region >= 0 and bool(outcome.partition.region_locked[region])
+    locked = outcome.partition.region_locked
+    return 0 <= region < len(locked) and bool(locked[region])
 
 
 class ISIMP_OT_point(ModalTool, bpy.types.Operator):

@@ -1,0 +1,83 @@
+"""Layers that the add-on can't read: moved aside before it writes its own, so that they stay in the file."""
+
+import numpy as np
+
+from . import mesh_io, runtime
+
+KEPT = ".kept"  # what follows the names of layers that were moved aside
+
+
+def foreign_layers(mesh) -> list:
+    """The names and kinds of layers that are called as the add-on's but are of another kind; in either mode."""
+    found = (layer for layer in mesh.attributes if layer.name in mesh_io.KINDS and not mesh_io.is_own(layer))
+    return [(layer.name, f"{layer.data_type} of {layer.domain}") for layer in found]
+
+
+def layers(mesh) -> list:
+    """The names of the layers that `set_aside` left; in either mode."""
+    begin = tuple(f"{name}{KEPT}" for name in mesh_io.KINDS)
+    return [layer.name for layer in mesh.attributes if layer.name.startswith(begin)]
+
+
+def has_regions(mesh) -> bool:
+    """Whether there is a layer of regions, of whatever state; in either mode."""
+    return mesh_io.own_layer(mesh, mesh_io.REGION) is not None
+
+
+def suffix(mesh) -> str:
+    """What will follow the names of the layers that are moved aside next."""
+    end, number = KEPT, 1
+    while any(f"{name}{end}" in mesh.attributes for name in mesh_io.KINDS):
+        number += 1
+        end = f"{KEPT}.{number}"
+    return end
+
+
+def set_aside(obj, regions_too: bool) -> None:
+    """Renames layers that the add-on can't read, so that it can write its own and they stay in the file.
+
+    Those of its names but of other kinds; with `regions_too` the regions and their state as well.
+    """
+    mesh, ours = obj.data, {mesh_io.REGION, mesh_io.STATE} if regions_too else set()
+    named = [layer for layer in mesh.attributes if layer.name in mesh_io.KINDS]
+    wanted = [layer for layer in named if layer.name in ours or not mesh_io.is_own(layer)]
+    if not wanted:
+        return
+    end = suffix(mesh)
+    for layer in wanted:
+        layer.name += end
+    runtime.get().written.pop(obj.name, None)
+    runtime.get().seen = {}
+
+
+def _state_layers(mesh) -> list:
+    """The names of the layers of states that were moved aside, the oldest first."""
+    names = [name for name in layers(mesh) if name.startswith(f"{mesh_io.STATE}{KEPT}")]
+    return sorted(names, key=lambda name: (len(name), name))
+
+
+def last_state(obj) -> int:
+    """The state that was moved aside last; 0 where there is none. As `state_of`."""
+    names = _state_layers(obj.data)
+    if not names:
+        return 0
+    if mesh_io.is_edited(obj):
+        faces = mesh_io.edit_mesh(obj.data).faces
+        layer = faces.layers.int.get(names[-1])
+        return next(iter(faces))[layer] if layer is not None and len(faces) else 0
+    layer = obj.data.attributes[names[-1]]
+    ours = (layer.data_type, layer.domain) == mesh_io.KINDS[mesh_io.STATE]
+    return layer.data[0].value if ours and len(layer.data) else 0
+
+
+def states(obj) -> set:
+    """All states beside the regions that were moved aside."""
+    found = set()
+    for name in _state_layers(obj.data):
+        if mesh_io.is_edited(obj):
+            faces = mesh_io.edit_mesh(obj.data).faces
+            layer = faces.layers.int.get(name)
+            found |= {face[layer] for face in faces} if layer is not None else set()
+        else:
+            found |= set(np.unique(mesh_io.read_layer(obj.data, name)).tolist())
+    return found - {0}

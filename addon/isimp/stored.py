@@ -1,0 +1,173 @@
+"""What is stored with a scan, read so that nothing can go wrong: a recipe or the reason why there is none.
+
+A file may be damaged, made by a later version, or written by somebody else. Standard library only.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+
+from . import recipe as rcp
+
+MOST_STEPS = 20_000  #: of a recipe
+_LONGEST_REASON = 300  # letters; the panel makes lines of them
+_LARGEST = 1 << 63  # no count comes near it
+
+NodeOf = Callable[[int], "tuple[int, str, str] | None"]  #: a node by its id; None if there is no such node
+
+UNKNOWN = "It is not known how these regions were made"
+
+
+@dataclass(frozen=True)
+class Stored:
+    """What there is to know of the regions on a scan."""
+
+    recipe: rcp.Recipe | None  #: empty if there are no regions, None if the steps that led to them can't be read
+    numbers: dict = field(default_factory=dict)  #: what the last step did
+    problem: str = ""  #: why the steps can't be read, as a line without a full stop
+
+
+def node_from(values: Mapping) -> tuple[int, str, str] | None:
+    """(parent, step, numbers) of a node as it lies in the file; None if that is no node."""
+    node = values.get("parent", 0), values.get("step", ""), values.get("numbers", "")
+    return node if (type(node[0]), type(node[1]), type(node[2])) == (int, str, str) else None
+
+
+def read(state: int, node_of: NodeOf, recipe: rcp.Recipe | None = None) -> Stored:
+    """The recipe of a state and the numbers of its last step. recipe: if that is known already.
+
+    Never raises. Cost: of the steps of the recipe.
+    """
+    if not state:
+        return Stored(rcp.Recipe())
+    if recipe is None:
+        texts, problem = _texts(state, node_of)
+        if problem:
+            return Stored(None, problem=problem)
+        try:
+            recipe = rcp.Recipe(tuple(_step(number, text) for number, text in enumerate(texts, 1)))
+        except rcp.RecipeError as error:
+            return Stored(None, problem=line(f"The steps can't be read: {error}"))
+    last = node_of(state)
+    return Stored(recipe, numbers_from(last[2]) if last is not None else {})
+
+
+def _texts(state: int, node_of: NodeOf) -> tuple[list, str]:
+    """(texts of the steps that led to a state, why not)."""
+    texts, seen, at = [], set(), state
+    while at:
+        if at in seen:
+            return [], "The steps can't be read: they follow each other in a circle"
+        if len(texts) == MOST_STEPS:
+            return [], f"The steps can't be read: there are more than {MOST_STEPS:,}"
+        node = node_of(at)
+        if node is None:
+            return [], f"{UNKNOWN}: a step before the last {len(texts)} is missing" if texts else UNKNOWN
+        seen.add(at)
+        texts.append(node[1])
+        at = node[0]
+    return texts[::-1], ""
+
+
+def _step(number: int, text: str) -> rcp.Step:
+    return rcp.numbered_step(number, rcp.parsed(text, f"step {number} is no step"))
+
+
+def readable(states: Iterable[int], node_of: NodeOf) -> set:
+    """Those of some states to which steps lead that can all be read. Cost: of all steps, once."""
+    good, states = {0: True}, set(states)
+    for state in states:
+        way, at = [], state
+        while at not in good:
+            good[at] = False  # so that a circle ends here
+            way.append(at)
+            node = node_of(at)
+            if node is None or not _is_step(node[1]):
+                break
+            at = node[0]
+        else:
+            good.update(dict.fromkeys(way, good[at]))
+    return {state for state in states if good[state]}
+
+
+def _is_step(text: str) -> bool:
+    try:
+        _step(1, text)
+    except rcp.RecipeError:
+        return False
+    return True
+
+
+def numbers_from(text: str) -> dict:
+    """The numbers of a step as `json.dumps` wrote them, as far as they are what the panel takes them for."""
+    try:
+        found = json.loads(text) if text else {}
+    except (ValueError, RecursionError):
+        return {}
+    if not isinstance(found, dict):
+        return {}
+    numbers = {name: value for name, value in found.items() if name in _FITS and _FITS[name](value)}
+    for name, needed in _TOGETHER.items():
+        if name in numbers and not all(other in numbers for other in needed):
+            del numbers[name]
+    if "reason" in numbers:
+        numbers["reason"] = line(numbers["reason"])
+    return numbers
+
+
+def _is_count(value) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and -_LARGEST < value < _LARGEST
+
+
+def _is_number(value) -> bool:
+    return isinstance(value, float) or _is_count(value)
+
+
+def _is_flag(value) -> bool:
+    return isinstance(value, bool)
+
+
+def _is_text(value) -> bool:
+    return isinstance(value, str)
+
+
+def _are_counts(value) -> bool:
+    return isinstance(value, dict) and all(map(_is_count, value.values()))
+
+
+def _are_polygons(value) -> bool:
+    lists = isinstance(value, dict) and all(isinstance(found, list) for found in value.values())
+    return lists and all(_is_count(polygon) for found in value.values() for polygon in found)
+
+
+_COUNTS = (
+    *("regions", "regions_before", "asked", "left_out", "locked", "barriers", "barriers_inside", "failed"),
+    *("polygons", "corners", "vertices", "triangles", "faces", "components", "border_loops"),
+)
+_NUMBERS = (
+    *("error", "seconds", "diagonal", "planarity_max", "planarity_mean"),
+    *("scan_distance", "scan_distance_allowed"),
+)
+_FITS = {
+    **dict.fromkeys(_COUNTS, _is_count),
+    **dict.fromkeys(_NUMBERS, _is_number),
+    **dict.fromkeys(("closed", "manifold"), _is_flag),
+    "repairs": _are_counts,
+    "flaws": _are_polygons,
+    "reason": _is_text,
+}
+#: what is of no use, as it is shown together, without others
+_TOGETHER = {
+    "components": ("border_loops", "closed", "triangles", "faces"),
+    "polygons": ("corners", "vertices", "planarity_mean", "planarity_max", "closed", "manifold", "regions"),
+    "scan_distance": ("scan_distance_allowed",),
+    "failed": ("reason",),
+}
+
+
+def line(text: str) -> str:
+    """A text that may hold anything as one line that can be shown and kept."""
+    shown = "".join(letter if letter.isprintable() else " " for letter in text[: 2 * _LONGEST_REASON])
+    return shown if len(shown) <= _LONGEST_REASON else shown[: _LONGEST_REASON - 3] + "..."
