@@ -212,10 +212,35 @@ TEST_F(Io, DamagedPlyIsNamed) {
   EXPECT_NE(
       error("a.ply", binary + kPlyHead + std::string(36, '\0') + "\3" + raw(0) + raw(1)).find("ends within face 0"),
       std::string::npos);
-  EXPECT_NE(error("a.ply", text + "element vertex 0\nproperty float x\nproperty float y\nproperty float z\n"
-                                  "element tristrips 1\nproperty list int int vertex_indices\nend_header\n3 0 1 2\n")
-                .find("triangle strips"),
+  const std::string strips =
+      "element vertex 0\nproperty float x\nproperty float y\nproperty float z\nelement tristrips 1\n";
+  EXPECT_EQ(error("a.ply", text + strips + "property list int int vertex_indices\nend_header\n3 0 1 2\n"),
+            "face 0 (the first is 0) uses vertex 0, but there are 0 vertices, the first of them 0");
+  EXPECT_NE(error("a.ply", text + strips + "property int vertex_indices\nend_header\n3\n")
+                .find("triangle strips have no list"),
             std::string::npos);
+}
+
+TEST_F(Io, PlyTriangleStripsBecomeTriangles) {
+  // Two strips: of five vertices, the second and fourth triangle turned over; and of three. 5 5 turns the second one.
+  const std::vector<std::int32_t> strip{0, 1, 2, 3, 4, -1, 4, 5, 5, 3, -1};
+  const std::string head =
+      "element vertex 6\nproperty float x\nproperty float y\nproperty float z\n"
+      "element tristrips 1\nproperty list int int vertex_indices\nend_header\n";
+  std::string words = "11", bytes = raw(11), text, floats;
+  for (const std::int32_t v : strip) {
+    words += " " + std::to_string(v);
+    bytes += raw(v);
+  }
+  for (int v = 0; v < 6; ++v) {
+    text += std::to_string(v) + " 0 0\n";
+    floats += raw(static_cast<float>(v)) + raw(0.0F) + raw(0.0F);
+  }
+  for (const PolygonSoup& soup : {parse("t.ply", "ply\nformat ascii 1.0\n" + head + text + words + "\n"),
+                                  parse("b.ply", "ply\nformat binary_little_endian 1.0\n" + head + floats + bytes)}) {
+    EXPECT_EQ(soup.loops, (std::vector<std::int32_t>{0, 1, 2, 2, 1, 3, 2, 3, 4}));
+    EXPECT_EQ(soup.loop_start, (std::vector<std::int32_t>{0, 3, 6}));
+  }
 }
 
 // --- OBJ
