@@ -56,7 +56,8 @@ struct Triangulation {
 /// without overlaps where the polygon has none. Those with fewer than three corners give nothing; those without area,
 /// with NaN or that cross themselves give n - 2 triangles of some kind.
 ///
-/// Cost: about O(n log n) for a polygon of n corners; O(n r) at worst, r of them reflex.
+/// Cost: about O(n log n) for a polygon of n corners, 0.1 s for 50,000; the search for ears is bounded, so that polygons
+/// that cross themselves take no more than some times that. Polled at least every 50 ms.
 Triangulation triangulate(const PolygonSoup& soup, Job& job);
 
 }  // namespace isimp
