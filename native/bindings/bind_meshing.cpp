@@ -4,6 +4,7 @@
 #include "isimp/meshing/polygonize.h"
 #include "kept_mesh.h"
 #include "options.h"
+#include "pickles.h"
 
 namespace isimp::bindings {
 
@@ -102,6 +103,7 @@ pairs whose regions do so in the scan itself; without_area: polygons that are a 
 that the repair put across regions, repair_rounds, and repair_capped: whether something is left that takes more than options.repair_budget; imperfect: all of these by polygon,
 a list of dicts with polygon (its index), flaw ("crossing", "no_area", "flipped", "bent", "intersecting" or "excused") and, for
 the last two, other (the polygon it meets; each pair is listed under both; none for a face of the scan without area).)")
+      .def(py::pickle([](const PolygonMesh& self) { return state_of(self); }, &polygons_from))
       .def("__repr__", [](const PolygonMesh& poly) {
         return py::str("<PolygonMesh: {} polygons, {} vertices, {}>")
             .format(poly.polygon_count(), poly.vertices.size(), poly.report.closed ? "closed" : "open");

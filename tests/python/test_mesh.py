@@ -79,7 +79,7 @@ def test_refuses_other_vertices_naming_what_it_got_and_wants(vertices, got):
     ],
 )
 def test_refuses_other_triangles_naming_what_it_got_and_wants(triangles, got):
-    wanted = "triangles must be an array of shape (F, 3) and int32 or int64, got "
+    wanted = "triangles must be an array of shape (F, 3) and integers, got "
     with pytest.raises(engine.InvalidInput, match=f"^{re.escape(wanted + got)}$"):
         engine.Mesh(SQUARE, triangles)
 
