@@ -88,8 +88,7 @@ std::vector<Vec3> read_points(const py::object& points, const std::string& name,
 }
 
 std::vector<Triangle> read_triangles(const py::object& triangles, std::size_t vertex_count) {
-  const py::array array =
-      read_array(triangles, 3, "iu", "triangles must be an array of shape (F, 3) and integers");
+  const py::array array = read_array(triangles, 3, "iu", "triangles must be an array of shape (F, 3) and integers");
   std::vector<Triangle> rows(rows_of(array));
   for_each_index(
       array, [&](std::int32_t v, std::size_t i, std::size_t k) { rows[i][k] = v; },
@@ -112,8 +111,7 @@ std::vector<std::array<std::int32_t, 2>> read_pairs(const py::object& pairs, con
 }
 
 std::vector<std::int32_t> read_indices(const py::object& indices, const std::string& name, const std::string& shape) {
-  const py::array array =
-      read_array(indices, 0, "iu", name + " must be an array of shape " + shape + " and integers");
+  const py::array array = read_array(indices, 0, "iu", name + " must be an array of shape " + shape + " and integers");
   std::vector<std::int32_t> result(rows_of(array));
   for_each_index(
       array, [&](std::int32_t v, std::size_t i, std::size_t) { result[i] = v; },

@@ -82,7 +82,8 @@ Raises InvalidInput (an index out of range) or Cancelled.)");
   m.def("write", &write, "path"_a, "polygons"_a, "job"_a = py::none(),
         R"(Write a PolygonMesh with its n-gons as PLY (binary) or OBJ, told apart by the extension.
 
-The file appears whole or not at all. Raises FileError (another extension, or the place can't be written) or Cancelled.)");
+The file appears whole or not at all; one that it replaces keeps its permissions. Pipes and devices are written to as they are.
+Raises FileError (another extension, a file that is read-only, or the place can't be written) or Cancelled.)");
 }
 
 }  // namespace isimp::bindings

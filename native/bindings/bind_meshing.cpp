@@ -32,7 +32,8 @@ void bind_options(py::module_& m) {
           "Splits and diagonals that the repair may make, as a share of the polygons before; those that turn out not "
           "to be needed are taken back.")
       .field("threads", &Options::threads,
-             "How many threads may work; 0: as many as there are cores. The result does not depend on it.")
+             "How many threads may work, at most 256 or as many as there are cores; 0: as many as there are cores. The "
+             "result does not depend on it.")
       .finish();
 }
 

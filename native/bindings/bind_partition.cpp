@@ -68,7 +68,8 @@ void bind_options(py::module_& m) {
           "no longer helps; 'naive' and 'queued', as 'lloyd' but all faces, or all of a queue, flooded at once, for "
           "many processors: the thesis's data-parallel floodings; 'hybrid', 'lloyd' on a decimated mesh, carried back.")
       .field("threads", &Options::threads,
-             "How many threads may work; 0: as many as there are cores. The result does not depend on it.")
+             "How many threads may work, at most 256 or as many as there are cores; 0: as many as there are cores. The "
+             "result does not depend on it.")
       .field("backend", &Options::backend,
              "Where 'naive' and 'queued' run: one of backends(), 'cpu' among them. Same labels on all.")
       .field("nearest", &Options::nearest, "How many of the nearest regions a face looks at in 'naive', from 1 to 32.")
@@ -186,8 +187,8 @@ void bind_partition(py::module_& m) {
 Exactly options.proxies regions, as many as show at options.detail or options.tolerance, or few that keep options.bound; none is empty, each is
 connected. Every kept component gets at least what its topology needs (4 if it is closed, else 1; never more than its
 faces); where that takes more than `proxies`, it is taken, and `proxies_needed` says so. The same mesh and options give the same partition bit for bit, on any number of threads.
-weights: (F,) float32 or float64, finite and at least 0, multiply the faces' areas, also those in `error`: regions grow
-dense like the root of it. barriers: (K, 2) integers, pairs of vertices, edges of the mesh that no region crosses.
+weights: (F,) float32 or float64, at least 0, the largest in [1e-30, 1e30], multiply the faces' areas, also those in
+`error`: regions grow dense like the root of it. barriers: (K, 2) integers, pairs of vertices, edges of the mesh that no region crosses.
 The mesh keeps what the default method merged, so that another number, detail or tolerance takes a fraction of the first
 one's time. report: tolerance and noise (scene units; None where the number was given), and whether it snapped. Raises InvalidInput (an option out of its range, a weight or barrier that
 can't be used) or Cancelled.
