@@ -9,6 +9,7 @@
 #include <cuda/atomic>
 #include <span>
 
+#include "isimp/core/thread_count.h"
 #include "memory.h"
 
 #ifdef __CUDACC__
@@ -124,12 +125,12 @@ ISIMP_KERNEL cuda::atomic_ref<T, cuda::thread_scope_device> shared(T& number) {
 }
 inline constexpr auto kRelaxed = cuda::memory_order_relaxed;
 
-/// While it lives, kernels that this thread starts use so many threads; 0: as many as there are cores.
+/// While it lives, kernels that this thread starts use so many threads, as startable_threads() has them.
 class Threads {
 #ifdef _OPENMP
  public:
   explicit Threads(std::int32_t wanted) : before_(omp_get_max_threads()) {
-    omp_set_num_threads(wanted > 0 ? wanted : omp_get_num_procs());
+    omp_set_num_threads(startable_threads(wanted));
   }
   ~Threads() { omp_set_num_threads(before_); }
   Threads(const Threads&) = delete;

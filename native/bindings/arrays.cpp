@@ -2,6 +2,7 @@
 
 #include <cstring>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "isimp/core/errors.h"
@@ -10,16 +11,18 @@ namespace isimp::bindings {
 namespace {
 
 /// `object` as numpy sees it, in this machine's byte order.
-/// \throws InvalidInput  unless it is (n, columns), or (n) for no columns, of numbers of 4 or 8 bytes of a `kind`
-py::array read_array(const py::object& object, py::ssize_t columns, char kind, const std::string& wanted) {
+/// \throws InvalidInput  unless it is (n, columns), or (n) for no columns, of one of the `kinds` of numbers: integers
+///                       ("iu") of any size, "f" of 4 or 8 bytes
+py::array read_array(const py::object& object, py::ssize_t columns, std::string_view kinds, const std::string& wanted) {
   const auto array = py::array::ensure(object);
   if (!array) throw InvalidInput(wanted + ", got a " + std::string(py::str(py::type::of(object).attr("__name__"))));
   const py::dtype type = array.dtype();
   const bool shape_fits = columns == 0 ? array.ndim() == 1 : array.ndim() == 2 && array.shape(1) == columns;
-  if (!shape_fits || type.kind() != kind || (type.itemsize() != 4 && type.itemsize() != 8))
+  const bool kind_fits = kinds.find(type.kind()) != kinds.npos;
+  if (!shape_fits || !kind_fits || (type.kind() == 'f' && type.itemsize() != 4 && type.itemsize() != 8))
     throw InvalidInput(wanted + ", got shape " + std::string(py::str(array.attr("shape"))) + " and " +
                        std::string(py::str(type)));
-  if (type.byteorder() == '=') return array;
+  if (type.byteorder() == '=' || type.itemsize() == 1) return array;
   return py::array(array.attr("astype")(type.attr("newbyteorder")("=")));
 }
 
@@ -53,11 +56,23 @@ void for_each_real(const py::array& array, Take take) {
 /// Calls take(value, row, column) with the numbers of an array of indices. \throws InvalidInput  as `refuse` says
 template <class Take, class Refuse>
 void for_each_index(const py::array& array, Take take, Refuse refuse) {
-  if (array.itemsize() == 4) return for_each<std::int32_t>(array, take);
-  for_each<std::int64_t>(array, [&](std::int64_t value, std::size_t row, std::size_t column) {
-    if (!std::in_range<std::int32_t>(value)) throw InvalidInput(refuse(value, row));
-    take(static_cast<std::int32_t>(value), row, column);
-  });
+  const auto each = [&](auto zero) {
+    for_each<decltype(zero)>(array, [&](auto value, std::size_t row, std::size_t column) {
+      if (!std::in_range<std::int32_t>(value)) throw InvalidInput(refuse(std::to_string(value), row));
+      take(static_cast<std::int32_t>(value), row, column);
+    });
+  };
+  const bool is_signed = array.dtype().kind() == 'i';
+  switch (array.itemsize()) {
+    case 1:
+      return is_signed ? each(std::int8_t{}) : each(std::uint8_t{});
+    case 2:
+      return is_signed ? each(std::int16_t{}) : each(std::uint16_t{});
+    case 4:
+      return is_signed ? each(std::int32_t{}) : each(std::uint32_t{});
+    default:
+      return is_signed ? each(std::int64_t{}) : each(std::uint64_t{});
+  }
 }
 
 std::size_t rows_of(const py::array& array) { return static_cast<std::size_t>(array.shape(0)); }
@@ -66,51 +81,49 @@ std::size_t rows_of(const py::array& array) { return static_cast<std::size_t>(ar
 
 std::vector<Vec3> read_points(const py::object& points, const std::string& name, const std::string& shape) {
   const py::array array =
-      read_array(points, 3, 'f', name + " must be an array of shape " + shape + " and float32 or float64");
+      read_array(points, 3, "f", name + " must be an array of shape " + shape + " and float32 or float64");
   std::vector<Vec3> rows(rows_of(array));
   for_each_real(array, [&](double x, std::size_t i, std::size_t k) { rows[i][static_cast<Eigen::Index>(k)] = x; });
   return rows;
 }
 
 std::vector<Triangle> read_triangles(const py::object& triangles, std::size_t vertex_count) {
-  const py::array array =
-      read_array(triangles, 3, 'i', "triangles must be an array of shape (F, 3) and int32 or int64");
+  const py::array array = read_array(triangles, 3, "iu", "triangles must be an array of shape (F, 3) and integers");
   std::vector<Triangle> rows(rows_of(array));
   for_each_index(
       array, [&](std::int32_t v, std::size_t i, std::size_t k) { rows[i][k] = v; },
-      [&](std::int64_t v, std::size_t i) {
-        return "face " + std::to_string(i) + " uses vertex " + std::to_string(v) + ", but there are " +
-               std::to_string(vertex_count) + " vertices";
+      [&](const std::string& v, std::size_t i) {
+        return "face " + std::to_string(i) + " uses vertex " + v + ", but there are " + std::to_string(vertex_count) +
+               " vertices";
       });
   return rows;
 }
 
 std::vector<std::array<std::int32_t, 2>> read_pairs(const py::object& pairs, const std::string& name) {
-  const py::array array = read_array(pairs, 2, 'i', name + " must be an array of shape (K, 2) and int32 or int64");
+  const py::array array = read_array(pairs, 2, "iu", name + " must be an array of shape (K, 2) and integers");
   std::vector<std::array<std::int32_t, 2>> rows(rows_of(array));
   for_each_index(
       array, [&](std::int32_t v, std::size_t i, std::size_t k) { rows[i][k] = v; },
-      [&](std::int64_t v, std::size_t i) {
-        return name + "[" + std::to_string(i) + "] names " + std::to_string(v) + ", which no index can be";
+      [&](const std::string& v, std::size_t i) {
+        return name + "[" + std::to_string(i) + "] names " + v + ", which no index can be";
       });
   return rows;
 }
 
 std::vector<std::int32_t> read_indices(const py::object& indices, const std::string& name, const std::string& shape) {
-  const py::array array =
-      read_array(indices, 0, 'i', name + " must be an array of shape " + shape + " and int32 or int64");
+  const py::array array = read_array(indices, 0, "iu", name + " must be an array of shape " + shape + " and integers");
   std::vector<std::int32_t> result(rows_of(array));
   for_each_index(
       array, [&](std::int32_t v, std::size_t i, std::size_t) { result[i] = v; },
-      [&](std::int64_t v, std::size_t i) {
-        return name + "[" + std::to_string(i) + "] is " + std::to_string(v) + ", which no index can be";
+      [&](const std::string& v, std::size_t i) {
+        return name + "[" + std::to_string(i) + "] is " + v + ", which no index can be";
       });
   return result;
 }
 
 std::vector<double> read_numbers(const py::object& numbers, const std::string& name, const std::string& shape) {
   const py::array array =
-      read_array(numbers, 0, 'f', name + " must be an array of shape " + shape + " and float32 or float64");
+      read_array(numbers, 0, "f", name + " must be an array of shape " + shape + " and float32 or float64");
   std::vector<double> result(rows_of(array));
   for_each_real(array, [&](double x, std::size_t i, std::size_t) { result[i] = x; });
   return result;

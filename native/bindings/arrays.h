@@ -24,15 +24,15 @@ inline std::vector<Vec3> read_vertices(const py::object& vertices) {
   return read_points(vertices, "vertices", "(V, 3)");
 }
 
-/// (F, 3) int32 or int64 with any strides, copied.
+/// (F, 3) integers with any strides, copied.
 /// \throws InvalidInput  another shape or kind of number; an index that is out of the range of int32: the message
 ///                       names the face, and `vertex_count` as how many there are
 std::vector<Triangle> read_triangles(const py::object& triangles, std::size_t vertex_count);
 
-/// (K, 2) int32 or int64 with any strides, copied. \throws InvalidInput  as above
+/// (K, 2) integers with any strides, copied. \throws InvalidInput  as above
 std::vector<std::array<std::int32_t, 2>> read_pairs(const py::object& pairs, const std::string& name);
 
-/// (n) int32 or int64 with any strides, copied. \throws InvalidInput  as above; `shape` is for the message
+/// (n) integers with any strides, copied. \throws InvalidInput  as above; `shape` is for the message
 std::vector<std::int32_t> read_indices(const py::object& indices, const std::string& name, const std::string& shape);
 
 /// (n) float32 or float64 with any strides, copied. \throws InvalidInput  as above

@@ -1,5 +1,5 @@
 #include "bindings.h"
-#include "isimp/core/errors.h"
+#include "ending.h"
 #include "isimp/core/job.h"
 
 namespace isimp::bindings {
@@ -7,13 +7,7 @@ namespace isimp::bindings {
 namespace py = pybind11;
 
 void bind_core(py::module_& m) {
-  auto& invalid_input = py::register_local_exception<InvalidInput>(m, "InvalidInput", PyExc_ValueError);
-  invalid_input.doc() =
-      "The arrays, options or indices can't be used; the message says what and where. Nothing changed.";
-  auto& file_error = py::register_local_exception<FileError>(m, "FileError", invalid_input);
-  file_error.doc() = "A file can't be read or written: missing, of an unknown kind, or damaged.";
-  py::register_local_exception<Cancelled>(m, "Cancelled").doc() = "The job was cancelled. Nothing was changed.";
-
+  stop_calls_at_the_end();
   py::class_<Job>(m, "Job", py::module_local(), R"(What a long call shares with whoever waits for it.
 
 Every function that takes long accepts `job`; read `progress` and `stage` and call `cancel` from any thread meanwhile.

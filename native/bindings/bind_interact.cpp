@@ -38,14 +38,6 @@ Vec3 to_direction(const std::optional<py::object>& direction) {
   return {numbers[0], numbers[1], numbers[2]};
 }
 
-/// Edits at a face take a few milliseconds, so they run on the caller's thread.
-template <class Work>
-auto here(Job* job, Work&& work) {
-  Job own;
-  const py::gil_scoped_release released;
-  return work(job != nullptr ? *job : own);
-}
-
 using EditAtFace = Partition (*)(const Mesh&, const Partition&, std::int32_t, Job&);
 
 void bind_at_face(py::module_& m, const char* name, EditAtFace edit, const char* doc) {
@@ -53,7 +45,7 @@ void bind_at_face(py::module_& m, const char* name, EditAtFace edit, const char*
       name,
       [edit](const KeptMesh& mesh, const Partition& part, const py::object& face, Job* job) {
         const std::int32_t index = to_index(face, "face");
-        return here(job, [&](Job& j) { return edit(mesh, part, index, j); });
+        return call_here(job, [&](Job& j) { return edit(mesh, part, index, j); });
       },
       "mesh"_a, "partition"_a, "face"_a, "job"_a = py::none(), doc);
 }
@@ -65,7 +57,7 @@ void bind_rings(py::module_& m, const char* name, EditByNumber edit, const char*
       name,
       [edit](const KeptMesh& mesh, const Partition& part, const py::object& face, const py::object& rings, Job* job) {
         const std::int32_t index = to_index(face, "face"), count = to_index(rings, "rings");
-        return here(job, [&](Job& j) { return edit(mesh, part, index, count, j); });
+        return call_here(job, [&](Job& j) { return edit(mesh, part, index, count, j); });
       },
       "mesh"_a, "partition"_a, "face"_a, "rings"_a = 1, "job"_a = py::none(), doc);
 }
@@ -85,7 +77,7 @@ void bind_lock(py::module_& m, const char* name, bool locked, const char* doc) {
       name,
       [locked](const KeptMesh& mesh, const Partition& part, const py::object& faces) {
         const std::vector<std::int32_t> indices = to_faces(faces);
-        const py::gil_scoped_release released;
+        const Unlocked unlocked;
         return set_locked(mesh, part, indices, locked);
       },
       "mesh"_a, "partition"_a, "faces"_a, doc);
@@ -96,7 +88,7 @@ void bind_split_and_merge(py::module_& m) {
       "merge_regions",
       [](const KeptMesh& mesh, const Partition& part, const py::object& face, const py::object& other, Job* job) {
         const std::int32_t into = to_index(face, "face"), gone = to_index(other, "other");
-        return here(job, [&](Job& j) { return merge_regions(mesh, part, into, gone, j); });
+        return call_here(job, [&](Job& j) { return merge_regions(mesh, part, into, gone, j); });
       },
       "mesh"_a, "partition"_a, "face"_a, "other"_a, "job"_a = py::none(),
       R"(Make the region of `other` part of the region of `face`. Returns a new Partition.
@@ -115,7 +107,7 @@ any other region changes sides. Raises InvalidInput (no such face, its region is
         const std::int32_t index = to_index(face, "face");
         const std::vector<Vec3> points = read_points(line, "line", "(K, 3)");
         const Vec3 along = to_direction(direction);
-        return here(job, [&](Job& j) { return split_along(mesh, part, index, points, along, j); });
+        return call_here(job, [&](Job& j) { return split_along(mesh, part, index, points, along, j); });
       },
       "mesh"_a, "partition"_a, "face"_a, "line"_a, "direction"_a = py::none(), "job"_a = py::none(),
       R"(Split the region of a face along a line, as with a knife. Returns a new Partition.
@@ -134,12 +126,12 @@ void bind_paint(py::module_& m) {
         const std::vector<std::int32_t> indices = to_faces(faces);
         const std::int32_t index = onto ? to_index(*onto, "onto") : kNone;
         if (onto && index < 0) throw InvalidInput("onto must be a face or None, got " + std::to_string(index));
-        return here(job, [&](Job& j) { return paint_faces(mesh, part, indices, index, j); });
+        return call_here(job, [&](Job& j) { return paint_faces(mesh, part, indices, index, j); });
       },
       "mesh"_a, "partition"_a, "faces"_a, "onto"_a = py::none(), "job"_a = py::none(),
       R"(Make faces a region of their own, or part of the region of the face `onto`. Returns a new Partition.
 
-faces: (K,) int32 or int64, of mesh.triangles; they must hang together, with the region they become part of. A new region
+faces: (K,) integers, of mesh.triangles; they must hang together, with the region they become part of. A new region
 is the last one. What they cut off from other regions goes to those around it, a region painted over wholly is gone, and
 faces of locked regions stay as they are. Nothing is relaxed.
 Raises InvalidInput (no such face, nothing to paint, faces that do not hang together) or Cancelled.)");
@@ -147,12 +139,12 @@ Raises InvalidInput (no such face, nothing to paint, faces that do not hang toge
       "erase_faces",
       [](const KeptMesh& mesh, const Partition& part, const py::object& faces, Job* job) {
         const std::vector<std::int32_t> indices = to_faces(faces);
-        return here(job, [&](Job& j) { return erase_faces(mesh, part, indices, j); });
+        return call_here(job, [&](Job& j) { return erase_faces(mesh, part, indices, j); });
       },
       "mesh"_a, "partition"_a, "faces"_a, "job"_a = py::none(),
       R"(Take faces from the region of the first of them; the regions around flood them. Returns a new Partition.
 
-faces: (K,) int32 or int64, of mesh.triangles; those of other regions stay as they are. A region erased wholly is gone.
+faces: (K,) integers, of mesh.triangles; those of other regions stay as they are. A region erased wholly is gone.
 Raises InvalidInput (no such face, a locked region, no neighbour that could take them) or Cancelled.)");
   bind_rings(m, "grow_region", &grow_region,
              R"(Let the region of a face take the faces beside it, `rings` times over. Returns a new Partition.
@@ -204,7 +196,7 @@ void bind_statistics(py::module_& m) {
       "region_statistics",
       [](const KeptMesh& mesh, const Partition& part, const py::object& face, Job* job) {
         const std::int32_t index = to_index(face, "face");
-        return as_dict(here(job, [&](Job& j) { return region_statistics(mesh, part, index, j); }));
+        return as_dict(call_here(job, [&](Job& j) { return region_statistics(mesh, part, index, j); }));
       },
       "mesh"_a, "partition"_a, "face"_a, "job"_a = py::none(),
       R"(What there is to say of the region of a face, as a dict.
@@ -242,7 +234,7 @@ Raises InvalidInput (no such face, it was left out, its region is locked or the 
   bind_lock(m, "lock_regions", true,
             R"(Lock the regions of some faces: edits leave them as they are. Returns a new Partition.
 
-faces: (K,) int32 or int64, of mesh.triangles, one or more of each region. Raises InvalidInput (no face, no such face, or
+faces: (K,) integers, of mesh.triangles, one or more of each region. Raises InvalidInput (no face, no such face, or
 one that was left out).)");
   bind_lock(m, "unlock_regions", false, R"(Let edits change the regions of some faces again. Returns a new Partition.
 

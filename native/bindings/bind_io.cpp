@@ -1,5 +1,3 @@
-#include <pybind11/stl/filesystem.h>
-
 #include <utility>
 
 #include "arrays.h"
@@ -8,6 +6,7 @@
 #include "isimp/core/errors.h"
 #include "isimp/mesh/io.h"
 #include "isimp/meshing/polygonize.h"
+#include "paths.h"
 
 namespace isimp::bindings {
 
@@ -15,9 +14,8 @@ using namespace py::literals;
 
 namespace {
 
-using Path = std::filesystem::path;
-
-py::tuple read(const Path& path, Job* job) {
+py::tuple read(const py::object& name, Job* job) {
+  const auto path = to_path(name);
   auto [vertices, triangles] = call(job, [&](Job& j) {
     PolygonSoup soup = read_polygons(path, j);
     Triangulation cut = triangulate(soup, j);
@@ -26,7 +24,8 @@ py::tuple read(const Path& path, Job* job) {
   return py::make_tuple(owned(std::move(vertices)), owned(std::move(triangles)));
 }
 
-py::tuple read_as_polygons(const Path& path, Job* job) {
+py::tuple read_as_polygons(const py::object& name, Job* job) {
+  const auto path = to_path(name);
   PolygonSoup soup = call(job, [&](Job& j) { return read_polygons(path, j); });
   return py::make_tuple(owned(std::move(soup.vertices)), owned(std::move(soup.loops)),
                         owned(std::move(soup.loop_start)));
@@ -57,7 +56,8 @@ py::tuple cut(const py::object& vertices, const py::object& loops, const py::obj
   return py::make_tuple(owned(std::move(triangulation.triangles)), owned(std::move(triangulation.source_polygon)));
 }
 
-void write(const Path& path, const PolygonMesh& poly, Job* job) {
+void write(const py::object& name, const PolygonMesh& poly, Job* job) {
+  const auto path = to_path(name);
   call(job, [&](Job& j) { write_polygons(path, poly.vertices, poly.loops, poly.loop_start, j); });
 }
 
@@ -82,7 +82,8 @@ Raises InvalidInput (an index out of range) or Cancelled.)");
   m.def("write", &write, "path"_a, "polygons"_a, "job"_a = py::none(),
         R"(Write a PolygonMesh with its n-gons as PLY (binary) or OBJ, told apart by the extension.
 
-The file appears whole or not at all. Raises FileError (another extension, or the place can't be written) or Cancelled.)");
+The file appears whole or not at all; one that it replaces keeps its permissions. Pipes and devices are written to as they are.
+Raises FileError (another extension, a file that is read-only, or the place can't be written) or Cancelled.)");
 }
 
 }  // namespace isimp::bindings

@@ -10,6 +10,7 @@
 #include "isimp/mesh/mesh.h"
 #include "kept_mesh.h"
 #include "options.h"
+#include "pickles.h"
 
 namespace isimp::bindings {
 
@@ -70,7 +71,7 @@ coordinates are finite. Borders, several components, zero-area faces and unused 
       .def(py::init(&make_mesh), "vertices"_a, "triangles"_a, "job"_a = py::none(),
            R"(Check and copy the arrays.
 
-vertices: (V, 3) float32 or float64, scene units. triangles: (F, 3) int32 or int64, counter-clockwise seen from outside.
+vertices: (V, 3) float32 or float64, scene units. triangles: (F, 3) integers, counter-clockwise seen from outside.
 Raises InvalidInput, which names the first row that can't be used and why; `clean` takes such arrays. Cost: O(V + F).)")
       .def_property_readonly("vertices", viewer<KeptMesh>(&KeptMesh::placed_vertices), "(V, 3) float64, read-only.")
       .def_property_readonly(
@@ -96,6 +97,7 @@ vertices, faces, components, closed_components, border_edges, border_loops, eule
 area and diagonal (scene units), closed; after `clean` also how often each repair was made (unused_vertices: how many it
 dropped). `repairs` holds these counts alone, `repaired_at` the caller's indices of the first few of each: vertices for
 the keys that end so, else faces; both are empty after Mesh(...).)")
+      .def(py::pickle([](const KeptMesh& self) { return state_of(self); }, &mesh_from))
       .def("__repr__", [](const KeptMesh& mesh) {
         const MeshReport& r = mesh.report();
         return py::str("<Mesh: {} faces, {} vertices, {} component{}, {}>")
@@ -126,7 +128,7 @@ In this order, each counted and located in the mesh's report under the key named
  filled_holes          covered by new faces, where a cover meets nothing else and is at most half of its part
  cut_handles           taken out with the ring of faces round them, both ends covered
 Faces without area that this does not help are kept. Faces and vertices keep the caller's order; copies and covers come last.
-vertices: (V, 3) float32 or float64, anything in it. triangles: (F, 3) int32 or int64 in [0, V).
+vertices: (V, 3) float32 or float64, anything in it. triangles: (F, 3) integers in [0, V).
 Raises InvalidInput (another shape, no faces, an index out of range, a negative length, no face is left) or
 Cancelled. Cost: O(V + F); closing holes or handles adds O((V + F) log F).)");
 }

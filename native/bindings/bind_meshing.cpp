@@ -4,6 +4,7 @@
 #include "isimp/meshing/polygonize.h"
 #include "kept_mesh.h"
 #include "options.h"
+#include "pickles.h"
 
 namespace isimp::bindings {
 
@@ -31,7 +32,8 @@ void bind_options(py::module_& m) {
           "Splits and diagonals that the repair may make, as a share of the polygons before; those that turn out not "
           "to be needed are taken back.")
       .field("threads", &Options::threads,
-             "How many threads may work; 0: as many as there are cores. The result does not depend on it.")
+             "How many threads may work, at most 256 or as many as there are cores; 0: as many as there are cores. The "
+             "result does not depend on it.")
       .finish();
 }
 
@@ -102,6 +104,7 @@ pairs whose regions do so in the scan itself (excused_at_least: there are more, 
 that the repair put across regions, repair_rounds, and repair_capped: whether something is left that takes more than options.repair_budget; imperfect: all of these by polygon, of each flaw the first 1,000,
 a list of dicts with polygon (its index), flaw ("crossing", "no_area", "flipped", "bent", "intersecting" or "excused") and, for
 the last two, other (the polygon it meets; each pair is listed under both; none for a face of the scan without area).)")
+      .def(py::pickle([](const PolygonMesh& self) { return state_of(self); }, &polygons_from))
       .def("__repr__", [](const PolygonMesh& poly) {
         return py::str("<PolygonMesh: {} polygons, {} vertices, {}>")
             .format(poly.polygon_count(), poly.vertices.size(), poly.report.closed ? "closed" : "open");

@@ -1,12 +1,13 @@
 #include <pybind11/stl.h>
 
 #include "bindings.h"
+#include "ending.h"
 #include "isimp/parallel/backend.h"
 
 namespace isimp::bindings {
 
 void bind_parallel(py::module_& m) {
-  m.def("backends", &parallel::backends, py::call_guard<py::gil_scoped_release>(),
+  m.def("backends", &parallel::backends, py::call_guard<Unlocked>(),
         "The names that PartitionOptions.backend takes here: 'cpu' always, 'cuda' where a device is present.");
 }
 

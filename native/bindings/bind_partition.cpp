@@ -11,6 +11,7 @@
 #include "isimp/partition/partition.h"
 #include "kept_mesh.h"
 #include "options.h"
+#include "pickles.h"
 
 namespace isimp::bindings {
 
@@ -67,7 +68,8 @@ void bind_options(py::module_& m) {
           "no longer helps; 'naive' and 'queued', as 'lloyd' but all faces, or all of a queue, flooded at once, for "
           "many processors: the thesis's data-parallel floodings; 'hybrid', 'lloyd' on a decimated mesh, carried back.")
       .field("threads", &Options::threads,
-             "How many threads may work; 0: as many as there are cores. The result does not depend on it.")
+             "How many threads may work, at most 256 or as many as there are cores; 0: as many as there are cores. The "
+             "result does not depend on it.")
       .field("backend", &Options::backend,
              "Where 'naive' and 'queued' run: one of backends(), 'cpu' among them. Same labels on all.")
       .field("nearest", &Options::nearest, "How many of the nearest regions a face looks at in 'naive', from 1 to 32.")
@@ -151,6 +153,7 @@ void bind_result(py::module_& m) {
       .def_readonly("snapped", &Partition::snapped,
                     "The surface is made of so many planes: a gap in the costs of merging that can't be chance.")
       .def_property_readonly("report", &report_of, "The numbers of this partition as a dict.")
+      .def(py::pickle([](const Partition& self) { return state_of(self); }, &partition_from_state))
       .def("__repr__", [](const Partition& part) {
         return py::str("<Partition: {} regions of {} faces, error {:.6g}>")
             .format(part.region_count(), part.face_region.size(), part.error);
@@ -184,8 +187,8 @@ void bind_partition(py::module_& m) {
 Exactly options.proxies regions, as many as show at options.detail or options.tolerance, or few that keep options.bound; none is empty, each is
 connected. Every kept component gets at least what its topology needs (4 if it is closed, else 1; never more than its
 faces); where that takes more than `proxies`, it is taken, and `proxies_needed` says so. The same mesh and options give the same partition bit for bit, on any number of threads.
-weights: (F,) float32 or float64, finite and at least 0, multiply the faces' areas, also those in `error`: regions grow
-dense like the root of it. barriers: (K, 2) int32 or int64, pairs of vertices, edges of the mesh that no region crosses.
+weights: (F,) float32 or float64, at least 0, the largest in [1e-30, 1e30], multiply the faces' areas, also those in
+`error`: regions grow dense like the root of it. barriers: (K, 2) integers, pairs of vertices, edges of the mesh that no region crosses.
 The mesh keeps what the default method merged, so that another number, detail or tolerance takes a fraction of the first
 one's time. report: tolerance and noise (scene units; None where the number was given), and whether it snapped. Raises InvalidInput (an option out of its range, a weight or barrier that
 can't be used) or Cancelled.
@@ -207,7 +210,7 @@ Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.)");
       "before"_a = py::none(),
       R"(A partition with regions that are known: from elsewhere, or put together from several.
 
-face_region: (F,) int32 or int64, any numbers of at least 0, or -1 for a face in no region. A region that is not connected
+face_region: (F,) integers, any numbers of at least 0, or -1 for a face in no region. A region that is not connected
 becomes as many as it has pieces, numbered by first face. weights, barriers: as in partition. before: a partition each
 region of which holds whole ones of these: its bound and planes, its locks and how its number was found stay. Raises InvalidInput or
 Cancelled.)");

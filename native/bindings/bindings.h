@@ -2,6 +2,8 @@
 
 #include <pybind11/pybind11.h>
 
+#include "made.h"
+
 /// One function a module of the engine; each adds that module's names to `_core`.
 ///
 /// Everything registered is local to this copy of `_core`, so that two copies (one installed, one inside the Blender
@@ -10,6 +12,7 @@ namespace isimp::bindings {
 
 namespace py = pybind11;
 
+void bind_errors(py::module_& m);
 void bind_core(py::module_& m);
 void bind_mesh(py::module_& m);
 void bind_parallel(py::module_& m);

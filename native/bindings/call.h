@@ -6,6 +6,7 @@
 #include <future>
 #include <utility>
 
+#include "ending.h"
 #include "isimp/core/job.h"
 
 namespace isimp::bindings {
@@ -20,20 +21,33 @@ template <class Work>
 auto call(Job* given, Work&& work) {
   Job own;
   Job& job = given != nullptr ? *given : own;
-  const py::gil_scoped_release released;
+  const Running running(job);
   auto result = std::async(std::launch::async, [&] { return work(job); });
-  while (result.wait_for(std::chrono::milliseconds(50)) != std::future_status::ready) {
-    const py::gil_scoped_acquire held;
+  const auto is_done = [&] {
+    const Unlocked unlocked;
+    return result.wait_for(std::chrono::milliseconds(50)) == std::future_status::ready;
+  };
+  while (!is_done()) {
     if (PyErr_CheckSignals() == 0) continue;
     const py::error_already_set interrupt;
     job.cancel();
     {
-      const py::gil_scoped_release again;
+      const Unlocked unlocked;
       result.wait();
     }
     throw interrupt;
   }
   return result.get();
+}
+
+/// The same on the caller's thread, for what takes a few milliseconds.
+template <class Work>
+auto call_here(Job* given, Work&& work) {
+  Job own;
+  Job& job = given != nullptr ? *given : own;
+  const Running running(job);
+  const Unlocked unlocked;
+  return work(job);
 }
 
 }  // namespace isimp::bindings

@@ -5,6 +5,7 @@
 PYBIND11_MODULE(_core, m) {
   m.doc() = "The engine of isimp: arrays in, arrays out.";
   m.attr("__version__") = ISIMP_VERSION;
+  isimp::bindings::bind_errors(m);
   isimp::bindings::bind_core(m);
   isimp::bindings::bind_mesh(m);
   isimp::bindings::bind_parallel(m);

@@ -1,6 +1,7 @@
 #include "options.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "isimp/core/errors.h"
 
@@ -20,6 +21,15 @@ py::int_ exact_integer(py::handle value, const std::string& name) {
     refuse(name, "an integer", value);
   }
   return py::int_(number);
+}
+
+/// A string of Python's; nothing if it has halves of characters (lone surrogates), which no text has.
+std::optional<std::string> utf8_of(py::handle value) {
+  Py_ssize_t size = 0;
+  const char* const text = PyUnicode_AsUTF8AndSize(value.ptr(), &size);
+  if (text != nullptr) return std::string(text, static_cast<std::size_t>(size));
+  PyErr_Clear();
+  return {};
 }
 
 std::string range(const std::string& low, const std::string& high) {
@@ -67,12 +77,14 @@ bool to_bool(py::handle value, const std::string& name) {
 
 std::string to_text(py::handle value, const std::string& name) {
   if (PyUnicode_Check(value.ptr()) == 0) refuse(name, "a string", value);
-  return value.cast<std::string>();
+  const std::optional<std::string> text = utf8_of(value);
+  if (!text) refuse(name, "a string without lone surrogates", value);
+  return *text;
 }
 
 std::size_t to_choice(py::handle value, const std::string& name, const std::vector<std::string>& names) {
   if (PyUnicode_Check(value.ptr()) != 0) {
-    const auto at = std::find(names.begin(), names.end(), value.cast<std::string>());
+    const auto at = std::find(names.begin(), names.end(), utf8_of(value));
     if (at != names.end()) return static_cast<std::size_t>(at - names.begin());
   }
   std::string known;

@@ -12,6 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "made.h"
+
 namespace isimp::bindings {
 
 namespace py = pybind11;
@@ -97,7 +99,7 @@ class OptionsClass {
     const std::string name = name_;
     const auto make = [fields, name](const py::dict& values) {
       Options options;
-      for (const auto& [key, value] : values) set(*fields, options, name, py::cast<std::string>(key), value);
+      for (const auto& [key, value] : values) set(*fields, options, name, key, value);
       return options;
     };
     class_.def(py::init([make](const py::kwargs& values) { return make(values); }))
@@ -141,14 +143,13 @@ class OptionsClass {
     return values;
   }
 
-  static void set(const Fields& fields, Options& options, const std::string& owner, const std::string& name,
-                  py::handle value) {
+  static void set(const Fields& fields, Options& options, const std::string& owner, py::handle name, py::handle value) {
     std::string known;
     for (const Field& field : fields) {
-      if (field.name == name) return field.set(options, value, owner + "." + name);
+      if (name.equal(py::str(field.name))) return field.set(options, value, owner + "." + field.name);
       known += (known.empty() ? "" : ", ") + field.name;
     }
-    throw py::type_error(owner + " has no field '" + name + "'; its fields are " + known);
+    throw py::type_error(owner + " has no field " + std::string(py::repr(name)) + "; its fields are " + known);
   }
 
   std::string name_;

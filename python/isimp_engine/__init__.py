@@ -1,5 +1,7 @@
 """Dense scans into clean, editable n-gon meshes by Variational Shape Approximation: the engine."""
 
+from . import _process as _process  # isort: skip  (before all that takes long to load)
+
 from . import guided as guided
 from . import guides as guides
 from . import within as within

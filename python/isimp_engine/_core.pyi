@@ -22,7 +22,7 @@ class Job:
 
 class Mesh:
     def __init__(
-        self, vertices: NDArray[np.floating], triangles: NDArray[np.signedinteger], job: Job | None = None
+        self, vertices: NDArray[np.floating], triangles: NDArray[np.integer], job: Job | None = None
     ) -> None: ...
     @property
     def vertices(self) -> NDArray[np.float64]: ...
@@ -48,7 +48,7 @@ class CleanOptions:
 
 def clean(
     vertices: NDArray[np.floating],
-    triangles: NDArray[np.signedinteger],
+    triangles: NDArray[np.integer],
     options: CleanOptions = ...,
     job: Job | None = None,
 ) -> Mesh: ...
@@ -139,14 +139,14 @@ def partition(
     options: PartitionOptions = ...,
     job: Job | None = None,
     weights: NDArray[np.floating] | None = None,
-    barriers: NDArray[np.signedinteger] | None = None,
+    barriers: NDArray[np.integer] | None = None,
 ) -> Partition: ...
 def partition_from(
     mesh: Mesh,
-    face_region: NDArray[np.signedinteger],
+    face_region: NDArray[np.integer],
     job: Job | None = None,
     weights: NDArray[np.floating] | None = None,
-    barriers: NDArray[np.signedinteger] | None = None,
+    barriers: NDArray[np.integer] | None = None,
     before: Partition | None = None,
 ) -> Partition: ...
 def add_proxy(mesh: Mesh, partition: Partition, face: int, job: Job | None = None) -> Partition: ...
@@ -164,17 +164,17 @@ def split_along(
 def paint_faces(
     mesh: Mesh,
     partition: Partition,
-    faces: NDArray[np.signedinteger],
+    faces: NDArray[np.integer],
     onto: int | None = None,
     job: Job | None = None,
 ) -> Partition: ...
 def erase_faces(
-    mesh: Mesh, partition: Partition, faces: NDArray[np.signedinteger], job: Job | None = None
+    mesh: Mesh, partition: Partition, faces: NDArray[np.integer], job: Job | None = None
 ) -> Partition: ...
 def grow_region(mesh: Mesh, partition: Partition, face: int, rings: int = 1, job: Job | None = None) -> Partition: ...
 def shrink_region(mesh: Mesh, partition: Partition, face: int, rings: int = 1, job: Job | None = None) -> Partition: ...
-def lock_regions(mesh: Mesh, partition: Partition, faces: NDArray[np.signedinteger]) -> Partition: ...
-def unlock_regions(mesh: Mesh, partition: Partition, faces: NDArray[np.signedinteger]) -> Partition: ...
+def lock_regions(mesh: Mesh, partition: Partition, faces: NDArray[np.integer]) -> Partition: ...
+def unlock_regions(mesh: Mesh, partition: Partition, faces: NDArray[np.integer]) -> Partition: ...
 def add_worst(mesh: Mesh, partition: Partition, times: int = 1, job: Job | None = None) -> Partition: ...
 def delete_least(mesh: Mesh, partition: Partition, times: int = 1, job: Job | None = None) -> Partition: ...
 def merge_cheapest(mesh: Mesh, partition: Partition, times: int = 1, job: Job | None = None) -> Partition: ...
@@ -231,8 +231,8 @@ def read_polygons(
 ) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]: ...
 def triangulate(
     vertices: NDArray[np.floating],
-    loops: NDArray[np.signedinteger],
-    loop_start: NDArray[np.signedinteger],
+    loops: NDArray[np.integer],
+    loop_start: NDArray[np.integer],
     job: Job | None = None,
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]: ...
 def write(path: str | PathLike[str], polygons: PolygonMesh, job: Job | None = None) -> None: ...

@@ -50,7 +50,8 @@ def marked_edges(mesh: Mesh, edges: NDArray[Any]) -> Pairs:
     marked = np.sort(np.asarray(edges, np.int64).reshape(-1, 2), axis=1)
     mine, _, _ = inner_edges(mesh)
     source = np.sort(mesh.source_vertex[mine].astype(np.int64), axis=1)
-    base = 1 + max(source.max(initial=0), marked.max(initial=0))
+    base = 1 + source.max(initial=0)
+    marked = marked[((marked >= 0) & (marked < base)).all(axis=1)]  # larger ones are gone, and would overflow below
     known = (source >= 0).all(axis=1)
     return mine[known & np.isin(source[:, 0] * base + source[:, 1], marked[:, 0] * base + marked[:, 1])]
 

@@ -53,7 +53,7 @@ TEST(Guides, BadOnesAreNamed) {
             "there are 2 weights, but the mesh has 12 faces: give one for each");
   std::vector<double> weights(12, 1.0);
   weights[7] = -1;
-  EXPECT_EQ(message(mesh, {weights, {}}), "the weight of face 7 is -1.000000; weights must be finite and at least 0");
+  EXPECT_EQ(message(mesh, {weights, {}}), "the weight of face 7 is -1; weights must be finite and at least 0");
   weights[7] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_NE(message(mesh, {weights, {}}).find("face 7"), std::string::npos);
   EXPECT_EQ(message(mesh, {std::vector<double>(12, 0.0), {}}), "all weights are 0; at least one must be above 0");

@@ -212,10 +212,37 @@ TEST_F(Io, DamagedPlyIsNamed) {
   EXPECT_NE(
       error("a.ply", binary + kPlyHead + std::string(36, '\0') + "\3" + raw(0) + raw(1)).find("ends within face 0"),
       std::string::npos);
-  EXPECT_NE(error("a.ply", text + "element vertex 0\nproperty float x\nproperty float y\nproperty float z\n"
-                                  "element tristrips 1\nproperty list int int vertex_indices\nend_header\n3 0 1 2\n")
-                .find("triangle strips"),
+  const std::string strips =
+      "element vertex 0\nproperty float x\nproperty float y\nproperty float z\nelement tristrips 1\n";
+  EXPECT_EQ(error("a.ply", text + strips + "property list int int vertex_indices\nend_header\n3 0 1 2\n"),
+            "face 0 (the first is 0) uses vertex 0, but there are 0 vertices, the first of them 0");
+  EXPECT_NE(error("a.ply", text + strips + "property int vertex_indices\nend_header\n3\n")
+                .find("triangle strips have no list"),
             std::string::npos);
+}
+
+TEST_F(Io, PlyTriangleStripsBecomeTriangles) {
+  // Two strips: of five vertices, the second and fourth triangle turned over; and of three. 5 5 turns the second one.
+  const std::vector<std::int32_t> strip{0, 1, 2, 3, 4, -1, 4, 5, 5, 3, -1};
+  const std::string head =
+      "element vertex 6\nproperty float x\nproperty float y\nproperty float z\n"
+      "element tristrips 1\nproperty list int int vertex_indices\nend_header\n";
+  std::string words = "11", bytes = raw(11), text, floats;
+  for (const std::int32_t v : strip) {
+    words += ' ';
+    words += std::to_string(v);
+    bytes += raw(v);
+  }
+  for (int v = 0; v < 6; ++v) {
+    text += std::to_string(v);
+    text += " 0 0\n";
+    floats += raw(static_cast<float>(v)) + raw(0.0F) + raw(0.0F);
+  }
+  for (const PolygonSoup& soup : {parse("t.ply", "ply\nformat ascii 1.0\n" + head + text + words + "\n"),
+                                  parse("b.ply", "ply\nformat binary_little_endian 1.0\n" + head + floats + bytes)}) {
+    EXPECT_EQ(soup.loops, (std::vector<std::int32_t>{0, 1, 2, 2, 1, 3, 2, 3, 4}));
+    EXPECT_EQ(soup.loop_start, (std::vector<std::int32_t>{0, 3, 6}));
+  }
 }
 
 // --- OBJ
@@ -288,6 +315,29 @@ TEST_F(Io, StlSharesCornersAndKeepsEveryFacet) {
   const PolygonSoup soup = parse("b.stl", binary_stl(bad));
   EXPECT_EQ(soup.polygon_count(), 13);
   EXPECT_GT(soup.vertices.size(), 8);  // a corner that is not a number is like no other
+}
+
+TEST_F(Io, TextStlWithoutItsEndIsCutShort) {
+  const std::string whole = text_stl(shapes::cube()),
+                    missing = "it has no \"endsolid\" after its last facet; it is cut short";
+  EXPECT_EQ(parse("a.stl", whole).polygon_count(), 12);
+  for (const char* end : {"endsolid", "endfacet", "endloop", " facet"})
+    EXPECT_EQ(error("a.stl", whole.substr(0, whole.rfind(end))), missing) << end;
+  EXPECT_EQ(error("a.stl", "solid a\n"), missing);
+  EXPECT_EQ(parse("a.stl", "solid a\nendsolid a\n").polygon_count(), 0);
+  EXPECT_EQ(parse("two.stl", whole + whole).polygon_count(), 24);
+  EXPECT_EQ(error("two.stl", whole + whole.substr(0, whole.rfind("endsolid"))), missing);
+}
+
+TEST_F(Io, TextStlMayBeOneLine) {
+  std::string text = text_stl(shapes::cube());
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  EXPECT_EQ(parse("a.stl", text).loops, parse("b.stl", text_stl(shapes::cube())).loops);
+  const std::string solid =
+      "solid the facet one facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 "
+      "endloop endfacet endsolid the facet one ";
+  EXPECT_EQ(parse("a.stl", solid + solid).polygon_count(), 2);
+  EXPECT_EQ(parse("b.stl", "solid vertex endsolid\n" + solid).polygon_count(), 1);
 }
 
 TEST_F(Io, DamagedStlIsNamed) {
@@ -379,82 +429,6 @@ TEST_F(Io, EveryFileCutShortIsReadOrNamed) {
       }
     }
   EXPECT_GT(refused, 600);
-}
-
-// --- triangles from polygons
-// ------------------------------------------------------------------------------------------
-
-/// The sum of the triangles' areas; it is the polygon's own only if they don't overlap.
-double total_area(const PolygonSoup& soup, const Triangulation& t) {
-  double sum = 0;
-  for (const auto& [a, b, c] : t.triangles)
-    sum += (soup.vertices[b] - soup.vertices[a]).cross(soup.vertices[c] - soup.vertices[a]).norm() / 2;
-  return sum;
-}
-
-Triangulation triangles_of(const PolygonSoup& soup) {
-  Job job;
-  return triangulate(soup, job);
-}
-
-TEST(Triangulate, EachPolygonGivesTwoTrianglesLessThanItsCorners) {
-  const Triangulation t = triangles_of(kHouse);
-  EXPECT_EQ(t.source_polygon, (std::vector<std::int32_t>{0, 0, 1, 2, 2}));
-  EXPECT_NEAR(total_area(kHouse, t), 1 + std::hypot(0.5, 0.1) / 2 + 1, 1e-5);
-}
-
-TEST(Triangulate, AConcaveQuadIsCutAtItsNotch) {
-  for (std::int32_t shift = 0; shift < 4; ++shift) {
-    PolygonSoup soup{{{0, 0, 0}, {2, 1, 0}, {0, 2, 0}, {0.5, 1, 0}}, {}, {0}};  // the notch is vertex 3
-    for (std::int32_t k = 0; k < 4; ++k) soup.loops.push_back((k + shift) % 4);
-    EXPECT_NEAR(total_area(soup, triangles_of(soup)), 1.5, 1e-12);
-  }
-}
-
-TEST(Triangulate, ConcavePolygonsInSpaceAreFilledWithoutOverlap) {
-  PolygonSoup star;  // ten corners, radii 1 and 0.3, in a slanted plane
-  const Vec3 x = Vec3(1, 2, 3).normalized(), y = x.unitOrthogonal();
-  for (std::int32_t i = 0; i < 10; ++i) {
-    const double r = i % 2 == 0 ? 1.0 : 0.3, angle = i * std::numbers::pi / 5;
-    star.vertices.push_back(Vec3(7, 8, 9) + r * (std::cos(angle) * x + std::sin(angle) * y));
-    star.loops.push_back(i);
-  }
-  star.loop_start = {0};
-  const Triangulation t = triangles_of(star);
-  EXPECT_EQ(t.triangles.size(), 8);
-  EXPECT_NEAR(total_area(star, t), 10 * 0.5 * 0.3 * std::sin(std::numbers::pi / 5), 1e-12);
-  for (const auto& [a, b, c] : t.triangles)
-    EXPECT_GT((star.vertices[b] - star.vertices[a]).cross(star.vertices[c] - star.vertices[a]).dot(x.cross(y)), 0);
-}
-
-TEST(Triangulate, AFrameWithABridgeToItsHoleIsFilled) {
-  // The outer square, in to the hole along a bridge, round it, and back along the bridge.
-  const PolygonSoup soup{{{0, 0, 0}, {3, 0, 0}, {3, 3, 0}, {0, 3, 0}, {1, 1, 0}, {1, 2, 0}, {2, 2, 0}, {2, 1, 0}},
-                         {0, 1, 2, 3, 0, 4, 5, 6, 7, 4},
-                         {0}};
-  const Triangulation t = triangles_of(soup);
-  EXPECT_EQ(t.triangles.size(), 8);
-  EXPECT_NEAR(total_area(soup, t), 8, 1e-12);
-}
-
-TEST(Triangulate, WhatHasNoGoodAnswerGetsSomeTriangles) {
-  const double nan = std::nan("");
-  const PolygonSoup soup{{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {nan, 0, 0}, {1, 1, 0}, {0, 1, 0}},
-                         {0, 1, 2, 3, /**/ 0, 1, 4, 5, 6, /**/ 0, 5, 1, 6, /**/ 0, 1, /**/ 2, 2, 2, 2},
-                         {0, 4, 9, 13, 15}};
-  EXPECT_EQ(triangles_of(soup).source_polygon, (std::vector<std::int32_t>{0, 0, 1, 1, 1, 2, 2, 4, 4}));
-}
-
-TEST(Triangulate, APolygonOfManyCornersTakesNoTime) {
-  PolygonSoup comb;  // 20,000 teeth
-  for (std::int32_t i = 0; i < 40000; ++i) comb.vertices.emplace_back(i, i % 2 == 0 ? 1 : 3, 0);
-  comb.vertices.emplace_back(39999, 0, 0);
-  comb.vertices.emplace_back(0, 0, 0);
-  for (std::int32_t i = 40001; i >= 0; --i) comb.loops.push_back(i);
-  comb.loop_start = {0};
-  const Triangulation t = triangles_of(comb);
-  EXPECT_EQ(t.triangles.size(), 40000);
-  EXPECT_NEAR(total_area(comb, t), 2 * 39999, 1e-6);
 }
 
 }  // namespace

@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
+#include <limits>
 #include <mutex>
 #include <numeric>
 #include <set>
@@ -9,6 +11,7 @@
 #include <vector>
 
 #include "isimp/core/errors.h"
+#include "isimp/core/thread_count.h"
 #include "isimp/core/threads.h"
 
 namespace isimp {
@@ -28,6 +31,18 @@ TEST(Threads, CutALoopWithoutGapsAndPassOnWhatFails) {
                              if (k == 2) throw Cancelled();
                            }),
                Cancelled);
+}
+
+TEST(Threads, AreNeverMoreThanAMachineHas) {
+  EXPECT_GE(thread_count(0), 1);
+  EXPECT_EQ(thread_count(1), 1);
+  EXPECT_EQ(thread_count(8), 8);
+  const std::int32_t most = thread_count(std::numeric_limits<std::int32_t>::max());
+  EXPECT_GE(most, kMostThreads);
+  EXPECT_LE(most, std::max(kMostThreads, thread_count(0)));
+  EXPECT_EQ(Threads(100'000).pieces(1 << 30, 1), most);
+  EXPECT_EQ(startable_threads(2), 2);
+  EXPECT_LE(startable_threads(100'000), most);
 }
 
 TEST(Threads, HandOutEachStepOnce) {

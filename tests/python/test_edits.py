@@ -118,7 +118,7 @@ def test_a_cut_parts_faces_by_the_side_of_the_line():
     [
         (lambda m, p: engine.split_along(m, p, 0, [[0.5, 0.4]]), r"line must be an array of shape \(K, 3\)"),
         (lambda m, p: engine.split_along(m, p, 0, np.zeros((2, 3)), [1.0]), "direction must have 3 numbers, got 1"),
-        (lambda m, p: engine.paint_faces(m, p, [0.5]), r"faces must be an array of shape \(K,\) and int32 or int64"),
+        (lambda m, p: engine.paint_faces(m, p, [0.5]), r"faces must be an array of shape \(K,\) and integers"),
         (lambda m, p: engine.paint_faces(m, p, [0], -1), "onto must be a face or None, got -1"),
         (lambda m, p: engine.lock_regions(m, p, np.zeros(0, int)), "there is no face: name one of each region to lock"),
         (lambda m, p: engine.grow_region(m, p, 0, 0), "rings must be at least 1, got 0"),

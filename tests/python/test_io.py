@@ -78,7 +78,7 @@ def test_n_gons_are_cut_and_name_their_polygon(tmp_path):
         (([[0.0, 0, 0]], [0, 0, 0], [1]), "loop_start must rise from 0 .* got 1 for polygon 0"),
         (([[0.0, 0, 0]], [0, 0, 0], [0, 4]), "loop_start must rise from 0 .* 3 corners, got 4 for polygon 1"),
         (([[0.0, 0, 0]], [0, 0, 0], [0, 2, 1]), "got 1 for polygon 2"),
-        (([[0.0, 0, 0]], [[0, 0, 0]], [0]), r"loops must be an array of shape \(L,\) and int32 or int64, got shape"),
+        (([[0.0, 0, 0]], [[0, 0, 0]], [0]), r"loops must be an array of shape \(L,\) and integers, got shape"),
         (([[0.0, 0, 0]], [0, 0, 0], [0.5]), r"loop_start must be an array of shape \(Q,\) .* float64"),
         (([[0.0, 0, 0]], [0, 2**40, 0], [0]), r"loops\[1\] is 1099511627776"),
     ],

@@ -6,6 +6,7 @@
 #include "edge_groups.h"
 #include "formats.h"
 #include "isimp/mesh/io.h"
+#include "pipe.h"
 
 namespace isimp {
 namespace {
@@ -28,6 +29,12 @@ FileText load(const fs::path& path, Job& job) {
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status)) file.fail("there is no such file");
   if (fs::is_directory(status)) file.fail("it is a folder, not a mesh file");
+  if (fs::is_fifo(status)) {
+    file.bytes = detail::read_pipe(path, file.name, job);
+    if (file.bytes.empty()) file.fail("it is empty");
+    return file;
+  }
+  if (detail::is_stream(status)) file.fail("it is a device, not a mesh file");
   std::ifstream in(path, std::ios::binary);
   if (!in) file.fail("it can't be opened; may it be read?");
   const std::uintmax_t size = fs::file_size(path, error);

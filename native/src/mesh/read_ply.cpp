@@ -1,6 +1,7 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -275,11 +276,17 @@ void read_vertices(const FileText& file, const Element& element, Values& values,
   }
 }
 
-void read_faces(const FileText& file, const Element& element, Values& values, SoupBuilder& soup, Job& job) {
+/// Which property of faces or strips lists their vertices.
+int list_of_corners(const FileText& file, const Element& element, const char* what) {
   const int named = element.find("vertex_indices"), corners = named >= 0 ? named : element.find("vertex_index");
   const auto usable = [&](const Property& p) { return p.is_list && p.type < Scalar::f32; };
   if (element.count > 0 && (corners < 0 || !usable(element.properties[static_cast<std::size_t>(corners)])))
-    file.fail("the PLY faces have no list of whole numbers called vertex_indices or vertex_index");
+    file.fail(std::string("the PLY ") + what + " have no list of whole numbers called vertex_indices or vertex_index");
+  return corners;
+}
+
+void read_faces(const FileText& file, const Element& element, Values& values, SoupBuilder& soup, Job& job) {
+  const int corners = list_of_corners(file, element, "faces");
   for (std::size_t row = 0; row < element.count; ++row) {
     if (row % kPollEvery == 0) job.poll();
     soup.begin_polygon();
@@ -296,6 +303,63 @@ void read_faces(const FileText& file, const Element& element, Values& values, So
   }
 }
 
+/// Makes triangles of strips: each vertex from the third on makes one with the two before, turned over every second
+/// time; -1 ends a strip. A vertex that comes twice in a row only turns the strip: it makes no triangle.
+class Strips {
+ public:
+  explicit Strips(SoupBuilder& soup) : soup_(soup) {}
+  void end() { held_ = 0; }
+  void add(std::int64_t vertex) {
+    if (held_ >= 2 && first_ != second_ && second_ != vertex && vertex != first_) {
+      soup_.begin_polygon();
+      soup_.add_corner(held_ % 2 == 0 ? first_ : second_);
+      soup_.add_corner(held_ % 2 == 0 ? second_ : first_);
+      soup_.add_corner(vertex);
+    }
+    first_ = std::exchange(second_, vertex);
+    ++held_;
+  }
+
+ private:
+  SoupBuilder& soup_;
+  std::int64_t first_ = 0, second_ = 0, held_ = 0;
+};
+
+void read_strips(const FileText& file, const Element& element, Values& values, SoupBuilder& soup, Job& job) {
+  const int corners = list_of_corners(file, element, "triangle strips");
+  std::size_t done = 0;
+  for (std::size_t row = 0; row < element.count; ++row) {
+    Strips strips(soup);
+    for (int i = 0; const Property& p : element.properties) {
+      const std::int64_t count = p.is_list ? values.list_count(p, element, row) : 1;
+      for (std::int64_t k = 0; k < count; ++k) {
+        if (done++ % kPollEvery == 0) job.poll();
+        if (i != corners) {
+          values.skip(p.type, element, row);
+          continue;
+        }
+        const std::int64_t vertex = values.integer(p.type, element, row);
+        const bool ends = vertex == -1 || (p.type == Scalar::u32 && vertex == 0xffffffff);
+        if (ends) {
+          strips.end();
+        } else {
+          strips.add(vertex);
+        }
+      }
+      ++i;
+    }
+  }
+}
+
+/// How many elements there are up to the last one that holds what is wanted; what comes after is not looked at.
+std::size_t wanted_elements(const Header& header) {
+  std::size_t wanted = 0;
+  for (std::size_t i = 0; i < header.elements.size(); ++i)
+    if (const std::string& name = header.elements[i].name; name == "vertex" || name == "face" || name == "tristrips")
+      wanted = i + 1;
+  return wanted;
+}
+
 }  // namespace
 
 PolygonSoup read_ply(const FileText& file, Job& job) {
@@ -303,8 +367,7 @@ PolygonSoup read_ply(const FileText& file, Job& job) {
   Values values(file, header);
   SoupBuilder soup(file);
   bool vertices = false, faces = false;
-  for (const Element& element : header.elements) {
-    if (vertices && faces) break;
+  for (const Element& element : std::span(header.elements).first(wanted_elements(header))) {
     values.check_room(element);
     if (element.name == "vertex" && !vertices) {
       vertices = true;
@@ -314,8 +377,8 @@ PolygonSoup read_ply(const FileText& file, Job& job) {
       faces = true;
       soup.reserve(0, element.count);
       read_faces(file, element, values, soup, job);
-    } else if (element.name == "tristrips" && element.count > 0) {
-      file.fail("it holds triangle strips, which are not supported; save it with faces");
+    } else if (element.name == "tristrips") {
+      read_strips(file, element, values, soup, job);
     } else {
       skip_element(element, values, job);
     }

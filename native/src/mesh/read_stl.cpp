@@ -61,35 +61,75 @@ bool is(std::string_view word, std::string_view lower) {
                     [](char a, char b) { return (a | 0x20) == b; });
 }
 
-PolygonSoup read_text(const FileText& file, Job& job) {
-  FacetBuilder builder(file, file.bytes.size() / 150);
-  Lines lines(file.bytes);
-  std::string_view line;
-  int corners = 3;  // of the present facet
-  for (std::size_t row = 0; lines.next(line); ++row) {
-    if (row % kPollEvery == 0) job.poll();
-    Words words(line);
-    const std::string_view keyword = words.next();
-    if (is(keyword, "outer")) {
-      if (corners != 3)
-        file.fail_at(line.data(), "the facet before has " + std::to_string(corners) + " corners, not 3");
-      corners = 0;
-      builder.begin_facet();
-    } else if (is(keyword, "vertex")) {
-      if (++corners > 3) file.fail_at(line.data(), "a vertex stands outside a facet's loop of three");
-      Vec3 place;
-      for (double& coordinate : place) {
-        const std::string_view word = words.next();
-        const auto value = to_number(word);
-        if (!value) file.fail_at(line.data(), "expected three coordinates after \"vertex\", got " + shown(word));
-        coordinate = *value;
-      }
-      builder.add_corner(place);
+/// A text file word by word, since some programs write all of it on one line.
+class TextReader {
+ public:
+  TextReader(const FileText& file, Job& job)
+      : file_(file), job_(job), builder_(file, file.bytes.size() / 150), words_(file.bytes) {}
+
+  PolygonSoup read() {
+    for (std::size_t count = 0;; ++count) {
+      if (count % kPollEvery == 0) job_.poll();
+      const std::string_view word = words_.next();
+      if (word.empty()) break;
+      take(word);
+    }
+    if (corners_ != 3) file_.fail("it ends within a facet; it is cut short");
+    if (is_open_) file_.fail("it has no \"endsolid\" after its last facet; it is cut short");
+    return builder_.finish(job_);
+  }
+
+ private:
+  void take(std::string_view word) {
+    if (is(word, "vertex")) {
+      add_corner(word);
+    } else if (is(word, "outer")) {
+      if (corners_ != 3)
+        file_.fail_at(word.data(), "the facet before has " + std::to_string(corners_) + " corners, not 3");
+      corners_ = 0;
+      is_open_ = true;
+      builder_.begin_facet();
+    } else if (is(word, "solid")) {
+      is_open_ = true;
+      skip_name(word);
+    } else if (is(word, "endsolid")) {
+      is_open_ = false;
+      skip_name(word);
     }
   }
-  if (corners != 3) file.fail("it ends within a facet; it is cut short");
-  return builder.finish(job);
-}
+  void add_corner(std::string_view keyword) {
+    if (++corners_ > 3) file_.fail_at(keyword.data(), "a vertex stands outside a facet's loop of three");
+    Vec3 place;
+    for (double& coordinate : place) {
+      const std::string_view word = words_.next();
+      const auto value = to_number(word);
+      if (!value) file_.fail_at(keyword.data(), "expected three coordinates after \"vertex\", got " + shown(word));
+      coordinate = *value;
+    }
+    builder_.add_corner(place);
+  }
+  /// Goes past the name of a solid, which may hold any word: it ends with its line, or where a facet or the end of the
+  /// solid follows on the same one.
+  void skip_name(std::string_view keyword) {
+    const auto is_end = [](char c) { return c == '\n' || c == '\r'; };
+    for (std::string_view before = keyword;;) {
+      Words after = words_;
+      const std::string_view word = after.next();
+      if (word.empty() || std::any_of(before.data() + before.size(), word.data(), is_end) || is(word, "endsolid"))
+        return;
+      words_ = after;
+      if (is(before, "facet") && is(word, "normal")) return;
+      before = word;
+    }
+  }
+
+  const FileText& file_;
+  Job& job_;
+  FacetBuilder builder_;
+  Words words_;
+  int corners_ = 3;       // of the present facet
+  bool is_open_ = false;  // a solid or facet has begun and its solid has not ended
+};
 
 }  // namespace
 
@@ -100,7 +140,7 @@ PolygonSoup read_stl(const FileText& file, Job& job) {
   if (size >= kHead && size == kHead + facets * kFacet) return read_binary(file, facets, job);
   const std::string_view start = std::string_view(file.bytes).substr(0, 1024);
   const std::string_view first = Words(start).next();
-  if ((first == "solid" || first == "SOLID") && start.find('\0') == start.npos) return read_text(file, job);
+  if (is(first, "solid") && start.find('\0') == start.npos) return TextReader(file, job).read();
   if (size < kHead) file.fail("it is neither a text STL file (\"solid ...\") nor long enough for a binary one");
   if (size < kHead + facets * kFacet)
     file.fail("it promises " + std::to_string(facets) + " facets, but has " + std::to_string(size) +

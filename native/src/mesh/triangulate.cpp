@@ -1,27 +1,38 @@
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
 #include "edge_groups.h"
+#include "index_set.h"
 #include "isimp/mesh/io.h"
+#include "point_boxes.h"
 
 namespace isimp {
 namespace {
 
-using Vec2 = Eigen::Vector2d;
+using detail::turn;
+using detail::Vec2;
 
-/// Twice the area of a triangle, positive if it runs counter-clockwise.
-double turn(const Vec2& a, const Vec2& b, const Vec2& c) {
-  return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
-}
+constexpr std::int32_t kSmall = 64;  // corners of a polygon all of which are looked at again after every ear
+constexpr std::int64_t kStepsBetweenPolls = 1 << 15;
+constexpr std::int64_t kStepsACorner = 300, kLeastSteps = 50'000'000;  // that the search for ears may take ...
+constexpr std::int64_t kStepsCrossing = 30;                            // ... once the polygon is known to meet itself
+constexpr std::int64_t kSearches = 4;  // through all corners, for an ear that its neighbours do not tell of
 
 /// Cuts ears off one polygon at a time; keeps its memory between them.
+///
+/// A corner that is no ear becomes one only when one beside it is cut off, if the polygon does not meet itself: so only
+/// those two are looked at again. Where no ear is found by this, all corners are looked at again, some times; and then
+/// the polygon is one that meets itself, and loses the corner that turns most to the left.
 class EarCutter {
  public:
-  EarCutter(const std::vector<Vec3>& vertices, Triangulation& result) : vertices_(vertices), result_(result) {}
+  EarCutter(const std::vector<Vec3>& vertices, Triangulation& result, Job& job)
+      : vertices_(vertices), result_(result), job_(job) {}
 
-  void cut(std::span<const std::int32_t> polygon, std::int32_t number, Job& job) {
+  void cut(std::span<const std::int32_t> polygon, std::int32_t number) {
     const auto n = static_cast<std::int32_t>(polygon.size());
     const auto emit = [&](std::int32_t a, std::int32_t b, std::int32_t c) {
       result_.triangles.push_back({polygon[a], polygon[b], polygon[c]});
@@ -33,24 +44,19 @@ class EarCutter {
     link(n);
     std::int32_t at = 0;
     if (n == 4) at = (flat_[0] - flat_[2]).squaredNorm() <= (flat_[1] - flat_[3]).squaredNorm() ? 1 : 0;  // the shorter
-    for (std::int32_t left = n, tried = 0; left > 3;) {
-      if (++steps_ % kEarsBetweenPolls == 0) job.poll();
-      if (tried < left && !is_ear(at)) {
-        at = next_[at];
-        ++tried;
-        continue;
-      }
-      if (tried >= left) at = widest(at);  // no ear: the polygon has no area or crosses itself
+    for (std::int32_t left = n; left > 3;) {
+      at = find_ear(at, left);
       emit(previous_[at], at, next_[at]);
       at = remove(at);
       --left;
-      tried = 0;
       if (left == 3) emit(previous_[at], at, next_[at]);
     }
   }
 
  private:
-  static constexpr std::size_t kEarsBetweenPolls = 1024;
+  void step() {
+    if (++steps_ % kStepsBetweenPolls == 0) job_.poll();
+  }
 
   /// Puts the polygon into the plane across its vector area (Newell), where it runs counter-clockwise, lengthwise along
   /// the first axis.
@@ -84,53 +90,115 @@ class EarCutter {
       is_reflex_[i] = 1;
       reflex_.push_back(i);
     }
-    std::sort(reflex_.begin(), reflex_.end(),
-              [&](std::int32_t i, std::int32_t j) { return std::pair(flat_[i].x(), i) < std::pair(flat_[j].x(), j); });
+    boxes_.build(flat_, reflex_, job_);
+    untried_.reset(n);
+    for (std::int32_t i = 0; i < n; ++i) untried_.insert(i);
+    all_are_tried_ = true;  // once what is in there is
+    is_small_ = n <= kSmall;
+    searches_left_ = kSearches * n;
+    steps_ = 0;
+    last_step_ = std::max(kLeastSteps, kStepsACorner * n);
+    widest_.clear();
   }
   [[nodiscard]] double corner(std::int32_t i) const { return turn(flat_[previous_[i]], flat_[i], flat_[next_[i]]); }
 
+  /// The first ear from a corner on, or what is cut off where there is none.
+  std::int32_t find_ear(std::int32_t start, std::int32_t left) {
+    while (true) {
+      for (std::int32_t at = untried_.next(start); at != kNone; at = untried_.next(at)) {
+        step();
+        if (is_ear(at)) return at;
+        untried_.erase(at);
+      }
+      if (all_are_tried_ || searches_left_ < left) return widest(start);
+      searches_left_ -= left;
+      try_all(start);
+    }
+  }
+  void try_all(std::int32_t start) {
+    untried_.insert(start);
+    for (std::int32_t i = next_[start]; i != start; i = next_[i]) untried_.insert(i);
+    all_are_tried_ = true;
+  }
   /// Whether the triangle at a convex corner holds no other corner; only reflex ones can lie in it.
-  [[nodiscard]] bool is_ear(std::int32_t i) const {
+  [[nodiscard]] bool is_ear(std::int32_t i) {
     if (!(corner(i) > 0)) return false;
+    if (steps_ > last_step_) return true;  // it would take too long to find out
     const std::int32_t p = previous_[i], n = next_[i];
     const Vec2 &a = flat_[p], &b = flat_[i], &c = flat_[n];
     const auto [left, right] = std::minmax({a.x(), b.x(), c.x()});
-    const auto is_left = [&](std::int32_t r, double x) { return flat_[r].x() < x; };
-    for (auto at = std::lower_bound(reflex_.begin(), reflex_.end(), left, is_left); at != reflex_.end(); ++at) {
-      const std::int32_t r = *at;
+    const auto lies_inside = [&, left = left, right = right](std::int32_t r) {
       const Vec2& q = flat_[r];
-      if (q.x() > right) break;
-      if (!is_reflex_[r] || r == p || r == i || r == n) continue;
-      if (q == a || q == b || q == c) continue;  // a bridge to a hole names its ends twice
-      if (turn(a, b, q) >= 0 && turn(b, c, q) >= 0 && turn(c, a, q) >= 0) return false;
-    }
-    return true;
+      if (r == p || r == i || r == n || q.x() < left || q.x() > right) return false;
+      if (q == a || q == b || q == c) return false;  // a bridge to a hole names its ends twice
+      return turn(a, b, q) >= 0 && turn(b, c, q) >= 0 && turn(c, a, q) >= 0;
+    };
+    return !boxes_.any_near({a, b, c}, lies_inside, [&] { step(); });
   }
   /// The corner that turns most to the left.
-  [[nodiscard]] std::int32_t widest(std::int32_t start) const {
-    std::int32_t best = start;
-    for (std::int32_t i = next_[start]; i != start; i = next_[i])
-      if (corner(i) > corner(best)) best = i;
-    return best;
+  std::int32_t widest(std::int32_t start) {
+    if (is_small_) {
+      std::int32_t best = start;
+      for (std::int32_t i = next_[start]; i != start; i = next_[i])
+        if (corner(i) > corner(best)) best = i;
+      return best;
+    }
+    if (widest_.empty()) {
+      last_step_ = std::min(last_step_,
+                            steps_ + std::max(kLeastSteps, kStepsCrossing * static_cast<std::int64_t>(next_.size())));
+      offer(start);
+      for (std::int32_t i = next_[start]; i != start; i = next_[i]) offer(i);
+    }
+    while (true) {  // of each corner, what it last was counts
+      const auto [width, i] = widest_.front();
+      std::pop_heap(widest_.begin(), widest_.end());
+      widest_.pop_back();
+      step();
+      if (next_[i] != kNone && width == width_of(i)) return i;
+    }
+  }
+  [[nodiscard]] double width_of(std::int32_t i) const {
+    const double width = corner(i);
+    return std::isnan(width) ? -std::numeric_limits<double>::infinity() : width;
+  }
+  void offer(std::int32_t i) {
+    widest_.emplace_back(width_of(i), i);
+    std::push_heap(widest_.begin(), widest_.end());
   }
   /// Takes a corner out; returns the one from which to go on, two further, so that fans do not arise.
   std::int32_t remove(std::int32_t i) {
     const std::int32_t p = previous_[i], n = next_[i];
     next_[p] = n;
     previous_[n] = p;
-    is_reflex_[i] = 0;
-    for (const std::int32_t r : {p, n})
-      if (corner(r) > 0) is_reflex_[r] = 0;
+    next_[i] = kNone;
+    untried_.erase(i);
+    if (is_reflex_[i]) straighten(i);
+    for (const std::int32_t r : {p, n}) {
+      if (is_reflex_[r] && corner(r) > 0) straighten(r);
+      untried_.insert(r);
+      if (!widest_.empty()) offer(r);
+    }
+    all_are_tried_ = false;
+    if (is_small_) try_all(p);
     return next_[n];
+  }
+  void straighten(std::int32_t i) {
+    is_reflex_[i] = 0;
+    boxes_.remove(i);
   }
 
   const std::vector<Vec3>& vertices_;
   Triangulation& result_;
+  Job& job_;
   std::vector<Vec2> flat_;
   std::vector<std::int32_t> previous_, next_;
-  std::vector<std::int32_t> reflex_;  // by x, those that no longer are among them
   std::vector<char> is_reflex_;
-  std::size_t steps_ = 0;
+  std::vector<std::int32_t> reflex_;
+  detail::PointBoxes boxes_;  // of those that still are reflex
+  detail::IndexSet untried_;  // corners of which it is not known that they are no ears
+  bool all_are_tried_ = false, is_small_ = false;
+  std::int64_t searches_left_ = 0, steps_ = 0, last_step_ = 0;
+  std::vector<std::pair<double, std::int32_t>> widest_;  // a heap; empty while it is not needed
 };
 
 }  // namespace
@@ -139,10 +207,10 @@ Triangulation triangulate(const PolygonSoup& soup, Job& job) {
   Triangulation result;
   result.triangles.reserve(soup.loops.size() / 3);
   result.source_polygon.reserve(soup.loops.size() / 3);
-  EarCutter cutter(soup.vertices, result);
+  EarCutter cutter(soup.vertices, result, job);
   for (std::int32_t q = 0; q < soup.polygon_count(); ++q) {
     if (q % detail::kPollEvery == 0) job.poll();
-    cutter.cut(soup.polygon(q), q, job);
+    cutter.cut(soup.polygon(q), q);
   }
   return result;
 }

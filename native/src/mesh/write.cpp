@@ -2,19 +2,17 @@
 #include <bit>
 #include <cctype>
 #include <charconv>
-#include <cstdio>
-#include <fstream>
 #include <string>
-#include <system_error>
 
 #include "edge_groups.h"
 #include "isimp/core/errors.h"
 #include "isimp/mesh/io.h"
+#include "output_file.h"
 
 namespace isimp {
 namespace {
 
-namespace fs = std::filesystem;
+using detail::OutputFile;
 
 struct Polygons {
   std::span<const Vec3> vertices;
@@ -45,54 +43,6 @@ void check(const Polygons& polygons) {
   if (polygons.count() == 0 && corners > 0) throw InvalidInput("there are loops, but loop_start is empty");
 }
 
-/// A file that takes its place only when it is whole. Writes in large pieces.
-class Replacement {
- public:
-  explicit Replacement(const fs::path& place) : place_(place), draft_(place) {
-    draft_ += ".part";  // beside its place, so that the move stays within one file system
-    for (int i = 2; fs::exists(draft_); ++i) draft_.replace_extension(".part" + std::to_string(i));
-    out_.open(draft_, std::ios::binary);
-    if (!out_)
-      throw FileError(place.string() + ": it can't be written; is there such a folder, and may one write there?");
-  }
-  ~Replacement() {
-    if (kept_) return;
-    out_.close();
-    std::error_code ignored;
-    fs::remove(draft_, ignored);
-  }
-  Replacement(const Replacement&) = delete;
-  Replacement& operator=(const Replacement&) = delete;
-
-  std::string& buffer() { return buffer_; }
-  void flush_if_full() {
-    if (buffer_.size() >= kFull) flush();
-  }
-  void keep() {
-    flush();
-    out_.close();
-    if (!out_) fail();
-    std::error_code error;
-    fs::rename(draft_, place_, error);
-    if (error) throw FileError(place_.string() + ": it can't be put in its place: " + error.message());
-    kept_ = true;
-  }
-
- private:
-  static constexpr std::size_t kFull = std::size_t{1} << 20;
-  void flush() {
-    out_.write(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
-    if (!out_) fail();
-    buffer_.clear();
-  }
-  [[noreturn]] void fail() const { throw FileError(place_.string() + ": writing failed; is the disk full?"); }
-
-  fs::path place_, draft_;
-  std::ofstream out_;
-  std::string buffer_;
-  bool kept_ = false;
-};
-
 template <class T>
 void append_bytes(std::string& buffer, T value) {  // little-endian
   auto bytes = std::bit_cast<std::array<char, sizeof(T)>>(value);
@@ -107,7 +57,7 @@ void append_number(std::string& buffer, T value) {
   buffer.append(digits.data(), end);
 }
 
-void write_ply(const Polygons& polygons, Replacement& file, Job& job) {
+void write_ply(const Polygons& polygons, OutputFile& file, Job& job) {
   std::size_t most_corners = 0;
   for (std::size_t q = 0; q < polygons.count(); ++q) most_corners = std::max(most_corners, polygons[q].size());
   const bool bytes = most_corners <= 255;  // what every reader takes; larger polygons need the larger count
@@ -133,7 +83,7 @@ void write_ply(const Polygons& polygons, Replacement& file, Job& job) {
   }
 }
 
-void write_obj(const Polygons& polygons, Replacement& file, Job& job) {
+void write_obj(const Polygons& polygons, OutputFile& file, Job& job) {
   std::string& out = file.buffer();
   for (std::size_t v = 0; v < polygons.vertices.size(); ++v) {
     if (v % detail::kPollEvery == 0) job.poll();
@@ -163,8 +113,7 @@ void write_polygons(const std::filesystem::path& path, std::span<const Vec3> ver
   const Polygons polygons{vertices, loops, loop_start};
   check(polygons);
   job.poll();
-  if (fs::is_directory(path)) throw FileError(path.string() + ": it is a folder; give the name of a file");
-  Replacement file(path);
+  OutputFile file(path, job);
   (extension == ".ply" ? write_ply : write_obj)(polygons, file, job);
   file.keep();
 }

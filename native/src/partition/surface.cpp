@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <string>
 #include <utility>
 
@@ -11,6 +12,10 @@ namespace isimp {
 namespace {
 
 constexpr double kLeastWeight = 1e-4;  // of the largest: without any weight a face would have no normal either
+constexpr double kLargest = 1e30;      // of weights, so that they and their sums with areas stay finite as float ...
+constexpr double kSmallest = 1e-30;    // ... and do not vanish
+
+std::string shown(double number) { return (std::ostringstream() << number).str(); }
 
 void check_weights(const Mesh& mesh, std::span<const double> weights) {
   if (weights.size() != static_cast<std::size_t>(mesh.face_count()))
@@ -18,10 +23,13 @@ void check_weights(const Mesh& mesh, std::span<const double> weights) {
                        std::to_string(mesh.face_count()) + " faces: give one for each");
   for (std::size_t f = 0; f < weights.size(); ++f)
     if (!(weights[f] >= 0) || !std::isfinite(weights[f]))
-      throw InvalidInput("the weight of face " + std::to_string(f) + " is " + std::to_string(weights[f]) +
+      throw InvalidInput("the weight of face " + std::to_string(f) + " is " + shown(weights[f]) +
                          "; weights must be finite and at least 0");
-  if (*std::max_element(weights.begin(), weights.end()) <= 0)
-    throw InvalidInput("all weights are 0; at least one must be above 0");
+  const auto largest = std::max_element(weights.begin(), weights.end());
+  if (*largest <= 0) throw InvalidInput("all weights are 0; at least one must be above 0");
+  if (*largest > kLargest || *largest < kSmallest)
+    throw InvalidInput("the largest weight, that of face " + std::to_string(largest - weights.begin()) + ", is " +
+                       shown(*largest) + "; the largest must be in [1e-30, 1e+30]");
 }
 
 void weigh(GuidedGraph& guided, std::span<const float> weights) {

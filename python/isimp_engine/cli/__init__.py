@@ -10,11 +10,12 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from .. import CleanOptions, FileError, InvalidInput, PartitionOptions, __version__
+from .. import CleanOptions, FileError, InvalidInput, PartitionOptions, __version__, _process
 from . import guiding, info, simplify
 from .errors import UsageError
+from .files import place
 
-OK, USAGE, BAD_INPUT, INTERRUPTED = 0, 2, 3, 130
+OK, USAGE, BAD_INPUT, INTERRUPTED = 0, 2, 3, _process.INTERRUPTED
 
 _COUNTS = {  # at most one of them
     "proxies": (int, "N"),
@@ -56,9 +57,9 @@ def parser() -> argparse.ArgumentParser:
     add_fields(command, CleanOptions, _CLEAN_FIELDS)
     guiding.add_options(command)
     command.add_argument(
-        "--labels", type=Path, metavar="L.npy", help="one int32 region per face of INPUT, in file order; -1: none"
+        "--labels", type=place, metavar="L.npy", help="one int32 region per face of INPUT, in file order; -1: none"
     )
-    command.add_argument("--report", type=Path, metavar="R.json", help="what was done, in numbers")
+    command.add_argument("--report", type=place, metavar="R.json", help="what was done, in numbers; -: to stdout")
     command.add_argument("--quiet", action="store_true", help="no progress, no summary")
 
     command = commands.add_parser("info", help="what a mesh is and what would be repaired", description=info.__doc__)
@@ -98,10 +99,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; returns its exit status."""
     parsed = parser().parse_args(arguments)
     try:
+        _process.expect_interrupts()
+        if sys.stdout is not None:  # names of files may be any bytes: what is no text goes out as it came in
+            sys.stdout.reconfigure(errors="surrogateescape")
         parsed.clean = options_of(parsed, CleanOptions, _CLEAN_FIELDS)
         if parsed.run is simplify.run:
             parsed.options = options_of(parsed, PartitionOptions, (*_COUNTS, *_FIELDS, "snap"))
         parsed.run(parsed)
+        if sys.stdout is not None:
+            sys.stdout.flush()
     except KeyboardInterrupt:
         return _say("interrupted, nothing was written", INTERRUPTED)
     except UsageError as error:
@@ -114,9 +120,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _say(f"{parsed.input}: there is not enough memory for it", BAD_INPUT)
     except (InvalidInput, RuntimeError) as error:
         return _say(f"{parsed.input}: {error}", BAD_INPUT)
+    finally:
+        _process.ignore_interrupts()
     return OK
 
 
 def _say(message: str, status: int) -> int:
-    print("isimp:", " ".join(message.split()), file=sys.stderr)
+    if sys.stderr is not None:  # it is where it was closed: then the status alone says it
+        print("isimp:", " ".join(message.split()), file=sys.stderr)
     return status

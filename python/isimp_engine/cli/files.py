@@ -1,11 +1,36 @@
 """Files that appear whole or not at all."""
 
 import os
+import stat
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
 
 from .. import FileError
+from .errors import UsageError
+
+STDOUT = "-"
+
+
+def place(text: str) -> Path | str:
+    """An argument that names an output: STDOUT, or a path."""
+    return STDOUT if text == STDOUT else Path(text)
+
+
+def check(path: Path) -> None:
+    """Refuse before the work a place that can't be written after it."""
+    if not path.resolve().parent.is_dir():
+        raise UsageError(f"{path}: there is no folder {path.parent} to write to")
+    if path.is_dir():
+        raise UsageError(f"{path}: is a folder, so it can't be written as a file")
+    if path.is_file() and not (path.stat().st_mode & 0o222 and os.access(path, os.W_OK)):
+        raise UsageError(f"{path}: is read-only, so it is not replaced")
+
+
+def is_same(path: Path, other: Path) -> bool:
+    """Whether two names are of one file: the same path, links to it, or hard links of it."""
+    return path.resolve() == other.resolve() or (path.exists() and other.exists() and path.samefile(other))
 
 
 class Outputs:
@@ -26,6 +51,12 @@ class Outputs:
         for part, _ in self._moves:
             part.unlink(missing_ok=True)
 
+    def write_text(self, path: Path | str, text: str) -> None:
+        if isinstance(path, Path):
+            self.write(path, lambda part: part.write_text(text, encoding="utf-8"))
+        elif sys.stdout is not None:
+            print(text, end="", flush=True)
+
     def write(self, path: Path, write: Callable[[Path], object]) -> None:
         """Call `write` with the path to write to for now; a device or pipe is written to as it is."""
         part = path
@@ -43,5 +74,7 @@ class Outputs:
     def commit(self) -> None:
         while self._moves:
             part, place = self._moves[0]
+            if place.exists():
+                part.chmod(stat.S_IMODE(place.stat().st_mode))
             part.replace(place)
             self._moves.pop(0)

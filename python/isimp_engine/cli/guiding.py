@@ -1,6 +1,7 @@
 """What the command line says of single faces and edges of the file, as the engine wants it."""
 
 import argparse
+import tokenize
 from pathlib import Path
 from typing import Any
 
@@ -56,10 +57,21 @@ def guides_of(arguments: argparse.Namespace, source: Input, mesh: Mesh, job: Job
     return Guides(
         weights=None if weights is None else np.where(face >= 0, weights[face], 1.0),
         barriers=np.concatenate(barriers) if barriers else None,
-        cuts=guides.marked_edges(mesh, _load(arguments, "cuts", (None, 2))) if arguments.cuts else None,
+        cuts=guides.marked_edges(mesh, _cuts(arguments, source)) if arguments.cuts else None,
         faces=_part(arguments, source, face) if arguments.part else None,
         before=before,
     )
+
+
+def _cuts(arguments: argparse.Namespace, source: Input) -> NDArray[Any]:
+    edges, count = _load(arguments, "cuts", (None, 2)), len(source.vertices)
+    if (bad := np.argwhere((edges < 0) | (edges >= count))).size:
+        row, end = bad[0]
+        raise UsageError(
+            f"{arguments.cuts}: row {row} (the first is 0) names vertex {edges[row, end]}; "
+            f"the vertices of INPUT are 0 to {count - 1}"
+        )
+    return edges
 
 
 def _part(arguments: argparse.Namespace, source: Input, face: NDArray[Any]) -> NDArray[np.intp]:
@@ -73,9 +85,12 @@ def _load(arguments: argparse.Namespace, name: str, shape: tuple[int | None, ...
     """The array in the file of an option, with this shape (None: any length) and of numbers."""
     path = getattr(arguments, name)
     try:
-        values = np.load(path, allow_pickle=False)
-    except (ValueError, EOFError):
+        with path.open("rb") as file:  # not np.load, which opens archives and pickles too
+            values = np.lib.format.read_array(file, allow_pickle=False)
+    except (ValueError, EOFError, SyntaxError, tokenize.TokenError):  # whatever the header may hold
         raise UsageError(f"{path}: is no .npy file of numbers") from None
+    except MemoryError:
+        raise UsageError(f"{path}: there is not enough memory for it") from None
     fits = values.ndim == len(shape) and all(n in (None, m) for n, m in zip(shape, values.shape, strict=True))
     whole = name in ("weights", "borders") or values.dtype.kind in "iu"
     if not fits or not whole or values.dtype.kind not in "iufb":

@@ -57,4 +57,4 @@ def line(name: str, job: Job) -> str:
 
 
 def wanted(quiet: bool) -> bool:
-    return not quiet and sys.stderr.isatty()
+    return not quiet and sys.stderr is not None and sys.stderr.isatty()

@@ -16,7 +16,7 @@ from ..guided import partition_guided
 from ..within import Made, polygonize_within
 from . import guiding, words
 from .errors import UsageError
-from .files import Outputs
+from .files import STDOUT, Outputs, check, is_same
 from .loading import Input, clean_mesh, facts, labels, load
 from .progress import Progress, wanted
 
@@ -78,28 +78,28 @@ def run(arguments: argparse.Namespace) -> None:
             "peak_mb": peak_mb(),
         }
         if arguments.report:
-            text = json.dumps(report, indent=2, allow_nan=False) + "\n"
-            outputs.write(arguments.report, lambda path: path.write_text(text, encoding="utf-8"))
+            outputs.write_text(arguments.report, json.dumps(report, indent=2, allow_nan=False) + "\n")
         outputs.commit()
-    if not arguments.quiet:
-        print("\n".join(summary(source, part, report)))
+    if not arguments.quiet:  # where the report is on stdout, it is alone there
+        stream = sys.stderr if arguments.report == STDOUT else sys.stdout
+        if stream is not None:
+            print("\n".join(summary(source, part, report)), file=stream)
 
 
 def check_places(arguments: argparse.Namespace) -> None:
     """Refuse before the work what would fail after it."""
     if arguments.output.suffix.lower() not in OUTPUT_KINDS:
         raise UsageError(f"{arguments.output}: OUTPUT must end in one of {', '.join(OUTPUT_KINDS)}")
-    taken = [arguments.input.resolve()]
+    if arguments.labels == STDOUT:
+        raise UsageError("--labels: is no text, so it is not written to stdout; ./- is a file of that name")
+    taken = [arguments.input]
     for path in (arguments.output, arguments.labels, arguments.report):
-        if path is None:
+        if not isinstance(path, Path):
             continue
-        if not path.resolve().parent.is_dir():
-            raise UsageError(f"{path}: there is no folder {path.parent} to write to")
-        if path.is_dir():
-            raise UsageError(f"{path}: is a folder, so it can't be written as a file")
-        if path.resolve() in taken:
+        check(path)
+        if any(is_same(path, other) for other in taken) and not path.is_char_device():
             raise UsageError(f"{path}: is named twice; nothing is written over INPUT or another output")
-        taken.append(path.resolve())
+        taken.append(path)
 
 
 def save_labels(path: Path, values: np.ndarray) -> None:

@@ -11,6 +11,8 @@
 #include <thread>
 #include <vector>
 
+#include "isimp/core/thread_count.h"
+
 namespace isimp {
 
 /// Threads that sleep until there is something to do. They are started when first wanted and end with this.
@@ -45,10 +47,9 @@ class Workers {
 /// caller's thread.
 class Threads {
  public:
-  /// \param count  0: as many as the machine has
+  /// \param count  see thread_count()
   explicit Threads(std::int32_t count)
-      : count_(count > 0 ? count : std::max(1, static_cast<std::int32_t>(std::thread::hardware_concurrency()))),
-        workers_(count_ > 1 ? std::make_shared<Workers>() : nullptr) {}
+      : count_(thread_count(count)), workers_(count_ > 1 ? std::make_shared<Workers>() : nullptr) {}
 
   /// How many pieces `run` will cut n steps into. \param least  steps below which a piece is not worth a thread
   [[nodiscard]] std::int32_t pieces(std::int32_t n, std::int32_t least = 1 << 14) const {

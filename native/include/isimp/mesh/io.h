@@ -26,21 +26,25 @@ struct PolygonSoup {
 /// Polygons keep the file's order and number, broken ones too (a vertex named twice, fewer than three corners), so that
 /// labels can be given back on the file's faces. Only geometry is read; colours, normals and the like are skipped.
 /// Places keep the file's precision. STL has no shared vertices: corners at bit-equal places become one, corners with
-/// NaN don't. A file without faces (a point cloud) gives no polygons.
+/// NaN don't. A file without faces (a point cloud) gives no polygons. Triangle strips of PLY
+/// (element tristrips) give their triangles. What comes through a pipe is read to its end.
 ///
 /// \throws FileError  missing, a folder, not readable, of another kind, damaged or cut short, an index out of range,
-/// more
-///                    than 2^31 - 1 vertices or corners; the message names the file, where in it and what was expected
-/// \throws Cancelled  polled at least every 50 ms of work, not while the system waits for the disk
+///                    more than 2^31 - 1 vertices or corners; the message names the file, where in it and what was
+///                    expected
+/// \throws Cancelled  polled at least every 50 ms of work and while it waits for a pipe, not while the system waits for
+///                    the disk
 /// Cost: O(bytes); the whole file is held in memory meanwhile. A million faces of binary PLY take about 50 ms.
 PolygonSoup read_polygons(const std::filesystem::path& path, Job& job);
 
 /// Writes polygons as binary PLY (little-endian, places as double) or OBJ (shortest decimals that give the same double
 /// back), told apart by the extension. The file appears whole or not at all: it is written beside its place under
-/// another name and then moved there, over an older file of that name.
+/// another name and then moved there, over an older file of that name, whose permissions it takes. A link stays one:
+/// the file it leads to is replaced. Pipes and devices are written to as they are.
 ///
 /// \param loop_start  (Q) where each polygon begins in `loops`, rising from 0
-/// \throws FileError     another extension, or the place can't be written; nothing is left behind
+/// \throws FileError     another extension, or a file that is read-only, or the place can't be written; nothing is
+///                       left behind
 /// \throws InvalidInput  an index out of range or a polygon of fewer than three corners
 /// \throws Cancelled     nothing is left behind
 void write_polygons(const std::filesystem::path& path, std::span<const Vec3> vertices,
@@ -56,7 +60,8 @@ struct Triangulation {
 /// without overlaps where the polygon has none. Those with fewer than three corners give nothing; those without area,
 /// with NaN or that cross themselves give n - 2 triangles of some kind.
 ///
-/// Cost: about O(n log n) for a polygon of n corners; O(n r) at worst, r of them reflex.
+/// Cost: about O(n log n) for a polygon of n corners, 0.1 s for 50,000; the search for ears is bounded, so that
+/// polygons that cross themselves take no more than some times that. Polled at least every 50 ms.
 Triangulation triangulate(const PolygonSoup& soup, Job& job);
 
 }  // namespace isimp

@@ -15,8 +15,9 @@ namespace isimp {
 
 /// What a caller may say of single faces and edges.
 struct Guides {
-  /// (F) at least 0, by which each face's area is multiplied; empty: 1 everywhere. Regions grow dense like the root of
-  /// it, so a painted density d is wanted as d^2. Weights below 1e-4 of the largest count as that.
+  /// (F) at least 0, the largest in [1e-30, 1e30], by which each face's area is multiplied; empty: 1 everywhere.
+  /// Regions grow dense like the root of it, so a painted density d is wanted as d^2. Weights below 1e-4 of the largest
+  /// count as that.
   std::vector<double> weights;
   /// (K) pairs of vertices, edges of the mesh that no region may cross.
   std::vector<std::array<std::int32_t, 2>> barriers;
@@ -38,7 +39,8 @@ class Surface {
   /// \param guided  null: the mesh's own graph
   Surface(const Mesh& mesh, std::shared_ptr<const GuidedGraph> guided) : mesh_(&mesh), guided_(std::move(guided)) {}
 
-  /// \throws InvalidInput  weights not F of them, not finite, below 0, or none above 0; a barrier that is no edge
+  /// \throws InvalidInput  weights not F of them, not finite, below 0, or the largest out of range; a barrier that is
+  /// no edge
   Surface(const Mesh& mesh, const Guides& guides, Job& job);
 
   /// The same with its areas multiplied once more. \param weights  (n) by graph index, above 0

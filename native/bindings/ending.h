@@ -1,0 +1,46 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include "isimp/core/job.h"
+
+namespace isimp::bindings {
+
+namespace py = pybind11;
+
+/// Gives Python's lock (the GIL) away while it lives.
+///
+/// When the interpreter ends while another thread is in here, Python ends that thread as it asks for the lock, by
+/// unwinding its stack on some systems, which no destructor may let through. Such a thread stays here until the process
+/// is gone.
+class Unlocked {
+ public:
+  Unlocked() : state_(PyEval_SaveThread()) {}
+  ~Unlocked();
+  Unlocked(const Unlocked&) = delete;
+  Unlocked& operator=(const Unlocked&) = delete;
+
+ private:
+  PyThreadState* state_;
+};
+
+/// A call that is under way, so that it can be stopped when the interpreter ends. Made and ended with the lock held.
+class Running {
+ public:
+  /// \throws Cancelled  the interpreter is about to end, and this is not the thread that ends it
+  explicit Running(Job& job);
+  ~Running();
+  Running(const Running&) = delete;
+  Running& operator=(const Running&) = delete;
+
+  void cancel() { job_.cancel(); }
+
+ private:
+  Job& job_;
+};
+
+/// From now on, calls that are under way when the interpreter ends are cancelled and waited for, so that no thread
+/// works on while what it works with is taken down.
+void stop_calls_at_the_end();
+
+}  // namespace isimp::bindings

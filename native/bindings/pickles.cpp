@@ -1,0 +1,150 @@
+#include "pickles.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "call.h"
+#include "packing.h"
+
+// Structures are taken apart into all their members, so that one that is added does not compile until it is kept here.
+namespace isimp::bindings {
+namespace {
+
+void check(bool fits) {
+  if (!fits) refuse_pickle();
+}
+
+bool all_in(const std::vector<std::int32_t>& items, std::int32_t low, std::size_t end) {
+  return std::all_of(items.begin(), items.end(),
+                     [&](std::int32_t i) { return i >= low && i < static_cast<std::int64_t>(end); });
+}
+
+py::tuple pack_repairs(const RepairReport& repairs) {
+  py::list list;
+  for (const auto& [what, count, where] : repairs) list.append(py::make_tuple(what, count, pack(where)));
+  return py::tuple(list);
+}
+
+RepairReport unpack_repairs(const py::tuple& packed) {
+  RepairReport repairs;
+  for (const py::handle item : packed) {
+    const auto parts = item.cast<py::tuple>();
+    check(parts.size() == 3);
+    Repair repair{parts[0].cast<std::string>(), parts[1].cast<std::int64_t>(), {}};
+    unpack(parts[2], repair.where);
+    repairs.push_back(std::move(repair));
+  }
+  return repairs;
+}
+
+py::object pack_guided(const std::shared_ptr<const GuidedGraph>& guided) {
+  if (!guided) return py::none();
+  const auto& [graph, weight, component, component_count] = *guided;
+  const auto& [faces, neighbours, mesh_face, graph_face, area] = graph;
+  return pack_all(weight, component, component_count, faces, neighbours, mesh_face, graph_face, area);
+}
+
+/// \param n  how many faces the mesh has
+std::shared_ptr<const GuidedGraph> unpack_guided(const py::object& packed, std::size_t n) {
+  if (packed.is_none()) return nullptr;
+  auto guided = std::make_shared<GuidedGraph>();
+  auto& [graph, weight, component, component_count] = *guided;
+  auto& [faces, neighbours, mesh_face, graph_face, area] = graph;
+  unpack_all(packed.cast<py::tuple>(), weight, component, component_count, faces, neighbours, mesh_face, graph_face,
+             area);
+  check(faces.size() == n + 1 && neighbours.size() == n + 1 && mesh_face.size() == n && graph_face.size() == n);
+  check((weight.empty() || weight.size() == n) && (component.empty() || component.size() == n));
+  check(all_in(mesh_face, 0, n) && all_in(graph_face, 0, n) && component_count >= 0 &&
+        all_in(component, 0, static_cast<std::size_t>(component_count)));
+  for (const auto& three : neighbours)
+    for (const std::int32_t i : three) check(i >= 0 && i <= static_cast<std::int64_t>(n));
+  return guided;
+}
+
+py::tuple pack_report(const MeshingReport& report) {
+  const auto& [polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
+               closed_regions, repair, merged, closed, manifold, euler, planarity_max, planarity_mean, distance_max,
+               crossing, flipped, bent, intersecting, excused, without_area, imperfect, diagonals, rounds, capped] =
+      report;
+  return pack_all(polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
+                  closed_regions, repair, merged, closed, manifold, euler, planarity_max, planarity_mean, distance_max,
+                  crossing, flipped, bent, intersecting, excused, without_area, imperfect, diagonals, rounds, capped);
+}
+
+MeshingReport unpack_report(const py::tuple& packed) {
+  MeshingReport report;
+  auto& [polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches, closed_regions,
+         repair, merged, closed, manifold, euler, planarity_max, planarity_mean, distance_max, crossing, flipped, bent,
+         intersecting, excused, without_area, imperfect, diagonals, rounds, capped] = report;
+  unpack_all(packed, polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
+             closed_regions, repair, merged, closed, manifold, euler, planarity_max, planarity_mean, distance_max,
+             crossing, flipped, bent, intersecting, excused, without_area, imperfect, diagonals, rounds, capped);
+  for (const Imperfection& i : imperfect) check(i.flaw <= Flaw::excused);
+  return report;
+}
+
+}  // namespace
+
+py::tuple state_of(const KeptMesh& mesh) {
+  const auto items = [](const auto span) { return pack(std::vector(span.begin(), span.end())); };
+  return py::make_tuple(items(mesh.vertices()), items(mesh.triangles()), items(mesh.source_face()),
+                        items(mesh.source_vertex()), pack_repairs(mesh.report().repairs));
+}
+
+std::shared_ptr<KeptMesh> mesh_from(const py::tuple& state) {
+  check(state.size() == 5);
+  std::vector<Vec3> vertices;
+  std::vector<Triangle> triangles;
+  std::vector<std::int32_t> source_face, source_vertex;
+  unpack_all(py::make_tuple(state[0], state[1], state[2], state[3]), vertices, triangles, source_face, source_vertex);
+  check(source_face.size() == triangles.size() && source_vertex.size() == vertices.size());
+  RepairReport repairs = unpack_repairs(state[4].cast<py::tuple>());
+  return call(nullptr, [&](Job& job) {
+    return std::make_shared<KeptMesh>(Mesh(std::move(vertices), std::move(triangles), std::move(source_face),
+                                           std::move(source_vertex), std::move(repairs), job));
+  });
+}
+
+py::tuple state_of(const Partition& partition) {
+  const auto& [face_region, region_seed, region_normal, region_sum, error, history, tolerance, noise, snapped, bound,
+               distance_max, region_offset, asked, needed, left_out, area_left_out, guided, locked] = partition;
+  return py::make_tuple(
+      pack_all(face_region, region_seed, region_normal, region_sum, error, history, tolerance, noise, snapped, bound,
+               distance_max, region_offset, asked, needed, left_out, area_left_out, locked),
+      pack_guided(guided));
+}
+
+Partition partition_from_state(const py::tuple& state) {
+  check(state.size() == 2);
+  Partition partition;
+  auto& [face_region, region_seed, region_normal, region_sum, error, history, tolerance, noise, snapped, bound,
+         distance_max, region_offset, asked, needed, left_out, area_left_out, guided, locked] = partition;
+  unpack_all(state[0].cast<py::tuple>(), face_region, region_seed, region_normal, region_sum, error, history, tolerance,
+             noise, snapped, bound, distance_max, region_offset, asked, needed, left_out, area_left_out, locked);
+  const std::size_t faces = face_region.size(), regions = region_seed.size();
+  check(region_normal.size() == regions && region_sum.size() == regions && all_in(region_seed, 0, faces));
+  check((region_offset.empty() || region_offset.size() == regions) && (locked.empty() || locked.size() == regions));
+  check(all_in(face_region, kNone, regions));
+  guided = unpack_guided(state[1], faces);
+  return partition;
+}
+
+py::tuple state_of(const PolygonMesh& mesh) {
+  const auto& [vertices, loops, loop_start, polygon_region, planarity, source_vertex, report] = mesh;
+  return py::make_tuple(pack_all(vertices, loops, loop_start, polygon_region, planarity, source_vertex),
+                        pack_report(report));
+}
+
+PolygonMesh polygons_from(const py::tuple& state) {
+  check(state.size() == 2);
+  PolygonMesh mesh;
+  auto& [vertices, loops, loop_start, polygon_region, planarity, source_vertex, report] = mesh;
+  unpack_all(state[0].cast<py::tuple>(), vertices, loops, loop_start, polygon_region, planarity, source_vertex);
+  check(polygon_region.size() == loop_start.size() && planarity.size() == loop_start.size());
+  check(source_vertex.size() == vertices.size() && all_in(loops, 0, vertices.size()));
+  check(all_in(loop_start, 0, loops.size() + 1) && std::is_sorted(loop_start.begin(), loop_start.end()));
+  report = unpack_report(state[1].cast<py::tuple>());
+  return mesh;
+}
+
+}  // namespace isimp::bindings

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <memory>
+
+#include "isimp/meshing/polygonize.h"
+#include "isimp/partition/partition.h"
+#include "kept_mesh.h"
+
+namespace isimp::bindings {
+
+namespace py = pybind11;
+
+/// What Python's pickle and copy keep of an object: numbers and the bytes of its arrays, in this machine's byte order.
+///
+/// What comes back is equal in all that can be asked of it; caches are not kept. All three `..._from` functions throw
+/// InvalidInput where the numbers don't fit together, so that a damaged pickle gives no object that can't be used.
+py::tuple state_of(const KeptMesh& mesh);
+std::shared_ptr<KeptMesh> mesh_from(const py::tuple& state);
+
+py::tuple state_of(const Partition& partition);
+Partition partition_from_state(const py::tuple& state);
+
+py::tuple state_of(const PolygonMesh& polygons);
+PolygonMesh polygons_from(const py::tuple& state);
+
+}  // namespace isimp::bindings

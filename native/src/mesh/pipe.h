@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "isimp/core/job.h"
+
+namespace isimp::detail {
+
+/// Whether a path leads to a pipe or a device: what is read or written as it is, since it can't be replaced.
+bool is_stream(const std::filesystem::file_status& status);
+
+/// All that comes out of a pipe until its last writer closes it. Waits for the first one; polls the job meanwhile.
+/// \throws FileError  `name` and why
+std::string read_pipe(const std::filesystem::path& path, const std::string& name, Job& job);
+
+/// Writes into a pipe or a device. Waits for whoever reads; polls the job meanwhile.
+class StreamWriter {
+ public:
+  /// \throws FileError  `name` and why
+  StreamWriter(const std::filesystem::path& path, std::string name, Job& job);
+  ~StreamWriter();
+  StreamWriter(const StreamWriter&) = delete;
+  StreamWriter& operator=(const StreamWriter&) = delete;
+
+  void write(std::string_view bytes);
+
+ private:
+  std::string name_;
+  Job& job_;
+  int handle_ = -1;
+};
+
+}  // namespace isimp::detail
