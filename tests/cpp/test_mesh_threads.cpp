@@ -21,8 +21,10 @@ using shapes::Arrays;
 /// A ring of more faces than three threads leave to one of them, an open sheet and many small boxes, in an order in
 /// which neighbours are far apart.
 Arrays many_parts() {
+  Arrays boxes = shapes::cube(1);
+  for (int i = 1; i < 40; ++i) boxes = shapes::both(boxes, shapes::cube(1), Vec3(0, 2 * i, 0));
   Arrays a = shapes::both(shapes::torus(300, 200, 0.3), shapes::plane(60), {3, 0, 0});
-  for (int i = 0; i < 40; ++i) a = shapes::both(a, shapes::cube(1), Vec3(0, 5 + 2 * i, 0));
+  a = shapes::both(a, boxes, {0, 5, 0});
   const std::size_t n = a.triangles.size();
   std::vector<Triangle> mixed;
   for (std::size_t i = 0; i < n; ++i) mixed.push_back(a.triangles[i * 7919 % n]);  // a prime that does not divide n
