@@ -83,6 +83,12 @@ TEST(MeshThreads, ACleanedMeshIsTheSameOnAnyNumberOfThem) {
   for (const std::int32_t threads : {2, 3, 7, 0}) EXPECT_EQ(bits_of(cleaned(threads)), one) << threads << " threads";
 }
 
+TEST(MeshThreads, FewerThanNoneAreRefused) {
+  const Arrays a = shapes::cube(1);
+  Job job;
+  EXPECT_THROW(clean(a.vertices, a.triangles, {.threads = -1}, job), InvalidInput);
+}
+
 TEST(MeshThreads, TheFirstFlawIsNamedOnAnyNumberOfThem) {
   const auto message = [](const Arrays& a, std::int32_t threads) {
     Job job;
