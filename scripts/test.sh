@@ -6,7 +6,7 @@
 set -uo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-stages=(format lint cpp wheel python blender bpy45 bpy50 window asan cuda tidy)
+stages=(format lint cpp wheel python blender bpy45 bpy50 window asan tsan cuda tidy)
 tests_venv=$root/.venv-test
 
 # Each stage is a function that runs with `set -e`; what it needs installed it installs. Test runners leave their
@@ -100,6 +100,20 @@ stage_cuda() { # the CUDA part: compiled with nvcc, the machine's or PyPI's, and
 stage_asan() { # the same under the address and undefined-behaviour sanitizers
   export UBSAN_OPTIONS=print_stacktrace=1
   cpp_tests build-asan -DISIMP_SANITIZE=ON -DISIMP_CUDA=OFF -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1\ -g1
+}
+
+stage_tsan() { # what threads share, under the thread sanitizer; OpenMP's own threads it can't see, so those tests stay out
+  apt_install "${build_packages[@]}" libgtest-dev
+  use_tests_venv
+  cmake -S . -B build-tsan -G Ninja -DISIMP_TESTS=ON -DISIMP_ASSERTIONS=ON -DISIMP_WERROR=ON -DISIMP_CUDA=OFF \
+    -DISIMP_SANITIZE=thread -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1\ -g1 \
+    -DPython_EXECUTABLE="$tests_venv/bin/python"
+  local tests=(test_threads test_mesh_threads test_partition_steps test_bound test_meshing_threads) test
+  ninja -C build-tsan -j2 "${tests[@]}"
+  for test in "${tests[@]}"; do
+    TSAN_OPTIONS=halt_on_error=1 timeout 300 "build-tsan/tests/cpp/$test" --gtest_filter='*Thread*' \
+      --gtest_output=xml:"$results/$test.xml"
+  done
 }
 
 stage_tidy() { # clang-tidy, on the engine's own sources

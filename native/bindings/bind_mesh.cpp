@@ -44,6 +44,8 @@ void bind_options(py::module_& m) {
              "Borders at most this long round are closed; scene units; 0: none.")
       .field("cut_handles", &CleanOptions::cut_handles,
              "Handles and tunnels with a loop at most this long go; scene units; 0: none.")
+      .field("threads", &CleanOptions::threads,
+             "How many threads work on it; 0: as many as there are cores; the result does not depend on it.")
       .finish();
 }
 

@@ -201,8 +201,9 @@ std::string unexcused(const std::string& faults, const Mesh& mesh) {
   return flat <= thin_faces(mesh) ? std::regex_replace(faults, no_area, "") : faults;
 }
 
-void all_the_way(Arrays a, Dice& dice) {
-  for (int i = dice.number(0, 4); i > 0; --i) damage(a, dice);
+/// \param most_damages  that are done to the mesh first
+void all_the_way(Arrays a, Dice& dice, std::int32_t most_damages) {
+  for (int i = dice.number(0, most_damages); i > 0; --i) damage(a, dice);
   Job job;
   try {
     const Mesh mesh = clean(a.vertices, a.triangles, clean_options(dice), job);
@@ -225,11 +226,24 @@ void all_the_way(Arrays a, Dice& dice) {
 }
 
 TEST(Fuzz, SoupsOfFaces) {
-  for_each_case([](Dice& dice) { all_the_way(soup(dice), dice); });
+  for_each_case([](Dice& dice) { all_the_way(soup(dice), dice, 4); });
+}
+
+/// The same far from the origin, where few bits are left for the shape: places up to 5e7 away, sizes 1e-3 to 1e3. The
+/// coordinates are rounded as a file with doubles holds them.
+TEST(Fuzz, Offsets) {
+  for_each_case([](Dice& dice) {
+    Arrays a = dice.chance(4) ? soup(dice) : shape(dice);
+    for (int i = dice.number(0, 2); i > 0; --i) damage(a, dice);
+    const double size = std::pow(10.0, 6 * dice.share() - 3);
+    const Vec3 away = dice.place() * std::pow(10.0, dice.share() * std::log10(5e7));
+    for (Vec3& p : a.vertices) p = p * size + away;
+    all_the_way(std::move(a), dice, 0);
+  });
 }
 
 TEST(Fuzz, DamagedShapes) {
-  for_each_case([](Dice& dice) { all_the_way(shape(dice), dice); });
+  for_each_case([](Dice& dice) { all_the_way(shape(dice), dice, 4); });
 }
 
 /// A file of one of the formats, as text or bytes.

@@ -1,5 +1,6 @@
 #include "isimp/mesh/clean.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -12,23 +13,28 @@
 namespace isimp {
 namespace {
 
-void check(std::size_t vertices, const std::vector<Triangle>& triangles, const CleanOptions& options) {
+void check(std::size_t vertices, const std::vector<Triangle>& triangles, const CleanOptions& options,
+           const Threads& threads) {
   if (!(options.weld >= 0) || !std::isfinite(options.weld))
     throw InvalidInput("weld is a length, at least 0, got " + std::to_string(options.weld));
   for (const auto& [name, length] : {std::pair{"fill_holes", options.fill_holes}, {"cut_handles", options.cut_handles}})
     if (!(length >= 0))
       throw InvalidInput(std::string(name) + " is a length, at least 0, got " + std::to_string(length));
+  if (options.threads < 0) throw InvalidInput("threads must be at least 0, got " + std::to_string(options.threads));
   if (triangles.empty()) throw InvalidInput("the mesh has no faces");
   const auto most = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
   if (triangles.size() > most / 3 || vertices > most)
     throw InvalidInput("the mesh has " + std::to_string(triangles.size()) + " faces and " + std::to_string(vertices) +
                        " vertices; at most 715,827,882 and 2,147,483,647 are supported");
   const auto n = static_cast<std::int32_t>(vertices);
-  for (std::size_t f = 0; f < triangles.size(); ++f)
-    for (const std::int32_t v : triangles[f])
-      if (v < 0 || v >= n)
-        throw InvalidInput("face " + std::to_string(f) + " uses vertex " + std::to_string(v) + ", but there are " +
-                           std::to_string(n) + " vertices");
+  const auto out_of_range = [n](std::int32_t i) { return i < 0 || i >= n; };
+  const auto f = detail::find_first(threads, triangles.size(), [&](std::size_t i) {
+    return std::any_of(triangles[i].begin(), triangles[i].end(), out_of_range);
+  });
+  if (f == triangles.size()) return;
+  const std::int32_t v = *std::find_if(triangles[f].begin(), triangles[f].end(), out_of_range);
+  throw InvalidInput("face " + std::to_string(f) + " uses vertex " + std::to_string(v) + ", but there are " +
+                     std::to_string(n) + " vertices");
 }
 
 using namespace detail;
@@ -55,11 +61,12 @@ Parts take_apart(Soup& soup, double tolerance, bool welded, Job& job) {
 }  // namespace
 
 Mesh clean(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options, Job& job) {
-  check(vertices.size(), triangles, options);
+  const Threads threads(options.threads);
+  check(vertices.size(), triangles, options, threads);
   Soup soup;
   soup.vertices = std::move(vertices);
   soup.named = std::move(triangles);
-  drop_broken(soup, job);
+  drop_broken(soup, threads, job);
 
   Parts parts;
   bool welded = false, sound = false;
@@ -68,14 +75,14 @@ Mesh clean(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const Cl
     const Job::Part part(job, "cleaning", 0.0, 0.5);
     const auto look = [&](double from, double to) {
       const Job::Part edges(job, "cleaning", from, to);
-      topology = find_topology(soup.vertices.size(), soup.faces(), job);
-      sound = topology.flaw.empty() && !has_twins(topology);
+      topology = find_topology(soup.vertices.size(), soup.faces(), threads, job);
+      sound = topology.flaw.empty() && !has_twins(topology, threads);
     };
     look(0.0, 0.8);
     if (sound) welded = weld(soup, border_vertices(soup, topology), options.weld, job);
     if (welded) look(0.8, 1.0);
     if (sound) {
-      parts = compact(soup, topology, job);
+      parts = compact(soup, topology, threads, job);
     } else {
       topology = {};
       parts = take_apart(soup, options.weld, welded, job);
@@ -83,18 +90,18 @@ Mesh clean(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const Cl
   }
   if (parts.triangles.empty())
     throw InvalidInput("no usable face is left: welding corners at the same place leaves no face three of them");
-  if (!sound) topology = find_topology(parts.vertices.size(), parts.triangles, job);
+  if (!sound) topology = find_topology(parts.vertices.size(), parts.triangles, threads, job);
   if (!topology.flaw.empty()) throw Error("cleaning left " + topology.flaw);
-  turn_flat_faces(parts, topology, soup.log, job);
+  turn_flat_faces(parts, topology, soup.log, threads, job);
   const bool closing = options.fill_holes > 0 || options.cut_handles > 0;
   if (closing) {
     const Job::Part part(job, "closing holes", 0.5, 0.75);
-    close_small(parts, options, soup.log, job);
+    close_small(parts, options, soup.log, threads, job);
   }
   const Job::Part part(job, "cleaning", closing ? 0.75 : 0.5, 1.0);
-  if (!closing) return Mesh(std::move(parts), std::move(topology), soup.log.take(), job);
+  if (!closing) return Mesh(std::move(parts), std::move(topology), soup.log.take(), threads, job);
   return Mesh(std::move(parts.vertices), std::move(parts.triangles), std::move(parts.source_face),
-              std::move(parts.source_vertex), soup.log.take(), job);
+              std::move(parts.source_vertex), soup.log.take(), threads, job);
 }
 
 }  // namespace isimp

@@ -226,24 +226,24 @@ void drop_removed(Parts& parts, const std::vector<Opening>& closed) {
     for (std::int32_t& v : t) v = renamed[v];
 }
 
-void fill(std::vector<std::int32_t>& source, std::size_t n) {
+void fill(Array<std::int32_t>& source, std::size_t n) {
   if (!source.empty()) return;
   source.resize(n);
   std::iota(source.begin(), source.end(), 0);
 }
 
-Topology topology_of(const Parts& parts, Job& job) {
+Topology topology_of(const Parts& parts, const Threads& threads, Job& job) {
   const Job::Part stage(job, "closing holes", 0.0, 0.2);
-  return find_topology(parts.vertices.size(), parts.triangles, job);
+  return find_topology(parts.vertices.size(), parts.triangles, threads, job);
 }
 
 }  // namespace
 
-void close_small(Parts& parts, const CleanOptions& options, RepairLog& log, Job& job) {
+void close_small(Parts& parts, const CleanOptions& options, RepairLog& log, const Threads& threads, Job& job) {
   fill(parts.source_face, parts.triangles.size());
   fill(parts.source_vertex, parts.vertices.size());
   if (options.fill_holes > 0) {
-    const Topology topology = topology_of(parts, job);
+    const Topology topology = topology_of(parts, threads, job);
     const Components components(parts, job);
     Closer closer(parts, topology, &components, job);
     for (const Opening& o : closer.close(find_holes(parts, topology, options.fill_holes)))
@@ -251,7 +251,7 @@ void close_small(Parts& parts, const CleanOptions& options, RepairLog& log, Job&
   }
   // Cutting one handle may leave another that was too near it, so that a few passes are made.
   for (int pass = 0; options.cut_handles > 0 && pass < kPasses; ++pass) {
-    const Topology topology = topology_of(parts, job);
+    const Topology topology = topology_of(parts, threads, job);
     Closer closer(parts, topology, nullptr, job);
     const std::vector<Opening> closed = closer.close(find_handles(parts, topology, options.cut_handles, job));
     for (const Opening& o : closed) log.add(o.kind, parts.source_face[o.removed[0]]);

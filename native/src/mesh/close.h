@@ -45,6 +45,6 @@ std::vector<Opening> find_handles(const Parts& parts, const Topology& topology, 
 
 // close.cpp
 /// Fills holes and cuts handles as the options say. `parts` is sound before and after.
-void close_small(Parts& parts, const CleanOptions& options, RepairLog& log, Job& job);
+void close_small(Parts& parts, const CleanOptions& options, RepairLog& log, const Threads& threads, Job& job);
 
 }  // namespace isimp::detail

@@ -13,6 +13,7 @@ namespace isimp {
 namespace {
 
 using detail::for_each_index;
+using detail::gather;
 
 constexpr double kFlat = 1e-12;  // doubled area over longest edge squared, below which a normal is rounding noise
 constexpr double kLeastScaled = 1e-20;  // of the whole area: below it, floats would not hold those of single faces
@@ -69,41 +70,78 @@ std::array<std::uint32_t, (1 << kBits) + 1> sort_by_bits(std::span<const std::ui
   return begin;
 }
 
+/// The same by the first digit, the keys in pieces, one a thread.
+std::vector<std::uint32_t> sort_by_first_digit(std::span<const std::uint64_t> keys, std::uint64_t* sorted,
+                                               const Threads& threads, Job& job) {
+  constexpr int kShift = kFaceBits + 3 * kAxisBits - kDigitBits;
+  constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
+  const auto n = static_cast<std::int32_t>(keys.size());
+  const std::int32_t pieces = threads.pieces(n);
+  std::vector<std::vector<std::uint32_t>> next(static_cast<std::size_t>(pieces));  // where a piece's keys go
+  const auto for_each_key = [&](std::int32_t begin, std::int32_t end, const auto& visit) {
+    const auto piece = keys.subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(end - begin));
+    for_each_index(piece.size(), job, [&](std::size_t i) { visit(piece[i], piece[i] >> kShift); });
+  };
+  threads.run(n, pieces, [&](std::int32_t piece, std::int32_t begin, std::int32_t end) {
+    std::vector<std::uint32_t> own(kDigits, 0);
+    for_each_key(begin, end, [&](std::uint64_t, std::uint64_t digit) { ++own[digit]; });
+    next[piece] = std::move(own);
+  });
+  std::vector<std::uint32_t> start(kDigits + 1, 0);
+  std::uint32_t sum = 0;
+  for (std::size_t d = 0; d < kDigits; ++d) {
+    start[d] = sum;
+    for (std::vector<std::uint32_t>& of_piece : next) sum += std::exchange(of_piece[d], sum);
+  }
+  start[kDigits] = sum;
+  threads.run(n, pieces, [&](std::int32_t piece, std::int32_t begin, std::int32_t end) {
+    std::vector<std::uint32_t>& own = next[piece];
+    for_each_key(begin, end, [&](std::uint64_t key, std::uint64_t digit) { sorted[own[digit]++] = key; });
+  });
+  return start;
+}
+
 /// Sorts by the bits above the face's number; equal ones keep their order. The highest digit comes first: the faces of
 /// each of its values then fit into a cache together, where the other digits cost little.
-void sort_by_place(std::vector<std::uint64_t>& keys, Job& job) {
-  constexpr std::size_t kFew = 64;  // keys that are sorted by comparisons
+void sort_by_place(std::span<std::uint64_t> keys, const Threads& threads, Job& job) {
+  constexpr std::size_t kFew = 64;            // keys that are sorted by comparisons
+  constexpr std::int32_t kDigitsAtOnce = 32;  // digits that a thread takes before it asks for more
   const auto other = std::make_unique_for_overwrite<std::uint64_t[]>(keys.size());
-  const auto begin = sort_by_bits<kDigitBits>(keys, other.get(), kFaceBits + 3 * kAxisBits - kDigitBits, job);
-  for (std::size_t d = 0; d + 1 < begin.size(); ++d) {
-    const std::span<std::uint64_t> from(&other[begin[d]], begin[d + 1] - begin[d]);
-    const std::span<std::uint64_t> to(&keys[begin[d]], from.size());
-    if (from.empty()) continue;
+  const std::vector<std::uint32_t> begin = sort_by_first_digit(keys, other.get(), threads, job);
+  const auto sort_digit = [&](std::size_t d) {
+    const std::span<std::uint64_t> from(other.get() + begin[d], begin[d + 1] - begin[d]);
+    const std::span<std::uint64_t> to = keys.subspan(begin[d], from.size());
     if (from.size() <= kFew) {
       std::sort(from.begin(), from.end());
       std::copy(from.begin(), from.end(), to.begin());
-      continue;
+      return;
     }
     sort_by_bits<kByteBits>(from, to.data(), kFaceBits, job);
     sort_by_bits<kByteBits>(to, from.data(), kFaceBits + kByteBits, job);
     sort_by_bits<kByteBits>(from, to.data(), kFaceBits + 2 * kByteBits, job);
+  };
+  const auto digits = static_cast<std::int32_t>(begin.size()) - 1;
+  if (threads.pieces(static_cast<std::int32_t>(keys.size())) == 1) {
+    for (std::int32_t d = 0; d < digits; ++d) sort_digit(static_cast<std::size_t>(d));
+    return;
   }
+  threads.blocks(digits, kDigitsAtOnce, [&](std::int32_t, std::int32_t first, std::int32_t last) {
+    for (std::int32_t d = first; d < last; ++d) sort_digit(static_cast<std::size_t>(d));
+  });
 }
+
+bool has_normal(const FaceRecord& r) { return r.nx != 0 || r.ny != 0 || r.nz != 0; }
 
 /// Faces without area take their normals from neighbours, breadth first from all faces that have one.
 void fill_missing_normals(FaceGraph& graph, const std::vector<std::int32_t>& missing) {
   std::vector<std::int32_t> open = missing, next;
-  const auto has_normal = [&](std::int32_t i) {
-    const FaceRecord& r = graph.faces[i];
-    return r.nx != 0 || r.ny != 0 || r.nz != 0;
-  };
   while (!open.empty()) {
     std::vector<std::pair<std::int32_t, FaceRecord>> found;
     next.clear();
     for (const std::int32_t i : open) {
       std::int32_t source = graph.size();
       for (const std::int32_t j : graph.neighbours[i])
-        if (j != graph.size() && has_normal(j) &&
+        if (j != graph.size() && has_normal(graph.faces[j]) &&
             graph.mesh_face[j] < (source == graph.size() ? INT32_MAX : graph.mesh_face[source]))
           source = j;
       if (source == graph.size()) {
@@ -124,13 +162,14 @@ void fetch_soon(std::span<const Vec3> vertices, std::span<const Triangle> triang
   for (const std::int32_t v : triangles[f + kAhead]) __builtin_prefetch(&vertices[v]);
 }
 
-/// A face's record, its area times `scale`; all zero for a face without area. Adds its area.
+/// A face's record, its area times `scale`; all zero for a face without area. Sets its area.
 FaceRecord measure(const Vec3& a, const Vec3& b, const Vec3& c, double scale, double& area) {
+  area = 0;
   const Vec3 u = b - a, v = c - a, cross = u.cross(v);
   const double doubled = cross.norm();
   const double longest = std::max({u.squaredNorm(), v.squaredNorm(), (v - u).squaredNorm()});
   if (!(doubled > kFlat * longest)) return {};
-  area += doubled / 2;
+  area = doubled / 2;
   const Vec3 normal = cross * (1 / doubled);
   return {static_cast<float>(normal.x()), static_cast<float>(normal.y()), static_cast<float>(normal.z()),
           static_cast<float>(doubled / 2 * scale)};
@@ -138,59 +177,79 @@ FaceRecord measure(const Vec3& a, const Vec3& b, const Vec3& c, double scale, do
 
 /// The graph's order of the faces and its inverse.
 void set_order(FaceGraph& graph, const Curve& curve, std::span<const Vec3> vertices,
-               std::span<const Triangle> triangles, Job& job) {
-  std::vector<std::uint64_t> keys(triangles.size());
-  for_each_index(triangles.size(), job, [&](std::size_t f) {
+               std::span<const Triangle> triangles, const Threads& threads, Job& job) {
+  const auto memory = std::make_unique_for_overwrite<std::uint64_t[]>(triangles.size());
+  const std::span<std::uint64_t> keys(memory.get(), triangles.size());
+  for_each_index(threads, triangles.size(), job, [&](std::size_t f) {
     fetch_soon(vertices, triangles, f);
     const auto& [a, b, c] = triangles[f];
     keys[f] = curve.place((vertices[a] + vertices[b] + vertices[c]) * (1.0 / 3.0)) << kFaceBits | f;
   });
-  sort_by_place(keys, job);
+  sort_by_place(keys, threads, job);
   graph.mesh_face.resize(triangles.size());
   graph.graph_face.resize(triangles.size());
-  for_each_index(triangles.size(), job, [&](std::size_t i) {
+  for_each_index(threads, triangles.size(), job, [&](std::size_t i) {
     const auto f = static_cast<std::int32_t>(keys[i] & ((1U << kFaceBits) - 1));
     graph.mesh_face[i] = f;
     graph.graph_face[f] = static_cast<std::int32_t>(i);
   });
 }
 
+/// Sets the records, the neighbours and the whole area, in the mesh's own order, in which a face's vertices and
+/// neighbours tend to be near: half the cache misses. Areas are added in that order too, so that no bit of their sum
+/// depends on the number of threads.
+/// \return the faces without a normal, as places in the graph
+std::vector<std::int32_t> measure_all(FaceGraph& graph, std::span<const Vec3> vertices,
+                                      std::span<const Triangle> triangles, std::span<const std::int32_t> opposite,
+                                      double scale, const Threads& threads, Job& job) {
+  constexpr std::size_t kRound = std::size_t{1} << 19;  // faces whose areas are kept until they are added
+  const auto n = static_cast<std::int32_t>(triangles.size());
+  std::vector<double> areas(std::min(kRound, triangles.size()));
+  std::vector<std::int32_t> missing;
+  graph.area = 0;
+  for (std::size_t begin = 0; begin < triangles.size(); begin += kRound) {
+    const std::size_t count = std::min(kRound, triangles.size() - begin);
+    const auto found = gather<std::int32_t>(threads, count, job, [&](std::size_t k, auto& without) {
+      const std::size_t f = begin + k;
+      fetch_soon(vertices, triangles, f);
+      const std::int32_t i = graph.graph_face[f];
+      const auto& [a, b, c] = triangles[f];
+      const FaceRecord record = measure(vertices[a], vertices[b], vertices[c], scale, areas[k]);
+      graph.faces[i] = record;
+      if (!has_normal(record)) without.push_back(i);
+      for (std::size_t side = 0; side < 3; ++side) {
+        const std::int32_t other = opposite[3 * f + side];
+        graph.neighbours[i][side] = other == kNone ? n : graph.graph_face[other / 3];
+      }
+    });
+    missing.insert(missing.end(), found.begin(), found.end());
+    for (std::size_t k = 0; k < count; ++k) graph.area += areas[k];
+  }
+  return missing;
+}
+
 }  // namespace
 
 FaceGraph make_face_graph(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
-                          std::span<const std::int32_t> opposite, const Box& box, Job& job) {
+                          std::span<const std::int32_t> opposite, const Box& box, const Threads& threads, Job& job) {
   FaceGraph graph;
   const auto n = static_cast<std::int32_t>(triangles.size());
-  set_order(graph, Curve(box), vertices, triangles, job);
+  set_order(graph, Curve(box), vertices, triangles, threads, job);
   job.report(0.5);
 
-  // In the mesh's own order, in which a face's vertices and neighbours tend to be near: half the cache misses.
-  const double side = box.sizes().maxCoeff();
-  double scale = side * side > 0 ? 1 / (side * side) : 1.0;  // floats hold the areas
-  std::vector<std::int32_t> missing;
   graph.faces.resize(triangles.size() + 1);
+  graph.faces[triangles.size()] = {};
   graph.neighbours.resize(triangles.size() + 1);
   graph.neighbours[triangles.size()] = {n, n, n};
-  for_each_index(triangles.size(), job, [&](std::size_t f) {
-    fetch_soon(vertices, triangles, f);
-    const std::int32_t i = graph.graph_face[f];
-    const auto& [a, b, c] = triangles[f];
-    const FaceRecord& r = graph.faces[i] = measure(vertices[a], vertices[b], vertices[c], scale, graph.area);
-    if (r.nx == 0 && r.ny == 0 && r.nz == 0) missing.push_back(i);
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::int32_t other = opposite[3 * f + k];
-      graph.neighbours[i][k] = other == kNone ? n : graph.graph_face[other / 3];
-    }
-  });
+  const double side = box.sizes().maxCoeff();
+  double scale = side * side > 0 ? 1 / (side * side) : 1.0;  // floats hold the areas
+  std::vector<std::int32_t> missing = measure_all(graph, vertices, triangles, opposite, scale, threads, job);
   if (graph.area > 0 && scale * graph.area < kLeastScaled) {  // all small, in a box that faces without area make large
-    scale = 1 / std::exchange(graph.area, 0.0);
-    for_each_index(triangles.size(), job, [&](std::size_t f) {
-      const auto& [a, b, c] = triangles[f];
-      graph.faces[graph.graph_face[f]] = measure(vertices[a], vertices[b], vertices[c], scale, graph.area);
-    });
+    scale = 1 / graph.area;
+    missing = measure_all(graph, vertices, triangles, opposite, scale, threads, job);
   }
   const auto share = static_cast<float>(graph.area > 0 ? 1 / (scale * graph.area) : 0.0);
-  for (FaceRecord& record : graph.faces) record.area *= share;
+  for_each_index(threads, graph.faces.size(), job, [&](std::size_t i) { graph.faces[i].area *= share; });
   fill_missing_normals(graph, missing);
   return graph;
 }

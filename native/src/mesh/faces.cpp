@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <string>
 
 #include "isimp/core/errors.h"
@@ -43,30 +42,36 @@ void Soup::drop(const std::vector<char>& marked) {
   source_face.resize(kept);
 }
 
-void drop_broken(Soup& soup, Job& job) {
-  std::vector<char> bad_vertex(soup.vertices.size()), broken(soup.named.size(), 0);
-  for (std::size_t v = 0; v < bad_vertex.size(); ++v) bad_vertex[v] = !usable(soup.vertices[v]);
-  soup.source_face.resize(soup.named.size());
-  std::iota(soup.source_face.begin(), soup.source_face.end(), 0);
-  for (std::size_t f = 0; f < broken.size(); ++f) {
+void drop_broken(Soup& soup, const Threads& threads, Job& job) {
+  const std::size_t faces = soup.named.size();
+  const auto is_bad = [&](std::int32_t v) { return !usable(soup.vertices[v]); };
+  const bool all_usable = find_first(threads, soup.vertices.size(), [&](std::size_t v) {
+                            return is_bad(static_cast<std::int32_t>(v));
+                          }) == soup.vertices.size();
+  const auto is_broken = [&](std::size_t f) {
     const auto& [a, b, c] = soup.named[f];
-    const auto face = static_cast<std::int32_t>(f);
-    if (bad_vertex[a] || bad_vertex[b] || bad_vertex[c]) {
-      soup.count_face(Mend::non_finite_faces, face);
-    } else if (a == b || b == c || c == a) {
-      soup.count_face(Mend::repeated_index_faces, face);
-    } else {
-      continue;
-    }
-    broken[f] = 1;
+    return a == b || b == c || c == a || (!all_usable && (is_bad(a) || is_bad(b) || is_bad(c)));
+  };
+  number_all(threads, soup.source_face, faces, job);
+  const std::vector<std::int32_t> broken =
+      gather<std::int32_t>(threads, faces, job, [&](std::size_t f, std::vector<std::int32_t>& found) {
+        if (is_broken(f)) found.push_back(static_cast<std::int32_t>(f));
+      });
+  for (const std::int32_t f : broken) {
+    const Triangle& t = soup.named[f];
+    const bool bad = std::any_of(t.begin(), t.end(), is_bad);
+    soup.count_face(bad ? Mend::non_finite_faces : Mend::repeated_index_faces, f);
   }
   const std::int64_t bad = soup.log.count(Mend::non_finite_faces);
   const std::int64_t twice = soup.log.count(Mend::repeated_index_faces);
-  if (bad + twice == static_cast<std::int64_t>(broken.size()))
+  if (broken.size() == faces)
     throw InvalidInput("no usable face is left: of " + std::to_string(bad + twice) + " faces " + std::to_string(bad) +
                        " have a corner that is not finite and " + std::to_string(twice) + " name a vertex twice");
   job.poll();
-  if (bad + twice > 0) soup.drop(broken);
+  if (broken.empty()) return;
+  std::vector<char> marked(faces, 0);
+  for (const std::int32_t f : broken) marked[f] = 1;
+  soup.drop(marked);
 }
 
 bool drop_duplicates(Soup& soup, const EdgeGroups& edges, Job& job) {

@@ -5,15 +5,15 @@
 namespace isimp::detail {
 
 /// In a sound mesh two such faces have all their edges in common.
-bool has_twins(const Topology& topology) {
-  const std::vector<std::int32_t>& opposite = topology.opposite;
-  for (std::size_t h = 0; h < opposite.size(); h += 3) {
-    const std::int32_t other = opposite[h] / 3;
-    if (opposite[h] != kNone && opposite[h + 1] / 3 == other && opposite[h + 2] / 3 == other &&
-        opposite[h + 1] != kNone && opposite[h + 2] != kNone)
-      return true;
-  }
-  return false;
+bool has_twins(const Topology& topology, const Threads& threads) {
+  const Array<std::int32_t>& opposite = topology.opposite;
+  const std::size_t faces = opposite.size() / 3;
+  const auto is_twin = [&](std::size_t f) {
+    const std::int32_t g = opposite[3 * f], other = g / 3;
+    if (opposite[3 * f + 1] / 3 != other || opposite[3 * f + 2] / 3 != other) return false;
+    return g != kNone && opposite[3 * f + 1] != kNone && opposite[3 * f + 2] != kNone;
+  };
+  return find_first(threads, faces, is_twin) < faces;
 }
 
 std::vector<std::int32_t> border_vertices(const Soup& soup, const Topology& topology) {
@@ -22,7 +22,7 @@ std::vector<std::int32_t> border_vertices(const Soup& soup, const Topology& topo
   return marked_indices(on_border);
 }
 
-Parts compact(Soup& soup, Topology& topology, Job& job) {
+Parts compact(Soup& soup, Topology& topology, const Threads& threads, Job& job) {
   Parts parts;
   const bool renamed = !soup.welded.empty();
   if (renamed || topology.unused_vertices > 0) {
@@ -47,7 +47,7 @@ Parts compact(Soup& soup, Topology& topology, Job& job) {
     topology.vertex_halfedge.resize(kept);
     topology.unused_vertices = 0;
     if (renamed) soup.named = std::move(soup.welded);
-    for_each_index(soup.named.size(), job, [&](std::size_t f) {
+    for_each_index(threads, soup.named.size(), job, [&](std::size_t f) {
       for (std::int32_t& v : soup.named[f]) v = vertex[v];
     });
   }

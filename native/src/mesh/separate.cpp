@@ -41,7 +41,7 @@ Fans find_fans(const Soup& soup, Job& job) {
 }
 
 /// Numbers the fans as vertices: the caller's vertices in their order, each for its first fan, then the copies.
-std::vector<std::int32_t> number_fans(Soup& soup, const Fans& fans, std::vector<std::int32_t>& source_vertex) {
+std::vector<std::int32_t> number_fans(Soup& soup, const Fans& fans, Array<std::int32_t>& source_vertex) {
   const std::size_t n = soup.vertices.size();
   std::vector<std::int32_t> first_fan(n, kNone), vertex(fans.source.size(), kNone);
   for (std::size_t fan = 0; fan < fans.source.size(); ++fan)

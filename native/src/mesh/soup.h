@@ -4,7 +4,9 @@
 #include <vector>
 
 #include "edge_groups.h"
+#include "isimp/core/array.h"
 #include "isimp/core/job.h"
+#include "isimp/core/threads.h"
 #include "isimp/core/types.h"
 #include "isimp/mesh/mesh_report.h"
 #include "topology.h"
@@ -42,12 +44,12 @@ class RepairLog {
 
 /// Triangles on their way to a mesh, and how they hang together so far.
 struct Soup {
-  std::vector<Vec3> vertices;             ///< the caller's
-  std::vector<Triangle> named;            ///< the kept faces with the caller's vertices
-  std::vector<Triangle> welded;           ///< the same after welding; empty as long as it is equal to `named`
-  std::vector<std::int32_t> source_face;  ///< the caller's face of each
-  std::vector<std::int32_t> opposite;     ///< the half-edge that each is joined to, kNone for one that stays alone
-  std::vector<std::int32_t> contested;    ///< half-edges along edges that were taken apart
+  std::vector<Vec3> vertices;           ///< the caller's
+  std::vector<Triangle> named;          ///< the kept faces with the caller's vertices
+  std::vector<Triangle> welded;         ///< the same after welding; empty as long as it is equal to `named`
+  Array<std::int32_t> source_face;      ///< the caller's face of each
+  std::vector<std::int32_t> opposite;   ///< the half-edge that each is joined to, kNone for one that stays alone
+  std::vector<std::int32_t> contested;  ///< half-edges along edges that were taken apart
   RepairLog log;
 
   /// The faces with the vertices through which they hang together.
@@ -66,7 +68,7 @@ struct Soup {
 
 // faces.cpp
 /// Drops faces that are not finite or name a vertex twice. \throws InvalidInput if none is left
-void drop_broken(Soup& soup, Job& job);
+void drop_broken(Soup& soup, const Threads& threads, Job& job);
 /// Drops each face that has the vertices of an earlier one. Returns whether there were any.
 bool drop_duplicates(Soup& soup, const EdgeGroups& edges, Job& job);
 
@@ -103,7 +105,7 @@ void flip(Soup& soup, const std::vector<char>& marked);
 struct Parts {
   std::vector<Vec3> vertices;
   std::vector<Triangle> triangles;
-  std::vector<std::int32_t> source_face, source_vertex;
+  Array<std::int32_t> source_face, source_vertex;
 };
 
 // separate.cpp
@@ -112,15 +114,15 @@ Parts separate(Soup& soup, Job& job);
 
 // light.cpp
 /// Whether two faces have the same three vertices.
-bool has_twins(const Topology& topology);
+bool has_twins(const Topology& topology, const Threads& threads);
 /// The ends of the edges of one face, rising.
 std::vector<std::int32_t> border_vertices(const Soup& soup, const Topology& topology);
 /// Drops the vertices that no face uses, from the topology too. Takes the soup apart.
-Parts compact(Soup& soup, Topology& topology, Job& job);
+Parts compact(Soup& soup, Topology& topology, const Threads& threads, Job& job);
 
 // turn.cpp
 /// Turns the longest edge of each face without area, so that it and the one beside it have some. Sound before and
 /// after.
-void turn_flat_faces(Parts& parts, Topology& topology, RepairLog& log, Job& job);
+void turn_flat_faces(Parts& parts, Topology& topology, RepairLog& log, const Threads& threads, Job& job);
 
 }  // namespace isimp::detail

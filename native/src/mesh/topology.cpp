@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <memory>
 #include <utility>
@@ -13,7 +14,9 @@
 namespace isimp::detail {
 namespace {
 
-constexpr std::uint32_t kMany = 24;  // entries of a bucket from which it is sorted and searched by halves
+constexpr std::uint32_t kMany = 24;        // entries of a bucket from which it is sorted and searched by halves
+constexpr std::int32_t kMostReaders = 8;   // threads that read all faces, each for its own vertices
+constexpr std::int32_t kWalkBlock = 4096;  // vertices round which a thread walks before it asks for more
 
 std::string edge_name(std::int32_t a, std::int32_t b) {
   return "the edge of vertices " + std::to_string(std::min(a, b)) + " and " + std::to_string(std::max(a, b));
@@ -23,19 +26,29 @@ struct HalfEdge {
   std::int32_t from, to, h;
 };
 
-/// Calls visit(half_edge, soon) for those that run from a smaller to a larger vertex, or for all others; `soon` is one
-/// a little ahead. They are put in a list first, without a branch: which way one runs no processor can foresee.
-template <bool kRising, class Visit>
-void for_each_halfedge(std::span<const Triangle> triangles, Job& job, Visit visit) {
+/// Faces or vertices, from `begin` to before `end`.
+struct Range {
+  std::int32_t begin, end;
+  [[nodiscard]] bool has(std::int32_t i) const {
+    return static_cast<std::uint32_t>(i - begin) < static_cast<std::uint32_t>(end - begin);
+  }
+};
+
+/// Calls visit(half_edge, soon) for those of some faces that run from a smaller to a larger vertex, if wanted(from)
+/// says so, or for all others; `soon` is one a little ahead. They are put in a list first, without a branch: which way
+/// one runs no processor can foresee.
+template <bool kRising, class Wanted, class Visit>
+void for_each_halfedge(std::span<const Triangle> triangles, Range faces, Job& job, Wanted wanted, Visit visit) {
   constexpr std::size_t kBunch = 512, kAhead = 12;  // faces
   std::array<HalfEdge, 3 * kBunch + 1> found;
-  for (std::size_t begin = 0; begin < triangles.size(); begin += kBunch) {
-    if (begin % kPollEvery == 0) job.poll();
-    const std::size_t end = std::min(triangles.size(), begin + kBunch);
+  const auto first = static_cast<std::size_t>(faces.begin), last = static_cast<std::size_t>(faces.end);
+  for (std::size_t begin = first; begin < last; begin += kBunch) {
+    if ((begin - first) % kPollEvery == 0) job.poll();
+    const std::size_t end = std::min(last, begin + kBunch);
     std::size_t n = 0;
     const auto list = [&](std::int32_t from, std::int32_t to, std::size_t h) {
       found[n] = {from, to, static_cast<std::int32_t>(h)};
-      n += (from < to) == kRising ? 1 : 0;
+      n += static_cast<std::size_t>((from < to) == kRising) & static_cast<std::size_t>(wanted(from));
     };
     for (std::size_t f = begin; f < end; ++f) {
       const auto& [a, b, c] = triangles[f];
@@ -51,22 +64,42 @@ void for_each_halfedge(std::span<const Triangle> triangles, Job& job, Visit visi
 /// finds its opposite among the few of its larger end's bucket.
 class RisingHalfedges {
  public:
-  RisingHalfedges(std::size_t vertex_count, std::span<const Triangle> triangles, Job& job) : end_(vertex_count + 1, 0) {
-    for_each_index(triangles.size(), job, [&](std::size_t f) {
-      const auto& [a, b, c] = triangles[f];
-      end_[a] += a < b;
-      end_[b] += b < c;
-      end_[c] += c < a;
-    });
+  RisingHalfedges(std::size_t vertex_count, std::span<const Triangle> triangles, const Threads& threads, Job& job)
+      : end_(vertex_count + 1, 0) {
+    const auto vertices = static_cast<std::int32_t>(vertex_count);
+    const std::int32_t pieces = std::min(kMostReaders, threads.pieces(static_cast<std::int32_t>(triangles.size())));
+    const auto for_each_from = [&](Range from, const auto& visit) { for_each_rising(triangles, from, job, visit); };
+    if (pieces == 1) {
+      for_each_index(triangles.size(), job, [&](std::size_t f) {
+        const auto& [a, b, c] = triangles[f];
+        end_[a] += a < b;
+        end_[b] += b < c;
+        end_[c] += c < a;
+      });
+    } else {
+      threads.run(vertices, pieces, [&](std::int32_t, std::int32_t first, std::int32_t last) {
+        for_each_from({first, last}, [&](const HalfEdge& e, const HalfEdge&) { ++end_[e.from]; });
+      });
+    }
     std::uint32_t sum = 0;
     for (std::uint32_t& end : end_) sum += std::exchange(end, sum);  // now where each bucket begins
     entries_ = std::make_unique_for_overwrite<Entry[]>(sum + kAtOnce);
     for (std::uint32_t i = 0; i < kAtOnce; ++i) entries_[sum + i] = {kNone, kNone};
-    for_each_halfedge<true>(triangles, job, [&](const HalfEdge& e, const HalfEdge& soon) {
-      __builtin_prefetch(&entries_[end_[soon.from]], 1);
-      entries_[end_[e.from]++] = {e.to, e.h};
+    std::vector<std::int32_t> limit;  // vertices between which the pieces have about the same to do
+    for (std::int32_t piece = 0; piece <= pieces; ++piece) {
+      const auto share = static_cast<std::uint32_t>(std::uint64_t{sum} * static_cast<std::uint64_t>(piece) /
+                                                    static_cast<std::uint64_t>(pieces));
+      limit.push_back(static_cast<std::int32_t>(std::lower_bound(end_.begin(), end_.end(), share) - end_.begin()));
+    }
+    limit.front() = 0;
+    limit.back() = vertices;
+    threads.run(pieces, pieces, [&](std::int32_t piece, std::int32_t, std::int32_t) {
+      for_each_from({limit[piece], limit[piece + 1]}, [&](const HalfEdge& e, const HalfEdge& soon) {
+        __builtin_prefetch(&entries_[end_[soon.from]], 1);
+        entries_[end_[e.from]++] = {e.to, e.h};
+      });
     });
-    for_each_index(vertex_count, job, [&](std::size_t v) {
+    for_each_index(threads, vertex_count, job, [&](std::size_t v) {
       if (end_[v] - begin(v) > kMany) std::sort(&entries_[begin(v)], &entries_[end_[v]], by_end);
     });
   }
@@ -92,6 +125,13 @@ class RisingHalfedges {
     std::int32_t to, half_edge;
   };
   static constexpr std::uint32_t kAtOnce = 4;  // entries compared before anything is decided
+
+  template <class Visit>
+  static void for_each_rising(std::span<const Triangle> triangles, Range from, Job& job, const Visit& visit) {
+    const Range all{0, static_cast<std::int32_t>(triangles.size())};
+    for_each_halfedge<true>(
+        triangles, all, job, [&](std::int32_t v) { return from.has(v); }, visit);
+  }
   static bool by_end(const Entry& a, const Entry& b) { return a.to < b.to; }
   [[nodiscard]] std::uint32_t begin(std::size_t v) const { return v == 0 ? 0 : end_[v - 1]; }
 
@@ -115,35 +155,61 @@ class RisingHalfedges {
   std::unique_ptr<Entry[]> entries_;
 };
 
-/// Pairs all half-edges; false if an edge has three or more faces, or two that run the same way.
-bool pair_halfedges(Topology& topology, std::size_t vertex_count, std::span<const Triangle> triangles, Job& job) {
-  const RisingHalfedges rising(vertex_count, triangles, job);
-  job.report(0.3);
-  std::vector<std::int32_t>& opposite = topology.opposite;
-  opposite.assign(3 * triangles.size(), kNone);
-  std::vector<std::pair<std::int32_t, std::int32_t>> alone;  // the falling half-edges on a border, turned round
-  std::size_t pairs = 0;
-  for_each_halfedge<false>(triangles, job, [&](const HalfEdge& e, const HalfEdge& soon) {
-    rising.fetch(soon.to);
-    const std::int32_t other = rising.find(e.to, e.from);
-    if (other == kNone) {
-      alone.emplace_back(e.to, e.from);
-      return;
-    }
-    ++pairs;
-    opposite[other] = e.h;
-    opposite[e.h] = other;
+/// What became of the half-edges that run from a larger to a smaller vertex.
+struct Falling {
+  std::vector<std::pair<std::int32_t, std::int32_t>> alone;  ///< those on a border, turned round; rising
+  std::size_t pairs = 0;                                     ///< how many of the others
+};
+
+Falling match_falling(const RisingHalfedges& rising, Array<std::int32_t>& opposite, std::span<const Triangle> triangles,
+                      const Threads& threads, Job& job) {
+  const auto faces = static_cast<std::int32_t>(triangles.size());
+  const std::int32_t pieces = threads.pieces(faces);
+  std::vector<Falling> found(static_cast<std::size_t>(pieces));
+  const auto any = [](std::int32_t) { return true; };
+  threads.run(faces, pieces, [&](std::int32_t piece, std::int32_t first, std::int32_t last) {
+    Falling own;  // not beside those of other threads in memory
+    for_each_halfedge<false>(triangles, {first, last}, job, any, [&](const HalfEdge& e, const HalfEdge& soon) {
+      rising.fetch(soon.to);
+      const std::int32_t other = rising.find(e.to, e.from);
+      if (other == kNone) {
+        own.alone.emplace_back(e.to, e.from);
+        return;
+      }
+      ++own.pairs;
+      // Of an edge that is not sound, two threads may have found the same one: nobody then reads what is in it.
+      std::atomic_ref(opposite[other]).store(e.h, std::memory_order_relaxed);
+      opposite[e.h] = other;
+    });
+    found[piece] = std::move(own);
   });
-  std::sort(alone.begin(), alone.end());
-  bool sound = std::adjacent_find(alone.begin(), alone.end()) == alone.end();
+  for (std::int32_t piece = 1; piece < pieces; ++piece) {
+    found[0].alone.insert(found[0].alone.end(), found[piece].alone.begin(), found[piece].alone.end());
+    found[0].pairs += found[piece].pairs;
+  }
+  std::sort(found[0].alone.begin(), found[0].alone.end());
+  return std::move(found[0]);
+}
+
+/// Pairs all half-edges; false if an edge has three or more faces, or two that run the same way.
+bool pair_halfedges(Topology& topology, std::size_t vertex_count, std::span<const Triangle> triangles,
+                    const Threads& threads, Job& job) {
+  const RisingHalfedges rising(vertex_count, triangles, threads, job);
+  job.report(0.3);
+  Array<std::int32_t>& opposite = topology.opposite;
+  opposite.resize(3 * triangles.size());
+  for_each_index(threads, opposite.size(), job, [&](std::size_t h) { opposite[h] = kNone; });
+  const Falling falling = match_falling(rising, opposite, triangles, threads, job);
+  bool sound = std::adjacent_find(falling.alone.begin(), falling.alone.end()) == falling.alone.end();
+  topology.border = gather<std::int32_t>(threads, opposite.size(), job, [&](std::size_t h, auto& border) {
+    if (opposite[h] == kNone) border.push_back(static_cast<std::int32_t>(h));
+  });
   // Of several rising ones that run the same way only the first has found its opposite.
-  for_each_index(opposite.size(), job, [&](std::size_t h) {
-    if (opposite[h] != kNone) return;
-    topology.border.push_back(static_cast<std::int32_t>(h));
+  for (const std::int32_t h : topology.border) {
     const std::int32_t from = triangles[h / 3][h % 3], to = triangles[h / 3][(h + 1) % 3];
     sound = sound && (from > to || !rising.has_twin(from, to));
-  });
-  return sound && opposite.size() == topology.border.size() + 2 * pairs;  // else one has been found by several
+  }
+  return sound && opposite.size() == topology.border.size() + 2 * falling.pairs;  // else one was found by several
 }
 
 /// Names the first edge that is not sound.
@@ -164,7 +230,7 @@ std::string describe_bad_edge(std::size_t vertex_count, std::span<const Triangle
 }
 
 /// The number of faces that turning round a vertex meets, from one half-edge that leaves it to another or a border.
-std::int64_t walk(const std::vector<std::int32_t>& opposite, std::int32_t from, std::int32_t to) {
+std::int64_t walk(const Array<std::int32_t>& opposite, std::int32_t from, std::int32_t to) {
   std::int64_t met = 0;
   std::int32_t h = from;
   do {
@@ -188,14 +254,13 @@ std::string describe_bad_vertex(const Topology& topology, std::span<const Triang
 ///
 /// Several walks at once, which take the next vertex by a choice between values and not by a branch: how long a walk
 /// is nobody can foresee, and each of its steps waits for the one before.
-std::int64_t walk_all(const std::vector<std::int32_t>& opposite, const std::vector<std::int32_t>& starts, Job& job) {
+std::int64_t walk_all(const Array<std::int32_t>& opposite, std::span<const std::int32_t> starts) {
   constexpr std::size_t kWalks = 4;
   std::int64_t met = 0;
   std::size_t next = std::min(kWalks, starts.size());
   std::array<std::int32_t, kWalks> start{}, at{};
   for (std::size_t k = 0; k < next; ++k) start[k] = at[k] = starts[k];
-  for (std::uint32_t polled = 0; next + kWalks <= starts.size(); ++polled) {
-    if (polled % kPollEvery == 0) job.poll();
+  while (next + kWalks <= starts.size()) {
     met += kWalks;
     for (std::size_t k = 0; k < kWalks; ++k) {
       const std::int32_t h = opposite[Mesh::prev(at[k])];
@@ -210,37 +275,61 @@ std::int64_t walk_all(const std::vector<std::int32_t>& opposite, const std::vect
   return met;
 }
 
+/// Sets a half-edge that leaves each vertex: the one on the border if there is one, from where a walk meets all faces;
+/// else the last.
+void find_leaving(Topology& topology, std::size_t vertex_count, std::span<const Triangle> triangles,
+                  const Threads& threads, Job& job) {
+  Array<std::int32_t>& leaving = topology.vertex_halfedge;
+  leaving.resize(vertex_count);
+  const auto vertices = static_cast<std::int32_t>(vertex_count);
+  const std::int32_t pieces = std::min(kMostReaders, threads.pieces(static_cast<std::int32_t>(triangles.size())));
+  threads.run(vertices, pieces, [&](std::int32_t, std::int32_t first, std::int32_t last) {
+    const Range own{first, last};
+    std::fill(leaving.begin() + first, leaving.begin() + last, kNone);
+    std::int32_t elsewhere = kNone;  // takes what other threads see to, so that there is no branch
+    for_each_index(triangles.size(), job, [&](std::size_t f) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::int32_t v = triangles[f][k];
+        *(own.has(v) ? &leaving[v] : &elsewhere) = static_cast<std::int32_t>(3 * f + k);
+      }
+    });
+  });
+  for (const std::int32_t h : topology.border) leaving[triangles[h / 3][h % 3]] = h;
+}
+
 /// Finds a half-edge that leaves each vertex; false if the faces of some vertex are not one fan.
-bool find_fans(Topology& topology, std::size_t vertex_count, std::span<const Triangle> triangles, Job& job) {
-  std::vector<std::int32_t>& leaving = topology.vertex_halfedge;
-  leaving.assign(vertex_count, kNone);
-  for_each_index(triangles.size(), job, [&](std::size_t f) {
-    for (std::size_t k = 0; k < 3; ++k) leaving[triangles[f][k]] = static_cast<std::int32_t>(3 * f + k);
-  });
-  for (const std::int32_t h : topology.border)
-    leaving[triangles[h / 3][h % 3]] = h;  // from there a walk meets all faces
-  std::vector<std::int32_t> starts(vertex_count);
-  std::size_t used = 0;
-  for_each_index(vertex_count, job, [&](std::size_t v) {
-    starts[used] = leaving[v];
-    used += leaving[v] == kNone ? 0 : 1;
-  });
-  starts.resize(used);
-  topology.unused_vertices = static_cast<std::int32_t>(vertex_count - used);
+bool find_fans(Topology& topology, std::size_t vertex_count, std::span<const Triangle> triangles,
+               const Threads& threads, Job& job) {
+  find_leaving(topology, vertex_count, triangles, threads, job);
+  std::atomic<std::int64_t> met{0}, used{0};
+  threads.blocks(static_cast<std::int32_t>(vertex_count), kWalkBlock,
+                 [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+                   job.poll();
+                   std::array<std::int32_t, kWalkBlock + 1> starts;
+                   std::size_t n = 0;
+                   for (std::int32_t v = begin; v < end; ++v) {
+                     starts[n] = topology.vertex_halfedge[v];
+                     n += starts[n] == kNone ? 0 : 1;
+                   }
+                   met += walk_all(topology.opposite, std::span(starts).first(n));
+                   used += static_cast<std::int64_t>(n);
+                 });
+  topology.unused_vertices = static_cast<std::int32_t>(static_cast<std::int64_t>(vertex_count) - used);
   // No walk meets more than its vertex's faces, so that the sum tells whether one met fewer.
-  return walk_all(topology.opposite, starts, job) == static_cast<std::int64_t>(topology.opposite.size());
+  return met == static_cast<std::int64_t>(topology.opposite.size());
 }
 
 }  // namespace
 
-Topology find_topology(std::size_t vertex_count, std::span<const Triangle> triangles, Job& job) {
+Topology find_topology(std::size_t vertex_count, std::span<const Triangle> triangles, const Threads& threads,
+                       Job& job) {
   Topology topology;
-  if (!pair_halfedges(topology, vertex_count, triangles, job)) {
+  if (!pair_halfedges(topology, vertex_count, triangles, threads, job)) {
     topology.flaw = describe_bad_edge(vertex_count, triangles, job);
     return topology;
   }
   job.report(0.7);
-  if (!find_fans(topology, vertex_count, triangles, job)) {
+  if (!find_fans(topology, vertex_count, triangles, threads, job)) {
     topology.flaw = describe_bad_vertex(topology, triangles);
   }
   return topology;

@@ -16,20 +16,17 @@ constexpr double kFlat = 1e-3;  // height over its longest edge: a face is not f
 /// Turns edges of a sound mesh, and keeps its topology.
 class Turner {
  public:
-  Turner(Parts& parts, Topology& topology, RepairLog& log) : p_(parts), t_(topology), log_(log) {
-    Vec3 low = p_.vertices[0], high = low;
-    for (const Vec3& v : p_.vertices) {
-      low = low.cwiseMin(v);
-      high = high.cwiseMax(v);
-    }
-    thin_ = kThin * (high - low).norm();
-  }
+  Turner(Parts& parts, Topology& topology, RepairLog& log, const Threads& threads, Job& job)
+      : p_(parts),
+        t_(topology),
+        log_(log),
+        thin_(kThin * box_of(parts.vertices, threads, job, [](std::size_t) { return true; }).diagonal().norm()) {}
 
-  void run(Job& job) {
-    std::vector<std::int32_t> flat;
-    for_each_index(p_.triangles.size(), job, [&](std::size_t f) {
-      if (is_flat(static_cast<std::int32_t>(f))) flat.push_back(static_cast<std::int32_t>(f));
-    });
+  void run(const Threads& threads, Job& job) {
+    std::vector<std::int32_t> flat =
+        gather<std::int32_t>(threads, p_.triangles.size(), job, [&](std::size_t f, std::vector<std::int32_t>& found) {
+          if (is_flat(static_cast<std::int32_t>(f))) found.push_back(static_cast<std::int32_t>(f));
+        });
     bool any = !flat.empty();
     for (int round = 0; round < kRounds && any; ++round) {
       job.poll();
@@ -153,8 +150,8 @@ class Turner {
 
 }  // namespace
 
-void turn_flat_faces(Parts& parts, Topology& topology, RepairLog& log, Job& job) {
-  Turner(parts, topology, log).run(job);
+void turn_flat_faces(Parts& parts, Topology& topology, RepairLog& log, const Threads& threads, Job& job) {
+  Turner(parts, topology, log, threads, job).run(threads, job);
 }
 
 }  // namespace isimp::detail

@@ -73,7 +73,7 @@ double usual_price(const MergeGraph& graph) {
 
 /// Where single faces are far below what can be told apart, merging them one pair at a time is a waste: many pairs at
 /// once, in the hierarchy of the smooth surface, do until most merges cost a good part of the limit.
-Start start_from_patches(const Surface& surface, std::vector<FaceRecord> smooth, double limit, Job& job) {
+Start start_from_patches(const Surface& surface, Array<FaceRecord> smooth, double limit, Job& job) {
   auto guided = std::make_shared<GuidedGraph>();
   guided->graph = surface.graph();
   guided->graph.faces = std::move(smooth);
@@ -178,7 +178,7 @@ void DetailTree::make_patches(const Surface& surface, Job& job) {
   const std::vector<std::int32_t> part = parts_of_faces(surface);
   {
     const double limit = merge_limit(settings_.finest * size_, noise_, kLeastNoise) / area_;
-    std::vector<FaceRecord> smooth = [&] {
+    Array<FaceRecord> smooth = [&] {
       const Job::Part smoothing(job, "merging", 0.1, 0.7);
       return filtered_faces(graph, kFilterPasses, filter_range(bend_), job);
     }();

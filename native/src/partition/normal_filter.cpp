@@ -28,8 +28,8 @@ double median_bend(const FaceGraph& graph) {
   return std::sqrt(static_cast<double>(*middle));
 }
 
-std::vector<FaceRecord> filtered_faces(const FaceGraph& graph, int passes, double range, Job& job) {
-  std::vector<FaceRecord> now = graph.faces, next = graph.faces;
+Array<FaceRecord> filtered_faces(const FaceGraph& graph, int passes, double range, Job& job) {
+  Array<FaceRecord> now = graph.faces, next = graph.faces;
   const auto sharpness = static_cast<float>(-1 / (2 * range * range));
   const std::int32_t n = graph.size();
   for (int pass = 0; pass < passes; ++pass) {

@@ -12,6 +12,7 @@ struct CleanOptions {
   double weld = 0.0;  ///< border vertices at most this far apart may become one; scene units; 0: bit-equal places only
   double fill_holes = 0.0;   ///< borders at most this long round are closed; scene units; 0: none
   double cut_handles = 0.0;  ///< handles and tunnels with a loop at most this long go; scene units; 0: none
+  std::int32_t threads = 0;  ///< 0: as many as there are cores; the result does not depend on it
 };
 
 /// Makes a sound mesh of any triangles: what scanners, STL files and texture seams leave behind.

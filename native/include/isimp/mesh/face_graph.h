@@ -6,7 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "isimp/core/array.h"
 #include "isimp/core/job.h"
+#include "isimp/core/threads.h"
 #include "isimp/core/types.h"
 
 namespace isimp {
@@ -23,11 +25,11 @@ struct FaceRecord {
 ///
 /// Index n = size() is a sentinel: it stands for "no neighbour", so that a loop over neighbours needs no test.
 struct FaceGraph {
-  std::vector<FaceRecord> faces;                        ///< (n + 1), the last one all zero
-  std::vector<std::array<std::int32_t, 3>> neighbours;  ///< (n + 1), across corner k -> k + 1; n where none
-  std::vector<std::int32_t> mesh_face;                  ///< (n) graph index -> face of the mesh
-  std::vector<std::int32_t> graph_face;                 ///< (n) face of the mesh -> graph index
-  double area = 0.0;                                    ///< of the whole surface, scene units squared
+  Array<FaceRecord> faces;                        ///< (n + 1), the last one all zero
+  Array<std::array<std::int32_t, 3>> neighbours;  ///< (n + 1), across corner k -> k + 1; n where none
+  Array<std::int32_t> mesh_face;                  ///< (n) graph index -> face of the mesh
+  Array<std::int32_t> graph_face;                 ///< (n) face of the mesh -> graph index
+  double area = 0.0;                              ///< of the whole surface, scene units squared
 
   [[nodiscard]] std::int32_t size() const { return static_cast<std::int32_t>(mesh_face.size()); }
 };
@@ -36,8 +38,8 @@ struct FaceGraph {
 ///
 /// \param opposite  (3 F) half-edge across each, kNone on borders
 /// \param box       round all faces
-/// Cost: O(F) by a radix sort.
+/// Cost: O(F) by a radix sort. The result does not depend on the number of threads.
 FaceGraph make_face_graph(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
-                          std::span<const std::int32_t> opposite, const Box& box, Job& job);
+                          std::span<const std::int32_t> opposite, const Box& box, const Threads& threads, Job& job);
 
 }  // namespace isimp

@@ -4,7 +4,9 @@
 #include <span>
 #include <vector>
 
+#include "isimp/core/array.h"
 #include "isimp/core/job.h"
+#include "isimp/core/threads.h"
 #include "isimp/core/types.h"
 #include "isimp/mesh/face_graph.h"
 #include "isimp/mesh/mesh_report.h"
@@ -36,12 +38,13 @@ class Mesh {
   ///                       twice; an edge with three or more faces or with two that run the same way; a vertex whose
   ///                       faces form two fans. The message names the first offender and points to `clean`.
   /// \throws Cancelled     nothing was made
+  /// \param threads        0: as many as there are cores; the result does not depend on it
   /// Cost: O(V + F) time and memory.
-  Mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, Job& job);
+  Mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, Job& job, std::int32_t threads = 0);
 
   /// As above, for a mesh made from another one: where each face and vertex came from, and what was repaired.
-  Mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, std::vector<std::int32_t> source_face,
-       std::vector<std::int32_t> source_vertex, RepairReport repairs, Job& job);
+  Mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, Array<std::int32_t> source_face,
+       Array<std::int32_t> source_vertex, RepairReport repairs, const Threads& threads, Job& job);
 
   [[nodiscard]] std::int32_t vertex_count() const { return static_cast<std::int32_t>(vertices_.size()); }
   [[nodiscard]] std::int32_t face_count() const { return static_cast<std::int32_t>(triangles_.size()); }
@@ -85,17 +88,17 @@ class Mesh {
  private:
   friend Mesh clean(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options, Job& job);
   /// From arrays that were found sound.
-  Mesh(detail::Parts parts, detail::Topology topology, RepairReport repairs, Job& job);
+  Mesh(detail::Parts parts, detail::Topology topology, RepairReport repairs, const Threads& threads, Job& job);
 
-  void complete(detail::Topology topology, RepairReport repairs, Job& job);
-  void find_components(std::span<const std::int32_t> border, Job& job);
+  void complete(detail::Topology topology, RepairReport repairs, const Threads& threads, Job& job);
+  void find_components(std::span<const std::int32_t> border, const Threads& threads, Job& job);
   void count_border_loops(std::span<const std::int32_t> border);
 
   std::vector<Vec3> vertices_;
   Vec3 origin_ = Vec3::Zero();
   std::vector<Triangle> triangles_;
-  std::vector<std::int32_t> source_face_, source_vertex_;
-  std::vector<std::int32_t> opposite_, vertex_halfedge_, component_;
+  Array<std::int32_t> source_face_, source_vertex_;
+  Array<std::int32_t> opposite_, vertex_halfedge_, component_;
   FaceGraph graph_;
   MeshReport report_;
 };
