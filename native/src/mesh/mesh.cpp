@@ -160,7 +160,7 @@ void Mesh::complete(detail::Topology topology, RepairReport repairs, const Threa
   find_components(topology.border, threads, job);
   count_border_loops(topology.border);
   job.report(0.6);
-  const Box box = detail::box_of(vertices_, threads, job, [&](std::size_t v) { return vertex_halfedge_[v] != kNone; });
+  Box box = detail::box_of(vertices_, threads, job, [&](std::size_t v) { return vertex_halfedge_[v] != kNone; });
   report_.diagonal = box.diagonal().norm();
   origin_ = shift_to_zero(box);
   if (!origin_.isZero(0)) {

@@ -17,9 +17,9 @@ constexpr std::size_t kWorthwhile = 300;  ///< a round that tries less than one 
 /// A round of many trials of which less than one in so many is good is the last one too: what is left then is a scan
 /// finer than its polygons, where each trial costs as much as it did and few will do.
 constexpr std::size_t kMany = 64, kPoor = 8;
-constexpr double kHopeless = 1.5;         ///< times the bound: no placement will make a polygon so bent flat
-constexpr int kRings = 2;                 ///< how far from what was tried a fault is looked for at first ...
-constexpr int kMostRings = 5;             ///< ... and before all that was tried is held for the cause
+constexpr double kHopeless = 1.5;  ///< times the bound: no placement will make a polygon so bent flat
+constexpr int kRings = 2;          ///< how far from what was tried a fault is looked for at first ...
+constexpr int kMostRings = 5;      ///< ... and before all that was tried is held for the cause
 /// That bound where there is none, of the diagonal: what is bent further meets what is near or not as it is filled.
 constexpr double kFree = 0.05;
 
