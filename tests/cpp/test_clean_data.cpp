@@ -71,7 +71,7 @@ TEST_F(CleanData, EveryFileBecomesASoundMesh) {
                                        get("welded_vertices") + get("split_vertices") + get("subdivided_edges"));
     for (std::int32_t v = 0; v < mesh.vertex_count(); ++v)
       if (mesh.source_vertex()[v] != kNone) {
-        ASSERT_EQ(mesh.vertices()[v], input.soup.vertices[mesh.source_vertex()[v]]);
+        ASSERT_EQ(mesh.vertices()[v] + mesh.origin(), input.soup.vertices[mesh.source_vertex()[v]]);
       }
     ASSERT_TRUE(std::is_sorted(mesh.source_face().begin(), mesh.source_face().begin() + kept));
 

@@ -112,7 +112,7 @@ TEST(Intersections, ThoseOfPolygonsAreThoseOfAllPairs) {
 TEST(Intersections, ThoseOfTheScanAreThoseOfAllPairs) {
   const auto stored = [](const Mesh& mesh, std::int32_t f) {
     isimp::Corners corners;
-    for (int k = 0; k < 3; ++k) corners[k] = mesh.vertices()[mesh.triangles()[f][k]].cast<float>().cast<double>();
+    for (int k = 0; k < 3; ++k) corners[k] = rounded_to_float(mesh.vertices()[mesh.triangles()[f][k]]);
     return corners;
   };
   std::array<int, 2> said{0, 0};

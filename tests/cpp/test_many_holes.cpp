@@ -82,7 +82,7 @@ TEST(Soups, AllPairsAreCountedAndTheFirstListed) {
   std::int64_t pairs = 0;
   const auto corners = [&](std::int32_t f) {
     Corners c;
-    for (int k = 0; k < 3; ++k) c[k] = a.vertices[3 * f + k].cast<float>().cast<double>();
+    for (int k = 0; k < 3; ++k) c[k] = rounded_to_float(a.vertices[3 * f + k]);
     return c;
   };
   for (std::int32_t f = 0; f < 300; ++f)

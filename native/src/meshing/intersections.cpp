@@ -12,11 +12,10 @@
 namespace isimp::meshing {
 namespace {
 
-Vec3 stored(const Vec3& p) { return p.cast<float>().cast<double>(); }
-
 Corners corners_of(const Mesh& mesh, std::int32_t face) {
   const Triangle& t = mesh.triangles()[face];
-  return {stored(mesh.vertices()[t[0]]), stored(mesh.vertices()[t[1]]), stored(mesh.vertices()[t[2]])};
+  return {rounded_to_float(mesh.vertices()[t[0]]), rounded_to_float(mesh.vertices()[t[1]]),
+          rounded_to_float(mesh.vertices()[t[2]])};
 }
 
 /// The box of a triangle whose coordinates are float32.
@@ -183,7 +182,8 @@ void FacetSet::locate(std::span<const Vec3> position) {
   solid.clear();
   around = Box::nowhere();
   for (const auto& [corner, piece, part] : facets) {
-    solids.push_back({stored(position[corner[0]]), stored(position[corner[1]]), stored(position[corner[2]])});
+    solids.push_back({rounded_to_float(position[corner[0]]), rounded_to_float(position[corner[1]]),
+                      rounded_to_float(position[corner[2]])});
     facings.push_back(facing_of(solids.back()));
     boxes.push_back(box_of(solids.back()));
     if (!has_area(solids.back())) continue;

@@ -27,7 +27,7 @@ Flat flat(std::span<const std::int32_t> polygon, std::span<const Vec3> position)
   p.reserve(polygon.size());
   Vec3 centre = Vec3::Zero();
   for (const std::int32_t c : polygon) {
-    p.push_back(position[c].cast<float>().cast<double>());
+    p.push_back(rounded_to_float(position[c]));
     centre += p.back();
   }
   centre /= static_cast<double>(p.size());
