@@ -211,6 +211,8 @@ Case polygonize_case(const SetupPtr& setup, const std::shared_ptr<Base>& base, c
     sample.facts["manifold"] = report.manifold;
     sample.facts["planarity_max"] = report.planarity_max;
     sample.facts["intersecting"] = report.intersecting;
+    sample.facts["imperfect"] = report.crossing + report.flipped + report.bent + report.intersecting;
+    sample.facts["work"] = report.work.faces + report.work.corners + report.work.polygons;
     sample.facts["fingerprint"] = std::to_string(fingerprint(polygons));
     return sample;
   };

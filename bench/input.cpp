@@ -1,7 +1,10 @@
 #include "input.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
+#include <map>
 #include <numbers>
 #include <random>
 #include <sstream>
@@ -75,6 +78,94 @@ Arrays boxes(std::int64_t faces) {
   return a;
 }
 
+/// Squares of unit cells of which some are filled: each side of a filled one that no filled one lies at.
+class Cells {
+ public:
+  /// \param filled  asked for cells -1 ... n too
+  Arrays surface(const Eigen::Vector3i& n, const std::function<bool(int, int, int)>& filled) {
+    for (int x = 0; x < n[0]; ++x)
+      for (int y = 0; y < n[1]; ++y)
+        for (int z = 0; z < n[2]; ++z)
+          for (int side = 0; filled(x, y, z) && side < 6; ++side) {
+            Eigen::Vector3i beside(x, y, z);
+            beside[side / 2] += side % 2 == 0 ? -1 : 1;
+            if (!filled(beside[0], beside[1], beside[2])) add_side({x, y, z}, side);
+          }
+    return std::move(arrays_);
+  }
+
+ private:
+  void add_side(const Eigen::Vector3i& cell, int side) {
+    const int axis = side / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
+    std::array<std::int32_t, 4> corner{};
+    for (int k = 0; k < 4; ++k) {
+      Eigen::Vector3i at = cell;
+      at[axis] += side % 2;
+      at[u] += k == 1 || k == 2 ? 1 : 0;
+      at[v] += k >= 2 ? 1 : 0;
+      const auto [place, fresh] =
+          index_.try_emplace({at[0], at[1], at[2]}, static_cast<std::int32_t>(arrays_.vertices.size()));
+      if (fresh) arrays_.vertices.push_back(at.cast<double>());
+      corner[k] = place->second;
+    }
+    if (side % 2 == 0) std::swap(corner[1], corner[3]);
+    arrays_.triangles.push_back({corner[0], corner[1], corner[2]});
+    arrays_.triangles.push_back({corner[0], corner[2], corner[3]});
+  }
+
+  Arrays arrays_;
+  std::map<std::array<int, 3>, std::int32_t> index_;
+};
+
+/// A plate of one cell's thickness with n x n square holes, three cells apart; 42 faces a hole.
+Arrays plate(std::int64_t faces) {
+  const auto n = std::max<int>(1, static_cast<int>(std::lround(std::sqrt(static_cast<double>(faces) / 42))));
+  Arrays a = Cells().surface({3 * n, 3 * n, 1}, [n](int x, int y, int z) {
+    return z == 0 && x >= 0 && y >= 0 && x < 3 * n && y < 3 * n && (x % 3 != 1 || y % 3 != 1);
+  });
+  for (Vec3& v : a.vertices) v.z() *= 0.2;
+  return a;
+}
+
+/// The upper side of such a plate, which has a border.
+Arrays sheet(std::int64_t faces) {
+  const auto n = std::max<std::int32_t>(1, std::lround(std::sqrt(static_cast<double>(faces) / 16)));
+  const Arrays whole = plane(18 * static_cast<std::int64_t>(n) * n);
+  Arrays a{whole.vertices, {}};
+  for (const Triangle& t : whole.triangles) {
+    const Vec3 middle = (whole.vertices[t[0]] + whole.vertices[t[1]] + whole.vertices[t[2]]) / 3;
+    if (static_cast<int>(middle.x()) % 3 != 1 || static_cast<int>(middle.y()) % 3 != 1) a.triangles.push_back(t);
+  }
+  return a;
+}
+
+/// Menger's sponge: the level with about so many faces.
+Arrays sponge(std::int64_t faces) {
+  int n = 3;
+  for (std::int64_t at = 144; at * 7 < faces; at *= 16) n *= 3;
+  return Cells().surface({n, n, n}, [n](int x, int y, int z) {
+    if (x < 0 || y < 0 || z < 0 || x >= n || y >= n || z >= n) return false;
+    for (; x + y + z > 0; x /= 3, y /= 3, z /= 3)
+      if ((x % 3 == 1) + (y % 3 == 1) + (z % 3 == 1) >= 2) return false;
+    return true;
+  });
+}
+
+/// Triangles anywhere in a cube of 1, each of up to that size.
+Arrays soup(std::int64_t faces) {
+  Arrays a;
+  std::mt19937 random(1);
+  const auto any = [&] { return static_cast<double>(random()) / 4294967296.0; };
+  for (std::int32_t f = 0; f < faces; ++f) {
+    for (int k = 0; k < 3; ++k) {
+      const double x = any(), y = any();
+      a.vertices.emplace_back(x, y, any());
+    }
+    a.triangles.push_back({3 * f, 3 * f + 1, 3 * f + 2});
+  }
+  return a;
+}
+
 Arrays made(const std::string& name) {
   std::istringstream words(name);
   std::string word, kind;
@@ -87,7 +178,11 @@ Arrays made(const std::string& name) {
   if (kind == "slivers") return torus(faces, 1000);
   if (kind == "plane") return plane(faces);
   if (kind == "boxes") return boxes(faces);
-  throw InvalidInput(name + ": there are torus, slivers, plane and boxes");
+  if (kind == "plate") return plate(faces);
+  if (kind == "sheet") return sheet(faces);
+  if (kind == "sponge") return sponge(faces);
+  if (kind == "soup") return soup(faces);
+  throw InvalidInput(name + ": there are torus, slivers, plane, boxes, plate, sheet, sponge and soup");
 }
 
 Arrays read(const std::string& path) {

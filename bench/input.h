@@ -18,6 +18,9 @@ struct Arrays {
 ///  - slivers  the same with triangles hundreds of times longer than wide
 ///  - plane    a flat square: all faces coplanar
 ///  - boxes    separate cubes of 12 faces
+///  - plate    a plate with rows of square holes, and sheet its upper side alone
+///  - sponge   Menger's
+///  - soup     triangles without neighbours that pass through each other
 /// with about that many faces.
 /// \param loop  how often it is subdivided afterwards, each time into four times as many faces
 /// \throws InvalidInput  no such file or kind; the file's mesh needs `clean`, if loop > 0

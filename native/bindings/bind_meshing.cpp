@@ -76,7 +76,9 @@ py::dict report_of(const MeshingReport& r) {
       "planarity_mean"_a = r.planarity_mean, "distance_max"_a = r.distance_max, "crossing"_a = r.crossing,
       "flipped"_a = r.flipped, "bent"_a = r.bent, "intersecting"_a = r.intersecting, "excused"_a = r.excused,
       "excused_at_least"_a = r.excused_at_least, "without_area"_a = r.without_area, "diagonals"_a = r.diagonals,
-      "repair_rounds"_a = r.repair_rounds, "repair_capped"_a = r.repair_capped, "imperfect"_a = imperfections(r));
+      "repair_rounds"_a = r.repair_rounds, "repair_capped"_a = r.repair_capped,
+      "work"_a = py::dict("faces"_a = r.work.faces, "corners"_a = r.work.corners, "polygons"_a = r.work.polygons),
+      "imperfect"_a = imperfections(r));
 }
 
 void bind_result(py::module_& m) {
@@ -101,7 +103,7 @@ polygons, corners, vertices, regions; regions_split (those that became more than
 euler; planarity_max, planarity_mean (weighted by area) and distance_max (of a corner from its vertex), scene units;
 crossing, flipped, bent: polygons that stayed so; intersecting: pairs of polygons that still intersect, excused: such
 pairs whose regions do so in the scan itself (excused_at_least: there are more, counting stopped); without_area: polygons that are a face of the scan without any; diagonals
-that the repair put across regions, repair_rounds, and repair_capped: whether something is left that takes more than options.repair_budget; imperfect: all of these by polygon, of each flaw the first 1,000,
+that the repair put across regions, repair_rounds, and repair_capped: whether something is left that takes more than options.repair_budget; work: how many faces were walked over, corners placed and polygons judged, the same on every machine; imperfect: all of these by polygon, of each flaw the first 1,000,
 a list of dicts with polygon (its index), flaw ("crossing", "no_area", "flipped", "bent", "intersecting" or "excused") and, for
 the last two, other (the polygon it meets; each pair is listed under both; none for a face of the scan without area).)")
       .def(py::pickle([](const PolygonMesh& self) { return state_of(self); }, &polygons_from))

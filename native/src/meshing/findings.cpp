@@ -90,6 +90,7 @@ void Findings::judge(std::span<const std::int32_t> pieces) {
     const std::int32_t l = pieces[i];
     if (was[i] == Was::same || changed[l]) continue;
     changed[l] = true;
+    judged_ += static_cast<std::int64_t>(fresh[i].polygons.size());
     std::unique_ptr<Found>& kept = kept_[l];
     if (!kept) kept = std::make_unique<Found>(std::move(found_[l]));
     set(l, was[i] == Was::kept ? std::move(*kept) : std::move(fresh[i]));

@@ -48,6 +48,8 @@ class Findings {
   /// By piece: whether it has a fault of its own, or meets another and is not excused.
   [[nodiscard]] std::vector<bool> faulty() const;
   [[nodiscard]] const Bounds& bounds() const { return bounds_; }
+  /// How many polygons were judged, each as often as it was.
+  [[nodiscard]] std::int64_t judged() const { return judged_; }
 
  private:
   [[nodiscard]] Source source_of(std::int32_t piece) const;
@@ -67,7 +69,8 @@ class Findings {
   const State& s_;
   const Bounds bounds_;
   const Job& job_;
-  std::vector<Found> found_;                               // by piece
+  std::vector<Found> found_;  // by piece
+  std::int64_t judged_ = 0;
   std::vector<std::uint8_t> faults_;                       // by piece
   Arounds around_;                                         // by piece: its facets' box
   std::vector<Hit> hits_;                                  // in rising order

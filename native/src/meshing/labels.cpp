@@ -41,6 +41,7 @@ std::vector<std::int32_t> Labels::flood(std::int32_t piece) {
   for (std::size_t i = 0; i < faces.size(); ++i)
     for (std::int32_t h = 3 * faces[i], end = h + 3; h < end; ++h)
       if (inner(h) && face_marks.add(mesh.opposite(h) / 3)) faces.push_back(mesh.opposite(h) / 3);
+  walked.fetch_add(static_cast<std::int64_t>(faces.size()), std::memory_order_relaxed);
   return faces;
 }
 

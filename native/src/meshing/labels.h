@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -41,6 +42,7 @@ struct Labels {
   std::vector<Piece> pieces;          ///< by label
   std::vector<std::int32_t> touched;  ///< pieces that were cut or took or gave faces, for whoever keeps up with them
   Marks face_marks, vertex_marks, halfedge_marks;
+  std::atomic<std::int64_t> walked{0};  ///< faces that floods have come to so far
 
   /// Whether h has the same piece on both sides.
   [[nodiscard]] bool inner(std::int32_t h) const {

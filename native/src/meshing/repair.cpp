@@ -417,6 +417,7 @@ class Repairer {
     for (const Hit& h : given.first) add(h);
     outcome_.excused += given.count;
     outcome_.excused_at_least = !given.is_all;
+    outcome_.work = {s_.labels.walked.load(), s_.placed, findings_.judged()};
     const RepairOutcome& o = outcome_;
     outcome_.capped = o.capped && o.crossing + o.flipped + o.bent + o.intersecting > 0;
   }

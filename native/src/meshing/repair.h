@@ -13,7 +13,8 @@ struct RepairOutcome {
   std::int32_t without_area = 0;               ///< polygons that are a face of the scan without area
   std::int32_t splits = 0, diagonals = 0, bends = 0, pulls = 0, rounds = 0;
   std::int32_t taken_back = 0;  ///< polygons that splits and diagonals had made and that were not needed
-  bool capped = false;          ///< something is left, and more splits were wanted than allowed
+  MeshingWork work;
+  bool capped = false;  ///< something is left, and more splits were wanted than allowed
   /// As in MeshingReport, but polygons are numbered as in State and a pair is listed once.
   std::vector<Imperfection> imperfect;
 };

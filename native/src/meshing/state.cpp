@@ -289,6 +289,7 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, std::
   for (const std::int32_t c : moved)
     if (c < static_cast<std::int32_t>(before.size())) corners.position[c] = before[c];
   job_.poll();
+  placed += static_cast<std::int64_t>(moving.size());
   place(polygons, mesh, planes, moving, threads, corners);
   flatten(polygons, mesh, planes, moving, options.flatten, threads, corners);
   for (const std::int32_t c : moved)

@@ -74,6 +74,7 @@ class State {
   const Threads threads;
   const std::int32_t regions;            ///< of the partition
   std::int32_t merged_without_area = 0;  ///< pieces that were given to a neighbour, as they had no area
+  std::int64_t placed = 0;               ///< corners that were placed, each as often as it was
   Labels labels;
   Cutter cutter;
   std::vector<Plane> planes;  ///< by piece

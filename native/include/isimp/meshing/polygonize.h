@@ -45,6 +45,14 @@ struct Imperfection {
   auto operator<=>(const Imperfection&) const = default;
 };
 
+/// What meshing had to do, as counts that are the same on every machine and any number of threads.
+struct MeshingWork {
+  std::int64_t faces = 0;     ///< of the scan that were walked over to find what a piece is
+  std::int64_t corners = 0;   ///< that were placed
+  std::int64_t polygons = 0;  ///< that were judged
+  bool operator==(const MeshingWork&) const = default;
+};
+
 /// What came out, and by how much it is not perfect.
 struct MeshingReport {
   std::int32_t polygons = 0, corners = 0, vertices = 0;
@@ -67,6 +75,7 @@ struct MeshingReport {
       imperfect;               ///< of each flaw the first 1,000, by polygon, in rising order; a pair under both
   std::int32_t diagonals = 0;  ///< edges that repair put across a region
   std::int32_t repair_rounds = 0;
+  MeshingWork work;
   bool repair_capped = false;  ///< something is left that takes more splits than repair_budget allows
   bool operator==(const MeshingReport&) const = default;
 };
