@@ -1,4 +1,4 @@
-"""Scans whose data lie far from zero, as in map coordinates: results lose nothing."""
+"""Scans whose data lie far from zero, as in map coordinates: results lose nothing, and what was lost is said."""
 
 from math import radians
 
@@ -8,6 +8,7 @@ import pytest
 import scans
 from mathutils import Matrix
 
+from isimp.blender import mesh_io, store, text
 from isimp.session import engine
 
 pytestmark = pytest.mark.usefixtures("scene")
@@ -152,3 +153,27 @@ def test_undo_takes_place_and_vertices_back_together():
     for _ in range(3):
         bpy.ops.ed.redo()
     assert seen() == second
+
+
+def test_partition_says_once_what_was_lost(capfd):
+    scan = far_cube()
+    lines = text.lost_detail(scan, bpy.context.scene.unit_settings)
+    assert len(lines) == 1
+    assert "Blender keeps steps of 0.12 m there" in lines[0]
+    said = []
+    for proxies in (6, 8):
+        capfd.readouterr()
+        assert bpy.ops.isimp.partition(proxies=proxies) == {"FINISHED"}
+        said.append(capfd.readouterr().out)
+    assert lines[0] in said[0]
+    assert "Blender keeps steps" not in said[1]
+    assert store.numbers(scan)["regions"] == 8
+
+
+def test_of_a_scan_near_zero_nothing_is_said(capfd):
+    scan = scans.cube()
+    scan.location = (5e5, 4.6e6, 0)
+    bpy.context.view_layer.update()
+    assert mesh_io.lost_detail(scan) is None
+    assert bpy.ops.isimp.partition(proxies=6) == {"FINISHED"}
+    assert "Blender keeps steps" not in capfd.readouterr().out
