@@ -20,6 +20,7 @@ def far_cube(shift=FAR, cells=8):
     """A cube of 64 units whose corners are whole numbers, moved in its data."""
     scan = scans.cube(cells=cells)
     move(scan, 32 * scans.coordinates(scan.data) + shift)
+    bpy.context.view_layer.update()
     return scan
 
 
