@@ -39,7 +39,7 @@ def test_far_from_zero_all_is_drawn_relative_to_a_place_near_it(cube):
     moved = Scan(cube.vertices + far, cube.triangles, cube.triangle_face, cube.face_count)
     recipe, meshing = SIDES.then(LockRegions(faces=(0,))), Mesh()
     near, made = drawn(cube, recipe, meshing), drawn(moved, recipe, meshing)
-    assert near.origin == (0, 0, 0)
+    assert tuple(near.origin) == (0, 0, 0)
     for name in ("borders", "outline", "corners", "surface", "locked"):
         assert getattr(made, name).dtype == np.float32
         placed = getattr(made, name).astype(float) + made.origin - far

@@ -52,11 +52,15 @@ def hover_shown(context):
 
 
 def _key(context, scan):
-    """What a sketch depends on: scan, its state, its shape, how its polygons are made (None where they are not)."""
+    """What a sketch depends on: scan, state, shape and box, how its polygons are made (None where they are not).
+
+    The box tells of a scan that was moved in its data, or exchanged for another one, and got the same recipe.
+    """
     panel, shown = context.window_manager.isimp, runtime.get().live.shown_of(scan)
     meshing = settings.to_step(rcp.Mesh, panel.mesh) if panel.outline or panel.heat else None
     state = mesh_io.state_of(scan) if shown is None else shown.work.recipe
-    return scan.name, state, mesh_io.shape_matrix(scan).tobytes(), meshing
+    shape = mesh_io.shape_matrix(scan).tobytes() + np.array(scan.bound_box).tobytes()
+    return scan.name, state, shape, meshing
 
 
 def _drawing(context, scan):
