@@ -174,11 +174,13 @@ def from_engine(path):
         vertices, triangles = session.engine.read(str(path))
     except session.engine.InvalidInput as error:
         raise Problem(str(error)) from None
+    vertices = np.asarray(vertices, np.float64)
+    place = place_of(vertices)
     mesh = bpy.data.meshes.new(path.stem)
     mesh.vertices.add(len(vertices))
     mesh.loops.add(3 * len(triangles))
     mesh.polygons.add(len(triangles))
-    mesh.vertices.foreach_set("co", np.asarray(vertices, np.float32).ravel())
+    mesh.vertices.foreach_set("co", (vertices - place).astype(np.float32).ravel())
     mesh.loops.foreach_set("vertex_index", np.asarray(triangles, np.int32).ravel())
     mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * len(triangles), 3, dtype=np.int32))
     mesh.polygons.foreach_set("loop_total", np.full(len(triangles), 3, np.int32))
@@ -186,7 +188,17 @@ def from_engine(path):
     mesh.validate()
     scan = bpy.data.objects.new(path.stem, mesh)
     bpy.context.scene.collection.objects.link(scan)
+    scan.location = place
+    bpy.context.view_layer.update()
     return scan
+
+
+def place_of(points):
+    """(3,) where a scan's object is put, so that float32 loses nothing of its points: 0 unless they lie far from it."""
+    finite = points[np.isfinite(points).all(axis=1)]
+    if not len(finite) or of_addon("isimp.afar").loss(finite.min(axis=0), finite.max(axis=0)) is None:
+        return np.zeros(3)
+    return ((finite.min(axis=0) + finite.max(axis=0)) / 2).astype(np.float32).astype(np.float64)
 
 
 def choose(name):
@@ -283,6 +295,8 @@ def write_as(path, options):
     kind, y_up = path.suffix.lower(), options.input.suffix.lower() not in Z_UP
     if kind == ".blend":
         call("wm.save_as_mainfile", filepath=str(path), copy=True)
+    elif kind in EXACT and is_afar(bpy.context.object):
+        EXACT[kind](path, *in_the_world(bpy.context.object, y_up))
     elif kind == ".glb":
         call("export_scene.gltf", filepath=str(path), export_format="GLB", use_selection=True)
     elif kind == ".ply" and not exists("wm.ply_export"):
@@ -296,6 +310,40 @@ def write_as(path, options):
         call(f"wm.{kind[1:]}_export", filepath=str(path), **plain, **axes)
     if not path.is_file():
         raise Problem("Blender made no file")
+
+
+def is_afar(obj):
+    """Whether float32, which Blender's own writers put out, is too coarse for where an object is in the world."""
+    points, _ = in_the_world(obj, y_up=False)
+    return of_addon("isimp.afar").loss(points.min(axis=0), points.max(axis=0)) is not None
+
+
+def in_the_world(obj, y_up):
+    """(V, 3) float64 points of an object in the world, and the corners of each of its faces."""
+    points, place = np.empty(3 * len(obj.data.vertices), np.float32), np.array(obj.matrix_world, np.float64)
+    obj.data.vertices.foreach_get("co", points)
+    points = points.reshape(-1, 3) @ place[:3, :3].T + place[:3, 3]
+    points = points[:, [0, 2, 1]] * (1, 1, -1) if y_up else points
+    turn = -1 if np.linalg.det(place[:3, :3]) < 0 else 1  # a mirrored face is seen from its other side
+    return points, [tuple(face.vertices)[::turn] for face in obj.data.polygons]
+
+
+def write_obj(path, points, faces):
+    lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in points.tolist()]
+    lines += [f"f {' '.join(str(corner + 1) for corner in face)}" for face in faces]
+    path.write_text("\n".join(lines) + "\n")
+
+
+def write_ply(path, points, faces):
+    head = ["ply", "format ascii 1.0", f"element vertex {len(points)}", *(f"property double {axis}" for axis in "xyz")]
+    head += [f"element face {len(faces)}", "property list int int vertex_indices", "end_header"]
+    lines = [f"{x!r} {y!r} {z!r}" for x, y, z in points.tolist()]
+    lines += [" ".join(map(str, (len(face), *face))) for face in faces]
+    path.write_text("\n".join([*head, *lines]) + "\n")
+
+
+#: what writes coordinates as float64
+EXACT = {".obj": write_obj, ".ply": write_ply}
 
 
 def add_row(path, row):

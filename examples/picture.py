@@ -16,6 +16,9 @@ def render(scan, result, path, up="Z", turn=30.0):
     """Writes the picture. up: which axis of Blender's space goes upwards; turn: degrees round it."""
     view = _view(up, turn)
     left, right = _arrays(scan), _arrays(result)
+    middle = left["points"].mean(axis=0)  # far from zero float32 is too coarse for a picture
+    for arrays in (left, right):
+        arrays["points"] -= middle
     size = np.linalg.norm(np.ptp(left["points"], axis=0))
     scene = bpy.data.scenes.new("Picture")
     across = left["points"] @ view[0]

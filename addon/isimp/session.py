@@ -57,6 +57,7 @@ class Outcome:
     border: np.ndarray  #: (K,) those of the scan's `face_edges` where regions meet, or a region and none
     partition: Any
     polygons: Any = None  #: the engine's PolygonMesh after Mesh, else None
+    origin: tuple = (0.0, 0.0, 0.0)  #: near the polygons, exactly; 0 where they lie near zero. See `engine.Mesh.origin`
     numbers: dict = field(default_factory=dict)  #: what the last step did, and what the scan is
     made: Any = None  #: how the engine made the partition; None once it was edited
 
@@ -465,7 +466,7 @@ def _apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end, threads: in
         **{name: report[name] for name in more if name in report},
         "flaws": flaws(report),
     }
-    return replace(regions, polygons=polygons, numbers=numbers)
+    return replace(regions, polygons=polygons, origin=prepared.mesh.origin, numbers=numbers)
 
 
 #: about how long a step takes beside others, and what comes before the first

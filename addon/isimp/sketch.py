@@ -18,7 +18,7 @@ def _points() -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Sketch:
-    """Points in the scan's space, as float32. Lines are pairs of points, triangles are threes."""
+    """Points relative to `origin`, as float32. Lines are pairs of points, triangles are threes."""
 
     #: (2 B, 3) where regions meet
     borders: np.ndarray = field(default_factory=_points)
@@ -36,11 +36,18 @@ class Sketch:
     locked: np.ndarray = field(default_factory=_points)
     #: why there are no polygons; empty if there are
     reason: str = ""
+    #: where the points are relative to, in the scan's space: float32 is coarse far from zero, where map coordinates are
+    origin: tuple = (0.0, 0.0, 0.0)
 
 
-def borders(scan: Scan, border: np.ndarray) -> np.ndarray:
-    """(2 B, 3) float32 some of the edges between faces."""
-    return scan.vertices[scan.face_edges[1][border].ravel()].astype(np.float32)
+def borders(scan: Scan, border: np.ndarray, origin=(0.0, 0.0, 0.0)) -> np.ndarray:
+    """(2 B, 3) float32 some of the edges between faces, relative to a place."""
+    return _relative(scan.vertices[scan.face_edges[1][border].ravel()], origin)
+
+
+def _relative(points: np.ndarray, origin) -> np.ndarray:
+    """(N, 3) float32 points, relative to a place."""
+    return (points - np.asarray(origin, np.float64)).astype(np.float32)
 
 
 def outline(vertices: np.ndarray, loops: np.ndarray, loop_start: np.ndarray) -> np.ndarray:
@@ -76,36 +83,39 @@ def draw(
 ) -> Sketch:
     """The sketch of regions, and of the polygons that the recipe would give; None: no polygons. Raises Stopped."""
     prepared = session.prepare(scan, watch, 0.0, 0.1)  # its scan is the one whose edges are kept
-    lines = borders(prepared.scan, view.border_pairs(face_region, prepared.face_pairs))
-    locked = triangles_of(scan, face_region, session.locked_regions(scan, recipe, watch))
+    origin = prepared.mesh.origin
+    lines = borders(prepared.scan, view.border_pairs(face_region, prepared.face_pairs), origin)
+    locked = triangles_of(scan, face_region, session.locked_regions(scan, recipe, watch), origin)
     if meshing is None:
-        return Sketch(lines, locked=locked)
+        return Sketch(lines, locked=locked, origin=origin)
     try:
         made = session.replay(scan, recipe.then(meshing), watch)
     except StepFailed as error:
-        return Sketch(lines, locked=locked, reason=error.reason)
+        return Sketch(lines, locked=locked, reason=error.reason, origin=origin)
     polygons = made.polygons
-    vertices, loops, start = (np.asarray(a) for a in (polygons.vertices, polygons.loops, polygons.loop_start))
+    vertices = _relative(np.asarray(polygons.vertices), origin)
+    loops, start = np.asarray(polygons.loops), np.asarray(polygons.loop_start)
     triangles, of = session.triangulate(polygons)
     share = heat(np.asarray(polygons.planarity), made.numbers["diagonal"])
     amiss = sorted({polygon for found in made.numbers["flaws"].values() for polygon in found})
     return Sketch(
         lines,
         outline(vertices, loops, start),
-        vertices.astype(np.float32),
-        vertices[triangles.ravel()].astype(np.float32),
+        vertices,
+        vertices[triangles.ravel()],
         heat_colors(np.repeat(share[of], 3)),
-        vertices[edges_of(amiss, loops, start).ravel()].astype(np.float32),
+        vertices[edges_of(amiss, loops, start).ravel()],
         locked,
+        origin=origin,
     )
 
 
-def triangles_of(scan: Scan, face_region: np.ndarray, regions: np.ndarray) -> np.ndarray:
-    """(3 T, 3) float32 the triangles of some regions."""
+def triangles_of(scan: Scan, face_region: np.ndarray, regions: np.ndarray, origin) -> np.ndarray:
+    """(3 T, 3) float32 the triangles of some regions, relative to a place."""
     if not len(regions):
         return _points()
     chosen = np.isin(face_region[scan.triangle_face], regions)
-    return scan.vertices[scan.triangles[chosen].ravel()].astype(np.float32)
+    return _relative(scan.vertices[scan.triangles[chosen].ravel()], origin)
 
 
 def edges_of(chosen: list, loops: np.ndarray, loop_start: np.ndarray) -> np.ndarray:

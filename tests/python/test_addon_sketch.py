@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from isimp import sketch
-from isimp.recipe import AddProxy, Mesh, Partition, Recipe
+from isimp.recipe import AddProxy, LockRegions, Mesh, Partition, Recipe
 from isimp.session import Scan, Session
 from isimp.task import Stopped, Watch
 
@@ -31,6 +31,21 @@ def drawn(cube, recipe=SIDES, meshing=None, label=None):
     session = Session()
     region = session.replay(cube, recipe).face_region if label is None else label
     return sketch.draw(session, cube, region, recipe, meshing, Watch())
+
+
+def test_far_from_zero_all_is_drawn_relative_to_a_place_near_it(cube):
+    """At 2**24 the cube's corners are odd and even numbers, of which float32 has the even ones alone."""
+    far = np.array([2.0**24 + 1, 0, -(2.0**24) + 1])
+    moved = Scan(cube.vertices + far, cube.triangles, cube.triangle_face, cube.face_count)
+    recipe, meshing = SIDES.then(LockRegions(faces=(0,))), Mesh()
+    near, made = drawn(cube, recipe, meshing), drawn(moved, recipe, meshing)
+    assert tuple(near.origin) == (0, 0, 0)
+    for name in ("borders", "outline", "corners", "surface", "locked"):
+        assert getattr(made, name).dtype == np.float32
+        placed = getattr(made, name).astype(float) + made.origin - far
+        assert len(placed)
+        assert set(map(tuple, placed.round(6))) == set(map(tuple, getattr(near, name).astype(float).round(6)))
+    assert drawn(moved).origin == made.origin
 
 
 def segments(points):

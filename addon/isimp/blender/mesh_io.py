@@ -6,7 +6,7 @@ import bmesh
 import bpy
 import numpy as np
 
-from .. import view
+from .. import afar, view
 from ..session import Scan
 from . import raw, runtime
 
@@ -37,6 +37,13 @@ def shape_matrix(obj) -> np.ndarray:
     shape = axes @ np.diag(scale) @ axes.T
     digits = 10.0 ** (np.floor(np.log10(scale.max())) - 5)  # rounding error of the transform must not change the result
     return np.round(shape / digits) * digits
+
+
+def lost_detail(obj) -> afar.Loss | None:
+    """What float32 has lost of an object far from its own zero, lengths as seen; None if nothing to speak of."""
+    box = np.array(obj.bound_box, np.float64)
+    scale = np.linalg.norm(np.array(obj.matrix_world, np.float64)[:3, :3], axis=0)
+    return afar.loss(box.min(axis=0), box.max(axis=0), scale)
 
 
 def place_matrix(obj) -> np.ndarray:

@@ -125,6 +125,10 @@ class RecipeOperator:
         """What else is missing for this operator; empty if nothing is."""
         return ""
 
+    def warnings(self, context, scan, before: dict) -> list:
+        """What its user has to know of the scan besides. before: what there was to say of the regions before."""
+        return []
+
     def execute(self, context):
         work = self._begin(context)
         if work is None:
@@ -253,6 +257,8 @@ class RecipeOperator:
         self.show(context, obj, work, outcome)
         pending.follow(context)
         self.report({"INFO"}, self.told(before, outcome.numbers))
+        for warning in self.warnings(context, obj, before):
+            self.report({"WARNING"}, warning)
         return {"FINISHED"}
 
     def _target(self, work):

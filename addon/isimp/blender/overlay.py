@@ -4,6 +4,7 @@ What to draw is computed on a thread (see sketch.py) once for each state of a sc
 arrays to the graphics card, and never changes anything of the file.
 """
 
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -51,11 +52,15 @@ def hover_shown(context):
 
 
 def _key(context, scan):
-    """What a sketch depends on: scan, its state, its shape, how its polygons are made (None where they are not)."""
+    """What a sketch depends on: scan, state, shape and box, how its polygons are made (None where they are not).
+
+    The box tells of a scan that was moved in its data, or exchanged for another one, and got the same recipe.
+    """
     panel, shown = context.window_manager.isimp, runtime.get().live.shown_of(scan)
     meshing = settings.to_step(rcp.Mesh, panel.mesh) if panel.outline or panel.heat else None
     state = mesh_io.state_of(scan) if shown is None else shown.work.recipe
-    return scan.name, state, mesh_io.shape_matrix(scan).tobytes(), meshing
+    shape = mesh_io.shape_matrix(scan).tobytes() + np.array(scan.bound_box).tobytes()
+    return scan.name, state, shape, meshing
 
 
 def _drawing(context, scan):
@@ -186,7 +191,8 @@ def _draw():
 def _draw_lines_over(context, space, scan, shown) -> None:
     wish, drawing = preferences.get(context), _drawing(context, scan)
     if drawing is not None:
-        _draw_sketch(context, space, drawing)
+        with space.at(drawing.sketch.origin):
+            _draw_sketch(context, space, drawing)
     elif shown is not None and len(shown.work.borders):
         shown.draw_borders(_line_shader(wish.border_color, wish.line_width))
 
@@ -251,6 +257,16 @@ class _Over:
         depth = projection[2][3] / self.away**2 if self.is_perspective else projection[2][2]
         projection[2] = projection[2] - abs(depth) * share * self.size * projection[3]
         gpu.matrix.load_projection_matrix(projection)
+
+    @contextmanager
+    def at(self, origin):
+        """What is drawn meanwhile is relative to a place in the scan's space."""
+        gpu.matrix.push()
+        gpu.matrix.translate(origin)
+        try:
+            yield
+        finally:
+            gpu.matrix.pop()
 
     def __enter__(self):
         gpu.state.depth_test_set("LESS_EQUAL")

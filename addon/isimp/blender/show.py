@@ -107,19 +107,26 @@ def _new_result(context, scan):
 
 
 def _fill(result, scan, outcome) -> None:
-    """Puts the polygons where the scan is: in its own space, or in the world's if its transform is sheared."""
+    """Puts the polygons where the scan is: in its own space, or in the world's if its transform is sheared.
+
+    Those of a scan far from its own zero are put relative to the outcome's origin, and the result's place has the rest.
+    """
     polygons = outcome.polygons
-    vertices = np.asarray(polygons.vertices) @ np.linalg.inv(mesh_io.shape_matrix(scan))
     loops, start = np.array(polygons.loops), np.array(polygons.loop_start)
-    place = scan.matrix_world
-    matrix = np.array(place, np.float64)[:3, :3]
-    unsheared = np.array(Matrix.LocRotScale(*place.decompose()), np.float64)[:3, :3]
+    unshaped, place = np.linalg.inv(mesh_io.shape_matrix(scan)), np.array(scan.matrix_world, np.float64)
+    vertices = (np.asarray(polygons.vertices) - outcome.origin) @ unshaped
+    matrix = place[:3, :3].copy()
+    place[:3, 3] += matrix @ (outcome.origin @ unshaped)
+    unsheared = np.array(Matrix.LocRotScale(*scan.matrix_world.decompose()), np.float64)[:3, :3]
     if not np.allclose(unsheared, matrix, rtol=0, atol=1e-5 * np.abs(matrix).max()):
-        place = Matrix.Translation(place.translation)
+        place[:3, :3] = np.eye(3)
         vertices = vertices @ matrix.T
         if np.linalg.det(matrix) < 0:
             loops = _turned(loops, start)
-    result.matrix_world = place
+    result.matrix_world = Matrix(place.tolist())
+    # Blender rounds a place to float32. What that takes away of a far one goes to the vertices.
+    rounded = place[:3, 3] - place[:3, 3].astype(np.float32)
+    vertices += np.linalg.solve(place[:3, :3], rounded)
     amiss = np.zeros(len(start), np.int32)
     for found in outcome.numbers["flaws"].values():
         amiss[found] = 1

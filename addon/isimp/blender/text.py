@@ -4,6 +4,9 @@ import textwrap
 
 import bpy
 
+from .. import afar
+from . import mesh_io
+
 _STAY = "\N{NO-BREAK SPACE}"
 
 
@@ -53,6 +56,12 @@ _FAULTS = {
     "subdivided_edges": "split edge",
     "turned_edges": "flat face",
 }  # vertices that no face uses are none
+
+
+def lost_detail(scan, unit) -> list:
+    """That Blender's coordinates are too coarse where a scan lies, if they are. unit: the scene's settings."""
+    lost = mesh_io.lost_detail(scan)
+    return [] if lost is None else [afar.told(lost, unit.system, unit.scale_length)]
 
 
 def warnings(mesh, numbers: dict) -> list:

@@ -100,6 +100,64 @@ def test_meshes_keep_the_axes_of_what_was_read(kind, tmp_path):
     assert sorted(len(line.split()) - 1 for line in faces) == [4] * 6
 
 
+UTM = np.array([5e5, 4.6e6, 100.0])
+
+
+def test_map_coordinates_come_out_where_they_were(tmp_path, capfd):
+    """A cube of two metres, where float32 has steps of half a metre."""
+    cube = scans.cube(cells=5)
+    faces = [tuple(face.vertices) for face in cube.data.polygons]
+    write_text(".off", tmp_path / "cube.off", scans.world(cube) + UTM, faces)
+    outputs = [tmp_path / name for name in ("out.obj", "out.ply", "out.glb", "out.blend")]
+    assert run(tmp_path / "cube.off", *outputs, "--proxies", 6) == 0
+    assert "Blender keeps steps" not in capfd.readouterr().out
+    wanted = [*(UTM - 1), *(UTM + 1)]
+    for path in outputs[:2]:
+        points, triangles = batch.of_addon("isimp.session").engine.read(str(path))
+        assert corners(points) == pytest.approx(wanted, abs=1e-6, rel=0)
+        assert len(triangles) == 12
+        a, b, c = (points[triangles[:, k]] - UTM for k in range(3))
+        assert np.einsum("ij,ij->", a, np.cross(b, c)) / 6 == pytest.approx(8, rel=1e-4)  # it is turned outwards
+    assert sorted(len(line.split()) for line in outputs[0].read_text().splitlines() if line[0] == "f") == [5] * 6
+    head = outputs[2].read_bytes()
+    scene = json.loads(head[20 : 20 + int.from_bytes(head[12:16], "little")])
+    (node,), (low,) = scene["nodes"], [each["min"] for each in scene["accessors"] if "min" in each]
+    assert np.add(node["translation"], low) == pytest.approx([UTM[0] - 1, UTM[2] - 1, -UTM[1] - 1], abs=1e-5, rel=0)
+    bpy.ops.wm.open_mainfile(filepath=str(outputs[3]))
+    assert corners(scans.world(bpy.context.view_layer.objects.active)) == pytest.approx(wanted, abs=1e-5, rel=0)
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_what_blender_holds_far_from_zero_keeps_its_axes_and_sides(mirrored, tmp_path):
+    scan = scans.cube(cells=4)
+    points = 32 * scans.coordinates(scan.data) + (2.0**20, 0, 0)
+    scan.data.vertices.foreach_set("co", points.astype(np.float32).ravel())
+    scan.scale.x = -1 if mirrored else 1
+    scan.location.z = 8
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "cube.blend"))
+    assert run(tmp_path / "cube.blend", tmp_path / "out.obj", "--proxies", 6) == 0
+    x = -(2.0**20) if mirrored else 2.0**20
+    points, triangles = batch.of_addon("isimp.session").engine.read(str(tmp_path / "out.obj"))
+    assert corners(points) == pytest.approx([x - 32, -24, -32, x + 32, 40, 32], abs=1e-4, rel=0)
+    a, b, c = (points[triangles[:, k]] - points.mean(axis=0) for k in range(3))
+    assert np.einsum("ij,ij->", a, np.cross(b, c)) / 6 == pytest.approx(64**3, rel=1e-4)
+
+
+def test_a_picture_of_a_scan_far_away_shows_it(tmp_path):
+    scan = scans.cube(cells=5)
+    faces = [tuple(face.vertices) for face in scan.data.polygons]
+    pictures = []
+    for name, shift in (("near", 0), ("far", UTM)):
+        write_text(".off", tmp_path / f"{name}.off", scans.world(scan) + shift, faces)
+    for name in ("near", "far"):
+        files = (tmp_path / f"{name}.off", tmp_path / f"{name}.obj")
+        assert run(*files, "--proxies", 6, "--picture", tmp_path / f"{name}.png") == 0
+        image = bpy.data.images.load(str(tmp_path / f"{name}.png"))
+        pictures.append(np.array(image.pixels[:]).reshape(image.size[1], image.size[0], 4))
+    assert pictures[0].shape == pictures[1].shape
+    assert np.abs(pictures[0] - pictures[1]).mean() < 0.01
+
+
 RECIPE = {"isimp_recipe": 1, "steps": [{"step": "partition", "proxies": 6}, {"step": "add_proxy", "face": 3}]}
 
 

@@ -4,7 +4,7 @@ import bpy
 from bpy.props import BoolProperty
 
 from ... import recipe as rcp
-from .. import mesh_io, settings, store, targets
+from .. import mesh_io, settings, store, targets, text
 from ..modal import RecipeOperator
 from ..show import show_regions
 
@@ -40,6 +40,9 @@ class ISIMP_OT_partition(RecipeOperator, settings.PartitionSettings, bpy.types.O
         return before.then(step)  # which keeps what led to locked regions
 
     show = staticmethod(show_regions)
+
+    def warnings(self, context, scan, before):
+        return [] if before else text.lost_detail(scan, context.scene.unit_settings)  # once is enough
 
     def told(self, before, numbers):
         more = numbers["regions"] - numbers["asked"]

@@ -24,7 +24,8 @@ class ISIMP_PT_main(Panel, bpy.types.Panel):
         column = layout.column(align=True)
         column.label(text=scan.name, icon="MESH_DATA")
         draw_lines(context, column, text.scan_line(scan.data, numbers), icon="BLANK1")
-        for warning in text.warnings(scan.data, numbers):
+        lost = text.lost_detail(scan, context.scene.unit_settings)
+        for warning in (*lost, *text.warnings(scan.data, numbers)):
             draw_lines(context, layout, warning, icon="ERROR")
         for note in targets.notes(scan):
             draw_lines(context, layout, note, icon="INFO")
