@@ -26,8 +26,8 @@ inline py::object pack(double value) { return py::float_(value); }
 inline py::object pack(std::int32_t value) { return py::int_(value); }
 inline py::object pack(std::int64_t value) { return py::int_(value); }
 
-template <class T>
-requires kPlain<T> py::object pack(const std::vector<T>& items) {
+template <class T, class Allocator>
+requires kPlain<T> py::object pack(const std::vector<T, Allocator>& items) {
   return py::bytes(reinterpret_cast<const char*>(items.data()), items.size() * sizeof(T));
 }
 
@@ -44,9 +44,9 @@ template <class T>
 requires std::is_arithmetic_v<T>
 void unpack(py::handle packed, T& value) { value = packed.cast<T>(); }
 
-template <class T>
+template <class T, class Allocator>
 requires kPlain<T>
-void unpack(py::handle packed, std::vector<T>& items) {
+void unpack(py::handle packed, std::vector<T, Allocator>& items) {
   const auto bytes = packed.cast<std::string_view>();
   if (!PyBytes_Check(packed.ptr()) || bytes.size() % sizeof(T) != 0) refuse_pickle();
   items.resize(bytes.size() / sizeof(T));

@@ -14,7 +14,8 @@ void check(bool fits) {
   if (!fits) refuse_pickle();
 }
 
-bool all_in(const std::vector<std::int32_t>& items, std::int32_t low, std::size_t end) {
+template <class Integers>
+bool all_in(const Integers& items, std::int32_t low, std::size_t end) {
   return std::all_of(items.begin(), items.end(),
                      [&](std::int32_t i) { return i >= low && i < static_cast<std::int64_t>(end); });
 }
@@ -64,21 +65,25 @@ std::shared_ptr<const GuidedGraph> unpack_guided(const py::object& packed, std::
 py::tuple pack_report(const MeshingReport& report) {
   const auto& [polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
                closed_regions, repair, merged, closed, manifold, euler, planarity_max, planarity_mean, distance_max,
-               crossing, flipped, bent, intersecting, excused, without_area, imperfect, diagonals, rounds, capped] =
-      report;
+               crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect, diagonals,
+               rounds, work, capped] = report;
+  const auto& [work_faces, work_corners, work_polygons] = work;
   return pack_all(polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
                   closed_regions, repair, merged, closed, manifold, euler, planarity_max, planarity_mean, distance_max,
-                  crossing, flipped, bent, intersecting, excused, without_area, imperfect, diagonals, rounds, capped);
+                  crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect, diagonals,
+                  rounds, work_faces, work_corners, work_polygons, capped);
 }
 
 MeshingReport unpack_report(const py::tuple& packed) {
   MeshingReport report;
   auto& [polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches, closed_regions,
          repair, merged, closed, manifold, euler, planarity_max, planarity_mean, distance_max, crossing, flipped, bent,
-         intersecting, excused, without_area, imperfect, diagonals, rounds, capped] = report;
+         intersecting, excused, excused_at_least, without_area, imperfect, diagonals, rounds, work, capped] = report;
+  auto& [work_faces, work_corners, work_polygons] = work;
   unpack_all(packed, polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
              closed_regions, repair, merged, closed, manifold, euler, planarity_max, planarity_mean, distance_max,
-             crossing, flipped, bent, intersecting, excused, without_area, imperfect, diagonals, rounds, capped);
+             crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect, diagonals,
+             rounds, work_faces, work_corners, work_polygons, capped);
   for (const Imperfection& i : imperfect) check(i.flaw <= Flaw::excused);
   return report;
 }
@@ -87,7 +92,8 @@ MeshingReport unpack_report(const py::tuple& packed) {
 
 py::tuple state_of(const KeptMesh& mesh) {
   const auto items = [](const auto span) { return pack(std::vector(span.begin(), span.end())); };
-  return py::make_tuple(items(mesh.vertices()), items(mesh.triangles()), items(mesh.source_face()),
+  // In the caller's coordinates: the mesh that is made of them is shifted as this one was.
+  return py::make_tuple(items(mesh.placed_vertices()), items(mesh.triangles()), items(mesh.source_face()),
                         items(mesh.source_vertex()), pack_repairs(mesh.report().repairs));
 }
 
@@ -95,13 +101,13 @@ std::shared_ptr<KeptMesh> mesh_from(const py::tuple& state) {
   check(state.size() == 5);
   std::vector<Vec3> vertices;
   std::vector<Triangle> triangles;
-  std::vector<std::int32_t> source_face, source_vertex;
+  Array<std::int32_t> source_face, source_vertex;
   unpack_all(py::make_tuple(state[0], state[1], state[2], state[3]), vertices, triangles, source_face, source_vertex);
   check(source_face.size() == triangles.size() && source_vertex.size() == vertices.size());
   RepairReport repairs = unpack_repairs(state[4].cast<py::tuple>());
   return call(nullptr, [&](Job& job) {
     return std::make_shared<KeptMesh>(Mesh(std::move(vertices), std::move(triangles), std::move(source_face),
-                                           std::move(source_vertex), std::move(repairs), job));
+                                           std::move(source_vertex), std::move(repairs), Threads(0), job));
   });
 }
 

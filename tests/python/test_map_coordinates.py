@@ -1,5 +1,7 @@
 """Scans far from zero, as in map coordinates: what comes in comes out where it was, without loss."""
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -80,3 +82,12 @@ def test_edits_and_lines_take_map_coordinates():
     line = [offset + [middle[0], low[1], 0], offset + [middle[0], high[1], 0]]
     two = engine.split_along(mesh, one, 0, line, direction=(0, 0, 1))
     assert np.bincount(two.face_region).tolist() == [len(triangles) / 2] * 2
+
+
+def test_a_pickled_mesh_stays_where_it_was():
+    offset = np.array(OFFSETS["UTM"])
+    vertices, triangles = house(5)
+    mesh = engine.clean(vertices + offset, triangles)
+    again = pickle.loads(pickle.dumps(mesh))  # noqa: S301
+    assert again.origin == mesh.origin
+    assert (again.vertices == mesh.vertices).all()
