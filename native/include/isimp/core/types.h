@@ -9,10 +9,14 @@ namespace isimp {
 using Vec3 = Eigen::Vector3d;
 using Triangle = std::array<std::int32_t, 3>;  ///< three vertex indices, counter-clockwise seen from outside
 
-/// The place as float32 holds it. Coordinate by coordinate: where g++ 12 vectorises p.cast<float>().cast<double>(),
-/// some coordinates keep their double precision.
+/// The place as float32 holds it. By way of `volatile`, since g++ 12 at -O3 takes casts of several doubles to float and
+/// back for nothing where it vectorises them.
 inline Vec3 rounded_to_float(const Vec3& p) {
-  return {static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())};
+  const auto rounded = [](double x) {
+    const volatile auto narrow = static_cast<float>(x);
+    return static_cast<double>(narrow);
+  };
+  return {rounded(p.x()), rounded(p.y()), rounded(p.z())};
 }
 
 /// What stands for "none" where an index is expected: no neighbour, no region.
