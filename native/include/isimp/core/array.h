@@ -12,7 +12,7 @@ template <class T>
 struct Unset : std::allocator<T> {
   static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
   template <class U>
-  struct rebind {  // NOLINT(readability-identifier-naming): the standard names it
+  struct rebind {            // NOLINT(readability-identifier-naming): the standard names it
     using other = Unset<U>;  // NOLINT(readability-identifier-naming)
   };
   template <class U>
