@@ -119,7 +119,8 @@ void report_repair(const RepairOutcome& outcome, std::span<const std::int32_t> p
   std::vector<Imperfection> list;  // with each pair under its first polygon
   list.reserve(outcome.imperfect.size());
   for (const auto& [polygon, flaw, other] : outcome.imperfect) {
-    Imperfection& i = list.emplace_back(place[polygon], flaw, other == kNone ? kNone : place[other]);
+    list.push_back({place[polygon], flaw, other == kNone ? kNone : place[other]});
+    Imperfection& i = list.back();
     if (i.other != kNone && i.other < i.polygon) std::swap(i.polygon, i.other);
   }
   std::sort(list.begin(), list.end());
