@@ -80,7 +80,7 @@ def test_edits_and_lines_take_map_coordinates():
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     middle = (low + high) / 2
     line = [offset + [middle[0], low[1], 0], offset + [middle[0], high[1], 0]]
-    two = engine.split_along(mesh, one, 0, line, direction=(0, 0, 1))
+    two = engine.split_along(mesh, one, 0, line, direction=(0.0, 0.0, 1.0))
     assert np.bincount(two.face_region).tolist() == [len(triangles) / 2] * 2
 
 
