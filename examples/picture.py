@@ -58,7 +58,7 @@ def _view(up, turn):
 
 def _arrays(obj):
     """Points in the world, corners, faces and edges of an object's own mesh, and its regions."""
-    mesh, matrix = obj.data, np.array(obj.matrix_world)
+    mesh, matrix = obj.data, np.array(obj.matrix_world, np.float64)  # Blender 5 gives float32 otherwise
     points = np.empty(3 * len(mesh.vertices), np.float32)
     mesh.vertices.foreach_get("co", points)
     arrays = {"points": points.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3]}
@@ -128,9 +128,9 @@ def _surface(name, arrays, face_color, corner_normal, view, shift):
 def _tubes(name, points, edges, radius, shift):
     """Thin closed prisms along the edges."""
     a, b = points[edges[:, 0]] + shift, points[edges[:, 1]] + shift
-    along = b - a
-    length = np.linalg.norm(along, axis=1, keepdims=True)
-    along = along / np.maximum(length, 1e-30)
+    length = np.linalg.norm(b - a, axis=1)
+    a, b, length = a[length > 0], b[length > 0], length[length > 0, None]  # the others have no direction
+    along = (b - a) / length
     across = np.cross(along, np.where(np.abs(along[:, :1]) < 0.7, [[1.0, 0, 0]], [[0, 1.0, 0]]))
     across /= np.linalg.norm(across, axis=1, keepdims=True)
     other = np.cross(along, across)
@@ -140,8 +140,8 @@ def _tubes(name, points, edges, radius, shift):
     vertices = np.concatenate([ring + a - over, ring + b + over]).transpose(1, 0, 2).reshape(-1, 3)
     k = np.arange(SIDES)
     sides = np.stack([k, (k + 1) % SIDES, (k + 1) % SIDES + SIDES, k + SIDES], axis=1)
-    corners = (sides[None] + 2 * SIDES * np.arange(len(edges))[:, None, None]).ravel()
-    count = SIDES * len(edges)
+    corners = (sides[None] + 2 * SIDES * np.arange(len(a))[:, None, None]).ravel()
+    count = SIDES * len(a)
     color = np.tile(np.array(LINE, np.float32), (4 * count, 1))
     return _object(name, vertices, corners, 4 * np.arange(count), np.full(count, 4), color)
 

@@ -60,7 +60,7 @@ def coordinates(mesh):
 
 
 def world(obj):
-    matrix = np.array(obj.matrix_world)
+    matrix = np.array(obj.matrix_world, np.float64)
     return coordinates(obj.data) @ matrix[:3, :3].T + matrix[:3, 3]
 
 
