@@ -111,7 +111,7 @@ stage_tsan() { # what threads share, under the thread sanitizer; OpenMP's own th
   local tests=(test_threads test_mesh_threads test_partition_steps test_bound test_meshing_threads) test
   ninja -C build-tsan -j2 "${tests[@]}"
   for test in "${tests[@]}"; do
-    TSAN_OPTIONS=halt_on_error=1 timeout 300 "build-tsan/tests/cpp/$test" --gtest_filter='*Thread*' \
+    TSAN_OPTIONS=halt_on_error=1 timeout 600 "build-tsan/tests/cpp/$test" --gtest_filter='*Thread*' \
       --gtest_output=xml:"$results/$test.xml"
   done
 }
