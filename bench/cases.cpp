@@ -1,6 +1,8 @@
 #include "cases.h"
 
 #include <algorithm>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <random>
 #include <utility>
@@ -11,16 +13,15 @@
 #include "isimp/mesh/clean.h"
 #include "isimp/mesh/io.h"
 #include "isimp/meshing/polygonize.h"
-#include "isimp/partition/detail_tree.h"
-#include "isimp/partition/hierarchy.h"
-#include "isimp/partition/partition.h"
+#include "isimp/simplify/partitioner.h"
 
 namespace isimp::bench {
 namespace {
 
 using SetupPtr = std::shared_ptr<const Setup>;
 
-constexpr std::size_t kScored = 20;  // of the edits, how many are judged: judging takes longer than editing
+constexpr double kFinestDetail = 0.00125;  // the finest that needs no finer patches than the default detail
+constexpr std::size_t kScored = 20;        // of the edits, how many are judged: judging takes longer than editing
 
 PartitionOptions options_of(const Setup& setup, int round, Method method, std::int32_t threads) {
   PartitionOptions options;
@@ -80,50 +81,43 @@ Case partition_case(const SetupPtr& setup, const std::string& name, Method metho
   return {name, run, setup->inner};
 }
 
-/// A smaller number of regions from a hierarchy that is kept, as by someone who moves a slider. (A larger one may want
-/// smaller patches, and then pays for them once.)
-Case new_count_case(const SetupPtr& setup, const std::string& name, std::int32_t threads) {
-  const auto kept = std::make_shared<std::optional<Hierarchy>>();
-  const auto run = [setup, kept, threads](int round) {
+/// Another number of regions from a Partitioner that has made some before, as by someone who moves a slider.
+Case kept_case(const SetupPtr& setup, const std::string& name, const PartitionOptions& first,
+               const std::function<PartitionOptions(int)>& next) {
+  const auto partitioner = std::make_shared<Partitioner>(*setup->mesh);
+  const auto warm = std::make_shared<bool>(false);
+  const auto run = [=](int round) {
     Job job;
-    if (!*kept) *kept = build_hierarchy(*setup->mesh, setup->proxies, job);
-    PartitionOptions options = options_of(*setup, round, Method::hierarchy, threads);
-    options.proxies = std::max(setup->proxies - setup->proxies / 5 - round, 1);
+    if (!std::exchange(*warm, true)) (void)partitioner->run(first, {}, job);
+    const PartitionOptions options = next(round);
     Partition result;
-    const Lap lap = timed([&] { result = partition(*setup->mesh, **kept, options, job); });
-    Sample sample = sample_of(*setup, lap, result);
-    sample.facts["kept"] = (*kept)->serves(*setup->mesh, *options.proxies);
-    return sample;
+    const Lap lap = timed([&] { result = partitioner->run(options, {}, job); });
+    return sample_of(*setup, lap, result);
   };
   return {name, run, setup->inner};
 }
 
-/// Another detail from a tree that is kept, as by someone who moves the slider of the panel.
+/// A smaller number. (A larger one may want smaller patches, and then pays for them once.)
+Case new_count_case(const SetupPtr& setup, const std::string& name, std::int32_t threads) {
+  const auto next = [setup, threads](int round) {
+    PartitionOptions options = options_of(*setup, round, Method::hierarchy, threads);
+    options.proxies = std::max(setup->proxies - setup->proxies / 5 - round, 1);
+    return options;
+  };
+  return kept_case(setup, name, options_of(*setup, 0, Method::hierarchy, threads), next);
+}
+
+/// Another detail, as by the slider of the panel.
 Case new_detail_case(const SetupPtr& setup, const std::string& name, double detail, double adaptivity,
                      std::int32_t threads) {
-  struct Kept {
-    Surface surface;
-    DetailTree tree;
-  };
-  const auto kept = std::make_shared<std::optional<Kept>>();
-  const auto run = [setup, kept, detail, adaptivity, threads](int round) {
-    Job job;
+  const auto next = [=](int round) {
     PartitionOptions options = options_of(*setup, round, Method::hierarchy, threads);
     options.proxies = std::nullopt;
     options.detail = detail * (1 + 0.01 * round);
     options.adaptivity = adaptivity;
-    if (!*kept) {
-      const Surface surface = adaptivity > 0 ? adapted(*setup->mesh, options, job) : Surface(*setup->mesh);
-      kept->emplace(Kept{surface, DetailTree(surface, *detail_settings(surface, options), job)});
-    }
-    Partition result;
-    const Lap lap = timed([&] {
-      result = partition((*kept)->surface, (*kept)->tree, options, job);
-      if (adaptivity > 0) result = restated(*setup->mesh, std::move(result), options, job);
-    });
-    return sample_of(*setup, lap, result);
+    return options;
   };
-  return {name, run, setup->inner};
+  return kept_case(setup, name, next(0), next);
 }
 
 /// Few regions within a share of the diagonal of their planes.

@@ -5,7 +5,7 @@
 #include "cases.h"
 #include "isimp/mesh/io.h"
 #include "isimp/meshing/polygonize.h"
-#include "isimp/partition/partition.h"
+#include "isimp/simplify/partitioner.h"
 
 namespace isimp::bench {
 namespace {

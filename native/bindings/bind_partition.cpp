@@ -7,7 +7,6 @@
 #include "bindings.h"
 #include "call.h"
 #include "isimp/core/errors.h"
-#include "isimp/partition/inherited.h"
 #include "isimp/partition/partition.h"
 #include "kept_mesh.h"
 #include "options.h"
@@ -178,7 +177,7 @@ void bind_partition(py::module_& m) {
       [](const KeptMesh& mesh, PartitionOptions options, Job* job, const std::optional<py::object>& weights,
          const std::optional<py::object>& barriers) {
         Guides guides = read_guides(weights, barriers);
-        return call(job, [&](Job& j) { return mesh.split(options, std::move(guides), j); });
+        return call(job, [&](Job& j) { return mesh.partitioner().run(options, std::move(guides), j); });
       },
       "mesh"_a, "options"_a = PartitionOptions(), "job"_a = py::none(), "weights"_a = py::none(),
       "barriers"_a = py::none(),

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "isimp/core/errors.h"
-#include "isimp/partition/partition.h"
+#include "isimp/simplify/partitioner.h"
 
 namespace isimp::checks {
 

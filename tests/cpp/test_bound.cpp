@@ -4,9 +4,9 @@
 #include <cmath>
 #include <vector>
 
-#include "isimp/partition/adaptivity.h"
-#include "isimp/partition/bound.h"
-#include "isimp/partition/partition.h"
+#include "bound/bound.h"
+#include "density/adaptivity.h"
+#include "isimp/simplify/partitioner.h"
 #include "partition_checks.h"
 #include "shapes.h"
 

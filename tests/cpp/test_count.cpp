@@ -3,9 +3,9 @@
 #include <functional>
 #include <set>
 
-#include "isimp/partition/count.h"
-#include "isimp/partition/detail_tree.h"
-#include "isimp/partition/noise.h"
+#include "density/noise.h"
+#include "hierarchy/choose_cut.h"
+#include "hierarchy/detail_tree.h"
 #include "shapes.h"
 
 namespace isimp {

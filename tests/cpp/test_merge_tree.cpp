@@ -4,8 +4,8 @@
 #include <map>
 #include <set>
 
+#include "hierarchy/dendrogram.h"
 #include "isimp/core/errors.h"
-#include "isimp/partition/merge_tree.h"
 #include "shapes.h"
 
 namespace isimp {

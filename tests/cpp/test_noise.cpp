@@ -2,8 +2,8 @@
 
 #include <Eigen/Geometry>
 
-#include "isimp/partition/noise.h"
-#include "isimp/partition/normal_filter.h"
+#include "density/noise.h"
+#include "density/normal_filter.h"
 #include "shapes.h"
 
 namespace isimp {

@@ -6,8 +6,9 @@
 #include <set>
 
 #include "isimp/parallel/backend.h"
-#include "isimp/partition/parallel_lloyd.h"
-#include "isimp/partition/seeding.h"
+#include "lloyd/parallel_lloyd.h"
+#include "lloyd/seeding.h"
+#include "methods.h"
 #include "partition_checks.h"
 #include "shapes.h"
 
@@ -297,9 +298,22 @@ TEST(ParallelLloyd, AKeptFlooderGivesTheSame) {
   const auto flooder = load(mesh, "cpu");
   for (const std::int32_t proxies : {30, 80, 30})
     for (const PartitionOptions& options : variants({.proxies = proxies})) {
-      const Partition kept = partition(mesh, Hierarchy{}, options, job, flooder.get());
-      EXPECT_EQ(kept.face_region, run(mesh, options).face_region);
+      const Partition kept = by_number(mesh, Hierarchy{}, flooder.get(), options, job);
+      const Partition fresh = run(mesh, options);
+      EXPECT_EQ(kept.face_region, fresh.face_region);
+      EXPECT_EQ(kept.history, fresh.history);
     }
+}
+
+TEST(ParallelLloyd, QueuedMakesTheSameRoundsOnAFlooderThatNaiveHasPlaced) {
+  const Mesh mesh = shapes::mesh(shapes::plane(8));  // flat, so that it converges, and one round more shows
+  Job job;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const auto flooder = load(mesh, "cpu");
+    (void)by_number(mesh, Hierarchy{}, flooder.get(), {.proxies = 20, .method = Method::naive}, job);
+    const PartitionOptions queued{.proxies = 20, .seed = seed, .method = Method::queued};
+    EXPECT_EQ(by_number(mesh, Hierarchy{}, flooder.get(), queued, job).history, run(mesh, queued).history);
+  }
 }
 
 TEST(ParallelLloyd, OptionsOutOfRangeAreNamedAndACancelStopsIt) {

@@ -4,7 +4,7 @@
 #include <numeric>
 #include <set>
 
-#include "isimp/partition/partition.h"
+#include "isimp/simplify/partitioner.h"
 #include "partition_checks.h"
 #include "shapes.h"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "isimp/partition/partition.h"
+#include "isimp/simplify/partitioner.h"
 #include "partition_checks.h"
 #include "shapes.h"
 

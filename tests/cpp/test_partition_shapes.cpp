@@ -10,7 +10,7 @@
 #include <set>
 #include <tuple>
 
-#include "isimp/partition/partition.h"
+#include "isimp/simplify/partitioner.h"
 #include "partition_checks.h"
 #include "shapes.h"
 

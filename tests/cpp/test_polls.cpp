@@ -10,12 +10,12 @@
 #include <utility>
 #include <vector>
 
+#include "hierarchy/hierarchy.h"
 #include "isimp/core/errors.h"
 #include "isimp/interact/interact.h"
 #include "isimp/mesh/clean.h"
 #include "isimp/meshing/polygonize.h"
-#include "isimp/partition/hierarchy.h"
-#include "isimp/partition/partition.h"
+#include "isimp/simplify/partitioner.h"
 #include "shapes.h"
 
 namespace isimp {

@@ -14,16 +14,16 @@ import isimp_engine
 ROOT = Path(__file__).resolve().parents[2]
 NATIVE = ROOT / "native"
 ADDON = ROOT / "addon" / "isimp"
-ORDER = ["core", "mesh", "partition", "interact", "meshing", "hybrid", "texture"]  # each may know those before it
+ORDER = ["core", "mesh", "partition", "interact", "meshing", "hybrid", "simplify"]  # each may know those before it
 UNRELATED = {("interact", "meshing"), ("meshing", "interact")}
-PRIVATE = {"CGAL": {"mesh", "meshing", "hybrid"}, "OpenMesh": {"mesh", "hybrid"}, "thrust": {"parallel"}}
+PRIVATE = {"CGAL": {"mesh", "meshing"}, "OpenMesh": {"hybrid"}, "thrust": {"parallel"}}
 
 
 def modules():
     """The engine's modules and what each is declared to use, as CMake has it."""
     text = (NATIVE / "CMakeLists.txt").read_text()
-    calls = re.findall(r"^isimp_module\((\w+)([^)]*)\)", text, re.MULTILINE)
-    return {name: set(rest.partition("USES")[2].split()) for name, rest in calls}
+    calls = re.findall(r"^\s*isimp_module\((\w+)([^)]*)\)", text, re.MULTILINE)
+    return {name: set(rest.partition("USES")[2].partition("INSIDE")[0].split()) for name, rest in calls}
 
 
 def reachable(uses, name):

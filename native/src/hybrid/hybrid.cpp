@@ -7,11 +7,14 @@
 #include <string>
 #include <utility>
 
+#include "borders/relax.h"
+#include "check_options.h"
+#include "hierarchy/hierarchy.h"
 #include "isimp/core/errors.h"
-#include "isimp/partition/flooding.h"
-#include "isimp/partition/make_partition.h"
 #include "isimp/partition/metric.h"
-#include "isimp/partition/relax.h"
+#include "lloyd/flooding.h"
+#include "make_partition.h"
+#include "methods.h"
 
 namespace isimp {
 namespace {
@@ -184,7 +187,6 @@ void relax_borders(const FaceGraph& graph, Regions& regions, const Threads& thre
 }  // namespace
 
 Partition hybrid(const Surface& surface, const Decimated& all, const PartitionOptions& options, Job& job) {
-  if (detail_settings(surface, options)) throw InvalidInput("method hybrid wants the number of proxies");
   const Job::Part stage(job, "partitioning", 0.0, 1.0);
   const Parts parts = find_parts(surface, *options.proxies, options.leave_out, job);
   const Coarse coarse = make_coarse(surface, all, parts, job);
@@ -200,7 +202,12 @@ Partition hybrid(const Surface& surface, const Decimated& all, const PartitionOp
   {
     const Job::Part rounds(job, "flooding", 0.0, 0.9);
     const Surface coarse_surface(coarse.mesh, coarse.guides, job);
-    carrier.carry(coarse, partition(coarse_surface, plain, job));
+    const bool merged = needs_hierarchy(plain);
+    const Hierarchy hierarchy =
+        merged ? build_hierarchy(coarse_surface, *plain.proxies, job, plain.threads, nodes_for(*plain.proxies))
+               : Hierarchy{};
+    check(coarse_surface, plain);
+    carrier.carry(coarse, by_number(coarse_surface, hierarchy, nullptr, plain, job));
   }
   const Job::Part carrying(job, "carrying back", 0.9, 1.0);
   Regions regions;

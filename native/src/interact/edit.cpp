@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "borders/relax.h"
 #include "isimp/core/errors.h"
-#include "isimp/partition/relax.h"
 #include "pieces.h"
 
 namespace isimp {

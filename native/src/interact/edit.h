@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "borders/local.h"
 #include "edit_labels.h"
 #include "isimp/core/job.h"
-#include "isimp/partition/local.h"
 #include "isimp/partition/partition.h"
 
 namespace isimp {

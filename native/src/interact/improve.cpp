@@ -4,7 +4,7 @@
 #include "edit.h"
 #include "isimp/interact/heuristics.h"
 #include "isimp/partition/regions.h"
-#include "isimp/partition/teleport.h"
+#include "lloyd/teleport.h"
 
 namespace isimp {
 namespace {

@@ -1,4 +1,4 @@
-#include "isimp/partition/inherited.h"
+#include "inherited.h"
 
 #include <string>
 #include <vector>

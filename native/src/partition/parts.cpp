@@ -1,4 +1,4 @@
-#include "isimp/partition/parts.h"
+#include "parts.h"
 
 #include <algorithm>
 #include <cmath>

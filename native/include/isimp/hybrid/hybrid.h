@@ -33,11 +33,12 @@ Decimated decimate(const Surface& surface, double fraction, Job& job);
 /// Each proxy goes to the dense face that looks most like it round the corners of its coarse seed, and one flooding
 /// from there gives the dense faces their regions. With Connect::flood that is all, and the coarse mesh is partitioned
 /// by Method::lloyd, as the thesis has it. With Connect::repair it is by Method::hierarchy, and the borders are relaxed
-/// on the dense mesh: less error in less time. Regions are as partition() has them: connected, and exactly as many. The
-/// error is that on the dense mesh, and the only one in the history. Weights and barriers hold on both.
+/// on the dense mesh: less error in less time. Regions are as the Partitioner has them: connected, and exactly as many.
+/// The error is that on the dense mesh, and the only one in the history. Weights and barriers hold on both.
 ///
-/// \param coarse  from decimate() of this surface
-/// \throws InvalidInput  as partition(); or the coarse mesh has fewer faces than `proxies`
+/// \param coarse   from decimate() of this surface
+/// \param options  checked, with `proxies`
+/// \throws InvalidInput  the coarse mesh has fewer faces than `proxies`
 ///
 /// Source: the thesis's hybrid.
 Partition hybrid(const Surface& surface, const Decimated& coarse, const PartitionOptions& options, Job& job);

@@ -10,8 +10,6 @@
 #include "isimp/core/job.h"
 #include "isimp/core/types.h"
 #include "isimp/parallel/flooder.h"
-#include "isimp/partition/detail_tree.h"
-#include "isimp/partition/hierarchy.h"
 #include "isimp/partition/metric.h"
 #include "isimp/partition/surface.h"
 
@@ -31,7 +29,7 @@ enum class Method {
   teleport,   ///< lloyd, then merge the cheapest pair and split the worst region until it no longer helps
   naive,      ///< as lloyd, each face looking at the nearest regions at once: the thesis's data-parallel flooding
   queued,     ///< as lloyd, from a queue all of whose faces are flooded at once: the thesis's queued flooding
-  hybrid,     ///< on a decimated mesh, and carried back: the thesis's hybrid; hybrid() does it, not partition()
+  hybrid,     ///< on a decimated mesh, and carried back: the thesis's hybrid
 };
 
 /// How the pieces that parallel flooding leaves become connected regions, and which of its two ways Method::hybrid
@@ -51,7 +49,7 @@ struct PartitionOptions {
   std::optional<double> noise = std::nullopt;  ///< deviation of the scan's noise, scene units; none: estimated
   bool snap = true;                            ///< where the shape clearly is made of so many planes, take that number
   double adaptivity = 0.0;                     ///< how much denser regions get where the surface is rough, in [0, 1]
-  double leave_out = 0.001;  ///< components each below this share of the area are left out, in [0, 1); see partition()
+  double leave_out = 0.001;  ///< components each below this share of the area are left out, in [0, 1); see Partitioner
   std::uint64_t seed = 1;    ///< number that starts the random seeding
   std::int32_t iterations = 20;  ///< upper bound on flood-and-fit rounds, at least 1
   Seeding seeding = Seeding::random;
@@ -98,52 +96,6 @@ struct Partition {
   [[nodiscard]] std::int32_t region_count() const { return static_cast<std::int32_t>(region_seed.size()); }
 };
 
-/// Splits a surface into connected, near-planar regions.
-///
-/// \param surface  a mesh, or one with guides: their weights multiply the areas, also those in `error`; their barriers
-///                 cut it, so that it may have more components
-/// With `detail` or `tolerance`, as many regions as the surface shows at that tolerance t, whatever its resolution: on
-/// a curved one its mean distance from the regions' planes is about t, and t never counts as less than 3.5 deviations
-/// of the noise; lloyd and teleport then make that number. With `bound`, few regions of which each has all its vertices
-/// within that of one plane. With `proxies`, exactly so many. None is empty, each is
-/// connected, every face of a kept component in one. Every kept component gets at least what its topology needs (4 if
-/// it is closed, else 1; never more than its faces); where that takes more than `proxies`, it is taken, and
-/// `proxies_needed` says so. Components each below `leave_out` of the area are left out, smallest first, while all of
-/// them together stay below ten times it; the largest is always kept, and none is left out where the rest would have
-/// fewer than `proxies` faces.
-/// The same mesh and options give the same partition bit for bit; nothing depends on
-/// hashing, on the order of threads or on a library's random numbers.
-///
-/// \param job  polled at least every 50 ms
-/// \throws InvalidInput  an option out of its range: the message names the range and what was given
-/// \throws Error         a device has too little memory or failed
-/// \throws Cancelled     nothing was changed
-/// Cost: Method::hierarchy O(F), about 100 ms for a million faces; the others O(iterations * F). Finding the number
-/// O(F log F) more. O(F) memory.
-/// Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.
-Partition partition(const Surface& surface, const PartitionOptions& options, Job& job);
-
-/// The same from a hierarchy that was made before, and with the same result: what a slider of `proxies` wants.
-/// One that does not serve this mesh and number (see Hierarchy::serves) is not used.
-/// \param flooder  of this surface on options.backend (see parallel_lloyd.h), kept from before; null: made anew if
-/// needed
-Partition partition(const Surface& surface, const Hierarchy& hierarchy, const PartitionOptions& options, Job& job,
-                    parallel::Flooder* flooder = nullptr);
-
-/// The settings of the tree that finds the number of regions; none where it is given.
-/// \throws InvalidInput  an option out of its range, or two ways to choose the number at once
-std::optional<DetailSettings> detail_settings(const Surface& surface, const PartitionOptions& options);
-
-/// The same from a tree with those settings that was made before: what a slider of `detail` wants.
-Partition partition(const Surface& surface, const DetailTree& tree, const PartitionOptions& options, Job& job);
-
-/// The surface that a partition with options.adaptivity is made on, by the functions above, which do not look at it ...
-Surface adapted(const Surface& surface, const PartitionOptions& options, Job& job);
-/// How much of the work of a partition with adaptivity that is, in [0, 1].
-double adapting_share(const PartitionOptions& options);
-/// ... and the partition of it as one of the surface itself.
-Partition restated(const Surface& surface, Partition of_adapted, const PartitionOptions& options, Job& job);
-
 /// A partition with regions that are known: from elsewhere, or put together from several.
 ///
 /// \param face_region  (F) any numbers of at least 0, or kNone for a face in no region; a region that is not connected
@@ -151,5 +103,10 @@ Partition restated(const Surface& surface, Partition of_adapted, const Partition
 /// \throws InvalidInput  not F of them, one below kNone, or none of at least 0
 /// Cost: O(F).
 Partition partition_from(const Surface& surface, std::span<const std::int32_t> face_region, Job& job);
+
+/// What `before` knows, said of a partition each of whose regions lies in one of its: planes that keep a bound, locks,
+/// and how the number was found.
+/// \throws InvalidInput  they are of different numbers of faces
+Partition inherited(Partition part, const Partition& before);
 
 }  // namespace isimp

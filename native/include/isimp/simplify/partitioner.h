@@ -1,0 +1,85 @@
+#pragma once
+
+#include <memory>
+#include <mutex>
+
+#include "isimp/core/job.h"
+#include "isimp/mesh/mesh.h"
+#include "isimp/partition/partition.h"
+#include "isimp/partition/surface.h"
+
+namespace isimp {
+
+class DetailTree;
+struct Decimated;
+struct Hierarchy;
+class KeptFlooder;
+
+/// Makes partitions of one mesh: the only place that decides which method runs, on how many regions, and what is kept
+/// from one call to the next.
+///
+/// Kept is what another number of regions can use: the guided graph, the graph with another density, the tree that
+/// finds the number of regions, and the hierarchy, the decimated mesh or a device's memory where the method has one. So
+/// a second call takes a fraction of the first one's time. The results are those of a new Partitioner, bit for bit.
+class Partitioner {
+ public:
+  /// \param mesh  must outlive this, at the same address
+  explicit Partitioner(const Mesh& mesh);
+  Partitioner(const Partitioner&) = delete;
+  Partitioner& operator=(const Partitioner&) = delete;
+  ~Partitioner();
+
+  /// Splits the mesh into connected, near-planar regions.
+  ///
+  /// - `proxies`: exactly that many regions.
+  /// - `detail` or `tolerance`: as many as the surface shows at that tolerance t, whatever its resolution. On a curved
+  ///   surface the mean distance from the regions' planes is about t. t never counts as less than 3.5 deviations of the
+  ///   noise. lloyd and teleport then make that number.
+  /// - `bound`: few regions, each with all its vertices within that of one plane.
+  ///
+  /// No region is empty, each is connected, every face of a kept component is in one. Every kept component gets at
+  /// least what its topology needs: 4 if it is closed, else 1; never more than its faces. Where that takes more than
+  /// `proxies`, it is taken, and `proxies_needed` says so. Components each below `leave_out` of the area are left out,
+  /// smallest first, while all of them together stay below ten times it. The largest is always kept, and none is left
+  /// out where the rest would have fewer than `proxies` faces.
+  /// The same mesh, options and guides give the same partition bit for bit: nothing depends on hashing, on the order of
+  /// threads or on a library's random numbers. May be called from several threads at once.
+  ///
+  /// \param guides  weights multiply the areas, also those in `error`; barriers cut the mesh, so that it may have more
+  ///                components
+  /// \param job     polled at least every 50 ms; reports progress in [0, 1]
+  /// \throws InvalidInput  an option out of its range, a weight or barrier that can't be used: the message names the
+  ///                       range and what was given
+  /// \throws Error         a device has too little memory or failed
+  /// \throws Cancelled     nothing was changed
+  ///
+  /// Cost: Method::hierarchy O(F), about 100 ms for a million faces; the others O(iterations * F). Finding the number
+  /// O(F log F) more. O(F) memory.
+  /// Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.
+  [[nodiscard]] Partition run(const PartitionOptions& options, Guides guides, Job& job) const;
+
+ private:
+  friend Partition partition(const Surface& surface, const PartitionOptions& options, Job& job);
+  struct Kept;
+  enum class Keep { nothing, what_helps };
+  Partitioner(const Mesh& mesh, Keep keep);
+
+  [[nodiscard]] Kept recall(Guides guides, double adaptivity) const;
+  void keep(const Kept& kept) const;
+  Partition on_surface(const Surface& surface, Kept kept, const PartitionOptions& options, Job& job) const;
+  Partition with_weights(const Surface& surface, Kept kept, const PartitionOptions& options, Job& job) const;
+  Partition found_by_detail(const Surface& surface, Kept kept, const PartitionOptions& options, Job& job) const;
+  Partition by_known_number(const Surface& surface, Kept kept, const PartitionOptions& options, Job& job) const;
+  Partition on_decimated(const Surface& surface, Kept kept, const PartitionOptions& options, Job& job) const;
+
+  const Mesh* mesh_;
+  Keep keep_;
+  mutable std::mutex mutex_;
+  mutable std::unique_ptr<Kept> kept_;
+  std::unique_ptr<KeptFlooder> flooder_;
+};
+
+/// One partition of a surface, with nothing kept: as Partitioner::run, with the guides in the surface.
+Partition partition(const Surface& surface, const PartitionOptions& options, Job& job);
+
+}  // namespace isimp

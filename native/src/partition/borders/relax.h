@@ -1,0 +1,241 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "borders/block_changes.h"
+#include "borders/border_moves.h"
+#include "isimp/core/job.h"
+#include "isimp/core/threads.h"
+#include "isimp/mesh/face_graph.h"
+#include "isimp/partition/metric.h"
+
+namespace isimp {
+
+/// What an edge between two regions weighs in the energy, in mean face areas: heavier edges make borders shorter and
+/// the error larger. About in proportion to the error (a share of the surface) it smooths borders alike for few regions
+/// and many, and leaves exact shapes alone; a little more than that, since what a face gains of a region that bends
+/// much is mostly noise. It stays well below what a face gains across a crease of 45 degrees.
+inline double border_weight(double error) { return std::min(1.64 * std::pow(error, 1.35), 0.18); }
+
+/// The same for regions that other methods made, whose error relaxing is to lower.
+inline double light_border_weight(double error) { return std::min(0.6 * error, 0.12); }
+
+/// Boundary relaxation: moves single faces between neighbouring regions as long as that lowers the energy
+/// error + lambda * mean face area * number of edges between regions.
+///
+/// With S the sum of area * normal, the error is 2 (A - sum |S|), so that the change by a move costs O(1). Without the
+/// boundary term ragged borders are rewarded. A region never falls apart: a face leaves only if its neighbours of the
+/// same region stay joined round a vertex they share, which can be seen by a walk round that vertex. Sweeps look at the
+/// faces near which something has changed.
+///
+/// Long queues are swept in blocks of the Morton order, which threads share. A block looks at nothing outside it but
+/// the sums of the regions as they were at the start; so no block can tell what the others do, nor a region fall apart
+/// by moves in several of them. Faces that need a look beyond the block come last, one after another. Blocks are cut
+/// without regard to the number of threads, and so the result is the same for any.
+/// Source: the energy moves of Valette, Chassery, Prost 2008, with the L2,1 error.
+template <class Labels>
+class Relaxation {
+ public:
+  /// \param sums    (R) is kept up to date with every move
+  /// \param lambda  weight of an edge between regions; faces smaller than the mean take a proportionate share of it
+  Relaxation(const FaceGraph& graph, Labels labels, std::vector<RegionSum>& sums, double lambda,
+             const Threads& threads = Threads(1))
+      : moves_{graph, labels, static_cast<float>(lambda), 1.0F / static_cast<float>(graph.size())},
+        sums_(sums),
+        threads_(threads),
+        state_(graph.faces.size(), 0) {
+    refit();
+  }
+
+  /// Has the next sweep look at a face.
+  void push(std::int32_t face) { lists_.push(face, state_[face]); }
+  /// Whether the face has a neighbour of another region.
+  [[nodiscard]] bool on_border(std::int32_t face) const {
+    const std::int32_t own = moves_.labels.get(face), n = moves_.graph.size();
+    bool border = false;  // to the end in any case: no processor guesses well which neighbour is the other one
+    for (const std::int32_t j : moves_.graph.neighbours[face])
+      border |= static_cast<int>(j != n) & static_cast<int>(moves_.labels.get(j) != own);
+    return border;
+  }
+  /// Has what on_border will look at fetched, but for the labels.
+  void fetch(std::int32_t face) const { __builtin_prefetch(&moves_.graph.neighbours[face]); }
+  void push_if_border(std::int32_t face) {
+    if (on_border(face)) push(face);
+  }
+  /// Must follow every change of the sums from outside.
+  void refit() {
+    proxies_.resize(sums_.size());
+    for (std::size_t r = 0; r < sums_.size(); ++r) proxies_[r] = BorderProxy::of(sums_[r]);
+  }
+  /// Every face ever pushed, once. Had all border faces been pushed at the start, all are among them at any time.
+  [[nodiscard]] const std::vector<std::int32_t>& pushed() const { return lists_.pushed; }
+  /// The one face that must not move, or kNone.
+  void pin(std::int32_t face) { moves_.pinned = face; }
+
+  /// Sweeps until nothing moves, `sweeps` at most; what is still queued then is forgotten. \return moves made
+  std::int64_t run(int sweeps, Job& job) {
+    std::int64_t moves = 0, last = 1;
+    for (int k = 0; k < sweeps && last > 0 && !lists_.queue.empty();) {
+      const bool many = lists_.queue.size() >= kMany;
+      moves += last = many ? sweep_blocks(job) : sweep_all(job);
+      k += many ? kSweepsOfBlock : 1;
+    }
+    for (const std::int32_t face : lists_.queue) state_[face] = kPushed;
+    lists_.queue.clear();
+    return moves;
+  }
+
+ private:
+  static constexpr std::uint8_t kQueued = 1, kPushed = 2;  // states of a face
+  static constexpr std::int32_t kBlock = 1 << 15;          // faces of a block
+  static constexpr std::size_t kMany = 1 << 13;            // faces in the queue from which blocks are worth it
+  static constexpr int kSweepsOfBlock = 2;                 // before blocks hear of each other
+  static constexpr std::size_t kAhead = 16, kSoon = 6;     // faces, for the memory to be there in time
+
+  /// Faces to look at, and all that have ever been.
+  struct Lists {
+    std::vector<std::int32_t> queue, current, pushed;
+    void push(std::int32_t face, std::uint8_t& state) {
+      if ((state & kQueued) != 0) return;
+      if (state == 0) pushed.push_back(face);
+      state = kQueued | kPushed;
+      queue.push_back(face);
+    }
+  };
+
+  /// The regions for whoever is alone at work: moves show at once.
+  struct AllRegions {
+    std::vector<RegionSum>& sums;
+    std::vector<BorderProxy>& proxies;
+    [[nodiscard]] const BorderProxy& proxy(std::int32_t r) const { return proxies[r]; }
+    void move(const FaceRecord& face, std::int32_t from, std::int32_t to) {
+      sums[from].remove(face);
+      sums[to].add(face);
+      proxies[from] = BorderProxy::of(sums[from]);
+      proxies[to] = BorderProxy::of(sums[to]);
+    }
+  };
+
+  /// The regions as seen from one block: what they were, and what moves within the block have changed.
+  struct BlockRegions {
+    const std::vector<RegionSum>& sums;
+    BlockChanges<RegionSum, BorderProxy> changes;
+    [[nodiscard]] const BorderProxy& proxy(std::int32_t r) const { return changes.view(r); }
+    void move(const FaceRecord& face, std::int32_t from, std::int32_t to) {
+      auto [left, of_left] = changes.touch(from);
+      left.remove(face);
+      of_left = seen(from, left);
+      auto [joined, of_joined] = changes.touch(to);
+      joined.add(face);
+      of_joined = seen(to, joined);
+    }
+    [[nodiscard]] BorderProxy seen(std::int32_t r, const RegionSum& change) const {
+      RegionSum sum = sums[r];
+      sum.add(change);
+      return BorderProxy::of(sum);
+    }
+  };
+
+  struct Block {
+    Lists lists;
+    std::vector<std::int32_t> beyond;  // faces to be looked at from outside
+    std::vector<std::pair<std::int32_t, RegionSum>> changes;
+    std::int64_t moves = 0;
+  };
+
+  /// Goes through lists.current. \return moves made
+  template <class Regions>
+  std::int64_t sweep(Lists& lists, Regions& regions, const Reach& reach, std::vector<std::int32_t>* beyond, Job& job) {
+    const FaceGraph& graph = moves_.graph;
+    std::int64_t moves = 0;
+    const std::size_t size = lists.current.size();
+    for (std::size_t i = 0; i < size; ++i) {
+      if ((i & 0x3fff) == 0) job.poll();
+      if (i + kAhead < size) {
+        const std::int32_t soon = lists.current[i + kAhead];
+        __builtin_prefetch(&graph.neighbours[soon]);
+        __builtin_prefetch(&graph.faces[soon]);
+      }
+      if constexpr (requires { moves_.labels.prefetch(0); }) {
+        if (i + kSoon < size)
+          for (const std::int32_t j : graph.neighbours[lists.current[i + kSoon]]) moves_.labels.prefetch(j);
+      }
+      const std::int32_t face = lists.current[i];
+      const std::int32_t to = moves_.target(face, regions, reach);
+      if (to == BorderMoves<Labels>::kBeyond) {  // stays queued, so that it is there once
+        beyond->push_back(face);
+        continue;
+      }
+      state_[face] = kPushed;
+      if (to == kNone) continue;
+      regions.move(graph.faces[face], moves_.labels.get(face), to);
+      moves_.labels.set(face, to);
+      ++moves;
+      for (const std::int32_t j : graph.neighbours[face])
+        if (j != graph.size()) lists.push(j, state_[j]);
+    }
+    return moves;
+  }
+
+  std::int64_t sweep_all(Job& job) {
+    std::swap(lists_.queue, lists_.current);
+    lists_.queue.clear();
+    AllRegions regions{sums_, proxies_};
+    const std::int32_t n = moves_.graph.size();
+    return sweep(lists_, regions, {0, n, n}, nullptr, job);
+  }
+
+  std::int64_t sweep_blocks(Job& job) {
+    const std::int32_t n = moves_.graph.size();
+    std::vector<Block> blocks(static_cast<std::size_t>(n / kBlock + 1));
+    for (const std::int32_t face : lists_.queue) blocks[face / kBlock].lists.queue.push_back(face);
+    lists_.queue.clear();
+    const auto count = static_cast<std::int32_t>(blocks.size());
+    threads_.share(count, [&](const auto& next) {
+      BlockRegions regions{sums_, BlockChanges<RegionSum, BorderProxy>(proxies_)};
+      for (std::int32_t b = next(); b < count; b = next()) {
+        Block& block = blocks[b];
+        const Reach reach{b * kBlock, std::min(n, (b + 1) * kBlock), n};
+        for (int k = 0; k < kSweepsOfBlock; ++k) {
+          std::swap(block.lists.queue, block.lists.current);
+          block.lists.queue.clear();
+          block.moves += sweep(block.lists, regions, reach, &block.beyond, job);
+        }
+        block.changes = regions.changes.take();
+      }
+    });
+    return join(blocks, job);
+  }
+
+  /// What the blocks have done becomes known to all, and what was beyond them is done.
+  std::int64_t join(const std::vector<Block>& blocks, Job& job) {
+    std::int64_t moves = 0;
+    std::vector<std::int32_t>& beyond = lists_.current;
+    beyond.clear();
+    for (const Block& block : blocks) {
+      moves += block.moves;
+      for (const auto& [region, change] : block.changes) sums_[region].add(change);
+      lists_.queue.insert(lists_.queue.end(), block.lists.queue.begin(), block.lists.queue.end());
+      lists_.pushed.insert(lists_.pushed.end(), block.lists.pushed.begin(), block.lists.pushed.end());
+      beyond.insert(beyond.end(), block.beyond.begin(), block.beyond.end());
+    }
+    for (const Block& block : blocks)
+      for (const auto& [region, unused] : block.changes) proxies_[region] = BorderProxy::of(sums_[region]);
+    AllRegions regions{sums_, proxies_};
+    const std::int32_t n = moves_.graph.size();
+    return moves + sweep(lists_, regions, {0, n, n}, nullptr, job);
+  }
+
+  BorderMoves<Labels> moves_;
+  std::vector<RegionSum>& sums_;
+  std::vector<BorderProxy> proxies_;
+  Threads threads_;
+  Lists lists_;
+  std::vector<std::uint8_t> state_;  // of each face
+};
+
+}  // namespace isimp

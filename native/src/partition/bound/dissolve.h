@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "bound/bound.h"
+#include "isimp/mesh/mesh.h"
+#include "isimp/partition/surface.h"
+
+namespace isimp::detail {
+
+/// Cosine: a face whose normal is further from its region's is behind the plane, not beside it.
+inline constexpr double kLeastCosine = 0.2;
+
+/// The corners of a surface's faces, by graph index; vertices numbered as the faces come to them, so that what is near
+/// on the surface is near in memory.
+class Corners {
+ public:
+  Corners(const Surface& surface, Job& job);
+
+  void add_to(Slab& slab, std::int32_t face) const {
+    for (const std::int32_t v : corner_[face]) slab.add(vertex_[v]);
+  }
+  [[nodiscard]] const Vec3& vertex(std::int32_t v) const { return vertex_[v]; }
+  /// The vertices of each region, by number here; hardly any of them twice.
+  [[nodiscard]] std::vector<std::vector<std::int32_t>> points_of(const BoundedRegions& bounded, Job& job) const;
+  /// How wide a slab is with one more face in it; endless for a face that is turned away from it.
+  [[nodiscard]] double width_with(const Slab& slab, std::int32_t face) const {
+    const FaceRecord& f = graph_.faces[face];
+    if (f.nx * slab.normal.x() + f.ny * slab.normal.y() + f.nz * slab.normal.z() < kLeastCosine)
+      return std::numeric_limits<double>::infinity();
+    Slab grown = slab;
+    add_to(grown, face);
+    return grown.width();
+  }
+
+ private:
+  const FaceGraph& graph_;
+  std::vector<Vec3> vertex_;
+  std::vector<std::array<std::int32_t, 3>> corner_;
+};
+
+/// Takes regions away whose faces, one by one, fit between the planes of their neighbours; smallest first.
+/// \param need  (C) the least number of regions of each component. \param part  (R) component of each region
+/// \return whether any went; labels and sums are numbered anew then
+bool dissolve(const Surface& surface, const Corners& corners, std::span<const std::int32_t> need, double width,
+              BoundedRegions& bounded, Job& job);
+
+/// Has the smaller half of the regions give their faces to neighbours, as above, as far as that goes: what is left of
+/// one merges more easily. Slabs then are wider than they need be.
+void squeeze(const Surface& surface, const Corners& corners, std::span<const std::int32_t> need, double width,
+             BoundedRegions& bounded, Job& job);
+
+/// The component of each region; empty if there is one.
+std::vector<std::int32_t> parts_of_regions(const Surface& surface, const BoundedRegions& bounded);
+
+}  // namespace isimp::detail

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "bound/bound.h"
+#include "bound/dissolve.h"
+
+namespace isimp::detail {
+
+/// Points of a region that were its outermost along some normals, and so tell how wide it is across others near by.
+using Core = std::vector<Vec3>;
+
+/// The slab of some points across the normal near `from` across which they are narrowest: the plane that fits them best
+/// in the sense of Chebyshev, up to a per cent or so; or the first one found that is no wider than `enough`.
+/// Source: Rice, Usow: The Lawson algorithm and extensions, 1968.
+Slab narrowest(std::span<const Vec3> points, const Vec3& from, double enough);
+
+/// Turns a slab round the points of two lists so that it is no wider than `width`, if that can be.
+///
+/// \param slab  its normal is where to start; afterwards, if it fits, the slab that does
+/// \param core  what is known of the points; more is known afterwards
+/// \return whether it fits
+/// Cost: a few looks at all points; none where the core tells.
+bool turn_to_fit(const Corners& corners, std::span<const std::int32_t> some, std::span<const std::int32_t> others,
+                 double width, Slab& slab, Core& core);
+
+}  // namespace isimp::detail

@@ -1,0 +1,267 @@
+#include "hierarchy/detail_tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <numeric>
+#include <span>
+#include <utility>
+
+#include "borders/relax.h"
+#include "density/noise.h"
+#include "density/normal_filter.h"
+#include "hierarchy/hierarchy.h"
+#include "hierarchy/region_graph.h"
+
+namespace isimp {
+namespace {
+
+constexpr int kFilterPasses = 8;
+constexpr int kRounds = 5;              // of relaxing and merging
+constexpr int kSweeps = 30;             // of relaxation
+constexpr double kBorder = 0.018;       // what an edge between regions weighs, in mean face areas
+constexpr double kNoisyBorder = 0.115;  // what is added to it where normals are all noise
+constexpr double kRounding = 1e-9;      // of the area: costs below this are none
+constexpr std::size_t kMostCosts = 20000;
+constexpr std::int32_t kManyFaces = 50000;  // from here on small patches are merged many at once
+constexpr std::int32_t kFacesAProxy = 96;   // for patches of 6 faces
+constexpr double kUsual = 0.7, kFar = 1.0 / 16;
+
+std::vector<std::int32_t> parts_of_faces(const Surface& surface) {
+  std::vector<std::int32_t> part;
+  const FaceGraph& graph = surface.graph();
+  if (surface.component_count() == 1) return part;
+  part.resize(static_cast<std::size_t>(graph.size()));
+  for (std::int32_t i = 0; i < graph.size(); ++i) part[i] = surface.component()[graph.mesh_face[i]];
+  return part;
+}
+
+/// What merging begins with: faces, or small patches of them.
+struct Start {
+  ClusterGraph clusters;
+  std::vector<std::int32_t> cluster;  ///< (n) of each face
+};
+
+Start start_from_faces(const FaceGraph& graph, std::span<const FaceRecord> smooth, std::vector<std::int32_t> part) {
+  Start start{.clusters = face_clusters(graph, smooth), .cluster = {}};
+  start.clusters.part = std::move(part);
+  start.cluster.resize(static_cast<std::size_t>(graph.size()));
+  std::iota(start.cluster.begin(), start.cluster.end(), 0);
+  return start;
+}
+
+/// The price below which most nodes find a partner, as a rise of the error.
+double usual_price(const MergeGraph& graph) {
+  std::vector<float> best;
+  for (std::int32_t u = 0; u < graph.size(); ++u) {
+    const NodeSum& a = graph.sum[u];
+    float least = std::numeric_limits<float>::infinity();
+    for (const std::int32_t v : graph.around(u)) {
+      const NodeSum& b = graph.sum[v];
+      const float x = a.x + b.x, y = a.y + b.y, z = a.z + b.z;
+      least = std::min(least, a.length + b.length - std::sqrt(x * x + y * y + z * z));
+    }
+    if (least < std::numeric_limits<float>::infinity()) best.push_back(least);
+  }
+  if (best.empty()) return std::numeric_limits<double>::infinity();
+  const auto at = best.begin() + static_cast<std::ptrdiff_t>(kUsual * static_cast<double>(best.size() - 1));
+  std::nth_element(best.begin(), at, best.end());
+  return 2.0 * *at;
+}
+
+/// Where single faces are far below what can be told apart, merging them one pair at a time is a waste: many pairs at
+/// once, in the hierarchy of the smooth surface, do until most merges cost a good part of the limit.
+Start start_from_patches(const Surface& surface, Array<FaceRecord> smooth, double limit, Job& job) {
+  auto guided = std::make_shared<GuidedGraph>();
+  guided->graph = surface.graph();
+  guided->graph.faces = std::move(smooth);
+  guided->component.assign(surface.component().begin(), surface.component().end());
+  guided->component_count = surface.component_count();
+  const Hierarchy h = build_hierarchy(Surface(surface.mesh(), guided), surface.face_count() / kFacesAProxy, job);
+  std::size_t level = 0;
+  while (level + 1 < h.level.size() && usual_price(h.level[level + 1]) < kFar * limit) ++level;
+  const MergeGraph& chosen = h.level[level];
+  Start start{.clusters = {.sum = {}, .first = chosen.first, .neighbour = chosen.neighbour, .part = chosen.part},
+              .cluster = h.patch};
+  for (const NodeSum& s : chosen.sum) start.clusters.sum.push_back({s.x, s.y, s.z, 2.0 * s.length, 1});
+  for (std::size_t i = 0; i < start.cluster.size(); ++i) {
+    if ((i & 0xffff) == 0) job.poll();
+    for (std::size_t l = 0; l < level; ++l) start.cluster[i] = h.to_next[l][start.cluster[i]];
+  }
+  return start;
+}
+
+/// Gives each face the region that its present one has become.
+void relabel(Regions& regions, const std::vector<std::int32_t>& becomes, std::size_t count, const Threads& threads) {
+  const auto n = static_cast<std::int32_t>(regions.label.size());
+  threads.run(n, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+    for (std::int32_t i = begin; i < end; ++i)
+      if (regions.label[i] != kNone) regions.label[i] = becomes[regions.label[i]];
+  });
+  std::vector<RegionSum> sums(count);
+  for (std::size_t r = 0; r < regions.sum.size(); ++r) sums[becomes[r]].add(regions.sum[r]);
+  regions.sum = std::move(sums);
+}
+
+/// A cluster for each region. \param faces  among which all border faces are
+ClusterGraph clusters_of(const FaceGraph& graph, const Regions& regions, std::vector<std::int32_t> part,
+                         std::span<const std::int32_t> faces, const Threads& threads) {
+  MergeGraph touching = graph_of_regions(graph, regions.label, regions.sum.size(), std::move(part), faces, threads);
+  return {regions.sum, std::move(touching.first), std::move(touching.neighbour), std::move(touching.part)};
+}
+
+/// What an edge between regions weighs where normals of neighbours differ by this much.
+double border_weight_of(double bend) { return kBorder + kNoisyBorder * std::min(1.0, bend * bend); }
+
+/// Has border faces of changed regions, and those across from them, looked at. \return the other border faces
+std::vector<std::int32_t> push_beside(const FaceGraph& graph, const std::vector<std::int32_t>& label,
+                                      std::span<const std::int32_t> faces, const std::vector<std::uint8_t>& changed,
+                                      Relaxation<GraphLabels>& relaxation) {
+  std::vector<std::int32_t> others;
+  for (const std::int32_t i : faces) {
+    const std::int32_t own = label[i];
+    bool border = false, beside = changed[own] != 0;
+    for (const std::int32_t j : graph.neighbours[i]) {
+      if (label[j] == own || label[j] == kNone) continue;
+      border = true;
+      beside |= changed[label[j]] != 0;
+    }
+    if (border && beside) relaxation.push(i);
+    if (border && !beside) others.push_back(i);
+  }
+  return others;
+}
+
+}  // namespace
+
+double finest_for(double detail) {
+  double finest = kFinestDetail;
+  while (finest > detail) finest /= 2;
+  return finest;
+}
+
+DetailTree::DetailTree(const Surface& surface, const DetailSettings& settings, Job& job)
+    : settings_(settings),
+      area_(surface.graph().area),
+      size_(surface_size(surface.mesh())),
+      noise_(settings.noise ? *settings.noise : estimate_noise(surface.mesh(), job)),
+      bend_(median_bend(surface.graph())),
+      parts_(find_parts(surface, 1, settings.leave_out, job)) {
+  for (const Part& part : parts_.parts) need_.push_back(part.need);
+  {
+    Job::Part stage(job, "merging", 0.0, 0.9);
+    make_patches(surface, job);
+  }
+  Job::Part stage(job, "merging", 0.9, 1.0);
+  const FaceGraph& graph = surface.graph();
+  for (std::int32_t i = 0; i < graph.size(); ++i) {
+    if ((i & 0xffff) == 0) job.poll();
+    const std::int32_t own = patches_.label[i];
+    for (const std::int32_t j : graph.neighbours[i])
+      if (j != graph.size() && patches_.label[j] != own) {
+        borders_.push_back(i);
+        break;
+      }
+  }
+  tree_ = merge_all(clusters_of(graph, patches_, part_, borders_, Threads(1)), {.need = need_}, job);
+  relax_patches(graph, job);
+  falling_ = tree_.cost;
+  std::sort(falling_.begin(), falling_.end(), std::greater<>());
+  falling_.resize(std::min(falling_.size(), kMostCosts));
+  for (double& cost : falling_) cost *= area_;
+}
+
+void DetailTree::make_patches(const Surface& surface, Job& job) {
+  const FaceGraph& graph = surface.graph();
+  const std::vector<std::int32_t> part = parts_of_faces(surface);
+  {
+    const double limit = merge_limit(settings_.finest * size_, noise_, kLeastNoise) / area_;
+    Array<FaceRecord> smooth = [&] {
+      const Job::Part smoothing(job, "merging", 0.1, 0.7);
+      return filtered_faces(graph, kFilterPasses, filter_range(bend_), job);
+    }();
+    const Start start = [&] {
+      const Job::Part half(job, "merging", 0.7, 0.9);
+      return graph.size() < kManyFaces ? start_from_faces(graph, smooth, part)
+                                       : start_from_patches(surface, std::move(smooth), limit, job);
+    }();
+    const MergeTree fine = merge_all(start.clusters, {.cost = limit, .need = need_}, job);
+    const std::vector<std::int32_t> patch = cut_after(fine, fine.merges());
+    patches_.label.resize(start.cluster.size());
+    for (std::size_t i = 0; i < start.cluster.size(); ++i) patches_.label[i] = patch[start.cluster[i]];
+    patches_.sum.resize(static_cast<std::size_t>(fine.leaves) - fine.merges());
+  }
+  // Components that are left out have no patches.
+  std::vector<std::int32_t> number(patches_.sum.size(), kNone);
+  std::int32_t kept = 0;
+  for (std::int32_t i = 0; i < graph.size(); ++i) {
+    if ((i & 0xffff) == 0) job.poll();
+    std::int32_t& label = patches_.label[i];
+    const std::int32_t of = part.empty() ? 0 : part[i];
+    if (number[label] == kNone && parts_.parts[of].kept) {
+      number[label] = kept++;
+      if (!part.empty()) part_.push_back(of);
+    }
+    label = number[label];
+  }
+  patches_.label.push_back(kNone);
+  patches_.sum.assign(static_cast<std::size_t>(kept), {});
+  sum_regions(graph, patches_, job);
+}
+
+/// Most of what relaxing a cut does is the same at all of them: it is done once. The tree does not hear of it, so that
+/// it says the same at any resolution.
+void DetailTree::relax_patches(const FaceGraph& graph, Job& job) {
+  Relaxation<GraphLabels> relaxation(graph, {patches_.label.data()}, patches_.sum, border_weight_of(bend_));
+  for (const std::int32_t i : borders_) relaxation.push(i);
+  relaxation.run(kSweeps, job);
+  borders_.clear();
+  for (const std::int32_t i : relaxation.pushed())
+    if (relaxation.on_border(i)) borders_.push_back(i);
+  std::sort(borders_.begin(), borders_.end());
+}
+
+Cut DetailTree::choose(double tolerance, bool snap) const {
+  const auto left = static_cast<std::int32_t>(patches_.sum.size() - tree_.merges());
+  return choose_cut(falling_, left, kRounding * area_, tolerance, noise_, snap);
+}
+
+std::int32_t DetailTree::merges(const Cut& cut) const {
+  const auto above = [&](double cost) { return cost * area_ > cut.cost; };
+  return static_cast<std::int32_t>(std::find_if(tree_.cost.begin(), tree_.cost.end(), above) - tree_.cost.begin());
+}
+
+Regions DetailTree::regions(const Surface& surface, const Cut& cut, const Threads& threads, Job& job) const {
+  const FaceGraph& graph = surface.graph();
+  Regions result = patches_;
+  std::vector<std::int32_t> part = part_;
+  const auto become = [&](const MergeTree& tree, std::size_t merges) {
+    const std::size_t before = result.sum.size();
+    const std::vector<std::int32_t> becomes = cut_after(tree, merges);
+    relabel(result, becomes, result.sum.size() - merges, threads);
+    for (std::size_t r = 0; r < part.size(); ++r) part[becomes[r]] = part[r];  // becomes[r] is never above r
+    if (!part.empty()) part.resize(result.sum.size());
+    std::vector<std::uint8_t> of_several(result.sum.size(), 0), seen(result.sum.size(), 0);
+    for (std::size_t r = 0; r < before; ++r) of_several[becomes[r]] |= std::exchange(seen[becomes[r]], 1);
+    return of_several;
+  };
+  become(tree_, static_cast<std::size_t>(merges(cut)));
+  const double border = border_weight_of(bend_);
+  std::vector<std::int32_t> near = borders_;  // where borders are, or were
+  std::vector<std::uint8_t> changed(result.sum.size(), 1);
+  for (int round = 0; round < kRounds; ++round) {
+    Relaxation<GraphLabels> relaxation(graph, {result.label.data()}, result.sum, border, threads);
+    near = push_beside(graph, result.label, near, changed, relaxation);
+    relaxation.run(kSweeps, job);
+    near.insert(near.end(), relaxation.pushed().begin(), relaxation.pushed().end());
+    const MergeTree more =
+        merge_all(clusters_of(graph, result, part, near, threads), {.cost = cut.cost / area_, .need = need_}, job);
+    if (more.merges() == 0) break;
+    changed = become(more, more.merges());
+  }
+  return result;
+}
+
+}  // namespace isimp

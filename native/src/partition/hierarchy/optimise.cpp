@@ -1,0 +1,200 @@
+#include "hierarchy/optimise.h"
+
+#include <algorithm>
+#include <memory>
+#include <span>
+#include <utility>
+
+#include "borders/relax.h"
+#include "hierarchy/patch_relax.h"
+#include "hierarchy/region_graph.h"
+#include "lloyd/teleport.h"
+
+namespace isimp {
+namespace {
+
+constexpr double kSurplus = 1.5;  // regions before the last merging, as a multiple of those wanted
+constexpr int kTries = 4;         // of teleports that do not pay
+constexpr int kPatchSweeps = 2, kFirstSweeps = 6, kLastSweeps = 60;
+
+/// How far out of line a region must be for teleports to be tried. On a scan of many regions they gain little and cost
+/// much; a shape of a few sides must come out right, and there any side that is wrong stands out.
+double least_ratio(std::int32_t regions) { return std::clamp(3.0 * regions, 10.0, 300.0); }
+
+std::vector<std::int32_t> needs(const Parts& parts) {
+  std::vector<std::int32_t> need;
+  for (const Part& part : parts.parts) need.push_back(part.need);
+  return need;
+}
+
+/// The sums of nodes as greedy merging wants them; those of components left out are empty.
+std::vector<RegionSum> sums_of(const MergeGraph& graph, const Parts& parts) {
+  std::vector<RegionSum> sums(static_cast<std::size_t>(graph.size()));
+  for (std::int32_t u = 0; u < graph.size(); ++u) {
+    if (!parts.parts[graph.part_of(u)].kept) continue;
+    const NodeSum& s = graph.sum[u];
+    sums[u].x = s.x;
+    sums[u].y = s.y;
+    sums[u].z = s.z;
+    sums[u].faces = 1;
+  }
+  return sums;
+}
+
+/// Nodes in components that get regions.
+std::int64_t nodes_kept(const MergeGraph& graph, const Parts& parts) {
+  if (graph.part.empty()) return graph.size();
+  return std::count_if(graph.part.begin(), graph.part.end(), [&](std::int32_t c) { return parts.parts[c].kept; });
+}
+
+/// Labels of the patches, from greedy merging of the coarsest level that has enough nodes.
+std::vector<std::int32_t> cut(const Hierarchy& h, const Parts& parts, std::int32_t regions, std::int32_t target,
+                              Job& job) {
+  std::size_t level = h.level.size() - 1;
+  while (level > 0 && nodes_kept(h.level[level], parts) < nodes_for(regions)) --level;
+  const MergeGraph& coarse = h.level[level];
+  std::vector<std::int32_t> label = merge_greedily(coarse, sums_of(coarse, parts), needs(parts), target, job);
+  while (level-- > 0) {
+    std::vector<std::int32_t> finer(h.to_next[level].size());
+    for (std::size_t u = 0; u < finer.size(); ++u) finer[u] = label[h.to_next[level][u]];
+    label = std::move(finer);
+  }
+  return label;
+}
+
+/// Those of some faces that lie on borders, found by one thread.
+std::vector<std::int32_t> find_borders(const Relaxation<GraphLabels>& relaxation, std::span<const std::int32_t> faces,
+                                       Job& job) {
+  constexpr std::size_t kAhead = 16;  // faces, for the memory to be there in time
+  // One spare, written to before it is known to be wanted.
+  const auto found = std::make_unique_for_overwrite<std::int32_t[]>(faces.size() + 1);
+  std::size_t out = 0;
+  for (std::size_t k = 0; k < faces.size(); ++k) {
+    if ((k & 0x3fff) == 0x3fff) job.poll();
+    if (k + kAhead < faces.size()) relaxation.fetch(faces[k + kAhead]);
+    found[out] = faces[k];
+    out += relaxation.on_border(faces[k]) ? 1 : 0;
+  }
+  return {found.get(), found.get() + out};
+}
+
+/// The steps from a hierarchy to regions, and what they hand on.
+class Optimiser {
+ public:
+  Optimiser(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts, const Threads& threads)
+      : graph_(surface.graph()), h_(hierarchy), parts_(parts), threads_(threads) {}
+
+  Regions run(Job& job) {
+    const std::int32_t wanted = parts_.regions();
+    {
+      Job::Part stage(job, "merging", 0.0, 0.4);
+      const auto surplus = static_cast<std::int32_t>(std::min<double>(kSurplus * wanted, h_.patches()));
+      patch_label_ = cut(h_, parts_, wanted, std::max(surplus, wanted), job);
+      const std::int32_t regions = 1 + *std::max_element(patch_label_.begin(), patch_label_.end());
+      relax_patches(h_.level.front(), patch_label_, regions, kPatchSweeps, threads_, job);
+      project(regions, job);
+    }
+    Job::Part stage(job, "relaxing", 0.4, 1.0);
+    Relaxation<GraphLabels> relaxation(graph_, {regions_.label.data()}, regions_.sum, border_weight(regions_.error()),
+                                       threads_);
+    for (const std::int32_t i : borders_among(relaxation, h_.patch_face, job)) relaxation.push(i);
+    relaxation.run(kFirstSweeps, job);
+    job.report(0.4);
+    const MergeGraph pairs = merge_to(wanted - lacking(), relaxation, job);
+    job.report(0.5);
+    relaxation.run(kLastSweeps, job);
+    job.report(0.9);
+    const Job::Part last(job, "relaxing", 0.9, 1.0);
+    Teleport teleport(graph_, parts_, regions_, std::move(part_), relaxation);
+    const bool filled = teleport.fill_up(job);
+    const double ratio = least_ratio(wanted);
+    if (filled || teleport.worth_trying(pairs, ratio)) teleport.run(kTries, ratio, job);
+    return std::move(regions_);
+  }
+
+ private:
+  /// From labels of patches to labels of faces.
+  void project(std::int32_t regions, Job& job) {
+    if (parts_.parts.size() > 1) {
+      part_.resize(static_cast<std::size_t>(regions));
+      for (std::int32_t p = 0; p < h_.patches(); ++p)
+        if (patch_label_[p] != kNone) part_[patch_label_[p]] = h_.level.front().part[p];
+    }
+    regions_.label.resize(graph_.faces.size());
+    threads_.run(graph_.size(), [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+      for (std::int32_t i = begin; i < end; ++i) {
+        if ((i & 0xffff) == 0) job.poll();
+        regions_.label[i] = patch_label_[h_.patch[i]];
+      }
+    });
+    regions_.label[graph_.size()] = kNone;
+    regions_.sum.resize(static_cast<std::size_t>(regions));
+    for (std::int32_t p = 0; p < h_.patches(); ++p) {
+      if ((p & 0xffff) == 0) job.poll();
+      if (patch_label_[p] != kNone) regions_.sum[patch_label_[p]].add(h_.patch_sum[p]);
+    }
+  }
+
+  /// Those of some faces that lie on borders, in the same order.
+  [[nodiscard]] std::vector<std::int32_t> borders_among(const Relaxation<GraphLabels>& relaxation,
+                                                        std::span<const std::int32_t> faces, Job& job) const {
+    const auto count = static_cast<std::int32_t>(faces.size());
+    const std::int32_t pieces = threads_.pieces(count);
+    std::vector<std::vector<std::int32_t>> found(static_cast<std::size_t>(pieces));
+    threads_.run(count, pieces, [&](std::int32_t piece, std::int32_t begin, std::int32_t end) {
+      found[piece] = find_borders(relaxation, faces.subspan(begin, static_cast<std::size_t>(end - begin)), job);
+    });
+    for (std::int32_t k = 1; k < pieces; ++k) found[0].insert(found[0].end(), found[k].begin(), found[k].end());
+    return std::move(found[0]);
+  }
+
+  /// Regions that components lack because they have too few patches; splitting will make up for them.
+  [[nodiscard]] std::int32_t lacking() const {
+    std::vector<std::int32_t> count(parts_.parts.size(), 0);
+    for (std::int32_t r = 0; r < regions_.count(); ++r) ++count[part_.empty() ? 0 : part_[r]];
+    std::int32_t sum = 0;
+    for (std::size_t c = 0; c < count.size(); ++c) sum += std::max(0, parts_.parts[c].need - count[c]);
+    return sum;
+  }
+
+  /// Merges regions to the number given. \return which of those left touch
+  MergeGraph merge_to(std::int32_t target, Relaxation<GraphLabels>& relaxation, Job& job) {
+    const std::vector<std::int32_t>& looked_at = relaxation.pushed();  // all border faces are among them
+    const MergeGraph touching =
+        graph_of_regions(graph_, regions_.label, regions_.sum.size(), part_, looked_at, threads_);
+    const std::vector<std::int32_t> merged = merge_greedily(touching, regions_.sum, needs(parts_), target, job);
+    threads_.run(graph_.size(), [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+      for (std::int32_t i = begin; i < end; ++i) {
+        if ((i & 0xffff) == 0) job.poll();
+        if (std::int32_t& r = regions_.label[i]; r != kNone) r = merged[r];
+      }
+    });
+    std::vector<RegionSum> sums(static_cast<std::size_t>(1 + *std::max_element(merged.begin(), merged.end())));
+    for (std::size_t r = 0; r < merged.size(); ++r) sums[merged[r]].add(regions_.sum[r]);
+    regions_.sum = std::move(sums);
+    if (!part_.empty()) {
+      for (std::size_t r = 0; r < part_.size(); ++r) part_[merged[r]] = part_[r];  // merged[r] is never above r
+      part_.resize(regions_.sum.size());
+    }
+    relaxation.refit();
+    for (const std::int32_t i : borders_among(relaxation, looked_at, job)) relaxation.push(i);
+    return contract(touching, merged, regions_.count(), threads_, job);
+  }
+
+  const FaceGraph& graph_;
+  const Hierarchy& h_;
+  const Parts& parts_;
+  const Threads& threads_;
+  std::vector<std::int32_t> patch_label_;
+  Regions regions_;
+  std::vector<std::int32_t> part_;  // component of each region; empty if there is one
+};
+
+}  // namespace
+
+Regions optimise(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts, const Threads& threads,
+                 Job& job) {
+  return Optimiser(surface, hierarchy, parts, threads).run(job);
+}
+
+}  // namespace isimp

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "hierarchy/hierarchy.h"
+#include "isimp/core/job.h"
+#include "isimp/core/threads.h"
+#include "isimp/partition/regions.h"
+#include "isimp/partition/surface.h"
+#include "parts.h"
+
+namespace isimp {
+
+/// Regions from the hierarchy, much better and faster than flooding from random seeds.
+///
+/// 1. Merge a coarse level greedily to half as many regions again as are wanted; carry that down to the patches and
+///    relax the borders there, patch by patch.
+/// 2. Carry it down to the faces and relax for a few sweeps; merge greedily to the number wanted, now from exact sums;
+///    relax until the borders rest.
+/// 3. Where merging can't give enough regions (few large smooth patches), split the worst; and as long as splitting the
+///    worst region gains more than merging the cheapest pair costs, do both (see teleport).
+/// Cost: O(F); about 40 ms for a million faces.
+Regions optimise(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts, const Threads& threads,
+                 Job& job);
+
+}  // namespace isimp

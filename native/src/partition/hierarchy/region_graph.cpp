@@ -1,0 +1,129 @@
+#include "hierarchy/region_graph.h"
+
+#include <algorithm>
+#include <bit>
+#include <numeric>
+
+namespace isimp {
+namespace {
+
+constexpr std::size_t kAhead = 8;          // faces, for the memory to be there in time
+constexpr std::size_t kBorderOfPair = 16;  // border faces for each pair of regions, if there are few
+
+using Pairs = std::vector<std::pair<std::int32_t, std::int32_t>>;
+
+/// A set of pairs of numbers below 2^31 that grows as it fills.
+class PairSet {
+ public:
+  /// \param room  pairs that are likely to come
+  explicit PairSet(std::size_t room) : slots_(std::bit_ceil(std::max<std::size_t>(2 * room, 1 << 10)), kEmpty) {}
+  void insert(std::int32_t u, std::int32_t v) {
+    const std::uint64_t key = static_cast<std::uint64_t>(u) << 32 | static_cast<std::uint32_t>(v);
+    std::size_t at = place(key);
+    while (slots_[at] != key) {
+      if (slots_[at] == kEmpty) {
+        slots_[at] = key;
+        if (2 * ++size_ > slots_.size()) grow();
+        return;
+      }
+      at = (at + 1) & (slots_.size() - 1);
+    }
+  }
+  template <class Visit>
+  void visit(Visit visit) const {
+    for (const std::uint64_t key : slots_)
+      if (key != kEmpty) visit(static_cast<std::int32_t>(key >> 32), static_cast<std::int32_t>(key & 0xffffffffU));
+  }
+
+ private:
+  static constexpr std::uint64_t kEmpty = ~std::uint64_t{0};
+  [[nodiscard]] std::size_t place(std::uint64_t key) const {
+    return (key * 0x9e3779b97f4a7c15U >> 32) & (slots_.size() - 1);
+  }
+  void grow() {
+    std::vector<std::uint64_t> old(2 * slots_.size(), kEmpty);
+    old.swap(slots_);
+    for (const std::uint64_t key : old) {
+      if (key == kEmpty) continue;
+      std::size_t at = place(key);
+      while (slots_[at] != kEmpty) at = (at + 1) & (slots_.size() - 1);
+      slots_[at] = key;
+    }
+  }
+  std::vector<std::uint64_t> slots_;
+  std::size_t size_ = 0;
+};
+
+void insert_pairs(const FaceGraph& graph, const std::vector<std::int32_t>& label, std::span<const std::int32_t> faces,
+                  PairSet& pairs) {
+  std::pair<std::int32_t, std::int32_t> last(kNone, kNone);  // along a border the same pair comes many times
+  const std::size_t size = faces.size();
+  for (std::size_t k = 0; k < size; ++k) {
+    if (k + kAhead < size) __builtin_prefetch(&graph.neighbours[faces[k + kAhead]]);
+    const std::int32_t own = label[faces[k]];
+    if (own == kNone) continue;
+    for (const std::int32_t j : graph.neighbours[faces[k]]) {
+      const std::int32_t other = label[j];
+      if (other <= own || last == std::pair(own, other)) continue;  // the face beyond sees the others
+      last = {own, other};
+      pairs.insert(own, other);
+    }
+  }
+}
+
+/// Sorts by counting, first by the one number and then by the other, unless there are too few pairs for that.
+void sort_pairs(Pairs& pairs) {
+  std::int32_t most = 0;
+  for (const auto& [u, unused] : pairs) most = std::max(most, u);  // each pair stands there in both directions
+  if (static_cast<std::size_t>(most) > 4 * pairs.size()) {
+    std::sort(pairs.begin(), pairs.end());
+    return;
+  }
+  std::vector<std::int32_t> first(static_cast<std::size_t>(most) + 2, 0);
+  for (const auto& [u, unused] : pairs) ++first[u + 1];
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  Pairs by_second(pairs.size());
+  std::vector<std::int32_t> next = first;
+  for (const auto& pair : pairs) by_second[next[pair.second]++] = pair;
+  for (const auto& pair : by_second) pairs[first[pair.first]++] = pair;
+}
+
+}  // namespace
+
+std::vector<std::pair<std::int32_t, std::int32_t>> neighbouring_regions(const FaceGraph& graph,
+                                                                        const std::vector<std::int32_t>& label,
+                                                                        std::span<const std::int32_t> faces,
+                                                                        const Threads& threads) {
+  const auto size = static_cast<std::int32_t>(faces.size());
+  const std::int32_t pieces = threads.pieces(size);
+  std::vector<PairSet> found(static_cast<std::size_t>(pieces), PairSet(faces.size() / kBorderOfPair / pieces));
+  threads.run(size, [&](std::int32_t piece, std::int32_t begin, std::int32_t end) {
+    insert_pairs(graph, label, faces.subspan(begin, static_cast<std::size_t>(end - begin)), found[piece]);
+  });
+  for (std::size_t k = 1; k < found.size(); ++k)
+    found[k].visit([&](std::int32_t u, std::int32_t v) { found[0].insert(u, v); });
+  Pairs result;
+  found[0].visit([&](std::int32_t u, std::int32_t v) {
+    result.emplace_back(u, v);
+    result.emplace_back(v, u);
+  });
+  sort_pairs(result);
+  return result;
+}
+
+MergeGraph graph_of_regions(const FaceGraph& graph, const std::vector<std::int32_t>& label, std::size_t regions,
+                            std::vector<std::int32_t> part, std::span<const std::int32_t> faces,
+                            const Threads& threads) {
+  MergeGraph result;
+  result.part = std::move(part);
+  result.sum.resize(regions);
+  result.first.assign(regions + 1, 0);
+  for (const auto& [u, v] : neighbouring_regions(graph, label, faces, threads)) {
+    ++result.first[u + 1];
+    result.neighbour.push_back(v);
+  }
+  for (std::size_t u = 0; u < regions; ++u) result.first[u + 1] += result.first[u];
+  return result;
+}
+
+}  // namespace isimp

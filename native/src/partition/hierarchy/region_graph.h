@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "hierarchy/contraction.h"
+#include "isimp/mesh/face_graph.h"
+
+namespace isimp {
+
+/// The pairs (u, v) of regions that share an edge, in both directions, in rising order.
+/// \param label  (n + 1) by graph index, kNone for the sentinel
+/// \param faces  among which all border faces are
+std::vector<std::pair<std::int32_t, std::int32_t>> neighbouring_regions(const FaceGraph& graph,
+                                                                        const std::vector<std::int32_t>& label,
+                                                                        std::span<const std::int32_t> faces,
+                                                                        const Threads& threads = Threads(1));
+
+/// The same as a graph for merging, its sums left empty. \param part  (R) component of each; may be empty
+MergeGraph graph_of_regions(const FaceGraph& graph, const std::vector<std::int32_t>& label, std::size_t regions,
+                            std::vector<std::int32_t> part, std::span<const std::int32_t> faces,
+                            const Threads& threads = Threads(1));
+
+}  // namespace isimp

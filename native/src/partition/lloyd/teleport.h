@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "borders/relax.h"
+#include "hierarchy/contraction.h"
+#include "isimp/core/job.h"
+#include "isimp/mesh/face_graph.h"
+#include "isimp/partition/regions.h"
+#include "parts.h"
+
+namespace isimp {
+
+/// Moves that leave local minima: a region is taken where it is worth little and put where it is worth much.
+class Teleport {
+ public:
+  /// \param part        (R) component of each region; empty if there is one
+  /// \param relaxation  over the same regions; its pushed faces must hold all border faces
+  Teleport(const FaceGraph& graph, const Parts& parts, Regions& regions, std::vector<std::int32_t> part,
+           Relaxation<GraphLabels>& relaxation);
+
+  /// Splits the worst regions until every component has its need and there are parts.regions() in all.
+  /// \return whether any had to be split
+  bool fill_up(Job& job);
+
+  /// Whether `run` could do anything, as far as can be told from which regions touched a while ago: cheap, and where
+  /// nothing is far out of line it saves `run` from finding out.
+  [[nodiscard]] bool worth_trying(const MergeGraph& pairs, double least_ratio) const;
+
+  /// Merges the cheapest neighbouring pair and splits the region that gains most by it, as long as that lowers the
+  /// error; then the borders of both are relaxed.
+  ///
+  /// Regions are tried in the order of their error, the most a split can gain.
+  /// \param tries  a round ends after this many regions in a row that were not worth it
+  /// Regions much worse than the usual are also parted anew from each of their neighbours.
+  /// \param least_ratio  nothing is tried whose error is below this many times the price of the merge that pays for it
+  /// \return moves made
+  /// Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.5 (region teleportation).
+  int run(int tries, double least_ratio, Job& job);
+
+ private:
+  struct Pair {
+    double cost;
+    std::int32_t u, v;
+  };
+  [[nodiscard]] std::vector<Pair> cheapest_pairs() const;
+  [[nodiscard]] std::vector<std::int32_t> worst_regions() const;
+  [[nodiscard]] double renewal_bound(const std::vector<std::int32_t>& worst, double least_ratio) const;
+  int round(int tries, double least_ratio, Job& job);
+  int renew(int tries, double least_ratio, Job& job);
+  bool part_anew(std::int32_t region, std::int32_t other, Job& job);
+  bool move(const Pair& pair, std::int32_t region, double price, Job& job);
+  double split(std::int32_t region, std::int32_t fresh, Job& job);
+  void undo_split(std::int32_t region);
+  void accept_split(std::int32_t region, std::int32_t fresh);
+  void merge(std::int32_t into, std::int32_t from, Job& job);
+  std::int32_t part_of(std::int32_t region) const { return part_.empty() ? 0 : part_[region]; }
+  std::int32_t face_of(std::int32_t region, Job& job);
+  void push_borders(std::span<const std::int32_t> faces);
+
+  const FaceGraph& graph_;
+  const Parts& parts_;
+  Regions& regions_;
+  GraphLabels labels_;
+  std::vector<std::int32_t> part_, count_;  // component of each region; regions of each component
+  Relaxation<GraphLabels>& relaxation_;
+  std::vector<std::int32_t> some_face_;  // (R) a face that was of each region when last looked at
+  std::vector<std::int32_t> faces_;      // of the region that was split last
+  RegionSum halves_[2];
+  struct Tried {
+    double error = -1;  // of the region when it was tried; it need not be tried again while that holds
+    double gain = 0;
+    double renewed = -1;  // its error when it was parted anew from all its neighbours in vain
+  };
+  std::vector<Tried> tried_;
+  std::int64_t renewal_work_ = 0;  // faces that renew() may still touch
+};
+
+}  // namespace isimp

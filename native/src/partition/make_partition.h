@@ -1,0 +1,23 @@
+#pragma once
+
+#include <vector>
+
+#include "isimp/core/job.h"
+#include "isimp/core/threads.h"
+#include "isimp/partition/partition.h"
+#include "isimp/partition/regions.h"
+#include "isimp/partition/surface.h"
+#include "parts.h"
+
+/// What every way of finding regions ends with.
+namespace isimp {
+
+/// What callers get: by face of the mesh and in scene units.
+/// \param history  errors as shares of the whole surface's area
+Partition make_partition(const Surface& surface, const Parts& parts, const Regions& regions,
+                         std::vector<double> history, const Threads& threads, Job& job);
+
+/// Measures the error from the normals there are, which with a bound need not be the mean ones.
+void restate_error(const FaceGraph& graph, Partition& part);
+
+}  // namespace isimp
