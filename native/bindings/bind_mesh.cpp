@@ -38,19 +38,6 @@ py::dict report_of(const MeshReport& report) {
   return all;
 }
 
-void bind_options(py::module_& m) {
-  OptionsClass<CleanOptions>(m, "CleanOptions", "How to repair a mesh. All fields are keywords.")
-      .field("weld", &CleanOptions::weld,
-             "Border vertices at most this far apart may become one; scene units; 0: bit-equal places only.")
-      .field("fill_holes", &CleanOptions::fill_holes,
-             "Borders at most this long round are closed; scene units; 0: none.")
-      .field("cut_handles", &CleanOptions::cut_handles,
-             "Handles and tunnels with a loop at most this long go; scene units; 0: none.")
-      .field("threads", &CleanOptions::threads,
-             "How many threads work on it; 0: as many as there are cores; the result does not depend on it.")
-      .finish();
-}
-
 std::shared_ptr<KeptMesh> make_mesh(const py::object& vertices, const py::object& triangles, Job* job,
                                     std::int32_t threads) {
   if (threads < 0) throw InvalidInput("threads must be at least 0, got " + std::to_string(threads));
@@ -116,7 +103,7 @@ the keys that end so, else faces; both are empty after Mesh(...).)")
 }  // namespace
 
 void bind_mesh(py::module_& m) {
-  bind_options(m);
+  OptionsClass<CleanOptions>(m, "CleanOptions", "How to repair a mesh. All fields are keywords.");
   bind_class(m);
   m.def("clean", &clean_mesh, "vertices"_a, "triangles"_a, "options"_a = CleanOptions(), "job"_a = py::none(),
         R"(Make a sound Mesh of any triangles: what scanners, STL files and texture seams leave behind.

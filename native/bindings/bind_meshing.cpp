@@ -12,31 +12,6 @@ using namespace py::literals;
 
 namespace {
 
-void bind_options(py::module_& m) {
-  using Options = MeshingOptions;
-  OptionsClass<Options>(m, "MeshingOptions", "How to make polygons of regions. All fields are keywords.")
-      .field("chord_tolerance", &Options::chord_tolerance,
-             "A boundary is subdivided where it leaves its chord by more than this times sqrt(area / regions).")
-      .field("chord_area", &Options::chord_area,
-             "The chords of a region may leave out or add at most this share of its area, so that small regions keep "
-             "their shape.")
-      .field("reach", &Options::reach,
-             "No corner is moved further than this share of the diagonal from the scan's vertex it stands for.")
-      .field("flatten", &Options::flatten, "Rounds of planes and corners in turn; 0 leaves the first placement.")
-      .field("flatness_from", &Options::flatness_from,
-             "With fewer regions than this there is no bound on flatness: they are bent themselves.")
-      .field("flatness", &Options::flatness,
-             "Polygons bent by more than this share of the diagonal are split; no bound at 0.")
-      .field(
-          "repair_budget", &Options::repair_budget,
-          "Splits and diagonals that the repair may make, as a share of the polygons before; those that turn out not "
-          "to be needed are taken back.")
-      .field("threads", &Options::threads,
-             "How many threads may work, at most 256 or as many as there are cores; 0: as many as there are cores. The "
-             "result does not depend on it.")
-      .finish();
-}
-
 const char* name_of(Flaw flaw) {
   switch (flaw) {
     case Flaw::crossing:
@@ -116,7 +91,7 @@ the last two, other (the polygon it meets; each pair is listed under both; none 
 }  // namespace
 
 void bind_meshing(py::module_& m) {
-  bind_options(m);
+  OptionsClass<MeshingOptions>(m, "MeshingOptions", "How to make polygons of regions. All fields are keywords.");
   bind_result(m);
   m.def(
       "polygonize",

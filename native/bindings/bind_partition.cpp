@@ -20,69 +20,6 @@ namespace {
 
 constexpr int kNoiseForBound = 4;  // deviations; a bound below that makes regions of noise
 
-void bind_options(py::module_& m) {
-  using Options = PartitionOptions;
-  OptionsClass<Options>(m, "PartitionOptions", "How to split a surface into regions. All fields are keywords.")
-      .field("proxies", &Options::proxies,
-             "So many regions, from 1 to the number of faces; at most one of this, detail, tolerance and bound.")
-      .field("detail", &Options::detail,
-             "As many regions as the surface shows at a tolerance of this share of its size, in (0, 1]; 0.02, 0.01, "
-             "0.005, 0.0025 and 0.00125 are from very coarse to very fine. 0.005 if nothing says how many.")
-      .field("tolerance", &Options::tolerance,
-             "The same with the tolerance in scene units, above 0: about the mean distance of the surface from the "
-             "planes of its regions.")
-      .field("bound", &Options::bound,
-             "As few regions as there may be with each vertex this near to its region's plane, scene units, above 0; "
-             "by method 'hierarchy'.")
-      .field("noise", &Options::noise,
-             "Standard deviation of the scan's noise, scene units, below 3.5 of which no tolerance counts; None: "
-             "estimated. 0 for what was drawn and not scanned.")
-      .field("snap", &Options::snap,
-             "Where the surface clearly is made of so many planes, take that number; with detail and tolerance.")
-      .field("adaptivity", &Options::adaptivity,
-             "How much denser regions get where the surface is rough, in [0, 1]; 0.25 is good for figures, 0 for "
-             "buildings and drawn models.")
-      .field("leave_out", &Options::leave_out,
-             "Components each below this share of the whole area are left out, smallest first, while all of them "
-             "together stay below ten times it; in [0, 1), 0 keeps everything.")
-      .field("seed", &Options::seed, "The number that starts the random seeding.")
-      .field("iterations", &Options::iterations, "Upper bound on flood-and-fit rounds, at least 1.")
-      .choice(
-          "seeding", &Options::seeding,
-          {{"random", Seeding::random}, {"farthest", Seeding::farthest}, {"hierarchical", Seeding::hierarchical}},
-          "Where 'lloyd' and 'teleport' put the first proxies: 'random', distinct faces drawn by `seed`; 'farthest', "
-          "each the face whose normal and place are farthest from all before; 'hierarchical', the faces nearest to "
-          "the regions that 'hierarchy' gives.")
-      .choice(
-          "method", &Options::method,
-          {{"lloyd", Method::lloyd},
-           {"hierarchy", Method::hierarchy},
-           {"teleport", Method::teleport},
-           {"naive", Method::naive},
-           {"queued", Method::queued},
-           {"hybrid", Method::hybrid}},
-          "How the regions are found: 'hierarchy', merging of a hierarchy of patches, then relaxation of the "
-          "borders, the best and the fastest; 'lloyd', flooding and fitting in turn, the 2004 paper's and the "
-          "thesis's own; 'teleport', that, then merging the cheapest pair and splitting the worst region until it "
-          "no longer helps; 'naive' and 'queued', as 'lloyd' but all faces, or all of a queue, flooded at once, for "
-          "many processors: the thesis's data-parallel floodings; 'hybrid', 'lloyd' on a decimated mesh, carried back.")
-      .field("threads", &Options::threads,
-             "How many threads may work, at most 256 or as many as there are cores; 0: as many as there are cores. The "
-             "result does not depend on it.")
-      .field("backend", &Options::backend,
-             "Where 'naive' and 'queued' run: one of backends(), 'cpu' among them. Same labels on all.")
-      .field("nearest", &Options::nearest, "How many of the nearest regions a face looks at in 'naive', from 1 to 32.")
-      .choice("search", &Options::search, {{"grid", parallel::Search::grid}, {"brute", parallel::Search::brute}},
-              "How 'naive' finds them: by a 'grid', or by looking at all regions, 'brute', as the thesis has it.")
-      .choice(
-          "connect", &Options::connect, {{"repair", Connect::repair}, {"flood", Connect::flood}},
-          "How the regions of 'naive' and 'queued' become connected at the end: 'repair', the largest piece of each "
-          "grows over the others; 'flood', one sequential round, as the thesis has it, which loses more. Of "
-          "'hybrid' 'flood' is the thesis's, and 'repair' takes the default method and relaxed borders.")
-      .field("fraction", &Options::fraction, "Of the faces what 'hybrid' keeps when it decimates, in (0, 1].")
-      .finish();
-}
-
 py::object given_or_none(bool given, double value) { return given ? py::object(py::float_(value)) : py::none(); }
 
 bool is_bounded(const Partition& part) { return part.bound > 0; }
@@ -170,7 +107,8 @@ Guides read_guides(const std::optional<py::object>& weights, const std::optional
 }  // namespace
 
 void bind_partition(py::module_& m) {
-  bind_options(m);
+  OptionsClass<PartitionOptions>(m, "PartitionOptions",
+                                 "How to split a surface into regions. All fields are keywords.");
   bind_result(m);
   m.def(
       "partition",

@@ -8,15 +8,18 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "isimp/core/options.h"
 #include "made.h"
 
 namespace isimp::bindings {
 
 namespace py = pybind11;
+using namespace py::literals;
 
 /// A Python value as an option's type; `name` ("PartitionOptions.proxies") is for the message.
 /// \throws InvalidInput  another type than wanted, or out of that type's range
@@ -40,58 +43,98 @@ T to_option(py::handle value, const std::string& name) {
     return to_text(value, name);
 }
 
+template <class T>
+inline constexpr bool is_optional = false;
+template <class T>
+inline constexpr bool is_optional<std::optional<T>> = true;
+
+/// As Python and the stubs have it.
+template <class T>
+std::string type_name() {
+  if constexpr (is_optional<T>)
+    return type_name<typename T::value_type>() + " | None";
+  else if constexpr (std::is_same_v<T, bool>)
+    return "bool";
+  else if constexpr (std::is_integral_v<T>)
+    return "int";
+  else if constexpr (std::is_floating_point_v<T>)
+    return "float";
+  else
+    return "str";
+}
+
 /// \throws InvalidInput  the message lists the names
 std::size_t to_choice(py::handle value, const std::string& name, const std::vector<std::string>& names);
 
-/// Makes a Python class of a struct of options: keyword construction, fields that can be read and set, repr, equality,
-/// copy and pickle. Defaults are the struct's own, so they are written down once.
+/// Makes a Python class of a struct of options from the table of its fields: keyword construction, fields that can be
+/// read and set, repr, equality, copy and pickle, and the table itself. Defaults are the struct's own.
 template <class Options>
 class OptionsClass {
  public:
   OptionsClass(py::module_& m, const char* name, const char* doc)
-      : name_(name), fields_(std::make_shared<Fields>()), class_(m, name, py::module_local(), doc) {}
-
-  template <class T>
-  OptionsClass& field(const char* name, T Options::*member, const char* doc) {
-    return add(
-        name, [member](const Options& options) -> py::object { return py::cast(options.*member); },
-        [member](Options& options, py::handle value, const std::string& full) {
-          options.*member = to_option<T>(value, full);
-        },
-        doc);
+      : name_(name), fields_(std::make_shared<Fields>()), class_(m, name, py::module_local(), doc) {
+    std::apply([&](const auto&... all) { (add(all), ...); }, isimp::fields(static_cast<const Options*>(nullptr)));
+    finish();
   }
 
-  /// A field that may also be None.
+ private:
+  struct Slot {
+    std::string name;
+    std::function<py::object(const Options&)> get;
+    std::function<void(Options&, py::handle, const std::string&)> set;
+    std::function<py::dict()> about;
+  };
+  using Fields = std::vector<Slot>;
+
   template <class T>
-  OptionsClass& field(const char* name, std::optional<T> Options::*member, const char* doc) {
-    return add(
-        name,
-        [member](const Options& options) -> py::object {
-          return options.*member ? py::object(py::cast(*(options.*member))) : py::object(py::none());
-        },
-        [member](Options& options, py::handle value, const std::string& full) {
-          options.*member = value.is_none() ? std::nullopt : std::optional<T>(to_option<T>(value, full));
-        },
-        doc);
+  void add(const Field<Options, T>& f) {
+    const auto member = f.member;
+    const auto about = [f] {
+      py::dict facts("name"_a = f.name, "type"_a = type_name<T>(), "about"_a = f.about);
+      if (f.range.low > -std::numeric_limits<double>::infinity()) facts["least"] = f.range.low;
+      if (f.range.high < std::numeric_limits<double>::infinity()) facts["most"] = f.range.high;
+      facts["range"] = f.range.low > -std::numeric_limits<double>::infinity() ? words(f.range, f.unit) : std::string();
+      facts["unit"] = f.unit == Unit::length ? "length" : "";
+      return facts;
+    };
+    if constexpr (is_optional<T>) {
+      using Value = typename T::value_type;
+      push(
+          f.name, f.about,
+          [member](const Options& o) {
+            return o.*member ? py::object(py::cast(*(o.*member))) : py::object(py::none());
+          },
+          [member](Options& o, py::handle value, const std::string& full) {
+            o.*member = value.is_none() ? std::nullopt : std::optional<Value>(to_option<Value>(value, full));
+          },
+          about);
+    } else {
+      push(
+          f.name, f.about, [member](const Options& o) -> py::object { return py::cast(o.*member); },
+          [member](Options& o, py::handle value, const std::string& full) { o.*member = to_option<T>(value, full); },
+          about);
+    }
   }
 
   /// An enumeration, by names in Python.
-  template <class Enum>
-  OptionsClass& choice(const char* name, Enum Options::*member, std::vector<std::pair<std::string, Enum>> choices,
-                       const char* doc) {
+  template <class Enum, std::size_t N>
+  void add(const Choice<Options, Enum, N>& c) {
     std::vector<std::string> names;
-    for (const auto& [text, value] : choices) names.push_back(text);
-    return add(
-        name,
-        [member, choices](const Options& options) -> py::object {
-          for (const auto& [text, value] : choices)
-            if (value == options.*member) return py::str(text);
+    for (const auto& value : c.values) names.emplace_back(value.name);
+    const auto about = [c, names] {
+      return py::dict("name"_a = c.name, "type"_a = "str", "about"_a = c.about, "choices"_a = names);
+    };
+    push(
+        c.name, c.about,
+        [c](const Options& o) -> py::object {
+          for (const auto& value : c.values)
+            if (value.value == o.*(c.member)) return py::str(value.name);
           return py::none();
         },
-        [member, choices, names](Options& options, py::handle value, const std::string& full) {
-          options.*member = choices[to_choice(value, full, names)].second;
+        [c, names](Options& o, py::handle value, const std::string& full) {
+          o.*(c.member) = c.values[to_choice(value, full, names)].value;
         },
-        doc);
+        about);
   }
 
   void finish() {
@@ -105,10 +148,23 @@ class OptionsClass {
     class_.def(py::init([make](const py::kwargs& values) { return make(values); }))
         .def(
             "as_dict", [fields](const Options& options) { return dict(*fields, options); }, "The fields by name.")
+        .def_static(
+            "fields",
+            [fields] {
+              py::list all;
+              for (const Slot& field : *fields) {
+                py::dict facts = field.about();
+                facts["default"] = field.get(Options());
+                all.append(facts);
+              }
+              return all;
+            },
+            "The table of the fields, in order: dicts of name, type, default, about, and of numbers least and most "
+            "(where there is one), range (in words) and unit ('length': scene units), of names choices.")
         .def("__repr__",
              [fields, name](const Options& options) {
                std::string text;
-               for (const auto& field : *fields)
+               for (const Slot& field : *fields)
                  text += (text.empty() ? "" : ", ") + field.name + "=" + std::string(py::repr(field.get(options)));
                return name + "(" + text + ")";
              })
@@ -120,32 +176,26 @@ class OptionsClass {
         .def(py::pickle([fields](const Options& options) { return dict(*fields, options); }, make));
   }
 
- private:
-  struct Field {
-    std::string name;
-    std::function<py::object(const Options&)> get;
-    std::function<void(Options&, py::handle, const std::string&)> set;
-  };
-  using Fields = std::vector<Field>;
-
-  template <class Get, class Set>
-  OptionsClass& add(const char* name, Get get, Set set, const char* doc) {
+  template <class Get, class Set, class About>
+  void push(const char* name, std::string doc, Get get, Set set, About about) {
     const std::string full = name_ + "." + name;
+    const py::dict facts = about();
+    if (facts.contains("range") && py::len(facts["range"]) > 0)
+      doc += " Must be " + facts["range"].template cast<std::string>() + ".";
     class_.def_property(
-        name, get, [set, full](Options& options, const py::object& value) { set(options, value, full); }, doc);
-    fields_->push_back({name, get, set});
-    return *this;
+        name, get, [set, full](Options& options, const py::object& value) { set(options, value, full); }, doc.c_str());
+    fields_->push_back({name, get, set, about});
   }
 
   static py::dict dict(const Fields& fields, const Options& options) {
     py::dict values;
-    for (const Field& field : fields) values[py::str(field.name)] = field.get(options);
+    for (const Slot& field : fields) values[py::str(field.name)] = field.get(options);
     return values;
   }
 
   static void set(const Fields& fields, Options& options, const std::string& owner, py::handle name, py::handle value) {
     std::string known;
-    for (const Field& field : fields) {
+    for (const Slot& field : fields) {
       if (name.equal(py::str(field.name))) return field.set(options, value, owner + "." + field.name);
       known += (known.empty() ? "" : ", ") + field.name;
     }

@@ -1,5 +1,5 @@
 from os import PathLike
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,8 +50,15 @@ class CleanOptions:
     cut_handles: float
     threads: int
     def __init__(
-        self, *, weld: float = ..., fill_holes: float = ..., cut_handles: float = ..., threads: int = ...
+        self,
+        *,
+        weld: float = ...,
+        fill_holes: float = ...,
+        cut_handles: float = ...,
+        threads: int = ...,
     ) -> None: ...
+    @staticmethod
+    def fields() -> list[dict[str, Any]]: ...
     def as_dict(self) -> dict[str, Any]: ...
 
 def clean(
@@ -72,13 +79,13 @@ class PartitionOptions:
     leave_out: float
     seed: int
     iterations: int
-    seeding: Literal["random", "farthest", "hierarchical"]
-    method: Literal["hierarchy", "lloyd", "teleport", "naive", "queued", "hybrid"]
+    seeding: str
+    method: str
     threads: int
     backend: str
     nearest: int
-    search: Literal["grid", "brute"]
-    connect: Literal["repair", "flood"]
+    search: str
+    connect: str
     fraction: float
     def __init__(
         self,
@@ -93,15 +100,17 @@ class PartitionOptions:
         leave_out: float = ...,
         seed: int = ...,
         iterations: int = ...,
-        seeding: Literal["random", "farthest", "hierarchical"] = ...,
-        method: Literal["hierarchy", "lloyd", "teleport", "naive", "queued", "hybrid"] = ...,
+        seeding: str = ...,
+        method: str = ...,
         threads: int = ...,
         backend: str = ...,
         nearest: int = ...,
-        search: Literal["grid", "brute"] = ...,
-        connect: Literal["repair", "flood"] = ...,
+        search: str = ...,
+        connect: str = ...,
         fraction: float = ...,
     ) -> None: ...
+    @staticmethod
+    def fields() -> list[dict[str, Any]]: ...
     def as_dict(self) -> dict[str, Any]: ...
 
 class Partition:
@@ -210,6 +219,8 @@ class MeshingOptions:
         repair_budget: float = ...,
         threads: int = ...,
     ) -> None: ...
+    @staticmethod
+    def fields() -> list[dict[str, Any]]: ...
     def as_dict(self) -> dict[str, Any]: ...
 
 class PolygonMesh:

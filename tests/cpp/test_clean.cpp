@@ -356,7 +356,7 @@ TEST(Clean, NamesWhatCannotBeUsed) {
   a = {{{0, 0, 0}, {1, 0, 0}, {0, std::numeric_limits<double>::infinity(), 0}}, {{0, 1, 2}, {0, 0, 1}}};
   EXPECT_EQ(message_of(a),
             "no usable face is left: of 2 faces 1 have a corner that is not finite and 1 name a vertex twice");
-  EXPECT_EQ(message_of(shapes::cube(), -1), "weld is a length, at least 0, got -1.000000");
+  EXPECT_EQ(message_of(shapes::cube(), -1), "weld must be a finite length, at least 0, got -1");
 }
 
 TEST(Clean, StopsWhenCancelledButReportsBadInputFirst) {

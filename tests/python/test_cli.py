@@ -162,7 +162,7 @@ def test_what_covers_a_hole_is_counted_and_takes_no_label(tmp_path):
     assert set(values) == set(range(6))
     assert "covered" in isimp("info", tmp_path / "a.obj", "--fill-holes=10").stdout
     refused = isimp("info", tmp_path / "a.obj", "--fill-holes=-1")
-    assert "fill_holes is a length, at least 0" in refused.stderr
+    assert "fill_holes must be a length, at least 0" in refused.stderr
 
 
 def test_a_speck_has_no_label(tmp_path):

@@ -1,6 +1,7 @@
 """The engine's objects as Python treats any: copied, pickled, sent to other processes, made without __init__."""
 
 import copy
+import inspect
 import multiprocessing
 import pickle
 
@@ -96,6 +97,8 @@ def test_an_object_that_was_never_made_raises(kind):
 
     for empty in (kind.__new__(kind), Own.__new__(Own)):
         for name in members(kind):
+            if isinstance(inspect.getattr_static(kind, name), staticmethod):
+                continue  # asks of no object
             with pytest.raises(TypeError, match="never made"):
                 ask(empty, name)
         with pytest.raises(TypeError, match="never made"):

@@ -11,8 +11,8 @@ import isimp_engine as engine
 from headers import enumerators, struct_fields
 
 CLASSES = {
-    engine.PartitionOptions: "partition/partition.h",
-    engine.MeshingOptions: "meshing/polygonize.h",
+    engine.PartitionOptions: "partition/options.h",
+    engine.MeshingOptions: "meshing/options.h",
     engine.CleanOptions: "mesh/clean.h",
 }
 
@@ -80,7 +80,7 @@ def test_an_unknown_name_lists_the_known_ones(name):
 
 @pytest.mark.parametrize(("name", "enum"), [("method", "Method"), ("seeding", "Seeding")])
 def test_every_enumerator_of_the_header_has_its_name(name, enum):
-    names = enumerators("partition/partition.h", enum)
+    names = enumerators("partition/options.h", enum)
     assert len(names) >= 2
     for value in names:
         assert getattr(engine.PartitionOptions(**{name: value}), name) == value
@@ -129,3 +129,31 @@ def test_a_number_field_takes_numbers_only(bad):
 def test_a_text_field_takes_text_only():
     with pytest.raises(engine.InvalidInput, match=r"^PartitionOptions.backend must be a string, got 3"):
         engine.PartitionOptions(backend=3)
+
+
+@pytest.mark.parametrize("kind", CLASSES)
+def test_the_table_says_of_each_field_what_it_takes_and_the_engine_keeps_to_it(kind, cube):
+    def use(**values):
+        options = kind(**values)
+        if kind is engine.CleanOptions:
+            return engine.clean(cube.vertices, cube.triangles, options)
+        part = engine.partition(
+            cube, options if kind is engine.PartitionOptions else engine.PartitionOptions(proxies=6)
+        )
+        return part if kind is engine.PartitionOptions else engine.polygonize(cube, part, options)
+
+    assert [field["name"] for field in kind.fields()] == list(kind().as_dict())
+    for field in kind.fields():
+        name = field["name"]
+        assert field["default"] == getattr(kind(), name)
+        assert field["about"].endswith(".")
+        assert getattr(kind, name).__doc__.startswith(field["about"])
+        if "choices" in field:
+            assert field["default"] in field["choices"]
+            continue
+        step = 1 if "int" in field["type"] else 0.5
+        for end, outside in (("least", -step), ("most", step)):
+            if end not in field or (field["range"] == "" or name == "seed"):  # seeds are held by their type
+                continue
+            with pytest.raises(engine.InvalidInput, match=rf"^{name} must be "):
+                use(**{name: type(step)(field[end] + outside)})

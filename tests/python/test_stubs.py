@@ -1,6 +1,7 @@
 """The typed stub has the compiled module's names, members and parameters, and all of these are documented."""
 
 import ast
+import importlib.util
 import re
 from pathlib import Path
 
@@ -9,7 +10,8 @@ import pytest
 import isimp_engine as engine
 from isimp_engine import _core
 
-STUB = ast.parse((Path(__file__).resolve().parents[2] / "python/isimp_engine/_core.pyi").read_text())
+ROOT = Path(__file__).resolve().parents[2]
+STUB = ast.parse((ROOT / "python/isimp_engine/_core.pyi").read_text())
 CLASSES = [node for node in STUB.body if isinstance(node, ast.ClassDef)]
 FUNCTIONS = [node for node in STUB.body if isinstance(node, ast.FunctionDef)]
 
@@ -45,3 +47,11 @@ def test_a_function_of_the_stub_has_the_parameters_of_the_real_one(node):
     assert names == [argument.arg for argument in node.args.args]
     assert signature.count(" = ") >= len(node.args.defaults)
     assert any(text)
+
+
+def test_the_classes_of_options_are_as_the_table_of_fields_has_them():
+    spec = importlib.util.spec_from_file_location("generate_stubs", ROOT / "scripts" / "generate_stubs.py")
+    generate = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(generate)
+    text = (ROOT / "python/isimp_engine/_core.pyi").read_text()
+    assert generate.with_classes(text) == text, "run scripts/generate_stubs.py"

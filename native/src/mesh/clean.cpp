@@ -15,12 +15,7 @@ namespace {
 
 void check(std::size_t vertices, const std::vector<Triangle>& triangles, const CleanOptions& options,
            const Threads& threads) {
-  if (!(options.weld >= 0) || !std::isfinite(options.weld))
-    throw InvalidInput("weld is a length, at least 0, got " + std::to_string(options.weld));
-  for (const auto& [name, length] : {std::pair{"fill_holes", options.fill_holes}, {"cut_handles", options.cut_handles}})
-    if (!(length >= 0))
-      throw InvalidInput(std::string(name) + " is a length, at least 0, got " + std::to_string(length));
-  if (options.threads < 0) throw InvalidInput("threads must be at least 0, got " + std::to_string(options.threads));
+  check_fields(options);
   if (triangles.empty()) throw InvalidInput("the mesh has no faces");
   const auto most = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
   if (triangles.size() > most / 3 || vertices > most)

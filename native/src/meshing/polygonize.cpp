@@ -4,11 +4,11 @@
 #include <cmath>
 #include <map>
 #include <span>
-#include <sstream>
 #include <string>
 #include <utility>
 
 #include "isimp/core/errors.h"
+#include "isimp/core/options.h"
 #include "judge.h"
 #include "repair.h"
 #include "state.h"
@@ -19,18 +19,7 @@ namespace {
 using namespace meshing;
 
 void check(const Mesh& mesh, const Partition& partition, const MeshingOptions& options) {
-  const auto range = [](double x, double low, double high, const char* name) {
-    if (!(x >= low && x <= high))
-      throw InvalidInput(
-          (std::ostringstream() << name << " must be in [" << low << ", " << high << "], got " << x).str());
-  };
-  range(options.chord_tolerance, 0, 100, "chord_tolerance");
-  range(options.reach, 0, 1, "reach");
-  range(options.flatten, 0, 10000, "flatten");
-  range(options.flatness, 0, 100, "flatness");
-  range(options.chord_area, 0, 100, "chord_area");
-  range(options.repair_budget, 0, 1000, "repair_budget");
-  if (options.threads < 0) throw InvalidInput("threads must be at least 0, got " + std::to_string(options.threads));
+  check_fields(options);
   if (partition.face_region.size() != static_cast<std::size_t>(mesh.face_count()))
     throw InvalidInput("the partition has labels for " + std::to_string(partition.face_region.size()) +
                        " faces, but the mesh has " + std::to_string(mesh.face_count()));

@@ -6,7 +6,7 @@ Ctrl-C, with nothing half-written.
 
 import argparse
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,27 +17,8 @@ from .files import place
 
 OK, USAGE, BAD_INPUT, INTERRUPTED = 0, 2, 3, _process.INTERRUPTED
 
-_COUNTS = {  # at most one of them
-    "proxies": (int, "N"),
-    "detail": (float, "X"),
-    "tolerance": (float, "T"),
-    "bound": (float, "T"),
-}
-_FIELDS = {
-    "noise": (float, "S"),
-    "adaptivity": (float, "X"),
-    "seed": (int, "S"),
-    "method": (str, "NAME"),
-    "iterations": (int, "N"),
-    "leave_out": (float, "X"),
-    "threads": (int, "N"),
-    "backend": (str, "NAME"),
-    "nearest": (int, "N"),
-    "search": (str, "NAME"),
-    "connect": (str, "NAME"),
-    "fraction": (float, "X"),
-}
-_CLEAN_FIELDS = {"weld": (float, "L"), "fill_holes": (float, "L"), "cut_handles": (float, "L")}
+_COUNTS = ("proxies", "detail", "tolerance", "bound")  # at most one of them
+_SHARED = ("threads",)  # one flag for all steps
 
 
 def parser() -> argparse.ArgumentParser:
@@ -49,12 +30,9 @@ def parser() -> argparse.ArgumentParser:
     command.set_defaults(run=simplify.run)
     command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL or OFF")
     command.add_argument("output", type=Path, metavar="OUTPUT", help="PLY or OBJ")
-    counts = command.add_mutually_exclusive_group()
-    add_fields(counts, PartitionOptions, _COUNTS)
-    add_fields(command, PartitionOptions, _FIELDS)
-    about = f"Turns off: {PartitionOptions.snap.__doc__}"
-    command.add_argument("--no-snap", dest="snap", action="store_false", default=None, help=about)
-    add_fields(command, CleanOptions, _CLEAN_FIELDS)
+    add_fields(command.add_mutually_exclusive_group(), PartitionOptions, _COUNTS)
+    add_fields(command, PartitionOptions, names(PartitionOptions, besides=_COUNTS))
+    add_fields(command, CleanOptions, names(CleanOptions, besides=_SHARED))
     guiding.add_options(command)
     command.add_argument(
         "--labels", type=place, metavar="L.npy", help="one int32 region per face of INPUT, in file order; -1: none"
@@ -65,25 +43,40 @@ def parser() -> argparse.ArgumentParser:
     command = commands.add_parser("info", help="what a mesh is and what would be repaired", description=info.__doc__)
     command.set_defaults(run=info.run)
     command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL or OFF")
-    add_fields(command, CleanOptions, _CLEAN_FIELDS | {"threads": (int, "N")})
+    add_fields(command, CleanOptions, names(CleanOptions))
     command.add_argument("--json", action="store_true", help="as JSON")
     return parser
 
 
-def add_fields(command: Any, options: type, fields: dict[str, tuple[type, str]]) -> None:
-    """A flag for each of these fields, which says what the field's documentation says."""
-    defaults = options()
-    for name, (kind, metavar) in fields.items():
-        default = getattr(defaults, name)
-        about = getattr(options, name).__doc__ + ("" if default is None else f" Default: {default}.")
-        flag = "--" + name.replace("_", "-")
-        command.add_argument(flag, dest=name, type=kind, metavar=metavar, help=about.replace("%", "%%"))
+def names(options: type, besides: Sequence[str] = ()) -> list[str]:
+    """The fields of a class of options, in order."""
+    return [field["name"] for field in options.fields() if field["name"] not in besides]
 
 
-def options_of(arguments: argparse.Namespace, kind: type, fields: Iterable[str]) -> Any:
+def add_fields(command: Any, options: type, wanted: Sequence[str]) -> None:
+    """A flag for each of these fields, made from the engine's table of them."""
+    for field in options.fields():
+        name, kind, default = field["name"], field["type"].removesuffix(" | None"), field["default"]
+        if name not in wanted:
+            continue
+        about = getattr(options, name).__doc__.replace("%", "%%")
+        flag = name.replace("_", "-")
+        if kind == "bool":
+            if default:
+                flag, about = "no-" + flag, f"Turns off: {about}"
+            action = "store_false" if default else "store_true"
+            command.add_argument("--" + flag, dest=name, action=action, default=None, help=about)
+            continue
+        about += "" if default is None else f" Default: {default}."
+        metavar = "L" if field.get("unit") == "length" else {"int": "N", "float": "X", "str": "NAME"}[kind]
+        parse = {"int": int, "float": float, "str": str}[kind]
+        command.add_argument("--" + flag, dest=name, type=parse, metavar=metavar, help=about)
+
+
+def options_of(arguments: argparse.Namespace, kind: type) -> Any:
     """The engine's options of this kind as the command line has them; its defaults for the rest."""
     options = kind()
-    for name in fields:
+    for name in names(kind):
         value = getattr(arguments, name)
         if value is None:
             continue
@@ -102,9 +95,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         _process.expect_interrupts()
         if sys.stdout is not None:  # names of files may be any bytes: what is no text goes out as it came in
             sys.stdout.reconfigure(errors="surrogateescape")
-        parsed.clean = options_of(parsed, CleanOptions, (*_CLEAN_FIELDS, "threads"))
+        parsed.clean = options_of(parsed, CleanOptions)
         if parsed.run is simplify.run:
-            parsed.options = options_of(parsed, PartitionOptions, (*_COUNTS, *_FIELDS, "snap"))
+            parsed.options = options_of(parsed, PartitionOptions)
         parsed.run(parsed)
         if sys.stdout is not None:
             sys.stdout.flush()

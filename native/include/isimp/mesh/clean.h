@@ -1,19 +1,38 @@
 #pragma once
 
+#include <cstdint>
+#include <tuple>
 #include <vector>
 
 #include "isimp/core/job.h"
+#include "isimp/core/options.h"
 #include "isimp/core/types.h"
 #include "isimp/mesh/mesh.h"
 
 namespace isimp {
 
+/// How to repair a mesh. What each field means stands in `fields` below.
 struct CleanOptions {
-  double weld = 0.0;  ///< border vertices at most this far apart may become one; scene units; 0: bit-equal places only
-  double fill_holes = 0.0;   ///< borders at most this long round are closed; scene units; 0: none
-  double cut_handles = 0.0;  ///< handles and tunnels with a loop at most this long go; scene units; 0: none
-  std::int32_t threads = 0;  ///< 0: as many as there are cores; the result does not depend on it
+  double weld = 0.0;
+  double fill_holes = 0.0;
+  double cut_handles = 0.0;
+  std::int32_t threads = 0;
 };
+
+constexpr auto fields(const CleanOptions*) {
+  using O = CleanOptions;
+  return std::tuple{
+      field("weld", &O::weld, at_least(0), Unit::length,
+            "Border vertices at most this far apart may become one; scene units; 0: bit-equal places only."),
+      field("fill_holes", &O::fill_holes, at_least_or_infinite(0), Unit::length,
+            "Borders at most this long round are closed; scene units; 0: none."),
+      field("cut_handles", &O::cut_handles, at_least_or_infinite(0), Unit::length,
+            "Handles and tunnels with a loop at most this long go; scene units; 0: none."),
+      field("threads", &O::threads, at_least(0), Unit::none,
+            "How many threads may work, at most 256 or as many as there are cores; 0: as many as there are cores. The "
+            "result does not depend on it."),
+  };
+}
 
 /// Makes a sound mesh of any triangles: what scanners, STL files and texture seams leave behind.
 ///

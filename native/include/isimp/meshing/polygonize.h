@@ -7,26 +7,10 @@
 #include "isimp/core/job.h"
 #include "isimp/core/types.h"
 #include "isimp/mesh/mesh.h"
+#include "isimp/meshing/options.h"
 #include "isimp/partition/partition.h"
 
 namespace isimp {
-
-/// All lengths as a share of the bounding box's diagonal unless said otherwise.
-struct MeshingOptions {
-  /// A boundary is subdivided where it leaves its chord by more than this times sqrt(area / regions) ...
-  double chord_tolerance = 0.7;
-  /// ... and until its chords leave out or add no more than this share of the smaller of the two regions' areas, so
-  /// that small ones keep their shape. Both count the less, the flatter the two regions meet.
-  double chord_area = 0.53;
-  double reach = 0.01;               ///< no corner is moved further than this from the scan's vertex it stands for
-  std::int32_t flatten = 30;         ///< rounds of planes and corners in turn; 0 leaves the first placement
-  std::int32_t flatness_from = 100;  ///< with fewer regions than this there is no bound: they are bent themselves
-  double flatness = 0.005;           ///< polygons bent by more than this are split; no bound at 0
-  /// Splits and diagonals that the repair may make, as a share of the polygons before; those that turn out not to be
-  /// needed are taken back.
-  double repair_budget = 4;
-  std::int32_t threads = 0;  ///< 0: as many as there are cores; the result does not depend on it
-};
 
 /// What a polygon can be that it should not.
 enum class Flaw : std::uint8_t {

@@ -9,61 +9,11 @@
 
 #include "isimp/core/job.h"
 #include "isimp/core/types.h"
-#include "isimp/parallel/flooder.h"
 #include "isimp/partition/metric.h"
+#include "isimp/partition/options.h"
 #include "isimp/partition/surface.h"
 
 namespace isimp {
-
-/// Where the first proxies are put.
-enum class Seeding {
-  random,        ///< distinct faces drawn by `seed`
-  farthest,      ///< each the face whose normal and place are farthest from all before
-  hierarchical,  ///< the faces nearest to the regions that Method::hierarchy gives
-};
-
-/// How the regions are found.
-enum class Method {
-  lloyd,      ///< the 2004 paper's and the thesis's own: flooding and fitting in turn, from seeds
-  hierarchy,  ///< merging of a hierarchy of patches, then relaxation of the borders: the best and the fastest
-  teleport,   ///< lloyd, then merge the cheapest pair and split the worst region until it no longer helps
-  naive,      ///< as lloyd, each face looking at the nearest regions at once: the thesis's data-parallel flooding
-  queued,     ///< as lloyd, from a queue all of whose faces are flooded at once: the thesis's queued flooding
-  hybrid,     ///< on a decimated mesh, and carried back: the thesis's hybrid
-};
-
-/// How the pieces that parallel flooding leaves become connected regions, and which of its two ways Method::hybrid
-/// goes.
-enum class Connect {
-  repair,  ///< the largest piece of each region grows over the others: parallel, and it loses less
-  flood,   ///< one sequential round of lloyd, the thesis's own
-};
-
-struct PartitionOptions {
-  /// How many regions; at most one of these four is given, else it is `detail` at kDefaultDetail.
-  std::optional<std::int32_t> proxies = std::nullopt;  ///< exactly so many, in [1, F]
-  std::optional<double> detail = std::nullopt;     ///< what shows at a tolerance of this share of the size, in (0, 1]
-  std::optional<double> tolerance = std::nullopt;  ///< the same with the tolerance in scene units, above 0
-  /// As few as there may be with each vertex this near to its region's plane, scene units, above 0; Method::hierarchy.
-  std::optional<double> bound = std::nullopt;
-  std::optional<double> noise = std::nullopt;  ///< deviation of the scan's noise, scene units; none: estimated
-  bool snap = true;                            ///< where the shape clearly is made of so many planes, take that number
-  double adaptivity = 0.0;                     ///< how much denser regions get where the surface is rough, in [0, 1]
-  double leave_out = 0.001;  ///< components each below this share of the area are left out, in [0, 1); see Partitioner
-  std::uint64_t seed = 1;    ///< number that starts the random seeding
-  std::int32_t iterations = 20;  ///< upper bound on flood-and-fit rounds, at least 1
-  Seeding seeding = Seeding::random;
-  Method method = Method::hierarchy;
-  std::int32_t threads = 0;     ///< 0: as many as there are cores; the result does not depend on it
-  std::string backend = "cpu";  ///< where Method::naive and queued run: one of parallel::backends(); same labels on all
-  std::int32_t nearest = 8;     ///< how many of the nearest regions a face looks at in Method::naive, in [1, 32]
-  parallel::Search search = parallel::Search::grid;  ///< how Method::naive finds them; the result is the same
-  Connect connect = Connect::repair;                 ///< what Method::naive, queued and hybrid end with
-  double fraction = 0.125;  ///< of the faces that Method::hybrid keeps when it decimates, in (0, 1]
-};
-
-/// What PartitionOptions::detail is if neither it nor another way to choose the number is given.
-inline constexpr double kDefaultDetail = 0.005;
 
 /// A surface split into connected, near-planar regions.
 struct Partition {

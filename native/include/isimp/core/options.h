@@ -1,0 +1,127 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <tuple>
+#include <type_traits>
+
+#include "isimp/core/errors.h"
+
+/// The table of options: what a field of a struct of options is called, what values it takes and what it means, written
+/// once. Checks, the Python classes, their stubs, the flags of the command and the add-on's settings are made from it.
+///
+/// Beside each struct stands `constexpr auto fields(const Options*)`, which gives a tuple of Field and Choice, one for
+/// each member, in order. Defaults are the struct's own.
+namespace isimp {
+
+/// The numbers that a field takes: an interval, with each end in it or not. Infinity is in it only where `infinite`.
+struct Range {
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+  bool with_low = true, with_high = true, infinite = false;
+
+  [[nodiscard]] constexpr bool holds(double x) const {
+    return (with_low ? x >= low : x > low) && (with_high ? x <= high : x < high) &&
+           (infinite || (x > -std::numeric_limits<double>::infinity() && x < std::numeric_limits<double>::infinity()));
+  }
+};
+
+constexpr Range between(double low, double high) { return {.low = low, .high = high}; }
+constexpr Range above_to(double low, double high) { return {.low = low, .high = high, .with_low = false}; }
+constexpr Range from_below(double low, double high) { return {.low = low, .high = high, .with_high = false}; }
+constexpr Range at_least(double low) { return {.low = low}; }
+constexpr Range above(double low) { return {.low = low, .with_low = false}; }
+constexpr Range at_least_or_infinite(double low) { return {.low = low, .infinite = true}; }
+constexpr Range any() { return {.infinite = true}; }
+
+enum class Unit {
+  none,    ///< a count, a factor, a share
+  length,  ///< scene units
+};
+
+/// One member of a struct of options; T may be a std::optional.
+template <class Options, class T>
+struct Field {
+  const char* name;
+  T Options::*member;
+  Range range;
+  Unit unit;
+  const char* about;  ///< a sentence or a few
+};
+
+/// A member that is an enumeration, with the names of its values.
+template <class Options, class Enum, std::size_t N>
+struct Choice {
+  struct Value {
+    const char* name;
+    Enum value;
+  };
+  const char* name;
+  Enum Options::*member;
+  std::array<Value, N> values;
+  const char* about;
+};
+
+template <class Options, class T>
+constexpr Field<Options, T> field(const char* name, T Options::*member, Range range, Unit unit, const char* about) {
+  return {name, member, range, unit, about};
+}
+/// A member that is no number: a switch, a name.
+template <class Options, class T>
+constexpr Field<Options, T> field(const char* name, T Options::*member, const char* about) {
+  return {name, member, any(), Unit::none, about};
+}
+template <class Options, class Enum, std::size_t N>
+constexpr Choice<Options, Enum, N> choice(const char* name, Enum Options::*member,
+                                          const std::array<typename Choice<Options, Enum, N>::Value, N>& values,
+                                          const char* about) {
+  return {name, member, values, about};
+}
+
+/// "in [0, 1)", "at least 1", "a finite length above 0".
+inline std::string words(const Range& range, Unit unit) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  std::ostringstream text;
+  text.precision(17);
+  const bool length = unit == Unit::length;
+  if (range.high < infinity) {
+    text << "in " << (range.with_low ? '[' : '(') << range.low << ", " << range.high << (range.with_high ? ']' : ')');
+  } else {
+    if (length) text << (range.infinite ? "a length" : "a finite length") << (range.with_low ? ", " : " ");
+    text << (range.with_low ? "at least " : "above ") << range.low;
+  }
+  return text.str();
+}
+
+/// \throws InvalidInput  a number out of the range of its field: "leave_out must be in [0, 1), got 2"
+template <class Options, class T>
+void check_field(const Options& options, const Field<Options, T>& field) {
+  const auto check = [&](const auto& value) {
+    using Value = std::decay_t<decltype(value)>;
+    if constexpr (std::is_arithmetic_v<Value> && !std::is_same_v<Value, bool>) {
+      if (field.range.holds(static_cast<double>(value))) return;
+      std::ostringstream text;
+      text << field.name << " must be " << words(field.range, field.unit) << ", got " << value;
+      throw InvalidInput(text.str());
+    }
+  };
+  if constexpr (requires { (options.*field.member).has_value(); }) {
+    if (options.*field.member) check(*(options.*field.member));
+  } else {
+    check(options.*field.member);
+  }
+}
+template <class Options, class Enum, std::size_t N>
+void check_field(const Options&, const Choice<Options, Enum, N>&) {}
+
+/// \throws InvalidInput  the first field that is out of its range
+template <class Options>
+void check_fields(const Options& options) {
+  std::apply([&](const auto&... all) { (check_field(options, all), ...); }, fields(&options));
+}
+
+}  // namespace isimp
