@@ -73,9 +73,11 @@ class BoxTree {
       if (a.around.apart(b.around)) continue;
       const bool is_leaf = a.begin < a.end, is_other_leaf = b.begin < b.end;
       if (is_leaf && is_other_leaf) {
-        for (std::int32_t i = a.begin; i < a.end; ++i)
+        for (std::int32_t i = a.begin; i < a.end; ++i) {
+          if (all_[i].box.apart(b.around)) continue;
           for (std::int32_t j = b.begin; j < b.end; ++j)
             if (!all_[i].box.apart(other.all_[j].box) && test(all_[i], other.all_[j])) return true;
+        }
       } else if (is_other_leaf || (!is_leaf && a.after - n >= b.after - m)) {
         left.insert(left.end(), {{n + 1, m}, {nodes_[n + 1].after, m}});
       } else {

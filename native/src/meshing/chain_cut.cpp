@@ -5,27 +5,16 @@
 namespace isimp::meshing {
 namespace {
 
-double length(const Mesh& mesh, std::span<const std::int32_t> half_edges) {
-  double sum = 0;
-  for (const std::int32_t h : half_edges) sum += (mesh.vertices()[mesh.to(h)] - mesh.vertices()[mesh.from(h)]).norm();
-  return sum;
-}
-
 /// A chain in the making: paths that touch no boundary but at their ends, and no vertex twice.
 class Chain {
  public:
   Chain(Cutter& cutter, std::int32_t piece, const Shape& shape) : cutter_(cutter), piece_(piece), shape_(shape) {
     const Mesh& mesh = cutter_.labels.mesh;
-    double longest = -1;
+    outer_ = shape_.longest_loop(mesh);
     cutter_.vertex_marks.clear();
     cutter_.blocked.clear();
     for (std::size_t i = 0; i < shape_.loops.size(); ++i) {
       const auto loop = static_cast<std::int32_t>(i);
-      const double l = length(mesh, shape_.loops[i]);
-      if (l > longest) {
-        longest = l;
-        outer_ = loop;
-      }
       for (const std::int32_t h : shape_.loops[i]) {
         cutter_.vertex_marks.add(mesh.from(h));
         cutter_.vertex_loop[mesh.from(h)] = loop;

@@ -79,9 +79,10 @@ class Coarsener {
   }
 
   /// What is left to try, the most promising first: of two pieces those that share most of their boundary.
-  [[nodiscard]] std::vector<Candidate> candidates() const {
+  [[nodiscard]] std::vector<Candidate> candidates() {
     const std::int32_t count = s_.labels.piece_count();
     std::vector<std::vector<Candidate>> by_block(count / kTogether + 1);
+    unions_.resize(count);
     s_.threads.blocks(count, kTogether, [&](std::int32_t block, std::int32_t begin, std::int32_t end) {
       job_.poll();
       for (std::int32_t l = begin; l < end; ++l) add_candidates(l, by_block[block]);
@@ -92,7 +93,7 @@ class Coarsener {
     return all;
   }
 
-  void add_candidates(std::int32_t l, std::vector<Candidate>& all) const {
+  void add_candidates(std::int32_t l, std::vector<Candidate>& all) {
     const Piece& p = s_.labels.pieces[l];
     if (p.face == kNone) return;
     if (scope_.has(l) && untried_diagonal(l) < s_.diagonals[l].size()) all.push_back({Act::diagonal, l, l, 0.5});
@@ -103,26 +104,23 @@ class Coarsener {
     return (scope_.has(kept) || scope_.has(gone)) && !tried(Act::split, gone, kept);
   }
 
-  void add_unions(std::int32_t gone, std::vector<Candidate>& all) const {
-    const auto chords = s_.complex.chords(gone);
-    if (std::none_of(chords.begin(), chords.end(), [&](std::int32_t h) {
-          const std::int32_t k = s_.labels.across(h);
-          return k != kNone && s_.labels.pieces[k].region == s_.labels.pieces[gone].region && may_unite(k, gone);
-        }))
-      return;
-    const SharedBoundary shared = s_.shared_boundary(gone);
-    for (const auto& [k, length] : shared.with)
-      if (may_unite(k, gone)) all.push_back({Act::split, k, gone, shared.all > 0 ? length / shared.all : 0});
+  void add_unions(std::int32_t gone, std::vector<Candidate>& all) {
+    if (!unions_[gone]) {
+      const SharedBoundary shared = s_.shared_boundary(gone);
+      unions_[gone].emplace();
+      for (const auto& [k, length] : shared.with)
+        unions_[gone]->push_back({Act::split, k, gone, shared.all > 0 ? length / shared.all : 0});
+    }
+    for (const Candidate& c : *unions_[gone])
+      if (may_unite(c.piece, gone)) all.push_back(c);
   }
 
-  /// The pieces that may change when a candidate is tried.
+  /// The pieces that may change when a candidate is tried, some of them more than once.
   [[nodiscard]] std::vector<std::int32_t> zone_of(const Candidate& c) const {
-    std::vector<std::int32_t> zone = s_.neighbours(c.piece);
-    zone.push_back(c.piece);
-    if (c.act == Act::split) {
-      const std::vector<std::int32_t> more = s_.neighbours(c.other);
-      zone.insert(zone.end(), more.begin(), more.end());
-    }
+    std::vector<std::int32_t> zone{c.piece};
+    const auto add = [&](std::int32_t l) { zone.push_back(l); };
+    s_.for_each_neighbour(c.piece, add);
+    if (c.act == Act::split) s_.for_each_neighbour(c.other, add);
     return zone;
   }
 
@@ -140,6 +138,7 @@ class Coarsener {
     std::vector<bool> busy(s_.labels.pieces.size(), false);
     std::vector<Trial> trials;
     for (const Candidate& c : candidates()) {
+      if (busy[c.piece] || busy[c.other]) continue;
       const std::vector<std::int32_t> zone = zone_of(c);
       if (std::any_of(zone.begin(), zone.end(), [&](std::int32_t l) { return busy[l]; })) continue;
       std::optional<Trial> trial = start(c);
@@ -174,8 +173,17 @@ class Coarsener {
       bring_up_to_date(failed, positions);
       after = findings_.faulty();  // what was done again may spoil what is beside it
     }
+    for (const Trial& t : trials) forget_unions_round(t);
     const bool is_poor = tried >= kMany && trials.size() * kPoor < tried;
     return tried * kWorthwhile >= s_.labels.pieces.size() && !is_poor;
+  }
+
+  /// Has what the pieces that an act has changed may be united with, and those beside them, found anew.
+  void forget_unions_round(const Trial& t) {
+    if (!t.united) return;
+    unions_[t.piece].reset();
+    unions_[t.united->gone].reset();
+    s_.for_each_neighbour(t.piece, [&](std::int32_t l) { unions_[l].reset(); });
   }
 
   /// Whether a polygon is so faulty, both with its corners where they are and on the mesh, that placing it anew is not
@@ -296,11 +304,11 @@ class Coarsener {
     for (; rings > 0 && !ring.empty(); --rings) {
       next.clear();
       for (const std::int32_t l : ring)
-        for (const std::int32_t k : s_.neighbours(l))
-          if (!near[k]) {
-            near[k] = true;
-            next.push_back(k);
-          }
+        s_.for_each_neighbour(l, [&](std::int32_t k) {
+          if (near[k]) return;
+          near[k] = true;
+          next.push_back(k);
+        });
       ring.swap(next);
     }
     return near;
@@ -311,6 +319,8 @@ class Coarsener {
   Scope scope_;
   Job& job_;
   std::vector<std::int32_t> pieces_of_;  // by component of the mesh
+  /// By piece that may go: what it may be united with, tried or not; nothing where that is to be found anew.
+  std::vector<std::optional<std::vector<Candidate>>> unions_;
   std::set<Key> tried_;
   std::set<Key> suspected_;  // was not tried alone when something further away became faulty; gets another chance
 };

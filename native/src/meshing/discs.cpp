@@ -1,6 +1,7 @@
 #include "discs.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace isimp::meshing {
 namespace {
@@ -52,13 +53,17 @@ void cut(Cutter& cutter, std::int32_t piece, const Shape& shape, Job& job) {
 
 }  // namespace
 
-void make_discs(Cutter& cutter, std::vector<std::int32_t> todo, Job& job) {
+void make_discs(Cutter& cutter, std::vector<std::int32_t> todo, std::map<std::int32_t, Disc>& found, Job& job) {
   while (!todo.empty()) {
     job.poll();
     const std::int32_t piece = todo.back();
     todo.pop_back();
-    const Shape shape = cutter.labels.shape(cutter.labels.faces_of(piece));
-    if (shape.defect() == 0) continue;
+    std::vector<std::int32_t> faces = cutter.labels.faces_of(piece);
+    Shape shape = cutter.labels.shape(faces);
+    if (shape.defect() == 0) {
+      found[piece] = {std::move(faces), std::move(shape.loops[0])};
+      continue;
+    }
     if (shape.pinches > 0) {
       const std::vector<std::int32_t> changed = mend_pinch(cutter, piece, shape);
       todo.insert(todo.end(), changed.begin(), changed.end());
@@ -88,7 +93,7 @@ std::int32_t largest_of(Labels& labels, std::span<const std::int32_t> pieces) {
 
 }  // namespace
 
-void split_closed_components(Cutter& cutter, std::int32_t least, Job& job) {
+void split_closed_components(Cutter& cutter, std::int32_t least, std::map<std::int32_t, Disc>& found, Job& job) {
   Labels& labels = cutter.labels;
   const Mesh& mesh = labels.mesh;
   std::vector<bool> open(mesh.component_count(), false);
@@ -105,7 +110,7 @@ void split_closed_components(Cutter& cutter, std::int32_t least, Job& job) {
       split_evenly(cutter, largest, of[c].size() == 1 ? missing + 1 : 2, Cause::closed);
       std::vector<std::int32_t> changed{largest};
       for (std::int32_t l = before; l < labels.piece_count(); ++l) changed.push_back(l);
-      make_discs(cutter, changed, job);
+      make_discs(cutter, changed, found, job);
       for (std::int32_t l = before; l < labels.piece_count(); ++l) of[c].push_back(l);
     }
   }

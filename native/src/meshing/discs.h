@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <span>
 #include <vector>
@@ -95,10 +96,16 @@ std::int32_t cut_holes(Cutter& cutter, std::int32_t piece, const Shape& shape, J
 /// Cost: O(n log n) for n faces of the piece, and O(n) a loop.
 std::int32_t cut_handles(Cutter& cutter, std::int32_t piece, const Shape& shape, Job& job);
 
-/// Splits or changes pieces until each of `todo`, and what comes of it, is a disc.
-void make_discs(Cutter& cutter, std::vector<std::int32_t> todo, Job& job);
+/// A piece that is a disc: its faces as they are flooded, and its boundary from the first of them with one on.
+struct Disc {
+  std::vector<std::int32_t> faces, loop;
+};
+
+/// Splits or changes pieces until each of `todo`, and what comes of it, is a disc. \param found  gets these, by piece
+void make_discs(Cutter& cutter, std::vector<std::int32_t> todo, std::map<std::int32_t, Disc>& found, Job& job);
 
 /// Splits the pieces of closed components until each has `least` (or one a face).
-void split_closed_components(Cutter& cutter, std::int32_t least, Job& job);
+/// \param found  gets the discs that they become, by piece
+void split_closed_components(Cutter& cutter, std::int32_t least, std::map<std::int32_t, Disc>& found, Job& job);
 
 }  // namespace isimp::meshing

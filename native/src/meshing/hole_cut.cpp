@@ -35,7 +35,7 @@ class Ears {
     cutter_.halfedge_marks.clear();
     cutter_.blocked.clear();
     std::int32_t ears = 0;
-    reach(outer());
+    reach(shape_.longest_loop(mesh_));
     while (!open_.empty()) {
       const std::int32_t link = -open_.top().second;
       open_.pop();
@@ -47,19 +47,6 @@ class Ears {
  private:
   [[nodiscard]] double edge_length(std::int32_t h) const {
     return (mesh_.vertices()[mesh_.to(h)] - mesh_.vertices()[mesh_.from(h)]).norm();
-  }
-
-  [[nodiscard]] std::int32_t outer() const {
-    std::int32_t longest = 0;
-    double most = -1;
-    for (std::size_t i = 0; i < shape_.loops.size(); ++i) {
-      double length = 0;
-      for (const std::int32_t h : shape_.loops[i]) length += edge_length(h);
-      if (length <= most) continue;
-      most = length;
-      longest = static_cast<std::int32_t>(i);
-    }
-    return longest;
   }
 
   /// Shortest paths from all loops. `via` of a vertex is the half-edge that leads to it, `vertex_loop` the loop it

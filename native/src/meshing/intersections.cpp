@@ -261,11 +261,18 @@ ScanPart::ScanPart(const Mesh& mesh, std::span<const std::int32_t> faces) {
 }
 
 bool scan_intersects(const Mesh& mesh, const ScanPart& some, const ScanPart& others) {
+  std::int32_t last = kNone;  // many pairs in a row have the same first face
+  Corners a;
+  Facing facing;
   return some.tree.any_pair(others.tree, [&](const Entry& x, const Entry& y) {
     if (x.index == y.index) return false;
-    const Corners a = corners_of(mesh, x.index), b = corners_of(mesh, y.index);
+    if (x.index != last) {
+      last = x.index;
+      a = corners_of(mesh, last);
+      facing = facing_of(a);
+    }
+    const Corners b = corners_of(mesh, y.index);
     const Triangle &s = mesh.triangles()[x.index], &t = mesh.triangles()[y.index];
-    const Facing facing = facing_of(a);
     if (beside({s, a, facing}, {t, b, facing})) return false;  // which asks for one side only
     return meet({s, a, facing}, {t, b, facing_of(b)});
   });

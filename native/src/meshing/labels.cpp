@@ -22,6 +22,20 @@ std::int32_t Shape::defect() const {
   return (parts - 1) * 1000 + std::abs(loop_count - 1) + 2 * genus + pinches;
 }
 
+std::int32_t Shape::longest_loop(const Mesh& mesh) const {
+  std::int32_t longest = 0;
+  double most = -1;
+  for (std::size_t i = 0; i < loops.size(); ++i) {
+    double length = 0;
+    for (const std::int32_t h : loops[i])
+      length += (mesh.vertices()[mesh.to(h)] - mesh.vertices()[mesh.from(h)]).norm();
+    if (length <= most) continue;
+    most = length;
+    longest = static_cast<std::int32_t>(i);
+  }
+  return longest;
+}
+
 Labels::Labels(const Mesh& m)
     : mesh(m),
       label(static_cast<std::size_t>(m.face_count()), kNone),

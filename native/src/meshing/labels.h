@@ -30,6 +30,8 @@ struct Shape {
   std::int32_t pinches = 0;                   ///< visits of a boundary vertex beyond its first
   std::int32_t pinch_vertex = kNone;          ///< one that is visited more than once
   [[nodiscard]] std::int32_t defect() const;  ///< 0 for a disc
+  /// Which loop is taken for the outer one: the first of the longest.
+  [[nodiscard]] std::int32_t longest_loop(const Mesh& mesh) const;
 };
 
 /// The mesh's faces under labels; label l is a connected piece. Every step of meshing up to the corners is a change of

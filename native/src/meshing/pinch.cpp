@@ -1,5 +1,5 @@
 #include <algorithm>
-#include <utility>
+#include <span>
 
 #include "discs.h"
 #include "sorted.h"
@@ -82,6 +82,34 @@ int rise_of_euler(const Labels& labels, std::int32_t piece, std::span<const std:
   return rise;
 }
 
+/// Whether faces of a connected piece hang on the rest of it by one edge alone, so that it stays connected without
+/// them.
+bool hangs_on_one_edge(const Labels& labels, std::span<const std::int32_t> faces) {
+  int edges = 0;
+  for (const std::int32_t f : faces)
+    for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
+      edges += labels.inner(h) && std::find(faces.begin(), faces.end(), labels.mesh.opposite(h) / 3) == faces.end();
+  return edges == 1;
+}
+
+/// Gives some faces of a piece to another, if the piece stays connected. \return whether it does
+bool give(Labels& labels, std::span<const std::int32_t> faces, std::int32_t to) {
+  const std::int32_t from = labels.label[faces[0]], face = labels.pieces[from].face;
+  const bool has_face = std::find(faces.begin(), faces.end(), face) != faces.end();
+  const bool is_tip = !has_face && hangs_on_one_edge(labels, faces);
+  std::vector<std::int32_t> giver;
+  if (!is_tip) giver = labels.faces_of(from);
+  if (!is_tip && giver.size() <= faces.size()) return false;
+  for (const std::int32_t f : faces) labels.label[f] = to;
+  if (is_tip) return true;
+  std::erase_if(giver, [&](std::int32_t f) { return labels.label[f] != from; });
+  labels.pieces[from].face = giver[0];
+  if (labels.faces_of(from).size() == giver.size()) return true;
+  labels.pieces[from].face = face;
+  for (const std::int32_t f : faces) labels.label[f] = from;
+  return false;
+}
+
 }  // namespace
 
 // A connected piece with a boundary is from a disc by 1 - (V - E + F), as a pinch is one vertex and not two in this
@@ -92,17 +120,9 @@ std::vector<std::int32_t> hand_over_sector(Cutter& cutter, std::int32_t vertex) 
   for (const auto& [sector, to] : hand_overs(fan)) {
     const std::int32_t from = sector->label;
     if (rise_of_euler(labels, to, sector->faces) <= rise_of_euler(labels, from, sector->faces)) continue;
-    std::vector<std::int32_t> giver = labels.faces_of(from);
-    if (giver.size() <= sector->faces.size()) continue;
-    for (const std::int32_t f : sector->faces) labels.label[f] = to;
-    std::erase_if(giver, [&](std::int32_t f) { return labels.label[f] != from; });
-    const std::int32_t face = std::exchange(labels.pieces[from].face, giver[0]);
-    if (labels.faces_of(from).size() == giver.size()) {
-      labels.touched.insert(labels.touched.end(), {from, to});
-      return {from, to};
-    }
-    labels.pieces[from].face = face;
-    for (const std::int32_t f : sector->faces) labels.label[f] = from;
+    if (!give(labels, sector->faces, to)) continue;
+    labels.touched.insert(labels.touched.end(), {from, to});
+    return {from, to};
   }
   return {};
 }

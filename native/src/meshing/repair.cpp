@@ -80,6 +80,8 @@ class Repairer {
 
   void bring_up_to_date() {
     std::vector<std::int32_t> changed = s_.update(std::exchange(changed_, {}));
+    touched_.clear();
+    seen_ = 0;
     changed.insert(changed.end(), gone_.begin(), gone_.end());
     gone_.clear();
     judge(changed);
@@ -210,8 +212,13 @@ class Repairer {
   }
 
   /// Whether faces of a piece have come or gone in this round, so that the complex no longer knows its boundary.
-  [[nodiscard]] bool out_of_date(std::int32_t l) const {
-    return std::find(s_.labels.touched.begin(), s_.labels.touched.end(), l) != s_.labels.touched.end();
+  [[nodiscard]] bool out_of_date(std::int32_t l) {
+    const std::vector<std::int32_t>& touched = s_.labels.touched;
+    for (; seen_ < touched.size(); ++seen_) {
+      if (touched_.size() <= static_cast<std::size_t>(touched[seen_])) touched_.resize(touched[seen_] + 1, false);
+      touched_[touched[seen_]] = true;
+    }
+    return static_cast<std::size_t>(l) < touched_.size() && touched_[l];
   }
 
   /// Gives a piece without area to the neighbour of its region with the longest boundary that stays a disc with it.
@@ -432,6 +439,8 @@ class Repairer {
   std::vector<Cut> cuts_;              // by piece: where it will be split in this round, as far as was foreseen
   std::vector<const Hit*> met_;        // by piece: where it meets another; null where it does not
   std::vector<std::int32_t> gone_;     // pieces that were given to a neighbour in this round
+  std::vector<bool> touched_;          // by piece: whether it is listed in labels.touched ...
+  std::size_t seen_ = 0;               // ... as far as that has been read
   std::vector<std::int32_t> changed_;  // pieces whose diagonals or pulls were changed in this round
   Scope acted_;                        // pieces of which something was changed since all could be joined
 };

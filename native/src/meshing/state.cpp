@@ -49,15 +49,6 @@ std::int32_t boundary_start(const Labels& labels, std::span<const std::int32_t> 
   return kNone;
 }
 
-/// The first one of them all.
-std::int32_t lowest_boundary(const Labels& labels, std::span<const std::int32_t> faces) {
-  std::int32_t lowest = 3 * labels.mesh.face_count();
-  for (const std::int32_t f : faces)
-    for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
-      if (h < lowest && !labels.inner(h)) lowest = h;
-  return lowest;
-}
-
 }  // namespace
 
 State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& job)
@@ -75,16 +66,18 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
   merged_without_area = merge_pieces_without_area(labels, 2 * kThickness * m.diagonal(), boundary);
   job.report(0.02);
   const Outlines outlines = trace_outlines(labels, boundary, job);
-  make_discs(cutter, find_defects(labels, outlines, threads, job), job);
-  if (mesh.report().closed_components > 0) split_closed_components(cutter, kLeastClosed, job);
+  std::map<std::int32_t, Disc> discs;
+  make_discs(cutter, find_defects(labels, outlines, threads, job), discs, job);
+  if (mesh.report().closed_components > 0) split_closed_components(cutter, kLeastClosed, discs, job);
   std::vector<std::vector<std::int32_t>> loops(labels.pieces.size());
   for (std::int32_t l = 0; l < static_cast<std::int32_t>(outlines.loops.size()); ++l)
     loops[l].assign(outlines.of(l).begin(), outlines.of(l).end());
   sort_unique(labels.touched);
   for (const std::int32_t l : labels.touched) {
-    const std::vector<std::int32_t> faces = labels.faces_of(l);
+    auto& [faces, loop] = discs.at(l);
     labels.pieces[l].region = main_region(mesh, partition, faces);
-    loops[l] = labels.loop_from(lowest_boundary(labels, faces));
+    std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end()), loop.end());
+    loops[l] = std::move(loop);
   }
   labels.touched.clear();
   job.report(0.07);
@@ -105,7 +98,7 @@ Cut State::find_cut(std::int32_t piece, const Vec3* place) {
 bool State::split(std::int32_t piece, const Cut& cut, Job& job) {
   if (cut.faces.empty()) return false;
   const std::int32_t fresh = labels.part(cut.faces, cut.stays, Cause::repair);
-  make_discs(cutter, {piece, fresh}, job);
+  make_discs(cutter, {piece, fresh}, discs_, job);
   diagonals.resize(labels.pieces.size());
   for (const std::int32_t l : labels.touched) diagonals[l].clear();
   return true;
@@ -114,6 +107,7 @@ bool State::split(std::int32_t piece, const Cut& cut, Job& job) {
 bool State::shatter(std::int32_t piece) {
   const std::vector<std::int32_t> faces = labels.faces_of(piece);
   bool any = faces.size() > 1;
+  discs_.erase(piece);
   for (std::size_t i = 1; i < faces.size(); ++i) labels.part(std::span(faces).subspan(i, 1), faces[0], Cause::repair);
   for (const std::int32_t f : faces)
     for (const std::int32_t v : mesh.triangles()[f]) {
@@ -133,8 +127,7 @@ bool State::shatter(std::int32_t piece) {
 
 std::vector<std::int32_t> State::neighbours(std::int32_t piece) const {
   std::vector<std::int32_t> some;
-  for (const std::int32_t h : complex.chords(piece))
-    if (const std::int32_t l = labels.across(h); l != kNone) some.push_back(l);
+  for_each_neighbour(piece, [&](std::int32_t l) { some.push_back(l); });
   sort_unique(some);
   return some;
 }
@@ -205,6 +198,7 @@ Union State::unite(std::int32_t kept, std::int32_t gone, std::vector<std::int32_
   if (labels.pieces[kept].cause == Cause::repair) labels.pieces[kept].cause = u.gone_piece.cause;
   labels.pieces[gone].face = kNone;
   labels.touched.push_back(kept);
+  discs_.erase(kept);
   // Most of the area of both is of the same region, so most of what they are together is too.
   if (u.kept_piece.region == u.gone_piece.region && u.kept_plane.projected > 0 && u.gone_plane.projected > 0) {
     planes[kept] = united(u.kept_plane, u.gone_plane);
@@ -256,13 +250,20 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, std::
                        loops[i] = std::move(known->second);
                        continue;
                      }
-                     const std::vector<std::int32_t> faces = labels.flood(l);
+                     std::vector<std::int32_t> faces;
+                     if (const auto disc = discs_.find(l); disc != discs_.end()) {
+                       faces = std::move(disc->second.faces);
+                       loops[i] = std::move(disc->second.loop);
+                     } else {
+                       faces = labels.flood(l);
+                       loops[i] = labels.loop_from(boundary_start(labels, faces));
+                     }
                      labels.pieces[l].region = main_region(mesh, partition, faces);
                      planes[l] = plane_of(mesh, faces);
-                     loops[i] = labels.loop_from(boundary_start(labels, faces));
                    }
                  });
   known_.clear();
+  discs_.clear();
   complex.refresh(labels.touched, std::move(loops), job_);
   labels.touched.clear();
   const std::vector<std::int32_t> cornered = complex.make_regular();

@@ -51,6 +51,12 @@ class State {
   bool shatter(std::int32_t piece);
   /// The pieces across the chords of one, in rising order.
   [[nodiscard]] std::vector<std::int32_t> neighbours(std::int32_t piece) const;
+  /// Calls fn(piece) for each of them, once for each chord.
+  template <class Function>
+  void for_each_neighbour(std::int32_t piece, Function fn) const {
+    for (const std::int32_t h : complex.chords(piece))
+      if (const std::int32_t l = labels.across(h); l != kNone) fn(l);
+  }
   /// Adds them to some pieces, in rising order then.
   void add_neighbours(std::vector<std::int32_t>& pieces) const;
   [[nodiscard]] SharedBoundary shared_boundary(std::int32_t piece) const;
@@ -85,7 +91,8 @@ class State {
 
  private:
   const Job& job_;
-  std::vector<std::int32_t> united_;  // pieces that went into others since the last update
+  std::vector<std::int32_t> united_;    // pieces that went into others since the last update
+  std::map<std::int32_t, Disc> discs_;  // by piece: what was seen when it was split, until the next update
   /// By piece: its boundary, where all that is asked of its faces is known after a change.
   std::map<std::int32_t, std::vector<std::int32_t>> known_;
 };
