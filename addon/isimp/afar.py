@@ -43,8 +43,8 @@ def told(lost: Loss, system: str, unit_scale: float) -> str:
     metres, unit = _UNITS.get(system, (unit_scale, "units"))
     away, step = (f"{_plain(length * unit_scale / metres)} {unit}" for length in (lost.away, lost.step))
     return (
-        f"This scan lies {away} from its origin: Blender keeps steps of {step} there. "
-        "Import it with an offset, nearer to zero, to keep its detail."
+        f"This scan lies {away} from its origin, where Blender's coordinates have steps of {step}. "
+        "To keep its detail, import it with an offset near zero."
     )
 
 

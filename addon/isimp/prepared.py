@@ -88,7 +88,7 @@ def triangle_at(prepared: Prepared, face: int) -> int:
         raise ValueError(f"there is no face {face}: the mesh has {prepared.scan.face_count} faces.")
     triangle = int(prepared.face_triangle[face])
     if triangle < 0:
-        raise ValueError(f"face {face} was left out when the mesh was mended, as it has no area or is there twice.")
+        raise ValueError(f"face {face} was left out by the repair of the mesh: it has no area or is a duplicate.")
     return triangle
 
 

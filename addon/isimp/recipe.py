@@ -179,7 +179,7 @@ class Recipe:
         known = isinstance(version, int) and version <= VERSION
         check(
             not known,
-            f"the recipe is of version {short(version)}, this add-on reads up to {VERSION}: update the add-on",
+            f"the recipe has version {short(version)}, this add-on reads up to {VERSION}: update the add-on",
         )
         steps = values.get("steps")
         check(not isinstance(steps, list), "not a recipe: 'steps' must be a list")
@@ -193,7 +193,7 @@ def parsed(text: str, problem: str):
     except ValueError as error:
         raise RecipeError(f"{problem}: it is not JSON ({error})") from None
     except RecursionError:
-        raise RecipeError(f"{problem}: its brackets are nested too deep") from None
+        raise RecipeError(f"{problem}: its brackets are nested too deeply") from None
 
 
 def numbered_step(number: int, values: dict) -> Step:

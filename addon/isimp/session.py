@@ -1,4 +1,4 @@
-"""A recipe and arrays in, result arrays out; what was computed before is kept. The only importer of the engine."""
+"""Replays a recipe on arrays and returns arrays; earlier results are kept. The only importer of the engine."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def backends() -> list[str]:
 
 
 class StepFailed(Exception):
-    """A step can't be done; `outcome` is what the steps before it gave, None if there were none."""
+    """A step failed; `outcome` is the result of the steps before it, None if there were none."""
 
     def __init__(self, index: int, step: rcp.Step, reason: str, outcome: Outcome | None):
         super().__init__(f"Step {index + 1}, {step.describe()}: {reason}")
@@ -101,11 +101,11 @@ class Session:
                 raise StepFailed(index, step, str(error), outcome) from error
             self._outcomes.put(keys[number], outcome, _size(outcome, prepared))
         if outcome is None:
-            raise ValueError("The recipe has no step that is switched on: press Partition.")
+            raise ValueError("The recipe has no active step: press Partition.")
         return outcome
 
     def prepare(self, scan: Scan, watch: Watch | None = None, begin: float = 0.0, end: float = 1.0) -> Prepared:
-        """The scan checked and mended, ready for steps. Raises ValueError if nothing usable is in it."""
+        """The scan, checked and repaired. Raises ValueError if nothing usable is in it."""
         prepared = self._meshes.get(scan.digest)
         if prepared is None:
             prepared = _prepare(scan, watch or Watch(), begin, end)
@@ -250,7 +250,7 @@ def _weights(step: rcp.Partition, prepared: Prepared) -> np.ndarray | None:
     if not step.weights:
         return None
     if step.weights not in prepared.layers:
-        raise ValueError(f"there is no vertex group or face attribute '{step.weights}' with numbers to weigh by.")
+        raise ValueError(f"there is no vertex group or numeric attribute '{step.weights}' for the weights.")
     painted = np.clip(np.nan_to_num(prepared.layers[step.weights].astype(np.float64)), 0.0, 1.0)
     return 16.0 ** (step.influence * painted[prepared.mesh_face])
 
@@ -261,7 +261,7 @@ def _barriers(step: rcp.Partition, prepared: Prepared) -> list[np.ndarray]:
     values = [prepared.layers.get(rcp.MARKS[name]) for name in ("materials", "face_sets") if getattr(step, name)]
     if step.borders:
         if step.borders not in prepared.layers:
-            raise ValueError(f"there is no face attribute '{step.borders}' to take borders from.")
+            raise ValueError(f"there is no face attribute '{step.borders}' for the barriers.")
         values.append(prepared.layers[step.borders])
     of_faces = (each[prepared.mesh_face] for each in values if each is not None)
     found.extend(guides.attribute_borders(mesh, each) for each in of_faces)
@@ -305,7 +305,7 @@ def _apply_delete(step: rcp.DeleteProxy, prepared, before, watch, begin, end) ->
 
 
 def flaws(report: dict) -> dict:
-    """{what is amiss: polygons it is with}, but for those that meet where the scan itself does."""
+    """{kind of defect: polygons}, without pairs that intersect in the scan itself."""
     found = {}
     for entry in report.get("imperfect", ()):
         if entry["flaw"] != "excused":
@@ -354,7 +354,7 @@ def _apply_paint(step: rcp.PaintFaces, prepared, before, watch, begin, end) -> O
 
 
 def _apply_erase(step: rcp.EraseFaces, prepared, before, watch, begin, end) -> Outcome:
-    """A hand may take from a region that is locked against all else."""
+    """Erasing by hand changes a locked region too."""
     before, faces = _needs_regions(before), triangles_at(prepared, step.faces)
     partition, region = before.partition, int(before.partition.face_region[faces[0]])
     locked = region >= 0 and bool(partition.region_locked[region])
@@ -369,7 +369,7 @@ def _apply_erase(step: rcp.EraseFaces, prepared, before, watch, begin, end) -> O
 def _apply_smooth(step: rcp.SmoothFaces, prepared, before, watch, begin, end) -> Outcome:
     """Works on the user's faces: those that change their region are painted onto it, one region after the other.
 
-    A hand that begins in a locked region may smooth that one too; others that are locked neither give nor take.
+    A stroke that begins in a locked region smooths that region too; other locked regions stay unchanged.
     """
     before, count = _needs_regions(before), prepared.scan.face_count
     triangles_at(prepared, step.faces)  # raises if there are no such faces
@@ -440,7 +440,7 @@ _EDITS = {
 
 
 def _apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end, threads: int) -> Outcome:
-    """A bound that the polygons would not keep makes the regions anew, unless somebody has edited them."""
+    """If the polygons violate the bound, repartitions with a smaller one, unless the partition was edited."""
     before = _needs_regions(before)
     options = engine.MeshingOptions(chord_tolerance=step.chord_tolerance, flatten=step.flatten, threads=threads)
 

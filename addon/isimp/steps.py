@@ -1,4 +1,4 @@
-"""What can be done to a scan, step by step, as plain values.
+"""The steps of a recipe, as plain values.
 
 Steps name input faces (the user's own polygons), never region numbers: numbers change when an earlier step changes.
 Standard library only.
@@ -75,7 +75,7 @@ def _count(faces: tuple) -> str:
 
 @dataclass(frozen=True)
 class Step:
-    """What every step has: it can be switched off, and then does nothing."""
+    """Base of all steps: a step that is switched off has no effect."""
 
     enabled: bool = dataclasses.field(default=True, kw_only=True)
 
@@ -84,7 +84,7 @@ class Step:
         return KINDS[type(self)]
 
     def describe(self) -> str:
-        """What the step does, in the user's words."""
+        """The step's line in the list of steps."""
         raise NotImplementedError
 
     def to_dict(self) -> dict:
@@ -96,9 +96,9 @@ class Step:
 
 @dataclass(frozen=True)
 class Partition(Step):
-    """Split the scan into regions; what was there before is replaced, but for regions that are locked.
+    """Split the scan into regions, which replace all others except locked ones.
 
-    Of the settings named in COUNTS the one that `count_by` names says how many; the others rest.
+    `count_by` selects which of COUNTS is used; the others are ignored.
     """
 
     count_by: str = ""  #: empty: the one that is given, "detail" if none is
@@ -146,7 +146,9 @@ class Partition(Step):
     def _settle_count(self) -> None:
         given = [name for name in COUNTS if getattr(self, name) is not None]
         if not self.count_by:
-            check(len(given) > 1, f"{' and '.join(given)} each say how many regions: give one, or say count_by")
+            check(
+                len(given) > 1, f"{' and '.join(given)} each set the number of regions: give one of them, or count_by"
+            )
             object.__setattr__(self, "count_by", given[0] if given else "detail")
         for name, value in COUNTS.items():
             if name not in given:
@@ -166,7 +168,7 @@ class Partition(Step):
 
 @dataclass(frozen=True)
 class AddProxy(Step):
-    """Start a new region at a face of the scan."""
+    """Add a region at a face of the scan."""
 
     face: int = 0
 
@@ -179,7 +181,7 @@ class AddProxy(Step):
 
 @dataclass(frozen=True)
 class DeleteProxy(Step):
-    """Take away the region that holds a face of the scan."""
+    """Delete the region at a face of the scan."""
 
     face: int = 0
 
@@ -192,7 +194,7 @@ class DeleteProxy(Step):
 
 @dataclass(frozen=True)
 class MergeRegions(Step):
-    """Make the region of one face part of the region of another beside it."""
+    """Merge the region of one face into a neighbouring region."""
 
     face: int = 0  #: of the region that stays
     other: int = 0  #: of the one that becomes part of it
@@ -207,7 +209,7 @@ class MergeRegions(Step):
 
 @dataclass(frozen=True)
 class SplitRegion(Step):
-    """Split a region in the two parts that are most unlike."""
+    """Split a region in two where its halves differ most."""
 
     face: int = 0
 
@@ -220,7 +222,7 @@ class SplitRegion(Step):
 
 @dataclass(frozen=True)
 class CutRegion(Step):
-    """Split a region along a line that is swept along a direction, as that of sight; scan coordinates."""
+    """Cut a region along a line, swept along a direction such as the view; scan coordinates."""
 
     face: int = 0
     line: tuple[tuple[float, ...], ...] = ()  #: points, at least 2
@@ -240,7 +242,7 @@ class CutRegion(Step):
 
 @dataclass(frozen=True)
 class PaintFaces(Step):
-    """Make faces a region of their own, or part of the region of the face `onto`."""
+    """Make faces a new region, or part of the region of the face `onto`."""
 
     faces: tuple[int, ...] = ()
     onto: int = -1  #: below 0: a new region
@@ -256,7 +258,7 @@ class PaintFaces(Step):
 
 @dataclass(frozen=True)
 class EraseFaces(Step):
-    """Take faces from the region of the first of them; those around share them."""
+    """Erase faces from the region of the first of them; its neighbours take them."""
 
     faces: tuple[int, ...] = ()
 
@@ -269,7 +271,7 @@ class EraseFaces(Step):
 
 @dataclass(frozen=True)
 class SmoothFaces(Step):
-    """Even out the borders between regions where they run through some faces. The first may be of a locked region."""
+    """Smooth the region borders inside some faces. The first face may be in a locked region."""
 
     faces: tuple[int, ...] = ()
     rounds: int = 10
@@ -284,7 +286,7 @@ class SmoothFaces(Step):
 
 @dataclass(frozen=True)
 class GrowRegion(Step):
-    """Let a region take the faces beside it."""
+    """Grow a region by rings of faces."""
 
     face: int = 0
     rings: int = 1
@@ -299,7 +301,7 @@ class GrowRegion(Step):
 
 @dataclass(frozen=True)
 class ShrinkRegion(GrowRegion):
-    """Let a region give the faces along its border away."""
+    """Shrink a region by rings of faces."""
 
     def describe(self) -> str:
         return f"Shrink the region at face {self.face} by {self.rings}"
@@ -307,7 +309,7 @@ class ShrinkRegion(GrowRegion):
 
 @dataclass(frozen=True)
 class LockRegions(Step):
-    """Have the steps that follow leave the regions of some faces as they are."""
+    """Protect the regions of some faces from all later steps."""
 
     faces: tuple[int, ...] = ()
 
@@ -320,7 +322,7 @@ class LockRegions(Step):
 
 @dataclass(frozen=True)
 class UnlockRegions(LockRegions):
-    """Have the steps that follow change the regions of some faces again."""
+    """Allow later steps to change the regions of some faces again."""
 
     def describe(self) -> str:
         return f"Unlock the regions at {_count(self.faces)}"
@@ -328,7 +330,7 @@ class UnlockRegions(LockRegions):
 
 @dataclass(frozen=True)
 class AddWorst(Step):
-    """Add proxies where the error is largest."""
+    """Add regions at the places of largest error."""
 
     times: int = 1
 
@@ -336,28 +338,28 @@ class AddWorst(Step):
         check(self.times < 1, f"times must be at least 1, got {self.times}")
 
     def describe(self) -> str:
-        return f"Add {self.times} at the worst"
+        return f"Add {self.times} at the largest error"
 
 
 @dataclass(frozen=True)
 class DeleteLeast(AddWorst):
-    """Delete the regions that are missed least."""
+    """Delete the regions whose removal adds least error."""
 
     def describe(self) -> str:
-        return f"Delete the least {self.times}"
+        return f"Delete {self.times} of least error"
 
 
 @dataclass(frozen=True)
 class MergeCheapest(AddWorst):
-    """Merge the neighbours that are most alike."""
+    """Merge the neighbouring regions whose union adds least error."""
 
     def describe(self) -> str:
-        return f"Merge the cheapest {self.times}"
+        return f"Merge {self.times} of least error"
 
 
 @dataclass(frozen=True)
 class Improve(Step):
-    """Move regions to where they are worth more until it no longer helps."""
+    """Move regions to places where they lower the error more, until it no longer falls."""
 
     def describe(self) -> str:
         return "Improve"
@@ -410,7 +412,7 @@ def step_from_dict(values: dict) -> Step:
     values = dict(values)
     kind = values.pop("step")
     if not isinstance(kind, str) or kind not in _TYPES:
-        raise RecipeError(f"{short(kind)} is not a step that this version knows")
+        raise RecipeError(f"{short(kind)} is not a step of this version")
     fields = {field.name: field for field in dataclasses.fields(_TYPES[kind])}
     for name, value in values.items():
         if name not in fields:
@@ -421,11 +423,11 @@ def step_from_dict(values: dict) -> Step:
 
 
 def _check_value(what: str, wanted: str, value) -> None:
-    """Refuses a value of another type, and what neither the engine nor Blender can hold."""
+    """Refuses a value of another type, or beyond the limits of the engine or Blender."""
     if not isinstance(value, _ACCEPTS[wanted]) or (wanted != "bool" and isinstance(value, bool)):
         raise RecipeError(f"{what} must be a {wanted}, got {short(value)}")
     if isinstance(value, str) and not _is_name(value):
-        raise RecipeError(f"{what} holds letters that no name has, got {short(value)}")
+        raise RecipeError(f"{what} contains characters that are not valid in a name, got {short(value)}")
     most = _LARGEST if wanted == "int" and not what.startswith("seed ") else _LARGEST_SEED
     if isinstance(value, int) and abs(value) > most:
         raise RecipeError(f"{what} must be at most {most}, got {short(value)}")

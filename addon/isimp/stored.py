@@ -17,7 +17,7 @@ _LARGEST = 1 << 63  # no count comes near it
 
 NodeOf = Callable[[int], "tuple[int, str, str] | None"]  #: a node by its id; None if there is no such node
 
-UNKNOWN = "It is not known how these regions were made"
+UNKNOWN = "The steps of these regions are unknown"
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ def _texts(state: int, node_of: NodeOf) -> tuple[list, str]:
     texts, seen, at = [], set(), state
     while at:
         if at in seen:
-            return [], "The steps can't be read: they follow each other in a circle"
+            return [], "The steps can't be read: they form a circle"
         if len(texts) == MOST_STEPS:
             return [], f"The steps can't be read: there are more than {MOST_STEPS:,}"
         node = node_of(at)
@@ -72,7 +72,7 @@ def _texts(state: int, node_of: NodeOf) -> tuple[list, str]:
 
 
 def _step(number: int, text: str) -> rcp.Step:
-    return rcp.numbered_step(number, rcp.parsed(text, f"step {number} is no step"))
+    return rcp.numbered_step(number, rcp.parsed(text, f"step {number} is not a step"))
 
 
 def readable(states: Iterable[int], node_of: NodeOf) -> set:

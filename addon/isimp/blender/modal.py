@@ -237,7 +237,7 @@ class RecipeOperator:
             self.report({"ERROR"}, f"{str(error).rstrip('.')}. Nothing was changed.")
         else:
             log.debug("unexpected", exc_info=error)
-            self.report({"ERROR"}, f"A fault in iSimp: {type(error).__name__}: {error}. Nothing was changed.")
+            self.report({"ERROR"}, f"Internal error in iSimp: {type(error).__name__}: {error}. Nothing was changed.")
         return {"CANCELLED"}
 
     def _keep(self, context, work, error: StepFailed):
@@ -246,7 +246,7 @@ class RecipeOperator:
             return {"CANCELLED"}
         show.show_failed(context, obj, work, error)
         pending.follow(context)
-        self.report({"WARNING"}, f"{str(error).rstrip('.')}. The last good result stays.")
+        self.report({"WARNING"}, f"{str(error).rstrip('.')}. The previous result stays.")
         return {"FINISHED"}
 
     def _finish(self, context, work, outcome):
@@ -264,7 +264,7 @@ class RecipeOperator:
     def _target(self, work):
         obj = work.target()
         if obj is None:
-            self.report({"WARNING"}, f"'{work.name}' was changed or removed meanwhile: the result was dropped.")
+            self.report({"WARNING"}, f"'{work.name}' was changed or removed meanwhile: the result was discarded.")
         return obj
 
 

@@ -22,7 +22,7 @@ from .. import stored
 from . import aside, mesh_io, raw, runtime
 
 MOST_NODES = 4000
-_NO_LIST = "The steps can't be read: something else is in the place of their list"
+_NO_LIST = "The steps can't be read: another value is in the place of their list"
 
 
 class IsimpNode(bpy.types.PropertyGroup):

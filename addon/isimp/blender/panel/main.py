@@ -1,4 +1,4 @@
-"""The head of the sidebar: what the add-on sees, how many regions to make, the button that makes them."""
+"""The top of the sidebar: the scan, the number of regions, the button Partition."""
 
 import bpy
 
@@ -75,7 +75,7 @@ class ISIMP_PT_options(Panel, bpy.types.Panel):
 
 
 class ISIMP_PT_borders(Panel, bpy.types.Panel):
-    bl_label = "Keep To"
+    bl_label = "Barriers"
     bl_parent_id = "ISIMP_PT_options"
     bl_options = {"DEFAULT_CLOSED"}
 

@@ -1,4 +1,4 @@
-"""What is under the mouse: the face that a ray meets, the region it is of, and what that is like."""
+"""The face and the region under the mouse, and the description of the region."""
 
 from dataclasses import dataclass, field
 
@@ -99,14 +99,16 @@ class Ground:
     def told(self, unit, region: int) -> str:
         """What a region is like, in a line. unit: the scene's."""
         if region < 0:
-            return "Left out: click to bring this part back"
+            return "Left out: click to make this part a region"
         triangles = self.triangles_of(region)
         share, error, away = pick.flatness(self.scan.vertices, self.scan.triangles, triangles)
         away = text.length(away, unit.system, unit.scale_length)
         if self._area is None:
             self._area = pick.area(self.scan.vertices, self.scan.triangles)
         part = min(1.0, error / self._error) if self._error > 1e-9 * self._area else 0.0
-        return f"Region {region} · {share / self._area:.1%} of the area · {part:.1%} of the error · flat to {away}"
+        return (
+            f"Region {region} · {share / self._area:.1%} of the area · {part:.1%} of the error · planar within {away}"
+        )
 
 
 def _locked(context, obj) -> np.ndarray:
