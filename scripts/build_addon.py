@@ -2,8 +2,9 @@
 
     scripts/build_addon.py [--wheel WHEEL ...] [--out dist]
 
-The version is that of CMakeLists.txt. The engine comes from wheels of the package (`pip wheel . --no-deps`), or, without --wheel, from the package installed
-for the Python that runs this. The zip for older Blenders takes the first wheel, the extension all: Blender picks.
+The version is that of CMakeLists.txt. The engine comes from wheels of the package (`pip wheel . --no-deps`), or,
+without --wheel, from the package installed for the Python that runs this. The zip for older Blenders takes the first
+wheel, the extension all: Blender picks.
 """
 
 import argparse
