@@ -42,10 +42,13 @@ build_requirements() {
   "$python" -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"], sep="\n")'
 }
 
-# build_wheel VENV: our package with CUDA where nvcc is found, into out/wheel; a second time only what has changed.
+# build_wheel VENV [OPTION...]: our package with CUDA where nvcc is found, into out/wheel; a second time only what has
+# changed.
 build_wheel() {
+  local venv=$1
+  shift
   rm -rf "$out/wheel"
-  "$1/bin/pip" wheel . --no-deps --no-build-isolation -w "$out/wheel" --config-settings build-dir=build-wheel
+  "$venv/bin/pip" wheel . --no-deps --no-build-isolation -w "$out/wheel" --config-settings build-dir=build-wheel "$@"
 }
 
 # install_wheel VENV [OPTION...]: the package that build_wheel made.

@@ -1,12 +1,18 @@
 #!/usr/bin/env bash
 # Installs what the checks need on Debian 12, runs them all, and closes with the line "N passed, N failed".
-#   scripts/test.sh              everything
-#   scripts/test.sh cpp python   only these stages, in the order below
+#   scripts/test.sh              every stage; clang-tidy on the sources that the last day changed
+#   scripts/test.sh cpp python   only these stages
+#   scripts/test.sh quick        format, lint and the quick tests on a development build: two minutes when it is warm
+#   scripts/test.sh all-tidy     clang-tidy on every source
 # The output of each stage is kept in out/test/STAGE.log, its results as JUnit files in out/test/STAGE/.
 set -uo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-stages=(format lint cpp wheel python blender bpy45 bpy50 window asan tsan cuda tidy)
+# The first stages run one after another. Then two lanes run side by side: one that compiles, one that runs Blender.
+first=(format lint wheel)
+compiling=(cpp cuda asan tsan tidy)
+blending=(python blender bpy45 bpy50 window)
+by_name=(quick all-tidy) # only when asked for
 tests_venv=$root/.venv-test
 
 # Each stage is a function that runs with `set -e`; what it needs installed it installs. Test runners leave their
@@ -25,14 +31,14 @@ stage_lint() {
   "$tests_venv/bin/ruff" format --check .
 }
 
-stage_cpp() { # the C++ tests, those of the benchmarks among them
-  cpp_tests build-test -DISIMP_BENCH=ON -DISIMP_CUDA=OFF
-}
-
 stage_wheel() { # what `pip install .` makes, kept for the stages that follow
   apt_install "${build_packages[@]}"
   use_tests_venv
-  build_wheel "$tests_venv"
+  build_wheel "$tests_venv" --config-settings cmake.define.ISIMP_WERROR=ON
+}
+
+stage_cpp() { # the C++ tests, those of the benchmarks among them; the engine as the wheel has it, by way of ccache
+  cpp_tests build-test -DISIMP_BENCH=ON -DISIMP_CUDA=OFF
 }
 
 stage_python() { # the package as installed
@@ -99,7 +105,7 @@ stage_cuda() { # the CUDA part: compiled with nvcc, the machine's or PyPI's, and
 
 stage_asan() { # the same under the address and undefined-behaviour sanitizers
   export UBSAN_OPTIONS=print_stacktrace=1
-  cpp_tests build-asan -DISIMP_SANITIZE=ON -DISIMP_CUDA=OFF -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1\ -g1
+  cpp_tests build-asan -DISIMP_SANITIZE=ON -DISIMP_ASSERTIONS=ON -DISIMP_CUDA=OFF -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1\ -g1
 }
 
 stage_tsan() { # what threads share, under the thread sanitizer; OpenMP's own threads it can't see, so those tests stay out
@@ -116,16 +122,38 @@ stage_tsan() { # what threads share, under the thread sanitizer; OpenMP's own th
   done
 }
 
-stage_tidy() { # clang-tidy, on the engine's own sources
+stage_tidy() { # clang-tidy, on the sources that the last day changed and those that include what it changed
+  local since sources
+  since=${ISIMP_TIDY_SINCE:-$(git rev-list -1 --before='24 hours ago' HEAD)}
+  prepare_tidy
+  mapfile -t sources < <("$python" scripts/affected_sources.py build-test "$since")
+  [ ${#sources[@]} = 0 ] || run-clang-tidy -quiet -p build-test -j2 "${sources[@]/%/\$}"
+}
+
+stage_all-tidy() { # clang-tidy, on all of the engine's own sources
+  prepare_tidy
+  run-clang-tidy -quiet -p build-test -j2 "^$root/native/src/"
+}
+
+prepare_tidy() {
   apt_install clang-tidy libomp-dev # its omp.h, which the CPU back end asks for
   cpp_build build-test -DISIMP_BENCH=ON -DISIMP_CUDA=OFF
-  run-clang-tidy -quiet -p build-test -j2 "^$root/native/src/"
+}
+
+stage_quick() { # what a change is tried with many times an hour
+  stage_format
+  stage_lint
+  cpp_build build-dev -DISIMP_BENCH=ON -DISIMP_PYTHON=ON -DISIMP_CUDA=OFF \
+    -Dpybind11_DIR="$("$tests_venv/bin/python" -m pybind11 --cmakedir)"
+  ctest --test-dir build-dev -j2 --timeout 120 --output-on-failure --output-junit "$results/ctest.xml"
+  PYTHONPATH=$root/build-dev/python "$tests_venv/bin/python" -m pytest tests/python --ignore tests/python/blender \
+    -n 2 -m "not slow" --junitxml "$results/pytest.xml"
 }
 
 use_tests_venv() {
   local requirements=()
   [ -e pyproject.toml ] && mapfile -t requirements < <(build_requirements)
-  venv "$tests_venv" pytest hypothesis ruff==0.14.* numpy "${requirements[@]}"
+  venv "$tests_venv" pytest pytest-xdist hypothesis ruff==0.14.* numpy "${requirements[@]}"
 }
 
 cpp_build() { # BUILD_DIR CMAKE_OPTION...
@@ -133,7 +161,7 @@ cpp_build() { # BUILD_DIR CMAKE_OPTION...
   use_tests_venv
   local build=$1
   shift
-  cmake -S . -B "$build" -G Ninja -DISIMP_TESTS=ON -DISIMP_ASSERTIONS=ON -DISIMP_WERROR=ON \
+  cmake -S . -B "$build" -G Ninja -DISIMP_TESTS=ON -DISIMP_WERROR=ON \
     -DPython_EXECUTABLE="$tests_venv/bin/python" "$@"
   ninja -C "$build" -j2
 }
@@ -144,7 +172,7 @@ cpp_tests() { # BUILD_DIR CMAKE_OPTION...
   ctest --test-dir "$build" -j2 --timeout 600 --output-on-failure --output-junit "$results/ctest.xml"
 }
 
-run_stage() {
+run_stage() { # NAME: its output to a log, what it counted to out/test/NAME.counts
   local name=$1 started=$SECONDS log=$out/test/$1.log code counts
   results=$out/test/$name
   rm -rf "$results"
@@ -157,24 +185,51 @@ run_stage() {
   read -ra counts < <("$python" scripts/tally.py "$results" || echo 0 1 0)
   if [ $code != 0 ] && [ "${counts[1]}" = 0 ]; then counts[1]=1; fi
   if [ "${counts[*]}" = "0 0 0" ]; then counts[0]=1; fi
+  echo "${counts[*]}" >"$out/test/$name.counts"
   printf '%-8s %4d passed, %d failed, %d skipped  (%d s)\n' "$name" "${counts[@]}" $((SECONDS - started))
   if [ "${counts[1]}" != 0 ]; then tail -n 80 "$log" | sed 's/^/    /'; fi
-  passed=$((passed + counts[0])) failed=$((failed + counts[1])) skipped=$((skipped + counts[2]))
 }
 
+run_stages() { # those of STAGE... that were asked for
+  local name
+  for name; do
+    case " ${asked[*]} " in *" $name "*) run_stage "$name" ;; esac
+  done
+}
+
+# What the lanes would install at the same time, one of them waiting for the other's lock.
+prepare() {
+  case " ${asked[*]} " in *" blender "* | *" bpy"* | *" window "*)
+    apt_install "${blender_packages[@]}" libsm6 xvfb xauth imagemagick
+    ;;
+  esac
+  case " ${asked[*]} " in *" cpp "* | *" asan "* | *" tsan "* | *" tidy "*)
+    apt_install "${build_packages[@]}" libgtest-dev clang-tidy libomp-dev
+    ;;
+  esac
+  use_tests_venv
+}
+
+for name; do
+  case " ${first[*]} ${compiling[*]} ${blending[*]} ${by_name[*]} " in
+    *" $name "*) ;;
+    *) echo "no stage is called $name; there are: ${first[*]} ${compiling[*]} ${blending[*]} ${by_name[*]}" >&2 && exit 2 ;;
+  esac
+done
+asked=("$@")
+[ $# = 0 ] && asked=("${first[@]}" "${compiling[@]}" "${blending[@]}")
 apt_install python3 python3-venv || exit 1
 mkdir -p "$out/test"
-passed=0 failed=0 skipped=0
-for name; do
-  case " ${stages[*]} " in *" $name "*) ;; *) echo "no stage is called $name; there are: ${stages[*]}" >&2 && exit 2 ;; esac
-done
-[ $# = 0 ] && set -- "${stages[@]}"
+rm -f "$out"/test/*.counts
 # The two big downloads go on while the engine is compiled.
-case " $* " in *" bpy"*) (bpy_venv 4.5.15; bpy_venv 5.0.1) >"$out/test/downloads.log" 2>&1 </dev/null & ;; esac
-for name in "${stages[@]}"; do
-  case $name in bpy*) wait ;; esac
-  case " $* " in *" $name "*) run_stage "$name" ;; esac
-done
-[ $skipped = 0 ] && more= || more=", $skipped skipped"
-echo "$passed passed, $failed failed$more"
-[ $failed = 0 ]
+case " ${asked[*]} " in *" bpy"*) (bpy_venv 4.5.15; bpy_venv 5.0.1) >"$out/test/downloads.log" 2>&1 </dev/null & ;; esac
+run_stages "${by_name[@]}" "${first[@]}"
+prepare >"$out/test/prepare.log" 2>&1 </dev/null || { cat "$out/test/prepare.log"; exit 1; }
+wait
+run_stages "${blending[@]}" &
+run_stages "${compiling[@]}"
+wait
+read -ra total < <(cat "$out"/test/*.counts | awk '{ p += $1; f += $2; s += $3 } END { print p + 0, f + 0, s + 0 }')
+[ "${total[2]}" = 0 ] && more= || more=", ${total[2]} skipped"
+echo "${total[0]} passed, ${total[1]} failed$more"
+[ "${total[1]}" = 0 ]

@@ -1,11 +1,13 @@
 #include <pybind11/stl.h>
 
 #include <memory>
+#include <string>
 #include <tuple>
 
 #include "arrays.h"
 #include "bindings.h"
 #include "call.h"
+#include "isimp/core/errors.h"
 #include "isimp/mesh/clean.h"
 #include "isimp/mesh/mesh.h"
 #include "kept_mesh.h"
@@ -49,10 +51,13 @@ void bind_options(py::module_& m) {
       .finish();
 }
 
-std::shared_ptr<KeptMesh> make_mesh(const py::object& vertices, const py::object& triangles, Job* job) {
+std::shared_ptr<KeptMesh> make_mesh(const py::object& vertices, const py::object& triangles, Job* job,
+                                    std::int32_t threads) {
+  if (threads < 0) throw InvalidInput("threads must be at least 0, got " + std::to_string(threads));
   auto points = read_vertices(vertices);
   auto corners = read_triangles(triangles, points.size());
-  return call(job, [&](Job& j) { return std::make_shared<KeptMesh>(Mesh(std::move(points), std::move(corners), j)); });
+  return call(
+      job, [&](Job& j) { return std::make_shared<KeptMesh>(Mesh(std::move(points), std::move(corners), j, threads)); });
 }
 
 std::shared_ptr<KeptMesh> clean_mesh(const py::object& vertices, const py::object& triangles,
@@ -70,10 +75,11 @@ void bind_class(py::module_& m) {
 
 Every edge has one or two faces that run along it in opposite directions, the faces round a vertex form one fan, all
 coordinates are finite. Borders, several components, zero-area faces and unused vertices are ordinary.)")
-      .def(py::init(&make_mesh), "vertices"_a, "triangles"_a, "job"_a = py::none(),
+      .def(py::init(&make_mesh), "vertices"_a, "triangles"_a, "job"_a = py::none(), py::kw_only(), "threads"_a = 0,
            R"(Check and copy the arrays.
 
 vertices: (V, 3) float32 or float64, scene units. triangles: (F, 3) integers, counter-clockwise seen from outside.
+threads: how many work on it; 0: as many as there are cores; the result does not depend on it.
 Raises InvalidInput, which names the first row that can't be used and why; `clean` takes such arrays. Cost: O(V + F).)")
       .def_property_readonly("vertices", viewer<KeptMesh>(&KeptMesh::placed_vertices), "(V, 3) float64, read-only.")
       .def_property_readonly(

@@ -22,7 +22,12 @@ class Job:
 
 class Mesh:
     def __init__(
-        self, vertices: NDArray[np.floating], triangles: NDArray[np.integer], job: Job | None = None
+        self,
+        vertices: NDArray[np.floating],
+        triangles: NDArray[np.integer],
+        job: Job | None = None,
+        *,
+        threads: int = 0,
     ) -> None: ...
     @property
     def vertices(self) -> NDArray[np.float64]: ...

@@ -91,6 +91,7 @@ def test_every_option_reaches_the_engine(scan, tmp_path):
     assert {name: options[name] for name in given} == given
     assert options["backend"] == "cpu"
     assert options["meshing"]["threads"] == 1
+    assert options["clean"]["threads"] == 1
 
 
 @pytest.mark.parametrize("kind", meshfiles.TRIANGLES)

@@ -163,6 +163,16 @@ def test_the_report_says_what_the_mesh_is(cube):
     assert (sheet["closed"], sheet["border_edges"], sheet["border_loops"], sheet["euler"]) == (False, 12, 1, 1)
 
 
+def test_threads_change_nothing_but_the_time():
+    vertices, triangles = shapes.bumpy(120)
+    meshes = [engine.Mesh(vertices, triangles, threads=threads) for threads in (0, 1, 3)]
+    for mesh in meshes[1:]:
+        np.testing.assert_array_equal(mesh.component, meshes[0].component)
+        assert mesh.report == meshes[0].report
+    with pytest.raises(engine.InvalidInput, match="threads must be at least 0, got -1"):
+        engine.Mesh(vertices, triangles, threads=-1)
+
+
 def test_components_are_numbered_by_first_face():
     mesh = engine.Mesh(*shapes.two_cubes(2))
     np.testing.assert_array_equal(mesh.component, np.repeat([0, 1], 48))

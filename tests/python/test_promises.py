@@ -9,6 +9,8 @@ from polygon_judge import faces_away, judge
 import isimp_engine as engine
 import shapes
 
+pytestmark = pytest.mark.slow
+
 
 def soup():
     random = np.random.default_rng(5)

@@ -12,6 +12,8 @@ import pytest
 import isimp_engine as engine
 import shapes
 
+pytestmark = pytest.mark.slow
+
 EDITS = int(os.environ.get("ISIMP_SOAK_EDITS", "25"))
 SCANS = ["scan/rockerarm_20k.ply", "scan/bunny_69k.ply", "scan/armadillo_86k.ply"]
 

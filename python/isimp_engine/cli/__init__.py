@@ -65,7 +65,7 @@ def parser() -> argparse.ArgumentParser:
     command = commands.add_parser("info", help="what a mesh is and what would be repaired", description=info.__doc__)
     command.set_defaults(run=info.run)
     command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL or OFF")
-    add_fields(command, CleanOptions, _CLEAN_FIELDS)
+    add_fields(command, CleanOptions, _CLEAN_FIELDS | {"threads": (int, "N")})
     command.add_argument("--json", action="store_true", help="as JSON")
     return parser
 
@@ -102,7 +102,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         _process.expect_interrupts()
         if sys.stdout is not None:  # names of files may be any bytes: what is no text goes out as it came in
             sys.stdout.reconfigure(errors="surrogateescape")
-        parsed.clean = options_of(parsed, CleanOptions, _CLEAN_FIELDS)
+        parsed.clean = options_of(parsed, CleanOptions, (*_CLEAN_FIELDS, "threads"))
         if parsed.run is simplify.run:
             parsed.options = options_of(parsed, PartitionOptions, (*_COUNTS, *_FIELDS, "snap"))
         parsed.run(parsed)
