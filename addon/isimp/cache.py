@@ -1,4 +1,4 @@
-"""What was computed last, within a budget. Standard library only."""
+"""A cache of recent results within a memory budget. Standard library only."""
 
 from __future__ import annotations
 

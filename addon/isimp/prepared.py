@@ -74,7 +74,7 @@ def scan_numbers(prepared: Prepared) -> dict:
 
 
 def in_users_faces(message: str, prepared: Prepared) -> str:
-    """What the engine said, with the user's faces in the place of its own."""
+    """An engine's message, with the user's face numbers in place of its own."""
 
     def users(number: re.Match) -> str:
         face = int(number[0])

@@ -14,8 +14,8 @@ from . import recipe as rcp
 class Preset:
     """The steps of a recipe for one kind of scan."""
 
-    name: str  #: what programs call it
-    label: str  #: what people read
+    name: str  #: for programs
+    label: str  #: for people
     about: str
     partition: rcp.Partition
     mesh: rcp.Mesh

@@ -83,7 +83,10 @@ class Recipe:
     steps: tuple[Step, ...] = ()
 
     def then(self, step: Step) -> Recipe:
-        """The recipe with one more step. A partition of all starts anew after what is locked; Mesh stays the end."""
+        """The recipe with one more step, in place of a Mesh step at its end.
+
+        A partition of all faces replaces the steps after the last lock.
+        """
         steps = self.without_mesh().steps
         if isinstance(step, Partition) and not step.faces:
             steps = steps[: self._last_lock() + 1]
@@ -142,7 +145,7 @@ class Recipe:
         check(not 0 <= index < len(self.steps), f"there is no step {index + 1}: the recipe has {len(self.steps)}")
 
     def ends_in_mesh(self) -> bool:
-        """Whether polygons are what it gives."""
+        """Whether its outcome has polygons."""
         active = self.active()
         return bool(active) and isinstance(active[-1][1], Mesh)
 
@@ -172,7 +175,7 @@ class Recipe:
 
     @staticmethod
     def from_json(text: str) -> Recipe:
-        """The recipe that `to_json` made. Raises RecipeError, which says what can't be used and why."""
+        """The recipe that `to_json` made. Raises RecipeError, which names the problem and the step."""
         values = parsed(text, "not a recipe")
         check(not isinstance(values, dict) or "isimp_recipe" not in values, "not a recipe: it has no 'isimp_recipe'")
         version = values["isimp_recipe"]

@@ -22,11 +22,11 @@ class Scan:
     triangles: np.ndarray
     triangle_face: np.ndarray
     face_count: int
-    #: {name: (face_count,) numbers} what its user painted; a name that it does not have is missing. Those of
-    #: `recipe.MARKS` are what Blender knows of itself: edges as (K, 2) vertices, materials and face sets of each face.
+    #: {name: (face_count,) numbers} painted by its user; a layer that it does not have is missing. Those of
+    #: `recipe.MARKS` are Blender's own marks: edges as (K, 2) vertices, materials and face sets of each face.
     layers: dict = field(default_factory=dict)
 
-    #: what is computed of the mesh, for all that differ in their layers alone
+    #: results computed from the mesh, shared by scans that differ only in their layers
     _known: dict = field(default_factory=dict, repr=False)
 
     def with_layers(self, layers: dict) -> Scan:

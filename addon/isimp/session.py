@@ -50,7 +50,7 @@ class StepFailed(Exception):
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What a recipe gave. Arrays are by the user's faces."""
+    """The result of a recipe. Arrays are by the user's faces."""
 
     face_region: np.ndarray  #: (face_count,) int32, -1 where a face is in no region
     region_color: np.ndarray  #: (R,) int32 into view.PALETTE
@@ -58,7 +58,7 @@ class Outcome:
     partition: Any
     polygons: Any = None  #: the engine's PolygonMesh after Mesh, else None
     origin: tuple = (0.0, 0.0, 0.0)  #: near the polygons, exactly; 0 where they lie near zero. See `engine.Mesh.origin`
-    numbers: dict = field(default_factory=dict)  #: what the last step did, and what the scan is
+    numbers: dict = field(default_factory=dict)  #: of the last step and of the scan
     made: Any = None  #: how the engine made the partition; None once it was edited
 
     @property
@@ -79,7 +79,7 @@ class Session:
         self._parts = Cache(0)  # the last one alone
 
     def replay(self, scan: Scan, recipe: rcp.Recipe, watch: Watch | None = None) -> Outcome:
-        """What the recipe gives on the scan.
+        """The outcome of the recipe on the scan.
 
         Raises StepFailed (which carries the last good outcome), ValueError (the scan itself can't be used) or Stopped.
         """
@@ -109,7 +109,7 @@ class Session:
         prepared = self._meshes.get(scan.digest)
         if prepared is None:
             prepared = _prepare(scan, watch or Watch(), begin, end)
-            # Adjacency, normals and what else the engine keeps: about 300 bytes a face.
+            # Adjacency, normals and other data of the engine: about 300 bytes a face.
             self._meshes.put(scan.digest, prepared, 300 * len(scan.triangles))
         return prepared
 
@@ -120,7 +120,7 @@ class Session:
         return np.asarray(triangles), np.asarray(polygon)
 
     def region_at(self, scan: Scan, outcome: Outcome, face: int) -> dict:
-        """What there is to say of the region of one of the user's faces: what `engine.region_statistics` says of it.
+        """The result of `engine.region_statistics` for the region of one of the user's faces.
 
         Raises ValueError if there is no such face, or it is in no region. Cost: of the size of the region.
         """
@@ -138,7 +138,7 @@ class Session:
         return np.empty(0, np.int64) if outcome is None else np.flatnonzero(outcome.partition.region_locked)
 
     def known(self, scan: Scan, recipe: rcp.Recipe) -> Outcome | None:
-        """What the recipe gave, if that is kept; nothing is computed."""
+        """The kept outcome of the recipe, or None; nothing is computed."""
         keys = _keys(scan, recipe)
         done, outcome = self._longest_known(keys)
         return outcome if done == len(keys) else None
@@ -184,7 +184,7 @@ class Session:
         return replace(_with_regions(prepared, partition, kept, numbers), made=made)
 
     def _part(self, prepared: Prepared, guides, leave_out: float):
-        """What of the mesh is split if not all of it is, kept so that another number is quick; None: all of it."""
+        """The part of the mesh to split, kept so that another number is quick; None: all of it."""
         faces = engine.guided.open_faces(prepared.mesh, guides, leave_out)
         if faces is None:
             return None
@@ -195,7 +195,7 @@ class Session:
 
 
 def _keys(scan: Scan, recipe: rcp.Recipe) -> list[tuple]:
-    """What the outcomes of the recipe's steps are kept by."""
+    """The cache keys of the outcomes of the recipe's steps."""
     return [(scan.digest, scan.layers_digest, key) for key in recipe.prefix_keys()]
 
 
@@ -246,7 +246,7 @@ def _with_regions(prepared: Prepared, partition, kept: np.ndarray | None, number
 
 
 def _weights(step: rcp.Partition, prepared: Prepared) -> np.ndarray | None:
-    """(F',) what each face's area is multiplied by; a weight of 1 draws four times as many regions as one of 0."""
+    """(F',) the factor of each face's area; a weight of 1 gives four times as many regions as one of 0."""
     if not step.weights:
         return None
     if step.weights not in prepared.layers:
@@ -271,7 +271,7 @@ def _barriers(step: rcp.Partition, prepared: Prepared) -> list[np.ndarray]:
 
 
 def _guides(step: rcp.Partition, prepared: Prepared, before: Outcome | None):
-    """What the step keeps to, as the engine wants it."""
+    """The barriers, weights and locks of the step for the engine."""
     marked = [prepared.layers.get(rcp.MARKS[name]) for name in ("seams", "sharp") if getattr(step, name)]
     cuts = [engine.guides.marked_edges(prepared.mesh, edges) for edges in marked if edges is not None]
     barriers = _barriers(step, prepared)
@@ -426,7 +426,7 @@ def _times(step, prepared) -> tuple:
     return (step.times,)
 
 
-#: of each step: what it is called while it works, the engine's function, and that function's arguments
+#: of each step: its name while it works, the engine's function, and that function's arguments
 _EDITS = {
     rcp.SplitRegion: ("splitting", "split_region", _at_face),
     rcp.CutRegion: ("splitting", "split_along", _cut_arguments),
@@ -469,7 +469,7 @@ def _apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end, threads: in
     return replace(regions, polygons=polygons, origin=prepared.mesh.origin, numbers=numbers)
 
 
-#: about how long a step takes beside others, and what comes before the first
+#: relative time of a step, and of the preparation before the first
 _TIMES = {rcp.Partition: 5.0, rcp.Mesh: 14.0}
 _PREPARING = 3.0
 

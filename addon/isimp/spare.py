@@ -1,4 +1,4 @@
-"""Large arrays used again: new memory costs more, at times far more, than what is put into it. numpy only."""
+"""Reuse of large arrays: new memory costs more, at times far more, than to fill it. numpy only."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ _BLOCK = 1 << 15
 
 
 def blocks(count: int):
-    """Slices of so many values, so few at a time that what is made of them finds room in the processor's cache."""
+    """Slices of `count` values, small enough for the processor's cache."""
     return (slice(begin, min(begin + _BLOCK, count)) for begin in range(0, count, _BLOCK))
 
 
@@ -21,7 +21,7 @@ def taken(values: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 
 class Spare:
-    """Arrays that are not needed any more, one of a type, for whoever wants one next; from any thread."""
+    """A pool of unused arrays, one of a type; usable from any thread."""
 
     def __init__(self):
         self._arrays = {}

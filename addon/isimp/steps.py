@@ -13,9 +13,9 @@ import reprlib
 from dataclasses import dataclass
 
 METHODS = ("hierarchy", "teleport", "lloyd", "queued", "naive", "hybrid")
-#: ways to say how many regions, each the name of a setting, and what it is if nobody says it
+#: settings that give the number of regions, and their defaults
 COUNTS = {"detail": 0.005, "tolerance": 1.0, "bound": 1.0, "proxies": 200}
-#: settings of a Partition that ask for barriers, and the layer of the scan (`Scan.layers`) that has them
+#: settings of a Partition for barriers, and the layer of the scan (`Scan.layers`) that has them
 MARKS = {"seams": ".seam", "sharp": ".sharp", "materials": ".material", "face_sets": ".face_set"}
 SEEDINGS = ("random", "farthest", "hierarchical")
 
@@ -59,7 +59,7 @@ def _numbers(values, name: str) -> tuple[float, ...]:
     return plain
 
 
-_SHORT = reprlib.Repr()  # which neither goes deep nor far
+_SHORT = reprlib.Repr()  # with limits of depth and length
 _SHORT.maxlevel, _SHORT.maxstring, _SHORT.maxlist, _SHORT.maxtuple = 3, 50, 10, 10
 
 
@@ -103,26 +103,26 @@ class Partition(Step):
 
     count_by: str = ""  #: empty: the one that is given, "detail" if none is
     proxies: int | None = None
-    detail: float | None = None  #: what shows at this share of the size
+    detail: float | None = None  #: smallest visible shape, as a share of the size
     tolerance: float | None = None  #: the same in scene units
-    bound: float | None = None  #: the most a vertex may be off its region's plane, scene units
-    adaptivity: float = 0.25  #: how much denser regions get where the scan is rough
+    bound: float | None = None  #: largest distance of a vertex from its region's plane, scene units
+    adaptivity: float = 0.25  #: smaller regions where the scan is rough
     noise: float = -1.0  #: standard deviation of the scan's noise, scene units; below 0: estimated
-    snap: bool = True  #: take the number of planes where the scan clearly is made of so many
+    snap: bool = True  #: take the number of planes if the scan clearly consists of planes
     seed: int = 1
     iterations: int = 20
     method: str = "hierarchy"
     seeding: str = "random"
     leave_out: float = 0.001
-    weights: str = ""  #: vertex group or face attribute that says where more regions go; none if empty
-    influence: float = 1.0  #: how much it does, in [0, 2]
+    weights: str = ""  #: vertex group or attribute; higher values give smaller regions; none if empty
+    influence: float = 1.0  #: strength of the weights, in [0, 2]
     seams: bool = False  #: no region crosses an edge that is marked as a seam,
     sharp: bool = False  #: nor one that is marked as sharp,
     materials: bool = False  #: nor one between two materials,
     face_sets: bool = False  #: nor one between two face sets,
-    angle: float = 180.0  #: nor one where the surface bends by more than so many degrees,
+    angle: float = 180.0  #: nor one with a larger angle between its faces, in degrees,
     borders: str = ""  #: nor one between different values of this attribute of faces; none if empty
-    faces: tuple[int, ...] = ()  #: split these alone and leave the others as they are; empty: all
+    faces: tuple[int, ...] = ()  #: split only these; empty: all
 
     def __post_init__(self):
         self._settle_count()
@@ -406,7 +406,7 @@ _ACCEPTS = {"bool": bool, "int": int, "str": str, "float": (float, int), "list":
 
 
 def step_from_dict(values: dict) -> Step:
-    """The step that `Step.to_dict` made. Raises RecipeError, which says what is wrong with it."""
+    """The step that `Step.to_dict` made. Raises RecipeError, which names the problem."""
     if not isinstance(values, dict) or "step" not in values:
         raise RecipeError(f"not a step: {short(values)}")
     values = dict(values)

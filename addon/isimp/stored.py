@@ -1,6 +1,6 @@
-"""What is stored with a scan, read so that nothing can go wrong: a recipe or the reason why there is none.
+"""Safe reading of the data stored with a scan: a recipe, or the reason why there is none.
 
-A file may be damaged, made by a later version, or written by somebody else. Standard library only.
+A file may be damaged, or written by a later version or another program. Standard library only.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ UNKNOWN = "The steps of these regions are unknown"
 
 @dataclass(frozen=True)
 class Stored:
-    """What there is to know of the regions on a scan."""
+    """The stored data of the regions on a scan."""
 
     recipe: rcp.Recipe | None  #: empty if there are no regions, None if the steps that led to them can't be read
-    numbers: dict = field(default_factory=dict)  #: what the last step did
+    numbers: dict = field(default_factory=dict)  #: of the last step
     problem: str = ""  #: why the steps can't be read, as a line without a full stop
 
 
@@ -101,7 +101,7 @@ def _is_step(text: str) -> bool:
 
 
 def numbers_from(text: str) -> dict:
-    """The numbers of a step as `json.dumps` wrote them, as far as they are what the panel takes them for."""
+    """The numbers of a step as `json.dumps` wrote them, as far as they have the types that the panel needs."""
     try:
         found = json.loads(text) if text else {}
     except (ValueError, RecursionError):
@@ -158,7 +158,7 @@ _FITS = {
     "flaws": _are_polygons,
     "reason": _is_text,
 }
-#: what is of no use, as it is shown together, without others
+#: numbers that are useless without others, as they are shown together
 _TOGETHER = {
     "components": ("border_loops", "closed", "triangles", "faces"),
     "polygons": ("corners", "vertices", "planarity_mean", "planarity_max", "closed", "manifold", "regions"),

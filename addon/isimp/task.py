@@ -1,4 +1,4 @@
-"""Long work on a thread of its own, and what others may know of it. Standard library only.
+"""Long work on a thread of its own, with progress and cancel. Standard library only.
 
 A `Watch` is the line between whoever waits and whoever works: progress and stage one way, the wish to stop the other
 way. It spans several calls of the engine, each with a Job of its own, since a Job's progress never falls.
@@ -82,7 +82,7 @@ class Status(Enum):
 
 
 class Task:
-    """Runs `work(watch)` on a thread of its own and keeps what came of it."""
+    """Runs `work(watch)` on a thread of its own and keeps its result or error."""
 
     def __init__(self, work: Callable[[Watch], Any], clock: Callable[[], float] = time.monotonic):
         self.watch = Watch()

@@ -10,7 +10,7 @@ from .spare import Spare, blocks, taken
 # (least distance .1). Magenta is left free for problems.
 _BASE = ("b55422", "556dc6", "94627f", "1896bc", "a09602", "9f9afc")  # sRGB
 _BASE += ("31bebe", "f3817e", "e9b443", "a6d6af", "c4fafd", "ece36d")
-_SHADE = 0.35  # of the base colour's light: what is used where all twelve are taken by neighbours
+_SHADE = 0.35  # of the base colour's lightness, used if neighbours have all twelve
 NO_REGION = (0.21, 0.21, 0.21, 1.0)  # of faces in no region
 
 

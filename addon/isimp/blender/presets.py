@@ -12,7 +12,7 @@ _FOLDER = "isimp"
 _TITLE = "Presets"
 # Titles of the menu that are no preset of the user's.
 _OURS = {_TITLE, *(preset.label for preset in presets.PRESETS)}
-# What belongs to one scan rather than to a kind: lengths in its units, a count, its weights.
+# Settings of one scan, not of a kind of scans: lengths in its units, a count, its weights.
 _LEFT = frozenset({"proxies", "tolerance", "bound", "weights", "influence", "borders"})
 
 
@@ -72,7 +72,7 @@ class ISIMP_OT_preset_add(AddPresetBase, bpy.types.Operator):
 
 
 def title(context) -> str:
-    """What the menu is called: the add-on's preset that the settings are those of, else the one chosen last."""
+    """The title of the menu: the add-on's preset with these settings, else the preset chosen last."""
     for preset in presets.PRESETS:
         if all(_is_shown(context, step) for step in (preset.partition, preset.mesh)):
             return preset.label

@@ -347,7 +347,7 @@ def names(cls) -> list:
 
 
 def held(prop, value):
-    """A value as a property can hold it: within its limits, and its default in place of what is no such value."""
+    """A value as a property can hold it: within its limits, and its default in place of an invalid value."""
     if prop.type == "ENUM":
         return value if value in prop.enum_items else prop.default
     if prop.type not in {"INT", "FLOAT"}:
@@ -358,7 +358,7 @@ def held(prop, value):
 
 
 def _kinds(properties):
-    """What each property of a group, or of an operator, is."""
+    """The definitions of the properties of a group or of an operator."""
     return getattr(properties, "properties", properties).bl_rna.properties
 
 
@@ -374,7 +374,7 @@ def to_step(cls, properties):
 
 
 def updated(step, properties):
-    """The step with what properties of the same names say; a float that a property can't tell apart is kept."""
+    """The step with the values of properties of the same names; a float that equals a property's float32 is kept."""
     new, kinds = _values(type(step), properties), _kinds(properties)
     changed = {name: value for name, value in new.items() if not _alike(value, held(kinds[name], getattr(step, name)))}
     return dataclasses.replace(step, **changed) if changed else step
@@ -396,7 +396,7 @@ def copy(cls, source, target) -> None:
 
 
 def give(cls, source, operator) -> None:
-    """Gives a button's operator the settings of a step, each of them: what is not given it takes from its last use."""
+    """Sets all settings of a step on a button's operator, as an unset one would keep its last value."""
     kinds = _kinds(operator)
     for name in names(cls):
         setattr(operator, name, held(kinds[name], getattr(source, name)))

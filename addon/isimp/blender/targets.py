@@ -34,7 +34,7 @@ def scan_of(obj):
 
 
 def result_of(scene, scan):
-    """The result made from a scan, if it is still in the scene; else None. Never what shares the scan's mesh."""
+    """The result made from a scan, if it is still in the scene; else None. Never one with the scan's mesh."""
     key = raw.text(scan, "key")
     if not key:
         return None

@@ -11,7 +11,7 @@ _STAY = "\N{NO-BREAK SPACE}"
 
 
 def wrapped(message: str, width: int) -> list:
-    """Lines of so many letters; what is to stay together is parted only where it is longer than that."""
+    """Lines of at most `width` letters; words joined by no-break spaces are split only if they are longer."""
     parts = (part if len(part) <= width else part.replace(_STAY, " ") for part in message.split(" "))
     return textwrap.wrap(" ".join(parts), width)
 
@@ -128,7 +128,7 @@ def length(value: float, system: str, scale: float) -> str:
 
 
 def number_rows(numbers: dict, system: str, scale: float) -> list:
-    """(name, value) of what the last step did, in the order they matter."""
+    """(name, value) of the last step's numbers, the most important first."""
     rows = [("Regions", f"{numbers['regions']:,}")] if "regions" in numbers else []
     if "polygons" in numbers:
         rows += [("Polygons", f"{numbers['polygons']:,}"), ("Corners", f"{numbers['corners']:,}")]

@@ -37,7 +37,7 @@ class ISIMP_OT_partition(RecipeOperator, settings.PartitionSettings, bpy.types.O
         if len(given) == 1 and not self.properties.is_property_set("count_by"):
             step = dataclasses.replace(step, count_by=given[0])
         before = rcp.Recipe() if targets.needs_regions(scan) else store.load(scan)
-        return before.then(step)  # which keeps what led to locked regions
+        return before.then(step)  # keeps the steps before locked regions
 
     show = staticmethod(show_regions)
 

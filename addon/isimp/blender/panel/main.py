@@ -101,7 +101,7 @@ def _draw_progress(context, layout, running) -> None:
     else:
         split = column.split(factor=max(0.02, min(1.0, share)))
         split.operator("isimp.stop", text=" ", depress=True)
-    if running.shown is None:  # what is being written is so in a moment, and stopped half way it would be nothing
+    if running.shown is None:  # writing takes a moment, and must not be stopped half way
         column.operator("isimp.stop", text="Stop (Esc)", icon="CANCEL")
 
 

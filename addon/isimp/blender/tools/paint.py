@@ -61,7 +61,7 @@ class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def seen(self, event, side):
-        """What the ray meets, mirrored, and its direction."""
+        """The hit of the mirrored ray, and its direction."""
         origin, direction = (side * part for part in self.ray(event))
         return self._ground.hit((origin, direction)), direction
 

@@ -86,10 +86,10 @@ class ModalTool:
 
 
 class ISIMP_OT_hover(bpy.types.Operator):
-    """Show what is under the mouse"""
+    """Highlight and describe the region under the mouse"""
 
     bl_idname = "isimp.hover"
-    bl_label = "Show What Is Under the Mouse"
+    bl_label = "Highlight Region"
     bl_options = {"INTERNAL"}
 
     keys: StringProperty(name="Keys", description="Text of the status bar", options={"SKIP_SAVE"})

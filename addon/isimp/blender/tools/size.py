@@ -32,7 +32,7 @@ class ISIMP_OT_size(ModalTool, bpy.types.Operator):
         self._gesture.press(hit, self.place(event), ctrl=event.ctrl)
         self._scan, _ = targets.find(context)
         self._recipe = pending.recipe_of(context, self._scan)
-        self._work = self._tried = None  # what computes the outcome of a wish, and of which
+        self._work = self._tried = None  # the running computation, and the wish that was computed last
         self._said = ""
         runtime.get().live.held = True
         self._timer = context.window_manager.event_timer_add(_TICK, window=context.window)
