@@ -14,13 +14,13 @@ bl_info = {
 }
 
 
-def register():
+def register() -> None:
     from . import blender
 
     blender.register()
 
 
-def unregister():
+def unregister() -> None:
     from . import blender
 
     blender.unregister()

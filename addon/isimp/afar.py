@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 #: the largest step between coordinates, as a share of the diagonal, that is no loss
 FINE = 1e-5
@@ -21,7 +25,7 @@ class Loss:
     step: float  #: between a coordinate there and the next one
 
 
-def loss(low, high, scale=(1.0, 1.0, 1.0)) -> Loss | None:
+def loss(low: ArrayLike, high: ArrayLike, scale: ArrayLike = (1.0, 1.0, 1.0)) -> Loss | None:
     """The loss of a mesh in a box of its own coordinates; None if it is too small to be seen.
 
     low, high: (3,) corners of the box. scale: (3,) what the object's transform makes of a unit along each axis.
@@ -29,7 +33,7 @@ def loss(low, high, scale=(1.0, 1.0, 1.0)) -> Loss | None:
     box, scale = np.abs(np.array([low, high], np.float64)), np.abs(np.asarray(scale, np.float64))
     if not (np.isfinite(box).all() and np.isfinite(scale).all() and box.max() < np.finfo(np.float32).max):
         return None
-    diagonal = np.linalg.norm((np.asarray(high, np.float64) - low) * scale)
+    diagonal = np.linalg.norm((np.asarray(high, np.float64) - np.asarray(low, np.float64)) * scale)
     farthest = box.max(axis=0)
     steps = np.spacing(farthest.astype(np.float32)).astype(np.float64) * scale
     worst = int(np.argmax(steps))

@@ -9,6 +9,7 @@ import dataclasses
 import hashlib
 import json
 from dataclasses import dataclass
+from typing import Any
 
 from .steps import (
     COUNTS,
@@ -153,7 +154,7 @@ class Recipe:
         """The recipe without the Mesh step at its end, if it has one."""
         return Recipe(self.steps[:-1]) if self.steps and isinstance(self.steps[-1], Mesh) else self
 
-    def layers(self) -> frozenset:
+    def layers(self) -> frozenset[str]:
         """The names of the scan's own layers that its steps use."""
         return frozenset().union(*(step.layers() for _, step in self.active() if isinstance(step, Partition)))
 
@@ -189,7 +190,7 @@ class Recipe:
         return Recipe(tuple(numbered_step(number, step) for number, step in enumerate(steps, 1)))
 
 
-def parsed(text: str, problem: str):
+def parsed(text: str, problem: str) -> Any:
     """The value of a JSON text. Raises RecipeError, which begins with the problem and says where the text is wrong."""
     try:
         return json.loads(text)
@@ -199,7 +200,7 @@ def parsed(text: str, problem: str):
         raise RecipeError(f"{problem}: its brackets are nested too deeply") from None
 
 
-def numbered_step(number: int, values: dict) -> Step:
+def numbered_step(number: int, values: Any) -> Step:
     """As `step_from_dict`, with the number of the step in the message."""
     try:
         return step_from_dict(values)

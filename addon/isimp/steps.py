@@ -10,7 +10,9 @@ import dataclasses
 import math
 import operator
 import reprlib
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any, SupportsIndex
 
 METHODS = ("hierarchy", "teleport", "lloyd", "queued", "naive", "hybrid")
 #: settings that give the number of regions, and their defaults
@@ -39,7 +41,7 @@ def _check_face(face: int) -> None:
     check(face < 0, f"face must be at least 0, got {face}")
 
 
-def _indices(faces) -> tuple[int, ...]:
+def _indices(faces: Sequence[SupportsIndex]) -> tuple[int, ...]:
     """Faces as plain integers; any sequence of integers will do, numpy's too."""
     try:
         plain = tuple(operator.index(face) for face in faces if not isinstance(face, bool))
@@ -50,7 +52,7 @@ def _indices(faces) -> tuple[int, ...]:
     return plain
 
 
-def _numbers(values, name: str) -> tuple[float, ...]:
+def _numbers(values: Iterable[Any], name: str) -> tuple[float, ...]:
     try:
         plain = tuple(float(value) for value in values)
     except (TypeError, ValueError, OverflowError):
@@ -63,13 +65,13 @@ _SHORT = reprlib.Repr()  # with limits of depth and length
 _SHORT.maxlevel, _SHORT.maxstring, _SHORT.maxlist, _SHORT.maxtuple = 3, 50, 10, 10
 
 
-def short(value) -> str:
+def short(value: object) -> str:
     """A value that may be anything, as it is put into a message."""
     text = _SHORT.repr(value)
     return text if len(text) < 60 else text[:57] + "..."
 
 
-def _count(faces: tuple) -> str:
+def _count(faces: tuple[int, ...]) -> str:
     return f"face {faces[0]}" if len(faces) == 1 else f"{len(faces)} faces"
 
 
@@ -87,7 +89,7 @@ class Step:
         """The step's line in the list of steps."""
         raise NotImplementedError
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         values = {"step": self.kind, **dataclasses.asdict(self)}
         if self.enabled:
             del values["enabled"]
@@ -124,16 +126,16 @@ class Partition(Step):
     borders: str = ""  #: nor one between different values of this attribute of faces; none if empty
     faces: tuple[int, ...] = ()  #: split only these; empty: all
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         self._settle_count()
         check(self.count_by not in COUNTS, f"count_by must be one of {', '.join(COUNTS)}, got {short(self.count_by)}")
-        check(not 0 < self.detail <= 1, f"detail must be in (0, 1], got {self.detail}")
+        check(self.detail is None or not 0 < self.detail <= 1, f"detail must be in (0, 1], got {self.detail}")
         for name in ("tolerance", "bound"):
             value = getattr(self, name)
             check(not (math.isfinite(value) and value > 0), f"{name} must be above 0, got {value}")
         check(not 0 <= self.adaptivity <= 1, f"adaptivity must be in [0, 1], got {self.adaptivity}")
         check(not math.isfinite(self.noise), f"noise must be a length, or below 0, got {self.noise}")
-        check(self.proxies < 1, f"proxies must be at least 1, got {self.proxies}")
+        check(self.proxies is None or self.proxies < 1, f"proxies must be at least 1, got {self.proxies}")
         check(self.seed < 0, f"seed must be at least 0, got {self.seed}")
         check(self.iterations < 1, f"iterations must be at least 1, got {self.iterations}")
         check(self.method not in METHODS, f"method must be one of {', '.join(METHODS)}, got {short(self.method)}")
@@ -154,7 +156,7 @@ class Partition(Step):
             if name not in given:
                 object.__setattr__(self, name, value)
 
-    def layers(self) -> frozenset:
+    def layers(self) -> frozenset[str]:
         """The names of the scan's own layers that it needs: see `Scan.layers`."""
         marks = {layer for name, layer in MARKS.items() if getattr(self, name)}
         return frozenset(marks | ({self.weights, self.borders} - {""}))
@@ -172,7 +174,7 @@ class AddProxy(Step):
 
     face: int = 0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         _check_face(self.face)
 
     def describe(self) -> str:
@@ -185,7 +187,7 @@ class DeleteProxy(Step):
 
     face: int = 0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         _check_face(self.face)
 
     def describe(self) -> str:
@@ -199,7 +201,7 @@ class MergeRegions(Step):
     face: int = 0  #: of the region that stays
     other: int = 0  #: of the one that becomes part of it
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         _check_face(self.face)
         _check_face(self.other)
 
@@ -213,7 +215,7 @@ class SplitRegion(Step):
 
     face: int = 0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         _check_face(self.face)
 
     def describe(self) -> str:
@@ -228,7 +230,7 @@ class CutRegion(Step):
     line: tuple[tuple[float, ...], ...] = ()  #: points, at least 2
     direction: tuple[float, ...] = ()  #: empty: the region's normal
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         _check_face(self.face)
         object.__setattr__(self, "line", tuple(_numbers(point, "a point of line") for point in self.line))
         object.__setattr__(self, "direction", _numbers(self.direction, "direction"))
@@ -248,7 +250,7 @@ class PaintFaces(Step):
     onto: int = -1  #: below 0: a new region
     lock: bool = False  #: and lock it
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         object.__setattr__(self, "faces", _indices(self.faces))
 
     def describe(self) -> str:
@@ -262,7 +264,7 @@ class EraseFaces(Step):
 
     faces: tuple[int, ...] = ()
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         object.__setattr__(self, "faces", _indices(self.faces))
 
     def describe(self) -> str:
@@ -276,7 +278,7 @@ class SmoothFaces(Step):
     faces: tuple[int, ...] = ()
     rounds: int = 10
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         object.__setattr__(self, "faces", _indices(self.faces))
         check(not 1 <= self.rounds <= MOST_ROUNDS, f"rounds must be in [1, {MOST_ROUNDS:,}], got {self.rounds}")
 
@@ -291,7 +293,7 @@ class GrowRegion(Step):
     face: int = 0
     rings: int = 1
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         _check_face(self.face)
         check(self.rings < 1, f"rings must be at least 1, got {self.rings}")
 
@@ -313,7 +315,7 @@ class LockRegions(Step):
 
     faces: tuple[int, ...] = ()
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         object.__setattr__(self, "faces", _indices(self.faces))
 
     def describe(self) -> str:
@@ -334,7 +336,7 @@ class AddWorst(Step):
 
     times: int = 1
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check(self.times < 1, f"times must be at least 1, got {self.times}")
 
     def describe(self) -> str:
@@ -372,7 +374,7 @@ class Mesh(Step):
     chord_tolerance: float = 0.7
     flatten: int = 30
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         wrong = not (math.isfinite(self.chord_tolerance) and self.chord_tolerance > 0)
         check(wrong, f"chord_tolerance must be above 0, got {self.chord_tolerance}")
         check(self.flatten < 0, f"flatten must be at least 0, got {self.flatten}")
@@ -401,11 +403,17 @@ KINDS = {
     Improve: "improve",
     Mesh: "mesh",
 }
-_TYPES = {kind: cls for cls, kind in KINDS.items()}
-_ACCEPTS = {"bool": bool, "int": int, "str": str, "float": (float, int), "list": (list, tuple)}
+_TYPES: dict[str, type[Step]] = {kind: cls for cls, kind in KINDS.items()}
+_ACCEPTS: dict[str, type | tuple[type, ...]] = {
+    "bool": bool,
+    "int": int,
+    "str": str,
+    "float": (float, int),
+    "list": (list, tuple),
+}
 
 
-def step_from_dict(values: dict) -> Step:
+def step_from_dict(values: Any) -> Step:
     """The step that `Step.to_dict` made. Raises RecipeError, which names the problem."""
     if not isinstance(values, dict) or "step" not in values:
         raise RecipeError(f"not a step: {short(values)}")
@@ -422,7 +430,7 @@ def step_from_dict(values: dict) -> Step:
     return _TYPES[kind](**values)
 
 
-def _check_value(what: str, wanted: str, value) -> None:
+def _check_value(what: str, wanted: str, value: Any) -> None:
     """Refuses a value of another type, or beyond the limits of the engine or Blender."""
     if not isinstance(value, _ACCEPTS[wanted]) or (wanted != "bool" and isinstance(value, bool)):
         raise RecipeError(f"{what} must be a {wanted}, got {short(value)}")
