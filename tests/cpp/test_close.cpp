@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "close.h"
 #include "isimp/core/errors.h"
 #include "isimp/mesh/clean.h"
 #include "shapes.h"
@@ -95,6 +96,14 @@ TEST(CloseHoles, AFaceAloneGetsNoBack) {
     const Mesh mesh = closed({{{0, 0, 0}, {1, 0, 0}, {2, height, 0}}, {{0, 1, 2}}}, {.fill_holes = 100.0});
     EXPECT_EQ(repaired(mesh, "filled_holes"), 0);
   }
+}
+
+TEST(CloseHoles, ALoopWhoseEndsMeetIsNoErrorOfCgal) {
+  // CGAL takes such a loop for one that says its first vertex twice, and asserts the same of the points beyond.
+  const std::vector<Vec3> loop = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 0}};
+  const std::vector<Vec3> beyond = {{0, -1, 0}, {2, 0, 0}, {1, 2, 0}, {-1, 1, 0}, {-1, -1, 0}};
+  EXPECT_TRUE(detail::cover(loop, beyond, 0).triangles.empty());
+  EXPECT_EQ(detail::cover(loop, beyond, 1).triangles.size(), 5U);
 }
 
 TEST(CloseHoles, ACoverThatWouldMeetTheSurfaceIsNotMade) {
