@@ -232,7 +232,7 @@ def simplify(options):
     settings = {name: getattr(options, name) for name in names if getattr(options, name) is not None}
     ways = [name for name in COUNTS if name in settings]
     if len(ways) > 1:
-        raise Problem(f"--{' and --'.join(ways)} each say how many regions: give one")
+        raise Problem(f"--{' and --'.join(ways)} each set the number of regions: give one")
     settings |= {"count_by": ways[0]} if ways else {}
     for name, least in (("proxies", 1), ("iterations", 1), ("seed", 0)):
         if settings.get(name, least) < least:

@@ -2,8 +2,9 @@
 
     scripts/build_addon.py [--wheel WHEEL ...] [--out dist]
 
-The engine comes from wheels of the package (`pip wheel . --no-deps`), or, without --wheel, from the package installed
-for the Python that runs this. The zip for older Blenders takes the first wheel, the extension all: Blender picks.
+The version is that of CMakeLists.txt. The engine comes from wheels of the package (`pip wheel . --no-deps`), or,
+without --wheel, from the package installed for the Python that runs this. The zip for older Blenders takes the first
+wheel, the extension all: Blender picks.
 """
 
 import argparse
@@ -36,14 +37,28 @@ def add(archive: zipfile.ZipFile, name: str, data: bytes) -> None:
 
 
 def version() -> str:
-    text = (ADDON / "blender_manifest.toml").read_text()
-    return re.search(r'^version = "(.+)"$', text, re.MULTILINE).group(1)
+    """The version of the project. CMakeLists.txt is the one place that states it."""
+    return re.search(r"project\(isimp VERSION ([0-9]+\.[0-9]+\.[0-9]+)", (ROOT / "CMakeLists.txt").read_text()).group(1)
+
+
+def with_version(name: str, data: bytes) -> bytes:
+    """The file with the project's version, if it is one of the two that state a version to Blender."""
+    if name == "__init__.py":
+        old, new = b'"version": (0, 0, 0),', f'"version": ({version().replace(".", ", ")}),'.encode()
+    elif name == "blender_manifest.toml":
+        old, new = b'version = "0.0.0"', f'version = "{version()}"'.encode()
+    else:
+        return data
+    if data.count(old) != 1:
+        raise SystemExit(f"addon/isimp/{name} must contain {old.decode()!r} once: the version is written there")
+    return data.replace(old, new)
 
 
 def addon_files() -> dict[str, bytes]:
     """The add-on's own files, by their path in it."""
     files = (path for path in ADDON.rglob("*") if path.is_file() and "__pycache__" not in path.parts)
-    return {path.relative_to(ADDON).as_posix(): path.read_bytes() for path in sorted(files)} | {
+    names = {path.relative_to(ADDON).as_posix(): path for path in sorted(files)}
+    return {name: with_version(name, path.read_bytes()) for name, path in names.items()} | {
         "LICENSE": (ROOT / "LICENSE").read_bytes()
     }
 

@@ -6,7 +6,7 @@ Only `isimp.blender` imports bpy, so that everything else can be used and tested
 bl_info = {
     "name": "iSimp",
     "author": "The iSimp developers",
-    "version": (0, 1, 0),
+    "version": (0, 0, 0),  # scripts/build_addon.py writes the version of CMakeLists.txt
     "blender": (3, 4, 0),
     "location": "3D View > Sidebar > iSimp",
     "description": "Turn dense scans into clean, editable n-gon meshes",
@@ -14,13 +14,13 @@ bl_info = {
 }
 
 
-def register():
+def register() -> None:
     from . import blender
 
     blender.register()
 
 
-def unregister():
+def unregister() -> None:
     from . import blender
 
     blender.unregister()

@@ -1,8 +1,9 @@
-"""What was computed last, within a budget. Standard library only."""
+"""A cache of recent results within a memory budget. Standard library only."""
 
 from __future__ import annotations
 
 from collections import OrderedDict
+from collections.abc import Hashable
 from typing import Any
 
 
@@ -11,15 +12,15 @@ class Cache:
 
     def __init__(self, budget: int):
         self._budget, self._size = budget, 0
-        self._items: OrderedDict[Any, tuple[Any, int]] = OrderedDict()
+        self._items: OrderedDict[Hashable, tuple[Any, int]] = OrderedDict()
 
-    def get(self, key):
+    def get(self, key: Hashable) -> Any:
         if key not in self._items:
             return None
         self._items.move_to_end(key)
         return self._items[key][0]
 
-    def put(self, key, value, size: int) -> None:
+    def put(self, key: Hashable, value: Any, size: int) -> None:
         if key in self._items:
             self._size -= self._items.pop(key)[1]
         self._items[key] = (value, size)

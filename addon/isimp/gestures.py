@@ -1,4 +1,4 @@
-"""What presses, moves and releases of the mouse mean to the tools. No window needed: places come in, wishes come out.
+"""The meaning of mouse presses, moves and releases for the tools, without a window: places in, wishes out.
 
 A tool's operator casts the rays, draws what a gesture shows meanwhile, and makes one recipe step of its wish.
 """
@@ -20,7 +20,7 @@ def _is_far(begin, at) -> bool:
 
 @dataclass(frozen=True)
 class Hit:
-    """What is under the mouse."""
+    """The face and region under the mouse."""
 
     face: int  #: the user's face
     region: int  #: -1 for none
@@ -29,7 +29,7 @@ class Hit:
 
 @dataclass(frozen=True)
 class Wish:
-    """What a gesture comes to: a verb and the faces it is about."""
+    """The result of a gesture: a verb and faces."""
 
     verb: str  #: add, delete, merge, select, paint, new, erase, smooth, split, cut, grow or shrink
     faces: tuple
@@ -65,7 +65,7 @@ class Pointing:
         return begin >= 0 and over >= 0 and begin != over
 
     def release(self) -> Wish | None:
-        """What was meant; None if nothing: missed, or dragged back to where it began."""
+        """The wish; None if the press missed the scan or was dragged back to its start."""
         begin, over = self.begin, self.over
         merging, verb, dragged = self.merging, self._verb, self._dragged
         self.cancel()
@@ -81,7 +81,7 @@ class Pointing:
 
 
 class Stroke:
-    """The Paint tool: covers the faces under a brush, and says what to make of them."""
+    """The Paint tool: collects the faces under a brush, and makes a wish of them."""
 
     def __init__(self, surface, triangle_face: np.ndarray, pairs: np.ndarray, radius: float):
         """surface: pick.Surface; triangle_face: the user's face of each triangle; pairs: (E, 2) triangles that meet."""
@@ -96,7 +96,7 @@ class Stroke:
         self.move(hit, facing)
 
     def move(self, hit: Hit | None, facing) -> None:
-        """Covers what is between the last place and this, on the side that is met.
+        """Covers the faces between the last place and this one, on the side facing the ray.
 
         facing: along the sight. So an open scan may be painted from its back, and a thin one not through it.
         """
@@ -120,7 +120,7 @@ class Stroke:
         return int(np.searchsorted(self._triangle_face, hit.face))
 
     def release(self) -> Wish | None:
-        """What was painted, as far as it hangs together with the first place; None if nothing was."""
+        """The painted faces that are connected to the first place; None if there are none."""
         if self._first is None:
             return None
         begin, verb = self._first, self._verb
@@ -150,7 +150,7 @@ def connected(chosen: np.ndarray, pairs: np.ndarray, start: int) -> np.ndarray:
 
 
 class Cut:
-    """The Cut tool: a straight line drawn over a region parts it, as seen; a click parts it in two by itself."""
+    """The Cut tool: a straight line over a region cuts it, as seen; a click splits it in two."""
 
     def __init__(self):
         self._hits, self._from, self.dragged = [], (0.0, 0.0), False
@@ -179,7 +179,7 @@ class Cut:
 
 
 class Sizing:
-    """The Grow tool: dragged to the right, a region grows as far as the mouse goes; to the left, it shrinks."""
+    """The Grow tool: a drag to the right grows a region by its distance; a drag to the left shrinks it."""
 
     def __init__(self, ring: float):
         """ring: how many pixels wide a ring of faces is seen."""
@@ -199,7 +199,7 @@ class Sizing:
 
     @property
     def wish(self) -> Wish | None:
-        """What letting go now would do; None: nothing, as it was dragged back to where it began."""
+        """The wish at a release now; None if the mouse is back at its start."""
         rings = self._rings if self._dragged else self._click
         if self._hit is None or self._hit.region < 0 or rings == 0:
             return None

@@ -73,7 +73,7 @@ class Surface:
 
 
 def _along_curve(points: np.ndarray) -> np.ndarray:
-    """The order of points along a curve that keeps near what is near (Morton)."""
+    """The order of points along a space-filling curve (Morton)."""
     finite = np.isfinite(points).all(axis=1)
     low = points[finite].min(axis=0) if finite.any() else np.zeros(3)
     extent = float((points[finite] - low).max()) if finite.any() else 0.0

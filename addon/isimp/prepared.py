@@ -74,7 +74,7 @@ def scan_numbers(prepared: Prepared) -> dict:
 
 
 def in_users_faces(message: str, prepared: Prepared) -> str:
-    """What the engine said, with the user's faces in the place of its own."""
+    """An engine's message, with the user's face numbers in place of its own."""
 
     def users(number: re.Match) -> str:
         face = int(number[0])
@@ -88,7 +88,7 @@ def triangle_at(prepared: Prepared, face: int) -> int:
         raise ValueError(f"there is no face {face}: the mesh has {prepared.scan.face_count} faces.")
     triangle = int(prepared.face_triangle[face])
     if triangle < 0:
-        raise ValueError(f"face {face} was left out when the mesh was mended, as it has no area or is there twice.")
+        raise ValueError(f"face {face} was left out by the repair of the mesh: it has no area or is a duplicate.")
     return triangle
 
 

@@ -14,8 +14,8 @@ from . import recipe as rcp
 class Preset:
     """The steps of a recipe for one kind of scan."""
 
-    name: str  #: what programs call it
-    label: str  #: what people read
+    name: str  #: for programs
+    label: str  #: for people
     about: str
     partition: rcp.Partition
     mesh: rcp.Mesh
@@ -29,35 +29,35 @@ PRESETS = (
     Preset(
         "figure",
         "Photogrammetry figure",
-        "People, animals, statues: rounded shapes with fine places such as faces and hands",
+        "People, animals, statues: rounded shapes with fine details such as faces and hands",
         rcp.Partition(count_by="detail", detail=0.005, adaptivity=0.25),
         rcp.Mesh(),
     ),
     Preset(
         "building",
         "Photogrammetry building",
-        "One building or room: large planes with straight edges, bumpy from the scan",
+        "One building or room: large planes with straight edges and noise",
         rcp.Partition(count_by="detail", detail=0.0025, adaptivity=0.0),
         rcp.Mesh(flatten=60),
     ),
     Preset(
         "city",
         "Drone / city tile",
-        "Roofs, walls and ground from above: few large triangles, many small loose parts",
+        "Roofs, walls and ground from the air: few large triangles, many small loose parts",
         rcp.Partition(count_by="detail", detail=0.0025, noise=0.0, adaptivity=0.0, leave_out=0.0005),
         rcp.Mesh(flatten=60),
     ),
     Preset(
         "cad",
         "CAD",
-        "Drawn, not scanned: exact planes, and curves that were cut into triangles",
+        "CAD models, not scanned: exact planes and triangulated curves",
         rcp.Partition(count_by="detail", detail=0.00125, noise=0.0, adaptivity=0.0, leave_out=0.0),
         rcp.Mesh(flatten=60),
     ),
     Preset(
         "low_poly",
         "Low poly art",
-        "Few bold facets, alike in size",
+        "Few large facets of similar size",
         rcp.Partition(count_by="detail", detail=0.01, snap=False, adaptivity=0.0),
         rcp.Mesh(flatten=60),
     ),

@@ -9,6 +9,7 @@ import dataclasses
 import hashlib
 import json
 from dataclasses import dataclass
+from typing import Any
 
 from .steps import (
     COUNTS,
@@ -83,7 +84,10 @@ class Recipe:
     steps: tuple[Step, ...] = ()
 
     def then(self, step: Step) -> Recipe:
-        """The recipe with one more step. A partition of all starts anew after what is locked; Mesh stays the end."""
+        """The recipe with one more step, in place of a Mesh step at its end.
+
+        A partition of all faces replaces the steps after the last lock.
+        """
         steps = self.without_mesh().steps
         if isinstance(step, Partition) and not step.faces:
             steps = steps[: self._last_lock() + 1]
@@ -142,7 +146,7 @@ class Recipe:
         check(not 0 <= index < len(self.steps), f"there is no step {index + 1}: the recipe has {len(self.steps)}")
 
     def ends_in_mesh(self) -> bool:
-        """Whether polygons are what it gives."""
+        """Whether its outcome has polygons."""
         active = self.active()
         return bool(active) and isinstance(active[-1][1], Mesh)
 
@@ -150,7 +154,7 @@ class Recipe:
         """The recipe without the Mesh step at its end, if it has one."""
         return Recipe(self.steps[:-1]) if self.steps and isinstance(self.steps[-1], Mesh) else self
 
-    def layers(self) -> frozenset:
+    def layers(self) -> frozenset[str]:
         """The names of the scan's own layers that its steps use."""
         return frozenset().union(*(step.layers() for _, step in self.active() if isinstance(step, Partition)))
 
@@ -172,31 +176,31 @@ class Recipe:
 
     @staticmethod
     def from_json(text: str) -> Recipe:
-        """The recipe that `to_json` made. Raises RecipeError, which says what can't be used and why."""
+        """The recipe that `to_json` made. Raises RecipeError, which names the problem and the step."""
         values = parsed(text, "not a recipe")
         check(not isinstance(values, dict) or "isimp_recipe" not in values, "not a recipe: it has no 'isimp_recipe'")
         version = values["isimp_recipe"]
         known = isinstance(version, int) and version <= VERSION
         check(
             not known,
-            f"the recipe is of version {short(version)}, this add-on reads up to {VERSION}: update the add-on",
+            f"the recipe has version {short(version)}, this add-on reads up to {VERSION}: update the add-on",
         )
         steps = values.get("steps")
         check(not isinstance(steps, list), "not a recipe: 'steps' must be a list")
         return Recipe(tuple(numbered_step(number, step) for number, step in enumerate(steps, 1)))
 
 
-def parsed(text: str, problem: str):
+def parsed(text: str, problem: str) -> Any:
     """The value of a JSON text. Raises RecipeError, which begins with the problem and says where the text is wrong."""
     try:
         return json.loads(text)
     except ValueError as error:
         raise RecipeError(f"{problem}: it is not JSON ({error})") from None
     except RecursionError:
-        raise RecipeError(f"{problem}: its brackets are nested too deep") from None
+        raise RecipeError(f"{problem}: its brackets are nested too deeply") from None
 
 
-def numbered_step(number: int, values: dict) -> Step:
+def numbered_step(number: int, values: Any) -> Step:
     """As `step_from_dict`, with the number of the step in the message."""
     try:
         return step_from_dict(values)

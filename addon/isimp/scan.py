@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -22,14 +23,14 @@ class Scan:
     triangles: np.ndarray
     triangle_face: np.ndarray
     face_count: int
-    #: {name: (face_count,) numbers} what its user painted; a name that it does not have is missing. Those of
-    #: `recipe.MARKS` are what Blender knows of itself: edges as (K, 2) vertices, materials and face sets of each face.
-    layers: dict = field(default_factory=dict)
+    #: {name: (face_count,) numbers} painted by its user; a layer that it does not have is missing. Those of
+    #: `recipe.MARKS` are Blender's own marks: edges as (K, 2) vertices, materials and face sets of each face.
+    layers: dict[str, np.ndarray] = field(default_factory=dict)
 
-    #: what is computed of the mesh, for all that differ in their layers alone
-    _known: dict = field(default_factory=dict, repr=False)
+    #: results computed from the mesh, shared by scans that differ only in their layers
+    _known: dict[str, Any] = field(default_factory=dict, repr=False)
 
-    def with_layers(self, layers: dict) -> Scan:
+    def with_layers(self, layers: dict[str, np.ndarray]) -> Scan:
         """The same mesh with other layers."""
         return replace(self, layers=layers)
 
@@ -52,14 +53,16 @@ class Scan:
                 digest.update(np.ascontiguousarray(array).view(np.uint8).data)
             digest.update(str(self.face_count).encode())
             self._known["digest"] = digest.hexdigest()
-        return self._known["digest"]
+        found: str = self._known["digest"]
+        return found
 
     @property
     def edges(self) -> tuple[np.ndarray, np.ndarray]:
         """(E, 2) triangles that share an edge, (E, 2) the vertices of that edge."""
         if "edges" not in self._known:
             self._known["edges"] = view.shared_edges(self.triangles)
-        return self._known["edges"]
+        found: tuple[np.ndarray, np.ndarray] = self._known["edges"]
+        return found
 
     @property
     def face_edges(self) -> tuple[np.ndarray, np.ndarray]:
@@ -71,4 +74,5 @@ class Scan:
                 apart = faces[0] != faces[1]
                 pairs, ends = faces[:, apart].T, ends[apart]
             self._known["face_edges"] = pairs, ends
-        return self._known["face_edges"]
+        found: tuple[np.ndarray, np.ndarray] = self._known["face_edges"]
+        return found

@@ -1,4 +1,4 @@
-"""A recipe and arrays in, result arrays out; what was computed before is kept. The only importer of the engine."""
+"""Replays a recipe on arrays and returns arrays; earlier results are kept. The only importer of the engine."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def backends() -> list[str]:
 
 
 class StepFailed(Exception):
-    """A step can't be done; `outcome` is what the steps before it gave, None if there were none."""
+    """A step failed; `outcome` is the result of the steps before it, None if there were none."""
 
     def __init__(self, index: int, step: rcp.Step, reason: str, outcome: Outcome | None):
         super().__init__(f"Step {index + 1}, {step.describe()}: {reason}")
@@ -50,7 +50,7 @@ class StepFailed(Exception):
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What a recipe gave. Arrays are by the user's faces."""
+    """The result of a recipe. Arrays are by the user's faces."""
 
     face_region: np.ndarray  #: (face_count,) int32, -1 where a face is in no region
     region_color: np.ndarray  #: (R,) int32 into view.PALETTE
@@ -58,7 +58,7 @@ class Outcome:
     partition: Any
     polygons: Any = None  #: the engine's PolygonMesh after Mesh, else None
     origin: tuple = (0.0, 0.0, 0.0)  #: near the polygons, exactly; 0 where they lie near zero. See `engine.Mesh.origin`
-    numbers: dict = field(default_factory=dict)  #: what the last step did, and what the scan is
+    numbers: dict = field(default_factory=dict)  #: of the last step and of the scan
     made: Any = None  #: how the engine made the partition; None once it was edited
 
     @property
@@ -79,7 +79,7 @@ class Session:
         self._parts = Cache(0)  # the last one alone
 
     def replay(self, scan: Scan, recipe: rcp.Recipe, watch: Watch | None = None) -> Outcome:
-        """What the recipe gives on the scan.
+        """The outcome of the recipe on the scan.
 
         Raises StepFailed (which carries the last good outcome), ValueError (the scan itself can't be used) or Stopped.
         """
@@ -101,15 +101,15 @@ class Session:
                 raise StepFailed(index, step, str(error), outcome) from error
             self._outcomes.put(keys[number], outcome, _size(outcome, prepared))
         if outcome is None:
-            raise ValueError("The recipe has no step that is switched on: press Partition.")
+            raise ValueError("The recipe has no active step: press Partition.")
         return outcome
 
     def prepare(self, scan: Scan, watch: Watch | None = None, begin: float = 0.0, end: float = 1.0) -> Prepared:
-        """The scan checked and mended, ready for steps. Raises ValueError if nothing usable is in it."""
+        """The scan, checked and repaired. Raises ValueError if nothing usable is in it."""
         prepared = self._meshes.get(scan.digest)
         if prepared is None:
             prepared = _prepare(scan, watch or Watch(), begin, end)
-            # Adjacency, normals and what else the engine keeps: about 300 bytes a face.
+            # Adjacency, normals and other data of the engine: about 300 bytes a face.
             self._meshes.put(scan.digest, prepared, 300 * len(scan.triangles))
         return prepared
 
@@ -120,7 +120,7 @@ class Session:
         return np.asarray(triangles), np.asarray(polygon)
 
     def region_at(self, scan: Scan, outcome: Outcome, face: int) -> dict:
-        """What there is to say of the region of one of the user's faces: what `engine.region_statistics` says of it.
+        """The result of `engine.region_statistics` for the region of one of the user's faces.
 
         Raises ValueError if there is no such face, or it is in no region. Cost: of the size of the region.
         """
@@ -138,7 +138,7 @@ class Session:
         return np.empty(0, np.int64) if outcome is None else np.flatnonzero(outcome.partition.region_locked)
 
     def known(self, scan: Scan, recipe: rcp.Recipe) -> Outcome | None:
-        """What the recipe gave, if that is kept; nothing is computed."""
+        """The kept outcome of the recipe, or None; nothing is computed."""
         keys = _keys(scan, recipe)
         done, outcome = self._longest_known(keys)
         return outcome if done == len(keys) else None
@@ -184,7 +184,7 @@ class Session:
         return replace(_with_regions(prepared, partition, kept, numbers), made=made)
 
     def _part(self, prepared: Prepared, guides, leave_out: float):
-        """What of the mesh is split if not all of it is, kept so that another number is quick; None: all of it."""
+        """The part of the mesh to split, kept so that another number is quick; None: all of it."""
         faces = engine.guided.open_faces(prepared.mesh, guides, leave_out)
         if faces is None:
             return None
@@ -195,7 +195,7 @@ class Session:
 
 
 def _keys(scan: Scan, recipe: rcp.Recipe) -> list[tuple]:
-    """What the outcomes of the recipe's steps are kept by."""
+    """The cache keys of the outcomes of the recipe's steps."""
     return [(scan.digest, scan.layers_digest, key) for key in recipe.prefix_keys()]
 
 
@@ -246,11 +246,11 @@ def _with_regions(prepared: Prepared, partition, kept: np.ndarray | None, number
 
 
 def _weights(step: rcp.Partition, prepared: Prepared) -> np.ndarray | None:
-    """(F',) what each face's area is multiplied by; a weight of 1 draws four times as many regions as one of 0."""
+    """(F',) the factor of each face's area; a weight of 1 gives four times as many regions as one of 0."""
     if not step.weights:
         return None
     if step.weights not in prepared.layers:
-        raise ValueError(f"there is no vertex group or face attribute '{step.weights}' with numbers to weigh by.")
+        raise ValueError(f"there is no vertex group or numeric attribute '{step.weights}' for the weights.")
     painted = np.clip(np.nan_to_num(prepared.layers[step.weights].astype(np.float64)), 0.0, 1.0)
     return 16.0 ** (step.influence * painted[prepared.mesh_face])
 
@@ -261,7 +261,7 @@ def _barriers(step: rcp.Partition, prepared: Prepared) -> list[np.ndarray]:
     values = [prepared.layers.get(rcp.MARKS[name]) for name in ("materials", "face_sets") if getattr(step, name)]
     if step.borders:
         if step.borders not in prepared.layers:
-            raise ValueError(f"there is no face attribute '{step.borders}' to take borders from.")
+            raise ValueError(f"there is no face attribute '{step.borders}' for the barriers.")
         values.append(prepared.layers[step.borders])
     of_faces = (each[prepared.mesh_face] for each in values if each is not None)
     found.extend(guides.attribute_borders(mesh, each) for each in of_faces)
@@ -271,7 +271,7 @@ def _barriers(step: rcp.Partition, prepared: Prepared) -> list[np.ndarray]:
 
 
 def _guides(step: rcp.Partition, prepared: Prepared, before: Outcome | None):
-    """What the step keeps to, as the engine wants it."""
+    """The barriers, weights and locks of the step for the engine."""
     marked = [prepared.layers.get(rcp.MARKS[name]) for name in ("seams", "sharp") if getattr(step, name)]
     cuts = [engine.guides.marked_edges(prepared.mesh, edges) for edges in marked if edges is not None]
     barriers = _barriers(step, prepared)
@@ -305,7 +305,7 @@ def _apply_delete(step: rcp.DeleteProxy, prepared, before, watch, begin, end) ->
 
 
 def flaws(report: dict) -> dict:
-    """{what is amiss: polygons it is with}, but for those that meet where the scan itself does."""
+    """{kind of defect: polygons}, without pairs that intersect in the scan itself."""
     found = {}
     for entry in report.get("imperfect", ()):
         if entry["flaw"] != "excused":
@@ -354,7 +354,7 @@ def _apply_paint(step: rcp.PaintFaces, prepared, before, watch, begin, end) -> O
 
 
 def _apply_erase(step: rcp.EraseFaces, prepared, before, watch, begin, end) -> Outcome:
-    """A hand may take from a region that is locked against all else."""
+    """Erasing by hand changes a locked region too."""
     before, faces = _needs_regions(before), triangles_at(prepared, step.faces)
     partition, region = before.partition, int(before.partition.face_region[faces[0]])
     locked = region >= 0 and bool(partition.region_locked[region])
@@ -369,7 +369,7 @@ def _apply_erase(step: rcp.EraseFaces, prepared, before, watch, begin, end) -> O
 def _apply_smooth(step: rcp.SmoothFaces, prepared, before, watch, begin, end) -> Outcome:
     """Works on the user's faces: those that change their region are painted onto it, one region after the other.
 
-    A hand that begins in a locked region may smooth that one too; others that are locked neither give nor take.
+    A stroke that begins in a locked region smooths that region too; other locked regions stay unchanged.
     """
     before, count = _needs_regions(before), prepared.scan.face_count
     triangles_at(prepared, step.faces)  # raises if there are no such faces
@@ -426,7 +426,7 @@ def _times(step, prepared) -> tuple:
     return (step.times,)
 
 
-#: of each step: what it is called while it works, the engine's function, and that function's arguments
+#: of each step: its name while it works, the engine's function, and that function's arguments
 _EDITS = {
     rcp.SplitRegion: ("splitting", "split_region", _at_face),
     rcp.CutRegion: ("splitting", "split_along", _cut_arguments),
@@ -440,7 +440,7 @@ _EDITS = {
 
 
 def _apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end, threads: int) -> Outcome:
-    """A bound that the polygons would not keep makes the regions anew, unless somebody has edited them."""
+    """If the polygons violate the bound, repartitions with a smaller one, unless the partition was edited."""
     before = _needs_regions(before)
     options = engine.MeshingOptions(chord_tolerance=step.chord_tolerance, flatten=step.flatten, threads=threads)
 
@@ -469,7 +469,7 @@ def _apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end, threads: in
     return replace(regions, polygons=polygons, origin=prepared.mesh.origin, numbers=numbers)
 
 
-#: about how long a step takes beside others, and what comes before the first
+#: relative time of a step, and of the preparation before the first
 _TIMES = {rcp.Partition: 5.0, rcp.Mesh: 14.0}
 _PREPARING = 3.0
 

@@ -1,4 +1,4 @@
-"""What is drawn over a scan: where its regions end, how its polygons would be. Plain arrays: no window is needed."""
+"""The overlay of a scan, region borders and polygons, as plain arrays: no window is needed."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ class Sketch:
     corners: np.ndarray = field(default_factory=_points)
     #: (3 T, 3) their triangles
     surface: np.ndarray = field(default_factory=_points)
-    #: (3 T, 4) RGBA of the corners of the triangles, by how flat their polygon is
+    #: (3 T, 4) RGBA of the corners of the triangles, by the planarity of their polygon
     heat: np.ndarray = field(default_factory=lambda: np.empty((0, 4), np.float32))
-    #: (2 E, 3) the edges of polygons that something is amiss with
+    #: (2 E, 3) the edges of defective polygons
     problems: np.ndarray = field(default_factory=_points)
     #: (3 L, 3) the triangles of locked regions
     locked: np.ndarray = field(default_factory=_points)
@@ -65,14 +65,14 @@ def polygon_edges(loops: np.ndarray, loop_start: np.ndarray) -> np.ndarray:
 
 
 def heat(planarity: np.ndarray, diagonal: float, bound: float = 0.005) -> np.ndarray:
-    """(Q,) how far polygons are from flat, in [0, 1]. bound: what counts as far, as a share of the diagonal."""
+    """(Q,) non-planarity of polygons in [0, 1]. bound: the distance that counts as 1, as a share of the diagonal."""
     if diagonal <= 0:
         return np.zeros(len(planarity))
     return np.clip(planarity / (bound * diagonal), 0.0, 1.0)
 
 
 def heat_colors(share: np.ndarray) -> np.ndarray:
-    """(N, 4) float32 RGBA, see-through: green where flat, by yellow to red where bent to the bound."""
+    """(N, 4) float32 RGBA, see-through: green if planar, by yellow to red if non-planar by the bound."""
     red = np.clip(2 * share, 0, 1)
     green = np.clip(2 - 2 * share, 0, 1)
     return np.stack([red, 0.8 * green, 0.1 + 0 * share, 0.6 + 0 * share], axis=1).astype(np.float32)
@@ -97,14 +97,14 @@ def draw(
     loops, start = np.asarray(polygons.loops), np.asarray(polygons.loop_start)
     triangles, of = session.triangulate(polygons)
     share = heat(np.asarray(polygons.planarity), made.numbers["diagonal"])
-    amiss = sorted({polygon for found in made.numbers["flaws"].values() for polygon in found})
+    defective = sorted({polygon for found in made.numbers["flaws"].values() for polygon in found})
     return Sketch(
         lines,
         outline(vertices, loops, start),
         vertices,
         vertices[triangles.ravel()],
         heat_colors(np.repeat(share[of], 3)),
-        vertices[edges_of(amiss, loops, start).ravel()],
+        vertices[edges_of(defective, loops, start).ravel()],
         locked,
         origin=origin,
     )

@@ -1,4 +1,4 @@
-"""Borders between regions evened out: what the Paint tool does with Shift. numpy only."""
+"""Smoothing of region borders, for the Paint tool with Shift. numpy only."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def smoothed(
     Cost: O(E) a round, and the faces near times the regions there.
     """
     near = inside.copy()
-    for _ in range(rounds):  # as far as what is spread comes from
+    for _ in range(rounds):  # the range of the diffusion
         poll()
         near[pairs[near[pairs].any(axis=1)].ravel()] = True
     pairs = pairs[near[pairs].all(axis=1)]

@@ -1,14 +1,20 @@
-"""Large arrays used again: new memory costs more, at times far more, than what is put into it. numpy only."""
+"""Reuse of large arrays: new memory costs more, at times far more, than to fill it. numpy only."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import DTypeLike
 
 _BLOCK = 1 << 15
 
 
-def blocks(count: int):
-    """Slices of so many values, so few at a time that what is made of them finds room in the processor's cache."""
+def blocks(count: int) -> Iterator[slice]:
+    """Slices of `count` values, small enough for the processor's cache."""
     return (slice(begin, min(begin + _BLOCK, count)) for begin in range(0, count, _BLOCK))
 
 
@@ -21,12 +27,12 @@ def taken(values: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 
 class Spare:
-    """Arrays that are not needed any more, one of a type, for whoever wants one next; from any thread."""
+    """A pool of unused arrays, one of a type; usable from any thread."""
 
-    def __init__(self):
-        self._arrays = {}
+    def __init__(self) -> None:
+        self._arrays: dict[np.dtype[Any], np.ndarray] = {}
 
-    def take(self, shape: tuple, dtype) -> np.ndarray:
+    def take(self, shape: tuple[int, ...], dtype: DTypeLike) -> np.ndarray:
         """An array with anything in it."""
         array = self._arrays.pop(np.dtype(dtype), None)
         return array if array is not None and array.shape == shape else np.empty(shape, dtype)

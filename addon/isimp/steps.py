@@ -1,4 +1,4 @@
-"""What can be done to a scan, step by step, as plain values.
+"""The steps of a recipe, as plain values.
 
 Steps name input faces (the user's own polygons), never region numbers: numbers change when an earlier step changes.
 Standard library only.
@@ -10,12 +10,14 @@ import dataclasses
 import math
 import operator
 import reprlib
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any, SupportsIndex
 
 METHODS = ("hierarchy", "teleport", "lloyd", "queued", "naive", "hybrid")
-#: ways to say how many regions, each the name of a setting, and what it is if nobody says it
+#: settings that give the number of regions, and their defaults
 COUNTS = {"detail": 0.005, "tolerance": 1.0, "bound": 1.0, "proxies": 200}
-#: settings of a Partition that ask for barriers, and the layer of the scan (`Scan.layers`) that has them
+#: settings of a Partition for barriers, and the layer of the scan (`Scan.layers`) that has them
 MARKS = {"seams": ".seam", "sharp": ".sharp", "materials": ".material", "face_sets": ".face_set"}
 SEEDINGS = ("random", "farthest", "hierarchical")
 
@@ -39,7 +41,7 @@ def _check_face(face: int) -> None:
     check(face < 0, f"face must be at least 0, got {face}")
 
 
-def _indices(faces) -> tuple[int, ...]:
+def _indices(faces: Sequence[SupportsIndex]) -> tuple[int, ...]:
     """Faces as plain integers; any sequence of integers will do, numpy's too."""
     try:
         plain = tuple(operator.index(face) for face in faces if not isinstance(face, bool))
@@ -50,7 +52,7 @@ def _indices(faces) -> tuple[int, ...]:
     return plain
 
 
-def _numbers(values, name: str) -> tuple[float, ...]:
+def _numbers(values: Iterable[Any], name: str) -> tuple[float, ...]:
     try:
         plain = tuple(float(value) for value in values)
     except (TypeError, ValueError, OverflowError):
@@ -59,23 +61,23 @@ def _numbers(values, name: str) -> tuple[float, ...]:
     return plain
 
 
-_SHORT = reprlib.Repr()  # which neither goes deep nor far
+_SHORT = reprlib.Repr()  # with limits of depth and length
 _SHORT.maxlevel, _SHORT.maxstring, _SHORT.maxlist, _SHORT.maxtuple = 3, 50, 10, 10
 
 
-def short(value) -> str:
+def short(value: object) -> str:
     """A value that may be anything, as it is put into a message."""
     text = _SHORT.repr(value)
     return text if len(text) < 60 else text[:57] + "..."
 
 
-def _count(faces: tuple) -> str:
+def _count(faces: tuple[int, ...]) -> str:
     return f"face {faces[0]}" if len(faces) == 1 else f"{len(faces)} faces"
 
 
 @dataclass(frozen=True)
 class Step:
-    """What every step has: it can be switched off, and then does nothing."""
+    """Base of all steps: a step that is switched off has no effect."""
 
     enabled: bool = dataclasses.field(default=True, kw_only=True)
 
@@ -84,10 +86,10 @@ class Step:
         return KINDS[type(self)]
 
     def describe(self) -> str:
-        """What the step does, in the user's words."""
+        """The step's line in the list of steps."""
         raise NotImplementedError
 
-    def to_dict(self) -> dict:
+    def to_dict(self) -> dict[str, Any]:
         values = {"step": self.kind, **dataclasses.asdict(self)}
         if self.enabled:
             del values["enabled"]
@@ -96,44 +98,44 @@ class Step:
 
 @dataclass(frozen=True)
 class Partition(Step):
-    """Split the scan into regions; what was there before is replaced, but for regions that are locked.
+    """Split the scan into regions, which replace all others except locked ones.
 
-    Of the settings named in COUNTS the one that `count_by` names says how many; the others rest.
+    `count_by` selects which of COUNTS is used; the others are ignored.
     """
 
     count_by: str = ""  #: empty: the one that is given, "detail" if none is
     proxies: int | None = None
-    detail: float | None = None  #: what shows at this share of the size
+    detail: float | None = None  #: smallest visible shape, as a share of the size
     tolerance: float | None = None  #: the same in scene units
-    bound: float | None = None  #: the most a vertex may be off its region's plane, scene units
-    adaptivity: float = 0.25  #: how much denser regions get where the scan is rough
+    bound: float | None = None  #: largest distance of a vertex from its region's plane, scene units
+    adaptivity: float = 0.25  #: smaller regions where the scan is rough
     noise: float = -1.0  #: standard deviation of the scan's noise, scene units; below 0: estimated
-    snap: bool = True  #: take the number of planes where the scan clearly is made of so many
+    snap: bool = True  #: take the number of planes if the scan clearly consists of planes
     seed: int = 1
     iterations: int = 20
     method: str = "hierarchy"
     seeding: str = "random"
     leave_out: float = 0.001
-    weights: str = ""  #: vertex group or face attribute that says where more regions go; none if empty
-    influence: float = 1.0  #: how much it does, in [0, 2]
+    weights: str = ""  #: vertex group or attribute; higher values give smaller regions; none if empty
+    influence: float = 1.0  #: strength of the weights, in [0, 2]
     seams: bool = False  #: no region crosses an edge that is marked as a seam,
     sharp: bool = False  #: nor one that is marked as sharp,
     materials: bool = False  #: nor one between two materials,
     face_sets: bool = False  #: nor one between two face sets,
-    angle: float = 180.0  #: nor one where the surface bends by more than so many degrees,
+    angle: float = 180.0  #: nor one with a larger angle between its faces, in degrees,
     borders: str = ""  #: nor one between different values of this attribute of faces; none if empty
-    faces: tuple[int, ...] = ()  #: split these alone and leave the others as they are; empty: all
+    faces: tuple[int, ...] = ()  #: split only these; empty: all
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         self._settle_count()
         check(self.count_by not in COUNTS, f"count_by must be one of {', '.join(COUNTS)}, got {short(self.count_by)}")
-        check(not 0 < self.detail <= 1, f"detail must be in (0, 1], got {self.detail}")
+        check(self.detail is None or not 0 < self.detail <= 1, f"detail must be in (0, 1], got {self.detail}")
         for name in ("tolerance", "bound"):
             value = getattr(self, name)
             check(not (math.isfinite(value) and value > 0), f"{name} must be above 0, got {value}")
         check(not 0 <= self.adaptivity <= 1, f"adaptivity must be in [0, 1], got {self.adaptivity}")
         check(not math.isfinite(self.noise), f"noise must be a length, or below 0, got {self.noise}")
-        check(self.proxies < 1, f"proxies must be at least 1, got {self.proxies}")
+        check(self.proxies is None or self.proxies < 1, f"proxies must be at least 1, got {self.proxies}")
         check(self.seed < 0, f"seed must be at least 0, got {self.seed}")
         check(self.iterations < 1, f"iterations must be at least 1, got {self.iterations}")
         check(self.method not in METHODS, f"method must be one of {', '.join(METHODS)}, got {short(self.method)}")
@@ -146,13 +148,15 @@ class Partition(Step):
     def _settle_count(self) -> None:
         given = [name for name in COUNTS if getattr(self, name) is not None]
         if not self.count_by:
-            check(len(given) > 1, f"{' and '.join(given)} each say how many regions: give one, or say count_by")
+            check(
+                len(given) > 1, f"{' and '.join(given)} each set the number of regions: give one of them, or count_by"
+            )
             object.__setattr__(self, "count_by", given[0] if given else "detail")
         for name, value in COUNTS.items():
             if name not in given:
                 object.__setattr__(self, name, value)
 
-    def layers(self) -> frozenset:
+    def layers(self) -> frozenset[str]:
         """The names of the scan's own layers that it needs: see `Scan.layers`."""
         marks = {layer for name, layer in MARKS.items() if getattr(self, name)}
         return frozenset(marks | ({self.weights, self.borders} - {""}))
@@ -166,11 +170,11 @@ class Partition(Step):
 
 @dataclass(frozen=True)
 class AddProxy(Step):
-    """Start a new region at a face of the scan."""
+    """Add a region at a face of the scan."""
 
     face: int = 0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         _check_face(self.face)
 
     def describe(self) -> str:
@@ -179,11 +183,11 @@ class AddProxy(Step):
 
 @dataclass(frozen=True)
 class DeleteProxy(Step):
-    """Take away the region that holds a face of the scan."""
+    """Delete the region at a face of the scan."""
 
     face: int = 0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         _check_face(self.face)
 
     def describe(self) -> str:
@@ -192,12 +196,12 @@ class DeleteProxy(Step):
 
 @dataclass(frozen=True)
 class MergeRegions(Step):
-    """Make the region of one face part of the region of another beside it."""
+    """Merge the region of one face into a neighbouring region."""
 
     face: int = 0  #: of the region that stays
     other: int = 0  #: of the one that becomes part of it
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         _check_face(self.face)
         _check_face(self.other)
 
@@ -207,11 +211,11 @@ class MergeRegions(Step):
 
 @dataclass(frozen=True)
 class SplitRegion(Step):
-    """Split a region in the two parts that are most unlike."""
+    """Split a region in two where its halves differ most."""
 
     face: int = 0
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         _check_face(self.face)
 
     def describe(self) -> str:
@@ -220,13 +224,13 @@ class SplitRegion(Step):
 
 @dataclass(frozen=True)
 class CutRegion(Step):
-    """Split a region along a line that is swept along a direction, as that of sight; scan coordinates."""
+    """Cut a region along a line, swept along a direction such as the view; scan coordinates."""
 
     face: int = 0
     line: tuple[tuple[float, ...], ...] = ()  #: points, at least 2
     direction: tuple[float, ...] = ()  #: empty: the region's normal
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         _check_face(self.face)
         object.__setattr__(self, "line", tuple(_numbers(point, "a point of line") for point in self.line))
         object.__setattr__(self, "direction", _numbers(self.direction, "direction"))
@@ -240,13 +244,13 @@ class CutRegion(Step):
 
 @dataclass(frozen=True)
 class PaintFaces(Step):
-    """Make faces a region of their own, or part of the region of the face `onto`."""
+    """Make faces a new region, or part of the region of the face `onto`."""
 
     faces: tuple[int, ...] = ()
     onto: int = -1  #: below 0: a new region
     lock: bool = False  #: and lock it
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         object.__setattr__(self, "faces", _indices(self.faces))
 
     def describe(self) -> str:
@@ -256,11 +260,11 @@ class PaintFaces(Step):
 
 @dataclass(frozen=True)
 class EraseFaces(Step):
-    """Take faces from the region of the first of them; those around share them."""
+    """Erase faces from the region of the first of them; its neighbours take them."""
 
     faces: tuple[int, ...] = ()
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         object.__setattr__(self, "faces", _indices(self.faces))
 
     def describe(self) -> str:
@@ -269,12 +273,12 @@ class EraseFaces(Step):
 
 @dataclass(frozen=True)
 class SmoothFaces(Step):
-    """Even out the borders between regions where they run through some faces. The first may be of a locked region."""
+    """Smooth the region borders inside some faces. The first face may be in a locked region."""
 
     faces: tuple[int, ...] = ()
     rounds: int = 10
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         object.__setattr__(self, "faces", _indices(self.faces))
         check(not 1 <= self.rounds <= MOST_ROUNDS, f"rounds must be in [1, {MOST_ROUNDS:,}], got {self.rounds}")
 
@@ -284,12 +288,12 @@ class SmoothFaces(Step):
 
 @dataclass(frozen=True)
 class GrowRegion(Step):
-    """Let a region take the faces beside it."""
+    """Grow a region by rings of faces."""
 
     face: int = 0
     rings: int = 1
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         _check_face(self.face)
         check(self.rings < 1, f"rings must be at least 1, got {self.rings}")
 
@@ -299,7 +303,7 @@ class GrowRegion(Step):
 
 @dataclass(frozen=True)
 class ShrinkRegion(GrowRegion):
-    """Let a region give the faces along its border away."""
+    """Shrink a region by rings of faces."""
 
     def describe(self) -> str:
         return f"Shrink the region at face {self.face} by {self.rings}"
@@ -307,11 +311,11 @@ class ShrinkRegion(GrowRegion):
 
 @dataclass(frozen=True)
 class LockRegions(Step):
-    """Have the steps that follow leave the regions of some faces as they are."""
+    """Protect the regions of some faces from all later steps."""
 
     faces: tuple[int, ...] = ()
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         object.__setattr__(self, "faces", _indices(self.faces))
 
     def describe(self) -> str:
@@ -320,7 +324,7 @@ class LockRegions(Step):
 
 @dataclass(frozen=True)
 class UnlockRegions(LockRegions):
-    """Have the steps that follow change the regions of some faces again."""
+    """Allow later steps to change the regions of some faces again."""
 
     def describe(self) -> str:
         return f"Unlock the regions at {_count(self.faces)}"
@@ -328,36 +332,36 @@ class UnlockRegions(LockRegions):
 
 @dataclass(frozen=True)
 class AddWorst(Step):
-    """Add proxies where the error is largest."""
+    """Add regions at the places of largest error."""
 
     times: int = 1
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         check(self.times < 1, f"times must be at least 1, got {self.times}")
 
     def describe(self) -> str:
-        return f"Add {self.times} at the worst"
+        return f"Add {self.times} at the largest error"
 
 
 @dataclass(frozen=True)
 class DeleteLeast(AddWorst):
-    """Delete the regions that are missed least."""
+    """Delete the regions whose removal adds least error."""
 
     def describe(self) -> str:
-        return f"Delete the least {self.times}"
+        return f"Delete {self.times} of least error"
 
 
 @dataclass(frozen=True)
 class MergeCheapest(AddWorst):
-    """Merge the neighbours that are most alike."""
+    """Merge the neighbouring regions whose union adds least error."""
 
     def describe(self) -> str:
-        return f"Merge the cheapest {self.times}"
+        return f"Merge {self.times} of least error"
 
 
 @dataclass(frozen=True)
 class Improve(Step):
-    """Move regions to where they are worth more until it no longer helps."""
+    """Move regions to places where they lower the error more, until it no longer falls."""
 
     def describe(self) -> str:
         return "Improve"
@@ -370,7 +374,7 @@ class Mesh(Step):
     chord_tolerance: float = 0.7
     flatten: int = 30
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         wrong = not (math.isfinite(self.chord_tolerance) and self.chord_tolerance > 0)
         check(wrong, f"chord_tolerance must be above 0, got {self.chord_tolerance}")
         check(self.flatten < 0, f"flatten must be at least 0, got {self.flatten}")
@@ -399,18 +403,24 @@ KINDS = {
     Improve: "improve",
     Mesh: "mesh",
 }
-_TYPES = {kind: cls for cls, kind in KINDS.items()}
-_ACCEPTS = {"bool": bool, "int": int, "str": str, "float": (float, int), "list": (list, tuple)}
+_TYPES: dict[str, type[Step]] = {kind: cls for cls, kind in KINDS.items()}
+_ACCEPTS: dict[str, type | tuple[type, ...]] = {
+    "bool": bool,
+    "int": int,
+    "str": str,
+    "float": (float, int),
+    "list": (list, tuple),
+}
 
 
-def step_from_dict(values: dict) -> Step:
-    """The step that `Step.to_dict` made. Raises RecipeError, which says what is wrong with it."""
+def step_from_dict(values: Any) -> Step:
+    """The step that `Step.to_dict` made. Raises RecipeError, which names the problem."""
     if not isinstance(values, dict) or "step" not in values:
         raise RecipeError(f"not a step: {short(values)}")
     values = dict(values)
     kind = values.pop("step")
     if not isinstance(kind, str) or kind not in _TYPES:
-        raise RecipeError(f"{short(kind)} is not a step that this version knows")
+        raise RecipeError(f"{short(kind)} is not a step of this version")
     fields = {field.name: field for field in dataclasses.fields(_TYPES[kind])}
     for name, value in values.items():
         if name not in fields:
@@ -420,12 +430,12 @@ def step_from_dict(values: dict) -> Step:
     return _TYPES[kind](**values)
 
 
-def _check_value(what: str, wanted: str, value) -> None:
-    """Refuses a value of another type, and what neither the engine nor Blender can hold."""
+def _check_value(what: str, wanted: str, value: Any) -> None:
+    """Refuses a value of another type, or beyond the limits of the engine or Blender."""
     if not isinstance(value, _ACCEPTS[wanted]) or (wanted != "bool" and isinstance(value, bool)):
         raise RecipeError(f"{what} must be a {wanted}, got {short(value)}")
     if isinstance(value, str) and not _is_name(value):
-        raise RecipeError(f"{what} holds letters that no name has, got {short(value)}")
+        raise RecipeError(f"{what} contains characters that are not valid in a name, got {short(value)}")
     most = _LARGEST if wanted == "int" and not what.startswith("seed ") else _LARGEST_SEED
     if isinstance(value, int) and abs(value) > most:
         raise RecipeError(f"{what} must be at most {most}, got {short(value)}")

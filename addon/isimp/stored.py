@@ -1,6 +1,6 @@
-"""What is stored with a scan, read so that nothing can go wrong: a recipe or the reason why there is none.
+"""Safe reading of the data stored with a scan: a recipe, or the reason why there is none.
 
-A file may be damaged, made by a later version, or written by somebody else. Standard library only.
+A file may be damaged, or written by a later version or another program. Standard library only.
 """
 
 from __future__ import annotations
@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from . import recipe as rcp
 
@@ -17,19 +18,19 @@ _LARGEST = 1 << 63  # no count comes near it
 
 NodeOf = Callable[[int], "tuple[int, str, str] | None"]  #: a node by its id; None if there is no such node
 
-UNKNOWN = "It is not known how these regions were made"
+UNKNOWN = "The steps of these regions are unknown"
 
 
 @dataclass(frozen=True)
 class Stored:
-    """What there is to know of the regions on a scan."""
+    """The stored data of the regions on a scan."""
 
     recipe: rcp.Recipe | None  #: empty if there are no regions, None if the steps that led to them can't be read
-    numbers: dict = field(default_factory=dict)  #: what the last step did
+    numbers: dict[str, Any] = field(default_factory=dict)  #: of the last step
     problem: str = ""  #: why the steps can't be read, as a line without a full stop
 
 
-def node_from(values: Mapping) -> tuple[int, str, str] | None:
+def node_from(values: Mapping[str, Any]) -> tuple[int, str, str] | None:
     """(parent, step, numbers) of a node as it lies in the file; None if that is no node."""
     node = values.get("parent", 0), values.get("step", ""), values.get("numbers", "")
     return node if (type(node[0]), type(node[1]), type(node[2])) == (int, str, str) else None
@@ -54,12 +55,14 @@ def read(state: int, node_of: NodeOf, recipe: rcp.Recipe | None = None) -> Store
     return Stored(recipe, numbers_from(last[2]) if last is not None else {})
 
 
-def _texts(state: int, node_of: NodeOf) -> tuple[list, str]:
+def _texts(state: int, node_of: NodeOf) -> tuple[list[str], str]:
     """(texts of the steps that led to a state, why not)."""
-    texts, seen, at = [], set(), state
+    texts: list[str] = []
+    seen: set[int] = set()
+    at = state
     while at:
         if at in seen:
-            return [], "The steps can't be read: they follow each other in a circle"
+            return [], "The steps can't be read: they form a circle"
         if len(texts) == MOST_STEPS:
             return [], f"The steps can't be read: there are more than {MOST_STEPS:,}"
         node = node_of(at)
@@ -72,10 +75,10 @@ def _texts(state: int, node_of: NodeOf) -> tuple[list, str]:
 
 
 def _step(number: int, text: str) -> rcp.Step:
-    return rcp.numbered_step(number, rcp.parsed(text, f"step {number} is no step"))
+    return rcp.numbered_step(number, rcp.parsed(text, f"step {number} is not a step"))
 
 
-def readable(states: Iterable[int], node_of: NodeOf) -> set:
+def readable(states: Iterable[int], node_of: NodeOf) -> set[int]:
     """Those of some states to which steps lead that can all be read. Cost: of all steps, once."""
     good, states = {0: True}, set(states)
     for state in states:
@@ -100,8 +103,8 @@ def _is_step(text: str) -> bool:
     return True
 
 
-def numbers_from(text: str) -> dict:
-    """The numbers of a step as `json.dumps` wrote them, as far as they are what the panel takes them for."""
+def numbers_from(text: str) -> dict[str, Any]:
+    """The numbers of a step as `json.dumps` wrote them, as far as they have the types that the panel needs."""
     try:
         found = json.loads(text) if text else {}
     except (ValueError, RecursionError):
@@ -117,29 +120,30 @@ def numbers_from(text: str) -> dict:
     return numbers
 
 
-def _is_count(value) -> bool:
+def _is_count(value: object) -> bool:
     return isinstance(value, int) and not isinstance(value, bool) and -_LARGEST < value < _LARGEST
 
 
-def _is_number(value) -> bool:
+def _is_number(value: object) -> bool:
     return isinstance(value, float) or _is_count(value)
 
 
-def _is_flag(value) -> bool:
+def _is_flag(value: object) -> bool:
     return isinstance(value, bool)
 
 
-def _is_text(value) -> bool:
+def _is_text(value: object) -> bool:
     return isinstance(value, str)
 
 
-def _are_counts(value) -> bool:
+def _are_counts(value: object) -> bool:
     return isinstance(value, dict) and all(map(_is_count, value.values()))
 
 
-def _are_polygons(value) -> bool:
-    lists = isinstance(value, dict) and all(isinstance(found, list) for found in value.values())
-    return lists and all(_is_count(polygon) for found in value.values() for polygon in found)
+def _are_polygons(value: object) -> bool:
+    if not isinstance(value, dict) or not all(isinstance(found, list) for found in value.values()):
+        return False
+    return all(_is_count(polygon) for found in value.values() for polygon in found)
 
 
 _COUNTS = (
@@ -158,7 +162,7 @@ _FITS = {
     "flaws": _are_polygons,
     "reason": _is_text,
 }
-#: what is of no use, as it is shown together, without others
+#: numbers that are useless without others, as they are shown together
 _TOGETHER = {
     "components": ("border_loops", "closed", "triangles", "faces"),
     "polygons": ("corners", "vertices", "planarity_mean", "planarity_max", "closed", "manifold", "regions"),

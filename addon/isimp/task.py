@@ -1,4 +1,4 @@
-"""Long work on a thread of its own, and what others may know of it. Standard library only.
+"""Long work on a thread of its own, with progress and cancel. Standard library only.
 
 A `Watch` is the line between whoever waits and whoever works: progress and stage one way, the wish to stop the other
 way. It spans several calls of the engine, each with a Job of its own, since a Job's progress never falls.
@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from enum import Enum
 from itertools import accumulate
-from typing import Any
+from typing import Any, Protocol
 
 
 class Stopped(Exception):
@@ -24,12 +24,22 @@ def shares(times: list[float]) -> list[float]:
     return [done / sum(times) for done in accumulate(times)]
 
 
+class _Job(Protocol):
+    """What a Watch needs of the engine's Job."""
+
+    @property
+    def progress(self) -> float: ...
+    @property
+    def stage(self) -> str: ...
+    def cancel(self) -> None: ...
+
+
 class Watch:
     """Progress, stage and cancel of some work, from any thread."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._job = None
+        self._job: _Job | None = None
         self._from, self._to = 0.0, 1.0
         self._stage = ""
         self._cancelled = False
@@ -61,7 +71,7 @@ class Watch:
             raise Stopped
 
     @contextmanager
-    def part(self, stage: str, begin: float, end: float, job=None):
+    def part(self, stage: str, begin: float, end: float, job: Any = None) -> Iterator[Any]:
         """Names a stage that takes the progress from `begin` to `end`; `job` is the engine's, if it works."""
         with self._lock:
             self._stage, self._from, self._to, self._job = stage, begin, end, job
@@ -82,7 +92,7 @@ class Status(Enum):
 
 
 class Task:
-    """Runs `work(watch)` on a thread of its own and keeps what came of it."""
+    """Runs `work(watch)` on a thread of its own and keeps its result or error."""
 
     def __init__(self, work: Callable[[Watch], Any], clock: Callable[[], float] = time.monotonic):
         self.watch = Watch()

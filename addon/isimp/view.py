@@ -8,15 +8,18 @@ from .spare import Spare, blocks, taken
 
 # Twelve colours spread as far apart as they go in Oklab, for full colour vision and for the three dichromacies at once
 # (least distance .1). Magenta is left free for problems.
-_BASE = ("b55422", "556dc6", "94627f", "1896bc", "a09602", "9f9afc")  # sRGB
-_BASE += ("31bebe", "f3817e", "e9b443", "a6d6af", "c4fafd", "ece36d")
-_SHADE = 0.35  # of the base colour's light: what is used where all twelve are taken by neighbours
+_BASE = (  # sRGB
+    *("b55422", "556dc6", "94627f", "1896bc", "a09602", "9f9afc"),
+    *("31bebe", "f3817e", "e9b443", "a6d6af", "c4fafd", "ece36d"),
+)
+_SHADE = 0.35  # of the base colour's lightness, used if neighbours have all twelve
 NO_REGION = (0.21, 0.21, 0.21, 1.0)  # of faces in no region
 
 
 def _linear(code: str) -> list[float]:
     value = np.array([int(code[i : i + 2], 16) for i in (0, 2, 4)]) / 255.0
-    return np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4).tolist()
+    linear: list[float] = np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4).tolist()
+    return linear
 
 
 _LINEAR = np.array([_linear(code) for code in _BASE])
@@ -76,7 +79,7 @@ def assign_colors(count: int, pairs: np.ndarray, kept: np.ndarray | None = None)
     none; it keeps that unless a region of a lower number that became its neighbour has the same one.
     Returns (count,) int32 indices into PALETTE. Cost: O(count + K) with a small factor, in Python.
     """
-    around = [set() for _ in range(count)]
+    around: list[set[int]] = [set() for _ in range(count)]
     for a, b in pairs.tolist():
         around[a].add(b)
         around[b].add(a)
@@ -113,10 +116,11 @@ def _smallest_last(color: list[int], around: list[set[int]]) -> list[int]:
     """The regions without a colour, in the order in which greedy colouring needs few: six on a plane or sphere."""
     open_regions = {region for region, value in enumerate(color) if value < 0}
     degree = {region: len(around[region] & open_regions) for region in open_regions}
-    buckets = [[] for _ in range(max(degree.values(), default=0) + 1)]
+    buckets: list[list[int]] = [[] for _ in range(max(degree.values(), default=0) + 1)]
     for region in sorted(open_regions, reverse=True):
         buckets[degree[region]].append(region)
-    removed, lowest = [], 0
+    removed: list[int] = []
+    lowest = 0
     while len(removed) < len(degree):
         while not buckets[lowest]:
             lowest += 1
@@ -137,13 +141,13 @@ def face_colors(face_region: np.ndarray, region_color: np.ndarray) -> np.ndarray
     return taken(np.append(region_color, len(PALETTE)).astype(np.uint8), face_region)  # -1 is the last
 
 
-def corner_colors(table: np.ndarray, face_color: np.ndarray, corners, spare: Spare) -> np.ndarray:
+def corner_colors(table: np.ndarray, face_color: np.ndarray, corners: np.ndarray | int, spare: Spare) -> np.ndarray:
     """The colour of each corner, one face after the other. table: COLORS or PACKED; corners: how many a face has."""
-    several = isinstance(corners, np.ndarray)
-    colors = spare.take((corners.sum() if several else corners * len(face_color), *table.shape[1:]), table.dtype)
+    count = int(corners.sum()) if isinstance(corners, np.ndarray) else corners * len(face_color)
+    colors = spare.take((count, *table.shape[1:]), table.dtype)
     done = 0
     for block in blocks(len(face_color)):
-        rows = np.repeat(face_color[block], corners[block] if several else corners)
+        rows = np.repeat(face_color[block], corners[block] if isinstance(corners, np.ndarray) else corners)
         np.take(table, rows, axis=0, out=colors[done : done + len(rows)], mode="clip")  # other modes make a copy
         done += len(rows)
     return colors

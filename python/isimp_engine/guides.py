@@ -26,7 +26,8 @@ def sharp_edges(mesh: Mesh, angle: float) -> Pairs:
     normal = cross / np.maximum(length, 1e-300)[:, None]
     whole = length > 1e-12 * longest
     cosine = np.einsum("kd,kd->k", normal[a], normal[b])
-    return edges[whole[a] & whole[b] & (cosine < np.cos(angle))]
+    sharp: NDArray[np.bool_] = whole[a] & whole[b] & (cosine < np.cos(angle))
+    return edges[sharp]
 
 
 def attribute_borders(mesh: Mesh, values: NDArray[Any], among: NDArray[np.bool_] | None = None) -> Pairs:
@@ -38,7 +39,7 @@ def attribute_borders(mesh: Mesh, values: NDArray[Any], among: NDArray[np.bool_]
     if values.shape != (len(mesh.triangles),):
         raise InvalidInput(f"there must be one value for each of the {len(mesh.triangles)} faces, got {values.shape}")
     edges, a, b = inner_edges(mesh)
-    between = values[a] != values[b]
+    between: NDArray[np.bool_] = values[a] != values[b]
     return edges[between if among is None else between & among[a] & among[b]]
 
 

@@ -58,5 +58,5 @@ def test_of_what_has_no_size_nothing_is_said(box):
 def test_the_line_is_in_the_scenes_units(lost, system, scale, away, step):
     line = afar.told(lost, system, scale)
     assert line.startswith(
-        f"This scan lies {away} from its origin: Blender keeps steps of {step} there. Import it with"
+        f"This scan lies {away} from its origin, where Blender's coordinates have steps of {step}. To keep"
     )

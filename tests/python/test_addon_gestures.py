@@ -168,7 +168,7 @@ def test_nothing_is_split_beside_the_regions(begin):
         ({}, [(60.0, 5.0)], ("grow", 12)),
         ({"ctrl": True}, [(60.0, 0.0)], ("grow", 12)),
         ({}, [(-41.0, 0.0)], ("shrink", 8)),
-        ({}, [(60.0, 0.0), (2.0, 0.0)], None),  # dragged back: as it was
+        ({}, [(60.0, 0.0), (2.0, 0.0)], None),  # dragged back: no change
         ({}, [(0.0, 60.0)], None),
         ({}, [(60.0, 0.0), (-10.0, 0.0)], ("shrink", 2)),
     ],

@@ -48,7 +48,7 @@ def test_json_is_what_people_can_write():
     ("text", "message"),
     [
         ("{", "not JSON"),
-        pytest.param("[" * 200_000, "not a recipe: its brackets are nested too deep", id="deep"),
+        pytest.param("[" * 200_000, "not a recipe: its brackets are nested too deeply", id="deep"),
         pytest.param('{"isimp_recipe": "' + "9" * 10**6 + '"}', "version '9+[.]{3}9+'", id="long"),
         ("[]", "no 'isimp_recipe'"),
         ('{"isimp_recipe": 99, "steps": []}', "version 99.*update the add-on"),
@@ -79,7 +79,10 @@ def test_json_is_what_people_can_write():
             '{"isimp_recipe": 1, "steps": [{"step": "smooth", "faces": [1], "rounds": 1001}]}',
             r"must be in \[1, 1,000\]",
         ),
-        ('{"isimp_recipe": 1, "steps": [{"step": "partition", "weights": "\\ud800"}]}', "letters that no name has"),
+        (
+            '{"isimp_recipe": 1, "steps": [{"step": "partition", "weights": "\\ud800"}]}',
+            "characters that are not valid in a name",
+        ),
         ('{"isimp_recipe": 1, "steps": [{"step": "cut_region", "line": [[1' + "0" * 400 + "]]}]}", "a list of numbers"),
         ('{"isimp_recipe": 1, "steps": [{"step": "add_worst", "times": 0}]}', "times must be at least 1, got 0"),
         ('{"isimp_recipe": 1, "steps": [{"step": "cut_region"}]}', "line must have at least 2 points, got 0"),
@@ -148,7 +151,9 @@ def test_what_is_given_says_how_many():
         assert Partition(**{name: 2 if name == "proxies" else 0.5}).count_by == name
     assert Partition(count_by="bound", proxies=3).count_by == "bound"
     assert rcp.step_from_dict({"step": "partition", "proxies": 6}) == Partition(proxies=6)
-    with pytest.raises(RecipeError, match="tolerance and proxies each say how many regions: give one, or say count_by"):
+    with pytest.raises(
+        RecipeError, match="tolerance and proxies each set the number of regions: give one of them, or count_by"
+    ):
         Partition(proxies=3, tolerance=0.1)
 
 

@@ -16,18 +16,34 @@ build_addon = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(build_addon)
 
 
-def test_the_version_is_the_same_everywhere():
-    import isimp
-
-    project = re.search(r"project\(isimp VERSION ([0-9.]+)", (ROOT / "CMakeLists.txt").read_text()).group(1)
-    assert build_addon.version() == project
-    assert ".".join(map(str, isimp.bl_info["version"])) == project
+def bl_info(source):
+    """As Blender reads it: without running anything."""
+    tree = ast.parse(source)
+    found = [node.value for node in tree.body if isinstance(node, ast.Assign) and node.targets[0].id == "bl_info"]
+    return ast.literal_eval(found[0])
 
 
 def test_blender_can_read_bl_info_without_running_anything():
-    tree = ast.parse((ROOT / "addon" / "isimp" / "__init__.py").read_text())
-    found = [node.value for node in tree.body if isinstance(node, ast.Assign) and node.targets[0].id == "bl_info"]
-    assert ast.literal_eval(found[0])["blender"] == (3, 4, 0)
+    assert bl_info((ROOT / "addon" / "isimp" / "__init__.py").read_text())["blender"] == (3, 4, 0)
+
+
+def test_both_zips_state_the_version_of_the_project(tmp_path):
+    project = re.search(r"project\(isimp VERSION ([0-9.]+)", (ROOT / "CMakeLists.txt").read_text()).group(1)
+    build_addon.main(["--wheel", str(fake_wheel(tmp_path)), "--out", str(tmp_path)])
+    with zipfile.ZipFile(tmp_path / f"isimp-{project}-blender3.zip") as archive:
+        legacy = bl_info(archive.read("isimp/__init__.py"))["version"]
+    with zipfile.ZipFile(tmp_path / f"isimp-{project}-extension.zip") as archive:
+        extension = bl_info(archive.read("__init__.py"))["version"]
+        manifest = tomllib.loads(archive.read("blender_manifest.toml").decode())["version"]
+    assert [".".join(map(str, legacy)), ".".join(map(str, extension)), manifest] == [project] * 3
+    sources = {path: path.read_text() for path in (ROOT / "addon" / "isimp").iterdir() if path.is_file()}
+    assert [path for path, text in sources.items() if project in text] == []  # it is written once
+
+
+@pytest.mark.parametrize("name", ["__init__.py", "blender_manifest.toml"])
+def test_a_file_without_a_place_for_the_version_is_refused(name):
+    with pytest.raises(SystemExit, match=f"addon/isimp/{name} must contain .*version"):
+        build_addon.with_version(name, b"")
 
 
 def test_only_the_blender_part_imports_bpy():

@@ -4,7 +4,7 @@ import numpy as np
 
 from . import mesh_io, runtime
 
-KEPT = ".kept"  # what follows the names of layers that were moved aside
+KEPT = ".kept"  # suffix of the names of layers that were moved aside
 
 
 def foreign_layers(mesh) -> list:
@@ -25,7 +25,7 @@ def has_regions(mesh) -> bool:
 
 
 def suffix(mesh) -> str:
-    """What will follow the names of the layers that are moved aside next."""
+    """The suffix for the layers that are moved aside next."""
     end, number = KEPT, 1
     while any(f"{name}{end}" in mesh.attributes for name in mesh_io.KINDS):
         number += 1

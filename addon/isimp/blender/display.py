@@ -7,7 +7,7 @@ from idprop.types import IDPropertyGroup
 
 from . import mesh_io, runtime
 
-_KEPT = "isimp_color_type"  # on the screen, so that a file saved meanwhile still knows what to give back
+_KEPT = "isimp_color_type"  # on the screen, so that a file saved meanwhile can restore it
 
 
 def _viewports(context):
@@ -20,7 +20,7 @@ def _viewports(context):
 
 
 def _is_ours(screen) -> bool:
-    """Whether what is, or would be, kept on a screen is the add-on's, and not something else of the same name."""
+    """Whether the property on a screen is the add-on's, or free; a foreign one may have its name."""
     return isinstance(screen.get(_KEPT, None), IDPropertyGroup | None)
 
 

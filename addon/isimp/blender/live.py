@@ -1,4 +1,4 @@
-"""Settings that show what they give while they are dragged, as those of a modifier do.
+"""Settings whose result is visible while they are dragged, like those of a modifier.
 
 The settings live on the window manager, which undo leaves alone. When one is changed, a timer has the recipe with the
 new value replayed on a thread and draws the outcome over the scan (preview.py); once the settings have rested for a
@@ -79,7 +79,7 @@ def visible(context, scan, recipe):
 
 
 def _take_up(context, work) -> bool:
-    """Shows what was computed; False if there is nothing to show."""
+    """Shows the result; False if there is none."""
     live, scan, error = runtime.get().live, work.target(), work.task.error
     if scan is None or (error is not None and not isinstance(error, StepFailed)):
         live.pending = False
@@ -93,7 +93,7 @@ def _take_up(context, work) -> bool:
 
 
 def settle() -> None:
-    """Makes a step to undo of what was changed."""
+    """Makes an undo step of the changes."""
     window = bpy.context.window_manager.windows[0]  # a timer has none
     with bpy.context.temp_override(window=window):
         bpy.ops.isimp.settle("INVOKE_DEFAULT", True)
@@ -133,14 +133,14 @@ class ISIMP_OT_settle(modal.RecipeOperator, bpy.types.Operator):
         return self._settle(context)
 
     def _settle(self, context):
-        """Writes what is shown on the scan; in Edit Mode it is written there already."""
+        """Writes the preview on the scan; in Edit Mode it is written already."""
         runtime.get().live.held = False
         return {"FINISHED"} if pending.write_shown(context) else {"CANCELLED"}
 
 
 @bpy.app.handlers.persistent
 def _before_undo(*_):
-    """Makes a step to undo of what was changed, so that it is what is undone, and nothing before it."""
+    """Makes an undo step of the changes, so that the undo reverts them and nothing before them."""
     if _find(bpy.context) is not None:
         pending.push(bpy.context)
     runtime.get().live.pending = False
@@ -148,7 +148,7 @@ def _before_undo(*_):
 
 @bpy.app.handlers.persistent
 def _drop_changes(*_):
-    """Before what comes from elsewhere: a file, or a step that is done again."""
+    """Before a file is loaded or a step is redone."""
     live = runtime.get().live
     if live.work is not None:
         live.work.abandon()

@@ -1,4 +1,4 @@
-"""What Blender itself marks on a mesh that regions can keep to: seams, sharp edges, materials, face sets."""
+"""Barriers that Blender itself marks on a mesh: seams, sharp edges, materials, face sets."""
 
 import numpy as np
 

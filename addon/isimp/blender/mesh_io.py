@@ -11,7 +11,7 @@ from ..session import Scan
 from . import raw, runtime
 
 REGION, COLOR = "isimp_region", "isimp_color"
-FLAW = "isimp_flaw"  # of the result's polygons: 1 where something is amiss
+FLAW = "isimp_flaw"  # of the result's polygons: 1 for defective ones
 STATE = ".isimp_state"  # which recipe led to the regions; see store.py
 KINDS = {REGION: ("INT", "FACE"), STATE: ("INT", "FACE"), COLOR: ("FLOAT_COLOR", "CORNER")}
 _ORIGIN = ".isimp_origin"
@@ -24,7 +24,7 @@ class Unusable(Exception):
 
 
 def shape_matrix(obj) -> np.ndarray:
-    """(3, 3) what the object's transform does to its shape: scale and shear without rotation and place.
+    """(3, 3) the scale and shear of the object's transform, without rotation and location.
 
     Regions, lengths and areas are found on the shape as seen, and do not depend on where it stands. Mirroring is no
     part of it either: the result gets the scan's transform, and so is mirrored with it.
@@ -40,7 +40,7 @@ def shape_matrix(obj) -> np.ndarray:
 
 
 def lost_detail(obj) -> afar.Loss | None:
-    """What float32 has lost of an object far from its own zero, lengths as seen; None if nothing to speak of."""
+    """The loss of detail by float32 of an object far from its own zero, lengths as seen; None if negligible."""
     box = np.array(obj.bound_box, np.float64)
     scale = np.linalg.norm(np.array(obj.matrix_world, np.float64)[:3, :3], axis=0)
     return afar.loss(box.min(axis=0), box.max(axis=0), scale)
@@ -69,7 +69,7 @@ def read(context, obj) -> Scan:
 
 
 def has_modifiers(obj) -> bool:
-    """Whether what is seen of an object differs from its mesh."""
+    """Whether modifiers or shape keys change the mesh of an object."""
     return obj.data.shape_keys is not None or any(modifier.show_viewport for modifier in obj.modifiers)
 
 
@@ -174,7 +174,7 @@ def select_polygons(obj, chosen: np.ndarray) -> None:
     ):
         flags = np.zeros(len(items), bool)
         flags[which] = True
-        # Made anew: 5.0 may keep one value for all, and crashes where an array is written over that.
+        # Made again: 5.0 may keep one value for all, and crashes where an array is written over that.
         if (old := mesh.attributes.get(name)) is not None:
             mesh.attributes.remove(old)
         mesh.attributes.new(name, "BOOLEAN", domain).data.foreach_set("value", flags)
@@ -353,7 +353,7 @@ def _is_written(obj, face_region, state) -> bool:
 
 
 def writing(obj, face_region, face_color, state):
-    """As `write_regions` in edit mode, where there is no way but face by face: in pieces, yielding what share is done.
+    """As `write_regions` in edit mode, face by face, as there is no bulk access: in pieces, yielding the share done.
 
     Only faces that have another region or colour are touched. Nothing else may change the mesh between two pieces.
     """
@@ -390,7 +390,7 @@ def _paint(face, region, label, color, value) -> None:
 
 
 def _make_edit_layers(edit):
-    """Makes the layers that are missing; yields how many, after each. What was known of others is useless then."""
+    """Makes the layers that are missing; yields how many, after each. References to other layers are invalid then."""
     made = 0
     for layers, names in ((edit.faces.layers.int, (REGION, STATE)), (edit.loops.layers.float_color, (COLOR,))):
         for name in names:

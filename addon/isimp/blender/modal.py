@@ -20,7 +20,7 @@ from . import mesh_io, pending, preferences, reading, runtime, show, store, targ
 log = logging.getLogger("isimp")
 _AT_ONCE = 0.08  # seconds that the window waits for short work, which needs no progress bar
 _TICK = 0.05
-#: What the mouse and keys may still do while a mesh in Edit Mode is written, which must not change meanwhile
+#: Events that are allowed while a mesh in Edit Mode is written, as it must not change meanwhile
 _NAVIGATION = ("MOUSE", "MIDDLE", "WHEEL", "TRACKPAD", "NDOF", "NUMPAD_", "TIMER", "WINDOW")
 
 
@@ -41,7 +41,7 @@ class Work:
         self.corners = mesh_io.corner_totals(obj.data)
         self.face_color = self.corner_color = None
         self.task = None
-        self.shown = None  #: what share of the outcome is written, once that has begun; see show.writing
+        self.shown = None  #: the share of the outcome that is written, once writing has begun; see show.writing
 
     def progress(self) -> tuple:
         """(share, words) of how far it is."""
@@ -50,7 +50,7 @@ class Work:
         return self.task.watch.progress, self.task.describe()
 
     def read_on(self, context, seconds: float = math.inf) -> None:
-        """Goes on reading what weighs, for so long. Called by the main thread while the work waits for it."""
+        """Continues reading the weights for `seconds`. Called by the main thread while the work waits for it."""
         obj = self.target()
         if self._is_read.is_set() or (obj is not None and not reading.ready(context, obj, self._layers, seconds)):
             return
@@ -99,18 +99,18 @@ class Work:
 
 
 class RecipeOperator:
-    """Mixin of operators that change the recipe of a scan and show what it gives.
+    """Mixin of operators that change the recipe of a scan and show its outcome.
 
     A subclass says what recipe it wants (`wanted`), how to show the outcome (`show`) and what to tell (`told`).
     """
 
     bl_options = {"REGISTER", "UNDO"}
 
-    #: Whether the recipe is kept if one of its steps can't be done: it is marked, and what was seen before stays
+    #: Whether the recipe is kept if one of its steps fails: the step is marked, and the previous result stays visible
     keeps_failed = False
 
-    _writing = None  #: what is under way in Edit Mode: see show.writing
-    _before = None  #: what there was to say of the regions before
+    _writing = None  #: the write in progress in Edit Mode: see show.writing
+    _before = None  #: the numbers of the regions before
 
     @classmethod
     def poll(cls, context):
@@ -122,11 +122,11 @@ class RecipeOperator:
 
     @classmethod
     def problem(cls, context, scan) -> str:
-        """What else is missing for this operator; empty if nothing is."""
+        """Why this operator cannot run; empty if it can."""
         return ""
 
     def warnings(self, context, scan, before: dict) -> list:
-        """What its user has to know of the scan besides. before: what there was to say of the regions before."""
+        """Warnings about the scan for its user. before: the numbers of the regions before."""
         return []
 
     def execute(self, context):
@@ -150,7 +150,7 @@ class RecipeOperator:
         return self.go_on(context)
 
     def go_on(self, context):
-        """Takes up what a work of its own gave, or waits for it, without a frozen window."""
+        """Takes the result of the work, or waits for it, without a frozen window."""
         end = time.monotonic() + _AT_ONCE
         self._work.read_on(context, 0.5 * _AT_ONCE)
         status = self._work.task.wait(max(0.0, end - time.monotonic()))
@@ -180,7 +180,7 @@ class RecipeOperator:
         return self._settle(context)
 
     def _written(self, seconds: float) -> bool:
-        """Goes on with what is written face by face, for so long; whether nothing of it is left."""
+        """Continues writing face by face for `seconds`; whether it is complete."""
         work, end = self._work, time.monotonic() + seconds
         scan = work.target()
         if scan is None or work.task.error is not None:
@@ -221,7 +221,7 @@ class RecipeOperator:
             return None
 
     def _settle(self, context):
-        """The thread has ended: takes up what it left."""
+        """The thread has ended: takes its result or its error."""
         task = self._work.task
         if task.error is not None:
             return self._refuse(context, self._work, task.error)
@@ -237,7 +237,7 @@ class RecipeOperator:
             self.report({"ERROR"}, f"{str(error).rstrip('.')}. Nothing was changed.")
         else:
             log.debug("unexpected", exc_info=error)
-            self.report({"ERROR"}, f"A fault in iSimp: {type(error).__name__}: {error}. Nothing was changed.")
+            self.report({"ERROR"}, f"Internal error in iSimp: {type(error).__name__}: {error}. Nothing was changed.")
         return {"CANCELLED"}
 
     def _keep(self, context, work, error: StepFailed):
@@ -246,7 +246,7 @@ class RecipeOperator:
             return {"CANCELLED"}
         show.show_failed(context, obj, work, error)
         pending.follow(context)
-        self.report({"WARNING"}, f"{str(error).rstrip('.')}. The last good result stays.")
+        self.report({"WARNING"}, f"{str(error).rstrip('.')}. The previous result stays.")
         return {"FINISHED"}
 
     def _finish(self, context, work, outcome):
@@ -264,7 +264,7 @@ class RecipeOperator:
     def _target(self, work):
         obj = work.target()
         if obj is None:
-            self.report({"WARNING"}, f"'{work.name}' was changed or removed meanwhile: the result was dropped.")
+            self.report({"WARNING"}, f"'{work.name}' was changed or removed meanwhile: the result was discarded.")
         return obj
 
 
@@ -275,5 +275,5 @@ def _show_progress(context, text) -> None:
         for area in window.screen.areas:
             if area.type == "VIEW_3D":
                 for region in area.regions:
-                    if region.type == "UI" or text is None:  # a bar alone is no reason to draw the scan anew
+                    if region.type == "UI" or text is None:  # the progress bar needs no redraw of the scan
                         region.tag_redraw()

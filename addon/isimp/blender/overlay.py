@@ -1,4 +1,4 @@
-"""What is drawn over the scan in the viewports: where regions end, the outline of the polygons, what a tool is at.
+"""The overlay of the scan in the viewports: region borders, outline of the polygons, highlights of the tools.
 
 What to draw is computed on a thread (see sketch.py) once for each state of a scan, and kept; drawing itself only hands
 arrays to the graphics card, and never changes anything of the file.
@@ -43,7 +43,7 @@ def scan_shown(context):
 
 
 def hover_shown(context):
-    """What is shown of the region under the mouse, or None: not once something else than its scan is looked at."""
+    """The highlight under the mouse, or None: also if another object than its scan is shown."""
     hover = runtime.get().hover
     if hover is None or not context.space_data.overlay.show_overlays:
         return None
@@ -52,7 +52,7 @@ def hover_shown(context):
 
 
 def _key(context, scan):
-    """What a sketch depends on: scan, state, shape and box, how its polygons are made (None where they are not).
+    """The key of a sketch: scan, state, shape and box, and the settings of its polygons (None without polygons).
 
     The box tells of a scan that was moved in its data, or exchanged for another one, and got the same recipe.
     """
@@ -64,7 +64,7 @@ def _key(context, scan):
 
 
 def _drawing(context, scan):
-    """What is to be drawn, as far as it is known; asks for what is missing."""
+    """The drawing, as far as it is ready; requests what is missing."""
     drawings, key = runtime.get().drawings, _key(context, scan)
     if key in drawings:
         drawings.move_to_end(key)
@@ -75,7 +75,7 @@ def _drawing(context, scan):
 
 
 def _missing(context, scan):
-    """The key of what is to be made next; None if all is there. Borders come first, which need no polygons."""
+    """The key of the next sketch to make; None if all are ready. Borders come first, as they need no polygons."""
     drawings, key = runtime.get().drawings, _key(context, scan)
     if key in drawings:
         return None
@@ -122,7 +122,7 @@ def _tick():
 
 
 def _seen(context, scan):
-    """Recipe, arrays and regions of what is seen of a scan. Raises Unusable."""
+    """Recipe, arrays and regions of a visible scan. Raises Unusable."""
     shown = runtime.get().live.shown_of(scan)
     if shown is not None:
         return shown.work.recipe, shown.work.scan, shown.work.task.result.face_region
@@ -147,7 +147,7 @@ def redraw() -> None:
 
 
 def tell(context, keys: str) -> None:
-    """Says in the status bar what keys do, until another tool is chosen; empty: nothing any more."""
+    """Shows the keys in the status bar until another tool is chosen; an empty text clears it."""
     current = runtime.get()
     if current.status != keys:
         current.status = keys
@@ -220,7 +220,7 @@ def _draw_text():
 
 
 def _draw_words(context, hover, scale) -> None:
-    """What is said beside the mouse, clear of the sidebar and the toolbar that may lie over the viewport."""
+    """The text beside the mouse, outside the sidebar and the toolbar over the viewport."""
     font = 0
     blf.size(font, round(12 * scale), *(() if bpy.app.version >= (4, 0, 0) else (72,)))
     blf.enable(font, blf.SHADOW)
@@ -252,7 +252,7 @@ class _Over:
         self.is_perspective = view.is_perspective
 
     def nearer(self, share: float) -> None:
-        """How much nearer what follows is drawn, of the scan's size."""
+        """Draws the following nearer to the eye by this share of the scan's size."""
         projection = self.projection.copy()
         depth = projection[2][3] / self.away**2 if self.is_perspective else projection[2][2]
         projection[2] = projection[2] - abs(depth) * share * self.size * projection[3]
@@ -260,7 +260,7 @@ class _Over:
 
     @contextmanager
     def at(self, origin):
-        """What is drawn meanwhile is relative to a place in the scan's space."""
+        """Draws relative to a place in the scan's space."""
         gpu.matrix.push()
         gpu.matrix.translate(origin)
         try:

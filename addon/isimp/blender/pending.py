@@ -8,7 +8,7 @@ LABEL = "Change Settings"  #: of the step to undo
 
 
 def recipe_of(context, scan):
-    """The recipe of a scan, with what was changed in the panel and is not done yet."""
+    """The recipe of a scan, with changes in the panel that have not been applied yet."""
     recipe = store.load(scan)
     live = runtime.get().live
     is_live = live.pending and context.window_manager.isimp.live and live.scan == scan.name
@@ -18,7 +18,7 @@ def recipe_of(context, scan):
 
 
 def interrupt(context) -> None:
-    """Stops what is under way. What is shown and no step to undo yet becomes one."""
+    """Stops the work. A preview without an undo step is written and gets one."""
     runtime.get().stop_sketching()
     live = runtime.get().live
     live.tried, live.held = None, False  # of a tool that did not come to its end
@@ -30,7 +30,7 @@ def interrupt(context) -> None:
 
 
 def push(context) -> None:
-    """A step to undo of the settings as they are, even if what they give is not there yet."""
+    """Makes an undo step of the present settings, even if their result is not ready."""
     scan, _ = targets.find(context)
     is_shown = runtime.get().live.shown is not None
     changed = is_shown or recipe_of(context, scan) != store.load(scan)
@@ -40,7 +40,7 @@ def push(context) -> None:
 
 
 def write_shown(context) -> bool:
-    """Writes what is shown on its scan; False if that is gone."""
+    """Writes the preview on its scan; False if the scan is gone."""
     live = runtime.get().live
     work, live.shown = live.shown.work, None
     scan, error = work.target(), work.task.error
@@ -66,7 +66,7 @@ def follow(context) -> None:
 
 
 def go_on() -> None:
-    """Takes up again what `interrupt` stopped."""
+    """Continues the work that `interrupt` stopped."""
     live = runtime.get().live
     if live.pending and live.wake is not None:
         live.wake()

@@ -1,4 +1,4 @@
-"""What a user may set once for all files."""
+"""The preferences, which apply to all files."""
 
 import bpy
 import rna_keymap_ui
@@ -20,28 +20,33 @@ class IsimpPreferences(bpy.types.AddonPreferences):
 
     bl_idname = _ADDON
 
-    border_color: _color("Borders", "Lines where regions meet", (0.02, 0.02, 0.02, 0.9))
-    outline_color: _color("Outline", "Lines and corners of the polygons to be", (1.0, 1.0, 1.0, 1.0))
-    problem_color: _color("Problems", "Polygons that something is amiss with", (1.0, 0.0, 1.0, 1.0))
+    border_color: _color("Borders", "Lines between regions", (0.02, 0.02, 0.02, 0.9))
+    outline_color: _color("Outline", "Edges and corners of the previewed polygons", (1.0, 1.0, 1.0, 1.0))
+    problem_color: _color("Defects", "Outlines of defective polygons", (1.0, 0.0, 1.0, 1.0))
     line_width: FloatProperty(
-        name="Line Width", description="Of what is drawn over the scan", default=1.5, min=0.5, max=6.0, subtype="PIXEL"
+        name="Line Width",
+        description="Width of the lines over the scan",
+        default=1.5,
+        min=0.5,
+        max=6.0,
+        subtype="PIXEL",
     )
 
     threads: IntProperty(
         name="Threads",
-        description="How many processors iSimp may use; 0: all. The result is the same with any number",
+        description="Number of threads; 0: one for each core. The result is the same with any number",
         default=0,
         min=0,
         soft_max=64,
     )
     backend: EnumProperty(
         name="Back End",
-        description="Where the methods Queued and Naive work. The result is the same on all",
+        description="Device of the methods Queued and Naive. The result is the same on all",
         items=[(name, name.upper(), "") for name in _BACKENDS],
         default=_BACKENDS[0],
     )
 
-    show_keys: BoolProperty(name="Keys of the Tools", description="Show them, to change them")
+    show_keys: BoolProperty(name="Shortcuts of the Tools", description="Show and change the shortcuts")
 
     def draw(self, context):
         layout = self.layout
@@ -75,7 +80,7 @@ def tool_keymaps(keys) -> list:
 # Where there is one back end only, there is nothing to choose.
 _DRAWN = (
     ("Colours", ("border_color", "outline_color", "problem_color", "line_width")),
-    ("Work", ("threads", "backend") if len(_BACKENDS) > 1 else ("threads",)),
+    ("Performance", ("threads", "backend") if len(_BACKENDS) > 1 else ("threads",)),
 )
 
 

@@ -1,4 +1,4 @@
-"""Presets: those that come with the add-on, and users' own, which Blender keeps as files beside its others."""
+"""Presets of the add-on, and users' own, which Blender stores as files."""
 
 import bpy
 from bl_operators.presets import AddPresetBase
@@ -12,7 +12,7 @@ _FOLDER = "isimp"
 _TITLE = "Presets"
 # Titles of the menu that are no preset of the user's.
 _OURS = {_TITLE, *(preset.label for preset in presets.PRESETS)}
-# What belongs to one scan rather than to a kind: lengths in its units, a count, its weights.
+# Settings of one scan, not of a kind of scans: lengths in its units, a count, its weights.
 _LEFT = frozenset({"proxies", "tolerance", "bound", "weights", "influence", "borders"})
 
 
@@ -21,7 +21,7 @@ def _kept(cls) -> list:
 
 
 class ISIMP_OT_preset(bpy.types.Operator):
-    """Take the settings that suit a kind of scan"""
+    """Use the settings for a kind of scan"""
 
     bl_idname = "isimp.preset"
     bl_label = "Preset"
@@ -44,7 +44,7 @@ class ISIMP_OT_preset(bpy.types.Operator):
 
 
 class ISIMP_MT_presets(bpy.types.Menu):
-    """Settings to start from: those for kinds of scans, then your own"""
+    """Presets for kinds of scans, and your own presets"""
 
     bl_label = _TITLE
     preset_subdir = _FOLDER
@@ -58,7 +58,7 @@ class ISIMP_MT_presets(bpy.types.Menu):
 
 
 class ISIMP_OT_preset_add(AddPresetBase, bpy.types.Operator):
-    """Keep the settings as a preset of your own, or take it away again"""
+    """Store the settings as a preset of your own, or delete it"""
 
     bl_idname = "isimp.preset_add"
     bl_label = "Add Preset"
@@ -72,7 +72,7 @@ class ISIMP_OT_preset_add(AddPresetBase, bpy.types.Operator):
 
 
 def title(context) -> str:
-    """What the menu is called: the add-on's preset that the settings are those of, else the one chosen last."""
+    """The title of the menu: the add-on's preset with these settings, else the preset chosen last."""
     for preset in presets.PRESETS:
         if all(_is_shown(context, step) for step in (preset.partition, preset.mesh)):
             return preset.label

@@ -37,7 +37,7 @@ class Work(modal.Work):
         return outcome
 
     def is_ready(self) -> bool:
-        """Whether all is there to write it; asks for what is missing."""
+        """Whether everything is ready to be written; requests what is missing."""
         if self.task.error is not None or self.corner_color is not None:
             return True
         if self._painting is None:
@@ -46,7 +46,7 @@ class Work(modal.Work):
 
 
 class Preview:
-    """What is seen of a `Work` that has ended. The corners of a scan are handed to the graphics card only once."""
+    """The picture of a finished `Work`. The corners of a scan are handed to the graphics card only once."""
 
     def __init__(self, work):
         self.work = work

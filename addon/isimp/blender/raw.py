@@ -7,12 +7,12 @@ later version may have meant. So they are read as they lie here, and moved aside
 from idprop.types import IDPropertyGroup
 
 _NAME = "isimp"
-KEPT = f"{_NAME}.kept"  #: custom properties with what was in the place of the add-on's own
+KEPT = f"{_NAME}.kept"  #: custom properties with foreign values that were in the place of the add-on's own
 _TEXTS = frozenset({"user_color", "key", "scan_key", "scan_name"})
 
 
 def _home(block):
-    """Where Blender keeps what add-ons register: since 5.0 not among the custom properties."""
+    """The group that holds properties registered by add-ons: since 5.0 apart from the custom properties."""
     return block.bl_system_properties_get() if hasattr(block, "bl_system_properties_get") else block
 
 
@@ -43,7 +43,7 @@ def _are_nodes(value) -> bool:
 
 
 def make_way(block) -> None:
-    """Moves aside what is in the place of the add-on's properties and is none, so that they can be written."""
+    """Moves foreign values out of the place of the add-on's properties, so that these can be written."""
     group = _found(block)
     if group is None:
         return
@@ -69,6 +69,6 @@ def _numbered(number: int) -> str:
 
 
 def kept(block) -> list:
-    """The names of the custom properties with what was moved aside."""
+    """The names of the custom properties with values that were moved aside."""
     names = block.keys()  # a datablock itself is no dictionary
     return [name for name in names if name == KEPT or name.startswith(f"{KEPT}.")]

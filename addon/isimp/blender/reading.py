@@ -1,8 +1,7 @@
-"""A scan's arrays, not read anew for every click: a million faces take Blender 3.4 a fifth of a second.
+"""A scan's arrays, kept between clicks: reading a million faces takes Blender 3.4 a fifth of a second.
 
-What was read is kept while nothing says that the mesh has changed: Blender tells of every change of geometry once the
-scene is brought up to date, and the vertices are compared each time. Scripts change meshes without such news, so in the
-background everything is read.
+The arrays are kept until the mesh changes: Blender reports every change of geometry when it updates the scene, and the
+vertices are compared each time. Scripts change meshes without such a report, so in the background everything is read.
 """
 
 import math
@@ -61,12 +60,12 @@ def read(context, obj, layers=frozenset(), again=False):
 
 
 def ready(context, obj, layers, seconds: float = math.inf) -> bool:
-    """Reads on for so long what `read` of these layers would have to wait for; whether all of that is there."""
+    """Reads for `seconds` the data that `read` of these layers needs; whether all of it is there."""
     end = time.monotonic() + seconds
     if not any(name in obj.vertex_groups for name in layers):
         return True
     if not bpy.app.background:
-        _read(context, obj)  # in Edit Mode, brings what is read here up to date; forgets what is known of another mesh
+        _read(context, obj)  # in Edit Mode, updates the mesh read here; forgets another mesh
     known, corners = runtime.get().scans.get(obj.name), None
     if known is not None and len(known.scan.triangles) == len(obj.data.polygons) and not mesh_io.has_modifiers(obj):
         corners = known.scan.triangles.ravel()
@@ -75,7 +74,7 @@ def ready(context, obj, layers, seconds: float = math.inf) -> bool:
 
 
 def _group(obj, name: str):
-    """What is read of a vertex group, now or before; None if the object has no such group."""
+    """The reader of a vertex group, new or kept; None if the object has no such group."""
     if name not in obj.vertex_groups:
         return None
     groups = runtime.get().groups
@@ -102,7 +101,7 @@ def _read(context, obj):
 
 
 def forget_changed(depsgraph) -> None:
-    """Drops what was read of meshes that have changed, other than by `mesh_io`'s own layers."""
+    """Drops the arrays of changed meshes, unless only `mesh_io`'s own layers changed."""
     current = runtime.get()
     for update in depsgraph.updates:
         if update.is_updated_geometry and isinstance(update.id, bpy.types.Mesh):
@@ -114,7 +113,7 @@ def forget_changed(depsgraph) -> None:
 
 
 def forget(name=None) -> None:
-    """Drops what was read of a mesh, or of all."""
+    """Drops the arrays of a mesh, or of all meshes."""
     runtime.get().seen = {}
     for known in (runtime.get().scans, runtime.get().groups):
         for key in [key for key, value in known.items() if name in (None, value.mesh)]:

@@ -1,4 +1,4 @@
-"""What lives as long as the add-on is switched on: made by `start`, dropped by `stop`."""
+"""The state of the add-on while it is switched on: made by `start`, dropped by `stop`."""
 
 import time
 from collections import OrderedDict
@@ -9,14 +9,14 @@ from ..spare import Spare
 
 
 class Live:
-    """Whether a setting in the panel was changed, and what is shown of it before it settles; see live.py."""
+    """Changed settings in the panel, and their preview until they are written; see live.py."""
 
     def __init__(self):
         self.touched = 0.0  #: when a setting was changed last
-        self.work = None  #: what is being computed for it
-        self.shown = None  #: a Preview of what is no step to undo yet; see preview.py
-        self.tried = None  #: a Preview of what a tool would do, while the mouse is held
-        self.held = False  #: whether what is shown now is not to change: the mouse is held, or it is being written
+        self.work = None  #: the Work that computes the result
+        self.shown = None  #: a Preview that has no undo step yet; see preview.py
+        self.tried = None  #: a Preview of a tool's result, while the mouse is held
+        self.held = False  #: whether the preview must stay: the mouse is held, or it is being written
         self.wake = None  #: called when a setting was changed; None where there are no timers
         self.pending = False  #: whether a setting was changed that is no step to undo yet
         self.scan = ""  #: whose settings the panel shows
@@ -47,29 +47,29 @@ class Runtime:
         self.session = Session()
         self.spare = Spare()
         self.running = None  #: the modal operator's Work while there is one
-        self.nodes = {}  #: what store.py knows beyond what undo takes back
+        self.nodes = {}  #: nodes that undo may have removed from the mesh; see store.py
         self.recipes = {}  #: (mesh's name, state) -> Recipe as it was read, None if it can't be
         self.stored = {}  #: (mesh's name, state) -> stored.Stored, until something can have changed it
         self.most_nodes = {}  #: mesh's name -> how many nodes it may have before some are forgotten; see store.py
         self.live = Live()
-        self.scans = {}  #: object's name -> what was read of it last; see reading.py
+        self.scans = {}  #: object's name -> the arrays read last; see reading.py
         self.groups = {}  #: (object's name, vertex group's) -> weights.Group, as far as it is read
         self.written = {}  #: object's name -> (state, regions, colours) as last written on it in Edit Mode
         self.seen = {}  #: object's name -> (state, regions) as read in Edit Mode since anything was changed
-        self.edit = None  #: the BMesh of what is in Edit Mode, kept; see mesh_io.edit_mesh
+        self.edit = None  #: the BMesh in Edit Mode, kept; see mesh_io.edit_mesh
         self.own_writes = set()  #: names of meshes whose next change is the add-on's own
-        self.drawings = OrderedDict()  #: what is drawn over scans; see overlay.py
+        self.drawings = OrderedDict()  #: overlays of scans; see overlay.py
         self.shaders = {}  #: own ones, by name
-        self.handles = ()  #: of what draws
-        self.sketching = None  #: (key, Task) of what will be drawn
-        self.status = ""  #: what the status bar says for a tool
-        self.hover = None  #: what is under the mouse; see tools/under.py
+        self.handles = ()  #: of the draw handlers
+        self.sketching = None  #: (key, Task) of the next overlay
+        self.status = ""  #: a tool's text in the status bar
+        self.hover = None  #: the highlight under the mouse; see tools/under.py
         self.ground = None  #: the scan pointed at
         self.surface = None  #: (Scan, pick.Surface) of the scan pointed at
         self.digging = None  #: (Scan, Task) that makes it
 
     def stop_sketching(self) -> None:
-        """Stops what is being made to be drawn; it is asked for again when it is drawn next."""
+        """Stops the computation of an overlay; the next redraw requests it again."""
         if self.sketching is not None:
             task = self.sketching[1]
             self.sketching = None

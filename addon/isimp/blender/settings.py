@@ -17,13 +17,13 @@ _PARTITION, _MESH = rcp.Partition(), rcp.Mesh()
 
 
 def _weights(self, context, edit_text):
-    """What the field of the weights offers."""
+    """The suggestions of the field for weights."""
     scan, problem = targets.find(context)
     return [] if problem else weights.names(scan)
 
 
 def _face_attributes(self, context, edit_text):
-    """What the field of the attribute that parts regions offers."""
+    """The suggestions of the field for the attribute of barriers."""
     scan, problem = targets.find(context)
     return [] if problem else weights.face_names(scan)
 
@@ -35,19 +35,23 @@ _FACES_SEARCHED = {"search": _face_attributes} if _CAN_SEARCH else {}
 
 class PartitionSettings:
     count_by: EnumProperty(
-        name="Number By",
-        description="What says how many regions there are",
+        name="Count By",
+        description="How the number of regions is chosen",
         items=(
-            ("detail", "Automatic", "As many as the shape asks for, at a detail that is a share of its size"),
-            ("proxies", "Count", "Just so many"),
-            ("tolerance", "Tolerance", "As many as show what is larger than a length: .2 m on a building, say"),
-            ("bound", "Bound", "As many as keep every vertex within a length of its region's plane"),
+            ("detail", "Automatic", "The number follows from the shape, at a detail that is a share of its size"),
+            ("proxies", "Count", "An exact number"),
+            (
+                "tolerance",
+                "Tolerance",
+                "The number follows from a length: smaller shapes are ignored, below .2 m on a building, say",
+            ),
+            ("bound", "Bound", "The number follows from the largest distance of a vertex from its region's plane"),
         ),
         default=_PARTITION.count_by,
     )
     detail: FloatProperty(
         name="Detail",
-        description="What is larger than this share of the scan's size shows. Less makes more regions",
+        description="Shapes below this share of the scan's size are ignored. A smaller value gives more regions",
         default=_PARTITION.detail,
         min=0.0001,
         max=1.0,
@@ -57,7 +61,7 @@ class PartitionSettings:
     )
     tolerance: FloatProperty(
         name="Tolerance",
-        description="What is larger than this shows. Less makes more regions",
+        description="Shapes below this length are ignored. A smaller value gives more regions",
         default=_PARTITION.tolerance,
         min=1e-6,
         soft_max=10.0,
@@ -67,7 +71,7 @@ class PartitionSettings:
     )
     bound: FloatProperty(
         name="Bound",
-        description="The most that a vertex may be off its region's plane. Less makes more regions",
+        description="Largest distance of a vertex from its region's plane. A smaller value gives more regions",
         default=_PARTITION.bound,
         min=1e-6,
         soft_max=10.0,
@@ -77,78 +81,78 @@ class PartitionSettings:
     )
     adaptivity: FloatProperty(
         name="Adaptivity",
-        description="How much denser regions get where the scan is rough",
+        description="Smaller regions where the scan is rough. 0: the same detail everywhere",
         default=_PARTITION.adaptivity,
         min=0.0,
         max=1.0,
     )
     noise: FloatProperty(
         name="Noise",
-        description="How much the scan's points stray (standard deviation, in the scan's units). Below 0: found out",
+        description="Standard deviation of the scan's points, in the scan's units. Below 0: estimated",
         default=_PARTITION.noise,
         min=-1.0,
         soft_max=0.1,
         precision=5,
     )
     snap: BoolProperty(
-        name="Take Clear Numbers",
-        description="Where the shape clearly is made of so many planes, make just as many regions",
+        name="Snap to Planes",
+        description="If the shape clearly consists of planes, make one region for each plane",
         default=_PARTITION.snap,
     )
     proxies: IntProperty(
         name="Proxies",
-        description="How many regions to make. Each becomes one polygon or a few",
+        description="Number of regions. Each becomes one polygon, or a few",
         default=_PARTITION.proxies,
         min=1,
         soft_max=5000,
     )
     method: EnumProperty(
         name="Method",
-        description="How the regions are found",
+        description="Algorithm of the partition",
         items=(
             (
                 "hierarchy",
                 "Hierarchy",
-                "Merge small patches step by step, then relax the borders: the best and the quickest",
+                "Merge small patches, then relax the borders: the fastest, with the least error",
             ),
             (
                 "teleport",
                 "Teleport",
-                "As Lloyd, then merge the cheapest pair and split the worst region while it helps",
+                "As Lloyd; then merge the cheapest pair and split the worst region while the error falls",
             ),
-            ("lloyd", "Lloyd", "Flood and fit in turn from the starting faces, as first published"),
-            ("queued", "Queued", "As Lloyd, with all faces of a queue flooded at once: for many processors"),
-            ("naive", "Naive", "As Lloyd, with every face choosing among the nearest regions: for many processors"),
-            ("hybrid", "Hybrid", "Partition a decimated copy of the scan, and carry the regions back to it"),
+            ("lloyd", "Lloyd", "Flood from the seeds and fit planes, alternately: the method of the first paper"),
+            ("queued", "Queued", "As Lloyd, but flood all faces of a queue at once: for GPUs"),
+            ("naive", "Naive", "As Lloyd, but every face chooses among the nearest regions: for GPUs"),
+            ("hybrid", "Hybrid", "Partition a decimated copy, and carry the regions back to the scan"),
         ),
         default=_PARTITION.method,
     )
     seeding: EnumProperty(
         name="Start",
-        description="Where the first proxies are put (by Lloyd and Teleport)",
+        description="Faces at which the first regions start (all methods except Hierarchy)",
         items=(
-            ("random", "Random", "Faces drawn by the random seed"),
-            ("farthest", "Farthest", "Each where the surface differs most from all before"),
-            ("hierarchical", "Hierarchical", "Where the regions of Hierarchy are"),
+            ("random", "Random", "Random faces"),
+            ("farthest", "Farthest", "Each face where the surface differs most from all regions so far"),
+            ("hierarchical", "Hierarchical", "One face in each region of the method Hierarchy"),
         ),
         default=_PARTITION.seeding,
     )
     seed: IntProperty(
         name="Seed",
-        description="Number that starts the random choice (of Lloyd and Teleport)",
+        description="Seed of the random numbers",
         default=_PARTITION.seed,
         min=0,
     )
     iterations: IntProperty(
         name="Iterations",
-        description="The most rounds of flooding and fitting. It ends earlier once nothing changes any more",
+        description="Maximum number of rounds of flooding and fitting. Fewer if the regions stop changing",
         default=_PARTITION.iterations,
         min=1,
         soft_max=100,
     )
     leave_out: FloatProperty(
         name="Leave Out Parts",
-        description="Loose parts below this share of the whole area get no region and no polygon. 0 keeps every part",
+        description="Loose parts below this share of the total area get no region and no polygon. 0: keep every part",
         default=_PARTITION.leave_out,
         min=0.0,
         max=0.99,
@@ -158,14 +162,14 @@ class PartitionSettings:
 
     weights: StringProperty(
         name="Weights",
-        description="A vertex group, as Blender's own weight paint makes them, or an attribute of faces or vertices. "
-        "Where its weight is higher, there are more regions, while their number stays. Empty: all alike",
+        description="A vertex group (from weight paint) or an attribute of faces or vertices. Higher weights give more "
+        "and smaller regions; with Count, the total number stays. Empty: no weights",
         default=_PARTITION.weights,
         **_SEARCHED,
     )
     influence: FloatProperty(
         name="Influence",
-        description="How much the weights do. At 1, a weight of 1 draws four times as many regions as one of 0",
+        description="Strength of the weights. At 1, a weight of 1 gives four times as many regions as a weight of 0",
         default=_PARTITION.influence,
         min=0.0,
         max=2.0,
@@ -186,12 +190,12 @@ class PartitionSettings:
     )
     face_sets: BoolProperty(
         name="Face Sets",
-        description="No region has faces of two face sets, as sculpt mode makes them",
+        description="No region has faces of two face sets (of Sculpt Mode)",
         default=_PARTITION.face_sets,
     )
     angle: FloatProperty(
-        name="Bend",
-        description="No region crosses an edge where the surface bends by more than so many degrees. 180: it may",
+        name="Angle",
+        description="No region crosses an edge with a larger angle between its faces, in degrees. 180: no limit",
         default=_PARTITION.angle,
         min=0.0,
         max=180.0,
@@ -200,7 +204,7 @@ class PartitionSettings:
     )
     borders: StringProperty(
         name="Attribute",
-        description="No region has faces with different values of this attribute of faces. Empty: it may",
+        description="No region has faces with different values of this face attribute. Empty: no such barrier",
         default=_PARTITION.borders,
         **_FACES_SEARCHED,
     )
@@ -209,15 +213,15 @@ class PartitionSettings:
 class MeshSettings:
     chord_tolerance: FloatProperty(
         name="Corner Tolerance",
-        description="How far a border between two regions may leave a straight line before it gets another corner, "
-        "as a share of a region's size. Less follows the scan more closely, with more corners",
+        description="Distance of a border from a straight line at which it gets another corner, as a share of a "
+        "region's size. A smaller value follows the scan more closely, with more corners",
         default=_MESH.chord_tolerance,
         min=0.01,
         soft_max=2.0,
     )
     flatten: IntProperty(
-        name="Flatten",
-        description="Rounds of moving corners until polygons are flat. 0 leaves the corners where they are first put",
+        name="Planarize",
+        description="Rounds of moving corners to make polygons planar. 0: corners keep their first positions",
         default=_MESH.flatten,
         min=0,
         soft_max=200,
@@ -277,46 +281,50 @@ _KNOWN = {cls: frozenset(group.__annotations__) for cls, group in _GROUPS.items(
 class _Shown:
     live: BoolProperty(
         name="Live",
-        description="Show what a changed setting gives at once, as it is dragged; what follows it is done again",
+        description="Apply changed settings at once, even while you drag them. If off, press Partition or Mesh",
         default=True,
     )
     open_step: IntProperty(default=-1)
     overlay: BoolProperty(
-        name="Lines over the Scan", description="Draw where regions end, and how the polygons would be", default=True
+        name="Lines over the Scan", description="Draw the region borders and the preview of the polygons", default=True
     )
     outline: BoolProperty(
         name="Outline",
-        description="Draw the edges and corners that the polygons would have over the scan. Mesh makes just these",
+        description="Draw the edges and corners of the polygons over the scan, exactly as Mesh will create them",
         default=True,
     )
     heat: BoolProperty(
         name="Flatness",
-        description="Fill the polygons to be by how flat they are: green is flat, red is bent by half a percent",
+        description="Colour the previewed polygons: green is planar, red is non-planar by half a percent of the size",
         default=False,
     )
-    times: IntProperty(name="Times", description="How many at once", default=1, min=1, soft_max=50)
-    brush: IntProperty(name="Radius", description="Of the brush", default=40, min=1, max=500, subtype="PIXEL")
+    times: IntProperty(name="Times", description="Number of edits", default=1, min=1, soft_max=50)
+    brush: IntProperty(name="Radius", description="Radius of the brush", default=40, min=1, max=500, subtype="PIXEL")
     mirror: EnumProperty(
         name="Mirror",
-        description="Paint on the other side of the scan's own origin too",
+        description="Mirror strokes at the scan's origin, along this axis",
         items=(("NONE", "No Mirror", ""), ("X", "X", ""), ("Y", "Y", ""), ("Z", "Z", "")),
         default="NONE",
     )
     stroke: EnumProperty(
         name="Stroke",
-        description="What painting does",
+        description="Effect of a stroke",
         items=(
-            ("paint", "Grow", "Into the region first touched"),
-            ("new", "New", "A region of its own (Ctrl)"),
-            ("smooth", "Smooth", "Even out borders between regions (Shift)"),
-            ("erase", "Erase", "From the region first touched; those around it take its place (Ctrl and Shift)"),
+            ("paint", "Grow", "Extend the region where the stroke begins"),
+            ("new", "New", "Paint a new region (Ctrl)"),
+            ("smooth", "Smooth", "Smooth the borders between regions (Shift)"),
+            (
+                "erase",
+                "Erase",
+                "Erase from the region where the stroke begins; its neighbours take the faces (Ctrl and Shift)",
+            ),
         ),
         default="paint",
     )
     lock_painted: BoolProperty(
-        name="Lock", description="Lock regions that are painted anew: nothing but painting changes them", default=True
+        name="Lock", description="Lock newly painted regions: only painting changes them", default=True
     )
-    all_steps: BoolProperty(name="All Steps", description="List all steps, not only the last ones")
+    all_steps: BoolProperty(name="All Steps", description="List all steps, not only the latest")
 
 
 def _panel() -> type:
@@ -339,7 +347,7 @@ def names(cls) -> list:
 
 
 def held(prop, value):
-    """A value as a property can hold it: within its limits, and its default in place of what is no such value."""
+    """A value as a property can hold it: within its limits, and its default in place of an invalid value."""
     if prop.type == "ENUM":
         return value if value in prop.enum_items else prop.default
     if prop.type not in {"INT", "FLOAT"}:
@@ -350,7 +358,7 @@ def held(prop, value):
 
 
 def _kinds(properties):
-    """What each property of a group, or of an operator, is."""
+    """The definitions of the properties of a group or of an operator."""
     return getattr(properties, "properties", properties).bl_rna.properties
 
 
@@ -366,7 +374,7 @@ def to_step(cls, properties):
 
 
 def updated(step, properties):
-    """The step with what properties of the same names say; a float that a property can't tell apart is kept."""
+    """The step with the values of properties of the same names; a float that equals a property's float32 is kept."""
     new, kinds = _values(type(step), properties), _kinds(properties)
     changed = {name: value for name, value in new.items() if not _alike(value, held(kinds[name], getattr(step, name)))}
     return dataclasses.replace(step, **changed) if changed else step
@@ -388,7 +396,7 @@ def copy(cls, source, target) -> None:
 
 
 def give(cls, source, operator) -> None:
-    """Gives a button's operator the settings of a step, each of them: what is not given it takes from its last use."""
+    """Sets all settings of a step on a button's operator, as an unset one would keep its last value."""
     kinds = _kinds(operator)
     for name in names(cls):
         setattr(operator, name, held(kinds[name], getattr(source, name)))

@@ -12,7 +12,7 @@ from . import aside, display, mesh_io, raw, store, targets
 
 
 def _save(scan, work, numbers: dict) -> int:
-    """Keeps the recipe and returns its state. What can't be read is moved aside first, and stays in the file."""
+    """Stores the recipe and returns its state. Unreadable data are moved aside first, and stay in the file."""
     unknown = not mesh_io.state_of(scan) and aside.has_regions(scan.data)
     aside.set_aside(scan, regions_too=bool(store.read(scan).problem) or unknown)
     state = store.save(scan, work.recipe, numbers)
@@ -57,7 +57,7 @@ def _write(scan, work, outcome, state) -> None:
 
 
 def writing(scan, work, outcome):
-    """What `show_outcome` will write face by face, in pieces, so that the window need not wait for it.
+    """Writes face by face what `show_outcome` shows, in pieces, so that the window stays responsive.
 
     Yields what share is done. Nothing is left for later in Edit Mode; nothing is done in Object Mode.
     """
@@ -68,12 +68,12 @@ def writing(scan, work, outcome):
 
 
 def show_outcome(context, scan, work, outcome) -> None:
-    """Shows what a recipe gave: polygons if it ends in Mesh, else regions."""
+    """Shows the outcome of a recipe: polygons if it ends in Mesh, else regions."""
     (show_regions if outcome.polygons is None else show_polygons)(context, scan, work, outcome)
 
 
 def show_failed(context, scan, work, error) -> None:
-    """Keeps a recipe of which a step can't be done, with the reason; what is seen stays, as the last good result."""
+    """Stores a recipe with a failed step, and the reason; the previous result stays visible."""
     failed = {"failed": error.index, "reason": stored.line(error.reason)}
     outcome = error.outcome
     if outcome is None or (mesh_io.state_of(scan) and not store.read(scan).problem):
@@ -124,13 +124,13 @@ def _fill(result, scan, outcome) -> None:
         if np.linalg.det(matrix) < 0:
             loops = _turned(loops, start)
     result.matrix_world = Matrix(place.tolist())
-    # Blender rounds a place to float32. What that takes away of a far one goes to the vertices.
+    # Blender rounds a location to float32. The rounding error of a far one goes to the vertices.
     rounded = place[:3, 3] - place[:3, 3].astype(np.float32)
     vertices += np.linalg.solve(place[:3, :3], rounded)
-    amiss = np.zeros(len(start), np.int32)
+    defective = np.zeros(len(start), np.int32)
     for found in outcome.numbers["flaws"].values():
-        amiss[found] = 1
-    layers = {mesh_io.REGION: np.asarray(polygons.polygon_region), mesh_io.FLAW: amiss}
+        defective[found] = 1
+    layers = {mesh_io.REGION: np.asarray(polygons.polygon_region), mesh_io.FLAW: defective}
     mesh_io.fill_polygons(result.data, vertices, loops, start, layers)
 
 

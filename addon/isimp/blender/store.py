@@ -22,7 +22,7 @@ from .. import stored
 from . import aside, mesh_io, raw, runtime
 
 MOST_NODES = 4000
-_NO_LIST = "The steps can't be read: something else is in the place of their list"
+_NO_LIST = "The steps can't be read: another value is in the place of their list"
 
 
 class IsimpNode(bpy.types.PropertyGroup):
@@ -34,7 +34,7 @@ class IsimpNode(bpy.types.PropertyGroup):
 
 
 class IsimpMesh(bpy.types.PropertyGroup):
-    """What iSimp keeps on a mesh"""
+    """The data of iSimp on a mesh"""
 
     nodes: CollectionProperty(type=IsimpNode)
     user_color: StringProperty()
@@ -56,12 +56,12 @@ def load(obj):
 
 
 def numbers(obj) -> dict:
-    """What the last step did, as far as that can be read."""
+    """The numbers of the last step, as far as they can be read."""
     return read(obj).numbers
 
 
 def read(obj) -> stored.Stored:
-    """What is known of the regions on the object. Whatever is in the file: it never raises, and takes a moment."""
+    """The stored data of the regions on the object. It never raises and is quick, whatever is in the file."""
     return _read(obj.data, mesh_io.state_of(obj))
 
 
@@ -83,12 +83,12 @@ def _read(mesh, state: int) -> stored.Stored:
 
 
 def forget() -> None:
-    """Reads again what can have changed: undo brings back other numbers of the same state."""
+    """Reads again after undo, which can restore other numbers of the same state."""
     runtime.get().stored.clear()
 
 
 def forget_file() -> None:
-    """Drops what is known of a file, as another one is opened."""
+    """Drops everything about a file when another one is opened."""
     forget()
     runtime.get().recipes.clear()
     runtime.get().nodes.clear()
@@ -106,7 +106,7 @@ class _Nodes:
         self.places = {at: place for place, at in reversed(list(enumerate(self.ids)))}  # of several the first
 
     def node(self, state: int):
-        """(parent, step, numbers), or None if there is no such node, or what there is is none."""
+        """(parent, step, numbers), or None if there is no such node, or it is malformed."""
         place = self.places.get(state)
         return runtime.get().nodes.get(state) if place is None else stored.node_from(self._found[place])
 
@@ -157,7 +157,7 @@ def _state(found: _Nodes, parent: int, step: str) -> int:
 
 
 def _forget_others(obj, state: int) -> None:
-    """Drops the nodes that do not lead to the state, but for those that can't be read here and what leads to them."""
+    """Drops the nodes that do not lead to the state, except unreadable ones and those that lead to them."""
     mesh, found = obj.data, _Nodes(obj.data)
     good = stored.readable(found.ids, found.node)
     heads = {state, *aside.states(obj), *(at for at in found.ids if at not in good)}

@@ -1,4 +1,4 @@
-"""Which object a button works on, and why it can't: one place for all operators and the panel."""
+"""The object that a button works on, or the reason why it cannot, for all operators and the panel."""
 
 import bpy
 
@@ -34,7 +34,7 @@ def scan_of(obj):
 
 
 def result_of(scene, scan):
-    """The result made from a scan, if it is still in the scene; else None. Never what shares the scan's mesh."""
+    """The result made from a scan, if it is still in the scene; else None. Never one with the scan's mesh."""
     key = raw.text(scan, "key")
     if not key:
         return None
@@ -58,14 +58,14 @@ def seen(context):
 
 def _no_engine() -> str:
     if session.ENGINE_PROBLEM:
-        return f"Install the zip made for this system: the iSimp engine does not load here ({session.ENGINE_PROBLEM})"
+        return f"The iSimp engine does not load: install the zip for this system ({session.ENGINE_PROBLEM})"
     return ""
 
 
 def _not_now() -> str:
     running = runtime.get().running
     if running is not None:
-        return f"Still working on '{running.name}': wait, or press Esc"
+        return f"Work on '{running.name}' is not finished: wait, or press Esc"
     return ""
 
 
@@ -97,7 +97,7 @@ def has_regions(scan) -> bool:
 
 
 def needs_steps(scan) -> str:
-    """Why the recipe of a scan can't be worked on; empty if it can."""
+    """Why the recipe of a scan cannot be edited; empty if it can."""
     stored = store.read(scan)
     if stored.recipe is None:
         return f"{stored.problem}: press Partition to start again"
@@ -105,9 +105,9 @@ def needs_steps(scan) -> str:
 
 
 def notes(scan) -> list:
-    """Lines that say what on a scan can't be read, and where it is kept; none where all is well."""
+    """Messages about unreadable data on a scan, and where they are kept."""
     problem, end = store.read(scan).problem, aside.suffix(scan.data)
-    anew = f"Nothing is lost: Partition starts anew and keeps this as '{mesh_io.REGION}{end}'"
+    anew = f"Nothing is lost: Partition starts again and keeps this as '{mesh_io.REGION}{end}'"
     lines = [f"{problem}. {anew}."] if problem else []
     for name, kind in aside.foreign_layers(scan.data):
         lines.append(f"'{name}' is no layer of iSimp's ({kind}): Partition keeps it as '{name}{end}'.")
@@ -117,7 +117,7 @@ def notes(scan) -> list:
 
 
 def needs_regions(scan) -> str:
-    """Why the regions of a scan can't be worked on; empty if they can."""
+    """Why the regions of a scan cannot be edited; empty if they can."""
     missing = needs_steps(scan)
     if missing:
         return missing

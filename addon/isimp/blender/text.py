@@ -1,4 +1,4 @@
-"""Numbers as the panel words them."""
+"""Texts of the panel: numbers, warnings, reports."""
 
 import textwrap
 
@@ -11,7 +11,7 @@ _STAY = "\N{NO-BREAK SPACE}"
 
 
 def wrapped(message: str, width: int) -> list:
-    """Lines of so many letters; what is to stay together is parted only where it is longer than that."""
+    """Lines of at most `width` letters; words joined by no-break spaces are split only if they are longer."""
     parts = (part if len(part) <= width else part.replace(_STAY, " ") for part in message.split(" "))
     return textwrap.wrap(" ".join(parts), width)
 
@@ -31,11 +31,12 @@ def beside(said: str, measure, wanted: float, right: float, left: float) -> tupl
 
 
 def _count(number: int, one: str) -> str:
-    return f"{number:,} {one}{'' if number == 1 else 's'}"
+    many = f"{one[:-2]}ices" if one.endswith("vertex") else f"{one}s"
+    return f"{number:,} {one if number == 1 else many}"
 
 
 def scan_line(mesh, numbers: dict) -> str:
-    """What the add-on sees in a scan; parts and holes once it has looked at it."""
+    """The size of a scan; its parts and holes once it has been analysed."""
     triangles = len(mesh.loops) - 2 * len(mesh.polygons)
     if not _looked_at(mesh, numbers):
         return _count(triangles, "triangle")
@@ -45,36 +46,38 @@ def scan_line(mesh, numbers: dict) -> str:
 
 
 _FAULTS = {
-    "non_finite_faces": "broken face",
-    "repeated_index_faces": "broken face",
-    "duplicate_faces": "double face",
-    "welded_vertices": "loose corner",
-    "flipped_faces": "turned face",
-    "cut_edges": "split edge",
-    "split_edges": "split edge",
-    "split_vertices": "split corner",
-    "subdivided_edges": "split edge",
-    "turned_edges": "flat face",
+    "non_finite_faces": "invalid face",
+    "repeated_index_faces": "invalid face",
+    "duplicate_faces": "duplicate face",
+    "welded_vertices": "unwelded vertex",
+    "flipped_faces": "reversed face",
+    "cut_edges": "unorientable edge",
+    "split_edges": "non-manifold edge",
+    "split_vertices": "non-manifold vertex",
+    "subdivided_edges": "double edge",
+    "turned_edges": "zero-area face",
 }  # vertices that no face uses are none
 
 
 def lost_detail(scan, unit) -> list:
-    """That Blender's coordinates are too coarse where a scan lies, if they are. unit: the scene's settings."""
+    """A warning if float32 is too coarse at the scan's place. unit: the scene's settings."""
     lost = mesh_io.lost_detail(scan)
     return [] if lost is None else [afar.told(lost, unit.system, unit.scale_length)]
 
 
 def warnings(mesh, numbers: dict) -> list:
-    """What is amiss with a scan, and what is done about it."""
+    """The defects of a scan, and how they are handled."""
     if not _looked_at(mesh, numbers):
         return []
     left_out, lines = numbers.get("left_out", 0), []
     faults = [(name, number) for name, number in numbers.get("repairs", {}).items() if number and name in _FAULTS]
     if faults:
         said = ", ".join(_count(number, _FAULTS[name]) for name, number in faults)
-        lines.append(f"Mended for the result: {said}")
+        lines.append(f"Repaired for the result: {said}")
     if left_out:
-        lines.append(f"{_count(left_out, 'face')} left out, as specks or faults: grey on the scan, not in the result")
+        lines.append(
+            f"{_count(left_out, 'face')} left out (small parts or defects): grey on the scan, not in the result"
+        )
     return lines
 
 
@@ -83,32 +86,32 @@ def _looked_at(mesh, numbers: dict) -> bool:
 
 
 def report_lines(numbers: dict, system: str, scale: float) -> list:
-    """(line, whether something is amiss) of the polygons that Mesh made; nothing before it."""
+    """(line, whether it is a warning) for the report of Mesh; empty before it."""
     if "polygons" not in numbers:
         return []
     each = numbers["corners"] / max(1, numbers["polygons"])
     flat, worst = (amount(numbers, name, system, scale) for name in ("planarity_mean", "planarity_max"))
-    sound = "Closed" if numbers["closed"] else "Open, as the scan is"
-    sound = sound if numbers["manifold"] else "Polygons meet where they should not (not manifold)"
+    sound = "Closed" if numbers["closed"] else "Open, like the scan"
+    sound = sound if numbers["manifold"] else "Non-manifold: polygons share an edge or vertex that they should not"
     lines = [
         (f"{_count(numbers['polygons'], 'polygon')} · {each:.1f} corners each", False),
-        (f"Flat to {flat} (worst {worst})", False),
+        (f"Planar within {flat} (worst {worst})", False),
         (sound, not numbers["manifold"]),
     ]
     if "scan_distance" in numbers:
         away, allowed = (amount(numbers, name, system, scale) for name in ("scan_distance", "scan_distance_allowed"))
         too_far = numbers["scan_distance"] > numbers["scan_distance_allowed"]
-        lines.append((f"Scan within {away}" + (f", more than {allowed}" if too_far else ""), too_far))
+        lines.append((f"Scan within {away}" + (f", above the allowed {allowed}" if too_far else ""), too_far))
     added = numbers["regions"] - numbers.get("regions_before", numbers["regions"])
     if added > 0:
-        lines.append((f"{_count(added, 'region')} more, to keep the bound", False))
+        lines.append((f"{_count(added, 'region')} added to keep the bound", False))
     return lines
 
 
 def problems(numbers: dict) -> str:
-    """The words on the button that shows polygons with flaws; empty if there are none."""
-    amiss = {polygon for found in numbers.get("flaws", {}).values() for polygon in found}
-    return f"Show {_count(len(amiss), 'problem polygon')}" if amiss else ""
+    """The text of the button that selects defective polygons; empty if there are none."""
+    defective = {polygon for found in numbers.get("flaws", {}).values() for polygon in found}
+    return f"Select {_count(len(defective), 'defective polygon')}" if defective else ""
 
 
 def amount(numbers: dict, name: str, system: str, scale: float) -> str:
@@ -125,7 +128,7 @@ def length(value: float, system: str, scale: float) -> str:
 
 
 def number_rows(numbers: dict, system: str, scale: float) -> list:
-    """(name, value) of what the last step did, in the order they matter."""
+    """(name, value) of the last step's numbers, the most important first."""
     rows = [("Regions", f"{numbers['regions']:,}")] if "regions" in numbers else []
     if "polygons" in numbers:
         rows += [("Polygons", f"{numbers['polygons']:,}"), ("Corners", f"{numbers['corners']:,}")]
@@ -134,7 +137,7 @@ def number_rows(numbers: dict, system: str, scale: float) -> list:
         rows.append(("Error", f"{numbers['error']:.4g}"))
     if numbers.get("barriers"):
         kept = numbers["barriers"] - numbers.get("barriers_inside", 0)
-        rows.append(("Kept to", f"{kept:,} of {_count(numbers['barriers'], 'edge')}"))
+        rows.append(("Barriers kept", f"{kept:,} of {_count(numbers['barriers'], 'edge')}"))
     if numbers.get("left_out"):
         rows.append(("Left out", _count(numbers["left_out"], "face")))
     if "seconds" in numbers:

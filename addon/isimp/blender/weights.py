@@ -1,4 +1,4 @@
-"""What its user painted on a scan, one number a face: vertex groups, and attributes of faces or vertices."""
+"""Weights painted on a scan, one number a face: vertex groups, and attributes of faces or vertices."""
 
 import math
 import time

@@ -110,7 +110,7 @@ def test_map_coordinates_come_out_where_they_were(tmp_path, capfd):
     write_text(".off", tmp_path / "cube.off", scans.world(cube) + UTM, faces)
     outputs = [tmp_path / name for name in ("out.obj", "out.ply", "out.glb", "out.blend")]
     assert run(tmp_path / "cube.off", *outputs, "--proxies", 6) == 0
-    assert "Blender keeps steps" not in capfd.readouterr().out
+    assert "Blender's coordinates have steps" not in capfd.readouterr().out
     wanted = [*(UTM - 1), *(UTM + 1)]
     for path in outputs[:2]:
         points, triangles = batch.of_addon("isimp.session").engine.read(str(path))
@@ -176,7 +176,7 @@ def test_a_recipe_says_what_is_done(tmp_path):
         ({"step": "magic"}, [], "'magic' is not a step"),
         ({}, ["--proxies", "9"], "leave out --proxies"),
         (None, [], "the recipe 'r.json' can't be read: No such file"),
-        (b"[" * 200_000, [], "the recipe 'r.json' can't be used: not a recipe: its brackets are nested too deep"),
+        (b"[" * 200_000, [], "the recipe 'r.json' can't be used: not a recipe: its brackets are nested too deeply"),
         (b'{"isimp_recipe": "\xe9"}', [], "the recipe 'r.json' can't be read: it is not UTF-8 text"),
     ],
 )
@@ -206,7 +206,7 @@ def test_a_tolerance_or_a_detail_finds_the_number(way, tmp_path):
 def test_two_ways_to_say_the_number_are_refused(tmp_path, capsys):
     export(".ply", tmp_path / "cube.ply")
     assert run(tmp_path / "cube.ply", tmp_path / "out.obj", "--proxies", 6, "--detail", 0.1) == 3
-    assert "--proxies and --detail each say how many" in capsys.readouterr().err
+    assert "--proxies and --detail each set the number of" in capsys.readouterr().err
 
 
 def test_a_table_has_a_row_for_each_scan_and_says_why_nothing_came_of_one(tmp_path):

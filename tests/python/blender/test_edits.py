@@ -85,7 +85,7 @@ def test_only_one_region_selected_can_not_be_merged(parted):
     scans.select_faces(scan(), 3, 7)
     with pytest.raises(RuntimeError, match="Only one region is selected"):
         bpy.ops.isimp.merge()
-    with pytest.raises(RuntimeError, match="are no strokes"):
+    with pytest.raises(RuntimeError, match="is not a list of strokes"):
         bpy.ops.isimp.paint_faces(painted="all of them")
     assert (count(), len(steps())) == (6, 1)
 

@@ -160,14 +160,14 @@ def test_partition_says_once_what_was_lost(capfd):
     scan = far_cube()
     lines = text.lost_detail(scan, bpy.context.scene.unit_settings)
     assert len(lines) == 1
-    assert "Blender keeps steps of 0.12 m there" in lines[0]
+    assert "Blender's coordinates have steps of 0.12 m" in lines[0]
     said = []
     for proxies in (6, 8):
         capfd.readouterr()
         assert bpy.ops.isimp.partition(proxies=proxies) == {"FINISHED"}
         said.append(capfd.readouterr().out)
     assert lines[0] in said[0]
-    assert "Blender keeps steps" not in said[1]
+    assert "Blender's coordinates have steps" not in said[1]
     assert store.numbers(scan)["regions"] == 8
 
 
@@ -177,4 +177,4 @@ def test_of_a_scan_near_zero_nothing_is_said(capfd):
     bpy.context.view_layer.update()
     assert mesh_io.lost_detail(scan) is None
     assert bpy.ops.isimp.partition(proxies=6) == {"FINISHED"}
-    assert "Blender keeps steps" not in capfd.readouterr().out
+    assert "Blender's coordinates have steps" not in capfd.readouterr().out

@@ -234,4 +234,4 @@ def test_faults_are_told_by_kind_and_unused_vertices_are_none():
     points = [*scans.coordinates(scan.data), (5, 5, 5)]
     faulty = scans.add("Faulty", points, flipped)
     bpy.ops.isimp.partition(proxies=6)
-    assert text.warnings(faulty.data, store.numbers(faulty)) == ["Mended for the result: 2 turned faces"]
+    assert text.warnings(faulty.data, store.numbers(faulty)) == ["Repaired for the result: 2 reversed faces"]

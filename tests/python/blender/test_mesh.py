@@ -189,4 +189,4 @@ def test_a_bound_is_kept_by_the_polygons_too(monkeypatch):
     assert numbers["scan_distance"] <= numbers["scan_distance_allowed"] == pytest.approx(0.08)
     assert numbers["regions"] == len(np.unique(scans.regions(scan))) > before
     lines = [line for line, amiss in text.report_lines(numbers, "NONE", 1.0) if not amiss]
-    assert f"{numbers['regions'] - before} regions more, to keep the bound" in lines
+    assert f"{numbers['regions'] - before} regions added to keep the bound" in lines

@@ -146,13 +146,13 @@ def test_a_recipe_of_which_a_step_fails_shows_what_could_be_done():
     [
         ("not a recipe", "it is not JSON"),
         ("{}", "no 'isimp_recipe'"),
-        (Recipe().to_json(), "no step that is switched"),
-        pytest.param("[" * 200_000, "its brackets are nested too deep", id="deep"),
+        (Recipe().to_json(), "no active step"),
+        pytest.param("[" * 200_000, "its brackets are nested too deeply", id="deep"),
         (
             '{"isimp_recipe": 1, "steps": [{"step": "lock", "faces": "\\ud800"}]}',
             "faces of lock must be a list",
         ),
-        ('{"isimp_recipe": 1, "steps": []}\0', "it is not JSON|not text|no step"),
+        ('{"isimp_recipe": 1, "steps": []}\0', "it is not JSON|not text|no active step"),
     ],
 )
 def test_what_is_no_recipe_is_refused(edited, text, said, tmp_path):

@@ -1,4 +1,4 @@
-"""Changes to regions at faces, and the heuristics that choose where by themselves."""
+"""Edits of regions at faces, and edits whose place is chosen by the error."""
 
 import bpy
 import numpy as np
@@ -12,10 +12,10 @@ from .proxies import AtFaces
 
 
 class _Edit(AtFaces):
-    """Mixin of what is done at one face of each region that has a selected one."""
+    """Mixin of edits at one face of each region that has a selected face."""
 
     def each(self, scan) -> list:
-        """A face of each region that the faces to work at are in."""
+        """One of the faces to edit for each region that they are in."""
         faces, regions = np.array(self.faces(scan)), mesh_io.read_regions(scan)
         if faces.max() >= len(regions):
             return faces.tolist()  # the step says that there is no such face
@@ -23,14 +23,14 @@ class _Edit(AtFaces):
 
 
 class ISIMP_OT_merge(_Edit, bpy.types.Operator):
-    """Make one region of all that have a selected face. They must touch each other"""
+    """Merge the regions of the selected faces into one. The regions must be neighbours"""
 
     bl_idname = "isimp.merge"
     bl_label = "Merge Regions"
 
     other: IntProperty(
         name="Other",
-        description="A face of the region to merge with; -1: as selected",
+        description="A face of the region to merge with; -1: use the selection",
         default=-1,
         min=-1,
         options={"SKIP_SAVE"},
@@ -39,7 +39,7 @@ class ISIMP_OT_merge(_Edit, bpy.types.Operator):
     def wanted(self, context, scan):
         faces = [self.face, self.other] if self.other >= 0 else self.each(scan)
         if len(faces) < 2:
-            raise mesh_io.Unusable("Only one region is selected: select faces of two that touch each other.")
+            raise mesh_io.Unusable("Only one region is selected: select faces of two neighbouring regions.")
         recipe = pending.recipe_of(context, scan)
         for other in faces[1:]:
             recipe = recipe.then(rcp.MergeRegions(face=faces[0], other=other))
@@ -47,7 +47,7 @@ class ISIMP_OT_merge(_Edit, bpy.types.Operator):
 
 
 class ISIMP_OT_split(_Edit, bpy.types.Operator):
-    """Split each region that has a selected face in the two parts that differ most"""
+    """Split each region with a selected face in two where its halves differ most"""
 
     bl_idname = "isimp.split"
     bl_label = "Split Region"
@@ -60,16 +60,16 @@ class ISIMP_OT_split(_Edit, bpy.types.Operator):
 
 
 class ISIMP_OT_lock(_Edit, bpy.types.Operator):
-    """Keep the regions that have a selected face as they are, whatever is done beside them"""
+    """Protect the regions of the selected faces: edits of other regions and Partition leave them unchanged"""
 
     bl_idname = "isimp.lock"
     bl_label = "Lock Regions"
 
-    unlock: BoolProperty(name="Unlock", description="Let them be changed again", options={"SKIP_SAVE"})
+    unlock: BoolProperty(name="Unlock", description="Remove the protection", options={"SKIP_SAVE"})
 
     @classmethod
     def description(cls, context, properties):
-        return "Let the regions that have a selected face be changed again" if properties.unlock else cls.__doc__
+        return "Allow changes to the regions of the selected faces again" if properties.unlock else cls.__doc__
 
     def wanted(self, context, scan):
         step = rcp.UnlockRegions if self.unlock else rcp.LockRegions
@@ -80,19 +80,19 @@ class ISIMP_OT_lock(_Edit, bpy.types.Operator):
 
 
 class ISIMP_OT_grow(_Edit, bpy.types.Operator):
-    """Let each region that has a selected face take the faces beside it"""
+    """Grow each region with a selected face by the faces beside it"""
 
     bl_idname = "isimp.grow"
     bl_label = "Grow Region"
 
     rings: IntProperty(
-        name="Rings", description="How many faces deep", default=1, min=1, soft_max=20, options={"SKIP_SAVE"}
+        name="Rings", description="Width of the change in faces", default=1, min=1, soft_max=20, options={"SKIP_SAVE"}
     )
-    shrink: BoolProperty(name="Shrink", description="Give the faces along the border away", options={"SKIP_SAVE"})
+    shrink: BoolProperty(name="Shrink", description="Shrink the region", options={"SKIP_SAVE"})
 
     @classmethod
     def description(cls, context, properties):
-        shrink = "Let each region that has a selected face give the faces along its border to those around it"
+        shrink = "Shrink each region with a selected face: its neighbours take the faces along its border"
         return shrink if properties.shrink else cls.__doc__
 
     def wanted(self, context, scan):
@@ -107,7 +107,7 @@ class ISIMP_OT_grow(_Edit, bpy.types.Operator):
 
 
 class ISIMP_OT_paint_faces(AtFaces, bpy.types.Operator):
-    """Make the selected faces a region of their own, just as they are"""
+    """Make one region of exactly the selected faces"""
 
     bl_idname = "isimp.paint_faces"
     bl_label = "Paint Faces"
@@ -115,12 +115,14 @@ class ISIMP_OT_paint_faces(AtFaces, bpy.types.Operator):
     painted: StringProperty(
         name="Faces",
         description="Strokes, as 'onto:face,face;onto:face': onto is a face of the region that they join, -1 for a new "
-        "one. Empty: the selected faces, a new region",
+        "region. Empty: the selected faces become a new region",
         options={"SKIP_SAVE"},
     )
-    erase: BoolProperty(name="Erase", description="Take them from the region of the first", options={"SKIP_SAVE"})
-    smooth: BoolProperty(name="Smooth", description="Even out the borders among them", options={"SKIP_SAVE"})
-    lock: BoolProperty(name="Lock", description="Lock the region if it is a new one", options={"SKIP_SAVE"})
+    erase: BoolProperty(
+        name="Erase", description="Erase the faces from the region of the first face", options={"SKIP_SAVE"}
+    )
+    smooth: BoolProperty(name="Smooth", description="Smooth the region borders inside the faces", options={"SKIP_SAVE"})
+    lock: BoolProperty(name="Lock", description="Lock the region if it is new", options={"SKIP_SAVE"})
 
     @classmethod
     def problem(cls, context, scan):
@@ -144,17 +146,17 @@ class ISIMP_OT_paint_faces(AtFaces, bpy.types.Operator):
             parts = [stroke.split(":") for stroke in self.painted.split(";")]
             return [(int(onto), tuple(map(int, faces.split(",")))) for onto, faces in parts]
         except ValueError:
-            raise mesh_io.Unusable(f"'{self.painted[:40]}' are no strokes: write 'onto:face,face'.") from None
+            raise mesh_io.Unusable(f"'{self.painted[:40]}' is not a list of strokes: write 'onto:face,face'.") from None
 
 
 class ISIMP_OT_cut_region(AtFaces, bpy.types.Operator):
-    """Part a region along a line that is swept along a direction, both in the scan's space"""
+    """Cut a region along a line, swept along a direction; both in the scan's coordinates"""
 
     bl_idname = "isimp.cut_region"
     bl_label = "Cut Region"
 
-    line: FloatVectorProperty(name="Line", description="From here to there", size=6, options={"SKIP_SAVE"})
-    direction: FloatVectorProperty(name="Direction", description="As that of sight", size=3, options={"SKIP_SAVE"})
+    line: FloatVectorProperty(name="Line", description="Start and end point", size=6, options={"SKIP_SAVE"})
+    direction: FloatVectorProperty(name="Direction", description="View direction", size=3, options={"SKIP_SAVE"})
 
     def wanted(self, context, scan):
         line, sight = (tuple(self.line[:3]), tuple(self.line[3:])), tuple(self.direction)
@@ -164,9 +166,9 @@ class ISIMP_OT_cut_region(AtFaces, bpy.types.Operator):
 
 
 class _Times(RecipeOperator):
-    """Mixin of what finds by itself where to work, as often as said."""
+    """Mixin of edits at the N best places by error."""
 
-    times: IntProperty(name="Times", description="How often", default=1, min=1, soft_max=50)
+    times: IntProperty(name="Times", description="Number of edits", default=1, min=1, soft_max=50)
 
     @classmethod
     def problem(cls, context, scan):
@@ -182,7 +184,7 @@ class _Times(RecipeOperator):
 
 
 class ISIMP_OT_add_worst(_Times, bpy.types.Operator):
-    """Add a region where the surface is farthest from its region's plane, so many times"""
+    """Add N regions, each at the face with the largest error"""
 
     bl_idname = "isimp.add_worst"
     bl_label = "Add at Worst"
@@ -190,7 +192,7 @@ class ISIMP_OT_add_worst(_Times, bpy.types.Operator):
 
 
 class ISIMP_OT_delete_least(_Times, bpy.types.Operator):
-    """Delete the region that is missed least, so many times"""
+    """Delete the N regions whose removal adds least error"""
 
     bl_idname = "isimp.delete_least"
     bl_label = "Delete Least"
@@ -198,7 +200,7 @@ class ISIMP_OT_delete_least(_Times, bpy.types.Operator):
 
 
 class ISIMP_OT_merge_cheapest(_Times, bpy.types.Operator):
-    """Merge the two neighbours that cost least, so many times"""
+    """Merge N pairs of neighbouring regions, each time the pair that adds least error"""
 
     bl_idname = "isimp.merge_cheapest"
     bl_label = "Merge Cheapest"
@@ -206,7 +208,7 @@ class ISIMP_OT_merge_cheapest(_Times, bpy.types.Operator):
 
 
 class ISIMP_OT_improve(_Times, bpy.types.Operator):
-    """Move regions from where they do little to where they do most, until that no longer helps. Their number stays"""
+    """Move regions to places where they lower the error more, until it no longer falls. Their number stays"""
 
     bl_idname = "isimp.improve"
     bl_label = "Improve"

@@ -7,7 +7,7 @@ from ..show import show_polygons
 
 
 class ISIMP_OT_mesh(RecipeOperator, settings.MeshSettings, bpy.types.Operator):
-    """Turn the regions into polygons: an object of its own beside the scan, which is hidden"""
+    """Turn the regions into polygons, as a new object at the same place. The scan is hidden"""
 
     bl_idname = "isimp.mesh"
     bl_label = "Mesh"

@@ -10,20 +10,20 @@ from ..show import show_regions
 
 
 class ISIMP_OT_partition(RecipeOperator, settings.PartitionSettings, bpy.types.Operator):
-    """Split the scan into near-planar regions, shown in colours. The scan itself is not changed"""
+    """Split the scan into near-planar regions, shown in colours. The scan itself stays unchanged"""
 
     bl_idname = "isimp.partition"
     bl_label = "Partition"
 
     part: BoolProperty(
         name="Only Selected Faces",
-        description="Split the selected faces alone; all others stay in their regions",
+        description="Split the selected faces only; all others stay in their regions",
         options={"SKIP_SAVE"},
     )
 
     @classmethod
     def description(cls, context, properties):
-        part = "Split the selected faces anew, at the settings above; all others stay in their regions"
+        part = "Partition the selected faces only, with the settings above; all others stay in their regions"
         return part if properties.part else cls.__doc__
 
     def wanted(self, context, scan):
@@ -31,13 +31,13 @@ class ISIMP_OT_partition(RecipeOperator, settings.PartitionSettings, bpy.types.O
         if self.part:
             faces = mesh_io.selected_faces(scan)
             if not len(faces):
-                raise mesh_io.Unusable("No face is selected: select those to split anew in Edit Mode (Tab, then 3).")
+                raise mesh_io.Unusable("No face is selected: select the faces to partition in Edit Mode (Tab, then 3).")
             step = dataclasses.replace(step, faces=tuple(faces.tolist()))
         given = [name for name in rcp.COUNTS if self.properties.is_property_set(name)]
         if len(given) == 1 and not self.properties.is_property_set("count_by"):
             step = dataclasses.replace(step, count_by=given[0])
         before = rcp.Recipe() if targets.needs_regions(scan) else store.load(scan)
-        return before.then(step)  # which keeps what led to locked regions
+        return before.then(step)  # keeps the steps before locked regions
 
     show = staticmethod(show_regions)
 
@@ -46,7 +46,7 @@ class ISIMP_OT_partition(RecipeOperator, settings.PartitionSettings, bpy.types.O
 
     def told(self, before, numbers):
         more = numbers["regions"] - numbers["asked"]
-        needs = f", {more} more than asked, as its parts need them" if more > 0 else ""
+        needs = f", {more} more than requested, as its parts need them" if more > 0 else ""
         return f"{numbers['triangles']:,} triangles in {numbers['regions']} regions{needs}"
 
 

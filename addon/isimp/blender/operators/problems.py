@@ -5,10 +5,10 @@ from .. import display, mesh_io, show, targets
 
 
 class ISIMP_OT_show_problems(bpy.types.Operator):
-    """Select the polygons that something is amiss with, in Edit Mode of the result"""
+    """Select the defective polygons in Edit Mode of the result"""
 
     bl_idname = "isimp.show_problems"
-    bl_label = "Show Problem Polygons"
+    bl_label = "Select Defective Polygons"
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
@@ -25,16 +25,18 @@ class ISIMP_OT_show_problems(bpy.types.Operator):
         result = targets.result_of(context.scene, scan)
         if context.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
-        amiss = mesh_io.read_layer(result.data, mesh_io.FLAW) > 0
+        defective = mesh_io.read_layer(result.data, mesh_io.FLAW) > 0
         show.bring_to_front(context, result, scan)
         display.give_back(context)
-        mesh_io.select_polygons(result, amiss)
-        if not amiss.any():
-            self.report({"INFO"}, "Nothing is amiss with these polygons.")
+        mesh_io.select_polygons(result, defective)
+        if not defective.any():
+            self.report({"INFO"}, "No polygon has a defect.")
             return {"FINISHED"}
         bpy.ops.object.mode_set(mode="EDIT")
         context.tool_settings.mesh_select_mode = (False, False, True)
-        self.report({"INFO"}, f"{np.count_nonzero(amiss)} polygons selected: View > Frame Selected goes there.")
+        self.report(
+            {"INFO"}, f"{np.count_nonzero(defective)} defective polygons selected: View > Frame Selected zooms to them."
+        )
         return {"FINISHED"}
 
 

@@ -10,11 +10,11 @@ _MOST_FACES = 100
 
 
 class AtFaces(RecipeOperator):
-    """Mixin of what works at the selected faces, or at one given by number."""
+    """Mixin of edits at the selected faces, or at one given by number."""
 
     face: IntProperty(
         name="Face",
-        description="The face of the scan to work at; -1 for the selected ones",
+        description="Number of the face to edit; -1: the selected faces",
         default=-1,
         min=-1,
         options={"SKIP_SAVE"},
@@ -28,7 +28,7 @@ class AtFaces(RecipeOperator):
         return missing
 
     def faces(self, scan) -> list:
-        """The faces to work at. Raises Unusable if there are none, or so many that it can't be meant."""
+        """The faces to edit. Raises Unusable if there are none."""
         if self.face >= 0:
             return [self.face]
         faces = mesh_io.selected_faces(scan).tolist()
@@ -43,7 +43,7 @@ class AtFaces(RecipeOperator):
 
 
 class ISIMP_OT_add_proxy(AtFaces, bpy.types.Operator):
-    """Start a new region at each selected face of the scan"""
+    """Add a region at each selected face of the scan"""
 
     bl_idname = "isimp.add_proxy"
     bl_label = "Add Proxy"
@@ -52,7 +52,7 @@ class ISIMP_OT_add_proxy(AtFaces, bpy.types.Operator):
         faces = self.faces(scan)
         if len(faces) > _MOST_FACES:
             raise mesh_io.Unusable(
-                f"{len(faces):,} faces are selected, and each would become a region: select {_MOST_FACES} at most."
+                f"{len(faces):,} faces are selected, and each would become a region: select at most {_MOST_FACES}."
             )
         recipe = pending.recipe_of(context, scan)
         for face in faces:
@@ -61,7 +61,7 @@ class ISIMP_OT_add_proxy(AtFaces, bpy.types.Operator):
 
 
 class ISIMP_OT_delete_proxy(AtFaces, bpy.types.Operator):
-    """Take away each region that has a selected face; those around it take its place"""
+    """Delete each region with a selected face; its neighbours take its faces"""
 
     bl_idname = "isimp.delete_proxy"
     bl_label = "Delete Proxy"

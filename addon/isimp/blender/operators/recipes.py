@@ -1,4 +1,4 @@
-"""Recipes as JSON: to a file and from one, by the clipboard, and replayed."""
+"""Recipes as JSON: export, import, copy, paste and replay."""
 
 from pathlib import Path
 
@@ -13,14 +13,14 @@ _FILTER = {"default": "*.json", "options": {"HIDDEN"}}
 
 
 class ISIMP_OT_replay(RecipeOperator, bpy.types.Operator):
-    """Do all steps of a recipe on the active scan, in place of those done so far"""
+    """Apply a recipe to the active scan. It replaces the present steps"""
 
     bl_idname = "isimp.replay"
     bl_label = "Replay Recipe"
 
-    recipe: StringProperty(name="Recipe", description="The steps as JSON, as Copy or Export wrote them")
+    recipe: StringProperty(name="Recipe", description="The steps as JSON text, as written by Copy or Export")
     strict: BoolProperty(
-        name="All or Nothing", description="If a step can't be done, change nothing, rather than mark it"
+        name="All or Nothing", description="If a step fails, change nothing. If off, the failed step is marked"
     )
 
     @property
@@ -30,7 +30,7 @@ class ISIMP_OT_replay(RecipeOperator, bpy.types.Operator):
     def wanted(self, context, scan):
         recipe = Recipe.from_json(self.recipe)
         if not recipe.active():
-            raise ValueError("The recipe has no step that is switched on.")
+            raise ValueError("The recipe has no active step.")
         return recipe
 
     show = staticmethod(show.show_outcome)
@@ -40,7 +40,7 @@ class ISIMP_OT_replay(RecipeOperator, bpy.types.Operator):
 
 
 class ISIMP_OT_take_back(RecipeOperator, bpy.types.Operator):
-    """Do the steps again that were kept, as an earlier version could not read them, in place of those done since"""
+    """Restore the kept steps, which another version could not read. They replace the present steps"""
 
     bl_idname = "isimp.take_back"
     bl_label = "Take Kept Steps Back"
@@ -48,7 +48,7 @@ class ISIMP_OT_take_back(RecipeOperator, bpy.types.Operator):
 
     @classmethod
     def problem(cls, context, scan):
-        return "" if store.kept(scan) is not None else "No steps are kept that can be read"
+        return "" if store.kept(scan) is not None else "There are no kept steps that this version can read"
 
     def wanted(self, context, scan):
         return store.kept(scan)
@@ -60,7 +60,7 @@ class ISIMP_OT_take_back(RecipeOperator, bpy.types.Operator):
 
 
 class _HasRecipe:
-    """Mixin of what reads the active scan's recipe."""
+    """Mixin of operators that read the active scan's recipe."""
 
     @classmethod
     def poll(cls, context):
@@ -76,7 +76,7 @@ class _HasRecipe:
 
 
 class _TakesRecipe:
-    """Mixin of what hands a recipe to Replay."""
+    """Mixin of operators that pass a recipe to Replay."""
 
     @classmethod
     def poll(cls, context):
@@ -98,7 +98,7 @@ class _TakesRecipe:
 
 
 class ISIMP_OT_recipe_copy(_HasRecipe, bpy.types.Operator):
-    """Copy the recipe to the clipboard as text (JSON), to paste it on another scan or into a message"""
+    """Copy the recipe to the clipboard as JSON text, for another scan or a message"""
 
     bl_idname = "isimp.recipe_copy"
     bl_label = "Copy Recipe"
@@ -110,7 +110,7 @@ class ISIMP_OT_recipe_copy(_HasRecipe, bpy.types.Operator):
 
 
 class ISIMP_OT_recipe_paste(_TakesRecipe, bpy.types.Operator):
-    """Do the recipe in the clipboard on the active scan, in place of the steps done so far"""
+    """Apply the recipe in the clipboard to the active scan. It replaces the present steps"""
 
     bl_idname = "isimp.recipe_paste"
     bl_label = "Paste Recipe"
@@ -120,7 +120,7 @@ class ISIMP_OT_recipe_paste(_TakesRecipe, bpy.types.Operator):
 
 
 class ISIMP_OT_recipe_export(_HasRecipe, bpy.types.Operator):
-    """Write the recipe to a file (JSON), for other scans, for `isimp`'s batch or to keep"""
+    """Write the recipe to a JSON file, for other scans or for examples/batch.py"""
 
     bl_idname = "isimp.recipe_export"
     bl_label = "Export Recipe"
@@ -145,7 +145,7 @@ class ISIMP_OT_recipe_export(_HasRecipe, bpy.types.Operator):
 
 
 class ISIMP_OT_recipe_import(_TakesRecipe, bpy.types.Operator):
-    """Read a recipe from a file and do it on the active scan, in place of the steps done so far"""
+    """Apply a recipe from a JSON file to the active scan. It replaces the present steps"""
 
     bl_idname = "isimp.recipe_import"
     bl_label = "Import Recipe"

@@ -6,7 +6,7 @@ from .. import display, mesh_io, runtime, show, targets
 
 
 class ISIMP_OT_show_regions(bpy.types.Operator):
-    """Show the regions' colours in the viewports, or give the viewports their own shading back"""
+    """Show or hide the colours of the regions in the viewports"""
 
     bl_idname = "isimp.show_regions"
     bl_label = "Show Regions"
@@ -20,7 +20,7 @@ class ISIMP_OT_show_regions(bpy.types.Operator):
 
 
 class ISIMP_OT_swap(bpy.types.Operator):
-    """Show the scan in place of its result, or the result in place of its scan"""
+    """Switch between the scan and its result"""
 
     bl_idname = "isimp.swap"
     bl_label = "Swap Scan and Result"
@@ -52,7 +52,7 @@ class ISIMP_OT_swap(bpy.types.Operator):
 
 
 class ISIMP_OT_select_region(bpy.types.Operator):
-    """Select all faces of the regions that have a selected face, or of the one at a face given by number"""
+    """Select all faces of the regions that have a selected face"""
 
     bl_idname = "isimp.select_region"
     bl_label = "Select Region"
@@ -60,12 +60,12 @@ class ISIMP_OT_select_region(bpy.types.Operator):
 
     face: IntProperty(
         name="Face",
-        description="A face of the region; -1 for the selected ones",
+        description="Number of a face of the region; -1: the selected faces",
         default=-1,
         min=-1,
         options={"SKIP_SAVE"},
     )
-    extend: BoolProperty(name="Extend", description="Keep what is selected", options={"SKIP_SAVE"})
+    extend: BoolProperty(name="Extend", description="Keep the present selection", options={"SKIP_SAVE"})
 
     @classmethod
     def poll(cls, context):
@@ -91,7 +91,7 @@ class ISIMP_OT_select_region(bpy.types.Operator):
 
 
 class ISIMP_OT_stop(bpy.types.Operator):
-    """Stop what is being worked on; everything stays as it was before"""
+    """Stop the current work and restore the previous state"""
 
     bl_idname = "isimp.stop"
     bl_label = "Stop"

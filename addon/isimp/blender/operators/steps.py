@@ -1,4 +1,4 @@
-"""Changes to the steps already done; what follows a changed step is done again."""
+"""Changes to the steps of the recipe; all steps after a changed one run again."""
 
 import dataclasses
 
@@ -11,10 +11,10 @@ from ..modal import RecipeOperator
 
 
 class _AtStep(RecipeOperator):
-    """Mixin of what changes one step of the recipe."""
+    """Mixin of operators that change one step of the recipe."""
 
     keeps_failed = True
-    step: IntProperty(name="Step", description="Which step, from 0", default=0, min=0, options={"SKIP_SAVE"})
+    step: IntProperty(name="Step", description="Number of the step, from 0", default=0, min=0, options={"SKIP_SAVE"})
 
     @classmethod
     def problem(cls, context, scan):
@@ -44,12 +44,12 @@ class ISIMP_OT_step_switch(_AtStep, bpy.types.Operator):
 
 
 class ISIMP_OT_step_move(_AtStep, bpy.types.Operator):
-    """Do this step one earlier, or one later"""
+    """Move this step up or down the list"""
 
     bl_idname = "isimp.step_move"
     bl_label = "Move Step"
 
-    later: BoolProperty(name="Later", description="Move down the list, not up", options={"SKIP_SAVE"})
+    later: BoolProperty(name="Later", description="Move down", options={"SKIP_SAVE"})
 
     def changed(self, steps):
         to = self.step + (1 if self.later else -1)
@@ -60,7 +60,7 @@ class ISIMP_OT_step_move(_AtStep, bpy.types.Operator):
 
 
 class ISIMP_OT_step_delete(_AtStep, bpy.types.Operator):
-    """Take this step out of the recipe. Without any step the scan is as it was before the first"""
+    """Delete this step from the recipe. Without steps the scan is in its original state"""
 
     bl_idname = "isimp.step_delete"
     bl_label = "Delete Step"
@@ -82,17 +82,17 @@ class ISIMP_OT_step_delete(_AtStep, bpy.types.Operator):
         mesh_io.clear_regions(scan)
         show.bring_to_front(context, scan, None)
         display.give_back(context)
-        self.report({"INFO"}, "No step is left: the scan is as it was.")
+        self.report({"INFO"}, "No step is left: the scan is in its original state.")
         return {"FINISHED"}
 
 
 class ISIMP_OT_step_open(bpy.types.Operator):
-    """Show the settings of this step; changed, everything from this step on is done again"""
+    """Show the settings of this step. A changed setting runs this step and all later ones again"""
 
     bl_idname = "isimp.step_open"
     bl_label = "Edit Step"
 
-    step: IntProperty(name="Step", description="Which step, from 0", default=0, min=0, options={"SKIP_SAVE"})
+    step: IntProperty(name="Step", description="Number of the step, from 0", default=0, min=0, options={"SKIP_SAVE"})
 
     @classmethod
     def poll(cls, context):

@@ -1,4 +1,4 @@
-"""What all panels share."""
+"""Shared code of the panels."""
 
 from .. import targets, text
 
@@ -46,7 +46,7 @@ def letters(context) -> int:
 
 
 def is_narrow(context) -> bool:
-    """Whether what stands side by side could not be read."""
+    """Whether the sidebar is too narrow for two columns."""
     return letters(context) < _NARROW
 
 

@@ -1,4 +1,4 @@
-"""Changes to the regions: at the selected faces, or where the error says."""
+"""Edits of regions: at the selected faces, or at places chosen by the error."""
 
 import bpy
 
@@ -20,13 +20,15 @@ class ISIMP_PT_regions(SubPanel, bpy.types.Panel):
         )
         sizes[1].shrink = True
         column.operator("isimp.paint_faces", text="From Selection", icon="BRUSH_DATA")
-        anew = column.operator("isimp.partition", text="Split Anew", icon="MOD_EXPLODE")
+        anew = column.operator("isimp.partition", text="Repartition", icon="MOD_EXPLODE")
         settings.give(rcp.Partition, panel.partition, anew)
         anew.part = True
         column.operator("isimp.select_region", icon="RESTRICT_SELECT_OFF")
         column = layout.column(align=True)
         locked = store.numbers(targets.find(context)[0]).get("locked", 0)
-        column.label(text=f"{locked} locked" if locked else "None locked", icon="LOCKED" if locked else "UNLOCKED")
+        column.label(
+            text=f"{locked} locked" if locked else "No locked regions", icon="LOCKED" if locked else "UNLOCKED"
+        )
         locks = _row(context, column, ("isimp.lock", "Lock", "LOCKED"), ("isimp.lock", "Unlock", "UNLOCKED"))
         locks[1].unlock = True
         row = side_by_side(context, layout)

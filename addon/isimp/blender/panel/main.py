@@ -1,4 +1,4 @@
-"""The head of the sidebar: what the add-on sees, how many regions to make, the button that makes them."""
+"""The top of the sidebar: the scan, the number of regions, the button Partition."""
 
 import bpy
 
@@ -75,7 +75,7 @@ class ISIMP_PT_options(Panel, bpy.types.Panel):
 
 
 class ISIMP_PT_borders(Panel, bpy.types.Panel):
-    bl_label = "Keep To"
+    bl_label = "Barriers"
     bl_parent_id = "ISIMP_PT_options"
     bl_options = {"DEFAULT_CLOSED"}
 
@@ -101,7 +101,7 @@ def _draw_progress(context, layout, running) -> None:
     else:
         split = column.split(factor=max(0.02, min(1.0, share)))
         split.operator("isimp.stop", text=" ", depress=True)
-    if running.shown is None:  # what is being written is so in a moment, and stopped half way it would be nothing
+    if running.shown is None:  # writing takes a moment, and must not be stopped half way
         column.operator("isimp.stop", text="Stop (Esc)", icon="CANCEL")
 
 

@@ -1,4 +1,4 @@
-"""From regions to polygons, and what is to be said of them."""
+"""The settings and the report of the polygons."""
 
 import bpy
 
@@ -29,9 +29,9 @@ class ISIMP_PT_result(SubPanel, bpy.types.Panel):
         unit = context.scene.unit_settings
         for line, alert in text.report_lines(store.numbers(scan), unit.system, unit.scale_length):
             draw_lines(context, layout, line, icon="ERROR" if alert else "CHECKMARK")
-        amiss = text.problems(store.numbers(scan))
-        if amiss:
-            layout.operator("isimp.show_problems", text=amiss, icon="ERROR")
+        defects = text.problems(store.numbers(scan))
+        if defects:
+            layout.operator("isimp.show_problems", text=defects, icon="ERROR")
         if targets.result_of(context.scene, scan) is not None:
             layout.operator("isimp.swap", icon="ARROW_LEFTRIGHT")
 

@@ -66,7 +66,7 @@ def _draw_row(column, index, step, is_open, past_failed, count) -> None:
 def _draw_settings(context, box, index, step, recipe) -> None:
     names = settings.names(type(step))
     if not names:
-        box.label(text="Nothing to set")
+        box.label(text="No settings")
     if settings.shown_step(recipe, type(step))[0] == index:
         group = settings.group(context, type(step))
         for name in names:

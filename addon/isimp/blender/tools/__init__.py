@@ -1,4 +1,4 @@
-"""The tools in the toolbar: what each is bound to; what they do is in the modules beside."""
+"""The tools in the toolbar and their key maps; the other modules of this package implement them."""
 
 import bpy
 
@@ -28,16 +28,16 @@ class _Region(_Tool):
     bl_idname = "isimp.region_tool"
     bl_label = "Region"
     bl_description = (
-        "Regions of the scan.\n"
-        "• Click: a new region here\n• Ctrl-click: delete the region\n• Alt-click: select its faces\n"
-        "• Drag to another region: merge the two\n"
+        "Edit regions of the scan.\n"
+        "• Click: add a region\n• Ctrl-click: delete the region\n• Alt-click: select its faces\n"
+        "• Drag to another region: merge both\n"
         "• Shift-click: split it in two\n• Shift-drag: cut it along a line\n"
         "• Ctrl-wheel: grow or shrink it\n• L: lock or unlock it"
     )
     bl_icon = "ops.generic.select_lasso"
     bl_keymap = (
         _hover(
-            "Click: new region · Ctrl: delete · Alt: select · Drag: merge · Shift: split, drag: cut · "
+            "Click: add region · Ctrl: delete · Alt: select · Drag: merge · Shift: split, drag: cut · "
             "Ctrl-wheel: grow, shrink · L: lock"
         ),
         _press("isimp.point"),
@@ -56,13 +56,15 @@ class _Paint(_Tool):
     bl_idname = "isimp.paint_tool"
     bl_label = "Paint Region"
     bl_description = (
-        "Regions drawn by hand.\n"
-        "• Paint: into the region first touched\n• Ctrl: a new region\n"
+        "Paint regions by hand.\n"
+        "• Drag: extend the region where the stroke begins\n• Ctrl: paint a new region\n"
         "• Shift: smooth borders\n• Ctrl and Shift: erase from the region\n• F: radius\n• X: mirror"
     )
     bl_icon = "brush.sculpt.draw_face_sets"
     bl_keymap = (
-        _hover("Paint: into this region · Ctrl: a new one · Shift: smooth · Ctrl-Shift: erase · F: radius · X: mirror"),
+        _hover(
+            "Drag: extend this region · Ctrl: new region · Shift: smooth · Ctrl-Shift: erase · F: radius · X: mirror"
+        ),
         _press("isimp.paint"),
         _press("isimp.paint", ctrl=True),
         _press("isimp.paint", shift=True),
@@ -84,23 +86,24 @@ class _Cut(_Tool):
     bl_idname = "isimp.cut_tool"
     bl_label = "Cut Region"
     bl_description = (
-        "Parts a region.\n• Drag a line over it: there, as seen\n• Click: in two, where its halves differ most"
+        "Cut a region.\n• Drag a line over it: cut along the line, as seen\n"
+        "• Click: split it where its halves differ most"
     )
     bl_icon = "ops.mesh.knife_tool"
-    bl_keymap = (_hover("Drag a line over a region: cut it there · Click: split it in two"), _press("isimp.cut"))
+    bl_keymap = (_hover("Drag a line over a region: cut it · Click: split it in two"), _press("isimp.cut"))
 
 
 class _Grow(_Tool):
     bl_idname = "isimp.grow_tool"
     bl_label = "Grow or Shrink Region"
     bl_description = (
-        "How large a region is.\n"
-        "• Drag to the right: it grows as far as the mouse goes\n• Drag to the left: it shrinks\n"
-        "• Click: by one ring of faces; ctrl-click: less by one\n• Ctrl-wheel: a little"
+        "Grow or shrink a region.\n"
+        "• Drag to the right: grow by the distance of the drag\n• Drag to the left: shrink\n"
+        "• Click: grow by one ring of faces; ctrl-click: shrink by one\n• Ctrl-wheel: a little"
     )
     bl_icon = "ops.transform.shrink_fatten"
     bl_keymap = (
-        _hover("Drag right: grow · Drag left: shrink · Click: one ring of faces · Ctrl: one less · Ctrl-wheel"),
+        _hover("Drag right: grow · Drag left: shrink · Click: grow one ring · Ctrl: shrink one · Ctrl-wheel: a little"),
         _press("isimp.size"),
         _press("isimp.size", ctrl=True),
         *_WHEEL,

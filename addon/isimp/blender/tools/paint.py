@@ -1,4 +1,4 @@
-"""The Paint tool: regions drawn by hand with a brush. The Cut tool: a line over a region parts it."""
+"""The Paint tool paints regions with a brush. The Cut tool cuts a region along a line."""
 
 import bpy
 import numpy as np
@@ -19,7 +19,7 @@ _AXES = {"NONE": None, "X": 0, "Y": 1, "Z": 2}
 
 
 class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
-    """Paint into the region first touched. Ctrl: a new region. Shift: smooth. Both: erase. F: radius. Esc: drop"""
+    """Extend the region where the stroke begins. Ctrl: new region. Shift: smooth. Both: erase. Esc: cancel"""
 
     bl_idname = "isimp.paint"
     bl_label = "Paint Region"
@@ -43,7 +43,7 @@ class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
             place, direction = self.seen(event, side)
             stroke.press(place, direction, verb)
         self.show_stroke(context, event)
-        return self.go(context, "Let go: done · Esc: drop")
+        return self.go(context, "Release: apply · Esc: cancel")
 
     def modal(self, context, event):
         if self.is_dropped(event):
@@ -61,7 +61,7 @@ class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def seen(self, event, side):
-        """What the ray meets, mirrored, and its direction."""
+        """The hit of the mirrored ray, and its direction."""
         origin, direction = (side * part for part in self.ray(event))
         return self._ground.hit((origin, direction)), direction
 
@@ -87,10 +87,10 @@ class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
             more = {verb: True} if verb in {"erase", "smooth"} else {"lock": self._lock}
             do("isimp.paint_faces", painted=";".join(strokes), **more)
         elif wishes:
-            self.report({"INFO"}, "Nothing to paint: all of it is in that region already, or locked")
+            self.report({"INFO"}, "Nothing to paint: all faces are in that region already, or locked")
 
     def changes(self, wish, faces) -> bool:
-        """Whether there is anything to paint, which half of a mirrored stroke may lack."""
+        """Whether the faces change; one side of a mirrored stroke may change nothing."""
         if wish.verb != "paint" or wish.into is None:
             return True
         regions, into = self._ground.label[faces], self._ground.label[wish.into]
@@ -98,7 +98,7 @@ class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
 
 
 class ISIMP_OT_cut(ModalTool, bpy.types.Operator):
-    """Draw a line over a region: it is parted there, as seen. Click: it is parted where its halves differ most"""
+    """Drag a line over a region to cut it, as seen. Click: split it where its halves differ most"""
 
     bl_idname = "isimp.cut"
     bl_label = "Cut Region"
@@ -110,7 +110,7 @@ class ISIMP_OT_cut(ModalTool, bpy.types.Operator):
         self._rays = [self.ray(event)]
         hit = self._ground.hit(self._rays[0])
         self._cut.press(hit, self._from)
-        return self.go(context, "Let go here: part it in two · Drag over a region: cut it there · Esc: drop")
+        return self.go(context, "Release here: split in two · Drag over the region: cut it · Esc: cancel")
 
     def modal(self, context, event):
         if self.is_dropped(event):
@@ -132,7 +132,7 @@ class ISIMP_OT_cut(ModalTool, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def fulfil(self) -> None:
-        """Parts the region along the line, at the depth of where it was met, swept along the sight."""
+        """Cuts the region along the line, at the depth of the hit, swept along the view direction."""
         wish, target = self._cut.release(), self._cut.target
         if wish is None:
             return
@@ -158,7 +158,7 @@ class ISIMP_OT_brush(ModalTool, bpy.types.Operator):
         self._center = (event.mouse_region_x - self._before, event.mouse_region_y)
         self._from = event.mouse_x - self._before
         self.show_ring(context)
-        return self.go(context, "Move: radius · Click: take it · Esc: as before")
+        return self.go(context, "Move: radius · Click: apply · Esc: cancel")
 
     def modal(self, context, event):
         panel = context.window_manager.isimp

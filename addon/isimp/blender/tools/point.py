@@ -1,4 +1,4 @@
-"""The Region tool: click, ctrl-click, alt-click and drag, and what is lightened under the mouse."""
+"""The Region tool: click, ctrl-click, alt-click and drag, and the highlight under the mouse."""
 
 from contextlib import suppress
 
@@ -16,7 +16,7 @@ _EDGE = (1.0, 1.0, 1.0, 1.0)
 
 
 def show_hover(context, ground, hit, at, joined=None) -> None:
-    """Lightens the region under the mouse and says what it is like; with `joined`, both as they would be merged."""
+    """Highlights the region under the mouse and describes it; with `joined`, both regions of a merge."""
     current = runtime.get()
     before = current.hover
     if hit is None:
@@ -30,13 +30,13 @@ def show_hover(context, ground, hit, at, joined=None) -> None:
             hover.fills.append((ground.points(triangles), _LIGHT if joined is None else _JOIN))
             hover.lines.append((ground.border(region), _EDGE, 3.0))
         told = ground.told(context.scene.unit_settings, hit.region)
-        hover.text = told if joined is None else "Let go to merge the two"
+        hover.text = told if joined is None else "Release to merge both"
     if before is not None or current.hover is not None:
         overlay.redraw()
 
 
 def do(operator: str, **settings) -> None:
-    """Does a step as its button would; what it has to say, it says itself."""
+    """Runs a step as its button would; the operator reports for itself."""
     group, name = operator.split(".")
     with suppress(RuntimeError):  # reported by the operator
         getattr(getattr(bpy.ops, group), name)("INVOKE_DEFAULT", True, **settings)
@@ -62,7 +62,7 @@ class ModalTool:
         problem = problem or targets.needs_regions(scan)
         self._ground = under.ground(context, wait=True) if not problem else None
         if self._ground is None:
-            self.report({"INFO"}, f"{problem or 'There is nothing to point at here'} (sidebar: N, tab iSimp).")
+            self.report({"INFO"}, f"{problem or 'There are no regions here'} (sidebar: N, tab iSimp).")
         return self._ground is not None
 
     def go(self, context, keys: str):
@@ -86,13 +86,13 @@ class ModalTool:
 
 
 class ISIMP_OT_hover(bpy.types.Operator):
-    """Show what is under the mouse"""
+    """Highlight and describe the region under the mouse"""
 
     bl_idname = "isimp.hover"
-    bl_label = "Show What Is Under the Mouse"
+    bl_label = "Highlight Region"
     bl_options = {"INTERNAL"}
 
-    keys: StringProperty(name="Keys", description="What the status bar says", options={"SKIP_SAVE"})
+    keys: StringProperty(name="Keys", description="Text of the status bar", options={"SKIP_SAVE"})
 
     def invoke(self, context, event):
         if context.region is None or context.region.type != "WINDOW" or context.region_data is None:
@@ -106,7 +106,7 @@ class ISIMP_OT_hover(bpy.types.Operator):
 
 
 class ISIMP_OT_lock_here(ModalTool, bpy.types.Operator):
-    """Lock the region under the mouse, so that it stays as it is; locked already: unlock it"""
+    """Lock the region under the mouse, or unlock it"""
 
     bl_idname = "isimp.lock_here"
     bl_label = "Lock or Unlock Region"
@@ -130,7 +130,7 @@ def _is_locked(context, region: int) -> bool:
 
 
 class ISIMP_OT_point(ModalTool, bpy.types.Operator):
-    """Click: new region here. Ctrl: delete the region. Alt: select its faces. Drag to another: merge the two."""
+    """Click: add a region. Ctrl: delete the region. Alt: select its faces. Drag to another: merge both"""
 
     bl_idname = "isimp.point"
     bl_label = "Region"
@@ -143,7 +143,7 @@ class ISIMP_OT_point(ModalTool, bpy.types.Operator):
             return {"PASS_THROUGH"}
         self._gesture = Pointing()
         self._gesture.press(hit, self.place(event), ctrl=event.ctrl, alt=event.alt)
-        return self.go(context, "Drag to another region: merge the two · Let go: do it · Esc: drop")
+        return self.go(context, "Drag to another region: merge both · Release: apply · Esc: cancel")
 
     def modal(self, context, event):
         if self.is_dropped(event):

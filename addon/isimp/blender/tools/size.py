@@ -1,4 +1,4 @@
-"""Growing and shrinking the region under the mouse: by a drag that shows what it gives, or by the wheel."""
+"""Growing and shrinking the region under the mouse: by a drag with a preview, or by the wheel."""
 
 import bpy
 from bpy.props import BoolProperty
@@ -16,7 +16,7 @@ _NOTCH = 8.0  # pixels that the wheel moves a border by
 
 
 class ISIMP_OT_size(ModalTool, bpy.types.Operator):
-    """Drag to the right: the region grows; to the left: it shrinks. Click: by one ring of faces; ctrl-click: less"""
+    """Drag right: grow the region. Drag left: shrink it. Click: grow by one ring of faces. Ctrl-click: shrink by one"""
 
     bl_idname = "isimp.size"
     bl_label = "Grow or Shrink Region"
@@ -32,11 +32,11 @@ class ISIMP_OT_size(ModalTool, bpy.types.Operator):
         self._gesture.press(hit, self.place(event), ctrl=event.ctrl)
         self._scan, _ = targets.find(context)
         self._recipe = pending.recipe_of(context, self._scan)
-        self._work = self._tried = None  # what computes the outcome of a wish, and of which
+        self._work = self._tried = None  # the running computation, and the wish that was computed last
         self._said = ""
         runtime.get().live.held = True
         self._timer = context.window_manager.event_timer_add(_TICK, window=context.window)
-        return self.go(context, "Right: grow · Left: shrink · Let go: do it · Esc: drop")
+        return self.go(context, "Right: grow · Left: shrink · Release: apply · Esc: cancel")
 
     def modal(self, context, event):
         if self.is_dropped(event):
@@ -57,14 +57,14 @@ class ISIMP_OT_size(ModalTool, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def tell(self, at) -> None:
-        """Says beside the mouse what letting go would do."""
+        """Shows the effect of a release beside the mouse."""
         wish = self._gesture.wish
-        what = "As it was" if wish is None else f"{wish.verb.capitalize()} by {wish.rings} faces"
+        what = "No change" if wish is None else f"{wish.verb.capitalize()} by {wish.rings} faces"
         runtime.get().hover = under.Hover(self._ground.name, -1, at=at, text=self._said or what)
         overlay.redraw()
 
     def follow(self, context) -> None:
-        """Takes up what was computed, and has computed what is wished now."""
+        """Takes a finished result, and starts the computation of the present wish."""
         live, work, wish = runtime.get().live, self._work, self._gesture.wish
         if work is not None:
             if work.task.status is Status.RUNNING:
@@ -96,12 +96,12 @@ class ISIMP_OT_size(ModalTool, bpy.types.Operator):
 
 
 class ISIMP_OT_size_here(ModalTool, bpy.types.Operator):
-    """Let the region under the mouse grow a little, or shrink"""
+    """Grow or shrink the region under the mouse a little"""
 
     bl_idname = "isimp.size_here"
     bl_label = "Grow or Shrink Region a Little"
 
-    shrink: BoolProperty(name="Shrink", description="Make it smaller", options={"SKIP_SAVE"})
+    shrink: BoolProperty(name="Shrink", description="Shrink the region", options={"SKIP_SAVE"})
 
     def invoke(self, context, event):
         hit = self._ground.hit(self.ray(event)) if self.begin(context, event) else None

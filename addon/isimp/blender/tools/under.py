@@ -1,4 +1,4 @@
-"""What is under the mouse: the face that a ray meets, the region it is of, and what that is like."""
+"""The face and the region under the mouse, and the description of the region."""
 
 from dataclasses import dataclass, field
 
@@ -11,19 +11,19 @@ from ...gestures import Hit
 from ...task import Status, Task
 from .. import mesh_io, reading, runtime, store, targets, text
 
-_MOST_SHOWN = 200_000  # triangles of a region that are lightened
+_MOST_SHOWN = 200_000  # triangles of a region that are highlighted
 
 
 @dataclass
 class Hover:
-    """What is shown of the region under the mouse."""
+    """The highlight of the region under the mouse."""
 
     scan: str
     region: int
     fills: list = field(default_factory=list)  #: (points of triangles, colour)
     lines: list = field(default_factory=list)  #: (points of lines, colour, width)
     text: str = ""
-    key: tuple | None = None  #: what it is of, to see whether it is still right
+    key: tuple | None = None  #: state and region, to see whether it is still valid
     at: tuple = (0, 0)
     ring: float = 0.0  #: pixels of the brush's circle; 0 for none
     stretch: tuple | None = None  #: two places in the viewport with a line between them
@@ -97,16 +97,18 @@ class Ground:
         return self.scan.vertices[edges[inside[:, 0] != inside[:, 1]].ravel()].astype(np.float32)
 
     def told(self, unit, region: int) -> str:
-        """What a region is like, in a line. unit: the scene's."""
+        """The description of a region in one line. unit: the scene's."""
         if region < 0:
-            return "Left out: click to bring this part back"
+            return "Left out: click to make this part a region"
         triangles = self.triangles_of(region)
         share, error, away = pick.flatness(self.scan.vertices, self.scan.triangles, triangles)
         away = text.length(away, unit.system, unit.scale_length)
         if self._area is None:
             self._area = pick.area(self.scan.vertices, self.scan.triangles)
         part = min(1.0, error / self._error) if self._error > 1e-9 * self._area else 0.0
-        return f"Region {region} · {share / self._area:.1%} of the area · {part:.1%} of the error · flat to {away}"
+        return (
+            f"Region {region} · {share / self._area:.1%} of the area · {part:.1%} of the error · planar within {away}"
+        )
 
 
 def _locked(context, obj) -> np.ndarray:

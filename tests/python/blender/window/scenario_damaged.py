@@ -33,7 +33,7 @@ def run(hand):
         yield 0.5
         yield from hand.shot(f"damaged-1-opened-{mode.lower()}")
         same("opened", damage.dump(scan().data)["nodes"], before)
-        assert "'future_step' is not a step that this version knows" in damage.panels()
+        assert "'future_step' is not a step of this version" in damage.panels()
         with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
             same("the tool says why it can't", bpy.ops.isimp.point("INVOKE_DEFAULT"), {"CANCELLED"})
         if mode == "OBJECT":

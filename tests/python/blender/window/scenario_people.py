@@ -175,7 +175,7 @@ def modeller(hand):
     from isimp.blender import store, text
 
     lines = text.report_lines(store.numbers(scan()), "METRIC", 1.0)
-    same("as the scan", [line for line, amiss in lines if "Open" in line and not amiss], ["Open, as the scan is"])
+    same("as the scan", [line for line, amiss in lines if "Open" in line and not amiss], ["Open, like the scan"])
     yield from hand.shot("people-3-modeller")
 
 

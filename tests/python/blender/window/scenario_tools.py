@@ -126,7 +126,7 @@ def hovered(hand):
         if runtime.get().hover is not None:
             break
         yield 0.1
-    for word in ("of the area", "of the error", "flat to"):
+    for word in ("of the area", "of the error", "planar within"):
         assert word in runtime.get().hover.text, runtime.get().hover
     assert "Ctrl: delete" in runtime.get().status
 

@@ -52,7 +52,7 @@ def test_without_an_engine_the_addon_says_so(installed, tmp_path):
     shutil.rmtree(tmp_path / "addons" / "isimp" / "isimp_engine")
     script = "import bpy; bpy.ops.isimp.partition(proxies=6)"
     done = blender("--addons", "isimp", "--python-expr", script, scripts=tmp_path)
-    assert "Install the zip made for this system: the iSimp engine does not load here" in done.stdout + done.stderr
+    assert "The iSimp engine does not load: install the zip for this system" in done.stdout + done.stderr
 
 
 OFF = "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n"
