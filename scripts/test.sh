@@ -9,7 +9,7 @@ set -uo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 # The first stages run one after another. Then two lanes run side by side: one that compiles, one that runs Blender.
-first=(format lint wheel)
+first=(format lint mypy wheel)
 compiling=(cpp cuda asan tsan tidy)
 blending=(python blender bpy45 bpy50 window)
 by_name=(quick all-tidy) # only when asked for
@@ -29,6 +29,11 @@ stage_lint() {
   shellcheck -x -P SCRIPTDIR scripts/*.sh .ci/run
   "$tests_venv/bin/ruff" check .
   "$tests_venv/bin/ruff" format --check .
+}
+
+stage_mypy() { # types, strict, where pyproject.toml says
+  use_tests_venv
+  "$tests_venv/bin/mypy"
 }
 
 stage_wheel() { # what `pip install .` makes, kept for the stages that follow
@@ -153,7 +158,7 @@ stage_quick() { # what a change is tried with many times an hour
 use_tests_venv() {
   local requirements=()
   [ -e pyproject.toml ] && mapfile -t requirements < <(build_requirements)
-  venv "$tests_venv" pytest pytest-xdist hypothesis ruff==0.14.* numpy "${requirements[@]}"
+  venv "$tests_venv" pytest pytest-xdist hypothesis mypy ruff==0.14.* numpy "${requirements[@]}"
 }
 
 cpp_build() { # BUILD_DIR CMAKE_OPTION...

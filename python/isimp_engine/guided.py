@@ -82,7 +82,7 @@ def open_faces(mesh: Mesh, guides: Guides, leave_out: float) -> Faces | None:
         free[chosen] = True
     else:
         free &= ~_left_out(mesh, leave_out)
-    if locked:
+    if before is not None and locked:
         region = before.face_region
         free &= ~((region >= 0) & before.region_locked[region])
     if not free.any():
@@ -192,7 +192,8 @@ def _far_side(triangles: Pairs, chain: Pairs, cuts: Pairs) -> NDArray[np.bool_]:
     known = np.sort(lower * np.int64(base) + upper)
 
     def key(pairs: NDArray[Any]) -> NDArray[np.int64]:
-        return pairs.min(axis=1).astype(np.int64) * base + pairs.max(axis=1)
+        keys: NDArray[np.int64] = pairs.min(axis=1).astype(np.int64) * base + pairs.max(axis=1)
+        return keys
 
     keys = key(ends)
     order = np.argsort(keys, kind="stable")
@@ -215,7 +216,8 @@ def _far_side(triangles: Pairs, chain: Pairs, cuts: Pairs) -> NDArray[np.bool_]:
         new = side[to] == 0
         side[to[new]] = side[of[new]]  # where both come at once the left has it, as it comes last
         front = np.unique(to[new])
-    return side == 2
+    right: NDArray[np.bool_] = side == 2
+    return right
 
 
 def _directed(chain: Pairs) -> Pairs:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -113,18 +113,22 @@ def polygonize_within(
     if part.bound is None:
         with stretches.last() as own:
             return Within(part, polygonize(mesh, part, meshing or MeshingOptions(), own), None, None, 1)
-    allowed, best, tries = SLACK * part.bound, None, 0
+    allowed, tries = SLACK * part.bound, 0
+    best: Within | None = None
+    least = np.inf
     for split in _ever_tighter(mesh, part, made, stretches):
         for share in _SHARES:
             tries += 1
             with stretches.half() as own:
-                polygons = polygonize(mesh, split, _tight(mesh, split, share * split.bound, meshing), own)
+                tight = _tight(mesh, split, share * (split.bound or part.bound), meshing)
+                polygons = polygonize(mesh, split, tight, own)
                 distance = float(np.nanmax(scan_distances(mesh, split, polygons, allowed, own)))
-            if best is None or distance < best.distance:
-                best = Within(split, polygons, distance, allowed, tries)
+            if best is None or distance < least:
+                best, least = Within(split, polygons, distance, allowed, tries), distance
             if distance <= allowed:
                 return best
-    return Within(best.partition, best.polygons, best.distance, allowed, tries)
+    assert best is not None  # the first try always sets it
+    return replace(best, tries=tries)
 
 
 def partition_within(
@@ -178,7 +182,9 @@ def _tight(mesh: Mesh, part: Partition, bound: float, given: MeshingOptions | No
     return MeshingOptions(**(options.as_dict() | tighter | {"flatness_from": 0}))
 
 
-def _products(vertex: NDArray[Any], begin: NDArray[Any], end: NDArray[Any]) -> Iterator[tuple[NDArray, NDArray]]:
+def _products(
+    vertex: NDArray[Any], begin: NDArray[Any], end: NDArray[Any]
+) -> Iterator[tuple[NDArray[Any], NDArray[Any]]]:
     """Each vertex with each of its region's triangles, in pieces that fit into memory."""
     count = end - begin
     cuts = np.searchsorted(np.cumsum(count), np.arange(_CHUNK, count.sum() + _CHUNK, _CHUNK)) + 1
@@ -189,7 +195,9 @@ def _products(vertex: NDArray[Any], begin: NDArray[Any], end: NDArray[Any]) -> I
             yield np.repeat(vertex[at], n), np.repeat(begin[at], n) + offset
 
 
-def _all_near(points: Points, which: NDArray[Any], known: Points, corners: Points) -> Iterator[tuple[NDArray, NDArray]]:
+def _all_near(
+    points: Points, which: NDArray[Any], known: Points, corners: Points
+) -> Iterator[tuple[NDArray[Any], NDArray[Any]]]:
     """Some vertices with all triangles that may be nearer than what is known: those whose boxes come near enough."""
     if not len(which):
         return

@@ -5,6 +5,7 @@ Ctrl-C, with nothing half-written.
 """
 
 import argparse
+import io
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -17,6 +18,7 @@ from .files import place
 
 OK, USAGE, BAD_INPUT, INTERRUPTED = 0, 2, 3, _process.INTERRUPTED
 
+Options = type[CleanOptions] | type[PartitionOptions]
 _COUNTS = ("proxies", "detail", "tolerance", "bound")  # at most one of them
 _SHARED = ("threads",)  # one flag for all steps
 
@@ -48,12 +50,12 @@ def parser() -> argparse.ArgumentParser:
     return parser
 
 
-def names(options: type, besides: Sequence[str] = ()) -> list[str]:
+def names(options: Options, besides: Sequence[str] = ()) -> list[str]:
     """The fields of a class of options, in order."""
     return [field["name"] for field in options.fields() if field["name"] not in besides]
 
 
-def add_fields(command: Any, options: type, wanted: Sequence[str]) -> None:
+def add_fields(command: Any, options: Options, wanted: Sequence[str]) -> None:
     """A flag for each of these fields, made from the engine's table of them."""
     for field in options.fields():
         name, kind, default = field["name"], field["type"].removesuffix(" | None"), field["default"]
@@ -73,7 +75,7 @@ def add_fields(command: Any, options: type, wanted: Sequence[str]) -> None:
         command.add_argument("--" + flag, dest=name, type=parse, metavar=metavar, help=about)
 
 
-def options_of(arguments: argparse.Namespace, kind: type) -> Any:
+def options_of(arguments: argparse.Namespace, kind: Options) -> Any:
     """The engine's options of this kind as the command line has them; its defaults for the rest."""
     options = kind()
     for name in names(kind):
@@ -93,7 +95,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parsed = parser().parse_args(arguments)
     try:
         _process.expect_interrupts()
-        if sys.stdout is not None:  # names of files may be any bytes: what is no text goes out as it came in
+        if isinstance(sys.stdout, io.TextIOWrapper):  # file names may be any bytes: they are written unchanged
             sys.stdout.reconfigure(errors="surrogateescape")
         parsed.clean = options_of(parsed, CleanOptions)
         if parsed.run is simplify.run:
