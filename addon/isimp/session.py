@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import time
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -11,6 +12,7 @@ import numpy as np
 from . import recipe as rcp
 from . import smoothing, view
 from .cache import Cache
+from .engine_options import MESHING, PARTITION
 from .prepared import (
     Prepared,
     face_areas,
@@ -442,7 +444,7 @@ _EDITS = {
 def _apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end, threads: int) -> Outcome:
     """If the polygons violate the bound, repartitions with a smaller one, unless the partition was edited."""
     before = _needs_regions(before)
-    options = engine.MeshingOptions(chord_tolerance=step.chord_tolerance, flatten=step.flatten, threads=threads)
+    options = engine.MeshingOptions(**{name: getattr(step, name) for name in _OF_MESH}, threads=threads)
 
     def job(of: float, to: float):
         return watch.part("meshing", begin + of * (end - begin), begin + to * (end - begin), engine.Job())
@@ -473,8 +475,10 @@ def _apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end, threads: in
 _TIMES = {rcp.Partition: 5.0, rcp.Mesh: 14.0}
 _PREPARING = 3.0
 
-#: settings of Partition that are the engine's, by the same names
-_SAME_NAMES = ("snap", "adaptivity", "seed", "iterations", "method", "seeding", "leave_out")
+#: settings of steps that are the engine's options, by the same names
+_OF_PARTITION = [f.name for f in dataclasses.fields(rcp.Partition) if f.name in PARTITION]
+_SAME_NAMES = [name for name in _OF_PARTITION if name not in rcp.COUNTS and name != "noise"]  # these mean more here
+_OF_MESH = [f.name for f in dataclasses.fields(rcp.Mesh) if f.name in MESHING]
 
 _APPLY = {
     rcp.AddProxy: _apply_add,

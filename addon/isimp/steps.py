@@ -14,12 +14,14 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, SupportsIndex
 
-METHODS = ("hierarchy", "teleport", "lloyd", "queued", "naive", "hybrid")
+from .engine_options import MESHING, PARTITION, Option
+
+METHODS = PARTITION["method"].choices
 #: settings that give the number of regions, and their defaults
 COUNTS = {"detail": 0.005, "tolerance": 1.0, "bound": 1.0, "proxies": 200}
 #: settings of a Partition for barriers, and the layer of the scan (`Scan.layers`) that has them
 MARKS = {"seams": ".seam", "sharp": ".sharp", "materials": ".material", "face_sets": ".face_set"}
-SEEDINGS = ("random", "farthest", "hierarchical")
+SEEDINGS = PARTITION["seeding"].choices
 
 
 MOST_ROUNDS = 1000  #: of smoothing; by far fewer, borders no longer move
@@ -35,6 +37,20 @@ def check(wrong: bool, message: str) -> None:
     """Raises RecipeError if something is wrong."""
     if wrong:
         raise RecipeError(message)
+
+
+def _check_options(step: Step, table: dict[str, Option], besides: tuple[str, ...] = ()) -> None:
+    """Refuses settings that the engine would refuse: those of its options that the step has by the same name."""
+    for field in dataclasses.fields(step):
+        option = table.get(field.name)
+        value = getattr(step, field.name)
+        if option is None or value is None or field.name in besides:
+            continue
+        if option.choices:
+            known = ", ".join(option.choices)
+            check(value not in option.choices, f"{field.name} must be one of {known}, got {short(value)}")
+        elif option.kind in {"int", "float"}:
+            check(not option.holds(value), f"{field.name} must be {option.words}, got {value}")
 
 
 def _check_face(face: int) -> None:
@@ -110,12 +126,12 @@ class Partition(Step):
     bound: float | None = None  #: largest distance of a vertex from its region's plane, scene units
     adaptivity: float = 0.25  #: smaller regions where the scan is rough
     noise: float = -1.0  #: standard deviation of the scan's noise, scene units; below 0: estimated
-    snap: bool = True  #: take the number of planes if the scan clearly consists of planes
-    seed: int = 1
-    iterations: int = 20
-    method: str = "hierarchy"
-    seeding: str = "random"
-    leave_out: float = 0.001
+    snap: bool = PARTITION["snap"].default  #: take the number of planes if the scan clearly consists of planes
+    seed: int = PARTITION["seed"].default
+    iterations: int = PARTITION["iterations"].default
+    method: str = PARTITION["method"].default
+    seeding: str = PARTITION["seeding"].default
+    leave_out: float = PARTITION["leave_out"].default
     weights: str = ""  #: vertex group or attribute; higher values give smaller regions; none if empty
     influence: float = 1.0  #: strength of the weights, in [0, 2]
     seams: bool = False  #: no region crosses an edge that is marked as a seam,
@@ -129,18 +145,8 @@ class Partition(Step):
     def __post_init__(self) -> None:
         self._settle_count()
         check(self.count_by not in COUNTS, f"count_by must be one of {', '.join(COUNTS)}, got {short(self.count_by)}")
-        check(self.detail is None or not 0 < self.detail <= 1, f"detail must be in (0, 1], got {self.detail}")
-        for name in ("tolerance", "bound"):
-            value = getattr(self, name)
-            check(not (math.isfinite(value) and value > 0), f"{name} must be above 0, got {value}")
-        check(not 0 <= self.adaptivity <= 1, f"adaptivity must be in [0, 1], got {self.adaptivity}")
+        _check_options(self, PARTITION, besides=("noise",))
         check(not math.isfinite(self.noise), f"noise must be a length, or below 0, got {self.noise}")
-        check(self.proxies is None or self.proxies < 1, f"proxies must be at least 1, got {self.proxies}")
-        check(self.seed < 0, f"seed must be at least 0, got {self.seed}")
-        check(self.iterations < 1, f"iterations must be at least 1, got {self.iterations}")
-        check(self.method not in METHODS, f"method must be one of {', '.join(METHODS)}, got {short(self.method)}")
-        check(self.seeding not in SEEDINGS, f"seeding must be one of {', '.join(SEEDINGS)}, got {short(self.seeding)}")
-        check(not 0 <= self.leave_out < 1, f"leave_out must be in [0, 1), got {self.leave_out}")
         check(not 0 <= self.influence <= 2, f"influence must be in [0, 2], got {self.influence}")
         check(not 0 <= self.angle <= 180, f"angle must be in [0, 180] degrees, got {self.angle}")
         object.__setattr__(self, "faces", _indices(self.faces) if len(self.faces) else ())
@@ -371,13 +377,11 @@ class Improve(Step):
 class Mesh(Step):
     """Turn the regions into polygons."""
 
-    chord_tolerance: float = 0.7
-    flatten: int = 30
+    chord_tolerance: float = MESHING["chord_tolerance"].default
+    flatten: int = MESHING["flatten"].default
 
     def __post_init__(self) -> None:
-        wrong = not (math.isfinite(self.chord_tolerance) and self.chord_tolerance > 0)
-        check(wrong, f"chord_tolerance must be above 0, got {self.chord_tolerance}")
-        check(self.flatten < 0, f"flatten must be at least 0, got {self.flatten}")
+        _check_options(self, MESHING)
 
     def describe(self) -> str:
         return "Mesh"

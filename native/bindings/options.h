@@ -91,8 +91,14 @@ class OptionsClass {
     const auto member = f.member;
     const auto about = [f] {
       py::dict facts("name"_a = f.name, "type"_a = type_name<T>(), "about"_a = f.about);
-      if (f.range.low > -std::numeric_limits<double>::infinity()) facts["least"] = f.range.low;
-      if (f.range.high < std::numeric_limits<double>::infinity()) facts["most"] = f.range.high;
+      if (f.range.low > -std::numeric_limits<double>::infinity()) {
+        facts["least"] = f.range.low;
+        facts["above_least"] = !f.range.with_low;
+      }
+      if (f.range.high < std::numeric_limits<double>::infinity()) {
+        facts["most"] = f.range.high;
+        facts["below_most"] = !f.range.with_high;
+      }
       facts["range"] = f.range.low > -std::numeric_limits<double>::infinity() ? words(f.range, f.unit) : std::string();
       facts["unit"] = f.unit == Unit::length ? "length" : "";
       return facts;
@@ -159,8 +165,9 @@ class OptionsClass {
               }
               return all;
             },
-            "The table of the fields, in order: dicts of name, type, default, about, and of numbers least and most "
-            "(where there is one), range (in words) and unit ('length': scene units), of names choices.")
+            "The table of the fields, in order: dicts of name, type, default and about. Numbers have range (in words), "
+            "unit ('length': scene units), and where there is an end, least and above_least (least itself is no value), "
+            "most and below_most. Names of a few have choices.")
         .def("__repr__",
              [fields, name](const Options& options) {
                std::string text;

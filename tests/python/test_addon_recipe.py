@@ -59,13 +59,19 @@ def test_json_is_what_people_can_write():
         ('{"isimp_recipe": 1, "steps": [{"step": "add_proxy", "face": true}]}', "face of add_proxy must be a int"),
         ('{"isimp_recipe": 1, "steps": [{"step": "add_proxy", "face": -1}]}', "at least 0, got -1"),
         ('{"isimp_recipe": 1, "steps": [{"step": "mesh"}, {"step": "partition", "proxies": 0}]}', "step 2: proxies"),
-        ('{"isimp_recipe": 1, "steps": [{"step": "partition", "method": "magic"}]}', "method must be one of hierarchy"),
+        (
+            '{"isimp_recipe": 1, "steps": [{"step": "partition", "method": "magic"}]}',
+            "method must be one of lloyd, hierarchy",
+        ),
         (
             '{"isimp_recipe": 1, "steps": [{"step": "partition", "count_by": "luck"}]}',
             "one of detail, tolerance, bound, p",
         ),
         ('{"isimp_recipe": 1, "steps": [{"step": "partition", "detail": 2}]}', r"detail must be in \(0, 1\], got 2"),
-        ('{"isimp_recipe": 1, "steps": [{"step": "partition", "tolerance": 0}]}', "tolerance must be above 0, got 0"),
+        (
+            '{"isimp_recipe": 1, "steps": [{"step": "partition", "tolerance": 0}]}',
+            "a finite length above 0, got 0",
+        ),
         ('{"isimp_recipe": 1, "steps": [{"step": "paint"}]}', r"faces must be a list of faces, got \(\)"),
         ('{"isimp_recipe": 1, "steps": [{"step": "paint", "faces": 3}]}', "faces of paint must be a list, got 3"),
         ('{"isimp_recipe": 1, "steps": [{"step": "lock", "faces": [1, 2.5]}]}', r"a list of faces, got \[1, 2.5\]"),
@@ -94,7 +100,10 @@ def test_json_is_what_people_can_write():
             '{"isimp_recipe": 1, "steps": [{"step": "cut_region", "line": [[1, 2, "x"], [3, 4, 5]]}]}',
             "a point of line must be a list of numbers",
         ),
-        ('{"isimp_recipe": 1, "steps": [{"step": "mesh", "chord_tolerance": NaN}]}', "above 0, got nan"),
+        (
+            '{"isimp_recipe": 1, "steps": [{"step": "mesh", "chord_tolerance": NaN}]}',
+            r"in \[0, 100\], got nan",
+        ),
     ],
 )
 def test_what_cannot_be_read_says_where_and_why(text, message):

@@ -49,9 +49,9 @@ def test_a_function_of_the_stub_has_the_parameters_of_the_real_one(node):
     assert any(text)
 
 
-def test_the_classes_of_options_are_as_the_table_of_fields_has_them():
-    spec = importlib.util.spec_from_file_location("generate_stubs", ROOT / "scripts" / "generate_stubs.py")
+def test_what_is_made_from_the_table_of_options_is_up_to_date():
+    spec = importlib.util.spec_from_file_location("generate", ROOT / "scripts" / "generate.py")
     generate = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(generate)
-    text = (ROOT / "python/isimp_engine/_core.pyi").read_text()
-    assert generate.with_classes(text) == text, "run scripts/generate_stubs.py"
+    assert generate.with_classes(generate.STUB.read_text()) == generate.STUB.read_text(), "run scripts/generate.py"
+    assert generate.data() == generate.DATA.read_text(), "run scripts/generate.py"

@@ -11,6 +11,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
 from .. import recipe as rcp
+from ..engine_options import MESHING, PARTITION, Option
 from . import runtime, targets, weights
 
 _PARTITION, _MESH = rcp.Partition(), rcp.Mesh()
@@ -31,6 +32,14 @@ def _face_attributes(self, context, edit_text):
 _CAN_SEARCH = "search" in StringProperty.__doc__
 _SEARCHED = {"search": _weights} if _CAN_SEARCH else {}
 _FACES_SEARCHED = {"search": _face_attributes} if _CAN_SEARCH else {}
+
+
+def _range(option: Option) -> dict:
+    """The ends of the range of an engine's option, as far as they are in it."""
+    number = int if option.kind == "int" else float
+    least = {} if option.least is None or option.above_least else {"min": number(option.least)}
+    most = {} if option.most is None or option.below_most else {"max": number(option.most)}
+    return least | most
 
 
 class PartitionSettings:
@@ -83,8 +92,7 @@ class PartitionSettings:
         name="Adaptivity",
         description="Smaller regions where the scan is rough. 0: the same detail everywhere",
         default=_PARTITION.adaptivity,
-        min=0.0,
-        max=1.0,
+        **_range(PARTITION["adaptivity"]),
     )
     noise: FloatProperty(
         name="Noise",
@@ -103,8 +111,8 @@ class PartitionSettings:
         name="Proxies",
         description="Number of regions. Each becomes one polygon, or a few",
         default=_PARTITION.proxies,
-        min=1,
         soft_max=5000,
+        **_range(PARTITION["proxies"]),
     )
     method: EnumProperty(
         name="Method",
@@ -141,23 +149,23 @@ class PartitionSettings:
         name="Seed",
         description="Seed of the random numbers",
         default=_PARTITION.seed,
-        min=0,
+        **_range(PARTITION["seed"]),
     )
     iterations: IntProperty(
         name="Iterations",
         description="Maximum number of rounds of flooding and fitting. Fewer if the regions stop changing",
         default=_PARTITION.iterations,
-        min=1,
         soft_max=100,
+        **_range(PARTITION["iterations"]),
     )
     leave_out: FloatProperty(
         name="Leave Out Parts",
         description="Loose parts below this share of the total area get no region and no polygon. 0: keep every part",
         default=_PARTITION.leave_out,
-        min=0.0,
         max=0.99,
         precision=4,
         step=0.01,
+        **_range(PARTITION["leave_out"]),
     )
 
     weights: StringProperty(
@@ -223,8 +231,8 @@ class MeshSettings:
         name="Planarize",
         description="Rounds of moving corners to make polygons planar. 0: corners keep their first positions",
         default=_MESH.flatten,
-        min=0,
         soft_max=200,
+        **_range(MESHING["flatten"]),
     )
 
 
