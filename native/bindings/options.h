@@ -166,7 +166,8 @@ class OptionsClass {
               return all;
             },
             "The table of the fields, in order: dicts of name, type, default and about. Numbers have range (in words), "
-            "unit ('length': scene units), and where there is an end, least and above_least (least itself is no value), "
+            "unit ('length': scene units), and where there is an end, least and above_least (least itself is no "
+            "value), "
             "most and below_most. Names of a few have choices.")
         .def("__repr__",
              [fields, name](const Options& options) {
