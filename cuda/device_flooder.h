@@ -73,7 +73,8 @@ class DeviceFlooder final : public Flooder {
     return guarded(what, static_cast<std::size_t>(count_), run);
   }
 
-  /// Sends the proxies over. \param anew  every face is free but the seeds
+  /// Sends the proxies over.
+  /// \param anew  every face is free but the seeds
   View begin(const Proxies& proxies, bool anew) {
     regions_ = static_cast<std::int32_t>(proxies.seed.size());
     seed_.assign(proxies.seed.data(), proxies.seed.size());

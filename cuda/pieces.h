@@ -92,7 +92,8 @@ struct FirstOfLargest {
   }
 };
 
-/// Frees a face that is not in its region's largest piece. \return 1 for such a face
+/// Frees a face that is not in its region's largest piece.
+/// \return 1 for such a face
 struct FreeOthers {
   View view;
   const std::int32_t* root;

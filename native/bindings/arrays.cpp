@@ -53,7 +53,8 @@ void for_each_real(const py::array& array, Take take) {
     for_each<double>(array, take);
 }
 
-/// Calls take(value, row, column) with the numbers of an array of indices. \throws InvalidInput  as `refuse` says
+/// Calls take(value, row, column) with the numbers of an array of indices.
+/// \throws InvalidInput  as `refuse` says
 template <class Take, class Refuse>
 void for_each_index(const py::array& array, Take take, Refuse refuse) {
   const auto each = [&](auto zero) {

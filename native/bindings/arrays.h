@@ -29,13 +29,16 @@ inline std::vector<Vec3> read_vertices(const py::object& vertices) {
 ///                       names the face, and `vertex_count` as how many there are
 std::vector<Triangle> read_triangles(const py::object& triangles, std::size_t vertex_count);
 
-/// (K, 2) integers with any strides, copied. \throws InvalidInput  as above
+/// (K, 2) integers with any strides, copied.
+/// \throws InvalidInput  as above
 std::vector<std::array<std::int32_t, 2>> read_pairs(const py::object& pairs, const std::string& name);
 
-/// (n) integers with any strides, copied. \throws InvalidInput  as above; `shape` is for the message
+/// (n) integers with any strides, copied.
+/// \throws InvalidInput  as above; `shape` is for the message
 std::vector<std::int32_t> read_indices(const py::object& indices, const std::string& name, const std::string& shape);
 
-/// (n) float32 or float64 with any strides, copied. \throws InvalidInput  as above
+/// (n) float32 or float64 with any strides, copied.
+/// \throws InvalidInput  as above
 std::vector<double> read_numbers(const py::object& numbers, const std::string& name, const std::string& shape);
 
 /// A numpy array over memory that `owner` keeps alive.

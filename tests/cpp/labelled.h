@@ -10,7 +10,8 @@
 /// Partitions made by hand, and the meshes of the data folder.
 namespace isimp::labelled {
 
-/// Regions given face by face. \param regions kNone leaves a face out
+/// Regions given face by face.
+/// \param regions  kNone leaves a face out
 Partition by(std::vector<std::int32_t> regions);
 /// Faces that have the same normal and lie in the same plane, to 1e-4.
 Partition planes(const Mesh& mesh);

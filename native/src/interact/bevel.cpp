@@ -95,7 +95,8 @@ class Growth {
 
   [[nodiscard]] const std::vector<std::int32_t>& taken() const { return taken_; }
 
-  /// Takes what turns towards the bevel. \return whether any single face does, and not only the mean round it
+  /// Takes what turns towards the bevel.
+  /// \return whether any single face does, and not only the mean round it
   bool take_turned() {
     bool any = false;
     for (std::size_t k = 0; k < taken_.size(); ++k) {

@@ -7,7 +7,8 @@
 namespace isimp {
 
 /// Gives the faces of a region to those around it, relaxes the borders and takes its number away.
-/// \param face  a face of it, by graph index. \return false if there is no region around that could take them
+/// \param face  a face of it, by graph index.
+/// \return false if there is no region around that could take them
 bool dissolve(Edit& edit, std::int32_t region, std::int32_t face, Job& job);
 
 }  // namespace isimp

@@ -26,9 +26,11 @@ struct Edit {
   Edit(const Edit&) = delete;
   Edit& operator=(const Edit&) = delete;
 
-  /// \throws InvalidInput  not a face of the mesh. \return its graph index
+  /// \throws InvalidInput  not a face of the mesh.
+  /// \return its graph index
   [[nodiscard]] std::int32_t at(std::int32_t face) const;
-  /// The region of a face that is to be edited. \throws InvalidInput  as `at`; left out; its region is locked
+  /// The region of a face that is to be edited.
+  /// \throws InvalidInput  as `at`; left out; its region is locked
   [[nodiscard]] std::int32_t region_at(std::int32_t face) const;
   [[nodiscard]] bool locked(std::int32_t region) const {
     return !result.region_locked.empty() && result.region_locked[region] != 0;
@@ -45,7 +47,8 @@ struct Edit {
   /// Moves a face of a region to another one.
   void move(std::int32_t i, std::int32_t to);
 
-  /// Adds a region without faces. \return its number
+  /// Adds a region without faces.
+  /// \return its number
   std::int32_t add_region();
 
   /// Takes a region without faces away; those above it move down by one.
@@ -56,7 +59,8 @@ struct Edit {
   std::vector<std::int32_t> relax(std::span<const std::int32_t> faces, std::int32_t pinned, Job& job);
 
   /// Gives what these faces, having changed sides, have cut off from its region to those around it. Of a region in
-  /// pieces the one that is walked through last stays: the largest, mostly. Cost: of the pieces that are given away.
+  /// pieces the one that is walked through last stays: the largest, mostly.
+  /// Cost: of the pieces that are given away.
   void reconnect(std::span<const std::int32_t> changed);
 
   /// Sum of the regions' errors, as a share of the surface.

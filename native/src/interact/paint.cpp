@@ -19,7 +19,8 @@ void remove_empty(Edit& edit) {
     if (edit.result.region_sum[r].faces == 0) edit.remove_region(r);
 }
 
-/// Labels open faces that can be reached from the target, or from the first of them. \return those that can't
+/// Labels open faces that can be reached from the target, or from the first of them.
+/// \return those that can't
 std::vector<std::int32_t> spread(const Edit& edit, std::span<const std::int32_t> open, std::int32_t target) {
   const FaceGraph& graph = edit.graph;
   std::vector<std::int32_t> reached;
@@ -43,7 +44,8 @@ std::vector<std::int32_t> spread(const Edit& edit, std::span<const std::int32_t>
   return left;
 }
 
-/// Gives open faces of a region to those around it. \return the faces that went
+/// Gives open faces of a region to those around it.
+/// \return the faces that went
 std::vector<std::int32_t> give_away(Edit& edit, std::vector<std::int32_t> open, std::int32_t region) {
   const std::vector<std::uint8_t> before = edit.held();
   std::vector<std::uint8_t> closed = before;

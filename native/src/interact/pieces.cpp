@@ -33,7 +33,8 @@ class Walks {
       }
   }
 
-  /// Gives the faces their label back. \return those of walks that ended
+  /// Gives the faces their label back.
+  /// \return those of walks that ended
   std::vector<std::int32_t> close() {
     std::vector<std::int32_t> cut;
     for (const Walk& walk : walks_) {
@@ -70,7 +71,8 @@ class Walks {
     }
   }
 
-  /// Makes two walks one. \return the one that goes on: that with more faces, which so need not be moved
+  /// Makes two walks one.
+  /// \return the one that goes on: that with more faces, which so need not be moved
   std::int32_t join(std::int32_t a, std::int32_t b) {
     if (a == b) return a;
     if (walks_[a].faces.size() < walks_[b].faces.size()) std::swap(a, b);

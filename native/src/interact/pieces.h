@@ -12,7 +12,8 @@ namespace isimp {
 ///
 /// All pieces are walked through in turn, a face each, and walks that meet become one; the last one under way is not
 /// walked to its end, so that the cost is that of the smaller pieces. Labels are as before afterwards.
-/// \param starts  faces of one region, some in every piece. \return the faces of all pieces but the last under way
+/// \param starts  faces of one region, some in every piece.
+/// \return the faces of all pieces but the last under way
 std::vector<std::int32_t> cut_off(const FaceGraph& graph, EditLabels labels, std::span<const std::int32_t> starts);
 
 }  // namespace isimp

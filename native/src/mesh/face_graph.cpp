@@ -57,7 +57,8 @@ class Curve {
   double scale_;
 };
 
-/// Counting sort by some bits; equal ones keep their order. \return where each digit's keys begin, and the end
+/// Counting sort by some bits; equal ones keep their order.
+/// \return where each digit's keys begin, and the end
 template <int kBits>
 std::array<std::uint32_t, (1 << kBits) + 1> sort_by_bits(std::span<const std::uint64_t> keys, std::uint64_t* sorted,
                                                          int shift, Job& job) {

@@ -43,7 +43,8 @@ class SoupBuilder {
                                                                                   : static_cast<std::int32_t>(vertex));
   }
   [[nodiscard]] const std::vector<Vec3>& vertices() const { return soup_.vertices; }
-  /// Checks the indices. \param first_index  what the format calls the first vertex
+  /// Checks the indices.
+  /// \param first_index  what the format calls the first vertex
   PolygonSoup finish(std::int32_t first_index, Job& job);
 
  private:

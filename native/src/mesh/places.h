@@ -9,8 +9,9 @@
 
 namespace isimp::detail {
 
-/// Finds points that lie within a distance of each other, by a hash of the cells of a grid of that width.
-/// A point with NaN is near no other. Cost: O(1) a point if few share a cell.
+/// Finds points that lie within a distance of each other, by a hash of the cells of a grid of that width. A point with
+/// NaN is near no other.
+/// Cost: O(1) a point if few share a cell.
 class Places {
  public:
   /// \param points     may grow meanwhile

@@ -22,13 +22,15 @@ inline double turn(const Vec2& a, const Vec2& b, const Vec2& c) {
 /// single ones be taken out.
 class PointBoxes {
  public:
-  /// \param points  numbers of the points in `place`, each once. Cost: O(points); polled.
+  /// \param points  numbers of the points in `place`, each once.
+  /// Cost: O(points); polled.
   void build(const std::vector<Vec2>& place, const std::vector<std::int32_t>& points, Job& job);
   /// Takes out the point of this number, which is in here.
   void remove(std::int32_t point);
 
   /// Calls test(point) for each of the points near a triangle a, b, c that runs counter-clockwise, all those inside
-  /// among them, until it says true. \param step  called once for every box and point looked at
+  /// among them, until it says true.
+  /// \param step  called once for every box and point looked at
   /// \return whether it said so
   template <class Test, class Step>
   bool any_near(const std::array<Vec2, 3>& triangle, Test test, Step step) const {

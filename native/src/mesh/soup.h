@@ -67,14 +67,16 @@ struct Soup {
 };
 
 // faces.cpp
-/// Drops faces that are not finite or name a vertex twice. \throws InvalidInput if none is left
+/// Drops faces that are not finite or name a vertex twice.
+/// \throws InvalidInput  if none is left
 void drop_broken(Soup& soup, const Threads& threads, Job& job);
 /// Drops each face that has the vertices of an earlier one. Returns whether there were any.
 bool drop_duplicates(Soup& soup, const EdgeGroups& edges, Job& job);
 
 // weld.cpp
 /// Makes one vertex of the given vertices that lie together; drops faces that lose a corner by it. Returns whether any
-/// did. \param border  rising
+/// did.
+/// \param border  rising
 bool weld(Soup& soup, const std::vector<std::int32_t>& border, double tolerance, Job& job);
 /// The ends of the edges of one face, rising.
 std::vector<std::int32_t> border_vertices(const Soup& soup, const EdgeGroups& edges, Job& job);

@@ -24,7 +24,8 @@ struct Topology {
   std::string flaw;  ///< what is wrong if the mesh is not sound, naming the first offender; the rest is then unfinished
 };
 
-/// Finds the neighbours of every face. \param triangles  in range, none naming a vertex twice
+/// Finds the neighbours of every face.
+/// \param triangles  in range, none naming a vertex twice
 /// Cost: O(V + F) by a counting sort on the smaller vertex; a vertex with d edges adds O(d log d). 12 bytes a face on
 /// the way. The result does not depend on the number of threads.
 Topology find_topology(std::size_t vertex_count, std::span<const Triangle> triangles, const Threads& threads, Job& job);

@@ -25,7 +25,8 @@ class Ground {
     }
   }
 
-  /// Reaches all faces from one or some of them. \return the farthest
+  /// Reaches all faces from one or some of them.
+  /// \return the farthest
   /// \param lag  by how much the first seed comes later than the others
   std::int32_t grow(std::span<const std::int32_t> seeds, double lag = 0) {
     for (Step& s : steps_) s.distance = std::numeric_limits<double>::infinity();

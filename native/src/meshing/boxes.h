@@ -38,7 +38,8 @@ struct Entry {
 };
 
 /// A tree of boxes, to look for those that meet a given one: halved at the median of their middles, along the axis on
-/// which these spread most, down to a few. Cost: O(n log n) to make; a search, about O(log n + boxes that it meets).
+/// which these spread most, down to a few.
+/// Cost: O(n log n) to make; a search, about O(log n + boxes that it meets).
 class BoxTree {
  public:
   BoxTree() = default;
@@ -87,7 +88,8 @@ class BoxTree {
     return false;
   }
   [[nodiscard]] const Entry& at(std::int32_t place) const { return all_[place]; }
-  /// Moves the box at a place; the tree stays as it is but for the boxes round it. Cost: O(log n).
+  /// Moves the box at a place; the tree stays as it is but for the boxes round it.
+  /// Cost: O(log n).
   void move(std::int32_t place, const Box& box);
 
  private:
@@ -112,8 +114,8 @@ class MovingBoxes {
  public:
   /// Sets the box at an index; those that were not set are nowhere. To be followed by `settle` before a search.
   void set(std::int32_t index, const Box& box);
-  /// Makes ready for searches. Cost: about O(log n) for each box set, as the tree is made anew only when a share of all
-  /// are new.
+  /// Makes ready for searches.
+  /// Cost: about O(log n) for each box set, as the tree is made anew only when a share of all are new.
   void settle();
   /// Calls fn(index) for each box that has a place in common with `a`.
   template <class Function>

@@ -35,7 +35,8 @@ class Chain {
   }
 
  private:
-  /// Adds the shortest path to an unvisited loop, or home. \return whether there is one
+  /// Adds the shortest path to an unvisited loop, or home.
+  /// \return whether there is one
   bool extend(bool home) {
     Labels& labels = cutter_.labels;
     const Mesh& mesh = labels.mesh;

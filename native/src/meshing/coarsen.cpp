@@ -133,7 +133,8 @@ class Coarsener {
     }
   }
 
-  /// Tries as many candidates as can be told apart if they fail. \return whether to go on
+  /// Tries as many candidates as can be told apart if they fail.
+  /// \return whether to go on
   bool try_some() {
     std::vector<bool> busy(s_.labels.pieces.size(), false);
     std::vector<Trial> trials;
@@ -232,7 +233,8 @@ class Coarsener {
     return is_hopeless(vertices, s_.planes[l].normal);
   }
 
-  /// Takes back one act. \return nothing where it has to stay
+  /// Takes back one act.
+  /// \return nothing where it has to stay
   std::optional<Trial> start(const Candidate& c) {
     Trial trial{c.act, c.piece, {}, {kNone, kNone}};
     switch (c.act) {

@@ -50,13 +50,15 @@ class Complex {
   std::vector<std::int32_t> make_regular();
   /// Makes a boundary vertex a corner.
   void add_corner(std::int32_t vertex);
-  /// Makes a vertex no corner any more, unless it has to be one. \return whether it could be
+  /// Makes a vertex no corner any more, unless it has to be one.
+  /// \return whether it could be
   bool drop_corner(std::int32_t vertex);
   /// Forgets a piece that is no more.
   void forget(std::int32_t piece);
   /// How far the boundary leaves a chord at most; -1 if there is no vertex between its ends.
   [[nodiscard]] double depth(std::int32_t chord) const;
-  /// Makes the vertex between two corners a corner that is farthest from the chord. \return whether there is one
+  /// Makes the vertex between two corners a corner that is farthest from the chord.
+  /// \return whether there is one
   bool bend(std::int32_t chord);
 
   /// First half-edges of a piece's chords, in order.
@@ -76,7 +78,8 @@ class Complex {
   [[nodiscard]] bool is_anchor(std::int32_t vertex) const { return boundary_edges(vertex) != 2; }
   /// Where a chord begins in the loop of its piece.
   [[nodiscard]] std::size_t place_of(std::int32_t chord) const;
-  /// The points from corner to corner. \param at  where the first is in the loop
+  /// The points from corner to corner.
+  /// \param at  where the first is in the loop
   void collect_line(std::span<const std::int32_t> loop, std::size_t at, std::vector<Vec3>& line) const;
   /// Makes the vertex a corner that is some steps behind a place in a loop.
   void add_corner(std::span<const std::int32_t> loop, std::size_t at) {

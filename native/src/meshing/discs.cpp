@@ -11,7 +11,8 @@ constexpr std::size_t kFewLoops = 8;
 /// Cutting round a handle takes time for all faces of its piece. With more handles than this a piece is halved first.
 constexpr std::int32_t kFewHandles = 64;
 
-/// Tries to mend one vertex where the piece touches itself by a hand-over. \return the pieces to look at again
+/// Tries to mend one vertex where the piece touches itself by a hand-over.
+/// \return the pieces to look at again
 std::vector<std::int32_t> mend_pinch(Cutter& cutter, std::int32_t piece, const Shape& shape) {
   const Mesh& mesh = cutter.labels.mesh;
   std::vector<std::int32_t> seen, twice;

@@ -20,7 +20,8 @@ struct Search {
         reached(n) {}
   /// Clears what was reached.
   void start();
-  /// Reaches i over `from_via` if that is nearer than before. \return whether it was
+  /// Reaches i over `from_via` if that is nearer than before.
+  /// \return whether it was
   bool reach(std::int32_t i, double d, std::int32_t from_via);
   /// The nearest one not yet taken, kNone if there is none.
   std::int32_t take();
@@ -58,14 +59,16 @@ struct Cut {
 };
 
 /// Where a piece is cut in two halves, each face to the nearer of two faces over the surface: the given ones or, where
-/// there are none, two that are far apart. \param faces  all of the piece; threads may look at several pieces at a time
+/// there are none, two that are far apart.
+/// \param faces  all of the piece; threads may look at several pieces at a time
 Cut find_halves(const Cutter& cutter, std::span<const std::int32_t> faces,
                 std::array<std::int32_t, 2> seeds = {kNone, kNone});
 
 /// The same for the faces near a place and the rest.
 Cut find_part_near(const Cutter& cutter, std::span<const std::int32_t> faces, const Vec3& place);
 
-/// Parts a piece in two halves. \return the new label, kNone for a single face
+/// Parts a piece in two halves.
+/// \return the new label, kNone for a single face
 std::int32_t bisect(Cutter& cutter, std::int32_t piece, Cause cause,
                     std::array<std::int32_t, 2> seeds = {kNone, kNone});
 
@@ -84,9 +87,9 @@ std::vector<std::int32_t> hand_over_sector(Cutter& cutter, std::int32_t vertex);
 std::int32_t cut_chain(Cutter& cutter, std::int32_t piece, const Shape& shape);
 
 /// Cuts a piece of genus 0 with many boundary loops along chains of paths from loop to loop, each as straight as can
-/// be, so that holes in rows are parted by rows. All paths come from one forest of shortest paths. \return how many
-/// labels are new, the last ones; 0 if there is no such chain. Pieces may have holes left. Cost: O(n log n) for n faces
-/// of the piece.
+/// be, so that holes in rows are parted by rows. All paths come from one forest of shortest paths.
+/// \return how many labels are new, the last ones; 0 if there is no such chain. Pieces may have holes left.
+/// Cost: O(n log n) for n faces of the piece.
 std::int32_t cut_holes(Cutter& cutter, std::int32_t piece, const Shape& shape, Job& job);
 
 /// Parts the faces along short loops round handles from the rest, so that genus falls with each. The loops are found
@@ -101,7 +104,8 @@ struct Disc {
   std::vector<std::int32_t> faces, loop;
 };
 
-/// Splits or changes pieces until each of `todo`, and what comes of it, is a disc. \param found  gets these, by piece
+/// Splits or changes pieces until each of `todo`, and what comes of it, is a disc.
+/// \param found  gets these, by piece
 void make_discs(Cutter& cutter, std::vector<std::int32_t> todo, std::map<std::int32_t, Disc>& found, Job& job);
 
 /// Splits the pieces of closed components until each has `least` (or one a face).

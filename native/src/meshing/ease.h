@@ -13,7 +13,8 @@ namespace isimp::meshing {
 class Scope {
  public:
   [[nodiscard]] bool has(std::int32_t piece) const { return piece >= first_ || some_[piece]; }
-  /// Leaves only pieces that are still to come. \param count  how many there are
+  /// Leaves only pieces that are still to come.
+  /// \param count  how many there are
   void clear(std::int32_t count) {
     first_ = count;
     some_.assign(count, false);

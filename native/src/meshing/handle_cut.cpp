@@ -136,7 +136,8 @@ std::vector<std::int32_t> strip_along(Cutter& cutter, std::int32_t piece, const 
   return strip;
 }
 
-/// Gives the strip all but the largest of the parts that it leaves of its piece. \return that one
+/// Gives the strip all but the largest of the parts that it leaves of its piece.
+/// \return that one
 std::vector<std::int32_t> keep_largest_part(Labels& labels, std::int32_t piece, std::span<const std::int32_t> faces,
                                             std::vector<std::int32_t>& strip) {
   const std::int32_t to = labels.label[strip[0]];

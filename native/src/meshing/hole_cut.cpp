@@ -28,7 +28,8 @@ class Ears {
   Ears(Cutter& cutter, std::int32_t piece, const Shape& shape)
       : cutter_(cutter), mesh_(cutter.labels.mesh), piece_(piece), shape_(shape), reached_(shape.loops.size(), false) {}
 
-  /// Marks the half-edges of all ears. \return how many ears there are
+  /// Marks the half-edges of all ears.
+  /// \return how many ears there are
   std::int32_t find(Job& job) {
     grow(job);
     find_links();

@@ -122,7 +122,8 @@ bool meet(const Placed& f, const Placed& g) {
 
 Placed placed(const FacetSet& set, std::int32_t i) { return {set.facets[i].corner, set.solids[i], set.facings[i]}; }
 
-/// Notes which facets of two pieces meet, or of one, each pair once. \param near  to be used
+/// Notes which facets of two pieces meet, or of one, each pair once.
+/// \param near  to be used
 void find_meetings(const FacetSet& a, const FacetSet& b, std::vector<std::int32_t>& near, std::vector<Meeting>& met) {
   near.clear();
   for (const std::int32_t j : b.solid)

@@ -87,8 +87,11 @@ struct Hit {
 };
 
 /// All pairs of polygons that intersect and of which one at least is of a `changed` piece, in rising order. Pairs of
-/// two `given` pieces are left out. \param pieces  their facets, by piece \param arounds  by piece, their boxes \param
-/// known  by piece: pairs of two such are left out Cost: O(c log(pieces) + pairs of boxes) for c changed pieces.
+/// two `given` pieces are left out.
+/// \param pieces  their facets, by piece
+/// \param arounds  by piece, their boxes
+/// \param known  by piece: pairs of two such are left out
+/// Cost: O(c log(pieces) + pairs of boxes) for c changed pieces.
 std::vector<Hit> find_hits(std::span<const FacetSet* const> pieces, const Arounds& arounds,
                            std::span<const Vec3> position, const std::vector<bool>& changed,
                            const std::vector<bool>& known, const Threads& threads, const Job& job);
@@ -106,7 +109,8 @@ struct GivenHits {
 GivenHits find_given_hits(std::span<const FacetSet* const> pieces, const Arounds& arounds, std::size_t most,
                           std::int64_t most_counted, const Job& job);
 
-/// Some faces of the scan, where they can be looked for. Cost: O(n log n) to make.
+/// Some faces of the scan, where they can be looked for.
+/// Cost: O(n log n) to make.
 struct ScanPart {
   ScanPart() = default;
   ScanPart(const Mesh& mesh, std::span<const std::int32_t> faces);

@@ -55,7 +55,8 @@ inline bool boxes_apart(const Point& a, const Point& b, const Point& c, const Po
 }
 
 /// Whether the polygon turns left at every corner and goes round but once. Such a polygon is simple, and all between
-/// two of its corners lies inside. Cost: O(n).
+/// two of its corners lies inside.
+/// Cost: O(n).
 bool is_convex(const std::vector<Point>& p) {
   const std::size_t n = p.size();
   const auto rises = [&](std::size_t i) {  // edge i, of the half of all directions from 0 to 180 degrees
@@ -87,8 +88,8 @@ bool touch(const std::vector<Point>& p, std::size_t i, std::size_t j) {
 constexpr std::size_t kSwept = 32;  ///< edges from which on those that may touch are looked for in order
 
 /// The same two edges as `find_crossing`, for many edges: they are taken in the order of their low ends along the
-/// longer side of the polygon, and compared with those that begin before they end. Cost: about O(n log n) for n short
-/// edges.
+/// longer side of the polygon, and compared with those that begin before they end.
+/// Cost: about O(n log n) for n short edges.
 std::array<std::int32_t, 2> sweep_for_crossing(const std::vector<Point>& p) {
   const auto n = p.size();
   double low[2] = {p[0].x(), p[0].y()}, high[2] = {low[0], low[1]};
@@ -118,7 +119,8 @@ std::array<std::int32_t, 2> sweep_for_crossing(const std::vector<Point>& p) {
   return {static_cast<std::int32_t>(first[0]), static_cast<std::int32_t>(first[1])};
 }
 
-/// The first two edges of the polygon that touch, {-1, -1} if it is simple. Cost: O(n^2) for few.
+/// The first two edges of the polygon that touch, {-1, -1} if it is simple.
+/// Cost: O(n^2) for few.
 std::array<std::int32_t, 2> find_crossing(const std::vector<Point>& p) {
   if (p.size() >= kSwept) return sweep_for_crossing(p);
   for (std::size_t i = 0; i + 1 < p.size(); ++i)
@@ -189,7 +191,9 @@ class Ears {
 };
 
 /// The triangulation of a simple bent polygon with the least surface, out of those that do not fold over along the
-/// normal. Source: Gilbert 1979. Cost: O(n^3).
+/// normal.
+/// Source: Gilbert 1979.
+/// Cost: O(n^3).
 class LeastSurface {
  public:
   LeastSurface(const std::vector<Point>& points, bool convex, std::span<const std::int32_t> polygon,

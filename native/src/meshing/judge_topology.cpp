@@ -14,7 +14,8 @@ struct Edge {
   auto operator<=>(const Edge&) const = default;
 };
 
-/// Joins the corners of a vertex whose polygons meet in an edge. \return how many groups of corners are left
+/// Joins the corners of a vertex whose polygons meet in an edge.
+/// \return how many groups of corners are left
 class Fans {
  public:
   explicit Fans(std::size_t corners) : parent_(corners), groups_(corners) {

@@ -133,7 +133,8 @@ std::int32_t lowest(std::vector<Hung>& faces, std::int32_t f) {
 }
 
 /// Notes whether half-edge h, with a lower face g across it, is a boundary; where it is not, the two faces hang
-/// together. \param root  the lowest known of those that the face of h hangs on
+/// together.
+/// \param root  the lowest known of those that the face of h hangs on
 void join(std::int32_t h, std::int32_t o, std::int32_t& root, std::vector<Hung>& faces, Bits& between) {
   const std::int32_t f = h / 3, g = o / 3;
   if (faces[g].region != faces[f].region) {
@@ -146,7 +147,8 @@ void join(std::int32_t h, std::int32_t o, std::int32_t& root, std::vector<Hung>&
   }
 }
 
-/// Hangs faces first ... last - 1 on each other. \return the half-edges with a face before the first one across
+/// Hangs faces first ... last - 1 on each other.
+/// \return the half-edges with a face before the first one across
 std::vector<std::int32_t> hang(const Mesh& mesh, std::span<const std::int32_t> face_region, std::int32_t first,
                                std::int32_t last, std::vector<Hung>& faces, Bits& between, const Job& job) {
   std::vector<std::int32_t> outside;

@@ -96,14 +96,18 @@ void for_each_leaving(const Mesh& mesh, std::int32_t v, Function fn) {
   }
 }
 
-/// Labels the faces: one label for each connected piece of a region. \param face_region (F) in [-1, R)
-/// \return the boundary half-edges Cost: about O(F).
+/// Labels the faces: one label for each connected piece of a region.
+/// \param face_region  (F) in [-1, R)
+/// \return the boundary half-edges
+/// Cost: about O(F).
 Bits label_pieces(Labels& labels, std::span<const std::int32_t> face_region, const Threads& threads, const Job& job);
 
 /// Gives pieces without any area, or thinner than `thickness` (scene units), to the neighbour with the longest
 /// boundary, since no polygon can stand for them; a part of the mesh that has no other pieces keeps them. The labels
-/// that are left over move down. \param boundary  loses the half-edges that are so no more
-/// \return how many went Cost: O(F).
+/// that are left over move down.
+/// \param boundary  loses the half-edges that are so no more
+/// \return how many went
+/// Cost: O(F).
 std::int32_t merge_pieces_without_area(Labels& labels, double thickness, Bits& boundary);
 
 /// The boundary half-edges by piece: those of piece l are halfedges[start[l]] ... halfedges[start[l + 1] - 1], one loop
@@ -116,10 +120,12 @@ struct Outlines {
   }
 };
 
-/// \param boundary  all boundary half-edges Cost: O(these).
+/// \param boundary  all boundary half-edges
+/// Cost: O(these).
 Outlines trace_outlines(const Labels& labels, const Bits& boundary, const Job& job);
 
-/// The labels of pieces that are not discs, in rising order. Cost: O(F).
+/// The labels of pieces that are not discs, in rising order.
+/// Cost: O(F).
 std::vector<std::int32_t> find_defects(Labels& labels, const Outlines& outlines, const Threads& threads,
                                        const Job& job);
 

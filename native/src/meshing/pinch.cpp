@@ -92,7 +92,8 @@ bool hangs_on_one_edge(const Labels& labels, std::span<const std::int32_t> faces
   return edges == 1;
 }
 
-/// Gives some faces of a piece to another, if the piece stays connected. \return whether it does
+/// Gives some faces of a piece to another, if the piece stays connected.
+/// \return whether it does
 bool give(Labels& labels, std::span<const std::int32_t> faces, std::int32_t to) {
   const std::int32_t from = labels.label[faces[0]], face = labels.pieces[from].face;
   const bool has_face = std::find(faces.begin(), faces.end(), face) != faces.end();

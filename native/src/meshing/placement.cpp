@@ -69,8 +69,9 @@ struct Spread {
 constexpr double kLine = 1e-4;
 
 /// Turns a unit vector that is near the direction of the smallest eigenvalue into that direction, unless the spread is
-/// a line. Each step takes an error to about its third power. \return whether it could; else it may be another's
-/// direction Source: the Rayleigh quotient iteration.
+/// a line. Each step takes an error to about its third power.
+/// \return whether it could; else it may be another's direction
+/// Source: the Rayleigh quotient iteration.
 bool refine(const Spread& k, Vec3& n) {
   constexpr int kSteps = 3;
   constexpr double kSmall = 1e-6;  // squared, of a step: the one after it would change nothing that counts

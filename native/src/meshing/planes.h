@@ -18,7 +18,8 @@ struct Plane {
   double projected = 0;  ///< length of the vector area; 0 where the faces do not tell a direction
 };
 
-/// The planes of all pieces. Cost: O(F).
+/// The planes of all pieces.
+/// Cost: O(F).
 std::vector<Plane> planes_of(const Labels& labels, const Threads& threads, const Job& job);
 
 /// The plane of one piece from its faces.

@@ -53,8 +53,8 @@ void count_splits(const Labels& labels, std::int32_t regions, MeshingReport& rep
       static_cast<std::int32_t>(std::count_if(pieces.begin(), pieces.end(), [](int n) { return n > 1; }));
 }
 
-/// The polygons in the order of their regions, then of their pieces. \param place  by number: the place of each in that
-/// order
+/// The polygons in the order of their regions, then of their pieces.
+/// \param place  by number: the place of each in that order
 PolygonMesh assemble(const State& state, std::vector<std::int32_t>& place) {
   PolygonMesh out;
   const Polygons& polygons = state.polygons;

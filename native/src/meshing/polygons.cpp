@@ -14,7 +14,8 @@ using Edge = std::array<std::int32_t, 2>;
 
 Edge edge(std::int32_t a, std::int32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
-/// Splits the one of `cycles` that has both ends and not as neighbours. \return whether there is one
+/// Splits the one of `cycles` that has both ends and not as neighbours.
+/// \return whether there is one
 bool split_at(std::vector<Cycle>& cycles, const Edge& diagonal) {
   for (std::size_t k = 0; k < cycles.size(); ++k) {
     const Cycle& c = cycles[k];

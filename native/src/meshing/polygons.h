@@ -55,7 +55,8 @@ class Polygons {
 
   /// Makes those of changed pieces anew. A diagonal that a chord or another diagonal has taken the place of is dropped.
   /// \param changed  pieces whose chords or diagonals changed, or that are no more; those that lost a diagonal are
-  /// added Cost: O(polygons of these + diagonals of all + pieces).
+  ///                 added
+  /// Cost: O(polygons of these + diagonals of all + pieces).
   void collect(const Complex& complex, const Labels& labels, Diagonals& diagonals, Corners& corners,
                std::vector<std::int32_t>& changed);
 

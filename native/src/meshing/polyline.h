@@ -15,7 +15,8 @@ struct Farthest {
 
 /// The point of a polyline that is farthest from its chord; of nearly equal ones the one with the longest way round, so
 /// that a side parallel to the chord gives a corner of the shape and not a point between two. The middle one where all
-/// lie on the chord. Cost: O(n).
+/// lie on the chord.
+/// Cost: O(n).
 Farthest farthest(std::span<const Vec3> line);
 
 /// Takes zigzag out of a polyline; its ends and its bends stay: a point that turns against its neighbours is moved
@@ -26,7 +27,8 @@ void take_out_zigzag(std::span<Vec3> line);
 Vec3 area_left_out(std::span<const Vec3> line);
 
 /// The points to keep beside the ends so that no point is further than `reach` from the chord that stands for it; at
-/// least one if the ends are the same point. \return indices in rising order
+/// least one if the ends are the same point.
+/// \return indices in rising order
 /// Source: Douglas, Peucker 1973; then points that became needless go, and the others slide to where they fit best.
 std::vector<std::size_t> simplify(std::span<const Vec3> line, double reach);
 

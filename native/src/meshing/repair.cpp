@@ -88,7 +88,8 @@ class Repairer {
   }
 
   /// The last resort: what is still faulty is split down to faces of the scan, at their places, so that what is wrong
-  /// then is so in the scan. \return whether there was any
+  /// then is so in the scan.
+  /// \return whether there was any
   bool fall_back() {
     bool ever = false;
     for (bool any = true; any; ++outcome_.rounds) {
@@ -125,7 +126,8 @@ class Repairer {
     tries_.resize(s_.labels.pieces.size(), 0);
   }
 
-  /// One step of its plan for every faulty piece. \return whether anything was done
+  /// One step of its plan for every faulty piece.
+  /// \return whether anything was done
   bool act() {
     const auto pieces = s_.labels.piece_count();
     spared_.assign(pieces, false);

@@ -45,9 +45,11 @@ class State {
   /// Where a piece would be split: in halves, or near a place. Threads may ask for several pieces at a time after the
   /// face marks of labels have been cleared.
   [[nodiscard]] Cut find_cut(std::int32_t piece, const Vec3* place);
-  /// Splits a piece in two (and on, until all of it is discs). \return whether it could be
+  /// Splits a piece in two (and on, until all of it is discs).
+  /// \return whether it could be
   bool split(std::int32_t piece, const Cut& cut, Job& job);
-  /// Makes each face of a piece a piece of its own, all corners of which stay on the mesh. \return whether that is new
+  /// Makes each face of a piece a piece of its own, all corners of which stay on the mesh.
+  /// \return whether that is new
   bool shatter(std::int32_t piece);
   /// The pieces across the chords of one, in rising order.
   [[nodiscard]] std::vector<std::int32_t> neighbours(std::int32_t piece) const;
@@ -63,7 +65,8 @@ class State {
   /// The boundary that two pieces would have together, as half-edges in order; empty where that would be no disc.
   /// Cost: O(their boundaries), of which the complex must be up to date.
   [[nodiscard]] std::vector<std::int32_t> loop_together(std::int32_t kept, std::int32_t gone);
-  /// Makes two pieces one, which must be a disc. \return what was changed
+  /// Makes two pieces one, which must be a disc.
+  /// \return what was changed
   /// \param loop  what `loop_together` gave for them
   /// Cost: O(faces of the one that goes + their boundaries).
   Union unite(std::int32_t kept, std::int32_t gone, std::vector<std::int32_t> loop);

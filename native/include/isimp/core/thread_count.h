@@ -11,7 +11,8 @@ namespace isimp {
 inline constexpr std::int32_t kMostThreads = 256;
 
 /// How many threads may work where so many are asked for: the one place that decides it, for every loop and library.
-/// Results never depend on it. \param asked  0: as many as the machine has cores
+/// Results never depend on it.
+/// \param asked  0: as many as the machine has cores
 inline std::int32_t thread_count(std::int32_t asked) {
   const std::int32_t cores = std::max(1, static_cast<std::int32_t>(std::thread::hardware_concurrency()));
   return asked > 0 ? std::min(asked, std::max(cores, kMostThreads)) : cores;

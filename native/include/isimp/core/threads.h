@@ -51,7 +51,8 @@ class Threads {
   explicit Threads(std::int32_t count)
       : count_(thread_count(count)), workers_(count_ > 1 ? std::make_shared<Workers>() : nullptr) {}
 
-  /// How many pieces `run` will cut n steps into. \param least  steps below which a piece is not worth a thread
+  /// How many pieces `run` will cut n steps into.
+  /// \param least  steps below which a piece is not worth a thread
   [[nodiscard]] std::int32_t pieces(std::int32_t n, std::int32_t least = 1 << 14) const {
     return std::clamp(n / least, 1, count_);
   }

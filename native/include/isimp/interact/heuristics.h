@@ -10,9 +10,10 @@
 namespace isimp {
 
 /// Adds a proxy `times` times, each at the worst face of the region that is then worst. A region's error is what
-/// counts, a face's with its area; where all regions are flat the one with most faces is the worst. \throws
-/// InvalidInput  times below 1; no region left that is not locked and has two faces: nothing was changed \throws
-/// Cancelled     nothing was changed Cost: that of as many add_proxy.
+/// counts, a face's with its area; where all regions are flat the one with most faces is the worst.
+/// \throws InvalidInput  times below 1; no region left that is not locked and has two faces: nothing was changed
+/// \throws Cancelled  nothing was changed
+/// Cost: that of as many add_proxy.
 Partition add_worst(const Mesh& mesh, const Partition& partition, std::int32_t times, Job& job);
 
 /// Deletes the region whose loss costs least, `times` times: that which merged with one of its neighbours would raise
@@ -23,7 +24,8 @@ Partition add_worst(const Mesh& mesh, const Partition& partition, std::int32_t t
 Partition delete_least(const Mesh& mesh, const Partition& partition, std::int32_t times, Job& job);
 
 /// Merges the two neighbours whose merging raises the error least, `times` times, as merge_regions.
-/// \throws as delete_least. Cost: as delete_least.
+/// \throws as  delete_least.
+/// Cost: as delete_least.
 Partition merge_cheapest(const Mesh& mesh, const Partition& partition, std::int32_t times, Job& job);
 
 /// Relaxes all borders and moves regions from where they are worth little to where they are worth much, until that no

@@ -29,11 +29,12 @@ Partition split_region(const Mesh& mesh, const Partition& partition, std::int32_
 ///
 /// Where that makes more than two pieces, the largest on the left stays one, and so does the largest of what else there
 /// is; the others go to the first. The part without the face is the new region, R. Nothing is relaxed: a cut stays as
-/// it was drawn. No other face changes sides. \param line       (K) points, at least 2, in scene units \param direction
-/// of the sweep, as that of sight; zero: the region's normal \throws InvalidInput  as split_region; fewer than 2
-/// points; a coordinate that is not finite; a line that is a point
-///                       when seen along the direction; the whole region on one side
-/// \throws Cancelled     nothing was changed
+/// it was drawn. No other face changes sides.
+/// \param line  (K) points, at least 2, in scene units
+/// \param direction  of the sweep, as that of sight; zero: the region's normal
+/// \throws InvalidInput  as split_region; fewer than 2 points; a coordinate that is not finite; a line that is a point
+///                   when seen along the direction; the whole region on one side
+/// \throws Cancelled  nothing was changed
 /// Cost: O(F) to copy the labels, else O(faces of the region * K).
 Partition split_along(const Mesh& mesh, const Partition& partition, std::int32_t face, std::span<const Vec3> line,
                       const Vec3& direction, Job& job);

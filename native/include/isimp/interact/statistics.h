@@ -20,11 +20,15 @@ struct RegionStatistics {
   std::vector<std::int32_t> neighbours;  ///< regions it shares an edge with, rising
 };
 
-/// Of the region of a face. \throws InvalidInput  a face outside [0, F) or left out; another mesh's partition
+/// Of the region of a face.
+/// \throws InvalidInput  a face outside [0, F) or left out; another mesh's partition
 /// Cost: O(n log n), n the faces of the region; O(F) bits of memory.
 RegionStatistics region_statistics(const Mesh& mesh, const Partition& partition, std::int32_t face, Job& job);
 
-/// Of every region, in their order. \throws InvalidInput  another mesh's partition. \throws Cancelled. Cost: O(F).
+/// Of every region, in their order.
+/// \throws InvalidInput  another mesh's partition.
+/// \throws Cancelled
+/// Cost: O(F).
 std::vector<RegionStatistics> all_statistics(const Mesh& mesh, const Partition& partition, Job& job);
 
 }  // namespace isimp

@@ -53,10 +53,12 @@ class Kernels {
 };
 
 /// What a back end that ran out of memory says of it, and that the CPU can do the same.
-/// \param doing "flooding". \param wanted, held  bytes that were asked for last, and those it had already
+/// \param doing  "flooding".
+/// \param wanted, held  bytes that were asked for last, and those it had already
 [[nodiscard]] std::string out_of_memory(std::string_view backend, std::string_view doing, std::size_t faces,
                                         std::size_t wanted, std::size_t held);
-/// The same of any other failure. \param reason  in the words of the back end
+/// The same of any other failure.
+/// \param reason  in the words of the back end
 [[nodiscard]] std::string out_of_order(std::string_view backend, std::string_view doing, std::size_t faces,
                                        std::string_view reason);
 

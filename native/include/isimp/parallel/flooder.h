@@ -40,19 +40,23 @@ class Flooder {
  public:
   virtual ~Flooder() = default;
 
-  /// Says where the faces are: what naive flooding wants. \param centre (3 N) in [0, 1], all axes in the same unit
+  /// Says where the faces are: what naive flooding wants.
+  /// \param centre  (3 N) in [0, 1], all axes in the same unit
   /// \param component  (N) from 0; a face takes regions that are seeded in its own component only
   virtual void place(std::span<const float> centre, std::span<const std::int32_t> component) = 0;
   [[nodiscard]] virtual bool placed() const = 0;
 
   /// Floods from the seeds by a queue: in each step every face of the queue takes the best of the regions next to it,
-  /// and the neighbours of those that changed make the next queue, gathered by an exclusive scan.
-  /// A region may end in several pieces. Faces that no seed reaches get -1. Cost: O(faces queued); some sqrt(N / R)
-  /// steps and as many again until the borders rest. Source: the thesis's queued flooding. \return the steps
+  /// and the neighbours of those that changed make the next queue, gathered by an exclusive scan. A region may end in
+  /// several pieces. Faces that no seed reaches get -1.
+  /// Cost: O(faces queued); some sqrt(N / R) steps and as many again until the borders rest.
+  /// Source: the thesis's queued flooding.
+  /// \return the steps
   virtual std::int32_t queued(const Proxies& proxies, std::int32_t threads, Job& job) = 0;
   /// Gives every face the best of the `nearest` regions whose centres are nearest to its own, connected or not.
-  /// \param nearest in [1, kMostNearest]. Cost: about O(N nearest); by brute force O(N R). Source: the thesis's naive
-  /// one
+  /// \param nearest  in [1, kMostNearest].
+  /// Cost: about O(N nearest); by brute force O(N R).
+  /// Source: the thesis's naive one
   virtual void naive(const Proxies& proxies, std::int32_t nearest, Search search, std::int32_t threads, Job& job) = 0;
   static constexpr std::int32_t kMostNearest = 32;
 
@@ -69,10 +73,12 @@ class Flooder {
   virtual void keep() = 0;
   virtual void go_back() = 0;
 
-  /// Leaves each region the largest of its pieces, by area; frees the faces of all others. \return faces freed
+  /// Leaves each region the largest of its pieces, by area; frees the faces of all others.
+  /// \return faces freed
   virtual std::int32_t cut_to_pieces(std::int32_t threads, Job& job) = 0;
   /// Gives the free faces to the regions around them for good, least errors first in levels of a quarter octave, so
-  /// that regions stay connected. \return the steps
+  /// that regions stay connected.
+  /// \return the steps
   virtual std::int32_t fill(const Proxies& proxies, std::int32_t threads, Job& job) = 0;
 
   /// \param labels (N) gets the region of each face, -1 for none

@@ -24,10 +24,12 @@ struct Regions {
   }
 };
 
-/// Adds up the faces of each region anew. Cost: O(F), in sequence.
+/// Adds up the faces of each region anew.
+/// Cost: O(F), in sequence.
 void sum_regions(const FaceGraph& graph, Regions& regions, Job& job, const Threads& threads = Threads(1));
 
-/// The face of each region that is nearest to its proxy; ties to the lower graph index. \return (R) graph indices
+/// The face of each region that is nearest to its proxy; ties to the lower graph index.
+/// \return (R) graph indices
 std::vector<std::int32_t> nearest_faces(const FaceGraph& graph, const Regions& regions, Job& job,
                                         const Threads& threads = Threads(1));
 

@@ -43,7 +43,8 @@ class Surface {
   /// no edge
   Surface(const Mesh& mesh, const Guides& guides, Job& job);
 
-  /// The same with its areas multiplied once more. \param weights  (n) by graph index, above 0
+  /// The same with its areas multiplied once more.
+  /// \param weights  (n) by graph index, above 0
   [[nodiscard]] Surface weighted(std::span<const float> weights) const;
 
   [[nodiscard]] const Mesh& mesh() const { return *mesh_; }

@@ -76,7 +76,8 @@ class Relaxation {
   /// The one face that must not move, or kNone.
   void pin(std::int32_t face) { moves_.pinned = face; }
 
-  /// Sweeps until nothing moves, `sweeps` at most; what is still queued then is forgotten. \return moves made
+  /// Sweeps until nothing moves, `sweeps` at most; what is still queued then is forgotten.
+  /// \return moves made
   std::int64_t run(int sweeps, Job& job) {
     std::int64_t moves = 0, last = 1;
     for (int k = 0; k < sweeps && last > 0 && !lists_.queue.empty();) {
@@ -147,7 +148,8 @@ class Relaxation {
     std::int64_t moves = 0;
   };
 
-  /// Goes through lists.current. \return moves made
+  /// Goes through lists.current.
+  /// \return moves made
   template <class Regions>
   std::int64_t sweep(Lists& lists, Regions& regions, const Reach& reach, std::vector<std::int32_t>* beyond, Job& job) {
     const FaceGraph& graph = moves_.graph;

@@ -154,7 +154,8 @@ class Dissolving {
     return gone;
   }
 
-  /// Moves faces to regions around as long as one fits there, the best first. \param before  slabs that grew by it
+  /// Moves faces to regions around as long as one fits there, the best first.
+  /// \param before  slabs that grew by it
   std::vector<std::int32_t> give_away(std::int32_t r, std::map<std::int32_t, Slab>& before) {
     std::priority_queue<Offer, std::vector<Offer>, std::greater<>> queue;
     const auto offer = [&](std::int32_t face, std::int32_t to) {

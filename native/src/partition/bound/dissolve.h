@@ -42,7 +42,8 @@ class Corners {
 };
 
 /// Takes regions away whose faces, one by one, fit between the planes of their neighbours; smallest first.
-/// \param need  (C) the least number of regions of each component. \param part  (R) component of each region
+/// \param need  (C) the least number of regions of each component.
+/// \param part  (R) component of each region
 /// \return whether any went; labels and sums are numbered anew then
 bool dissolve(const Surface& surface, const Corners& corners, std::span<const std::int32_t> need, double width,
               BoundedRegions& bounded, Job& job);

@@ -8,7 +8,8 @@ namespace isimp {
 /// The size of a surface: three times the root mean square distance of its points from their centroid, scene units.
 ///
 /// About the length of the bounding box's diagonal, but it neither turns with the axes nor follows single vertices nor
-/// changes when faces are split. Cost: O(F).
+/// changes when faces are split.
+/// Cost: O(F).
 double surface_size(const Mesh& mesh);
 
 /// Length of an edge, were all faces equilateral and equal; scene units.
@@ -20,7 +21,8 @@ double mean_edge(const Mesh& mesh);
 /// noise. Its part along the normal is taken at each vertex away from borders; the median makes creases count little.
 /// True within 10 % at noise that is felt, up to 45 % too high at very weak one. Noise that smoothing has made alike at
 /// neighbouring vertices can't be told from shape. Above half an edge's length, or of fewer than 50 vertices, it is
-/// taken for shape: 0. Cost: O(V + F).
+/// taken for shape: 0.
+/// Cost: O(V + F).
 double estimate_noise(const Mesh& mesh, Job& job);
 
 }  // namespace isimp

@@ -112,7 +112,8 @@ std::vector<std::int32_t> pair_up(const Best& best, float limit, const Threads& 
   return leader;
 }
 
-/// Numbers the clusters by their first nodes. \param satellites  nodes whose partner is in a pair join it
+/// Numbers the clusters by their first nodes.
+/// \param satellites  nodes whose partner is in a pair join it
 /// \param map  is set to the cluster of each node
 Lists number_clusters(const Best& best, const std::vector<std::int32_t>& leader, bool satellites,
                       std::vector<std::int32_t>& map) {
@@ -141,7 +142,8 @@ Lists number_clusters(const Best& best, const std::vector<std::int32_t>& leader,
   return lists;
 }
 
-/// Sums and neighbours of the clusters from `begin` to `end`. \return the rows; their lengths go to result.first
+/// Sums and neighbours of the clusters from `begin` to `end`.
+/// \return the rows; their lengths go to result.first
 std::vector<std::int32_t> contract_between(const MergeGraph& graph, const std::vector<std::int32_t>& map,
                                            const Lists& lists, std::int32_t begin, std::int32_t end, MergeGraph& result,
                                            Job& job) {

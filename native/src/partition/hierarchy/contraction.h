@@ -43,7 +43,8 @@ struct MergeGraph {
 MergeGraph merge_round(const MergeGraph& graph, bool satellites, std::int32_t least, std::vector<std::int32_t>& map,
                        const Threads& threads, Job& job);
 
-/// The graph in which all nodes of a cluster are one. \param map  (N) cluster of each node, each in [0, clusters)
+/// The graph in which all nodes of a cluster are one.
+/// \param map  (N) cluster of each node, each in [0, clusters)
 MergeGraph contract(const MergeGraph& graph, const std::vector<std::int32_t>& map, std::int32_t clusters,
                     const Threads& threads, Job& job);
 

@@ -22,7 +22,8 @@ struct ClusterGraph {
   std::vector<std::int32_t> part;       ///< (N) the component of each; empty if that does not matter
 };
 
-/// A cluster for each face. \param faces  (n + 1) in place of graph.faces
+/// A cluster for each face.
+/// \param faces  (n + 1) in place of graph.faces
 ClusterGraph face_clusters(const FaceGraph& graph, std::span<const FaceRecord> faces);
 
 /// A cluster for each region.
@@ -47,10 +48,12 @@ struct MergeLimits {
 /// Merges the pair of neighbours whose merging raises the error least, again and again.
 ///
 /// Where faces lie in one plane all costs are rounding; small clusters are then merged first, so that such a plane is
-/// not eaten up face by face. Ties go to the lower node. Cost: O(N log N) where clusters have few neighbours.
+/// not eaten up face by face. Ties go to the lower node.
+/// Cost: O(N log N) where clusters have few neighbours.
 MergeTree merge_all(const ClusterGraph& graph, const MergeLimits& limits, Job& job);
 
-/// The cluster each leaf is in after the first `merges` merges, numbered by first leaf. \return (leaves)
+/// The cluster each leaf is in after the first `merges` merges, numbered by first leaf.
+/// \return (leaves)
 std::vector<std::int32_t> cut_after(const MergeTree& tree, std::size_t merges);
 
 }  // namespace isimp

@@ -105,7 +105,8 @@ void relabel(Regions& regions, const std::vector<std::int32_t>& becomes, std::si
   regions.sum = std::move(sums);
 }
 
-/// A cluster for each region. \param faces  among which all border faces are
+/// A cluster for each region.
+/// \param faces  among which all border faces are
 ClusterGraph clusters_of(const FaceGraph& graph, const Regions& regions, std::vector<std::int32_t> part,
                          std::span<const std::int32_t> faces, const Threads& threads) {
   MergeGraph touching = graph_of_regions(graph, regions.label, regions.sum.size(), std::move(part), faces, threads);
@@ -115,7 +116,8 @@ ClusterGraph clusters_of(const FaceGraph& graph, const Regions& regions, std::ve
 /// What an edge between regions weighs where normals of neighbours differ by this much.
 double border_weight_of(double bend) { return kBorder + kNoisyBorder * std::min(1.0, bend * bend); }
 
-/// Has border faces of changed regions, and those across from them, looked at. \return the other border faces
+/// Has border faces of changed regions, and those across from them, looked at.
+/// \return the other border faces
 std::vector<std::int32_t> push_beside(const FaceGraph& graph, const std::vector<std::int32_t>& label,
                                       std::span<const std::int32_t> faces, const std::vector<std::uint8_t>& changed,
                                       Relaxation<GraphLabels>& relaxation) {

@@ -33,14 +33,17 @@ double finest_for(double detail);
 ///
 /// Faces (of large surfaces small patches, many at once) merge into patches by filtered normals, since single faces
 /// show little but noise; that ends at the finest t. The patches merge to the end by their faces' true normals, so that
-/// what detail there is counts in full. Cost: O(F log F) to make.
+/// what detail there is counts in full.
+/// Cost: O(F log F) to make.
 class DetailTree {
  public:
   DetailTree(const Surface& surface, const DetailSettings& settings, Job& job);
 
-  /// Where to cut for t, scene units. Cost: O(patches log patches).
+  /// Where to cut for t, scene units.
+  /// Cost: O(patches log patches).
   [[nodiscard]] Cut choose(double tolerance, bool snap) const;
-  /// How many regions a cut gives; a few less may be left when their borders have been relaxed. Cost: O(patches)
+  /// How many regions a cut gives; a few less may be left when their borders have been relaxed.
+  /// Cost: O(patches)
   [[nodiscard]] std::int32_t count(const Cut& cut) const { return patches_.count() - merges(cut); }
   /// The regions of a cut, their borders relaxed; what then may merge at the same cost has merged.
   /// \param surface  the one the tree was made of

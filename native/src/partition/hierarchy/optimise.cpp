@@ -157,7 +157,8 @@ class Optimiser {
     return sum;
   }
 
-  /// Merges regions to the number given. \return which of those left touch
+  /// Merges regions to the number given.
+  /// \return which of those left touch
   MergeGraph merge_to(std::int32_t target, Relaxation<GraphLabels>& relaxation, Job& job) {
     const std::vector<std::int32_t>& looked_at = relaxation.pushed();  // all border faces are among them
     const MergeGraph touching =

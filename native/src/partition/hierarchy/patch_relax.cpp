@@ -147,7 +147,8 @@ class PatchRelaxation {
     block.queue.push_back(u);
   }
 
-  /// Nodes with neighbours outside the stretch are put aside in block.beyond. \return moves made
+  /// Nodes with neighbours outside the stretch are put aside in block.beyond.
+  /// \return moves made
   template <class Sums>
   std::int64_t go_through(const std::vector<std::int32_t>& nodes, Block& block, Sums& sums, const Stretch& reach,
                           Job& job) {

@@ -18,7 +18,8 @@ std::vector<std::pair<std::int32_t, std::int32_t>> neighbouring_regions(const Fa
                                                                         std::span<const std::int32_t> faces,
                                                                         const Threads& threads = Threads(1));
 
-/// The same as a graph for merging, its sums left empty. \param part  (R) component of each; may be empty
+/// The same as a graph for merging, its sums left empty.
+/// \param part  (R) component of each; may be empty
 MergeGraph graph_of_regions(const FaceGraph& graph, const std::vector<std::int32_t>& label, std::size_t regions,
                             std::vector<std::int32_t> part, std::span<const std::int32_t> faces,
                             const Threads& threads = Threads(1));

@@ -52,7 +52,8 @@ void Teleport::push_borders(std::span<const std::int32_t> faces) {
   }
 }
 
-/// Splits a region in its labels only. \return by how much the error falls; below 0 if it can't be split
+/// Splits a region in its labels only.
+/// \return by how much the error falls; below 0 if it can't be split
 double Teleport::split(std::int32_t region, std::int32_t fresh, Job& job) {
   faces_ = take_out(graph_, labels_, face_of(region, job));
   if (faces_.size() < 2) {
@@ -168,7 +169,8 @@ bool Teleport::part_anew(std::int32_t region, std::int32_t other, Job& job) {
   return false;
 }
 
-/// Merges a pair and splits a region elsewhere. \param price  what the split must gain more than
+/// Merges a pair and splits a region elsewhere.
+/// \param price  what the split must gain more than
 bool Teleport::move(const Pair& pair, std::int32_t region, double price, Job& job) {
   const std::int32_t spare = regions_.count();  // label of the new half until the merge has freed one
   tried_[region].error = regions_.sum[region].error();
