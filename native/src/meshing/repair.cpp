@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
-#include <string_view>
 #include <utility>
 
 #include "coarsen.h"
 #include "findings.h"
+#include "plans.h"
 #include "sorted.h"
 
 namespace isimp::meshing {
@@ -18,16 +18,9 @@ constexpr int kRounds = 40;
 constexpr int kPatience = 12;                 ///< how often the last act of a plan is repeated
 constexpr double kPull = 0.5;                 ///< what a pull leaves of a corner's radius ...
 constexpr double kLeastPull = 0.1;            ///< ... down to this share of it; then it goes back to its vertex
-constexpr int kAfterSplit = 5;                ///< where in its plan goes on what comes of a split
 constexpr std::size_t kShard = 16;            ///< faces of a piece that falls apart into them where nothing else helped
 constexpr std::size_t kMostForDiagonal = 64;  ///< corners of a polygon beyond which it is split at once
 constexpr std::int32_t kLeastBudget = 100;    ///< splits that are always allowed
-
-/// What is done at the first, second, ... time a piece is found faulty: q pull the corners concerned, p pull all, b
-/// bend a chord, d diagonal, s split. What comes of a split is split twice for each time it is pulled: of
-/// such pieces a split mends three in five, a pull one in four.
-constexpr std::string_view kPlanCrossing = "qbpbspsspsspss", kPlanFlipped = "ppdspsspsspss",
-                           kPlanHit = "qppdspsspsspss", kPlanBent = "dddsddsdsdsds";
 
 class Repairer {
  public:
@@ -150,25 +143,28 @@ class Repairer {
         any = true;
         continue;
       }
-      const char step = next_step(l, faults);
-      if (step == 0) continue;
+      const Action action = next_action(l, faults);
+      if (action == Action::none) continue;
       acted_.add(l);
       ++tries_[l];
-      any = do_step(step, l, is_spared(l, faults)) || any;
+      any = take(action, l, is_spared(l, faults)) || any;
     }
     cuts_.clear();
     return any;
   }
 
-  /// What the plan for a piece with these faults has next, 0 where there is nothing left to try.
-  [[nodiscard]] char next_step(std::int32_t l, std::uint8_t faults) const {
-    if (faults == 0 && !met_[l]) return 0;
-    const std::string_view plan = (faults & kCrossing)              ? kPlanCrossing
-                                  : (faults & (kFlipped | kNoArea)) ? kPlanFlipped
-                                  : met_[l]                         ? kPlanHit
-                                                                    : kPlanBent;
-    if (tries_[l] >= static_cast<int>(plan.size()) + kPatience) return 0;
+  /// What the plan for a piece with these faults has next; none where there is nothing left to try.
+  [[nodiscard]] Action next_action(std::int32_t l, std::uint8_t faults) const {
+    if (faults == 0 && !met_[l]) return Action::none;
+    const Plan plan = plan_for(l, faults);
+    if (tries_[l] >= static_cast<int>(plan.size()) + kPatience) return Action::none;
     return plan[std::min<std::size_t>(tries_[l], plan.size() - 1)];
+  }
+
+  [[nodiscard]] Plan plan_for(std::int32_t l, std::uint8_t faults) const {
+    if (faults & kCrossing) return plans::crossing;
+    if (faults & (kFlipped | kNoArea)) return plans::flipped;
+    return met_[l] ? Plan(plans::meeting) : Plan(plans::bent);
   }
 
   [[nodiscard]] bool is_spared(std::int32_t l, std::uint8_t faults) const { return faults == 0 && spared_[l]; }
@@ -179,7 +175,8 @@ class Repairer {
     std::vector<std::int32_t> some;
     for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l) {
       const std::uint8_t faults = findings_.faults(l);
-      if (next_step(l, faults) == 's' && !(faults & kNoArea) && !waits(is_spared(l, faults))) some.push_back(l);
+      if (next_action(l, faults) == Action::split && !(faults & kNoArea) && !waits(is_spared(l, faults)))
+        some.push_back(l);
     }
     cuts_.resize(s_.labels.pieces.size());
     s_.labels.face_marks.clear();
@@ -205,10 +202,24 @@ class Repairer {
   /// Whether a split has to wait for a round in which the smaller of two that meet is split too.
   [[nodiscard]] bool waits(bool spared) const { return spared && outcome_.rounds % 3 != 0; }
 
-  bool do_step(char step, std::int32_t l, bool spared) {
-    if (step == 'p' || step == 'q') return pull(step == 'p' ? corners_of(l) : corners_concerned(l), l);
-    if (step == 'b' && !out_of_date(l) && bend(l)) return true;
-    if (step == 'd' && add_diagonal(l)) return true;
+  /// Where an action can't be taken, the piece is split.
+  bool take(Action action, std::int32_t l, bool spared) {
+    switch (action) {
+      case Action::none:
+        return false;
+      case Action::pull_concerned:
+        return pull(corners_concerned(l), l);
+      case Action::pull_all:
+        return pull(corners_of(l), l);
+      case Action::add_anchor:
+        if (!out_of_date(l) && bend(l)) return true;
+        break;
+      case Action::add_diagonal:
+        if (add_diagonal(l)) return true;
+        break;
+      case Action::split:
+        break;
+    }
     if (waits(spared)) return true;
     return split(l);
   }
