@@ -48,7 +48,8 @@ build_wheel() {
   local venv=$1
   shift
   rm -rf "$out/wheel"
-  "$venv/bin/pip" wheel . --no-deps --no-build-isolation -w "$out/wheel" --config-settings build-dir=build-wheel "$@"
+  # The compiler by the name that CMake has without pip: ccache tells names apart.
+  CC=cc CXX=c++ "$venv/bin/pip" wheel . --no-deps --no-build-isolation -w "$out/wheel" --config-settings build-dir=build-wheel "$@"
 }
 
 # install_wheel VENV [OPTION...]: the package that build_wheel made.

@@ -91,15 +91,16 @@ void bind_split_and_merge(py::module_& m) {
         return call_here(job, [&](Job& j) { return merge_regions(mesh, part, into, gone, j); });
       },
       "mesh"_a, "partition"_a, "face"_a, "other"_a, "job"_a = py::none(),
-      R"(Make the region of `other` part of the region of `face`. Returns a new Partition.
+      R"(Merge the region of `other` into the region of `face`. Returns a new Partition.
 
-No other face changes sides. The merged region has the number of the region of `face`; those above the other's move down
-by one. Raises InvalidInput (no such face, both in one region, no neighbours, one of them locked) or Cancelled.)");
+No other face changes its region. The merged region keeps the number of the region of `face`; numbers above that of the
+other region move down by one.
+Raises InvalidInput (no such face, both in one region, no neighbours, one of them locked) or Cancelled.)");
   bind_at_face(m, "split_region", &split_region,
-               R"(Split the region of a face in the two parts whose normals are most unlike. Returns a new Partition.
+               R"(Split the region of a face into the two parts whose normals differ most. Returns a new Partition.
 
-A flat region is split half-way along its length. The part without the face is the new region, the last one; no face of
-any other region changes sides. Raises InvalidInput (no such face, its region is a single face or locked) or Cancelled.)");
+A planar region is split in the middle of its length. The part without the face becomes the last region. No face of
+another region changes its region. Raises InvalidInput (no such face, its region is a single face or locked) or Cancelled.)");
   m.def(
       "split_along",
       [](const KeptMesh& mesh, const Partition& part, const py::object& face, const py::object& line,
@@ -112,9 +113,9 @@ any other region changes sides. Raises InvalidInput (no such face, its region is
       "mesh"_a, "partition"_a, "face"_a, "line"_a, "direction"_a = py::none(), "job"_a = py::none(),
       R"(Split the region of a face along a line, as with a knife. Returns a new Partition.
 
-line: (K, 3) points in scene units; it goes on straight at both ends. direction: (3,), along which it is swept, as that of
-sight; None: the region's normal. Faces are parted by the side their middles lie on. The part without the face is the new
-region, the last one; no face of any other region changes sides, and nothing is relaxed.
+line: (K, 3) points in scene units, extended straight at both ends. direction: (3,), the direction of the sweep, such as
+the view direction; None: the region's normal. The side of a face is that of its centre. The part without the face becomes
+the last region. No face of another region changes its region, and borders are not relaxed.
 Raises InvalidInput (as split_region; no line; the whole region on one side) or Cancelled.)");
 }
 
@@ -129,12 +130,12 @@ void bind_paint(py::module_& m) {
         return call_here(job, [&](Job& j) { return paint_faces(mesh, part, indices, index, j); });
       },
       "mesh"_a, "partition"_a, "faces"_a, "onto"_a = py::none(), "job"_a = py::none(),
-      R"(Make faces a region of their own, or part of the region of the face `onto`. Returns a new Partition.
+      R"(Give faces to a new region, or to the region of the face `onto`. Returns a new Partition.
 
-faces: (K,) integers, of mesh.triangles; they must hang together, with the region they become part of. A new region
-is the last one. What they cut off from other regions goes to those around it, a region painted over wholly is gone, and
-faces of locked regions stay as they are. Nothing is relaxed.
-Raises InvalidInput (no such face, nothing to paint, faces that do not hang together) or Cancelled.)");
+faces: (K,) integers, rows of mesh.triangles. They must be connected, together with the region that takes them. A new
+region is the last one. Parts that the faces cut off from other regions go to the regions beside them. A region that is
+painted over completely disappears. Faces of locked regions do not change. Borders are not relaxed.
+Raises InvalidInput (no such face, nothing to paint, faces that are not connected) or Cancelled.)");
   m.def(
       "erase_faces",
       [](const KeptMesh& mesh, const Partition& part, const py::object& faces, Job* job) {
@@ -142,20 +143,20 @@ Raises InvalidInput (no such face, nothing to paint, faces that do not hang toge
         return call_here(job, [&](Job& j) { return erase_faces(mesh, part, indices, j); });
       },
       "mesh"_a, "partition"_a, "faces"_a, "job"_a = py::none(),
-      R"(Take faces from the region of the first of them; the regions around flood them. Returns a new Partition.
+      R"(Remove faces from the region of the first face; its neighbours take them. Returns a new Partition.
 
-faces: (K,) integers, of mesh.triangles; those of other regions stay as they are. A region erased wholly is gone.
-Raises InvalidInput (no such face, a locked region, no neighbour that could take them) or Cancelled.)");
+faces: (K,) integers, rows of mesh.triangles; faces of other regions do not change. A region that loses all its faces
+disappears.
+Raises InvalidInput (no such face, a locked region, no neighbour that can take the faces) or Cancelled.)");
   bind_rings(m, "grow_region", &grow_region,
-             R"(Let the region of a face take the faces beside it, `rings` times over. Returns a new Partition.
+             R"(Grow the region of a face by `rings` rings of faces. Returns a new Partition.
 
-No region gives its last face. Raises InvalidInput (no such face, a locked region, no neighbour to take from) or
+No region loses its last face. Raises InvalidInput (no such face, a locked region, no neighbour to take from) or
 Cancelled.)");
-  bind_rings(
-      m, "shrink_region", &shrink_region,
-      R"(Let the region of a face give the faces along its border away, `rings` times over. Returns a new Partition.
+  bind_rings(m, "shrink_region", &shrink_region,
+             R"(Shrink the region of a face by `rings` rings of faces. Returns a new Partition.
 
-Raises InvalidInput (no such face, a locked region, no neighbour, nothing would be left of it) or Cancelled.)");
+Raises InvalidInput (no such face, a locked region, no neighbour, no face would be left) or Cancelled.)");
 }
 
 void bind_heuristics(py::module_& m) {
@@ -165,12 +166,12 @@ void bind_heuristics(py::module_& m) {
 Locked regions are not chosen. Raises InvalidInput (no region left that can be split) or Cancelled.
 Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.5.)");
   bind_times(m, "delete_least", &delete_least,
-             R"(Delete the region whose loss costs least, `times` times. Returns a new Partition.
+             R"(Delete the `times` regions whose removal adds least error, one after another. Returns a new Partition.
 
-That is one which, merged with a neighbour, raises the error least. Locked regions are not chosen. Raises InvalidInput
-(no region left that has such a neighbour) or Cancelled.)");
+Each is merged with a neighbour. Locked regions are not chosen.
+Raises InvalidInput (no region with a neighbour is left) or Cancelled.)");
   bind_times(m, "merge_cheapest", &merge_cheapest,
-             R"(Merge the two neighbours whose merging raises the error least, `times` times. Returns a new Partition.
+             R"(Merge the two neighbours whose merge adds least error, `times` times. Returns a new Partition.
 
 Locked regions are not chosen. Raises InvalidInput (no pair left) or Cancelled.)");
   m.def(
@@ -179,9 +180,9 @@ Locked regions are not chosen. Raises InvalidInput (no pair left) or Cancelled.)
         return call(job, [&](Job& j) { return improve(mesh, part, j); });
       },
       "mesh"_a, "partition"_a, "job"_a = py::none(),
-      R"(Relax borders and move regions from where they are worth little to where they are worth much. A new Partition.
+      R"(Relax the borders, and move regions to places where they reduce the error more. Returns a new Partition.
 
-The number of regions stays, locked ones do not change, and the error is never above what it was. Raises Cancelled.
+The number of regions stays. Locked regions do not change. The error never grows. Raises Cancelled.
 Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.5 (region teleportation).)");
 }
 
@@ -199,10 +200,10 @@ void bind_statistics(py::module_& m) {
         return as_dict(call_here(job, [&](Job& j) { return region_statistics(mesh, part, index, j); }));
       },
       "mesh"_a, "partition"_a, "face"_a, "job"_a = py::none(),
-      R"(What there is to say of the region of a face, as a dict.
+      R"(Figures of the region of a face, as a dict.
 
-region, faces; area, scene units squared; error, its share of partition.error; distance_rms and distance_max of the surface
-from the region's plane, scene units; locked; neighbours, the numbers of the regions it shares an edge with.
+region: its number. faces: their number. area: scene units squared. error: its part of partition.error. distance_rms,
+distance_max: of the surface from the region's plane, scene units. locked. neighbours: the regions that share an edge with it.
 Raises InvalidInput (no such face, or it was left out) or Cancelled.)");
   m.def(
       "all_statistics",
@@ -213,7 +214,8 @@ Raises InvalidInput (no such face, or it was left out) or Cancelled.)");
         return list;
       },
       "mesh"_a, "partition"_a, "job"_a = py::none(),
-      "The same of every region, in their order, as a list of dicts. Raises InvalidInput or Cancelled. Cost: O(F).");
+      "The figures of every region, in order, as a list of dicts; see region_statistics. Raises InvalidInput or "
+      "Cancelled. Cost: O(F).");
 }
 
 }  // namespace
@@ -221,24 +223,24 @@ Raises InvalidInput (no such face, or it was left out) or Cancelled.)");
 void bind_interact(py::module_& m) {
   bind_at_face(m, "add_proxy", &add_proxy, R"(Start a new region at a face: the thesis's `add`. Returns a new Partition.
 
-face: index into mesh.triangles. The new region is the last one, all others keep their numbers; only the region of the
-face and those around it change. A face of a part that was left out brings that part back as one region.
+face: row of mesh.triangles. The new region is the last one; all others keep their numbers. Only the region of the face and
+the regions beside it change. A face of a component that was left out brings that component back as one region.
 Raises InvalidInput (no such face, its region is a single face or locked) or Cancelled.)");
   bind_at_face(m, "delete_proxy", &delete_proxy,
-               R"(Take the region of a face away: the thesis's `del`. Returns a new Partition.
+               R"(Delete the region of a face: the thesis's `del`. Returns a new Partition.
 
-face: index into mesh.triangles. The regions around flood its faces; those above it move down by one number.
-Raises InvalidInput (no such face, it was left out, its region is locked or the only one of its part) or Cancelled.)");
+face: row of mesh.triangles. The regions beside it take its faces. Numbers above its number move down by one.
+Raises InvalidInput (no such face, it was left out, its region is locked or the only one of its component) or Cancelled.)");
   bind_split_and_merge(m);
   bind_paint(m);
   bind_lock(m, "lock_regions", true,
-            R"(Lock the regions of some faces: edits leave them as they are. Returns a new Partition.
+            R"(Lock the regions of some faces: edits do not change them. Returns a new Partition.
 
-faces: (K,) integers, of mesh.triangles, one or more of each region. Raises InvalidInput (no face, no such face, or
-one that was left out).)");
-  bind_lock(m, "unlock_regions", false, R"(Let edits change the regions of some faces again. Returns a new Partition.
+faces: (K,) integers, rows of mesh.triangles, at least one in each region.
+Raises InvalidInput (no face, no such face, or a face that was left out).)");
+  bind_lock(m, "unlock_regions", false, R"(Unlock the regions of some faces. Returns a new Partition.
 
-faces: as for lock_regions. Raises InvalidInput (as lock_regions).)");
+faces: as in lock_regions. Raises InvalidInput (as lock_regions).)");
   bind_heuristics(m);
   bind_statistics(m);
 }

@@ -121,14 +121,15 @@ void bind_partition(py::module_& m) {
       "barriers"_a = py::none(),
       R"(Split a surface into connected, near-planar regions.
 
-Exactly options.proxies regions, as many as show at options.detail or options.tolerance, or few that keep options.bound; none is empty, each is
-connected. Every kept component gets at least what its topology needs (4 if it is closed, else 1; never more than its
-faces); where that takes more than `proxies`, it is taken, and `proxies_needed` says so. The same mesh and options give the same partition bit for bit, on any number of threads.
-weights: (F,) float32 or float64, at least 0, the largest in [1e-30, 1e30], multiply the faces' areas, also those in
-`error`: regions grow dense like the root of it. barriers: (K, 2) integers, pairs of vertices, edges of the mesh that no region crosses.
-The mesh keeps what the default method merged, so that another number, detail or tolerance takes a fraction of the first
-one's time. report: tolerance and noise (scene units; None where the number was given), and whether it snapped. Raises InvalidInput (an option out of its range, a weight or barrier that
-can't be used) or Cancelled.
+The number of regions is options.proxies, or follows from options.detail, options.tolerance or options.bound. No region is
+empty, and each is connected. Every kept component gets at least the regions that its topology needs: 4 if it is closed,
+else 1, but never more than its faces. If that needs more than `proxies`, there are more, and `proxies_needed` reports it.
+The same mesh and options give the same partition bit for bit, on any number of threads.
+weights: (F,) float32 or float64, at least 0, the largest in [1e-30, 1e30]. They multiply the areas of the faces, also in
+`error`; the density of regions grows with their square root. barriers: (K, 2) integers, pairs of vertices: edges of the mesh
+that no region crosses.
+The mesh keeps intermediate results, so another number, detail or tolerance takes a fraction of the time of the first.
+Raises InvalidInput (an option out of its range, a weight or barrier that can't be used) or Cancelled.
 Cost: method 'hierarchy' O(F), the others O(iterations * F).
 Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.)");
   m.def(
@@ -145,12 +146,11 @@ Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.)");
       },
       "mesh"_a, "face_region"_a, "job"_a = py::none(), "weights"_a = py::none(), "barriers"_a = py::none(),
       "before"_a = py::none(),
-      R"(A partition with regions that are known: from elsewhere, or put together from several.
+      R"(A partition from given labels.
 
-face_region: (F,) integers, any numbers of at least 0, or -1 for a face in no region. A region that is not connected
-becomes as many as it has pieces, numbered by first face. weights, barriers: as in partition. before: a partition each
-region of which holds whole ones of these: its bound and planes, its locks and how its number was found stay. Raises InvalidInput or
-Cancelled.)");
+face_region: (F,) integers of at least 0, or -1 for a face in no region. A label that is not connected becomes one region
+for each connected piece, numbered by first face. weights, barriers: as in partition. before: a partition whose regions are
+unions of these regions; its bound, planes, locks and tolerance are kept. Raises InvalidInput or Cancelled.)");
 }
 
 }  // namespace isimp::bindings

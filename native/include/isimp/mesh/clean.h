@@ -23,14 +23,13 @@ constexpr auto fields(const CleanOptions*) {
   using O = CleanOptions;
   return std::tuple{
       field("weld", &O::weld, at_least(0), Unit::length,
-            "Border vertices at most this far apart may become one; scene units; 0: bit-equal places only."),
+            "Largest distance at which two border vertices may become one, in scene units. 0: only equal positions."),
       field("fill_holes", &O::fill_holes, at_least_or_infinite(0), Unit::length,
-            "Borders at most this long round are closed; scene units; 0: none."),
+            "Largest length of a border that is closed, in scene units. 0: none."),
       field("cut_handles", &O::cut_handles, at_least_or_infinite(0), Unit::length,
-            "Handles and tunnels with a loop at most this long go; scene units; 0: none."),
+            "Largest length of a loop round a handle or tunnel that is removed, in scene units. 0: none."),
       field("threads", &O::threads, at_least(0), Unit::none,
-            "How many threads may work, at most 256 or as many as there are cores; 0: as many as there are cores. The "
-            "result does not depend on it."),
+            "Number of threads, at most 256. 0: one for each core. The result does not depend on it."),
   };
 }
 

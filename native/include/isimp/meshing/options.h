@@ -22,27 +22,26 @@ struct MeshingOptions {
 constexpr auto fields(const MeshingOptions*) {
   using O = MeshingOptions;
   return std::tuple{
-      field(
-          "chord_tolerance", &O::chord_tolerance, between(0, 100), Unit::none,
-          "A boundary is subdivided where it leaves its chord by more than this times sqrt(area / regions). It counts "
-          "the less, the flatter the two regions meet."),
+      field("chord_tolerance", &O::chord_tolerance, between(0, 100), Unit::none,
+            "Distance between a boundary and its chord at which the boundary gets another corner, as a share of "
+            "sqrt(area / regions). Larger where the two regions are nearly coplanar."),
       field("chord_area", &O::chord_area, between(0, 100), Unit::none,
-            "The chords of a region may leave out or add at most this share of its area, so that small regions keep "
-            "their shape. It counts the less, the flatter the two regions meet."),
+            "Largest share of a region's area that its chords may add or leave out, so that small regions keep "
+            "their shape. Larger where the two regions are nearly coplanar."),
       field("reach", &O::reach, between(0, 1), Unit::none,
-            "No corner is moved further than this share of the diagonal from the scan's vertex it stands for."),
+            "Largest distance of a corner from its vertex of the scan, as a share of the diagonal."),
       field("flatten", &O::flatten, between(0, 10000), Unit::none,
-            "Rounds of planes and corners in turn; 0 leaves the first placement."),
+            "Rounds of fitting planes and moving corners. 0 keeps the first positions."),
       field("flatness_from", &O::flatness_from, any(), Unit::none,
-            "With fewer regions than this there is no bound on flatness: they are bent themselves."),
+            "Number of regions from which flatness applies; larger regions are not planar themselves."),
       field("flatness", &O::flatness, between(0, 100), Unit::none,
-            "Polygons bent by more than this share of the diagonal are split; no bound at 0."),
+            "Largest distance of a corner from its polygon's plane, as a share of the diagonal; polygons beyond it "
+            "are split. 0: no limit."),
       field("repair_budget", &O::repair_budget, between(0, 1000), Unit::none,
-            "Splits and diagonals that the repair may make, as a share of the polygons before; those that turn out not "
-            "to be needed are taken back."),
+            "Largest number of splits and diagonals of the repair, as a multiple of the number of polygons. Those "
+            "that prove unnecessary are undone."),
       field("threads", &O::threads, at_least(0), Unit::none,
-            "How many threads may work, at most 256 or as many as there are cores; 0: as many as there are cores. The "
-            "result does not depend on it."),
+            "Number of threads, at most 256. 0: one for each core. The result does not depend on it."),
   };
 }
 

@@ -66,36 +66,35 @@ constexpr auto fields(const PartitionOptions*) {
   using O = PartitionOptions;
   return std::tuple{
       field("proxies", &O::proxies, at_least(1), Unit::none,
-            "So many regions, from 1 to the number of faces; at most one of this, detail, tolerance and bound."),
+            "Number of regions, at most the number of faces. Give at most one of proxies, detail, tolerance and "
+            "bound."),
       field("detail", &O::detail, above_to(0, 1), Unit::none,
-            "As many regions as the surface shows at a tolerance of this share of its size; 0.02, 0.01, 0.005, 0.0025 "
-            "and 0.00125 are from very coarse to very fine. 0.005 if nothing says how many."),
+            "Chooses the number of regions: smallest visible detail, as a share of the surface's size. 0.02, 0.01, "
+            "0.005, 0.0025 and 0.00125 go from very coarse to very fine. 0.005 if none of the four is given."),
       field("tolerance", &O::tolerance, above(0), Unit::length,
-            "The same with the tolerance in scene units: about the mean distance of the surface from the planes of its "
-            "regions."),
+            "As detail, but in scene units: about the mean distance of the surface from the planes of its regions."),
       field("bound", &O::bound, above(0), Unit::length,
-            "As few regions as there may be with each vertex this near to its region's plane, scene units; by method "
-            "'hierarchy'."),
+            "As few regions as possible with every vertex within this distance of its region's plane, in scene "
+            "units. Method 'hierarchy' only."),
       field("noise", &O::noise, at_least(0), Unit::length,
-            "Standard deviation of the scan's noise, scene units, below 3.5 of which no tolerance counts; None: "
-            "estimated. 0 for what was drawn and not scanned."),
+            "Standard deviation of the scan's noise, in scene units. Detail below 3.5 times it is ignored. None: "
+            "estimated. 0: a drawn model, not a scan."),
       field("snap", &O::snap,
-            "Where the surface clearly is made of so many planes, take that number; with detail and tolerance."),
+            "If the surface clearly consists of a certain number of planes, use that number. For detail and "
+            "tolerance."),
       field("adaptivity", &O::adaptivity, between(0, 1), Unit::none,
-            "How much denser regions get where the surface is rough; 0.25 is good for figures, 0 for buildings and "
-            "drawn models."),
+            "Smaller regions where the surface is rough. 0.25 suits figures, 0 suits buildings and drawn models."),
       field("leave_out", &O::leave_out, from_below(0, 1), Unit::none,
-            "Components each below this share of the whole area are left out, smallest first, while all of them "
-            "together stay below ten times it; 0 keeps everything."),
-      field("seed", &O::seed, at_least(0), Unit::none, "The number that starts the random seeding."),
-      field("iterations", &O::iterations, at_least(1), Unit::none, "Upper bound on flood-and-fit rounds."),
+            "Components below this share of the total area get no region, smallest first, as long as all of them "
+            "together stay below ten times it. 0 keeps every component."),
+      field("seed", &O::seed, at_least(0), Unit::none, "Seed of the random numbers."),
+      field("iterations", &O::iterations, at_least(1), Unit::none, "Maximum number of rounds of flooding and fitting."),
       choice(
           "seeding", &O::seeding,
           std::array<Choice<O, Seeding, 3>::Value, 3>{
               {{"random", Seeding::random}, {"farthest", Seeding::farthest}, {"hierarchical", Seeding::hierarchical}}},
-          "Where 'lloyd' and 'teleport' put the first proxies: 'random', distinct faces drawn by `seed`; "
-          "'farthest', each the face whose normal and place are farthest from all before; 'hierarchical', the faces "
-          "nearest to the regions that 'hierarchy' gives."),
+          "First seeds of 'lloyd' and 'teleport'. 'random': distinct random faces. 'farthest': each the face that "
+          "differs most from all seeds before. 'hierarchical': one face in each region of 'hierarchy'."),
       choice("method", &O::method,
              std::array<Choice<O, Method, 6>::Value, 6>{{{"lloyd", Method::lloyd},
                                                          {"hierarchy", Method::hierarchy},
@@ -103,30 +102,29 @@ constexpr auto fields(const PartitionOptions*) {
                                                          {"naive", Method::naive},
                                                          {"queued", Method::queued},
                                                          {"hybrid", Method::hybrid}}},
-             "How the regions are found: 'hierarchy', merging of a hierarchy of patches, then relaxation of the "
-             "borders, the best and the fastest; 'lloyd', flooding and fitting in turn, the 2004 paper's and the "
-             "thesis's own; 'teleport', that, then merging the cheapest pair and splitting the worst region until it "
-             "no longer helps; 'naive' and 'queued', as 'lloyd' but all faces, or all of a queue, flooded at once, for "
-             "many processors: the thesis's data-parallel floodings; 'hybrid', 'lloyd' on a decimated mesh, carried "
-             "back."),
+             "How the regions are found. 'hierarchy': merge small patches, then relax the borders; the best and the"
+             " fastest. 'lloyd': flood and fit in turn, the method of the 2004 paper. 'teleport': as 'lloyd', then "
+             "merge the cheapest pair and split the worst region while the error falls. 'naive' and 'queued': as "
+             "'lloyd', with all faces, or all of a queue, flooded at once; for GPUs. 'hybrid': partition a "
+             "decimated mesh, and carry the regions back."),
       field("threads", &O::threads, at_least(0), Unit::none,
-            "How many threads may work, at most 256 or as many as there are cores; 0: as many as there are cores. The "
-            "result does not depend on it."),
+            "Number of threads, at most 256. 0: one for each core. The result does not depend on it."),
       field("backend", &O::backend,
-            "Where 'naive' and 'queued' run: one of backends(), 'cpu' among them. Same labels on all."),
+            "Where 'naive' and 'queued' run: one of backends(). The labels are the same on all."),
       field("nearest", &O::nearest, between(1, parallel::Flooder::kMostNearest), Unit::none,
-            "How many of the nearest regions a face looks at in 'naive'."),
+            "Number of nearest regions that a face compares in 'naive'."),
       choice("search", &O::search,
              std::array<Choice<O, parallel::Search, 2>::Value, 2>{
                  {{"grid", parallel::Search::grid}, {"brute", parallel::Search::brute}}},
-             "How 'naive' finds them: by a 'grid', or by looking at all regions, 'brute', as the thesis has it."),
+             "How 'naive' finds them: 'grid', or 'brute', which compares all regions, as in the thesis."),
       choice("connect", &O::connect,
              std::array<Choice<O, Connect, 2>::Value, 2>{{{"repair", Connect::repair}, {"flood", Connect::flood}}},
-             "How the regions of 'naive' and 'queued' become connected at the end: 'repair', the largest piece of each "
-             "grows over the others; 'flood', one sequential round, as the thesis has it, which loses more. Of "
-             "'hybrid' 'flood' is the thesis's, and 'repair' takes the default method and relaxed borders."),
+             "How 'naive' and 'queued' make regions connected at the end. 'repair': the largest piece of each "
+             "region grows over the others. 'flood': one sequential round, as in the thesis, with a larger error. "
+             "In 'hybrid', 'flood' follows the thesis, and 'repair' uses method 'hierarchy' and relaxes the "
+             "borders."),
       field("fraction", &O::fraction, above_to(0, 1), Unit::none,
-            "Of the faces what 'hybrid' keeps when it decimates."),
+            "Share of the faces that 'hybrid' keeps when it decimates."),
   };
 }
 
