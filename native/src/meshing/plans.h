@@ -34,14 +34,14 @@ using Plan = std::span<const Action>;
 
 namespace plans {
 using enum Action;
-inline constexpr std::array crossing{pull_concerned, add_anchor, pull_all, add_anchor, split,    pull_all, split,
-                                     split,          pull_all,   split,    split,      pull_all, split,    split};
-inline constexpr std::array flipped{pull_all, pull_all, add_diagonal, split,    pull_all, split, split,
-                                    pull_all, split,    split,        pull_all, split,    split};
-inline constexpr std::array meeting{pull_concerned, pull_all, pull_all, add_diagonal, split,    pull_all, split,
-                                    split,          pull_all, split,    split,        pull_all, split,    split};
-inline constexpr std::array bent{add_diagonal, add_diagonal, add_diagonal, split, add_diagonal, add_diagonal, split,
-                                 add_diagonal, split,        add_diagonal, split, add_diagonal, split};
+inline constexpr std::array kForCrossing{pull_concerned, add_anchor, pull_all, add_anchor, split,    pull_all, split,
+                                         split,          pull_all,   split,    split,      pull_all, split,    split};
+inline constexpr std::array kForFlipped{pull_all, pull_all, add_diagonal, split,    pull_all, split, split,
+                                        pull_all, split,    split,        pull_all, split,    split};
+inline constexpr std::array kForMeeting{pull_concerned, pull_all, pull_all, add_diagonal, split,    pull_all, split,
+                                        split,          pull_all, split,    split,        pull_all, split,    split};
+inline constexpr std::array kForBent{add_diagonal, add_diagonal, add_diagonal, split, add_diagonal, add_diagonal, split,
+                                     add_diagonal, split,        add_diagonal, split, add_diagonal, split};
 }  // namespace plans
 
 inline constexpr int kAfterSplit = 5;  ///< where in its plan a piece that comes of a split goes on

@@ -162,9 +162,9 @@ class Repairer {
   }
 
   [[nodiscard]] Plan plan_for(std::int32_t l, std::uint8_t faults) const {
-    if (faults & kCrossing) return plans::crossing;
-    if (faults & (kFlipped | kNoArea)) return plans::flipped;
-    return met_[l] ? Plan(plans::meeting) : Plan(plans::bent);
+    if (faults & kCrossing) return plans::kForCrossing;
+    if (faults & (kFlipped | kNoArea)) return plans::kForFlipped;
+    return met_[l] ? Plan(plans::kForMeeting) : Plan(plans::kForBent);
   }
 
   [[nodiscard]] bool is_spared(std::int32_t l, std::uint8_t faults) const { return faults == 0 && spared_[l]; }
