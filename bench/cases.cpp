@@ -20,8 +20,7 @@ namespace {
 
 using SetupPtr = std::shared_ptr<const Setup>;
 
-constexpr double kFinestDetail = 0.00125;  // the finest that needs no finer patches than the default detail
-constexpr std::size_t kScored = 20;        // of the edits, how many are judged: judging takes longer than editing
+constexpr std::size_t kScored = 20;  // of the edits, how many are judged: judging takes longer than editing
 
 PartitionOptions options_of(const Setup& setup, int round, Method method, std::int32_t threads) {
   PartitionOptions options;
@@ -81,7 +80,7 @@ Case partition_case(const SetupPtr& setup, const std::string& name, Method metho
   return {name, run, setup->inner};
 }
 
-/// Another number of regions from a Partitioner that has made some before, as by someone who moves a slider.
+/// Another number of regions from a warm Partitioner: a moved slider.
 Case kept_case(const SetupPtr& setup, const std::string& name, const PartitionOptions& first,
                const std::function<PartitionOptions(int)>& next) {
   const auto partitioner = std::make_shared<Partitioner>(*setup->mesh);

@@ -13,47 +13,30 @@ import json
 import re
 import runpy
 from pathlib import Path
+from typing import Any
 
 import isimp_engine as engine
 
 ROOT = Path(__file__).resolve().parents[1]
 STUB = ROOT / "python" / "isimp_engine" / "_core.pyi"
 DATA = ROOT / "addon" / "isimp" / "engine_options.py"
-HEAD = '''"""The engine's options: name, type, default, range, meaning. Written by scripts/generate.py; do not edit."""
-# ruff: noqa: E501
+HEAD = '''"""The engine's options of partition and meshing. Written by scripts/generate.py; do not edit."""
 
-from typing import Any, NamedTuple
-
-
-class Option(NamedTuple):
-    kind: str  #: "int", "float", "bool" or "str"
-    default: Any
-    about: str  #: what it means
-    words: str = ""  #: the range in words: "in [0, 1)"
-    least: float | None = None
-    above_least: bool = False  #: least itself is no value
-    most: float | None = None
-    below_most: bool = False  #: most itself is no value
-    choices: tuple[str, ...] = ()
-
-    def holds(self, value: float) -> bool:
-        """Whether a number is in the range; infinity and NaN never are."""
-        if not abs(value) < float("inf"):
-            return False
-        low = self.least is None or (value > self.least if self.above_least else value >= self.least)
-        high = self.most is None or (value < self.most if self.below_most else value <= self.most)
-        return low and high
-
+from .option import Option
 '''
-ENDS = ("least", "above_least", "most", "below_most")
 CLASSES = (engine.CleanOptions, engine.MeshingOptions, engine.PartitionOptions)
+
+
+def type_of(field: dict[str, Any]) -> str:
+    """The type of a field as the stub has it."""
+    return f"Literal[{', '.join(map(literal, field['choices']))}]" if "choices" in field else field["type"]
 
 
 def stub_of(kind: type) -> str:
     """The class as the stub has it."""
     fields = kind.fields()
-    attributes = [f"    {field['name']}: {field['type']}" for field in fields]
-    keywords = [f"        {field['name']}: {field['type']} = ...," for field in fields]
+    attributes = [f"    {field['name']}: {type_of(field)}" for field in fields]
+    keywords = [f"        {field['name']}: {type_of(field)} = ...," for field in fields]
     return "\n".join(
         [
             f"class {kind.__name__}:",
@@ -84,22 +67,17 @@ def with_classes(text: str) -> str:
 def data() -> str:
     """The table as the add-on has it."""
     text = HEAD
-    for kind in CLASSES:
-        text += f"\n{kind.__name__.removesuffix('Options').upper()}: dict[str, Option] = {{\n"
+    for name, kind in (("MESHING", engine.MeshingOptions), ("PARTITION", engine.PartitionOptions)):
+        text += f"\n{name}: dict[str, Option] = {{\n"
         for field in kind.fields():
+            facts = {"kind": field["type"].removesuffix(" | None"), "default": field["default"]}
+            facts |= {"words": field.get("range", "")}
+            facts |= {end: field[end] for end in ("least", "above_least", "most", "below_most") if end in field}
+            facts |= {"choices": tuple(field.get("choices", ()))}
             text += f'    "{field["name"]}": Option(\n'
-            words = {
-                "kind": field["type"].removesuffix(" | None"),
-                "default": field["default"],
-                "about": field["about"],
-            }
-            words |= {"words": field.get("range", "")} | {name: field[name] for name in ENDS if name in field}
-            if "choices" in field:
-                words["choices"] = tuple(field["choices"])
-            usual = {"words": "", "above_least": False, "below_most": False}
-            for name, value in words.items():
-                if name in {"kind", "default", "about"} or value != usual.get(name):
-                    text += f"        {name}={literal(value)},\n"
+            for key, value in facts.items():
+                if key in ("kind", "default") or not (value is False or value in ("", ())):  # these are so by default
+                    text += f"        {key}={literal(value)},\n"
             text += "    ),\n"
         text += "}\n"
     return text

@@ -39,6 +39,7 @@ from .steps import (
     Step,
     UnlockRegions,
     check,
+    engine_options,
     short,
     step_from_dict,
 )
@@ -71,6 +72,7 @@ __all__ = [
     "SplitRegion",
     "Step",
     "UnlockRegions",
+    "engine_options",
     "step_from_dict",
 ]
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import time
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -165,13 +164,9 @@ class Session:
         return replace(outcome, numbers=numbers)
 
     def _partition(self, step: rcp.Partition, prepared, before, watch, begin, end) -> Outcome:
-        options = engine.PartitionOptions(
-            **{step.count_by: getattr(step, step.count_by)},
-            noise=None if step.noise < 0 else step.noise,
-            **{name: getattr(step, name) for name in _SAME_NAMES},
-            backend=self.backend,
-            threads=self.threads,
-        )
+        own = rcp.engine_options(step, PARTITION) | {"noise": None if step.noise < 0 else step.noise}
+        own = {name: value for name, value in own.items() if name not in rcp.COUNTS or name == step.count_by}
+        options = engine.PartitionOptions(**own, backend=self.backend, threads=self.threads)
         guides = _guides(step, prepared, before)
         made = engine.within.Made(options, guides, self._part(prepared, guides, step.leave_out))
         args = (prepared.mesh, options, guides, made.part)
@@ -444,7 +439,7 @@ _EDITS = {
 def _apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end, threads: int) -> Outcome:
     """If the polygons violate the bound, repartitions with a smaller one, unless the partition was edited."""
     before = _needs_regions(before)
-    options = engine.MeshingOptions(**{name: getattr(step, name) for name in _OF_MESH}, threads=threads)
+    options = engine.MeshingOptions(**rcp.engine_options(step, MESHING), threads=threads)
 
     def job(of: float, to: float):
         return watch.part("meshing", begin + of * (end - begin), begin + to * (end - begin), engine.Job())
@@ -474,11 +469,6 @@ def _apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end, threads: in
 #: relative time of a step, and of the preparation before the first
 _TIMES = {rcp.Partition: 5.0, rcp.Mesh: 14.0}
 _PREPARING = 3.0
-
-#: settings of steps that are the engine's options, by the same names
-_OF_PARTITION = [f.name for f in dataclasses.fields(rcp.Partition) if f.name in PARTITION]
-_SAME_NAMES = [name for name in _OF_PARTITION if name not in rcp.COUNTS and name != "noise"]  # these mean more here
-_OF_MESH = [f.name for f in dataclasses.fields(rcp.Mesh) if f.name in MESHING]
 
 _APPLY = {
     rcp.AddProxy: _apply_add,

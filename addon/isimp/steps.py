@@ -14,7 +14,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, SupportsIndex
 
-from .engine_options import MESHING, PARTITION, Option
+from .engine_options import MESHING, PARTITION
+from .option import Option
 
 METHODS = PARTITION["method"].choices
 #: settings that give the number of regions, and their defaults
@@ -39,18 +40,20 @@ def check(wrong: bool, message: str) -> None:
         raise RecipeError(message)
 
 
-def _check_options(step: Step, table: dict[str, Option], besides: tuple[str, ...] = ()) -> None:
-    """Refuses settings that the engine would refuse: those of its options that the step has by the same name."""
-    for field in dataclasses.fields(step):
-        option = table.get(field.name)
-        value = getattr(step, field.name)
-        if option is None or value is None or field.name in besides:
-            continue
+def engine_options(step: Step, table: dict[str, Option]) -> dict[str, Any]:
+    """The settings of a step that are the engine's options, by the same names."""
+    return {field.name: getattr(step, field.name) for field in dataclasses.fields(step) if field.name in table}
+
+
+def _check_options(settings: dict[str, Any], table: dict[str, Option]) -> None:
+    """Refuses settings that the engine would refuse."""
+    for name, value in settings.items():
+        option = table[name]
         if option.choices:
             known = ", ".join(option.choices)
-            check(value not in option.choices, f"{field.name} must be one of {known}, got {short(value)}")
+            check(value not in option.choices, f"{name} must be one of {known}, got {short(value)}")
         elif option.kind in {"int", "float"}:
-            check(not option.holds(value), f"{field.name} must be {option.words}, got {value}")
+            check(not option.holds(value), f"{name} must be {option.words}, got {value}")
 
 
 def _check_face(face: int) -> None:
@@ -145,8 +148,9 @@ class Partition(Step):
     def __post_init__(self) -> None:
         self._settle_count()
         check(self.count_by not in COUNTS, f"count_by must be one of {', '.join(COUNTS)}, got {short(self.count_by)}")
-        _check_options(self, PARTITION, besides=("noise",))
-        check(not math.isfinite(self.noise), f"noise must be a length, or below 0, got {self.noise}")
+        options = engine_options(self, PARTITION)
+        check(not math.isfinite(options.pop("noise")), f"noise must be a length, or below 0, got {self.noise}")
+        _check_options(options, PARTITION)
         check(not 0 <= self.influence <= 2, f"influence must be in [0, 2], got {self.influence}")
         check(not 0 <= self.angle <= 180, f"angle must be in [0, 180] degrees, got {self.angle}")
         object.__setattr__(self, "faces", _indices(self.faces) if len(self.faces) else ())
@@ -381,7 +385,8 @@ class Mesh(Step):
     flatten: int = MESHING["flatten"].default
 
     def __post_init__(self) -> None:
-        _check_options(self, MESHING)
+        _check_options(engine_options(self, MESHING), MESHING)
+        check(self.chord_tolerance <= 0, f"chord_tolerance must be above 0, got {self.chord_tolerance}")
 
     def describe(self) -> str:
         return "Mesh"

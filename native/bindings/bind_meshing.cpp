@@ -66,7 +66,7 @@ void bind_result(py::module_& m) {
       .def_property_readonly("loop_start", viewer<PolygonMesh>(&PolygonMesh::loop_start),
                              "(Q,) int32: where each polygon begins in `loops`.")
       .def_property_readonly("polygon_region", viewer<PolygonMesh>(&PolygonMesh::polygon_region),
-                             "(Q,) int32: the region each polygon is of.")
+                             "(Q,) int32: the region of each polygon.")
       .def_property_readonly("planarity", viewer<PolygonMesh>(&PolygonMesh::planarity),
                              "(Q,) float64: largest distance of a corner from the polygon's plane, scene units.")
       .def_property_readonly("source_vertex", viewer<PolygonMesh>(&PolygonMesh::source_vertex),

@@ -60,7 +60,7 @@ void bind_result(py::module_& m) {
       .def_property_readonly("region_normal", viewer<Partition>(&Partition::region_normal),
                              "(R, 3) float64: unit, the area-weighted mean; zero for a region without area.")
       .def_property_readonly("region_locked", &region_locked,
-                             "(R,) bool: whether edits leave a region as it is; see lock_regions.")
+                             "(R,) bool: whether a region is locked against edits; see lock_regions.")
       .def_property_readonly("history", viewer<Partition>(&Partition::history),
                              "(rounds,) float64: the error after each round.")
       .def_readonly("error", &Partition::error, "Sum of area * |n_face - n_region|^2, scene units squared.")
@@ -86,8 +86,9 @@ void bind_result(py::module_& m) {
       .def_property_readonly(
           "distance_max", [](const Partition& part) { return given_or_none(is_bounded(part), part.distance_max); },
           "With a bound: the largest distance of a vertex from its region's plane, scene units; else None.")
-      .def_readonly("snapped", &Partition::snapped,
-                    "The surface is made of so many planes: a gap in the costs of merging that can't be chance.")
+      .def_readonly(
+          "snapped", &Partition::snapped,
+          "Whether the number is that of the planes of the surface: the costs of merging have a significant gap there.")
       .def_property_readonly("report", &report_of, "The numbers of this partition as a dict.")
       .def(py::pickle([](const Partition& self) { return state_of(self); }, &partition_from_state))
       .def("__repr__", [](const Partition& part) {

@@ -99,7 +99,7 @@ class OptionsClass {
         facts["most"] = f.range.high;
         facts["below_most"] = !f.range.with_high;
       }
-      facts["range"] = f.range.low > -std::numeric_limits<double>::infinity() ? words(f.range, f.unit) : std::string();
+      facts["range"] = words(f.range, f.unit);
       facts["unit"] = f.unit == Unit::length ? "length" : "";
       return facts;
     };
@@ -167,8 +167,7 @@ class OptionsClass {
             },
             "The table of the fields, in order: dicts of name, type, default and about. Numbers have range (in words), "
             "unit ('length': scene units), and where there is an end, least and above_least (least itself is no "
-            "value), "
-            "most and below_most. Names of a few have choices.")
+            "value), most and below_most. A field with a few names as values has choices.")
         .def("__repr__",
              [fields, name](const Options& options) {
                std::string text;

@@ -1,5 +1,5 @@
 from os import PathLike
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,13 +79,13 @@ class PartitionOptions:
     leave_out: float
     seed: int
     iterations: int
-    seeding: str
-    method: str
+    seeding: Literal["random", "farthest", "hierarchical"]
+    method: Literal["lloyd", "hierarchy", "teleport", "naive", "queued", "hybrid"]
     threads: int
     backend: str
     nearest: int
-    search: str
-    connect: str
+    search: Literal["grid", "brute"]
+    connect: Literal["repair", "flood"]
     fraction: float
     def __init__(
         self,
@@ -100,13 +100,13 @@ class PartitionOptions:
         leave_out: float = ...,
         seed: int = ...,
         iterations: int = ...,
-        seeding: str = ...,
-        method: str = ...,
+        seeding: Literal["random", "farthest", "hierarchical"] = ...,
+        method: Literal["lloyd", "hierarchy", "teleport", "naive", "queued", "hybrid"] = ...,
         threads: int = ...,
         backend: str = ...,
         nearest: int = ...,
-        search: str = ...,
-        connect: str = ...,
+        search: Literal["grid", "brute"] = ...,
+        connect: Literal["repair", "flood"] = ...,
         fraction: float = ...,
     ) -> None: ...
     @staticmethod

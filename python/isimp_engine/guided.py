@@ -1,4 +1,4 @@
-"""Partitions that keep to what somebody decided: cuts that end inside a region, locked regions, parts of a mesh.
+"""Partitions under constraints: cuts that end inside a region, locked regions, parts of a mesh.
 
 This is the one way to all of it, for the command line and for the add-on; without any of it it is `partition`.
 """

@@ -1,4 +1,4 @@
-"""Barriers from what a mesh shows: sharp edges, borders of a face attribute, edges that somebody marked.
+"""Barriers from a mesh: sharp edges, borders of a face attribute, marked edges.
 
 All give (K, 2) int32 pairs of vertices, edges of the mesh, for the `barriers` of `partition` and of
 `guided.partition_guided`; several are joined by `np.concatenate`.

@@ -107,7 +107,7 @@ def polygonize_within(
     Borders may leave their chords, polygons bend and corners move by half the bound, and by less where that is not
     enough. Where it still is not, and it is known how the partition was made, that is done anew with a lower bound.
     Without a bound it is `polygonize`.
-    jobs: in place of `job`, for who wants to see how far the work is: a job for each stretch of it.
+    jobs: in place of `job`: gives a job for each part of the work, to show its progress.
     """
     stretches = _Stretches(jobs or (lambda begin, end: nullcontext(job)))
     if part.bound is None:

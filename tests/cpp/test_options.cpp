@@ -24,14 +24,12 @@ struct Options {
 
 constexpr auto fields(const Options*) {
   using O = Options;
-  return std::tuple{
-      field("share", &O::share, from_below(0, 1), Unit::none, "A share."),
-      field("length", &O::length, above(0), Unit::length, "A length."),
-      field("count", &O::count, at_least(1), Unit::none, "A count."),
-      field("on", &O::on, "A switch."),
-      field("name", &O::name, "A name."),
-      choice("kind", &O::kind,
-             std::array<Choice<O, Kind, 2>::Value, 2>{{{"plain", Kind::plain}, {"fancy", Kind::fancy}}}, "A kind.")};
+  return std::tuple{field("share", &O::share, from_below(0, 1), Unit::none, "A share."),
+                    field("length", &O::length, above(0), Unit::length, "A length."),
+                    field("count", &O::count, at_least(1), Unit::none, "A count."),
+                    field("on", &O::on, "A switch."),
+                    field("name", &O::name, "A name."),
+                    choice("kind", &O::kind, {{"plain", Kind::plain}, {"fancy", Kind::fancy}}, "A kind.")};
 }
 
 std::string message_of(const Options& options) {

@@ -90,6 +90,7 @@ def test_json_is_what_people_can_write():
             "characters that are not valid in a name",
         ),
         ('{"isimp_recipe": 1, "steps": [{"step": "cut_region", "line": [[1' + "0" * 400 + "]]}]}", "a list of numbers"),
+        ('{"isimp_recipe": 1, "steps": [{"step": "mesh", "chord_tolerance": 0}]}', "chord_tolerance must be above 0"),
         ('{"isimp_recipe": 1, "steps": [{"step": "add_worst", "times": 0}]}', "times must be at least 1, got 0"),
         ('{"isimp_recipe": 1, "steps": [{"step": "cut_region"}]}', "line must have at least 2 points, got 0"),
         (

@@ -11,7 +11,8 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
 from .. import recipe as rcp
-from ..engine_options import MESHING, PARTITION, Option
+from ..engine_options import MESHING, PARTITION
+from ..option import Option
 from . import runtime, targets, weights
 
 _PARTITION, _MESH = rcp.Partition(), rcp.Mesh()

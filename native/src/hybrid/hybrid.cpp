@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "borders/relax.h"
-#include "check_options.h"
 #include "hierarchy/hierarchy.h"
 #include "isimp/core/errors.h"
 #include "isimp/partition/metric.h"
@@ -202,11 +201,9 @@ Partition hybrid(const Surface& surface, const Decimated& all, const PartitionOp
   {
     const Job::Part rounds(job, "flooding", 0.0, 0.9);
     const Surface coarse_surface(coarse.mesh, coarse.guides, job);
-    const bool merged = needs_hierarchy(plain);
-    const Hierarchy hierarchy =
-        merged ? build_hierarchy(coarse_surface, *plain.proxies, job, plain.threads, nodes_for(*plain.proxies))
-               : Hierarchy{};
-    check(coarse_surface, plain);
+    const Hierarchy hierarchy = needs_hierarchy(plain) ? build_hierarchy(coarse_surface, *plain.proxies, job,
+                                                                         plain.threads, nodes_for(*plain.proxies))
+                                                       : Hierarchy{};
     carrier.carry(coarse, by_number(coarse_surface, hierarchy, nullptr, plain, job));
   }
   const Job::Part carrying(job, "carrying back", 0.9, 1.0);

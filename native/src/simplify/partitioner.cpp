@@ -69,23 +69,23 @@ Partition partition(const Surface& surface, const PartitionOptions& options, Job
 
 Partition Partitioner::on_surface(const Surface& surface, Kept kept, const PartitionOptions& options, Job& job) const {
   check(surface, options);
-  if (options.adaptivity == 0) return with_weights(surface, std::move(kept), options, job);
+  const bool finer = options.adaptivity > 0;
   double done = 0.0;
-  if (!kept.reweighted) {
+  if (finer && !kept.reweighted) {
     done = options.proxies ? 0.7 : 0.4;
     const Job::Part stage(job, "finding details", 0.0, done);
     kept.reweighted = reweighted(surface, options, job).guided();
     keep(kept);
   }
   const Job::Part stage(job, "partitioning", done, 1.0);
-  const Surface finer(surface.mesh(), kept.reweighted);
-  return on_original_weights(surface, with_weights(finer, std::move(kept), options, job), options, job);
+  if (!finer) return with_weights(surface, std::move(kept), options, job);
+  const Surface weighted(surface.mesh(), kept.reweighted);
+  return on_original_weights(surface, with_weights(weighted, std::move(kept), options, job), options, job);
 }
 
 /// On a surface whose areas are as they shall be: `options.adaptivity` is in them.
 Partition Partitioner::with_weights(const Surface& surface, Kept kept, const PartitionOptions& options,
                                     Job& job) const {
-  const Job::Part stage(job, "partitioning", 0.0, 1.0);
   job.poll();  // where all is kept, little is polled below
   if (options.bound) return by_bound(surface, options, job);
   if (options.proxies) return by_known_number(surface, std::move(kept), options, job);

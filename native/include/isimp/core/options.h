@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <sstream>
@@ -53,16 +54,18 @@ struct Field {
   const char* about;  ///< a sentence or a few
 };
 
+template <class Enum>
+struct NamedValue {
+  const char* name;
+  Enum value;
+};
+
 /// A member that is an enumeration, with the names of its values.
 template <class Options, class Enum, std::size_t N>
 struct Choice {
-  struct Value {
-    const char* name;
-    Enum value;
-  };
   const char* name;
   Enum Options::*member;
-  std::array<Value, N> values;
+  std::array<NamedValue<Enum>, N> values;
   const char* about;
 };
 
@@ -76,13 +79,18 @@ constexpr Field<Options, T> field(const char* name, T Options::*member, const ch
   return {name, member, any(), Unit::none, about};
 }
 template <class Options, class Enum, std::size_t N>
-constexpr Choice<Options, Enum, N> choice(const char* name, Enum Options::*member,
-                                          const std::array<typename Choice<Options, Enum, N>::Value, N>& values,
+constexpr Choice<Options, Enum, N> choice(const char* name, Enum Options::*member, const NamedValue<Enum> (&values)[N],
                                           const char* about) {
-  return {name, member, values, about};
+  return {name, member, std::to_array(values), about};
+}
+/// The one field that all have.
+template <class Options>
+constexpr auto threads_field(std::int32_t Options::*member) {
+  return field("threads", member, at_least(0), Unit::none,
+               "Number of threads, at most 256. 0: one for each core. The result does not depend on it.");
 }
 
-/// "in [0, 1)", "at least 1", "a finite length above 0".
+/// "in [0, 1)", "at least 1", "a finite length above 0"; "" where there is no end.
 inline std::string words(const Range& range, Unit unit) {
   const double infinity = std::numeric_limits<double>::infinity();
   std::ostringstream text;
@@ -90,7 +98,7 @@ inline std::string words(const Range& range, Unit unit) {
   const bool length = unit == Unit::length;
   if (range.high < infinity) {
     text << "in " << (range.with_low ? '[' : '(') << range.low << ", " << range.high << (range.with_high ? ']' : ')');
-  } else {
+  } else if (range.low > -infinity) {
     if (length) text << (range.infinite ? "a length" : "a finite length") << (range.with_low ? ", " : " ");
     text << (range.with_low ? "at least " : "above ") << range.low;
   }

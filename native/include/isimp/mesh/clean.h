@@ -28,8 +28,7 @@ constexpr auto fields(const CleanOptions*) {
             "Largest length of a border that is closed, in scene units. 0: none."),
       field("cut_handles", &O::cut_handles, at_least_or_infinite(0), Unit::length,
             "Largest length of a loop round a handle or tunnel that is removed, in scene units. 0: none."),
-      field("threads", &O::threads, at_least(0), Unit::none,
-            "Number of threads, at most 256. 0: one for each core. The result does not depend on it."),
+      threads_field(&O::threads),
   };
 }
 

@@ -40,8 +40,7 @@ constexpr auto fields(const MeshingOptions*) {
       field("repair_budget", &O::repair_budget, between(0, 1000), Unit::none,
             "Largest number of splits and diagonals of the repair, as a multiple of the number of polygons. Those "
             "that prove unnecessary are undone."),
-      field("threads", &O::threads, at_least(0), Unit::none,
-            "Number of threads, at most 256. 0: one for each core. The result does not depend on it."),
+      threads_field(&O::threads),
   };
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -61,6 +60,8 @@ struct PartitionOptions {
 
 /// What PartitionOptions::detail is if neither it nor another way to choose the number is given.
 inline constexpr double kDefaultDetail = 0.005;
+/// The finest step of the detail slider, as a share of the surface's size.
+inline constexpr double kFinestDetail = 0.00125;
 
 constexpr auto fields(const PartitionOptions*) {
   using O = PartitionOptions;
@@ -89,36 +90,30 @@ constexpr auto fields(const PartitionOptions*) {
             "together stay below ten times it. 0 keeps every component."),
       field("seed", &O::seed, at_least(0), Unit::none, "Seed of the random numbers."),
       field("iterations", &O::iterations, at_least(1), Unit::none, "Maximum number of rounds of flooding and fitting."),
-      choice(
-          "seeding", &O::seeding,
-          std::array<Choice<O, Seeding, 3>::Value, 3>{
-              {{"random", Seeding::random}, {"farthest", Seeding::farthest}, {"hierarchical", Seeding::hierarchical}}},
-          "First seeds of 'lloyd' and 'teleport'. 'random': distinct random faces. 'farthest': each the face that "
-          "differs most from all seeds before. 'hierarchical': one face in each region of 'hierarchy'."),
+      choice("seeding", &O::seeding,
+             {{"random", Seeding::random}, {"farthest", Seeding::farthest}, {"hierarchical", Seeding::hierarchical}},
+             "First seeds of 'lloyd' and 'teleport'. 'random': distinct random faces. 'farthest': each the face that "
+             "differs most from all seeds before. 'hierarchical': one face in each region of 'hierarchy'."),
       choice("method", &O::method,
-             std::array<Choice<O, Method, 6>::Value, 6>{{{"lloyd", Method::lloyd},
-                                                         {"hierarchy", Method::hierarchy},
-                                                         {"teleport", Method::teleport},
-                                                         {"naive", Method::naive},
-                                                         {"queued", Method::queued},
-                                                         {"hybrid", Method::hybrid}}},
+             {{"lloyd", Method::lloyd},
+              {"hierarchy", Method::hierarchy},
+              {"teleport", Method::teleport},
+              {"naive", Method::naive},
+              {"queued", Method::queued},
+              {"hybrid", Method::hybrid}},
              "How the regions are found. 'hierarchy': merge small patches, then relax the borders; the best and the"
              " fastest. 'lloyd': flood and fit in turn, the method of the 2004 paper. 'teleport': as 'lloyd', then "
              "merge the cheapest pair and split the worst region while the error falls. 'naive' and 'queued': as "
              "'lloyd', with all faces, or all of a queue, flooded at once; for GPUs. 'hybrid': partition a "
              "decimated mesh, and carry the regions back."),
-      field("threads", &O::threads, at_least(0), Unit::none,
-            "Number of threads, at most 256. 0: one for each core. The result does not depend on it."),
+      threads_field(&O::threads),
       field("backend", &O::backend,
             "Where 'naive' and 'queued' run: one of backends(). The labels are the same on all."),
       field("nearest", &O::nearest, between(1, parallel::Flooder::kMostNearest), Unit::none,
             "Number of nearest regions that a face compares in 'naive'."),
-      choice("search", &O::search,
-             std::array<Choice<O, parallel::Search, 2>::Value, 2>{
-                 {{"grid", parallel::Search::grid}, {"brute", parallel::Search::brute}}},
+      choice("search", &O::search, {{"grid", parallel::Search::grid}, {"brute", parallel::Search::brute}},
              "How 'naive' finds them: 'grid', or 'brute', which compares all regions, as in the thesis."),
-      choice("connect", &O::connect,
-             std::array<Choice<O, Connect, 2>::Value, 2>{{{"repair", Connect::repair}, {"flood", Connect::flood}}},
+      choice("connect", &O::connect, {{"repair", Connect::repair}, {"flood", Connect::flood}},
              "How 'naive' and 'queued' make regions connected at the end. 'repair': the largest piece of each "
              "region grows over the others. 'flood': one sequential round, as in the thesis, with a larger error. "
              "In 'hybrid', 'flood' follows the thesis, and 'repair' uses method 'hierarchy' and relaxes the "

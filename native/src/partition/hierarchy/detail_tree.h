@@ -8,14 +8,12 @@
 #include "hierarchy/dendrogram.h"
 #include "isimp/core/job.h"
 #include "isimp/core/threads.h"
+#include "isimp/partition/options.h"
 #include "isimp/partition/regions.h"
 #include "isimp/partition/surface.h"
 #include "parts.h"
 
 namespace isimp {
-
-/// The finest step of the detail slider, as a share of the surface's size.
-inline constexpr double kFinestDetail = 0.00125;
 
 /// What a detail tree is made from; equal ones give equal trees.
 struct DetailSettings {
