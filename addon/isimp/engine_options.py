@@ -17,6 +17,13 @@ MESHING: dict[str, Option] = {
         least=0.0,
         most=100.0,
     ),
+    "join_junctions": Option(
+        kind="float",
+        default=0.8,
+        words="in [0, 100]",
+        least=0.0,
+        most=100.0,
+    ),
     "reach": Option(
         kind="float",
         default=0.01,
@@ -99,6 +106,13 @@ PARTITION: dict[str, Option] = {
     "adaptivity": Option(
         kind="float",
         default=0.0,
+        words="in [0, 1]",
+        least=0.0,
+        most=1.0,
+    ),
+    "smooth": Option(
+        kind="float",
+        default=0.5,
         words="in [0, 1]",
         least=0.0,
         most=1.0,

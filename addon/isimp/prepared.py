@@ -41,6 +41,15 @@ def pair_lengths(prepared: Prepared) -> np.ndarray:
     return np.nan_to_num(np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1))
 
 
+def joined_pairs(prepared: Prepared, separated: np.ndarray) -> np.ndarray:
+    """(E,) bool: which of `face_pairs` no barrier separates. separated: (K, 2) triangles that one does."""
+    pairs = prepared.face_pairs
+    apart = np.sort(prepared.mesh_face[separated], axis=1)
+    count = max(prepared.scan.face_count, 1)
+    ends = np.sort(pairs, axis=1).astype(np.int64)
+    return ~np.isin(ends[:, 0] * count + ends[:, 1], apart[:, 0].astype(np.int64) * count + apart[:, 1])
+
+
 def face_regions(prepared: Prepared, partition) -> np.ndarray:
     """(face_count,) int32 region of each of the user's faces, -1 where it is in none.
 

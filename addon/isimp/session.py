@@ -17,6 +17,7 @@ from .prepared import (
     face_areas,
     face_regions,
     in_users_faces,
+    joined_pairs,
     pair_lengths,
     scan_numbers,
     triangle_at,
@@ -373,14 +374,16 @@ def _apply_smooth(step: rcp.SmoothFaces, prepared, before, watch, begin, end) ->
     inside = np.zeros(count, bool)
     inside[list(step.faces)] = True
     inside &= prepared.face_triangle >= 0
-    partition, label, pairs = before.partition, before.face_region, prepared.face_pairs
+    partition, label = before.partition, before.face_region
+    joined = joined_pairs(prepared, engine.separated_faces(prepared.mesh, partition))
+    pairs = prepared.face_pairs[joined]
     fixed, first = np.array(partition.region_locked, bool), int(label[step.faces[0]])
     locked = first >= 0 and bool(fixed[first])
     if locked:
         partition = engine.unlock_regions(prepared.mesh, partition, triangles_at(prepared, step.faces[:1]))
         fixed[first] = False
     wanted = smoothing.smoothed(label, pairs, inside, fixed, step.rounds, watch.poll)
-    wanted = smoothing.shortened(wanted, pairs, pair_lengths(prepared), inside, fixed)
+    wanted = smoothing.shortened(wanted, pairs, pair_lengths(prepared)[joined], inside, fixed)
     for region in np.unique(label[wanted != label]):
         if not (wanted[label == region] == region).any():
             wanted[label == region] = region  # a brush that covers all of it must not take it away

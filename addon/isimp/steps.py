@@ -128,6 +128,7 @@ class Partition(Step):
     tolerance: float | None = None  #: the same in scene units
     bound: float | None = None  #: largest distance of a vertex from its region's plane, scene units
     adaptivity: float = 0.25  #: smaller regions where the scan is rough
+    smooth: float = PARTITION["smooth"].default  #: 0: least error; 1: cleanest shapes
     noise: float = -1.0  #: standard deviation of the scan's noise, scene units; below 0: estimated
     snap: bool = PARTITION["snap"].default  #: take the number of planes if the scan clearly consists of planes
     seed: int = PARTITION["seed"].default
@@ -382,6 +383,7 @@ class Mesh(Step):
     """Turn the regions into polygons."""
 
     chord_tolerance: float = MESHING["chord_tolerance"].default
+    join_junctions: float = MESHING["join_junctions"].default
     flatten: int = MESHING["flatten"].default
 
     def __post_init__(self) -> None:
@@ -412,6 +414,12 @@ KINDS = {
     Improve: "improve",
     Mesh: "mesh",
 }
+#: What steps saved by earlier versions lack, and the values that mean what they meant. A saved step has all settings
+#: of its version, so one that has the first of these but not the second is one; people write fewer.
+_EARLIER: dict[str, tuple[set[str], dict[str, Any]]] = {
+    "partition": ({"seed", "leave_out"}, {"smooth": 0.0}),
+    "mesh": ({"chord_tolerance", "flatten"}, {"join_junctions": 0.0}),
+}
 _TYPES: dict[str, type[Step]] = {kind: cls for cls, kind in KINDS.items()}
 _ACCEPTS: dict[str, type | tuple[type, ...]] = {
     "bool": bool,
@@ -436,7 +444,8 @@ def step_from_dict(values: Any) -> Step:
             raise RecipeError(f"{kind} has no setting {short(name)}")
         wanted = "list" if fields[name].type.startswith("tuple") else fields[name].type.removesuffix(" | None")
         _check_value(f"{name} of {kind}", wanted, value)
-    return _TYPES[kind](**values)
+    names, meant = _EARLIER.get(kind, (set(), {}))
+    return _TYPES[kind](**(meant | values if names <= values.keys() else values))
 
 
 def _check_value(what: str, wanted: str, value: Any) -> None:

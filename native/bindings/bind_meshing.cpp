@@ -44,14 +44,14 @@ py::dict report_of(const MeshingReport& r) {
   return py::dict(
       "polygons"_a = r.polygons, "corners"_a = r.corners, "vertices"_a = r.vertices, "regions"_a = r.regions,
       "regions_split"_a = r.regions_split, "merged_without_area"_a = r.merged_without_area,
-      "split_for_unconnected"_a = r.split_for_unconnected, "split_for_holes"_a = r.split_for_holes,
-      "split_for_handles"_a = r.split_for_handles, "split_for_pinches"_a = r.split_for_pinches,
-      "split_for_closed"_a = r.split_for_closed, "split_for_repair"_a = r.split_for_repair, "closed"_a = r.closed,
-      "manifold"_a = r.manifold, "euler"_a = r.euler, "planarity_max"_a = r.planarity_max,
-      "planarity_mean"_a = r.planarity_mean, "distance_max"_a = r.distance_max, "crossing"_a = r.crossing,
-      "flipped"_a = r.flipped, "bent"_a = r.bent, "intersecting"_a = r.intersecting, "excused"_a = r.excused,
-      "excused_at_least"_a = r.excused_at_least, "without_area"_a = r.without_area, "diagonals"_a = r.diagonals,
-      "repair_rounds"_a = r.repair_rounds, "repair_capped"_a = r.repair_capped,
+      "joined_junctions"_a = r.joined_junctions, "split_for_unconnected"_a = r.split_for_unconnected,
+      "split_for_holes"_a = r.split_for_holes, "split_for_handles"_a = r.split_for_handles,
+      "split_for_pinches"_a = r.split_for_pinches, "split_for_closed"_a = r.split_for_closed,
+      "split_for_repair"_a = r.split_for_repair, "closed"_a = r.closed, "manifold"_a = r.manifold, "euler"_a = r.euler,
+      "planarity_max"_a = r.planarity_max, "planarity_mean"_a = r.planarity_mean, "distance_max"_a = r.distance_max,
+      "crossing"_a = r.crossing, "flipped"_a = r.flipped, "bent"_a = r.bent, "intersecting"_a = r.intersecting,
+      "excused"_a = r.excused, "excused_at_least"_a = r.excused_at_least, "without_area"_a = r.without_area,
+      "diagonals"_a = r.diagonals, "repair_rounds"_a = r.repair_rounds, "repair_capped"_a = r.repair_capped,
       "work"_a = py::dict("faces"_a = r.work.faces, "corners"_a = r.work.corners, "polygons"_a = r.work.polygons),
       "imperfect"_a = imperfections(r));
 }

@@ -86,6 +86,8 @@ void bind_result(py::module_& m) {
       .def_property_readonly(
           "distance_max", [](const Partition& part) { return given_or_none(is_bounded(part), part.distance_max); },
           "With a bound: the largest distance of a vertex from its region's plane, scene units; else None.")
+      .def_readonly("smooth", &Partition::smooth,
+                    "PartitionOptions.smooth with which it was made; 0 where another method made it.")
       .def_readonly(
           "snapped", &Partition::snapped,
           "Whether the number is that of the planes of the surface: the costs of merging have a significant gap there.")
@@ -133,6 +135,19 @@ The mesh keeps intermediate results, so another number, detail or tolerance take
 Raises InvalidInput (an option out of its range, a weight or barrier that can't be used) or Cancelled.
 Cost: method 'hierarchy' O(F), the others O(iterations * F).
 Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.)");
+  m.def(
+      "separated_faces",
+      [](const KeptMesh& mesh, const Partition& part) {
+        const auto pairs = separated_faces(Surface(mesh, part.guided));
+        py::array_t<std::int32_t> result({static_cast<py::ssize_t>(pairs.size()), py::ssize_t{2}});
+        for (std::size_t k = 0; k < pairs.size(); ++k)
+          for (int i = 0; i < 2; ++i) result.mutable_at(k, i) = pairs[k][i];
+        return result;
+      },
+      "mesh"_a, "part"_a,
+      R"((K, 2) int32: faces of the mesh that share an edge which a barrier of the partition lies on.
+
+Edits treat such faces as no neighbours. Cost: O(F).)");
   m.def(
       "partition_from",
       [](const KeptMesh& mesh, const py::object& face_region, Job* job, const std::optional<py::object>& weights,

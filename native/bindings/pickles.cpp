@@ -64,26 +64,27 @@ std::shared_ptr<const GuidedGraph> unpack_guided(const py::object& packed, std::
 
 py::tuple pack_report(const MeshingReport& report) {
   const auto& [polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
-               closed_regions, repair, merged, closed, manifold, euler, planarity_max, planarity_mean, distance_max,
-               crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect, diagonals,
-               rounds, work, capped] = report;
+               closed_regions, repair, merged, joined, closed, manifold, euler, planarity_max, planarity_mean,
+               distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect,
+               diagonals, rounds, work, capped] = report;
   const auto& [work_faces, work_corners, work_polygons] = work;
   return pack_all(polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
-                  closed_regions, repair, merged, closed, manifold, euler, planarity_max, planarity_mean, distance_max,
-                  crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect, diagonals,
-                  rounds, work_faces, work_corners, work_polygons, capped);
+                  closed_regions, repair, merged, joined, closed, manifold, euler, planarity_max, planarity_mean,
+                  distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least, without_area,
+                  imperfect, diagonals, rounds, work_faces, work_corners, work_polygons, capped);
 }
 
 MeshingReport unpack_report(const py::tuple& packed) {
   MeshingReport report;
   auto& [polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches, closed_regions,
-         repair, merged, closed, manifold, euler, planarity_max, planarity_mean, distance_max, crossing, flipped, bent,
-         intersecting, excused, excused_at_least, without_area, imperfect, diagonals, rounds, work, capped] = report;
+         repair, merged, joined, closed, manifold, euler, planarity_max, planarity_mean, distance_max, crossing,
+         flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect, diagonals, rounds, work,
+         capped] = report;
   auto& [work_faces, work_corners, work_polygons] = work;
   unpack_all(packed, polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
-             closed_regions, repair, merged, closed, manifold, euler, planarity_max, planarity_mean, distance_max,
-             crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect, diagonals,
-             rounds, work_faces, work_corners, work_polygons, capped);
+             closed_regions, repair, merged, joined, closed, manifold, euler, planarity_max, planarity_mean,
+             distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect,
+             diagonals, rounds, work_faces, work_corners, work_polygons, capped);
   for (const Imperfection& i : imperfect) check(i.flaw <= Flaw::excused);
   return report;
 }
@@ -112,21 +113,22 @@ std::shared_ptr<KeptMesh> mesh_from(const py::tuple& state) {
 }
 
 py::tuple state_of(const Partition& partition) {
-  const auto& [face_region, region_seed, region_normal, region_sum, error, history, tolerance, noise, snapped, bound,
-               distance_max, region_offset, asked, needed, left_out, area_left_out, guided, locked] = partition;
+  const auto& [face_region, region_seed, region_normal, region_sum, error, history, smooth, tolerance, noise, snapped,
+               bound, distance_max, region_offset, asked, needed, left_out, area_left_out, guided, locked] = partition;
   return py::make_tuple(
-      pack_all(face_region, region_seed, region_normal, region_sum, error, history, tolerance, noise, snapped, bound,
-               distance_max, region_offset, asked, needed, left_out, area_left_out, locked),
+      pack_all(face_region, region_seed, region_normal, region_sum, error, history, smooth, tolerance, noise, snapped,
+               bound, distance_max, region_offset, asked, needed, left_out, area_left_out, locked),
       pack_guided(guided));
 }
 
 Partition partition_from_state(const py::tuple& state) {
   check(state.size() == 2);
   Partition partition;
-  auto& [face_region, region_seed, region_normal, region_sum, error, history, tolerance, noise, snapped, bound,
+  auto& [face_region, region_seed, region_normal, region_sum, error, history, smooth, tolerance, noise, snapped, bound,
          distance_max, region_offset, asked, needed, left_out, area_left_out, guided, locked] = partition;
-  unpack_all(state[0].cast<py::tuple>(), face_region, region_seed, region_normal, region_sum, error, history, tolerance,
-             noise, snapped, bound, distance_max, region_offset, asked, needed, left_out, area_left_out, locked);
+  unpack_all(state[0].cast<py::tuple>(), face_region, region_seed, region_normal, region_sum, error, history, smooth,
+             tolerance, noise, snapped, bound, distance_max, region_offset, asked, needed, left_out, area_left_out,
+             locked);
   const std::size_t faces = face_region.size(), regions = region_seed.size();
   check(region_normal.size() == regions && region_sum.size() == regions && all_in(region_seed, 0, faces));
   check((region_offset.empty() || region_offset.size() == regions) && (locked.empty() || locked.size() == regions));

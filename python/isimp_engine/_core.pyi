@@ -76,6 +76,7 @@ class PartitionOptions:
     noise: float | None
     snap: bool
     adaptivity: float
+    smooth: float
     leave_out: float
     seed: int
     iterations: int
@@ -97,6 +98,7 @@ class PartitionOptions:
         noise: float | None = ...,
         snap: bool = ...,
         adaptivity: float = ...,
+        smooth: float = ...,
         leave_out: float = ...,
         seed: int = ...,
         iterations: int = ...,
@@ -133,6 +135,8 @@ class Partition:
     @property
     def noise(self) -> float | None: ...
     @property
+    def smooth(self) -> float: ...
+    @property
     def snapped(self) -> bool: ...
     @property
     def region_offset(self) -> NDArray[np.float64]: ...
@@ -158,6 +162,7 @@ def partition(
     weights: NDArray[np.floating] | None = None,
     barriers: NDArray[np.integer] | None = None,
 ) -> Partition: ...
+def separated_faces(mesh: Mesh, part: Partition) -> NDArray[np.int32]: ...
 def partition_from(
     mesh: Mesh,
     face_region: NDArray[np.integer],
@@ -201,6 +206,7 @@ def backends() -> list[str]: ...
 class MeshingOptions:
     chord_tolerance: float
     chord_area: float
+    join_junctions: float
     reach: float
     flatten: int
     flatness_from: int
@@ -212,6 +218,7 @@ class MeshingOptions:
         *,
         chord_tolerance: float = ...,
         chord_area: float = ...,
+        join_junctions: float = ...,
         reach: float = ...,
         flatten: int = ...,
         flatness_from: int = ...,

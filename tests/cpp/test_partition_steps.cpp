@@ -209,6 +209,51 @@ TEST(MergeGreedily, TakesTheCheapestPairEveryTime) {
   }
 }
 
+TEST(MergeGreedily, TakesOffWhatTheBorderCosts) {
+  // Normals that turn by a little: the first pair is the cheapest, unless a border costs more than that.
+  const std::vector<RegionSum> sums{node(1, 0), node(1, 0.1), node(1, 0.3)};
+  const std::vector<std::int32_t> need{1};
+  Job job;
+  MergeGraph g = chain(3);
+  EXPECT_EQ(merge_greedily(g, sums, need, 2, job), (std::vector<std::int32_t>{0, 0, 1}));
+  g.border = {0, 0, 0.1, 0.1};
+  EXPECT_EQ(merge_greedily(g, sums, need, 2, job), (std::vector<std::int32_t>{0, 1, 1}));
+}
+
+TEST(MergeGreedily, AddsUpBordersWithWhatHasMerged) {
+  // A ring round node 0; 1 and 2 merge first, and then share two borders with 0: more than 3 does alone.
+  const std::vector<RegionSum> sums{node(1, 1), node(0, 1), node(0, 1), node(1, 0)};
+  MergeGraph g;
+  g.sum.resize(4);
+  g.first = {0, 3, 5, 7, 8};
+  g.neighbour = {1, 2, 3, 0, 2, 0, 1, 0};
+  g.border = {0.3, 0.3, 0.5, 0.3, 0, 0.3, 0, 0.5};
+  const std::vector<std::int32_t> need{1};
+  Job job;
+  EXPECT_EQ(merge_greedily(g, sums, need, 3, job), (std::vector<std::int32_t>{0, 1, 2, 0}));
+  g.border[4] = g.border[6] = 1;
+  EXPECT_EQ(merge_greedily(g, sums, need, 2, job), (std::vector<std::int32_t>{0, 0, 0, 1}));
+}
+
+TEST(BorderLengths, AreThoseOfTheMeshOnAnyThreads) {
+  // The unit square cut at a quarter and at half of its height.
+  const Mesh mesh = shapes::mesh(shapes::plane(8));
+  const FaceGraph& graph = mesh.graph();
+  std::vector<std::int32_t> label(graph.faces.size(), kNone), faces;
+  for (std::int32_t i = 0; i < graph.size(); ++i) {
+    const Triangle& t = mesh.triangles()[graph.mesh_face[i]];
+    const double y = (mesh.vertices()[t[0]] + mesh.vertices()[t[1]] + mesh.vertices()[t[2]]).y() / 3;
+    label[i] = y < 0.25 ? 0 : y < 0.5 ? 1 : 2;
+    faces.push_back(i);
+  }
+  const MergeGraph touching = graph_of_regions(graph, label, 3, {}, faces);
+  for (const int threads : {1, 3}) {
+    const std::vector<double> lengths = border_lengths(mesh, label, faces, touching, Threads(threads));
+    ASSERT_EQ(lengths.size(), 4U);
+    for (const double length : lengths) EXPECT_NEAR(length, 1.0, 1e-9);
+  }
+}
+
 TEST(MergeRound, PairsUpWhatIsMutuallyCheapest) {
   MergeGraph g = chain(4);
   g.sum = {{1, 0, 0, 1}, {1, 0, 0, 1}, {0, 1, 0, 1}, {0, 1, 0, 1}};
@@ -228,7 +273,7 @@ TEST(PatchRelaxation, MovesAStrayPatchHome) {
   g.sum = {{1, 0, 0, 1}, {1, 0, 0, 1}, {0, 1, 0, 1}, {0, 1, 0, 1}};
   std::vector<std::int32_t> label{0, 1, 1, 1};
   Job job;
-  relax_patches(g, label, 2, 5, Threads(1), job);
+  relax_patches(g, label, 2, 0.0, 5, Threads(1), job);
   EXPECT_EQ(label, (std::vector<std::int32_t>{0, 0, 1, 1}));
 }
 
@@ -243,9 +288,9 @@ TEST(PatchRelaxation, MovesPatchesAcrossTheEdgesOfBlocks) {
   }
   Job job;
   std::vector<std::int32_t> one = label;
-  relax_patches(g, one, 5, 200, Threads(1), job);
+  relax_patches(g, one, 5, 0.0, 200, Threads(1), job);
   for (std::int32_t u = 0; u < 10000; ++u) ASSERT_EQ(one[u], u / 2050) << "patch " << u;
-  relax_patches(g, label, 5, 200, Threads(3), job);
+  relax_patches(g, label, 5, 0.0, 200, Threads(3), job);
   EXPECT_EQ(label, one);
 }
 
@@ -254,7 +299,7 @@ TEST(Relaxation, MovesTheBorderToTheCrease) {
   Regions r{{0, 1, 1, 1, 1, 1, kNone}, std::vector<RegionSum>(2)};
   Job job;
   sum_regions(g, r, job);
-  Relaxation<GraphLabels> relaxation(g, {r.label.data()}, r.sum, 0.0);
+  Relaxation<GraphLabels> relaxation(g, {r.label.data()}, r.sum, BorderWeight{});
   for (std::int32_t i = 0; i < 6; ++i) relaxation.push_if_border(i);
   EXPECT_EQ(relaxation.run(10, job), 2);
   EXPECT_EQ(r.label, (std::vector<std::int32_t>{0, 0, 0, 1, 1, 1, kNone}));
@@ -262,16 +307,18 @@ TEST(Relaxation, MovesTheBorderToTheCrease) {
 }
 
 /// Relaxes what two rounds of flooding leave, and sees that no region is torn or emptied and that the sums are kept.
-Regions relaxed(const Mesh& mesh, std::int32_t proxies, std::int32_t threads) {
+Regions relaxed(const Mesh& mesh, std::int32_t proxies, std::int32_t threads, BorderWeight weight = {}) {
   Job job;
   const Parts parts = find_parts(mesh, proxies, 0, job);
   std::vector<double> history;
   Regions r = lloyd(mesh.graph(), random_seeds(mesh, parts, share_out(parts), 2, job), 2, history, job);
   const double before = r.error();
-  Relaxation<GraphLabels> relaxation(mesh.graph(), {r.label.data()}, r.sum, 0.0, Threads(threads));
+  Relaxation<GraphLabels> relaxation(mesh.graph(), {r.label.data()}, r.sum, weight, Threads(threads));
   for (std::int32_t i = 0; i < mesh.face_count(); ++i) relaxation.push_if_border(i);
   EXPECT_GT(relaxation.run(50, job), proxies);
-  EXPECT_LT(r.error(), before);
+  if (!weight.is_wide) {
+    EXPECT_LT(r.error(), before);
+  }
   Regions moved = r;
   sum_regions(mesh.graph(), r, job);
   for (std::int32_t k = 0; k < proxies; ++k) {
@@ -285,6 +332,53 @@ Regions relaxed(const Mesh& mesh, std::int32_t proxies, std::int32_t threads) {
     for (const std::int32_t i : faces) labels.set(i, k);
   }
   return moved;
+}
+
+TEST(Relaxation, WideBordersBecomeStraight) {
+  // A flat square in two halves whose border goes up and down by three rows: counted over all faces that share a
+  // vertex nothing but the straight line is short.
+  const Mesh mesh = shapes::mesh(shapes::plane(24));
+  const FaceGraph& graph = mesh.graph();
+  Regions r{std::vector<std::int32_t>(graph.faces.size(), kNone), std::vector<RegionSum>(2)};
+  std::vector<std::int32_t> faces;
+  for (std::int32_t i = 0; i < graph.size(); ++i) {
+    const Triangle& t = mesh.triangles()[graph.mesh_face[i]];
+    const Vec3 c = (mesh.vertices()[t[0]] + mesh.vertices()[t[1]] + mesh.vertices()[t[2]]) / 3;
+    r.label[i] = c.y() < 0.5 + 0.06 * std::sin(30 * c.x()) ? 0 : 1;
+    faces.push_back(i);
+  }
+  Job job;
+  sum_regions(graph, r, job);
+  const auto length = [&] {
+    return border_lengths(mesh, r.label, faces, graph_of_regions(graph, r.label, 2, {}, faces), Threads(1))[0];
+  };
+  EXPECT_GT(length(), 1.4);
+  const Regions start = r;
+  const auto relax = [&](BorderWeight weight) {
+    r = start;
+    Relaxation<GraphLabels> relaxation(graph, {r.label.data()}, r.sum, weight);
+    for (const std::int32_t i : faces) relaxation.push_if_border(i);
+    relaxation.run(200, job);
+    return length();
+  };
+  const double edges_alone = relax(border_weight(0.05)), wide = relax(border_weight(0.05, 1.0, graph.size(), 2));
+  EXPECT_LT(wide, 1.25);
+  EXPECT_LT(wide, 0.95 * edges_alone);
+}
+
+TEST(Relaxation, WideBordersAreTheSameOnAnyThreads) {
+  const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(6), 0.004, 3));
+  const BorderWeight weight = border_weight(0.05, 0.5, mesh.face_count(), 400);
+  const Regions one = relaxed(mesh, 400, 1, weight), three = relaxed(mesh, 400, 3, weight);
+  EXPECT_EQ(one.label, three.label);
+}
+
+TEST(BorderWeight, IsForALengthAtAnyResolution) {
+  // Four times the faces: edges are half as long, so that a border has twice as many.
+  const BorderWeight coarse = border_weight(0.04, 0.5, 10000, 100), fine = border_weight(0.04, 0.5, 40000, 100);
+  EXPECT_NEAR(coarse.edge / 10000, 2 * fine.edge / 40000, 1e-12);
+  EXPECT_FALSE(border_weight(0.04, 0.0, 10000, 100).is_wide);
+  EXPECT_NEAR(border_weight(0.0, 0.5, 10000, 100).edge, 0, 1e-12) << "exact shapes are left alone";
 }
 
 TEST(Relaxation, WeighsAFaceAsItIsHoweverLargeBesideItsRegion) {

@@ -44,6 +44,14 @@ def test_json_is_what_people_can_write():
     assert Recipe.from_json(text) == Recipe((Partition(proxies=6), Mesh(chord_tolerance=1)))
 
 
+def test_steps_saved_before_a_setting_was_there_mean_what_they_meant():
+    for step, name, value in ((Partition(proxies=6), "smooth", 0.0), (Mesh(), "join_junctions", 0.0)):
+        saved = step.to_dict()
+        assert rcp.step_from_dict(saved) == step
+        del saved[name]
+        assert getattr(rcp.step_from_dict(saved), name) == value != getattr(step, name)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

@@ -95,6 +95,12 @@ class PartitionSettings:
         default=_PARTITION.adaptivity,
         **_range(PARTITION["adaptivity"]),
     )
+    smooth: FloatProperty(
+        name="Smooth",
+        description="How much short, straight borders count beside the error. 0: least error. 1: cleanest shapes",
+        default=_PARTITION.smooth,
+        **_range(PARTITION["smooth"]),
+    )
     noise: FloatProperty(
         name="Noise",
         description="Standard deviation of the scan's points, in the scan's units. Below 0: estimated",
@@ -227,6 +233,14 @@ class MeshSettings:
         default=_MESH.chord_tolerance,
         min=0.01,
         soft_max=2.0,
+    )
+    join_junctions: FloatProperty(
+        name="Join Junctions",
+        description="Largest distance at which two vertices of three polygons become one vertex of four, as a share "
+        "of a region's size, where that gives better polygons. 0: none",
+        default=_MESH.join_junctions,
+        soft_max=2.0,
+        **_range(MESHING["join_junctions"]),
     )
     flatten: IntProperty(
         name="Planarize",

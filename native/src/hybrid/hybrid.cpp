@@ -178,7 +178,7 @@ class Carrier {
 void relax_borders(const FaceGraph& graph, Regions& regions, const Threads& threads, Job& job) {
   constexpr int kSweeps = 60;
   Relaxation<GraphLabels> relaxation(graph, {regions.label.data()}, regions.sum,
-                                     0.5 * light_border_weight(regions.error()), threads);
+                                     BorderWeight{0.5 * light_border_weight(regions.error()).edge}, threads);
   for (std::int32_t i = 0; i < graph.size(); ++i) relaxation.push_if_border(i);
   relaxation.run(kSweeps, job);
 }

@@ -87,8 +87,7 @@ void Edit::move(std::int32_t i, std::int32_t to) {
 }
 
 std::vector<std::int32_t> Edit::relax(std::span<const std::int32_t> faces, std::int32_t pinned, Job& job) {
-  Relaxation<EditLabels> relaxation(graph, labels, result.region_sum,
-                                    border_weight(graph.area > 0 ? result.error / graph.area : 0.0));
+  Relaxation<EditLabels> relaxation(graph, labels, result.region_sum, border_weight_of(result, graph));
   relaxation.pin(pinned);
   for (const std::int32_t face : faces) {
     relaxation.push_if_border(face);

@@ -3,11 +3,13 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <utility>
 
 #include "coarsen.h"
 #include "findings.h"
+#include "junctions.h"
 #include "plans.h"
 #include "sorted.h"
 
@@ -32,7 +34,11 @@ class Repairer {
   RepairOutcome run() {
     {
       const Job::Part part(job_, "repairing", 0.0, 0.25);
-      judge(s_.update({}));
+      s_.update({});
+      outcome_.joined = join_junctions(s_, job_);
+      std::vector<std::int32_t> all(s_.labels.pieces.size());
+      std::iota(all.begin(), all.end(), 0);
+      judge(all);
       mend(kRounds);
     }
     {

@@ -12,6 +12,7 @@ struct RepairOutcome {
   bool excused_at_least = false;               ///< whether counting stopped at kMostCounted
   std::int32_t without_area = 0;               ///< polygons that are a face of the scan without area
   std::int32_t splits = 0, diagonals = 0, bends = 0, pulls = 0, rounds = 0;
+  std::int32_t joined = 0;      ///< pairs of junctions
   std::int32_t taken_back = 0;  ///< polygons that splits and diagonals had made and that were not needed
   MeshingWork work;
   bool capped = false;  ///< something is left, and more splits were wanted than allowed

@@ -10,6 +10,7 @@ namespace isimp {
 void take_how_found(Partition& part, const Partition& before) {
   part.bound = before.bound;
   part.distance_max = before.distance_max;
+  part.smooth = before.smooth;
   part.tolerance = before.tolerance;
   part.noise = before.noise;
   part.snapped = before.snapped;

@@ -23,7 +23,8 @@ namespace isimp {
 namespace {
 
 constexpr int kSweeps = 200;  // of the borders between flooding and teleports
-constexpr int kTries = 50;    // of teleports in a row that do not pay, before a round ends
+constexpr int kSmoothSweeps = 60;
+constexpr int kTries = 50;  // of teleports in a row that do not pay, before a round ends
 
 /// Teleports until none helps. The borders are relaxed before and after, so what comes in is given back if it was
 /// better.
@@ -45,6 +46,14 @@ Regions teleport(const Surface& surface, const Parts& parts, Regions regions, st
   return regions;
 }
 
+/// Relaxes the borders of regions for their shape.
+void smooth_borders(const FaceGraph& graph, Regions& regions, double smooth, const Threads& threads, Job& job) {
+  Relaxation<GraphLabels> relaxation(graph, {regions.label.data()}, regions.sum,
+                                     border_weight(regions.error(), smooth, graph.size(), regions.count()), threads);
+  for (std::int32_t i = 0; i < graph.size(); ++i) relaxation.push_if_border(i);
+  relaxation.run(kSmoothSweeps, job);
+}
+
 std::vector<std::int32_t> first_seeds(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts,
                                       const PartitionOptions& options, const Threads& threads, Job& job) {
   Job::Part stage(job, "seeding", 0.0, 0.1);
@@ -55,7 +64,7 @@ std::vector<std::int32_t> first_seeds(const Surface& surface, const Hierarchy& h
     case Seeding::farthest:
       return farthest_seeds(surface, parts, share, options.seed, job);
     case Seeding::hierarchical:
-      return nearest_faces(surface.graph(), optimise(surface, hierarchy, parts, threads, job), job, threads);
+      return nearest_faces(surface.graph(), optimise(surface, hierarchy, parts, 0.0, threads, job), job, threads);
   }
   throw InvalidInput("the seeding is none of those known");
 }
@@ -83,7 +92,7 @@ Partition by_number(const Surface& surface, const Hierarchy& hierarchy, parallel
   std::vector<double> history;
   Regions regions;
   if (options.method == Method::hierarchy) {
-    regions = optimise(surface, hierarchy, parts, threads, job);
+    regions = optimise(surface, hierarchy, parts, options.smooth, threads, job);
   } else {
     std::vector<std::int32_t> seeds = first_seeds(surface, hierarchy, parts, options, threads, job);
     const Job::Part rounds(job, "flooding", 0.1, options.method == Method::teleport ? 0.6 : 1.0);
@@ -94,7 +103,9 @@ Partition by_number(const Surface& surface, const Hierarchy& hierarchy, parallel
     regions = teleport(surface, parts, std::move(regions), history, job);
   }
   if (history.empty()) history.push_back(regions.error());
-  return make_partition(surface, parts, regions, std::move(history), threads, job);
+  Partition result = make_partition(surface, parts, regions, std::move(history), threads, job);
+  if (options.method == Method::hierarchy) result.smooth = options.smooth;
+  return result;
 }
 
 Partition by_bound(const Surface& surface, const PartitionOptions& options, Job& job) {
@@ -131,12 +142,14 @@ Partition by_detail(const Surface& surface, const DetailTree& tree, const Partit
   const Threads threads(options.threads);
   const double tolerance = options.tolerance.value_or(options.detail.value_or(kDefaultDetail) * tree.size());
   const Cut cut = tree.choose(tolerance, options.snap);
-  const Regions regions = tree.regions(surface, cut, threads, job);
+  Regions regions = tree.regions(surface, cut, threads, job);
+  if (options.smooth > 0) smooth_borders(surface.graph(), regions, options.smooth, threads, job);
   Partition result = make_partition(surface, tree.parts(), regions, {regions.error()}, threads, job);
   result.proxies_asked = result.region_count();
   result.tolerance = tolerance;
   result.noise = tree.noise();
   result.snapped = cut.snapped;
+  result.smooth = options.smooth;
   return result;
 }
 

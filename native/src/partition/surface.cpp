@@ -125,4 +125,18 @@ Surface Surface::weighted(std::span<const float> weights) const {
   return {*mesh_, std::move(guided)};
 }
 
+std::vector<std::array<std::int32_t, 2>> separated_faces(const Surface& surface) {
+  std::vector<std::array<std::int32_t, 2>> pairs;
+  if (!surface.guided()) return pairs;
+  const Mesh& mesh = surface.mesh();
+  const FaceGraph& graph = surface.graph();
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+    for (std::int32_t k = 0; k < 3; ++k) {
+      const std::int32_t o = mesh.opposite(3 * f + k);
+      if (o != kNone && f < o / 3 && graph.neighbours[graph.graph_face[f]][k] == graph.size())
+        pairs.push_back({f, o / 3});
+    }
+  return pairs;
+}
+
 }  // namespace isimp

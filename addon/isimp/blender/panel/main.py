@@ -69,6 +69,7 @@ class ISIMP_PT_options(Panel, bpy.types.Panel):
             column.prop(partition, name)
         layout.prop(partition, "leave_out", text="Leave Out")
         layout.prop(partition, "adaptivity", slider=True)
+        layout.prop(partition, "smooth", slider=True)
         layout.prop(partition, "weights", icon="GROUP_VERTEX")
         if partition.weights:
             layout.prop(partition, "influence", slider=True)

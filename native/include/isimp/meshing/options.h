@@ -11,6 +11,7 @@ namespace isimp {
 struct MeshingOptions {
   double chord_tolerance = 0.7;
   double chord_area = 0.53;
+  double join_junctions = 0.8;
   double reach = 0.01;
   std::int32_t flatten = 30;
   std::int32_t flatness_from = 100;
@@ -28,6 +29,9 @@ constexpr auto fields(const MeshingOptions*) {
       field("chord_area", &O::chord_area, between(0, 100), Unit::none,
             "Largest share of a region's area that its chords may add or leave out, so that small regions keep "
             "their shape. Larger where the two regions are nearly coplanar."),
+      field("join_junctions", &O::join_junctions, between(0, 100), Unit::none,
+            "Largest distance of two vertices where three regions meet that become one vertex, as a share of "
+            "sqrt(area / regions), if the polygons round them get better by it. 0: none do."),
       field("reach", &O::reach, between(0, 1), Unit::none,
             "Largest distance of a corner from its vertex of the scan, as a share of the diagonal."),
       field("flatten", &O::flatten, between(0, 10000), Unit::none,

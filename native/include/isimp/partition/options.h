@@ -45,6 +45,7 @@ struct PartitionOptions {
   std::optional<double> noise = std::nullopt;
   bool snap = true;
   double adaptivity = 0.0;
+  double smooth = 0.5;
   double leave_out = 0.001;
   std::uint64_t seed = 1;
   std::int32_t iterations = 20;
@@ -85,6 +86,9 @@ constexpr auto fields(const PartitionOptions*) {
             "tolerance."),
       field("adaptivity", &O::adaptivity, between(0, 1), Unit::none,
             "Smaller regions where the surface is rough. 0.25 suits figures, 0 suits buildings and drawn models."),
+      field("smooth", &O::smooth, between(0, 1), Unit::none,
+            "How much short, straight borders count beside the error. 0: least error. 1: cleanest shapes. For method "
+            "'hierarchy', and for detail and tolerance."),
       field("leave_out", &O::leave_out, from_below(0, 1), Unit::none,
             "Components below this share of the total area get no region, smallest first, as long as all of them "
             "together stay below ten times it. 0 keeps every component."),

@@ -69,4 +69,9 @@ class Surface {
   std::shared_ptr<const GuidedGraph> guided_;
 };
 
+/// The pairs of faces of the mesh that share an edge, but are no neighbours on the surface: barriers lie between them.
+/// \return (K) by first face, the lower face of each pair first
+/// Cost: O(F); nothing where there are no guides.
+std::vector<std::array<std::int32_t, 2>> separated_faces(const Surface& surface);
+
 }  // namespace isimp

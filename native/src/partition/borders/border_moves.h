@@ -58,6 +58,13 @@ struct Reach {
   }
 };
 
+/// What borders weigh beside the error.
+struct BorderWeight {
+  double edge = 0;       ///< of an edge of the mean length between two regions, over the mean area of a face
+  bool is_wide = false;  ///< by length, and counted over all faces that share a vertex: counted over edges alone, each
+                         ///< zigzag that turns neither back nor aside is as short as the straight way
+};
+
 /// Judges whether a face on a border between regions should go to the other side, and whether it may.
 template <class Labels>
 struct BorderMoves {
@@ -66,6 +73,7 @@ struct BorderMoves {
   const FaceGraph& graph;
   Labels labels;
   float edge_weight = 0;        ///< of an edge between regions, over the mean area of a face
+  bool is_wide = false;         ///< see BorderWeight
   float mean_area = 0;          ///< of a face
   std::int32_t pinned = kNone;  ///< the one face that must not move
 
@@ -84,12 +92,17 @@ struct BorderMoves {
     const FaceRecord& f = graph.faces[face];
     const BorderProxy& home = regions.proxy(own);
     const float leaving = home.growth(-home.dot(f), f.area);
-    const float edge = edge_weight * (f.area < mean_area ? f.area : mean_area);
+    Ring ring;
+    if (is_wide && !read_ring(face, reach, ring)) return kBeyond;
+    const float edge = edge_weight * (is_wide              ? kOfEdge * std::sqrt(f.area * mean_area)
+                                      : f.area < mean_area ? f.area
+                                                           : mean_area);
     const float least = kLeastGain * (f.area + edge);
     const auto gain_of = [&](std::int32_t other, int there) {
       const BorderProxy& proxy = regions.proxy(other);
       const float joining = proxy.growth(proxy.dot(f), f.area);
-      return f.area * (leaving + joining) + edge * static_cast<float>(there - same);
+      const float shorter = static_cast<float>(there - same) + kOfVertex * static_cast<float>(ring.gain(own, other));
+      return f.area * (leaving + joining) + edge * shorter;
     };
     if (same == 2) {  // most faces; without a loop, as nobody can foresee which neighbour is the other one
       const std::int32_t other = near[0] ^ near[1] ^ near[2];
@@ -116,6 +129,40 @@ struct BorderMoves {
       return labels.allows(face, region);
     else
       return true;
+  }
+
+  // A pair of faces that share just a vertex counts as half an edge, so that straight borders cost about the same in
+  // all directions; there are some seven such pairs to an edge of a straight border.
+  static constexpr float kOfVertex = 0.5F, kOfEdge = 1 / (1 + 7 * kOfVertex);
+
+  /// Labels of the faces that share just a vertex with a face.
+  struct Ring {
+    static constexpr int kMost = 24;
+    std::array<std::int32_t, kMost> label;
+    int size = 0;
+    /// How many more of them are of the one region than of the other.
+    [[nodiscard]] int gain(std::int32_t own, std::int32_t other) const {
+      int sum = 0;
+      for (int i = 0; i < size; ++i) sum += static_cast<int>(label[i] == other) - static_cast<int>(label[i] == own);
+      return sum;
+    }
+  };
+
+  /// \return false where they are beyond the reach
+  bool read_ring(std::int32_t face, const Reach& reach, Ring& ring) const {
+    const auto& around = graph.neighbours[face];
+    for (int k = 0; k < 3; ++k) {  // round the vertex between edges k and k + 1
+      const std::int32_t goal = around[(k + 1) % 3];
+      std::int32_t before = face, at = around[k];
+      for (int step = 0; step < Ring::kMost / 3 && at != goal && at != graph.size(); ++step) {
+        if (!reach.holds(at)) return false;
+        if (before != face) ring.label[ring.size++] = labels.get(at);
+        const auto& next = graph.neighbours[at];
+        const int back = next[0] == before ? 0 : next[1] == before ? 1 : 2;
+        before = std::exchange(at, next[(back + 2) % 3]);
+      }
+    }
+    return true;
   }
 
   static constexpr float kLeastGain = 1e-6F;  // of the face's area: less is rounding, and would go to and fro

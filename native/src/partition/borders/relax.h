@@ -15,17 +15,34 @@
 
 namespace isimp {
 
-/// What an edge between two regions weighs in the energy, in mean face areas: heavier edges make borders shorter and
-/// the error larger. About in proportion to the error (a share of the surface) it smooths borders alike for few regions
-/// and many, and leaves exact shapes alone; a little more than that, since what a face gains of a region that bends
-/// much is mostly noise. It stays well below what a face gains across a crease of 45 degrees.
-inline double border_weight(double error) { return std::min(1.64 * std::pow(error, 1.35), 0.18); }
+/// What borders weigh for the least error. About in proportion to the error (a share of the surface) it smooths borders
+/// alike for few regions and many, and leaves exact shapes alone; a little more than that, since what a face gains of a
+/// region that bends much is mostly noise. It stays well below what a face gains across a crease of 45 degrees.
+inline BorderWeight border_weight(double error) { return {std::min(1.64 * std::pow(error, 1.35), 0.18)}; }
 
 /// The same for regions that other methods made, whose error relaxing is to lower.
-inline double light_border_weight(double error) { return std::min(0.6 * error, 0.12); }
+inline BorderWeight light_border_weight(double error) { return {std::min(0.6 * error, 0.12)}; }
+
+/// What a border as long as a region is wide weighs, as a share of a region's area. In proportion to the error, so that
+/// exact shapes are left alone; from kMostError on, where regions are far from planar, no more.
+/// \param smooth  PartitionOptions::smooth
+inline double border_price(double error, double smooth) {
+  constexpr double kNu = 0.6, kMostError = 0.1;
+  return kNu * smooth * std::min(error, kMostError);
+}
+
+/// What borders weigh for regions of good shape, at any resolution of the scan.
+/// \param nodes  faces, or patches, that the regions are made of
+inline BorderWeight border_weight(double error, double smooth, std::int64_t nodes, std::int64_t regions) {
+  constexpr double kEdge = 1.52;  // length of an edge of an equilateral triangle of area 1
+  const BorderWeight least = border_weight(error);
+  if (!(smooth > 0) || regions < 1) return least;
+  const double width = std::sqrt(static_cast<double>(nodes) / static_cast<double>(regions));
+  return {std::max(least.edge, kEdge * border_price(error, smooth) * width), true};
+}
 
 /// Boundary relaxation: moves single faces between neighbouring regions as long as that lowers the energy
-/// error + lambda * mean face area * number of edges between regions.
+/// error + weight * mean face area * number of edges between regions.
 ///
 /// With S the sum of area * normal, the error is 2 (A - sum |S|), so that the change by a move costs O(1). Without the
 /// boundary term ragged borders are rewarded. A region never falls apart: a face leaves only if its neighbours of the
@@ -41,10 +58,11 @@ template <class Labels>
 class Relaxation {
  public:
   /// \param sums    (R) is kept up to date with every move
-  /// \param lambda  weight of an edge between regions; faces smaller than the mean take a proportionate share of it
-  Relaxation(const FaceGraph& graph, Labels labels, std::vector<RegionSum>& sums, double lambda,
+  /// \param weight  of an edge between regions; unless it is wide, faces smaller than the mean take a proportionate
+  ///                share of it
+  Relaxation(const FaceGraph& graph, Labels labels, std::vector<RegionSum>& sums, BorderWeight weight,
              const Threads& threads = Threads(1))
-      : moves_{graph, labels, static_cast<float>(lambda), 1.0F / static_cast<float>(graph.size())},
+      : moves_{graph, labels, static_cast<float>(weight.edge), weight.is_wide, 1.0F / static_cast<float>(graph.size())},
         sums_(sums),
         threads_(threads),
         state_(graph.faces.size(), 0) {

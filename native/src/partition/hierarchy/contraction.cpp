@@ -222,7 +222,14 @@ namespace {
 class Greedy {
  public:
   Greedy(const MergeGraph& graph, std::span<const RegionSum> sums, std::span<const std::int32_t> need)
-      : need_(need), row_(graph.neighbour), node_(sums.size()), seen_(sums.size(), kAlone), left_(need.size(), 0) {
+      : need_(need),
+        row_(graph.neighbour),
+        border_(graph.border),
+        node_(sums.size()),
+        seen_(sums.size(), kAlone),
+        place_(sums.size(), 0),
+        left_(need.size(), 0) {
+    border_.resize(row_.size(), 0.0);
     const std::int32_t n = graph.size();
     for (std::int32_t u = 0; u < n; ++u) {
       Node& node = node_[u];
@@ -307,16 +314,39 @@ class Greedy {
     Node& node = node_[u];
     double least = std::numeric_limits<double>::infinity();
     std::int32_t partner = kAlone;
+    tidy(u);
     for (std::int32_t k = node.first; k < node.last; ++k) {
-      const std::int32_t v = row_[k] = find(row_[k]);
-      if (v == u || !node_[v].live) continue;
-      const double price = price_of(node, node_[v]);
+      const std::int32_t v = row_[k];
+      const double price = price_of(node, node_[v]) - border_[k];
       if (price > least || (price == least && v >= partner)) continue;
       least = price;
       partner = v;
     }
     if (partner == kAlone) return false;
     take_partner(u, partner, least);
+    return true;
+  }
+  /// Has each neighbour that lives stand in a row once.
+  void tidy(std::int32_t u) {
+    Node& node = node_[u];
+    ++stamp_;
+    std::int32_t out = node.first;
+    for (std::int32_t k = node.first; k < node.last; ++k) out += put(k, u, out) ? 1 : 0;
+    node.last = out;
+  }
+  /// Writes entry k of a row to another place, unless its cluster stands there already or is u itself.
+  /// \return whether it did
+  bool put(std::int32_t k, std::int32_t u, std::int32_t place) {
+    const std::int32_t v = find(row_[k]);
+    if (v == u || !node_[v].live) return false;
+    if (seen_[v] == stamp_) {
+      border_[place_[v]] += border_[k];
+      return false;
+    }
+    seen_[v] = stamp_;
+    place_[v] = place;
+    row_[place] = v;
+    border_[place] = border_[k];
     return true;
   }
   void merge(std::int32_t u, std::int32_t v) {
@@ -331,17 +361,16 @@ class Greedy {
     --clusters_;
     --left_[into.part];
     ++stamp_;
-    seen_[u] = stamp_;
     const auto begin = static_cast<std::int32_t>(row_.size());
-    append(into);
-    append(from);
+    append(into, u);
+    append(from, u);
     into.first = begin;
     into.last = static_cast<std::int32_t>(row_.size());
     double least = std::numeric_limits<double>::infinity();
     std::int32_t partner = kAlone;
     for (std::int32_t k = into.first; k < into.last; ++k) {
       const std::int32_t w = row_[k];
-      const double price = price_of(into, node_[w]);
+      const double price = price_of(into, node_[w]) - border_[k];
       if (price < least || (price == least && w < partner)) {
         least = price;
         partner = w;
@@ -354,19 +383,21 @@ class Greedy {
     take_partner(u, partner, least);
     push(u);
   }
-  void append(const Node& node) {
+  void append(const Node& node, std::int32_t u) {
     for (std::int32_t k = node.first; k < node.last; ++k) {
-      const std::int32_t w = find(row_[k]);
-      if (seen_[w] == stamp_ || !node_[w].live) continue;
-      seen_[w] = stamp_;
-      row_.push_back(w);
+      row_.push_back(kAlone);
+      border_.push_back(0);
+      if (put(k, u, static_cast<std::int32_t>(row_.size()) - 1)) continue;
+      row_.pop_back();
+      border_.pop_back();
     }
   }
 
   std::span<const std::int32_t> need_;
   std::vector<std::int32_t> row_;
+  std::vector<double> border_;  // as row_
   std::vector<Node> node_;
-  std::vector<std::int32_t> seen_, left_;
+  std::vector<std::int32_t> seen_, place_, left_;
   std::vector<Entry> heap_;
   std::int32_t clusters_ = 0, stamp_ = 0;
 };

@@ -22,6 +22,7 @@ struct MergeGraph {
   std::vector<std::int32_t> first;      ///< (N + 1) where the neighbours of each node begin
   std::vector<std::int32_t> neighbour;  ///< each pair stands in both rows, no node is its own neighbour
   std::vector<std::int32_t> part;       ///< (N) component of the mesh each lies in; empty if there is only one
+  std::vector<double> border;           ///< as `neighbour`: what the border between the two costs; empty: nothing
 
   [[nodiscard]] std::int32_t size() const { return static_cast<std::int32_t>(sum.size()); }
   [[nodiscard]] std::int32_t part_of(std::int32_t node) const { return part.empty() ? 0 : part[node]; }
@@ -48,7 +49,8 @@ MergeGraph merge_round(const MergeGraph& graph, bool satellites, std::int32_t le
 MergeGraph contract(const MergeGraph& graph, const std::vector<std::int32_t>& map, std::int32_t clusters,
                     const Threads& threads, Job& job);
 
-/// Merges neighbours one pair at a time, cheapest first, until `target` clusters are left.
+/// Merges neighbours one pair at a time, cheapest first, until `target` clusters are left. The price is that of
+/// merge_round less what the border between the two costs.
 ///
 /// \param sums   (N) exact sums of the nodes; a node without faces takes no part and gets kNone
 /// \param need   (C) least number of clusters of each component; its length is 1 where there is one component

@@ -114,7 +114,7 @@ ClusterGraph clusters_of(const FaceGraph& graph, const Regions& regions, std::ve
 }
 
 /// What an edge between regions weighs where normals of neighbours differ by this much.
-double border_weight_of(double bend) { return kBorder + kNoisyBorder * std::min(1.0, bend * bend); }
+BorderWeight border_weight_of(double bend) { return {kBorder + kNoisyBorder * std::min(1.0, bend * bend)}; }
 
 /// Has border faces of changed regions, and those across from them, looked at.
 /// \return the other border faces
@@ -250,7 +250,7 @@ Regions DetailTree::regions(const Surface& surface, const Cut& cut, const Thread
     return of_several;
   };
   become(tree_, static_cast<std::size_t>(merges(cut)));
-  const double border = border_weight_of(bend_);
+  const BorderWeight border = border_weight_of(bend_);
   std::vector<std::int32_t> near = borders_;  // where borders are, or were
   std::vector<std::uint8_t> changed(result.sum.size(), 1);
   for (int round = 0; round < kRounds; ++round) {

@@ -1,6 +1,7 @@
 #include "hierarchy/optimise.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <span>
 #include <utility>
@@ -13,8 +14,9 @@
 namespace isimp {
 namespace {
 
-constexpr double kSurplus = 1.5;  // regions before the last merging, as a multiple of those wanted
-constexpr int kTries = 4;         // of teleports that do not pay
+// Regions before the last merging, as a multiple of those wanted: for the least error, and where borders count too.
+constexpr double kSurplus = 1.5, kSmoothSurplus = 2.2;
+constexpr int kTries = 4;  // of teleports that do not pay
 constexpr int kPatchSweeps = 2, kFirstSweeps = 6, kLastSweeps = 60;
 
 /// How far out of line a region must be for teleports to be tried. On a scan of many regions they gain little and cost
@@ -81,22 +83,24 @@ std::vector<std::int32_t> find_borders(const Relaxation<GraphLabels>& relaxation
 /// The steps from a hierarchy to regions, and what they hand on.
 class Optimiser {
  public:
-  Optimiser(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts, const Threads& threads)
-      : graph_(surface.graph()), h_(hierarchy), parts_(parts), threads_(threads) {}
+  Optimiser(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts, double smooth,
+            const Threads& threads)
+      : surface_(surface), graph_(surface.graph()), h_(hierarchy), parts_(parts), smooth_(smooth), threads_(threads) {}
 
   Regions run(Job& job) {
     const std::int32_t wanted = parts_.regions();
     {
       Job::Part stage(job, "merging", 0.0, 0.4);
-      const auto surplus = static_cast<std::int32_t>(std::min<double>(kSurplus * wanted, h_.patches()));
+      const double times = smooth_ > 0 ? kSmoothSurplus : kSurplus;
+      const auto surplus = static_cast<std::int32_t>(std::min<double>(times * wanted, h_.patches()));
       patch_label_ = cut(h_, parts_, wanted, std::max(surplus, wanted), job);
       const std::int32_t regions = 1 + *std::max_element(patch_label_.begin(), patch_label_.end());
-      relax_patches(h_.level.front(), patch_label_, regions, kPatchSweeps, threads_, job);
+      relax_patches(h_.level.front(), patch_label_, regions, smooth_, kPatchSweeps, threads_, job);
       project(regions, job);
     }
     Job::Part stage(job, "relaxing", 0.4, 1.0);
-    Relaxation<GraphLabels> relaxation(graph_, {regions_.label.data()}, regions_.sum, border_weight(regions_.error()),
-                                       threads_);
+    Relaxation<GraphLabels> relaxation(graph_, {regions_.label.data()}, regions_.sum,
+                                       border_weight(regions_.error(), smooth_, graph_.size(), wanted), threads_);
     for (const std::int32_t i : borders_among(relaxation, h_.patch_face, job)) relaxation.push(i);
     relaxation.run(kFirstSweeps, job);
     job.report(0.4);
@@ -161,8 +165,13 @@ class Optimiser {
   /// \return which of those left touch
   MergeGraph merge_to(std::int32_t target, Relaxation<GraphLabels>& relaxation, Job& job) {
     const std::vector<std::int32_t>& looked_at = relaxation.pushed();  // all border faces are among them
-    const MergeGraph touching =
-        graph_of_regions(graph_, regions_.label, regions_.sum.size(), part_, looked_at, threads_);
+    MergeGraph touching = graph_of_regions(graph_, regions_.label, regions_.sum.size(), part_, looked_at, threads_);
+    if (smooth_ > 0) {
+      // Prices are half of what merging adds to the error.
+      const double price = border_price(regions_.error(), smooth_) / (2 * std::sqrt(std::max(1, target)));
+      touching.border = border_lengths(surface_, regions_.label, looked_at, touching, threads_);
+      for (double& border : touching.border) border *= price;
+    }
     const std::vector<std::int32_t> merged = merge_greedily(touching, regions_.sum, needs(parts_), target, job);
     threads_.run(graph_.size(), [&](std::int32_t, std::int32_t begin, std::int32_t end) {
       for (std::int32_t i = begin; i < end; ++i) {
@@ -182,9 +191,11 @@ class Optimiser {
     return contract(touching, merged, regions_.count(), threads_, job);
   }
 
+  const Surface& surface_;
   const FaceGraph& graph_;
   const Hierarchy& h_;
   const Parts& parts_;
+  const double smooth_;
   const Threads& threads_;
   std::vector<std::int32_t> patch_label_;
   Regions regions_;
@@ -193,9 +204,9 @@ class Optimiser {
 
 }  // namespace
 
-Regions optimise(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts, const Threads& threads,
-                 Job& job) {
-  return Optimiser(surface, hierarchy, parts, threads).run(job);
+Regions optimise(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts, double smooth,
+                 const Threads& threads, Job& job) {
+  return Optimiser(surface, hierarchy, parts, smooth, threads).run(job);
 }
 
 }  // namespace isimp

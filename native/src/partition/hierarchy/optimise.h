@@ -11,14 +11,16 @@ namespace isimp {
 
 /// Regions from the hierarchy, much better and faster than flooding from random seeds.
 ///
-/// 1. Merge a coarse level greedily to half as many regions again as are wanted; carry that down to the patches and
+/// 1. Merge a coarse level greedily to some more regions than are wanted; carry that down to the patches and
 ///    relax the borders there, patch by patch.
 /// 2. Carry it down to the faces and relax for a few sweeps; merge greedily to the number wanted, now from exact sums;
 ///    relax until the borders rest.
 /// 3. Where merging can't give enough regions (few large smooth patches), split the worst; and as long as splitting the
 ///    worst region gains more than merging the cheapest pair costs, do both (see teleport).
 /// Cost: O(F); about 40 ms for a million faces.
-Regions optimise(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts, const Threads& threads,
-                 Job& job);
+/// \param smooth  PartitionOptions::smooth; above 0 the borders' length counts beside the error, in relaxing and in
+///                the last merging
+Regions optimise(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts, double smooth,
+                 const Threads& threads, Job& job);
 
 }  // namespace isimp

@@ -78,7 +78,7 @@ struct Block {
 /// In blocks of nodes, as Relaxation does it with faces (relax.h).
 class PatchRelaxation {
  public:
-  PatchRelaxation(const MergeGraph& graph, std::vector<std::int32_t>& label, std::int32_t regions,
+  PatchRelaxation(const MergeGraph& graph, std::vector<std::int32_t>& label, std::int32_t regions, double smooth,
                   const Threads& threads, Job& job)
       : graph_(graph),
         label_(label),
@@ -97,7 +97,7 @@ class PatchRelaxation {
       lengths += s.length;
     }
     // Of a mean node's area, not a face's: two nodes share several edges, and a face later smooths what it can reach.
-    border_ = border_weight(std::max(0.0, 2 * (1 - lengths))) / graph.size();
+    border_ = border_weight(std::max(0.0, 2 * (1 - lengths)), smooth, graph.size(), regions).edge / graph.size();
     threads_.share(block_count(), [&](const auto& next) {
       for (std::int32_t b = next(); b < block_count(); b = next()) {
         job.poll();
@@ -239,9 +239,9 @@ class PatchRelaxation {
 
 }  // namespace
 
-void relax_patches(const MergeGraph& graph, std::vector<std::int32_t>& label, std::int32_t regions, int sweeps,
-                   const Threads& threads, Job& job) {
-  PatchRelaxation relaxation(graph, label, regions, threads, job);
+void relax_patches(const MergeGraph& graph, std::vector<std::int32_t>& label, std::int32_t regions, double smooth,
+                   int sweeps, const Threads& threads, Job& job) {
+  PatchRelaxation relaxation(graph, label, regions, smooth, threads, job);
   for (int k = 0; k < sweeps && relaxation.sweep(job) > 0; ++k) {
   }
 }

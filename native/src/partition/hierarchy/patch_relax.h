@@ -15,7 +15,8 @@ namespace isimp {
 /// A patch leaves only if its neighbours of the same region hang together among themselves, so regions stay connected.
 /// The result is the same on any number of threads (see Relaxation).
 /// \param label  (N) region of each node; kNone takes no part
-void relax_patches(const MergeGraph& graph, std::vector<std::int32_t>& label, std::int32_t regions, int sweeps,
-                   const Threads& threads, Job& job);
+/// \param smooth  as in `optimise`
+void relax_patches(const MergeGraph& graph, std::vector<std::int32_t>& label, std::int32_t regions, double smooth,
+                   int sweeps, const Threads& threads, Job& job);
 
 }  // namespace isimp

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace isimp {
@@ -123,6 +125,42 @@ MergeGraph graph_of_regions(const FaceGraph& graph, const std::vector<std::int32
     result.neighbour.push_back(v);
   }
   for (std::size_t u = 0; u < regions; ++u) result.first[u + 1] += result.first[u];
+  return result;
+}
+
+std::vector<double> border_lengths(const Surface& surface, const std::vector<std::int32_t>& label,
+                                   std::span<const std::int32_t> faces, const MergeGraph& touching,
+                                   const Threads& threads) {
+  constexpr double kUnit = 0x1p40;  // sums of integers do not depend on the number of threads
+  const FaceGraph& graph = surface.graph();
+  const Mesh& mesh = surface.mesh();
+  const double share = kUnit / std::sqrt(std::max(graph.area, std::numeric_limits<double>::min()));
+  const auto size = static_cast<std::int32_t>(faces.size());
+  const std::int32_t pieces = threads.pieces(size);
+  std::vector<std::vector<std::int64_t>> sums(static_cast<std::size_t>(pieces));
+  threads.run(size, [&](std::int32_t piece, std::int32_t begin, std::int32_t end) {
+    std::vector<std::int64_t>& sum = sums[piece];
+    sum.assign(touching.neighbour.size(), 0);
+    for (std::int32_t i = begin; i < end; ++i) {
+      const std::int32_t own = label[faces[i]];
+      if (own == kNone) continue;
+      for (int k = 0; k < 3; ++k) {
+        const std::int32_t other = label[graph.neighbours[faces[i]][k]];
+        if (other == own || other == kNone) continue;
+        const Triangle& t = mesh.triangles()[graph.mesh_face[faces[i]]];
+        const double length = (mesh.vertices()[t[(k + 1) % 3]] - mesh.vertices()[t[k]]).norm();
+        const auto row = touching.around(own);
+        const auto at = std::lower_bound(row.begin(), row.end(), other) - row.begin();
+        sum[touching.first[own] + at] += std::llround(share * length);
+      }
+    }
+  });
+  std::vector<double> result(touching.neighbour.size());
+  for (std::size_t at = 0; at < result.size(); ++at) {
+    std::int64_t all = 0;
+    for (const auto& sum : sums) all += sum.empty() ? 0 : sum[at];
+    result[at] = static_cast<double>(all) / kUnit;
+  }
   return result;
 }
 

@@ -7,6 +7,7 @@
 
 #include "hierarchy/contraction.h"
 #include "isimp/mesh/face_graph.h"
+#include "isimp/partition/surface.h"
 
 namespace isimp {
 
@@ -23,5 +24,13 @@ std::vector<std::pair<std::int32_t, std::int32_t>> neighbouring_regions(const Fa
 MergeGraph graph_of_regions(const FaceGraph& graph, const std::vector<std::int32_t>& label, std::size_t regions,
                             std::vector<std::int32_t> part, std::span<const std::int32_t> faces,
                             const Threads& threads = Threads(1));
+
+/// How long the borders between regions are.
+/// \param label  as in the graph of these regions
+/// \param faces  among which all border faces are
+/// \return as touching.neighbour, as a share of the root of the surface's area
+std::vector<double> border_lengths(const Surface& surface, const std::vector<std::int32_t>& label,
+                                   std::span<const std::int32_t> faces, const MergeGraph& touching,
+                                   const Threads& threads);
 
 }  // namespace isimp

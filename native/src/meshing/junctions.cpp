@@ -1,0 +1,426 @@
+#include "junctions.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "sorted.h"
+
+namespace isimp::meshing {
+namespace {
+
+constexpr int kPasses = 2;
+constexpr std::size_t kMostLabels = 5;  ///< pieces that may meet in a vertex
+// How far the planes may miss the vertex: deviations of the scan from them, and of sqrt(area / pieces).
+constexpr double kPlanes = 3.2, kGap = 0.1;
+constexpr double kRounding = 1e-9;                          ///< of the diagonal: planes that are nearer than this meet
+constexpr double kFixed = 0.0625;                           ///< of the largest eigenvalue: below, planes fix no point
+constexpr double kStep = 0.3;                               ///< of sqrt(area / pieces): from the middle to the vertex
+constexpr double kShort = 0.4;                              ///< of the same: a chord that may go for its length alone
+constexpr double kReflex = 190, kSharp = 20, kSharper = 3;  ///< degrees
+constexpr double kExcess = 20;                              ///< degrees that reflex corners may open further in all
+constexpr double kError = 0.02;                             ///< of area / pieces: by how much the error may rise
+constexpr double kOfGiver = 1.0 / 3;                        ///< of its area: what a piece may give
+constexpr double kLongest = 4;                              ///< of sqrt(area / pieces): a path between two junctions
+
+/// What the corners of some polygons are like.
+struct Angles {
+  double least = 360, excess = 0;
+  int reflex = 0;
+  bool faces_away = false;
+
+  void add(const Angles& o) {
+    least = std::min(least, o.least);
+    excess += o.excess;
+    reflex += o.reflex;
+    faces_away |= o.faces_away;
+  }
+};
+
+/// The pieces round a vertex, counter-clockwise.
+using Round = std::vector<std::int32_t>;
+
+/// Two junctions, and the boundary half-edges from one to the other.
+struct Chord {
+  std::int32_t u, v;
+  std::vector<std::int32_t> path;
+};
+
+/// One of the ways to join: faces that go from a piece to another, so that the one end moves to the other.
+struct Gift {
+  double error = 0;
+  std::int32_t giver, taker, keeps, moves;
+  std::vector<std::int32_t> faces;
+  Vec3 sum = Vec3::Zero();
+};
+
+class Joiner {
+ public:
+  Joiner(State& state, Job& job) : s_(state), mesh_(state.mesh), job_(job) {}
+
+  std::int32_t run() {
+    read();
+    std::int32_t joined = 0;
+    for (const Candidate& c : candidates()) {
+      job_.poll();
+      joined += join(c.a, c.b) ? 1 : 0;
+    }
+    sort_unique(touched_);
+    s_.labels.touched.insert(s_.labels.touched.end(), touched_.begin(), touched_.end());
+    return joined;
+  }
+
+ private:
+  struct Candidate {
+    double length;
+    std::int32_t a, b;
+    auto operator<=>(const Candidate&) const = default;
+  };
+
+  /// Polygons and planes as they are, to be kept up to date while junctions are joined.
+  void read() {
+    const std::int32_t pieces = s_.labels.piece_count();
+    loops_.resize(pieces);
+    sums_.resize(pieces);
+    at_.resize(s_.corners.count());
+    double area = 0, square = 0;
+    std::int32_t count = 0;
+    for (std::int32_t l = 0; l < pieces; ++l) {
+      const Plane& p = s_.planes[l];
+      if (s_.labels.pieces[l].face == kNone) continue;
+      ++count;
+      area += p.area;
+      square += p.area * p.normal.dot(p.spread * p.normal);
+      sums_[l] = p.projected * p.normal;
+      for (const std::int32_t h : s_.complex.chords(l)) {
+        const std::int32_t c = s_.corners.at(mesh_.from(h));
+        loops_[l].push_back(c);
+        at_[c].push_back(l);
+      }
+    }
+    size_ = std::sqrt(area / std::max(count, 1));
+    const double deviation = std::sqrt(std::max(0.0, square) / std::max(area, 1e-300));
+    gap_ = std::min(kPlanes * deviation, kGap * size_) + kRounding * mesh_.diagonal();
+    vertex_ = s_.corners.vertex;
+    position_ = s_.corners.position;
+  }
+
+  [[nodiscard]] std::vector<Candidate> candidates() const {
+    std::vector<Candidate> some;
+    for (const auto& loop : loops_)
+      for (std::size_t i = 0; i < loop.size(); ++i) {
+        const std::int32_t a = loop[i], b = loop[i + 1 < loop.size() ? i + 1 : 0];
+        if (a > b || at_[a].size() < 3 || at_[b].size() < 3) continue;
+        const double length = (position_[a] - position_[b]).norm();
+        if (length < s_.options.join_junctions * size_) some.push_back({length, a, b});
+      }
+    std::sort(some.begin(), some.end());
+    return some;
+  }
+
+  /// Nothing at a border of the mesh.
+  [[nodiscard]] Round round_of(std::int32_t vertex) const {
+    Round round;
+    if (mesh_.opposite(mesh_.vertex_halfedge()[vertex]) == kNone) return round;
+    for_each_leaving(mesh_, vertex, [&](std::int32_t h) {
+      const std::int32_t l = s_.labels.label[h / 3];
+      if (round.empty() || round.back() != l) round.push_back(l);
+    });
+    if (round.size() > 1 && round.front() == round.back()) round.pop_back();
+    return round;
+  }
+
+  /// The path from u to v along which no other junction is, if there is one.
+  [[nodiscard]] std::optional<Chord> trace(std::int32_t u, std::int32_t v) const {
+    std::optional<Chord> found;
+    for_each_leaving(mesh_, u, [&](std::int32_t first) {
+      if (found || s_.labels.inner(first)) return;
+      Chord chord{u, v, {}};
+      double length = 0;
+      for (std::int32_t h = first;; h = s_.labels.next_on_boundary(h)) {
+        if (s_.labels.across(h) == kNone) return;
+        chord.path.push_back(h);
+        const std::int32_t to = mesh_.to(h);
+        length += (mesh_.vertices()[to] - mesh_.vertices()[mesh_.from(h)]).norm();
+        if (to == v) break;
+        if (length > kLongest * size_ || s_.complex.boundary_edges(to) != 2) return;
+      }
+      found = std::move(chord);
+    });
+    return found;
+  }
+
+  [[nodiscard]] Angles angles(const std::vector<std::int32_t>& loop, const Vec3& normal) const {
+    Angles result;
+    const auto n = loop.size();
+    Vec3 area = Vec3::Zero();
+    for (std::size_t i = 0; i < n; ++i) {
+      const Vec3& p = position_[loop[i]];
+      const auto flat = [&](const Vec3& d) { return Vec3(d - normal.dot(d) * normal); };
+      const Vec3 in = flat(p - position_[loop[i > 0 ? i - 1 : n - 1]]),
+                 out = flat(position_[loop[i + 1 < n ? i + 1 : 0]] - p);
+      const double turn = std::atan2(normal.dot(in.cross(out)), in.dot(out));
+      const double angle = 180 - turn * 180 / std::numbers::pi;
+      result.least = std::min(result.least, angle);
+      result.reflex += angle > kReflex;
+      result.excess += std::max(0.0, angle - kReflex);
+      area += p.cross(position_[loop[i + 1 < n ? i + 1 : 0]]);
+    }
+    result.faces_away = !(area.dot(normal) > 0);
+    return result;
+  }
+
+  /// Where the planes of some pieces meet, near a point; nothing where they do not.
+  [[nodiscard]] std::optional<Vec3> meeting_point(const Round& pieces, const Vec3& near, double radius) const {
+    Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
+    Vec3 g = Vec3::Zero();
+    for (const std::int32_t l : pieces) {
+      const Plane& p = s_.planes[l];
+      a += p.normal * p.normal.transpose();
+      g += p.normal.dot(p.centre - near) * p.normal;
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(a);
+    Vec3 d = Vec3::Zero();
+    for (int i = 0; i < 3; ++i)
+      if (solver.eigenvalues()[i] > kFixed * solver.eigenvalues()[2])
+        d += solver.eigenvectors().col(i).dot(g) / solver.eigenvalues()[i] * solver.eigenvectors().col(i);
+    if (d.norm() > radius) return {};
+    for (const std::int32_t l : pieces)
+      if (std::abs(s_.planes[l].normal.dot(near + d - s_.planes[l].centre)) > gap_) return {};
+    return near + d;
+  }
+
+  bool join(std::int32_t a, std::int32_t b) {
+    if (at_[a].empty() || at_[b].empty()) return false;
+    const std::int32_t u = vertex_[a], v = vertex_[b];
+    const Round at_u = round_of(u), at_v = round_of(v);
+    if (at_u.size() < 3 || at_v.size() < 3 || at_u.size() + at_v.size() - 2 > kMostLabels) return false;
+    Round all = at_u;
+    all.insert(all.end(), at_v.begin(), at_v.end());
+    sort_unique(all);
+    if (all.size() != at_u.size() + at_v.size() - 2 || all.front() == kNone) return false;
+    const std::optional<Chord> chord = trace(u, v);
+    if (!chord) return false;
+    const double length = (position_[a] - position_[b]).norm();
+    const std::optional<Vec3> place =
+        meeting_point(all, (position_[a] + position_[b]) / 2, std::max(length, kStep * size_));
+    if (!place || !is_better(a, b, *place, length)) return false;
+    std::optional<Gift> gift = best_gift(*chord, at_u, at_v);
+    if (!gift || !give(*gift, all)) return false;
+    replace(a, b, *place, gift->keeps);
+    return true;
+  }
+
+  /// Whether polygons are well formed with one corner, at a place, instead of two.
+  bool is_better(std::int32_t a, std::int32_t b, const Vec3& place, double length) {
+    std::vector<std::int32_t> round = at_[a];
+    round.insert(round.end(), at_[b].begin(), at_[b].end());
+    sort_unique(round);
+    Angles before, after;
+    for (const std::int32_t l : round) before.add(angles(loops_[l], s_.planes[l].normal));
+    const Vec3 was = std::exchange(position_[a], place);
+    bool good = true;
+    for (const std::int32_t l : round) {
+      const std::vector<std::int32_t> loop = without(loops_[l], a, b);
+      good = good && loop.size() >= 3;
+      if (good) after.add(angles(loop, s_.planes[l].normal));
+    }
+    position_[a] = was;
+    if (!good || after.faces_away || after.least < std::min(before.least - kSharper, kSharp)) return false;
+    const bool is_short = length < kShort * size_;
+    return after.reflex < before.reflex ||
+           (is_short && after.reflex == before.reflex && after.excess <= before.excess + kExcess);
+  }
+
+  /// A loop with a for b.
+  [[nodiscard]] static std::vector<std::int32_t> without(const std::vector<std::int32_t>& loop, std::int32_t a,
+                                                         std::int32_t b) {
+    std::vector<std::int32_t> result;
+    for (const std::int32_t c : loop) {
+      const std::int32_t d = c == b ? a : c;
+      if (result.empty() || result.back() != d) result.push_back(d);
+    }
+    if (result.size() > 1 && result.front() == result.back()) result.pop_back();
+    return result;
+  }
+
+  /// The way to join that raises the error least.
+  [[nodiscard]] std::optional<Gift> best_gift(const Chord& chord, const Round& at_u, const Round& at_v) const {
+    const std::int32_t left = s_.labels.label[chord.path[0] / 3], right = s_.labels.across(chord.path[0]);
+    std::optional<Gift> best;
+    const auto consider = [&](const Round& at_end, std::int32_t keeps, std::int32_t moves) {
+      if (at_end.size() != 3) return;
+      const std::int32_t taker =
+          *std::find_if(at_end.begin(), at_end.end(), [&](std::int32_t l) { return l != left && l != right; });
+      for (const std::int32_t giver : {left, right}) {
+        Gift gift{.giver = giver, .taker = taker, .keeps = keeps, .moves = moves, .faces = {}};
+        if (!fill(gift, chord) || (best && gift.error >= best->error)) continue;
+        best = std::move(gift);
+      }
+    };
+    consider(at_u, chord.v, chord.u);
+    consider(at_v, chord.u, chord.v);
+    return best;
+  }
+
+  /// Finds the faces to give and what that costs.
+  /// \return whether they may be given
+  bool fill(Gift& gift, const Chord& chord) const {
+    const auto add_star = [&](std::int32_t w) {
+      if (w == gift.keeps) return;
+      for_each_leaving(mesh_, w, [&](std::int32_t h) {
+        if (s_.labels.label[h / 3] == gift.giver) gift.faces.push_back(h / 3);
+      });
+    };
+    for (const std::int32_t h : chord.path) add_star(mesh_.from(h));
+    add_star(chord.v);
+    sort_unique(gift.faces);
+    double area = 0;
+    for (const std::int32_t f : gift.faces) {
+      const FaceRecord& r = mesh_.graph().faces[mesh_.graph().graph_face[f]];
+      const double weight = mesh_.graph().area * r.area;
+      area += weight;
+      gift.sum += weight * Vec3(r.nx, r.ny, r.nz);
+    }
+    const Vec3 &giver = sums_[gift.giver], &taker = sums_[gift.taker];
+    gift.error = 2 * (giver.norm() + taker.norm() - (giver - gift.sum).norm() - (taker + gift.sum).norm());
+    return !gift.faces.empty() && area < kOfGiver * s_.planes[gift.giver].area &&
+           gift.error <= kError * size_ * size_ && is_allowed(gift);
+  }
+
+  /// Whether the partition's locks and bound let faces go from one region to another.
+  [[nodiscard]] bool is_allowed(const Gift& gift) const {
+    const std::int32_t from = s_.labels.pieces[gift.giver].region, to = s_.labels.pieces[gift.taker].region;
+    const auto& locked = s_.partition.region_locked;
+    if (!locked.empty() && (locked[from] != 0 || locked[to] != 0)) return false;
+    if (crosses_barrier(gift)) return false;
+    if (s_.partition.region_offset.empty()) return true;
+    for (const std::int32_t f : gift.faces)
+      for (const std::int32_t v : mesh_.triangles()[f])
+        if (std::abs(s_.partition.region_normal[to].dot(mesh_.vertices()[v]) - s_.partition.region_offset[to]) >
+            s_.partition.bound)
+          return false;
+    return true;
+  }
+
+  /// Whether a barrier of the partition lies between faces that would be in one piece.
+  [[nodiscard]] bool crosses_barrier(const Gift& gift) const {
+    if (!s_.partition.guided) return false;
+    const FaceGraph& graph = s_.partition.guided->graph;
+    for (const std::int32_t f : gift.faces)
+      for (std::int32_t k = 0; k < 3; ++k) {
+        if (graph.neighbours[graph.graph_face[f]][k] != graph.size()) continue;
+        const std::int32_t o = mesh_.opposite(3 * f + k);
+        if (o == kNone) continue;
+        if (s_.labels.label[o / 3] == gift.taker || std::binary_search(gift.faces.begin(), gift.faces.end(), o / 3))
+          return true;
+      }
+    return false;
+  }
+
+  /// Changes the labels, if all pieces stay discs and no other junction changes.
+  /// \param all  the pieces that shall meet in the vertex that stays
+  bool give(const Gift& gift, const Round& all) {
+    std::vector<std::int32_t> near;
+    for (const std::int32_t f : gift.faces)
+      for (const std::int32_t w : mesh_.triangles()[f]) near.push_back(w);
+    sort_unique(near);
+    std::vector<Round> before;
+    before.reserve(near.size());
+    for (const std::int32_t w : near) before.push_back(round_of(w));
+    if (std::any_of(before.begin(), before.end(), [](const Round& r) { return r.empty(); })) return false;
+    auto& label = s_.labels.label;
+    for (const std::int32_t f : gift.faces) label[f] = gift.taker;
+    const std::int32_t face = s_.labels.pieces[gift.giver].face;
+    bool good = true;
+    for (std::size_t i = 0; i < near.size() && good; ++i)
+      good = is_kept(before[i], round_of(near[i]), near[i] == gift.keeps, near[i] == gift.moves, all);
+    good = good && find_face(gift.giver, gift.faces) && is_disc(gift.giver) && is_disc(gift.taker);
+    if (good) {
+      sums_[gift.giver] -= gift.sum;
+      sums_[gift.taker] += gift.sum;
+      touched_.insert(touched_.end(), all.begin(), all.end());
+      return true;
+    }
+    for (const std::int32_t f : gift.faces) label[f] = gift.giver;
+    s_.labels.pieces[gift.giver].face = face;
+    return false;
+  }
+
+  [[nodiscard]] static bool is_kept(const Round& before, const Round& after, bool keeps, bool moves, const Round& all) {
+    Round sorted = after;
+    sort_unique(sorted);
+    if (sorted.size() != after.size()) return false;  // a piece would touch itself
+    if (keeps) return sorted == all;
+    if (after.size() <= 2) return moves || before.size() <= 2;
+    return before == after;
+  }
+
+  /// Has a piece that gave some faces named by one that it keeps.
+  /// \return whether it stays connected
+  bool find_face(std::int32_t piece, const std::vector<std::int32_t>& given) {
+    std::int32_t& face = s_.labels.pieces[piece].face;
+    std::int32_t stays = kNone;
+    for (const std::int32_t f : given)
+      for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
+        if (const std::int32_t o = mesh_.opposite(h); o != kNone && s_.labels.label[o / 3] == piece) stays = o / 3;
+    if (stays == kNone) return false;
+    if (s_.labels.label[face] != piece) face = stays;
+    // All faces round those given that stay must be joined: the flood from one must come to each.
+    s_.labels.face_marks.clear();
+    s_.labels.flood(piece);
+    for (const std::int32_t f : given)
+      for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
+        if (const std::int32_t o = mesh_.opposite(h);
+            o != kNone && s_.labels.label[o / 3] == piece && !s_.labels.face_marks.has(o / 3))
+          return false;
+    return true;
+  }
+
+  [[nodiscard]] bool is_disc(std::int32_t piece) { return s_.labels.shape(s_.labels.faces_of(piece)).defect() == 0; }
+
+  /// The polygons with one corner instead of two.
+  void replace(std::int32_t a, std::int32_t b, const Vec3& place, std::int32_t keeps) {
+    const std::int32_t gone = vertex_[a] == keeps ? vertex_[b] : vertex_[a];
+    position_[a] = place;
+    vertex_[a] = keeps;
+    for (const std::int32_t l : at_[b]) loops_[l] = without(loops_[l], a, b);
+    at_[a].insert(at_[a].end(), at_[b].begin(), at_[b].end());
+    sort_unique(at_[a]);
+    at_[b].clear();
+    s_.complex.drop_corner(gone);
+    s_.complex.add_corner(keeps);
+  }
+
+  State& s_;
+  const Mesh& mesh_;
+  Job& job_;
+  double size_ = 0;                                    // scene units: of a region
+  double gap_ = 0;                                     // by which planes may miss the vertex
+  std::vector<std::vector<std::int32_t>> loops_, at_;  // corners by piece, pieces by corner
+  std::vector<std::int32_t> vertex_;                   // by corner: where the junction is
+  std::vector<Vec3> position_;                         // by corner
+  std::vector<Vec3> sums_;                             // by piece: vector area of its faces
+  std::vector<std::int32_t> touched_;
+};
+
+}  // namespace
+
+std::int32_t join_junctions(State& state, Job& job) {
+  std::int32_t joined = 0;
+  if (!(state.options.join_junctions > 0)) return joined;
+  for (int pass = 0; pass < kPasses; ++pass) {
+    const std::int32_t more = Joiner(state, job).run();
+    if (more == 0) break;
+    joined += more;
+    state.update({});
+  }
+  return joined;
+}
+
+}  // namespace isimp::meshing
