@@ -1,0 +1,196 @@
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "find_edge.h"
+#include "isimp/core/errors.h"
+#include "isimp/simplify/constraints.h"
+
+namespace isimp {
+namespace {
+
+void check_is_of(const Mesh& mesh, const Partition& partition) {
+  if (partition.face_region.size() != static_cast<std::size_t>(mesh.face_count()))
+    throw InvalidInput("the partition has " + std::to_string(partition.face_region.size()) +
+                       " faces and the mesh has " + std::to_string(mesh.face_count()) +
+                       ": it was made for another mesh");
+}
+
+/// An edge between two faces by its ends, the lower first, and the lower of its half-edges.
+struct Cut {
+  VertexPair ends;
+  std::int32_t halfedge;
+  auto operator<=>(const Cut&) const = default;
+};
+
+/// Those of the pairs that are edges between two faces, each once, by lower vertex, then by upper vertex.
+std::vector<Cut> inner_cuts(const Mesh& mesh, std::span<const VertexPair> pairs, Job& job) {
+  std::vector<Cut> cuts;
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    if ((k & 0xffff) == 0) job.poll();
+    const auto [a, b] = pairs[k];
+    const std::int32_t h = find_edge(mesh, a, b);
+    if (h == kNone || mesh.opposite(h) == kNone) continue;
+    cuts.push_back({{std::min(a, b), std::max(a, b)}, std::min(h, mesh.opposite(h))});
+  }
+  std::sort(cuts.begin(), cuts.end());
+  cuts.erase(std::unique(cuts.begin(), cuts.end()), cuts.end());
+  return cuts;
+}
+
+/// A path without branches of some edges, from an end if there is one, else from the lowest vertex; each edge from the
+/// end that it comes from. Of one edge alone the lower vertex comes first.
+std::vector<VertexPair> path_of(std::span<const Cut> cuts) {
+  std::map<std::int32_t, std::vector<std::int32_t>> at;  // the edges of each vertex
+  for (std::size_t k = 0; k < cuts.size(); ++k)
+    for (const std::int32_t v : cuts[k].ends) at[v].push_back(static_cast<std::int32_t>(k));
+  std::int32_t vertex = kNone;
+  for (const Cut& cut : cuts)
+    for (const std::int32_t v : cut.ends)
+      if (vertex == kNone && at[v].size() == 1) vertex = v;
+  if (vertex == kNone) vertex = at.begin()->first;
+  std::vector<VertexPair> path;
+  std::int32_t first = kNone, last = kNone;
+  while (true) {
+    const std::vector<std::int32_t>& ways = at[vertex];
+    if (!path.empty() && ways.size() > 2) break;
+    const auto next = std::find_if(ways.begin(), ways.end(), [&](std::int32_t k) { return k != last; });
+    if (next == ways.end() || *next == first) break;
+    last = *next;
+    if (path.empty()) first = last;
+    const VertexPair& ends = cuts[last].ends;
+    path.push_back({vertex, ends[0] == vertex ? ends[1] : ends[0]});
+    vertex = path.back()[1];
+  }
+  if (path.size() == 1) path[0] = cuts[last].ends;
+  return path;
+}
+
+/// Splits regions one by one, with the faces and the cuts of each in a list.
+class Splitter {
+ public:
+  Splitter(const Mesh& mesh, const Partition& partition, std::vector<Cut> cuts)
+      : mesh_(mesh),
+        label_(partition.face_region),
+        cuts_(std::move(cuts)),
+        is_cut_(3 * static_cast<std::size_t>(mesh.face_count()), 0),
+        side_(label_.size(), Side::none),
+        inside_(static_cast<std::size_t>(partition.region_count())),
+        faces_(inside_.size()) {
+    for (const Cut& cut : cuts_) {
+      is_cut_[cut.halfedge] = is_cut_[mesh_.opposite(cut.halfedge)] = 1;
+      if (const std::int32_t region = region_round(cut); region != kNone) inside_[region].push_back(cut);
+    }
+    for (std::int32_t f = 0; f < mesh_.face_count(); ++f)
+      if (label_[f] != kNone && !inside_[label_[f]].empty()) faces_[label_[f]].push_back(f);
+  }
+
+  /// \return whether a region was split
+  bool split_all(Job& job) {
+    const std::size_t before = faces_.size();
+    for (const Cut& cut : cuts_)
+      for (std::int32_t region = region_round(cut); region != kNone; region = region_round(cut)) {
+        job.poll();
+        split(region, job);
+      }
+    return faces_.size() > before;
+  }
+  [[nodiscard]] std::vector<std::int32_t> take_labels() { return std::move(label_); }
+
+ private:
+  enum class Side : std::uint8_t { none, left, right };
+
+  /// The region on both sides of a cut; kNone where it is a border.
+  [[nodiscard]] std::int32_t region_round(const Cut& cut) const {
+    const std::int32_t region = label_[Mesh::face(cut.halfedge)];
+    return region == label_[Mesh::face(mesh_.opposite(cut.halfedge))] ? region : kNone;
+  }
+
+  void split(std::int32_t region, Job& job) {
+    start(path_of(inside_[region]));
+    spread(region, job);
+    const auto fresh = static_cast<std::int32_t>(faces_.size());
+    std::vector<std::int32_t> stay, go;
+    for (const std::int32_t f : faces_[region]) {
+      (side_[f] == Side::right ? go : stay).push_back(f);
+      if (side_[f] == Side::right) label_[f] = fresh;
+      side_[f] = Side::none;
+    }
+    faces_[region] = std::move(stay);
+    faces_.push_back(std::move(go));
+    const std::vector<Cut> cuts = std::exchange(inside_[region], {});
+    inside_.emplace_back();
+    for (const Cut& cut : cuts)
+      if (const std::int32_t now = region_round(cut); now != kNone) inside_[now].push_back(cut);
+  }
+
+  /// The faces along a path: of one on both sides the left counts, but the first edge has one face on either side.
+  void start(const std::vector<VertexPair>& path) {
+    front_.clear();
+    const auto set = [&](std::int32_t h, Side side) {
+      if (side_[Mesh::face(h)] == Side::none) front_.push_back(Mesh::face(h));
+      side_[Mesh::face(h)] = side;
+    };
+    const auto left = [&](const VertexPair& edge) {
+      const std::int32_t h = find_edge(mesh_, edge[0], edge[1]);
+      return mesh_.from(h) == edge[0] ? h : mesh_.opposite(h);
+    };
+    for (const VertexPair& edge : path) set(mesh_.opposite(left(edge)), Side::right);
+    for (const VertexPair& edge : path) set(left(edge), Side::left);
+    set(mesh_.opposite(left(path[0])), Side::right);
+  }
+
+  /// Steps over all edges of the region that are no cuts; a face that both sides reach in the same step goes left.
+  void spread(std::int32_t region, Job& job) {
+    std::vector<std::int32_t> next;
+    std::size_t steps = 0;
+    while (!front_.empty()) {
+      next.clear();
+      for (const Side side : {Side::left, Side::right})
+        for (const std::int32_t f : front_) {
+          if (side_[f] != side) continue;
+          if ((++steps & 0xffff) == 0) job.poll();
+          for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h) {
+            const std::int32_t across = is_cut_[h] ? kNone : mesh_.opposite(h);
+            if (across == kNone || label_[Mesh::face(across)] != region) continue;
+            if (side_[Mesh::face(across)] != Side::none) continue;
+            side_[Mesh::face(across)] = side;
+            next.push_back(Mesh::face(across));
+          }
+        }
+      front_.swap(next);
+    }
+  }
+
+  const Mesh& mesh_;
+  std::vector<std::int32_t> label_;
+  std::vector<Cut> cuts_;
+  std::vector<std::uint8_t> is_cut_;  // by half-edge
+  std::vector<Side> side_;            // by face, while a region is split
+  std::vector<std::int32_t> front_;
+  std::vector<std::vector<Cut>> inside_;          // by region, in the order of `cuts_`
+  std::vector<std::vector<std::int32_t>> faces_;  // by region; of those that no cut ends in nothing
+};
+
+}  // namespace
+
+std::int64_t inside_regions(const Mesh& mesh, const Partition& partition, std::span<const VertexPair> edges, Job& job) {
+  check_is_of(mesh, partition);
+  const std::vector<Cut> cuts = inner_cuts(mesh, edges, job);
+  return std::count_if(cuts.begin(), cuts.end(), [&](const Cut& cut) {
+    const std::int32_t region = partition.face_region[Mesh::face(cut.halfedge)];
+    return region != kNone && region == partition.face_region[Mesh::face(mesh.opposite(cut.halfedge))];
+  });
+}
+
+std::optional<std::vector<std::int32_t>> parted_at(const Mesh& mesh, const Partition& partition,
+                                                   std::span<const VertexPair> cuts, Job& job) {
+  check_is_of(mesh, partition);
+  Splitter splitter(mesh, partition, inner_cuts(mesh, cuts, job));
+  if (!splitter.split_all(job)) return std::nullopt;
+  return splitter.take_labels();
+}
+
+}  // namespace isimp
