@@ -1,6 +1,4 @@
 #include <algorithm>
-#include <map>
-#include <numeric>
 #include <string>
 #include <utility>
 
@@ -40,34 +38,6 @@ std::vector<Cut> inner_cuts(const Mesh& mesh, std::span<const VertexPair> pairs,
   return cuts;
 }
 
-/// A path without branches of some edges, from an end if there is one, else from the lowest vertex; each edge from the
-/// end that it comes from. Of one edge alone the lower vertex comes first.
-std::vector<VertexPair> path_of(std::span<const Cut> cuts) {
-  std::map<std::int32_t, std::vector<std::int32_t>> at;  // the edges of each vertex
-  for (std::size_t k = 0; k < cuts.size(); ++k)
-    for (const std::int32_t v : cuts[k].ends) at[v].push_back(static_cast<std::int32_t>(k));
-  std::int32_t vertex = kNone;
-  for (const Cut& cut : cuts)
-    for (const std::int32_t v : cut.ends)
-      if (vertex == kNone && at[v].size() == 1) vertex = v;
-  if (vertex == kNone) vertex = at.begin()->first;
-  std::vector<VertexPair> path;
-  std::int32_t first = kNone, last = kNone;
-  while (true) {
-    const std::vector<std::int32_t>& ways = at[vertex];
-    if (!path.empty() && ways.size() > 2) break;
-    const auto next = std::find_if(ways.begin(), ways.end(), [&](std::int32_t k) { return k != last; });
-    if (next == ways.end() || *next == first) break;
-    last = *next;
-    if (path.empty()) first = last;
-    const VertexPair& ends = cuts[last].ends;
-    path.push_back({vertex, ends[0] == vertex ? ends[1] : ends[0]});
-    vertex = path.back()[1];
-  }
-  if (path.size() == 1) path[0] = cuts[last].ends;
-  return path;
-}
-
 /// Splits regions one by one, with the faces and the cuts of each in a list.
 class Splitter {
  public:
@@ -76,6 +46,7 @@ class Splitter {
         label_(partition.face_region),
         cuts_(std::move(cuts)),
         is_cut_(3 * static_cast<std::size_t>(mesh.face_count()), 0),
+        degree_(static_cast<std::size_t>(mesh.vertex_count()), 0),
         side_(label_.size(), Side::none),
         inside_(static_cast<std::size_t>(partition.region_count())),
         faces_(inside_.size()) {
@@ -109,7 +80,7 @@ class Splitter {
   }
 
   void split(std::int32_t region, Job& job) {
-    start(path_of(inside_[region]));
+    start(path_in(region));
     spread(region, job);
     const auto fresh = static_cast<std::int32_t>(faces_.size());
     std::vector<std::int32_t> stay, go;
@@ -126,20 +97,59 @@ class Splitter {
       if (const std::int32_t now = region_round(cut); now != kNone) inside_[now].push_back(cut);
   }
 
+  /// A path without branches of the cuts inside a region, from the lowest end if there is one, else from the lowest
+  /// vertex; as half-edges, each from the end that it comes from. A path of one cut comes from its lower vertex.
+  std::vector<std::int32_t> path_in(std::int32_t region) {
+    for (const Cut& cut : inside_[region])
+      for (const std::int32_t v : cut.ends) ++degree_[v];
+    const Cut* first = nullptr;
+    std::int32_t vertex = kNone;
+    bool is_end = false;
+    for (const Cut& cut : inside_[region])
+      for (const std::int32_t v : cut.ends) {
+        const bool end = degree_[v] == 1;
+        if (vertex != kNone && (end != is_end ? is_end : v >= vertex)) continue;
+        first = &cut;
+        vertex = v;
+        is_end = end;
+      }
+    const std::int32_t begin =
+        mesh_.from(first->halfedge) == vertex ? first->halfedge : mesh_.opposite(first->halfedge);
+    std::vector<std::int32_t> path{begin};
+    while (degree_[mesh_.to(path.back())] == 2) {
+      const std::int32_t next = next_cut(path.back(), region);
+      if (next == begin) break;
+      path.push_back(next);
+    }
+    for (const Cut& cut : inside_[region])
+      for (const std::int32_t v : cut.ends) degree_[v] = 0;
+    if (path.size() == 1 && mesh_.from(begin) > mesh_.to(begin)) path[0] = mesh_.opposite(begin);
+    return path;
+  }
+
+  /// The other cut inside a region at the end of a cut, where there are two; as half-edges that come and go.
+  [[nodiscard]] std::int32_t next_cut(std::int32_t h, std::int32_t region) const {
+    for (std::int32_t out = turned(mesh_.opposite(h)); out != mesh_.opposite(h); out = turned(out))
+      if (is_cut_[out] != 0 && label_[Mesh::face(out)] == region && label_[Mesh::face(mesh_.opposite(out))] == region)
+        return out;
+    return kNone;  // never, as there are two
+  }
+  /// The next half-edge that leaves a vertex; past the last one before a border it is the first one.
+  [[nodiscard]] std::int32_t turned(std::int32_t h) const {
+    const std::int32_t next = mesh_.turn(h);
+    return next == kNone ? mesh_.vertex_halfedge()[mesh_.from(h)] : next;
+  }
+
   /// The faces along a path: of one on both sides the left counts, but the first edge has one face on either side.
-  void start(const std::vector<VertexPair>& path) {
+  void start(const std::vector<std::int32_t>& path) {
     front_.clear();
     const auto set = [&](std::int32_t h, Side side) {
       if (side_[Mesh::face(h)] == Side::none) front_.push_back(Mesh::face(h));
       side_[Mesh::face(h)] = side;
     };
-    const auto left = [&](const VertexPair& edge) {
-      const std::int32_t h = find_edge(mesh_, edge[0], edge[1]);
-      return mesh_.from(h) == edge[0] ? h : mesh_.opposite(h);
-    };
-    for (const VertexPair& edge : path) set(mesh_.opposite(left(edge)), Side::right);
-    for (const VertexPair& edge : path) set(left(edge), Side::left);
-    set(mesh_.opposite(left(path[0])), Side::right);
+    for (const std::int32_t h : path) set(mesh_.opposite(h), Side::right);
+    for (const std::int32_t h : path) set(h, Side::left);
+    set(mesh_.opposite(path[0]), Side::right);
   }
 
   /// Steps over all edges of the region that are no cuts; a face that both sides reach in the same step goes left.
@@ -168,6 +178,7 @@ class Splitter {
   std::vector<std::int32_t> label_;
   std::vector<Cut> cuts_;
   std::vector<std::uint8_t> is_cut_;  // by half-edge
+  std::vector<std::int32_t> degree_;  // by vertex, cuts inside a region while a path of it is looked for
   std::vector<Side> side_;            // by face, while a region is split
   std::vector<std::int32_t> front_;
   std::vector<std::vector<Cut>> inside_;          // by region, in the order of `cuts_`
