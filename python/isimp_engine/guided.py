@@ -20,7 +20,7 @@ from ._core import (
     _parted_at,
 )
 from ._core import _partition as partition
-from .guides import Pairs, as_pairs, marked_edges
+from .guides import Pairs, _as_pairs, marked_edges
 
 Faces = NDArray[np.intp]
 Labels = NDArray[np.int32]
@@ -102,12 +102,12 @@ def partition_guided(
 
 def inside_regions(mesh: Mesh, part: Partition, barriers: Pairs) -> int:
     """How many of the barriers have the same region on both sides, since they do not cut it in two."""
-    return _inside_regions(mesh, part, as_pairs(barriers))
+    return _inside_regions(mesh, part, _as_pairs(barriers))
 
 
 def parted_at(mesh: Mesh, part: Partition, cuts: Pairs) -> Labels | None:
     """(F,) the regions with those split that a cut ends in; None if there is none."""
-    return _parted_at(mesh, part, as_pairs(cuts))
+    return _parted_at(mesh, part, _as_pairs(cuts))
 
 
 def _some(pairs: Pairs | None) -> Pairs | None:

@@ -37,7 +37,7 @@ def marked_edges(mesh: Mesh, edges: NDArray[Any]) -> Pairs:
 
     Edges that are gone, as their faces are, are left out.
     """
-    return _marked_edges(mesh, as_pairs(edges))
+    return _marked_edges(mesh, _as_pairs(edges))
 
 
 def inner_edges(mesh: Mesh) -> tuple[Pairs, NDArray[np.intp], NDArray[np.intp]]:
@@ -46,7 +46,7 @@ def inner_edges(mesh: Mesh) -> tuple[Pairs, NDArray[np.intp], NDArray[np.intp]]:
     return edges, a.astype(np.intp), b.astype(np.intp)
 
 
-def as_pairs(edges: NDArray[Any]) -> Pairs:
+def _as_pairs(edges: NDArray[Any]) -> Pairs:
     """(K, 2) pairs of any integers as int32; what that can not hold is no vertex, and stays none."""
     info = np.iinfo(np.int32)
     return np.asarray(edges, np.int64).reshape(-1, 2).clip(info.min, info.max).astype(np.int32)
