@@ -116,7 +116,7 @@ void bind_partition(py::module_& m) {
       "partition",
       [](const KeptMesh& mesh, PartitionOptions options, Job* job, const std::optional<py::object>& weights,
          const std::optional<py::object>& barriers) {
-        const Constraints constraints{.guides = read_guides(weights, barriers), .cuts = {}};
+        const Constraints constraints{.guides = read_guides(weights, barriers)};
         return call(job, [&](Job& j) { return mesh.partitioner().run(options, constraints, j); });
       },
       "mesh"_a, "options"_a = PartitionOptions(), "job"_a = py::none(), "weights"_a = py::none(),

@@ -76,7 +76,7 @@ void bind_constraints(py::module_& m) {
   m.def(
       "_open_faces",
       [](const KeptMesh& mesh, const Given& faces, const Partition* before, double leave_out, Job* job) -> py::object {
-        const Constraints constraints{.guides = {}, .cuts = {}, .faces = to_faces(faces), .before = before};
+        const Constraints constraints{.faces = to_faces(faces), .before = before};
         auto open = call_here(job, [&](Job& j) { return open_faces(mesh, constraints, leave_out, j); });
         return open ? py::object(owned(std::move(*open))) : py::object(py::none());
       },

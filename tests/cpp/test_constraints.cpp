@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -120,10 +121,10 @@ TEST(Constraints, ACutThatEndsInsideASideOfACubeSplitsIt) {
   for (const Method method :
        {Method::hierarchy, Method::lloyd, Method::teleport, Method::naive, Method::queued, Method::hybrid}) {
     const PartitionOptions options{.proxies = 6, .method = method};
-    const Partition barred = run(mesh, options, {.guides = {{}, edges}, .cuts = {}});
+    const Partition barred = run(mesh, options, {.guides = {{}, edges}});
     EXPECT_EQ(barred.region_count(), 6);
     EXPECT_EQ(inside(mesh, barred, edges), 4) << "nothing goes on from the end of a mere barrier";
-    const Partition cut = run(mesh, options, {.guides = {}, .cuts = edges});
+    const Partition cut = run(mesh, options, {.cuts = edges});
     EXPECT_EQ(cut.region_count(), 7);
     EXPECT_EQ(inside(mesh, cut, edges), 0);
     checks::expect_sound_regions(mesh, cut);
@@ -133,7 +134,7 @@ TEST(Constraints, ACutThatEndsInsideASideOfACubeSplitsIt) {
 // The two halves of the top of a cube, by the way from the end of the cut that goes on half-way between its sides.
 TEST(Constraints, ACutGoesOnHalfWayBetweenItsSides) {
   const Mesh mesh = shapes::mesh(shapes::cube(8));
-  const Partition cut = run(mesh, {.proxies = 6}, {.guides = {}, .cuts = slit(mesh)});
+  const Partition cut = run(mesh, {.proxies = 6}, {.cuts = slit(mesh)});
   std::set<std::int32_t> top;
   for (std::int32_t f = 0; f < mesh.face_count(); ++f)
     if (std::ranges::all_of(mesh.triangles()[f], [&](std::int32_t v) { return mesh.vertices()[v].z() > 1 - 1e-9; }))
@@ -150,7 +151,7 @@ TEST(Constraints, NoRegionIsOnBothSidesOfACutHoweverTheyBranch) {
   for (const std::size_t step : {97, 13, 3, 1}) {
     std::vector<VertexPair> cuts;
     for (std::size_t k = 0; k < all.size(); k += step) cuts.push_back(all[k]);
-    part = run(mesh, {.proxies = 5}, {.guides = {}, .cuts = cuts});
+    part = run(mesh, {.proxies = 5}, {.cuts = cuts});
     EXPECT_EQ(inside(mesh, part, cuts), 0) << "one edge of " << step;
     checks::expect_sound_regions(mesh, part);
   }
@@ -164,7 +165,7 @@ TEST(Constraints, LockedRegionsStayToTheFace) {
        {Method::hierarchy, Method::lloyd, Method::teleport, Method::naive, Method::queued, Method::hybrid})
     for (const PartitionOptions& options :
          {PartitionOptions{.proxies = 45, .method = method}, PartitionOptions{.detail = 0.02, .method = method}}) {
-      const Partition part = run(mesh, options, {.guides = {}, .cuts = {}, .before = &before});
+      const Partition part = run(mesh, options, {.before = &before});
       checks::expect_sound_regions(mesh, part);
       ASSERT_EQ(part.region_locked.size(), part.region_seed.size());
       EXPECT_EQ(std::ranges::count(part.region_locked, 1), 2);
@@ -181,7 +182,7 @@ TEST(Constraints, OnlyChosenFacesGetNewRegions) {
   const Mesh& mesh = bumpy();
   const Partition before = with_locked(mesh, {.proxies = 30}, 1);
   const std::vector<std::int32_t> faces = upper_faces(mesh);
-  const Partition part = run(mesh, {.proxies = 25}, {.guides = {}, .cuts = {}, .faces = faces, .before = &before});
+  const Partition part = run(mesh, {.proxies = 25}, {.faces = faces, .before = &before});
   checks::expect_sound_regions(mesh, part);
   std::vector<bool> open(before.face_region.size(), false);
   for (const std::int32_t f : faces) open[f] = before.region_locked[before.face_region[f]] == 0;
@@ -199,7 +200,7 @@ TEST(Constraints, OnlyChosenFacesGetNewRegions) {
     EXPECT_TRUE(news.insert(now).second) << "region " << now << " was more than one";
     EXPECT_FALSE(fresh.contains(now));
   }
-  const Partition alone = run(mesh, {.proxies = 25}, {.guides = {}, .cuts = {}, .faces = faces});
+  const Partition alone = run(mesh, {.proxies = 25}, {.faces = faces});
   EXPECT_EQ(alone.region_count(), 25);
   EXPECT_EQ(faces_of(alone, kNone).size(), mesh.face_count() - faces.size());
 }
@@ -215,7 +216,7 @@ TEST(Constraints, WeightsAndBarriersHoldInAPartToo) {
     if (is_left(all.face[k]) != is_left(all.beside[k])) barriers.push_back(all.edges[k]);
   std::vector<std::size_t> counts;
   for (const double weight : {1.0, 16.0}) {
-    Constraints constraints{.guides = {{}, barriers}, .cuts = {}, .faces = faces};
+    Constraints constraints{.guides = {{}, barriers}, .faces = faces};
     for (std::int32_t f = 0; f < mesh.face_count(); ++f)
       constraints.guides.weights.push_back(is_left(f) ? weight : 1.0);
     const Partition part = run(mesh, {.proxies = 100}, constraints);
@@ -236,16 +237,15 @@ TEST(Constraints, SpecksAreLeftOutBesideLockedRegionsAsWithoutThem) {
   const Partition base = partition(mesh, {.proxies = 6}, job);
   ASSERT_EQ(base.parts_left_out, 1);
   const Partition before = set_locked(mesh, base, std::span(base.region_seed).first(1), true);
-  const Partition part = run(mesh, {.proxies = 6}, {.guides = {}, .cuts = {}, .before = &before});
+  const Partition part = run(mesh, {.proxies = 6}, {.before = &before});
   EXPECT_EQ(part.region_count(), 6);
   EXPECT_EQ(faces_of(part, kNone), faces_of(base, kNone));
-  EXPECT_EQ(run(mesh, {.proxies = 12, .leave_out = 0}, {.guides = {}, .cuts = {}, .before = &before}).region_count(),
-            12);
+  EXPECT_EQ(run(mesh, {.proxies = 12, .leave_out = 0}, {.before = &before}).region_count(), 12);
 }
 
 /// Constraints of every kind together.
 Constraints all_kinds(const Mesh& mesh, const Partition& before) {
-  Constraints constraints{.guides = {}, .cuts = {}, .before = &before};
+  Constraints constraints{.before = &before};
   for (const Triangle& t : mesh.triangles())
     constraints.guides.weights.push_back(1 + std::abs(mesh.vertices()[t[0]].y()));
   constraints.guides.barriers = edges_where(mesh, [](const Vec3& p) { return p.z() > 0.9; });
@@ -293,6 +293,23 @@ TEST(Constraints, WhatIsKeptOfAPartChangesNothing) {
   }
 }
 
+TEST(Constraints, APartIsCutOffOnce) {
+  const Mesh& mesh = bumpy();
+  const Partitioner kept(mesh);
+  const auto polls = [&](const std::vector<std::int32_t>& faces) {
+    std::atomic<int> count{0};
+    Job job;
+    job.at_poll = [&] { ++count; };
+    (void)kept.run({.proxies = 30, .threads = 1}, {.faces = faces}, job);
+    return count.load();
+  };
+  const std::vector<std::int32_t> faces = upper_faces(mesh);
+  const int first = polls(faces), again = polls(faces);
+  EXPECT_LT(again, first);
+  (void)polls({faces.begin(), faces.begin() + 300});
+  EXPECT_EQ(polls(faces), first) << "the last one is kept";
+}
+
 TEST(Constraints, BadOnesAreNamed) {
   Job job;
   const Mesh& mesh = bumpy();
@@ -304,18 +321,18 @@ TEST(Constraints, BadOnesAreNamed) {
     return message_of([&] { (void)run(mesh, options, constraints); });
   };
   using Faces = std::vector<std::int32_t>;
-  EXPECT_EQ(said({.guides = {}, .cuts = {}, .faces = Faces{3, 9999}}), "faces must be in [0, 5120), got 9999");
-  EXPECT_EQ(said({.guides = {}, .cuts = {}, .faces = Faces{3, -1}}), "faces must be in [0, 5120), got -1");
-  EXPECT_EQ(said({.guides = {}, .cuts = {}, .faces = Faces{}}), "no face is given");
-  EXPECT_EQ(said({.guides = {}, .cuts = {}, .before = &before}), "all faces that would be split are locked");
-  EXPECT_EQ(said({.guides = {}, .cuts = {}, .before = &foreign}),
-            "the partition before has 12 faces and the mesh has 5120: it was made for another mesh");
-  EXPECT_EQ(said({.guides = {{1, 2}, {}}, .cuts = {}, .before = &some}),
+  EXPECT_EQ(said({.faces = Faces{3, 9999}}), "faces must be in [0, 5120), got 9999");
+  EXPECT_EQ(said({.faces = Faces{3, -1}}), "faces must be in [0, 5120), got -1");
+  EXPECT_EQ(said({.faces = Faces{}}), "no face is given");
+  EXPECT_EQ(said({.before = &before}), "all faces that would be split are locked");
+  EXPECT_EQ(said({.before = &foreign}),
+            "the partition has 12 faces and the mesh has 5120: it was made for another mesh");
+  EXPECT_EQ(said({.guides = {{1, 2}, {}}, .before = &some}),
             "there are 2 weights, but the mesh has 5120 faces: give one for each");
-  EXPECT_EQ(said({.guides = {}, .cuts = {{0, 0}}, .before = &some}),
+  EXPECT_EQ(said({.cuts = {{0, 0}}, .before = &some}),
             "barrier 0 runs between vertices 0 and 0, but there is no such edge in the mesh");
-  EXPECT_EQ(said({.guides = {}, .cuts = {}, .before = &some}, {.proxies = 0}), "proxies must be in [1, 5120], got 0");
-  EXPECT_EQ(said({.guides = {}, .cuts = {}, .faces = Faces{1, 2}, .part = &wrong}),
+  EXPECT_EQ(said({.before = &some}, {.proxies = 0}), "proxies must be in [1, 5120], got 0");
+  EXPECT_EQ(said({.faces = Faces{1, 2}, .part = &wrong}),
             "the part has a face 2 of the 2 that may be split: it was made of others");
   EXPECT_EQ(message_of([&] { (void)part_of(mesh, Faces{5120}, job); }), "faces must be in [0, 5120), got 5120");
   EXPECT_EQ(message_of([&] { (void)inside(mesh, foreign, {}); }),

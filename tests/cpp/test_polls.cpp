@@ -68,7 +68,7 @@ void partition_constrained(const Input& in, Job& job) {
   before.region_locked.assign(before.region_seed.size(), 0);
   before.region_locked[0] = 1;
   const std::vector<VertexPair> edges = inner_edges(in.mesh, own).edges;
-  const Constraints constraints{.guides = {}, .cuts = {edges.begin(), edges.begin() + 30}, .before = &before};
+  const Constraints constraints{.cuts = {edges.begin(), edges.begin() + 30}, .before = &before};
   (void)Partitioner(in.mesh).run(counted(Method::hierarchy, 100), constraints, job);
 }
 

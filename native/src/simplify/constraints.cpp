@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "check_is_of.h"
 #include "isimp/core/errors.h"
 #include "isimp/mesh/clean.h"
 #include "parts.h"
@@ -47,9 +48,7 @@ std::optional<std::vector<std::int32_t>> open_faces(const Mesh& mesh, const Cons
                                                     Job& job) {
   const Partition* before = constraints.before;
   const auto count = static_cast<std::size_t>(mesh.face_count());
-  if (before != nullptr && before->face_region.size() != count)
-    throw InvalidInput("the partition before has " + std::to_string(before->face_region.size()) +
-                       " faces and the mesh has " + std::to_string(count) + ": it was made for another mesh");
+  if (before != nullptr) check_is_of(mesh, *before);
   const bool locked = has_locked(before);
   if (!constraints.faces && !locked) return std::nullopt;
   std::vector<std::uint8_t> is_open(count, 1);

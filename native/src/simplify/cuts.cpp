@@ -1,20 +1,12 @@
 #include <algorithm>
-#include <string>
 #include <utility>
 
+#include "check_is_of.h"
 #include "find_edge.h"
-#include "isimp/core/errors.h"
 #include "isimp/simplify/constraints.h"
 
 namespace isimp {
 namespace {
-
-void check_is_of(const Mesh& mesh, const Partition& partition) {
-  if (partition.face_region.size() != static_cast<std::size_t>(mesh.face_count()))
-    throw InvalidInput("the partition has " + std::to_string(partition.face_region.size()) +
-                       " faces and the mesh has " + std::to_string(mesh.face_count()) +
-                       ": it was made for another mesh");
-}
 
 /// An edge between two faces by its ends, the lower first, and the lower of its half-edges.
 struct Cut {

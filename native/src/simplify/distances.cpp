@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "boxes.h"
+#include "check_is_of.h"
 #include "exact_sums.h"
 #include "isimp/core/errors.h"
 #include "isimp/core/threads.h"
@@ -152,10 +153,7 @@ double distance_to_triangle(const Vec3& point, const std::array<Vec3, 3>& triang
 
 std::vector<double> scan_distances(const Mesh& mesh, const Partition& partition, const PolygonMesh& polygons,
                                    const DistanceOptions& options, Job& job) {
-  if (partition.face_region.size() != static_cast<std::size_t>(mesh.face_count()))
-    throw InvalidInput("the partition has " + std::to_string(partition.face_region.size()) +
-                       " faces and the mesh has " + std::to_string(mesh.face_count()) +
-                       ": it was made for another mesh");
+  check_is_of(mesh, partition);
   job.poll();
   const Targets targets(polygons, partition.region_count(), job);
   const Measure measure(mesh, partition, targets);

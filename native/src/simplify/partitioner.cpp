@@ -200,7 +200,7 @@ Partition Partitioner::on_part(const Surface& surface, std::span<const std::int3
     part = &own->partitioner;
   }
   const std::vector<std::int32_t> face = whole_faces(part->mesh(), open);
-  const Constraints inner{.guides = guides_of_part(constraints.with_cuts(), part->mesh(), face, job), .cuts = {}};
+  const Constraints inner{.guides = guides_of_part(constraints.with_cuts(), part->mesh(), face, job)};
   const Partition split = [&] {
     const Job::Part stage(job, "partitioning", done, 0.95);
     return part->run(options_of_part(options, constraints), inner, job);

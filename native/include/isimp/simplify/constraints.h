@@ -17,8 +17,8 @@ class Partitioner;
 
 /// What a partition keeps to, beside its options.
 struct Constraints {
-  Guides guides;                 ///< weights of the faces, and barriers: edges that no region crosses
-  std::vector<VertexPair> cuts;  ///< (K) barriers that also split a region that they end in
+  Guides guides = {};                 ///< weights of the faces, and barriers: edges that no region crosses
+  std::vector<VertexPair> cuts = {};  ///< (K) barriers that also split a region that they end in
   std::optional<std::vector<std::int32_t>> faces = std::nullopt;  ///< only these get new regions; the others keep those
                                                                   ///< of `before`, or get none
   const Partition* before = nullptr;  ///< its locked regions stay to the face, also without `faces`; null: none
