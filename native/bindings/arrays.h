@@ -50,12 +50,15 @@ py::array array_over(std::span<const T> items, py::handle owner) {
     return py::array_t<double>({n, py::ssize_t{3}}, reinterpret_cast<const double*>(items.data()), owner);
   } else if constexpr (std::is_same_v<T, Triangle>) {
     return py::array_t<std::int32_t>({n, py::ssize_t{3}}, reinterpret_cast<const std::int32_t*>(items.data()), owner);
+  } else if constexpr (std::is_same_v<T, std::array<std::int32_t, 2>>) {
+    return py::array_t<std::int32_t>({n, py::ssize_t{2}}, reinterpret_cast<const std::int32_t*>(items.data()), owner);
   } else {
     return py::array_t<T>(n, items.data(), owner);
   }
 }
 
-/// A numpy array that owns what was a vector's memory and may be written to: (n), or (n, 3) for Vec3 and Triangle.
+/// A numpy array that owns what was a vector's memory and may be written to: (n), (n, 3) for Vec3 and Triangle, or
+/// (n, 2) for pairs.
 template <class T>
 py::array owned(std::vector<T>&& items) {
   auto* kept = new std::vector<T>(std::move(items));

@@ -11,6 +11,7 @@
 #include "kept_mesh.h"
 #include "options.h"
 #include "pickles.h"
+#include "read_guides.h"
 
 namespace isimp::bindings {
 
@@ -99,6 +100,8 @@ void bind_result(py::module_& m) {
       });
 }
 
+}  // namespace
+
 Guides read_guides(const std::optional<py::object>& weights, const std::optional<py::object>& barriers) {
   Guides guides;
   if (weights) guides.weights = read_numbers(*weights, "weights", "(F,)");
@@ -106,8 +109,6 @@ Guides read_guides(const std::optional<py::object>& weights, const std::optional
   if (barriers) guides.barriers = read_pairs(*barriers, "barriers");
   return guides;
 }
-
-}  // namespace
 
 void bind_partition(py::module_& m) {
   OptionsClass<PartitionOptions>(m, "PartitionOptions",
@@ -117,8 +118,8 @@ void bind_partition(py::module_& m) {
       "partition",
       [](const KeptMesh& mesh, PartitionOptions options, Job* job, const std::optional<py::object>& weights,
          const std::optional<py::object>& barriers) {
-        Guides guides = read_guides(weights, barriers);
-        return call(job, [&](Job& j) { return mesh.partitioner().run(options, std::move(guides), j); });
+        const Constraints constraints{.guides = read_guides(weights, barriers)};
+        return call(job, [&](Job& j) { return mesh.partitioner().run(options, constraints, j); });
       },
       "mesh"_a, "options"_a = PartitionOptions(), "job"_a = py::none(), "weights"_a = py::none(),
       "barriers"_a = py::none(),

@@ -13,4 +13,5 @@ PYBIND11_MODULE(_core, m) {
   isimp::bindings::bind_interact(m);
   isimp::bindings::bind_meshing(m);
   isimp::bindings::bind_io(m);
+  isimp::bindings::bind_simplify(m);
 }

@@ -1,3 +1,5 @@
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from os import PathLike
 from typing import Any, Literal
 
@@ -260,3 +262,18 @@ def triangulate(
     job: Job | None = None,
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]: ...
 def write(path: str | PathLike[str], polygons: PolygonMesh, job: Job | None = None) -> None: ...
+
+# What the modules guides, guided and within give their public names to.
+_inner_edges: Callable[[Mesh], tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]]
+_sharp_edges: Callable[[Mesh, float], NDArray[np.int32]]
+_marked_edges: Callable[[Mesh, NDArray[Any]], NDArray[np.int32]]
+_partition: Callable[..., Partition]
+_open_faces: Callable[[Mesh, NDArray[Any] | None, Partition | None, float], NDArray[np.int32] | None]
+_part_of: Callable[[Mesh, NDArray[Any], Job | None], Mesh]
+_inside_regions: Callable[[Mesh, Partition, NDArray[Any]], int]
+_parted_at: Callable[[Mesh, Partition, NDArray[Any]], NDArray[np.int32] | None]
+_scan_distances: Callable[[Mesh, Partition, PolygonMesh, float, int, int, Job | None], NDArray[np.float64]]
+_distances_to_triangles: Callable[[NDArray[Any], NDArray[Any]], NDArray[np.float64]]
+_tightened: Callable[[Mesh, Partition, float, MeshingOptions], MeshingOptions]
+_BoundSearch: Callable[[float, bool], Any]
+_Stretch: Callable[[Job, float, float], AbstractContextManager[None]]

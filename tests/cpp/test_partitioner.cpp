@@ -65,7 +65,8 @@ TEST(Partitioner, GivesTheSameAsAFreshOne) {
     for (const PartitionOptions& options : orders()) {
       Job job;
       const Surface surface = guides.weights.empty() ? Surface(bumpy()) : Surface(bumpy(), guides, job);
-      expect_same(kept.run(options, guides, job), partition(surface, options, job), std::to_string(number++));
+      expect_same(kept.run(options, {.guides = guides}, job), partition(surface, options, job),
+                  std::to_string(number++));
     }
 }
 

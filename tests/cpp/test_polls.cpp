@@ -61,6 +61,17 @@ PartitionOptions adaptive(PartitionOptions options) {
   return options;
 }
 
+/// A partition beside a locked region, with some edges that cut the others.
+void partition_constrained(const Input& in, Job& job) {
+  Job own;
+  Partition before = in.regions;
+  before.region_locked.assign(before.region_seed.size(), 0);
+  before.region_locked[0] = 1;
+  const std::vector<VertexPair> edges = inner_edges(in.mesh, own).edges;
+  const Constraints constraints{.cuts = {edges.begin(), edges.begin() + 30}, .before = &before};
+  (void)Partitioner(in.mesh).run(counted(Method::hierarchy, 100), constraints, job);
+}
+
 std::vector<Stage> stages_over_faces() {
   const auto by = [](const std::string& name, const PartitionOptions& o) {
     return Stage{name, [o](const Input& in, Job& job) { partition(in.mesh, o, job); }};
@@ -76,6 +87,7 @@ std::vector<Stage> stages_over_faces() {
       by("bound", found(std::nullopt, 0.05)),
       by("adaptive", adaptive(counted(Method::hierarchy, 100))),
       by("adaptive_detail", adaptive(found(0.05, std::nullopt))),
+      {"constrained", partition_constrained},
   };
 }
 

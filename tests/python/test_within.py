@@ -70,6 +70,18 @@ def test_regions_are_made_anew_only_if_it_is_known_how(monkeypatch):
     assert anew.tries > as_it_is.tries
 
 
+def test_one_job_shows_how_far_all_the_tries_are(monkeypatch):
+    monkeypatch.setattr(within, "SLACK", 0.8)
+    mesh, options, job, seen = engine.Mesh(*shapes.torus(48, 24)), engine.PartitionOptions(bound=0.05), engine.Job(), []
+    real = within.polygonize
+    monkeypatch.setattr(within, "polygonize", lambda *args: (seen.append((job.progress, job.stage)), real(*args))[1])
+    within.polygonize_within(mesh, engine.partition(mesh, options), job=job, made=within.Made(options))
+    assert seen[:3] == [(0, "meshing"), (0.5, "meshing"), (0.75, "meshing")]
+    shares = [share for share, _ in seen]
+    assert shares == sorted(set(shares))
+    assert shares[-1] < job.progress <= 1
+
+
 def test_without_a_bound_nothing_is_measured():
     mesh = engine.Mesh(*shapes.cube(6))
     result = within.partition_within(mesh, engine.PartitionOptions(proxies=6))

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "find_edge.h"
 #include "isimp/core/errors.h"
 
 namespace isimp {
@@ -50,19 +51,6 @@ void weigh(GuidedGraph& guided, std::span<const float> weights) {
   graph.area *= total;
 }
 
-/// The half-edge that runs between two vertices, either way; kNone if there is no such edge.
-std::int32_t find_edge(const Mesh& mesh, std::int32_t a, std::int32_t b) {
-  if (a < 0 || b < 0 || a >= mesh.vertex_count() || b >= mesh.vertex_count()) return kNone;
-  const std::int32_t start = mesh.vertex_halfedge()[a];
-  for (std::int32_t h = start; h != kNone;) {
-    if (mesh.to(h) == b) return h;
-    if (mesh.from(Mesh::prev(h)) == b) return Mesh::prev(h);  // only this way on a border
-    h = mesh.turn(h);
-    if (h == start) break;
-  }
-  return kNone;
-}
-
 std::vector<std::int32_t> find_components(const FaceGraph& graph, std::int32_t& count, Job& job) {
   std::vector<std::int32_t> component(static_cast<std::size_t>(graph.size()), kNone), stack;
   count = 0;
@@ -101,6 +89,18 @@ void cut(const Mesh& mesh, std::span<const std::array<std::int32_t, 2>> barriers
 }
 
 }  // namespace
+
+std::int32_t find_edge(const Mesh& mesh, std::int32_t a, std::int32_t b) {
+  if (a < 0 || b < 0 || a >= mesh.vertex_count() || b >= mesh.vertex_count()) return kNone;
+  const std::int32_t start = mesh.vertex_halfedge()[a];
+  for (std::int32_t h = start; h != kNone;) {
+    if (mesh.to(h) == b) return h;
+    if (mesh.from(Mesh::prev(h)) == b) return Mesh::prev(h);  // only this way on a border
+    h = mesh.turn(h);
+    if (h == start) break;
+  }
+  return kNone;
+}
 
 Surface::Surface(const Mesh& mesh, const Guides& guides, Job& job) : Surface(mesh) {
   if (!guides.weights.empty()) check_weights(mesh, guides.weights);

@@ -1,9 +1,12 @@
 #include "isimp/simplify/partitioner.h"
 
+#include <algorithm>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "check_options.h"
 #include "density/reweighted.h"
@@ -25,6 +28,21 @@ struct Partitioner::Kept {
   std::shared_ptr<const Hierarchy> hierarchy;
   std::shared_ptr<const DetailTree> tree;
   std::shared_ptr<const Decimated> decimated;
+};
+
+/// A surface, and what is kept for it.
+struct Partitioner::Prepared {
+  Surface surface;
+  Kept kept;
+};
+
+/// Some faces of the mesh as a mesh of their own, with what its partitions keep.
+struct Partitioner::OwnPart {
+  OwnPart(const Mesh& whole, std::span<const std::int32_t> faces, Job& job)
+      : open(faces.begin(), faces.end()), mesh(part_of(whole, faces, job)), partitioner(mesh) {}
+  std::vector<std::int32_t> open;
+  Mesh mesh;
+  Partitioner partitioner;
 };
 
 Partitioner::Partitioner(const Mesh& mesh) : Partitioner(mesh, Keep::what_helps) {}
@@ -53,14 +71,33 @@ void Partitioner::keep(const Kept& kept) const {
   *kept_ = kept;
 }
 
-Partition Partitioner::run(const PartitionOptions& options, Guides guides, Job& job) const {
+Partitioner::Prepared Partitioner::prepare(Guides guides, double adaptivity, Job& job) const {
   const bool guided = !guides.weights.empty() || !guides.barriers.empty();
-  Kept kept = recall(std::move(guides), options.adaptivity);
+  Kept kept = recall(std::move(guides), adaptivity);
   const std::shared_ptr<const GuidedGraph> recalled = kept.graph;
   const Surface surface = guided && !kept.graph ? Surface(*mesh_, kept.guides, job) : Surface(*mesh_, kept.graph);
   kept.graph = surface.guided();
   if (kept.graph != recalled) keep(kept);
-  return on_surface(surface, std::move(kept), options, job);
+  return {surface, std::move(kept)};
+}
+
+Partition Partitioner::run(const PartitionOptions& options, const Constraints& constraints, Job& job) const {
+  const auto open = open_faces(*mesh_, constraints, options.leave_out, job);
+  Prepared prepared = prepare(constraints.with_cuts(), options.adaptivity, job);
+  const Surface& surface = prepared.surface;
+  const auto split = [&] {
+    if (open) return on_part(surface, *open, options, constraints, job);
+    return on_surface(surface, std::move(prepared.kept), options, job);
+  };
+  if (constraints.cuts.empty()) return split();
+  Partition result;
+  {
+    const Job::Part stage(job, "partitioning", 0.0, 0.9);
+    result = split();
+  }
+  const Job::Part stage(job, "cutting", 0.9, 1.0);
+  const auto labels = parted_at(*mesh_, result, constraints.cuts, job);
+  return labels ? inherited(partition_from(surface, *labels, job), result) : result;
 }
 
 Partition partition(const Surface& surface, const PartitionOptions& options, Job& job) {
@@ -81,6 +118,99 @@ Partition Partitioner::on_surface(const Surface& surface, Kept kept, const Parti
   if (!finer) return with_weights(surface, std::move(kept), options, job);
   const Surface weighted(surface.mesh(), kept.reweighted);
   return on_original_weights(surface, with_weights(weighted, std::move(kept), options, job), options, job);
+}
+
+std::shared_ptr<const Partitioner::OwnPart> Partitioner::own_part(std::span<const std::int32_t> open, Job& job) const {
+  {
+    const std::lock_guard lock(mutex_);
+    if (part_ && std::ranges::equal(part_->open, open)) return part_;
+  }
+  auto part = std::make_shared<const OwnPart>(*mesh_, open, job);
+  const std::lock_guard lock(mutex_);
+  if (keep_ != Keep::nothing) part_ = part;
+  return part;
+}
+
+namespace {
+
+/// The face of the whole mesh that each face of a part is.
+std::vector<std::int32_t> whole_faces(const Mesh& part, std::span<const std::int32_t> open) {
+  std::vector<std::int32_t> face;
+  for (const std::int32_t f : part.source_face()) {
+    if (f < 0 || static_cast<std::size_t>(f) >= open.size())
+      throw InvalidInput("the part has a face " + std::to_string(f) + " of the " + std::to_string(open.size()) +
+                         " that may be split: it was made of others");
+    face.push_back(open[f]);
+  }
+  return face;
+}
+
+Guides guides_of_part(const Guides& whole, const Mesh& part, std::span<const std::int32_t> face, Job& job) {
+  Guides guides;
+  if (!whole.weights.empty())
+    for (const std::int32_t f : face) guides.weights.push_back(whole.weights[f]);
+  guides.barriers = marked_edges(part, whole.barriers, job);
+  return guides;
+}
+
+/// Nothing more is left out, and locked regions are of the number asked for.
+PartitionOptions options_of_part(PartitionOptions options, const Constraints& constraints) {
+  options.leave_out = 0.0;
+  if (constraints.faces || !options.proxies) return options;
+  const auto& locked = constraints.before->region_locked;
+  const auto count = std::ranges::count_if(locked, [](std::uint8_t is) { return is != 0; });
+  options.proxies = std::max(1, *options.proxies - static_cast<std::int32_t>(count));
+  return options;
+}
+
+/// (F) The labels that stay: those of locked regions and, where only some faces are split, of all others.
+std::vector<std::int32_t> labels_that_stay(const Constraints& constraints, std::int32_t face_count) {
+  std::vector<std::int32_t> labels(static_cast<std::size_t>(face_count), kNone);
+  if (constraints.before == nullptr) return labels;
+  const Partition& before = *constraints.before;
+  for (std::size_t f = 0; f < labels.size(); ++f) {
+    const std::int32_t region = before.face_region[f];
+    if (region != kNone && (constraints.faces || before.region_locked[region] != 0)) labels[f] = region;
+  }
+  return labels;
+}
+
+/// Locks the regions that lie in what is locked.
+void lock_as(Partition& part, const Partition& before) {
+  if (before.region_locked.empty()) return;
+  for (const std::int32_t seed : part.region_seed) {
+    const std::int32_t region = before.face_region[seed];
+    part.region_locked.push_back(region == kNone ? 0 : before.region_locked[region]);
+  }
+  if (std::ranges::count(part.region_locked, 0) == part.region_count()) part.region_locked.clear();
+}
+
+}  // namespace
+
+Partition Partitioner::on_part(const Surface& surface, std::span<const std::int32_t> open,
+                               const PartitionOptions& options, const Constraints& constraints, Job& job) const {
+  check(surface, options);
+  std::shared_ptr<const OwnPart> own;
+  const Partitioner* part = constraints.part;
+  double done = 0.0;
+  if (part == nullptr) {
+    done = 0.1;
+    const Job::Part stage(job, "cutting off a part", 0.0, done);
+    own = own_part(open, job);
+    part = &own->partitioner;
+  }
+  const std::vector<std::int32_t> face = whole_faces(part->mesh(), open);
+  const Constraints inner{.guides = guides_of_part(constraints.with_cuts(), part->mesh(), face, job)};
+  const Partition split = [&] {
+    const Job::Part stage(job, "partitioning", done, 0.95);
+    return part->run(options_of_part(options, constraints), inner, job);
+  }();
+  std::vector<std::int32_t> labels = labels_that_stay(constraints, mesh_->face_count());
+  const std::int32_t first = *std::ranges::max_element(labels) + 1;
+  for (std::size_t k = 0; k < face.size(); ++k) labels[face[k]] = first + split.face_region[k];
+  Partition result = partition_from(surface, labels, job);
+  if (constraints.before != nullptr) lock_as(result, *constraints.before);
+  return result;
 }
 
 /// On a surface whose areas are as they shall be: `options.adaptivity` is in them.

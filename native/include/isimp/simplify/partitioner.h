@@ -2,11 +2,13 @@
 
 #include <memory>
 #include <mutex>
+#include <span>
 
 #include "isimp/core/job.h"
 #include "isimp/mesh/mesh.h"
 #include "isimp/partition/partition.h"
 #include "isimp/partition/surface.h"
+#include "isimp/simplify/constraints.h"
 
 namespace isimp {
 
@@ -19,8 +21,9 @@ class KeptFlooder;
 /// from one call to the next.
 ///
 /// Kept is what another number of regions can use: the guided graph, the graph with another density, the tree that
-/// finds the number of regions, and the hierarchy, the decimated mesh or a device's memory where the method has one. So
-/// a second call takes a fraction of the first one's time. The results are those of a new Partitioner, bit for bit.
+/// finds the number of regions, and the hierarchy, the decimated mesh or a device's memory where the method has one; and
+/// the same of the part of the mesh that was split alone. So a second call takes a fraction of the first one's time. The
+/// results are those of a new Partitioner, bit for bit.
 class Partitioner {
  public:
   /// \param mesh  must outlive this, at the same address
@@ -28,6 +31,7 @@ class Partitioner {
   Partitioner(const Partitioner&) = delete;
   Partitioner& operator=(const Partitioner&) = delete;
   ~Partitioner();
+  [[nodiscard]] const Mesh& mesh() const { return *mesh_; }
 
   /// Splits the mesh into connected, near-planar regions.
   ///
@@ -42,30 +46,41 @@ class Partitioner {
   /// `proxies`, it is taken, and `proxies_needed` says so. Components each below `leave_out` of the area are left out,
   /// smallest first, while all of them together stay below ten times it. The largest is always kept, and none is left
   /// out where the rest would have fewer than `proxies` faces.
-  /// The same mesh, options and guides give the same partition bit for bit: nothing depends on hashing, on the order of
-  /// threads or on a library's random numbers. May be called from several threads at once.
+  /// The same mesh, options and constraints give the same partition bit for bit: nothing depends on hashing, on the
+  /// order of threads or on a library's random numbers. May be called from several threads at once.
   ///
-  /// \param guides  weights multiply the areas, also those in `error`; barriers cut the mesh, so that it may have more
-  ///                components
+  /// Constraints:
+  ///  - weights multiply the areas, also those in `error`; barriers cut the mesh, so that it may have more components;
+  ///  - a region that a cut ends in is split (see parted_at);
+  ///  - where only some faces are split, these become a mesh of their own, which is partitioned with nothing left out.
+  ///    Borders to the other faces stay as they are; regions that fall apart by it become several. With locked regions
+  ///    and without `faces`, `proxies` counts the locked ones too.
+  ///
   /// \param job     polled at least every 50 ms; reports progress in [0, 1]
-  /// \throws InvalidInput  an option out of its range, a weight or barrier that can't be used: the message names the
-  ///                       range and what was given
+  /// \throws InvalidInput  an option out of its range, a weight, barrier or face that can't be used: the message names
+  ///                       the range and what was given; open_faces() says what else
   /// \throws Error         a device has too little memory or failed
   /// \throws Cancelled     nothing was changed
   ///
   /// Cost: Method::hierarchy O(F), about 100 ms for a million faces; the others O(iterations * F). Finding the number
   /// O(F log F) more. O(F) memory.
   /// Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.
-  [[nodiscard]] Partition run(const PartitionOptions& options, Guides guides, Job& job) const;
+  [[nodiscard]] Partition run(const PartitionOptions& options, const Constraints& constraints, Job& job) const;
 
  private:
   friend Partition partition(const Surface& surface, const PartitionOptions& options, Job& job);
   struct Kept;
+  struct OwnPart;
+  struct Prepared;
   enum class Keep { nothing, what_helps };
   Partitioner(const Mesh& mesh, Keep keep);
 
   [[nodiscard]] Kept recall(Guides guides, double adaptivity) const;
   void keep(const Kept& kept) const;
+  [[nodiscard]] Prepared prepare(Guides guides, double adaptivity, Job& job) const;
+  [[nodiscard]] std::shared_ptr<const OwnPart> own_part(std::span<const std::int32_t> open, Job& job) const;
+  Partition on_part(const Surface& surface, std::span<const std::int32_t> open, const PartitionOptions& options,
+                    const Constraints& constraints, Job& job) const;
   Partition on_surface(const Surface& surface, Kept kept, const PartitionOptions& options, Job& job) const;
   Partition with_weights(const Surface& surface, Kept kept, const PartitionOptions& options, Job& job) const;
   Partition found_by_detail(const Surface& surface, Kept kept, const PartitionOptions& options, Job& job) const;
@@ -76,6 +91,7 @@ class Partitioner {
   Keep keep_;
   mutable std::mutex mutex_;
   mutable std::unique_ptr<Kept> kept_;
+  mutable std::shared_ptr<const OwnPart> part_;
   std::unique_ptr<KeptFlooder> flooder_;
 };
 

@@ -1,0 +1,177 @@
+#include <pybind11/stl.h>
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "call.h"
+#include "isimp/core/errors.h"
+#include "isimp/simplify/constraints.h"
+#include "isimp/simplify/edges.h"
+#include "isimp/simplify/within.h"
+#include "kept_mesh.h"
+#include "options.h"
+#include "read_guides.h"
+
+/// What guides.py, guided.py and within.py give their names and texts to; so all of it is private to the package.
+namespace isimp::bindings {
+
+using namespace py::literals;
+
+namespace {
+
+using Given = std::optional<py::object>;
+
+std::vector<VertexPair> to_pairs(const Given& pairs, const char* name) {
+  return pairs ? read_pairs(*pairs, name) : std::vector<VertexPair>();
+}
+
+std::optional<std::vector<std::int32_t>> to_faces(const Given& faces) {
+  return faces ? std::optional(read_indices(*faces, "faces", "(K,)")) : std::nullopt;
+}
+
+void bind_edges(py::module_& m) {
+  m.def(
+      "_inner_edges",
+      [](const KeptMesh& mesh, Job* job) {
+        InnerEdges found = call_here(job, [&](Job& j) { return inner_edges(mesh, j); });
+        return py::make_tuple(owned(std::move(found.edges)), owned(std::move(found.face)),
+                              owned(std::move(found.beside)));
+      },
+      "mesh"_a, "job"_a = py::none(), "See guides.inner_edges.");
+  m.def(
+      "_sharp_edges",
+      [](const KeptMesh& mesh, double angle, Job* job) {
+        return owned(call_here(job, [&](Job& j) { return sharp_edges(mesh, angle, j); }));
+      },
+      "mesh"_a, "angle"_a, "job"_a = py::none(), "See guides.sharp_edges.");
+  m.def(
+      "_marked_edges",
+      [](const KeptMesh& mesh, const py::object& edges, Job* job) {
+        const std::vector<VertexPair> marked = read_pairs(edges, "edges");
+        return owned(call_here(job, [&](Job& j) { return marked_edges(mesh, marked, j); }));
+      },
+      "mesh"_a, "edges"_a, "job"_a = py::none(), "See guides.marked_edges.");
+}
+
+void bind_constraints(py::module_& m) {
+  m.def(
+      "_partition",
+      [](const KeptMesh& mesh, PartitionOptions options, Job* job, const Given& weights, const Given& barriers,
+         const Given& cuts, const Given& faces, const Partition* before, const KeptMesh* part) {
+        const Constraints constraints{.guides = read_guides(weights, barriers),
+                                      .cuts = to_pairs(cuts, "cuts"),
+                                      .faces = to_faces(faces),
+                                      .before = before,
+                                      .part = part == nullptr ? nullptr : &part->partitioner()};
+        return call(job, [&](Job& j) { return mesh.partitioner().run(options, constraints, j); });
+      },
+      "mesh"_a, "options"_a, "job"_a = py::none(), "weights"_a = py::none(), "barriers"_a = py::none(),
+      "cuts"_a = py::none(), "faces"_a = py::none(), "before"_a = py::none(), "part"_a = py::none(),
+      "See guided.partition_guided.");
+  m.def(
+      "_open_faces",
+      [](const KeptMesh& mesh, const Given& faces, const Partition* before, double leave_out, Job* job) -> py::object {
+        const Constraints constraints{.faces = to_faces(faces), .before = before};
+        auto open = call_here(job, [&](Job& j) { return open_faces(mesh, constraints, leave_out, j); });
+        return open ? py::object(owned(std::move(*open))) : py::object(py::none());
+      },
+      "mesh"_a, "faces"_a, "before"_a, "leave_out"_a, "job"_a = py::none(), "See guided.open_faces.");
+  m.def(
+      "_part_of",
+      [](const KeptMesh& mesh, const py::object& faces, Job* job) {
+        const std::vector<std::int32_t> chosen = read_indices(faces, "faces", "(K,)");
+        return call(job, [&](Job& j) { return std::make_shared<KeptMesh>(part_of(mesh, chosen, j)); });
+      },
+      "mesh"_a, "faces"_a, "job"_a = py::none(), "See guided.part_of.");
+  m.def(
+      "_inside_regions",
+      [](const KeptMesh& mesh, const Partition& part, const py::object& barriers, Job* job) {
+        const std::vector<VertexPair> edges = read_pairs(barriers, "barriers");
+        return call_here(job, [&](Job& j) { return inside_regions(mesh, part, edges, j); });
+      },
+      "mesh"_a, "partition"_a, "barriers"_a, "job"_a = py::none(), "See guided.inside_regions.");
+  m.def(
+      "_parted_at",
+      [](const KeptMesh& mesh, const Partition& part, const py::object& cuts, Job* job) -> py::object {
+        const std::vector<VertexPair> edges = read_pairs(cuts, "cuts");
+        auto labels = call_here(job, [&](Job& j) { return parted_at(mesh, part, edges, j); });
+        return labels ? py::object(owned(std::move(*labels))) : py::object(py::none());
+      },
+      "mesh"_a, "partition"_a, "cuts"_a, "job"_a = py::none(), "See guided.parted_at.");
+}
+
+/// A Job::Part as a `with` statement has it.
+class Stretch {
+ public:
+  Stretch(Job& job, double begin, double end) : job_(job), begin_(begin), end_(end) {}
+  void enter() { part_.emplace(job_, "meshing", begin_, end_); }
+  void exit() { part_.reset(); }
+
+ private:
+  Job& job_;
+  double begin_, end_;
+  std::optional<Job::Part> part_;
+};
+
+void bind_search(py::module_& m) {
+  py::class_<BoundSearch> search(m, "_BoundSearch", py::module_local(), "See BoundSearch in simplify/within.h.");
+  py::class_<BoundSearch::Step>(search, "Step", py::module_local())
+      .def_readonly("anew", &BoundSearch::Step::anew)
+      .def_readonly("share", &BoundSearch::Step::share)
+      .def_readonly("begin", &BoundSearch::Step::begin)
+      .def_readonly("end", &BoundSearch::Step::end);
+  search.def(py::init<double, bool>(), "allowed"_a, "anew"_a)
+      .def("next", &BoundSearch::next)
+      .def("take", &BoundSearch::take, "distance"_a)
+      .def_property_readonly("tries", &BoundSearch::tries);
+  py::class_<Stretch>(m, "_Stretch", py::module_local(), "Maps a job's progress to a share of it while it is entered.")
+      .def(py::init<Job&, double, double>(), "job"_a, "begin"_a, "end"_a, py::keep_alive<1, 2>())
+      .def("__enter__", [](Stretch& stretch) { stretch.enter(); })
+      .def("__exit__", [](Stretch& stretch, const py::args&) { stretch.exit(); });
+}
+
+void bind_within(py::module_& m) {
+  m.def(
+      "_scan_distances",
+      [](const KeptMesh& mesh, const Partition& part, const PolygonMesh& polygons, double enough, std::int32_t threads,
+         std::int32_t block, Job* job) {
+        const DistanceOptions options{.enough = enough, .threads = threads, .block = block};
+        return owned(call(job, [&](Job& j) { return scan_distances(mesh, part, polygons, options, j); }));
+      },
+      "mesh"_a, "partition"_a, "polygons"_a, "enough"_a, "threads"_a, "block"_a, "job"_a = py::none(),
+      "See within.scan_distances.");
+  m.def(
+      "_distances_to_triangles",
+      [](const py::object& points, const py::object& corners) {
+        const std::vector<Vec3> from = read_points(points, "points", "(K, 3)");
+        const std::vector<Vec3> to = read_points(corners, "corners", "(3 K, 3)");
+        if (to.size() != 3 * from.size()) throw InvalidInput("each point needs three corners");
+        std::vector<double> distances(from.size());
+        for (std::size_t k = 0; k < from.size(); ++k)
+          distances[k] = distance_to_triangle(from[k], {to[3 * k], to[3 * k + 1], to[3 * k + 2]});
+        return owned(std::move(distances));
+      },
+      "points"_a, "corners"_a, "(K,) The distance of each point from its triangle.");
+  m.def(
+      "_tightened",
+      [](const KeptMesh& mesh, const Partition& part, double bound, const MeshingOptions& given) {
+        return tightened(mesh, part, bound, given);
+      },
+      "mesh"_a, "partition"_a, "bound"_a, "given"_a, "See tightened in simplify/within.h.");
+}
+
+}  // namespace
+
+void bind_simplify(py::module_& m) {
+  bind_edges(m);
+  bind_constraints(m);
+  bind_search(m);
+  bind_within(m);
+}
+
+}  // namespace isimp::bindings

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "isimp/core/job.h"
+#include "isimp/mesh/mesh.h"
+#include "isimp/partition/partition.h"
+#include "isimp/partition/surface.h"
+#include "isimp/simplify/edges.h"
+
+namespace isimp {
+
+class Partitioner;
+
+/// What a partition keeps to, beside its options.
+struct Constraints {
+  Guides guides = {};                 ///< weights of the faces, and barriers: edges that no region crosses
+  std::vector<VertexPair> cuts = {};  ///< (K) barriers that also split a region that they end in
+  std::optional<std::vector<std::int32_t>> faces = std::nullopt;  ///< only these get new regions; the others keep those
+                                                                  ///< of `before`, or get none
+  const Partition* before = nullptr;  ///< its locked regions stay to the face, also without `faces`; null: none
+  const Partitioner* part = nullptr;  ///< of part_of(mesh, open_faces(...)), if the caller keeps it; null: it is made
+
+  /// The guides with the cuts as barriers.
+  [[nodiscard]] Guides with_cuts() const;
+};
+
+/// The faces that may get other regions than they have, rising: `faces` or, without them, those that are not left out;
+/// none of a locked region. nullopt: all may, and what is left out is not decided yet.
+///
+/// \param leave_out  as in PartitionOptions
+/// \throws InvalidInput  a face out of range (named); no face; all of them are locked; `before` is of another mesh
+std::optional<std::vector<std::int32_t>> open_faces(const Mesh& mesh, const Constraints& constraints, double leave_out,
+                                                    Job& job);
+
+/// Some faces of a mesh, cut off from the others, as a mesh of their own. Its source_face counts in `faces`, its
+/// source_vertex names vertices of the whole mesh.
+/// \throws InvalidInput  no faces, or one out of range (named)
+Mesh part_of(const Mesh& mesh, std::span<const std::int32_t> faces, Job& job);
+
+/// How many edges of those given have the same region on both sides. Pairs that are no edges do not count.
+/// \throws InvalidInput  the partition is of another mesh
+std::int64_t inside_regions(const Mesh& mesh, const Partition& partition, std::span<const VertexPair> edges, Job& job);
+
+/// Splits the regions that cuts end in: from its ends the border goes on half-way between both sides of a cut.
+///
+/// One after another, from the first cut by inner_edges with the same region on both sides: the path of such cuts
+/// without branches that it belongs to parts the region's faces into those nearer to its left and to its right, in
+/// steps over edges that are no cuts. Ties go to the left, which keeps the number of the region.
+///
+/// \return (F) labels, new ones from region_count() on; nullopt where no region is split
+/// \throws InvalidInput  the partition is of another mesh
+/// Cost: O(V + F), and for each split the faces of the region.
+/// Source: own.
+std::optional<std::vector<std::int32_t>> parted_at(const Mesh& mesh, const Partition& partition,
+                                                   std::span<const VertexPair> cuts, Job& job);
+
+}  // namespace isimp

@@ -1,0 +1,104 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "isimp/core/job.h"
+#include "isimp/mesh/mesh.h"
+#include "isimp/meshing/polygonize.h"
+#include "isimp/partition/partition.h"
+#include "isimp/simplify/partitioner.h"
+
+/// A bound that the polygons keep too: how far the scan is from them, and how to make it less.
+namespace isimp {
+
+/// The polygons may be this many times further from the scan than the planes of its regions.
+inline constexpr double kSlack = 1.5;
+
+/// The distance of a point from a triangle: from its plane if the foot lies inside, else from its sides.
+double distance_to_triangle(const Vec3& point, const std::array<Vec3, 3>& triangle);
+
+/// How distances are measured.
+struct DistanceOptions {
+  double enough = 0.0;       ///< scene units; a vertex that near to polygons of its own regions is not looked at more
+  std::int32_t threads = 0;  ///< as PartitionOptions::threads
+  std::int32_t block = 1 << 10;  ///< vertices that a thread takes at a time; the result does not depend on it
+};
+
+/// (V) The distance of each vertex of the scan from the polygons, scene units; NaN where it is in no region.
+///
+/// First from those of its own regions; where that is more than `enough`, from all. So what is at most `enough` may be
+/// less in truth.
+/// \throws InvalidInput  the partition is of another mesh, or the polygons are of another partition
+/// Cost: each vertex times the triangles of its regions; where that is too far, the triangles in a box of that size.
+std::vector<double> scan_distances(const Mesh& mesh, const Partition& partition, const PolygonMesh& polygons,
+                                   const DistanceOptions& options, Job& job);
+
+/// The order in which polygons near enough to the scan are looked for: borders and corners may use up half of the
+/// bound, then less; where that is not enough, regions are made again with a lower bound, and so on.
+class BoundSearch {
+ public:
+  struct Step {
+    bool anew;          ///< make the partition again with `share` of its bound; else make polygons
+    double share;       ///< for polygons: the share of the partition's bound half of which borders and corners use up
+    double begin, end;  ///< the work's share of all: each step gets half of what is left, as nobody knows how many come
+  };
+
+  /// \param allowed  the distance that is near enough, scene units
+  /// \param anew     whether the partition can be made again
+  BoundSearch(double allowed, bool anew);
+
+  /// nullopt: polygons are near enough, or all was tried.
+  std::optional<Step> next();
+  /// To be told after each step that makes polygons.
+  /// \return whether these are the nearest so far
+  bool take(double distance);
+  [[nodiscard]] double allowed() const { return allowed_; }
+  /// How many times polygons were made.
+  [[nodiscard]] std::int32_t tries() const { return tries_; }
+
+ private:
+  Step step(bool anew, double share);
+
+  double allowed_;
+  bool anew_, found_ = false;
+  std::size_t next_share_ = 0;
+  double next_bound_;
+  double done_ = 0.0;
+  std::int32_t tries_ = 0;
+  std::optional<double> least_;
+};
+
+/// The options with which polygons stay within half a bound of the planes of their regions; no looser than those given.
+MeshingOptions tightened(const Mesh& mesh, const Partition& partition, double bound, const MeshingOptions& given);
+
+/// A partition and its polygons; with a bound, how far the scan is from them.
+struct Within {
+  Partition partition;
+  PolygonMesh polygons;
+  std::optional<double>
+      distance;  ///< the largest of a vertex of the scan from the polygons, scene units; none: no bound
+  std::optional<double> allowed;  ///< what it should not be above
+  std::int32_t tries = 1;
+};
+
+/// Makes the partition again with a share of its bound.
+using Again = std::function<Partition(double share, Job& job)>;
+
+/// The polygons of a partition; with a bound such that the scan is within `slack` times it of them, if that can be.
+/// Without a bound it is `polygonize`.
+///
+/// \param again  empty: the partition stays as it is, whatever the distance
+/// \throws InvalidInput, Cancelled  as polygonize
+Within polygonize_within(const Mesh& mesh, Partition partition, const MeshingOptions& options, const Again& again,
+                         Job& job, double slack = kSlack);
+
+/// Regions and their polygons; with a bound such that the scan is within `slack` times it of them, if that can be.
+/// \throws InvalidInput, Cancelled  as Partitioner::run and polygonize
+Within partition_within(const Partitioner& partitioner, const PartitionOptions& options, const Constraints& constraints,
+                        const MeshingOptions& meshing, Job& job, double slack = kSlack);
+
+}  // namespace isimp

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <cstdint>
+
+#include "isimp/mesh/mesh.h"
+
+namespace isimp {
+
+/// The half-edge that runs between two vertices, either way; kNone if there is no such edge, or no such vertex.
+/// Cost: the faces round the first vertex.
+std::int32_t find_edge(const Mesh& mesh, std::int32_t a, std::int32_t b);
+
+}  // namespace isimp
