@@ -41,7 +41,7 @@ py::dict report_of(const MeshReport& report) {
 std::shared_ptr<KeptMesh> make_mesh(const py::object& vertices, const py::object& triangles, Job* job,
                                     std::int32_t threads) {
   if (threads < 0) throw InvalidInput("threads must be at least 0, got " + std::to_string(threads));
-  auto points = read_vertices(vertices);
+  auto points = read_vertices(vertices, Threads(threads));
   auto corners = read_triangles(triangles, points.size());
   return call(
       job, [&](Job& j) { return std::make_shared<KeptMesh>(Mesh(std::move(points), std::move(corners), j, threads)); });
@@ -49,7 +49,7 @@ std::shared_ptr<KeptMesh> make_mesh(const py::object& vertices, const py::object
 
 std::shared_ptr<KeptMesh> clean_mesh(const py::object& vertices, const py::object& triangles,
                                      const CleanOptions& options, Job* job) {
-  auto points = read_vertices(vertices);
+  auto points = read_vertices(vertices, Threads(options.threads));
   auto corners = read_triangles(triangles, points.size());
   return call(job, [&, options](Job& j) {
     return std::make_shared<KeptMesh>(clean(std::move(points), std::move(corners), options, j));

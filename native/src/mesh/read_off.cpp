@@ -7,7 +7,7 @@ namespace {
 /// The lines that say something: without comments, and not blank.
 class OffLines {
  public:
-  explicit OffLines(const FileText& file) : file_(file), lines_(file.bytes) {}
+  explicit OffLines(const FileText& file) : file_(file), lines_(file.text()) {}
   /// \param number  of the vertex or face wanted, if it is one
   std::string_view next(const char* wanted, std::size_t number = kNoNumber) {
     std::string_view line;
@@ -65,10 +65,10 @@ Counts read_counts(const FileText& file, OffLines& lines) {
 
 }  // namespace
 
-PolygonSoup read_off(const FileText& file, Job& job) {
+PolygonSoup read_off(const FileText& file, const Threads& threads, Job& job) {
   OffLines lines(file);
   const Counts counts = read_counts(file, lines);
-  SoupBuilder soup(file);
+  SoupBuilder soup(file, threads);
   soup.reserve(counts.vertices, counts.faces);
   for (std::size_t v = 0; v < counts.vertices; ++v) {
     if (v % kPollEvery == 0) job.poll();

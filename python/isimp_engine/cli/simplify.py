@@ -43,7 +43,7 @@ def run(arguments: argparse.Namespace) -> None:
     steps, options = Steps(wanted(arguments.quiet)), arguments.options
     meshing = MeshingOptions(threads=options.threads)
     with steps("read") as job:
-        source = load(arguments.input, job)
+        source = load(arguments.input, job, options.threads)
     with steps("clean") as job:
         mesh, repaired, repaired_at = clean_mesh(source, arguments.clean, job)
     with steps("partition") as job:
