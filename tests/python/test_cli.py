@@ -354,8 +354,8 @@ def test_info_says_what_the_mesh_is_and_what_would_be_repaired(tmp_path):
         "  1 part, closed, Euler characteristic 2",
         "  size 1 x 1 x 1, diagonal 1.73205, area 6",
         "  to repair:",
-        "    1 face dropped for naming a vertex twice (face 192)",
-        "    1 face dropped for having the vertices of another (face 193)",
+        "    1 face dropped: a vertex is used twice (face 192)",
+        "    1 face dropped: an earlier face has the same vertices (face 193)",
     ]
     said = json.loads(isimp("info", path, "--json").stdout)
     assert said["input"] == {"path": str(path), "vertices": 98, "faces": 194, "triangles": 194}

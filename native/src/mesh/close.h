@@ -20,7 +20,7 @@ struct Patch {
 
 /// A place that is to be closed: faces to take out, and the loops that are then to be covered.
 struct Opening {
-  Mend kind = Mend::filled_holes;
+  RepairKind kind = RepairKind::filled_holes;
   std::vector<std::int32_t> removed;             ///< faces, rising
   std::vector<std::vector<std::int32_t>> loops;  ///< vertices in the order in which a patch runs along them
   std::vector<Patch> patches;                    ///< one a loop, once found
@@ -41,10 +41,10 @@ std::vector<char> find_crossed(const std::vector<Vec3>& vertices, const std::vec
 
 // handles.cpp
 /// Handles with a loop round them or through them of at most `longest`, no two of them close together.
-std::vector<Opening> find_handles(const Parts& parts, const Topology& topology, double longest, Job& job);
+std::vector<Opening> find_handles(const MeshArrays& arrays, const Topology& topology, double longest, Job& job);
 
 // close.cpp
 /// Fills holes and cuts handles as the options say. `parts` is sound before and after.
-void close_small(Parts& parts, const CleanOptions& options, RepairLog& log, const Threads& threads, Job& job);
+void close_small(MeshArrays& arrays, const CleanOptions& options, RepairLog& log, const Threads& threads, Job& job);
 
 }  // namespace isimp::detail

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "pieces.h"
+#include "parallel_loops.h"
 
 namespace isimp::detail {
 

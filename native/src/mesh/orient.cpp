@@ -133,7 +133,7 @@ std::vector<char> orient(Soup& soup, const std::vector<std::int32_t>& same_way, 
   for (const std::int32_t h : same_way) {
     const std::int32_t other = soup.opposite[h];
     if (sets.oppose(patches.of_face[h / 3], patches.of_face[other / 3])) continue;
-    if (!is_welded(soup, h)) soup.count_face(Mend::cut_edges, h / 3);
+    if (!is_welded(soup, h)) soup.count_face(RepairKind::cut_edges, h / 3);
     soup.opposite[h] = soup.opposite[other] = kNone;
     soup.contested.insert(soup.contested.end(), {h, other});
   }
@@ -143,16 +143,16 @@ std::vector<char> orient(Soup& soup, const std::vector<std::int32_t>& same_way, 
     const auto [root, side] = sets.find(static_cast<std::int32_t>(p));
     area[root][side] += patches.area[p];
   }
-  std::vector<char> flipped(soup.named.size(), 0);
-  for (std::size_t f = 0; f < flipped.size(); ++f) {
+  std::vector<char> reversed(soup.named.size(), 0);
+  for (std::size_t f = 0; f < reversed.size(); ++f) {
     const auto [root, side] = sets.find(patches.of_face[f]);
-    flipped[f] = side == (area[root][1] <= area[root][0] ? 1 : 0);
-    if (flipped[f]) soup.count_face(Mend::flipped_faces, static_cast<std::int32_t>(f));
+    reversed[f] = side == (area[root][1] <= area[root][0] ? 1 : 0);
+    if (reversed[f]) soup.count_face(RepairKind::reversed_faces, static_cast<std::int32_t>(f));
   }
-  return flipped;
+  return reversed;
 }
 
-void flip(Soup& soup, const std::vector<char>& marked) {
+void reverse_faces(Soup& soup, const std::vector<char>& marked) {
   if (marked.empty()) return;
   const auto moved = [&](std::int32_t h) {
     return h != kNone && marked[h / 3] ? 3 * (h / 3) + 2 - h % 3 : h;  // the half-edge between the same corners

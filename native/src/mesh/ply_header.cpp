@@ -35,7 +35,8 @@ PlyProperty read_property(const FileText& file, Words& words) {
   if (type == "list") {
     property.is_list = true;
     property.count_type = scalar(file, words.next());
-    if (property.count_type >= PlyScalar::f32) file.fail("a PLY list can't be counted by a type with decimals");
+    if (property.count_type >= PlyScalar::f32)
+      file.fail("a PLY list has a count with decimals; it must be a whole number");
     type = words.next();
   }
   property.type = scalar(file, type);
@@ -49,7 +50,7 @@ PlyElement read_element(const FileText& file, std::string_view line, Words& word
   const std::string_view count_word = words.next();
   const auto count = to_integer(count_word);
   if (!count || *count < 0)
-    file.fail_at(line.data(), "element " + shown(element.name) + " wants a count, got " + shown(count_word));
+    file.fail_at(line.data(), "element " + shown(element.name) + " needs its number of rows, got " + shown(count_word));
   element.count = static_cast<std::size_t>(*count);
   return element;
 }
@@ -61,7 +62,7 @@ PlyHeader read_ply_header(const FileText& file) {
   Lines lines(file.text());
   std::string_view line;
   if (!lines.next(line) || Words(line).next() != "ply")
-    file.fail("it does not begin with \"ply\", as a PLY file does; is it of another kind?");
+    file.fail("it does not begin with \"ply\", as a PLY file does; is it in another format?");
   bool has_format = false;
   while (lines.next(line)) {
     Words words(line);

@@ -53,7 +53,7 @@ FileText load(const fs::path& path, const Threads& threads, Job& job) {
   }
   if (detail::is_stream(status)) file.fail("it is a device, not a mesh file");
   std::ifstream in(path, std::ios::binary);
-  if (!in) file.fail("it can't be opened; may it be read?");
+  if (!in) file.fail("it can't be opened; check that you may read it");
   const std::uintmax_t size = fs::file_size(path, error);
   if (error) file.fail("its size can't be found: " + error.message());
   file.bytes.resize(size);

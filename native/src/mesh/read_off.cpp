@@ -39,7 +39,7 @@ void check_kind(const FileText& file, std::string_view word) {
   if (rest.starts_with("N")) rest.remove_prefix(1);
   if (rest == "4OFF" || rest == "nOFF" || rest == "4nOFF")
     file.fail("its vertices are not in three dimensions (" + shown(word) + "), which is not supported");
-  if (rest != "OFF") file.fail("it does not begin with \"OFF\", as an OFF file does; is it of another kind?");
+  if (rest != "OFF") file.fail("it does not begin with \"OFF\", as an OFF file does; is it in another format?");
 }
 
 Counts read_counts(const FileText& file, OffLines& lines) {

@@ -5,7 +5,7 @@
 
 #include "edge_groups.h"
 #include "formats.h"
-#include "places.h"
+#include "hash_grid.h"
 
 namespace isimp::detail {
 namespace {
@@ -16,13 +16,13 @@ constexpr std::size_t kHead = 84, kFacet = 50;  // bytes of a binary file: 80 of
 class FacetBuilder {
  public:
   FacetBuilder(const FileText& file, std::size_t facets, const Threads& threads)
-      : soup_(file, threads), places_(soup_.vertices(), facets / 2 + 1, 0.0) {
+      : soup_(file, threads), grid_(soup_.vertices(), facets / 2 + 1, 0.0) {
     soup_.reserve(facets / 2, facets);
   }
   void begin_facet() { soup_.begin_polygon(); }
   void add_corner(const Vec3& place) {
     const auto fresh = static_cast<std::int32_t>(soup_.vertices().size());
-    const std::int32_t v = places_.find_or_keep(place, fresh);
+    const std::int32_t v = grid_.find_or_keep(place, fresh);
     if (v == kNone) soup_.add_vertex(place);
     soup_.add_corner(v == kNone ? fresh : v);
   }
@@ -30,7 +30,7 @@ class FacetBuilder {
 
  private:
   SoupBuilder soup_;
-  Places places_;
+  HashGrid grid_;
 };
 
 template <class T>
@@ -86,7 +86,7 @@ class TextReader {
       add_corner(word);
     } else if (is(word, "outer")) {
       if (corners_ != 3)
-        file_.fail_at(word.data(), "the facet before has " + std::to_string(corners_) + " corners, not 3");
+        file_.fail_at(word.data(), "the facet before this line has " + std::to_string(corners_) + " corners, not 3");
       corners_ = 0;
       is_open_ = true;
       builder_.begin_facet();
@@ -99,7 +99,8 @@ class TextReader {
     }
   }
   void add_corner(std::string_view keyword) {
-    if (++corners_ > 3) file_.fail_at(keyword.data(), "a vertex stands outside a facet's loop of three");
+    if (++corners_ > 3)
+      file_.fail_at(keyword.data(), "a facet has more than three vertices, or a vertex is outside a facet");
     Vec3 place;
     for (double& coordinate : place) {
       const std::string_view word = words_.next();

@@ -13,18 +13,19 @@
 
 namespace isimp::detail {
 
-/// The kinds of repairs, in the order of the report; the names are the report's keys.
-enum class Mend {
+/// The kinds of repairs, in the order of the report. Its keys are older names: "flipped_faces" for reversed_faces and
+/// "turned_edges" for flipped_edges; else they are these names.
+enum class RepairKind {
   non_finite_faces,
   repeated_index_faces,
   duplicate_faces,
   welded_vertices,
-  flipped_faces,
+  reversed_faces,
   cut_edges,
   split_edges,
   split_vertices,
   subdivided_edges,
-  turned_edges,
+  flipped_edges,
   unused_vertices,
   filled_holes,
   cut_handles,
@@ -34,8 +35,8 @@ enum class Mend {
 class RepairLog {
  public:
   RepairLog();
-  void add(Mend what, std::int32_t where);
-  [[nodiscard]] std::int64_t count(Mend what) const { return repairs_[static_cast<std::size_t>(what)].count; }
+  void add(RepairKind what, std::int32_t where);
+  [[nodiscard]] std::int64_t count(RepairKind what) const { return repairs_[static_cast<std::size_t>(what)].count; }
   [[nodiscard]] RepairReport take() { return std::move(repairs_); }
 
  private:
@@ -61,7 +62,7 @@ struct Soup {
     opposite[g] = h;
     opposite[h] = g;
   }
-  void count_face(Mend what, std::int32_t face) { log.add(what, source_face[face]); }
+  void count_face(RepairKind what, std::int32_t face) { log.add(what, source_face[face]); }
   /// Drops the faces that are marked.
   void drop(const std::vector<char>& marked);
 };
@@ -86,25 +87,25 @@ std::vector<std::int32_t> marked_indices(const std::vector<char>& marks);
 // join.cpp
 /// Half-edges that await a decision.
 struct Undecided {
-  std::vector<std::int32_t> same_way;              ///< one of each joined pair that runs the same way
-  std::vector<std::vector<std::int32_t>> crowded;  ///< those along edges of three or more faces
+  std::vector<std::int32_t> same_way;                   ///< one of each joined pair that runs the same way
+  std::vector<std::vector<std::int32_t>> non_manifold;  ///< those along edges of three or more faces
 };
 /// Joins the half-edges of edges of two faces, whichever way they run.
 Undecided join_simple_edges(Soup& soup, const EdgeGroups& edges, Job& job);
 /// Joins the half-edges of crowded edges where they bound one wedge of a solid; the rest stays alone.
 /// \param flipped  (F) the faces that count as turned over, or empty
-void join_crowded_edges(Soup& soup, const std::vector<std::vector<std::int32_t>>& crowded,
-                        const std::vector<char>& flipped);
+void join_non_manifold_edges(Soup& soup, const std::vector<std::vector<std::int32_t>>& non_manifold,
+                             const std::vector<char>& reversed);
 
 // orient.cpp
 /// Chooses the faces to turn over so that joined half-edges run against each other, and parts those for which that
 /// can't be had. Returns (F) marks, empty if nothing is to be turned.
 std::vector<char> orient(Soup& soup, const std::vector<std::int32_t>& same_way, Job& job);
 /// Turns the marked faces over.
-void flip(Soup& soup, const std::vector<char>& marked);
+void reverse_faces(Soup& soup, const std::vector<char>& marked);
 
 /// What the mesh is made of.
-struct Parts {
+struct MeshArrays {
   std::vector<Vec3> vertices;
   std::vector<Triangle> triangles;
   Array<std::int32_t> source_face, source_vertex;
@@ -112,7 +113,7 @@ struct Parts {
 
 // separate.cpp
 /// Gives every fan of faces its own vertex, and halves edges that have the same ends as another. Takes the soup apart.
-Parts separate(Soup& soup, Job& job);
+MeshArrays separate(Soup& soup, Job& job);
 
 // light.cpp
 /// Whether two faces have the same three vertices.
@@ -120,11 +121,11 @@ bool has_twins(const Topology& topology, const Threads& threads);
 /// The ends of the edges of one face, rising.
 std::vector<std::int32_t> border_vertices(const Soup& soup, const Topology& topology);
 /// Drops the vertices that no face uses, from the topology too. Takes the soup apart.
-Parts compact(Soup& soup, Topology& topology, const Threads& threads, Job& job);
+MeshArrays compact(Soup& soup, Topology& topology, const Threads& threads, Job& job);
 
 // turn.cpp
 /// Turns the longest edge of each face without area, so that it and the one beside it have some. Sound before and
 /// after.
-void turn_flat_faces(Parts& parts, Topology& topology, RepairLog& log, const Threads& threads, Job& job);
+void flip_degenerate_edges(MeshArrays& arrays, Topology& topology, RepairLog& log, const Threads& threads, Job& job);
 
 }  // namespace isimp::detail

@@ -12,12 +12,12 @@ namespace isimp::detail {
 /// Finds points that lie within a distance of each other, by a hash of the cells of a grid of that width. A point with
 /// NaN is near no other.
 /// Cost: O(1) a point if few share a cell.
-class Places {
+class HashGrid {
  public:
   /// \param points     may grow meanwhile
   /// \param expected   about how many will be kept
   /// \param tolerance  0: bit-equal places only, but for the sign of zero
-  Places(const std::vector<Vec3>& points, std::size_t expected, double tolerance)
+  HashGrid(const std::vector<Vec3>& points, std::size_t expected, double tolerance)
       : points_(points), tolerance_(tolerance), heads_(std::bit_ceil(2 * expected + 1), kNone) {}
 
   /// The nearest point kept so far within the tolerance of `place`, the first of equals; else kNone, and `fresh`, the
