@@ -34,7 +34,7 @@ void check(std::size_t vertices, const std::vector<Triangle>& triangles, const C
 
 using namespace detail;
 
-/// Takes apart whatever does not hang together as a mesh should.
+/// Makes the soup manifold and oriented: duplicates, welding, orientation, non-manifold edges and vertices.
 /// \param welded  whether borders were welded already
 MeshArrays take_apart(Soup& soup, double tolerance, bool welded, Job& job) {
   const auto group = [&] { return EdgeGroups(soup.vertices.size(), soup.faces(), job); };

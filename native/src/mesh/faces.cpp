@@ -9,6 +9,7 @@
 namespace isimp::detail {
 namespace {
 
+// The report's keys: an interface, so renamed kinds keep their older names here.
 constexpr std::array kKeys{
     "non_finite_faces", "repeated_index_faces", "duplicate_faces", "welded_vertices",  "flipped_faces",
     "cut_edges",        "split_edges",          "split_vertices",  "subdivided_edges", "turned_edges",

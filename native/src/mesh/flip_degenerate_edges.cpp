@@ -12,11 +12,11 @@
 namespace isimp::detail {
 namespace {
 
-constexpr int kRounds = 64;     // rows of flat faces take one a face
+constexpr int kRounds = 64;     // a row of flat faces takes one round for each face
 constexpr double kThin = 2e-6;  // height over the diagonal: about what float32 can tell apart
 constexpr double kFlat = 1e-3;  // height over its longest edge: a face is not flat for being small
 
-/// Turns edges of a sound mesh, and keeps its topology.
+/// Flips edges of a manifold mesh and updates its topology.
 class EdgeFlipper {
  public:
   EdgeFlipper(MeshArrays& arrays, Topology& topology, RepairLog& log, const Threads& threads, Job& job)
@@ -92,7 +92,7 @@ class EdgeFlipper {
     return l > 0 ? vector_area(f).norm() / l : 0;
   }
 
-  /// Whether the face is so thin that it has no normal to speak of.
+  /// Whether the face is so thin that its normal is rounding noise.
   [[nodiscard]] bool is_flat(std::int32_t f) const {
     const double twice_area = vector_area(f).norm();
     const double longest_squared =
@@ -112,8 +112,8 @@ class EdgeFlipper {
     return false;
   }
 
-  /// Puts edge c d in the place of edge a b = h of flat face (a, b, c) and the face (b, a, d) beside it, if both come
-  /// out higher and facing as the latter did, or the edge gets shorter where that is flat too.
+  /// Replaces edge a b = h of flat face (a, b, c) and its neighbour (b, a, d) by edge c d, if both faces become higher
+  /// and keep the orientation of the neighbour, or if both are flat and the new edge is shorter.
   bool flip(std::int32_t h) {
     const std::int32_t o = t_.opposite[h];
     if (o == kNone) return false;
@@ -154,7 +154,7 @@ class EdgeFlipper {
     if (beyond != kNone) t_.opposite[beyond] = h;
   }
 
-  /// Sets the half-edge from which turning meets all faces of a vertex, given one that leaves it.
+  /// Sets the half-edge from which a walk meets all faces of a vertex, given one that leaves it.
   void keep_leaving(std::int32_t v, std::int32_t h) {
     const std::int32_t start = h;
     for (std::int32_t back = t_.opposite[h]; back != kNone; back = t_.opposite[h]) {

@@ -27,7 +27,7 @@
 /// The tests read with OpenMesh what is written here and the other way round.
 namespace isimp::detail {
 
-/// Takes vertices and polygons one by one and keeps them within what indices can count.
+/// Collects vertices and polygons, one by one or many at once, and refuses more than indices can count.
 class SoupBuilder {
  public:
   SoupBuilder(const FileText& file, const Threads& threads) : file_(file), threads_(threads) {}
@@ -40,7 +40,7 @@ class SoupBuilder {
     if (soup_.loops.size() == kMost || soup_.loop_start.size() == kMost) too_many("corners");
     soup_.loop_start.push_back(static_cast<std::int32_t>(soup_.loops.size()));
   }
-  /// Any number: it is checked at the end, since some formats let faces come before their vertices.
+  /// Any number: `finish` checks it, since some formats allow faces before their vertices.
   void add_corner(std::int64_t vertex) {
     if (soup_.loops.size() == kMost) too_many("corners");
     soup_.loops.push_back(corner(vertex));

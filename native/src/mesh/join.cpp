@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kSameAngle = 1e-9;  // radians between faces that lie on each other but for rounding
 
-/// Joins pairs that were an edge of two faces already before welding, and leaves the others in `crowd`.
+/// Joins pairs that were an edge of two faces already before welding, and leaves the others in `group`.
 void keep_old_pairs(Soup& soup, std::vector<std::int32_t>& group) {
   const auto name = [&](std::int32_t h) {
     const Triangle& t = soup.named[h / 3];
@@ -33,10 +33,10 @@ void keep_old_pairs(Soup& soup, std::vector<std::int32_t>& group) {
   group = std::move(rest);
 }
 
-/// A face at a crowded edge, as seen along the edge.
+/// A face at a non-manifold edge, as seen along the edge.
 struct Leaf {
   std::int32_t half_edge;
-  bool ends_wedge;  ///< the solid that the face bounds lies before it in turning order, not after it
+  bool ends_wedge;  ///< the solid that the face bounds lies before it in the order of angles, not after it
   double angle;     ///< in [0, 2 pi), counter-clockwise
   int rank = 0;     ///< the same for faces that lie on each other
 };
@@ -100,8 +100,8 @@ Undecided join_simple_edges(Soup& soup, const EdgeGroups& edges, Job& job) {
   return undecided;
 }
 
-/// Going round the edge, solids begin and end like brackets: each bracket that opens is joined to the one that closes
-/// it, so that the faces of one wedge stay together whatever else touches them. Faces without a partner stay alone.
+/// Around the edge, wedges of solids begin and end like brackets. The face that opens a bracket is joined to the one
+/// that closes it, so the faces of one wedge stay joined. Faces without a partner get a border.
 void join_non_manifold_edges(Soup& soup, const std::vector<std::vector<std::int32_t>>& non_manifold,
                              const std::vector<char>& reversed) {
   for (const std::vector<std::int32_t>& group : non_manifold) {

@@ -1,10 +1,9 @@
 #include "isimp/mesh/mesh.h"
 #include "soup.h"
 
-/// What most files need, little or nothing, goes this shorter way: their faces already hang together soundly.
+/// The short way through `clean` for input that is manifold already, as most files are.
 namespace isimp::detail {
 
-/// In a sound mesh two such faces have all their edges in common.
 bool has_twins(const Topology& topology, const Threads& threads) {
   const Array<std::int32_t>& opposite = topology.opposite;
   const std::size_t faces = opposite.size() / 3;

@@ -185,7 +185,7 @@ void Mesh::complete(detail::Topology topology, RepairReport repairs, const Threa
                                              [&](std::size_t f) { return graph_.faces[f].area == 0.0F ? 1 : 0; });
 }
 
-/// Faces that hang together share vertices, and there are only half as many vertices as faces: so it goes by vertices.
+/// By vertices: connected faces share vertices, and there are only half as many vertices as faces.
 void Mesh::find_components(std::span<const std::int32_t> border, const Threads& threads, Job& job) {
   const VertexSets sets(vertices_.size(), triangles_, threads, job);
   component_.resize(triangles_.size());

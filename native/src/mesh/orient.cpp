@@ -10,7 +10,7 @@
 namespace isimp::detail {
 namespace {
 
-/// Pieces that hang together through pairs that run against each other, as they should.
+/// Sets of faces connected through consistently oriented pairs.
 struct Patches {
   std::vector<std::int32_t> of_face;
   std::vector<double> area;
@@ -45,7 +45,7 @@ Patches find_patches(const Soup& soup, Job& job) {
   return patches;
 }
 
-/// Sets of patches, each with a side: 1 if it is turned over against the set's root.
+/// Sets of patches, each with a side: 1 if its orientation is opposite to that of the set's root.
 class TwoSidedSets {
  public:
   explicit TwoSidedSets(std::size_t n) : parent_(n), side_(n, 0) { std::iota(parent_.begin(), parent_.end(), 0); }
@@ -78,7 +78,7 @@ class TwoSidedSets {
   std::vector<char> side_;
 };
 
-/// The seam between two patches, the part of it that welding made apart from the rest.
+/// The seam between two patches. What welding made of it is a seam of its own.
 struct Seam {
   std::int32_t p, q;
   bool welded;
@@ -118,8 +118,8 @@ std::vector<Seam> find_seams(const Soup& soup, const Patches& patches, const std
 
 }  // namespace
 
-/// Patches are laid side against side along their longest seams first, so that where a surface has one side only, it is
-/// cut along a short seam; best along one that only welding closed, which then stays as the caller had it.
+/// The longest seams decide first, so that a surface with one side (a Moebius strip) is cut along a short seam; best
+/// along one that only welding closed, which then stays as the caller had it.
 std::vector<char> orient(Soup& soup, const std::vector<std::int32_t>& same_way, Job& job) {
   if (same_way.empty()) return {};
   const Patches patches = find_patches(soup, job);

@@ -207,8 +207,8 @@ void read_faces(const FileText& file, const PlyElement& element, Values& values,
   }
 }
 
-/// Makes triangles of strips: each vertex from the third on makes one with the two before, turned over every second
-/// time; -1 ends a strip. A vertex that comes twice in a row only turns the strip: it makes no triangle.
+/// Makes triangles of strips: each vertex from the third on makes one with the two before, every second one with its
+/// orientation reversed; -1 ends a strip. A vertex twice in a row makes no triangle, but counts for the orientation.
 class Strips {
  public:
   explicit Strips(SoupBuilder& soup) : soup_(soup) {}
@@ -255,7 +255,7 @@ void read_strips(const FileText& file, const PlyElement& element, Values& values
   }
 }
 
-/// How many elements there are up to the last one that holds what is wanted; what comes after is not looked at.
+/// The number of elements up to the last one with vertices, faces or strips; later ones are not read.
 std::size_t wanted_elements(const PlyHeader& header) {
   std::size_t wanted = 0;
   for (std::size_t i = 0; i < header.elements.size(); ++i)

@@ -122,7 +122,7 @@ class Halver {
   std::unordered_map<std::int32_t, std::int32_t> moved_;
 };
 
-/// An edge that was taken apart may still be two edges with the same ends, where the faces hang together elsewhere.
+/// A split edge may still be two edges with the same ends, where its faces are connected elsewhere.
 void halve_double_edges(MeshArrays& arrays, Soup& soup) {
   std::vector<std::tuple<std::int32_t, std::int32_t, std::int32_t>> edges;  // smaller end, larger end, half-edge
   for (const std::int32_t h : soup.contested) {

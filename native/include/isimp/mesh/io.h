@@ -11,7 +11,7 @@
 
 namespace isimp {
 
-/// Polygons with any number of corners, as a file holds them; nothing is promised about how they hang together.
+/// Polygons with any number of corners, as a file has them: they may be non-manifold, duplicate or degenerate.
 struct PolygonSoup {
   std::vector<Vec3> vertices;      ///< (V) any numbers, NaN among them
   Array<std::int32_t> loops;       ///< (L) vertex of each corner, in [0, V), polygon after polygon
@@ -26,8 +26,8 @@ struct PolygonSoup {
 ///
 /// Polygons keep the file's order and number, broken ones too (a vertex named twice, fewer than three corners), so that
 /// labels can be given back on the file's faces. Only geometry is read; colours, normals and the like are skipped.
-/// Places keep the file's precision. STL has no shared vertices: corners at bit-equal places become one, corners with
-/// NaN don't. A file without faces (a point cloud) gives no polygons. Triangle strips of PLY
+/// Coordinates keep the file's precision. STL has no shared vertices: corners at equal positions become one vertex,
+/// corners with NaN do not. A file without faces (a point cloud) gives no polygons. Triangle strips of PLY
 /// (element tristrips) give their triangles. What comes through a pipe is read to its end.
 ///
 /// \throws FileError  missing, a folder, not readable, of another kind, damaged or cut short, an index out of range,
