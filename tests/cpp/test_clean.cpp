@@ -99,8 +99,9 @@ TEST(Clean, FacesThatWeldingTakesAwayAreNamed) {
     clean({place, place, place}, {{0, 1, 2}}, {}, job);
     FAIL() << "a face of three corners at one place is none";
   } catch (const InvalidInput& error) {
-    EXPECT_STREQ(error.what(),
-                 "no usable face is left: after vertices at the same position were welded, no face has three different ones");
+    EXPECT_STREQ(
+        error.what(),
+        "no usable face is left: after vertices at the same position were welded, no face has three different ones");
   }
 }
 

@@ -188,7 +188,8 @@ TEST_F(Io, DamagedPlyIsNamed) {
   EXPECT_NE(error("a.ply", "ply\nelement vertex 3\nend_header\n").find("no format line"), std::string::npos);
   EXPECT_EQ(error("a.ply", text + "property float x\nend_header\n"), "line 3: a PLY property comes before any element");
   EXPECT_EQ(error("a.ply", "ply\nformat binary_middle 1.0\n"), "line 2: unknown PLY format \"binary_middle\"");
-  EXPECT_EQ(error("a.ply", text + "element vertex -3\n"), "line 3: element \"vertex\" needs its number of rows, got \"-3\"");
+  EXPECT_EQ(error("a.ply", text + "element vertex -3\n"),
+            "line 3: element \"vertex\" needs its number of rows, got \"-3\"");
   EXPECT_EQ(error("a.ply", text + "element vertex 3\nproperty float16 x\n"),
             "line 4: a PLY header names the unknown type \"float16\"");
   EXPECT_EQ(error("a.ply", text + "element vertex 0\nend_header\n"), "the PLY vertices have no x, y and z");
@@ -346,7 +347,8 @@ TEST_F(Io, DamagedStlIsNamed) {
   EXPECT_EQ(error("a.stl", text_stl(shapes::cube()).substr(0, 85)), "it ends within a facet; it is cut short");
   EXPECT_EQ(error("a.stl", "solid a\nouter loop\nvertex 0 0 x\n"),
             "line 3: expected three coordinates after \"vertex\", got \"x\"");
-  EXPECT_EQ(error("a.stl", "solid a\nvertex 0 0 0\n"), "line 2: a facet has more than three vertices, or a vertex is outside a facet");
+  EXPECT_EQ(error("a.stl", "solid a\nvertex 0 0 0\n"),
+            "line 2: a facet has more than three vertices, or a vertex is outside a facet");
 }
 
 // --- OFF
