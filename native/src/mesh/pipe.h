@@ -16,7 +16,7 @@ bool is_stream(const std::filesystem::file_status& status);
 /// \throws FileError  `name` and why
 Array<char> read_pipe(const std::filesystem::path& path, const std::string& name, Job& job);
 
-/// Writes into a pipe or a device. Waits for whoever reads; polls the job meanwhile.
+/// Writes into a pipe or a device. Waits for a reader; polls the job meanwhile.
 class StreamWriter {
  public:
   /// \throws FileError  `name` and why

@@ -1,4 +1,4 @@
-"""What the command line says of single faces and edges of the file, as the engine wants it."""
+"""The options of the command line that name single faces and edges of the file, as arrays for the engine."""
 
 import argparse
 import tokenize
