@@ -204,7 +204,7 @@ Vec3 smoothed_vertex(const Mesh& mesh, std::int32_t v) {
     sum += mesh.vertices()[mesh.to(h)];
     ++valence;
     last = h;
-    h = mesh.turn(h);
+    h = mesh.next_outgoing(h);
   } while (h != kNone && h != start);
   if (h == kNone)  // on a border: only the two neighbours along it count
     return 0.75 * here + 0.125 * (mesh.vertices()[mesh.to(start)] + mesh.vertices()[mesh.from(Mesh::prev(last))]);

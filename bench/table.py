@@ -211,6 +211,15 @@ def whole_way_rows(name: str, result: Result) -> Iterator[Row]:
     phases = ", ".join(f"{phase} {took['cpu_ms']:.0f}" for phase, took in way["phases"].items())
     measured = f"{cpu:.2f} s of processor ({phases} ms), {wall:.2f} s wall"
     yield Row("mesh to written, one thread", name, "< 1.5 s" if fine else "", measured, cpu < 1.5 if fine else None)
+    one, two = way["read_on_threads"]["one"], way["read_on_threads"]["two"]
+    yield Row(
+        "binary PLY read, two threads over one",
+        name,
+        "",
+        f"{two['wall_ms'] / one['wall_ms']:.2f} of the wall time ({two['wall_ms']:.0f} ms), "
+        f"{two['cpu_ms'] / one['cpu_ms']:.2f} of the processor time",
+        None,
+    )
 
 
 def cgal_row(name: str, results: Result) -> Row:

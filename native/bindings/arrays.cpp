@@ -78,18 +78,46 @@ void for_each_index(const py::array& array, Take take, Refuse refuse) {
 
 std::size_t rows_of(const py::array& array) { return static_cast<std::size_t>(array.shape(0)); }
 
+/// Whether the numbers lie one after another, row by row, each where its type wants it.
+bool is_packed(const py::array& array) {
+  constexpr int kPacked = int{py::array::c_style} | int{py::detail::npy_api::NPY_ARRAY_ALIGNED_};
+  return (array.flags() & kPacked) == kPacked;
+}
+
+/// Sets points from packed numbers.
+template <class T>
+void convert(const T* numbers, std::vector<Vec3>& points, const Threads& threads) {
+  threads.run(static_cast<std::int32_t>(points.size()), [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+    for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i)
+      for (std::size_t k = 0; k < 3; ++k)
+        points[i][static_cast<Eigen::Index>(k)] = static_cast<double>(numbers[3 * i + k]);
+  });
+}
+
 }  // namespace
 
-std::vector<Vec3> read_points(const py::object& points, const std::string& name, const std::string& shape) {
+std::vector<Vec3> read_points(const py::object& points, const std::string& name, const std::string& shape,
+                              const Threads& threads) {
   const py::array array =
       read_array(points, 3, "f", name + " must be an array of shape " + shape + " and float32 or float64");
   std::vector<Vec3> rows(rows_of(array));
+  if (is_packed(array) && rows.size() <= INT32_MAX) {
+    if (array.itemsize() == sizeof(float))
+      convert(static_cast<const float*>(array.data()), rows, threads);
+    else
+      convert(static_cast<const double*>(array.data()), rows, threads);
+    return rows;
+  }
   for_each_real(array, [&](double x, std::size_t i, std::size_t k) { rows[i][static_cast<Eigen::Index>(k)] = x; });
   return rows;
 }
 
 std::vector<Triangle> read_triangles(const py::object& triangles, std::size_t vertex_count) {
   const py::array array = read_array(triangles, 3, "iu", "triangles must be an array of shape (F, 3) and integers");
+  if (array.dtype().kind() == 'i' && array.itemsize() == sizeof(std::int32_t) && is_packed(array)) {
+    const auto* first = static_cast<const Triangle*>(array.data());
+    return {first, first + rows_of(array)};  // every number fits: copied as it is, without setting it to zero first
+  }
   std::vector<Triangle> rows(rows_of(array));
   for_each_index(
       array, [&](std::int32_t v, std::size_t i, std::size_t k) { rows[i][k] = v; },

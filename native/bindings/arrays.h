@@ -11,17 +11,20 @@
 #include <utility>
 #include <vector>
 
+#include "isimp/core/threads.h"
 #include "isimp/core/types.h"
 
 namespace isimp::bindings {
 
 namespace py = pybind11;
 
-/// (n, 3) float32 or float64 with any strides, copied; `name` and `shape` are for the message.
+/// (n, 3) float32 or float64 with any strides, copied; `name` and `shape` are for the message. The threads share the
+/// copying where there are no gaps between the rows.
 /// \throws InvalidInput  another shape or kind of number
-std::vector<Vec3> read_points(const py::object& points, const std::string& name, const std::string& shape);
-inline std::vector<Vec3> read_vertices(const py::object& vertices) {
-  return read_points(vertices, "vertices", "(V, 3)");
+std::vector<Vec3> read_points(const py::object& points, const std::string& name, const std::string& shape,
+                              const Threads& threads = Threads(1));
+inline std::vector<Vec3> read_vertices(const py::object& vertices, const Threads& threads = Threads(1)) {
+  return read_points(vertices, "vertices", "(V, 3)", threads);
 }
 
 /// (F, 3) integers with any strides, copied.
@@ -59,10 +62,11 @@ py::array array_over(std::span<const T> items, py::handle owner) {
 
 /// A numpy array that owns what was a vector's memory and may be written to: (n), (n, 3) for Vec3 and Triangle, or
 /// (n, 2) for pairs.
-template <class T>
-py::array owned(std::vector<T>&& items) {
-  auto* kept = new std::vector<T>(std::move(items));
-  const py::capsule owner(kept, [](void* memory) { delete static_cast<std::vector<T>*>(memory); });
+template <class T, class Allocator>
+py::array owned(std::vector<T, Allocator>&& items) {
+  using Items = std::vector<T, Allocator>;
+  auto* kept = new Items(std::move(items));
+  const py::capsule owner(kept, [](void* memory) { delete static_cast<Items*>(memory); });
   return array_over(std::span<const T>(*kept), owner);
 }
 

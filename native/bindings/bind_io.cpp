@@ -14,26 +14,32 @@ using namespace py::literals;
 
 namespace {
 
-py::tuple read(const py::object& name, Job* job) {
+void check_threads(std::int32_t threads) {
+  if (threads < 0) throw InvalidInput("threads must be at least 0, got " + std::to_string(threads));
+}
+
+py::tuple read(const py::object& name, Job* job, std::int32_t threads) {
   const auto path = to_path(name);
+  check_threads(threads);
   auto [vertices, triangles] = call(job, [&](Job& j) {
-    PolygonSoup soup = read_polygons(path, j);
+    PolygonSoup soup = read_polygons(path, j, threads);
     Triangulation cut = triangulate(soup, j);
     return std::pair(std::move(soup.vertices), std::move(cut.triangles));
   });
   return py::make_tuple(owned(std::move(vertices)), owned(std::move(triangles)));
 }
 
-py::tuple read_as_polygons(const py::object& name, Job* job) {
+py::tuple read_as_polygons(const py::object& name, Job* job, std::int32_t threads) {
   const auto path = to_path(name);
-  PolygonSoup soup = call(job, [&](Job& j) { return read_polygons(path, j); });
+  check_threads(threads);
+  PolygonSoup soup = call(job, [&](Job& j) { return read_polygons(path, j, threads); });
   return py::make_tuple(owned(std::move(soup.vertices)), owned(std::move(soup.loops)),
                         owned(std::move(soup.loop_start)));
 }
 
 PolygonSoup read_soup(const py::object& vertices, const py::object& loops, const py::object& loop_start) {
-  PolygonSoup soup{read_vertices(vertices), read_indices(loops, "loops", "(L,)"),
-                   read_indices(loop_start, "loop_start", "(Q,)")};
+  const auto corners_of = read_indices(loops, "loops", "(L,)"), starts = read_indices(loop_start, "loop_start", "(Q,)");
+  PolygonSoup soup{read_vertices(vertices), {corners_of.begin(), corners_of.end()}, {starts.begin(), starts.end()}};
   for (std::size_t i = 0; i < soup.loops.size(); ++i)
     if (soup.loops[i] < 0 || static_cast<std::size_t>(soup.loops[i]) >= soup.vertices.size())
       throw InvalidInput("corner " + std::to_string(i) + " uses vertex " + std::to_string(soup.loops[i]) +
@@ -64,25 +70,27 @@ void write(const py::object& name, const PolygonMesh& poly, Job* job) {
 }  // namespace
 
 void bind_io(py::module_& m) {
-  m.def("read", &read, "path"_a, "job"_a = py::none(), R"(Read a mesh file; returns (vertices, triangles).
+  m.def("read", &read, "path"_a, "job"_a = py::none(), py::kw_only(), "threads"_a = 0,
+        R"(Read a mesh file; returns (vertices, triangles).
 
 (V, 3) float64 and (F, 3) int32. PLY (text, binary), OBJ, STL (text, binary) or OFF, told apart by the extension; polygons
-of more corners are cut into triangles. Nothing is repaired: give it to `clean`.
+of more corners are cut into triangles. Nothing is repaired; `clean` does that.
+threads: number of threads; 0: the number of cores. The result does not depend on it.
 Raises FileError, which names the file, where in it and what was expected, or Cancelled.)");
-  m.def("read_polygons", &read_as_polygons, "path"_a, "job"_a = py::none(),
+  m.def("read_polygons", &read_as_polygons, "path"_a, "job"_a = py::none(), py::kw_only(), "threads"_a = 0,
         R"(Read a mesh file with its polygons; returns (vertices, loops, loop_start).
 
 (V, 3) float64, (L,) int32, (Q,) int32: polygon q has the corners loops[loop_start[q] : loop_start[q + 1]], the last one
-the rest of `loops`. Polygons keep the file's order and number, broken ones too. Raises as `read`.)");
+the rest of `loops`. Polygons keep the file's order and number, broken ones too. `threads` and errors as in `read`.)");
   m.def("triangulate", &cut, "vertices"_a, "loops"_a, "loop_start"_a, "job"_a = py::none(),
         R"(Cut polygons into triangles without new vertices; returns (triangles, source_polygon).
 
-(F, 3) int32 and (F,) int32, rising: the polygon each triangle is part of. One of fewer than three corners gives none.
+(F, 3) int32 and (F,) int32, rising: the polygon of each triangle. A polygon of fewer than three corners gives none.
 Raises InvalidInput (an index out of range) or Cancelled.)");
   m.def("write", &write, "path"_a, "polygons"_a, "job"_a = py::none(),
         R"(Write a PolygonMesh with its n-gons as PLY (binary) or OBJ, told apart by the extension.
 
-The file appears whole or not at all; one that it replaces keeps its permissions. Pipes and devices are written to as they are.
+The file is replaced only when the new one is complete, and keeps its permissions. Pipes and devices are written in place.
 Raises FileError (another extension, a file that is read-only, or the place can't be written) or Cancelled.)");
 }
 

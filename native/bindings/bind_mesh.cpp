@@ -41,7 +41,7 @@ py::dict report_of(const MeshReport& report) {
 std::shared_ptr<KeptMesh> make_mesh(const py::object& vertices, const py::object& triangles, Job* job,
                                     std::int32_t threads) {
   if (threads < 0) throw InvalidInput("threads must be at least 0, got " + std::to_string(threads));
-  auto points = read_vertices(vertices);
+  auto points = read_vertices(vertices, Threads(threads));
   auto corners = read_triangles(triangles, points.size());
   return call(
       job, [&](Job& j) { return std::make_shared<KeptMesh>(Mesh(std::move(points), std::move(corners), j, threads)); });
@@ -49,7 +49,7 @@ std::shared_ptr<KeptMesh> make_mesh(const py::object& vertices, const py::object
 
 std::shared_ptr<KeptMesh> clean_mesh(const py::object& vertices, const py::object& triangles,
                                      const CleanOptions& options, Job* job) {
-  auto points = read_vertices(vertices);
+  auto points = read_vertices(vertices, Threads(options.threads));
   auto corners = read_triangles(triangles, points.size());
   return call(job, [&, options](Job& j) {
     return std::make_shared<KeptMesh>(clean(std::move(points), std::move(corners), options, j));
@@ -66,8 +66,8 @@ coordinates are finite. Borders, several components, zero-area faces and unused 
            R"(Check and copy the arrays.
 
 vertices: (V, 3) float32 or float64, scene units. triangles: (F, 3) integers, counter-clockwise seen from outside.
-threads: how many work on it; 0: as many as there are cores; the result does not depend on it.
-Raises InvalidInput, which names the first row that can't be used and why; `clean` takes such arrays. Cost: O(V + F).)")
+threads: number of threads; 0: the number of cores. The result does not depend on it.
+Raises InvalidInput, which names the first row that can't be used and why; `clean` repairs such arrays. Cost: O(V + F).)")
       .def_property_readonly("vertices", viewer<KeptMesh>(&KeptMesh::placed_vertices), "(V, 3) float64, read-only.")
       .def_property_readonly(
           "origin",
@@ -106,23 +106,23 @@ void bind_mesh(py::module_& m) {
   OptionsClass<CleanOptions>(m, "CleanOptions", "How to repair a mesh. All fields are keywords.");
   bind_class(m);
   m.def("clean", &clean_mesh, "vertices"_a, "triangles"_a, "options"_a = CleanOptions(), "job"_a = py::none(),
-        R"(Make a sound Mesh of any triangles: what scanners, STL files and texture seams leave behind.
+        R"(Repair any triangles into a Mesh: output of scanners, STL files, texture seams.
 
-In this order, each counted and located in the mesh's report under the key named here:
- non_finite_faces      dropped: a corner is not finite
- repeated_index_faces  dropped: a vertex named twice, by the caller or after welding
+The repairs in their order. The mesh's report has the count and first places of each under this key:
+ non_finite_faces      dropped: a coordinate is not finite
+ repeated_index_faces  dropped: a vertex is used twice, in the input or after welding
  duplicate_faces       dropped: the same three vertices as an earlier face, in either orientation
- welded_vertices       border vertices at one place become one where that closes an edge
- flipped_faces         turned over, so that each component is oriented one way; the fewer by area
- cut_edges             opened, since no orientation fits both sides (a Moebius strip)
- split_edges           edges of three or more faces, taken apart
- split_vertices        copies of vertices, one for each further fan of faces
- subdivided_edges      halved, since two edges with the same ends remained
- turned_edges          the longest edge of a face without area, so that it and the one beside it have some
+ welded_vertices       border vertices at the same position become one
+ flipped_faces         orientation reversed, so that each component is consistent; the smaller area yields
+ cut_edges             cut open: no orientation fits both sides (a Moebius strip)
+ split_edges           non-manifold edges (three or more faces), split
+ split_vertices        vertices copied, once for each further fan of faces around them
+ subdivided_edges      halved: two edges with the same ends remained
+ turned_edges          edge flips: the longest edge of a zero-area face, so that it and its neighbour have an area
  unused_vertices       dropped: no kept face uses them
- filled_holes          covered by new faces, where a cover meets nothing else and is at most half of its part
- cut_handles           taken out with the ring of faces round them, both ends covered
-Faces without area that this does not help are kept. Faces and vertices keep the caller's order; copies and covers come last.
+ filled_holes          covered by new faces, if the cover intersects nothing and is at most half of its component
+ cut_handles           the ring of faces around a handle removed, both ends covered
+Zero-area faces that no flip mends are kept. Faces and vertices keep the caller's order; copies and covers come last.
 vertices: (V, 3) float32 or float64, anything in it. triangles: (F, 3) integers in [0, V).
 Raises InvalidInput (another shape, no faces, an index out of range, a negative length, no face is left) or
 Cancelled. Cost: O(V + F); closing holes or handles adds O((V + F) log F).)");

@@ -138,13 +138,7 @@ Cost: method 'hierarchy' O(F), the others O(iterations * F).
 Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.)");
   m.def(
       "separated_faces",
-      [](const KeptMesh& mesh, const Partition& part) {
-        const auto pairs = separated_faces(Surface(mesh, part.guided));
-        py::array_t<std::int32_t> result({static_cast<py::ssize_t>(pairs.size()), py::ssize_t{2}});
-        for (std::size_t k = 0; k < pairs.size(); ++k)
-          for (int i = 0; i < 2; ++i) result.mutable_at(k, i) = pairs[k][i];
-        return result;
-      },
+      [](const KeptMesh& mesh, const Partition& part) { return owned(separated_faces(Surface(mesh, part.guided))); },
       "mesh"_a, "part"_a,
       R"((K, 2) int32: faces of the mesh that share an edge which a barrier of the partition lies on.
 

@@ -251,9 +251,11 @@ class PolygonMesh:
 def polygonize(
     mesh: Mesh, partition: Partition, options: MeshingOptions = ..., job: Job | None = None
 ) -> PolygonMesh: ...
-def read(path: str | PathLike[str], job: Job | None = None) -> tuple[NDArray[np.float64], NDArray[np.int32]]: ...
+def read(
+    path: str | PathLike[str], job: Job | None = None, *, threads: int = 0
+) -> tuple[NDArray[np.float64], NDArray[np.int32]]: ...
 def read_polygons(
-    path: str | PathLike[str], job: Job | None = None
+    path: str | PathLike[str], job: Job | None = None, *, threads: int = 0
 ) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]: ...
 def triangulate(
     vertices: NDArray[np.floating],

@@ -99,8 +99,9 @@ TEST(Clean, FacesThatWeldingTakesAwayAreNamed) {
     clean({place, place, place}, {{0, 1, 2}}, {}, job);
     FAIL() << "a face of three corners at one place is none";
   } catch (const InvalidInput& error) {
-    EXPECT_STREQ(error.what(),
-                 "no usable face is left: welding corners at the same place leaves no face three of them");
+    EXPECT_STREQ(
+        error.what(),
+        "no usable face is left: after vertices at the same position were welded, no face has three different ones");
   }
 }
 
@@ -355,7 +356,7 @@ TEST(Clean, NamesWhatCannotBeUsed) {
   EXPECT_EQ(message_of(a), "the mesh has no faces");
   a = {{{0, 0, 0}, {1, 0, 0}, {0, std::numeric_limits<double>::infinity(), 0}}, {{0, 1, 2}, {0, 0, 1}}};
   EXPECT_EQ(message_of(a),
-            "no usable face is left: of 2 faces 1 have a corner that is not finite and 1 name a vertex twice");
+            "no usable face is left: of 2 faces 1 have a corner that is not finite and 1 use a vertex twice");
   EXPECT_EQ(message_of(shapes::cube(), -1), "weld must be a finite length, at least 0, got -1");
 }
 

@@ -147,7 +147,7 @@ const std::string kPlyHead =
 TEST_F(Io, PlyInAllThreeEncodings) {
   const PolygonSoup text = parse("a.ply", "ply\nformat ascii 1.0\n" + kPlyHead + "0 0 0\n1 0 0\n0 1e0 -0.5\n3 0 1 2\n");
   EXPECT_EQ(text.vertices[2], Vec3(0, 1, -0.5));
-  EXPECT_EQ(text.loops, (std::vector<std::int32_t>{0, 1, 2}));
+  EXPECT_EQ(text.loops, (Array<std::int32_t>{0, 1, 2}));
   for (const bool big : {false, true}) {
     std::string bytes = std::string("ply\nformat binary_") + (big ? "big" : "little") + "_endian 1.0\n" + kPlyHead;
     for (const float x : {0.F, 0.F, 0.F, 1.F, 0.F, 0.F, 0.F, 1.F, -0.5F}) bytes += raw(x, big);
@@ -168,7 +168,7 @@ TEST_F(Io, PlySkipsWhatItDoesNotNeed) {
                                               "2 0.5 0.25 7\r\n0 8\r\n255 3 1 2 9 9 2\r\n0 6 4 0 5\r\n0 9 7 0 8\r\n"
                                               "0.5 3 0 1 2 2 0.1 0.2\r\n0.5 3 2 1 0 0\r\n1\r\n");
   EXPECT_EQ(soup.vertices, (std::vector<Vec3>{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}}));
-  EXPECT_EQ(soup.loops, (std::vector<std::int32_t>{0, 1, 2, 2, 1, 0}));
+  EXPECT_EQ(soup.loops, (Array<std::int32_t>{0, 1, 2, 2, 1, 0}));
 }
 
 TEST_F(Io, PlyTextKeepsNaNAndReadsOn) {
@@ -188,7 +188,8 @@ TEST_F(Io, DamagedPlyIsNamed) {
   EXPECT_NE(error("a.ply", "ply\nelement vertex 3\nend_header\n").find("no format line"), std::string::npos);
   EXPECT_EQ(error("a.ply", text + "property float x\nend_header\n"), "line 3: a PLY property comes before any element");
   EXPECT_EQ(error("a.ply", "ply\nformat binary_middle 1.0\n"), "line 2: unknown PLY format \"binary_middle\"");
-  EXPECT_EQ(error("a.ply", text + "element vertex -3\n"), "line 3: element \"vertex\" wants a count, got \"-3\"");
+  EXPECT_EQ(error("a.ply", text + "element vertex -3\n"),
+            "line 3: element \"vertex\" needs its number of rows, got \"-3\"");
   EXPECT_EQ(error("a.ply", text + "element vertex 3\nproperty float16 x\n"),
             "line 4: a PLY header names the unknown type \"float16\"");
   EXPECT_EQ(error("a.ply", text + "element vertex 0\nend_header\n"), "the PLY vertices have no x, y and z");
@@ -240,8 +241,8 @@ TEST_F(Io, PlyTriangleStripsBecomeTriangles) {
   }
   for (const PolygonSoup& soup : {parse("t.ply", "ply\nformat ascii 1.0\n" + head + text + words + "\n"),
                                   parse("b.ply", "ply\nformat binary_little_endian 1.0\n" + head + floats + bytes)}) {
-    EXPECT_EQ(soup.loops, (std::vector<std::int32_t>{0, 1, 2, 2, 1, 3, 2, 3, 4}));
-    EXPECT_EQ(soup.loop_start, (std::vector<std::int32_t>{0, 3, 6}));
+    EXPECT_EQ(soup.loops, (Array<std::int32_t>{0, 1, 2, 2, 1, 3, 2, 3, 4}));
+    EXPECT_EQ(soup.loop_start, (Array<std::int32_t>{0, 3, 6}));
   }
 }
 
@@ -256,8 +257,8 @@ TEST_F(Io, ObjTakesItsManySpellings) {
             "f 1 2 3 4 # quad\nf 1 1 2\nl 1 2\np 1\nf 5 2 1\nv 9 9 9");
   EXPECT_EQ(soup.vertices.size(), 5);
   EXPECT_EQ(soup.vertices[3], Vec3(0, 1, 0));
-  EXPECT_EQ(soup.loops, (std::vector<std::int32_t>{0, 1, 2, 0, 2, 3, 0, 1, 2, 3, 0, 0, 1, 4, 1, 0}));
-  EXPECT_EQ(soup.loop_start, (std::vector<std::int32_t>{0, 3, 6, 10, 13}));
+  EXPECT_EQ(soup.loops, (Array<std::int32_t>{0, 1, 2, 0, 2, 3, 0, 1, 2, 3, 0, 0, 1, 4, 1, 0}));
+  EXPECT_EQ(soup.loop_start, (Array<std::int32_t>{0, 3, 6, 10, 13}));
 }
 
 TEST_F(Io, DamagedObjIsNamed) {
@@ -346,7 +347,8 @@ TEST_F(Io, DamagedStlIsNamed) {
   EXPECT_EQ(error("a.stl", text_stl(shapes::cube()).substr(0, 85)), "it ends within a facet; it is cut short");
   EXPECT_EQ(error("a.stl", "solid a\nouter loop\nvertex 0 0 x\n"),
             "line 3: expected three coordinates after \"vertex\", got \"x\"");
-  EXPECT_EQ(error("a.stl", "solid a\nvertex 0 0 0\n"), "line 2: a vertex stands outside a facet's loop of three");
+  EXPECT_EQ(error("a.stl", "solid a\nvertex 0 0 0\n"),
+            "line 2: a facet has more than three vertices, or a vertex is outside a facet");
 }
 
 // --- OFF
@@ -357,8 +359,8 @@ TEST_F(Io, OffTakesItsManySpellings) {
   for (const char* head : {"OFF\n4 2 0\n", "OFF 4 2 5\n", "# first\nOFF # kind\n\n4 2\n"}) {
     const PolygonSoup soup = parse("a.off", head + body);
     EXPECT_EQ(soup.vertices[3], Vec3(0, 1, 0));
-    EXPECT_EQ(soup.loop_start, (std::vector<std::int32_t>{0, 4}));
-    EXPECT_EQ(soup.loops, (std::vector<std::int32_t>{0, 1, 2, 3, 0, 1, 2}));
+    EXPECT_EQ(soup.loop_start, (Array<std::int32_t>{0, 4}));
+    EXPECT_EQ(soup.loops, (Array<std::int32_t>{0, 1, 2, 3, 0, 1, 2}));
   }
   EXPECT_EQ(parse("b.off", "STCNOFF\n1 0 0\n1 2 3 0 0 1 255 0 0 255 0.5 0.5\n").vertices[0], Vec3(1, 2, 3));
 }

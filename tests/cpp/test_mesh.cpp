@@ -54,7 +54,7 @@ TEST(Mesh, TurnVisitsTheWholeFanOfABorderVertex) {
     for (std::int32_t h = mesh.vertex_halfedge()[v], start = h; h != kNone;) {
       EXPECT_EQ(mesh.from(h), v);
       ++visits;
-      h = mesh.turn(h);
+      h = mesh.next_outgoing(h);
       if (h == start) break;
     }
   EXPECT_EQ(visits, 3 * mesh.face_count());
@@ -73,10 +73,10 @@ TEST(Mesh, BadInputIsNamed) {
   EXPECT_EQ(message_of(a), "vertex 5 has a coordinate that is not finite; clean(...) repairs this");
   a = cube;
   a.triangles[2] = {1, 1, 2};
-  EXPECT_EQ(message_of(a), "face 2 names vertex 1 twice; clean(...) repairs this");
+  EXPECT_EQ(message_of(a), "face 2 uses vertex 1 twice; clean(...) repairs this");
   a = cube;
   std::swap(a.triangles[4][0], a.triangles[4][1]);
-  EXPECT_NE(message_of(a).find("run the same way along the edge of vertices"), std::string::npos);
+  EXPECT_NE(message_of(a).find("have opposite orientations at the edge of vertices"), std::string::npos);
   a = cube;
   a.vertices.emplace_back(0.5, 0.5, 3.0);
   a.triangles.push_back({a.triangles[0][1], a.triangles[0][0], 8});

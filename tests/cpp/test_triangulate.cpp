@@ -37,6 +37,20 @@ TEST(Triangulate, EachPolygonGivesTwoTrianglesLessThanItsCorners) {
   EXPECT_NEAR(total_area(kHouse, t), 1 + std::hypot(0.5, 0.1) / 2 + 1, 1e-5);
 }
 
+TEST(Triangulate, TrianglesStayAsTheyAre) {
+  const PolygonSoup soup{kHouse.vertices, {0, 1, 2, 2, 2, 1, 3, 0, 1}, {0, 3, 6}};  // the second one has no area
+  const Triangulation t = triangles_of(soup);
+  EXPECT_EQ(t.triangles, (std::vector<Triangle>{{0, 1, 2}, {2, 2, 1}, {3, 0, 1}}));
+  EXPECT_EQ(t.source_polygon, (std::vector<std::int32_t>{0, 1, 2}));
+}
+
+TEST(Triangulate, TwoAndFourCornersAreNotTakenForTriangles) {
+  const PolygonSoup soup{kHouse.vertices, {0, 1, 0, 1, 2, 3}, {0, 2}};
+  const Triangulation t = triangles_of(soup);
+  EXPECT_EQ(t.source_polygon, (std::vector<std::int32_t>{1, 1}));
+  EXPECT_NEAR(total_area(soup, t), 1, 1e-12);
+}
+
 TEST(Triangulate, AConcaveQuadIsCutAtItsNotch) {
   for (std::int32_t shift = 0; shift < 4; ++shift) {
     PolygonSoup soup{{{0, 0, 0}, {2, 1, 0}, {0, 2, 0}, {0.5, 1, 0}}, {}, {0}};  // the notch is vertex 3

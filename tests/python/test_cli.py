@@ -221,7 +221,7 @@ def test_wrong_usage_that_shows_later_is_2_and_writes_nothing(scan, tmp_path):
     check_line(isimp("simplify", scan, out, "--backend", "abacus"), 2, "abacus", "cpu")
     check_line(isimp("simplify", scan, tmp_path / "o.fbx"), 2, "o.fbx", ".ply, .obj")
     check_line(isimp("simplify", scan, tmp_path / "no" / "o.ply"), 2, "no")
-    check_line(isimp("simplify", scan, scan), 2, scan, "nothing is written over INPUT")
+    check_line(isimp("simplify", scan, scan), 2, scan, "INPUT and all outputs must be different files")
     check_line(isimp("simplify", scan, out, "--report", out), 2, out, "named twice")
     check_line(isimp("simplify", scan, out, "--labels", tmp_path), 2, tmp_path, "folder")
     assert os.listdir(tmp_path) == [scan.name]
@@ -354,8 +354,8 @@ def test_info_says_what_the_mesh_is_and_what_would_be_repaired(tmp_path):
         "  1 part, closed, Euler characteristic 2",
         "  size 1 x 1 x 1, diagonal 1.73205, area 6",
         "  to repair:",
-        "    1 face dropped for naming a vertex twice (face 192)",
-        "    1 face dropped for having the vertices of another (face 193)",
+        "    1 face dropped: a vertex is used twice (face 192)",
+        "    1 face dropped: an earlier face has the same vertices (face 193)",
     ]
     said = json.loads(isimp("info", path, "--json").stdout)
     assert said["input"] == {"path": str(path), "vertices": 98, "faces": 194, "triangles": 194}
@@ -457,8 +457,8 @@ def test_a_bound_is_measured_on_the_polygons(scan, tmp_path):
         (["--borders", "f.npy"], np.zeros(3), "f.npy: must be (1800) numbers, is (3,) float64"),
         (["--cuts", "f.npy"], np.zeros((4, 2)), "f.npy: must be (K, 2) integers, is (4, 2) float64"),
         (["--part", "f.npy"], np.array([1800]), "f.npy: faces must be in [0, 1800)"),
-        (["--base", "f.npy"], np.zeros(1800, int), "--base is for --part"),
-        (["--weights", "f.npy"], None, "f.npy: is no .npy file of numbers"),
+        (["--base", "f.npy"], np.zeros(1800, int), "--base needs --part"),
+        (["--weights", "f.npy"], None, "f.npy: is not a .npy file of numbers"),
     ],
 )
 def test_guides_that_cannot_be_used_are_named(scan, tmp_path, flags, values, message):

@@ -9,6 +9,7 @@ import pytest
 import isimp_engine as engine
 import meshfiles
 import shapes
+from isimp_engine.cli.loading import load
 
 HOUSE = [[0, 0, 0], [2, 0, 0], [2, 2, 0], [1, 3, 0], [0, 2, 0], [3, 0, 0], [3, 2, 0]]  # a gable, and a lean-to
 WALLS = [[0, 1, 2, 3, 4], [1, 5, 6, 2], [2, 6, 3]]
@@ -40,6 +41,39 @@ def test_triangles_are_the_same_from_every_kind(tmp_path, kind):
     mesh = engine.Mesh(vertices, read)
     assert mesh.report["closed"]
     assert mesh.report["components"] == 1
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+def test_the_number_of_threads_changes_nothing(tmp_path, threads):
+    path = tmp_path / "a.ply"
+    vertices, triangles = shapes.cube(100)  # 120,000 faces: enough for three threads to share
+    meshfiles.ply_binary(path, vertices, triangles.tolist())
+    points, read = engine.read(path, threads=threads)
+    np.testing.assert_array_equal(points, vertices.astype(np.float32))
+    np.testing.assert_array_equal(read, triangles)
+    loops, loop_start = engine.read_polygons(path, threads=threads)[1:]
+    np.testing.assert_array_equal(loops.reshape(-1, 3), triangles)
+    np.testing.assert_array_equal(loop_start, np.arange(0, len(loops), 3))
+
+
+@pytest.mark.parametrize("call", [engine.read, engine.read_polygons])
+def test_fewer_threads_than_none_are_refused(tmp_path, call):
+    path = tmp_path / "a.ply"
+    meshfiles.ply_ascii(path, HOUSE, WALLS)
+    with pytest.raises(engine.InvalidInput, match="threads must be at least 0, got -1"):
+        call(path, threads=-1)
+
+
+@pytest.mark.parametrize("polygons", [WALLS, [[0, 1, 2], [2, 1, 3]], [[0, 1], [2, 1, 3, 4]], []])
+def test_the_command_cuts_polygons_as_the_engine_does(tmp_path, polygons):
+    path = tmp_path / "a.ply"
+    meshfiles.ply_ascii(path, HOUSE, polygons)
+    source = load(path, engine.Job())
+    triangles, polygon = engine.triangulate(*engine.read_polygons(path))
+    assert source.faces == len(polygons)
+    assert (source.triangles.dtype, source.polygon.dtype) == (np.int32, np.int32)
+    np.testing.assert_array_equal(source.triangles, triangles)
+    np.testing.assert_array_equal(source.polygon, polygon)
 
 
 def test_upper_case_extensions_and_path_objects_are_fine(tmp_path):

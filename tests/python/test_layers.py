@@ -121,6 +121,6 @@ def test_the_package_also_works_inside_another_one_beside_the_installed_copy(tmp
     )
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines() == [
-        "isimp.isimp_engine face 0 names vertex 0 twice; clean(...) repairs this",
-        "isimp_engine face 0 names vertex 0 twice; clean(...) repairs this",
+        "isimp.isimp_engine face 0 uses vertex 0 twice; clean(...) repairs this",
+        "isimp_engine face 0 uses vertex 0 twice; clean(...) repairs this",
     ]

@@ -123,8 +123,8 @@ def test_no_faces_is_said(faces):
 @pytest.mark.parametrize(
     ("triangles", "said"),
     [
-        ([[0, 1, 2], [0, 2, 2]], "face 1 names vertex 2 twice"),
-        ([[0, 1, 2], [0, 3, 2]], "faces 0 and 1 run the same way along the edge of vertices 0 and 2"),
+        ([[0, 1, 2], [0, 2, 2]], "face 1 uses vertex 2 twice"),
+        ([[0, 1, 2], [0, 3, 2]], "faces 0 and 1 have opposite orientations at the edge of vertices 0 and 2"),
         ([[0, 1, 2], [2, 1, 3], [1, 2, 4]], "edge of vertices 1 and 2 has three or more faces, face 2 among them"),
         ([[0, 1, 2], [0, 3, 4]], "faces of vertex 0 form two or more fans"),
     ],

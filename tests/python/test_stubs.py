@@ -44,7 +44,7 @@ def test_a_function_of_the_stub_has_the_parameters_of_the_real_one(node):
     """pybind11 writes the signature into the first line: `name(first: type, second: type = default) -> type`."""
     signature, *text = getattr(_core, node.name).__doc__.splitlines()
     names = re.findall(r"(\w+): ", re.sub(r"= \w+\([^()]*\)", "= ...", signature))
-    assert names == [argument.arg for argument in node.args.args]
+    assert names == [argument.arg for argument in node.args.args + node.args.kwonlyargs]
     assert signature.count(" = ") >= len(node.args.defaults)
     assert any(text)
 

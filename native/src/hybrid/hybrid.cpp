@@ -30,7 +30,7 @@ void for_faces_round(const Mesh& mesh, std::int32_t vertex, Visit visit) {
   const std::int32_t start = mesh.vertex_halfedge()[vertex];
   for (std::int32_t h = start; h != kNone;) {
     visit(Mesh::face(h));
-    h = mesh.turn(h);
+    h = mesh.next_outgoing(h);
     if (h == start) break;
   }
 }

@@ -34,9 +34,9 @@ void check(std::size_t vertices, const std::vector<Triangle>& triangles, const C
 
 using namespace detail;
 
-/// Takes apart whatever does not hang together as a mesh should.
+/// Makes the soup manifold and oriented: duplicates, welding, orientation, non-manifold edges and vertices.
 /// \param welded  whether borders were welded already
-Parts take_apart(Soup& soup, double tolerance, bool welded, Job& job) {
+MeshArrays take_apart(Soup& soup, double tolerance, bool welded, Job& job) {
   const auto group = [&] { return EdgeGroups(soup.vertices.size(), soup.faces(), job); };
   EdgeGroups edges = group();
   if (drop_duplicates(soup, edges, job)) edges = group();
@@ -46,9 +46,9 @@ Parts take_apart(Soup& soup, double tolerance, bool welded, Job& job) {
   }
   job.report(0.6);
   const Undecided undecided = join_simple_edges(soup, edges, job);
-  const std::vector<char> flipped = orient(soup, undecided.same_way, job);
-  join_crowded_edges(soup, undecided.crowded, flipped);
-  flip(soup, flipped);
+  const std::vector<char> reversed = orient(soup, undecided.same_way, job);
+  join_non_manifold_edges(soup, undecided.non_manifold, reversed);
+  reverse_faces(soup, reversed);
   edges = EdgeGroups(0, {}, job);  // its memory is wanted
   return separate(soup, job);
 }
@@ -63,7 +63,7 @@ Mesh clean(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const Cl
   soup.named = std::move(triangles);
   drop_broken(soup, threads, job);
 
-  Parts parts;
+  MeshArrays arrays;
   bool welded = false, sound = false;
   Topology topology;
   {
@@ -77,26 +77,27 @@ Mesh clean(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const Cl
     if (sound) welded = weld(soup, border_vertices(soup, topology), options.weld, job);
     if (welded) look(0.8, 1.0);
     if (sound) {
-      parts = compact(soup, topology, threads, job);
+      arrays = compact(soup, topology, threads, job);
     } else {
       topology = {};
-      parts = take_apart(soup, options.weld, welded, job);
+      arrays = take_apart(soup, options.weld, welded, job);
     }
   }
-  if (parts.triangles.empty())
-    throw InvalidInput("no usable face is left: welding corners at the same place leaves no face three of them");
-  if (!sound) topology = find_topology(parts.vertices.size(), parts.triangles, threads, job);
+  if (arrays.triangles.empty())
+    throw InvalidInput(
+        "no usable face is left: after vertices at the same position were welded, no face has three different ones");
+  if (!sound) topology = find_topology(arrays.vertices.size(), arrays.triangles, threads, job);
   if (!topology.flaw.empty()) throw Error("cleaning left " + topology.flaw);
-  turn_flat_faces(parts, topology, soup.log, threads, job);
+  flip_degenerate_edges(arrays, topology, soup.log, threads, job);
   const bool closing = options.fill_holes > 0 || options.cut_handles > 0;
   if (closing) {
     const Job::Part part(job, "closing holes", 0.5, 0.75);
-    close_small(parts, options, soup.log, threads, job);
+    close_small(arrays, options, soup.log, threads, job);
   }
   const Job::Part part(job, "cleaning", closing ? 0.75 : 0.5, 1.0);
-  if (!closing) return Mesh(std::move(parts), std::move(topology), soup.log.take(), threads, job);
-  return Mesh(std::move(parts.vertices), std::move(parts.triangles), std::move(parts.source_face),
-              std::move(parts.source_vertex), soup.log.take(), threads, job);
+  if (!closing) return Mesh(std::move(arrays), std::move(topology), soup.log.take(), threads, job);
+  return Mesh(std::move(arrays.vertices), std::move(arrays.triangles), std::move(arrays.source_face),
+              std::move(arrays.source_vertex), soup.log.take(), threads, job);
 }
 
 }  // namespace isimp

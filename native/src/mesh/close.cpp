@@ -12,10 +12,10 @@ namespace {
 
 constexpr int kPasses = 8;
 
-double length(const Parts& parts, const std::vector<std::int32_t>& loop) {
+double length(const MeshArrays& arrays, const std::vector<std::int32_t>& loop) {
   double sum = 0;
   for (std::size_t i = 0; i < loop.size(); ++i)
-    sum += (parts.vertices[loop[i]] - parts.vertices[loop[(i + 1) % loop.size()]]).norm();
+    sum += (arrays.vertices[loop[i]] - arrays.vertices[loop[(i + 1) % loop.size()]]).norm();
   return sum;
 }
 
@@ -26,26 +26,26 @@ struct Components {
   std::vector<std::int32_t> of_vertex;
   std::vector<double> area;
 
-  Components(const Parts& parts, Job& job) : of_vertex(parts.vertices.size()) {
+  Components(const MeshArrays& arrays, Job& job) : of_vertex(arrays.vertices.size()) {
     std::iota(of_vertex.begin(), of_vertex.end(), 0);
     const auto find = [&](std::int32_t v) {
       while (of_vertex[v] != v) v = of_vertex[v] = of_vertex[of_vertex[v]];
       return v;
     };
-    for_each_index(parts.triangles.size(), job, [&](std::size_t f) {
-      const auto& [a, b, c] = parts.triangles[f];
+    for_each_index(arrays.triangles.size(), job, [&](std::size_t f) {
+      const auto& [a, b, c] = arrays.triangles[f];
       of_vertex[find(b)] = find(a);
       of_vertex[find(c)] = find(a);
     });
     for (std::int32_t& v : of_vertex) v = find(v);
     area.assign(of_vertex.size(), 0.0);
-    for (const auto& [a, b, c] : parts.triangles)
-      area[of_vertex[a]] += detail::area(parts.vertices[a], parts.vertices[b], parts.vertices[c]);
+    for (const auto& [a, b, c] : arrays.triangles)
+      area[of_vertex[a]] += detail::area(arrays.vertices[a], arrays.vertices[b], arrays.vertices[c]);
   }
 };
 
-std::vector<Opening> find_holes(const Parts& parts, const Topology& topology, double longest) {
-  const auto end = [&](std::int32_t h) { return parts.triangles[h / 3][(h + 1) % 3]; };
+std::vector<Opening> find_holes(const MeshArrays& arrays, const Topology& topology, double longest) {
+  const auto end = [&](std::int32_t h) { return arrays.triangles[h / 3][(h + 1) % 3]; };
   std::vector<Opening> holes;
   std::vector<bool> seen(topology.opposite.size(), false);
   for (const std::int32_t h : topology.border) {
@@ -55,9 +55,9 @@ std::vector<Opening> find_holes(const Parts& parts, const Topology& topology, do
       seen[g] = true;
       loop.push_back(end(g));
     }
-    if (length(parts, loop) > longest) continue;
+    if (length(arrays, loop) > longest) continue;
     std::reverse(loop.begin(), loop.end());  // a patch runs against its neighbours
-    holes.push_back({Mend::filled_holes, {}, {std::move(loop)}, {}});
+    holes.push_back({RepairKind::filled_holes, {}, {std::move(loop)}, {}});
   }
   return holes;
 }
@@ -65,8 +65,8 @@ std::vector<Opening> find_holes(const Parts& parts, const Topology& topology, do
 /// Covers openings with patches that meet nothing else.
 class Closer {
  public:
-  Closer(Parts& parts, const Topology& topology, const Components* components, Job& job)
-      : parts_(parts), topology_(topology), components_(components), job_(job) {}
+  Closer(MeshArrays& arrays, const Topology& topology, const Components* components, Job& job)
+      : arrays_(arrays), topology_(topology), components_(components), job_(job) {}
 
   /// Adds patches for those that can be closed, and returns these; the faces to be removed are still there.
   std::vector<Opening> close(std::vector<Opening> openings) {
@@ -95,7 +95,7 @@ class Closer {
     const std::int32_t start = topology_.vertex_halfedge[a];
     std::int32_t h = start;
     do {
-      const Triangle& t = parts_.triangles[h / 3];
+      const Triangle& t = arrays_.triangles[h / 3];
       if (std::find(t.begin(), t.end(), b) != t.end() && !is_removed(o, h / 3))
         return *std::find_if(t.begin(), t.end(), [&](std::int32_t v) { return v != a && v != b; });
       h = topology_.opposite[Mesh::prev(h)];
@@ -112,8 +112,8 @@ class Closer {
       for (std::size_t i = 0; i < loop.size(); ++i) {
         const std::int32_t far = apex(o, loop[i], loop[(i + 1) % loop.size()]);
         if (far == kNone) return false;
-        line.push_back(parts_.vertices[loop[i]]);
-        beyond.push_back(parts_.vertices[far]);
+        line.push_back(arrays_.vertices[loop[i]]);
+        beyond.push_back(arrays_.vertices[far]);
       }
       o.patches.push_back(cover(line, beyond, loop.size() == 3 ? 0 : plan));
       if (o.patches.back().empty() || adds_to_an_edge(o, loop) || (components_ && is_outline(loop, o.patches.back())))
@@ -138,7 +138,7 @@ class Closer {
   [[nodiscard]] bool is_outline(const std::vector<std::int32_t>& loop, const Patch& patch) const {
     std::vector<Vec3> points;
     points.reserve(loop.size() + patch.inner.size());
-    for (const std::int32_t v : loop) points.push_back(parts_.vertices[v]);
+    for (const std::int32_t v : loop) points.push_back(arrays_.vertices[v]);
     points.insert(points.end(), patch.inner.begin(), patch.inner.end());
     double sum = 0;
     for (const auto& [a, b, c] : patch.triangles) sum += area(points[a], points[b], points[c]);
@@ -149,14 +149,14 @@ class Closer {
     for (const Opening& o : openings)
       for (std::size_t i = 0; i < o.loops.size(); ++i) {
         const auto n = static_cast<std::int32_t>(o.loops[i].size());
-        const auto first = static_cast<std::int32_t>(parts_.vertices.size());
-        parts_.vertices.insert(parts_.vertices.end(), o.patches[i].inner.begin(), o.patches[i].inner.end());
-        parts_.source_vertex.resize(parts_.vertices.size(), kNone);
+        const auto first = static_cast<std::int32_t>(arrays_.vertices.size());
+        arrays_.vertices.insert(arrays_.vertices.end(), o.patches[i].inner.begin(), o.patches[i].inner.end());
+        arrays_.source_vertex.resize(arrays_.vertices.size(), kNone);
         for (const auto& t : o.patches[i].triangles) {
           Triangle face;
           for (int k = 0; k < 3; ++k) face[k] = t[k] < n ? o.loops[i][t[k]] : first + t[k] - n;
-          parts_.triangles.push_back(face);
-          parts_.source_face.push_back(kNone);
+          arrays_.triangles.push_back(face);
+          arrays_.source_face.push_back(kNone);
         }
       }
   }
@@ -164,18 +164,18 @@ class Closer {
   /// Takes those out of `openings` whose patches meet something, and returns them.
   std::vector<Opening> drop_crossed(std::vector<Opening>& openings) {
     if (openings.empty()) return {};
-    const std::size_t vertices = parts_.vertices.size(), faces = parts_.triangles.size();
+    const std::size_t vertices = arrays_.vertices.size(), faces = arrays_.triangles.size();
     append(openings);
-    const std::size_t fresh = parts_.triangles.size() - faces;
-    std::vector<char> removed(parts_.triangles.size(), 0);
+    const std::size_t fresh = arrays_.triangles.size() - faces;
+    std::vector<char> removed(arrays_.triangles.size(), 0);
     for (const std::vector<Opening>* all : {&std::as_const(closed_), &std::as_const(openings)})
       for (const Opening& o : *all)
         for (const std::int32_t f : o.removed) removed[f] = 1;
-    const std::vector<char> crossed = find_crossed(parts_.vertices, parts_.triangles, removed, fresh, job_);
-    parts_.vertices.resize(vertices);
-    parts_.source_vertex.resize(vertices);
-    parts_.triangles.resize(faces);
-    parts_.source_face.resize(faces);
+    const std::vector<char> crossed = find_crossed(arrays_.vertices, arrays_.triangles, removed, fresh, job_);
+    arrays_.vertices.resize(vertices);
+    arrays_.source_vertex.resize(vertices);
+    arrays_.triangles.resize(faces);
+    arrays_.source_face.resize(faces);
 
     std::vector<Opening> kept, dropped;
     auto at = crossed.begin();
@@ -191,7 +191,7 @@ class Closer {
 
   static constexpr double kLargestShare = 0.5;  // of its part that a hole may be
 
-  Parts& parts_;
+  MeshArrays& arrays_;
   const Topology& topology_;
   const Components* components_;  // where holes are told from outlines
   Job& job_;
@@ -199,30 +199,30 @@ class Closer {
 };
 
 /// Drops the faces that openings take out, and the vertices that nothing uses any more.
-void drop_removed(Parts& parts, const std::vector<Opening>& closed) {
-  std::vector<char> removed(parts.triangles.size(), 0), used(parts.vertices.size(), 0);
+void drop_removed(MeshArrays& arrays, const std::vector<Opening>& closed) {
+  std::vector<char> removed(arrays.triangles.size(), 0), used(arrays.vertices.size(), 0);
   for (const Opening& o : closed)
     for (const std::int32_t f : o.removed) removed[f] = 1;
   std::size_t kept = 0;
   for (std::size_t f = 0; f < removed.size(); ++f) {
     if (removed[f]) continue;
-    for (const std::int32_t v : parts.triangles[f]) used[v] = 1;
-    parts.triangles[kept] = parts.triangles[f];
-    parts.source_face[kept++] = parts.source_face[f];
+    for (const std::int32_t v : arrays.triangles[f]) used[v] = 1;
+    arrays.triangles[kept] = arrays.triangles[f];
+    arrays.source_face[kept++] = arrays.source_face[f];
   }
-  parts.triangles.resize(kept);
-  parts.source_face.resize(kept);
+  arrays.triangles.resize(kept);
+  arrays.source_face.resize(kept);
   std::vector<std::int32_t> renamed(used.size(), kNone);
   kept = 0;
   for (std::size_t v = 0; v < used.size(); ++v) {
     if (!used[v]) continue;
-    parts.vertices[kept] = parts.vertices[v];
-    parts.source_vertex[kept] = parts.source_vertex[v];
+    arrays.vertices[kept] = arrays.vertices[v];
+    arrays.source_vertex[kept] = arrays.source_vertex[v];
     renamed[v] = static_cast<std::int32_t>(kept++);
   }
-  parts.vertices.resize(kept);
-  parts.source_vertex.resize(kept);
-  for (Triangle& t : parts.triangles)
+  arrays.vertices.resize(kept);
+  arrays.source_vertex.resize(kept);
+  for (Triangle& t : arrays.triangles)
     for (std::int32_t& v : t) v = renamed[v];
 }
 
@@ -232,30 +232,30 @@ void fill(Array<std::int32_t>& source, std::size_t n) {
   std::iota(source.begin(), source.end(), 0);
 }
 
-Topology topology_of(const Parts& parts, const Threads& threads, Job& job) {
+Topology topology_of(const MeshArrays& arrays, const Threads& threads, Job& job) {
   const Job::Part stage(job, "closing holes", 0.0, 0.2);
-  return find_topology(parts.vertices.size(), parts.triangles, threads, job);
+  return find_topology(arrays.vertices.size(), arrays.triangles, threads, job);
 }
 
 }  // namespace
 
-void close_small(Parts& parts, const CleanOptions& options, RepairLog& log, const Threads& threads, Job& job) {
-  fill(parts.source_face, parts.triangles.size());
-  fill(parts.source_vertex, parts.vertices.size());
+void close_small(MeshArrays& arrays, const CleanOptions& options, RepairLog& log, const Threads& threads, Job& job) {
+  fill(arrays.source_face, arrays.triangles.size());
+  fill(arrays.source_vertex, arrays.vertices.size());
   if (options.fill_holes > 0) {
-    const Topology topology = topology_of(parts, threads, job);
-    const Components components(parts, job);
-    Closer closer(parts, topology, &components, job);
-    for (const Opening& o : closer.close(find_holes(parts, topology, options.fill_holes)))
-      log.add(o.kind, parts.source_face[topology.vertex_halfedge[o.loops[0][0]] / 3]);
+    const Topology topology = topology_of(arrays, threads, job);
+    const Components components(arrays, job);
+    Closer closer(arrays, topology, &components, job);
+    for (const Opening& o : closer.close(find_holes(arrays, topology, options.fill_holes)))
+      log.add(o.kind, arrays.source_face[topology.vertex_halfedge[o.loops[0][0]] / 3]);
   }
   // Cutting one handle may leave another that was too near it, so that a few passes are made.
   for (int pass = 0; options.cut_handles > 0 && pass < kPasses; ++pass) {
-    const Topology topology = topology_of(parts, threads, job);
-    Closer closer(parts, topology, nullptr, job);
-    const std::vector<Opening> closed = closer.close(find_handles(parts, topology, options.cut_handles, job));
-    for (const Opening& o : closed) log.add(o.kind, parts.source_face[o.removed[0]]);
-    drop_removed(parts, closed);
+    const Topology topology = topology_of(arrays, threads, job);
+    Closer closer(arrays, topology, nullptr, job);
+    const std::vector<Opening> closed = closer.close(find_handles(arrays, topology, options.cut_handles, job));
+    for (const Opening& o : closed) log.add(o.kind, arrays.source_face[o.removed[0]]);
+    drop_removed(arrays, closed);
     if (closed.empty()) break;
   }
 }

@@ -11,16 +11,16 @@
 
 namespace isimp::detail {
 
-/// A vertex of a patch: one of the loop, by place, or past the loop's last one the patch's own.
+/// Triangles that cover a loop. Their vertices are those of the loop, by position in it, then `inner`.
 struct Patch {
   std::vector<std::array<std::int32_t, 3>> triangles;
   std::vector<Vec3> inner;  ///< its own vertices
   [[nodiscard]] bool empty() const { return triangles.empty(); }
 };
 
-/// A place that is to be closed: faces to take out, and the loops that are then to be covered.
+/// A hole or handle to close: faces to remove, and the loops to cover then.
 struct Opening {
-  Mend kind = Mend::filled_holes;
+  RepairKind kind = RepairKind::filled_holes;
   std::vector<std::int32_t> removed;             ///< faces, rising
   std::vector<std::vector<std::int32_t>> loops;  ///< vertices in the order in which a patch runs along them
   std::vector<Patch> patches;                    ///< one a loop, once found
@@ -34,17 +34,17 @@ constexpr int kPlans = 2;  ///< ways to cover a loop
 Patch cover(const std::vector<Vec3>& loop, const std::vector<Vec3>& beyond, int plan);
 
 // crossings.cpp
-/// For each of the last `fresh` triangles whether it meets a kept one elsewhere than in what they share.
-/// \param removed  (F) marks of triangles that don't count
+/// For each of the last `fresh` triangles whether it intersects a kept one outside what they share.
+/// \param removed  (F) marks of triangles to ignore
 std::vector<char> find_crossed(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles,
                                const std::vector<char>& removed, std::size_t fresh, Job& job);
 
 // handles.cpp
-/// Handles with a loop round them or through them of at most `longest`, no two of them close together.
-std::vector<Opening> find_handles(const Parts& parts, const Topology& topology, double longest, Job& job);
+/// Handles with a loop round them or through them of at most `longest`, no two of them near each other.
+std::vector<Opening> find_handles(const MeshArrays& arrays, const Topology& topology, double longest, Job& job);
 
 // close.cpp
 /// Fills holes and cuts handles as the options say. `parts` is sound before and after.
-void close_small(Parts& parts, const CleanOptions& options, RepairLog& log, const Threads& threads, Job& job);
+void close_small(MeshArrays& arrays, const CleanOptions& options, RepairLog& log, const Threads& threads, Job& job);
 
 }  // namespace isimp::detail

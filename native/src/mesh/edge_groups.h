@@ -6,7 +6,7 @@
 
 #include "isimp/core/job.h"
 #include "isimp/core/types.h"
-#include "pieces.h"
+#include "parallel_loops.h"
 
 namespace isimp::detail {
 

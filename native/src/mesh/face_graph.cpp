@@ -7,7 +7,7 @@
 #include <memory>
 #include <utility>
 
-#include "pieces.h"
+#include "parallel_loops.h"
 
 namespace isimp {
 namespace {

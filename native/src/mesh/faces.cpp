@@ -9,6 +9,7 @@
 namespace isimp::detail {
 namespace {
 
+// The report's keys: an interface, so renamed kinds keep their older names here.
 constexpr std::array kKeys{
     "non_finite_faces", "repeated_index_faces", "duplicate_faces", "welded_vertices",  "flipped_faces",
     "cut_edges",        "split_edges",          "split_vertices",  "subdivided_edges", "turned_edges",
@@ -24,7 +25,7 @@ RepairLog::RepairLog() {
   for (const char* key : kKeys) repairs_.push_back({key, 0, {}});
 }
 
-void RepairLog::add(Mend what, std::int32_t where) {
+void RepairLog::add(RepairKind what, std::int32_t where) {
   Repair& repair = repairs_[static_cast<std::size_t>(what)];
   if (static_cast<std::size_t>(repair.count++) < kKeptPlaces) repair.where.push_back(where);
 }
@@ -60,13 +61,13 @@ void drop_broken(Soup& soup, const Threads& threads, Job& job) {
   for (const std::int32_t f : broken) {
     const Triangle& t = soup.named[f];
     const bool bad = std::any_of(t.begin(), t.end(), is_bad);
-    soup.count_face(bad ? Mend::non_finite_faces : Mend::repeated_index_faces, f);
+    soup.count_face(bad ? RepairKind::non_finite_faces : RepairKind::repeated_index_faces, f);
   }
-  const std::int64_t bad = soup.log.count(Mend::non_finite_faces);
-  const std::int64_t twice = soup.log.count(Mend::repeated_index_faces);
+  const std::int64_t bad = soup.log.count(RepairKind::non_finite_faces);
+  const std::int64_t twice = soup.log.count(RepairKind::repeated_index_faces);
   if (broken.size() == faces)
     throw InvalidInput("no usable face is left: of " + std::to_string(bad + twice) + " faces " + std::to_string(bad) +
-                       " have a corner that is not finite and " + std::to_string(twice) + " name a vertex twice");
+                       " have a corner that is not finite and " + std::to_string(twice) + " use a vertex twice");
   job.poll();
   if (broken.empty()) return;
   std::vector<char> marked(faces, 0);
@@ -88,7 +89,7 @@ bool drop_duplicates(Soup& soup, const EdgeGroups& edges, Job& job) {
   bool any = false;
   for (std::size_t f = 0; f < marked.size(); ++f) {
     if (!marked[f]) continue;
-    soup.count_face(Mend::duplicate_faces, static_cast<std::int32_t>(f));
+    soup.count_face(RepairKind::duplicate_faces, static_cast<std::int32_t>(f));
     any = true;
   }
   if (any) soup.drop(marked);

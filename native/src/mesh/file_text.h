@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "isimp/core/array.h"
 #include "isimp/core/errors.h"
 
 namespace isimp::detail {
@@ -12,7 +13,9 @@ namespace isimp::detail {
 /// A file's contents, and the name that errors carry.
 struct FileText {
   std::string name;
-  std::string bytes;
+  Array<char> bytes;
+
+  [[nodiscard]] std::string_view text() const { return {bytes.data(), bytes.size()}; }
 
   [[noreturn]] void fail(const std::string& what) const { throw FileError(name + ": " + what); }
   /// Names the line of a place in `bytes`.

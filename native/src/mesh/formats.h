@@ -1,9 +1,13 @@
 #pragma once
 
+#include <algorithm>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "file_text.h"
 #include "isimp/core/job.h"
+#include "isimp/core/threads.h"
 #include "isimp/mesh/io.h"
 
 /// The file formats, each read by a few plain functions of our own.
@@ -23,10 +27,10 @@
 /// The tests read with OpenMesh what is written here and the other way round.
 namespace isimp::detail {
 
-/// Takes vertices and polygons one by one and keeps them within what indices can count.
+/// Collects vertices and polygons, one by one or many at once, and refuses more than indices can count.
 class SoupBuilder {
  public:
-  explicit SoupBuilder(const FileText& file) : file_(file) {}
+  SoupBuilder(const FileText& file, const Threads& threads) : file_(file), threads_(threads) {}
   void reserve(std::size_t vertices, std::size_t polygons);
   void add_vertex(const Vec3& p) {
     if (soup_.vertices.size() == kMost) too_many("vertices");
@@ -36,12 +40,27 @@ class SoupBuilder {
     if (soup_.loops.size() == kMost || soup_.loop_start.size() == kMost) too_many("corners");
     soup_.loop_start.push_back(static_cast<std::int32_t>(soup_.loops.size()));
   }
-  /// Any number: it is checked at the end, since some formats let faces come before their vertices.
+  /// Any number: `finish` checks it, since some formats allow faces before their vertices.
   void add_corner(std::int64_t vertex) {
     if (soup_.loops.size() == kMost) too_many("corners");
-    soup_.loops.push_back(vertex < 0 || vertex > static_cast<std::int64_t>(kMost) ? kOut
-                                                                                  : static_cast<std::int32_t>(vertex));
+    soup_.loops.push_back(corner(vertex));
   }
+  /// A vertex's number as it is kept until it is checked.
+  static std::int32_t corner(std::int64_t vertex) {
+    return vertex < 0 || vertex > static_cast<std::int64_t>(kMost) ? kOut : static_cast<std::int32_t>(vertex);
+  }
+  /// How many more polygons of so many corners there may be.
+  [[nodiscard]] std::size_t room_for_polygons(std::size_t corners) const {
+    const std::size_t starts = kMost - soup_.loop_start.size();
+    return corners == 0 ? starts : std::min(starts, (kMost - soup_.loops.size()) / corners);
+  }
+  [[nodiscard]] std::size_t room_for_vertices() const { return kMost - soup_.vertices.size(); }
+  /// Adds vertices within that room, for the caller to set.
+  std::span<Vec3> add_vertices(std::size_t count);
+  /// Adds polygons of so many corners within that room, for the caller to set the corners, polygon after polygon.
+  std::span<std::int32_t> add_polygons(std::size_t count, std::size_t corners);
+  /// Takes the last ones, of so many corners each, away again.
+  void drop_polygons(std::size_t count, std::size_t corners);
   [[nodiscard]] const std::vector<Vec3>& vertices() const { return soup_.vertices; }
   /// Checks the indices.
   /// \param first_index  what the format calls the first vertex
@@ -53,12 +72,13 @@ class SoupBuilder {
   [[noreturn]] void too_many(const char* what) const;
 
   const FileText& file_;
+  const Threads& threads_;
   PolygonSoup soup_;
 };
 
-PolygonSoup read_ply(const FileText& file, Job& job);
-PolygonSoup read_obj(const FileText& file, Job& job);
-PolygonSoup read_stl(const FileText& file, Job& job);
-PolygonSoup read_off(const FileText& file, Job& job);
+PolygonSoup read_ply(const FileText& file, const Threads& threads, Job& job);
+PolygonSoup read_obj(const FileText& file, const Threads& threads, Job& job);
+PolygonSoup read_stl(const FileText& file, const Threads& threads, Job& job);
+PolygonSoup read_off(const FileText& file, const Threads& threads, Job& job);
 
 }  // namespace isimp::detail

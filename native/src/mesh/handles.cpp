@@ -23,12 +23,12 @@ struct Loop {
 
 class HandleLoops {
  public:
-  HandleLoops(const Parts& parts, const Topology& topology, Job& job)
-      : parts_(parts),
+  HandleLoops(const MeshArrays& arrays, const Topology& topology, Job& job)
+      : arrays_(arrays),
         topology_(topology),
         job_(job),
-        distance_(parts.vertices.size(), kFar),
-        via_(parts.vertices.size(), kNone) {}
+        distance_(arrays.vertices.size(), kFar),
+        via_(arrays.vertices.size(), kNone) {}
 
   /// Those of at most `longest`, shortest first.
   std::vector<Loop> find(double longest) {
@@ -49,10 +49,10 @@ class HandleLoops {
  private:
   static constexpr double kFar = std::numeric_limits<double>::infinity();
 
-  [[nodiscard]] std::int32_t from(std::int32_t h) const { return parts_.triangles[h / 3][h % 3]; }
+  [[nodiscard]] std::int32_t from(std::int32_t h) const { return arrays_.triangles[h / 3][h % 3]; }
   [[nodiscard]] std::int32_t to(std::int32_t h) const { return from(Mesh::next(h)); }
   [[nodiscard]] double distance(std::int32_t a, std::int32_t b) const {
-    return (parts_.vertices[a] - parts_.vertices[b]).norm();
+    return (arrays_.vertices[a] - arrays_.vertices[b]).norm();
   }
 
   void grow(std::int32_t root, double radius) {
@@ -91,7 +91,7 @@ class HandleLoops {
     };
     std::vector<Edge> edges;
     // Faces, then one node for each border loop, by its least half-edge.
-    std::vector<std::int32_t> up(parts_.triangles.size());
+    std::vector<std::int32_t> up(arrays_.triangles.size());
     std::iota(up.begin(), up.end(), 0);
     std::unordered_map<std::int32_t, std::int32_t> hole;
     for (const std::int32_t h : topology_.border) {
@@ -144,7 +144,7 @@ class HandleLoops {
     return loop;
   }
 
-  const Parts& parts_;
+  const MeshArrays& arrays_;
   const Topology& topology_;
   Job& job_;
   std::vector<double> distance_;
@@ -155,19 +155,19 @@ class HandleLoops {
 /// and all that was taken before.
 class Rings {
  public:
-  Rings(const Parts& parts, const Topology& topology)
-      : parts_(parts), topology_(topology), taken_(parts.vertices.size(), 0), gone_(parts.triangles.size(), 0) {}
+  Rings(const MeshArrays& arrays, const Topology& topology)
+      : arrays_(arrays), topology_(topology), taken_(arrays.vertices.size(), 0), gone_(arrays.triangles.size(), 0) {}
 
   /// \return no loops if the faces round the loop are no ring, reach a border of the mesh or one taken before
   Opening take(const Loop& loop) {
     Opening o;
-    o.kind = Mend::cut_handles;
+    o.kind = RepairKind::cut_handles;
     for (const std::int32_t v : loop.vertices) add_fan(v, o.removed);
     std::sort(o.removed.begin(), o.removed.end());
     o.removed.erase(std::unique(o.removed.begin(), o.removed.end()), o.removed.end());
     if (!free_inside(o.removed) || !find_borders(o, loop) || parts_surface(o)) return {};
     for (const std::int32_t f : o.removed)
-      for (const std::int32_t v : parts_.triangles[f]) taken_[v] = 1;
+      for (const std::int32_t v : arrays_.triangles[f]) taken_[v] = 1;
     return o;
   }
 
@@ -184,7 +184,7 @@ class Rings {
   [[nodiscard]] bool free_inside(const std::vector<std::int32_t>& faces) const {
     return std::all_of(faces.begin(), faces.end(), [&](std::int32_t f) {
       for (int k = 0; k < 3; ++k)
-        if (taken_[parts_.triangles[f][k]] || topology_.opposite[3 * f + k] == kNone) return false;
+        if (taken_[arrays_.triangles[f][k]] || topology_.opposite[3 * f + k] == kNone) return false;
       return true;
     });
   }
@@ -196,7 +196,7 @@ class Rings {
     for (const std::int32_t f : o.removed)
       for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h) {
         if (std::binary_search(o.removed.begin(), o.removed.end(), topology_.opposite[h] / 3)) continue;
-        const std::int32_t a = parts_.triangles[f][h % 3], b = parts_.triangles[f][(h + 1) % 3];
+        const std::int32_t a = arrays_.triangles[f][h % 3], b = arrays_.triangles[f][(h + 1) % 3];
         if (!next.emplace(a, b).second) return false;  // the border touches itself
         starts.push_back(a);
       }
@@ -248,7 +248,7 @@ class Rings {
     return !joined;
   }
 
-  const Parts& parts_;
+  const MeshArrays& arrays_;
   const Topology& topology_;
   std::vector<char> taken_;  // vertices of rings taken before
   std::vector<char> gone_;   // their faces
@@ -256,10 +256,10 @@ class Rings {
 
 }  // namespace
 
-std::vector<Opening> find_handles(const Parts& parts, const Topology& topology, double longest, Job& job) {
+std::vector<Opening> find_handles(const MeshArrays& arrays, const Topology& topology, double longest, Job& job) {
   std::vector<Opening> handles;
-  Rings rings(parts, topology);
-  for (const Loop& loop : HandleLoops(parts, topology, job).find(longest))
+  Rings rings(arrays, topology);
+  for (const Loop& loop : HandleLoops(arrays, topology, job).find(longest))
     if (Opening o = rings.take(loop); !o.loops.empty()) handles.push_back(std::move(o));
   return handles;
 }

@@ -11,51 +11,51 @@ namespace {
 
 constexpr double kSameAngle = 1e-9;  // radians between faces that lie on each other but for rounding
 
-/// Joins pairs that were an edge of two faces already before welding, and leaves the others in `crowd`.
-void keep_old_pairs(Soup& soup, std::vector<std::int32_t>& crowd) {
+/// Joins pairs that were an edge of two faces already before welding, and leaves the others in `group`.
+void keep_old_pairs(Soup& soup, std::vector<std::int32_t>& group) {
   const auto name = [&](std::int32_t h) {
     const Triangle& t = soup.named[h / 3];
     return std::minmax({t[h % 3], t[(h + 1) % 3]});
   };
-  std::stable_sort(crowd.begin(), crowd.end(), [&](std::int32_t g, std::int32_t h) { return name(g) < name(h); });
+  std::stable_sort(group.begin(), group.end(), [&](std::int32_t g, std::int32_t h) { return name(g) < name(h); });
   std::vector<std::int32_t> rest;
-  for (std::size_t i = 0; i < crowd.size();) {
+  for (std::size_t i = 0; i < group.size();) {
     std::size_t end = i + 1;
-    while (end < crowd.size() && name(crowd[end]) == name(crowd[i])) ++end;
+    while (end < group.size() && name(group[end]) == name(group[i])) ++end;
     if (end - i == 2) {
-      soup.join(crowd[i], crowd[i + 1]);
+      soup.join(group[i], group[i + 1]);
     } else {
-      rest.insert(rest.end(), crowd.begin() + static_cast<std::ptrdiff_t>(i),
-                  crowd.begin() + static_cast<std::ptrdiff_t>(end));
+      rest.insert(rest.end(), group.begin() + static_cast<std::ptrdiff_t>(i),
+                  group.begin() + static_cast<std::ptrdiff_t>(end));
     }
     i = end;
   }
-  crowd = std::move(rest);
+  group = std::move(rest);
 }
 
-/// A face at a crowded edge, as seen along the edge.
+/// A face at a non-manifold edge, as seen along the edge.
 struct Leaf {
   std::int32_t half_edge;
-  bool ends_wedge;  ///< the solid that the face bounds lies before it in turning order, not after it
+  bool ends_wedge;  ///< the solid that the face bounds lies before it in the order of angles, not after it
   double angle;     ///< in [0, 2 pi), counter-clockwise
   int rank = 0;     ///< the same for faces that lie on each other
 };
 
-std::vector<Leaf> leaves_in_turning_order(const Soup& soup, const std::vector<std::int32_t>& crowd,
-                                          const std::vector<char>& flipped) {
-  const std::int32_t u = std::min(soup.from(crowd[0]), soup.to(crowd[0]));
-  const std::int32_t v = std::max(soup.from(crowd[0]), soup.to(crowd[0]));
+std::vector<Leaf> leaves_by_angle(const Soup& soup, const std::vector<std::int32_t>& group,
+                                  const std::vector<char>& reversed) {
+  const std::int32_t u = std::min(soup.from(group[0]), soup.to(group[0]));
+  const std::int32_t v = std::max(soup.from(group[0]), soup.to(group[0]));
   const Vec3 axis = (soup.vertices[v] - soup.vertices[u]).normalized();
   Vec3 x = Vec3::Zero(), y = Vec3::Zero();
   std::vector<Leaf> leaves;
-  for (const std::int32_t h : crowd) {
+  for (const std::int32_t h : group) {
     const Vec3 side = soup.vertices[soup.apex(h)] - soup.vertices[u];
     const Vec3 across = side - axis * axis.dot(side);
     if (x.isZero(0) && across.norm() > kSameAngle * side.norm()) {  // the first face that has an area is at angle 0
       x = across.normalized();
       y = axis.cross(x);
     }
-    const bool along = (soup.from(h) == u) != (!flipped.empty() && flipped[h / 3]);
+    const bool along = (soup.from(h) == u) != (!reversed.empty() && reversed[h / 3]);
     double angle = std::atan2(across.dot(y), across.dot(x));
     if (angle < -kSameAngle) angle += 2 * std::numbers::pi;
     leaves.push_back({h, along, std::max(angle, 0.0)});
@@ -77,7 +77,7 @@ std::vector<Leaf> leaves_in_turning_order(const Soup& soup, const std::vector<st
 Undecided join_simple_edges(Soup& soup, const EdgeGroups& edges, Job& job) {
   soup.opposite.assign(3 * soup.named.size(), kNone);
   Undecided undecided;
-  std::vector<std::int32_t> crowd;
+  std::vector<std::int32_t> group;
   const auto join = [&](std::int32_t g, std::int32_t h) {
     soup.join(g, h);
     if (soup.from(g) == soup.from(h)) undecided.same_way.push_back(g);
@@ -85,28 +85,28 @@ Undecided join_simple_edges(Soup& soup, const EdgeGroups& edges, Job& job) {
   edges.for_each(job, [&](const EdgeGroup& edge) {
     if (edge.size() == 2) return join(edge[0], edge[1]);
     if (edge.size() < 3) return;
-    crowd.clear();
-    for (std::size_t i = 0; i < edge.size(); ++i) crowd.push_back(edge[i]);
-    soup.contested.insert(soup.contested.end(), crowd.begin(), crowd.end());
+    group.clear();
+    for (std::size_t i = 0; i < edge.size(); ++i) group.push_back(edge[i]);
+    soup.contested.insert(soup.contested.end(), group.begin(), group.end());
     if (!soup.welded.empty()) {
-      keep_old_pairs(soup, crowd);
+      keep_old_pairs(soup, group);
       for (std::size_t i = 0; i < edge.size(); ++i)
         if (const std::int32_t g = edge[i], h = soup.opposite[g]; h > g && soup.from(g) == soup.from(h))
           undecided.same_way.push_back(g);
     }
-    if (crowd.size() == 2) join(crowd[0], crowd[1]);
-    if (crowd.size() > 2) undecided.crowded.push_back(crowd);
+    if (group.size() == 2) join(group[0], group[1]);
+    if (group.size() > 2) undecided.non_manifold.push_back(group);
   });
   return undecided;
 }
 
-/// Going round the edge, solids begin and end like brackets: each bracket that opens is joined to the one that closes
-/// it, so that the faces of one wedge stay together whatever else touches them. Faces without a partner stay alone.
-void join_crowded_edges(Soup& soup, const std::vector<std::vector<std::int32_t>>& crowded,
-                        const std::vector<char>& flipped) {
-  for (const std::vector<std::int32_t>& crowd : crowded) {
-    soup.count_face(Mend::split_edges, crowd[0] / 3);
-    const std::vector<Leaf> leaves = leaves_in_turning_order(soup, crowd, flipped);
+/// Around the edge, wedges of solids begin and end like brackets. The face that opens a bracket is joined to the one
+/// that closes it, so the faces of one wedge stay joined. Faces without a partner get a border.
+void join_non_manifold_edges(Soup& soup, const std::vector<std::vector<std::int32_t>>& non_manifold,
+                             const std::vector<char>& reversed) {
+  for (const std::vector<std::int32_t>& group : non_manifold) {
+    soup.count_face(RepairKind::split_edges, group[0] / 3);
+    const std::vector<Leaf> leaves = leaves_by_angle(soup, group, reversed);
     std::vector<std::int32_t> open;
     for (std::size_t i = 0; i < 2 * leaves.size(); ++i) {  // twice round, since the start was arbitrary
       const Leaf& leaf = leaves[i % leaves.size()];

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "isimp/core/errors.h"
-#include "pieces.h"
+#include "parallel_loops.h"
 #include "soup.h"
 #include "topology.h"
 
@@ -31,8 +31,8 @@ void check_arrays(std::span<const Vec3> vertices, std::span<const Triangle> tria
   const auto usable = [](const Vec3& p) { return p.cwiseAbs().maxCoeff() <= kFarthest && !p.hasNaN(); };
   const auto v = detail::find_first(threads, vertices.size(), [&](std::size_t i) { return !usable(vertices[i]); });
   if (v < vertices.size())
-    throw InvalidInput("vertex " + std::to_string(v) + " has a coordinate that is not finite" +
-                       (vertices[v].allFinite() ? " to us: beyond 1e30" : "") + kHint);
+    throw InvalidInput("vertex " + std::to_string(v) + " has a coordinate that is " +
+                       (vertices[v].allFinite() ? "larger than 1e30, the largest supported" : "not finite") + kHint);
   const auto n = static_cast<std::int32_t>(vertices.size());
   const auto out_of_range = [n](std::int32_t i) { return i < 0 || i >= n; };
   const auto f = detail::find_first(threads, triangles.size(), [&](std::size_t i) {
@@ -45,7 +45,7 @@ void check_arrays(std::span<const Vec3> vertices, std::span<const Triangle> tria
     if (out_of_range(corner))
       throw InvalidInput("face " + std::to_string(f) + " uses vertex " + std::to_string(corner) + ", but there are " +
                          std::to_string(n) + " vertices");
-  throw InvalidInput("face " + std::to_string(f) + " names vertex " + std::to_string(t[0] == t[1] ? t[0] : t[2]) +
+  throw InvalidInput("face " + std::to_string(f) + " uses vertex " + std::to_string(t[0] == t[1] ? t[0] : t[2]) +
                      " twice" + kHint);
 }
 
@@ -144,11 +144,11 @@ Mesh::Mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, Array<st
   complete(std::move(topology), std::move(repairs), threads, job);
 }
 
-Mesh::Mesh(detail::Parts parts, detail::Topology topology, RepairReport repairs, const Threads& threads, Job& job)
-    : vertices_(std::move(parts.vertices)),
-      triangles_(std::move(parts.triangles)),
-      source_face_(std::move(parts.source_face)),
-      source_vertex_(std::move(parts.source_vertex)) {
+Mesh::Mesh(detail::MeshArrays arrays, detail::Topology topology, RepairReport repairs, const Threads& threads, Job& job)
+    : vertices_(std::move(arrays.vertices)),
+      triangles_(std::move(arrays.triangles)),
+      source_face_(std::move(arrays.source_face)),
+      source_vertex_(std::move(arrays.source_vertex)) {
   complete(std::move(topology), std::move(repairs), threads, job);
 }
 
@@ -185,7 +185,7 @@ void Mesh::complete(detail::Topology topology, RepairReport repairs, const Threa
                                              [&](std::size_t f) { return graph_.faces[f].area == 0.0F ? 1 : 0; });
 }
 
-/// Faces that hang together share vertices, and there are only half as many vertices as faces: so it goes by vertices.
+/// By vertices: connected faces share vertices, and there are only half as many vertices as faces.
 void Mesh::find_components(std::span<const std::int32_t> border, const Threads& threads, Job& job) {
   const VertexSets sets(vertices_.size(), triangles_, threads, job);
   component_.resize(triangles_.size());

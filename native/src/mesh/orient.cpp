@@ -10,7 +10,7 @@
 namespace isimp::detail {
 namespace {
 
-/// Pieces that hang together through pairs that run against each other, as they should.
+/// Sets of faces connected through consistently oriented pairs.
 struct Patches {
   std::vector<std::int32_t> of_face;
   std::vector<double> area;
@@ -45,7 +45,7 @@ Patches find_patches(const Soup& soup, Job& job) {
   return patches;
 }
 
-/// Sets of patches, each with a side: 1 if it is turned over against the set's root.
+/// Sets of patches, each with a side: 1 if its orientation is opposite to that of the set's root.
 class TwoSidedSets {
  public:
   explicit TwoSidedSets(std::size_t n) : parent_(n), side_(n, 0) { std::iota(parent_.begin(), parent_.end(), 0); }
@@ -78,7 +78,7 @@ class TwoSidedSets {
   std::vector<char> side_;
 };
 
-/// The seam between two patches, the part of it that welding made apart from the rest.
+/// The seam between two patches. What welding made of it is a seam of its own.
 struct Seam {
   std::int32_t p, q;
   bool welded;
@@ -118,8 +118,8 @@ std::vector<Seam> find_seams(const Soup& soup, const Patches& patches, const std
 
 }  // namespace
 
-/// Patches are laid side against side along their longest seams first, so that where a surface has one side only, it is
-/// cut along a short seam; best along one that only welding closed, which then stays as the caller had it.
+/// The longest seams decide first, so that a surface with one side (a Moebius strip) is cut along a short seam; best
+/// along one that only welding closed, which then stays as the caller had it.
 std::vector<char> orient(Soup& soup, const std::vector<std::int32_t>& same_way, Job& job) {
   if (same_way.empty()) return {};
   const Patches patches = find_patches(soup, job);
@@ -133,7 +133,7 @@ std::vector<char> orient(Soup& soup, const std::vector<std::int32_t>& same_way, 
   for (const std::int32_t h : same_way) {
     const std::int32_t other = soup.opposite[h];
     if (sets.oppose(patches.of_face[h / 3], patches.of_face[other / 3])) continue;
-    if (!is_welded(soup, h)) soup.count_face(Mend::cut_edges, h / 3);
+    if (!is_welded(soup, h)) soup.count_face(RepairKind::cut_edges, h / 3);
     soup.opposite[h] = soup.opposite[other] = kNone;
     soup.contested.insert(soup.contested.end(), {h, other});
   }
@@ -143,16 +143,16 @@ std::vector<char> orient(Soup& soup, const std::vector<std::int32_t>& same_way, 
     const auto [root, side] = sets.find(static_cast<std::int32_t>(p));
     area[root][side] += patches.area[p];
   }
-  std::vector<char> flipped(soup.named.size(), 0);
-  for (std::size_t f = 0; f < flipped.size(); ++f) {
+  std::vector<char> reversed(soup.named.size(), 0);
+  for (std::size_t f = 0; f < reversed.size(); ++f) {
     const auto [root, side] = sets.find(patches.of_face[f]);
-    flipped[f] = side == (area[root][1] <= area[root][0] ? 1 : 0);
-    if (flipped[f]) soup.count_face(Mend::flipped_faces, static_cast<std::int32_t>(f));
+    reversed[f] = side == (area[root][1] <= area[root][0] ? 1 : 0);
+    if (reversed[f]) soup.count_face(RepairKind::reversed_faces, static_cast<std::int32_t>(f));
   }
-  return flipped;
+  return reversed;
 }
 
-void flip(Soup& soup, const std::vector<char>& marked) {
+void reverse_faces(Soup& soup, const std::vector<char>& marked) {
   if (marked.empty()) return;
   const auto moved = [&](std::int32_t h) {
     return h != kNone && marked[h / 3] ? 3 * (h / 3) + 2 - h % 3 : h;  // the half-edge between the same corners

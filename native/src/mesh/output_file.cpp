@@ -52,7 +52,7 @@ void OutputFile::open_draft(const fs::file_status& before) {
   draft_ += ".part";  // beside its place, so that the move stays within one file system
   for (int i = 2; fs::exists(draft_); ++i) draft_.replace_extension(".part" + std::to_string(i));
   out_.open(draft_, std::ios::binary);
-  if (!out_) fail("it can't be written; is there such a folder, and may one write there?");
+  if (!out_) fail("it can't be written; check that its folder exists and that you may write there");
   std::error_code ignored;  // a file system without permissions has none to keep
   if (fs::exists(before)) fs::permissions(draft_, before.permissions(), ignored);
 }

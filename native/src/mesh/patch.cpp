@@ -24,7 +24,7 @@ Patch without_new_vertices(const std::vector<Vec3>& loop, const std::vector<Vec3
     patch.triangles.push_back({0, 1, 2});
     return patch;
   }
-  if (loop.front() == loop.back()) return patch;  // CGAL would take the last vertex for the first one, said again
+  if (loop.front() == loop.back()) return patch;  // CGAL would take the last vertex for the first one repeated
   std::vector<CGAL::Triple<int, int, int>> found;
   CGAL::Polygon_mesh_processing::triangulate_hole_polyline(points(loop), points(beyond), std::back_inserter(found));
   if (found.size() + 2 == loop.size())

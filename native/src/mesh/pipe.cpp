@@ -45,11 +45,11 @@ struct Handle {
 
 }  // namespace
 
-std::string read_pipe(const fs::path& path, const std::string& name, Job& job) {
+Array<char> read_pipe(const fs::path& path, const std::string& name, Job& job) {
   const int handle = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);  // does not wait for a writer
   if (handle < 0) fail(name, "it can't be opened");
   const Handle open{handle};
-  std::string bytes;
+  Array<char> bytes;
   while (true) {
     job.poll();
     if (!wait_for(handle, POLLIN)) continue;  // else there is something to read, or there was a writer, who left
@@ -90,7 +90,7 @@ void StreamWriter::write(std::string_view bytes) {
 
 #else
 
-std::string read_pipe(const fs::path&, const std::string& name, Job&) {
+Array<char> read_pipe(const fs::path&, const std::string& name, Job&) {
   throw FileError(name + ": pipes can't be read here");
 }
 

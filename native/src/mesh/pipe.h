@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "isimp/core/array.h"
 #include "isimp/core/job.h"
 
 namespace isimp::detail {
@@ -13,9 +14,9 @@ bool is_stream(const std::filesystem::file_status& status);
 
 /// All that comes out of a pipe until its last writer closes it. Waits for the first one; polls the job meanwhile.
 /// \throws FileError  `name` and why
-std::string read_pipe(const std::filesystem::path& path, const std::string& name, Job& job);
+Array<char> read_pipe(const std::filesystem::path& path, const std::string& name, Job& job);
 
-/// Writes into a pipe or a device. Waits for whoever reads; polls the job meanwhile.
+/// Writes into a pipe or a device. Waits for a reader; polls the job meanwhile.
 class StreamWriter {
  public:
   /// \throws FileError  `name` and why

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "pieces.h"
+#include "parallel_loops.h"
 
 namespace isimp::detail {
 namespace {

@@ -34,9 +34,9 @@ void read_face(const FileText& file, std::string_view line, Words& words, SoupBu
 
 }  // namespace
 
-PolygonSoup read_obj(const FileText& file, Job& job) {
-  SoupBuilder soup(file);
-  Lines lines(file.bytes);
+PolygonSoup read_obj(const FileText& file, const Threads& threads, Job& job) {
+  SoupBuilder soup(file, threads);
+  Lines lines(file.text());
   std::string_view line;
   std::string joined;  // of lines that end in a backslash
   for (std::size_t row = 0; lines.next(line); ++row) {

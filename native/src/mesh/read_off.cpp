@@ -7,7 +7,7 @@ namespace {
 /// The lines that say something: without comments, and not blank.
 class OffLines {
  public:
-  explicit OffLines(const FileText& file) : file_(file), lines_(file.bytes) {}
+  explicit OffLines(const FileText& file) : file_(file), lines_(file.text()) {}
   /// \param number  of the vertex or face wanted, if it is one
   std::string_view next(const char* wanted, std::size_t number = kNoNumber) {
     std::string_view line;
@@ -39,7 +39,7 @@ void check_kind(const FileText& file, std::string_view word) {
   if (rest.starts_with("N")) rest.remove_prefix(1);
   if (rest == "4OFF" || rest == "nOFF" || rest == "4nOFF")
     file.fail("its vertices are not in three dimensions (" + shown(word) + "), which is not supported");
-  if (rest != "OFF") file.fail("it does not begin with \"OFF\", as an OFF file does; is it of another kind?");
+  if (rest != "OFF") file.fail("it does not begin with \"OFF\", as an OFF file does; is it in another format?");
 }
 
 Counts read_counts(const FileText& file, OffLines& lines) {
@@ -65,10 +65,10 @@ Counts read_counts(const FileText& file, OffLines& lines) {
 
 }  // namespace
 
-PolygonSoup read_off(const FileText& file, Job& job) {
+PolygonSoup read_off(const FileText& file, const Threads& threads, Job& job) {
   OffLines lines(file);
   const Counts counts = read_counts(file, lines);
-  SoupBuilder soup(file);
+  SoupBuilder soup(file, threads);
   soup.reserve(counts.vertices, counts.faces);
   for (std::size_t v = 0; v < counts.vertices; ++v) {
     if (v % kPollEvery == 0) job.poll();

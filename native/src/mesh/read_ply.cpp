@@ -1,159 +1,46 @@
+#include <algorithm>
 #include <array>
 #include <bit>
-#include <cstring>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "edge_groups.h"
 #include "formats.h"
+#include "ply_header.h"
+#include "ply_rows.h"
 
 namespace isimp::detail {
 namespace {
 
-enum class Scalar { i8, u8, i16, u16, i32, u32, f32, f64 };
-
-constexpr std::array<std::pair<std::string_view, Scalar>, 16> kScalars{{{"char", Scalar::i8},
-                                                                        {"int8", Scalar::i8},
-                                                                        {"uchar", Scalar::u8},
-                                                                        {"uint8", Scalar::u8},
-                                                                        {"short", Scalar::i16},
-                                                                        {"int16", Scalar::i16},
-                                                                        {"ushort", Scalar::u16},
-                                                                        {"uint16", Scalar::u16},
-                                                                        {"int", Scalar::i32},
-                                                                        {"int32", Scalar::i32},
-                                                                        {"uint", Scalar::u32},
-                                                                        {"uint32", Scalar::u32},
-                                                                        {"float", Scalar::f32},
-                                                                        {"float32", Scalar::f32},
-                                                                        {"double", Scalar::f64},
-                                                                        {"float64", Scalar::f64}}};
-
-constexpr std::size_t size_of(Scalar type) {
-  constexpr std::array<std::size_t, 8> kSizes{1, 1, 2, 2, 4, 4, 4, 8};
-  return kSizes[static_cast<std::size_t>(type)];
-}
-
-struct Property {
-  std::string name;
-  Scalar type = Scalar::f32;
-  bool is_list = false;
-  Scalar count_type = Scalar::u8;
-};
-
-struct Element {
-  std::string name;
-  std::size_t count = 0;
-  std::vector<Property> properties;
-
-  [[nodiscard]] int find(std::string_view property) const {
-    for (std::size_t i = 0; i < properties.size(); ++i)
-      if (properties[i].name == property) return static_cast<int>(i);
-    return -1;
-  }
-};
-
-enum class Encoding { text, little_endian, big_endian };
-
-struct Header {
-  Encoding encoding = Encoding::text;
-  std::vector<Element> elements;
-  std::size_t body = 0;  ///< where the data begins
-};
-
-Scalar scalar(const FileText& file, std::string_view name) {
-  for (const auto& [known, type] : kScalars)
-    if (known == name) return type;
-  file.fail_at(name.data(), "a PLY header names the unknown type " + shown(name));
-}
-
-Property read_property(const FileText& file, Words& words) {
-  Property property;
-  std::string_view type = words.next();
-  if (type == "list") {
-    property.is_list = true;
-    property.count_type = scalar(file, words.next());
-    if (property.count_type >= Scalar::f32) file.fail("a PLY list can't be counted by a type with decimals");
-    type = words.next();
-  }
-  property.type = scalar(file, type);
-  property.name = words.next();
-  return property;
-}
-
-Element read_element(const FileText& file, std::string_view line, Words& words) {
-  Element element;
-  element.name = words.next();
-  const std::string_view count_word = words.next();
-  const auto count = to_integer(count_word);
-  if (!count || *count < 0)
-    file.fail_at(line.data(), "element " + shown(element.name) + " wants a count, got " + shown(count_word));
-  element.count = static_cast<std::size_t>(*count);
-  return element;
-}
-
-Header read_header(const FileText& file) {
-  Header header;
-  Lines lines(file.bytes);
-  std::string_view line;
-  if (!lines.next(line) || Words(line).next() != "ply")
-    file.fail("it does not begin with \"ply\", as a PLY file does; is it of another kind?");
-  bool has_format = false;
-  while (lines.next(line)) {
-    Words words(line);
-    const std::string_view keyword = words.next();
-    if (keyword == "end_header") {
-      if (!has_format) file.fail("the PLY header has no format line");
-      header.body = file.bytes.size() - lines.rest().size();
-      return header;
-    }
-    if (keyword == "format") {
-      const std::string_view name = words.next();
-      has_format = true;
-      if (name == "ascii") {
-        header.encoding = Encoding::text;
-      } else if (name == "binary_little_endian") {
-        header.encoding = Encoding::little_endian;
-      } else if (name == "binary_big_endian") {
-        header.encoding = Encoding::big_endian;
-      } else {
-        file.fail_at(line.data(), "unknown PLY format " + shown(name));
-      }
-    } else if (keyword == "element") {
-      header.elements.push_back(read_element(file, line, words));
-    } else if (keyword == "property") {
-      if (header.elements.empty()) file.fail_at(line.data(), "a PLY property comes before any element");
-      header.elements.back().properties.push_back(read_property(file, words));
-    } else if (keyword != "comment" && keyword != "obj_info" && !keyword.empty()) {
-      file.fail_at(line.data(), "unknown word " + shown(keyword) + " in the PLY header");
-    }
-  }
-  file.fail("the PLY header has no end_header; the file is cut short or damaged");
-}
-
 /// Reads values from text or from bytes of either order.
 class Values {
  public:
-  Values(const FileText& file, const Header& header)
+  Values(const FileText& file, const PlyHeader& header)
       : file_(file),
-        text_(header.encoding == Encoding::text),
-        swap_((header.encoding == Encoding::big_endian) != (std::endian::native == std::endian::big)),
-        words_(std::string_view(file.bytes).substr(header.body)),
+        text_(header.encoding == PlyEncoding::text),
+        swap_((header.encoding == PlyEncoding::big_endian) != (std::endian::native == std::endian::big)),
+        words_(file.text().substr(header.body)),
         at_(file.bytes.data() + header.body),
         end_(file.bytes.data() + file.bytes.size()) {}
 
   /// Fails if an element can't be as large as it says, before anything is set aside for it.
-  void check_room(const Element& element) const {
+  void check_room(const PlyElement& element) const {
     std::size_t least = 0;  // a text value takes two characters, the last of all perhaps one
-    for (const Property& p : element.properties) least += text_ ? 2 : size_of(p.is_list ? p.count_type : p.type);
+    for (const PlyProperty& p : element.properties) least += text_ ? 2 : size_of(p.is_list ? p.count_type : p.type);
     const std::size_t room = file_.bytes.size() - static_cast<std::size_t>(at_ - file_.bytes.data()) + 1;
     if (least > 0 && element.count > room / least)
       file_.fail("the header promises " + std::to_string(element.count) + " of element " + shown(element.name) +
                  ", but the whole file has " + std::to_string(file_.bytes.size()) +
                  " bytes; it is cut short or damaged");
   }
-  double number(Scalar type, const Element& element, std::size_t row) {
+  /// What is left of a binary file; nothing of a text file.
+  [[nodiscard]] PlyBytes bytes() const {
+    return {text_ ? std::span<const char>() : std::span<const char>(at_, end_), swap_};
+  }
+  /// Goes on after so many bytes that were read elsewhere.
+  void pass(std::size_t bytes) { at_ += bytes; }
+  double number(PlyScalar type, const PlyElement& element, std::size_t row) {
     if (text_) {
       const std::string_view word = next_word(element, row);
       const auto value = to_number(word);
@@ -161,11 +48,11 @@ class Values {
       return *value;
     }
     const char* p = take(size_of(type), element, row);
-    if (type == Scalar::f32) return load<float>(p);
-    if (type == Scalar::f64) return load<double>(p);
+    if (type == PlyScalar::f32) return load<float>(p);
+    if (type == PlyScalar::f64) return load<double>(p);
     return static_cast<double>(whole(type, p));
   }
-  std::int64_t integer(Scalar type, const Element& element, std::size_t row) {
+  std::int64_t integer(PlyScalar type, const PlyElement& element, std::size_t row) {
     if (text_) {
       const std::string_view word = next_word(element, row);
       const auto value = to_integer(word);
@@ -174,14 +61,14 @@ class Values {
     }
     return whole(type, take(size_of(type), element, row));
   }
-  void skip(Scalar type, const Element& element, std::size_t row) {
+  void skip(PlyScalar type, const PlyElement& element, std::size_t row) {
     if (text_) {
       next_word(element, row);
     } else {
       take(size_of(type), element, row);
     }
   }
-  std::int64_t list_count(const Property& property, const Element& element, std::size_t row) {
+  std::int64_t list_count(const PlyProperty& property, const PlyElement& element, std::size_t row) {
     const std::int64_t count = integer(property.count_type, element, row);
     const auto room = static_cast<std::int64_t>(text_ ? file_.bytes.size() : static_cast<std::size_t>(end_ - at_));
     if (count < 0 || count > room)
@@ -193,45 +80,41 @@ class Values {
  private:
   template <class T>
   T load(const char* p) const {
-    std::array<char, sizeof(T)> bytes{};
-    std::memcpy(bytes.data(), p, sizeof(T));
-    if (swap_)
-      for (std::size_t i = 0; i < sizeof(T) / 2; ++i) std::swap(bytes[i], bytes[sizeof(T) - 1 - i]);
-    return std::bit_cast<T>(bytes);
+    return load_number<T>(p, swap_);
   }
-  [[nodiscard]] std::int64_t whole(Scalar type, const char* p) const {
+  [[nodiscard]] std::int64_t whole(PlyScalar type, const char* p) const {
     switch (type) {
-      case Scalar::i8:
+      case PlyScalar::i8:
         return load<std::int8_t>(p);
-      case Scalar::u8:
+      case PlyScalar::u8:
         return load<std::uint8_t>(p);
-      case Scalar::i16:
+      case PlyScalar::i16:
         return load<std::int16_t>(p);
-      case Scalar::u16:
+      case PlyScalar::u16:
         return load<std::uint16_t>(p);
-      case Scalar::i32:
+      case PlyScalar::i32:
         return load<std::int32_t>(p);
       default:
         return load<std::uint32_t>(p);
     }
   }
-  std::string_view next_word(const Element& element, std::size_t row) {
+  std::string_view next_word(const PlyElement& element, std::size_t row) {
     const std::string_view word = words_.next();
     if (word.empty()) cut_short(element, row);
     return word;
   }
-  const char* take(std::size_t size, const Element& element, std::size_t row) {
+  const char* take(std::size_t size, const PlyElement& element, std::size_t row) {
     if (static_cast<std::size_t>(end_ - at_) < size) cut_short(element, row);
     return std::exchange(at_, at_ + size);
   }
-  static std::string place(const Element& element, std::size_t row) {
+  static std::string place(const PlyElement& element, std::size_t row) {
     return element.name + " " + std::to_string(row) + " (the first is 0)";
   }
-  [[noreturn]] void cut_short(const Element& element, std::size_t row) const {
+  [[noreturn]] void cut_short(const PlyElement& element, std::size_t row) const {
     file_.fail("it ends within " + place(element, row) + " of " + std::to_string(element.count) +
                "; it is cut short or damaged");
   }
-  [[noreturn]] void wrong(std::string_view word, const Element& element, std::size_t row) const {
+  [[noreturn]] void wrong(std::string_view word, const PlyElement& element, std::size_t row) const {
     file_.fail_at(word.data(), "expected a number for " + place(element, row) + ", got " + shown(word));
   }
 
@@ -242,26 +125,29 @@ class Values {
   const char* end_;
 };
 
-void skip_element(const Element& element, Values& values, Job& job) {
+void skip_element(const PlyElement& element, Values& values, Job& job) {
   if (element.properties.empty()) return;
   for (std::size_t row = 0; row < element.count; ++row) {
     if (row % kPollEvery == 0) job.poll();
-    for (const Property& p : element.properties) {
+    for (const PlyProperty& p : element.properties) {
       const std::int64_t count = p.is_list ? values.list_count(p, element, row) : 1;
       for (std::int64_t i = 0; i < count; ++i) values.skip(p.type, element, row);
     }
   }
 }
 
-void read_vertices(const FileText& file, const Element& element, Values& values, SoupBuilder& soup, Job& job) {
+void read_vertices(const FileText& file, const PlyElement& element, Values& values, SoupBuilder& soup,
+                   const Threads& threads, Job& job) {
   const std::array<int, 3> axes{element.find("x"), element.find("y"), element.find("z")};
   for (const int axis : axes)
     if (axis < 0 || element.properties[static_cast<std::size_t>(axis)].is_list)
       file.fail("the PLY vertices have no x, y and z");
+  if (const std::size_t read = read_vertex_rows(values.bytes(), element, axes, soup, threads, job); read > 0)
+    return values.pass(read);
   for (std::size_t row = 0; row < element.count; ++row) {
     if (row % kPollEvery == 0) job.poll();
     Vec3 place = Vec3::Zero();
-    for (int i = 0; const Property& p : element.properties) {
+    for (int i = 0; const PlyProperty& p : element.properties) {
       if (p.is_list) {
         for (std::int64_t count = values.list_count(p, element, row); count > 0; --count)
           values.skip(p.type, element, row);
@@ -277,34 +163,52 @@ void read_vertices(const FileText& file, const Element& element, Values& values,
 }
 
 /// Which property of faces or strips lists their vertices.
-int list_of_corners(const FileText& file, const Element& element, const char* what) {
+int list_of_corners(const FileText& file, const PlyElement& element, const char* what) {
   const int named = element.find("vertex_indices"), corners = named >= 0 ? named : element.find("vertex_index");
-  const auto usable = [&](const Property& p) { return p.is_list && p.type < Scalar::f32; };
+  const auto usable = [&](const PlyProperty& p) { return p.is_list && p.type < PlyScalar::f32; };
   if (element.count > 0 && (corners < 0 || !usable(element.properties[static_cast<std::size_t>(corners)])))
     file.fail(std::string("the PLY ") + what + " have no list of whole numbers called vertex_indices or vertex_index");
   return corners;
 }
 
-void read_faces(const FileText& file, const Element& element, Values& values, SoupBuilder& soup, Job& job) {
-  const int corners = list_of_corners(file, element, "faces");
-  for (std::size_t row = 0; row < element.count; ++row) {
-    if (row % kPollEvery == 0) job.poll();
-    soup.begin_polygon();
-    for (int i = 0; const Property& p : element.properties) {
-      const std::int64_t count = p.is_list ? values.list_count(p, element, row) : 1;
-      for (std::int64_t k = 0; k < count; ++k)
-        if (i == corners) {
-          soup.add_corner(values.integer(p.type, element, row));
-        } else {
-          values.skip(p.type, element, row);
-        }
-      ++i;
-    }
+void read_face(const PlyElement& element, std::size_t row, int corners, Values& values, SoupBuilder& soup) {
+  soup.begin_polygon();
+  for (int i = 0; const PlyProperty& p : element.properties) {
+    const std::int64_t count = p.is_list ? values.list_count(p, element, row) : 1;
+    for (std::int64_t k = 0; k < count; ++k)
+      if (i == corners) {
+        soup.add_corner(values.integer(p.type, element, row));
+      } else {
+        values.skip(p.type, element, row);
+      }
+    ++i;
   }
 }
 
-/// Makes triangles of strips: each vertex from the third on makes one with the two before, turned over every second
-/// time; -1 ends a strip. A vertex that comes twice in a row only turns the strip: it makes no triangle.
+/// Stretches of faces with the same number of corners are read together, the others one by one. After each end of a
+/// stretch the next one is tried over few rows, then over more: so files without long stretches lose little.
+void read_faces(const FileText& file, const PlyElement& element, Values& values, SoupBuilder& soup,
+                const Threads& threads, Job& job) {
+  constexpr std::size_t kOneByOne = 1024, kFew = 1 << 12;  // rows
+  const int corners = list_of_corners(file, element, "faces");
+  std::size_t tried = element.count;
+  for (std::size_t row = 0; row < element.count;) {
+    job.poll();
+    const PlyBytes bytes = values.bytes();
+    if (!bytes.rest.empty()) {
+      const PlyRows read = read_face_rows(bytes, element, static_cast<std::size_t>(corners),
+                                          std::min(tried, element.count - row), soup, threads, job);
+      values.pass(read.bytes);
+      row += read.rows;
+      tried = read.rows < tried ? kFew : 2 * tried;
+    }
+    for (const std::size_t end = std::min(element.count, row + kOneByOne); row < end; ++row)
+      read_face(element, row, corners, values, soup);
+  }
+}
+
+/// Makes triangles of strips: each vertex from the third on makes one with the two before, every second one with its
+/// orientation reversed; -1 ends a strip. A vertex twice in a row makes no triangle, but counts for the orientation.
 class Strips {
  public:
   explicit Strips(SoupBuilder& soup) : soup_(soup) {}
@@ -325,12 +229,12 @@ class Strips {
   std::int64_t first_ = 0, second_ = 0, held_ = 0;
 };
 
-void read_strips(const FileText& file, const Element& element, Values& values, SoupBuilder& soup, Job& job) {
+void read_strips(const FileText& file, const PlyElement& element, Values& values, SoupBuilder& soup, Job& job) {
   const int corners = list_of_corners(file, element, "triangle strips");
   std::size_t done = 0;
   for (std::size_t row = 0; row < element.count; ++row) {
     Strips strips(soup);
-    for (int i = 0; const Property& p : element.properties) {
+    for (int i = 0; const PlyProperty& p : element.properties) {
       const std::int64_t count = p.is_list ? values.list_count(p, element, row) : 1;
       for (std::int64_t k = 0; k < count; ++k) {
         if (done++ % kPollEvery == 0) job.poll();
@@ -339,7 +243,7 @@ void read_strips(const FileText& file, const Element& element, Values& values, S
           continue;
         }
         const std::int64_t vertex = values.integer(p.type, element, row);
-        const bool ends = vertex == -1 || (p.type == Scalar::u32 && vertex == 0xffffffff);
+        const bool ends = vertex == -1 || (p.type == PlyScalar::u32 && vertex == 0xffffffff);
         if (ends) {
           strips.end();
         } else {
@@ -351,8 +255,8 @@ void read_strips(const FileText& file, const Element& element, Values& values, S
   }
 }
 
-/// How many elements there are up to the last one that holds what is wanted; what comes after is not looked at.
-std::size_t wanted_elements(const Header& header) {
+/// The number of elements up to the last one with vertices, faces or strips; later ones are not read.
+std::size_t wanted_elements(const PlyHeader& header) {
   std::size_t wanted = 0;
   for (std::size_t i = 0; i < header.elements.size(); ++i)
     if (const std::string& name = header.elements[i].name; name == "vertex" || name == "face" || name == "tristrips")
@@ -362,21 +266,21 @@ std::size_t wanted_elements(const Header& header) {
 
 }  // namespace
 
-PolygonSoup read_ply(const FileText& file, Job& job) {
-  const Header header = read_header(file);
+PolygonSoup read_ply(const FileText& file, const Threads& threads, Job& job) {
+  const PlyHeader header = read_ply_header(file);
   Values values(file, header);
-  SoupBuilder soup(file);
+  SoupBuilder soup(file, threads);
   bool vertices = false, faces = false;
-  for (const Element& element : std::span(header.elements).first(wanted_elements(header))) {
+  for (const PlyElement& element : std::span(header.elements).first(wanted_elements(header))) {
     values.check_room(element);
     if (element.name == "vertex" && !vertices) {
       vertices = true;
       soup.reserve(element.count, 0);
-      read_vertices(file, element, values, soup, job);
+      read_vertices(file, element, values, soup, threads, job);
     } else if (element.name == "face" && !faces) {
       faces = true;
       soup.reserve(0, element.count);
-      read_faces(file, element, values, soup, job);
+      read_faces(file, element, values, soup, threads, job);
     } else if (element.name == "tristrips") {
       read_strips(file, element, values, soup, job);
     } else {

@@ -5,7 +5,7 @@
 
 #include "edge_groups.h"
 #include "formats.h"
-#include "places.h"
+#include "hash_grid.h"
 
 namespace isimp::detail {
 namespace {
@@ -15,13 +15,14 @@ constexpr std::size_t kHead = 84, kFacet = 50;  // bytes of a binary file: 80 of
 /// Corners at one place become one vertex.
 class FacetBuilder {
  public:
-  FacetBuilder(const FileText& file, std::size_t facets) : soup_(file), places_(soup_.vertices(), facets / 2 + 1, 0.0) {
+  FacetBuilder(const FileText& file, std::size_t facets, const Threads& threads)
+      : soup_(file, threads), grid_(soup_.vertices(), facets / 2 + 1, 0.0) {
     soup_.reserve(facets / 2, facets);
   }
   void begin_facet() { soup_.begin_polygon(); }
   void add_corner(const Vec3& place) {
     const auto fresh = static_cast<std::int32_t>(soup_.vertices().size());
-    const std::int32_t v = places_.find_or_keep(place, fresh);
+    const std::int32_t v = grid_.find_or_keep(place, fresh);
     if (v == kNone) soup_.add_vertex(place);
     soup_.add_corner(v == kNone ? fresh : v);
   }
@@ -29,7 +30,7 @@ class FacetBuilder {
 
  private:
   SoupBuilder soup_;
-  Places places_;
+  HashGrid grid_;
 };
 
 template <class T>
@@ -41,8 +42,8 @@ T load(const char* p) {  // STL is little-endian everywhere
   return std::bit_cast<T>(bytes);
 }
 
-PolygonSoup read_binary(const FileText& file, std::size_t facets, Job& job) {
-  FacetBuilder builder(file, facets);
+PolygonSoup read_binary(const FileText& file, std::size_t facets, const Threads& threads, Job& job) {
+  FacetBuilder builder(file, facets, threads);
   for (std::size_t f = 0; f < facets; ++f) {
     if (f % kPollEvery == 0) job.poll();
     const char* facet = file.bytes.data() + kHead + f * kFacet;  // normal, three corners, two bytes to skip
@@ -64,8 +65,8 @@ bool is(std::string_view word, std::string_view lower) {
 /// A text file word by word, since some programs write all of it on one line.
 class TextReader {
  public:
-  TextReader(const FileText& file, Job& job)
-      : file_(file), job_(job), builder_(file, file.bytes.size() / 150), words_(file.bytes) {}
+  TextReader(const FileText& file, const Threads& threads, Job& job)
+      : file_(file), job_(job), builder_(file, file.bytes.size() / 150, threads), words_(file.text()) {}
 
   PolygonSoup read() {
     for (std::size_t count = 0;; ++count) {
@@ -85,7 +86,7 @@ class TextReader {
       add_corner(word);
     } else if (is(word, "outer")) {
       if (corners_ != 3)
-        file_.fail_at(word.data(), "the facet before has " + std::to_string(corners_) + " corners, not 3");
+        file_.fail_at(word.data(), "the facet before this line has " + std::to_string(corners_) + " corners, not 3");
       corners_ = 0;
       is_open_ = true;
       builder_.begin_facet();
@@ -98,7 +99,8 @@ class TextReader {
     }
   }
   void add_corner(std::string_view keyword) {
-    if (++corners_ > 3) file_.fail_at(keyword.data(), "a vertex stands outside a facet's loop of three");
+    if (++corners_ > 3)
+      file_.fail_at(keyword.data(), "a facet has more than three vertices, or a vertex is outside a facet");
     Vec3 place;
     for (double& coordinate : place) {
       const std::string_view word = words_.next();
@@ -134,18 +136,18 @@ class TextReader {
 }  // namespace
 
 /// A binary file may begin with "solid" too: what counts is whether its length fits the number of facets it states.
-PolygonSoup read_stl(const FileText& file, Job& job) {
+PolygonSoup read_stl(const FileText& file, const Threads& threads, Job& job) {
   const std::size_t size = file.bytes.size();
   const std::size_t facets = size >= kHead ? load<std::uint32_t>(file.bytes.data() + 80) : 0;
-  if (size >= kHead && size == kHead + facets * kFacet) return read_binary(file, facets, job);
-  const std::string_view start = std::string_view(file.bytes).substr(0, 1024);
+  if (size >= kHead && size == kHead + facets * kFacet) return read_binary(file, facets, threads, job);
+  const std::string_view start = file.text().substr(0, 1024);
   const std::string_view first = Words(start).next();
-  if (is(first, "solid") && start.find('\0') == start.npos) return TextReader(file, job).read();
+  if (is(first, "solid") && start.find('\0') == start.npos) return TextReader(file, threads, job).read();
   if (size < kHead) file.fail("it is neither a text STL file (\"solid ...\") nor long enough for a binary one");
   if (size < kHead + facets * kFacet)
     file.fail("it promises " + std::to_string(facets) + " facets, but has " + std::to_string(size) +
               " bytes, room for " + std::to_string((size - kHead) / kFacet) + "; it is cut short or not an STL file");
-  return read_binary(file, facets, job);  // some programs write more after the last facet
+  return read_binary(file, facets, threads, job);  // some programs write more after the last facet
 }
 
 }  // namespace isimp::detail

@@ -60,14 +60,14 @@ std::vector<std::int32_t> number_fans(Soup& soup, const Fans& fans, Array<std::i
       vertex[first_fan[v]] = static_cast<std::int32_t>(source_vertex.size());
       source_vertex.push_back(caller);
     } else {
-      soup.log.add(!used.empty() && used[v] ? Mend::welded_vertices : Mend::unused_vertices, caller);
+      soup.log.add(!used.empty() && used[v] ? RepairKind::welded_vertices : RepairKind::unused_vertices, caller);
     }
   }
   for (std::size_t fan = 0; fan < vertex.size(); ++fan) {
     if (vertex[fan] != kNone) continue;
     vertex[fan] = static_cast<std::int32_t>(source_vertex.size());
     source_vertex.push_back(fans.source[fan]);
-    soup.log.add(Mend::split_vertices, fans.source[fan]);
+    soup.log.add(RepairKind::split_vertices, fans.source[fan]);
   }
   return vertex;
 }
@@ -75,15 +75,15 @@ std::vector<std::int32_t> number_fans(Soup& soup, const Fans& fans, Array<std::i
 /// Halves edges by a new vertex, and the one or two faces of each.
 class Halver {
  public:
-  Halver(Parts& parts, std::vector<std::int32_t>& opposite) : parts_(parts), opposite_(opposite) {}
+  Halver(MeshArrays& arrays, std::vector<std::int32_t>& opposite) : arrays_(arrays), opposite_(opposite) {}
 
   void halve(std::int32_t half_edge) {
     const std::int32_t g = present(half_edge), h = opposite_[g];
-    const Triangle& t = parts_.triangles[g / 3];
-    const Vec3 middle = (parts_.vertices[t[g % 3]] + parts_.vertices[t[(g + 1) % 3]]) / 2;
-    const auto m = static_cast<std::int32_t>(parts_.vertices.size());
-    parts_.vertices.push_back(middle);
-    parts_.source_vertex.push_back(kNone);
+    const Triangle& t = arrays_.triangles[g / 3];
+    const Vec3 middle = (arrays_.vertices[t[g % 3]] + arrays_.vertices[t[(g + 1) % 3]]) / 2;
+    const auto m = static_cast<std::int32_t>(arrays_.vertices.size());
+    arrays_.vertices.push_back(middle);
+    arrays_.source_vertex.push_back(kNone);
     const std::int32_t g_end = split_face(g, m);
     if (h == kNone) return;
     const std::int32_t h_end = split_face(h, m);
@@ -94,13 +94,13 @@ class Halver {
  private:
   /// Splits face (a, b, c) at half-edge h from a to b into (a, m, c) and a new (m, b, c). Returns the half-edge m to b.
   std::int32_t split_face(std::int32_t h, std::int32_t m) {
-    const auto fresh = static_cast<std::int32_t>(3 * parts_.triangles.size());
+    const auto fresh = static_cast<std::int32_t>(3 * arrays_.triangles.size());
     const std::int32_t next = Mesh::next(h);
-    Triangle& t = parts_.triangles[h / 3];
+    Triangle& t = arrays_.triangles[h / 3];
     const Triangle rest{m, t[next % 3], t[Mesh::prev(h) % 3]};
     t[next % 3] = m;
-    parts_.triangles.push_back(rest);
-    parts_.source_face.push_back(parts_.source_face[h / 3]);
+    arrays_.triangles.push_back(rest);
+    arrays_.source_face.push_back(arrays_.source_face[h / 3]);
     opposite_.insert(opposite_.end(), 3, kNone);
     if (const std::int32_t beyond = opposite_[next]; beyond != kNone) join(fresh + 1, beyond);
     join(next, fresh + 2);
@@ -117,46 +117,46 @@ class Halver {
     return h;
   }
 
-  Parts& parts_;
+  MeshArrays& arrays_;
   std::vector<std::int32_t>& opposite_;
   std::unordered_map<std::int32_t, std::int32_t> moved_;
 };
 
-/// An edge that was taken apart may still be two edges with the same ends, where the faces hang together elsewhere.
-void halve_double_edges(Parts& parts, Soup& soup) {
+/// A split edge may still be two edges with the same ends, where its faces are connected elsewhere.
+void halve_double_edges(MeshArrays& arrays, Soup& soup) {
   std::vector<std::tuple<std::int32_t, std::int32_t, std::int32_t>> edges;  // smaller end, larger end, half-edge
   for (const std::int32_t h : soup.contested) {
-    const Triangle& t = parts.triangles[h / 3];
+    const Triangle& t = arrays.triangles[h / 3];
     const auto [low, high] = std::minmax(t[h % 3], t[(h + 1) % 3]);
     edges.emplace_back(low, high, soup.opposite[h] == kNone ? h : std::min(h, soup.opposite[h]));
   }
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-  Halver halver(parts, soup.opposite);
+  Halver halver(arrays, soup.opposite);
   for (std::size_t i = 1; i < edges.size(); ++i) {
     const auto& [low, high, h] = edges[i];
     if (std::get<0>(edges[i - 1]) != low || std::get<1>(edges[i - 1]) != high) continue;
-    soup.log.add(Mend::subdivided_edges, parts.source_face[h / 3]);
+    soup.log.add(RepairKind::subdivided_edges, arrays.source_face[h / 3]);
     halver.halve(h);
   }
 }
 
 }  // namespace
 
-Parts separate(Soup& soup, Job& job) {
-  Parts parts;
+MeshArrays separate(Soup& soup, Job& job) {
+  MeshArrays arrays;
   const Fans fans = find_fans(soup, job);
-  const std::vector<std::int32_t> vertex = number_fans(soup, fans, parts.source_vertex);
+  const std::vector<std::int32_t> vertex = number_fans(soup, fans, arrays.source_vertex);
   job.poll();
-  parts.triangles = std::move(soup.named);
-  parts.source_face = std::move(soup.source_face);
-  for_each_index(parts.triangles.size(), job, [&](std::size_t f) {
-    for (std::size_t k = 0; k < 3; ++k) parts.triangles[f][k] = vertex[fans.of_corner[3 * f + k]];
+  arrays.triangles = std::move(soup.named);
+  arrays.source_face = std::move(soup.source_face);
+  for_each_index(arrays.triangles.size(), job, [&](std::size_t f) {
+    for (std::size_t k = 0; k < 3; ++k) arrays.triangles[f][k] = vertex[fans.of_corner[3 * f + k]];
   });
-  parts.vertices.reserve(parts.source_vertex.size());
-  for (const std::int32_t v : parts.source_vertex) parts.vertices.push_back(soup.vertices[v]);
-  halve_double_edges(parts, soup);
-  return parts;
+  arrays.vertices.reserve(arrays.source_vertex.size());
+  for (const std::int32_t v : arrays.source_vertex) arrays.vertices.push_back(soup.vertices[v]);
+  halve_double_edges(arrays, soup);
+  return arrays;
 }
 
 }  // namespace isimp::detail

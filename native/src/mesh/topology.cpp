@@ -9,7 +9,7 @@
 
 #include "edge_groups.h"
 #include "isimp/mesh/mesh.h"
-#include "pieces.h"
+#include "parallel_loops.h"
 
 namespace isimp::detail {
 namespace {
@@ -223,7 +223,7 @@ std::string describe_bad_edge(std::size_t vertex_count, std::span<const Triangle
       what = name + " has three or more faces, face " + std::to_string(edge[2] / 3) + " among them";
     } else if (from(edge[0]) == from(edge[1])) {
       what = "faces " + std::to_string(edge[0] / 3) + " and " + std::to_string(edge[1] / 3) +
-             " run the same way along " + name;
+             " have opposite orientations at " + name;
     }
   });
   return what;

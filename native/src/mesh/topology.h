@@ -13,7 +13,7 @@
 
 namespace isimp::detail {
 
-/// How the faces of a sound mesh hang together.
+/// The adjacency of a manifold mesh.
 ///
 /// Half-edge h = 3 * f + k runs along face f from its corner k to its corner k + 1.
 struct Topology {

@@ -201,10 +201,28 @@ class EarCutter {
   std::vector<std::pair<double, std::int32_t>> widest_;  // a heap; empty while it is not needed
 };
 
+/// Whether all polygons are triangles: the usual file.
+bool are_triangles(const PolygonSoup& soup, Job& job) {
+  if (soup.loops.size() != 3 * soup.loop_start.size()) return false;
+  bool equal = true;
+  detail::for_each_index(soup.loop_start.size(), job,
+                         [&](std::size_t q) { equal &= static_cast<std::size_t>(soup.loop_start[q]) == 3 * q; });
+  return equal;
+}
+
 }  // namespace
 
 Triangulation triangulate(const PolygonSoup& soup, Job& job) {
   Triangulation result;
+  if (are_triangles(soup, job)) {
+    result.triangles.resize(soup.loop_start.size());
+    result.source_polygon.resize(soup.loop_start.size());
+    detail::for_each_index(soup.loop_start.size(), job, [&](std::size_t q) {
+      for (std::size_t k = 0; k < 3; ++k) result.triangles[q][k] = soup.loops[3 * q + k];
+      result.source_polygon[q] = static_cast<std::int32_t>(q);
+    });
+    return result;
+  }
   result.triangles.reserve(soup.loops.size() / 3);
   result.source_polygon.reserve(soup.loops.size() / 3);
   EarCutter cutter(soup.vertices, result, job);

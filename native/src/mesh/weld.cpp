@@ -1,4 +1,4 @@
-#include "places.h"
+#include "hash_grid.h"
 #include "soup.h"
 
 namespace isimp::detail {
@@ -19,11 +19,11 @@ std::vector<std::int32_t> border_vertices(const Soup& soup, const EdgeGroups& ed
 }
 
 bool weld(Soup& soup, const std::vector<std::int32_t>& border, double tolerance, Job& job) {
-  Places places(soup.vertices, border.size(), tolerance);
+  HashGrid grid(soup.vertices, border.size(), tolerance);
   std::vector<std::int32_t> stands_for;  // (V) filled once the first pair is found
   for (std::size_t i = 0; i < border.size(); ++i) {
     if (i % kPollEvery == 0) job.poll();
-    const std::int32_t v = border[i], other = places.find_or_keep(soup.vertices[v], v);
+    const std::int32_t v = border[i], other = grid.find_or_keep(soup.vertices[v], v);
     if (other == kNone) continue;
     if (stands_for.empty()) {
       stands_for.resize(soup.vertices.size());
@@ -42,7 +42,7 @@ bool weld(Soup& soup, const std::vector<std::int32_t>& border, double tolerance,
     if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) return;
     collapsed[f] = 1;
     any_collapsed = true;
-    soup.count_face(Mend::repeated_index_faces, static_cast<std::int32_t>(f));
+    soup.count_face(RepairKind::repeated_index_faces, static_cast<std::int32_t>(f));
   });
   if (any_collapsed) soup.drop(collapsed);
   return true;

@@ -34,7 +34,7 @@ void check(const Polygons& polygons) {
     if ((q == 0 && begin != 0) || begin < 0 || end > corners || end - begin < 3)
       throw InvalidInput("polygon " + std::to_string(q) + " has the corners " + std::to_string(begin) + " up to " +
                          std::to_string(end) + " of " + std::to_string(corners) +
-                         "; loop_start must begin with 0 and rise by 3 or more");
+                         "; loop_start must begin with 0, and each polygon needs at least 3 corners");
     for (const std::int32_t v : polygons[q])
       if (v < 0 || v >= n)
         throw InvalidInput("polygon " + std::to_string(q) + " uses vertex " + std::to_string(v) + ", but there are " +

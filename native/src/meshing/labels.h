@@ -91,7 +91,7 @@ void for_each_leaving(const Mesh& mesh, std::int32_t v, Function fn) {
   const std::int32_t start = mesh.vertex_halfedge()[v];
   for (std::int32_t h = start; h != kNone;) {
     fn(h);
-    h = mesh.turn(h);
+    h = mesh.next_outgoing(h);
     if (h == start) break;
   }
 }

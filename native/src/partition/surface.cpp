@@ -96,7 +96,7 @@ std::int32_t find_edge(const Mesh& mesh, std::int32_t a, std::int32_t b) {
   for (std::int32_t h = start; h != kNone;) {
     if (mesh.to(h) == b) return h;
     if (mesh.from(Mesh::prev(h)) == b) return Mesh::prev(h);  // only this way on a border
-    h = mesh.turn(h);
+    h = mesh.next_outgoing(h);
     if (h == start) break;
   }
   return kNone;

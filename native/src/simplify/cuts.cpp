@@ -128,7 +128,7 @@ class Splitter {
   }
   /// The next half-edge that leaves a vertex; past the last one before a border it is the first one.
   [[nodiscard]] std::int32_t turned(std::int32_t h) const {
-    const std::int32_t next = mesh_.turn(h);
+    const std::int32_t next = mesh_.next_outgoing(h);
     return next == kNone ? mesh_.vertex_halfedge()[mesh_.from(h)] : next;
   }
 

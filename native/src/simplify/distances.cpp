@@ -112,7 +112,7 @@ class Measure {
     for (std::int32_t h = start; h != kNone;) {
       const std::int32_t region = partition_.face_region[Mesh::face(h)];
       if (region != kNone && std::ranges::find(regions, region) == regions.end()) regions.push_back(region);
-      h = mesh_.turn(h);
+      h = mesh_.next_outgoing(h);
       if (h == start) break;
     }
     if (regions.empty()) return std::numeric_limits<double>::quiet_NaN();

@@ -23,7 +23,7 @@ def check(path: Path) -> None:
     if not path.resolve().parent.is_dir():
         raise UsageError(f"{path}: there is no folder {path.parent} to write to")
     if path.is_dir():
-        raise UsageError(f"{path}: is a folder, so it can't be written as a file")
+        raise UsageError(f"{path}: is a folder; give the name of a file")
     if path.is_file() and not (path.stat().st_mode & 0o222 and os.access(path, os.W_OK)):
         raise UsageError(f"{path}: is read-only, so it is not replaced")
 

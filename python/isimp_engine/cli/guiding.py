@@ -1,4 +1,4 @@
-"""What the command line says of single faces and edges of the file, as the engine wants it."""
+"""The options of the command line that name single faces and edges of the file, as arrays for the engine."""
 
 import argparse
 import tokenize
@@ -51,7 +51,7 @@ def guides_of(arguments: argparse.Namespace, source: Input, mesh: Mesh, job: Job
     before = None
     if arguments.base:
         if not arguments.part:
-            raise UsageError("--base is for --part: it says in which regions the other faces are")
+            raise UsageError("--base needs --part: it gives the regions of the faces outside the part")
         labels = _load(arguments, "base", (source.faces,))
         before = partition_from(mesh, np.where(face >= 0, labels[face], -1), job)
     return Guides(
@@ -88,7 +88,7 @@ def _load(arguments: argparse.Namespace, name: str, shape: tuple[int | None, ...
         with path.open("rb") as file:  # not np.load, which opens archives and pickles too
             values = np.lib.format.read_array(file, allow_pickle=False)
     except (ValueError, EOFError, SyntaxError, tokenize.TokenError):  # whatever the header may hold
-        raise UsageError(f"{path}: is no .npy file of numbers") from None
+        raise UsageError(f"{path}: is not a .npy file of numbers") from None
     except MemoryError:
         raise UsageError(f"{path}: there is not enough memory for it") from None
     fits = values.ndim == len(shape) and all(n in (None, m) for n, m in zip(shape, values.shape, strict=True))

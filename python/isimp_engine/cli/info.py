@@ -11,7 +11,7 @@ from .loading import clean_mesh, facts, load
 
 
 def run(arguments: argparse.Namespace) -> None:
-    source = load(arguments.input, Job())
+    source = load(arguments.input, Job(), arguments.clean.threads)
     mesh, repaired, repaired_at = clean_mesh(source, arguments.clean, Job())
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     report = {

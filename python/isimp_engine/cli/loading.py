@@ -21,10 +21,20 @@ class Input:
     faces: int
 
 
-def load(path: Path, job: Job) -> Input:
-    polygons = read_polygons(path, job)
-    triangles, polygon = triangulate(*polygons)
-    return Input(path, polygons[0], triangles, polygon, len(polygons[2]))
+def load(path: Path, job: Job, threads: int = 0) -> Input:
+    vertices, loops, loop_start = read_polygons(path, job, threads=threads)
+    triangles, polygon = cut(vertices, loops, loop_start)
+    return Input(path, vertices, triangles, polygon, len(loop_start))
+
+
+def cut(
+    vertices: NDArray[np.float64], loops: NDArray[np.int32], loop_start: NDArray[np.int32]
+) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """The polygons cut into triangles, and the polygon of each; where all are triangles, `loops` itself."""
+    count = len(loop_start)
+    if len(loops) == 3 * count and np.array_equal(loop_start, np.arange(0, 3 * count, 3, dtype=np.int32)):
+        return loops.reshape(count, 3), np.arange(count, dtype=np.int32)
+    return triangulate(vertices, loops, loop_start)
 
 
 def clean_mesh(source: Input, options: CleanOptions, job: Job) -> tuple[Mesh, dict[str, int], dict[str, list[int]]]:

@@ -43,7 +43,7 @@ def run(arguments: argparse.Namespace) -> None:
     steps, options = Steps(wanted(arguments.quiet)), arguments.options
     meshing = MeshingOptions(threads=options.threads)
     with steps("read") as job:
-        source = load(arguments.input, job)
+        source = load(arguments.input, job, options.threads)
     with steps("clean") as job:
         mesh, repaired, repaired_at = clean_mesh(source, arguments.clean, job)
     with steps("partition") as job:
@@ -91,14 +91,14 @@ def check_places(arguments: argparse.Namespace) -> None:
     if arguments.output.suffix.lower() not in OUTPUT_KINDS:
         raise UsageError(f"{arguments.output}: OUTPUT must end in one of {', '.join(OUTPUT_KINDS)}")
     if arguments.labels == STDOUT:
-        raise UsageError("--labels: is no text, so it is not written to stdout; ./- is a file of that name")
+        raise UsageError("--labels writes a binary file, which can't go to stdout; give ./- for a file called -")
     taken = [arguments.input]
     for path in (arguments.output, arguments.labels, arguments.report):
         if not isinstance(path, Path):
             continue
         check(path)
         if any(is_same(path, other) for other in taken) and not path.is_char_device():
-            raise UsageError(f"{path}: is named twice; nothing is written over INPUT or another output")
+            raise UsageError(f"{path}: is named twice; INPUT and all outputs must be different files")
         taken.append(path)
 
 

@@ -1,20 +1,20 @@
-"""What the command says of a mesh, in words."""
+"""The sentences that the command prints about a mesh."""
 
 from collections.abc import Iterator
 from typing import Any
 
 _REPAIRS = {
-    "non_finite_faces": "dropped for a corner that is not finite",
-    "repeated_index_faces": "dropped for naming a vertex twice",
-    "duplicate_faces": "dropped for having the vertices of another",
-    "welded_vertices": "welded to another at the same place",
-    "flipped_faces": "turned over, so that each part faces one way",
-    "cut_edges": "cut open, where no orientation fits both sides",
-    "split_edges": "taken apart for having three or more faces",
-    "split_vertices": "copied for further fans of faces",
-    "subdivided_edges": "halved for having the same ends as another",
-    "turned_edges": "turned, so that faces without area have some",
-    "unused_vertices": "dropped for being in no face",
+    "non_finite_faces": "dropped: a coordinate is not finite",
+    "repeated_index_faces": "dropped: a vertex is used twice",
+    "duplicate_faces": "dropped: an earlier face has the same vertices",
+    "welded_vertices": "welded to others at the same position",
+    "flipped_faces": "reversed, so that each component has one orientation",
+    "cut_edges": "cut open: no orientation fits both sides",
+    "split_edges": "split: three or more faces met there",
+    "split_vertices": "split: the faces around formed several fans",
+    "subdivided_edges": "halved: another edge had the same ends",
+    "turned_edges": "flipped to give zero-area faces an area",
+    "unused_vertices": "dropped: not used by any face",
     "filled_holes": "covered",
     "cut_handles": "cut",
 }

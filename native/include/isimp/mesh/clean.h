@@ -32,29 +32,29 @@ constexpr auto fields(const CleanOptions*) {
   };
 }
 
-/// Makes a sound mesh of any triangles: what scanners, STL files and texture seams leave behind.
+/// Repairs any triangles into a manifold, oriented mesh: output of scanners, STL files, texture seams.
 ///
-/// In this order, each counted and located in `report().repairs` under the key named here, zero counts included:
-///  - `non_finite_faces`      dropped: a corner is not finite (or beyond 1e30, where areas would overflow)
-///  - `repeated_index_faces`  dropped: a vertex named twice, by the caller or after welding
+/// The repairs in their order. `report().repairs` has the count and first places of each under this key, zeros too:
+///  - `non_finite_faces`      dropped: a coordinate is not finite, or beyond 1e30, where areas would overflow
+///  - `repeated_index_faces`  dropped: a vertex is used twice, in the input or after welding
 ///  - `duplicate_faces`       dropped: the same three vertices as an earlier face, in either orientation
-///  - `welded_vertices`       border vertices at one place become one where that closes an edge; vertices inside a
-///                            surface are never welded, so that closed parts that touch stay apart
-///  - `flipped_faces`         turned over, so that each component is oriented one way; the fewer by area
-///  - `cut_edges`             opened, since no orientation fits both sides (a Moebius strip)
-///  - `split_edges`           edges of three or more faces, taken apart: neighbouring faces that bound the same
-///                            solid wedge stay together, so that solids that touch fall apart
-///  - `split_vertices`        copies of vertices that were made for each further fan of faces
-///  - `subdivided_edges`      halved, since two edges with the same ends remained after the above
-///  - `turned_edges`          the longest edge of a face thinner than rounding, turned so that it and the
-///                            face beside it have an area each
+///  - `welded_vertices`       border vertices at the same position become one. Vertices inside a surface are never
+///                            welded, so closed components that touch stay separate
+///  - `flipped_faces`         orientation reversed, so that each component is consistent; the smaller area yields
+///  - `cut_edges`             cut open: no orientation fits both sides (a Moebius strip)
+///  - `split_edges`           non-manifold edges (three or more faces) split: neighbouring faces that bound the same
+///                            wedge of a solid stay joined, so that solids that touch separate
+///  - `split_vertices`        vertices copied, once for each further fan of faces around them
+///  - `subdivided_edges`      halved: after the repairs above two edges had the same ends
+///  - `turned_edges`          edge flips: the longest edge of a degenerate face (thinner than rounding), flipped
+///                            so that it and its neighbour have an area each
 ///  - `unused_vertices`       dropped: no kept face uses them
-///  - `filled_holes`          covered by new faces; one stays open where every cover tried would meet the surface, or
-///                            would be more than half of its part (it is the outline then, not a hole)
-///  - `cut_handles`           handles whose ring of faces was taken out, both ends being covered
+///  - `filled_holes`          covered by new faces. A hole stays open if every cover tried intersects the surface or
+///                            is more than half of its component (then it is the outline, not a hole)
+///  - `cut_handles`           handles whose ring of faces was removed and whose two ends were covered
 /// `where` holds the caller's vertices for the keys that end in `vertices`, else the caller's faces.
-/// Faces without area that no turn helps (along a border, say) are kept, since dropping them would tear holes; they are
-/// counted in `report().zero_area_faces`. Faces and vertices keep the caller's order; copies of vertices and covers
+/// Zero-area faces that no edge flip mends (at a border, for example) are kept, since dropping them would open holes;
+/// `report().zero_area_faces` counts them. Faces and vertices keep the caller's order; copies of vertices and covers
 /// come last, the latter with kNone for their source.
 ///
 /// \param vertices   (V) anything

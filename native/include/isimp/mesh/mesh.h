@@ -15,7 +15,7 @@ namespace isimp {
 
 struct CleanOptions;
 namespace detail {
-struct Parts;
+struct MeshArrays;
 struct Topology;
 }  // namespace detail
 
@@ -62,7 +62,7 @@ class Mesh {
   /// (3 F) the half-edge on the other side of each; kNone on a border.
   [[nodiscard]] std::span<const std::int32_t> opposite() const { return opposite_; }
   /// (V) a half-edge that leaves each vertex; the one on the border if there is one; kNone if the vertex is unused.
-  /// Turning with `turn` from it visits all faces of the vertex.
+  /// `next_outgoing`, repeated from there, visits all faces of the vertex.
   [[nodiscard]] std::span<const std::int32_t> vertex_halfedge() const { return vertex_halfedge_; }
   /// (F) the component of each face, numbered by first face.
   [[nodiscard]] std::span<const std::int32_t> component() const { return component_; }
@@ -83,12 +83,12 @@ class Mesh {
   [[nodiscard]] std::int32_t to(std::int32_t h) const { return from(next(h)); }
   [[nodiscard]] std::int32_t opposite(std::int32_t h) const { return opposite_[static_cast<std::size_t>(h)]; }
   /// The next half-edge that leaves the same vertex, counter-clockwise; kNone past the last one before a border.
-  [[nodiscard]] std::int32_t turn(std::int32_t h) const { return opposite(prev(h)); }
+  [[nodiscard]] std::int32_t next_outgoing(std::int32_t h) const { return opposite(prev(h)); }
 
  private:
   friend Mesh clean(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options, Job& job);
   /// From arrays that were found sound.
-  Mesh(detail::Parts parts, detail::Topology topology, RepairReport repairs, const Threads& threads, Job& job);
+  Mesh(detail::MeshArrays arrays, detail::Topology topology, RepairReport repairs, const Threads& threads, Job& job);
 
   void complete(detail::Topology topology, RepairReport repairs, const Threads& threads, Job& job);
   void find_components(std::span<const std::int32_t> border, const Threads& threads, Job& job);

@@ -6,7 +6,7 @@
 
 namespace isimp {
 
-/// One kind of thing that `clean` mended: how often, and where first.
+/// One kind of repair that `clean` made: how often, and where first.
 struct Repair {
   std::string what;                 ///< a key such as "duplicate_faces"
   std::int64_t count = 0;           ///< how many faces, edges or vertices, as the key says

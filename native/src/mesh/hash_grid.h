@@ -9,19 +9,19 @@
 
 namespace isimp::detail {
 
-/// Finds points that lie within a distance of each other, by a hash of the cells of a grid of that width. A point with
-/// NaN is near no other.
+/// A hash grid: finds points within a distance of each other, by a hash of the cells of a grid of that width. A point
+/// with NaN is near no other.
 /// Cost: O(1) a point if few share a cell.
-class Places {
+class HashGrid {
  public:
   /// \param points     may grow meanwhile
-  /// \param expected   about how many will be kept
-  /// \param tolerance  0: bit-equal places only, but for the sign of zero
-  Places(const std::vector<Vec3>& points, std::size_t expected, double tolerance)
+  /// \param expected   about how many points will be kept
+  /// \param tolerance  0: equal positions only; zeros of either sign are equal
+  HashGrid(const std::vector<Vec3>& points, std::size_t expected, double tolerance)
       : points_(points), tolerance_(tolerance), heads_(std::bit_ceil(2 * expected + 1), kNone) {}
 
-  /// The nearest point kept so far within the tolerance of `place`, the first of equals; else kNone, and `fresh`, the
-  /// index that `place` has or will have, is kept.
+  /// The nearest point kept so far within the tolerance of `place`, the first of equals; else kNone, and `place` is
+  /// kept under its index `fresh`.
   std::int32_t find_or_keep(const Vec3& place, std::int32_t fresh) {
     const Vec3 home = cell(place);
     Nearest nearest{kNone, tolerance_};

@@ -14,7 +14,7 @@
 
 namespace isimp::detail {
 
-/// Vertices or faces between two polls in a plain loop: about a millisecond of work.
+/// Vertices or faces between two polls of a loop: about a millisecond of work.
 inline constexpr std::size_t kPollEvery = 1 << 16;
 
 /// Calls visit(i) for i in [0, n), polling the job between pieces.
@@ -27,7 +27,7 @@ void for_each_index(std::size_t n, Job& job, Visit visit) {
   }
 }
 
-/// The same in pieces, one a thread, in any order: visit(i) may write only what no other visit reads or writes.
+/// The same on several threads, in any order: visit(i) may write only what no other visit reads or writes.
 template <class Visit>
 void for_each_index(const Threads& threads, std::size_t n, Job& job, const Visit& visit) {
   threads.run(static_cast<std::int32_t>(n), [&](std::int32_t, std::int32_t begin, std::int32_t end) {
@@ -36,8 +36,8 @@ void for_each_index(const Threads& threads, std::size_t n, Job& job, const Visit
   });
 }
 
-/// Calls visit(i, found) for i in [0, n) in pieces, one a thread, each with a `found` of its own.
-/// \return what was found, in the order of the pieces: that of one loop if visit appends to it
+/// Calls visit(i, found) for i in [0, n) on several threads, each with a `found` of its own.
+/// \return what was found, in the order of i if visit appends to `found`
 template <class T, class Visit>
 std::vector<T> gather(const Threads& threads, std::size_t n, Job& job, const Visit& visit) {
   const auto count = static_cast<std::int32_t>(n);
@@ -69,7 +69,7 @@ std::int64_t count_of(const Threads& threads, std::size_t n, Job& job, const Val
   return std::accumulate(sums.begin(), sums.end(), std::int64_t{0});
 }
 
-/// The lowest i in [0, n) for which test(i) holds, else n. Not polled: it is for looking at what the caller gave.
+/// The lowest i in [0, n) for which test(i) holds, else n. Not polled: checks of input come before a cancel.
 template <class Test>
 std::size_t find_first(const Threads& threads, std::size_t n, const Test& test) {
   const auto steps = static_cast<std::int32_t>(n);

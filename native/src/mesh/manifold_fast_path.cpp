@@ -1,10 +1,9 @@
 #include "isimp/mesh/mesh.h"
 #include "soup.h"
 
-/// What most files need, little or nothing, goes this shorter way: their faces already hang together soundly.
+/// The short way through `clean` for input that is manifold already, as most files are.
 namespace isimp::detail {
 
-/// In a sound mesh two such faces have all their edges in common.
 bool has_twins(const Topology& topology, const Threads& threads) {
   const Array<std::int32_t>& opposite = topology.opposite;
   const std::size_t faces = opposite.size() / 3;
@@ -22,8 +21,8 @@ std::vector<std::int32_t> border_vertices(const Soup& soup, const Topology& topo
   return marked_indices(on_border);
 }
 
-Parts compact(Soup& soup, Topology& topology, const Threads& threads, Job& job) {
-  Parts parts;
+MeshArrays compact(Soup& soup, Topology& topology, const Threads& threads, Job& job) {
+  MeshArrays arrays;
   const bool renamed = !soup.welded.empty();
   if (renamed || topology.unused_vertices > 0) {
     std::vector<char> named(renamed ? soup.vertices.size() : 0, 0);
@@ -35,13 +34,13 @@ Parts compact(Soup& soup, Topology& topology, const Threads& threads, Job& job) 
     for_each_index(vertex.size(), job, [&](std::size_t v) {
       const auto caller = static_cast<std::int32_t>(v);
       if (topology.vertex_halfedge[v] == kNone) {
-        soup.log.add(renamed && named[v] ? Mend::welded_vertices : Mend::unused_vertices, caller);
+        soup.log.add(renamed && named[v] ? RepairKind::welded_vertices : RepairKind::unused_vertices, caller);
         return;
       }
       soup.vertices[kept] = soup.vertices[v];
       topology.vertex_halfedge[kept] = topology.vertex_halfedge[v];
       vertex[v] = static_cast<std::int32_t>(kept++);
-      parts.source_vertex.push_back(caller);
+      arrays.source_vertex.push_back(caller);
     });
     soup.vertices.resize(kept);
     topology.vertex_halfedge.resize(kept);
@@ -51,10 +50,10 @@ Parts compact(Soup& soup, Topology& topology, const Threads& threads, Job& job) 
       for (std::int32_t& v : soup.named[f]) v = vertex[v];
     });
   }
-  parts.vertices = std::move(soup.vertices);
-  parts.triangles = std::move(soup.named);
-  parts.source_face = std::move(soup.source_face);
-  return parts;
+  arrays.vertices = std::move(soup.vertices);
+  arrays.triangles = std::move(soup.named);
+  arrays.source_face = std::move(soup.source_face);
+  return arrays;
 }
 
 }  // namespace isimp::detail

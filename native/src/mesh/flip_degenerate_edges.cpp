@@ -1,51 +1,46 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <utility>
+#include <vector>
 
 #include "isimp/mesh/mesh.h"
-#include "pieces.h"
+#include "parallel_loops.h"
 #include "soup.h"
 
 namespace isimp::detail {
 namespace {
 
-constexpr int kRounds = 64;     // rows of flat faces take one a face
+constexpr int kRounds = 64;     // a row of flat faces takes one round for each face
 constexpr double kThin = 2e-6;  // height over the diagonal: about what float32 can tell apart
 constexpr double kFlat = 1e-3;  // height over its longest edge: a face is not flat for being small
 
-/// Turns edges of a sound mesh, and keeps its topology.
-class Turner {
+/// Flips edges of a manifold mesh and updates its topology.
+class EdgeFlipper {
  public:
-  Turner(Parts& parts, Topology& topology, RepairLog& log, const Threads& threads, Job& job)
-      : p_(parts),
+  EdgeFlipper(MeshArrays& arrays, Topology& topology, RepairLog& log, const Threads& threads, Job& job)
+      : p_(arrays),
         t_(topology),
         log_(log),
-        thin_(kThin * box_of(parts.vertices, threads, job, [](std::size_t) { return true; }).diagonal().norm()) {}
+        thin_(kThin * box_of(arrays.vertices, threads, job, [](std::size_t) { return true; }).diagonal().norm()) {}
 
   void run(const Threads& threads, Job& job) {
     std::vector<std::int32_t> flat =
         gather<std::int32_t>(threads, p_.triangles.size(), job, [&](std::size_t f, std::vector<std::int32_t>& found) {
           if (is_flat(static_cast<std::int32_t>(f))) found.push_back(static_cast<std::int32_t>(f));
         });
-    bool any = !flat.empty();
-    for (int round = 0; round < kRounds && any; ++round) {
+    std::vector<std::pair<double, std::int32_t>> order = by_length(flat);
+    if (!order.empty()) touched_.assign(p_.vertices.size(), 0);
+    for (round_ = 0; round_ < kRounds && !order.empty(); ++round_) {
       job.poll();
-      any = false;
-      std::vector<std::pair<double, std::int32_t>> order;
-      for (const std::int32_t f : flat)
-        if (is_flat(f)) order.emplace_back(-length(longest(f)), f);
-      std::sort(order.begin(), order.end());
-      flat.clear();
-      for (const auto& [length, f] : order) {
-        const std::int32_t beyond = t_.opposite[longest(f)];
-        any = (is_flat(f) && turn(longest(f))) || any;
-        flat.push_back(f);
-        if (beyond != kNone) flat.push_back(beyond / 3);
-      }
-      std::sort(flat.begin(), flat.end());
-      flat.erase(std::unique(flat.begin(), flat.end()), flat.end());
+      changed_.clear();
+      for (const auto& [length, f] : order)
+        if (may_differ(f) && is_flat(f)) flip(longest(f));
+      if (changed_.empty()) break;
+      update(order);
     }
-    if (log_.count(Mend::turned_edges) == 0 || t_.border.empty()) return;
+    if (log_.count(RepairKind::flipped_edges) == 0 || t_.border.empty()) return;
     t_.border.clear();
     for_each_index(t_.opposite.size(), job, [&](std::size_t h) {
       if (t_.opposite[h] == kNone) t_.border.push_back(static_cast<std::int32_t>(h));
@@ -53,6 +48,31 @@ class Turner {
   }
 
  private:
+  /// The flat ones of some faces with their longest edges, the longest first.
+  [[nodiscard]] std::vector<std::pair<double, std::int32_t>> by_length(const std::vector<std::int32_t>& faces) const {
+    std::vector<std::pair<double, std::int32_t>> order;
+    for (const std::int32_t f : faces)
+      if (is_flat(f)) order.emplace_back(-length(longest(f)), f);
+    std::sort(order.begin(), order.end());
+    return order;
+  }
+  /// Puts the flat ones of the changed faces where they belong among the flat faces.
+  void update(std::vector<std::pair<double, std::int32_t>>& order) {
+    std::sort(changed_.begin(), changed_.end());
+    changed_.erase(std::unique(changed_.begin(), changed_.end()), changed_.end());
+    std::erase_if(
+        order, [&](const auto& entry) { return std::binary_search(changed_.begin(), changed_.end(), entry.second); });
+    const auto fresh = by_length(changed_), kept = std::move(order);
+    order = {};
+    std::merge(kept.begin(), kept.end(), fresh.begin(), fresh.end(), std::back_inserter(order));
+  }
+  /// Whether an edge of this face may be flipped now that could not be in the last round: only a flip at one of the
+  /// face's vertices changes what decides that.
+  [[nodiscard]] bool may_differ(std::int32_t f) const {
+    const Triangle& t = p_.triangles[f];
+    return round_ == 0 || std::any_of(t.begin(), t.end(), [&](std::int32_t v) { return touched_[v] >= round_; });
+  }
+
   std::int32_t& from(std::int32_t h) { return p_.triangles[h / 3][h % 3]; }
   [[nodiscard]] const Vec3& at(std::int32_t h) const { return p_.vertices[p_.triangles[h / 3][h % 3]]; }
   [[nodiscard]] double length(std::int32_t h) const { return (at(Mesh::next(h)) - at(h)).norm(); }
@@ -72,7 +92,7 @@ class Turner {
     return l > 0 ? vector_area(f).norm() / l : 0;
   }
 
-  /// Whether the face is so thin that it has no normal to speak of.
+  /// Whether the face is so thin that its normal is rounding noise.
   [[nodiscard]] bool is_flat(std::int32_t f) const {
     const double twice_area = vector_area(f).norm();
     const double longest_squared =
@@ -92,9 +112,9 @@ class Turner {
     return false;
   }
 
-  /// Puts edge c d in the place of edge a b = h of flat face (a, b, c) and the face (b, a, d) beside it, if both come
-  /// out higher and facing as the latter did, or the edge gets shorter where that is flat too.
-  bool turn(std::int32_t h) {
+  /// Replaces edge a b = h of flat face (a, b, c) and its neighbour (b, a, d) by edge c d, if both faces become higher
+  /// and keep the orientation of the neighbour, or if both are flat and the new edge is shorter.
+  bool flip(std::int32_t h) {
     const std::int32_t o = t_.opposite[h];
     if (o == kNone) return false;
     const std::int32_t c_at = Mesh::prev(h), d_at = Mesh::prev(o);
@@ -123,7 +143,9 @@ class Turner {
     keep_leaving(b, bc);
     keep_leaving(c, o);
     keep_leaving(d, h);
-    log_.add(Mend::turned_edges, p_.source_face[h / 3]);
+    for (const std::int32_t vertex : {a, b, c, d}) touched_[vertex] = static_cast<std::int8_t>(round_ + 1);
+    changed_.insert(changed_.end(), {h / 3, o / 3});
+    log_.add(RepairKind::flipped_edges, p_.source_face[h / 3]);
     return true;
   }
 
@@ -132,7 +154,7 @@ class Turner {
     if (beyond != kNone) t_.opposite[beyond] = h;
   }
 
-  /// Sets the half-edge from which turning meets all faces of a vertex, given one that leaves it.
+  /// Sets the half-edge from which a walk meets all faces of a vertex, given one that leaves it.
   void keep_leaving(std::int32_t v, std::int32_t h) {
     const std::int32_t start = h;
     for (std::int32_t back = t_.opposite[h]; back != kNone; back = t_.opposite[h]) {
@@ -142,16 +164,19 @@ class Turner {
     t_.vertex_halfedge[v] = h;
   }
 
-  Parts& p_;
+  MeshArrays& p_;
   Topology& t_;
   RepairLog& log_;
   double thin_;
+  int round_ = 0;
+  std::vector<std::int8_t> touched_;   // (V) the last round that flipped an edge at each vertex, from 1; 0 if none did
+  std::vector<std::int32_t> changed_;  // faces of this round's flips
 };
 
 }  // namespace
 
-void turn_flat_faces(Parts& parts, Topology& topology, RepairLog& log, const Threads& threads, Job& job) {
-  Turner(parts, topology, log, threads, job).run(threads, job);
+void flip_degenerate_edges(MeshArrays& arrays, Topology& topology, RepairLog& log, const Threads& threads, Job& job) {
+  EdgeFlipper(arrays, topology, log, threads, job).run(threads, job);
 }
 
 }  // namespace isimp::detail
