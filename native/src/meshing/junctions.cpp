@@ -17,7 +17,7 @@ namespace {
 constexpr int kPasses = 2;
 constexpr std::size_t kMostLabels = 5;  ///< pieces that may meet in a vertex
 // How far the planes may miss the vertex: deviations of the scan from them, and of sqrt(area / pieces).
-constexpr double kPlanes = 3.2, kGap = 0.1;
+constexpr double kPlanes = 3.2, kGap = 0.11;
 constexpr double kRounding = 1e-9;                          ///< of the diagonal: planes that are nearer than this meet
 constexpr double kFixed = 0.0625;                           ///< of the largest eigenvalue: below, planes fix no point
 constexpr double kStep = 0.3;                               ///< of sqrt(area / pieces): from the middle to the vertex

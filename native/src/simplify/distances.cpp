@@ -4,6 +4,7 @@
 #include <limits>
 #include <numeric>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "boxes.h"
@@ -64,7 +65,9 @@ struct Targets {
       if (region < 0 || region >= regions)
         throw InvalidInput("a polygon is of region " + std::to_string(region) + ", but there are " +
                            std::to_string(regions) + ": the polygons were made of another partition");
-    const Triangulation cut = triangulate({polygons.vertices, polygons.loops, polygons.loop_start}, job);
+    const auto& [loops, start] = std::tie(polygons.loops, polygons.loop_start);
+    const Triangulation cut =
+        triangulate({polygons.vertices, {loops.begin(), loops.end()}, {start.begin(), start.end()}}, job);
     const auto region_of = [&](std::size_t t) { return polygons.polygon_region[cut.source_polygon[t]]; };
     for (std::size_t t = 0; t < cut.triangles.size(); ++t) ++first[region_of(t) + 1];
     std::partial_sum(first.begin(), first.end(), first.begin());
