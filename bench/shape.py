@@ -25,6 +25,7 @@ Columns, of polygons unless said otherwise:
 """
 
 import argparse
+import itertools
 import json
 import time
 from pathlib import Path
@@ -38,7 +39,8 @@ ROOT = Path(__file__).resolve().parents[1]
 FOLDERS = ("scan", "building", "nasty")
 COUNTS = (100, 300, 1000)
 COLUMNS = (
-    "corners conc strong reflex forced <15 needle iq short ratio val3 border ragged D bend mean max split mesh_s".split()
+    *("corners", "conc", "strong", "reflex", "forced", "<15", "needle", "iq", "short", "ratio", "val3"),
+    *("border", "ragged", "D", "bend", "mean", "max", "split", "mesh_s"),
 )
 DIGITS = {"iq": 2, "corners": 2, "border": 2, "ragged": 2, "D": 4, "bend": 3, "mean": 3, "max": 2, "mesh_s": 2}
 # What may be no worse than before, and by which factor it may differ.
@@ -116,7 +118,7 @@ def shape(vertices, loops, start):
     around = np.bincount(loops, angle, minlength=len(vertices))
     reflex, sharp = angle > 190, angle < 15
     forced = reflex & inner[loops] & (valence[loops] == 3) & (around[loops] > 361)
-    hull = np.array([hull_area(flat[a:b]) for a, b in zip(start[:-1], start[1:], strict=True)])
+    hull = np.array([hull_area(flat[a:b]) for a, b in itertools.pairwise(start)])
     perimeter = np.bincount(of, length, minlength=polygons)
     longest, shortest = np.maximum.reduceat(length, start[:-1]), np.minimum.reduceat(length, start[:-1])
     return {

@@ -50,6 +50,25 @@ def joined_pairs(prepared: Prepared, separated: np.ndarray) -> np.ndarray:
     return ~np.isin(ends[:, 0] * count + ends[:, 1], apart[:, 0].astype(np.int64) * count + apart[:, 1])
 
 
+def with_split_faces(prepared: Prepared, partition, faces: np.ndarray, home: np.ndarray, pairs: np.ndarray):
+    """(F,) bool: the user's faces, and those of `home` beside them some triangles of which are in other regions.
+
+    A face is joined to a region at triangles only: made one, such a face joins what is beside it. Those with a locked
+    triangle are left out. faces, home: (F,) bool.
+    """
+    if prepared.areas is None:  # all triangles
+        return faces
+    label, count = np.asarray(partition.face_region), prepared.scan.face_count
+    low, high = np.full(count, partition.region_count), np.full(count, -1)
+    np.minimum.at(low, prepared.mesh_face, label)
+    np.maximum.at(high, prepared.mesh_face, label)
+    free = np.ones(count, bool)
+    free[prepared.mesh_face[(label >= 0) & np.append(partition.region_locked, False)[label]]] = False
+    beside = np.zeros(count, bool)
+    beside[pairs[faces[pairs].any(axis=1)].ravel()] = True
+    return faces | (beside & home & (low != high) & (low >= 0) & free)
+
+
 def face_regions(prepared: Prepared, partition) -> np.ndarray:
     """(face_count,) int32 region of each of the user's faces, -1 where it is in none.
 

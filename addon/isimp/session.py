@@ -22,6 +22,7 @@ from .prepared import (
     scan_numbers,
     triangle_at,
     triangles_at,
+    with_split_faces,
 )
 from .scan import Scan
 from .task import Stopped, Watch, shares
@@ -392,7 +393,8 @@ def _apply_smooth(step: rcp.SmoothFaces, prepared, before, watch, begin, end) ->
         now = face_regions(prepared, partition)
         moved = smoothing.reachable((wanted == region) & (now != now[stays]) & inside, now == now[stays], pairs)
         if moved.any():
-            faces = triangles_at(prepared, tuple(np.flatnonzero(moved).tolist()))
+            whole = with_split_faces(prepared, partition, moved, now == now[stays], pairs)
+            faces = triangles_at(prepared, tuple(np.flatnonzero(whole).tolist()))
             args = (prepared.mesh, partition, faces, triangle_at(prepared, stays))
             partition = _engine_call(watch, begin, end, "smoothing", engine.paint_faces, *args)
     if locked:

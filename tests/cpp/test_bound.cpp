@@ -158,7 +158,8 @@ TEST(Adaptivity, MovesRegionsToRoughPlacesAndStatesPlainErrors) {
   const Mesh mesh = shapes::mesh(bent_and_rough());
   std::vector<std::int32_t> rough;
   for (const double a : {0.0, 0.5, 1.0}) {
-    const Partition part = partition(mesh, {.proxies = 60, .adaptivity = a}, job);
+    // By the error alone: short borders move a few regions too.
+    const Partition part = partition(mesh, {.proxies = 60, .adaptivity = a, .smooth = 0}, job);
     EXPECT_EQ(part.region_count(), 60);
     EXPECT_EQ(part.guided, nullptr);
     checks::expect_sound(mesh, part);

@@ -80,6 +80,21 @@ TEST(Junctions, OfLockedRegionsStay) {
   }
 }
 
+TEST(Junctions, NeverCrossABarrier) {
+  // Barriers along all borders: any join would move faces across one.
+  const Mesh mesh = Bricks::bent(0);
+  const std::vector<std::int32_t> labels = Bricks::labels(mesh, 2);
+  Guides guides;
+  for (std::int32_t h = 0; h < 3 * mesh.face_count(); ++h)
+    if (const std::int32_t o = mesh.opposite(h); o > h && labels[h / 3] != labels[o / 3])
+      guides.barriers.push_back({mesh.from(h), mesh.to(h)});
+  Job job;
+  const Partition free = partition_from(mesh, labels, job),
+                  kept = partition_from(Surface(mesh, guides, job), labels, job);
+  EXPECT_EQ(polygonize(mesh, free, {}, job).report.joined_junctions, 1);
+  EXPECT_EQ(polygonize(mesh, kept, {}, job).report.joined_junctions, 0);
+}
+
 TEST(Junctions, StayWhereABoundWouldBreak) {
   // Each region is held to its plane by less than the next region's are away from it.
   Bricks bricks(0, 2);

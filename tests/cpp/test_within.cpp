@@ -54,7 +54,8 @@ TEST(Distances, AreToPlanesSidesAndCorners) {
 TEST(Distances, AreTheLeastToAnyTriangle) {
   Job job;
   const PolygonMesh& p = ring().polygons;
-  const Triangulation cut = triangulate({p.vertices, p.loops, p.loop_start}, job);
+  const Triangulation cut =
+      triangulate({p.vertices, {p.loops.begin(), p.loops.end()}, {p.loop_start.begin(), p.loop_start.end()}}, job);
   std::vector<double> wanted;
   for (const Vec3& v : ring().mesh.vertices()) {
     double least = std::numeric_limits<double>::infinity();

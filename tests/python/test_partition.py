@@ -273,6 +273,12 @@ def test_no_region_crosses_a_barrier(method):
     assert part.region_count == 2
     more = engine.add_proxy(mesh, part, int(np.flatnonzero(left)[0]))
     assert not set(more.face_region[left]) & set(more.face_region[~left])
+    apart = engine.separated_faces(mesh, more)
+    assert apart.shape == (len(barriers), 2)
+    assert (left[apart].sum(axis=1) == 1).all()
+    shared = [set(triangles[a]) & set(triangles[b]) for a, b in apart]
+    assert {frozenset(pair) for pair in barriers} == set(map(frozenset, shared))
+    assert engine.separated_faces(mesh, engine.partition(mesh, options(proxies=2))).shape == (0, 2)
 
 
 def test_what_a_mesh_keeps_is_kept_apart_by_guides(sheet):

@@ -87,7 +87,8 @@ void Edit::move(std::int32_t i, std::int32_t to) {
 }
 
 std::vector<std::int32_t> Edit::relax(std::span<const std::int32_t> faces, std::int32_t pinned, Job& job) {
-  Relaxation<EditLabels> relaxation(graph, labels, result.region_sum, border_weight_of(result, graph));
+  Relaxation<EditLabels> relaxation(graph, labels, result.region_sum, border_weight_of(result, graph), Threads(1),
+                                    surface.relative_weight());
   relaxation.pin(pinned);
   for (const std::int32_t face : faces) {
     relaxation.push_if_border(face);

@@ -40,7 +40,8 @@ Partition improve(const Mesh& mesh, const Partition& partition, Job& job) {
   const Parts parts = find_parts(edit.surface, partition.region_count(), 0.0, job);
   for (const std::int32_t r : region_of) part.push_back(edit.surface.component()[partition.region_seed[r]]);
   const double before = regions.error();
-  Relaxation<GraphLabels> relaxation(graph, {regions.label.data()}, regions.sum, border_weight_of(partition, graph));
+  Relaxation<GraphLabels> relaxation(graph, {regions.label.data()}, regions.sum, border_weight_of(partition, graph),
+                                     Threads(1), edit.surface.relative_weight());
   for (std::int32_t i = 0; i < graph.size(); ++i) relaxation.push_if_border(i);
   relaxation.run(kSweeps, job);
   job.report(0.3);

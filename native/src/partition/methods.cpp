@@ -47,9 +47,11 @@ Regions teleport(const Surface& surface, const Parts& parts, Regions regions, st
 }
 
 /// Relaxes the borders of regions for their shape.
-void smooth_borders(const FaceGraph& graph, Regions& regions, double smooth, const Threads& threads, Job& job) {
+void smooth_borders(const Surface& surface, Regions& regions, double smooth, const Threads& threads, Job& job) {
+  const FaceGraph& graph = surface.graph();
   Relaxation<GraphLabels> relaxation(graph, {regions.label.data()}, regions.sum,
-                                     border_weight(regions.error(), smooth, graph.size(), regions.count()), threads);
+                                     border_weight(regions.error(), smooth, graph.size(), regions.count()), threads,
+                                     surface.relative_weight());
   for (std::int32_t i = 0; i < graph.size(); ++i) relaxation.push_if_border(i);
   relaxation.run(kSmoothSweeps, job);
 }
@@ -143,7 +145,7 @@ Partition by_detail(const Surface& surface, const DetailTree& tree, const Partit
   const double tolerance = options.tolerance.value_or(options.detail.value_or(kDefaultDetail) * tree.size());
   const Cut cut = tree.choose(tolerance, options.snap);
   Regions regions = tree.regions(surface, cut, threads, job);
-  if (options.smooth > 0) smooth_borders(surface.graph(), regions, options.smooth, threads, job);
+  if (options.smooth > 0) smooth_borders(surface, regions, options.smooth, threads, job);
   Partition result = make_partition(surface, tree.parts(), regions, {regions.error()}, threads, job);
   result.proxies_asked = result.region_count();
   result.tolerance = tolerance;

@@ -23,6 +23,13 @@ struct Guides {
   std::vector<std::array<std::int32_t, 2>> barriers;
 };
 
+/// Weights of faces beside their mean by area.
+struct RelativeWeight {
+  std::span<const float> weight;  ///< (n) by graph index; empty: 1 everywhere
+  float mean = 1;
+  [[nodiscard]] float of(std::int32_t i) const { return weight.empty() ? 1.0F : weight[i] / mean; }
+};
+
 /// A face graph that guides have changed: other areas, or cut along barriers into other components.
 struct GuidedGraph {
   FaceGraph graph;
@@ -58,6 +65,10 @@ class Surface {
   /// (n) by graph index, by what the areas have been multiplied; empty: by nothing.
   [[nodiscard]] std::span<const float> weight() const {
     return guided_ ? std::span<const float>(guided_->weight) : std::span<const float>();
+  }
+  [[nodiscard]] RelativeWeight relative_weight() const {
+    const double area = mesh_->graph().area;
+    return {weight(), area > 0 ? static_cast<float>(graph().area / area) : 1.0F};
   }
   [[nodiscard]] std::int32_t face_count() const { return mesh_->face_count(); }
   [[nodiscard]] const std::shared_ptr<const GuidedGraph>& guided() const { return guided_; }

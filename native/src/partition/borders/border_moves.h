@@ -8,6 +8,7 @@
 
 #include "isimp/mesh/face_graph.h"
 #include "isimp/partition/metric.h"
+#include "isimp/partition/surface.h"
 
 namespace isimp {
 
@@ -65,6 +66,9 @@ struct BorderWeight {
                          ///< zigzag that turns neither back nor aside is as short as the straight way
 };
 
+/// What a border is worth where the weights are w times their mean, beside one of the same length elsewhere.
+inline float worth_of(float w) { return 1 / std::sqrt(w); }
+
 /// Judges whether a face on a border between regions should go to the other side, and whether it may.
 template <class Labels>
 struct BorderMoves {
@@ -75,6 +79,7 @@ struct BorderMoves {
   float edge_weight = 0;        ///< of an edge between regions, over the mean area of a face
   bool is_wide = false;         ///< see BorderWeight
   float mean_area = 0;          ///< of a face
+  RelativeWeight weight;        ///< of the faces
   std::int32_t pinned = kNone;  ///< the one face that must not move
 
   /// The neighbouring region to which a move of the face lowers the energy most; kNone if there is none or it may not
@@ -94,7 +99,7 @@ struct BorderMoves {
     const float leaving = home.growth(-home.dot(f), f.area);
     Ring ring;
     if (is_wide && !read_ring(face, reach, ring)) return kBeyond;
-    const float edge = edge_weight * (is_wide              ? kOfEdge * std::sqrt(f.area * mean_area)
+    const float edge = edge_weight * (is_wide              ? kOfEdge * length_at(face, f.area)
                                       : f.area < mean_area ? f.area
                                                            : mean_area);
     const float least = kLeastGain * (f.area + edge);
@@ -134,6 +139,13 @@ struct BorderMoves {
   // A pair of faces that share just a vertex counts as half an edge, so that straight borders cost about the same in
   // all directions; there are some seven such pairs to an edge of a straight border.
   static constexpr float kOfVertex = 0.5F, kOfEdge = 1 / (1 + 7 * kOfVertex);
+
+  /// How long an edge of a face of this area is for a wide border, in mean areas. Where weights make regions small, a
+  /// border of the same length is worth less (worth_of).
+  [[nodiscard]] float length_at(std::int32_t face, float area) const {
+    const float w = weight.of(face);
+    return w > 0 ? std::sqrt(area / w * mean_area) * worth_of(w) : 0;
+  }
 
   /// Labels of the faces that share just a vertex with a face.
   struct Ring {

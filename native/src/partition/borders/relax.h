@@ -60,9 +60,15 @@ class Relaxation {
   /// \param sums    (R) is kept up to date with every move
   /// \param weight  of an edge between regions; unless it is wide, faces smaller than the mean take a proportionate
   ///                share of it
+  /// \param face_weight  Surface::relative_weight; counts where borders are wide
   Relaxation(const FaceGraph& graph, Labels labels, std::vector<RegionSum>& sums, BorderWeight weight,
-             const Threads& threads = Threads(1))
-      : moves_{graph, labels, static_cast<float>(weight.edge), weight.is_wide, 1.0F / static_cast<float>(graph.size())},
+             const Threads& threads = Threads(1), RelativeWeight face_weight = {})
+      : moves_{graph,
+               labels,
+               static_cast<float>(weight.edge),
+               weight.is_wide,
+               1.0F / static_cast<float>(graph.size()),
+               face_weight},
         sums_(sums),
         threads_(threads),
         state_(graph.faces.size(), 0) {

@@ -100,7 +100,8 @@ class Optimiser {
     }
     Job::Part stage(job, "relaxing", 0.4, 1.0);
     Relaxation<GraphLabels> relaxation(graph_, {regions_.label.data()}, regions_.sum,
-                                       border_weight(regions_.error(), smooth_, graph_.size(), wanted), threads_);
+                                       border_weight(regions_.error(), smooth_, graph_.size(), wanted), threads_,
+                                       surface_.relative_weight());
     for (const std::int32_t i : borders_among(relaxation, h_.patch_face, job)) relaxation.push(i);
     relaxation.run(kFirstSweeps, job);
     job.report(0.4);

@@ -6,6 +6,8 @@
 #include <limits>
 #include <numeric>
 
+#include "borders/border_moves.h"
+
 namespace isimp {
 namespace {
 
@@ -134,7 +136,8 @@ std::vector<double> border_lengths(const Surface& surface, const std::vector<std
   constexpr double kUnit = 0x1p40;  // sums of integers do not depend on the number of threads
   const FaceGraph& graph = surface.graph();
   const Mesh& mesh = surface.mesh();
-  const double share = kUnit / std::sqrt(std::max(graph.area, std::numeric_limits<double>::min()));
+  const RelativeWeight weight = surface.relative_weight();
+  const double share = kUnit / std::sqrt(std::max(mesh.graph().area, std::numeric_limits<double>::min()));
   const auto size = static_cast<std::int32_t>(faces.size());
   const std::int32_t pieces = threads.pieces(size);
   std::vector<std::vector<std::int64_t>> sums(static_cast<std::size_t>(pieces));
@@ -151,7 +154,8 @@ std::vector<double> border_lengths(const Surface& surface, const std::vector<std
         const double length = (mesh.vertices()[t[(k + 1) % 3]] - mesh.vertices()[t[k]]).norm();
         const auto row = touching.around(own);
         const auto at = std::lower_bound(row.begin(), row.end(), other) - row.begin();
-        sum[touching.first[own] + at] += std::llround(share * length);
+        const float w = weight.of(faces[i]);
+        if (w > 0) sum[touching.first[own] + at] += std::llround(share * length * worth_of(w));
       }
     }
   });

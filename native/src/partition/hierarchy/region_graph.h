@@ -25,7 +25,8 @@ MergeGraph graph_of_regions(const FaceGraph& graph, const std::vector<std::int32
                             std::vector<std::int32_t> part, std::span<const std::int32_t> faces,
                             const Threads& threads = Threads(1));
 
-/// How long the borders between regions are.
+/// How long the borders between regions are; with weights, times what they are worth there (worth_of in
+/// border_moves.h).
 /// \param label  as in the graph of these regions
 /// \param faces  among which all border faces are
 /// \return as touching.neighbour, as a share of the root of the surface's area
