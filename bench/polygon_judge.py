@@ -19,6 +19,7 @@ import numpy as np
 from outlines import Outlines, edges_of, twins
 
 THIN = 1e-6  # of the diagonal: a polygon thinner than this has no area
+FACING = 0.2  # cosine from which a polygon faces the way of the faces beside it
 
 
 @dataclass
@@ -388,11 +389,14 @@ def distances(points, corners, facets):
 def faces_away(area, outline, known, near):
     """Whether a polygon of this vector area faces away from its outline on the scan.
 
-    Where not all of that is `known`, it has to face away from the faces `near` it as well, if these agree.
+    Where not all of that is `known`, as of a polygon inside a region that was split, a straight line stands for the
+    rest and may turn the sum: it then has to face away from the faces `near` it as well, or, where these do not agree,
+    at least not to face their way.
     """
     total = near.sum(0)
     agree = near @ total >= np.sqrt(0.5) * np.linalg.norm(total) * np.linalg.norm(near, axis=1)
-    return area @ vector_area(outline) < 0 and (known or not agree.all() or area @ total < 0)
+    limit = 0 if agree.all() else FACING * np.linalg.norm(area) * np.linalg.norm(total)
+    return area @ vector_area(outline) < 0 and (known or area @ total < limit)
 
 
 def look_at_polygons(poly, scan, loops, position, flatness, outlined, v):
