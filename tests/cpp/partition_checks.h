@@ -9,8 +9,22 @@
 
 #include "isimp/core/errors.h"
 #include "isimp/simplify/partitioner.h"
+#include "shapes.h"
 
 namespace isimp::checks {
+
+/// A sphere with noise.
+inline const Mesh& bumpy() {
+  static const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(4), 0.003, 2));
+  return mesh;
+}
+
+/// A cube, and beside it one so small that it is left out.
+inline Mesh cube_and_speck() {
+  shapes::Arrays speck = shapes::cube(2);
+  for (Vec3& v : speck.vertices) v *= 0.02;
+  return shapes::mesh(shapes::both(shapes::cube(6), speck, {3, 3, 3}));
+}
 
 /// The area of a face over its longest edge squared from which on it counts as one: see make_face_graph.
 inline constexpr double kLeastShape = 0.5e-12;

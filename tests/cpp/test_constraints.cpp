@@ -20,12 +20,8 @@
 namespace isimp {
 namespace {
 
+using checks::bumpy;
 using checks::message_of;
-
-const Mesh& bumpy() {
-  static const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(4), 0.003, 2));
-  return mesh;
-}
 
 Partition run(const Mesh& mesh, const PartitionOptions& options, const Constraints& constraints) {
   Job job;
@@ -231,9 +227,7 @@ TEST(Constraints, WeightsAndBarriersHoldInAPartToo) {
 
 TEST(Constraints, SpecksAreLeftOutBesideLockedRegionsAsWithoutThem) {
   Job job;
-  shapes::Arrays speck = shapes::cube(2);
-  for (Vec3& v : speck.vertices) v *= 0.02;
-  const Mesh mesh = shapes::mesh(shapes::both(shapes::cube(6), speck, {3, 3, 3}));
+  const Mesh mesh = checks::cube_and_speck();
   const Partition base = partition(mesh, {.proxies = 6}, job);
   ASSERT_EQ(base.parts_left_out, 1);
   const Partition before = set_locked(mesh, base, std::span(base.region_seed).first(1), true);

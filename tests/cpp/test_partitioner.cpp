@@ -13,12 +13,8 @@
 namespace isimp {
 namespace {
 
+using checks::bumpy;
 using checks::message_of;
-
-const Mesh& bumpy() {
-  static const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(4), 0.003, 2));
-  return mesh;
-}
 
 /// Everything that another call may find kept, and asks for in another order.
 std::vector<PartitionOptions> orders() {

@@ -95,9 +95,7 @@ TEST(Distances, AreTheSameFarFromZero) {
 
 TEST(Distances, AreNoneWhereThereIsNoRegion) {
   Job job;
-  shapes::Arrays speck = shapes::cube(2);
-  for (Vec3& v : speck.vertices) v *= 0.02;
-  const Mesh mesh = shapes::mesh(shapes::both(shapes::cube(6), speck, {3, 3, 3}));
+  const Mesh mesh = checks::cube_and_speck();
   const Partition part = partition(mesh, {.proxies = 6}, job);
   const std::vector<double> away = scan_distances(mesh, part, polygonize(mesh, part, {}, job), {}, job);
   for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {

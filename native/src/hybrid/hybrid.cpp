@@ -18,6 +18,8 @@
 namespace isimp {
 namespace {
 
+constexpr int kSweeps = 60;  // of the borders that were carried back
+
 /// The coarse mesh without the components that are left out, and the way back to the dense one.
 struct Coarse {
   Mesh mesh;
@@ -173,16 +175,6 @@ class Carrier {
   std::vector<bool> taken_;  // (n + 1)
 };
 
-/// Borders come back where the coarse faces had them, which were smoothed there; on the dense mesh they find their
-/// places.
-void relax_borders(const FaceGraph& graph, Regions& regions, const Threads& threads, Job& job) {
-  constexpr int kSweeps = 60;
-  Relaxation<GraphLabels> relaxation(graph, {regions.label.data()}, regions.sum,
-                                     BorderWeight{0.5 * light_border_weight(regions.error()).edge}, threads);
-  for (std::int32_t i = 0; i < graph.size(); ++i) relaxation.push_if_border(i);
-  relaxation.run(kSweeps, job);
-}
-
 }  // namespace
 
 Partition hybrid(const Surface& surface, const Decimated& all, const PartitionOptions& options, Job& job) {
@@ -212,7 +204,12 @@ Partition hybrid(const Surface& surface, const Decimated& all, const PartitionOp
   regions.sum.resize(carrier.seeds.size());
   sum_regions(surface.graph(), regions, job);
   const Threads threads(options.threads);
-  if (!faithful) relax_borders(surface.graph(), regions, threads, job);
+  if (!faithful) {
+    // Borders come back where the coarse faces had them, which were smoothed there; on the dense mesh they find their
+    // places.
+    const BorderWeight weight{0.5 * light_border_weight(regions.error()).edge};
+    relax_borders(surface.graph(), regions, weight, kSweeps, threads, job);
+  }
   return make_partition(surface, parts, regions, {regions.error()}, threads, job);
 }
 

@@ -45,11 +45,11 @@ class SoupBuilder {
     if (soup_.loops.size() == kMost) too_many("corners");
     soup_.loops.push_back(corner(vertex));
   }
-  /// A vertex's number as it is kept until it is checked.
+  /// A vertex index for `loops`; one that does not fit becomes kOut, which the check refuses.
   static std::int32_t corner(std::int64_t vertex) {
     return vertex < 0 || vertex > static_cast<std::int64_t>(kMost) ? kOut : static_cast<std::int32_t>(vertex);
   }
-  /// How many more polygons of so many corners there may be.
+  /// Number of polygons with `corners` corners each that can still be added.
   [[nodiscard]] std::size_t room_for_polygons(std::size_t corners) const {
     const std::size_t starts = kMost - soup_.loop_start.size();
     return corners == 0 ? starts : std::min(starts, (kMost - soup_.loops.size()) / corners);
@@ -57,9 +57,9 @@ class SoupBuilder {
   [[nodiscard]] std::size_t room_for_vertices() const { return kMost - soup_.vertices.size(); }
   /// Adds vertices within that room, for the caller to set.
   std::span<Vec3> add_vertices(std::size_t count);
-  /// Adds polygons of so many corners within that room, for the caller to set the corners, polygon after polygon.
+  /// Adds `count` polygons with `corners` corners each. The caller sets the corners, polygon after polygon.
   std::span<std::int32_t> add_polygons(std::size_t count, std::size_t corners);
-  /// Takes the last ones, of so many corners each, away again.
+  /// Removes the last `count` polygons, which have `corners` corners each.
   void drop_polygons(std::size_t count, std::size_t corners);
   [[nodiscard]] const std::vector<Vec3>& vertices() const { return soup_.vertices; }
   /// Checks the indices.

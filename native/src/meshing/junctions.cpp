@@ -3,7 +3,6 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -340,7 +339,7 @@ class Joiner {
     bool good = true;
     for (std::size_t i = 0; i < near.size() && good; ++i)
       good = is_kept(before[i], round_of(near[i]), near[i] == gift.keeps, near[i] == gift.moves, all);
-    good = good && find_face(gift.giver, gift.faces) && is_disc(gift.giver) && is_disc(gift.taker);
+    good = good && stays_disc(gift.giver, gift.faces) && is_disc(gift.taker);
     if (good) {
       sums_[gift.giver] -= gift.sum;
       sums_[gift.taker] += gift.sum;
@@ -361,25 +360,20 @@ class Joiner {
     return before == after;
   }
 
-  /// Has a piece that gave some faces named by one that it keeps.
-  /// \return whether it stays connected
-  bool find_face(std::int32_t piece, const std::vector<std::int32_t>& given) {
+  /// Names a piece that gave some faces by one that it keeps.
+  /// \return whether it is a disc still
+  bool stays_disc(std::int32_t piece, const std::vector<std::int32_t>& given) {
+    std::vector<std::int32_t> beside;  // faces that it keeps: the flood from one must come to all
+    for (const std::int32_t f : given)
+      for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
+        if (const std::int32_t o = mesh_.opposite(h); o != kNone && s_.labels.label[o / 3] == piece)
+          beside.push_back(o / 3);
+    if (beside.empty()) return false;
     std::int32_t& face = s_.labels.pieces[piece].face;
-    std::int32_t stays = kNone;
-    for (const std::int32_t f : given)
-      for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
-        if (const std::int32_t o = mesh_.opposite(h); o != kNone && s_.labels.label[o / 3] == piece) stays = o / 3;
-    if (stays == kNone) return false;
-    if (s_.labels.label[face] != piece) face = stays;
-    // All faces round those given that stay must be joined: the flood from one must come to each.
-    s_.labels.face_marks.clear();
-    s_.labels.flood(piece);
-    for (const std::int32_t f : given)
-      for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
-        if (const std::int32_t o = mesh_.opposite(h);
-            o != kNone && s_.labels.label[o / 3] == piece && !s_.labels.face_marks.has(o / 3))
-          return false;
-    return true;
+    if (s_.labels.label[face] != piece) face = beside.back();
+    const std::vector<std::int32_t> faces = s_.labels.faces_of(piece);
+    return std::all_of(beside.begin(), beside.end(), [&](std::int32_t f) { return s_.labels.face_marks.has(f); }) &&
+           s_.labels.shape(faces).defect() == 0;
   }
 
   [[nodiscard]] bool is_disc(std::int32_t piece) { return s_.labels.shape(s_.labels.faces_of(piece)).defect() == 0; }

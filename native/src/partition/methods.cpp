@@ -22,9 +22,9 @@
 namespace isimp {
 namespace {
 
-constexpr int kSweeps = 200;  // of the borders between flooding and teleports
-constexpr int kSmoothSweeps = 60;
-constexpr int kTries = 50;  // of teleports in a row that do not pay, before a round ends
+constexpr int kSweeps = 200;       // of the borders between flooding and teleports
+constexpr int kSmoothSweeps = 60;  // of the borders of regions that the detail gave
+constexpr int kTries = 50;         // of teleports in a row that do not pay, before a round ends
 
 /// Teleports until none helps. The borders are relaxed before and after, so what comes in is given back if it was
 /// better.
@@ -44,16 +44,6 @@ Regions teleport(const Surface& surface, const Parts& parts, Regions regions, st
   if (regions.error() > before.error()) return before;
   history.push_back(regions.error());
   return regions;
-}
-
-/// Relaxes the borders of regions for their shape.
-void smooth_borders(const Surface& surface, Regions& regions, double smooth, const Threads& threads, Job& job) {
-  const FaceGraph& graph = surface.graph();
-  Relaxation<GraphLabels> relaxation(graph, {regions.label.data()}, regions.sum,
-                                     border_weight(regions.error(), smooth, graph.size(), regions.count()), threads,
-                                     surface.relative_weight());
-  for (std::int32_t i = 0; i < graph.size(); ++i) relaxation.push_if_border(i);
-  relaxation.run(kSmoothSweeps, job);
 }
 
 std::vector<std::int32_t> first_seeds(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts,
@@ -145,7 +135,11 @@ Partition by_detail(const Surface& surface, const DetailTree& tree, const Partit
   const double tolerance = options.tolerance.value_or(options.detail.value_or(kDefaultDetail) * tree.size());
   const Cut cut = tree.choose(tolerance, options.snap);
   Regions regions = tree.regions(surface, cut, threads, job);
-  if (options.smooth > 0) smooth_borders(surface, regions, options.smooth, threads, job);
+  if (options.smooth > 0) {
+    const FaceGraph& graph = surface.graph();
+    const BorderWeight weight = border_weight(regions.error(), options.smooth, graph.size(), regions.count());
+    relax_borders(graph, regions, weight, kSmoothSweeps, threads, job, surface.relative_weight());
+  }
   Partition result = make_partition(surface, tree.parts(), regions, {regions.error()}, threads, job);
   result.proxies_asked = result.region_count();
   result.tolerance = tolerance;

@@ -27,7 +27,7 @@ struct Partition {
   std::vector<double> history;            ///< the error after each round; `error` is not above any of them, but for
                                           ///< Method::naive and queued: rounds of pieces, the last entry is `error`
 
-  double smooth = 0.0;        ///< PartitionOptions::smooth as it was made with; edits relax borders alike
+  double smooth = 0.0;        ///< PartitionOptions::smooth it was made with; edits relax borders with the same weight
   double tolerance = 0.0;     ///< t at which the number of regions was found, scene units; 0: the number was given
   double noise = 0.0;         ///< the deviation it was found with, given or estimated, scene units
   bool snapped = false;       ///< the shape has so many planes: a gap in the costs of merging that can't be chance

@@ -29,7 +29,7 @@ struct Constraints {
 };
 
 /// The faces that may get other regions than they have, rising: `faces` or, without them, those that are not left out;
-/// none of a locked region. nullopt: all may, and what is left out is not decided yet.
+/// without those of locked regions. nullopt: there are neither `faces` nor locked regions.
 ///
 /// \param leave_out  as in PartitionOptions
 /// \throws InvalidInput  a face out of range (named); no face; all of them are locked; `before` is of another mesh

@@ -44,7 +44,7 @@ class BoundSearch {
   struct Step {
     bool anew;          ///< make the partition again with `share` of its bound; else make polygons
     double share;       ///< for polygons: the share of the partition's bound half of which borders and corners use up
-    double begin, end;  ///< the work's share of all: each step gets half of what is left, as nobody knows how many come
+    double begin, end;  ///< progress in [0, 1]: each step gets half of the rest, as the number of steps is unknown
   };
 
   /// \param allowed  the distance that is near enough, scene units
@@ -91,7 +91,7 @@ using Again = std::function<Partition(double share, Job& job)>;
 /// The polygons of a partition; with a bound such that the scan is within `slack` times it of them, if that can be.
 /// Without a bound it is `polygonize`.
 ///
-/// \param again  empty: the partition stays as it is, whatever the distance
+/// \param again  makes the partition again with a lower bound; empty: the partition stays as given
 /// \throws InvalidInput, Cancelled  as polygonize
 Within polygonize_within(const Mesh& mesh, Partition partition, const MeshingOptions& options, const Again& again,
                          Job& job, double slack = kSlack);

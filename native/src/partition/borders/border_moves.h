@@ -160,6 +160,13 @@ struct BorderMoves {
     }
   };
 
+  /// From one face round a vertex to the next, away from the one before.
+  void go_on_round(std::int32_t& before, std::int32_t& at) const {
+    const auto& next = graph.neighbours[at];
+    const int back = next[0] == before ? 0 : next[1] == before ? 1 : 2;
+    before = std::exchange(at, next[(back + 2) % 3]);
+  }
+
   /// \return false where they are beyond the reach
   bool read_ring(std::int32_t face, const Reach& reach, Ring& ring) const {
     const auto& around = graph.neighbours[face];
@@ -169,9 +176,7 @@ struct BorderMoves {
       for (int step = 0; step < Ring::kMost / 3 && at != goal && at != graph.size(); ++step) {
         if (!reach.holds(at)) return false;
         if (before != face) ring.label[ring.size++] = labels.get(at);
-        const auto& next = graph.neighbours[at];
-        const int back = next[0] == before ? 0 : next[1] == before ? 1 : 2;
-        before = std::exchange(at, next[(back + 2) % 3]);
+        go_on_round(before, at);
       }
     }
     return true;
@@ -192,9 +197,7 @@ struct BorderMoves {
       if (at == goal) return to;
       if (!reach.holds(at)) return kBeyond;
       if (at == graph.size() || labels.get(at) != own) return kNone;
-      const auto& next = graph.neighbours[at];
-      const int back = next[0] == before ? 0 : next[1] == before ? 1 : 2;
-      before = std::exchange(at, next[(back + 2) % 3]);
+      go_on_round(before, at);
     }
     return kNone;
   }

@@ -12,6 +12,7 @@
 #include "isimp/core/threads.h"
 #include "isimp/mesh/face_graph.h"
 #include "isimp/partition/metric.h"
+#include "isimp/partition/regions.h"
 
 namespace isimp {
 
@@ -263,5 +264,13 @@ class Relaxation {
   Lists lists_;
   std::vector<std::uint8_t> state_;  // of each face
 };
+
+/// Relaxes all borders of some regions.
+inline void relax_borders(const FaceGraph& graph, Regions& regions, BorderWeight weight, int sweeps,
+                          const Threads& threads, Job& job, RelativeWeight face_weight = {}) {
+  Relaxation<GraphLabels> relaxation(graph, {regions.label.data()}, regions.sum, weight, threads, face_weight);
+  for (std::int32_t i = 0; i < graph.size(); ++i) relaxation.push_if_border(i);
+  relaxation.run(sweeps, job);
+}
 
 }  // namespace isimp
