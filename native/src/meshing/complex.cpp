@@ -9,6 +9,11 @@
 #include "sorted.h"
 
 namespace isimp::meshing {
+namespace {
+constexpr double kSharpCosine = 0.94;  ///< of 20 degrees: a triangle with a sharper corner is a needle ...
+constexpr double kOfNeedle = 0.2;      ///< ... which may leave out or add this share of its piece's area
+}  // namespace
+
 Complex::Complex(const Labels& labels, const std::vector<Plane>& planes)
     : labels_(labels),
       mesh_(labels.mesh),
@@ -172,33 +177,49 @@ void Complex::subdivide_chords(std::int32_t piece, std::span<const std::int32_t>
   }
 }
 
-/// Adds corners to a piece whose polygon is too different from it, however small it is.
+bool Complex::is_sharp(std::span<const std::int32_t> loop, const std::array<std::size_t, 3>& at) const {
+  for (int k = 0; k < 3; ++k) {
+    const Vec3& p = mesh_.vertices()[mesh_.from(loop[at[k]])];
+    const Vec3 a = mesh_.vertices()[mesh_.from(loop[at[(k + 1) % 3]])] - p,
+               b = mesh_.vertices()[mesh_.from(loop[at[(k + 2) % 3]])] - p;
+    if (a.dot(b) > kSharpCosine * a.norm() * b.norm()) return true;
+  }
+  return false;
+}
+
+/// Adds corners to a piece whose polygon is too different from it, however small it is. A strip or a window that would
+/// become a needle, a triangle with a sharp corner, gets a fourth corner sooner.
 void Complex::keep_shape(std::int32_t piece) {
   struct Part {
     std::size_t at;  // where its chord begins in the loop
-    double area;     // that the chord leaves out, below 0 where it adds
+    double area;     // that the chord leaves out, below 0 where it adds; less the flatter the two pieces meet
+    double plain;    // the same however they meet
   };
   const auto& loop = loops_[piece];
   const auto part_at = [&](std::size_t at) {
     collect_line(loop, at, line_);
-    if (line_.size() < 3) return Part{at, 0};
+    if (line_.size() < 3) return Part{at, 0, 0};
     take_out_zigzag(line_);
-    return Part{at, area_left_out(line_).dot(planes_[piece].normal) * sine_at(loop[at])};
+    const double area = area_left_out(line_).dot(planes_[piece].normal);
+    return Part{at, area * sine_at(loop[at]), area};
   };
   std::vector<Part> parts;  // in the order of the loop
   for (std::size_t i = 0; i < loop.size(); ++i)
     if (is_corner(mesh_.from(loop[i]))) parts.push_back(part_at(i));
   const double allowed = tolerance.of_area * planes_[piece].area;
   while (true) {
+    const bool is_needle = parts.size() == 3 && is_sharp(loop, {parts[0].at, parts[1].at, parts[2].at});
+    const auto left_out = [&](const Part& p) { return is_needle ? p.plain : p.area; };
     double sum = 0, most = 0;
     auto worst = parts.end();
     for (auto p = parts.begin(); p != parts.end(); ++p) {
-      sum += p->area;
-      if (std::abs(p->area) <= most) continue;
-      most = std::abs(p->area);
+      sum += left_out(*p);
+      if (std::abs(left_out(*p)) <= most) continue;
+      most = std::abs(left_out(*p));
       worst = p;
     }
-    if (std::abs(sum) <= allowed || worst == parts.end()) return;
+    const double limit = is_needle ? kOfNeedle * planes_[piece].area : allowed;
+    if (std::abs(sum) <= limit || worst == parts.end()) return;
     collect_line(loop, worst->at, line_);
     take_out_zigzag(line_);
     const std::size_t at = worst->at + farthest(line_).where;

@@ -76,6 +76,8 @@ class Complex {
 
  private:
   [[nodiscard]] bool is_anchor(std::int32_t vertex) const { return boundary_edges(vertex) != 2; }
+  /// Whether the triangle of three places in a loop has a sharp corner.
+  [[nodiscard]] bool is_sharp(std::span<const std::int32_t> loop, const std::array<std::size_t, 3>& at) const;
   /// Where a chord begins in the loop of its piece.
   [[nodiscard]] std::size_t place_of(std::int32_t chord) const;
   /// The points from corner to corner.
