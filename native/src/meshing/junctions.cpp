@@ -339,7 +339,7 @@ class Joiner {
     bool good = true;
     for (std::size_t i = 0; i < near.size() && good; ++i)
       good = is_kept(before[i], round_of(near[i]), near[i] == gift.keeps, near[i] == gift.moves, all);
-    good = good && stays_disc(gift.giver, gift.faces) && is_disc(gift.taker);
+    good = good && stay_discs(gift);
     if (good) {
       sums_[gift.giver] -= gift.sum;
       sums_[gift.taker] += gift.sum;
@@ -360,20 +360,71 @@ class Joiner {
     return before == after;
   }
 
-  /// Names a piece that gave some faces by one that it keeps.
-  /// \return whether it is a disc still
-  bool stays_disc(std::int32_t piece, const std::vector<std::int32_t>& given) {
-    std::vector<std::int32_t> beside;  // faces that it keeps: the flood from one must come to all
-    for (const std::int32_t f : given)
+  /// Names the giver by a face that it keeps.
+  /// \return whether both pieces are discs still
+  bool stay_discs(const Gift& gift) {
+    std::vector<std::int32_t> beside;  // faces that the giver keeps: the flood from one must come to all
+    for (const std::int32_t f : gift.faces)
       for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
-        if (const std::int32_t o = mesh_.opposite(h); o != kNone && s_.labels.label[o / 3] == piece)
-          beside.push_back(o / 3);
+        if (s_.labels.across(h) == gift.giver) beside.push_back(mesh_.opposite(h) / 3);
     if (beside.empty()) return false;
-    std::int32_t& face = s_.labels.pieces[piece].face;
-    if (s_.labels.label[face] != piece) face = beside.back();
-    const std::vector<std::int32_t> faces = s_.labels.faces_of(piece);
+    std::int32_t& face = s_.labels.pieces[gift.giver].face;
+    if (s_.labels.label[face] != gift.giver) face = beside.back();
+    const std::vector<std::int32_t> loop = outline(gift.faces);
+    if (!loop.empty()) {
+      // A disc without a disc along one path of its boundary is a disc, and so are two discs with one common path. That
+      // no piece touches itself at a vertex has been seen.
+      const auto runs = [&](std::int32_t label) {
+        int count = 0;
+        for (std::size_t i = 0; i < loop.size(); ++i)
+          count += is_beside(loop[i], label) && !is_beside(loop[i > 0 ? i - 1 : loop.size() - 1], label);
+        return count;
+      };
+      return runs(gift.giver) == 1 && runs(gift.taker) == 1;
+    }
+    const std::vector<std::int32_t> faces = s_.labels.faces_of(gift.giver);
     return std::all_of(beside.begin(), beside.end(), [&](std::int32_t f) { return s_.labels.face_marks.has(f); }) &&
-           s_.labels.shape(faces).defect() == 0;
+           s_.labels.shape(faces).defect() == 0 && is_disc(gift.taker);
+  }
+
+  /// Whether the face across a half-edge of the marked faces has a label and is none of them.
+  [[nodiscard]] bool is_beside(std::int32_t h, std::int32_t label) const {
+    const std::int32_t o = mesh_.opposite(h);
+    return o != kNone && s_.labels.label[o / 3] == label && !s_.labels.face_marks.has(o / 3);
+  }
+
+  /// Marks some faces.
+  /// \return their boundary half-edges in order; empty if they are no disc
+  std::vector<std::int32_t> outline(const std::vector<std::int32_t>& faces) {
+    auto &in = s_.labels.face_marks, &seen = s_.labels.vertex_marks;
+    in.clear();
+    seen.clear();
+    for (const std::int32_t f : faces) in.add(f);
+    std::int64_t vertices = 0, edges = 0, boundary = 0;  // edges twice
+    std::int32_t start = kNone;
+    const auto is_inner = [&](std::int32_t h) {
+      const std::int32_t o = mesh_.opposite(h);
+      return o != kNone && in.has(o / 3);
+    };
+    for (const std::int32_t f : faces)
+      for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h) {
+        vertices += seen.add(mesh_.from(h));
+        ++edges;
+        if (is_inner(h)) continue;
+        ++edges;
+        ++boundary;
+        start = h;
+      }
+    std::vector<std::int32_t> loop;
+    if (2 * (vertices + static_cast<std::int64_t>(faces.size())) - edges != 2) return loop;
+    seen.clear();
+    for (std::int32_t h = start; seen.add(mesh_.from(h));) {
+      loop.push_back(h);
+      h = Mesh::next(h);
+      while (is_inner(h)) h = Mesh::next(mesh_.opposite(h));
+    }
+    if (static_cast<std::int64_t>(loop.size()) != boundary) loop.clear();
+    return loop;
   }
 
   [[nodiscard]] bool is_disc(std::int32_t piece) { return s_.labels.shape(s_.labels.faces_of(piece)).defect() == 0; }
