@@ -11,6 +11,13 @@
 namespace isimp {
 namespace {
 
+/// Where a neighbour of a region stands in a graph.
+std::int32_t entry(const MergeGraph& graph, std::int32_t region, std::int32_t neighbour) {
+  const auto row = graph.around(region);
+  return graph.first[region] +
+         static_cast<std::int32_t>(std::lower_bound(row.begin(), row.end(), neighbour) - row.begin());
+}
+
 constexpr std::size_t kAhead = 8;          // faces, for the memory to be there in time
 constexpr std::size_t kBorderOfPair = 16;  // border faces for each pair of regions, if there are few
 
@@ -133,7 +140,8 @@ MergeGraph graph_of_regions(const FaceGraph& graph, const std::vector<std::int32
 std::vector<double> border_lengths(const Surface& surface, const std::vector<std::int32_t>& label,
                                    std::span<const std::int32_t> faces, const MergeGraph& touching,
                                    const Threads& threads) {
-  constexpr double kUnit = 0x1p40;  // sums of integers do not depend on the number of threads
+  constexpr std::int32_t kAhead = 12;  // faces, for the memory to be there in time
+  constexpr double kUnit = 0x1p40;     // sums of integers do not depend on the number of threads
   const FaceGraph& graph = surface.graph();
   const Mesh& mesh = surface.mesh();
   const RelativeWeight weight = surface.relative_weight();
@@ -145,26 +153,27 @@ std::vector<double> border_lengths(const Surface& surface, const std::vector<std
     std::vector<std::int64_t>& sum = sums[piece];
     sum.assign(touching.neighbour.size(), 0);
     for (std::int32_t i = begin; i < end; ++i) {
+      if (i + kAhead < end) __builtin_prefetch(&graph.mesh_face[faces[i + kAhead]]);
       const std::int32_t own = label[faces[i]];
-      if (own == kNone) continue;
       for (int k = 0; k < 3; ++k) {
         const std::int32_t other = label[graph.neighbours[faces[i]][k]];
-        if (other == own || other == kNone) continue;
+        if (other <= own || own == kNone) continue;  // once for the two sides
         const Triangle& t = mesh.triangles()[graph.mesh_face[faces[i]]];
         const double length = (mesh.vertices()[t[(k + 1) % 3]] - mesh.vertices()[t[k]]).norm();
-        const auto row = touching.around(own);
-        const auto at = std::lower_bound(row.begin(), row.end(), other) - row.begin();
-        const float w = weight.of(faces[i]);
-        if (w > 0) sum[touching.first[own] + at] += std::llround(share * length * worth_of(w));
+        if (const float w = weight.of(faces[i]); w > 0)
+          sum[entry(touching, own, other)] += static_cast<std::int64_t>(share * length * worth_of(w) + 0.5);
       }
     }
   });
   std::vector<double> result(touching.neighbour.size());
-  for (std::size_t at = 0; at < result.size(); ++at) {
-    std::int64_t all = 0;
-    for (const auto& sum : sums) all += sum.empty() ? 0 : sum[at];
-    result[at] = static_cast<double>(all) / kUnit;
-  }
+  for (std::int32_t own = 0; own + 1 < static_cast<std::int32_t>(touching.first.size()); ++own)
+    for (std::int32_t at = touching.first[own]; at < touching.first[own + 1]; ++at) {
+      const std::int32_t other = touching.neighbour[at];
+      if (other < own) continue;
+      std::int64_t all = 0;
+      for (const auto& sum : sums) all += sum.empty() ? 0 : sum[at];
+      result[at] = result[entry(touching, other, own)] = static_cast<double>(all) / kUnit;
+    }
   return result;
 }
 
