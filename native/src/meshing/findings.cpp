@@ -161,9 +161,9 @@ GivenHits Findings::given_hits(std::size_t most, std::int64_t most_counted) cons
   return find_given_hits(facets, around_, most, most_counted, job_);
 }
 
-std::vector<bool> Findings::faulty() const {
+std::vector<bool> Findings::faulty(std::uint8_t which) const {
   std::vector<bool> faulty(found_.size());
-  for (std::size_t l = 0; l < found_.size(); ++l) faulty[l] = faults_[l] != 0;
+  for (std::size_t l = 0; l < found_.size(); ++l) faulty[l] = (faults_[l] & which) != 0;
   for (const Hit& h : hits_)
     if (!h.excused) faulty[h.a] = faulty[h.b] = true;
   return faulty;

@@ -45,8 +45,8 @@ class Findings {
   [[nodiscard]] const std::vector<Hit>& hits() const { return hits_; }
   /// Those of two faces of the scan at their places.
   [[nodiscard]] GivenHits given_hits(std::size_t most, std::int64_t most_counted) const;
-  /// By piece: whether it has a fault of its own, or meets another and is not excused.
-  [[nodiscard]] std::vector<bool> faulty() const;
+  /// By piece: whether it has one of some faults of its own, or meets another and is not excused.
+  [[nodiscard]] std::vector<bool> faulty(std::uint8_t which = 0xff) const;
   [[nodiscard]] const Bounds& bounds() const { return bounds_; }
   /// How many polygons were judged, each as often as it was.
   [[nodiscard]] std::int64_t judged() const { return judged_; }

@@ -60,18 +60,18 @@ struct Gift {
 
 class Joiner {
  public:
-  Joiner(State& state, Job& job) : s_(state), mesh_(state.mesh), job_(job) {}
+  /// \param joins  those that are made are appended
+  Joiner(State& state, std::vector<Join>& joins, Job& job) : s_(state), mesh_(state.mesh), joins_(joins), job_(job) {}
 
-  std::int32_t run() {
+  bool run() {
     read();
-    std::int32_t joined = 0;
+    const std::size_t before = joins_.size();
     for (const Candidate& c : candidates()) {
       job_.poll();
-      joined += join(c.a, c.b) ? 1 : 0;
+      join(c.a, c.b);
     }
-    sort_unique(touched_);
-    s_.labels.touched.insert(s_.labels.touched.end(), touched_.begin(), touched_.end());
-    return joined;
+    for (std::size_t i = before; i < joins_.size(); ++i) touch(s_.labels, joins_[i]);
+    return joins_.size() > before;
   }
 
  private:
@@ -194,25 +194,25 @@ class Joiner {
     return near + d;
   }
 
-  bool join(std::int32_t a, std::int32_t b) {
-    if (at_[a].empty() || at_[b].empty()) return false;
+  void join(std::int32_t a, std::int32_t b) {
+    if (at_[a].empty() || at_[b].empty()) return;
     const std::int32_t u = vertex_[a], v = vertex_[b];
     const Round at_u = round_of(u), at_v = round_of(v);
-    if (at_u.size() < 3 || at_v.size() < 3 || at_u.size() + at_v.size() - 2 > kMostLabels) return false;
+    if (at_u.size() < 3 || at_v.size() < 3 || at_u.size() + at_v.size() - 2 > kMostLabels) return;
     Round all = at_u;
     all.insert(all.end(), at_v.begin(), at_v.end());
     sort_unique(all);
-    if (all.size() != at_u.size() + at_v.size() - 2 || all.front() == kNone) return false;
+    if (all.size() != at_u.size() + at_v.size() - 2 || all.front() == kNone) return;
     const std::optional<Chord> chord = trace(u, v);
-    if (!chord) return false;
+    if (!chord) return;
     const double length = (position_[a] - position_[b]).norm();
     const std::optional<Vec3> place =
         meeting_point(all, (position_[a] + position_[b]) / 2, std::max(length, kStep * size_));
-    if (!place || !is_better(a, b, *place, length)) return false;
+    if (!place || !is_better(a, b, *place, length)) return;
     std::optional<Gift> gift = best_gift(*chord, at_u, at_v);
-    if (!gift || !give(*gift, all)) return false;
+    if (!gift || !give(*gift, all)) return;
     replace(a, b, *place, gift->keeps);
-    return true;
+    joins_.push_back({gift->giver, gift->taker, gift->moves, std::move(gift->faces), std::move(all)});
   }
 
   /// Whether polygons are well formed with one corner, at a place, instead of two.
@@ -343,7 +343,6 @@ class Joiner {
     if (good) {
       sums_[gift.giver] -= gift.sum;
       sums_[gift.taker] += gift.sum;
-      touched_.insert(touched_.end(), all.begin(), all.end());
       return true;
     }
     for (const std::int32_t f : gift.faces) label[f] = gift.giver;
@@ -363,28 +362,20 @@ class Joiner {
   /// Names the giver by a face that it keeps.
   /// \return whether both pieces are discs still
   bool stay_discs(const Gift& gift) {
-    std::vector<std::int32_t> beside;  // faces that the giver keeps: the flood from one must come to all
-    for (const std::int32_t f : gift.faces)
-      for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
-        if (s_.labels.across(h) == gift.giver) beside.push_back(mesh_.opposite(h) / 3);
-    if (beside.empty()) return false;
+    const std::int32_t kept = face_beside(s_.labels, gift.faces, gift.giver);
+    if (kept == kNone) return false;
     std::int32_t& face = s_.labels.pieces[gift.giver].face;
-    if (s_.labels.label[face] != gift.giver) face = beside.back();
+    if (s_.labels.label[face] != gift.giver) face = kept;
     const std::vector<std::int32_t> loop = outline(gift.faces);
-    if (!loop.empty()) {
-      // A disc without a disc along one path of its boundary is a disc, and so are two discs with one common path. That
-      // no piece touches itself at a vertex has been seen.
-      const auto runs = [&](std::int32_t label) {
-        int count = 0;
-        for (std::size_t i = 0; i < loop.size(); ++i)
-          count += is_beside(loop[i], label) && !is_beside(loop[i > 0 ? i - 1 : loop.size() - 1], label);
-        return count;
-      };
-      return runs(gift.giver) == 1 && runs(gift.taker) == 1;
-    }
-    const std::vector<std::int32_t> faces = s_.labels.faces_of(gift.giver);
-    return std::all_of(beside.begin(), beside.end(), [&](std::int32_t f) { return s_.labels.face_marks.has(f); }) &&
-           s_.labels.shape(faces).defect() == 0 && is_disc(gift.taker);
+    // A disc without a disc along one path of its boundary is a disc, and so are two discs with one common path. That no
+    // piece touches itself at a vertex has been seen.
+    const auto runs = [&](std::int32_t label) {
+      int count = 0;
+      for (std::size_t i = 0; i < loop.size(); ++i)
+        count += is_beside(loop[i], label) && !is_beside(loop[i > 0 ? i - 1 : loop.size() - 1], label);
+      return count;
+    };
+    return runs(gift.giver) == 1 && runs(gift.taker) == 1;
   }
 
   /// Whether the face across a half-edge of the marked faces has a label and is none of them.
@@ -427,8 +418,6 @@ class Joiner {
     return loop;
   }
 
-  [[nodiscard]] bool is_disc(std::int32_t piece) { return s_.labels.shape(s_.labels.faces_of(piece)).defect() == 0; }
-
   /// The polygons with one corner instead of two.
   void replace(std::int32_t a, std::int32_t b, const Vec3& place, std::int32_t keeps) {
     const std::int32_t gone = vertex_[a] == keeps ? vertex_[b] : vertex_[a];
@@ -444,6 +433,7 @@ class Joiner {
 
   State& s_;
   const Mesh& mesh_;
+  std::vector<Join>& joins_;
   Job& job_;
   double size_ = 0;                                    // scene units: of a region
   double gap_ = 0;                                     // by which planes may miss the vertex
@@ -451,21 +441,15 @@ class Joiner {
   std::vector<std::int32_t> vertex_;                   // by corner: where the junction is
   std::vector<Vec3> position_;                         // by corner
   std::vector<Vec3> sums_;                             // by piece: vector area of its faces
-  std::vector<std::int32_t> touched_;
 };
 
 }  // namespace
 
-std::int32_t join_junctions(State& state, Job& job) {
-  std::int32_t joined = 0;
-  if (!(state.options.join_junctions > 0)) return joined;
-  for (int pass = 0; pass < kPasses; ++pass) {
-    const std::int32_t more = Joiner(state, job).run();
-    if (more == 0) break;
-    joined += more;
-    state.update({});
-  }
-  return joined;
+std::vector<Join> join_junctions(State& state, Job& job) {
+  std::vector<Join> joins;
+  if (!(state.options.join_junctions > 0)) return joins;
+  for (int pass = 0; pass < kPasses && Joiner(state, joins, job).run(); ++pass) state.update({});
+  return joins;
 }
 
 }  // namespace isimp::meshing

@@ -1,8 +1,9 @@
 #pragma once
 
-#include <cstdint>
+#include <vector>
 
 #include "isimp/core/job.h"
+#include "joins.h"
 #include "state.h"
 
 namespace isimp::meshing {
@@ -19,9 +20,9 @@ namespace isimp::meshing {
 /// - no locked region changes and no bound of the partition is broken.
 /// Shortest chords come first; ties go to the lower vertex.
 /// Pre: `update` has placed the corners. Calls `update` where something was joined.
-/// \return joins made
+/// \return the joins, in the order in which they were made
 /// Source: the cause is that of Li, Liu, Wang: Planar Hexagonal Meshing for Architecture, 2015; the joining is our own.
 /// Cost: O(chords + faces of the pieces joined).
-std::int32_t join_junctions(State& state, Job& job);
+std::vector<Join> join_junctions(State& state, Job& job);
 
 }  // namespace isimp::meshing

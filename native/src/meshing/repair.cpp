@@ -35,10 +35,12 @@ class Repairer {
     {
       const Job::Part part(job_, "repairing", 0.0, 0.25);
       s_.update({});
-      outcome_.joined = join_junctions(s_, job_);
+      std::vector<Join> joins = join_junctions(s_, job_);
       std::vector<std::int32_t> all(s_.labels.pieces.size());
       std::iota(all.begin(), all.end(), 0);
       judge(all);
+      take_back_joins(joins);
+      outcome_.joined = static_cast<std::int32_t>(joins.size());
       mend(kRounds);
     }
     {
@@ -66,6 +68,24 @@ class Repairer {
     if (s.regions >= s.options.flatness_from) b.bend = s.options.flatness * s.mesh.diagonal();
     b.thickness = kThickness * s.mesh.diagonal();
     return b;
+  }
+
+  /// Takes back the joins at pieces that moving corners does not mend, since a split would cost more polygons.
+  void take_back_joins(std::vector<Join>& joins) {
+    if (joins.empty()) return;
+    may_split_ = false;
+    mend(kRounds);
+    may_split_ = true;
+    while (true) {
+      const std::vector<bool> faulty = findings_.faulty(kCrossing | kFlipped | kNoArea);
+      if (!take_back(s_, faulty, joins)) return;
+      for (const std::int32_t l : s_.labels.touched) {
+        tries_[l] = 0;
+        for (const std::int32_t c : corners_of(l)) s_.corners.pull[c] = 1;
+      }
+      changed_ = s_.labels.touched;
+      bring_up_to_date();
+    }
   }
 
   /// Acts and looks again, until nothing is faulty, nothing helps or the rounds are over.
@@ -145,7 +165,7 @@ class Repairer {
       const std::uint8_t faults = findings_.faults(l);
       if (faults == 0 && !met_[l]) continue;
       job_.poll();
-      if ((faults & kNoArea) && dissolve(l)) {
+      if (may_split_ && (faults & kNoArea) && dissolve(l)) {
         any = true;
         continue;
       }
@@ -164,7 +184,8 @@ class Repairer {
     if (faults == 0 && !met_[l]) return Action::none;
     const Plan plan = plan_for(l, faults);
     if (tries_[l] >= static_cast<int>(plan.size()) + kPatience) return Action::none;
-    return plan[std::min<std::size_t>(tries_[l], plan.size() - 1)];
+    const Action action = plan[std::min<std::size_t>(tries_[l], plan.size() - 1)];
+    return may_split_ || action <= Action::pull_all ? action : Action::none;
   }
 
   [[nodiscard]] Plan plan_for(std::int32_t l, std::uint8_t faults) const {
@@ -458,6 +479,7 @@ class Repairer {
   std::vector<Cut> cuts_;              // by piece: where it will be split in this round, as far as was foreseen
   std::vector<const Hit*> met_;        // by piece: where it meets another; null where it does not
   std::vector<std::int32_t> gone_;     // pieces that were given to a neighbour in this round
+  bool may_split_ = true;              // else acts only move corners
   std::vector<bool> touched_;          // by piece: whether it is listed in labels.touched ...
   std::size_t seen_ = 0;               // ... as far as that has been read
   std::vector<std::int32_t> changed_;  // pieces whose diagonals or pulls were changed in this round

@@ -1,0 +1,52 @@
+#include "joins.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace isimp::meshing {
+
+void touch(Labels& labels, const Join& join) {
+  labels.touched.insert(labels.touched.end(), join.pieces.begin(), join.pieces.end());
+}
+
+std::int32_t face_beside(const Labels& labels, const std::vector<std::int32_t>& faces, std::int32_t piece) {
+  std::int32_t last = kNone;
+  for (const std::int32_t f : faces)
+    for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
+      if (labels.across(h) == piece) last = labels.mesh.opposite(h) / 3;
+  return last;
+}
+
+bool take_back(State& state, const std::vector<bool>& faulty, std::vector<Join>& joins) {
+  Labels& labels = state.labels;
+  const auto is_faulty = [&](std::int32_t l) { return static_cast<bool>(faulty[l]); };
+  std::vector<Join> kept;
+  labels.vertex_marks.clear();  // of the faces of those that go
+  std::vector<bool> goes(joins.size(), false);
+  const auto vertices = [&](const Join& join, auto fn) {
+    for (const std::int32_t f : join.faces)
+      for (const std::int32_t v : state.mesh.triangles()[f]) fn(v);
+  };
+  // A join on top of one that goes must go first.
+  for (std::size_t i = 0; i < joins.size(); ++i) {
+    goes[i] = std::any_of(joins[i].pieces.begin(), joins[i].pieces.end(), is_faulty);
+    vertices(joins[i], [&](std::int32_t v) { goes[i] = goes[i] || labels.vertex_marks.has(v); });
+    if (goes[i]) vertices(joins[i], [&](std::int32_t v) { labels.vertex_marks.add(v); });
+  }
+  for (std::size_t i = joins.size(); i-- > 0;) {
+    const Join& join = joins[i];
+    if (!goes[i]) continue;
+    for (const std::int32_t f : join.faces) labels.label[f] = join.giver;
+    std::int32_t& face = labels.pieces[join.taker].face;
+    if (labels.label[face] != join.taker) face = face_beside(labels, join.faces, join.taker);
+    state.complex.add_corner(join.gone);
+    touch(labels, join);
+  }
+  for (std::size_t i = 0; i < joins.size(); ++i)
+    if (!goes[i]) kept.push_back(std::move(joins[i]));
+  const bool any = kept.size() < joins.size();
+  joins = std::move(kept);
+  return any;
+}
+
+}  // namespace isimp::meshing

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "state.h"
+
+namespace isimp::meshing {
+
+/// Two junctions that were made one.
+struct Join {
+  std::int32_t giver, taker;         ///< pieces
+  std::int32_t gone;                 ///< vertex that is no junction any more
+  std::vector<std::int32_t> faces;   ///< that went from the one piece to the other
+  std::vector<std::int32_t> pieces;  ///< all that meet in the junction
+};
+
+/// Has the next update look at the pieces of a join.
+void touch(Labels& labels, const Join& join);
+
+/// The last face of a piece that shares an edge with some faces; kNone if there is none.
+std::int32_t face_beside(const Labels& labels, const std::vector<std::int32_t>& faces, std::int32_t piece);
+
+/// Takes back the joins at faulty pieces, and those that were made on top of them. `update` must follow.
+/// \param faulty  by piece
+/// \param joins   loses them
+/// \return whether there were any
+/// Cost: O(faces that the joins moved).
+bool take_back(State& state, const std::vector<bool>& faulty, std::vector<Join>& joins);
+
+}  // namespace isimp::meshing

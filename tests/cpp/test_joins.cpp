@@ -1,0 +1,101 @@
+// Joined junctions that are taken back: the labels are what they were, and all pieces are discs meanwhile.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "isimp/meshing/polygonize.h"
+#include "junctions.h"
+#include "labelled.h"
+#include "shapes.h"
+
+namespace isimp::meshing {
+namespace {
+
+class Joins : public testing::Test {
+ protected:
+  Joins()
+      : mesh_(shapes::mesh(shapes::noisy(shapes::sphere(5), 0.01, 1))),
+        part_(labelled::voronoi(mesh_, 120, 5)),
+        state_(mesh_, part_, options_, job_) {
+    state_.update({});
+    before_ = state_.labels.label;
+    corners_ = corners();
+    joins_ = join_junctions(state_, job_);
+    EXPECT_GT(joins_.size(), 20U);
+  }
+
+  /// How many polygons meet in each vertex of the mesh.
+  [[nodiscard]] std::vector<int> corners() const {
+    std::vector<int> count(mesh_.vertex_count(), 0);
+    for (std::int32_t l = 0; l < state_.labels.piece_count(); ++l)
+      for (const std::int32_t h : state_.complex.chords(l)) ++count[mesh_.from(h)];
+    return count;
+  }
+  void expect_discs() {
+    for (std::int32_t l = 0; l < state_.labels.piece_count(); ++l) {
+      EXPECT_EQ(state_.labels.label[state_.labels.pieces[l].face], l);
+      const std::vector<std::int32_t> faces = state_.labels.faces_of(l);
+      EXPECT_EQ(std::count(state_.labels.label.begin(), state_.labels.label.end(), l), std::ssize(faces));
+      EXPECT_EQ(state_.labels.shape(faces, true).defect(), 0);
+    }
+  }
+
+  const Mesh mesh_;
+  const Partition part_;
+  const MeshingOptions options_{.threads = 1};
+  Job job_;
+  State state_;
+  std::vector<std::int32_t> before_;
+  std::vector<int> corners_;
+  std::vector<Join> joins_;
+};
+
+TEST_F(Joins, AllTakenBackLeaveWhatWas) {
+  EXPECT_TRUE(take_back(state_, std::vector<bool>(120, true), joins_));
+  EXPECT_TRUE(joins_.empty());
+  EXPECT_EQ(state_.labels.label, before_);
+  state_.update({});
+  expect_discs();
+  const std::vector<int> now = corners();
+  for (std::size_t v = 0; v < now.size(); ++v) EXPECT_TRUE(corners_[v] < 3 || now[v] == corners_[v]) << v;
+}
+
+TEST_F(Joins, NoneIsTakenBackWithoutAFault) {
+  const std::vector<std::int32_t> joined = state_.labels.label;
+  const std::size_t count = joins_.size();
+  EXPECT_FALSE(take_back(state_, std::vector<bool>(120, false), joins_));
+  EXPECT_EQ(joins_.size(), count);
+  EXPECT_EQ(state_.labels.label, joined);
+  EXPECT_TRUE(state_.labels.touched.empty());
+}
+
+TEST_F(Joins, TakenBackPieceByPieceLeaveDiscs) {
+  for (std::int32_t l = 0; l < 120; l += 7) {
+    std::vector<bool> faulty(120, false);
+    faulty[l] = true;
+    take_back(state_, faulty, joins_);
+    for (const Join& join : joins_)
+      EXPECT_EQ(std::count(join.pieces.begin(), join.pieces.end(), l), 0) << "piece " << l << " has a join still";
+    state_.update({});
+    expect_discs();
+  }
+  EXPECT_TRUE(take_back(state_, std::vector<bool>(120, true), joins_)) << "some were left";
+  EXPECT_EQ(state_.labels.label, before_);
+}
+
+TEST(JoinsOfPolygons, AreTakenBackWhereMovingCornersDoesNotMendTheFaults) {
+  // So rough that nearly all polygons meet others, whatever their corners.
+  const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(5), 0.2, 1));
+  const Partition part = labelled::voronoi(mesh, 120, 5);
+  const MeshingOptions options{.threads = 1};
+  Job job;
+  State state(mesh, part, options, job);
+  state.update({});
+  const std::size_t possible = join_junctions(state, job).size();
+  EXPECT_GT(possible, 4U);
+  EXPECT_LT(polygonize(mesh, part, options, job).report.joined_junctions, 0.5 * static_cast<double>(possible));
+}
+
+}  // namespace
+}  // namespace isimp::meshing
