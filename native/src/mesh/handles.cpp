@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <numeric>
 #include <queue>
@@ -32,14 +33,17 @@ class HandleLoops {
 
   /// Those of at most `longest`, shortest first.
   std::vector<Loop> find(double longest) {
+    const Dual all = all_edges();
+    if (!any_handle(all)) return {};
     for (std::int32_t v = 0; v < static_cast<std::int32_t>(distance_.size()); ++v)
       if (distance_[v] == kFar && topology_.vertex_halfedge[v] != kNone) grow(v, kFar);
+    const std::vector<std::int32_t> starts = left_over(all);
+    const Dual dual = near_edges(all, starts, longest / 2);
     std::vector<Loop> loops;
-    for (const std::int32_t h : left_over()) {
-      for (const std::int32_t v : reached_) distance_[v] = kFar;
-      reached_.clear();
+    for (const std::int32_t h : starts) {
+      forget();
       grow(from(h), longest / 2);
-      for (const std::int32_t g : left_over())
+      for (const std::int32_t g : left_over(dual))
         if (Loop loop = loop_of(g); loop.length <= longest) loops.push_back(std::move(loop));
     }
     std::stable_sort(loops.begin(), loops.end(), [](const Loop& a, const Loop& b) { return a.length < b.length; });
@@ -82,49 +86,121 @@ class HandleLoops {
     }
   }
 
-  /// The edges in neither tree, a half-edge each. Edges that the first tree does not reach are all crossed by the
-  /// other.
-  [[nodiscard]] std::vector<std::int32_t> left_over() const {
-    struct Edge {
-      double length;
-      std::int32_t h;
-    };
-    std::vector<Edge> edges;
-    // Faces, then one node for each border loop, by its least half-edge.
-    std::vector<std::int32_t> up(arrays_.triangles.size());
-    std::iota(up.begin(), up.end(), 0);
+  /// Nodes that are joined one after another.
+  class Forest {
+   public:
+    explicit Forest(std::size_t n) : up_(n) { std::iota(up_.begin(), up_.end(), 0); }
+    std::int32_t root(std::int32_t i) {
+      while (up_[i] != i) i = up_[i] = up_[up_[i]];
+      return i;
+    }
+    /// \return whether they were apart
+    bool join(std::int32_t a, std::int32_t b) {
+      a = root(a);
+      b = root(b);
+      up_[std::max(a, b)] = std::min(a, b);
+      return a != b;
+    }
+
+   private:
+    std::vector<std::int32_t> up_;
+  };
+
+  /// Edges, a half-edge each, rising, and the nodes on both sides of each: faces and holes, or what is one for all
+  /// that will be asked.
+  struct Dual {
+    std::vector<std::int32_t> edges;
+    std::vector<std::array<std::int32_t, 2>> sides;
+    std::size_t nodes = 0;
+  };
+
+  /// All edges between faces, then one node for each border loop.
+  [[nodiscard]] Dual all_edges() const {
+    Dual dual;
+    dual.nodes = arrays_.triangles.size();
     std::unordered_map<std::int32_t, std::int32_t> hole;
     for (const std::int32_t h : topology_.border) {
       if (hole.count(h)) continue;
-      const auto node = static_cast<std::int32_t>(up.size());
-      up.push_back(node);
+      const auto node = static_cast<std::int32_t>(dual.nodes++);
       for (std::int32_t g = h; hole.emplace(g, node).second;) g = topology_.vertex_halfedge[to(g)];
     }
-    const auto root = [&](std::int32_t i) {
-      while (up[i] != i) i = up[i] = up[up[i]];
-      return i;
-    };
-    const auto join = [&](std::int32_t h) {
-      const std::int32_t other = topology_.opposite[h];
-      const std::int32_t a = root(h / 3), b = root(other == kNone ? hole.at(h) : other / 3);
-      up[std::max(a, b)] = std::min(a, b);
-      return a != b;
-    };
     for_each_index(topology_.opposite.size(), job_, [&](std::size_t i) {
       const auto h = static_cast<std::int32_t>(i);
-      const std::int32_t a = from(h), b = to(h), other = topology_.opposite[h];
+      const std::int32_t other = topology_.opposite[h];
       if (other != kNone && other < h) return;
+      dual.edges.push_back(h);
+      dual.sides.push_back({h / 3, other == kNone ? hole.at(h) : other / 3});
+    });
+    return dual;
+  }
+
+  /// By Euler's formula, holes counted as faces.
+  [[nodiscard]] bool any_handle(const Dual& all) const {
+    Forest forest(all.nodes);
+    std::size_t joins = 0;
+    for (const auto& sides : all.sides) joins += forest.join(sides[0], sides[1]) ? 1 : 0;
+    const std::size_t used = topology_.vertex_halfedge.size() - static_cast<std::size_t>(topology_.unused_vertices);
+    // Over all components, used - edges + nodes = 2 (nodes - joins) without a handle.
+    return used + 2 * joins != all.edges.size() + all.nodes;
+  }
+
+  /// The edges near some half-edges. All others are crossed wherever the first tree grows from one of these, so what
+  /// they join is one node.
+  [[nodiscard]] Dual near_edges(const Dual& all, const std::vector<std::int32_t>& starts, double radius) {
+    std::vector<char> near(distance_.size(), 0);
+    for (const std::int32_t h : starts) {
+      forget();
+      grow(from(h), radius);
+      for (const std::int32_t v : reached_) near[v] = 1;
+    }
+    Forest far(all.nodes);
+    Dual dual;
+    for (std::size_t i = 0; i < all.edges.size(); ++i) {
+      const std::int32_t h = all.edges[i];
+      if (near[from(h)] && near[to(h)]) {
+        dual.edges.push_back(h);
+        dual.sides.push_back(all.sides[i]);
+      } else {
+        far.join(all.sides[i][0], all.sides[i][1]);
+      }
+    }
+    std::unordered_map<std::int32_t, std::int32_t> number;
+    for (auto& sides : dual.sides)
+      for (std::int32_t& node : sides)
+        node = number.emplace(far.root(node), static_cast<std::int32_t>(number.size())).first->second;
+    dual.nodes = number.size();
+    return dual;
+  }
+
+  /// The edges in neither tree, a half-edge each. Edges that the first tree does not reach are all crossed by the
+  /// other.
+  [[nodiscard]] std::vector<std::int32_t> left_over(const Dual& dual) const {
+    struct Edge {
+      double length;
+      std::int32_t h, i;
+    };
+    std::vector<Edge> edges;
+    Forest forest(dual.nodes);
+    const auto join = [&](std::size_t i) { return forest.join(dual.sides[i][0], dual.sides[i][1]); };
+    for_each_index(dual.edges.size(), job_, [&](std::size_t i) {
+      const std::int32_t h = dual.edges[i], a = from(h), b = to(h);
       if (distance_[a] == kFar || distance_[b] == kFar)
-        join(h);
+        join(i);
       else if (via_[a] != b && via_[b] != a)
-        edges.push_back({distance_[a] + distance_[b] + distance(a, b), h});
+        edges.push_back({distance_[a] + distance_[b] + distance(a, b), h, static_cast<std::int32_t>(i)});
     });
     std::sort(edges.begin(), edges.end(),
               [](const Edge& x, const Edge& y) { return std::tie(y.length, x.h) < std::tie(x.length, y.h); });
     std::vector<std::int32_t> left;
     for (const Edge& e : edges)
-      if (!join(e.h)) left.push_back(e.h);
+      if (!join(e.i)) left.push_back(e.h);
     return left;
+  }
+
+  /// Leaves nothing reached.
+  void forget() {
+    for (const std::int32_t v : reached_) distance_[v] = kFar;
+    reached_.clear();
   }
 
   /// The loop that an edge closes over the tree, without the path that leads there.
@@ -156,7 +232,11 @@ class HandleLoops {
 class Rings {
  public:
   Rings(const MeshArrays& arrays, const Topology& topology)
-      : arrays_(arrays), topology_(topology), taken_(arrays.vertices.size(), 0), gone_(arrays.triangles.size(), 0) {}
+      : arrays_(arrays),
+        topology_(topology),
+        taken_(arrays.vertices.size(), 0),
+        gone_(arrays.triangles.size(), 0),
+        seen_(arrays.triangles.size(), 0) {}
 
   /// \return no loops if the faces round the loop are no ring, reach a border of the mesh or one taken before
   Opening take(const Loop& loop) {
@@ -216,33 +296,28 @@ class Rings {
   }
 
   /// Whether no way leads from one border of the ring to the other any more; if there is one, the ring's faces are
-  /// gone.
+  /// gone. Searches from both, so that a handle costs what its faces are, and not the whole surface.
   [[nodiscard]] bool parts_surface(const Opening& o) {
     for (const std::int32_t f : o.removed) gone_[f] = 1;
-    std::vector<char> seen = gone_;
-    std::vector<std::int32_t> stack;
-    const auto visit = [&](std::int32_t h) {
-      if (const std::int32_t other = topology_.opposite[h]; other != kNone && !seen[other / 3]) {
-        seen[other / 3] = 1;
-        stack.push_back(other / 3);
-      }
-    };
-    const auto each_fan = [&](std::size_t border, auto&& call) {
-      std::vector<std::int32_t> faces;
-      for (const std::int32_t v : o.loops[border]) add_fan(v, faces);
-      for (const std::int32_t f : faces)
-        if (!gone_[f]) call(f);
-    };
-    each_fan(0, [&](std::int32_t f) {
-      if (!std::exchange(seen[f], 1)) stack.push_back(f);
-    });
-    while (!stack.empty()) {
-      const std::int32_t f = stack.back();
-      stack.pop_back();
-      for (std::int32_t k = 0; k < 3; ++k) visit(3 * f + k);
-    }
+    std::array<std::vector<std::int32_t>, 2> front;
+    rings_ += 2;
     bool joined = false;
-    each_fan(1, [&](std::int32_t f) { joined |= seen[f] != 0; });
+    const auto visit = [&](std::int32_t f, int side) {
+      if (gone_[f] || seen_[f] == rings_ + side) return;
+      joined |= seen_[f] == rings_ + 1 - side;
+      seen_[f] = rings_ + side;
+      front[side].push_back(f);
+    };
+    for (int side = 0; side < 2; ++side) {
+      std::vector<std::int32_t> faces;
+      for (const std::int32_t v : o.loops[side]) add_fan(v, faces);
+      for (const std::int32_t f : faces) visit(f, side);
+    }
+    while (!joined && !front[0].empty() && !front[1].empty())
+      for (int side = 0; side < 2; ++side)
+        for (const std::int32_t f : std::exchange(front[side], {}))
+          for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
+            if (const std::int32_t other = topology_.opposite[h]; other != kNone) visit(other / 3, side);
     if (!joined)
       for (const std::int32_t f : o.removed) gone_[f] = 0;
     return !joined;
@@ -250,8 +325,10 @@ class Rings {
 
   const MeshArrays& arrays_;
   const Topology& topology_;
-  std::vector<char> taken_;  // vertices of rings taken before
-  std::vector<char> gone_;   // their faces
+  std::vector<char> taken_;         // vertices of rings taken before
+  std::vector<char> gone_;          // their faces
+  std::vector<std::int32_t> seen_;  // by face: the last ring, and its border, from which it was reached
+  std::int32_t rings_ = 0;
 };
 
 }  // namespace
