@@ -12,6 +12,7 @@
 #include "isimp/core/errors.h"
 #include "isimp/simplify/constraints.h"
 #include "isimp/simplify/edges.h"
+#include "isimp/simplify/openings.h"
 #include "isimp/simplify/within.h"
 #include "kept_mesh.h"
 #include "options.h"
@@ -56,6 +57,22 @@ void bind_edges(py::module_& m) {
         return owned(call_here(job, [&](Job& j) { return marked_edges(mesh, marked, j); }));
       },
       "mesh"_a, "edges"_a, "job"_a = py::none(), "See guides.marked_edges.");
+}
+
+void bind_openings(py::module_& m) {
+  m.def(
+      "opening_length",
+      [](const KeptMesh& mesh, std::int32_t regions, Job* job) {
+        return call_here(job, [&](Job& j) { return opening_length(mesh, regions, j); });
+      },
+      "mesh"_a, "regions"_a, "job"_a = py::none(),
+      R"(The length up to which the loops of holes and handles are errors of scanning, in scene units.
+
+Photogrammetry leaves tunnels and pinholes that so many regions can't show, and each would cost polygons. Give the length to
+CleanOptions as fill_holes and cut_handles. It is half of sqrt(area / regions), but at most 20 times the mean edge, so that
+openings that the scan has sampled well stay. 0 where the mesh has no opening, or so little noise that it is drawn and not
+scanned.
+Raises InvalidInput (regions below 1) or Cancelled. Cost: O(V + F).)");
 }
 
 void bind_constraints(py::module_& m) {
@@ -169,6 +186,7 @@ void bind_within(py::module_& m) {
 
 void bind_simplify(py::module_& m) {
   bind_edges(m);
+  bind_openings(m);
   bind_constraints(m);
   bind_search(m);
   bind_within(m);

@@ -242,16 +242,62 @@ class Rings {
   Opening take(const Loop& loop) {
     Opening o;
     o.kind = RepairKind::cut_handles;
-    for (const std::int32_t v : loop.vertices) add_fan(v, o.removed);
-    std::sort(o.removed.begin(), o.removed.end());
-    o.removed.erase(std::unique(o.removed.begin(), o.removed.end()), o.removed.end());
-    if (!free_inside(o.removed) || !find_borders(o, loop) || parts_surface(o)) return {};
+    add_fans(loop.vertices, o.removed);
+    if (!free_inside(o.removed) || !find_borders(o, loop)) return {};
+    for (int rows = 0; rows < kMostRows && widen(o, loop);) ++rows;
+    if (parts_surface(o)) return {};
     for (const std::int32_t f : o.removed)
       for (const std::int32_t v : arrays_.triangles[f]) taken_[v] = 1;
     return o;
   }
 
  private:
+  static constexpr int kMostRows = 32;
+  static constexpr double kWider = 1.3;  // times the loop's length: a border beyond is no longer in the tunnel
+
+  /// Takes the ring's next faces on both sides, as far as they are in the same tunnel or on the same handle: were it cut
+  /// in the middle alone, a dent would stay on both sides.
+  /// \return whether there were any
+  bool widen(Opening& o, const Loop& loop) const {
+    bool any = false;
+    for (int side = 0; side < 2; ++side) {
+      Opening wider;
+      wider.kind = o.kind;
+      wider.removed = o.removed;
+      add_fans(o.loops[side], wider.removed);
+      if (!free_inside(wider.removed) || !find_borders(wider, loop)) continue;
+      const auto is_narrow = [&](const std::vector<std::int32_t>& border) {
+        return length_of(border) <= kWider * loop.length;
+      };
+      // The border that did not move may be wide already.
+      const bool narrow = std::all_of(wider.loops.begin(), wider.loops.end(), [&](const auto& border) {
+        return is_narrow(border) || is_same(border, o.loops[1 - side]);
+      });
+      if (!narrow) continue;
+      o = std::move(wider);
+      any = true;
+    }
+    return any;
+  }
+
+  [[nodiscard]] double length_of(const std::vector<std::int32_t>& loop) const {
+    double sum = 0;
+    for (std::size_t i = 0; i < loop.size(); ++i)
+      sum += (arrays_.vertices[loop[i]] - arrays_.vertices[loop[(i + 1) % loop.size()]]).norm();
+    return sum;
+  }
+
+  static bool is_same(const std::vector<std::int32_t>& a, const std::vector<std::int32_t>& b) {
+    return a.size() == b.size() && std::find(b.begin(), b.end(), a[0]) != b.end();
+  }
+
+  /// The faces round some vertices are added to rising ones.
+  void add_fans(const std::vector<std::int32_t>& vertices, std::vector<std::int32_t>& faces) const {
+    for (const std::int32_t v : vertices) add_fan(v, faces);
+    std::sort(faces.begin(), faces.end());
+    faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+  }
+
   void add_fan(std::int32_t v, std::vector<std::int32_t>& faces) const {
     const std::int32_t start = topology_.vertex_halfedge[v];
     std::int32_t h = start;

@@ -35,6 +35,11 @@ def parser() -> argparse.ArgumentParser:
     add_fields(command.add_mutually_exclusive_group(), PartitionOptions, _COUNTS)
     add_fields(command, PartitionOptions, names(PartitionOptions, besides=_COUNTS))
     add_fields(command, CleanOptions, names(CleanOptions, besides=_SHARED))
+    command.add_argument(
+        "--keep-openings",
+        action="store_true",
+        help="keep all holes and handles; else those of a noisy scan that the regions can't show are closed",
+    )
     guiding.add_options(command)
     command.add_argument(
         "--labels", type=place, metavar="L.npy", help="one int32 region per face of INPUT, in file order; -1: none"

@@ -14,7 +14,7 @@ import numpy as np
 from .. import InvalidInput, Job, MeshingOptions, Partition, __version__, write
 from ..guided import partition_guided
 from ..within import Made, polygonize_within
-from . import guiding, words
+from . import closing, guiding, words
 from .errors import UsageError
 from .files import STDOUT, Outputs, check, is_same
 from .loading import Input, clean_mesh, facts, labels, load
@@ -44,14 +44,17 @@ def run(arguments: argparse.Namespace) -> None:
     meshing = MeshingOptions(threads=options.threads)
     with steps("read") as job:
         source = load(arguments.input, job, options.threads)
+    closed = None
     with steps("clean") as job:
         mesh, repaired, repaired_at = clean_mesh(source, arguments.clean, job)
-    with steps("partition") as job:
-        try:
-            guides = guiding.guides_of(arguments, source, mesh, job)
-            part = partition_guided(mesh, options, job, guides)
-        except InvalidInput as error:  # the mesh is sound by now, so it is the options
-            raise UsageError(f"{arguments.input}: {error}") from None
+        if closing.is_wanted(arguments):
+            with refused(arguments):
+                closed = closing.closing_options(mesh, options, arguments.clean, job)
+            if closed is not None:
+                mesh, repaired, repaired_at = clean_mesh(source, closed, job)
+    with steps("partition") as job, refused(arguments):
+        guides = guiding.guides_of(arguments, source, mesh, job)
+        part = partition_guided(mesh, options, job, guides)
     with steps("mesh") as job:
         found = polygonize_within(mesh, part, meshing, job, Made(options, guides))
         part, poly = found.partition, found.polygons
@@ -66,9 +69,14 @@ def run(arguments: argparse.Namespace) -> None:
             | {"triangles": len(source.triangles)},
             "repair": repaired,
             "repaired_at": repaired_at,
+            "closed_below": closed.fill_holes if closed else None,
             "mesh": facts(mesh),
             "options": options.as_dict()
-            | {"clean": arguments.clean.as_dict(), "meshing": meshing.as_dict(), "guides": guiding.as_dict(arguments)},
+            | {
+                "clean": (closed or arguments.clean).as_dict(),
+                "meshing": meshing.as_dict(),
+                "guides": guiding.as_dict(arguments),
+            },
             "regions": part.region_count,
             "error": part.error,
             "history": part.history.tolist(),
@@ -84,6 +92,15 @@ def run(arguments: argparse.Namespace) -> None:
         stream = sys.stderr if arguments.report == STDOUT else sys.stdout
         if stream is not None:
             print("\n".join(summary(source, part, report)), file=stream)
+
+
+@contextmanager
+def refused(arguments: argparse.Namespace) -> Iterator[None]:
+    """The mesh is sound by now, so what the engine refuses is the options."""
+    try:
+        yield
+    except InvalidInput as error:
+        raise UsageError(f"{arguments.input}: {error}") from None
 
 
 def check_places(arguments: argparse.Namespace) -> None:
@@ -122,6 +139,8 @@ def summary(source: Input, part: Partition, report: dict[str, Any]) -> Iterator[
     yield f"{source.path}: {words.count(source.faces, 'face')}, {words.shape(mesh)}"
     for line in words.repairs(report["repair"], report["repaired_at"]):
         yield f"  repaired: {line}"
+    if report["closed_below"] and (report["repair"]["filled_holes"] or report["repair"]["cut_handles"]):
+        yield f"  closed: openings up to {report['closed_below']:.4g} long; --keep-openings keeps them"
     if part.parts_left_out:
         yield f"  left out: {words.count(part.parts_left_out, 'part')}, {part.area_left_out:.2%} of the area"
     yield from (f"  warning: {text}" for text in report["partition"]["warnings"])

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+
+#include "isimp/core/job.h"
+#include "isimp/mesh/mesh.h"
+
+namespace isimp {
+
+/// Whether a mesh has a hole or a handle.
+bool has_openings(const Mesh& mesh);
+
+/// The length up to which the loops of holes and handles are errors of scanning that so many regions can't show; for
+/// CleanOptions::fill_holes and cut_handles. Photogrammetry leaves many tunnels and pinholes, each of which would cost
+/// polygons.
+///
+/// Half of sqrt(area / regions), but at most 20 times the mean edge, so that openings that the scan has sampled well
+/// stay however few regions there are. 0 where the mesh has no opening, or so little noise that it is drawn and not
+/// scanned.
+/// \param regions  at least 1
+/// \return scene units
+/// \throws InvalidInput  regions below 1
+/// Cost: O(V + F).
+double opening_length(const Mesh& mesh, std::int32_t regions, Job& job);
+
+}  // namespace isimp

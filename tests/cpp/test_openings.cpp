@@ -1,0 +1,41 @@
+// Which openings are taken for errors of scanning.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "isimp/core/errors.h"
+#include "isimp/simplify/openings.h"
+#include "shapes.h"
+
+namespace isimp {
+namespace {
+
+double length(const shapes::Arrays& a, std::int32_t regions) {
+  Job job;
+  return opening_length(shapes::mesh(a), regions, job);
+}
+
+TEST(Openings, AreMeasuredByTheRegions) {
+  const shapes::Arrays scan = shapes::noisy(shapes::torus(120, 60), 0.001, 1);
+  const double area = shapes::mesh(scan).graph().area, edge = std::sqrt(area / 14400 * 4 / std::sqrt(3.0));
+  EXPECT_NEAR(length(scan, 300), 0.5 * std::sqrt(area / 300), 1e-12);
+  EXPECT_NEAR(length(scan, 1200), length(scan, 300) / 2, 1e-12);
+  EXPECT_NEAR(length(scan, 1), 20 * edge, 1e-9) << "however few regions";
+}
+
+TEST(Openings, OfDrawnModelsStay) {
+  EXPECT_EQ(length(shapes::torus(120, 60), 300), 0);
+  EXPECT_EQ(length(shapes::plane(40), 300), 0);
+}
+
+TEST(Openings, ThatAreNotThereNeedNoLength) {
+  EXPECT_EQ(length(shapes::noisy(shapes::sphere(4), 0.005, 1), 30), 0);
+  EXPECT_FALSE(has_openings(shapes::mesh(shapes::sphere(2))));
+  EXPECT_TRUE(has_openings(shapes::mesh(shapes::plane(3))));
+  EXPECT_TRUE(has_openings(shapes::mesh(shapes::torus(12, 6))));
+}
+
+TEST(Openings, NeedARegion) { EXPECT_THROW(length(shapes::plane(3), 0), InvalidInput); }
+
+}  // namespace
+}  // namespace isimp
