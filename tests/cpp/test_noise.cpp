@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <cmath>
 
 #include "density/noise.h"
 #include "density/normal_filter.h"
@@ -40,6 +41,31 @@ TEST(Noise, OfASmoothSurfaceIsNone) {
   Job job;
   EXPECT_LT(estimate_noise(shapes::mesh(shapes::sphere(5)), job), 1e-4);
   EXPECT_EQ(estimate_noise(shapes::mesh(shapes::plane(9)), job), 0.0);
+}
+
+/// A lump of few triangles of all shapes, as modellers draw and decimation leaves.
+shapes::Arrays coarse(int levels, std::uint32_t seed) {
+  shapes::Arrays a = shapes::sphere(levels);
+  const shapes::Arrays moved = shapes::noisy(a, 0.45 / (1 << levels), seed);
+  for (std::size_t v = 0; v < a.vertices.size(); ++v) {
+    const Vec3 p = moved.vertices[v].normalized();
+    a.vertices[v] = (1 + 0.4 * std::sin(4 * p.x() + 1) * std::sin(5 * p.y()) * std::cos(4 * p.z())) * p;
+  }
+  return a;
+}
+
+TEST(Noise, OfACoarseCurvedMeshIsMostlyTakenForShape) {
+  Job job;
+  for (const std::uint32_t seed : {1U, 2U, 3U}) {
+    const Mesh mesh = shapes::mesh(coarse(3, seed));
+    EXPECT_LT(estimate_noise(mesh, job), 0.03 * mean_edge(mesh)) << seed;
+  }
+}
+
+TEST(Noise, OfACoarseNoisyScanIsNoise) {
+  Job job;
+  for (const double sigma : {0.01, 0.02})
+    EXPECT_NEAR(estimate_noise(shapes::mesh(shapes::noisy(shapes::cube(12), sigma, 5)), job) / sigma, 1.0, 0.35);
 }
 
 TEST(Noise, OfTwelveTrianglesIsTakenForShape) {
