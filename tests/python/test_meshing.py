@@ -206,3 +206,16 @@ def test_every_number_and_array_of_the_header_is_there(cube):
     assert set(poly.report) >= set(struct_fields("meshing/polygonize.h", "MeshingReport"))
     for field in struct_fields("meshing/polygonize.h", "PolygonMesh"):
         assert hasattr(poly, field)
+
+
+def test_flatness_follows_the_tolerance_that_found_the_regions():
+    mesh = engine.clean(*shapes.bumpy(60))
+    found = engine.partition(mesh, engine.PartitionOptions(detail=0.005))
+    given = engine.partition_from(mesh, found.face_region)  # the same regions, without a tolerance
+    options = engine.MeshingOptions(flatness_from=10, flatness=0.002)
+    loose, tight = engine.polygonize(mesh, found, options), engine.polygonize(mesh, given, options)
+    limit = options.flatness * mesh.report["diagonal"]
+    assert 2 * found.tolerance > limit
+    assert limit < loose.planarity.max() <= 2 * found.tolerance
+    assert tight.planarity.max() <= limit
+    assert loose.report["polygons"] < tight.report["polygons"]

@@ -22,6 +22,7 @@ constexpr double kPull = 0.5;                 ///< what a pull leaves of a corne
 constexpr double kLeastPull = 0.1;            ///< ... down to this share of it; then it goes back to its vertex
 constexpr std::size_t kShard = 16;            ///< faces of a piece that falls apart into them where nothing else helped
 constexpr std::size_t kMostForDiagonal = 64;  ///< corners of a polygon beyond which it is split at once
+constexpr double kOfTolerance = 2;            ///< by which a polygon may miss its plane where no less is asked for
 constexpr std::int32_t kLeastBudget = 100;    ///< splits that are always allowed
 
 class Repairer {
@@ -65,7 +66,9 @@ class Repairer {
  private:
   static Bounds bounds(const State& s) {
     Bounds b;
-    if (s.regions >= s.options.flatness_from) b.bend = s.options.flatness * s.mesh.diagonal();
+    // A person who chose a tolerance sees no more than a polygon that misses its plane by twice as much.
+    if (s.options.flatness > 0 && s.regions >= s.options.flatness_from)
+      b.bend = std::max(s.options.flatness * s.mesh.diagonal(), kOfTolerance * s.partition.tolerance);
     b.thickness = kThickness * s.mesh.diagonal();
     return b;
   }
