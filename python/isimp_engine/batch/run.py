@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from .. import __version__, recipes
+from .. import CleanOptions, PartitionOptions, __version__, recipes
 from . import page
 from .errors import BatchError
 from .local import Local
@@ -149,22 +149,24 @@ def run(
         table = open_things.enter_context(Table(place))
         todo = [scan for scan in scans if _is_wanted(scan, plan, table, retry_failed)]
         outcome = Outcome([], len(scans), len(scans) - len(todo), bool(table.cut_short))
-        with _finished(outcome, scans, plan, table):
+        state = _state(scans, todo, table)
+        with _finished(outcome, scans, plan, table, state):
             if todo:
                 make: Callable[[], Workers] = lambda: Local(plan.parts, jobs, limits, work)  # noqa: E731
                 if dask is not None:
                     make = lambda: OnDask(dask, plan.parts, limits, work)  # noqa: E731
                 with make() as workers:
-                    _Run(plan, table, workers, watch, todo, _state(scans, todo, table)).run()
+                    _Run(plan, table, workers, watch, todo, state).run()
         return outcome
 
 
 @contextmanager
-def _finished(outcome: Outcome, scans: list[Scan], plan: Plan, table: Table) -> Iterator[None]:
+def _finished(outcome: Outcome, scans: list[Scan], plan: Plan, table: Table, state: State) -> Iterator[None]:
     """However the block ends: rows in order, one for each scan, and the page."""
     try:
         yield
     finally:
+        state.done = table.added()  # an interrupt may have come between a row and its count
         table.tidy()
         outcome.rows.extend(table.rows[scan.name] for scan in scans if scan.name in table.rows)
         page.write(plan.output, outcome.rows, plan.pictures_folder)
@@ -315,7 +317,26 @@ def _checked_options(
         cli.settle(arguments)
     except (UsageError, recipes.RecipeError, ValueError) as error:
         raise BatchError(str(error)) from None
+    if len(given := [name for name in recipes.COUNTS if options.get(name) is not None]) > 1:
+        raise BatchError(f"{' and '.join(given)} each set the number of regions: give one of them")
+    for made in (arguments.options, arguments.clean):
+        _check_ranges(made)
     return options, arguments.recipe and arguments.recipe.values
+
+
+def _check_ranges(options: PartitionOptions | CleanOptions) -> None:
+    """Refuse once what the engine would refuse for each scan."""
+    values = options.as_dict()
+    for field in options.fields():
+        value, name = values[field["name"]], field["name"].replace("_", "-")
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            continue
+        low, high = field.get("least"), field.get("most")
+        fits = abs(value) < float("inf")
+        fits = fits and (low is None or (value > low if field.get("above_least") else value >= low))
+        fits = fits and (high is None or (value < high if field.get("below_most") else value <= high))
+        if not fits:
+            raise BatchError(f"--{name} must be {field.get('range', 'a finite number')}, got {value:g}")
 
 
 def _positive(value: float | None, name: str) -> float | None:

@@ -185,6 +185,8 @@ def _in_list(path: Path) -> Iterator[tuple[str, Path]]:
 def estimated_faces(path: Path) -> int:
     """About how many faces a file has, by its header and size; never more than it has room for."""
     try:
+        if not path.is_file():  # what comes through a pipe comes once
+            return 0
         size = path.stat().st_size
         with path.open("rb") as file:
             head = file.read(4096)

@@ -61,6 +61,7 @@ class Table:
             else:
                 self._file.write(b"\n")
             self._sync()
+        self._begin = self.path.stat().st_size
 
     def __enter__(self) -> "Table":
         return self
@@ -76,6 +77,10 @@ class Table:
         self._sync()
         self._lines += 1
         self.rows[row["name"]] = row
+
+    def added(self) -> int:
+        """How many rows were added so far."""
+        return self.path.read_bytes()[self._begin :].count(b"\n")
 
     def tidy(self) -> None:
         """Leave one line a scan: rows that were replaced since go."""

@@ -49,7 +49,7 @@ def add_options(command: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     screen = Screen() if wanted(arguments.quiet) else None
-    state = State(0, 0)
+    state = State(0, 0)  # the one that is shown last; the batch keeps it up to date
 
     def watch(now: State) -> None:
         nonlocal state
