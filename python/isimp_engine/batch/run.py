@@ -327,16 +327,16 @@ def _checked_options(
 def _check_ranges(options: PartitionOptions | CleanOptions) -> None:
     """Refuse once what the engine would refuse for each scan."""
     values = options.as_dict()
-    for field in options.fields():
-        value, name = values[field["name"]], field["name"].replace("_", "-")
+    for option in options.fields():
+        value, name = values[option["name"]], option["name"].replace("_", "-")
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             continue
-        low, high = field.get("least"), field.get("most")
+        low, high = option.get("least"), option.get("most")
         fits = abs(value) < float("inf")
-        fits = fits and (low is None or (value > low if field.get("above_least") else value >= low))
-        fits = fits and (high is None or (value < high if field.get("below_most") else value <= high))
+        fits = fits and (low is None or (value > low if option.get("above_least") else value >= low))
+        fits = fits and (high is None or (value < high if option.get("below_most") else value <= high))
         if not fits:
-            raise BatchError(f"--{name} must be {field.get('range', 'a finite number')}, got {value:g}")
+            raise BatchError(f"--{name} must be {option.get('range', 'a finite number')}, got {value:g}")
 
 
 def _positive(value: float | None, name: str) -> float | None:

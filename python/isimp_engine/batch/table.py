@@ -80,10 +80,17 @@ class Table:
 
     def added(self) -> int:
         """How many rows were added so far."""
+        self._file.flush()
         return self.path.read_bytes()[self._begin :].count(b"\n")
 
     def tidy(self) -> None:
-        """Leave one line a scan: rows that were replaced since go."""
+        """Leave one line a scan: rows that were replaced since go.
+
+        What is in the file counts: an interrupt may have come while a row was added.
+        """
+        self._sync()
+        self.rows = {row["name"]: row for row in read_rows(self.path.parent)}
+        self._lines = len(self.path.read_bytes().splitlines())
         if self._lines == len(self.rows):
             return
         part = self.path.parent / WORK / NAME
