@@ -2,6 +2,7 @@
 
 import argparse
 import datetime
+import glob
 import os
 import shutil
 import time
@@ -17,7 +18,7 @@ from .errors import BatchError
 from .local import Local
 from .nursery import SIMPLIFY, Ending, Limits
 from .on_dask import OnDask
-from .scans import Scan, estimated_mb, find_scans
+from .scans import Scan, estimated_mb, find_scans, fixed_part
 from .table import MADE, PICTURE, WORK, Lock, Row, Table, sync_folder
 
 _TICK = 0.2  # seconds between two calls of `watch`, at most
@@ -350,7 +351,10 @@ def _check_place(inputs: Any, output: Path) -> None:
     if output.exists() and not output.is_dir():
         raise BatchError(f"{output}: is a file; results need a folder")
     for text in [inputs] if isinstance(inputs, (str, os.PathLike)) else inputs:
-        if Path(text).is_dir() and Path(text).resolve() == output.resolve():
+        folder = (
+            Path(text) if Path(text).is_dir() or not glob.has_magic(os.fspath(text)) else fixed_part(os.fspath(text))
+        )
+        if folder.is_dir() and folder.resolve() == output.resolve():
             raise BatchError(f"{output}: is the folder of the scans; results need another one")
 
 

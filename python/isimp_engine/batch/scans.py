@@ -121,7 +121,7 @@ def _named(text: str, base: Path, several: bool, besides: Path | None) -> Iterat
         else:
             yield from _in_list(path)
     elif glob.has_magic(text):
-        fixed = _fixed_part(text)
+        fixed = fixed_part(text)
         for each in sorted(glob.glob(text, recursive=True)):  # noqa: PTH207  (may be absolute)
             match = _absolute(each)
             if match.is_file() and match.suffix.lower() in READABLE and not _is_inside(match, besides):
@@ -130,7 +130,7 @@ def _named(text: str, base: Path, several: bool, besides: Path | None) -> Iterat
         raise BatchError(f"{text}: there is no such file or folder")
 
 
-def _fixed_part(pattern: str) -> Path:
+def fixed_part(pattern: str) -> Path:
     """The folder of a pattern above its first wildcard."""
     parts = _absolute(pattern).parts
     fixed = [part for k, part in enumerate(parts[:-1]) if not any(map(glob.has_magic, parts[: k + 1]))]
