@@ -26,7 +26,7 @@ _RESULT, _SAID = "result.json", "stderr.txt"
 class Limits:
     """What one child may take; None: no limit."""
 
-    seconds: float | None = None
+    seconds: float | None = None  #: of wall time
     mb: float | None = None  #: memory, MB of 2^20 bytes
 
 
@@ -36,8 +36,8 @@ class Ending:
 
     why: str  #: empty: well; else what went wrong
     values: dict[str, Any]  #: what the work returned
-    seconds: float = 0.0
-    peak_mb: float | None = None
+    seconds: float = 0.0  #: from the fork to the end
+    peak_mb: float | None = None  #: memory, as the kernel counted it
 
 
 class NurseryEnded(Exception):
@@ -45,13 +45,14 @@ class NurseryEnded(Exception):
 
 
 class Nursery:
-    """Runs pieces of work in child processes. One thread at a time; use it in a `with` block.
-
-    work: "module:function". The function gets the task, a dict of JSON values, and a folder of its own, and returns a
-          dict of JSON values. One that fails returns {"why": ...}.
-    """
+    """Runs pieces of work in child processes. One thread at a time; use it in a `with` block."""
 
     def __init__(self, work: str = SIMPLIFY) -> None:
+        """Start nothing yet.
+
+        work: "module:function". The function gets the task, a dict of JSON values, and a folder of its own, and returns
+              a dict of JSON values; {"why": ...} where it failed.
+        """
         if not hasattr(os, "fork"):
             raise BatchError("a batch needs child processes by fork, which this system does not have")
         self._work = work

@@ -19,6 +19,7 @@ from .errors import BatchError
 from .nursery import Ending, Limits, Nursery, NurseryEnded
 
 _LOOK = 0.5  # seconds between two looks whether the batch still runs
+_CONNECT = 20  # seconds to wait for a scheduler, and for a worker
 _RESOURCE = "MB"  #: of workers, if they say how much memory they have
 
 _own = threading.local()
@@ -66,7 +67,7 @@ class OnDask:
         except ImportError:
             raise BatchError("--dask needs the package distributed: pip install 'isimp[batch]'") from None
         try:
-            self._client: Any = distributed.Client(address, timeout="20s")
+            self._client: Any = distributed.Client(address, timeout=_CONNECT)
         except (OSError, ValueError) as error:
             raise BatchError(f"--dask {address}: there is no scheduler of Dask ({_line(error)})") from None
         self._parts, self._work = parts, work
@@ -132,7 +133,7 @@ class OnDask:
     def _check(self, address: str) -> None:
         """Refuse workers without this version, before they refuse each scan."""
         try:
-            self._client.wait_for_workers(1, timeout=20)
+            self._client.wait_for_workers(1, timeout=_CONNECT)
         except TimeoutError:
             raise BatchError(f"--dask {address}: the scheduler has no worker") from None
         for worker, found in self._client.run(version, on_error="return").items():

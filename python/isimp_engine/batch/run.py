@@ -45,7 +45,7 @@ class Outcome:
     """What is known of the scans of a batch after a run."""
 
     rows: list[Row]  #: the row of each scan that has one, in the order of the scans' names
-    scans: int
+    scans: int  #: how many the batch has
     before: int  #: how many were done by earlier runs
     cut_short: bool  #: the last line of results.jsonl was cut short, so that its scan was done again
 

@@ -150,7 +150,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return _say("interrupted, nothing was written", INTERRUPTED)
     except EXPECTED as error:
-        return _say(*problem(error, getattr(parsed, "input", parsed.output)))
+        return _say(*problem(error, parsed.output if parsed.run is batch.run else parsed.input))
     finally:
         _process.ignore_interrupts()
     return status if isinstance(status, int) else OK
