@@ -578,3 +578,20 @@ def test_a_broken_disk_is_a_row_of_the_scan(scans, tmp_path):
     assert list(whys(outcome)) == ["sub/c.ply"]
     assert whys(outcome)["sub/c.ply"].startswith("can't be written to sub/c.obj: ")
     assert (tmp_path / "out" / "sub").read_text() == "in the way"
+
+
+def test_a_system_without_room_for_processes_is_a_row(scans, tmp_path, monkeypatch):
+    """The process that forks goes on, whatever becomes of one fork."""
+    (tmp_path / "full.py").write_text(
+        "import errno, os\n"
+        "fork, left = os.fork, [1]\n"
+        "def few():\n"
+        "    if left.pop() if left else False: raise OSError(errno.EAGAIN, 'too many processes')\n"
+        "    return fork()\n"
+        "os.fork = few\n"
+        "from isimp_engine.batch.work import simplify\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    outcome = batch.run(scans, tmp_path / "out", work="full:simplify", jobs=1)
+    assert list(whys(outcome).values()) == ["no process can be started: too many processes"]
+    assert len(outcome.rows) == 3

@@ -88,7 +88,11 @@ class Server:
 
     def _start(self, request: dict[str, Any]) -> None:
         begun, parent = time.monotonic(), os.getpid()
-        pid = os.fork()
+        try:
+            pid = os.fork()
+        except OSError as error:  # no more processes, or no memory for one
+            self._answer({"number": request["number"], "error": f"no process can be started: {error.strerror}"})
+            return
         if pid == 0:
             try:
                 _be_child(request, parent, self._work, (self._requests, self._answers, self._wake))
@@ -115,15 +119,19 @@ class Server:
             child = self._children.pop(pid)
             code = os.waitstatus_to_exitcode(status)
             peak = usage.ru_maxrss / (2**20 if sys.platform == "darwin" else 2**10)
-            answer = {
-                "number": child.number,
-                "code": max(code, 0),
-                "signal": -min(code, 0),
-                "stopped": child.stopped,
-                "seconds": round(time.monotonic() - child.begun, 6),
-                "peak_mb": round(peak, 1),
-            }
-            os.write(self._answers, json.dumps(answer).encode() + b"\n")
+            self._answer(
+                {
+                    "number": child.number,
+                    "code": max(code, 0),
+                    "signal": -min(code, 0),
+                    "stopped": child.stopped,
+                    "seconds": round(time.monotonic() - child.begun, 6),
+                    "peak_mb": round(peak, 1),
+                }
+            )
+
+    def _answer(self, values: dict[str, Any]) -> None:
+        os.write(self._answers, json.dumps(values).encode() + b"\n")
 
     def _watch(self) -> None:
         """Kill children beyond their limits."""

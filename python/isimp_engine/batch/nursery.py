@@ -53,8 +53,6 @@ class Nursery:
         work: "module:function". The function gets the task, a dict of JSON values, and a folder of its own, and returns
               a dict of JSON values; {"why": ...} where it failed.
         """
-        if not hasattr(os, "fork"):
-            raise BatchError("a batch needs child processes by fork, which this system does not have")
         self._work = work
         self._process: subprocess.Popen[bytes] | None = None
         self._rest = b""
@@ -138,6 +136,8 @@ class Nursery:
     def _ended(self, said: dict[str, Any]) -> tuple[int, Ending]:
         number: int = said["number"]
         folder, limits = self._running.pop(number)
+        if "error" in said:
+            return number, Ending(said["error"], {})
         values: dict[str, Any] = {}
         with contextlib.suppress(OSError, ValueError):  # it may not have come so far
             values = json.loads((folder / _RESULT).read_bytes())

@@ -18,10 +18,11 @@ from .errors import BatchError
 from .local import Local
 from .nursery import SIMPLIFY, Ending, Limits
 from .on_dask import OnDask
-from .scans import Scan, estimated_mb, find_scans, fixed_part
+from .scans import Scan, estimated_faces, estimated_mb, find_scans, fixed_part
 from .table import MADE, PICTURE, WORK, Lock, Row, Table, sync_folder
 
 _TICK = 0.2  # seconds between two calls of `watch`, at most
+_FACES_OF_A_START = 20_000  # that take as long as a scan without any
 _SAME_RESULT = {"threads", "backend"}  # options that change no result, so that other values of them redo nothing
 
 Workers = Local | OnDask
@@ -130,6 +131,8 @@ def run(
     A scan that fails is a row; see `read_rows`. Raises BatchError if the batch as a whole can't be run, and
     KeyboardInterrupt as it comes; rows that were written stay, and the next run goes on from them.
     """
+    if not hasattr(os, "fork"):
+        raise BatchError("a batch needs child processes by fork, which this system does not have")
     place = Path(os.path.abspath(output))  # noqa: PTH100  (links stay as they are)
     suffix = _suffix(format)
     given, steps = _checked_options(dict(options or {}), recipe)
@@ -188,21 +191,21 @@ class _Run:
     ) -> None:
         self._plan, self._table, self._workers, self._state = plan, table, workers, state
         self._watch = watch or (lambda state: None)
-        self._needs = [estimated_mb(scan.path) for scan in todo]
-        order = sorted(range(len(todo)), key=lambda k: -self._needs[k])  # large ones first: none is left for the end
-        self._scans, self._needs = [todo[k] for k in order], [self._needs[k] for k in order]
+        needs = {scan.name: estimated_mb(scan.path) for scan in todo}
+        self._scans = sorted(todo, key=lambda scan: -needs[scan.name])  # large ones first: none is left for the end
+        self._needs = [needs[scan.name] for scan in self._scans]
+        self._shares = [_FACES_OF_A_START + estimated_faces(scan.path) for scan in self._scans]
         self._running: dict[int, Scan] = {}
 
     def run(self) -> None:
-        begun, following, done_mb = time.monotonic(), 0, 0.0
-        total_mb = sum(self._needs)
+        begun, following, done, total = time.monotonic(), 0, 0, sum(self._shares)
         while following < len(self._scans) or self._running:
             following = self._begin_some(following)
             for number, folder, ending in self._workers.endings(_TICK) if self._running else []:
                 self._keep(self._running.pop(number), folder, ending)
-                done_mb += self._needs[number]
+                done += self._shares[number]
             self._state.running = [scan.name for scan in self._running.values()]
-            self._state.seconds, self._state.share = time.monotonic() - begun, done_mb / total_mb
+            self._state.seconds, self._state.share = time.monotonic() - begun, done / total
             self._watch(self._state)
 
     def _begin_some(self, following: int) -> int:
