@@ -451,7 +451,8 @@ def test_faces_are_estimated_by_header_and_size(tmp_path):
     lie.write_bytes(b"ply\nformat binary_little_endian 1.0\nelement face 4000000000\nend_header\n")
     assert batch.estimated_faces(lie) < 10
     assert batch.estimated_faces(tmp_path / "nowhere.ply") == 0
-    assert batch.estimated_mb(tmp_path / "nowhere.ply") > 10
+    assert batch.needed_mb(0, 0) > 10
+    assert batch.needed_mb(10**6, 2 * 10**7) > 200
 
 
 def test_as_many_at_once_as_cores_and_memory_allow(tmp_path, monkeypatch):
@@ -473,6 +474,12 @@ def test_as_many_at_once_as_cores_and_memory_allow(tmp_path, monkeypatch):
             assert workers.threads(5000, 100) == 4, "a limit bounds what is needed"
             workers.start(number, {}, 5000)
         assert workers.threads(1, 100) == 0, "two jobs were asked for"
+    with local.Local(tmp_path, None, nursery.Limits(), ODD, threads=4) as workers:
+        monkeypatch.setattr(workers._nursery, "start", lambda *_: None)
+        for number in range(2):
+            assert workers.threads(1, 100)
+            workers.start(number, {}, 1)
+        assert workers.threads(1, 100) == 0, "two of four threads keep eight cores busy"
 
 
 # What is shown

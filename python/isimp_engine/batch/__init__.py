@@ -12,7 +12,7 @@ A second call does only what is missing. docs/scale.md describes the rows and th
 from .errors import BatchError
 from .nursery import Ending, Limits, Nursery, NurseryEnded
 from .run import Outcome, State, run
-from .scans import Scan, estimated_faces, estimated_mb, find_scans
+from .scans import Scan, estimated_faces, find_scans, needed_mb
 from .table import read_rows
 
 __all__ = [
@@ -25,8 +25,8 @@ __all__ = [
     "Scan",
     "State",
     "estimated_faces",
-    "estimated_mb",
     "find_scans",
+    "needed_mb",
     "read_rows",
     "run",
 ]

@@ -28,12 +28,13 @@ class Local:
     """Runs pieces of work on this machine.
 
     parts: a folder for their folders.
-    jobs: at most so many at once; None: as many as there are cores.
+    jobs: at most so many at once; None: as many as keep the cores busy.
+    threads: that each of them has; None: as `threads` says.
     """
 
-    def __init__(self, parts: Path, jobs: int | None, limits: Limits, work: str) -> None:
+    def __init__(self, parts: Path, jobs: int | None, limits: Limits, work: str, threads: int | None = None) -> None:
         self._parts, self._cores = parts, machine.cores()
-        self._jobs = jobs or self._cores
+        self._jobs = jobs or max(1, self._cores // (threads or 1))
         self._mb = _SHARE * machine.memory_mb()
         self._limits = Limits(limits.seconds, self._mb if limits.mb is None else limits.mb)
         self._most = limits.mb  # that a child gets; None: what the machine has

@@ -7,7 +7,7 @@ import os
 import shutil
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,7 @@ from .errors import BatchError
 from .local import Local
 from .nursery import SIMPLIFY, Ending, Limits
 from .on_dask import OnDask
-from .scans import Scan, estimated_faces, estimated_mb, find_scans, fixed_part
+from .scans import Scan, estimated_faces, find_scans, fixed_part, needed_mb
 from .table import MADE, PICTURE, WORK, Lock, Row, Table, sync_folder
 
 _TICK = 0.2  # seconds between two calls of `watch`, at most
@@ -60,7 +60,7 @@ class Plan:
     """What is done with each scan, and where."""
 
     output: Path
-    format: str
+    suffix: str
     options: dict[str, Any]
     recipe: dict[str, Any] | None
     limits: Limits
@@ -133,35 +133,41 @@ def run(
     """
     if not hasattr(os, "fork"):
         raise BatchError("a batch needs child processes by fork, which this system does not have")
-    place = Path(os.path.abspath(output))  # noqa: PTH100  (links stay as they are)
-    suffix = _suffix(format)
-    given, steps = _checked_options(dict(options or {}), recipe)
-    limits = Limits(_positive(time_limit, "time limit"), _positive(memory_limit, "memory limit"))
     if jobs is not None and jobs < 1:
         raise BatchError(f"the number of jobs must be at least 1, got {jobs}")
+    place = Path(os.path.abspath(output))  # noqa: PTH100  (links stay as they are)
+    given, steps = _checked_options(dict(options or {}), recipe)
+    limits = Limits(_positive(time_limit, "time limit"), _positive(memory_limit, "memory limit"))
+    plan = Plan(place, _suffix(format), given, steps, limits, labels, reports, pictures)
     _check_place(inputs, place)
-    scans = find_scans(inputs, suffix, besides=place)
-    plan = Plan(place, format, given, steps, limits, labels, reports, pictures)
+    scans = find_scans(inputs, plan.suffix, besides=place)
     _check_outputs(scans, plan)
-    with ExitStack() as open_things:
-        open_things.enter_context(Lock(place))
-        for name in list((place / WORK).glob("running-*")):
-            name.unlink(missing_ok=True)
-        shutil.rmtree(plan.parts, ignore_errors=True)
-        plan.parts.mkdir(parents=True)
-        plan.pictures_folder.mkdir(exist_ok=True)
-        table = open_things.enter_context(Table(place))
-        todo = [scan for scan in scans if _is_wanted(scan, plan, table, retry_failed)]
-        outcome = Outcome([], len(scans), len(scans) - len(todo), bool(table.cut_short))
-        state = _state(scans, todo, table)
-        with _finished(outcome, scans, plan, table, state):
-            if todo:
-                make: Callable[[], Workers] = lambda: Local(plan.parts, jobs, limits, work)  # noqa: E731
-                if dask is not None:
-                    make = lambda: OnDask(dask, plan.parts, limits, work)  # noqa: E731
-                with make() as workers:
-                    _Run(plan, table, workers, watch, todo, state).run()
-        return outcome
+    with Lock(place):
+        _tidy_folders(plan)
+        with Table(place) as table:
+            todo = [scan for scan in scans if _is_wanted(scan, plan, table, retry_failed)]
+            outcome = Outcome([], len(scans), len(scans) - len(todo), bool(table.cut_short))
+            state = _state(scans, todo, table)
+            with _finished(outcome, scans, plan, table, state):
+                if todo:
+                    with _workers(plan, jobs, dask, work) as workers:
+                        _Run(plan, table, workers, watch, todo, state).run()
+            return outcome
+
+
+def _tidy_folders(plan: Plan) -> None:
+    """Make the work folder, without what a run left there that was killed."""
+    for file in list((plan.output / WORK).glob("running-*")):
+        file.unlink(missing_ok=True)
+    shutil.rmtree(plan.parts, ignore_errors=True)
+    for folder in (plan.parts, plan.pictures_folder):
+        folder.mkdir(parents=True, exist_ok=True)
+
+
+def _workers(plan: Plan, jobs: int | None, dask: str | None, work: str) -> Workers:
+    if dask is not None:
+        return OnDask(dask, plan.parts, plan.limits, work)
+    return Local(plan.parts, jobs, plan.limits, work, plan.options.get("threads") or None)
 
 
 @contextmanager
@@ -191,10 +197,11 @@ class _Run:
     ) -> None:
         self._plan, self._table, self._workers, self._state = plan, table, workers, state
         self._watch = watch or (lambda state: None)
-        needs = {scan.name: estimated_mb(scan.path) for scan in todo}
+        faces = {scan.name: estimated_faces(scan.path) for scan in todo}
+        needs = {scan.name: needed_mb(faces[scan.name], scan.size) for scan in todo}
         self._scans = sorted(todo, key=lambda scan: -needs[scan.name])  # large ones first: none is left for the end
         self._needs = [needs[scan.name] for scan in self._scans]
-        self._shares = [_FACES_OF_A_START + estimated_faces(scan.path) for scan in self._scans]
+        self._shares = [_FACES_OF_A_START + faces[scan.name] for scan in self._scans]
         self._running: dict[int, Scan] = {}
 
     def run(self) -> None:

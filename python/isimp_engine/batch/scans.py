@@ -205,10 +205,6 @@ def estimated_faces(path: Path) -> int:
     return most if said is None else min(said, most)
 
 
-def estimated_mb(path: Path) -> float:
-    """About how much memory a run on this file needs, in MB."""
-    try:
-        size = path.stat().st_size
-    except OSError:
-        size = 0
-    return _BASE_MB + _MB_PER_FACE * estimated_faces(path) + size / _MB
+def needed_mb(faces: int, size: int) -> float:
+    """About how much memory a run on so many faces in a file of so many bytes needs, in MB."""
+    return _BASE_MB + _MB_PER_FACE * faces + size / _MB
