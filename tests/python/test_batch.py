@@ -130,15 +130,19 @@ def test_more_scans_are_added_to_those_of_before(scans, tmp_path, log):
 def test_what_one_scan_does_is_its_row_alone(tmp_path, log):
     for name in ("crash", "exit", "good", "hang", "large", "raise", "slow"):
         scan(tmp_path / "in" / f"{name}.ply")
+    (tmp_path / "in" / "broken.ply").symlink_to(tmp_path / "nowhere")
+    os.mkfifo(tmp_path / "in" / "pipe.ply")
     (tmp_path / "in" / "torn.ply").write_text("ply\nformat ascii 1.0\n")
     limits = {"time_limit": 2.5, "memory_limit": 400}
     outcome = batch.run(tmp_path / "in", tmp_path / "out", work=ODD, jobs=4, **limits)
     assert {row["name"] for row in outcome.rows if row["status"] == "ok"} == {"good.ply", "slow.ply"}
     assert whys(outcome) == {
+        "broken.ply": "there is no such file",
         "crash.ply": "ended by signal 11",
         "exit.ply": "ended with exit status 9: no licence for this machine",
         "hang.ply": "over the time limit of 2.5 s",
         "large.ply": "over the memory limit of 400 MB",
+        "pipe.ply": "over the time limit of 2.5 s",
         "raise.ply": "ended with exit status 70: KeyError: 'a mistake in the work'",
         "torn.ply": "the PLY header has no end_header; the file is cut short or damaged",
     }
@@ -338,6 +342,12 @@ def test_scans_of_a_folder(scans):
     scan(scans / ".hidden" / "d.ply")
     scan(scans / "LOUD.PLY")
     (scans / "sub" / "loop").symlink_to(scans)
+    (scans / "broken.ply").symlink_to(scans / "nowhere")
+    os.mkfifo(scans / "pipe.ply")
+    odd = found(scans)
+    assert odd.keys() >= {"broken.ply", "pipe.ply"}, "they are rows, not left out without a word"
+    for name in ("broken.ply", "pipe.ply"):
+        (scans / name).unlink()
     names = {"LOUD.PLY": "LOUD.obj", "a.ply": "a.obj", "b.ply": "b.obj", "sub/c.ply": "sub/c.obj"}
     assert found(scans) == names
     assert found([scans], besides=scans / "sub").keys() == names.keys() - {"sub/c.ply"}
@@ -429,6 +439,8 @@ def test_what_is_wrong_with_the_whole_is_2_and_changes_nothing(scans, tmp_path):
     assert sorted(path.name for path in scans.iterdir()) == ["a.ply", "b.ply", "sub"]
     with pytest.raises(batch.BatchError, match=r"no option 'proxy'; there are .*proxies"):
         batch.run(scans, out, options={"proxy": 3})
+    with pytest.raises(batch.BatchError, match="proxies"):
+        batch.run(scans, out, options={"proxies": "many"})
     with pytest.raises(batch.BatchError, match=r"detail and proxies each set the number"):
         batch.run(scans, out, options={"proxies": 3, "detail": 0.1})
 

@@ -20,13 +20,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from . import machine
 from .nursery import _RESULT, _SAID
 
 Work = Callable[[dict[str, Any], Path], dict[str, Any]]
 
 _POLL = 0.05  # seconds between two looks at the memory of children
 _DIE_WITH_PARENT = 1  # PR_SET_PDEATHSIG of Linux
-_STACKS_MB = 64  # address space of threads' stacks, which are never used whole
+_NAME = 15  # PR_SET_NAME of Linux
+_STACK_MB = 8.5  # address space of a thread's stack, which is never used whole
 
 
 @dataclass
@@ -165,6 +167,7 @@ def _memory(pid: int | str) -> dict[str, float]:
 def _be_child(request: dict[str, Any], parent: int, work: Work, handles: tuple[int, ...]) -> None:
     """Do the work, leave its result in the folder, and end."""
     _end_with(parent)
+    _be_called(Path(str(request["task"].get("input", ""))).name)
     os.setpgid(0, 0)
     signal.set_wakeup_fd(-1)
     for number in (signal.SIGCHLD, signal.SIGINT, signal.SIGTERM):
@@ -195,6 +198,12 @@ def _end_with(parent: int) -> None:
         os._exit(70)
 
 
+def _be_called(name: str) -> None:
+    """Show which scan this is in lists of processes."""
+    if _LIBC is not None and name:
+        _LIBC.prctl(_NAME, os.fsencode(name)[:15], 0, 0, 0)
+
+
 def limit_memory(mb: float | None) -> None:
     """Let this process have so much memory, what it has already among it; None: as much as it may.
 
@@ -208,7 +217,7 @@ def limit_memory(mb: float | None) -> None:
     now = _memory("self")
     if "VmData" not in now:  # the limits of other systems don't hold; the kernel's peak is looked at there alone
         return
-    most = int(max(mb - now["VmRSS"], 1.0) + now["VmData"] + _STACKS_MB) << 20
+    most = int(max(mb - now["VmRSS"], 1.0) + now["VmData"] + (machine.cores() + 4) * _STACK_MB) << 20
     resource.setrlimit(resource.RLIMIT_DATA, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
 
 

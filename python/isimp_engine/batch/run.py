@@ -136,9 +136,11 @@ def run(
     if jobs is not None and jobs < 1:
         raise BatchError(f"the number of jobs must be at least 1, got {jobs}")
     place = Path(os.path.abspath(output))  # noqa: PTH100  (links stay as they are)
-    given, steps = _checked_options(dict(options or {}), recipe)
+    given = dict(options or {})
+    arguments = _checked_options(given, recipe)
+    steps = None if arguments.recipe is None else arguments.recipe.values
     limits = Limits(_positive(time_limit, "time limit"), _positive(memory_limit, "memory limit"))
-    plan = Plan(place, _suffix(format), given, steps, limits, labels, reports, pictures)
+    plan = Plan(place, _suffix(format, arguments), given, steps, limits, labels, reports, pictures)
     _check_place(inputs, place)
     scans = find_scans(inputs, plan.suffix, besides=place)
     _check_outputs(scans, plan)
@@ -296,29 +298,31 @@ def _state(scans: list[Scan], todo: list[Scan], table: Table) -> State:
     return State(len(scans), len(before), failed=sum(row["status"] != "ok" for row in before))
 
 
-def _suffix(kind: str) -> str:
-    """The suffix of a format that `isimp simplify` can write."""
-    from ..cli.simplify import OUTPUT_KINDS
+def _suffix(kind: str, arguments: argparse.Namespace) -> str:
+    """The suffix of a format that `isimp simplify` can write with these options."""
+    from ..cli.simplify import output_kinds
 
+    kinds = output_kinds(arguments)
     suffix = "." + kind.lower().removeprefix(".")
-    if suffix not in OUTPUT_KINDS:
-        known = ", ".join(each.removeprefix(".") for each in OUTPUT_KINDS)
-        raise BatchError(f"the format '{kind}' can't be written by this version; it writes {known}")
+    if suffix not in kinds:
+        known = ", ".join(each.removeprefix(".") for each in kinds)
+        raise BatchError(f"the format '{kind}' can't be written with these options; these can: {known}")
     return suffix
 
 
 def _checked_options(
     options: dict[str, Any], recipe: str | os.PathLike[str] | dict[str, Any] | None
-) -> tuple[dict[str, Any], dict[str, Any] | None]:
-    """Options and recipe as JSON values. Raises BatchError if they are wrong for any scan."""
+) -> argparse.Namespace:
+    """Options and recipe as the steps take them. Raises BatchError if they are wrong for any scan."""
     from .. import cli
     from ..cli.errors import UsageError
 
-    known = vars(cli.simplify_options().parse_args([])).keys() - {"recipe"}
+    known = vars(cli.simplify_options().parse_args([]))
+    del known["recipe"]
     for name in options:
         if name not in known:
             raise BatchError(f"there is no option '{name}'; there are {', '.join(sorted(known))}")
-    arguments = argparse.Namespace(**dict.fromkeys(known) | options)
+    arguments = argparse.Namespace(**known | options)
     arguments.run = None
     try:
         if isinstance(recipe, (str, os.PathLike)):
@@ -326,13 +330,13 @@ def _checked_options(
         else:
             arguments.recipe = None if recipe is None else recipes.parsed(recipe)
         cli.settle(arguments)
-    except (UsageError, recipes.RecipeError, ValueError) as error:
-        raise BatchError(str(error)) from None
+    except (UsageError, recipes.RecipeError, ValueError, TypeError) as error:
+        raise BatchError(str(error).splitlines()[0]) from None
     if len(given := [name for name in recipes.COUNTS if options.get(name) is not None]) > 1:
         raise BatchError(f"{' and '.join(given)} each set the number of regions: give one of them")
     for made in (arguments.options, arguments.clean):
         _check_ranges(made)
-    return options, arguments.recipe and arguments.recipe.values
+    return arguments
 
 
 def _check_ranges(options: PartitionOptions | CleanOptions) -> None:

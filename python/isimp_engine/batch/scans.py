@@ -63,10 +63,8 @@ def find_scans(inputs: Any, suffix: str = ".obj", besides: Path | None = None) -
     for name, path in sorted(found.items()):
         try:
             state = path.stat()
-        except OSError as error:  # its row says why: a scan that is gone is no reason to stop the others
+        except OSError:  # its row says why: a scan that is gone is no reason to stop the others
             scans.append(Scan(path, name, 0, 0))
-            if not isinstance(error, FileNotFoundError):
-                raise BatchError(f"{path}: {error.strerror}") from None
             continue
         scans.append(Scan(path, name, state.st_size, state.st_mtime_ns))
     return _with_outputs(scans, suffix)
@@ -163,7 +161,7 @@ def _in_folder(folder: Path, besides: Path | None) -> Iterator[Path]:
                 continue
             if entry.is_dir():
                 waiting.append(Path(entry.path))
-            elif entry.is_file() and Path(entry.name).suffix.lower() in READABLE:
+            elif Path(entry.name).suffix.lower() in READABLE:  # a pipe or a broken link too: its row says why
                 yield Path(entry.path)
 
 

@@ -118,10 +118,15 @@ def refused(arguments: argparse.Namespace) -> Iterator[None]:
         raise UsageError(f"{arguments.input}: {error}") from None
 
 
+def output_kinds(arguments: argparse.Namespace) -> tuple[str, ...]:
+    """What OUTPUT may end in, with these options."""
+    return OUTPUT_KINDS
+
+
 def check_places(arguments: argparse.Namespace) -> None:
     """Refuse before the work what would fail after it."""
-    if arguments.output.suffix.lower() not in OUTPUT_KINDS:
-        raise UsageError(f"{arguments.output}: OUTPUT must end in one of {', '.join(OUTPUT_KINDS)}")
+    if arguments.output.suffix.lower() not in (kinds := output_kinds(arguments)):
+        raise UsageError(f"{arguments.output}: OUTPUT must end in one of {', '.join(kinds)}")
     if arguments.labels == STDOUT:
         raise UsageError("--labels writes a binary file, which can't go to stdout; give ./- for a file called -")
     taken = [arguments.input]
