@@ -208,6 +208,7 @@ class _Run:
 
     def run(self) -> None:
         begun, following, done, total = time.monotonic(), 0, 0, sum(self._shares)
+        self._watch(self._state)
         while following < len(self._scans) or self._running:
             following = self._begin_some(following)
             for number, folder, ending in self._workers.endings(_TICK) if self._running else []:
