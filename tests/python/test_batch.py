@@ -590,6 +590,18 @@ def test_a_pipeline_of_ones_own_may_use_the_children(tmp_path):
         assert [(number, ending.why) for number, ending in found] == [(5, "stopped")]
 
 
+def test_children_end_without_a_word_when_nobody_waits_for_them(tmp_path, capfd):
+    for number in range(3):
+        (tmp_path / str(number)).mkdir()
+    with batch.Nursery(ODD) as children:
+        children.start(0, {"input": "hang.ply"}, tmp_path / "0", batch.Limits())
+    with batch.Nursery(ODD) as children:
+        children.start(1, {"input": "hang.ply"}, tmp_path / "1", batch.Limits())
+        wait_for((tmp_path / "1" / "stderr.txt").exists)
+        children.start(2, {"input": "crash.ply"}, tmp_path / "2", batch.Limits())
+    assert capfd.readouterr().err == ""
+
+
 def test_a_broken_disk_is_a_row_of_the_scan(scans, tmp_path):
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "sub").write_text("in the way")

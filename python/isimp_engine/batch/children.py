@@ -228,10 +228,11 @@ def main() -> None:
     nothing = os.open(os.devnull, os.O_RDWR)
     os.dup2(nothing, 0)
     os.dup2(nothing, 1)
-    os.write(answers, b'{"ready": true}\n')
     gc.collect()
     gc.freeze()  # so that children share these pages
-    Server(work, requests, answers).serve()
+    with contextlib.suppress(BrokenPipeError):  # nobody waits for the answers any more
+        os.write(answers, b'{"ready": true}\n')
+        Server(work, requests, answers).serve()
 
 
 _LIBC = ctypes.CDLL(None, use_errno=True) if sys.platform == "linux" else None
