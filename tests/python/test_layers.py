@@ -79,8 +79,16 @@ def imports(path):
 
 def test_the_package_imports_itself_relatively_and_else_only_numpy():
     for path in sorted((ROOT / "python" / "isimp_engine").rglob("*.py")):
+        allowed = {"numpy", *({"distributed"} if path.name == "on_dask.py" else set())}
         for name in imports(path):
-            assert name.startswith(".") or name == "numpy" or name in sys.stdlib_module_names, f"{path} imports {name}"
+            assert name.startswith(".") or name in allowed or name in sys.stdlib_module_names, f"{path} imports {name}"
+
+
+def test_what_is_optional_is_not_imported_before_it_is_asked_for():
+    code = "import sys, isimp_engine.cli, isimp_engine.batch.work; print('distributed' in sys.modules)"
+    outer = str(Path(isimp_engine.__file__).parents[1])
+    done = subprocess.run([sys.executable, "-c", code], env={"PYTHONPATH": outer}, capture_output=True, text=True)
+    assert (done.stdout, done.stderr) == ("False\n", "")
 
 
 @pytest.mark.skipif(not ADDON.is_dir(), reason="the add-on is not here")

@@ -8,6 +8,7 @@ import pytest
 import isimp_engine as engine
 import meshfiles
 import shapes
+from isimp_engine import batch
 from test_cli import isimp
 
 REGIONS = 30
@@ -54,6 +55,24 @@ def test_all_openings_are_kept_on_request(tmp_path, options):
     assert report["repair"]["cut_handles"] == 0
     assert report["mesh"]["euler"] == -32
     assert "openings up to" not in said
+
+
+def test_a_recipe_means_the_same_as_in_the_add_on_which_closes_nothing(tmp_path):
+    recipe = {"isimp_recipe": 1, "steps": [{"step": "partition", "proxies": REGIONS}]}
+    (tmp_path / "r.json").write_text(json.dumps(recipe))
+    report, _ = simplified(tmp_path, room(16), "--recipe", tmp_path / "r.json")
+    assert report["closed_below"] is None
+    assert report["mesh"]["euler"] == -32
+
+
+def test_a_batch_closes_openings_as_the_command_does(tmp_path):
+    report, _ = simplified(tmp_path, room(16), f"--proxies={REGIONS}")
+    for keep, repaired in ((False, 16), (True, 0)):
+        options = {"proxies": REGIONS, "keep_openings": keep}
+        (row,) = batch.run(tmp_path / "scan.ply", tmp_path / f"out{keep}", options=options, format="ply").rows
+        assert row["repaired"] == repaired
+    assert (tmp_path / "outFalse" / "scan.ply").read_bytes() == (tmp_path / "o.ply").read_bytes()
+    assert report["repair"]["cut_handles"] == 16
 
 
 def test_drawn_models_keep_their_openings(tmp_path):

@@ -1,7 +1,7 @@
-"""The command `isimp`: `isimp simplify INPUT OUTPUT` and `isimp info INPUT`.
+"""The command `isimp`: `isimp simplify INPUT OUTPUT`, `isimp batch INPUT OUTPUT_FOLDER` and `isimp info INPUT`.
 
-Exit status: 0; 2 for wrong usage; 3 for input that can't be used, with one line that says what and where; 130 after
-Ctrl-C, with nothing half-written.
+Exit status: 0; 2 for wrong usage; 3 for input that can't be used, with one line that says what and where; 4 if some
+scans of a batch failed; 130 after Ctrl-C, with nothing half-written.
 """
 
 import argparse
@@ -11,12 +11,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from .. import CleanOptions, FileError, InvalidInput, PartitionOptions, __version__, _process
-from . import guiding, info, simplify
+from .. import CleanOptions, FileError, InvalidInput, PartitionOptions, __version__, _process, recipes
+from . import batch, guiding, info, simplify
 from .errors import UsageError
 from .files import place
 
 OK, USAGE, BAD_INPUT, INTERRUPTED = 0, 2, 3, _process.INTERRUPTED
+EXPECTED = (UsageError, FileError, OSError, MemoryError, InvalidInput, RuntimeError)  #: what wrong input raises
 
 Options = type[CleanOptions] | type[PartitionOptions]
 _COUNTS = ("proxies", "detail", "tolerance", "bound")  # at most one of them
@@ -28,10 +29,37 @@ def parser() -> argparse.ArgumentParser:
     parser.add_argument("--version", action="version", version=f"isimp {__version__}")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
 
-    command = commands.add_parser("simplify", help="make a polygon mesh of a scan", description=simplify.__doc__)
+    shared = [simplify_options()]
+    command = commands.add_parser(
+        "simplify", help="make a polygon mesh of a scan", description=simplify.__doc__, parents=shared
+    )
     command.set_defaults(run=simplify.run)
     command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL or OFF")
     command.add_argument("output", type=Path, metavar="OUTPUT", help="PLY or OBJ")
+    guiding.add_files(command)
+    command.add_argument(
+        "--labels", type=place, metavar="L.npy", help="one int32 region per face of INPUT, in file order; -1: none"
+    )
+    command.add_argument("--report", type=place, metavar="R.json", help="what was done, in numbers; -: to stdout")
+    command.add_argument("--quiet", action="store_true", help="no progress, no summary")
+
+    command = commands.add_parser(
+        "batch", help="make polygon meshes of many scans", description=batch.__doc__, parents=shared
+    )
+    command.set_defaults(run=batch.run)
+    batch.add_options(command)
+
+    command = commands.add_parser("info", help="what a mesh is and what would be repaired", description=info.__doc__)
+    command.set_defaults(run=info.run)
+    command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL or OFF")
+    add_fields(command, CleanOptions, names(CleanOptions))
+    command.add_argument("--json", action="store_true", help="as JSON")
+    return parser
+
+
+def simplify_options() -> argparse.ArgumentParser:
+    """The options that apply to any scan, for all commands that simplify."""
+    command = argparse.ArgumentParser(add_help=False)
     add_fields(command.add_mutually_exclusive_group(), PartitionOptions, _COUNTS)
     add_fields(command, PartitionOptions, names(PartitionOptions, besides=_COUNTS))
     add_fields(command, CleanOptions, names(CleanOptions, besides=_SHARED))
@@ -40,19 +68,9 @@ def parser() -> argparse.ArgumentParser:
         action="store_true",
         help="keep all holes and handles; else those of a noisy scan that the regions can't show are closed",
     )
-    guiding.add_options(command)
-    command.add_argument(
-        "--labels", type=place, metavar="L.npy", help="one int32 region per face of INPUT, in file order; -1: none"
-    )
-    command.add_argument("--report", type=place, metavar="R.json", help="what was done, in numbers; -: to stdout")
-    command.add_argument("--quiet", action="store_true", help="no progress, no summary")
-
-    command = commands.add_parser("info", help="what a mesh is and what would be repaired", description=info.__doc__)
-    command.set_defaults(run=info.run)
-    command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL or OFF")
-    add_fields(command, CleanOptions, names(CleanOptions))
-    command.add_argument("--json", action="store_true", help="as JSON")
-    return parser
+    guiding.add_angle(command)
+    command.add_argument("--recipe", type=Path, metavar="R.json", help="the steps to do, as the add-on exports them")
+    return command
 
 
 def names(options: Options, besides: Sequence[str] = ()) -> list[str]:
@@ -81,12 +99,10 @@ def add_fields(command: Any, options: Options, wanted: Sequence[str]) -> None:
 
 
 def options_of(arguments: argparse.Namespace, kind: Options) -> Any:
-    """The engine's options of this kind as the command line has them; its defaults for the rest."""
-    options = kind()
-    for name in names(kind):
-        value = getattr(arguments, name)
-        if value is None:
-            continue
+    """The engine's options of this kind as the command line has them; else the recipe's, else its defaults."""
+    given = {name: getattr(arguments, name) for name in names(kind) if getattr(arguments, name) is not None}
+    options = kind(**_of_recipe(arguments, given)) if kind is PartitionOptions else kind()
+    for name, value in given.items():
         try:
             setattr(options, name, value)
         except InvalidInput as error:
@@ -95,34 +111,62 @@ def options_of(arguments: argparse.Namespace, kind: Options) -> Any:
     return options
 
 
+def _of_recipe(arguments: argparse.Namespace, given: dict[str, Any]) -> dict[str, Any]:
+    """The recipe's options of a partition, without those that are given, and without its count if one is given."""
+    if arguments.recipe is None:
+        return {}
+    counted = any(name in given for name in _COUNTS)
+    own: dict[str, Any] = arguments.recipe.partition
+    return {name: value for name, value in own.items() if name not in given and not (counted and name in _COUNTS)}
+
+
+def settle(arguments: argparse.Namespace) -> None:
+    """Replace what the command line gave by what the steps take: the recipe and the engine's options."""
+    arguments.clean = options_of(arguments, CleanOptions)
+    if arguments.run is info.run:
+        return
+    if isinstance(arguments.recipe, Path):
+        try:
+            arguments.recipe = recipes.read(arguments.recipe)
+        except recipes.RecipeError as error:
+            raise UsageError(str(error)) from None
+    if arguments.recipe is not None and arguments.angle is None:
+        arguments.angle = arguments.recipe.angle
+    arguments.options = options_of(arguments, PartitionOptions)
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; returns its exit status."""
     parsed = parser().parse_args(arguments)
+    status = None
     try:
         _process.expect_interrupts()
         if isinstance(sys.stdout, io.TextIOWrapper):  # file names may be any bytes: they are written unchanged
             sys.stdout.reconfigure(errors="surrogateescape")
-        parsed.clean = options_of(parsed, CleanOptions)
-        if parsed.run is simplify.run:
-            parsed.options = options_of(parsed, PartitionOptions)
-        parsed.run(parsed)
+        settle(parsed)
+        status = parsed.run(parsed)
         if sys.stdout is not None:
             sys.stdout.flush()
     except KeyboardInterrupt:
         return _say("interrupted, nothing was written", INTERRUPTED)
-    except UsageError as error:
-        return _say(str(error), USAGE)
-    except FileError as error:  # names the file itself
-        return _say(str(error), BAD_INPUT)
-    except OSError as error:
-        return _say(f"{error.filename or parsed.input}: {error.strerror or error}", BAD_INPUT)
-    except MemoryError:
-        return _say(f"{parsed.input}: there is not enough memory for it", BAD_INPUT)
-    except (InvalidInput, RuntimeError) as error:
-        return _say(f"{parsed.input}: {error}", BAD_INPUT)
+    except EXPECTED as error:
+        return _say(*problem(error, parsed.output if parsed.run is batch.run else parsed.input))
     finally:
         _process.ignore_interrupts()
-    return OK
+    return status if isinstance(status, int) else OK
+
+
+def problem(error: Exception, path: Path) -> tuple[str, int]:
+    """The line that says what is wrong with an input, and the exit status; `error` is one of EXPECTED."""
+    if isinstance(error, UsageError):
+        return str(error), USAGE
+    if isinstance(error, FileError):  # names the file itself
+        return str(error), BAD_INPUT
+    if isinstance(error, OSError):
+        return f"{error.filename or path}: {error.strerror or error}", BAD_INPUT
+    if isinstance(error, MemoryError):
+        return f"{path}: there is not enough memory for it", BAD_INPUT
+    return f"{path}: {error}", BAD_INPUT
 
 
 def _say(message: str, status: int) -> int:

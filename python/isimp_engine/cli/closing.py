@@ -6,9 +6,12 @@ from .. import CleanOptions, Job, Mesh, PartitionOptions, opening_length, partit
 
 
 def is_wanted(arguments: argparse.Namespace) -> bool:
-    """Not where the user has said what to close, nor with a bound: that promises each vertex of the scan."""
+    """Not where the user has said what to close, nor with a bound: that promises each vertex of the scan.
+
+    Nor with a recipe: it means the same as in the add-on, which closes nothing by itself.
+    """
     given = arguments.clean.fill_holes > 0 or arguments.clean.cut_handles > 0
-    return not (arguments.keep_openings or given or arguments.options.bound)
+    return not (arguments.keep_openings or given or arguments.options.bound or arguments.recipe)
 
 
 def closing_options(mesh: Mesh, options: PartitionOptions, clean: CleanOptions, job: Job) -> CleanOptions | None:

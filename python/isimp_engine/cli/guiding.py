@@ -22,9 +22,13 @@ _FILES = {
 }
 
 
-def add_options(command: argparse.ArgumentParser) -> None:
+def add_angle(command: argparse.ArgumentParser) -> None:
     about = "no region crosses an edge at which INPUT bends by more than so many degrees, in [0, 180]"
     command.add_argument("--angle", type=float, metavar="A", help=about)
+
+
+def add_files(command: argparse.ArgumentParser) -> None:
+    """Options that name arrays of single faces and edges of one file."""
     for name, (metavar, about) in _FILES.items():
         command.add_argument(f"--{name}", type=Path, metavar=metavar, help=about)
 

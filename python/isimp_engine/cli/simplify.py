@@ -6,12 +6,13 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from .. import InvalidInput, Job, MeshingOptions, Partition, __version__, write
+from .. import InvalidInput, Job, MeshingOptions, Partition, PolygonMesh, __version__, write
 from ..guided import partition_guided
 from ..within import Made, polygonize_within
 from . import closing, guiding, words
@@ -38,10 +39,19 @@ class Steps:
         self.seconds[name] = round(time.perf_counter() - start, 6)
 
 
-def run(arguments: argparse.Namespace) -> None:
+@dataclass(frozen=True)
+class Done:
+    """What a run made, for callers in the same process."""
+
+    source: Input
+    polygons: PolygonMesh
+    report: dict[str, Any]
+
+
+def run(arguments: argparse.Namespace) -> Done:
     check_places(arguments)
-    steps, options = Steps(wanted(arguments.quiet)), arguments.options
-    meshing = MeshingOptions(threads=options.threads)
+    steps, options, recipe = Steps(wanted(arguments.quiet)), arguments.options, arguments.recipe
+    meshing = MeshingOptions(**(recipe.meshing if recipe else {}) | {"threads": options.threads})
     with steps("read") as job:
         source = load(arguments.input, job, options.threads)
     closed = None
@@ -55,8 +65,11 @@ def run(arguments: argparse.Namespace) -> None:
     with steps("partition") as job, refused(arguments):
         guides = guiding.guides_of(arguments, source, mesh, job)
         part = partition_guided(mesh, options, job, guides)
+        if recipe:
+            part = recipe.edited(mesh, part, job)
     with steps("mesh") as job:
-        found = polygonize_within(mesh, part, meshing, job, Made(options, guides))
+        edited = recipe is not None and recipe.edits  # made anew, the edits would be lost
+        found = polygonize_within(mesh, part, meshing, job, None if edited else Made(options, guides))
         part, poly = found.partition, found.polygons
     with Outputs() as outputs:
         with steps("write") as job:
@@ -76,6 +89,7 @@ def run(arguments: argparse.Namespace) -> None:
                 "clean": (closed or arguments.clean).as_dict(),
                 "meshing": meshing.as_dict(),
                 "guides": guiding.as_dict(arguments),
+                "recipe": recipe and recipe.values,
             },
             "regions": part.region_count,
             "error": part.error,
@@ -92,6 +106,7 @@ def run(arguments: argparse.Namespace) -> None:
         stream = sys.stderr if arguments.report == STDOUT else sys.stdout
         if stream is not None:
             print("\n".join(summary(source, part, report)), file=stream)
+    return Done(source, poly, report)
 
 
 @contextmanager
@@ -103,10 +118,15 @@ def refused(arguments: argparse.Namespace) -> Iterator[None]:
         raise UsageError(f"{arguments.input}: {error}") from None
 
 
+def output_kinds(arguments: argparse.Namespace) -> tuple[str, ...]:
+    """What OUTPUT may end in, with these options."""
+    return OUTPUT_KINDS
+
+
 def check_places(arguments: argparse.Namespace) -> None:
     """Refuse before the work what would fail after it."""
-    if arguments.output.suffix.lower() not in OUTPUT_KINDS:
-        raise UsageError(f"{arguments.output}: OUTPUT must end in one of {', '.join(OUTPUT_KINDS)}")
+    if arguments.output.suffix.lower() not in (kinds := output_kinds(arguments)):
+        raise UsageError(f"{arguments.output}: OUTPUT must end in one of {', '.join(kinds)}")
     if arguments.labels == STDOUT:
         raise UsageError("--labels writes a binary file, which can't go to stdout; give ./- for a file called -")
     taken = [arguments.input]

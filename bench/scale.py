@@ -1,0 +1,166 @@
+"""Beyond one scan: `isimp batch` on many small scans, some of which fail, with a driver that is killed twice.
+
+    bench/scale.py batch                  1,000 scans; minutes
+    bench/scale.py batch --scans 100
+    bench/scale.py overhead               time a scan beside `isimp simplify`
+
+Run it with a Python that has isimp_engine: installed, or by PYTHONPATH=build-dev/python. The peaks are the kernel's.
+"""
+
+from __future__ import annotations
+
+import argparse
+import collections
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from isimp_engine import batch
+from isimp_engine.batch import work
+
+ODD = {  # name of a scan: what its row must say
+    "crash": "ended by signal 11",
+    "hang": "over the time limit of 10 s",
+    "large": "over the memory limit of 500 MB",
+    "torn": "the PLY header has no end_header; the file is cut short or damaged",
+}
+LIMITS = {"time_limit": 10.0, "memory_limit": 500.0}
+
+
+def odd(task: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """The work of a child: as the name of the scan says, else the real one."""
+    name = Path(task["input"]).stem
+    with open(os.environ["SCALE_LOG"], "a", encoding="utf-8") as file:  # noqa: PTH123
+        file.write(f"{name}\n")
+    if name == "crash":
+        os.kill(os.getpid(), signal.SIGSEGV)
+    if name == "hang":
+        time.sleep(3600)
+    if name == "large":
+        return {"faces": len([bytearray(b"x" * (16 << 20)) for _ in range(1000)])}
+    return work.simplify(task, folder)
+
+
+def box(path: Path, n: int, seed: int) -> None:
+    """A noisy, open heightfield of 2 n^2 faces."""
+    random = np.random.default_rng(seed)
+    y, x = np.mgrid[0 : n + 1, 0 : n + 1] / n
+    z = 0.3 * (x > 0.5) * (y > 0.5) + 0.2 * np.maximum(0, x - y) + random.normal(0, 0.002, x.shape)
+    a = (np.arange(n)[:, None] * (n + 1) + np.arange(n)).ravel()
+    faces = np.concatenate([np.stack([a, a + 1, a + n + 2], 1), np.stack([a, a + n + 2, a + n + 1], 1)])
+    rows = np.zeros(len(faces), dtype=[("n", "u1"), ("v", "<i4", 3)])
+    rows["n"], rows["v"] = 3, faces
+    head = f"ply\nformat binary_little_endian 1.0\nelement vertex {x.size}\nproperty float x\nproperty float y\n"
+    head += f"property float z\nelement face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
+    points = np.stack([x, y, z], axis=2).astype("<f4")
+    path.write_bytes(head.encode() + points.tobytes() + rows.tobytes())
+
+
+def make(folder: Path, count: int) -> None:
+    for number in range(count - len(ODD)):
+        place = folder / f"site{number % 10}"
+        place.mkdir(parents=True, exist_ok=True)
+        box(place / f"scan{number:05}.ply", 20 + number % 30, number)
+    for name in ODD:
+        box(folder / f"{name}.ply", 10, 0)
+    (folder / "torn.ply").write_text("ply\nformat binary_little_endian 1.0\n")
+
+
+def drive(scans: str, out: str) -> None:
+    batch.run(scans, out, options={"proxies": 20}, work="scale:odd", **LIMITS)
+
+
+def killed_twice(scans: Path, out: Path, count: int, environment: dict[str, str]) -> None:
+    """Start the batch, and kill -9 it after a third and after two thirds of the scans."""
+    rows = out / "results.jsonl"
+    for share in (1 / 3, 2 / 3):
+        command = [sys.executable, __file__, "drive", str(scans), str(out)]
+        with subprocess.Popen(command, env=environment) as driver:
+            while driver.poll() is None and (not rows.exists() or rows.read_bytes().count(b"\n") < share * count):
+                time.sleep(0.02)
+            driver.kill()
+
+
+def run_batch(count: int) -> int:
+    with tempfile.TemporaryDirectory() as place:
+        scans, out, log = (Path(place) / name for name in ("in", "out", "log"))
+        make(scans, count)
+        os.environ["SCALE_LOG"] = str(log)
+        begun = time.perf_counter()
+        killed_twice(scans, out, count, dict(os.environ))
+        outcome = batch.run(scans, out, options={"proxies": 20}, work="scale:odd", **LIMITS)
+        seconds = time.perf_counter() - begun
+        starts = collections.Counter(log.read_text(encoding="utf-8").split())
+        twice = {name: number for name, number in starts.items() if number > 1}
+        good = [row for row in outcome.rows if row["status"] == "ok"]
+        whys = {row["name"].removesuffix(".ply"): row["why"] for row in outcome.failed}
+        print(
+            f"scans {count}, ok {len(good)}, failed {len(whys)}; {seconds:.1f} s, {60 * count / seconds:.0f} a minute"
+        )
+        for name, why in sorted(whys.items()):
+            print(f"  {name}: {why}")
+        print(f"begun {starts.total()}; more than once, as they were running when the driver was killed: {twice}")
+        print(f"peak of a child: {max(row['peak_mb'] for row in good):.0f} MB")
+        print(
+            f"page {(out / 'results.html').stat().st_size / 1e6:.1f} MB, rows {(out / 'results.jsonl').stat().st_size}"
+        )
+        at_once = os.cpu_count() or 1
+        return int(whys != ODD or len(good) != count - len(ODD) or sum(twice.values()) - len(twice) > 2 * at_once)
+
+
+def run_overhead(count: int) -> int:
+    with tempfile.TemporaryDirectory() as place:
+        scans = Path(place) / "in"
+        scans.mkdir()
+        for number in range(count):
+            box(scans / f"{number}.ply", 50, number)
+        options = ["--proxies", "20", "--threads", "1", "--quiet"]
+        command = [sys.executable, "-m", "isimp_engine"]
+        times = {}
+        with timed(times, "isimp simplify, one after the other"):
+            for number in range(count):
+                where = [str(scans / f"{number}.ply"), str(Path(place) / f"{number}.obj")]
+                subprocess.run([*command, "simplify", *where, *options], check=True)
+        for name, more in (("", []), (", no pictures", ["--no-pictures"])):
+            with timed(times, f"isimp batch --jobs 1{name}"):
+                out = str(Path(place) / f"out{len(more)}")
+                subprocess.run([*command, "batch", str(scans), out, "--jobs", "1", *options, *more], check=True)
+        for name, seconds in times.items():
+            print(f"{1000 * seconds / count:6.0f} ms a scan  {name}")
+        rows = batch.read_rows(Path(place) / "out1")
+        inside = sum(sum(row["step_seconds"].values()) for row in rows) / len(rows)
+        print(f"{1000 * inside:6.0f} ms a scan  in the engine")
+        return 0
+
+
+@contextlib.contextmanager
+def timed(times: dict[str, float], name: str):
+    begun = time.perf_counter()
+    yield
+    times[name] = time.perf_counter() - begun
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("what", choices=["batch", "overhead", "drive"])
+    parser.add_argument("places", nargs="*", help=argparse.SUPPRESS)
+    parser.add_argument("--scans", type=int, help="default 1,000; 40 for overhead")
+    arguments = parser.parse_args()
+    if arguments.what == "drive":
+        drive(*arguments.places)
+        return 0
+    if arguments.what == "overhead":
+        return run_overhead(arguments.scans or 40)
+    return run_batch(arguments.scans or 1000)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,32 @@
+"""Many scans into polygon meshes, each in a child process with limits: `isimp batch` as functions.
+
+    from isimp_engine import batch
+
+    outcome = batch.run("scans", "models", options={"proxies": 500}, time_limit=600)
+    for row in outcome.failed:
+        print(row["name"], row["why"])
+
+A second call does only what is missing. docs/scale.md describes the rows and the folders.
+"""
+
+from .errors import BatchError
+from .nursery import Ending, Limits, Nursery, NurseryEnded
+from .run import Outcome, State, run
+from .scans import Scan, estimated_faces, find_scans, needed_mb
+from .table import read_rows
+
+__all__ = [
+    "BatchError",
+    "Ending",
+    "Limits",
+    "Nursery",
+    "NurseryEnded",
+    "Outcome",
+    "Scan",
+    "State",
+    "estimated_faces",
+    "find_scans",
+    "needed_mb",
+    "read_rows",
+    "run",
+]

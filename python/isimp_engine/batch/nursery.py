@@ -1,0 +1,180 @@
+"""Child processes with limits: a process that has loaded the engine once and forks a child for each piece of work.
+
+A crash, a hang or a lack of memory ends one child. The process that forks is a fresh one that never starts a thread, so
+that its children get the engine as it is after loading, whatever the process that asks has done.
+"""
+
+import contextlib
+import json
+import os
+import select
+import signal
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from .errors import BatchError
+
+SIMPLIFY = f"{__package__}.work:simplify"  #: the work of a batch, unless another is given
+_RESULT, _SAID = "result.json", "stderr.txt"
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What one child may take; None: no limit."""
+
+    seconds: float | None = None  #: of wall time
+    mb: float | None = None  #: memory, MB of 2^20 bytes
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How a child ended."""
+
+    why: str  #: empty: well; else what went wrong
+    values: dict[str, Any]  #: what the work returned
+    seconds: float = 0.0  #: from the fork to the end
+    peak_mb: float | None = None  #: memory, as the kernel counted it
+
+
+class NurseryEnded(Exception):
+    """The process that forks children has ended, and they with it."""
+
+
+class Nursery:
+    """Runs pieces of work in child processes. One thread at a time; use it in a `with` block."""
+
+    def __init__(self, work: str = SIMPLIFY) -> None:
+        """Start nothing yet.
+
+        work: "module:function". The function gets the task, a dict of JSON values, and a folder of its own, and returns
+              a dict of JSON values; {"why": ...} where it failed.
+        """
+        self._work = work
+        self._process: subprocess.Popen[bytes] | None = None
+        self._rest = b""
+        self._ready = False  # it has loaded the work
+        self._running: dict[int, tuple[Path, Limits]] = {}
+
+    def __enter__(self) -> "Nursery":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def start(self, number: int, task: dict[str, Any], folder: Path, limits: Limits) -> None:
+        """Begin a piece of work: `number` names it, `folder` is empty and its own."""
+        self._running[number] = folder, limits
+        request = {"do": "start", "number": number, "task": task, "folder": str(folder)}
+        self._send(request | {"seconds": limits.seconds, "mb": limits.mb})
+
+    def stop(self, number: int) -> None:
+        """End a piece of work; its ending comes as of others."""
+        self._send({"do": "stop", "number": number})
+
+    def endings(self, seconds: float | None) -> list[tuple[int, Ending]]:
+        """What has ended; waits for so long (None: without end) for the first. Raises NurseryEnded."""
+        assert self._process is not None
+        assert self._process.stdout is not None
+        if not select.select([self._process.stdout], [], [], seconds)[0]:
+            return []
+        data = os.read(self._process.stdout.fileno(), 1 << 16)
+        if not data:
+            ready = self._ready
+            self.close()
+            if not ready:
+                raise BatchError(f"no child process can be started for {self._work}; what it wrote says why")
+            raise NurseryEnded
+        *lines, self._rest = (self._rest + data).split(b"\n")
+        answers = [json.loads(line) for line in lines]
+        self._ready = self._ready or bool(answers)
+        return [self._ended(answer) for answer in answers if "number" in answer]
+
+    def run(self, task: dict[str, Any], folder: Path, limits: Limits) -> Ending:
+        """One piece of work, waited for."""
+        self.start(0, task, folder, limits)
+        while True:
+            for _, ending in self.endings(None):
+                return ending
+
+    def close(self) -> None:
+        """End all children and the process that forks them."""
+        if self._process is not None:
+            for pipe in (self._process.stdin, self._process.stdout):
+                if pipe is not None:
+                    with contextlib.suppress(OSError):  # it is gone, and what it was sent with it
+                        pipe.close()
+            try:
+                self._process.wait(timeout=5)
+            except subprocess.TimeoutExpired:
+                self._process.kill()
+                self._process.wait()
+        self._process, self._rest, self._running, self._ready = None, b"", {}, False
+
+    def _send(self, request: dict[str, Any]) -> None:
+        process = self._process or self._begin()
+        assert process.stdin is not None
+        with contextlib.suppress(OSError):  # it has ended: `endings` says so
+            process.stdin.write(json.dumps(request).encode() + b"\n")
+            process.stdin.flush()
+
+    def _begin(self) -> subprocess.Popen[bytes]:
+        paths = os.pathsep.join(os.path.abspath(path) for path in sys.path)  # noqa: PTH100
+        environment = {"OPENBLAS_NUM_THREADS": "1", **os.environ, "PYTHONPATH": paths}  # numpy would start threads
+        command = [sys.executable, "-m", f"{__package__}.children", self._work]
+        # Ctrl-C in a terminal is for the process that asks; the folder is one in which no module can be.
+        self._process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment, cwd=os.sep, start_new_session=True
+        )
+        return self._process
+
+    def _ended(self, said: dict[str, Any]) -> tuple[int, Ending]:
+        number: int = said["number"]
+        folder, limits = self._running.pop(number)
+        if "error" in said:
+            return number, Ending(said["error"], {})
+        values: dict[str, Any] = {}
+        with contextlib.suppress(OSError, ValueError):  # it may not have come so far
+            values = json.loads((folder / _RESULT).read_bytes())
+        why = _why(said, values, _last_line(folder / _SAID), limits)
+        values.pop("why", None)
+        return number, Ending(why, {} if why else values, said["seconds"], said["peak_mb"])
+
+
+def _why(said: dict[str, Any], values: dict[str, Any], last_line: str, limits: Limits) -> str:
+    """What went wrong with a child; empty: nothing."""
+    number, why = said["signal"], values.get("why", "")
+    lacks = why == "MemoryError" or ((number or said["code"]) and "bad_alloc" in last_line)
+    if said["stopped"] == "seconds":
+        return f"over the time limit of {limits.seconds:g} s"
+    if said["stopped"] == "stop":
+        return "stopped"
+    if said["stopped"] == "mb" or (lacks and limits.mb is not None):
+        return f"over the memory limit of {limits.mb:,.0f} MB"
+    if lacks:
+        return "there is not enough memory for it"
+    more = f": {last_line}" if last_line else ""
+    if number == signal.SIGKILL:
+        return "ended by signal 9, as the system does when memory runs out"
+    if number:
+        return f"ended by signal {number}" + more
+    if said["code"]:
+        return f"ended with exit status {said['code']}" + more
+    if not values:
+        return "ended without a result" + more
+    return str(why)
+
+
+def _last_line(path: Path) -> str:
+    try:
+        with path.open("rb") as file:
+            file.seek(max(0, path.stat().st_size - 2000))
+            lines = file.read().decode(errors="replace").split("\n")
+    except OSError:
+        return ""
+    return next((line.strip()[:300] for line in reversed(lines) if line.strip()), "")

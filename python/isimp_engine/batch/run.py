@@ -1,0 +1,382 @@
+"""A batch from its scans to its rows: what is missing is done, and each result is on disk before its row is."""
+
+import argparse
+import datetime
+import glob
+import os
+import shutil
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from .. import CleanOptions, PartitionOptions, __version__, recipes
+from . import page
+from .errors import BatchError
+from .local import Local
+from .nursery import SIMPLIFY, Ending, Limits
+from .on_dask import OnDask
+from .scans import Scan, estimated_faces, find_scans, fixed_part, needed_mb
+from .table import MADE, PICTURE, WORK, Lock, Row, Table, sync_folder
+
+_TICK = 0.2  # seconds between two calls of `watch`, at most
+_FACES_OF_A_START = 20_000  # that take as long as a scan without any
+_SAME_RESULT = {"threads", "backend"}  # options that change no result, so that other values of them redo nothing
+
+Workers = Local | OnDask
+
+
+@dataclass
+class State:
+    """How far a batch is."""
+
+    scans: int  #: in the batch
+    before: int  #: of them done by earlier runs
+    done: int = 0  #: by this run, failed ones among them
+    failed: int = 0  #: of all, also by earlier runs
+    running: list[str] = field(default_factory=list)  #: names
+    seconds: float = 0.0  #: since this run began to work
+    share: float = 0.0  #: of this run's work that is done, by estimate, in [0, 1]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What is known of the scans of a batch after a run."""
+
+    rows: list[Row]  #: the row of each scan that has one, in the order of the scans' names
+    scans: int  #: how many the batch has
+    before: int  #: how many were done by earlier runs
+    cut_short: bool  #: the last line of results.jsonl was cut short, so that its scan was done again
+
+    @property
+    def failed(self) -> list[Row]:
+        return [row for row in self.rows if row["status"] != "ok"]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is done with each scan, and where."""
+
+    output: Path
+    suffix: str
+    options: dict[str, Any]
+    recipe: dict[str, Any] | None
+    limits: Limits
+    labels: bool
+    reports: bool
+    pictures: bool
+
+    def key(self, scan: Scan) -> str:
+        """Names the work on a scan; what changes the result changes it."""
+        options = {name: value for name, value in self.options.items() if name not in _SAME_RESULT}
+        return scan.key({"options": options, "recipe": self.recipe, "labels": self.labels, "reports": self.reports})
+
+    def task(self, scan: Scan, threads: int) -> dict[str, Any]:
+        """As `work.simplify` takes it."""
+        return {
+            "input": str(scan.path),
+            "output": Path(scan.output).name,
+            "options": {"threads": threads} | self.options,
+            "recipe": self.recipe,
+            "labels": self.labels,
+            "reports": self.reports,
+            "picture": self.pictures,
+        }
+
+    @property
+    def parts(self) -> Path:
+        return self.output / WORK / "parts"
+
+    @property
+    def pictures_folder(self) -> Path:
+        return self.output / WORK / "pictures"
+
+
+def run(
+    inputs: Any,
+    output: str | os.PathLike[str],
+    *,
+    options: Mapping[str, Any] | None = None,
+    recipe: str | os.PathLike[str] | dict[str, Any] | None = None,
+    format: str = "obj",  # noqa: A002  (as the option of the command)
+    jobs: int | None = None,
+    dask: str | None = None,
+    time_limit: float | None = None,
+    memory_limit: float | None = None,
+    retry_failed: bool = False,
+    labels: bool = False,
+    reports: bool = False,
+    pictures: bool = True,
+    work: str = SIMPLIFY,
+    watch: Callable[[State], None] | None = None,
+) -> Outcome:
+    """Simplify many scans, each in a child process; what an earlier run did is not done again.
+
+    inputs: a folder, a pattern, a list of scans or several of these; see `find_scans`.
+    output: the folder for the results, which get the scans' names and folders, and for results.jsonl and results.html.
+    options: as of `isimp simplify`, with _ for -: {"proxies": 500, "leave_out": 0.0}.
+    recipe: the file or the values of a recipe; options that are given come first.
+    format: of the results, such as "obj" or "ply".
+    jobs: at most so many scans at once; None: as many as there are cores. Memory may allow fewer.
+    dask: the address of a Dask scheduler, whose workers do the work; all of them must see the same files.
+    time_limit, memory_limit: of each scan, in seconds and MB; None: no limit, and the memory that is free.
+    retry_failed: do again what failed before.
+    labels, reports: also write NAME.labels.npy and NAME.report.json, as `isimp simplify` does.
+    pictures: draw each scan beside its result, for results.html.
+    work: "module:function" for another way from a scan to its result; see `Nursery` and `work.simplify`.
+    watch: called after each scan, and some times a second.
+
+    A scan that fails is a row; see `read_rows`. Raises BatchError if the batch as a whole can't be run, and
+    KeyboardInterrupt as it comes; rows that were written stay, and the next run goes on from them.
+    """
+    if not hasattr(os, "fork"):
+        raise BatchError("a batch needs child processes by fork, which this system does not have")
+    if jobs is not None and jobs < 1:
+        raise BatchError(f"the number of jobs must be at least 1, got {jobs}")
+    place = Path(os.path.abspath(output))  # noqa: PTH100  (links stay as they are)
+    given = dict(options or {})
+    arguments = _checked_options(given, recipe)
+    steps = None if arguments.recipe is None else arguments.recipe.values
+    limits = Limits(_positive(time_limit, "time limit"), _positive(memory_limit, "memory limit"))
+    plan = Plan(place, _suffix(format, arguments), given, steps, limits, labels, reports, pictures)
+    _check_place(inputs, place)
+    scans = find_scans(inputs, plan.suffix, besides=place)
+    _check_outputs(scans, plan)
+    with Lock(place):
+        _tidy_folders(plan)
+        with Table(place) as table:
+            todo = [scan for scan in scans if _is_wanted(scan, plan, table, retry_failed)]
+            outcome = Outcome([], len(scans), len(scans) - len(todo), bool(table.cut_short))
+            state = _state(scans, todo, table)
+            with _finished(outcome, scans, plan, table, state):
+                if todo:
+                    with _workers(plan, jobs, dask, work) as workers:
+                        _Run(plan, table, workers, watch, todo, state).run()
+            return outcome
+
+
+def _tidy_folders(plan: Plan) -> None:
+    """Make the work folder, without what a run left there that was killed."""
+    for file in list((plan.output / WORK).glob("running-*")):
+        file.unlink(missing_ok=True)
+    shutil.rmtree(plan.parts, ignore_errors=True)
+    for folder in (plan.parts, plan.pictures_folder):
+        folder.mkdir(parents=True, exist_ok=True)
+
+
+def _workers(plan: Plan, jobs: int | None, dask: str | None, work: str) -> Workers:
+    if dask is not None:
+        return OnDask(dask, plan.parts, plan.limits, work)
+    return Local(plan.parts, jobs, plan.limits, work, plan.options.get("threads") or None)
+
+
+@contextmanager
+def _finished(outcome: Outcome, scans: list[Scan], plan: Plan, table: Table, state: State) -> Iterator[None]:
+    """However the block ends: rows in order, one for each scan, and the page."""
+    try:
+        yield
+    finally:
+        state.done = table.added()  # an interrupt may have come between a row and its count
+        table.tidy()
+        outcome.rows.extend(table.rows[scan.name] for scan in scans if scan.name in table.rows)
+        page.write(plan.output, outcome.rows, plan.pictures_folder)
+        shutil.rmtree(plan.parts, ignore_errors=True)
+
+
+class _Run:
+    """The loop: what has room begins, what has ended is kept."""
+
+    def __init__(
+        self,
+        plan: Plan,
+        table: Table,
+        workers: Workers,
+        watch: Callable[[State], None] | None,
+        todo: list[Scan],
+        state: State,
+    ) -> None:
+        self._plan, self._table, self._workers, self._state = plan, table, workers, state
+        self._watch = watch or (lambda state: None)
+        faces = {scan.name: estimated_faces(scan.path) for scan in todo}
+        needs = {scan.name: needed_mb(faces[scan.name], scan.size) for scan in todo}
+        self._scans = sorted(todo, key=lambda scan: -needs[scan.name])  # large ones first: none is left for the end
+        self._needs = [needs[scan.name] for scan in self._scans]
+        self._shares = [_FACES_OF_A_START + faces[scan.name] for scan in self._scans]
+        self._running: dict[int, Scan] = {}
+
+    def run(self) -> None:
+        begun, following, done, total = time.monotonic(), 0, 0, sum(self._shares)
+        self._watch(self._state)
+        while following < len(self._scans) or self._running:
+            following = self._begin_some(following)
+            for number, folder, ending in self._workers.endings(_TICK) if self._running else []:
+                self._keep(self._running.pop(number), folder, ending)
+                done += self._shares[number]
+            self._state.running = [scan.name for scan in self._running.values()]
+            self._state.seconds, self._state.share = time.monotonic() - begun, done / total
+            self._watch(self._state)
+
+    def _begin_some(self, following: int) -> int:
+        """Begin what has room, in order; returns the first that waits."""
+        while following < len(self._scans):
+            scan, need = self._scans[following], self._needs[following]
+            if why := self._workers.refuses(need):
+                self._row(scan, Ending(why, {}), None)
+            else:
+                threads = self._workers.threads(need, len(self._scans) - following)
+                if threads == 0:
+                    break
+                self._running[following] = scan
+                self._workers.start(following, self._plan.task(scan, threads), need)
+            following += 1
+        return following
+
+    def _keep(self, scan: Scan, folder: Path, ending: Ending) -> None:
+        """The result to its place, then its row."""
+        target = None
+        if not ending.why:
+            try:
+                target = self._published(scan, folder)
+            except OSError as error:
+                ending = Ending(f"can't be written to {scan.output}: {error.strerror}", {}, ending.seconds)
+        self._row(scan, ending, target)
+        shutil.rmtree(folder, ignore_errors=True)
+
+    def _published(self, scan: Scan, folder: Path) -> Path:
+        """Move what was made to its place, the result itself last; all of it is on disk before it has its name."""
+        target = self._plan.output / scan.output
+        target.parent.mkdir(parents=True, exist_ok=True)
+        made = sorted((folder / MADE).iterdir(), key=lambda path: path.name == target.name)
+        for path in made:
+            handle = os.open(path, os.O_RDONLY)
+            try:
+                os.fsync(handle)
+            finally:
+                os.close(handle)
+        for path in made:
+            path.replace(target.parent / path.name)
+        sync_folder(target.parent)
+        picture = folder / PICTURE
+        if picture.exists():
+            picture.replace(self._plan.pictures_folder / f"{self._plan.key(scan)}.png")
+        return target
+
+    def _row(self, scan: Scan, ending: Ending, target: Path | None) -> None:
+        row: Row = {
+            "name": scan.name,
+            "input": str(scan.path),
+            "status": "failed" if ending.why else "ok",
+            "why": ending.why or None,
+            "output": None if target is None else str(target),
+            "seconds": ending.seconds,
+            "peak_mb": ending.peak_mb,
+            **ending.values,
+            "isimp": __version__,
+            "ended": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"),
+            "key": self._plan.key(scan),
+        }
+        before = self._table.rows.get(scan.name)
+        self._table.add(row)
+        if before is not None and before.get("key") != row["key"]:
+            (self._plan.pictures_folder / f"{before.get('key')}.png").unlink(missing_ok=True)
+        self._state.done += 1
+        self._state.failed += bool(ending.why)
+
+
+def _is_wanted(scan: Scan, plan: Plan, table: Table, retry_failed: bool) -> bool:
+    """Whether a scan is to be done: no row is of this work, its result is gone, or it failed and is tried again."""
+    row = table.rows.get(scan.name)
+    if row is None or row.get("key") != plan.key(scan):
+        return True
+    return retry_failed if row["status"] != "ok" else not (plan.output / scan.output).is_file()
+
+
+def _state(scans: list[Scan], todo: list[Scan], table: Table) -> State:
+    later = {scan.name for scan in todo}
+    before = [table.rows[scan.name] for scan in scans if scan.name not in later]
+    return State(len(scans), len(before), failed=sum(row["status"] != "ok" for row in before))
+
+
+def _suffix(kind: str, arguments: argparse.Namespace) -> str:
+    """The suffix of a format that `isimp simplify` can write with these options."""
+    from ..cli.simplify import output_kinds
+
+    kinds = output_kinds(arguments)
+    suffix = "." + kind.lower().removeprefix(".")
+    if suffix not in kinds:
+        known = ", ".join(each.removeprefix(".") for each in kinds)
+        raise BatchError(f"the format '{kind}' can't be written with these options; these can: {known}")
+    return suffix
+
+
+def _checked_options(
+    options: dict[str, Any], recipe: str | os.PathLike[str] | dict[str, Any] | None
+) -> argparse.Namespace:
+    """Options and recipe as the steps take them. Raises BatchError if they are wrong for any scan."""
+    from .. import cli
+    from ..cli.errors import UsageError
+
+    known = vars(cli.simplify_options().parse_args([]))
+    del known["recipe"]
+    for name in options:
+        if name not in known:
+            raise BatchError(f"there is no option '{name}'; there are {', '.join(sorted(known))}")
+    arguments = argparse.Namespace(**known | options)
+    arguments.run = None
+    try:
+        if isinstance(recipe, (str, os.PathLike)):
+            arguments.recipe = recipes.read(Path(recipe))
+        else:
+            arguments.recipe = None if recipe is None else recipes.parsed(recipe)
+        cli.settle(arguments)
+    except (UsageError, recipes.RecipeError, ValueError, TypeError) as error:
+        raise BatchError(str(error).splitlines()[0]) from None
+    if len(given := [name for name in recipes.COUNTS if options.get(name) is not None]) > 1:
+        raise BatchError(f"{' and '.join(given)} each set the number of regions: give one of them")
+    for made in (arguments.options, arguments.clean):
+        _check_ranges(made)
+    return arguments
+
+
+def _check_ranges(options: PartitionOptions | CleanOptions) -> None:
+    """Refuse once what the engine would refuse for each scan."""
+    values = options.as_dict()
+    for option in options.fields():
+        value, name = values[option["name"]], option["name"].replace("_", "-")
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            continue
+        low, high = option.get("least"), option.get("most")
+        fits = abs(value) < float("inf")
+        fits = fits and (low is None or (value > low if option.get("above_least") else value >= low))
+        fits = fits and (high is None or (value < high if option.get("below_most") else value <= high))
+        if not fits:
+            raise BatchError(f"--{name} must be {option.get('range', 'a finite number')}, got {value:g}")
+
+
+def _positive(value: float | None, name: str) -> float | None:
+    if value is not None and not 0 < value < float("inf"):
+        raise BatchError(f"the {name} must be above 0, got {value:g}")
+    return value
+
+
+def _check_place(inputs: Any, output: Path) -> None:
+    """Refuse an output folder that is an input folder: results would be taken for scans."""
+    if output.exists() and not output.is_dir():
+        raise BatchError(f"{output}: is a file; results need a folder")
+    for text in [inputs] if isinstance(inputs, (str, os.PathLike)) else inputs:
+        folder = (
+            Path(text) if Path(text).is_dir() or not glob.has_magic(os.fspath(text)) else fixed_part(os.fspath(text))
+        )
+        if folder.is_dir() and folder.resolve() == output.resolve():
+            raise BatchError(f"{output}: is the folder of the scans; results need another one")
+
+
+def _check_outputs(scans: list[Scan], plan: Plan) -> None:
+    """Refuse results that would replace scans."""
+    inputs = {os.path.realpath(scan.path): scan.path for scan in scans}
+    for scan in scans:
+        other = inputs.get(os.path.realpath(plan.output / scan.output))
+        if other is not None:
+            raise BatchError(f"the result of {scan.path} would replace the scan {other}: give another output folder")

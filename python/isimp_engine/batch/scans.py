@@ -1,0 +1,208 @@
+"""Which scans a batch has, where their results go, and how much memory each may need."""
+
+import glob
+import hashlib
+import json
+import os
+import re
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from .. import __version__
+from .errors import BatchError
+
+READABLE = (".ply", ".obj", ".stl", ".off")  #: kinds of files that are looked for in folders
+
+_MB = 1 << 20
+_BASE_MB = 60.0  # an interpreter with numpy and the engine
+_MB_PER_FACE = 260e-6  # the peak of a run that finds the number of regions, by measurement, and some room
+_BYTES_PER_FACE = {".ply": 15, ".obj": 30, ".stl": 50, ".off": 24}  # at least, so that more faces are not in a file
+
+
+@dataclass(frozen=True)
+class Scan:
+    """An input file of a batch."""
+
+    path: Path  #: absolute
+    name: str  #: unique in the batch: the path below the input folder, with /
+    size: int  #: bytes
+    changed: int  #: time of the last change, ns
+    output: str = ""  #: the path of the result below the output folder, with /
+
+    def key(self, recipe: dict[str, Any]) -> str:
+        """Names the work: this file as it is now, what is to be done, and the version of the engine."""
+        values = [self.name, self.size, self.changed, self.output, recipe, __version__]
+        return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()[:32]
+
+
+def find_scans(inputs: Any, suffix: str = ".obj", besides: Path | None = None) -> list[Scan]:
+    """The scans that `inputs` names, sorted by name.
+
+    inputs: a path or a pattern with `*`, `?`, `[...]` or `**`, or a list of them. A folder stands for all files of
+            READABLE in it and in its folders, without hidden ones. A file of another kind is a list: one path on each
+            line, from the list's folder on; `#` begins a comment. Files are named from the last folder they share on.
+    suffix: of the results.
+    besides: a folder that is not searched.
+
+    Raises BatchError if nothing is found, or if two scans would have the same name.
+    """
+    texts = [inputs] if isinstance(inputs, (str, os.PathLike)) else list(inputs)
+    alone = [
+        path for text in texts if (path := _absolute(os.fspath(text))).suffix.lower() in READABLE and path.is_file()
+    ]
+    base = _common(alone) if alone else Path.cwd()
+    pairs = [pair for text in texts for pair in _named(os.fspath(text), base, len(texts) > 1, besides)]
+    found = _without_repeats(pairs)
+    if not found:
+        kinds = ", ".join(READABLE)
+        raise BatchError(f"{', '.join(map(str, texts)) or 'no input'}: there is no scan ({kinds}) in it")
+    scans = []
+    for name, path in sorted(found.items()):
+        try:
+            state = path.stat()
+        except OSError:  # its row says why: a scan that is gone is no reason to stop the others
+            scans.append(Scan(path, name, 0, 0))
+            continue
+        scans.append(Scan(path, name, state.st_size, state.st_mtime_ns))
+    return _with_outputs(scans, suffix)
+
+
+def _without_repeats(pairs: Sequence[tuple[str, Path]]) -> dict[str, Path]:
+    """The paths by their names; each file once."""
+    found: dict[str, Path] = {}
+    seen: dict[str, str] = {}
+    for name, path in pairs:
+        real = os.path.realpath(path)
+        if seen.setdefault(real, name) != name and name not in found:
+            continue  # the same file by another name
+        if found.setdefault(name, path) != path and os.path.realpath(found[name]) != real:
+            raise BatchError(f"{found[name]} and {path} would both be '{name}': give the folder that holds both")
+    return found
+
+
+def _with_outputs(scans: Sequence[Scan], suffix: str) -> list[Scan]:
+    """Results are named like their scans; where that gives a name twice, the scan's suffix stays in it."""
+    short = [str(PurePosixPath(scan.name).with_suffix(suffix)) for scan in scans]
+    times = Counter(name.casefold() for name in short)
+    outputs = [
+        name if times[name.casefold()] == 1 else scan.name + suffix for name, scan in zip(short, scans, strict=True)
+    ]
+    taken: dict[str, Scan] = {}
+    for output, scan in zip(outputs, scans, strict=True):
+        if other := taken.get(output.casefold()):
+            raise BatchError(f"{other.path} and {scan.path} would both be written to '{output}': rename one")
+        taken[output.casefold()] = scan
+    return [replace(scan, output=output) for scan, output in zip(scans, outputs, strict=True)]
+
+
+def _absolute(text: str) -> Path:
+    return Path(os.path.abspath(text))  # noqa: PTH100  (links stay as they are)
+
+
+def _common(paths: Sequence[Path]) -> Path:
+    """The last folder that the paths share."""
+    return Path(os.path.commonpath([path.parent for path in paths]))
+
+
+def _named(text: str, base: Path, several: bool, besides: Path | None) -> Iterator[tuple[str, Path]]:
+    """Names and paths of what one argument stands for; `base`: where the names of single files begin."""
+    path = _absolute(text)
+    if path.is_dir():
+        before = f"{path.name}/" if several else ""
+        yield from ((before + _below(path, each), each) for each in _in_folder(path, besides))
+    elif path.exists():
+        if path.suffix.lower() in READABLE:
+            yield _below(base, path), path
+        else:
+            yield from _in_list(path)
+    elif glob.has_magic(text):
+        fixed = fixed_part(text)
+        for each in sorted(glob.glob(text, recursive=True)):  # noqa: PTH207  (may be absolute)
+            match = _absolute(each)
+            if match.is_file() and match.suffix.lower() in READABLE and not _is_inside(match, besides):
+                yield _below(fixed, match), match
+    else:
+        raise BatchError(f"{text}: there is no such file or folder")
+
+
+def fixed_part(pattern: str) -> Path:
+    """The folder of a pattern above its first wildcard."""
+    parts = _absolute(pattern).parts
+    fixed = [part for k, part in enumerate(parts[:-1]) if not any(map(glob.has_magic, parts[: k + 1]))]
+    return Path(*fixed)
+
+
+def _below(folder: Path, path: Path) -> str:
+    return PurePosixPath(*path.relative_to(folder).parts).as_posix()
+
+
+def _is_inside(path: Path, folder: Path | None) -> bool:
+    return folder is not None and path.resolve().is_relative_to(folder.resolve())
+
+
+def _in_folder(folder: Path, besides: Path | None) -> Iterator[Path]:
+    """The scans in a folder and its folders; those behind links too, each folder once."""
+    seen, waiting = set(), [folder]
+    while waiting:
+        place = waiting.pop()
+        real = os.path.realpath(place)
+        if real in seen or _is_inside(place, besides):
+            continue
+        seen.add(real)
+        try:
+            entries = sorted(os.scandir(place), key=lambda entry: entry.name)
+        except OSError as error:
+            raise BatchError(f"{place}: {error.strerror}") from None
+        for entry in entries:
+            if entry.name.startswith("."):
+                continue
+            if entry.is_dir():
+                waiting.append(Path(entry.path))
+            elif Path(entry.name).suffix.lower() in READABLE:  # a pipe or a broken link too: its row says why
+                yield Path(entry.path)
+
+
+def _in_list(path: Path) -> Iterator[tuple[str, Path]]:
+    try:
+        lines = path.read_text(encoding="utf-8-sig", errors="surrogateescape").splitlines()
+    except OSError as error:
+        raise BatchError(f"{path}: {error.strerror}") from None
+    if any("\0" in line for line in lines[:10]):
+        raise BatchError(f"{path}: is neither a scan ({', '.join(READABLE)}) nor a list of scans")
+    texts = [text for line in lines if (text := line.strip()) and not text.startswith("#")]
+    paths = [_absolute(str(path.parent / text)) for text in texts]
+    if paths:
+        inside = all(each.is_relative_to(path.parent) for each in paths)
+        base = path.parent if inside else _common(paths)
+        yield from ((_below(base, each), each) for each in paths)
+
+
+def estimated_faces(path: Path) -> int:
+    """About how many faces a file has, by its header and size; never more than it has room for."""
+    try:
+        if not path.is_file():  # what comes through a pipe comes once
+            return 0
+        size = path.stat().st_size
+        with path.open("rb") as file:
+            head = file.read(4096)
+    except OSError:
+        return 0
+    kind = path.suffix.lower()
+    most = size // _BYTES_PER_FACE.get(kind, 15)
+    said = None
+    if kind == ".ply" and (match := re.search(rb"element\s+face\s+(\d+)", head)):
+        said = int(match[1])
+    elif kind == ".stl" and len(head) >= 84:
+        count = int.from_bytes(head[80:84], "little")
+        said = count if size == 84 + 50 * count else size // 250  # else it is text
+    elif kind == ".off" and (match := re.match(rb"\s*\w*OFF\s+(?:#[^\n]*\n\s*)*(\d+)\s+(\d+)", head)):
+        said = int(match[2])
+    return most if said is None else min(said, most)
+
+
+def needed_mb(faces: int, size: int) -> float:
+    """About how much memory a run on so many faces in a file of so many bytes needs, in MB."""
+    return _BASE_MB + _MB_PER_FACE * faces + size / _MB

@@ -1,0 +1,162 @@
+"""results.jsonl: one line a scan, on disk as soon as the scan is done; and the lock of an output folder."""
+
+import json
+import os
+import socket
+from pathlib import Path
+from types import TracebackType
+from typing import IO, Any
+
+from .errors import BatchError
+
+Row = dict[str, Any]
+
+NAME = "results.jsonl"
+WORK = ".isimp-batch"  #: folder in the output folder for what is being made
+MADE = "made"  #: in the folder of a child: the result and what belongs to it, by their final names
+PICTURE = "picture.png"  #: in the folder of a child
+
+
+def read_rows(folder: str | os.PathLike[str]) -> list[Row]:
+    """The last row of each scan in an output folder's results.jsonl, in the order of their first rows.
+
+    A line that is not a row, such as one that a power failure cut short, is left out. No file: no rows.
+    """
+    try:
+        lines = (Path(folder) / NAME).read_bytes().splitlines()
+    except FileNotFoundError:
+        return []
+    rows: dict[str, Row] = {}
+    for line in lines:
+        row = _row(line)
+        if row is not None:
+            rows[row["name"]] = row
+    return list(rows.values())
+
+
+def _row(line: bytes) -> Row | None:
+    try:
+        row = json.loads(line)
+    except ValueError:
+        return None
+    return row if isinstance(row, dict) and isinstance(row.get("name"), str) and "status" in row else None
+
+
+class Table:
+    """The rows of an output folder, open for one process."""
+
+    def __init__(self, folder: Path) -> None:
+        self.path = folder / NAME
+        self.cut_short = 0  #: 1 if the last line was cut short by the end of an earlier process
+        data = self.path.read_bytes() if self.path.exists() else b""
+        self.rows: dict[str, Row] = {row["name"]: row for row in read_rows(folder)}
+        self._lines = len(data.splitlines())
+        end = data.rfind(b"\n") + 1
+        self._file: IO[bytes] = self.path.open("ab")
+        if end < len(data):
+            if _row(data[end:]) is None:
+                self._file.truncate(end)
+                self.cut_short = 1
+                self._lines -= 1
+            else:
+                self._file.write(b"\n")
+            self._sync()
+        self._begin = self.path.stat().st_size
+
+    def __enter__(self) -> "Table":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._file.close()
+
+    def add(self, row: Row) -> None:
+        """Append a row; when this returns, it is on disk."""
+        self._file.write(_line(row))
+        self._sync()
+        self._lines += 1
+        self.rows[row["name"]] = row
+
+    def added(self) -> int:
+        """How many rows were added so far."""
+        self._file.flush()
+        return self.path.read_bytes()[self._begin :].count(b"\n")
+
+    def tidy(self) -> None:
+        """Leave one line a scan: rows that were replaced since go.
+
+        What is in the file counts: an interrupt may have come while a row was added.
+        """
+        self._sync()
+        self.rows = {row["name"]: row for row in read_rows(self.path.parent)}
+        self._lines = len(self.path.read_bytes().splitlines())
+        if self._lines == len(self.rows):
+            return
+        part = self.path.parent / WORK / NAME
+        with part.open("wb") as file:
+            file.writelines(map(_line, self.rows.values()))
+            file.flush()
+            os.fsync(file.fileno())
+        self._file.close()
+        part.replace(self.path)
+        sync_folder(self.path.parent)
+        self._file = self.path.open("ab")
+        self._lines = len(self.rows)
+
+    def _sync(self) -> None:
+        self._file.flush()
+        os.fsync(self._file.fileno())
+
+
+def _line(row: Row) -> bytes:
+    return json.dumps(row, allow_nan=False).encode() + b"\n"
+
+
+def sync_folder(folder: Path) -> None:
+    """Make the names in a folder last, where the system can."""
+    try:
+        handle = os.open(folder, os.O_RDONLY)
+    except OSError:  # Windows
+        return
+    try:
+        os.fsync(handle)
+    except OSError:  # some network folders
+        pass
+    finally:
+        os.close(handle)
+
+
+class Lock:
+    """At most one process works on an output folder; the lock ends with the process, however that ends."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._file: IO[str] | None = None
+
+    def __enter__(self) -> "Lock":
+        import fcntl  # not on Windows
+
+        work = self._folder / WORK
+        work.mkdir(parents=True, exist_ok=True)
+        self._file = (work / "lock").open("a+")
+        try:
+            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            self._file.seek(0)
+            who = self._file.read().strip() or "another process"
+            self._file.close()
+            raise BatchError(f"{self._folder}: {who} works on it; wait for its end or give another folder") from None
+        except OSError as error:
+            self._file.close()
+            raise BatchError(f"{self._folder}: can't be locked for one process: {error.strerror}") from None
+        self._file.truncate(0)
+        self._file.write(f"process {os.getpid()} on {socket.gethostname()}\n")
+        self._file.flush()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._file is not None:
+            self._file.close()

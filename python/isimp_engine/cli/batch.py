@@ -1,0 +1,186 @@
+"""Simplify many scans, each in a child process with limits on time and memory. Another run does only what is missing.
+
+INPUT is a folder, a pattern, a list of paths in a text file, or scans. Results get the names and folders of the scans;
+OUTPUT_FOLDER/results.jsonl has one row a scan, results.html shows them.
+"""
+
+import argparse
+import shutil
+import signal
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+from .. import _process
+from ..batch import BatchError, Outcome, State
+from ..batch import run as run_batch
+from ..batch.page import NAME, flaws, in_order, totals
+from ..batch.table import NAME as ROWS
+from .errors import UsageError
+from .progress import wanted
+
+SOME_FAILED, TERMINATED = 4, 128 + signal.SIGTERM
+_LINES = 20  # of problems and of results in the summary; the page has all
+_REDRAW = 0.1
+
+
+class Terminated(KeyboardInterrupt):
+    """SIGTERM came."""
+
+
+def add_options(command: argparse.ArgumentParser) -> None:
+    command.add_argument("inputs", nargs="+", metavar="INPUT", help="folder, pattern, list file, or scans")
+    command.add_argument("output", type=Path, metavar="OUTPUT_FOLDER", help="made if it is not there")
+    command.add_argument("--format", default="obj", metavar="KIND", help="of results: obj, ply, ... Default: obj.")
+    command.add_argument("--jobs", type=int, metavar="N", help="scans at once. Default: what cores and memory allow.")
+    command.add_argument("--dask", metavar="ADDRESS", help="scheduler of a cluster that does the work: tcp://HOST:PORT")
+    command.add_argument("--time-limit", type=float, metavar="S", help="seconds a scan may take. Default: no limit.")
+    command.add_argument("--memory-limit", type=float, metavar="MB", help="MB a scan may take. Default: what is free.")
+    command.add_argument("--retry-failed", action="store_true", help="do again what failed in an earlier run")
+    command.add_argument("--labels", action="store_true", help="write NAME.labels.npy beside each result")
+    command.add_argument("--reports", action="store_true", help="write NAME.report.json beside each result")
+    command.add_argument("--no-pictures", dest="pictures", action="store_false", help=f"no pictures in {NAME}")
+    command.add_argument("--quiet", action="store_true", help="no progress, no summary")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    screen = Screen() if wanted(arguments.quiet) else None
+    state = State(0, 0)  # the one that is shown last; the batch keeps it up to date
+
+    def watch(now: State) -> None:
+        nonlocal state
+        state = now
+        if screen is not None:
+            screen.draw(now)
+
+    try:
+        with terminable():
+            try:
+                outcome = run_batch(
+                    arguments.inputs,
+                    arguments.output,
+                    options=given_options(arguments),
+                    recipe=None if arguments.recipe is None else arguments.recipe.values,
+                    format=arguments.format,
+                    jobs=arguments.jobs,
+                    dask=arguments.dask,
+                    time_limit=arguments.time_limit,
+                    memory_limit=arguments.memory_limit,
+                    retry_failed=arguments.retry_failed,
+                    labels=arguments.labels,
+                    reports=arguments.reports,
+                    pictures=arguments.pictures,
+                    watch=watch,
+                )
+            finally:
+                if screen is not None:
+                    screen.clear()
+    except BatchError as error:
+        raise UsageError(str(error)) from None
+    except KeyboardInterrupt as error:
+        done = f"{state.before + state.done:,} of {state.scans:,} scans are done"
+        print(f"isimp: interrupted, {done}; the same command does the others", file=sys.stderr)
+        return TERMINATED if isinstance(error, Terminated) else _process.INTERRUPTED
+    if not arguments.quiet and sys.stdout is not None:
+        print("\n".join(summary(outcome, arguments)))
+    return SOME_FAILED if outcome.failed else 0
+
+
+def given_options(arguments: argparse.Namespace) -> dict[str, Any]:
+    """The options of `isimp simplify` that were given."""
+    from . import simplify_options
+
+    defaults = vars(simplify_options().parse_args([]))
+    given = {name: getattr(arguments, name) for name in defaults if name != "recipe"}
+    return {name: value for name, value in given.items() if value != defaults[name]}
+
+
+@contextmanager
+def terminable() -> Iterator[None]:
+    """SIGTERM, and the end of the terminal, stop the batch as Ctrl-C does."""
+
+    def end(number: int, frame: FrameType | None) -> None:
+        raise Terminated
+
+    numbers = [signal.SIGTERM] + ([signal.SIGHUP] if hasattr(signal, "SIGHUP") else [])
+    before = {number: signal.getsignal(number) for number in numbers}
+    try:
+        for number, handler in before.items():
+            if handler is not signal.SIG_IGN:  # as under nohup
+                signal.signal(number, end)
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler if handler is not None else signal.SIG_DFL)
+
+
+class Screen:
+    """One line on stderr: how far it is, how fast, and how long it will take."""
+
+    def __init__(self) -> None:
+        self._drawn = 0.0
+
+    def draw(self, state: State) -> None:
+        now = time.monotonic()
+        if now - self._drawn < _REDRAW:
+            return
+        self._drawn = now
+        text = progress(state)[: shutil.get_terminal_size().columns - 1]
+        sys.stderr.write("\r\x1b[K" + text.encode(errors="replace").decode())
+        sys.stderr.flush()
+
+    def clear(self) -> None:
+        sys.stderr.write("\r\x1b[K")
+        sys.stderr.flush()
+
+
+def progress(state: State) -> str:
+    """`37 of 120, 2 failed, 12.3 a minute, 6 min left: b/tower.ply, c.obj`."""
+    text = f"{state.before + state.done:,} of {state.scans:,}"
+    if state.failed:
+        text += f", {state.failed:,} failed"
+    if state.done and state.seconds > 0:
+        text += f", {60 * state.done / state.seconds:,.1f} a minute"
+        if 0 < state.share < 1:
+            text += f", {duration(state.seconds * (1 - state.share) / state.share)} left"
+    names = ", ".join(state.running)
+    return f"{text}: {names}" if names else text
+
+
+def duration(seconds: float) -> str:
+    """`45 s`, `6 min`, `2 h 05 min`."""
+    if seconds < 90:
+        return f"{seconds:.0f} s"
+    minutes = round(seconds / 60)
+    return f"{minutes} min" if minutes < 60 else f"{minutes // 60} h {minutes % 60:02} min"
+
+
+def summary(outcome: Outcome, arguments: argparse.Namespace) -> Iterator[str]:
+    """A table, problems first, and the totals."""
+    rows = in_order(outcome.rows)
+    problems = [row for row in rows if row["status"] != "ok"]
+    good = [row for row in rows if row["status"] == "ok"]
+    if outcome.cut_short:
+        yield f"the last line of {ROWS} was cut short when an earlier run ended; that scan was done again"
+    yield from (f"failed  {row['name']}: {row['why']}" for row in problems[:_LINES])
+    if len(problems) > _LINES:
+        yield f"        and {len(problems) - _LINES:,} more"
+    if good:
+        width = max(len(row["name"]) for row in good[:_LINES])
+        yield f"{'':8}{'':{width}} {'faces':>11} {'regions':>8} {'polygons':>8} {'seconds':>8} {'peak MB':>8}"
+        for row in good[:_LINES]:
+            numbers = f"{row.get('faces', 0):11,} {row.get('regions', 0):8,} {row.get('polygons', 0):8,}"
+            peak = "" if row["peak_mb"] is None else f"{row['peak_mb']:,.0f}"
+            more = f"  {', '.join(found)}" if (found := flaws(row)) else ""
+            yield f"ok      {row['name']:{width}} {numbers} {row['seconds']:8.1f} {peak:>8}{more}"
+        if len(good) > _LINES:
+            yield f"        and {len(good) - _LINES:,} more"
+    before = f" ({outcome.before:,} by earlier runs)" if outcome.before else ""
+    yield f"{totals(outcome.rows)}{before}"
+    if problems and not arguments.retry_failed:
+        yield "--retry-failed does the failed ones again"
+    yield f"{arguments.output / NAME}"

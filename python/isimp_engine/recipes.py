@@ -1,0 +1,154 @@
+"""Recipes of the add-on, applied to files: the steps that hold for every scan.
+
+A recipe is the JSON text that the add-on exports. Steps that name faces belong to one scan, and marks such as seams are
+in no file that the engine reads; a recipe with such a step is refused.
+"""
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ._core import (
+    Job,
+    Mesh,
+    MeshingOptions,
+    Partition,
+    PartitionOptions,
+    add_worst,
+    delete_least,
+    improve,
+    merge_cheapest,
+)
+
+VERSION = 1  #: of recipes, as the add-on writes them
+COUNTS = ("detail", "tolerance", "bound", "proxies")  #: at most one of them gives the number of regions
+
+_EDITS = {"add_worst": add_worst, "delete_least": delete_least, "merge_cheapest": merge_cheapest}
+_OF_BLENDER = {"weights": "", "borders": "", "seams": False, "sharp": False, "materials": False, "face_sets": False}
+#: What steps saved by earlier versions lack, as in the add-on: a saved step has all settings of its version.
+_EARLIER: dict[str, tuple[set[str], dict[str, Any]]] = {
+    "partition": ({"seed", "leave_out"}, {"smooth": 0.0}),
+    "mesh": ({"chord_tolerance", "flatten"}, {"join_junctions": 0.0}),
+}
+
+
+class RecipeError(ValueError):
+    """A recipe can't be used; the message says which step and why."""
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """What the steps of a recipe ask for."""
+
+    values: dict[str, Any]  #: the recipe as it was read
+    partition: dict[str, Any]  #: of PartitionOptions
+    angle: float | None  #: no region crosses an edge that bends by more, in degrees
+    edits: tuple[tuple[str, int], ...]  #: steps after the partition, and how often each is done
+    meshing: dict[str, Any]  #: of MeshingOptions
+
+    def edited(self, mesh: Mesh, part: Partition, job: Job | None = None) -> Partition:
+        """The partition after the steps that follow it."""
+        for kind, times in self.edits:
+            part = improve(mesh, part, job) if kind == "improve" else _EDITS[kind](mesh, part, times, job)
+        return part
+
+
+def read(path: Path) -> Recipe:
+    """The recipe in a file. Raises RecipeError or OSError."""
+    try:
+        values = json.loads(path.read_text(encoding="utf-8"))
+    except (ValueError, RecursionError) as error:  # a UnicodeDecodeError is a ValueError
+        raise RecipeError(f"{path}: is not a recipe, since it is not JSON ({error})") from None
+    try:
+        return parsed(values)
+    except RecipeError as error:
+        raise RecipeError(f"{path}: {error}") from None
+
+
+def parsed(values: Any) -> Recipe:
+    """The recipe in a JSON value. Raises RecipeError."""
+    if not isinstance(values, dict) or "isimp_recipe" not in values or not isinstance(values.get("steps"), list):
+        raise RecipeError("is not a recipe: it needs 'isimp_recipe' and the list 'steps'")
+    version = values["isimp_recipe"]
+    if not isinstance(version, int) or version > VERSION:
+        raise RecipeError(f"the recipe has version {version!r}, this isimp reads up to {VERSION}: update isimp")
+    partition: dict[str, Any] | None = None
+    meshing: dict[str, Any] = {}
+    angle, edits = None, list[tuple[str, int]]()
+    for number, step in enumerate(values["steps"], 1):
+        try:
+            kind, settings = _settings(step)
+            if not settings.pop("enabled", True):
+                continue
+            if kind == "partition":
+                partition, angle, edits = *_partition(settings), []
+            elif kind == "mesh":
+                meshing = _checked(MeshingOptions, settings)
+            else:
+                edits.append(_edit(kind, settings, partition is None))
+        except RecipeError as error:
+            raise RecipeError(f"step {number}: {error}") from None
+    if partition is None:
+        raise RecipeError("the recipe has no partition step")
+    return Recipe(values, partition, angle, tuple(edits), meshing)
+
+
+def _settings(step: Any) -> tuple[str, dict[str, Any]]:
+    """The kind of a step and its settings, with what they meant when they were saved."""
+    if not isinstance(step, dict) or not isinstance(step.get("step"), str):
+        raise RecipeError("is not a step: it has no name 'step'")
+    settings = dict(step)
+    kind = settings.pop("step")
+    names, meant = _EARLIER.get(kind, (set(), {}))
+    return kind, (meant | settings if names <= settings.keys() else settings)
+
+
+def _partition(settings: dict[str, Any]) -> tuple[dict[str, Any], float | None]:
+    """The options of a partition step, and its angle."""
+    if settings.pop("faces", ()):
+        raise RecipeError("splits chosen faces of one scan, which other scans do not have; switch it off")
+    for name, none in _OF_BLENDER.items():
+        if settings.pop(name, none) != none:
+            raise RecipeError(f"'{name}' needs marks of an object in Blender, which files do not have; clear it")
+    settings.pop("influence", None)  # of the weights
+    angle = settings.pop("angle", 180.0)
+    if isinstance(angle, bool) or not isinstance(angle, (int, float)) or not 0 <= angle <= 180:
+        raise RecipeError(f"angle must be in [0, 180] degrees, got {angle!r}")
+    given = [name for name in COUNTS if settings.get(name) is not None]
+    by = settings.pop("count_by", "")
+    if not by and len(given) > 1:
+        raise RecipeError(f"{' and '.join(given)} each set the number of regions: give one of them, or count_by")
+    if by and by not in COUNTS:
+        raise RecipeError(f"count_by must be one of {', '.join(COUNTS)}, got {by!r}")
+    by = by or (given[0] if given else "detail")
+    settings = {name: value for name, value in settings.items() if name not in COUNTS or name == by}
+    if isinstance(settings.get("noise"), (int, float)) and settings["noise"] < 0:
+        settings["noise"] = None  # estimated
+    return _checked(PartitionOptions, settings), angle if angle < 180 else None
+
+
+def _edit(kind: str, settings: dict[str, Any], is_first: bool) -> tuple[str, int]:
+    if is_first:
+        raise RecipeError("there are no regions yet: a partition step must come first")
+    if kind != "improve" and kind not in _EDITS:
+        raise RecipeError(f"'{kind}' names faces of one scan, which other scans do not have; switch it off")
+    times = settings.pop("times", 1)
+    if settings:
+        raise RecipeError(f"{kind} has no setting '{next(iter(settings))}'")
+    if isinstance(times, bool) or not isinstance(times, int) or times < 1:
+        raise RecipeError(f"times must be a whole number, at least 1, got {times!r}")
+    return kind, times
+
+
+def _checked(kind: type[PartitionOptions] | type[MeshingOptions], settings: dict[str, Any]) -> dict[str, Any]:
+    """The settings, if they are options of the engine and in their ranges."""
+    known = {field["name"] for field in kind.fields()}
+    for name in settings:
+        if name not in known:
+            raise RecipeError(f"has no setting '{name}'")
+    try:
+        kind(**settings)
+    except (ValueError, TypeError) as error:  # InvalidInput is a ValueError
+        raise RecipeError(str(error).splitlines()[0]) from None
+    return settings

@@ -1,0 +1,628 @@
+"""`isimp batch` and isimp_engine.batch: each scan a row, whatever becomes of the processes."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import isimp_engine as engine
+import meshfiles
+import shapes
+from isimp_engine import batch
+from isimp_engine.batch import local, machine, nursery, page, picture, table
+
+pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="a batch needs fork")
+
+HERE = str(Path(__file__).parent)
+ENVIRONMENT = {
+    **os.environ,
+    "PYTHONPATH": os.pathsep.join([str(Path(engine.__file__).parents[1]), HERE]),
+    "COLUMNS": "100",
+}
+ODD = "odd_work:run"
+
+
+def isimp(*arguments, **keywords):
+    command = [sys.executable, "-m", "isimp_engine", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, env=ENVIRONMENT, timeout=120, **keywords)
+
+
+def scan(path, n=3):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    vertices, triangles = shapes.cube(n)
+    meshfiles.ply_binary(path, vertices, triangles.tolist())
+    return path
+
+
+@pytest.fixture
+def scans(tmp_path):
+    """A folder of three scans, one of them in a folder of its own."""
+    for name in ("a.ply", "b.ply", "sub/c.ply"):
+        scan(tmp_path / "in" / name)
+    return tmp_path / "in"
+
+
+@pytest.fixture
+def log(tmp_path, monkeypatch):
+    """The names of the scans that odd_work began, in order."""
+    path = tmp_path / "log"
+    monkeypatch.setenv("ODD_WORK_LOG", str(path))
+    return lambda: sorted(line.split()[0] for line in path.read_text().splitlines()) if path.exists() else []
+
+
+def rows_by_name(out):
+    lines = (out / "results.jsonl").read_text().splitlines()
+    rows = {row["name"]: row for row in map(json.loads, lines)}
+    assert len(rows) == len(lines), "one line a scan"
+    return rows
+
+
+def whys(outcome):
+    return {row["name"]: row["why"] for row in outcome.failed}
+
+
+# What a run makes
+
+
+def test_results_are_those_of_simplify_in_the_folders_of_the_scans(scans, tmp_path):
+    out = tmp_path / "out"
+    done = isimp("batch", scans, out, "--proxies", 6, "--labels", "--reports")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "3 of 3 scans ok" in done.stdout
+    alone = tmp_path / "alone.obj"
+    assert isimp("simplify", scans / "sub" / "c.ply", alone, "--proxies", 6).returncode == 0
+    assert (out / "sub" / "c.obj").read_bytes() == alone.read_bytes()
+    assert len(np.load(out / "sub" / "c.labels.npy")) == 108
+    assert json.loads((out / "sub" / "c.report.json").read_text())["options"]["proxies"] == 6
+    names = {str(path.relative_to(out)) for path in out.rglob("*") if path.is_file()}
+    made = {f"{name}{end}" for name in ("a", "b", "sub/c") for end in (".obj", ".labels.npy", ".report.json")}
+    assert {name for name in names if not name.startswith(".isimp-batch/")} == made | {"results.jsonl", "results.html"}
+
+    row = rows_by_name(out)["sub/c.ply"]
+    assert row["input"] == str(scans / "sub" / "c.ply")
+    assert (row["status"], row["why"], row["output"]) == ("ok", None, str(out / "sub" / "c.obj"))
+    assert (row["faces"], row["regions"], row["polygons"], row["closed"], row["manifold"]) == (108, 6, 6, True, True)
+    assert row["seconds"] > 0
+    assert 5 < row["peak_mb"] < 5000
+
+
+def test_a_second_run_does_only_what_is_missing(scans, tmp_path, log):
+    out = tmp_path / "out"
+
+    def run(**keywords):
+        before = len(log())
+        outcome = batch.run(scans, out, work=ODD, **keywords)
+        assert not outcome.failed
+        assert len(outcome.rows) == 3
+        assert outcome.before == 3 - (len(log()) - before)
+        return len(log()) - before
+
+    assert run() == 3
+    assert run() == 0
+    scan(scans / "b.ply", 4)
+    assert run() == 1
+    (out / "sub" / "c.obj").unlink()
+    assert run() == 1
+    assert run(options={"threads": 2}) == 0, "the number of threads changes no result"
+    assert run(options={"proxies": 7}) == 3
+    assert rows_by_name(out)["a.ply"]["regions"] == 7
+    assert run(options={"proxies": 7}, format="ply") == 3
+    assert run(options={"proxies": 7}, format="ply") == 0
+
+
+def test_more_scans_are_added_to_those_of_before(scans, tmp_path, log):
+    batch.run(scans / "a.ply", tmp_path / "out", work=ODD)
+    outcome = batch.run(scans, tmp_path / "out", work=ODD)
+    assert log() == ["a", "b", "c"]
+    assert [row["name"] for row in outcome.rows] == ["a.ply", "b.ply", "sub/c.ply"]
+
+
+# Scans that fail
+
+
+def test_what_one_scan_does_is_its_row_alone(tmp_path, log):
+    for name in ("crash", "exit", "good", "hang", "large", "raise", "slow"):
+        scan(tmp_path / "in" / f"{name}.ply")
+    (tmp_path / "in" / "broken.ply").symlink_to(tmp_path / "nowhere")
+    os.mkfifo(tmp_path / "in" / "pipe.ply")
+    (tmp_path / "in" / "torn.ply").write_text("ply\nformat ascii 1.0\n")
+    limits = {"time_limit": 2.5, "memory_limit": 400}
+    outcome = batch.run(tmp_path / "in", tmp_path / "out", work=ODD, jobs=4, **limits)
+    assert {row["name"] for row in outcome.rows if row["status"] == "ok"} == {"good.ply", "slow.ply"}
+    assert whys(outcome) == {
+        "broken.ply": "there is no such file",
+        "crash.ply": "ended by signal 11",
+        "exit.ply": "ended with exit status 9: no licence for this machine",
+        "hang.ply": "over the time limit of 2.5 s",
+        "large.ply": "over the memory limit of 400 MB",
+        "pipe.ply": "over the time limit of 2.5 s",
+        "raise.ply": "ended with exit status 70: KeyError: 'a mistake in the work'",
+        "torn.ply": "the PLY header has no end_header; the file is cut short or damaged",
+    }
+    assert all(row["output"] is None for row in outcome.failed)
+    rows = rows_by_name(tmp_path / "out")
+    assert rows["hang.ply"]["seconds"] >= 2.5
+    assert rows["large.ply"]["peak_mb"] < 500
+    assert sorted(path.name for path in (tmp_path / "out").glob("*.obj")) == ["good.obj", "slow.obj"]
+
+
+def test_memory_of_the_engine_is_limited_too(tmp_path):
+    vertices, triangles = shapes.bumpy(300)  # 180,000 faces, some 40 MB
+    meshfiles.ply_binary(tmp_path / "wide.ply", vertices, triangles.tolist())
+    scan(tmp_path / "small.ply")
+    inputs, out = [tmp_path / "wide.ply", tmp_path / "small.ply"], tmp_path / "out"
+    outcome = batch.run(inputs, out, memory_limit=60, pictures=False)
+    assert whys(outcome) == {"wide.ply": "over the memory limit of 60 MB"}
+
+
+def test_failed_ones_are_done_again_only_when_asked(scans, tmp_path, log):
+    scan(scans / "crash.ply")
+    out = tmp_path / "out"
+    assert whys(batch.run(scans, out, work=ODD)) == {"crash.ply": "ended by signal 11"}
+    assert whys(batch.run(scans, out, work=ODD)) == {"crash.ply": "ended by signal 11"}
+    assert log() == ["a", "b", "c", "crash"]
+    outcome = batch.run(scans, out, retry_failed=True)
+    assert not outcome.failed
+    assert log() == ["a", "b", "c", "crash"], "the others are not done again"
+    assert rows_by_name(out)["crash.ply"]["status"] == "ok"
+
+
+def test_the_command_ends_with_4_and_shows_what_failed(scans, tmp_path):
+    (scans / "bad.obj").write_text("v 0 0 0\nf 1 2 9\n")
+    done = isimp("batch", scans, tmp_path / "out", "--proxies", 6)
+    assert done.returncode == 4
+    assert done.stdout.splitlines()[0].startswith("failed  bad.obj: ")
+    assert "3 of 4 scans ok, 1 failed" in done.stdout
+    assert isimp("batch", scans, tmp_path / "out", "--proxies", 6, "--quiet").returncode == 4
+    (scans / "bad.obj").unlink()
+    done = isimp("batch", scans, tmp_path / "out", "--proxies", 6)
+    assert done.returncode == 0, "a row of a scan that is gone does not count"
+    assert "bad.obj" in rows_by_name(tmp_path / "out"), "and is kept"
+
+
+def test_an_option_that_does_not_suit_a_scan_is_its_row(scans, tmp_path):
+    scan(scans / "tiny.ply", 1)
+    outcome = batch.run(scans, tmp_path / "out", options={"proxies": 50})
+    assert list(whys(outcome)) == ["tiny.ply"]
+    assert "[1, 12], got 50" in whys(outcome)["tiny.ply"]
+    assert str(tmp_path) not in whys(outcome)["tiny.ply"]
+
+
+# Ends that nobody planned
+
+DRIVER = """
+import sys
+from isimp_engine import batch
+batch.run(sys.argv[1], sys.argv[2], work="odd_work:run", jobs=2, pictures=False)
+"""
+
+
+def wait_for(condition, seconds=30.0):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+def is_running(pid):
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="looks at processes in /proc")
+def test_a_driver_that_is_killed_twice_loses_what_was_running(tmp_path, monkeypatch):
+    starts = tmp_path / "log"
+    for number in range(8):
+        scan(tmp_path / "in" / f"slow{number}.ply")
+    out = tmp_path / "out"
+    environment = {**ENVIRONMENT, "ODD_WORK_LOG": str(starts)}
+    rows = out / "results.jsonl"
+    for enough in (2, 4):
+        command = [sys.executable, "-c", DRIVER, tmp_path / "in", out]
+        with subprocess.Popen(command, env=environment) as driver:
+            wait_for(lambda: rows.exists() and rows.read_bytes().count(b"\n") >= enough)  # noqa: B023
+            driver.kill()
+        pids = [int(line.split()[1]) for line in starts.read_text().splitlines()]
+        wait_for(lambda: not any(map(is_running, pids)), 5)  # noqa: B023
+        for made in out.glob("*.obj"):
+            assert len(engine.read_polygons(made)[2]) == 6, "no file is half-written"
+    monkeypatch.setenv("ODD_WORK_LOG", str(starts))
+    outcome = batch.run(tmp_path / "in", out, work=ODD)
+    assert len(outcome.rows) == 8
+    assert not outcome.failed
+    assert outcome.before >= 4
+    assert set(rows_by_name(out)) == {f"slow{number}.ply" for number in range(8)}
+    assert len(starts.read_text().splitlines()) <= 8 + 2 * 2, "only what was running was done again"
+    assert not list((out / ".isimp-batch").glob("parts*"))
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="looks at processes in /proc")
+def test_the_process_that_forks_may_be_killed(tmp_path, log):
+    for number in range(3):
+        scan(tmp_path / "in" / f"slow{number}.ply")
+    killed = []
+
+    def kill_once(state):
+        if state.running and len(log()) >= 2 and not killed:
+            for stat in Path("/proc").glob("[0-9]*/cmdline"):
+                if b"isimp_engine.batch.children" in stat.read_bytes() and is_child_of(stat.parent.name, os.getpid()):
+                    killed.append(int(stat.parent.name))
+                    os.kill(killed[0], signal.SIGKILL)
+
+    outcome = batch.run(tmp_path / "in", tmp_path / "out", work=ODD, jobs=2, watch=kill_once)
+    assert killed
+    assert len(outcome.rows) == 3
+    assert not outcome.failed
+
+
+def is_child_of(pid, parent):
+    return int(Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[1]) == parent
+
+
+def test_work_that_can_not_be_loaded_is_said_once(scans, tmp_path, capfd):
+    with pytest.raises(batch.BatchError, match="no child process can be started for no_such_module:run"):
+        batch.run(scans, tmp_path / "out", work="no_such_module:run")
+    assert "No module named 'no_such_module'" in capfd.readouterr().err
+
+
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_an_interrupted_command_keeps_its_rows_and_can_go_on(scans, tmp_path, number, status):
+    """A scan that is a pipe is waited for until the signal comes."""
+    os.mkfifo(tmp_path / "pipe.ply")
+    (tmp_path / "list.txt").write_text("# some scans\nin/a.ply\n\npipe.ply\n")
+    out = tmp_path / "out"
+    command = [sys.executable, "-m", "isimp_engine", "batch", tmp_path / "list.txt", out, "--jobs", "2"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=ENVIRONMENT, text=True) as run:
+        with (tmp_path / "pipe.ply").open("wb"):  # opens once the child reads
+            wait_for(lambda: (out / "results.jsonl").exists() and (out / "results.jsonl").stat().st_size)
+            run.send_signal(number)
+            assert run.wait(timeout=30) == status
+        assert run.stderr.read() == "isimp: interrupted, 1 of 2 scans are done; the same command does the others\n"
+    assert list(rows_by_name(out)) == ["in/a.ply"]
+    assert "1 of 1 scan ok" in (out / "results.html").read_text()
+    assert sorted(path.name for path in out.iterdir()) == [".isimp-batch", "in", "results.html", "results.jsonl"]
+
+
+@pytest.mark.parametrize("whole", [False, True])
+def test_a_last_line_that_was_cut_short_is_done_again(scans, tmp_path, log, whole):
+    out = tmp_path / "out"
+    batch.run(scans, out, work=ODD)
+    rows = out / "results.jsonl"
+    text = rows.read_text()
+    rows.write_text(text[:-1] if whole else text[:-40])
+    outcome = batch.run(scans, out, work=ODD)
+    assert outcome.cut_short == (not whole)
+    assert len(log()) == (3 if whole else 4)
+    assert set(rows_by_name(out)) == {"a.ply", "b.ply", "sub/c.ply"}
+
+
+def test_lines_that_are_no_rows_are_left_out(scans, tmp_path, log):
+    out = tmp_path / "out"
+    batch.run(scans, out, work=ODD)
+    rows = out / "results.jsonl"
+    rows.write_text("\x00\x00\n[1]\n{}\n" + rows.read_text())
+    assert len(batch.read_rows(out)) == 3
+    assert len(batch.run(scans, out, work=ODD).rows) == 3
+    assert len(log()) == 3
+    assert len(rows_by_name(out)) == 3
+    assert batch.read_rows(tmp_path / "nowhere") == []
+
+
+def test_one_driver_a_folder(scans, tmp_path):
+    out = tmp_path / "out"
+    with table.Lock(out):
+        done = isimp("batch", scans, out)
+    assert done.returncode == 2
+    assert done.stderr == (
+        f"isimp: {out}: process {os.getpid()} on {os.uname().nodename} works on it; "
+        "wait for its end or give another folder\n"
+    )
+    assert isimp("batch", scans, out, "--proxies", 6, "--quiet").returncode == 0
+
+
+# Which scans
+
+
+def found(inputs, **keywords):
+    return {scan.name: scan.output for scan in batch.find_scans(inputs, **keywords)}
+
+
+def test_scans_of_a_folder(scans):
+    (scans / "notes.txt").touch()
+    scan(scans / ".hidden.ply")
+    scan(scans / ".hidden" / "d.ply")
+    scan(scans / "LOUD.PLY")
+    (scans / "sub" / "loop").symlink_to(scans)
+    (scans / "broken.ply").symlink_to(scans / "nowhere")
+    os.mkfifo(scans / "pipe.ply")
+    odd = found(scans)
+    assert odd.keys() >= {"broken.ply", "pipe.ply"}, "they are rows, not left out without a word"
+    for name in ("broken.ply", "pipe.ply"):
+        (scans / name).unlink()
+    names = {"LOUD.PLY": "LOUD.obj", "a.ply": "a.obj", "b.ply": "b.obj", "sub/c.ply": "sub/c.obj"}
+    assert found(scans) == names
+    assert found([scans], besides=scans / "sub").keys() == names.keys() - {"sub/c.ply"}
+
+
+def test_same_names_stay_apart(scans):
+    meshfiles.obj(scans / "a.obj", *shapes.cube(1))
+    meshfiles.obj(scans / "A.stl", *shapes.cube(1))
+    names = found(scans, suffix=".ply")
+    assert names == {
+        "A.stl": "A.stl.ply",
+        "a.obj": "a.obj.ply",
+        "a.ply": "a.ply.ply",
+        "b.ply": "b.ply",
+        "sub/c.ply": "sub/c.ply",
+    }
+    scan(scans / "a.ply.stl")
+    with pytest.raises(batch.BatchError, match=r"would both be written to 'a\.ply\.ply'"):
+        found(scans, suffix=".ply")
+
+
+def test_scans_of_patterns_lists_and_several_places(scans, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert found("in/*.ply") == {"a.ply": "a.obj", "b.ply": "b.obj"}
+    assert found(str(scans / "**" / "[bc].ply")) == {"b.ply": "b.obj", "sub/c.ply": "sub/c.obj"}
+    assert found([scans / "a.ply", scans / "sub" / "c.ply"]).keys() == {"a.ply", "sub/c.ply"}
+    assert found(scans / "sub" / "c.ply").keys() == {"c.ply"}
+    scan(tmp_path / "more" / "a.ply")
+    assert found([scans, "more"]).keys() == {"in/a.ply", "in/b.ply", "in/sub/c.ply", "more/a.ply"}
+    (scans / "list.txt").write_text("a.ply\n# not b\n\n  sub/c.ply\n")
+    assert found(scans / "list.txt").keys() == {"a.ply", "sub/c.ply"}
+    (scans / "list.txt").write_text("a.ply\n../more/a.ply\na.ply\n")
+    assert found(scans / "list.txt").keys() == {"in/a.ply", "more/a.ply"}
+
+
+def test_a_scan_of_a_list_that_is_gone_is_a_row(scans, tmp_path):
+    (scans / "list.txt").write_text("a.ply\ngone.ply\n")
+    outcome = batch.run(scans / "list.txt", tmp_path / "out")
+    assert [row["status"] for row in outcome.rows] == ["ok", "failed"]
+    assert whys(outcome)["gone.ply"] == "there is no such file"
+
+
+def test_names_of_any_kind(tmp_path):
+    names = ["a b.ply", "<b>&.ply", "ü.ply", "new\nline.ply", "$x;'.ply"]
+    for name in names:
+        scan(tmp_path / "in" / name)
+    raw = os.fsdecode(os.fsencode(tmp_path / "in") + b"/\xff.ply")
+    scan(Path(raw))
+    outcome = batch.run(tmp_path / "in", tmp_path / "out")
+    assert not outcome.failed
+    assert len(outcome.rows) == 6
+    assert {row["name"] for row in batch.read_rows(tmp_path / "out")} == {*names, Path(raw).name}
+    assert all(Path(row["output"]).is_file() for row in outcome.rows)
+    text = (tmp_path / "out" / "results.html").read_text()
+    assert "<b>" not in text
+    assert '<a href="%FF.obj">' in text
+    assert batch.run(tmp_path / "in", tmp_path / "out").before == 6
+
+
+def test_what_is_wrong_with_the_whole_is_2_and_changes_nothing(scans, tmp_path):
+    out, recipe = tmp_path / "out", tmp_path / "r.json"
+    recipe.write_text("{}")
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "file").touch()
+    for arguments, words in [
+        ((scans, out, "--proxies", 0), ["--proxies must be at least 1, got 0"]),
+        ((scans, out, "--leave-out", 1), ["--leave-out must be in [0, 1), got 1"]),
+        ((scans, out, "--detail", "nan"), ["--detail must be in (0, 1], got nan"]),
+        ((scans, out, "--method", "magic"), ["--method must be one of"]),
+        ((scans, out, "--format", "fbx"), ["'fbx'", "ply, obj"]),
+        ((scans, out, "--jobs", 0), ["jobs", "at least 1, got 0"]),
+        ((scans, out, "--time-limit", 0), ["time limit", "above 0, got 0"]),
+        ((scans, out, "--memory-limit", "nan"), ["memory limit", "above 0, got nan"]),
+        ((scans, out, "--recipe", recipe), [recipe, "is not a recipe"]),
+        ((scans, scans), [scans, "is the folder of the scans"]),
+        ((scans, tmp_path / "file"), ["is a file"]),
+        ((scans / "*.ply", scans), [scans, "is the folder of the scans"]),
+        ((scans / "a.ply", scans, "--format", "ply"), ["would replace the scan"]),
+        ((tmp_path / "empty", out), ["there is no scan"]),
+        ((tmp_path / "nowhere", out), ["there is no such file or folder"]),
+        ((scans,), ["required: OUTPUT_FOLDER"]),
+    ]:
+        done = isimp("batch", *arguments)
+        assert done.returncode == 2, arguments
+        assert done.stdout == ""
+        assert all(str(word) in done.stderr.splitlines()[-1] for word in words), done.stderr
+        assert "Traceback" not in done.stderr
+    assert not out.exists()
+    assert sorted(path.name for path in scans.iterdir()) == ["a.ply", "b.ply", "sub"]
+    with pytest.raises(batch.BatchError, match=r"no option 'proxy'; there are .*proxies"):
+        batch.run(scans, out, options={"proxy": 3})
+    with pytest.raises(batch.BatchError, match="proxies"):
+        batch.run(scans, out, options={"proxies": "many"})
+    with pytest.raises(batch.BatchError, match=r"detail and proxies each set the number"):
+        batch.run(scans, out, options={"proxies": 3, "detail": 0.1})
+
+
+def test_options_of_one_file_are_not_those_of_a_batch():
+    done = isimp("batch", "in", "out", "--weights", "w.npy")
+    assert done.returncode == 2
+    assert "--weights" in done.stderr
+
+
+# Room for them
+
+
+def test_faces_are_estimated_by_header_and_size(tmp_path):
+    vertices, triangles = shapes.cube(10)
+    for kind, write in meshfiles.TRIANGLES.items():
+        write(tmp_path / kind, vertices, triangles.tolist())
+        assert 0.3 * len(triangles) <= batch.estimated_faces(tmp_path / kind) <= 4 * len(triangles), kind
+    lie = tmp_path / "lie.ply"
+    lie.write_bytes(b"ply\nformat binary_little_endian 1.0\nelement face 4000000000\nend_header\n")
+    assert batch.estimated_faces(lie) < 10
+    assert batch.estimated_faces(tmp_path / "nowhere.ply") == 0
+    assert batch.needed_mb(0, 0) > 10
+    assert batch.needed_mb(10**6, 2 * 10**7) > 200
+
+
+def test_as_many_at_once_as_cores_and_memory_allow(tmp_path, monkeypatch):
+    monkeypatch.setattr(machine, "cores", lambda: 8)
+    monkeypatch.setattr(machine, "memory_mb", lambda: 1000 / 0.9)
+    with local.Local(tmp_path, None, nursery.Limits(), ODD) as workers:
+        assert workers.threads(100, 1) == 8, "one alone has all cores"
+        assert workers.threads(100, 2) == 4
+        assert workers.threads(100, 100) == 1
+        assert workers.threads(450, 100) == 4, "memory for two of them"
+        assert workers.threads(5000, 100) == 8, "more than there is: it is tried alone"
+        monkeypatch.setattr(workers._nursery, "start", lambda *_: None)
+        workers.start(0, {}, 700)
+        assert workers.threads(400, 5) == 0
+        assert workers.threads(300, 5) == 2
+    with local.Local(tmp_path, 2, nursery.Limits(mb=300), ODD) as workers:
+        monkeypatch.setattr(workers._nursery, "start", lambda *_: None)
+        for number in range(2):
+            assert workers.threads(5000, 100) == 4, "a limit bounds what is needed"
+            workers.start(number, {}, 5000)
+        assert workers.threads(1, 100) == 0, "two jobs were asked for"
+    with local.Local(tmp_path, None, nursery.Limits(), ODD, threads=4) as workers:
+        monkeypatch.setattr(workers._nursery, "start", lambda *_: None)
+        for number in range(2):
+            assert workers.threads(1, 100)
+            workers.start(number, {}, 1)
+        assert workers.threads(1, 100) == 0, "two of four threads keep eight cores busy"
+
+
+# What is shown
+
+
+def test_problems_come_first_on_the_page(scans, tmp_path):
+    scan(scans / "z_crash.ply").write_text("ply\n")
+    batch.run(scans, tmp_path / "out", options={"proxies": 6})
+    text = (tmp_path / "out" / "results.html").read_text()
+    assert text.index("z_crash.ply") < text.index('<a href="a.obj">a.ply</a>') < text.index("sub/c.obj")
+    assert text.count('<img src="data:image/png;base64,') == 3
+    assert "3 of 4 scans ok, 1 failed; 324 faces became 18 polygons" in text
+    assert len(list((tmp_path / "out" / ".isimp-batch" / "pictures").iterdir())) == 3
+    batch.run(scans, tmp_path / "out", options={"proxies": 7}, pictures=False)
+    assert "<img" not in (tmp_path / "out" / "results.html").read_text()
+    assert not list((tmp_path / "out" / ".isimp-batch" / "pictures").iterdir()), "pictures of former results go"
+
+
+def test_flaws_come_before_what_is_well():
+    good = {"name": "a", "status": "ok", "manifold": True, "bent": 0, "warnings": []}
+    bent, bad = good | {"name": "b", "bent": 3, "manifold": False}, {"name": "c", "status": "failed"}
+    assert [row["name"] for row in page.in_order([good, bent, bad])] == ["c", "b", "a"]
+    assert page.flaws(bent) == ["3 bent", "not manifold"]
+
+
+def pixels(data):
+    """The picture in a PNG that `picture.png` wrote."""
+    import struct
+    import zlib
+
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    width, height = struct.unpack(">2I", data[16:24])
+    body = data[41 : 41 + struct.unpack(">I", data[33:37])[0]]
+    rows = np.frombuffer(zlib.decompress(body), np.uint8).reshape(height, 1 + 3 * width)
+    return np.cumsum(rows[:, 1:].reshape(height, width, 3), axis=1, dtype=np.uint8)
+
+
+def test_pictures_show_scan_and_model():
+    vertices, triangles = shapes.cube(1)
+    loops, starts = triangles.ravel(), np.arange(0, 36, 3, dtype=np.int32)
+    image = pixels(picture.beside((vertices, triangles), (vertices, loops, starts, np.arange(12) // 2)))
+    side = picture.SIDE
+    assert image.shape == (side, 2 * side + 4, 3)
+    left, right = image[:, :side], image[:, side + 4 :]
+    assert len(np.unique(left.reshape(-1, 3), axis=0)) == 4, "three sides and the background, without holes"
+    assert ((left == 255).all(axis=2) == (right == 255).all(axis=2)).mean() > 0.99
+    assert (left[:, :, 0] == left[:, :, 1]).all()
+    assert (right[side // 2, side // 2, 0] != right[side // 2, side // 2, 2]).any()
+    assert (left[0] == 255).all()
+
+
+def test_pictures_of_bad_meshes():
+    vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [np.nan, 0, 0], [np.inf, 1, 1]])
+    triangles = np.array([[0, 1, 2], [0, 1, 3], [0, 1, 4], [0, 0, 1]], np.int32)
+    camera = picture._camera(vertices, triangles)
+    assert (picture.draw(vertices, triangles, np.ones((1, 3)), camera) < 255).any()
+    nothing = picture._camera(vertices, triangles[:0])
+    assert (picture.draw(vertices, triangles[:0], np.ones((1, 3)), nothing) == 255).all()
+
+
+def test_progress_tells_rate_and_time_left():
+    from isimp_engine.cli.batch import duration, progress
+
+    state = batch.State(scans=1200, before=100, done=20, failed=2, running=["b/x.ply", "c.ply"], seconds=60, share=0.1)
+    assert progress(state) == "120 of 1,200, 2 failed, 20.0 a minute, 9 min left: b/x.ply, c.ply"
+    assert progress(batch.State(scans=3, before=0)) == "0 of 3"
+    assert [duration(s) for s in (5.2, 89, 91, 7500)] == ["5 s", "89 s", "2 min", "2 h 05 min"]
+
+
+@pytest.mark.skipif(shutil.which("script") is None, reason="needs a terminal by script(1)")
+def test_progress_is_for_terminals(scans, tmp_path):
+    line = f"{sys.executable} -m isimp_engine batch {scans} {tmp_path / 'out'} --proxies 6"
+    done = subprocess.run(
+        ["script", "-qec", line, "/dev/null"], capture_output=True, text=True, env=ENVIRONMENT, timeout=60
+    )
+    assert done.returncode == 0
+    assert "of 3: " in done.stdout
+    assert "\x1b[K" in done.stdout
+
+
+# The functions
+
+
+def test_a_pipeline_of_ones_own_may_use_the_children(tmp_path):
+    (tmp_path / "part").mkdir()
+    with batch.Nursery(ODD) as children:
+        ending = children.run({"input": "crash.ply"}, tmp_path / "part", batch.Limits(seconds=60))
+        assert ending.why == "ended by signal 11"
+        task = {"input": "hang.ply"}
+        ending = children.run(task, tmp_path / "part", batch.Limits(seconds=0.1))
+        assert ending.why == "over the time limit of 0.1 s"
+        children.start(5, task, tmp_path / "part", batch.Limits())
+        children.stop(5)
+        found = []
+        wait_for(lambda: found.extend(children.endings(1)) or found)
+        assert [(number, ending.why) for number, ending in found] == [(5, "stopped")]
+
+
+def test_children_end_without_a_word_when_nobody_waits_for_them(tmp_path, capfd):
+    for number in range(3):
+        (tmp_path / str(number)).mkdir()
+    with batch.Nursery(ODD) as children:
+        children.start(0, {"input": "hang.ply"}, tmp_path / "0", batch.Limits())
+    with batch.Nursery(ODD) as children:
+        children.start(1, {"input": "hang.ply"}, tmp_path / "1", batch.Limits())
+        wait_for((tmp_path / "1" / "stderr.txt").exists)
+        children.start(2, {"input": "crash.ply"}, tmp_path / "2", batch.Limits())
+    assert capfd.readouterr().err == ""
+
+
+def test_a_broken_disk_is_a_row_of_the_scan(scans, tmp_path):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "sub").write_text("in the way")
+    outcome = batch.run(scans, tmp_path / "out")
+    assert list(whys(outcome)) == ["sub/c.ply"]
+    assert whys(outcome)["sub/c.ply"].startswith("can't be written to sub/c.obj: ")
+    assert (tmp_path / "out" / "sub").read_text() == "in the way"
+
+
+def test_a_system_without_room_for_processes_is_a_row(scans, tmp_path, monkeypatch):
+    """The process that forks goes on, whatever becomes of one fork."""
+    (tmp_path / "full.py").write_text(
+        "import errno, os\n"
+        "fork, left = os.fork, [1]\n"
+        "def few():\n"
+        "    if left.pop() if left else False: raise OSError(errno.EAGAIN, 'too many processes')\n"
+        "    return fork()\n"
+        "os.fork = few\n"
+        "from isimp_engine.batch.work import simplify\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    outcome = batch.run(scans, tmp_path / "out", work="full:simplify", jobs=1)
+    assert list(whys(outcome).values()) == ["no process can be started: too many processes"]
+    assert len(outcome.rows) == 3

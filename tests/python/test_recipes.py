@@ -1,0 +1,152 @@
+"""Recipes of the add-on, applied to files by the command and by batches."""
+
+import dataclasses
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import isimp_engine as engine
+import meshfiles
+import shapes
+from isimp_engine import batch, recipes
+
+steps = pytest.importorskip("isimp.steps")
+rcp = pytest.importorskip("isimp.recipe")
+
+
+def recipe(*given):
+    return recipes.parsed(json.loads(rcp.Recipe(given).to_json()))
+
+
+@pytest.fixture
+def scan(tmp_path):
+    path = tmp_path / "scan.ply"
+    vertices, triangles = shapes.bumpy(20)
+    meshfiles.ply_binary(path, vertices, triangles.tolist())
+    return path
+
+
+def test_what_the_add_on_writes_is_read():
+    wanted = rcp.Partition(proxies=30, noise=0.01, angle=40.0, smooth=0.25), rcp.Improve(), rcp.AddWorst(times=3)
+    found = recipe(*wanted, rcp.DeleteLeast(times=2, enabled=False), rcp.Mesh(flatten=7))
+    assert found.partition["proxies"] == 30
+    assert found.partition["smooth"] == 0.25
+    assert found.partition["noise"] == 0.01
+    assert not {"detail", "tolerance", "bound"} & found.partition.keys()
+    assert found.angle == 40
+    assert found.edits == (("improve", 1), ("add_worst", 3))
+    assert found.meshing["flatten"] == 7
+    assert recipe(rcp.Partition()).partition["noise"] is None, "below 0: estimated"
+    assert recipe(rcp.Partition(proxies=5), rcp.AddWorst(), rcp.Partition(proxies=6)).edits == ()
+
+
+def test_every_preset_of_the_add_on_can_be_used():
+    presets = pytest.importorskip("isimp.presets").PRESETS
+    assert len(presets) > 3
+    for preset in presets:
+        found = recipe(*preset.recipe.steps)
+        engine.PartitionOptions(**found.partition)
+        engine.MeshingOptions(**found.meshing)
+
+
+def test_recipes_of_earlier_versions_mean_what_they_meant():
+    """As in the add-on: a saved step has all settings of its version."""
+    assert {kind: tuple(map(sorted, pair)) for kind, pair in recipes._EARLIER.items()} == {
+        kind: tuple(map(sorted, pair)) for kind, pair in steps._EARLIER.items()
+    }
+    old = {"step": "partition", "proxies": 9, "seed": 1, "leave_out": 0.001}
+    found = recipes.parsed({"isimp_recipe": 1, "steps": [old, {"step": "mesh"}]})
+    assert found.partition["smooth"] == 0.0
+    assert found.partition["smooth"] == steps.step_from_dict(old).smooth
+
+
+def test_every_step_is_known():
+    """A step that is added to the add-on must be decided on here."""
+    for cls, kind in steps.KINDS.items():
+        if kind in ("partition", "mesh"):
+            continue
+        fields = {field.name for field in dataclasses.fields(cls)} - {"enabled"}
+        values = {"isimp_recipe": 1, "steps": [{"step": "partition"}, {"step": kind}]}
+        if fields <= {"times"}:
+            assert recipes.parsed(values).edits == ((kind, 1),)
+        else:
+            with pytest.raises(recipes.RecipeError, match=f"step 2: '{kind}' names faces of one scan"):
+                recipes.parsed(values)
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ([], "is not a recipe"),
+        ({"isimp_recipe": 1}, "needs 'isimp_recipe' and the list 'steps'"),
+        ({"isimp_recipe": 2, "steps": []}, "version 2, this isimp reads up to 1"),
+        ({"isimp_recipe": 1, "steps": []}, "no partition step"),
+        ({"isimp_recipe": 1, "steps": [{"step": "improve"}]}, "step 1: there are no regions yet"),
+        ({"isimp_recipe": 1, "steps": [{"step": "partition", "faces": [1]}]}, "step 1: splits chosen faces"),
+        ({"isimp_recipe": 1, "steps": [{"step": "partition", "sharp": True}]}, "'sharp' needs marks of an object"),
+        ({"isimp_recipe": 1, "steps": [{"step": "partition", "weights": "w"}]}, "'weights' needs marks of an object"),
+        ({"isimp_recipe": 1, "steps": [{"step": "partition", "angle": 190}]}, r"angle must be in \[0, 180\]"),
+        ({"isimp_recipe": 1, "steps": [{"step": "partition", "proxies": 3, "detail": 0.1}]}, "detail and proxies each"),
+        ({"isimp_recipe": 1, "steps": [{"step": "partition", "colour": 3}]}, "has no setting 'colour'"),
+        ({"isimp_recipe": 1, "steps": [{"step": "partition", "method": "magic"}]}, "method"),
+        ({"isimp_recipe": 1, "steps": [{"step": "partition"}, {"step": "improve", "times": 0}]}, "at least 1, got 0"),
+        ({"isimp_recipe": 1, "steps": [3]}, "step 1: is not a step"),
+    ],
+)
+def test_what_can_not_be_used_says_why(values, words):
+    with pytest.raises(recipes.RecipeError, match=words):
+        recipes.parsed(values)
+
+
+def test_the_command_does_the_steps(scan, tmp_path):
+    given = (rcp.Partition(proxies=10), rcp.AddWorst(times=2), rcp.Improve(), rcp.Mesh(flatten=5, join_junctions=0.0))
+    path, out, report = tmp_path / "r.json", tmp_path / "out.ply", tmp_path / "report.json"
+    path.write_text(rcp.Recipe(given).to_json())
+    command = [sys.executable, "-m", "isimp_engine", "simplify", scan, out, "--recipe", path, "--report", report]
+    environment = {"PYTHONPATH": str(Path(engine.__file__).parents[1])}
+    done = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=60)
+    assert (done.returncode, done.stderr) == (0, "")
+
+    mesh = engine.clean(*engine.read(scan))
+    part = engine.partition(mesh, engine.PartitionOptions(proxies=10, adaptivity=0.25))
+    part = engine.improve(mesh, engine.add_worst(mesh, part, 2))
+    poly = engine.polygonize(mesh, part, engine.MeshingOptions(flatten=5, join_junctions=0.0))
+    assert len(np.unique(part.face_region)) == 12
+    for written, expected in zip(engine.read_polygons(out), (poly.vertices, poly.loops, poly.loop_start), strict=True):
+        np.testing.assert_array_equal(written, expected)
+    said = json.loads(report.read_text())
+    assert said["regions"] == 12
+    assert said["options"]["recipe"] == json.loads(path.read_text())
+
+    outcome = batch.run(scan, tmp_path / "models", recipe=path, format="ply")
+    assert outcome.rows[0]["regions"] == 12
+    assert (tmp_path / "models" / "scan.ply").read_bytes() == out.read_bytes()
+
+
+def test_options_that_are_given_come_before_the_recipe(scan, tmp_path):
+    values = json.loads(rcp.Recipe((rcp.Partition(detail=0.5, seed=4), rcp.Mesh())).to_json())
+    outcome = batch.run(scan, tmp_path / "out", recipe=values, options={"proxies": 9}, reports=True)
+    assert outcome.rows[0]["regions"] == 9
+    said = json.loads((tmp_path / "out" / "scan.report.json").read_text())["options"]
+    assert (said["proxies"], said["detail"], said["seed"]) == (9, None, 4)
+    assert batch.run(scan, tmp_path / "out", recipe=values, reports=True).before == 0, "other options are other work"
+
+
+def test_a_recipe_in_a_file_that_is_wrong_names_the_file(scan, tmp_path):
+    path = tmp_path / "r.json"
+    for text, words in [
+        ("{", "is not JSON"),
+        ("[" * 100_000, "is not JSON"),
+        ('{"isimp_recipe": 1}', "the list 'steps'"),
+    ]:
+        path.write_text(text)
+        with pytest.raises(recipes.RecipeError, match=words) as error:
+            recipes.read(path)
+        assert str(error.value).startswith(f"{path}: ")
+    path.write_bytes(b"\xff\xfe")
+    with pytest.raises(batch.BatchError, match="is not JSON"):
+        batch.run(scan, tmp_path / "out", recipe=path)
