@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -64,13 +65,13 @@ class Repairer {
   }
 
  private:
+  /// Fewer regions than `flatness_from` may miss their planes by more, so that no number of regions gives many more
+  /// polygons than the one before. Who chose a tolerance sees no more than twice as much.
   static Bounds bounds(const State& s) {
-    Bounds b;
-    // A person who chose a tolerance sees no more than a polygon that misses its plane by twice as much.
-    if (s.options.flatness > 0 && s.regions >= s.options.flatness_from)
-      b.bend = std::max(s.options.flatness * s.mesh.diagonal(), kOfTolerance * s.partition.tolerance);
-    b.thickness = kThickness * s.mesh.diagonal();
-    return b;
+    const double fewer = std::max(1.0, static_cast<double>(s.options.flatness_from) / std::max(s.regions, 1));
+    const double bend = s.options.flatness * std::pow(fewer, 4) * s.mesh.diagonal();
+    return {.bend = bend > 0 ? std::max(bend, kOfTolerance * s.partition.tolerance) : 0,
+            .thickness = kThickness * s.mesh.diagonal()};
   }
 
   /// Takes back the joins at pieces that moving corners does not mend, since a split would cost more polygons.

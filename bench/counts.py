@@ -1,0 +1,204 @@
+#!/usr/bin/env python3
+"""Prints how many polygons come of how many regions, and whether real openings stay.
+
+    bench/counts.py [--data DIR]
+
+`isimp_engine` must be importable. Counts, not times: the machine does not matter. Scans come from the data folder, the
+other meshes are made. Tables:
+
+  for 300 regions   polygons of scans with many small openings, all kept and by default; distance is the mean of the
+                    scan's vertices from the polygons, in % of the diagonal
+  by detail         polygons a region, at each detail of the slider
+  openings          handles of noisy scans before and after closing what N regions can't show; the real ones should stay
+  rooms             polygons of a room with many tunnels of one cell through a wall, beside the same room without
+  coarse meshes     the number found by detail on a mesh of few triangles, and split in four one to three times
+  steps             the largest change of polygons for a step of 5 % in regions or detail, beyond that of the step
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+from collapse import decimated
+from run import ROOT, data_folder
+
+import isimp_engine as engine
+from isimp_engine.within import scan_distances
+
+sys.path.insert(0, str(ROOT / "tests" / "python"))
+import shapes  # the made meshes of the tests
+
+SCANS = ("scan/dragon_871k", "building/frankfurt_tile_49k", "nasty/ogre_124k_44comp")
+DETAILED = ("scan/bunny_69k", "scan/armadillo_86k", "scan/armadillo_346k_loop", "scan/rockerarm_20k",
+            "building/openmvs_castle_175k", "building/fandisk_13k", "nasty/lionstatue_63k_misoriented")  # fmt: skip
+DETAILS = (0.02, 0.01, 0.005, 0.0025, 0.00125)
+
+
+def closed(arrays, regions):
+    """The mesh with the openings closed that so many regions can't show."""
+    mesh = engine.clean(*arrays)
+    length = engine.opening_length(mesh, regions)
+    return engine.clean(*arrays, engine.CleanOptions(fill_holes=length, cut_handles=length)) if length else mesh
+
+
+def made(mesh, **options):
+    part = engine.partition(mesh, engine.PartitionOptions(**options))
+    return part, engine.polygonize(mesh, part)
+
+
+def handles(mesh):
+    report = mesh.report
+    return (2 * report["components"] - report["border_loops"] - report["euler"]) // 2
+
+
+def for_regions(data):
+    print("| scan | regions | polygons, all openings kept | closed | distance % | closed |\n|---|---|---|---|---|---|")
+    for name in SCANS:
+        arrays = engine.read(data / f"{name}.ply")
+        row = []
+        for mesh in (engine.clean(*arrays), closed(arrays, 300)):
+            part, poly = made(mesh, proxies=300)
+            away = np.nanmean(scan_distances(mesh, part, poly)) / mesh.report["diagonal"]
+            row.append((poly.report["polygons"], 100 * away))
+        (kept, far), (fewer, near) = row
+        print(f"| {name} | 300 | {kept} | {fewer} | {far:.3f} | {near:.3f} |", flush=True)
+
+
+def by_detail(data):
+    print(f"\n| scan | {' | '.join(map(str, DETAILS))} |\n|{'---|' * (1 + len(DETAILS))}")
+    for name in DETAILED:
+        mesh = engine.clean(*engine.read(data / f"{name}.ply"))
+        cells = []
+        for detail in DETAILS:
+            part, poly = made(mesh, detail=detail)
+            cells.append(f"{part.region_count} {poly.report['polygons'] / part.region_count:.2f}")
+        print(f"| {name} | {' | '.join(cells)} |", flush=True)
+
+
+def noisy(arrays, share):
+    vertices, triangles = arrays
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    sigma = share * np.linalg.norm(high - low)
+    return vertices + sigma * np.random.default_rng(3).standard_normal(vertices.shape), triangles
+
+
+def mug():
+    """A solid of voxels with a handle."""
+    solid = np.zeros((24, 44, 30), bool)
+    x, y = np.mgrid[:24, :24]
+    solid[:, :24, :] = ((x - 11.5) ** 2 + (y - 11.5) ** 2 < 144)[:, :, None]
+    solid[:, :24, 3:] &= ~((x - 11.5) ** 2 + (y - 11.5) ** 2 < 81)[:, :, None]
+    solid[10:14, 22:40, 4:8] = solid[10:14, 22:40, 22:26] = solid[10:14, 36:40, 4:26] = True
+    return shapes.voxels(solid)
+
+
+def fence():
+    """Ten slats between two rails."""
+    solid = np.zeros((64, 4, 30), bool)
+    solid[:, :, 3:6] = solid[:, :, 24:27] = True
+    for k in range(10):
+        solid[2 + 6 * k : 5 + 6 * k] = True
+    return shapes.voxels(solid)
+
+
+def openings():
+    plate = shapes.voxels(shapes.plate(4, 3, 3, 6, 6))
+    meshes = {"torus": shapes.torus(120, 60), "mug": mug(), "plate of 12 holes": plate, "fence of 9 gaps": fence()}
+    counts = (12, 30, 100, 300)
+    print(f"\n| mesh | handles | {' | '.join(f'left for {n}' for n in counts)} |\n|{'---|' * (2 + len(counts))}")
+    for name, smooth in meshes.items():
+        arrays = noisy(smooth, 0.001)
+        left = [handles(closed(arrays, n)) for n in counts]
+        print(f"| {name} | {handles(engine.clean(*arrays))} | {' | '.join(map(str, left))} |", flush=True)
+
+
+def room(tunnels):
+    """A box with walls of three cells, a door, a window, and tunnels of one cell through a wall."""
+    solid = np.ones((40, 40, 28), bool)
+    solid[3:-3, 3:-3, 3:-3] = False
+    solid[:3, 15:25, 6:20] = False
+    solid[10:20, :3, 10:20] = False
+    for k in range(tunnels):
+        solid[-3:, 5 + 4 * (k % 8), 6 + 5 * (k // 8)] = False
+    return shapes.voxels(solid, 0.06)
+
+
+def rooms():
+    print("\n| tunnels | regions | polygons, kept | closed | without tunnels |\n|---|---|---|---|---|")
+    for tunnels in (16, 32):
+        for regions in (30, 60, 120):
+            arrays, plain = room(tunnels), room(0)
+            figures = [
+                made(mesh, proxies=regions)[1].report["polygons"]
+                for mesh in (engine.clean(*arrays), closed(arrays, regions), engine.clean(*plain))
+            ]
+            print(f"| {tunnels} | {regions} | {' | '.join(map(str, figures))} |", flush=True)
+
+
+def split_in_four(vertices, triangles):
+    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    pairs, where = np.unique(edges, axis=0, return_inverse=True)
+    middle = len(vertices) + where.reshape(3, -1)
+    a, b, c = triangles.T
+    ab, bc, ca = middle
+    faces = np.concatenate([np.stack(f, 1) for f in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))])
+    return np.concatenate([vertices, vertices[pairs].mean(axis=1)]), faces
+
+
+def coarse():
+    print("\n| mesh | faces | regions, split 0 to 3 times | distance % |\n|---|---|---|---|")
+    for seed in (1, 2):
+        for faces in (300, 1000, 2000):
+            vertices, triangles = shapes.bumpy(90, seed)
+            vertices, triangles = decimated(vertices, triangles, faces / len(triangles))
+            counts, away = [], []
+            for _ in range(4):
+                mesh = engine.clean(vertices, triangles)
+                part, poly = made(mesh)
+                counts.append(part.region_count)
+                away.append(100 * np.nanmean(scan_distances(mesh, part, poly)) / mesh.report["diagonal"])
+                vertices, triangles = split_in_four(vertices, triangles)
+            shown = " ".join(map(str, counts)), " ".join(f"{x:.2f}" for x in away)
+            print(f"| bumps {seed} | {faces} | {shown[0]} | {shown[1]} |", flush=True)
+
+
+def steps(data):
+    print("\n| mesh | of | worst step | from | to |\n|---|---|---|---|---|")
+    meshes = {"bumps": engine.clean(*shapes.bumpy(90))}
+    if data:
+        meshes["bunny"] = engine.clean(*engine.read(data / "scan/bunny_69k.ply"))
+    for name, mesh in meshes.items():
+        numbers = [{"proxies": round(40 * 1.05**k)} for k in range(50)]
+        details = [{"detail": 0.02 / 1.05**k} for k in range(50)]
+        for kind, asked in (("regions", numbers), ("detail", details)):
+            counts = [made(mesh, **options)[1].report["polygons"] for options in asked]
+            changes = [after / before - 1 for before, after in pairwise(counts)]
+            worst = int(np.argmax(changes))
+            least = min(changes)
+            print(
+                f"| {name} | {kind} | {changes[worst]:+.0%}, {least:+.0%} | {asked[worst]} | {asked[worst + 1]} |",
+                flush=True,
+            )
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--data", help="folder of the scans")
+    data = data_folder(parser.parse_args().data)
+    if data is None:
+        print("no data folder: scans are left out", file=sys.stderr)
+    else:
+        for_regions(Path(data))
+        by_detail(Path(data))
+    openings()
+    rooms()
+    coarse()
+    steps(Path(data) if data else None)
+
+
+if __name__ == "__main__":
+    main()
