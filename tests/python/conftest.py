@@ -6,6 +6,7 @@ import pytest
 
 import isimp_engine as engine
 import shapes
+from batches import scan
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -23,6 +24,22 @@ def cube():
 def sheet():
     """An open, curved sheet of 7200 faces."""
     return engine.Mesh(*shapes.bumpy())
+
+
+@pytest.fixture
+def scans(tmp_path):
+    """A folder of three scans, one of them in a folder of its own."""
+    for name in ("a.ply", "b.ply", "sub/c.ply"):
+        scan(tmp_path / "in" / name)
+    return tmp_path / "in"
+
+
+@pytest.fixture
+def log(tmp_path, monkeypatch):
+    """The names of the scans that odd_work began, in order."""
+    path = tmp_path / "log"
+    monkeypatch.setenv("ODD_WORK_LOG", str(path))
+    return lambda: sorted(line.split()[0] for line in path.read_text().splitlines()) if path.exists() else []
 
 
 @pytest.fixture(scope="session")

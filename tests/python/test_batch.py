@@ -2,11 +2,9 @@
 
 import json
 import os
-import shutil
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -15,57 +13,11 @@ import pytest
 import isimp_engine as engine
 import meshfiles
 import shapes
+from batches import ENVIRONMENT, ODD, isimp, rows_by_name, scan, wait_for, whys
 from isimp_engine import batch
-from isimp_engine.batch import local, machine, nursery, page, picture, table
+from isimp_engine.batch import table
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="a batch needs fork")
-
-HERE = str(Path(__file__).parent)
-ENVIRONMENT = {
-    **os.environ,
-    "PYTHONPATH": os.pathsep.join([str(Path(engine.__file__).parents[1]), HERE]),
-    "COLUMNS": "100",
-}
-ODD = "odd_work:run"
-
-
-def isimp(*arguments, **keywords):
-    command = [sys.executable, "-m", "isimp_engine", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, env=ENVIRONMENT, timeout=120, **keywords)
-
-
-def scan(path, n=3):
-    path.parent.mkdir(parents=True, exist_ok=True)
-    vertices, triangles = shapes.cube(n)
-    meshfiles.ply_binary(path, vertices, triangles.tolist())
-    return path
-
-
-@pytest.fixture
-def scans(tmp_path):
-    """A folder of three scans, one of them in a folder of its own."""
-    for name in ("a.ply", "b.ply", "sub/c.ply"):
-        scan(tmp_path / "in" / name)
-    return tmp_path / "in"
-
-
-@pytest.fixture
-def log(tmp_path, monkeypatch):
-    """The names of the scans that odd_work began, in order."""
-    path = tmp_path / "log"
-    monkeypatch.setenv("ODD_WORK_LOG", str(path))
-    return lambda: sorted(line.split()[0] for line in path.read_text().splitlines()) if path.exists() else []
-
-
-def rows_by_name(out):
-    lines = (out / "results.jsonl").read_text().splitlines()
-    rows = {row["name"]: row for row in map(json.loads, lines)}
-    assert len(rows) == len(lines), "one line a scan"
-    return rows
-
-
-def whys(outcome):
-    return {row["name"]: row["why"] for row in outcome.failed}
 
 
 # What a run makes
@@ -204,13 +156,6 @@ batch.run(sys.argv[1], sys.argv[2], work="odd_work:run", jobs=2, pictures=False)
 """
 
 
-def wait_for(condition, seconds=30.0):
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.01)
-
-
 def is_running(pid):
     try:
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
@@ -327,249 +272,6 @@ def test_one_driver_a_folder(scans, tmp_path):
         "wait for its end or give another folder\n"
     )
     assert isimp("batch", scans, out, "--proxies", 6, "--quiet").returncode == 0
-
-
-# Which scans
-
-
-def found(inputs, **keywords):
-    return {scan.name: scan.output for scan in batch.find_scans(inputs, **keywords)}
-
-
-def test_scans_of_a_folder(scans):
-    (scans / "notes.txt").touch()
-    scan(scans / ".hidden.ply")
-    scan(scans / ".hidden" / "d.ply")
-    scan(scans / "LOUD.PLY")
-    (scans / "sub" / "loop").symlink_to(scans)
-    (scans / "broken.ply").symlink_to(scans / "nowhere")
-    os.mkfifo(scans / "pipe.ply")
-    odd = found(scans)
-    assert odd.keys() >= {"broken.ply", "pipe.ply"}, "they are rows, not left out without a word"
-    for name in ("broken.ply", "pipe.ply"):
-        (scans / name).unlink()
-    names = {"LOUD.PLY": "LOUD.obj", "a.ply": "a.obj", "b.ply": "b.obj", "sub/c.ply": "sub/c.obj"}
-    assert found(scans) == names
-    assert found([scans], besides=scans / "sub").keys() == names.keys() - {"sub/c.ply"}
-
-
-def test_same_names_stay_apart(scans):
-    meshfiles.obj(scans / "a.obj", *shapes.cube(1))
-    meshfiles.obj(scans / "A.stl", *shapes.cube(1))
-    names = found(scans, suffix=".ply")
-    assert names == {
-        "A.stl": "A.stl.ply",
-        "a.obj": "a.obj.ply",
-        "a.ply": "a.ply.ply",
-        "b.ply": "b.ply",
-        "sub/c.ply": "sub/c.ply",
-    }
-    scan(scans / "a.ply.stl")
-    with pytest.raises(batch.BatchError, match=r"would both be written to 'a\.ply\.ply'"):
-        found(scans, suffix=".ply")
-
-
-def test_scans_of_patterns_lists_and_several_places(scans, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    assert found("in/*.ply") == {"a.ply": "a.obj", "b.ply": "b.obj"}
-    assert found(str(scans / "**" / "[bc].ply")) == {"b.ply": "b.obj", "sub/c.ply": "sub/c.obj"}
-    assert found([scans / "a.ply", scans / "sub" / "c.ply"]).keys() == {"a.ply", "sub/c.ply"}
-    assert found(scans / "sub" / "c.ply").keys() == {"c.ply"}
-    scan(tmp_path / "more" / "a.ply")
-    assert found([scans, "more"]).keys() == {"in/a.ply", "in/b.ply", "in/sub/c.ply", "more/a.ply"}
-    (scans / "list.txt").write_text("a.ply\n# not b\n\n  sub/c.ply\n")
-    assert found(scans / "list.txt").keys() == {"a.ply", "sub/c.ply"}
-    (scans / "list.txt").write_text("a.ply\n../more/a.ply\na.ply\n")
-    assert found(scans / "list.txt").keys() == {"in/a.ply", "more/a.ply"}
-
-
-def test_a_scan_of_a_list_that_is_gone_is_a_row(scans, tmp_path):
-    (scans / "list.txt").write_text("a.ply\ngone.ply\n")
-    outcome = batch.run(scans / "list.txt", tmp_path / "out")
-    assert [row["status"] for row in outcome.rows] == ["ok", "failed"]
-    assert whys(outcome)["gone.ply"] == "there is no such file"
-
-
-def test_names_of_any_kind(tmp_path):
-    names = ["a b.ply", "<b>&.ply", "ü.ply", "new\nline.ply", "$x;'.ply"]
-    for name in names:
-        scan(tmp_path / "in" / name)
-    raw = os.fsdecode(os.fsencode(tmp_path / "in") + b"/\xff.ply")
-    scan(Path(raw))
-    outcome = batch.run(tmp_path / "in", tmp_path / "out")
-    assert not outcome.failed
-    assert len(outcome.rows) == 6
-    assert {row["name"] for row in batch.read_rows(tmp_path / "out")} == {*names, Path(raw).name}
-    assert all(Path(row["output"]).is_file() for row in outcome.rows)
-    text = (tmp_path / "out" / "results.html").read_text()
-    assert "<b>" not in text
-    assert '<a href="%FF.obj">' in text
-    assert batch.run(tmp_path / "in", tmp_path / "out").before == 6
-
-
-def test_what_is_wrong_with_the_whole_is_2_and_changes_nothing(scans, tmp_path):
-    out, recipe = tmp_path / "out", tmp_path / "r.json"
-    recipe.write_text("{}")
-    (tmp_path / "empty").mkdir()
-    (tmp_path / "file").touch()
-    for arguments, words in [
-        ((scans, out, "--proxies", 0), ["--proxies must be at least 1, got 0"]),
-        ((scans, out, "--leave-out", 1), ["--leave-out must be in [0, 1), got 1"]),
-        ((scans, out, "--detail", "nan"), ["--detail must be in (0, 1], got nan"]),
-        ((scans, out, "--method", "magic"), ["--method must be one of"]),
-        ((scans, out, "--format", "fbx"), ["'fbx'", "ply, obj"]),
-        ((scans, out, "--jobs", 0), ["jobs", "at least 1, got 0"]),
-        ((scans, out, "--time-limit", 0), ["time limit", "above 0, got 0"]),
-        ((scans, out, "--memory-limit", "nan"), ["memory limit", "above 0, got nan"]),
-        ((scans, out, "--recipe", recipe), [recipe, "is not a recipe"]),
-        ((scans, scans), [scans, "is the folder of the scans"]),
-        ((scans, tmp_path / "file"), ["is a file"]),
-        ((scans / "*.ply", scans), [scans, "is the folder of the scans"]),
-        ((scans / "a.ply", scans, "--format", "ply"), ["would replace the scan"]),
-        ((tmp_path / "empty", out), ["there is no scan"]),
-        ((tmp_path / "nowhere", out), ["there is no such file or folder"]),
-        ((scans,), ["required: OUTPUT_FOLDER"]),
-    ]:
-        done = isimp("batch", *arguments)
-        assert done.returncode == 2, arguments
-        assert done.stdout == ""
-        assert all(str(word) in done.stderr.splitlines()[-1] for word in words), done.stderr
-        assert "Traceback" not in done.stderr
-    assert not out.exists()
-    assert sorted(path.name for path in scans.iterdir()) == ["a.ply", "b.ply", "sub"]
-    with pytest.raises(batch.BatchError, match=r"no option 'proxy'; there are .*proxies"):
-        batch.run(scans, out, options={"proxy": 3})
-    with pytest.raises(batch.BatchError, match="proxies"):
-        batch.run(scans, out, options={"proxies": "many"})
-    with pytest.raises(batch.BatchError, match=r"detail and proxies each set the number"):
-        batch.run(scans, out, options={"proxies": 3, "detail": 0.1})
-
-
-def test_options_of_one_file_are_not_those_of_a_batch():
-    done = isimp("batch", "in", "out", "--weights", "w.npy")
-    assert done.returncode == 2
-    assert "--weights" in done.stderr
-
-
-# Room for them
-
-
-def test_faces_are_estimated_by_header_and_size(tmp_path):
-    vertices, triangles = shapes.cube(10)
-    for kind, write in meshfiles.TRIANGLES.items():
-        write(tmp_path / kind, vertices, triangles.tolist())
-        assert 0.3 * len(triangles) <= batch.estimated_faces(tmp_path / kind) <= 4 * len(triangles), kind
-    lie = tmp_path / "lie.ply"
-    lie.write_bytes(b"ply\nformat binary_little_endian 1.0\nelement face 4000000000\nend_header\n")
-    assert batch.estimated_faces(lie) < 10
-    assert batch.estimated_faces(tmp_path / "nowhere.ply") == 0
-    assert batch.needed_mb(0, 0) > 10
-    assert batch.needed_mb(10**6, 2 * 10**7) > 200
-
-
-def test_as_many_at_once_as_cores_and_memory_allow(tmp_path, monkeypatch):
-    monkeypatch.setattr(machine, "cores", lambda: 8)
-    monkeypatch.setattr(machine, "memory_mb", lambda: 1000 / 0.9)
-    with local.Local(tmp_path, None, nursery.Limits(), ODD) as workers:
-        assert workers.threads(100, 1) == 8, "one alone has all cores"
-        assert workers.threads(100, 2) == 4
-        assert workers.threads(100, 100) == 1
-        assert workers.threads(450, 100) == 4, "memory for two of them"
-        assert workers.threads(5000, 100) == 8, "more than there is: it is tried alone"
-        monkeypatch.setattr(workers._nursery, "start", lambda *_: None)
-        workers.start(0, {}, 700)
-        assert workers.threads(400, 5) == 0
-        assert workers.threads(300, 5) == 2
-    with local.Local(tmp_path, 2, nursery.Limits(mb=300), ODD) as workers:
-        monkeypatch.setattr(workers._nursery, "start", lambda *_: None)
-        for number in range(2):
-            assert workers.threads(5000, 100) == 4, "a limit bounds what is needed"
-            workers.start(number, {}, 5000)
-        assert workers.threads(1, 100) == 0, "two jobs were asked for"
-    with local.Local(tmp_path, None, nursery.Limits(), ODD, threads=4) as workers:
-        monkeypatch.setattr(workers._nursery, "start", lambda *_: None)
-        for number in range(2):
-            assert workers.threads(1, 100)
-            workers.start(number, {}, 1)
-        assert workers.threads(1, 100) == 0, "two of four threads keep eight cores busy"
-
-
-# What is shown
-
-
-def test_problems_come_first_on_the_page(scans, tmp_path):
-    scan(scans / "z_crash.ply").write_text("ply\n")
-    batch.run(scans, tmp_path / "out", options={"proxies": 6})
-    text = (tmp_path / "out" / "results.html").read_text()
-    assert text.index("z_crash.ply") < text.index('<a href="a.obj">a.ply</a>') < text.index("sub/c.obj")
-    assert text.count('<img src="data:image/png;base64,') == 3
-    assert "3 of 4 scans ok, 1 failed; 324 faces became 18 polygons" in text
-    assert len(list((tmp_path / "out" / ".isimp-batch" / "pictures").iterdir())) == 3
-    batch.run(scans, tmp_path / "out", options={"proxies": 7}, pictures=False)
-    assert "<img" not in (tmp_path / "out" / "results.html").read_text()
-    assert not list((tmp_path / "out" / ".isimp-batch" / "pictures").iterdir()), "pictures of former results go"
-
-
-def test_flaws_come_before_what_is_well():
-    good = {"name": "a", "status": "ok", "manifold": True, "bent": 0, "warnings": []}
-    bent, bad = good | {"name": "b", "bent": 3, "manifold": False}, {"name": "c", "status": "failed"}
-    assert [row["name"] for row in page.in_order([good, bent, bad])] == ["c", "b", "a"]
-    assert page.flaws(bent) == ["3 bent", "not manifold"]
-
-
-def pixels(data):
-    """The picture in a PNG that `picture.png` wrote."""
-    import struct
-    import zlib
-
-    assert data[:8] == b"\x89PNG\r\n\x1a\n"
-    width, height = struct.unpack(">2I", data[16:24])
-    body = data[41 : 41 + struct.unpack(">I", data[33:37])[0]]
-    rows = np.frombuffer(zlib.decompress(body), np.uint8).reshape(height, 1 + 3 * width)
-    return np.cumsum(rows[:, 1:].reshape(height, width, 3), axis=1, dtype=np.uint8)
-
-
-def test_pictures_show_scan_and_model():
-    vertices, triangles = shapes.cube(1)
-    loops, starts = triangles.ravel(), np.arange(0, 36, 3, dtype=np.int32)
-    image = pixels(picture.beside((vertices, triangles), (vertices, loops, starts, np.arange(12) // 2)))
-    side = picture.SIDE
-    assert image.shape == (side, 2 * side + 4, 3)
-    left, right = image[:, :side], image[:, side + 4 :]
-    assert len(np.unique(left.reshape(-1, 3), axis=0)) == 4, "three sides and the background, without holes"
-    assert ((left == 255).all(axis=2) == (right == 255).all(axis=2)).mean() > 0.99
-    assert (left[:, :, 0] == left[:, :, 1]).all()
-    assert (right[side // 2, side // 2, 0] != right[side // 2, side // 2, 2]).any()
-    assert (left[0] == 255).all()
-
-
-def test_pictures_of_bad_meshes():
-    vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [np.nan, 0, 0], [np.inf, 1, 1]])
-    triangles = np.array([[0, 1, 2], [0, 1, 3], [0, 1, 4], [0, 0, 1]], np.int32)
-    camera = picture._camera(vertices, triangles)
-    assert (picture.draw(vertices, triangles, np.ones((1, 3)), camera) < 255).any()
-    nothing = picture._camera(vertices, triangles[:0])
-    assert (picture.draw(vertices, triangles[:0], np.ones((1, 3)), nothing) == 255).all()
-
-
-def test_progress_tells_rate_and_time_left():
-    from isimp_engine.cli.batch import duration, progress
-
-    state = batch.State(scans=1200, before=100, done=20, failed=2, running=["b/x.ply", "c.ply"], seconds=60, share=0.1)
-    assert progress(state) == "120 of 1,200, 2 failed, 20.0 a minute, 9 min left: b/x.ply, c.ply"
-    assert progress(batch.State(scans=3, before=0)) == "0 of 3"
-    assert [duration(s) for s in (5.2, 89, 91, 7500)] == ["5 s", "89 s", "2 min", "2 h 05 min"]
-
-
-@pytest.mark.skipif(shutil.which("script") is None, reason="needs a terminal by script(1)")
-def test_progress_is_for_terminals(scans, tmp_path):
-    line = f"{sys.executable} -m isimp_engine batch {scans} {tmp_path / 'out'} --proxies 6"
-    done = subprocess.run(
-        ["script", "-qec", line, "/dev/null"], capture_output=True, text=True, env=ENVIRONMENT, timeout=60
-    )
-    assert done.returncode == 0
-    assert "of 3: " in done.stdout
-    assert "\x1b[K" in done.stdout
 
 
 # The functions

@@ -1,0 +1,176 @@
+"""Which scans a batch has, what is refused, and what has room at once."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+import meshfiles
+import shapes
+from batches import ODD, isimp, scan, whys
+from isimp_engine import batch
+from isimp_engine.batch import local, machine, nursery
+
+pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="a batch needs fork")
+
+
+def found(inputs, **keywords):
+    return {scan.name: scan.output for scan in batch.find_scans(inputs, **keywords)}
+
+
+def test_scans_of_a_folder(scans):
+    (scans / "notes.txt").touch()
+    scan(scans / ".hidden.ply")
+    scan(scans / ".hidden" / "d.ply")
+    scan(scans / "LOUD.PLY")
+    (scans / "sub" / "loop").symlink_to(scans)
+    (scans / "broken.ply").symlink_to(scans / "nowhere")
+    os.mkfifo(scans / "pipe.ply")
+    odd = found(scans)
+    assert odd.keys() >= {"broken.ply", "pipe.ply"}, "they are rows, not left out without a word"
+    for name in ("broken.ply", "pipe.ply"):
+        (scans / name).unlink()
+    names = {"LOUD.PLY": "LOUD.obj", "a.ply": "a.obj", "b.ply": "b.obj", "sub/c.ply": "sub/c.obj"}
+    assert found(scans) == names
+    assert found([scans], besides=scans / "sub").keys() == names.keys() - {"sub/c.ply"}
+
+
+def test_same_names_stay_apart(scans):
+    meshfiles.obj(scans / "a.obj", *shapes.cube(1))
+    meshfiles.obj(scans / "A.stl", *shapes.cube(1))
+    names = found(scans, suffix=".ply")
+    assert names == {
+        "A.stl": "A.stl.ply",
+        "a.obj": "a.obj.ply",
+        "a.ply": "a.ply.ply",
+        "b.ply": "b.ply",
+        "sub/c.ply": "sub/c.ply",
+    }
+    scan(scans / "a.ply.stl")
+    with pytest.raises(batch.BatchError, match=r"would both be written to 'a\.ply\.ply'"):
+        found(scans, suffix=".ply")
+
+
+def test_scans_of_patterns_lists_and_several_places(scans, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert found("in/*.ply") == {"a.ply": "a.obj", "b.ply": "b.obj"}
+    assert found(str(scans / "**" / "[bc].ply")) == {"b.ply": "b.obj", "sub/c.ply": "sub/c.obj"}
+    assert found([scans / "a.ply", scans / "sub" / "c.ply"]).keys() == {"a.ply", "sub/c.ply"}
+    assert found(scans / "sub" / "c.ply").keys() == {"c.ply"}
+    scan(tmp_path / "more" / "a.ply")
+    assert found([scans, "more"]).keys() == {"in/a.ply", "in/b.ply", "in/sub/c.ply", "more/a.ply"}
+    (scans / "list.txt").write_text("a.ply\n# not b\n\n  sub/c.ply\n")
+    assert found(scans / "list.txt").keys() == {"a.ply", "sub/c.ply"}
+    (scans / "list.txt").write_text("a.ply\n../more/a.ply\na.ply\n")
+    assert found(scans / "list.txt").keys() == {"in/a.ply", "more/a.ply"}
+
+
+def test_a_scan_of_a_list_that_is_gone_is_a_row(scans, tmp_path):
+    (scans / "list.txt").write_text("a.ply\ngone.ply\n")
+    outcome = batch.run(scans / "list.txt", tmp_path / "out")
+    assert [row["status"] for row in outcome.rows] == ["ok", "failed"]
+    assert whys(outcome)["gone.ply"] == "there is no such file"
+
+
+def test_names_of_any_kind(tmp_path):
+    names = ["a b.ply", "<b>&.ply", "ü.ply", "new\nline.ply", "$x;'.ply"]
+    for name in names:
+        scan(tmp_path / "in" / name)
+    raw = os.fsdecode(os.fsencode(tmp_path / "in") + b"/\xff.ply")
+    scan(Path(raw))
+    outcome = batch.run(tmp_path / "in", tmp_path / "out")
+    assert not outcome.failed
+    assert len(outcome.rows) == 6
+    assert {row["name"] for row in batch.read_rows(tmp_path / "out")} == {*names, Path(raw).name}
+    assert all(Path(row["output"]).is_file() for row in outcome.rows)
+    text = (tmp_path / "out" / "results.html").read_text()
+    assert "<b>" not in text
+    assert '<a href="%FF.obj">' in text
+    assert batch.run(tmp_path / "in", tmp_path / "out").before == 6
+
+
+def test_what_is_wrong_with_the_whole_is_2_and_changes_nothing(scans, tmp_path):
+    out, recipe = tmp_path / "out", tmp_path / "r.json"
+    recipe.write_text("{}")
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "file").touch()
+    for arguments, words in [
+        ((scans, out, "--proxies", 0), ["--proxies must be at least 1, got 0"]),
+        ((scans, out, "--leave-out", 1), ["--leave-out must be in [0, 1), got 1"]),
+        ((scans, out, "--detail", "nan"), ["--detail must be in (0, 1], got nan"]),
+        ((scans, out, "--method", "magic"), ["--method must be one of"]),
+        ((scans, out, "--format", "fbx"), ["'fbx'", "ply, obj"]),
+        ((scans, out, "--jobs", 0), ["jobs", "at least 1, got 0"]),
+        ((scans, out, "--time-limit", 0), ["time limit", "above 0, got 0"]),
+        ((scans, out, "--memory-limit", "nan"), ["memory limit", "above 0, got nan"]),
+        ((scans, out, "--recipe", recipe), [recipe, "is not a recipe"]),
+        ((scans, scans), [scans, "is the folder of the scans"]),
+        ((scans, tmp_path / "file"), ["is a file"]),
+        ((scans / "*.ply", scans), [scans, "is the folder of the scans"]),
+        ((scans / "a.ply", scans, "--format", "ply"), ["would replace the scan"]),
+        ((tmp_path / "empty", out), ["there is no scan"]),
+        ((tmp_path / "nowhere", out), ["there is no such file or folder"]),
+        ((scans,), ["required: OUTPUT_FOLDER"]),
+    ]:
+        done = isimp("batch", *arguments)
+        assert done.returncode == 2, arguments
+        assert done.stdout == ""
+        assert all(str(word) in done.stderr.splitlines()[-1] for word in words), done.stderr
+        assert "Traceback" not in done.stderr
+    assert not out.exists()
+    assert sorted(path.name for path in scans.iterdir()) == ["a.ply", "b.ply", "sub"]
+    with pytest.raises(batch.BatchError, match=r"no option 'proxy'; there are .*proxies"):
+        batch.run(scans, out, options={"proxy": 3})
+    with pytest.raises(batch.BatchError, match="proxies"):
+        batch.run(scans, out, options={"proxies": "many"})
+    with pytest.raises(batch.BatchError, match=r"detail and proxies each set the number"):
+        batch.run(scans, out, options={"proxies": 3, "detail": 0.1})
+
+
+def test_options_of_one_file_are_not_those_of_a_batch():
+    done = isimp("batch", "in", "out", "--weights", "w.npy")
+    assert done.returncode == 2
+    assert "--weights" in done.stderr
+
+
+# Room for them
+
+
+def test_faces_are_estimated_by_header_and_size(tmp_path):
+    vertices, triangles = shapes.cube(10)
+    for kind, write in meshfiles.TRIANGLES.items():
+        write(tmp_path / kind, vertices, triangles.tolist())
+        assert 0.3 * len(triangles) <= batch.estimated_faces(tmp_path / kind) <= 4 * len(triangles), kind
+    lie = tmp_path / "lie.ply"
+    lie.write_bytes(b"ply\nformat binary_little_endian 1.0\nelement face 4000000000\nend_header\n")
+    assert batch.estimated_faces(lie) < 10
+    assert batch.estimated_faces(tmp_path / "nowhere.ply") == 0
+    assert batch.needed_mb(0, 0) > 10
+    assert batch.needed_mb(10**6, 2 * 10**7) > 200
+
+
+def test_as_many_at_once_as_cores_and_memory_allow(tmp_path, monkeypatch):
+    monkeypatch.setattr(machine, "cores", lambda: 8)
+    monkeypatch.setattr(machine, "memory_mb", lambda: 1000 / 0.9)
+    with local.Local(tmp_path, None, nursery.Limits(), ODD) as workers:
+        assert workers.threads(100, 1) == 8, "one alone has all cores"
+        assert workers.threads(100, 2) == 4
+        assert workers.threads(100, 100) == 1
+        assert workers.threads(450, 100) == 4, "memory for two of them"
+        assert workers.threads(5000, 100) == 8, "more than there is: it is tried alone"
+        monkeypatch.setattr(workers._nursery, "start", lambda *_: None)
+        workers.start(0, {}, 700)
+        assert workers.threads(400, 5) == 0
+        assert workers.threads(300, 5) == 2
+    with local.Local(tmp_path, 2, nursery.Limits(mb=300), ODD) as workers:
+        monkeypatch.setattr(workers._nursery, "start", lambda *_: None)
+        for number in range(2):
+            assert workers.threads(5000, 100) == 4, "a limit bounds what is needed"
+            workers.start(number, {}, 5000)
+        assert workers.threads(1, 100) == 0, "two jobs were asked for"
+    with local.Local(tmp_path, None, nursery.Limits(), ODD, threads=4) as workers:
+        monkeypatch.setattr(workers._nursery, "start", lambda *_: None)
+        for number in range(2):
+            assert workers.threads(1, 100)
+            workers.start(number, {}, 1)
+        assert workers.threads(1, 100) == 0, "two of four threads keep eight cores busy"
