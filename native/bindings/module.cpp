@@ -14,4 +14,5 @@ PYBIND11_MODULE(_core, m) {
   isimp::bindings::bind_meshing(m);
   isimp::bindings::bind_io(m);
   isimp::bindings::bind_simplify(m);
+  isimp::bindings::bind_texture(m);
 }

@@ -16,6 +16,7 @@ from ._core import (
     Partition,
     PartitionOptions,
     PolygonMesh,
+    TextureOptions,
     __version__,
     add_proxy,
     add_worst,
@@ -46,6 +47,7 @@ from ._core import (
     unlock_regions,
     write,
 )
+from .texturing import Texture, TexturedSoup, read_textured, texture, write_textured
 
 __all__ = [
     "Cancelled",
@@ -58,6 +60,9 @@ __all__ = [
     "Partition",
     "PartitionOptions",
     "PolygonMesh",
+    "Texture",
+    "TextureOptions",
+    "TexturedSoup",
     "__version__",
     "add_proxy",
     "add_worst",
@@ -79,16 +84,19 @@ __all__ = [
     "polygonize",
     "read",
     "read_polygons",
+    "read_textured",
     "region_statistics",
     "separated_faces",
     "shrink_region",
     "split_along",
     "split_region",
+    "texture",
     "triangulate",
     "unlock_regions",
     "write",
+    "write_textured",
 ]
 
 for _name in __all__:
-    if isinstance(_thing := globals()[_name], type):
+    if isinstance(_thing := globals()[_name], type) and _thing.__module__.endswith("._core"):
         _thing.__module__ = __name__  # so that messages and pickles name the package, not its compiled part

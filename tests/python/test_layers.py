@@ -14,7 +14,8 @@ import isimp_engine
 ROOT = Path(__file__).resolve().parents[2]
 NATIVE = ROOT / "native"
 ADDON = ROOT / "addon" / "isimp"
-ORDER = ["core", "mesh", "partition", "interact", "meshing", "hybrid", "simplify"]  # each may know those before it
+ORDER = ["core", "mesh", "partition", "interact", "meshing", "texture", "hybrid", "simplify"]
+#: each may know those before it
 UNRELATED = {("interact", "meshing"), ("meshing", "interact")}
 PRIVATE = {"CGAL": {"mesh", "meshing"}, "OpenMesh": {"hybrid"}, "thrust": {"parallel"}}
 
@@ -77,18 +78,18 @@ def imports(path):
             yield from ("." * node.level + name.split(".")[0] for name in names)
 
 
-def test_the_package_imports_itself_relatively_and_else_only_numpy():
+def test_the_package_imports_itself_relatively_and_else_only_numpy_and_pillow_for_images():
     for path in sorted((ROOT / "python" / "isimp_engine").rglob("*.py")):
-        allowed = {"numpy", *({"distributed"} if path.name == "on_dask.py" else set())}
+        allowed = {"numpy"} | {"on_dask.py": {"distributed"}, "images.py": {"PIL"}}.get(path.name, set())
         for name in imports(path):
             assert name.startswith(".") or name in allowed or name in sys.stdlib_module_names, f"{path} imports {name}"
 
 
 def test_what_is_optional_is_not_imported_before_it_is_asked_for():
-    code = "import sys, isimp_engine.cli, isimp_engine.batch.work; print('distributed' in sys.modules)"
+    code = "import sys, isimp_engine.cli, isimp_engine.batch.work; print({'distributed', 'PIL'} & set(sys.modules))"
     outer = str(Path(isimp_engine.__file__).parents[1])
     done = subprocess.run([sys.executable, "-c", code], env={"PYTHONPATH": outer}, capture_output=True, text=True)
-    assert (done.stdout, done.stderr) == ("False\n", "")
+    assert (done.stdout, done.stderr) == ("set()\n", "")
 
 
 @pytest.mark.skipif(not ADDON.is_dir(), reason="the add-on is not here")

@@ -1,0 +1,134 @@
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "call.h"
+#include "isimp/core/errors.h"
+#include "isimp/texture/bake.h"
+#include "isimp/texture/corners.h"
+#include "isimp/texture/unwrap.h"
+#include "kept_mesh.h"
+#include "options.h"
+
+namespace isimp::bindings {
+
+using namespace py::literals;
+
+namespace {
+
+template <class T>
+using Contiguous = py::array_t<T, py::array::c_style>;
+
+template <class T>
+std::span<const T> span_of(const Contiguous<T>& array) {
+  return {array.data(), static_cast<std::size_t>(array.size())};
+}
+
+py::array uv_of(const Atlas& atlas) {
+  Contiguous<double> uv({static_cast<py::ssize_t>(atlas.corner.size()), py::ssize_t{2}});
+  double* out = uv.mutable_data();
+  for (const auto& p : atlas.corner)
+    for (const double at : p) *out++ = at / atlas.side;
+  return uv;
+}
+
+/// One direction of each polygon, (Q, 3).
+py::array directions(const Atlas& atlas, Vec3 ChartFrame::*member) {
+  std::vector<Vec3> all;
+  all.reserve(atlas.frame.size());
+  for (const ChartFrame& frame : atlas.frame) all.push_back((frame.*member).normalized());
+  return owned(std::move(all));
+}
+
+Picture picture_of(const py::handle& item, std::size_t i) {
+  const auto array = py::cast<py::array>(item);
+  if (array.ndim() != 3 || array.shape(2) != 4 || (array.flags() & py::array::c_style) == 0)
+    throw InvalidInput("image " + std::to_string(i) + " must be a contiguous array of shape (H, W, 4)");
+  Picture picture;
+  picture.height = static_cast<std::int32_t>(array.shape(0));
+  picture.width = static_cast<std::int32_t>(array.shape(1));
+  const auto size = static_cast<std::size_t>(array.size());
+  if (array.dtype().equal(py::dtype::of<std::uint8_t>()))
+    picture.bytes = {static_cast<const std::uint8_t*>(array.data()), size};
+  else if (array.dtype().equal(py::dtype::of<std::uint16_t>()))
+    picture.words = {static_cast<const std::uint16_t*>(array.data()), size};
+  else
+    throw InvalidInput("image " + std::to_string(i) + " must hold uint8 or uint16");
+  return picture;
+}
+
+template <class T, class Allocator>
+py::array pixels(std::vector<T, Allocator>&& values, std::int32_t side, std::int32_t channels) {
+  const auto n = static_cast<py::ssize_t>(side);
+  const py::array flat = owned(std::move(values));
+  return channels == 1 ? flat.attr("reshape")(n, n) : flat.attr("reshape")(n, n, channels);
+}
+
+py::tuple bake_texture(const KeptMesh& mesh, const Partition& part, const PolygonMesh& poly, const Atlas& atlas,
+                       const Contiguous<float>& uv, const Contiguous<std::int32_t>& image,
+                       const Contiguous<std::uint8_t>& colors, const Contiguous<std::uint8_t>& known,
+                       const py::list& pictures, const TextureOptions& options, Job* job) {
+  Appearance look{span_of(uv), span_of(image), span_of(colors), span_of(known), {}};
+  for (std::size_t i = 0; i < pictures.size(); ++i) look.pictures.push_back(picture_of(pictures[i], i));
+  Texture made = call(job, [&, options](Job& j) { return bake(mesh, part, poly, atlas, look, options, j); });
+  const py::object normal =
+      made.normal.empty() ? py::object(py::none()) : py::object(pixels(std::move(made.normal), made.side, 3));
+  return py::make_tuple(pixels(std::move(made.color), made.side, 4), normal,
+                        py::dict("texels"_a = made.report.texels, "searched"_a = made.report.searched,
+                                 "unknown"_a = made.report.unknown));
+}
+
+py::tuple map_texture(const KeptMesh& mesh, const Partition& part, const PolygonMesh& poly, const Atlas& atlas,
+                      const TextureOptions& options, Job* job) {
+  BakeMap map = call(job, [&, options](Job& j) { return bake_map(mesh, part, poly, atlas, options, j); });
+  return py::make_tuple(pixels(std::move(map.polygon), map.side, 1), pixels(std::move(map.face), map.side, 1),
+                        pixels(std::move(map.barycentric), map.side, 2), pixels(std::move(map.height), map.side, 1));
+}
+
+py::tuple corners_of(const KeptMesh& mesh, const py::object& vertices, const py::object& triangles, Job* job) {
+  const auto points = read_vertices(vertices);
+  const auto corners = read_triangles(triangles, points.size());
+  for (std::size_t f = 0; f < corners.size(); ++f)
+    for (const std::int32_t v : corners[f])
+      if (v < 0 || static_cast<std::size_t>(v) >= points.size())
+        throw InvalidInput("face " + std::to_string(f) + " uses vertex " + std::to_string(v) + ", but there are " +
+                           std::to_string(points.size()) + " vertices");
+  SourceCorners found = call(job, [&](Job& j) { return source_corners(mesh, points, corners, j); });
+  Contiguous<float> weight({static_cast<py::ssize_t>(found.weight.size()), py::ssize_t{3}, py::ssize_t{2}});
+  float* out = weight.mutable_data();
+  for (const auto& w : found.weight) out = std::copy(w.begin(), w.end(), out);
+  return py::make_tuple(owned(std::move(found.face)), weight, found.turned, found.lost);
+}
+
+}  // namespace
+
+void bind_texture(py::module_& m) {
+  OptionsClass<TextureOptions>(m, "TextureOptions", "How to make a texture of polygons. All fields are keywords.");
+  py::class_<Atlas>(m, "_Atlas", py::module_local(), "Polygons laid out in a square of texels.")
+      .def_readonly("side", &Atlas::side)
+      .def_readonly("scale", &Atlas::scale)
+      .def_readonly("fill", &Atlas::fill)
+      .def_readonly("gutter", &Atlas::gutter)
+      .def_readonly("chart_count", &Atlas::chart_count)
+      .def_property_readonly("chart", viewer<Atlas>(&Atlas::chart))
+      .def_property_readonly("uv", &uv_of)
+      .def_property_readonly("tangent", [](const Atlas& atlas) { return directions(atlas, &ChartFrame::u); })
+      .def_property_readonly("normal", [](const Atlas& atlas) { return directions(atlas, &ChartFrame::n); });
+  m.def(
+      "_unwrap",
+      [](const PolygonMesh& poly, std::int32_t side, double density, double unfold, std::int32_t gutter, Job* job) {
+        return call(job, [&](Job& j) { return unwrap(poly, side, density, unfold, gutter, j); });
+      },
+      "polygons"_a, "side"_a, "density"_a, "unfold"_a, "gutter"_a, "job"_a = py::none());
+  m.def("_bake", &bake_texture, "mesh"_a, "partition"_a, "polygons"_a, "atlas"_a, "uv"_a, "image"_a, "colors"_a,
+        "known"_a, "pictures"_a, "options"_a, "job"_a = py::none());
+  m.def("_bake_map", &map_texture, "mesh"_a, "partition"_a, "polygons"_a, "atlas"_a, "options"_a, "job"_a = py::none());
+  m.def("_source_corners", &corners_of, "mesh"_a, "vertices"_a, "triangles"_a, "job"_a = py::none());
+}
+
+}  // namespace isimp::bindings

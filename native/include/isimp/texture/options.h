@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <tuple>
+
+#include "isimp/core/options.h"
+
+namespace isimp {
+
+/// How to make a texture of polygons. What each field means stands in `fields` below.
+struct TextureOptions {
+  std::optional<std::int32_t> size{};
+  double unfold = 40;
+  std::optional<std::int32_t> gutter{};
+  std::int32_t band = 4;
+  bool normals = true;
+  std::int32_t threads = 0;
+};
+
+constexpr auto fields(const TextureOptions*) {
+  using O = TextureOptions;
+  return std::tuple{
+      field("size", &O::size, between(16, 16384), Unit::none,
+            "Width and height of the image, in pixels. Not given: a power of two that keeps the scan's density, at "
+            "most 8,192."),
+      field("unfold", &O::unfold, between(0, 90), Unit::none,
+            "Largest angle between neighbouring polygons that share a chart, in degrees. 0: a chart for each polygon."),
+      field("gutter", &O::gutter, between(2, 64), Unit::none,
+            "Least distance of two charts, in pixels. Not given: a 512th of the size, at least 3 and at most 16."),
+      field("band", &O::band, between(0, 64), Unit::none,
+            "Width of the band along the polygons' edges where the colours change over to those of the closest "
+            "points, so that both sides of an edge agree; in pixels of an image of 2,048. 0: none."),
+      field("normals", &O::normals, "Makes a tangent-space normal map too."),
+      threads_field(&O::threads),
+  };
+}
+
+}  // namespace isimp

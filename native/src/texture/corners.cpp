@@ -1,0 +1,153 @@
+#include "isimp/texture/corners.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "isimp/core/errors.h"
+
+namespace isimp {
+namespace {
+
+constexpr double kNear = 1e-9;   // of the diagonal: rounding
+constexpr double kReach = 0.02;  // of the diagonal: how far a repair may have moved a corner
+constexpr std::int32_t kPoll = 1 << 16;
+
+/// The closest place of a triangle to p: weights of corners 1 and 2, and the distance.
+struct Place {
+  float b = 0, c = 0;
+  double distance = 0;
+};
+
+Place on_segment(const Vec3& p, const Vec3& a, const Vec3& b, double& t) {
+  const Vec3 e = b - a;
+  const double length = e.squaredNorm();
+  t = length > 0 ? std::clamp((p - a).dot(e) / length, 0.0, 1.0) : 0;
+  return {0, 0, (a + t * e - p).norm()};
+}
+
+Place on_triangle(const Vec3& p, const std::array<Vec3, 3>& v) {
+  const Vec3 e1 = v[1] - v[0], e2 = v[2] - v[0], n = e1.cross(e2), d = p - v[0];
+  if (const double area = n.squaredNorm(); area > 0) {
+    const double b = d.cross(e2).dot(n) / area, c = e1.cross(d).dot(n) / area;
+    if (b >= 0 && c >= 0 && b + c <= 1)
+      return {static_cast<float>(b), static_cast<float>(c), std::abs(d.dot(n)) / std::sqrt(area)};
+  }
+  Place best{0, 0, std::numeric_limits<double>::infinity()};
+  for (int k = 0; k < 3; ++k) {
+    double t = 0;
+    const double distance = on_segment(p, v[k], v[(k + 1) % 3], t).distance;
+    if (!(distance < best.distance)) continue;
+    std::array<double, 3> w{};
+    w[k] = 1 - t;
+    w[(k + 1) % 3] = t;
+    best = {static_cast<float>(w[1]), static_cast<float>(w[2]), distance};
+  }
+  return best;
+}
+
+class Finder {
+ public:
+  Finder(const Mesh& mesh, std::span<const Vec3> vertices, std::span<const Triangle> triangles)
+      : mesh_(mesh), vertices_(vertices), triangles_(triangles) {}
+
+  SourceCorners run(Job& job) {
+    SourceCorners found;
+    const std::int32_t faces = mesh_.face_count();
+    found.face.assign(faces, kNone);
+    found.weight.resize(faces);
+    for (std::int32_t f = 0; f < faces; ++f) {
+      if (f % kPoll == 0) job.poll();
+      const std::int32_t source = mesh_.source_face()[f];
+      if (source == kNone) continue;
+      if (source >= static_cast<std::int32_t>(triangles_.size())) other_arrays(f);
+      if (same_corners(f, source, found)) continue;
+      ++found.turned;
+      if (!nearest(f, found)) ++found.lost;
+    }
+    if (found.turned > faces / 2 && found.lost > faces / 4) other_arrays(0);
+    return found;
+  }
+
+ private:
+  [[noreturn]] void other_arrays(std::int32_t f) const {
+    throw InvalidInput("face " + std::to_string(f) +
+                       " of the mesh does not come from the source's triangles; give the mesh made from the source's "
+                       "own vertices and triangles");
+  }
+  [[nodiscard]] Vec3 corner(std::int32_t f, int k) const { return mesh_.vertices()[mesh_.triangles()[f][k]]; }
+  [[nodiscard]] Vec3 place(std::int32_t t, int k) const { return vertices_[triangles_[t][k]] - mesh_.origin(); }
+
+  bool same_corners(std::int32_t f, std::int32_t source, SourceCorners& found) const {
+    std::array<float, 6> weight{};
+    int used = 0;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 p = corner(f, k);
+      int at = -1;
+      for (int i = 0; i < 3 && at < 0; ++i)
+        if ((used & (1 << i)) == 0 && p == place(source, i)) at = i;
+      if (at < 0) return false;
+      used |= 1 << at;
+      if (at > 0) weight[2 * k + at - 1] = 1;
+    }
+    found.face[f] = source;
+    found.weight[f] = weight;
+    return true;
+  }
+
+  /// The triangles that this face and those around its corners came from, its own first.
+  void collect(std::int32_t f) {
+    candidates_.clear();
+    candidates_.push_back(mesh_.source_face()[f]);
+    for (const std::int32_t v : mesh_.triangles()[f]) {
+      const std::int32_t start = mesh_.vertex_halfedge()[v];
+      std::int32_t h = start;
+      do {
+        const std::int32_t source = mesh_.source_face()[Mesh::face(h)];
+        if (source != kNone && source < static_cast<std::int32_t>(triangles_.size()) &&
+            std::find(candidates_.begin(), candidates_.end(), source) == candidates_.end())
+          candidates_.push_back(source);
+        h = mesh_.next_outgoing(h);
+      } while (h != kNone && h != start);
+    }
+  }
+
+  bool nearest(std::int32_t f, SourceCorners& found) {
+    collect(f);
+    double least = kReach * mesh_.diagonal();
+    const double near = kNear * mesh_.diagonal();
+    for (const std::int32_t t : candidates_) {
+      const std::array<Vec3, 3> v = {place(t, 0), place(t, 1), place(t, 2)};
+      if (!v[0].allFinite() || !v[1].allFinite() || !v[2].allFinite()) continue;
+      std::array<float, 6> weight{};
+      double away = 0;
+      for (int k = 0; k < 3; ++k) {
+        const Place p = on_triangle(corner(f, k), v);
+        weight[2 * k] = p.b;
+        weight[2 * k + 1] = p.c;
+        away = std::max(away, p.distance);
+      }
+      if (!(away < least) || away > least - near) continue;
+      least = away;
+      found.face[f] = t;
+      found.weight[f] = weight;
+    }
+    return found.face[f] != kNone;
+  }
+
+  const Mesh& mesh_;
+  std::span<const Vec3> vertices_;
+  std::span<const Triangle> triangles_;
+  std::vector<std::int32_t> candidates_;
+};
+
+}  // namespace
+
+SourceCorners source_corners(const Mesh& mesh, std::span<const Vec3> vertices, std::span<const Triangle> triangles,
+                             Job& job) {
+  return Finder(mesh, vertices, triangles).run(job);
+}
+
+}  // namespace isimp

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "isimp/core/job.h"
+#include "isimp/texture/bake.h"
+#include "sampler.h"
+
+namespace isimp::detail {
+
+/// Gives the pixels that nobody owns the mean of those around them, from coarser and coarser copies of the image, so
+/// that reduced copies of it show no foreign colour at the charts' borders; flat normals.
+/// \param owner  (side^2) rows from the bottom; kNone: nobody
+void flood(std::span<const std::int32_t> owner, std::int32_t side, const Rgba& mean, Texture& texture, Job& job);
+
+}  // namespace isimp::detail

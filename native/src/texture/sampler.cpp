@@ -1,0 +1,121 @@
+#include "sampler.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "isimp/core/errors.h"
+
+namespace isimp::detail {
+namespace {
+
+constexpr float kEdge = 1e-4F;  // rounding beyond an image's edge is no repetition
+
+void check(const Mesh& mesh, const Appearance& look) {
+  const auto faces = static_cast<std::size_t>(mesh.face_count());
+  if (look.uv.size() != 6 * faces || look.image.size() != faces ||
+      (!look.colors.empty() && look.colors.size() != 12 * faces) || (!look.known.empty() && look.known.size() != faces))
+    throw InvalidInput("the texture's arrays are not of this mesh, which has " + std::to_string(faces) + " faces");
+  for (std::size_t f = 0; f < faces; ++f)
+    if (look.image[f] < kNone || look.image[f] >= static_cast<std::int32_t>(look.pictures.size()))
+      throw InvalidInput("face " + std::to_string(f) + " uses image " + std::to_string(look.image[f]) +
+                         ", but there are " + std::to_string(look.pictures.size()));
+  for (std::size_t i = 0; i < look.pictures.size(); ++i) {
+    const Picture& p = look.pictures[i];
+    const auto values = 4 * static_cast<std::size_t>(p.width) * static_cast<std::size_t>(p.height);
+    if (values == 0 || std::max(p.bytes.size(), p.words.size()) != values)
+      throw InvalidInput("image " + std::to_string(i) + " has no pixels, or not width x height of them");
+  }
+}
+
+template <class T>
+Rgba bilinear(const T* pixels, std::int32_t w, std::int32_t h, float x, float y, bool repeat) {
+  // At least -0.5; truncation is much cheaper than floor.
+  std::int32_t x0 = static_cast<std::int32_t>(x + 1) - 1, y0 = static_cast<std::int32_t>(y + 1) - 1;
+  const float a = x - static_cast<float>(x0), b = y - static_cast<float>(y0);
+  std::int32_t x1 = x0 + 1, y1 = y0 + 1;
+  if (repeat) {
+    x0 = x0 < 0 ? w - 1 : std::min(x0, w - 1);
+    y0 = y0 < 0 ? h - 1 : std::min(y0, h - 1);
+    x1 = x1 >= w ? 0 : x1;
+    y1 = y1 >= h ? 0 : y1;
+  } else {
+    x0 = std::clamp(x0, 0, w - 1);
+    y0 = std::clamp(y0, 0, h - 1);
+    x1 = std::clamp(x1, 0, w - 1);
+    y1 = std::clamp(y1, 0, h - 1);
+  }
+  const T* upper = pixels + 4 * static_cast<std::size_t>(y0) * w;
+  const T* lower = pixels + 4 * static_cast<std::size_t>(y1) * w;
+  const float p = (1 - a) * (1 - b), q = a * (1 - b), r = (1 - a) * b, s = a * b;
+  Rgba mixed;
+  for (int k = 0; k < 4; ++k)
+    mixed[k] = p * static_cast<float>(upper[4 * x0 + k]) + q * static_cast<float>(upper[4 * x1 + k]) +
+               r * static_cast<float>(lower[4 * x0 + k]) + s * static_cast<float>(lower[4 * x1 + k]);
+  return mixed;
+}
+
+}  // namespace
+
+Sampler::Sampler(const Mesh& mesh, const Appearance& appearance) : look_(appearance) {
+  check(mesh, appearance);
+  repeats_.resize(appearance.image.size());
+  for (std::size_t f = 0; f < repeats_.size(); ++f)
+    for (std::size_t k = 6 * f; k < 6 * f + 6; ++k)
+      if (appearance.uv[k] < -kEdge || appearance.uv[k] > 1 + kEdge) repeats_[f] = 1;
+  double area = 0;
+  std::array<double, 4> sum{};
+  const auto v = mesh.vertices();
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const Triangle& t = mesh.triangles()[f];
+    const double a = (v[t[1]] - v[t[0]]).cross(v[t[2]] - v[t[0]]).norm();
+    if (!(a > 0) || (!look_.known.empty() && look_.known[f] == 0)) continue;
+    const Rgba colour = (*this)(f, 1 / 3.0F, 1 / 3.0F);
+    for (int k = 0; k < 4; ++k) sum[k] += a * colour[k];
+    area += a;
+  }
+  for (int k = 0; k < 4; ++k) mean_[k] = area > 0 ? static_cast<float>(sum[k] / area) : 128.0F;
+  if (!(area > 0)) mean_[3] = 255;
+}
+
+Rgba Sampler::operator()(std::int32_t face, float b, float c) const {
+  if (look_.image[face] >= 0) return from_picture(face, b, c);
+  if (look_.colors.empty()) return {204, 204, 204, 255};
+  const std::uint8_t* p = look_.colors.data() + 12 * static_cast<std::size_t>(face);
+  Rgba mixed;
+  for (int k = 0; k < 4; ++k)
+    mixed[k] =
+        (1 - b - c) * static_cast<float>(p[k]) + b * static_cast<float>(p[4 + k]) + c * static_cast<float>(p[8 + k]);
+  return mixed;
+}
+
+Rgba Sampler::from_picture(std::int32_t face, float b, float c) const {
+  const Picture& picture = look_.pictures[look_.image[face]];
+  const float* t = look_.uv.data() + 6 * static_cast<std::size_t>(face);
+  const float a = 1 - b - c;
+  float u = a * t[0] + b * t[2] + c * t[4], v = a * t[1] + b * t[3] + c * t[5];
+  if (!std::isfinite(u) || !std::isfinite(v)) u = v = 0;
+  const bool repeat = repeats_[face] != 0;
+  if (repeat) {
+    u -= std::floor(u);
+    v -= std::floor(v);
+  }
+  const float x = std::clamp(u, 0.0F, 1.0F) * static_cast<float>(picture.width) - 0.5F;
+  const float y = (1 - std::clamp(v, 0.0F, 1.0F)) * static_cast<float>(picture.height) - 0.5F;
+  if (!picture.bytes.empty()) return bilinear(picture.bytes.data(), picture.width, picture.height, x, y, repeat);
+  Rgba mixed = bilinear(picture.words.data(), picture.width, picture.height, x, y, repeat);
+  for (float& value : mixed) value /= 257;
+  return mixed;
+}
+
+double Sampler::pixels(std::int32_t face) const {
+  const std::int32_t image = look_.image[face];
+  if (image < 0) return 0;
+  const float* t = look_.uv.data() + 6 * static_cast<std::size_t>(face);
+  const double turned = (t[2] - t[0]) * (t[5] - t[1]) - (t[4] - t[0]) * (t[3] - t[1]);
+  const double pixels = std::abs(turned) / 2 * look_.pictures[image].width * look_.pictures[image].height;
+  return std::isfinite(pixels) ? pixels : 0;
+}
+
+}  // namespace isimp::detail

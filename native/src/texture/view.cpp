@@ -1,0 +1,260 @@
+#include "view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace isimp::detail {
+namespace {
+
+constexpr float kTouch = 2e-3F;  // samples by which a face is wider than it is, so that no gap shows between two
+constexpr float kMostCells = 65536;
+
+/// Of a number of at least 0; cheaper than std::ceil.
+std::int32_t ceiling(float x) {
+  const auto whole = static_cast<std::int32_t>(x);
+  return whole + (static_cast<float>(whole) < x ? 1 : 0);
+}
+
+struct Flat {
+  float low_x, high_x, low_y, high_y;
+};
+
+Flat extent(const FlatFace& f) {
+  const auto [low_x, high_x] = std::minmax({f.x[0], f.x[1], f.x[2]});
+  const auto [low_y, high_y] = std::minmax({f.y[0], f.y[1], f.y[2]});
+  return {low_x, high_x, low_y, high_y};
+}
+
+float double_area(const FlatFace& f) {
+  return (f.x[1] - f.x[0]) * (f.y[2] - f.y[0]) - (f.y[1] - f.y[0]) * (f.x[2] - f.x[0]);
+}
+
+/// The closest point of a face to (x, y, 0) (Ericson, Real-Time Collision Detection, 5.1.5): its weights, and the
+/// squared distance.
+float closest_on(const FlatFace& f, float x, float y, float& b, float& c) {
+  const float ux = f.x[1] - f.x[0], uy = f.y[1] - f.y[0], uz = f.z[1] - f.z[0];
+  const float vx = f.x[2] - f.x[0], vy = f.y[2] - f.y[0], vz = f.z[2] - f.z[0];
+  const float px = x - f.x[0], py = y - f.y[0], pz = -f.z[0];
+  const float uu = ux * ux + uy * uy + uz * uz, uv = ux * vx + uy * vy + uz * vz, vv = vx * vx + vy * vy + vz * vz;
+  const float d1 = ux * px + uy * py + uz * pz, d2 = vx * px + vy * py + vz * pz;
+  const float d3 = d1 - uu, d4 = d2 - uv, d5 = d1 - uv, d6 = d2 - vv;
+  const float vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
+  b = c = 0;
+  if (d1 <= 0 && d2 <= 0) {
+  } else if (d3 >= 0 && d4 <= d3) {
+    b = 1;
+  } else if (vc <= 0 && d1 >= 0 && d3 <= 0) {
+    b = d1 / (d1 - d3);
+  } else if (d6 >= 0 && d5 <= d6) {
+    c = 1;
+  } else if (vb <= 0 && d2 >= 0 && d6 <= 0) {
+    c = d2 / (d2 - d6);
+  } else if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+    c = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+    b = 1 - c;
+  } else {
+    const float sum = va + vb + vc;
+    b = sum > 0 ? vb / sum : 0;
+    c = sum > 0 ? vc / sum : 0;
+  }
+  const float qx = px - b * ux - c * vx, qy = py - b * uy - c * vy, qz = pz - b * uz - c * vz;
+  return qx * qx + qy * qy + qz * qz;
+}
+
+}  // namespace
+
+void Bins::build(std::span<const FlatFace> faces, const TexelBox& box, float cell) {
+  x0_ = static_cast<float>(box.x0);
+  y0_ = static_cast<float>(box.y0);
+  cell_ = cell;
+  columns_ = std::max(1, static_cast<std::int32_t>(std::ceil(static_cast<float>(box.width()) / cell)));
+  rows_ = std::max(1, static_cast<std::int32_t>(std::ceil(static_cast<float>(box.height()) / cell)));
+  start_.assign(static_cast<std::size_t>(columns_) * rows_ + 1, 0);
+  const auto for_cells = [&](const FlatFace& face, auto visit) {
+    const Flat e = extent(face);
+    const std::int32_t i1 = column(e.high_x), j1 = row(e.high_y);
+    for (std::int32_t j = row(e.low_y); j <= j1; ++j)
+      for (std::int32_t i = column(e.low_x); i <= i1; ++i) visit(static_cast<std::size_t>(j) * columns_ + i);
+  };
+  for (const FlatFace& face : faces) for_cells(face, [&](std::size_t k) { ++start_[k + 1]; });
+  for (std::size_t k = 1; k < start_.size(); ++k) start_[k] += start_[k - 1];
+  item_.resize(start_.back());
+  for (std::size_t i = 0; i < faces.size(); ++i)
+    for_cells(faces[i], [&](std::size_t k) { item_[start_[k]++] = static_cast<std::int32_t>(i); });
+  std::copy_backward(start_.begin(), start_.end() - 1, start_.end());
+  start_[0] = 0;
+}
+
+std::span<const std::int32_t> Bins::in(std::int32_t i, std::int32_t j) const {
+  const std::size_t k = static_cast<std::size_t>(j) * columns_ + i;
+  return std::span(item_).subspan(start_[k], start_[k + 1] - start_[k]);
+}
+
+std::int32_t Bins::column(float x) const {
+  return static_cast<std::int32_t>(std::clamp((x - x0_) / cell_, 0.0F, static_cast<float>(columns_ - 1)));
+}
+
+std::int32_t Bins::row(float y) const {
+  return static_cast<std::int32_t>(std::clamp((y - y0_) / cell_, 0.0F, static_cast<float>(rows_ - 1)));
+}
+
+float Bins::away(std::int32_t i, std::int32_t j, float x, float y) const {
+  const float low_x = x0_ + static_cast<float>(i) * cell_, low_y = y0_ + static_cast<float>(j) * cell_;
+  const float dx = std::max({0.0F, low_x - x, x - low_x - cell_}), dy = std::max({0.0F, low_y - y, y - low_y - cell_});
+  return dx * dx + dy * dy;
+}
+
+void PolygonView::look(const ChartFrame& frame, const TexelBox& box, std::int32_t region) {
+  box_ = box;
+  collect(frame, region, true);
+  if (faces_.empty()) collect(frame, region, false);  // nothing looks the polygon's way: better that than nothing
+  tiles_.build(faces_, box, static_cast<float>(kTile));
+  const float texels = static_cast<float>(box.width()) * static_cast<float>(box.height());
+  const float cells = std::clamp(static_cast<float>(faces_.size()), 1.0F, kMostCells);
+  grid_.build(faces_, box, std::max(3.0F, std::sqrt(texels / cells)));
+}
+
+void PolygonView::collect(const ChartFrame& frame, std::int32_t region, bool facing) {
+  faces_.clear();
+  const double scale = 1 / frame.u.squaredNorm(), length = frame.u.norm() * scale;
+  const Vec3 u = frame.u * scale, v = frame.v * scale, n = frame.n * length;
+  const float margin = std::max(16.0F, 0.25F * static_cast<float>(box_.width() + box_.height()));
+  const auto vertices = mesh_.vertices();
+  const auto triangles = mesh_.triangles();
+  for (std::int32_t k = near_.near_start[region]; k < near_.near_start[region + 1]; ++k) {
+    const std::int32_t r = near_.near[k];
+    for (std::int32_t i = near_.start[r]; i < near_.start[r + 1]; ++i) {
+      FlatFace flat;
+      flat.face = near_.faces[i];
+      flat.own = r == region;
+      for (int corner = 0; corner < 3; ++corner) {
+        const Vec3 d = vertices[triangles[flat.face][corner]] - frame.origin;
+        flat.x[corner] = static_cast<float>(d.dot(u));
+        flat.y[corner] = static_cast<float>(d.dot(v));
+        flat.z[corner] = static_cast<float>(d.dot(n));
+      }
+      const float area = double_area(flat);
+      if (facing && !(area > 0)) continue;
+      flat.over = 1 / area;
+      const Flat e = extent(flat);
+      const bool away =
+          e.high_x < static_cast<float>(box_.x0) - margin || e.high_y < static_cast<float>(box_.y0) - margin ||
+          e.low_x > static_cast<float>(box_.x1) + margin || e.low_y > static_cast<float>(box_.y1) + margin;
+      if (!away || (flat.own && !facing)) faces_.push_back(flat);
+    }
+  }
+}
+
+TexelBox PolygonView::tile(std::int32_t t) const {
+  const std::int32_t x = box_.x0 + t % tiles_.columns() * kTile, y = box_.y0 + t / tiles_.columns() * kTile;
+  return {x, y, std::min(box_.x1, x + kTile), std::min(box_.y1, y + kTile)};
+}
+
+/// Own faces first: what they cover is theirs. Then those beside it, into what is left.
+void PolygonView::draw(std::int32_t t, std::int32_t n, std::vector<std::int32_t>& index,
+                       std::vector<float>& depth) const {
+  const TexelBox tile = this->tile(t);
+  const std::int32_t w = tile.width() * n, h = tile.height() * n;
+  index.assign(static_cast<std::size_t>(w) * h, kNone);
+  depth.assign(static_cast<std::size_t>(w) * h, std::numeric_limits<float>::infinity());
+  const auto s = static_cast<float>(n), x0 = static_cast<float>(tile.x0), y0 = static_cast<float>(tile.y0);
+  bool own = true;
+  for (const std::int32_t item : tiles_.in(t % tiles_.columns(), t / tiles_.columns())) {
+    const FlatFace& f = faces_[item];
+    if (own && !f.own) {
+      own = false;
+      for (std::size_t k = 0; k < index.size(); ++k)
+        if (index[k] != kNone) depth[k] = -1;
+    }
+    const float area = double_area(f) * s * s;
+    if (!(area > 1e-9F)) continue;
+    std::array<float, 3> x, y;
+    for (int k = 0; k < 3; ++k) {
+      x[k] = (f.x[k] - x0) * s - 0.5F;
+      y[k] = (f.y[k] - y0) * s - 0.5F;
+    }
+    const auto [low, high] = std::minmax({y[0], y[1], y[2]});
+    const auto j0 = static_cast<std::int32_t>(std::ceil(std::clamp(low - kTouch, 0.0F, static_cast<float>(h))));
+    const auto j1 = static_cast<std::int32_t>(std::floor(std::clamp(high + kTouch, -1.0F, static_cast<float>(h - 1))));
+    const float zx = ((f.z[1] - f.z[0]) * (y[2] - y[0]) - (f.z[2] - f.z[0]) * (y[1] - y[0])) / area;
+    const float zy = ((f.z[2] - f.z[0]) * (x[1] - x[0]) - (f.z[1] - f.z[0]) * (x[2] - x[0])) / area;
+    for (std::int32_t j = j0; j <= j1; ++j) {
+      const auto level = static_cast<float>(j);
+      float from = 0, to = static_cast<float>(w - 1);
+      for (int k = 0, m = 2; k < 3; m = k++) {  // inside is left of each edge
+        const float ex = x[k] - x[m], ey = y[k] - y[m];
+        const float slack = kTouch * (std::abs(ex) + std::abs(ey));
+        const float at = ex * (level - y[m]) + slack;  // ey * (x - x[m]) <= at
+        if (ey > 0) {
+          to = std::min(to, x[m] + at / ey);
+        } else if (ey < 0) {
+          from = std::max(from, x[m] + at / ey);
+        } else if (at < 0) {
+          to = -1;
+        }
+      }
+      if (!(from <= to)) continue;
+      const std::int32_t i0 = ceiling(from);
+      const auto i1 = static_cast<std::int32_t>(to);
+      const std::size_t row = static_cast<std::size_t>(j) * w;
+      float z = f.z[0] + zx * (static_cast<float>(i0) - x[0]) + zy * (level - y[0]);
+      for (std::int32_t i = i0; i <= i1; ++i, z += zx) {
+        if (std::abs(z) >= depth[row + i]) continue;
+        depth[row + i] = std::abs(z);
+        index[row + i] = item;
+      }
+    }
+  }
+}
+
+Hit PolygonView::at(std::int32_t index, float x, float y) const {
+  const FlatFace& f = faces_[index];
+  const float dx = x - f.x[0], dy = y - f.y[0];
+  float b = (dx * (f.y[2] - f.y[0]) - dy * (f.x[2] - f.x[0])) * f.over;
+  float c = ((f.x[1] - f.x[0]) * dy - (f.y[1] - f.y[0]) * dx) * f.over;
+  b = std::clamp(b, 0.0F, 1.0F);
+  c = std::clamp(c, 0.0F, 1.0F - b);
+  return {f.face, b, c, f.z[0] + b * (f.z[1] - f.z[0]) + c * (f.z[2] - f.z[0])};
+}
+
+/// Cells are looked at in rings round that of the point. What lies beyond the grid is in the cells at its rim, which
+/// are no further away than it is.
+Hit PolygonView::closest(float x, float y, std::int32_t guess) const {
+  Hit best;
+  float least = std::numeric_limits<float>::infinity();
+  const auto look_at = [&](std::int32_t item) {
+    const FlatFace& f = faces_[item];
+    const Flat e = extent(f);
+    const float over = std::max({0.0F, e.low_x - x, x - e.high_x}), up = std::max({0.0F, e.low_y - y, y - e.high_y});
+    if (over * over + up * up > least) return;
+    float b = 0, c = 0;
+    const float d = closest_on(f, x, y, b, c);
+    if (d > least || (d == least && best.face != kNone && f.face >= best.face)) return;
+    least = d;
+    best = {f.face, b, c, f.z[0] + b * (f.z[1] - f.z[0]) + c * (f.z[2] - f.z[0])};
+  };
+  if (guess != kNone) look_at(guess);
+  const std::int32_t ci = grid_.column(x), cj = grid_.row(y);
+  const std::int32_t rings = std::max({ci, cj, grid_.columns() - 1 - ci, grid_.rows() - 1 - cj});
+  bool reached = true;  // whether any cell of the last ring was near enough
+  const auto look_in = [&](std::int32_t i, std::int32_t j) {
+    if (i < 0 || j < 0 || i >= grid_.columns() || j >= grid_.rows() || grid_.away(i, j, x, y) > least) return;
+    reached = true;
+    for (const std::int32_t item : grid_.in(i, j)) look_at(item);
+  };
+  for (std::int32_t ring = 0; ring <= rings && reached; ++ring) {
+    reached = false;
+    for (std::int32_t i = ci - ring; i <= ci + ring; ++i) {
+      look_in(i, cj - ring);
+      if (ring > 0) look_in(i, cj + ring);
+    }
+    for (std::int32_t j = cj - ring + 1; j < cj + ring; ++j) {
+      look_in(ci - ring, j);
+      look_in(ci + ring, j);
+    }
+  }
+  return best;
+}
+
+}  // namespace isimp::detail

@@ -1,0 +1,94 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "isimp/core/types.h"
+#include "isimp/mesh/mesh.h"
+#include "isimp/partition/partition.h"
+#include "isimp/texture/unwrap.h"
+#include "ownership.h"
+
+namespace isimp::detail {
+
+/// The faces of each region, and the regions beside it.
+struct Neighbourhood {
+  std::vector<std::int32_t> start, faces;      ///< region r has faces[start[r]] to faces[start[r + 1]], rising
+  std::vector<std::int32_t> near_start, near;  ///< the same of regions: r itself first, then those beside it
+};
+
+/// \param known  (F) 0 for faces that have nothing to show, which are left out; empty: all are known. A region none of
+///               whose neighbours has any face left gets those further away too.
+Neighbourhood find_neighbourhood(const Mesh& mesh, const Partition& partition, std::span<const std::uint8_t> known);
+
+/// A place on a face. `height` is above the polygon's plane, in texels.
+struct Hit {
+  std::int32_t face = kNone;
+  float b = 0, c = 0, height = 0;
+};
+
+/// A face in the coordinates of a chart: texels right, up, and above the plane.
+struct FlatFace {
+  std::array<float, 3> x, y, z;
+  float over;  ///< 1 / its doubled area in the plane
+  std::int32_t face;
+  bool own;  ///< of the polygon's region
+};
+
+/// Which of some faces reach into which cell of a grid; those outside lie in the cells at its rim.
+class Bins {
+ public:
+  void build(std::span<const FlatFace> faces, const TexelBox& box, float cell);
+  [[nodiscard]] std::span<const std::int32_t> in(std::int32_t i, std::int32_t j) const;
+  [[nodiscard]] std::int32_t columns() const { return columns_; }
+  [[nodiscard]] std::int32_t rows() const { return rows_; }
+  [[nodiscard]] float cell() const { return cell_; }
+  [[nodiscard]] std::int32_t column(float x) const;
+  [[nodiscard]] std::int32_t row(float y) const;
+  /// Squared distance of a point from a cell.
+  [[nodiscard]] float away(std::int32_t i, std::int32_t j, float x, float y) const;
+
+ private:
+  float x0_ = 0, y0_ = 0, cell_ = 1;
+  std::int32_t columns_ = 1, rows_ = 1;
+  std::vector<std::int32_t> start_, item_;
+};
+
+/// The faces that a polygon can show, as seen along its normal.
+class PolygonView {
+ public:
+  static constexpr std::int32_t kTile = 128;  // texels; samples of a tile fit into a cache
+
+  PolygonView(const Mesh& mesh, const Neighbourhood& near) : mesh_(mesh), near_(near) {}
+
+  /// \param frame  in the coordinates of the mesh
+  void look(const ChartFrame& frame, const TexelBox& box, std::int32_t region);
+
+  [[nodiscard]] const TexelBox& box() const { return box_; }
+  [[nodiscard]] std::int32_t tile_count() const { return tiles_.columns() * tiles_.rows(); }
+  [[nodiscard]] TexelBox tile(std::int32_t t) const;
+
+  /// Draws the faces of a tile with n x n samples a texel. `index` gets, for each sample, which of `faces()` is seen
+  /// there, or kNone; rows from the bottom.
+  void draw(std::int32_t t, std::int32_t n, std::vector<std::int32_t>& index, std::vector<float>& depth) const;
+
+  [[nodiscard]] std::span<const FlatFace> faces() const { return faces_; }
+  /// The place of a face that is seen at a point.
+  [[nodiscard]] Hit at(std::int32_t index, float x, float y) const;
+  /// The closest place to a point of the plane; without a face if there are no faces.
+  /// \param guess  one of `faces()` that is near, so that the search ends soon; kNone: not known
+  [[nodiscard]] Hit closest(float x, float y, std::int32_t guess) const;
+
+ private:
+  void collect(const ChartFrame& frame, std::int32_t region, bool facing);
+
+  const Mesh& mesh_;
+  const Neighbourhood& near_;
+  TexelBox box_;
+  std::vector<FlatFace> faces_;
+  Bins tiles_, grid_;
+};
+
+}  // namespace isimp::detail

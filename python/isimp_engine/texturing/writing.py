@@ -1,0 +1,103 @@
+"""Polygons with their texture as files."""
+
+import os
+from collections.abc import Callable
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._core import FileError, Job, PolygonMesh, triangulate
+from . import images
+from .baking import Texture
+from .glb import glb
+
+KINDS = (".obj", ".glb")
+Put = Callable[[Path, bytes], object]
+
+
+def companions(path: Path, normals: bool) -> list[Path]:
+    """The files that stand beside an output: OBJ has a material file and images."""
+    if path.suffix.lower() != ".obj":
+        return []
+    files = [path.with_suffix(".mtl"), path.with_suffix(".png")]
+    return [*files, path.with_name(path.stem + "_normal.png")] if normals else files
+
+
+def files_of(path: Path, poly: PolygonMesh, made: Texture, job: Job | None = None) -> dict[Path, bytes]:
+    """The contents of all files of an output, by name."""
+    kind = path.suffix.lower()
+    if kind not in KINDS:
+        raise FileError(f"{path}: a texture can be written to {' or '.join(KINDS)} only")
+    image = images.png(made.image, path)
+    normal = None if made.normal is None else images.png(made.normal, path)
+    if kind == ".glb":
+        return {path: _glb(path.stem, poly, made, image, normal, job)}
+    mtl, png, *more = companions(path, normal is not None)
+    files = {path: _obj(mtl.name, poly, made), mtl: _mtl(png.name, more[0].name if more else None), png: image}
+    if normal is not None:
+        files[more[0]] = normal
+    return files
+
+
+def write_textured(path: str | PathLike[str], poly: PolygonMesh, made: Texture, job: Job | None = None) -> list[Path]:
+    """Write polygons with their texture; returns the files that were written.
+
+    OBJ keeps the n-gons and has an MTL file and PNG images of the same name beside it. GLB has triangles and holds its
+    images; the coordinates are the scan's, though glTF takes y for up.
+    Each file is replaced only when all are complete. Raises FileError (another extension, or the place can't be
+    written).
+    """
+    place = Path(path)
+    files = files_of(place, poly, made, job)
+    drafts: list[tuple[Path, Path]] = []
+    try:
+        for file, content in files.items():
+            draft = file.with_name(f".{file.stem}.{os.getpid()}{file.suffix}")
+            drafts.append((draft, file))
+            draft.write_bytes(content)
+        while drafts:
+            draft, file = drafts[0]
+            draft.replace(file)
+            drafts.pop(0)
+    except OSError as error:
+        raise FileError(f"{place}: can't be written: {error.strerror or error}") from None
+    finally:
+        for draft, _ in drafts:
+            draft.unlink(missing_ok=True)
+    return list(files)
+
+
+def _ends(poly: PolygonMesh) -> NDArray[np.int64]:
+    return np.append(poly.loop_start, len(poly.loops)).astype(np.int64)
+
+
+def _obj(library: str, poly: PolygonMesh, made: Texture) -> bytes:
+    """A normal for each polygon, so that it is shaded flat: that is what the normal map is made for."""
+    lines = [f"mtllib {library}"]
+    lines += [f"v {x!r} {y!r} {z!r}" for x, y, z in poly.vertices.tolist()]
+    lines += [f"vt {u:.9g} {v:.9g}" for u, v in made.uv.tolist()]
+    lines += [f"vn {x:.7g} {y:.7g} {z:.7g}" for x, y, z in made.polygon_normal.tolist()]
+    lines.append("usemtl texture")
+    loops, ends = poly.loops.tolist(), _ends(poly).tolist()
+    for q in range(len(ends) - 1):
+        corners = (f"{loops[i] + 1}/{i + 1}/{q + 1}" for i in range(ends[q], ends[q + 1]))
+        lines.append("f " + " ".join(corners))
+    return ("\n".join(lines) + "\n").encode()
+
+
+def _mtl(image: str, normal: str | None) -> bytes:
+    lines = ["newmtl texture", "Ka 0 0 0", "Kd 1 1 1", "Ks 0 0 0", "illum 1", f"map_Kd {image}"]
+    if normal is not None:
+        lines += [f"map_Bump {normal}", f"norm {normal}"]
+    return ("\n".join(lines) + "\n").encode()
+
+
+def _glb(name: str, poly: PolygonMesh, made: Texture, image: bytes, normal: bytes | None, job: Job | None) -> bytes:
+    # Every corner is a vertex of its own, since the two sides of an edge have their own normals and UVs.
+    each = np.arange(len(poly.loops), dtype=np.int32)
+    corners = poly.vertices[poly.loops]
+    triangles, _ = triangulate(corners, each, poly.loop_start, job)
+    of = np.repeat(np.arange(len(poly.loop_start)), np.diff(_ends(poly)))
+    return glb(name, corners, triangles, made.uv, made.polygon_normal[of], made.polygon_tangent[of], image, normal)
