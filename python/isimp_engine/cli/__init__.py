@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import CleanOptions, FileError, InvalidInput, PartitionOptions, __version__, _process, recipes
-from . import batch, guiding, info, simplify
+from . import batch, guiding, info, simplify, texturing
 from .errors import UsageError
 from .files import place
 
@@ -34,8 +34,8 @@ def parser() -> argparse.ArgumentParser:
         "simplify", help="make a polygon mesh of a scan", description=simplify.__doc__, parents=shared
     )
     command.set_defaults(run=simplify.run)
-    command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL or OFF")
-    command.add_argument("output", type=Path, metavar="OUTPUT", help="PLY or OBJ")
+    command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL, OFF or GLB")
+    command.add_argument("output", type=Path, metavar="OUTPUT", help="PLY or OBJ; with --texture OBJ or GLB")
     guiding.add_files(command)
     command.add_argument(
         "--labels", type=place, metavar="L.npy", help="one int32 region per face of INPUT, in file order; -1: none"
@@ -51,7 +51,7 @@ def parser() -> argparse.ArgumentParser:
 
     command = commands.add_parser("info", help="what a mesh is and what would be repaired", description=info.__doc__)
     command.set_defaults(run=info.run)
-    command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL or OFF")
+    command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL, OFF or GLB")
     add_fields(command, CleanOptions, names(CleanOptions))
     command.add_argument("--json", action="store_true", help="as JSON")
     return parser
@@ -69,6 +69,15 @@ def simplify_options() -> argparse.ArgumentParser:
         help="keep all holes and handles; else those of a noisy scan that the regions can't show are closed",
     )
     guiding.add_angle(command)
+    command.add_argument(
+        "--texture",
+        type=texturing.size,
+        nargs="?",
+        const=texturing.LIKE_THE_SCAN,
+        metavar="SIZE",
+        help="keep the scan's texture in an image of SIZE x SIZE pixels; without SIZE: as dense as the scan's images. "
+        "Beside OUTPUT.obj come OUTPUT.mtl, OUTPUT.png and OUTPUT_normal.png; OUTPUT.glb holds all",
+    )
     command.add_argument("--recipe", type=Path, metavar="R.json", help="the steps to do, as the add-on exports them")
     return command
 

@@ -7,7 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import CleanOptions, Job, Mesh, Partition, clean, read_polygons, triangulate
+from .. import CleanOptions, Job, Mesh, Partition, TexturedSoup, clean, read_polygons, read_textured, triangulate
+
+GLTF = (".glb", ".gltf")
 
 
 @dataclass(frozen=True)
@@ -19,12 +21,18 @@ class Input:
     triangles: NDArray[np.int32]
     polygon: NDArray[np.int32]
     faces: int
+    soup: TexturedSoup | None = None  #: with what the faces show, if that was asked for
 
 
-def load(path: Path, job: Job, threads: int = 0) -> Input:
+def load(path: Path, job: Job, threads: int = 0, textured: bool = False) -> Input:
+    if path.suffix.lower() in GLTF:
+        soup = read_textured(path, job)
+        count = len(soup.triangles)
+        return Input(path, soup.vertices, soup.triangles, np.arange(count, dtype=np.int32), count, soup)
     vertices, loops, loop_start = read_polygons(path, job, threads=threads)
     triangles, polygon = cut(vertices, loops, loop_start)
-    return Input(path, vertices, triangles, polygon, len(loop_start))
+    shown = read_textured(path, job, threads=threads) if textured else None
+    return Input(path, vertices, triangles, polygon, len(loop_start), shown)
 
 
 def cut(

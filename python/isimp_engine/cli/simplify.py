@@ -7,6 +7,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +15,9 @@ import numpy as np
 
 from .. import InvalidInput, Job, MeshingOptions, Partition, PolygonMesh, __version__, write
 from ..guided import partition_guided
+from ..texturing.writing import files_of
 from ..within import Made, polygonize_within
-from . import closing, guiding, words
+from . import closing, guiding, texturing, words
 from .errors import UsageError
 from .files import STDOUT, Outputs, check, is_same
 from .loading import Input, clean_mesh, facts, labels, load
@@ -49,11 +51,13 @@ class Done:
 
 
 def run(arguments: argparse.Namespace) -> Done:
-    check_places(arguments)
+    beside = check_places(arguments)
     steps, options, recipe = Steps(wanted(arguments.quiet)), arguments.options, arguments.recipe
     meshing = MeshingOptions(**(recipe.meshing if recipe else {}) | {"threads": options.threads})
     with steps("read") as job:
-        source = load(arguments.input, job, options.threads)
+        source = load(arguments.input, job, options.threads, textured=arguments.texture is not None)
+    if arguments.texture is not None:
+        texturing.check_source(source, beside)
     closed = None
     with steps("clean") as job:
         mesh, repaired, repaired_at = clean_mesh(source, arguments.clean, job)
@@ -71,9 +75,17 @@ def run(arguments: argparse.Namespace) -> Done:
         edited = recipe is not None and recipe.edits  # made anew, the edits would be lost
         found = polygonize_within(mesh, part, meshing, job, None if edited else Made(options, guides))
         part, poly = found.partition, found.polygons
+    made = None
+    if arguments.texture is not None:
+        with steps("texture") as job:
+            made = texturing.make(arguments, source, mesh, part, poly, job)
     with Outputs() as outputs:
         with steps("write") as job:
-            outputs.write(arguments.output, lambda path: write(path, poly, job))
+            if made is None:
+                outputs.write(arguments.output, lambda path: write(path, poly, job))
+            else:
+                for file, content in files_of(arguments.output, poly, made, job).items():
+                    outputs.write(file, partial(Path.write_bytes, data=content))
             if arguments.labels:
                 outputs.write(arguments.labels, lambda path: save_labels(path, labels(source, mesh, part)))
         report = {
@@ -96,6 +108,7 @@ def run(arguments: argparse.Namespace) -> Done:
             "history": part.history.tolist(),
             "partition": part.report,
             "output": {"path": str(arguments.output)} | found.report,
+            "texture": None if made is None else made.report | {"files": [str(path) for path in beside]},
             "seconds": steps.seconds,
             "peak_mb": peak_mb(),
         }
@@ -120,23 +133,26 @@ def refused(arguments: argparse.Namespace) -> Iterator[None]:
 
 def output_kinds(arguments: argparse.Namespace) -> tuple[str, ...]:
     """What OUTPUT may end in, with these options."""
-    return OUTPUT_KINDS
+    return OUTPUT_KINDS if arguments.texture is None else texturing.KINDS
 
 
-def check_places(arguments: argparse.Namespace) -> None:
-    """Refuse before the work what would fail after it."""
+def check_places(arguments: argparse.Namespace) -> list[Path]:
+    """Refuse before the work what would fail after it; returns the files that come beside the output."""
     if arguments.output.suffix.lower() not in (kinds := output_kinds(arguments)):
-        raise UsageError(f"{arguments.output}: OUTPUT must end in one of {', '.join(kinds)}")
+        more = "with --texture " if arguments.texture is not None else ""
+        raise UsageError(f"{arguments.output}: {more}OUTPUT must end in one of {', '.join(kinds)}")
+    beside = texturing.check_output(arguments)
     if arguments.labels == STDOUT:
         raise UsageError("--labels writes a binary file, which can't go to stdout; give ./- for a file called -")
     taken = [arguments.input]
-    for path in (arguments.output, arguments.labels, arguments.report):
+    for path in (arguments.output, *beside, arguments.labels, arguments.report):
         if not isinstance(path, Path):
             continue
         check(path)
         if any(is_same(path, other) for other in taken) and not path.is_char_device():
             raise UsageError(f"{path}: is named twice; INPUT and all outputs must be different files")
         taken.append(path)
+    return beside
 
 
 def save_labels(path: Path, values: np.ndarray) -> None:
@@ -173,6 +189,8 @@ def summary(source: Input, part: Partition, report: dict[str, Any]) -> Iterator[
     kind = f"{'closed' if out['closed'] else 'open'}, {'manifold' if out['manifold'] else 'not manifold'}"
     yield f"{out['path']}: {polygons} of {regions}, {out['corners'] / max(out['polygons'], 1):.1f} corners each, {kind}"
     yield f"  flat to {mean} of the diagonal, at worst {worst}; {sum(report['seconds'].values()):.1f} s"
+    if report["texture"] is not None:
+        yield from texturing.summary(report["texture"])
     if out.get("scan_distance") is not None:
         kept = "within" if out["scan_distance"] <= out["scan_distance_allowed"] else "NOT within"
         yield f"  the scan is at most {out['scan_distance']:.4g} off, {kept} {out['scan_distance_allowed']:.4g}"

@@ -47,7 +47,7 @@ def read(path: Path) -> TexturedSoup:
     material = np.concatenate([np.full(len(p["triangles"]), number[p["material"]]) for p in parts])
     names = [str(file.json["materials"][m].get("name", m)) for m in used]
     corner_colors = None if colors is None else colors[faces]
-    return TexturedSoup(vertices, faces, uv[faces], material, pictures, corner_colors, names)
+    return TexturedSoup(vertices, faces, uv[faces], material, pictures, corner_colors, names, file.linked)
 
 
 def _primitive(file: "_File", primitive: dict[str, Any], matrix: NDArray[np.float64]) -> dict[str, Any]:
@@ -128,6 +128,7 @@ class _File:
         except ValueError:
             raise FileError(f"{path}: is not glTF, or damaged") from None
         self.buffers: dict[int, bytes] = {}
+        self.linked: list[Path] = []
 
     def _chunks(self, data: bytes) -> Iterator[tuple[int, bytes]]:
         if len(data) < 20 or struct.unpack_from("<I", data, 4)[0] != 2:
@@ -159,6 +160,7 @@ class _File:
         file = self.path.parent / uri.replace("%20", " ")
         if not file.is_file():
             raise FileError(f"{self.path}: its file {file} does not exist; put it there")
+        self.linked.append(file)
         return file.read_bytes()
 
     def view(self, i: int) -> tuple[bytes, int]:

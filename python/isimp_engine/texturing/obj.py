@@ -33,8 +33,9 @@ def read(path: Path, job: Job | None, threads: int) -> TexturedSoup:
             pictures.append(m.image())
         else:
             pictures.append(None if colors is not None else m.plain())
+    files = [*rows.library_files(), *(m.map for m in materials.values() if m.map is not None)]
     return TexturedSoup(
-        vertices, triangles, corner_uv[places], material[polygon], pictures, colors, names=list(materials)
+        vertices, triangles, corner_uv[places], material[polygon], pictures, colors, list(materials), files
     )
 
 
@@ -138,18 +139,20 @@ class _Rows:
         known: dict[str, _Material] = {}
         if not self.uses:  # without a material no image is shown
             return {}
-        for name in self.libraries:
-            for file in self._library_files(name):
-                known |= read_mtl(file)
+        for file in self.library_files():
+            known |= read_mtl(file)
         used = dict.fromkeys(name for (face, name) in self.uses if face < len(self.faces))
         for name in used:
             if name not in known and self.libraries:
                 raise FileError(f"{self.path}: uses the material {name!r}, which {self.libraries[-1]} does not have")
         return {name: known.get(name, _Material(str(self.path))) for name in used}
 
-    def _library_files(self, names: str) -> list[Path]:
-        whole = self.path.parent / names
-        files = [whole] if whole.is_file() else [self.path.parent / name for name in names.split()]
+    def library_files(self) -> list[Path]:
+        """The material files, if any face has a material."""
+        files: list[Path] = []
+        for names in self.libraries if self.uses else ():
+            whole = self.path.parent / names
+            files += [whole] if whole.is_file() else [self.path.parent / name for name in names.split()]
         for file in files:
             if not file.is_file():
                 raise FileError(f"{self.path}: its material file {file} does not exist; put it there")

@@ -45,7 +45,8 @@ def read(path: Path, job: Job | None, threads: int) -> TexturedSoup:
     if len(face) and len(next(iter(face.values()))) != len(loop_start):
         face = {}  # strips: nothing is said of their triangles
     uv, has_uv = _corner_uv(path, vertex, face, loops, loop_start)
-    pictures = [images.load(path.parent / name.replace("\\", "/"), str(path)) for name in textures] if has_uv else []
+    files = [path.parent / name.replace("\\", "/") for name in textures]
+    pictures = [images.load(file, str(path)) for file in files] if has_uv else []
     material = np.full(len(loop_start), 0 if pictures else -1, dtype=np.int32)
     if pictures and "texnumber" in face:
         material = face["texnumber"].astype(np.int32)
@@ -57,7 +58,7 @@ def read(path: Path, job: Job | None, threads: int) -> TexturedSoup:
         colors = rgba[triangles]
     elif (rgba := _colors(face)) is not None:
         colors = np.repeat(rgba[polygon][:, None], 3, axis=1)
-    return TexturedSoup(vertices, triangles, uv[places], material[polygon], pictures, colors, names=textures)
+    return TexturedSoup(vertices, triangles, uv[places], material[polygon], pictures, colors, textures, files)
 
 
 def _corner_uv(

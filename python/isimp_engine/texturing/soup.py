@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,7 @@ class TexturedSoup:
     images: Sequence[Image | None] = field(default=(), repr=False)
     colors: NDArray[np.uint8] | None = field(default=None, repr=False)
     names: Sequence[str] = ()  #: of the materials, as the file has them
+    files: Sequence[Path] = ()  #: that were read beside the scan's own: materials and images
 
     def __post_init__(self) -> None:
         vertices, triangles = np.asarray(self.vertices), np.asarray(self.triangles)

@@ -1,0 +1,65 @@
+"""The texture of `isimp simplify`: its size, its files, and what may not be overwritten."""
+
+import argparse
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from .. import InvalidInput, Job, Mesh, Partition, PolygonMesh, Texture, TextureOptions, texture
+from ..texturing.writing import KINDS, companions
+from . import words
+from .errors import UsageError
+from .files import check, is_same
+from .loading import Input
+
+LIKE_THE_SCAN = 0
+
+
+def size(text: str) -> int:
+    """An argument that gives the size of the image."""
+    try:
+        TextureOptions(size=int(text))
+    except ValueError as error:
+        reason = str(error).partition("size ")[2] if isinstance(error, InvalidInput) else f"no whole number: {text!r}"
+        raise argparse.ArgumentTypeError(f"SIZE {reason}; --texture without SIZE goes behind OUTPUT") from None
+    return int(text)
+
+
+def check_output(arguments: argparse.Namespace) -> list[Path]:
+    """The files that come beside the output; refuses those that can't be written."""
+    if arguments.texture is None:
+        return []
+    beside = companions(arguments.output, normals=True)
+    for path in beside:
+        check(path)
+    return beside
+
+
+def check_source(source: Input, beside: list[Path]) -> None:
+    """Refuse, before the work, a scan without a texture, and to overwrite what belongs to it."""
+    if source.soup is None:
+        return
+    for path in beside:
+        if any(is_same(path, file) for file in source.soup.files):
+            raise UsageError(f"{path}: belongs to the scan and would be overwritten; choose another OUTPUT")
+    if not source.soup.has_texture:
+        raise InvalidInput("has neither an image nor colours, so there is no texture to keep; leave out --texture")
+
+
+def make(
+    arguments: argparse.Namespace, source: Input, mesh: Mesh, part: Partition, poly: PolygonMesh, job: Job
+) -> Texture:
+    """The texture of the polygons."""
+    assert source.soup is not None  # read since it was asked for
+    options = TextureOptions(size=arguments.texture or None, threads=arguments.options.threads)
+    try:
+        return texture(mesh, part, poly, source.soup, options, job)
+    except InvalidInput as error:  # too many charts for the size
+        raise UsageError(f"{arguments.input}: {error}") from None
+
+
+def summary(report: dict[str, Any]) -> Iterator[str]:
+    pixels, charts = f"{report['size']:,} x {report['size']:,}", words.count(report["charts"], "chart")
+    yield f"  texture: {pixels} pixels, {charts}, {report['fill']:.0%} filled"
+    if report["unknown"]:
+        yield f"  warning: {report['unknown']:,} pixels show the mean colour, since no face with a texture is near"
