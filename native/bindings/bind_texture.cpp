@@ -121,10 +121,13 @@ void bind_texture(py::module_& m) {
       .def_property_readonly("normal", [](const Atlas& atlas) { return directions(atlas, &ChartFrame::n); });
   m.def(
       "_unwrap",
-      [](const PolygonMesh& poly, std::int32_t side, double density, double unfold, std::int32_t gutter, Job* job) {
-        return call(job, [&](Job& j) { return unwrap(poly, side, density, unfold, gutter, j); });
+      [](const PolygonMesh& poly, const TextureOptions& o, double density, Job* job) {
+        return call(job, [&, o](Job& j) {
+          check_fields(o);
+          return unwrap(poly, o.size.value_or(0), density, o.unfold, o.gutter.value_or(0), j);
+        });
       },
-      "polygons"_a, "side"_a, "density"_a, "unfold"_a, "gutter"_a, "job"_a = py::none());
+      "polygons"_a, "options"_a, "density"_a, "job"_a = py::none());
   m.def("_bake", &bake_texture, "mesh"_a, "partition"_a, "polygons"_a, "atlas"_a, "uv"_a, "image"_a, "colors"_a,
         "known"_a, "pictures"_a, "options"_a, "job"_a = py::none());
   m.def("_bake_map", &map_texture, "mesh"_a, "partition"_a, "polygons"_a, "atlas"_a, "options"_a, "job"_a = py::none());

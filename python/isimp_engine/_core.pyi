@@ -324,10 +324,8 @@ class _Atlas:
 
 def _unwrap(
     polygons: PolygonMesh,
-    side: int,
+    options: TextureOptions,
     density: float,
-    unfold: float,
-    gutter: int,
     job: Job | None = None,
 ) -> _Atlas: ...
 def _bake(

@@ -9,6 +9,8 @@ namespace {
 
 constexpr float kTouch = 2e-3F;  // samples by which a face is wider than it is, so that no gap shows between two
 constexpr float kMostCells = 65536;
+constexpr float kRounding = 1.0001F;
+constexpr float kInCell = 2;  // faces in a cell, about
 
 /// Of a number of at least 0; cheaper than std::ceil.
 std::int32_t ceiling(float x) {
@@ -16,14 +18,11 @@ std::int32_t ceiling(float x) {
   return whole + (static_cast<float>(whole) < x ? 1 : 0);
 }
 
-struct Flat {
-  float low_x, high_x, low_y, high_y;
-};
-
-Flat extent(const FlatFace& f) {
+FlatBox extent(const FlatFace& f) {
   const auto [low_x, high_x] = std::minmax({f.x[0], f.x[1], f.x[2]});
   const auto [low_y, high_y] = std::minmax({f.y[0], f.y[1], f.y[2]});
-  return {low_x, high_x, low_y, high_y};
+  const auto [low_z, high_z] = std::minmax({f.z[0], f.z[1], f.z[2]});
+  return {low_x, high_x, low_y, high_y, std::max({0.0F, low_z, -high_z})};
 }
 
 float double_area(const FlatFace& f) {
@@ -64,20 +63,24 @@ float closest_on(const FlatFace& f, float x, float y, float& b, float& c) {
 
 }  // namespace
 
-void Bins::build(std::span<const FlatFace> faces, const TexelBox& box, float cell) {
+void Bins::build(std::span<const FlatBox> faces, const TexelBox& box, float cell) {
   x0_ = static_cast<float>(box.x0);
   y0_ = static_cast<float>(box.y0);
   cell_ = cell;
   columns_ = std::max(1, static_cast<std::int32_t>(std::ceil(static_cast<float>(box.width()) / cell)));
   rows_ = std::max(1, static_cast<std::int32_t>(std::ceil(static_cast<float>(box.height()) / cell)));
   start_.assign(static_cast<std::size_t>(columns_) * rows_ + 1, 0);
-  const auto for_cells = [&](const FlatFace& face, auto visit) {
-    const Flat e = extent(face);
+  const auto for_cells = [&](const FlatBox& e, auto visit) {
     const std::int32_t i1 = column(e.high_x), j1 = row(e.high_y);
     for (std::int32_t j = row(e.low_y); j <= j1; ++j)
       for (std::int32_t i = column(e.low_x); i <= i1; ++i) visit(static_cast<std::size_t>(j) * columns_ + i);
   };
-  for (const FlatFace& face : faces) for_cells(face, [&](std::size_t k) { ++start_[k + 1]; });
+  off_.assign(start_.size() - 1, std::numeric_limits<float>::infinity());
+  for (const FlatBox& face : faces)
+    for_cells(face, [&](std::size_t k) {
+      ++start_[k + 1];
+      off_[k] = std::min(off_[k], face.off);
+    });
   for (std::size_t k = 1; k < start_.size(); ++k) start_[k] += start_[k - 1];
   item_.resize(start_.back());
   for (std::size_t i = 0; i < faces.size(); ++i)
@@ -109,14 +112,15 @@ void PolygonView::look(const ChartFrame& frame, const TexelBox& box, std::int32_
   box_ = box;
   collect(frame, region, true);
   if (faces_.empty()) collect(frame, region, false);  // nothing looks the polygon's way: better that than nothing
-  tiles_.build(faces_, box, static_cast<float>(kTile));
+  tiles_.build(boxes_, box, static_cast<float>(kTile));
   const float texels = static_cast<float>(box.width()) * static_cast<float>(box.height());
   const float cells = std::clamp(static_cast<float>(faces_.size()), 1.0F, kMostCells);
-  grid_.build(faces_, box, std::max(3.0F, std::sqrt(texels / cells)));
+  grid_.build(boxes_, box, std::max(4.0F, std::sqrt(kInCell * texels / cells)));
 }
 
 void PolygonView::collect(const ChartFrame& frame, std::int32_t region, bool facing) {
   faces_.clear();
+  boxes_.clear();
   const double scale = 1 / frame.u.squaredNorm(), length = frame.u.norm() * scale;
   const Vec3 u = frame.u * scale, v = frame.v * scale, n = frame.n * length;
   const float margin = std::max(16.0F, 0.25F * static_cast<float>(box_.width() + box_.height()));
@@ -137,11 +141,13 @@ void PolygonView::collect(const ChartFrame& frame, std::int32_t region, bool fac
       const float area = double_area(flat);
       if (facing && !(area > 0)) continue;
       flat.over = 1 / area;
-      const Flat e = extent(flat);
+      const FlatBox e = extent(flat);
       const bool away =
           e.high_x < static_cast<float>(box_.x0) - margin || e.high_y < static_cast<float>(box_.y0) - margin ||
           e.low_x > static_cast<float>(box_.x1) + margin || e.low_y > static_cast<float>(box_.y1) + margin;
-      if (!away || (flat.own && !facing)) faces_.push_back(flat);
+      if (away && (facing || !flat.own)) continue;
+      faces_.push_back(flat);
+      boxes_.push_back(e);
     }
   }
 }
@@ -224,10 +230,10 @@ Hit PolygonView::closest(float x, float y, std::int32_t guess) const {
   Hit best;
   float least = std::numeric_limits<float>::infinity();
   const auto look_at = [&](std::int32_t item) {
-    const FlatFace& f = faces_[item];
-    const Flat e = extent(f);
+    const FlatBox& e = boxes_[item];
     const float over = std::max({0.0F, e.low_x - x, x - e.high_x}), up = std::max({0.0F, e.low_y - y, y - e.high_y});
-    if (over * over + up * up > least) return;
+    if (over * over + up * up + e.off * e.off > least * kRounding) return;
+    const FlatFace& f = faces_[item];
     float b = 0, c = 0;
     const float d = closest_on(f, x, y, b, c);
     if (d > least || (d == least && best.face != kNone && f.face >= best.face)) return;
@@ -239,8 +245,11 @@ Hit PolygonView::closest(float x, float y, std::int32_t guess) const {
   const std::int32_t rings = std::max({ci, cj, grid_.columns() - 1 - ci, grid_.rows() - 1 - cj});
   bool reached = true;  // whether any cell of the last ring was near enough
   const auto look_in = [&](std::int32_t i, std::int32_t j) {
-    if (i < 0 || j < 0 || i >= grid_.columns() || j >= grid_.rows() || grid_.away(i, j, x, y) > least) return;
+    if (i < 0 || j < 0 || i >= grid_.columns() || j >= grid_.rows()) return;
+    const float away = grid_.away(i, j, x, y), off = grid_.off(i, j);
+    if (away > least * kRounding) return;
     reached = true;
+    if (away + off * off > least * kRounding) return;
     for (const std::int32_t item : grid_.in(i, j)) look_at(item);
   };
   for (std::int32_t ring = 0; ring <= rings && reached; ++ring) {

@@ -37,16 +37,25 @@ struct FlatFace {
   bool own;  ///< of the polygon's region
 };
 
+/// What a face lies in: texels, and the least distance from the plane.
+struct FlatBox {
+  float low_x, high_x, low_y, high_y, off;
+};
+
 /// Which of some faces reach into which cell of a grid; those outside lie in the cells at its rim.
 class Bins {
  public:
-  void build(std::span<const FlatFace> faces, const TexelBox& box, float cell);
+  void build(std::span<const FlatBox> faces, const TexelBox& box, float cell);
   [[nodiscard]] std::span<const std::int32_t> in(std::int32_t i, std::int32_t j) const;
   [[nodiscard]] std::int32_t columns() const { return columns_; }
   [[nodiscard]] std::int32_t rows() const { return rows_; }
   [[nodiscard]] float cell() const { return cell_; }
   [[nodiscard]] std::int32_t column(float x) const;
   [[nodiscard]] std::int32_t row(float y) const;
+  /// The least distance from the plane of what is in a cell.
+  [[nodiscard]] float off(std::int32_t i, std::int32_t j) const {
+    return off_[static_cast<std::size_t>(j) * columns_ + i];
+  }
   /// Squared distance of a point from a cell.
   [[nodiscard]] float away(std::int32_t i, std::int32_t j, float x, float y) const;
 
@@ -54,6 +63,7 @@ class Bins {
   float x0_ = 0, y0_ = 0, cell_ = 1;
   std::int32_t columns_ = 1, rows_ = 1;
   std::vector<std::int32_t> start_, item_;
+  std::vector<float> off_;
 };
 
 /// The faces that a polygon can show, as seen along its normal.
@@ -88,6 +98,7 @@ class PolygonView {
   const Neighbourhood& near_;
   TexelBox box_;
   std::vector<FlatFace> faces_;
+  std::vector<FlatBox> boxes_;
   Bins tiles_, grid_;
 };
 

@@ -17,12 +17,15 @@ LIKE_THE_SCAN = 0
 
 def size(text: str) -> int:
     """An argument that gives the size of the image."""
+    field = next(field for field in TextureOptions.fields() if field["name"] == "size")
+    wanted = f"SIZE must be a whole number {field['range']}, got {text!r}; --texture without SIZE goes behind OUTPUT"
     try:
-        TextureOptions(size=int(text))
-    except ValueError as error:
-        reason = str(error).partition("size ")[2] if isinstance(error, InvalidInput) else f"no whole number: {text!r}"
-        raise argparse.ArgumentTypeError(f"SIZE {reason}; --texture without SIZE goes behind OUTPUT") from None
-    return int(text)
+        pixels = int(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(wanted) from None
+    if not field["least"] <= pixels <= field["most"]:
+        raise argparse.ArgumentTypeError(wanted)
+    return pixels
 
 
 def check_output(arguments: argparse.Namespace) -> list[Path]:

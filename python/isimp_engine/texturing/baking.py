@@ -14,7 +14,6 @@ from .._core import (
     Partition,
     PolygonMesh,
     TextureOptions,
-    _Atlas,
     _bake,
     _source_corners,
     _unwrap,
@@ -68,7 +67,7 @@ def texture(
     face, weight, turned, lost = _source_corners(mesh, source.vertices, source.triangles, job)
     look = _look(source, face, weight)
     density = _density(mesh, look)
-    atlas = _unwrap(poly, options.size or 0, FINER * density, options.unfold, options.gutter or 0, job)
+    atlas = _unwrap(poly, options, FINER * density, job)
     image, normal, counts = _bake(
         mesh, part, poly, atlas, look.uv, look.image, look.colors, look.known, look.pictures, options, job
     )
@@ -76,11 +75,6 @@ def texture(
     report |= {"texels_per_unit": atlas.scale, "source_texels_per_unit": density} | counts
     report |= {"turned_faces": turned, "lost_faces": lost}
     return Texture(atlas.uv, image, normal, atlas.normal, atlas.tangent, report)
-
-
-def layout(poly: PolygonMesh, options: TextureOptions, density: float, job: Job | None = None) -> _Atlas:
-    """The polygons laid out, without an image."""
-    return _unwrap(poly, options.size or 0, density, options.unfold, options.gutter or 0, job)
 
 
 @dataclass(frozen=True)
