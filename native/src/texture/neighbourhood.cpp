@@ -21,6 +21,24 @@ std::vector<std::array<std::int32_t, 2>> beside(const Mesh& mesh, const Partitio
   return pairs;
 }
 
+constexpr std::int32_t kBlock = 32;  // faces
+
+void make_blocks(const Mesh& mesh, Neighbourhood& found) {
+  for (std::size_t r = 0; r + 1 < found.start.size(); ++r) {
+    found.block_start.push_back(static_cast<std::int32_t>(found.blocks.size()));
+    for (std::int32_t begin = found.start[r]; begin < found.start[r + 1]; begin += kBlock) {
+      Neighbourhood::Block block{begin, std::min(begin + kBlock, found.start[r + 1]), Vec3::Zero(), 0};
+      Box box;
+      for (std::int32_t i = block.begin; i < block.end; ++i)
+        for (const std::int32_t v : mesh.triangles()[found.faces[i]]) box.extend(mesh.vertices()[v]);
+      block.middle = box.center();
+      block.radius = box.diagonal().norm() / 2;
+      found.blocks.push_back(block);
+    }
+  }
+  found.block_start.push_back(static_cast<std::int32_t>(found.blocks.size()));
+}
+
 }  // namespace
 
 Neighbourhood find_neighbourhood(const Mesh& mesh, const Partition& partition, std::span<const std::uint8_t> known) {
@@ -34,8 +52,9 @@ Neighbourhood find_neighbourhood(const Mesh& mesh, const Partition& partition, s
   for (std::int32_t r = 0; r < regions; ++r) found.start[r + 1] += found.start[r];
   found.faces.resize(found.start[regions]);
   std::vector<std::int32_t> end(found.start.begin(), found.start.end() - 1);
-  for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+  for (const std::int32_t f : mesh.graph().mesh_face)
     if (counts(f)) found.faces[end[region[f]]++] = f;
+  make_blocks(mesh, found);
 
   const auto pairs = beside(mesh, partition);
   std::vector<std::int32_t> first(regions + 1, 0);

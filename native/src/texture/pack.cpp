@@ -214,7 +214,7 @@ std::optional<Packing> pack(const Layout& layout, std::int32_t side, double grow
   Packing best, tried;
   double low = 0, high = 0;  // scales that fit and that do not, 0 as long as unknown
   double scale = side * std::sqrt(kGuess / std::max(layout.area, std::numeric_limits<double>::min()));
-  for (int tries = 0; tries < 40 && !(low > 0 && high > 0 && high < 1.008 * low); ++tries) {
+  for (int tries = 0; tries < 40 && !(low > 0 && high > 0 && high < 1.012 * low); ++tries) {
     if (packer.attempt(scale, tried, job)) {
       low = scale;
       std::swap(best, tried);

@@ -118,36 +118,60 @@ void PolygonView::look(const ChartFrame& frame, const TexelBox& box, std::int32_
   grid_.build(boxes_, box, std::max(4.0F, std::sqrt(kInCell * texels / cells)));
 }
 
+namespace {
+
+/// From the mesh into a chart: texels right, up, and above the plane.
+struct IntoChart {
+  Vec3 origin, u, v, n;
+  double scale;  // texels per scene unit
+
+  explicit IntoChart(const ChartFrame& frame) : origin(frame.origin), scale(1 / frame.u.norm()) {
+    u = frame.u * (scale * scale);
+    v = frame.v * (scale * scale);
+    n = frame.n * scale;
+  }
+  [[nodiscard]] FlatFace operator()(const Mesh& mesh, std::int32_t face, bool own) const {
+    FlatFace flat;
+    flat.face = face;
+    flat.own = own;
+    for (int corner = 0; corner < 3; ++corner) {
+      const Vec3 d = mesh.vertices()[mesh.triangles()[face][corner]] - origin;
+      flat.x[corner] = static_cast<float>(d.dot(u));
+      flat.y[corner] = static_cast<float>(d.dot(v));
+      flat.z[corner] = static_cast<float>(d.dot(n));
+    }
+    flat.over = 1 / double_area(flat);
+    return flat;
+  }
+  [[nodiscard]] bool beyond(const Neighbourhood::Block& block, const TexelBox& box, double margin) const {
+    const Vec3 d = block.middle - origin;
+    const double x = d.dot(u), y = d.dot(v), more = margin + block.radius * scale * (1 + 1e-9);
+    return x + more < box.x0 || x - more > box.x1 || y + more < box.y0 || y - more > box.y1;
+  }
+};
+
+}  // namespace
+
 void PolygonView::collect(const ChartFrame& frame, std::int32_t region, bool facing) {
   faces_.clear();
   boxes_.clear();
-  const double scale = 1 / frame.u.squaredNorm(), length = frame.u.norm() * scale;
-  const Vec3 u = frame.u * scale, v = frame.v * scale, n = frame.n * length;
+  const IntoChart into(frame);
   const float margin = std::max(16.0F, 0.25F * static_cast<float>(box_.width() + box_.height()));
-  const auto vertices = mesh_.vertices();
-  const auto triangles = mesh_.triangles();
+  const float x0 = static_cast<float>(box_.x0) - margin, x1 = static_cast<float>(box_.x1) + margin;
+  const float y0 = static_cast<float>(box_.y0) - margin, y1 = static_cast<float>(box_.y1) + margin;
   for (std::int32_t k = near_.near_start[region]; k < near_.near_start[region + 1]; ++k) {
     const std::int32_t r = near_.near[k];
-    for (std::int32_t i = near_.start[r]; i < near_.start[r + 1]; ++i) {
-      FlatFace flat;
-      flat.face = near_.faces[i];
-      flat.own = r == region;
-      for (int corner = 0; corner < 3; ++corner) {
-        const Vec3 d = vertices[triangles[flat.face][corner]] - frame.origin;
-        flat.x[corner] = static_cast<float>(d.dot(u));
-        flat.y[corner] = static_cast<float>(d.dot(v));
-        flat.z[corner] = static_cast<float>(d.dot(n));
+    for (std::int32_t at = near_.block_start[r]; at < near_.block_start[r + 1]; ++at) {
+      const Neighbourhood::Block& block = near_.blocks[at];
+      if (facing && into.beyond(block, box_, margin)) continue;
+      for (std::int32_t i = block.begin; i < block.end; ++i) {
+        const FlatFace flat = into(mesh_, near_.faces[i], r == region);
+        if (facing && !(flat.over > 0 && flat.over < std::numeric_limits<float>::infinity())) continue;
+        const FlatBox e = extent(flat);
+        if (facing && (e.high_x < x0 || e.high_y < y0 || e.low_x > x1 || e.low_y > y1)) continue;
+        faces_.push_back(flat);
+        boxes_.push_back(e);
       }
-      const float area = double_area(flat);
-      if (facing && !(area > 0)) continue;
-      flat.over = 1 / area;
-      const FlatBox e = extent(flat);
-      const bool away =
-          e.high_x < static_cast<float>(box_.x0) - margin || e.high_y < static_cast<float>(box_.y0) - margin ||
-          e.low_x > static_cast<float>(box_.x1) + margin || e.low_y > static_cast<float>(box_.y1) + margin;
-      if (away && (facing || !flat.own)) continue;
-      faces_.push_back(flat);
-      boxes_.push_back(e);
     }
   }
 }

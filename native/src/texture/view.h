@@ -15,7 +15,15 @@ namespace isimp::detail {
 
 /// The faces of each region, and the regions beside it.
 struct Neighbourhood {
-  std::vector<std::int32_t> start, faces;      ///< region r has faces[start[r]] to faces[start[r + 1]], rising
+  /// Some faces of a region that lie together, and a ball round them.
+  struct Block {
+    std::int32_t begin, end;  // of `faces`
+    Vec3 middle;
+    double radius;
+  };
+  std::vector<std::int32_t> start, faces;  ///< region r has faces[start[r]] to faces[start[r + 1]], in Morton order
+  std::vector<std::int32_t> block_start;   ///< and the blocks block_start[r] to block_start[r + 1]
+  std::vector<Block> blocks;
   std::vector<std::int32_t> near_start, near;  ///< the same of regions: r itself first, then those beside it
 };
 
