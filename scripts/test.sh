@@ -119,7 +119,7 @@ stage_tsan() { # what threads share, under the thread sanitizer; OpenMP's own th
   cmake -S . -B build-tsan -G Ninja -DISIMP_TESTS=ON -DISIMP_ASSERTIONS=ON -DISIMP_WERROR=ON -DISIMP_CUDA=OFF \
     -DISIMP_SANITIZE=thread -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1\ -g1 \
     -DPython_EXECUTABLE="$tests_venv/bin/python"
-  local tests=(test_threads test_mesh_threads test_partition_steps test_bound test_meshing_threads) test
+  local tests=(test_threads test_mesh_threads test_partition_steps test_bound test_meshing_threads test_texture) test
   ninja -C build-tsan -j2 "${tests[@]}"
   for test in "${tests[@]}"; do
     TSAN_OPTIONS=halt_on_error=1 timeout 600 "build-tsan/tests/cpp/$test" --gtest_filter='*Thread*' \

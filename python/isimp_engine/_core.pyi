@@ -302,56 +302,9 @@ class TextureOptions:
     def fields() -> list[dict[str, Any]]: ...
     def as_dict(self) -> dict[str, Any]: ...
 
-class _Atlas:
-    @property
-    def side(self) -> int: ...
-    @property
-    def scale(self) -> float: ...
-    @property
-    def fill(self) -> float: ...
-    @property
-    def gutter(self) -> float: ...
-    @property
-    def chart_count(self) -> int: ...
-    @property
-    def chart(self) -> NDArray[np.int32]: ...
-    @property
-    def uv(self) -> NDArray[np.float64]: ...
-    @property
-    def tangent(self) -> NDArray[np.float64]: ...
-    @property
-    def normal(self) -> NDArray[np.float64]: ...
-
-def _unwrap(
-    polygons: PolygonMesh,
-    options: TextureOptions,
-    density: float,
-    job: Job | None = None,
-) -> _Atlas: ...
-def _bake(
-    mesh: Mesh,
-    partition: Partition,
-    polygons: PolygonMesh,
-    atlas: _Atlas,
-    uv: NDArray[np.float32],
-    image: NDArray[np.int32],
-    colors: NDArray[np.uint8],
-    known: NDArray[np.uint8],
-    pictures: list[Any],
-    options: TextureOptions,
-    job: Job | None = None,
-) -> tuple[NDArray[np.uint8], NDArray[np.uint8] | None, dict[str, int]]: ...
-def _bake_map(
-    mesh: Mesh,
-    partition: Partition,
-    polygons: PolygonMesh,
-    atlas: _Atlas,
-    options: TextureOptions,
-    job: Job | None = None,
-) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float32], NDArray[np.float32]]: ...
-def _source_corners(
-    mesh: Mesh,
-    vertices: NDArray[np.floating],
-    triangles: NDArray[np.integer],
-    job: Job | None = None,
-) -> tuple[NDArray[np.int32], NDArray[np.float32], int, int]: ...
+_unwrap: Callable[[PolygonMesh, TextureOptions, float, Job | None], Any]
+_bake: Callable[..., tuple[NDArray[np.uint8], NDArray[np.uint8] | None, dict[str, int]]]
+_bake_map: Callable[..., tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float32], NDArray[np.float32]]]
+_source_corners: Callable[
+    [Mesh, NDArray[Any], NDArray[Any], Job | None], tuple[NDArray[np.int32], NDArray[np.float32], int, int]
+]

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import isimp_engine as engine
-from isimp_engine import _core
+from isimp_engine import _core, texturing
 
 ROOT = Path(__file__).resolve().parents[2]
 STUB = ast.parse((ROOT / "python/isimp_engine/_core.pyi").read_text())
@@ -23,7 +23,7 @@ def public(names):
 def test_the_stub_and_the_package_have_the_modules_names():
     named = {node.name for node in CLASSES + FUNCTIONS}
     assert named == public(vars(_core))
-    assert named | {"__version__"} == set(engine.__all__)
+    assert named | {"__version__"} | set(texturing.__all__) == set(engine.__all__)
     for name in named:
         assert getattr(engine, name) is getattr(_core, name)
 

@@ -13,7 +13,7 @@ struct TextureOptions {
   std::optional<std::int32_t> size{};
   double unfold = 40;
   std::optional<std::int32_t> gutter{};
-  std::int32_t band = 4;
+  std::int32_t band = 2;
   bool normals = true;
   std::int32_t threads = 0;
 };
