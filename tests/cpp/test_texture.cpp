@@ -150,7 +150,7 @@ TEST(Unwrap, FillsMoreThanHalfOfTheAtlas) {
   const Mesh mesh = shapes::mesh(shapes::sphere(4));
   const Partition part = partition(mesh, {.proxies = 1000}, job);
   const PolygonMesh poly = polygonize(mesh, part, {}, job);
-  EXPECT_GE(unwrap(poly, 2048, 1, 40, 4, job).fill, 0.5);
+  EXPECT_GE(unwrap(poly, 2048, 1, 40, 4, job).fill, 0.55);
 }
 
 TEST(Unwrap, SaysWhichSizeManyChartsNeed) {

@@ -11,7 +11,7 @@
 namespace isimp::detail {
 namespace {
 
-constexpr double kLargest = 0.35;  // extent of a chart over that of the whole atlas: larger ones pack badly
+constexpr double kLargest = 0.22;  // extent of a chart over that of the whole atlas: larger ones pack badly
 constexpr double kSlack = 1e-4;    // overlap that is rounding, as a share of a polygon's usual extent
 
 struct Flat3 {
