@@ -216,8 +216,15 @@ class ColourShade {
     if (texel.closest > 0) {
       const std::size_t column = static_cast<std::size_t>(texel.x - samples.box.x0) * samples.n + samples.n / 2;
       const std::size_t row = static_cast<std::size_t>(texel.y - samples.box.y0) * samples.n + samples.n / 2;
-      const std::int32_t guess = samples.index[row * samples.box.width() * samples.n + column];
-      add(view_.closest(static_cast<float>(texel.x) + 0.5F, static_cast<float>(texel.y) + 0.5F, guess), texel.closest);
+      const std::int32_t drawn = samples.index[row * samples.box.width() * samples.n + column];
+      // The last texel's face helps the next one's search, within a row of a tile: what threads did before must not tell.
+      const bool beside = texel.x > samples.box.x0 && texel.x == last_x_ + 1 && texel.y == last_y_;
+      const Hit hit = view_.closest(static_cast<float>(texel.x) + 0.5F, static_cast<float>(texel.y) + 0.5F,
+                                    {beside ? last_ : kNone, drawn});
+      add(hit, texel.closest);
+      last_x_ = texel.x;
+      last_y_ = texel.y;
+      last_ = hit.index;
     }
     const bool unknown = weight_ <= 0;
     const detail::Rgba mean = canvas_.sampler.mean();
@@ -246,7 +253,7 @@ class ColourShade {
         if (index != kNone) {
           add(view_.at(index, x, y), share);
         } else {
-          add(view_.closest(x, y, kNone), share);
+          add(view_.closest(x, y), share);
           searched = true;
         }
       }
@@ -267,6 +274,7 @@ class ColourShade {
   NormalLook normal_;
   detail::Rgba sum_{};
   float weight_ = 0;
+  std::int32_t last_x_ = kNone, last_y_ = kNone, last_ = kNone;
   std::int64_t texels_ = 0, searched_ = 0, unknown_ = 0;
 };
 
@@ -336,7 +344,8 @@ BakeMap bake_map(const Mesh& mesh, const Partition& partition, const PolygonMesh
           const std::int32_t index =
               samples.index[static_cast<std::size_t>(texel.y - box.y0) * box.width() + (texel.x - box.x0)];
           const auto x = static_cast<float>(texel.x) + 0.5F, y = static_cast<float>(texel.y) + 0.5F;
-          const Hit hit = index == kNone || texel.closest > 0.5F ? view.closest(x, y, index) : view.at(index, x, y);
+          const Hit hit =
+              index == kNone || texel.closest > 0.5F ? view.closest(x, y, {index, kNone}) : view.at(index, x, y);
           const std::size_t pixel = static_cast<std::size_t>(map.side - 1 - texel.y) * map.side + texel.x;
           if (texel.inside) map.polygon[pixel] = texel.polygon;
           map.face[pixel] = hit.face;

@@ -245,12 +245,12 @@ Hit PolygonView::at(std::int32_t index, float x, float y) const {
   float c = ((f.x[1] - f.x[0]) * dy - (f.y[1] - f.y[0]) * dx) * f.over;
   b = std::clamp(b, 0.0F, 1.0F);
   c = std::clamp(c, 0.0F, 1.0F - b);
-  return {f.face, b, c, f.z[0] + b * (f.z[1] - f.z[0]) + c * (f.z[2] - f.z[0])};
+  return {f.face, b, c, f.z[0] + b * (f.z[1] - f.z[0]) + c * (f.z[2] - f.z[0]), index};
 }
 
 /// Cells are looked at in rings round that of the point. What lies beyond the grid is in the cells at its rim, which
 /// are no further away than it is.
-Hit PolygonView::closest(float x, float y, std::int32_t guess) const {
+Hit PolygonView::closest(float x, float y, std::array<std::int32_t, 2> guesses) const {
   Hit best;
   float least = std::numeric_limits<float>::infinity();
   const auto look_at = [&](std::int32_t item) {
@@ -262,9 +262,10 @@ Hit PolygonView::closest(float x, float y, std::int32_t guess) const {
     const float d = closest_on(f, x, y, b, c);
     if (d > least || (d == least && best.face != kNone && f.face >= best.face)) return;
     least = d;
-    best = {f.face, b, c, f.z[0] + b * (f.z[1] - f.z[0]) + c * (f.z[2] - f.z[0])};
+    best = {f.face, b, c, f.z[0] + b * (f.z[1] - f.z[0]) + c * (f.z[2] - f.z[0]), item};
   };
-  if (guess != kNone) look_at(guess);
+  for (const std::int32_t guess : guesses)
+    if (guess != kNone) look_at(guess);
   const std::int32_t ci = grid_.column(x), cj = grid_.row(y);
   const std::int32_t rings = std::max({ci, cj, grid_.columns() - 1 - ci, grid_.rows() - 1 - cj});
   bool reached = true;  // whether any cell of the last ring was near enough

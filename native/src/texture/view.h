@@ -35,6 +35,7 @@ Neighbourhood find_neighbourhood(const Mesh& mesh, const Partition& partition, s
 struct Hit {
   std::int32_t face = kNone;
   float b = 0, c = 0, height = 0;
+  std::int32_t index = kNone;  ///< of the view's `faces()`
 };
 
 /// A face in the coordinates of a chart: texels right, up, and above the plane.
@@ -96,8 +97,8 @@ class PolygonView {
   /// The place of a face that is seen at a point.
   [[nodiscard]] Hit at(std::int32_t index, float x, float y) const;
   /// The closest place to a point of the plane; without a face if there are no faces.
-  /// \param guess  one of `faces()` that is near, so that the search ends soon; kNone: not known
-  [[nodiscard]] Hit closest(float x, float y, std::int32_t guess) const;
+  /// \param guesses  of `faces()` some that are near, so that the search ends soon; kNone: not known
+  [[nodiscard]] Hit closest(float x, float y, std::array<std::int32_t, 2> guesses = {kNone, kNone}) const;
 
  private:
   void collect(const ChartFrame& frame, std::int32_t region, bool facing);
