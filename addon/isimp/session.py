@@ -70,6 +70,15 @@ class Outcome:
         return view.face_colors(self.face_region, self.region_color)
 
 
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """What the triangles of a scan show."""
+
+    uv: np.ndarray  #: (T, 3, 2) of each corner
+    material: np.ndarray  #: (T,) which image
+    images: list  #: (H, W, 4) uint8, row 0 at the top
+
+
 class Session:
     """Replays recipes on scans. One thread at a time."""
 
@@ -121,6 +130,13 @@ class Session:
         args = (np.asarray(polygons.vertices), np.asarray(polygons.loops), np.asarray(polygons.loop_start))
         triangles, polygon = engine.triangulate(*args)
         return np.asarray(triangles), np.asarray(polygon)
+
+    def texture(self, scan: Scan, outcome: Outcome, shown: Shown, size: int | None = None):
+        """UVs and images of an outcome's polygons; see `engine.texture`. Raises ValueError."""
+        mesh = self.prepare(scan).mesh
+        soup = engine.TexturedSoup(scan.vertices, scan.triangles, shown.uv, shown.material, shown.images)
+        options = engine.TextureOptions(size=size, threads=self.threads)
+        return engine.texture(mesh, outcome.partition, outcome.polygons, soup, options)
 
     def region_at(self, scan: Scan, outcome: Outcome, face: int) -> dict:
         """The result of `engine.region_statistics` for the region of one of the user's faces.

@@ -122,7 +122,7 @@ def _fill(result, scan, outcome) -> None:
         place[:3, :3] = np.eye(3)
         vertices = vertices @ matrix.T
         if np.linalg.det(matrix) < 0:
-            loops = _turned(loops, start)
+            loops = turned(loops, start)
     result.matrix_world = Matrix(place.tolist())
     # Blender rounds a location to float32. The rounding error of a far one goes to the vertices.
     rounded = place[:3, 3] - place[:3, 3].astype(np.float32)
@@ -134,7 +134,7 @@ def _fill(result, scan, outcome) -> None:
     mesh_io.fill_polygons(result.data, vertices, loops, start, layers)
 
 
-def _turned(loops: np.ndarray, start: np.ndarray) -> np.ndarray:
+def turned(loops: np.ndarray, start: np.ndarray) -> np.ndarray:
     """Every polygon the other way round."""
     totals = np.diff(start, append=len(loops))
     within = np.arange(len(loops)) - np.repeat(start, totals)

@@ -33,6 +33,7 @@ class ISIMP_PT_result(SubPanel, bpy.types.Panel):
         if defects:
             layout.operator("isimp.show_problems", text=defects, icon="ERROR")
         if targets.result_of(context.scene, scan) is not None:
+            layout.operator("isimp.texture", icon="TEXTURE")
             layout.operator("isimp.swap", icon="ARROW_LEFTRIGHT")
 
 

@@ -1,0 +1,139 @@
+"""The texture of a scan: read from its materials, and put on its result as one material."""
+
+import bpy
+import numpy as np
+
+from ..session import Shown
+from . import mesh_io
+
+OWN = "isimp_texture"  #: marks the material and the images that were made here
+_GREY = (0.8, 0.8, 0.8, 1.0)
+
+
+def read(obj) -> Shown:
+    """What each triangle of a scan shows, in the order of `mesh_io.read`. Raises Unusable."""
+    mesh = obj.data
+    if mesh_io.has_modifiers(obj):
+        raise mesh_io.Unusable(f"'{obj.name}' has modifiers: apply them first, since they may move its UVs.")
+    layer = next((layer for layer in mesh.uv_layers if layer.active_render), None)
+    if layer is None:
+        raise mesh_io.Unusable(f"'{obj.name}' has no UV map, so it has no texture to keep.")
+    uv = np.empty(2 * len(mesh.loops), np.float32)
+    layer.data.foreach_get("uv", uv)
+    slots = np.empty(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("material_index", slots)
+    materials = [slot.material for slot in obj.material_slots]
+    images = [_image(material) for material in materials]
+    if not images or all(image.size == 4 for image in images):
+        raise mesh_io.Unusable(f"'{obj.name}' has no image texture at the Base Color of a material.")
+    if len(mesh.loops) == 3 * len(mesh.polygons):
+        corners, faces = np.arange(len(mesh.loops)).reshape(-1, 3), np.arange(len(mesh.polygons))
+    else:
+        mesh.calc_loop_triangles()
+        corners = np.empty(3 * len(mesh.loop_triangles), np.int32)
+        faces = np.empty(len(mesh.loop_triangles), np.int32)
+        mesh.loop_triangles.foreach_get("loops", corners)
+        mesh.loop_triangles.foreach_get("polygon_index", faces)
+        corners = corners.reshape(-1, 3)
+    return Shown(uv.reshape(-1, 2)[corners], np.clip(slots, 0, len(images) - 1)[faces], images)
+
+
+def _image(material) -> np.ndarray:
+    """(H, W, 4) uint8 of the image at a material's Base Color, row 0 at the top; its colour as one pixel without."""
+    if material is None or not material.use_nodes:
+        return _pixel(_GREY if material is None else material.diffuse_color)
+    shader = _shader(material)
+    color = shader.inputs["Base Color"] if shader is not None else None
+    if color is None:
+        raise mesh_io.Unusable(f"The material '{material.name}' has no Principled BSDF. {_BAKE}")
+    if not color.is_linked:
+        return _pixel(color.default_value)
+    node = color.links[0].from_node
+    if node.type != "TEX_IMAGE" or node.image is None:
+        raise mesh_io.Unusable(f"The Base Color of the material '{material.name}' comes from no image. {_BAKE}")
+    return pixels(node.image)
+
+
+_BAKE = "Bake it to an image first: Render Properties > Bake, type Diffuse, in Cycles."
+
+
+def _shader(material):
+    output = material.node_tree.get_output_node("ALL")
+    if output is None or not output.inputs["Surface"].is_linked:
+        return None
+    node = output.inputs["Surface"].links[0].from_node
+    return node if node.type == "BSDF_PRINCIPLED" else None
+
+
+def _pixel(linear) -> np.ndarray:
+    """One pixel of a linear colour, as images store it."""
+    c = np.clip(np.array(linear[:3], np.float64), 0, 1)
+    stored = np.where(c <= 0.0031308, 12.92 * c, 1.055 * c ** (1 / 2.4) - 0.055)
+    return np.append(np.round(255 * stored), 255).astype(np.uint8).reshape(1, 1, 4)
+
+
+def pixels(image) -> np.ndarray:
+    """(H, W, 4) uint8 as stored, row 0 at the top. Raises Unusable."""
+    if image.source == "TILED":
+        raise mesh_io.Unusable(f"The image '{image.name}' has UDIM tiles, which are not supported yet.")
+    width, height = image.size
+    if not width or not height or image.channels != 4:
+        raise mesh_io.Unusable(f"The image '{image.name}' can't be read ({image.filepath or 'no file'}).")
+    values = np.empty(4 * width * height, np.float32)
+    image.pixels.foreach_get(values)
+    return np.round(np.clip(values, 0, 1) * 255).astype(np.uint8).reshape(height, width, 4)[::-1]
+
+
+def write(result, uv: np.ndarray, made, name: str) -> None:
+    """Gives the result a UV map, images that are packed into the file, and one material. uv: (loops, 2)."""
+    mesh = result.data
+    layer = mesh.uv_layers.get(name) or mesh.uv_layers.new(name=name, do_init=False)
+    name = layer.name
+    layer.data.foreach_set("uv", uv.astype(np.float32).ravel())
+    layer.active = layer.active_render = True
+    own = next((i for i, material in enumerate(mesh.materials) if material is not None and material.get(OWN)), -1)
+    if own < 0:
+        material = bpy.data.materials.new(result.name)
+        material[OWN] = True
+        mesh.materials.append(material)
+        own = len(mesh.materials) - 1
+    _set_nodes(mesh.materials[own], result.name, name, made)
+    mesh.polygons.foreach_set("material_index", np.full(len(mesh.polygons), own, np.int32))
+    mesh.update()
+
+
+def _set_nodes(material, name: str, uv_map: str, made) -> None:
+    material.use_nodes = True
+    tree = material.node_tree
+    old = [node.image for node in tree.nodes if node.type == "TEX_IMAGE" and node.image and node.image.get(OWN)]
+    tree.nodes.clear()
+    for image in old:
+        if image.users == 0:
+            bpy.data.images.remove(image)
+    output, shader = tree.nodes.new("ShaderNodeOutputMaterial"), tree.nodes.new("ShaderNodeBsdfPrincipled")
+    output.location, shader.location = (300, 0), (0, 0)
+    tree.links.new(shader.outputs["BSDF"], output.inputs["Surface"])
+    color = _image_node(tree, f"{name} color", made.image, "sRGB", (-600, 0))
+    tree.links.new(color.outputs["Color"], shader.inputs["Base Color"])
+    if made.normal is None:
+        return
+    normal = _image_node(tree, f"{name} normal", made.normal, "Non-Color", (-600, -300))
+    turn = tree.nodes.new("ShaderNodeNormalMap")
+    turn.uv_map, turn.location = uv_map, (-250, -300)
+    tree.links.new(normal.outputs["Color"], turn.inputs["Color"])
+    tree.links.new(turn.outputs["Normal"], shader.inputs["Normal"])
+
+
+def _image_node(tree, name: str, stored: np.ndarray, space: str, place):
+    height, width = stored.shape[:2]
+    image = bpy.data.images.new(name, width, height, alpha=False)
+    image.colorspace_settings.name = space
+    values = np.ones((height, width, 4), np.float32)
+    values[:, :, :3] = stored[::-1, :, :3] / np.float32(255)
+    image.pixels.foreach_set(values.ravel())
+    image.update()
+    image.pack()
+    image[OWN] = True
+    node = tree.nodes.new("ShaderNodeTexImage")
+    node.image, node.location = image, place
+    return node

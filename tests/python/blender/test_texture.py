@@ -1,0 +1,127 @@
+"""Keep Texture: the scan's images on the result."""
+
+import bpy
+import numpy as np
+import pytest
+import scans
+
+pytestmark = pytest.mark.usefixtures("scene")
+COLOURS = np.array([[200, 30, 30], [30, 160, 90]], np.uint8)
+
+
+def image_of(name, colour, size=16):
+    image = bpy.data.images.new(name, size, size)
+    image.pixels.foreach_set(np.tile(np.append(colour / 255, 1), size * size).astype(np.float32))
+    image.pack()
+    return image
+
+
+def material_of(name, image):
+    material = bpy.data.materials.new(name)
+    material.use_nodes = True
+    nodes = material.node_tree.nodes
+    node = nodes.new("ShaderNodeTexImage")
+    node.image = image
+    shader = next(n for n in nodes if n.type == "BSDF_PRINCIPLED")
+    material.node_tree.links.new(node.outputs["Color"], shader.inputs["Base Color"])
+    return material
+
+
+def textured_cube(quads=False):
+    """A cube whose upper and lower halves of faces have two images."""
+    scan = scans.cube(quads=quads)
+    layer = scan.data.uv_layers.new(name="Scan UV")
+    layer.data.foreach_set("uv", np.random.default_rng(0).random(2 * len(scan.data.loops)).astype(np.float32))
+    for i, colour in enumerate(COLOURS):
+        scan.data.materials.append(material_of(f"m{i}", image_of(f"i{i}", colour)))
+    flags = np.zeros(len(scan.data.polygons), np.int32)
+    for polygon in scan.data.polygons:
+        flags[polygon.index] = abs(polygon.normal.z) > 0.5
+    scan.data.polygons.foreach_set("material_index", flags)
+    return scan
+
+
+def simplify():
+    assert bpy.ops.isimp.partition(proxies=6) == {"FINISHED"}
+    assert bpy.ops.isimp.mesh() == {"FINISHED"}
+    return bpy.context.object
+
+
+def shader(material):
+    return next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+
+
+def shown(result):
+    """The image of the result's material."""
+    (material,) = result.data.materials
+    return shader(material).inputs["Base Color"].links[0].from_node.image
+
+
+@pytest.mark.parametrize("quads", [False, True])
+def test_each_polygon_shows_the_colour_of_its_side(quads):
+    scan = textured_cube(quads)
+    before = [material.name for material in scan.data.materials]
+    result = simplify()
+    assert bpy.ops.isimp.texture(size=128) == {"FINISHED"}
+    image = shown(result)
+    assert tuple(image.size) == (128, 128)
+    assert image.packed_file is not None
+    values = np.empty(4 * 128 * 128, np.float32)
+    image.pixels.foreach_get(values)
+    values = np.round(values.reshape(128, 128, 4) * 255)
+    uv = result.data.uv_layers["Scan UV"].data
+    for polygon in result.data.polygons:
+        x, y = np.mean([uv[i].uv[:] for i in polygon.loop_indices], axis=0)
+        wanted = COLOURS[int(abs(polygon.normal.z) > 0.5)]
+        assert np.abs(values[int(y * 128), int(x * 128), :3] - wanted).max() <= 1
+    assert [material.name for material in scan.data.materials] == before
+    (material,) = result.data.materials
+    normal = shader(material).inputs["Normal"].links[0].from_node
+    assert normal.inputs["Color"].links[0].from_node.image.colorspace_settings.name == "Non-Color"
+
+
+def test_again_it_takes_the_place_of_the_last_one():
+    textured_cube()
+    result = simplify()
+    for size in (64, 96):
+        assert bpy.ops.isimp.texture(size=size) == {"FINISHED"}
+    assert len(result.data.materials) == 1
+    assert tuple(shown(result).size) == (96, 96)
+    assert sum(bool(image.get("isimp_texture")) for image in bpy.data.images) == 2
+
+
+def test_undo_takes_it_away_in_one_step():
+    textured_cube()
+    simplify()
+    scans.push("before")
+    assert bpy.ops.isimp.texture(size=64) == {"FINISHED"}
+    scans.push("texture")
+    bpy.ops.ed.undo()
+    result = next(obj for obj in bpy.data.objects if obj.name.endswith(".simplified"))
+    assert len(result.data.materials) == 0
+
+
+def test_what_it_cannot_read_is_said():
+    scan = scans.cube()
+    simplify()
+    with pytest.raises(RuntimeError, match="no UV map"):
+        bpy.ops.isimp.texture()
+    scan.data.uv_layers.new(name="UV")
+    with pytest.raises(RuntimeError, match="no image texture"):
+        bpy.ops.isimp.texture()
+    material = material_of("procedural", None)
+    nodes = material.node_tree.nodes
+    noise = nodes.new("ShaderNodeTexNoise")
+    material.node_tree.links.new(noise.outputs["Color"], shader(material).inputs["Base Color"])
+    scan.data.materials.append(material)
+    with pytest.raises(RuntimeError, match=r"'procedural' comes from no image\. Bake it"):
+        bpy.ops.isimp.texture()
+
+
+def test_an_edited_result_is_left_alone():
+    textured_cube()
+    result = simplify()
+    result.data.flip_normals()
+    with pytest.raises(RuntimeError, match="has changed since Mesh"):
+        bpy.ops.isimp.texture()
+    assert len(result.data.materials) == 0
