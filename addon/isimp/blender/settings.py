@@ -311,6 +311,11 @@ class _Shown:
     overlay: BoolProperty(
         name="Lines over the Scan", description="Draw the region borders and the preview of the polygons", default=True
     )
+    keep_texture: BoolProperty(
+        name="Keep Texture",
+        description="Put the images of the scan's materials on the result of Mesh, as one material",
+        default=True,
+    )
     outline: BoolProperty(
         name="Outline",
         description="Draw the edges and corners of the polygons over the scan, exactly as Mesh will create them",

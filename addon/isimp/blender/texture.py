@@ -4,10 +4,49 @@ import bpy
 import numpy as np
 
 from ..session import Shown
-from . import mesh_io
+from . import mesh_io, runtime, show
 
 OWN = "isimp_texture"  #: marks the material and the images that were made here
 _GREY = (0.8, 0.8, 0.8, 1.0)
+
+
+def is_textured(obj) -> bool:
+    """Whether a material of an object has an image at its Base Color, and there is a UV map for it."""
+    if not len(obj.data.uv_layers):
+        return False
+    for slot in obj.material_slots:
+        if slot.material is not None and slot.material.use_nodes and (shader := _shader(slot.material)) is not None:
+            links = shader.inputs["Base Color"].links
+            if links and links[0].from_node.type == "TEX_IMAGE" and links[0].from_node.image is not None:
+                return True
+    return False
+
+
+def keep(scan, result, arrays, outcome, size=None) -> dict:
+    """Puts the scan's texture on its result; returns the engine's report. Raises Unusable or ValueError.
+
+    arrays: of the scan as it was read for the outcome. Nothing is changed if it can't be done.
+    """
+    shown = read(scan)
+    order = _corners(result, outcome)
+    made = runtime.get().session.texture(arrays, outcome, shown, size)
+    name = next(layer.name for layer in scan.data.uv_layers if layer.active_render)
+    write(result, made.uv[order], made, name)
+    return made.report
+
+
+def _corners(result, outcome) -> np.ndarray:
+    """Which corner of the outcome's polygons each corner of the result is. Raises Unusable if it was edited."""
+    if outcome.polygons is None:
+        raise mesh_io.Unusable("The regions have changed since Mesh: press Mesh again, then Keep Texture.")
+    wanted, start = np.array(outcome.polygons.loops), np.array(outcome.polygons.loop_start)
+    loops = np.empty(len(result.data.loops), np.int32)
+    result.data.loops.foreach_get("vertex_index", loops)
+    each = np.arange(len(wanted))
+    for order in (each, show.turned(each, start)):
+        if np.array_equal(wanted[order], loops):
+            return order
+    raise mesh_io.Unusable(f"'{result.name}' has changed since Mesh: press Mesh again, then Keep Texture.")
 
 
 def read(obj) -> Shown:
@@ -92,39 +131,61 @@ def write(result, uv: np.ndarray, made, name: str) -> None:
     layer.data.foreach_set("uv", uv.astype(np.float32).ravel())
     layer.active = layer.active_render = True
     own = next((i for i, material in enumerate(mesh.materials) if material is not None and material.get(OWN)), -1)
-    if own < 0:
+    fresh = own < 0
+    if fresh:
         material = bpy.data.materials.new(result.name)
         material[OWN] = True
         mesh.materials.append(material)
         own = len(mesh.materials) - 1
-    _set_nodes(mesh.materials[own], result.name, name, made)
+    color = _new_image(f"{result.name} color", made.image, "sRGB", "color")
+    normal = None if made.normal is None else _new_image(f"{result.name} normal", made.normal, "Non-Color", "normal")
+    (_set_nodes if fresh else _set_images)(mesh.materials[own], name, color, normal)
     mesh.polygons.foreach_set("material_index", np.full(len(mesh.polygons), own, np.int32))
     mesh.update()
 
 
-def _set_nodes(material, name: str, uv_map: str, made) -> None:
+def _set_nodes(material, uv_map: str, color, normal) -> None:
     material.use_nodes = True
     tree = material.node_tree
-    old = [node.image for node in tree.nodes if node.type == "TEX_IMAGE" and node.image and node.image.get(OWN)]
     tree.nodes.clear()
-    for image in old:
-        if image.users == 0:
-            bpy.data.images.remove(image)
     output, shader = tree.nodes.new("ShaderNodeOutputMaterial"), tree.nodes.new("ShaderNodeBsdfPrincipled")
     output.location, shader.location = (300, 0), (0, 0)
     tree.links.new(shader.outputs["BSDF"], output.inputs["Surface"])
-    color = _image_node(tree, f"{name} color", made.image, "sRGB", (-600, 0))
-    tree.links.new(color.outputs["Color"], shader.inputs["Base Color"])
-    if made.normal is None:
+    node = _image_node(tree, color, (-600, 0))
+    tree.links.new(node.outputs["Color"], shader.inputs["Base Color"])
+    if normal is None:
         return
-    normal = _image_node(tree, f"{name} normal", made.normal, "Non-Color", (-600, -300))
+    node = _image_node(tree, normal, (-600, -300))
     turn = tree.nodes.new("ShaderNodeNormalMap")
     turn.uv_map, turn.location = uv_map, (-250, -300)
-    tree.links.new(normal.outputs["Color"], turn.inputs["Color"])
+    tree.links.new(node.outputs["Color"], turn.inputs["Color"])
     tree.links.new(turn.outputs["Normal"], shader.inputs["Normal"])
 
 
-def _image_node(tree, name: str, stored: np.ndarray, space: str, place):
+def _set_images(material, _uv_map: str, color, normal) -> None:
+    """Puts new images in the place of the last ones, which go; what the user did to the nodes stays."""
+    for node in material.node_tree.nodes if material.use_nodes else ():
+        old = node.image if node.type == "TEX_IMAGE" else None
+        new = {"color": color, "normal": normal}.get(old.get(OWN)) if old is not None else None
+        if new is None:
+            continue
+        node.image = new
+        if old.users == 0:
+            name = old.name
+            bpy.data.images.remove(old)
+            new.name = name
+    for image in (color, normal):
+        if image is not None and image.users == 0:  # the user's nodes have no place for it
+            bpy.data.images.remove(image)
+
+
+def _image_node(tree, image, place):
+    node = tree.nodes.new("ShaderNodeTexImage")
+    node.image, node.location = image, place
+    return node
+
+
+def _new_image(name: str, stored: np.ndarray, space: str, kind: str):
     height, width = stored.shape[:2]
     image = bpy.data.images.new(name, width, height, alpha=False)
     image.colorspace_settings.name = space
@@ -133,7 +194,5 @@ def _image_node(tree, name: str, stored: np.ndarray, space: str, place):
     image.pixels.foreach_set(values.ravel())
     image.update()
     image.pack()
-    image[OWN] = True
-    node = tree.nodes.new("ShaderNodeTexImage")
-    node.image, node.location = image, place
-    return node
+    image[OWN] = kind
+    return image

@@ -41,9 +41,9 @@ def textured_cube(quads=False):
     return scan
 
 
-def simplify():
+def simplify(**settings):
     assert bpy.ops.isimp.partition(proxies=6) == {"FINISHED"}
-    assert bpy.ops.isimp.mesh() == {"FINISHED"}
+    assert bpy.ops.isimp.mesh(**settings) == {"FINISHED"}
     return bpy.context.object
 
 
@@ -90,9 +90,29 @@ def test_again_it_takes_the_place_of_the_last_one():
     assert sum(bool(image.get("isimp_texture")) for image in bpy.data.images) == 2
 
 
+def test_mesh_keeps_the_texture_by_default_and_again():
+    textured_cube()
+    result = simplify()
+    assert shown(result).packed_file is not None
+    shader(result.data.materials[0]).inputs["Roughness"].default_value = 0.25
+    assert bpy.ops.isimp.mesh(chord_tolerance=0.1) == {"FINISHED"}
+    assert len(result.data.uv_layers) == 1
+    (material,) = result.data.materials
+    assert shader(material).inputs["Roughness"].default_value == 0.25
+    assert sum(bool(image.get("isimp_texture")) for image in bpy.data.images) == 2
+
+
+def test_mesh_says_why_there_is_no_texture():
+    scan = textured_cube()
+    scan.modifiers.new("wide", "CAST")
+    result = simplify()
+    assert len(result.data.polygons) > 0
+    assert len(result.data.materials) == 0
+
+
 def test_undo_takes_it_away_in_one_step():
     textured_cube()
-    simplify()
+    simplify(keep_texture=False)
     scans.push("before")
     assert bpy.ops.isimp.texture(size=64) == {"FINISHED"}
     scans.push("texture")
@@ -120,7 +140,7 @@ def test_what_it_cannot_read_is_said():
 
 def test_an_edited_result_is_left_alone():
     textured_cube()
-    result = simplify()
+    result = simplify(keep_texture=False)
     result.data.flip_normals()
     with pytest.raises(RuntimeError, match="has changed since Mesh"):
         bpy.ops.isimp.texture()

@@ -1,5 +1,4 @@
 import bpy
-import numpy as np
 
 from ...session import StepFailed
 from .. import mesh_io, reading, runtime, show, store, targets, texture
@@ -35,35 +34,16 @@ class ISIMP_OT_texture(bpy.types.Operator):
         if context.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
         try:
-            shown = texture.read(scan)
-            recipe, session = store.load(scan), runtime.get().session
+            recipe = store.load(scan)
             arrays = reading.read(context, scan, recipe.layers())
-            outcome = session.replay(arrays, recipe)
-            order = corners(result, outcome)
-            made = session.texture(arrays, outcome, shown, self.size or None)
+            outcome = runtime.get().session.replay(arrays, recipe)
+            report = texture.keep(scan, result, arrays, outcome, self.size or None)
         except (mesh_io.Unusable, StepFailed, ValueError) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        name = next(layer.name for layer in scan.data.uv_layers if layer.active_render)
-        texture.write(result, made.uv[order], made, name)
         show.bring_to_front(context, result, scan)
-        size, charts = made.report["size"], made.report["charts"]
-        self.report({"INFO"}, f"Texture of {size:,} x {size:,} pixels, {charts:,} charts")
+        self.report({"INFO"}, f"Texture of {report['size']:,} x {report['size']:,} pixels, {report['charts']:,} charts")
         return {"FINISHED"}
-
-
-def corners(result, outcome) -> np.ndarray:
-    """Which corner of the outcome's polygons each corner of the result is. Raises Unusable if it was edited."""
-    if outcome.polygons is None:
-        raise mesh_io.Unusable("The regions have changed since Mesh: press Mesh again, then Keep Texture.")
-    wanted, start = np.array(outcome.polygons.loops), np.array(outcome.polygons.loop_start)
-    loops = np.empty(len(result.data.loops), np.int32)
-    result.data.loops.foreach_get("vertex_index", loops)
-    each = np.arange(len(wanted))
-    for order in (each, show.turned(each, start)):
-        if np.array_equal(wanted[order], loops):
-            return order
-    raise mesh_io.Unusable(f"'{result.name}' has changed since Mesh: press Mesh again, then Keep Texture.")
 
 
 CLASSES = (ISIMP_OT_texture,)

@@ -3,7 +3,7 @@
 import bpy
 
 from ... import recipe as rcp
-from .. import settings, store, targets, text
+from .. import settings, store, targets, text, texture
 from .common import SubPanel, draw_lines
 
 #: Where the name of a property is too long for the sidebar as it comes
@@ -25,7 +25,10 @@ class ISIMP_PT_result(SubPanel, bpy.types.Panel):
         button.scale_y = 1.4
         operator = button.operator("isimp.mesh", icon="MESH_ICOSPHERE")
         settings.give(rcp.Mesh, meshing, operator)
+        operator.keep_texture = panel.keep_texture
         scan, _ = targets.find(context)
+        if scan is not None and texture.is_textured(scan):
+            layout.prop(panel, "keep_texture")
         unit = context.scene.unit_settings
         for line, alert in text.report_lines(store.numbers(scan), unit.system, unit.scale_length):
             draw_lines(context, layout, line, icon="ERROR" if alert else "CHECKMARK")
@@ -33,7 +36,8 @@ class ISIMP_PT_result(SubPanel, bpy.types.Panel):
         if defects:
             layout.operator("isimp.show_problems", text=defects, icon="ERROR")
         if targets.result_of(context.scene, scan) is not None:
-            layout.operator("isimp.texture", icon="TEXTURE")
+            if texture.is_textured(scan):
+                layout.operator("isimp.texture", icon="TEXTURE")
             layout.operator("isimp.swap", icon="ARROW_LEFTRIGHT")
 
 
