@@ -404,3 +404,24 @@ def test_the_command_says_what_is_wrong_in_a_line(tmp_path, arguments, status, t
     assert ran.returncode == status
     assert text in ran.stderr
     assert not any(tmp_path.glob("x.*"))
+
+
+def test_a_batch_keeps_textures(tmp_path):
+    (tmp_path / "in").mkdir()
+    write_cube_obj(tmp_path / "in")
+    ran = isimp(
+        "batch",
+        tmp_path / "in",
+        tmp_path / "out",
+        "--proxies",
+        "6",
+        "--texture",
+        "64",
+        "--format",
+        "glb",
+        "--jobs",
+        "1",
+    )
+    assert ran.returncode == 0, ran.stderr
+    soup = engine.read_textured(tmp_path / "out" / "cube.glb")
+    assert soup.images[0].shape == (64, 64, 4)

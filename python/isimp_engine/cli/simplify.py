@@ -15,6 +15,7 @@ import numpy as np
 
 from .. import InvalidInput, Job, MeshingOptions, Partition, PolygonMesh, __version__, write
 from ..guided import partition_guided
+from ..texturing.writing import KINDS as TEXTURED_KINDS
 from ..texturing.writing import files_of
 from ..within import Made, polygonize_within
 from . import closing, guiding, texturing, words
@@ -133,7 +134,7 @@ def refused(arguments: argparse.Namespace) -> Iterator[None]:
 
 def output_kinds(arguments: argparse.Namespace) -> tuple[str, ...]:
     """What OUTPUT may end in, with these options."""
-    return OUTPUT_KINDS if arguments.texture is None else texturing.KINDS
+    return OUTPUT_KINDS if arguments.texture is None else TEXTURED_KINDS
 
 
 def check_places(arguments: argparse.Namespace) -> list[Path]:

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import InvalidInput, Job, Mesh, Partition, PolygonMesh, Texture, TextureOptions, texture
-from ..texturing.writing import KINDS, companions
+from ..texturing.writing import companions
 from . import words
 from .errors import UsageError
 from .files import check, is_same
