@@ -41,7 +41,7 @@ py::list imperfections(const MeshingReport& r) {
 }
 
 py::dict report_of(const MeshingReport& r) {
-  return py::dict(
+  py::dict report(
       "polygons"_a = r.polygons, "corners"_a = r.corners, "vertices"_a = r.vertices, "regions"_a = r.regions,
       "regions_split"_a = r.regions_split, "merged_without_area"_a = r.merged_without_area,
       "joined_junctions"_a = r.joined_junctions, "split_for_unconnected"_a = r.split_for_unconnected,
@@ -53,7 +53,14 @@ py::dict report_of(const MeshingReport& r) {
       "excused"_a = r.excused, "excused_at_least"_a = r.excused_at_least, "without_area"_a = r.without_area,
       "diagonals"_a = r.diagonals, "repair_rounds"_a = r.repair_rounds, "repair_capped"_a = r.repair_capped,
       "work"_a = py::dict("faces"_a = r.work.faces, "corners"_a = r.work.corners, "polygons"_a = r.work.polygons),
-      "imperfect"_a = imperfections(r));
+      "imperfect"_a = imperfections(r), "planar"_a = r.planar.planar);
+  if (!r.planar.asked) return report;
+  report["whole"] = r.planar.whole;
+  report["faces_added"] = r.planar.faces_added;
+  report["faces_added_for"] =
+      py::dict("apart"_a = r.planar.added_for_apart, "crossing"_a = r.planar.added_for_crossing,
+               "flipped"_a = r.planar.added_for_flipped, "meeting"_a = r.planar.added_for_meeting);
+  return report;
 }
 
 void bind_result(py::module_& m) {

@@ -66,12 +66,14 @@ py::tuple pack_report(const MeshingReport& report) {
   const auto& [polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
                closed_regions, repair, merged, joined, closed, manifold, euler, planarity_max, planarity_mean,
                distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect,
-               diagonals, rounds, work, capped] = report;
+               diagonals, rounds, work, capped, planar] = report;
   const auto& [work_faces, work_corners, work_polygons] = work;
+  const auto& [asked, is_planar, whole, added, apart, crossed, turned, meeting] = planar;
   return pack_all(polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
                   closed_regions, repair, merged, joined, closed, manifold, euler, planarity_max, planarity_mean,
                   distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least, without_area,
-                  imperfect, diagonals, rounds, work_faces, work_corners, work_polygons, capped);
+                  imperfect, diagonals, rounds, work_faces, work_corners, work_polygons, capped, asked, is_planar,
+                  whole, added, apart, crossed, turned, meeting);
 }
 
 MeshingReport unpack_report(const py::tuple& packed) {
@@ -79,12 +81,14 @@ MeshingReport unpack_report(const py::tuple& packed) {
   auto& [polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches, closed_regions,
          repair, merged, joined, closed, manifold, euler, planarity_max, planarity_mean, distance_max, crossing,
          flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect, diagonals, rounds, work,
-         capped] = report;
+         capped, planar] = report;
   auto& [work_faces, work_corners, work_polygons] = work;
+  auto& [asked, is_planar, whole, added, apart, crossed, turned, meeting] = planar;
   unpack_all(packed, polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
              closed_regions, repair, merged, joined, closed, manifold, euler, planarity_max, planarity_mean,
              distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect,
-             diagonals, rounds, work_faces, work_corners, work_polygons, capped);
+             diagonals, rounds, work_faces, work_corners, work_polygons, capped, asked, is_planar, whole, added, apart,
+             crossed, turned, meeting);
   for (const Imperfection& i : imperfect) check(i.flaw <= Flaw::excused);
   return report;
 }
