@@ -152,6 +152,8 @@ class Repairer {
       std::iota(all.begin(), all.end(), 0);
       s_.update(all, positions);
       judge(all);
+      std::fill(tries_.begin(), tries_.end(), 0);
+      mend(kRounds);
       fall_back();
     }
   }

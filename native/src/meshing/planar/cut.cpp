@@ -77,9 +77,20 @@ class Triangulation {
     const double share = kOfSurface * size / std::max(area_, 1e-300);
     const bool faces = area.dot(up_) > 0;
     if (is_core(i, k, j)) return faces || size <= rules_.thickness * extent ? share : kBad;
-    const bool turned = area.dot(rules_.facing) <= kFacing * size;
+    const bool turned = std::max(area.dot(direction(i, k, j)), area.dot(rules_.facing)) <= kFacing * size;
     const bool thin = size <= kThickness * rules_.thickness * extent;
     return (faces && !turned && !thin ? kFace : kBad) + share;
+  }
+
+  /// Of the part of the scan that a triangle stands for.
+  [[nodiscard]] Vec3 direction(std::size_t i, std::size_t k, std::size_t j) const {
+    const Vec3 u = unit_.home[k] - unit_.home[i], v = unit_.home[j] - unit_.home[i];
+    Vec3 area = u.cross(v) / 2;
+    if (k == i + 1) area += unit_.beyond[i];
+    if (j == k + 1) area += unit_.beyond[k];
+    if (i == 0 && j == n_ - 1) area += unit_.beyond[j];
+    const double size = area.norm();
+    return size > rules_.thickness * std::max(u.norm(), v.norm()) ? Vec3(area / size) : rules_.facing;
   }
 
   void collect(std::size_t i, std::size_t j, bool core, std::vector<Edge>& cuts) const {

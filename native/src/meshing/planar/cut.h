@@ -13,7 +13,7 @@ using Edge = std::array<std::int32_t, 2>;  ///< corners, the lower first
 
 /// What is asked of triangles, so that the judge will have nothing against them.
 struct Rules {
-  Vec3 facing = Vec3::UnitZ();  ///< the direction that the unit's triangles must not turn away from
+  Vec3 facing = Vec3::UnitZ();  ///< of the piece, for triangles of which the scan tells no direction
   double thickness = 0;         ///< scene units: a thinner one has no area
 };
 

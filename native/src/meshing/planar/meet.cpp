@@ -69,6 +69,10 @@ class Corner {
     best_at_ = places_.start[corner_];
     const auto n = static_cast<int>(all_.size());
     const std::uint32_t full = (1U << n) - 1;
+    if (touched() == full) {  // it need not move
+      at = best_at_;
+      return full;
+    }
     if (places_.reach[corner_] > 0) {
       if (n > 0) attempt(full);
       for (int size = n - 1; size > 0 && best_ == 0; --size)

@@ -1,6 +1,10 @@
 #include "planar/planar.h"
 
 #include <algorithm>
+#include <chrono>
+#include <string>
+#include <cstdio>
+#include <cstdlib>
 #include <set>
 #include <utility>
 
@@ -48,14 +52,25 @@ class Planarizer {
     for (std::size_t l = 0; l + 1 < first_.size(); ++l)
       faults_.push_back(f_.faults(static_cast<std::int32_t>(l)) & ~kBent);
     for (const Hit& h : f_.hits()) met_.insert({h.a, h.b});
+    f_.judge_parts_apart();
   }
 
   Outcome run() {
+    auto T=[]{return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();};
+    double t0=T();
     solve();
-    for (int round = 0; round < kRounds; ++round) {
+    double t1=T();
+    int round = 0;
+    for (; round < kRounds; ++round) {
       apply();
-      if (!hold_back(round >= kGentle)) break;
+      int faulty=0; 
+      const bool any=hold_back(round >= kGentle);
+      for (bool b:acted_) faulty+=b;
+      if (getenv("PDEBUG")) fprintf(stderr,"  round %d acted %d stuck %zu\n",round,faulty,stuck_.size());
+      if (!any) break;
     }
+    if (getenv("PDEBUG")) {fprintf(stderr,"units %zu solve %.2f rest %.2f rounds %d stuck %zu\n",units_.size(),t1-t0,T()-t1,round,stuck_.size());
+     for (auto l:stuck_) { std::string x; for (int i=0;i<s_.polygons.count_of(l);++i) { x+=' '; x+=std::to_string(s_.polygons.of(s_.polygons.first_of(l)+i).size()); x+=':'; x+=std::to_string(f_.of(l).polygons[i].faults);} fprintf(stderr,"   stuck %d faces %zu base %d uncut %d: %s\n",l,s_.labels.faces_of(l).size(),faults_[l],(int)uncut_[first_[l]],x.c_str());} }
     return sum_up();
   }
 
@@ -115,7 +130,7 @@ class Planarizer {
       const std::span<const std::int32_t> corners(h.corners);
       const bool a = give_up(h.a, h.part_a, corners.first(3), Cause::meeting, firmly);
       const bool b = give_up(h.b, h.part_b, corners.last(3), Cause::meeting, firmly);
-      if (!a && !b) stuck_.insert(stuck_.end(), {h.a, h.b});
+      if (!a && !b && !h.excused) stuck_.insert(stuck_.end(), {h.a, h.b});
       any = any || a || b;
     }
     sort_unique(stuck_);

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "outline.h"
+
 namespace isimp::meshing::planar {
 namespace {
 
@@ -98,10 +100,14 @@ std::vector<Unit> units_of(State& state) {
   double area = 0;
   for (std::int32_t l = 0; l < state.labels.piece_count(); ++l) {
     const std::size_t first = units.size();
+    if (state.polygons.count_of(l) == 0) continue;
+    const std::vector<Vec3> beyond = areas_beyond_chords(state, l);
     state.polygons.for_each_of(l, [&](std::int32_t q) {
       Unit& u = units.emplace_back();
       u.piece = l;
       u.loop.assign(state.polygons.of(q).begin(), state.polygons.of(q).end());
+      for (const std::int32_t c : u.loop) u.home.push_back(state.mesh.vertices()[state.corners.vertex[c]]);
+      for (const std::int32_t k : chords_of(state, l, u.loop)) u.beyond.push_back(k == kNone ? Vec3::Zero() : beyond[k]);
       u.scan = state.planes[l];
     });
     if (units.size() - first > 1) share_out(state, std::span(units).subspan(first));

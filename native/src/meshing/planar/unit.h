@@ -23,6 +23,8 @@ enum class Cause : std::uint8_t {
 struct Unit {
   std::int32_t piece = kNone;
   std::vector<std::int32_t> loop;  ///< corners
+  std::vector<Vec3> home;          ///< of these, the vertices of the scan
+  std::vector<Vec3> beyond;        ///< by edge: the vector area between it and the boundary that it stands for
   Plane scan;                      ///< of the faces that it stands for
   Vec3 normal = Vec3::UnitZ();     ///< unit; the plane is where normal * x = offset
   double offset = 0;
