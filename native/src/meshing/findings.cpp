@@ -54,7 +54,8 @@ Findings::Found Findings::find(std::int32_t piece, Source source) const {
     const auto polygon = s_.polygons.of(q);
     Vec3 normal = f.source.normal;
     if (apart) {
-      const Vec3 area = vector_area(polygon, s_.corners.position), other = direction_on_scan(s_, piece, polygon, beyond);
+      const Vec3 area = vector_area(polygon, s_.corners.position),
+                 other = direction_on_scan(s_, piece, polygon, beyond);
       if (area.dot(other) > area.dot(normal)) normal = other;
     }
     f.polygons.push_back(

@@ -52,7 +52,7 @@ constexpr auto fields(const MeshingOptions*) {
             "corner that can't be on its polygon's plane is cut off as a triangle."),
       field("planar_reach", &O::planar_reach, between(0, 1), Unit::none,
             "With planar: distance that a corner may move to be on its planes, as a share of the diagonal. Up to six "
-            "times as far where its edges are long, half as far where they are short; never beyond reach."),
+            "times as far along the scan where its edges are long, less where they are short."),
       threads_field(&O::threads),
   };
 }

@@ -13,7 +13,7 @@ namespace {
 using Mat3 = Eigen::Matrix3d;
 
 /// What a step of a corner costs beside the area of a mean unit times its square distance. Source: own trials.
-constexpr double kStep = 0.5;
+constexpr double kStep = 0.7;
 constexpr double kMostShare = 30;  ///< corners of little reach cost at most the square of this times as much
 constexpr double kMostTurn = 0.2;  ///< of a plane in a round, radians
 constexpr double kMostSteps = 6;   ///< of a corner in a round, in units of its reach

@@ -1,10 +1,10 @@
 #include "planar/planar.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
-#include <chrono>
-#include <string>
-#include <cstdio>
-#include <cstdlib>
+#include <cmath>
+#include <limits>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -21,7 +21,7 @@ constexpr int kPasses = 5;                ///< fits without the corners that did
 constexpr Schedule kAgain{10, 1e2, 1e6};  ///< of these
 constexpr int kRounds = 80;               ///< of judging and holding back ...
 constexpr int kGentle = 12;               ///< ... in the first of which corners keep half their way
-constexpr std::size_t kFew = 4;           ///< corners of a unit that is rather triangulated than held back
+constexpr std::size_t kFew = 8;           ///< corners of a unit that is rather triangulated than held back
 constexpr double kLeast = 1e-3;           ///< of the diagonal: corners held back to less than this stay where they were
 
 bool is_flat(std::span<const std::int32_t> polygon, std::span<const Vec3> at, double most) {
@@ -34,6 +34,22 @@ bool is_flat(std::span<const std::int32_t> polygon, std::span<const Vec3> at, do
     rounded.push_back(rounded_to_float(at[c]));
   }
   return bend_of(order, rounded) <= most;
+}
+
+/// Whether a point is no further than this from a triangle.
+bool is_within(const Vec3& p, const std::array<Vec3, 3>& t, double most) {
+  const Vec3 n = (t[1] - t[0]).cross(t[2] - t[0]);
+  bool inside = n.squaredNorm() > 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 &a = t[k], &b = t[(k + 1) % 3];
+    const Vec3 side = b - a;
+    const double length = side.squaredNorm();
+    const double share = length > 0 ? std::clamp((p - a).dot(side) / length, 0.0, 1.0) : 0.0;
+    least = std::min(least, (p - a - share * side).squaredNorm());
+    inside = inside && n.dot(side.cross(p - a)) >= 0;
+  }
+  return least <= most * most || (inside && std::abs(n.dot(p - t[0])) <= most * n.norm());
 }
 
 class Planarizer {
@@ -56,21 +72,11 @@ class Planarizer {
   }
 
   Outcome run() {
-    auto T=[]{return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();};
-    double t0=T();
     solve();
-    double t1=T();
-    int round = 0;
-    for (; round < kRounds; ++round) {
+    for (int round = 0; round < kRounds; ++round) {
       apply();
-      int faulty=0; 
-      const bool any=hold_back(round >= kGentle);
-      for (bool b:acted_) faulty+=b;
-      if (getenv("PDEBUG")) fprintf(stderr,"  round %d acted %d stuck %zu\n",round,faulty,stuck_.size());
-      if (!any) break;
+      if (!hold_back(round >= kGentle)) break;
     }
-    if (getenv("PDEBUG")) {fprintf(stderr,"units %zu solve %.2f rest %.2f rounds %d stuck %zu\n",units_.size(),t1-t0,T()-t1,round,stuck_.size());
-     for (auto l:stuck_) { std::string x; for (int i=0;i<s_.polygons.count_of(l);++i) { x+=' '; x+=std::to_string(s_.polygons.of(s_.polygons.first_of(l)+i).size()); x+=':'; x+=std::to_string(f_.of(l).polygons[i].faults);} fprintf(stderr,"   stuck %d faces %zu base %d uncut %d: %s\n",l,s_.labels.faces_of(l).size(),faults_[l],(int)uncut_[first_[l]],x.c_str());} }
     return sum_up();
   }
 
@@ -86,9 +92,41 @@ class Planarizer {
     }
   }
 
+  /// Puts corners on their planes, nearer to where they were if they leave the scan there.
+  void place() {
+    constexpr int kTries = 4;
+    for (int go = 0; go < kTries; ++go) {
+      kept_ = meet(units_, around_, places_, s_.threads, job_, at_);
+      bool any = false;
+      for (std::int32_t c = 0; c < s_.corners.count(); ++c)
+        if (!is_near_scan(c)) {
+          places_.reach[c] = go + 2 < kTries ? 0.6 * (at_[c] - places_.start[c]).norm() : 0;
+          any = true;
+        }
+      if (!any) return;
+    }
+  }
+
+  /// Whether a corner is where it was, or no further from the scan than it may be from its vertex or than the reach.
+  [[nodiscard]] bool is_near_scan(std::int32_t c) {
+    const double step = (at_[c] - places_.start[c]).norm();
+    const Vec3& home = s_.mesh.vertices()[s_.corners.vertex[c]];
+    if (step <= places_.base || (at_[c] - home).norm() <= s_.options.reach * places_.diagonal) return true;
+    for (const Around::Use& use : around_.of(c)) {
+      std::vector<std::int32_t>& faces = faces_[units_[use.unit].piece];
+      if (faces.empty()) faces = s_.labels.faces_of(units_[use.unit].piece);
+      for (const std::int32_t f : faces) {
+        const Triangle& t = s_.mesh.triangles()[f];
+        const auto& v = s_.mesh.vertices();
+        if (is_within(at_[c], {v[t[0]], v[t[1]], v[t[2]]}, places_.base)) return true;
+      }
+    }
+    return false;
+  }
+
   /// Puts corners and cuts where the planes ask for them, and judges what has changed.
   void apply() {
-    kept_ = meet(units_, around_, places_, s_.threads, job_, at_);
+    place();
     std::set<Edge> edges;
     for (const Unit& u : units_)
       for (std::size_t i = 0; i < u.loop.size(); ++i) {
@@ -255,6 +293,7 @@ class Planarizer {
   std::vector<std::vector<Edge>> cuts_;  // by unit
   std::vector<bool> uncut_, acted_;      // by unit: there is no way to cut it; it has given up something in this round
   std::vector<std::int32_t> stuck_;
+  std::map<std::int32_t, std::vector<std::int32_t>> faces_;  // of the scan, by piece: those that were asked for
 };
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace isimp::meshing::planar {
 namespace {
 
 // How far a corner may go, as shares of its shortest edge and of the reach that is asked for. Source: own trials.
-constexpr double kOfEdge = 0.4, kLeast = 0.5, kMost = 6;
+constexpr double kOfEdge = 0.5, kLeast = 0.1, kMost = 6;
 /// A spread whose smallest eigenvalue is above this share of the next fixes no plane.
 constexpr double kThin = 0.25;
 /// The cosine between the direction of least spread and that of the outline below which the former is not trusted.
@@ -90,10 +90,7 @@ void find_plane(Unit& unit, std::span<const Vec3> at, double least_area) {
 
 }  // namespace
 
-bool Places::allows(std::int32_t corner, const Vec3& x) const {
-  if ((x - start[corner]).norm() > reach[corner]) return false;
-  return (x - home[corner]).norm() <= std::max(limit, (start[corner] - home[corner]).norm());
-}
+bool Places::allows(std::int32_t corner, const Vec3& x) const { return (x - start[corner]).norm() <= reach[corner]; }
 
 std::vector<Unit> units_of(State& state) {
   std::vector<Unit> units;
@@ -107,7 +104,8 @@ std::vector<Unit> units_of(State& state) {
       u.piece = l;
       u.loop.assign(state.polygons.of(q).begin(), state.polygons.of(q).end());
       for (const std::int32_t c : u.loop) u.home.push_back(state.mesh.vertices()[state.corners.vertex[c]]);
-      for (const std::int32_t k : chords_of(state, l, u.loop)) u.beyond.push_back(k == kNone ? Vec3::Zero() : beyond[k]);
+      for (const std::int32_t k : chords_of(state, l, u.loop))
+        u.beyond.push_back(k == kNone ? Vec3::Zero() : beyond[k]);
       u.scan = state.planes[l];
     });
     if (units.size() - first > 1) share_out(state, std::span(units).subspan(first));
@@ -123,9 +121,7 @@ Places places_of(const State& state, const std::vector<Unit>& units, double base
   p.start = state.corners.position;
   p.base = base;
   p.diagonal = state.mesh.diagonal();
-  p.limit = state.options.reach * p.diagonal;
   p.reach.assign(p.start.size(), std::numeric_limits<double>::infinity());
-  for (const std::int32_t v : state.corners.vertex) p.home.push_back(state.mesh.vertices()[v]);
   for (const Unit& u : units)
     for (std::size_t i = 0; i < u.loop.size(); ++i) {
       const std::int32_t a = u.loop[i], b = u.loop[i + 1 < u.loop.size() ? i + 1 : 0];

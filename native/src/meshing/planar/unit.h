@@ -37,9 +37,7 @@ struct Unit {
 /// The corners, and how far each may go.
 struct Places {
   std::vector<Vec3> start;    ///< (C) where the polygons of the mesher have them
-  std::vector<Vec3> home;     ///< (C) their vertices of the scan
   std::vector<double> reach;  ///< (C) largest distance from `start`
-  double limit = 0;           ///< largest distance from `home`, where `start` is not further already
   double base = 0;            ///< the reach that is asked for, scene units
   double diagonal = 0;
 
