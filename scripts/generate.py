@@ -24,7 +24,7 @@ HEAD = '''"""The engine's options of partition and meshing. Written by scripts/g
 
 from .option import Option
 '''
-CLASSES = (engine.CleanOptions, engine.MeshingOptions, engine.PartitionOptions)
+CLASSES = (engine.CleanOptions, engine.MeshingOptions, engine.PartitionOptions, engine.RegulariseOptions)
 
 
 def type_of(field: dict[str, Any]) -> str:

@@ -2,6 +2,7 @@
 #include "bindings.h"
 #include "call.h"
 #include "isimp/meshing/polygonize.h"
+#include "isimp/meshing/regularise.h"
 #include "kept_mesh.h"
 #include "options.h"
 #include "pickles.h"
@@ -99,7 +100,21 @@ the last two, other (the polygon it meets; each pair is listed under both; none 
 
 void bind_meshing(py::module_& m) {
   OptionsClass<MeshingOptions>(m, "MeshingOptions", "How to make polygons of regions. All fields are keywords.");
+  OptionsClass<RegulariseOptions>(m, "RegulariseOptions",
+                                  "How planes of regions are snapped. All fields are keywords.");
   bind_result(m);
+  m.def(
+      "regularise",
+      [](const KeptMesh& mesh, const Partition& part, RegulariseOptions options, Job* job) {
+        return call(job, [&](Job& j) { return regularise(mesh, part, options, j); });
+      },
+      "mesh"_a, "partition"_a, "options"_a = RegulariseOptions(), "job"_a = py::none(),
+      R"(Snap the planes of regions: level, upright with right angles between them, equal slopes, parallel, coplanar.
+
+The labels stay. The partition that comes back has region_normal, region_offset and region_held set, and polygonize keeps
+to these planes. Its report has directions, planes and rms_added (scene units). An edit lets go of the planes of the
+regions that it changes. Raises InvalidInput (the partition is not one of this mesh, or an option out of its range) or
+Cancelled.)");
   m.def(
       "polygonize",
       [](const KeptMesh& mesh, const Partition& part, MeshingOptions options, Job* job) {

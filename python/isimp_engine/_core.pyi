@@ -143,6 +143,8 @@ class Partition:
     @property
     def region_offset(self) -> NDArray[np.float64]: ...
     @property
+    def region_held(self) -> NDArray[np.uint8]: ...
+    @property
     def bound(self) -> float | None: ...
     @property
     def distance_max(self) -> float | None: ...
@@ -205,6 +207,9 @@ def region_statistics(mesh: Mesh, partition: Partition, face: int, job: Job | No
 def all_statistics(mesh: Mesh, partition: Partition, job: Job | None = None) -> list[dict[str, Any]]: ...
 def backends() -> list[str]: ...
 
+class RegulariseOptions:
+    angle: float
+
 class MeshingOptions:
     chord_tolerance: float
     chord_area: float
@@ -248,6 +253,12 @@ class PolygonMesh:
     @property
     def report(self) -> dict[str, Any]: ...
 
+def regularise(
+    mesh: Mesh,
+    partition: Partition,
+    options: RegulariseOptions = ...,
+    job: Job | None = None,
+) -> Partition: ...
 def polygonize(
     mesh: Mesh, partition: Partition, options: MeshingOptions = ..., job: Job | None = None
 ) -> PolygonMesh: ...

@@ -60,7 +60,10 @@ void share_out(State& state, std::span<Unit> units) {
     }
     faces[best].push_back(f);
   }
-  for (std::size_t u = 0; u < units.size(); ++u) units[u].scan = faces[u].empty() ? Plane{} : plane_of(mesh, faces[u]);
+  for (std::size_t u = 0; u < units.size(); ++u) {
+    units[u].scan = faces[u].empty() ? Plane{} : plane_of(mesh, faces[u]);
+    hold(units[u].scan, state.partition, state.labels.pieces[units[u].piece].region);
+  }
 }
 
 /// The plane that the scan asks for; that of the corners where the scan is too thin a strip to tell.
@@ -71,13 +74,19 @@ void find_plane(Unit& unit, std::span<const Vec3> at, double least_area) {
   middle /= static_cast<double>(unit.loop.size());
   Plane& scan = unit.scan;
   const double length = outline.norm();
-  if (scan.area <= least_area) {
+  if (scan.area <= least_area && !scan.held) {
     scan.area = std::max(length, least_area);
     scan.centre = middle;
     scan.spread.setZero();
     for (const std::int32_t c : unit.loop)
       scan.spread += (at[c] - middle) * (at[c] - middle).transpose() / static_cast<double>(unit.loop.size());
     if (length > 0) scan.normal = outline / length;
+  }
+  unit.held = scan.held;
+  if (scan.held) {
+    unit.normal = scan.normal;
+    unit.offset = scan.normal.dot(scan.centre);
+    return;
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scan.spread);
   Vec3 n = solver.eigenvectors().col(0);
