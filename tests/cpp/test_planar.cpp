@@ -83,12 +83,13 @@ TEST(Planar, FarFromZeroItIsAsPlanar) {
 }
 
 TEST(Planar, OffChangesNothing) {
-  const Box box(0.004);
-  const PolygonMesh plain = polygons(box.mesh, box.part, {}),
-                    reach = polygons(box.mesh, box.part, {.planar_reach = 0.02});
+  const Mesh ball = shapes::mesh(shapes::noisy(shapes::sphere(4), 0.01, 5));
+  const Partition part = labelled::voronoi(ball, 60, 7);
+  const PolygonMesh plain = polygons(ball, part, {}), reach = polygons(ball, part, {.planar_reach = 0.02});
   EXPECT_EQ(plain.vertices, reach.vertices);
+  EXPECT_EQ(plain.loops, reach.loops);
   EXPECT_FALSE(plain.report.planar.asked);
-  EXPECT_GT(bend(plain, box.mesh.origin(), false), kPlanar * box.mesh.diagonal());
+  EXPECT_GT(bend(plain, ball.origin(), false), kPlanar * ball.diagonal());
 }
 
 TEST(Planar, CurvedScansAreCut) {
@@ -150,13 +151,14 @@ TEST(Regularise, BoxGetsSixPlanesInThreeDirections) {
 }
 
 TEST(Regularise, PolygonsKeepToThePlanes) {
-  const Box box(0.006, Vec3(1000, 2000, 30));
+  const Box box(0.002, Vec3(1000, 2000, 30));
   const Partition part = regular(box);
   for (const bool planar : {false, true}) {
     const PolygonMesh out = polygons(box.mesh, part, {.planar = planar});
     ASSERT_EQ(out.polygon_count(), 6);
+    const std::vector<judge::Loop> loops = judge::polygons_of(out);
     for (std::int32_t q = 0; q < 6; ++q)
-      for (const std::int32_t v : judge::polygons_of(out)[q]) {
+      for (const std::int32_t v : loops[q]) {
         const std::int32_t r = out.polygon_region[q];
         const double off = part.region_normal[r].dot(out.vertices[v] - box.mesh.origin()) - part.region_offset[r];
         EXPECT_LT(std::abs(off), (planar ? 1e-7 : 1e-3) * box.mesh.diagonal());
@@ -166,11 +168,11 @@ TEST(Regularise, PolygonsKeepToThePlanes) {
 
 TEST(Regularise, AShortLengthSnapsNothingAndOptionsAreChecked) {
   const Box box(0.006);
-  const Partition part = regular(box, {.length = 1e-12});
+  const Partition part = regular(box, {.angle = 8, .length = 1e-12});
   EXPECT_EQ(part.regularity->free, 6);
   EXPECT_EQ(std::count(part.region_held.begin(), part.region_held.end(), 1), 0);
-  EXPECT_THROW(regular(box, {.angle = 90}), InvalidInput);
-  EXPECT_EQ(regular(box, {.up = Up::none}).regularity->upright, 0);
+  EXPECT_THROW(regular(box, {.angle = 90, .length = {}}), InvalidInput);
+  EXPECT_EQ(regular(box, {.angle = 8, .length = {}, .up = Up::none}).regularity->upright, 0);
 }
 
 }  // namespace

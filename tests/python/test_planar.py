@@ -1,5 +1,7 @@
 """Exactly planar polygons and snapped planes, on houses whose planes are known."""
 
+import json
+import pathlib
 import pickle
 
 import houses
@@ -7,6 +9,7 @@ import numpy as np
 import pytest
 
 import isimp_engine as engine
+from isimp_engine.cli import main
 
 
 def bends(poly: engine.PolygonMesh, rounded: bool) -> float:
@@ -61,15 +64,11 @@ def test_a_house_has_five_directions() -> None:
     snapped = engine.regularise(mesh, part, engine.RegulariseOptions(angle=8.0, length=None, up="z"))
     truth = len({tuple(np.round(n * np.sign(n[np.argmax(abs(n))]), 6)) for n in normals(house)})
     assert snapped.report["directions"] == truth == 5
-    assert snapped.report["rms_added"] <= 0.1 * part_rms(snapped)
+    assert snapped.report["rms_added"] <= 0.1 * snapped.report["rms"]
     assert np.array_equal(snapped.face_region, part.face_region)
     poly = engine.polygonize(mesh, snapped, engine.MeshingOptions(planar=True))
     assert poly.report["planar"]
     assert poly.report["whole"] >= 0.98
-
-
-def part_rms(part: engine.Partition) -> float:
-    return float(part.report["rms"])
 
 
 def normals(house: houses.House) -> np.ndarray:
@@ -83,7 +82,7 @@ def normals(house: houses.House) -> np.ndarray:
 def test_snapped_planes_survive_pickling_and_edits_elsewhere() -> None:
     mesh, part = made(houses.make(0.001, 2))
     snapped = engine.regularise(mesh, part)
-    back = pickle.loads(pickle.dumps(snapped))
+    back = pickle.loads(pickle.dumps(snapped))  # noqa: S301
     assert back.report == snapped.report
     assert np.array_equal(back.region_held, snapped.region_held)
     assert np.array_equal(back.region_offset, snapped.region_offset)
@@ -100,6 +99,23 @@ def test_snapped_planes_survive_pickling_and_edits_elsewhere() -> None:
 def test_options_are_checked() -> None:
     mesh, part = made(houses.make(0.001, 2))
     with pytest.raises(engine.InvalidInput, match="angle"):
-        engine.RegulariseOptions(angle=-1.0)
+        engine.regularise(mesh, part, engine.RegulariseOptions(angle=-1.0))
     with pytest.raises(engine.InvalidInput, match="planar_reach"):
         engine.polygonize(mesh, part, engine.MeshingOptions(planar=True, planar_reach=-1.0))
+
+
+def test_the_command_has_both(tmp_path: pathlib.Path) -> None:
+    house = houses.make(0.002, 3)
+    scan, out, report = tmp_path / "house.obj", tmp_path / "out.obj", tmp_path / "report.json"
+    lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in house.vertices]
+    lines += [f"f {a} {b} {c}" for a, b, c in house.triangles + 1]
+    scan.write_text("\n".join(lines) + "\n")
+    arguments = ["simplify", str(scan), str(out), "--proxies", "110", "--planar", "--report", str(report), "--quiet"]
+    assert main([*arguments, "--regularise"]) == 0
+    found = json.loads(report.read_text())
+    assert found["output"]["planar"] is True
+    assert found["partition"]["directions"] < 20
+    assert found["options"]["regularise"]["angle"] == 8.0
+    assert main([*arguments, "--regularise", "5"]) == 0
+    assert json.loads(report.read_text())["options"]["regularise"]["angle"] == 5.0
+    assert main([*arguments, "--regularise", "90"]) == 2
