@@ -89,7 +89,10 @@ euler; planarity_max, planarity_mean (weighted by area) and distance_max (of a c
 crossing, flipped, bent: polygons that stayed so; intersecting: pairs of polygons that still intersect, excused: such
 pairs whose regions do so in the scan itself (excused_at_least: there are more, counting stopped); without_area: polygons that are a face of the scan without any; diagonals
 that the repair put across regions, repair_rounds, and repair_capped: whether something is left that takes more than options.repair_budget; work: how many faces were walked over, corners placed and polygons judged, the same on every machine; imperfect: all of these by polygon, of each flaw the first 1,000,
-a list of dicts with polygon (its index), flaw ("crossing", "no_area", "flipped", "bent", "intersecting" or "excused") and, for
+planar: whether every polygon is planar to a millionth of the diagonal. With options.planar also whole, the share of the
+polygons that stayed one; faces_added, as corners were cut off, and faces_added_for, why: apart (planes do not meet within
+reach), crossing, flipped, meeting (it would have become so).
+imperfect is a list of dicts with polygon (its index), flaw ("crossing", "no_area", "flipped", "bent", "intersecting" or "excused") and, for
 the last two, other (the polygon it meets; each pair is listed under both; none for a face of the scan without area).)")
       .def(py::pickle([](const PolygonMesh& self) { return state_of(self); }, &polygons_from))
       .def("__repr__", [](const PolygonMesh& poly) {

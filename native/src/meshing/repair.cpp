@@ -60,7 +60,11 @@ class Repairer {
       coarsen(s_, findings_, acted_, job_);
       fall_back();
     }
-    if (s_.options.planar) make_planar();
+    if (s_.options.planar) {
+      make_planar();
+    } else {
+      outcome_.planar.planar = planar::is_planar(s_);
+    }
     sum_up();
     return outcome_;
   }

@@ -68,7 +68,7 @@ class Planarizer {
     for (std::size_t l = 0; l + 1 < first_.size(); ++l)
       faults_.push_back(f_.faults(static_cast<std::int32_t>(l)) & ~kBent);
     for (const Hit& h : f_.hits()) met_.insert({h.a, h.b});
-    f_.judge_parts_apart();
+    f_.judge_planar();
   }
 
   Outcome run() {
