@@ -209,6 +209,18 @@ def backends() -> list[str]: ...
 
 class RegulariseOptions:
     angle: float
+    length: float | None
+    up: Literal["x", "y", "z", "none"]
+    def __init__(
+        self,
+        *,
+        angle: float = ...,
+        length: float | None = ...,
+        up: Literal["x", "y", "z", "none"] = ...,
+    ) -> None: ...
+    @staticmethod
+    def fields() -> list[dict[str, Any]]: ...
+    def as_dict(self) -> dict[str, Any]: ...
 
 class MeshingOptions:
     chord_tolerance: float
@@ -219,6 +231,8 @@ class MeshingOptions:
     flatness_from: int
     flatness: float
     repair_budget: float
+    planar: bool
+    planar_reach: float
     threads: int
     def __init__(
         self,
@@ -231,6 +245,8 @@ class MeshingOptions:
         flatness_from: int = ...,
         flatness: float = ...,
         repair_budget: float = ...,
+        planar: bool = ...,
+        planar_reach: float = ...,
         threads: int = ...,
     ) -> None: ...
     @staticmethod
