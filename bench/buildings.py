@@ -38,9 +38,9 @@ def true_planes(house: houses.House) -> tuple[int, int]:
     return len(np.unique((normal * np.sign(lead))[first].round(6) + 0.0, axis=0)), len(first)
 
 
-def timed(call: Callable[[], Any]) -> tuple[Any, float]:
+def timed(call: Callable[..., Any], *args: Any) -> tuple[Any, float]:
     start = time.perf_counter()
-    result = call()
+    result = call(*args)
     return result, time.perf_counter() - start
 
 
@@ -50,9 +50,9 @@ def house_rows(noise: float, seeds: int, turns: int) -> None:
         house = houses.make(noise, seed, turn=17.0 + 31.0 * turn)
         mesh = engine.Mesh(house.vertices, house.triangles)
         part = engine.partition_from(mesh, house.label.astype(np.int32))
-        before, t0 = timed(lambda: engine.polygonize(mesh, part))
-        snapped, t1 = timed(lambda: engine.regularise(mesh, part))
-        after, t2 = timed(lambda: engine.polygonize(mesh, snapped, engine.MeshingOptions(planar=True)))
+        before, t0 = timed(engine.polygonize, mesh, part)
+        snapped, t1 = timed(engine.regularise, mesh, part)
+        after, t2 = timed(engine.polygonize, mesh, snapped, engine.MeshingOptions(planar=True))
         whole.append(after.report["whole"])
         same.append((snapped.report["directions"], snapped.report["planes"]) == true_planes(house))
         share.append((t1 + t2 - t0) / t0)
@@ -77,9 +77,9 @@ def corner_error(house: houses.House, part: engine.Partition, poly: engine.Polyg
 def scan_row(path: Path, proxies: int) -> None:
     mesh = engine.clean(*engine.read(path))
     part = engine.partition(mesh, engine.PartitionOptions(proxies=proxies))
-    before, t0 = timed(lambda: engine.polygonize(mesh, part))
-    after, t1 = timed(lambda: engine.polygonize(mesh, part, engine.MeshingOptions(planar=True)))
-    snapped, t2 = timed(lambda: engine.regularise(mesh, part))
+    before, t0 = timed(engine.polygonize, mesh, part)
+    after, t1 = timed(engine.polygonize, mesh, part, engine.MeshingOptions(planar=True))
+    snapped, t2 = timed(engine.regularise, mesh, part)
     regular = engine.polygonize(mesh, snapped, engine.MeshingOptions(planar=True))
     free = engine.regularise(mesh, part, engine.RegulariseOptions(length=1e-12))
     faults = sum(after.report[f] - before.report[f] for f in FAULTS)
