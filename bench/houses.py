@@ -23,8 +23,11 @@ class House:
 
 
 def _cells(rng: np.random.Generator) -> np.ndarray:
-    """Which cells of a grid are inside: a block with a bay, rows of windows and a door, drawn by `rng`."""
-    nx, ny = int(rng.integers(52, 64)), int(rng.integers(36, 44))
+    """Which cells of a grid are inside: a block with a bay, rows of windows and a door, drawn by `rng`.
+
+    Its depth is even, so that the ridge runs between two cells and the roof is planar.
+    """
+    nx, ny = int(rng.integers(52, 64)), 2 * int(rng.integers(18, 22))
     cells = np.zeros((nx, ny, EAVE + RIDGE + 10), bool)
     cells[2:-2, 2:-2, : EAVE + RIDGE] = True
     cells[nx - 20 : nx - 4, 0:14, : int(rng.integers(12, 16))] = True

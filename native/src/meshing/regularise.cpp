@@ -22,7 +22,8 @@ using Some = std::vector<std::int32_t>;  ///< regions, the largest first
 constexpr double kQuarter = std::numbers::pi / 2;
 constexpr double kThin = 0.25;  ///< a spread whose smallest eigenvalue is above this share of the next fixes no plane
 constexpr double kAgree = 0.8;  ///< cosine between that plane and the faces' mean normal below which the mean counts
-constexpr double kOfMedian = 2.5;      ///< the length by default, times the median distance of a region from its plane
+constexpr double kOfMedian = 1.2;  ///< the length by default, times the median distance of a region from its plane
+constexpr double kUnsure = 3;      ///< times that distance * sqrt(3 / faces) is what the plane of a region is unsure by
 constexpr double kLeastLength = 1e-5;  ///< of the diagonal
 constexpr double kSure = 0.6;          ///< below this share of the length, up to kWider times the angle is allowed
 constexpr double kWider = 3;
@@ -35,6 +36,7 @@ enum class Kind : std::uint8_t { free, level, upright, slope, parallel };
 
 struct Region {
   Plane scan;
+  double faces = 1;
   Vec3 normal = Vec3::UnitZ();  ///< of best fit, at first
   Vec3 snapped = normal;
   double offset = 0;
@@ -56,9 +58,12 @@ class Regulariser {
     for (const Some& some : faces) {
       Region& r = regions_.emplace_back();
       if (!some.empty()) r.scan = plane_of(mesh, some);
+      r.faces = static_cast<double>(std::max<std::size_t>(some.size(), 1));
       fit(r);
     }
-    length_ = options.length.value_or(std::max(kOfMedian * median_distance(), kLeastLength * mesh.diagonal()));
+    const double noise = median_distance();
+    length_ = options.length.value_or(std::max(kOfMedian * noise, kLeastLength * mesh.diagonal()));
+    if (!options.length) unsure_ = kUnsure * noise;
     z_ = Vec3::Unit(up_ == Up::x ? 0 : up_ == Up::y ? 1 : 2);
     x_ = Vec3::Unit(up_ == Up::x ? 1 : 0);
     y_ = z_.cross(x_);
@@ -177,8 +182,9 @@ class Regulariser {
   [[nodiscard]] bool may(std::int32_t i, const Vec3& n) const {
     const Region& r = regions_[i];
     const double same = std::abs(r.normal.dot(n)), cost = added(r, n);
-    if (same >= std::cos(angle_)) return cost < length_;
-    return same >= std::cos(kWider * angle_) && cost < kSure * length_;
+    const double unsure = unsure_ * std::sqrt(3 / r.faces);  // of few faces the noise turns the plane
+    if (same >= std::cos(angle_)) return cost < length_ + unsure;
+    return same >= std::cos(kWider * angle_) && cost < kSure * length_ + unsure;
   }
   void set(std::int32_t i, const Vec3& n, Kind kind) {
     regions_[i].snapped = regions_[i].normal.dot(n) < 0 ? Vec3(-n) : n;
@@ -354,7 +360,7 @@ class Regulariser {
 
   const double angle_;
   const Up up_;
-  double length_ = 0;
+  double length_ = 0, unsure_ = 0;
   Vec3 x_, y_, z_;
   std::vector<Region> regions_;
   std::vector<double> frames_;

@@ -28,8 +28,8 @@ constexpr auto fields(const RegulariseOptions*) {
             "Largest angle by which a plane is turned, degrees; three times as much where a region is so small that it "
             "hardly moves."),
       field("length", &O::length, above(0), Unit::length,
-            "What turning or moving a plane may add to the distance of its region, root mean square. None: two and a "
-            "half times the median of that distance, so it follows the scan's noise."),
+            "What turning or moving a plane may add to the distance of its region, root mean square. None: 1.2 times "
+            "the median of that distance, and more for regions of few faces, so it follows the scan's noise."),
       choice("up", &O::up, {{"x", Up::x}, {"y", Up::y}, {"z", Up::z}, {"none", Up::none}},
              "The axis that is up, for level and upright planes; none: planes are made parallel only."),
   };
