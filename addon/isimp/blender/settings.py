@@ -251,8 +251,8 @@ class MeshSettings:
     )
     planar: BoolProperty(
         name="Planar Exactly",
-        description="Make every polygon exactly planar. Corners that can't be on the plane of their polygon are cut off "
-        "as triangles",
+        description="Make every polygon exactly planar. Corners that can't be on the plane of their polygon are cut "
+        "off as triangles",
         default=_MESH.planar,
     )
 
