@@ -24,7 +24,13 @@ HEAD = '''"""The engine's options of partition and meshing. Written by scripts/g
 
 from .option import Option
 '''
-CLASSES = (engine.CleanOptions, engine.MeshingOptions, engine.PartitionOptions, engine.TextureOptions)
+CLASSES = (
+    engine.CleanOptions,
+    engine.MeshingOptions,
+    engine.PartitionOptions,
+    engine.RegulariseOptions,
+    engine.TextureOptions,
+)
 
 
 def type_of(field: dict[str, Any]) -> str:

@@ -56,6 +56,17 @@ MESHING: dict[str, Option] = {
         least=0.0,
         most=1000.0,
     ),
+    "planar": Option(
+        kind="bool",
+        default=False,
+    ),
+    "planar_reach": Option(
+        kind="float",
+        default=0.005,
+        words="in [0, 1]",
+        least=0.0,
+        most=1.0,
+    ),
     "threads": Option(
         kind="int",
         default=0,

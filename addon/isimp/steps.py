@@ -385,6 +385,7 @@ class Mesh(Step):
     chord_tolerance: float = MESHING["chord_tolerance"].default
     join_junctions: float = MESHING["join_junctions"].default
     flatten: int = MESHING["flatten"].default
+    planar: bool = MESHING["planar"].default
 
     def __post_init__(self) -> None:
         _check_options(engine_options(self, MESHING), MESHING)

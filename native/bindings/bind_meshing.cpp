@@ -1,7 +1,10 @@
+#include <pybind11/stl.h>
+
 #include "arrays.h"
 #include "bindings.h"
 #include "call.h"
 #include "isimp/meshing/polygonize.h"
+#include "isimp/meshing/regularise.h"
 #include "kept_mesh.h"
 #include "options.h"
 #include "pickles.h"
@@ -41,7 +44,7 @@ py::list imperfections(const MeshingReport& r) {
 }
 
 py::dict report_of(const MeshingReport& r) {
-  return py::dict(
+  py::dict report(
       "polygons"_a = r.polygons, "corners"_a = r.corners, "vertices"_a = r.vertices, "regions"_a = r.regions,
       "regions_split"_a = r.regions_split, "merged_without_area"_a = r.merged_without_area,
       "joined_junctions"_a = r.joined_junctions, "split_for_unconnected"_a = r.split_for_unconnected,
@@ -53,7 +56,14 @@ py::dict report_of(const MeshingReport& r) {
       "excused"_a = r.excused, "excused_at_least"_a = r.excused_at_least, "without_area"_a = r.without_area,
       "diagonals"_a = r.diagonals, "repair_rounds"_a = r.repair_rounds, "repair_capped"_a = r.repair_capped,
       "work"_a = py::dict("faces"_a = r.work.faces, "corners"_a = r.work.corners, "polygons"_a = r.work.polygons),
-      "imperfect"_a = imperfections(r));
+      "imperfect"_a = imperfections(r), "planar"_a = r.planar.planar);
+  if (!r.planar.asked) return report;
+  report["whole"] = r.planar.whole;
+  report["faces_added"] = r.planar.faces_added;
+  report["faces_added_for"] =
+      py::dict("apart"_a = r.planar.added_for_apart, "crossing"_a = r.planar.added_for_crossing,
+               "flipped"_a = r.planar.added_for_flipped, "meeting"_a = r.planar.added_for_meeting);
+  return report;
 }
 
 void bind_result(py::module_& m) {
@@ -79,7 +89,10 @@ euler; planarity_max, planarity_mean (weighted by area) and distance_max (of a c
 crossing, flipped, bent: polygons that stayed so; intersecting: pairs of polygons that still intersect, excused: such
 pairs whose regions do so in the scan itself (excused_at_least: there are more, counting stopped); without_area: polygons that are a face of the scan without any; diagonals
 that the repair put across regions, repair_rounds, and repair_capped: whether something is left that takes more than options.repair_budget; work: how many faces were walked over, corners placed and polygons judged, the same on every machine; imperfect: all of these by polygon, of each flaw the first 1,000,
-a list of dicts with polygon (its index), flaw ("crossing", "no_area", "flipped", "bent", "intersecting" or "excused") and, for
+planar: whether every polygon is planar to a millionth of the diagonal. With options.planar also whole, the share of the
+polygons that stayed one; faces_added, as corners were cut off, and faces_added_for, why: apart (planes do not meet within
+reach), crossing, flipped, meeting (it would have become so).
+imperfect is a list of dicts with polygon (its index), flaw ("crossing", "no_area", "flipped", "bent", "intersecting" or "excused") and, for
 the last two, other (the polygon it meets; each pair is listed under both; none for a face of the scan without area).)")
       .def(py::pickle([](const PolygonMesh& self) { return state_of(self); }, &polygons_from))
       .def("__repr__", [](const PolygonMesh& poly) {
@@ -92,7 +105,21 @@ the last two, other (the polygon it meets; each pair is listed under both; none 
 
 void bind_meshing(py::module_& m) {
   OptionsClass<MeshingOptions>(m, "MeshingOptions", "How to make polygons of regions. All fields are keywords.");
+  OptionsClass<RegulariseOptions>(m, "RegulariseOptions",
+                                  "How planes of regions are snapped. All fields are keywords.");
   bind_result(m);
+  m.def(
+      "regularise",
+      [](const KeptMesh& mesh, const Partition& part, RegulariseOptions options, Job* job) {
+        return call(job, [&](Job& j) { return regularise(mesh, part, options, j); });
+      },
+      "mesh"_a, "partition"_a, "options"_a = RegulariseOptions(), "job"_a = py::none(),
+      R"(Snap the planes of regions: level, upright with right angles between them, equal slopes, parallel, coplanar.
+
+The labels stay. The partition that comes back has region_normal, region_offset and region_held set, and polygonize keeps
+to these planes. Its report has directions, planes and rms_added (scene units). An edit lets go of the planes of the
+regions that it changes. Raises InvalidInput (the partition is not one of this mesh, or an option out of its range) or
+Cancelled.)");
   m.def(
       "polygonize",
       [](const KeptMesh& mesh, const Partition& part, MeshingOptions options, Job* job) {

@@ -35,14 +35,25 @@ py::list warnings(const Partition& part) {
   return list;
 }
 
+py::object regularity_of(const Partition& part) {
+  if (!part.regularity) return py::none();
+  const Regularity& r = *part.regularity;
+  return py::dict("directions"_a = r.directions, "planes"_a = r.planes, "rms_added"_a = r.rms - r.rms_before,
+                  "rms"_a = r.rms, "length"_a = r.length,
+                  "snapped_to"_a = py::dict("level"_a = r.level, "upright"_a = r.upright, "slope"_a = r.slopes,
+                                            "parallel"_a = r.parallel, "free"_a = r.free));
+}
+
 py::dict report_of(const Partition& part) {
-  return py::dict("regions"_a = part.region_count(), "proxies_asked"_a = part.proxies_asked,
+  py::dict report("regions"_a = part.region_count(), "proxies_asked"_a = part.proxies_asked,
                   "proxies_needed"_a = part.proxies_needed, "parts_left_out"_a = part.parts_left_out,
                   "area_left_out"_a = part.area_left_out, "error"_a = part.error, "rounds"_a = part.history.size(),
                   "tolerance"_a = given_or_none(part.tolerance > 0, part.tolerance),
                   "noise"_a = given_or_none(part.tolerance > 0 || is_bounded(part), part.noise),
                   "distance_max"_a = given_or_none(is_bounded(part), part.distance_max), "snapped"_a = part.snapped,
                   "warnings"_a = warnings(part));
+  if (part.regularity) report.attr("update")(regularity_of(part));
+  return report;
 }
 
 py::array region_locked(const Partition& part) {
@@ -79,8 +90,10 @@ void bind_result(py::module_& m) {
           [](const Partition& part) { return given_or_none(part.tolerance > 0 || is_bounded(part), part.noise); },
           "Deviation of the noise with which it was found, given or estimated, scene units; None as above.")
       .def_property_readonly("region_offset", viewer<Partition>(&Partition::region_offset),
-                             "(R,) float64 with a bound: each region's plane is where region_normal @ x is this; else "
-                             "empty.")
+                             "(R,) float64 with a bound, or where regularised: each region's plane is where "
+                             "region_normal @ x is this; else empty.")
+      .def_property_readonly("region_held", viewer<Partition>(&Partition::region_held),
+                             "(R,) uint8: 1 where regularise snapped the plane, which polygons keep to; empty: none.")
       .def_property_readonly(
           "bound", [](const Partition& part) { return given_or_none(is_bounded(part), part.bound); },
           "The bound as asked for, scene units; None without.")
@@ -92,6 +105,9 @@ void bind_result(py::module_& m) {
       .def_readonly(
           "snapped", &Partition::snapped,
           "Whether the number is that of the planes of the surface: the costs of merging have a significant gap there.")
+      .def_property_readonly(
+          "regularity", &regularity_of,
+          "What regularise made of the planes, a dict; it is in the report too. None without, or edited since.")
       .def_property_readonly("report", &report_of, "The numbers of this partition as a dict.")
       .def(py::pickle([](const Partition& self) { return state_of(self); }, &partition_from_state))
       .def("__repr__", [](const Partition& part) {

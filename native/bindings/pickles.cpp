@@ -66,12 +66,14 @@ py::tuple pack_report(const MeshingReport& report) {
   const auto& [polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
                closed_regions, repair, merged, joined, closed, manifold, euler, planarity_max, planarity_mean,
                distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect,
-               diagonals, rounds, work, capped] = report;
+               diagonals, rounds, work, capped, planar] = report;
   const auto& [work_faces, work_corners, work_polygons] = work;
+  const auto& [asked, is_planar, whole, added, apart, crossed, turned, meeting] = planar;
   return pack_all(polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
                   closed_regions, repair, merged, joined, closed, manifold, euler, planarity_max, planarity_mean,
                   distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least, without_area,
-                  imperfect, diagonals, rounds, work_faces, work_corners, work_polygons, capped);
+                  imperfect, diagonals, rounds, work_faces, work_corners, work_polygons, capped, asked, is_planar,
+                  whole, added, apart, crossed, turned, meeting);
 }
 
 MeshingReport unpack_report(const py::tuple& packed) {
@@ -79,12 +81,14 @@ MeshingReport unpack_report(const py::tuple& packed) {
   auto& [polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches, closed_regions,
          repair, merged, joined, closed, manifold, euler, planarity_max, planarity_mean, distance_max, crossing,
          flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect, diagonals, rounds, work,
-         capped] = report;
+         capped, planar] = report;
   auto& [work_faces, work_corners, work_polygons] = work;
+  auto& [asked, is_planar, whole, added, apart, crossed, turned, meeting] = planar;
   unpack_all(packed, polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
              closed_regions, repair, merged, joined, closed, manifold, euler, planarity_max, planarity_mean,
              distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect,
-             diagonals, rounds, work_faces, work_corners, work_polygons, capped);
+             diagonals, rounds, work_faces, work_corners, work_polygons, capped, asked, is_planar, whole, added, apart,
+             crossed, turned, meeting);
   for (const Imperfection& i : imperfect) check(i.flaw <= Flaw::excused);
   return report;
 }
@@ -114,21 +118,32 @@ std::shared_ptr<KeptMesh> mesh_from(const py::tuple& state) {
 
 py::tuple state_of(const Partition& partition) {
   const auto& [face_region, region_seed, region_normal, region_sum, error, history, smooth, tolerance, noise, snapped,
-               bound, distance_max, region_offset, asked, needed, left_out, area_left_out, guided, locked] = partition;
-  return py::make_tuple(
-      pack_all(face_region, region_seed, region_normal, region_sum, error, history, smooth, tolerance, noise, snapped,
-               bound, distance_max, region_offset, asked, needed, left_out, area_left_out, locked),
-      pack_guided(guided));
+               bound, distance_max, region_offset, asked, needed, left_out, area_left_out, guided, locked, held,
+               regularity] = partition;
+  const auto& [directions, planes, level, upright, slopes, parallel, free, length, rms_before, rms] =
+      regularity.value_or(Regularity{});
+  return py::make_tuple(pack_all(face_region, region_seed, region_normal, region_sum, error, history, smooth, tolerance,
+                                 noise, snapped, bound, distance_max, region_offset, asked, needed, left_out,
+                                 area_left_out, locked, held, regularity.has_value(), directions, planes, level,
+                                 upright, slopes, parallel, free, length, rms_before, rms),
+                        pack_guided(guided));
 }
 
 Partition partition_from_state(const py::tuple& state) {
   check(state.size() == 2);
   Partition partition;
   auto& [face_region, region_seed, region_normal, region_sum, error, history, smooth, tolerance, noise, snapped, bound,
-         distance_max, region_offset, asked, needed, left_out, area_left_out, guided, locked] = partition;
+         distance_max, region_offset, asked, needed, left_out, area_left_out, guided, locked, held, regularity] =
+      partition;
+  Regularity found;
+  auto& [directions, planes, level, upright, slopes, parallel, free, length, rms_before, rms] = found;
+  bool is_regular = false;
   unpack_all(state[0].cast<py::tuple>(), face_region, region_seed, region_normal, region_sum, error, history, smooth,
              tolerance, noise, snapped, bound, distance_max, region_offset, asked, needed, left_out, area_left_out,
-             locked);
+             locked, held, is_regular, directions, planes, level, upright, slopes, parallel, free, length, rms_before,
+             rms);
+  if (is_regular) regularity = found;
+  check(held.empty() || (held.size() == region_seed.size() && region_offset.size() == held.size()));
   const std::size_t faces = face_region.size(), regions = region_seed.size();
   check(region_normal.size() == regions && region_sum.size() == regions && all_in(region_seed, 0, faces));
   check((region_offset.empty() || region_offset.size() == regions) && (locked.empty() || locked.size() == regions));

@@ -143,6 +143,10 @@ class Partition:
     @property
     def region_offset(self) -> NDArray[np.float64]: ...
     @property
+    def regularity(self) -> dict[str, Any] | None: ...
+    @property
+    def region_held(self) -> NDArray[np.uint8]: ...
+    @property
     def bound(self) -> float | None: ...
     @property
     def distance_max(self) -> float | None: ...
@@ -205,6 +209,21 @@ def region_statistics(mesh: Mesh, partition: Partition, face: int, job: Job | No
 def all_statistics(mesh: Mesh, partition: Partition, job: Job | None = None) -> list[dict[str, Any]]: ...
 def backends() -> list[str]: ...
 
+class RegulariseOptions:
+    angle: float
+    length: float | None
+    up: Literal["x", "y", "z", "none"]
+    def __init__(
+        self,
+        *,
+        angle: float = ...,
+        length: float | None = ...,
+        up: Literal["x", "y", "z", "none"] = ...,
+    ) -> None: ...
+    @staticmethod
+    def fields() -> list[dict[str, Any]]: ...
+    def as_dict(self) -> dict[str, Any]: ...
+
 class MeshingOptions:
     chord_tolerance: float
     chord_area: float
@@ -214,6 +233,8 @@ class MeshingOptions:
     flatness_from: int
     flatness: float
     repair_budget: float
+    planar: bool
+    planar_reach: float
     threads: int
     def __init__(
         self,
@@ -226,6 +247,8 @@ class MeshingOptions:
         flatness_from: int = ...,
         flatness: float = ...,
         repair_budget: float = ...,
+        planar: bool = ...,
+        planar_reach: float = ...,
         threads: int = ...,
     ) -> None: ...
     @staticmethod
@@ -248,6 +271,12 @@ class PolygonMesh:
     @property
     def report(self) -> dict[str, Any]: ...
 
+def regularise(
+    mesh: Mesh,
+    partition: Partition,
+    options: RegulariseOptions = ...,
+    job: Job | None = None,
+) -> Partition: ...
 def polygonize(
     mesh: Mesh, partition: Partition, options: MeshingOptions = ..., job: Job | None = None
 ) -> PolygonMesh: ...

@@ -249,6 +249,12 @@ class MeshSettings:
         soft_max=200,
         **_range(MESHING["flatten"]),
     )
+    planar: BoolProperty(
+        name="Planar Exactly",
+        description="Make every polygon exactly planar. Corners that can't be on the plane of their polygon are cut "
+        "off as triangles",
+        default=_MESH.planar,
+    )
 
 
 def changed(self, context) -> None:

@@ -1,6 +1,7 @@
 #include "edit.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "borders/relax.h"
@@ -30,6 +31,7 @@ Edit::Edit(const Mesh& mesh, const Partition& partition)
       result(checked(mesh, partition)),
       labels{result.face_region.data(), &graph} {
   hold(result.region_locked);
+  if (!result.region_held.empty()) sums_ = result.region_sum;
 }
 
 std::int32_t Edit::at(std::int32_t face) const {
@@ -47,6 +49,7 @@ std::int32_t Edit::region_at(std::int32_t face) const {
 
 void Edit::restart(const Partition& partition) {
   result = partition;
+  if (!result.region_held.empty()) sums_ = result.region_sum;
   hold(result.region_locked);
   labels.region = result.face_region.data();
 }
@@ -67,6 +70,12 @@ std::int32_t Edit::add_region() {
   result.region_sum.emplace_back();
   result.region_seed.push_back(kNone);
   if (!result.region_locked.empty()) result.region_locked.push_back(0);
+  if (!result.region_held.empty()) {
+    result.region_held.push_back(0);
+    result.region_normal.emplace_back(Vec3::Zero());
+    result.region_offset.push_back(0);
+    sums_.emplace_back();
+  }
   hold(std::move(held_));
   return static_cast<std::int32_t>(result.region_sum.size()) - 1;
 }
@@ -76,6 +85,12 @@ void Edit::remove_region(std::int32_t region) {
   result.region_sum.erase(result.region_sum.begin() + at);
   result.region_seed.erase(result.region_seed.begin() + at);
   if (!result.region_locked.empty()) result.region_locked.erase(result.region_locked.begin() + at);
+  if (!result.region_held.empty()) {
+    result.region_held.erase(result.region_held.begin() + at);
+    result.region_normal.erase(result.region_normal.begin() + at);
+    result.region_offset.erase(result.region_offset.begin() + at);
+    sums_.erase(sums_.begin() + at);
+  }
   hold(result.region_locked);
   for (std::int32_t& r : result.face_region) r -= r > region;
 }
@@ -126,20 +141,31 @@ double Edit::error() const {
   return total;
 }
 
+void Edit::keep_planes() {
+  if (result.region_held.empty()) result.region_offset.clear();
+  for (std::size_t r = 0; r < result.region_held.size(); ++r) {
+    const RegionSum &now = result.region_sum[r], &before = sums_[r];
+    if (now.faces != before.faces || (now.normal() - before.normal()).norm() > 1e-9 ||
+        std::abs(now.weight - before.weight) > 1e-9 * before.weight)
+      result.region_held[r] = 0;
+  }
+  result.regularity.reset();
+}
+
 Partition Edit::finish() {
   const auto regions = static_cast<std::int32_t>(result.region_sum.size());
   hold({});
+  keep_planes();
   result.region_normal.resize(result.region_sum.size());
   std::vector<std::int32_t> lost;
   for (std::int32_t r = 0; r < regions; ++r) {
-    result.region_normal[r] = result.region_sum[r].normal();
+    if (!result.is_held(r)) result.region_normal[r] = result.region_sum[r].normal();
     const std::int32_t seed = result.region_seed[r];
     if (seed == kNone || result.face_region[seed] != r) lost.push_back(r);
   }
   result.error = error() * graph.area;
   result.history.assign(1, result.error);
   result.bound = result.distance_max = 0.0;  // an edit goes by the error and keeps no bound
-  result.region_offset.clear();
   for (const std::int32_t r : lost) reseed(r);
   return std::move(result);
 }

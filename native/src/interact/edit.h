@@ -78,7 +78,11 @@ struct Edit {
  private:
   void reseed(std::int32_t region);
 
+  /// Held planes of regions that the edit has changed are let go.
+  void keep_planes();
+
   std::vector<std::uint8_t> held_;
+  std::vector<RegionSum> sums_;  ///< as they were, where planes are held
 };
 
 }  // namespace isimp

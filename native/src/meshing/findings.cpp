@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "outline.h"
 #include "sorted.h"
 
 namespace isimp::meshing {
@@ -47,9 +48,19 @@ bool Findings::is_given(std::int32_t piece) const {
 Findings::Found Findings::find(std::int32_t piece, Source source) const {
   Found f{std::move(source), {}, {}};
   const std::int32_t first = s_.polygons.first_of(piece);
-  for (std::int32_t q = first; q < first + s_.polygons.count_of(piece); ++q)
-    f.polygons.push_back(judge_polygon(s_.polygons.of(q), s_.corners.position, f.source.normal, bounds_,
-                                       {{}, piece, q - first}, &f.facets.facets));
+  const bool apart = apart_ && s_.polygons.count_of(piece) > 1;
+  const std::vector<Vec3> beyond = apart ? areas_beyond_chords(s_, piece) : std::vector<Vec3>{};
+  for (std::int32_t q = first; q < first + s_.polygons.count_of(piece); ++q) {
+    const auto polygon = s_.polygons.of(q);
+    Vec3 normal = f.source.normal;
+    if (apart) {
+      const Vec3 area = vector_area(polygon, s_.corners.position),
+                 other = direction_on_scan(s_, piece, polygon, beyond);
+      if (area.dot(other) > area.dot(normal)) normal = other;
+    }
+    f.polygons.push_back(
+        judge_polygon(polygon, s_.corners.position, normal, bounds_, {{}, piece, q - first}, &f.facets.facets));
+  }
   f.facets.locate(s_.corners.position);
   if (f.polygons.size() == 1 && f.polygons[0].faults == kNoArea && f.source.is_face && is_given(piece))
     f.polygons[0].faults = kGiven;

@@ -35,6 +35,10 @@ class Findings {
   /// Judges the polygons of some pieces, and which they meet, again. Those that are what they were are left alone.
   /// Cost: O(changed polygons * log(all) + pieces).
   void judge(std::span<const std::int32_t> pieces);
+  /// From now on polygons are to be planar. Of a piece of several each has to face as the piece or as its own part of
+  /// the scan does (outline.h), as those that are cut off along its boundary may be steep; and triangles that are
+  /// slivers are avoided, as any triangulation will do.
+  void judge_planar() { apart_ = bounds_.no_slivers = true; }
   /// Keeps what is found now, so that it need not be found again of pieces that a trial changes and its undoing makes
   /// what they were. In place of what was kept before.
   void keep();
@@ -67,8 +71,9 @@ class Findings {
   void sort_faces_by_region();
 
   const State& s_;
-  const Bounds bounds_;
+  Bounds bounds_;
   const Job& job_;
+  bool apart_ = false;
   std::vector<Found> found_;  // by piece
   std::int64_t judged_ = 0;
   std::vector<std::uint8_t> faults_;                       // by piece

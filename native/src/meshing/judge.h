@@ -41,6 +41,9 @@ constexpr double kThickness = 1e-6;
 struct Bounds {
   double bend = 0;       ///< scene units; no bound if not above 0
   double thickness = 0;  ///< scene units; a polygon thinner than this has no area
+  /// Polygons are planar, so any triangulation will do: triangles that are about as thin are avoided, as the long side
+  /// of one would run through a corner that lies on it.
+  bool no_slivers = false;
 };
 
 /// \param normal  that of the piece: a polygon that faces away from it is flipped

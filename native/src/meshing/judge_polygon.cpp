@@ -196,10 +196,12 @@ class Ears {
 /// Cost: O(n^3).
 class LeastSurface {
  public:
+  /// \param thin  triangles thinner than this only where there is no other way; 0: no matter
   LeastSurface(const std::vector<Point>& points, bool convex, std::span<const std::int32_t> polygon,
-               std::span<const Vec3> position)
+               std::span<const Vec3> position, double thin)
       : p_(points),
         convex_(convex),
+        thin_(thin),
         polygon_(polygon),
         position_(position),
         n_(points.size()),
@@ -217,6 +219,11 @@ class LeastSurface {
 
  private:
   static constexpr double kNever = 1e300;
+  static constexpr double kSliver = 1e18;  ///< what one costs: more than any surface, in squares of `thin`
+
+  static double longest(const Vec3& a, const Vec3& b, const Vec3& c) {
+    return std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
+  }
 
   void best(std::size_t i, std::size_t j) {
     double& least = cost_[i * n_ + j];
@@ -227,7 +234,8 @@ class LeastSurface {
       if (rest >= least) continue;
       if (!convex_ && CGAL::orientation(p_[i], p_[k], p_[j]) != CGAL::LEFT_TURN) continue;
       const Vec3 &a = position_[polygon_[i]], &b = position_[polygon_[k]], &c = position_[polygon_[j]];
-      const double sum = rest + (b - a).cross(c - a).norm();
+      double sum = rest + (b - a).cross(c - a).norm();
+      if (thin_ > 0 && (b - a).cross(c - a).norm() <= thin_ * longest(a, b, c)) sum += kSliver * thin_ * thin_;
       if (sum >= least) continue;
       least = sum;
       via_[i * n_ + j] = k;
@@ -257,6 +265,7 @@ class LeastSurface {
 
   const std::vector<Point>& p_;
   const bool convex_;
+  const double thin_;
   std::span<const std::int32_t> polygon_;
   std::span<const Vec3> position_;
   std::size_t n_;
@@ -284,7 +293,8 @@ PolygonVerdict judge_polygon(std::span<const std::int32_t> polygon, std::span<co
   } else if (facets) {
     constexpr std::size_t kFew = 64;
     if (polygon.size() == 3 || polygon.size() > kFew ||
-        !LeastSurface(f.points, convex, polygon, position).cut(like, *facets))
+        !LeastSurface(f.points, convex, polygon, position, bounds.no_slivers ? 4 * bounds.thickness : 0)
+             .cut(like, *facets))
       Ears(f.points, polygon).cut(like, *facets);
   }
   return verdict;

@@ -298,7 +298,7 @@ class Joiner {
     const auto& locked = s_.partition.region_locked;
     if (!locked.empty() && (locked[from] != 0 || locked[to] != 0)) return false;
     if (crosses_barrier(gift)) return false;
-    if (s_.partition.region_offset.empty()) return true;
+    if (!(s_.partition.bound > 0) || s_.partition.region_offset.empty()) return true;
     for (const std::int32_t f : gift.faces)
       for (const std::int32_t v : mesh_.triangles()[f])
         if (std::abs(s_.partition.region_normal[to].dot(mesh_.vertices()[v]) - s_.partition.region_offset[to]) >

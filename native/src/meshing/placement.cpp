@@ -117,6 +117,11 @@ bool Fit::find_normal(const Spread& k, const Vec3& of_piece) {
 }
 
 void Fit::to(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Plane& plane) {
+  if (plane.held) {
+    normal = plane.normal;
+    centre = plane.centre;
+    return;
+  }
   constexpr double kOfSpread = 0.05;  // how much the piece's own spread counts beside the corners'
   constexpr double kOfPlane = 0.1;    // how far towards the plane of the piece that of the corners is shifted
   const double share = 1 / static_cast<double>(polygon.size());

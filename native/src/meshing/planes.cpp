@@ -89,6 +89,13 @@ Plane united(const Plane& a, const Plane& b) {
   return p;
 }
 
+void hold(Plane& plane, const Partition& partition, std::int32_t region) {
+  plane.held = partition.is_held(region);
+  if (!plane.held) return;
+  plane.normal = partition.region_normal[region];
+  plane.centre += (partition.region_offset[region] - plane.normal.dot(plane.centre)) * plane.normal;
+}
+
 Plane plane_of(const Mesh& mesh, std::span<const std::int32_t> faces) {
   Moments moments;
   const Vec3 origin = mesh.vertices()[mesh.triangles()[faces[0]][0]];

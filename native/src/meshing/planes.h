@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "isimp/core/threads.h"
+#include "isimp/partition/partition.h"
 #include "labels.h"
 
 namespace isimp::meshing {
@@ -15,6 +16,7 @@ struct Plane {
   Vec3 centre = Vec3::Zero();
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();  ///< covariance of the surface round the centre
   double area = 0;
+  bool held = false;     ///< the plane is given, through `centre`
   double projected = 0;  ///< length of the vector area; 0 where the faces do not tell a direction
 };
 
@@ -24,6 +26,9 @@ std::vector<Plane> planes_of(const Labels& labels, const Threads& threads, const
 
 /// The plane of one piece from its faces.
 Plane plane_of(const Mesh& mesh, std::span<const std::int32_t> faces);
+
+/// Turns the plane of a piece into the one that the partition holds for its region, if it does.
+void hold(Plane& plane, const Partition& partition, std::int32_t region);
 
 /// The plane of two pieces together, both with `projected` above 0.
 Plane united(const Plane& a, const Plane& b);

@@ -105,6 +105,7 @@ void report_repair(const RepairOutcome& outcome, std::span<const std::int32_t> p
   report.repair_rounds = outcome.rounds;
   report.repair_capped = outcome.capped;
   report.work = outcome.work;
+  report.planar = outcome.planar;
   report.excused_at_least = outcome.excused_at_least;
   std::vector<Imperfection> list;  // with each pair under its first polygon
   list.reserve(outcome.imperfect.size());

@@ -11,6 +11,7 @@
 #include "coarsen.h"
 #include "findings.h"
 #include "junctions.h"
+#include "planar/planar.h"
 #include "plans.h"
 #include "sorted.h"
 
@@ -59,6 +60,11 @@ class Repairer {
     if (fall_back()) {
       coarsen(s_, findings_, acted_, job_);
       fall_back();
+    }
+    if (s_.options.planar) {
+      make_planar();
+    } else {
+      outcome_.planar.planar = planar::is_planar(s_);
     }
     sum_up();
     return outcome_;
@@ -132,6 +138,29 @@ class Repairer {
       ever = ever || any;
     }
     return ever;
+  }
+
+  /// Where a polygon can't be made planar, its piece is split and all is done again.
+  void make_planar() {
+    constexpr int kTries = 4;
+    for (int go = 0; go < kTries; ++go) {
+      const std::vector<Vec3> positions = s_.corners.position;
+      const Diagonals diagonals = s_.diagonals;
+      planar::Outcome outcome = planar::make_planar(s_, findings_, job_);
+      outcome_.planar = outcome.report;
+      if (outcome.stuck.empty() || go + 1 == kTries) return;
+      s_.corners.position = positions;
+      s_.diagonals = diagonals;
+      polygons_ = 0;  // these splits are not counted
+      for (const std::int32_t l : outcome.stuck) split(l);
+      std::vector<std::int32_t> all(s_.labels.pieces.size());
+      std::iota(all.begin(), all.end(), 0);
+      s_.update(all, positions);
+      judge(all);
+      std::fill(tries_.begin(), tries_.end(), 0);
+      mend(kRounds);
+      fall_back();
+    }
   }
 
   bool shatter(std::int32_t l) {

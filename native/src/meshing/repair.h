@@ -16,6 +16,7 @@ struct RepairOutcome {
   std::int32_t taken_back = 0;  ///< polygons that splits and diagonals had made and that were not needed
   MeshingWork work;
   bool capped = false;  ///< something is left, and more splits were wanted than allowed
+  PlanarReport planar;
   /// As in MeshingReport, but polygons are numbered as in State and a pair is listed once.
   std::vector<Imperfection> imperfect;
 };

@@ -29,7 +29,8 @@ Partition inherited(Partition part, const Partition& before) {
       if (parent[r] >= 0) values[r] = from[parent[r]];
   };
   take(part.region_locked, before.region_locked);
-  if (before.bound > 0) {
+  take(part.region_held, before.region_held);
+  if (before.bound > 0 || !before.region_held.empty()) {
     take(part.region_normal, before.region_normal);
     take(part.region_offset, before.region_offset);
   }

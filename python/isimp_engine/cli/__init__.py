@@ -11,7 +11,17 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from .. import CleanOptions, FileError, InvalidInput, PartitionOptions, __version__, _process, recipes
+from .. import (
+    CleanOptions,
+    FileError,
+    InvalidInput,
+    MeshingOptions,
+    PartitionOptions,
+    RegulariseOptions,
+    __version__,
+    _process,
+    recipes,
+)
 from . import batch, guiding, info, simplify, texturing
 from .errors import UsageError
 from .files import place
@@ -19,7 +29,7 @@ from .files import place
 OK, USAGE, BAD_INPUT, INTERRUPTED = 0, 2, 3, _process.INTERRUPTED
 EXPECTED = (UsageError, FileError, OSError, MemoryError, InvalidInput, RuntimeError)  #: what wrong input raises
 
-Options = type[CleanOptions] | type[PartitionOptions]
+Options = type[CleanOptions] | type[MeshingOptions] | type[PartitionOptions]
 _COUNTS = ("proxies", "detail", "tolerance", "bound")  # at most one of them
 _SHARED = ("threads",)  # one flag for all steps
 
@@ -69,6 +79,10 @@ def simplify_options() -> argparse.ArgumentParser:
         help="keep all holes and handles; else those of a noisy scan that the regions can't show are closed",
     )
     guiding.add_angle(command)
+    add_fields(command, MeshingOptions, ("planar",))
+    turned = "snap planes of regions: level, upright, parallel, coplanar; by at most so many degrees, else %(const)s"
+    angle = RegulariseOptions().angle
+    command.add_argument("--regularise", type=float, nargs="?", const=angle, metavar="ANGLE", help=turned)
     command.add_argument(
         "--texture",
         type=texturing.size,

@@ -13,7 +13,17 @@ from typing import Any
 
 import numpy as np
 
-from .. import InvalidInput, Job, MeshingOptions, Partition, PolygonMesh, __version__, write
+from .. import (
+    InvalidInput,
+    Job,
+    MeshingOptions,
+    Partition,
+    PolygonMesh,
+    RegulariseOptions,
+    __version__,
+    regularise,
+    write,
+)
 from ..guided import partition_guided
 from ..texturing.writing import KINDS as TEXTURED_KINDS
 from ..texturing.writing import files_of
@@ -55,6 +65,8 @@ def run(arguments: argparse.Namespace) -> Done:
     beside = check_places(arguments)
     steps, options, recipe = Steps(wanted(arguments.quiet)), arguments.options, arguments.recipe
     meshing = MeshingOptions(**(recipe.meshing if recipe else {}) | {"threads": options.threads})
+    meshing.planar = meshing.planar or bool(arguments.planar)
+    regular = None if arguments.regularise is None else RegulariseOptions(angle=arguments.regularise)
     with steps("read") as job:
         source = load(arguments.input, job, options.threads, textured=arguments.texture is not None)
     if arguments.texture is not None:
@@ -72,6 +84,12 @@ def run(arguments: argparse.Namespace) -> Done:
         part = partition_guided(mesh, options, job, guides)
         if recipe:
             part = recipe.edited(mesh, part, job)
+    if regular is not None:
+        with steps("regularise") as job:
+            try:
+                part = regularise(mesh, part, regular, job)
+            except InvalidInput as error:
+                raise UsageError(str(error).replace("angle must", "--regularise must")) from None
     with steps("mesh") as job:
         edited = recipe is not None and recipe.edits  # made anew, the edits would be lost
         found = polygonize_within(mesh, part, meshing, job, None if edited else Made(options, guides))
@@ -103,6 +121,7 @@ def run(arguments: argparse.Namespace) -> Done:
                 "meshing": meshing.as_dict(),
                 "guides": guiding.as_dict(arguments),
                 "recipe": recipe and recipe.values,
+                "regularise": regular and regular.as_dict(),
             },
             "regions": part.region_count,
             "error": part.error,

@@ -17,6 +17,8 @@ struct MeshingOptions {
   std::int32_t flatness_from = 100;
   double flatness = 0.005;
   double repair_budget = 4;
+  bool planar = false;
+  double planar_reach = 0.005;
   std::int32_t threads = 0;
 };
 
@@ -47,6 +49,12 @@ constexpr auto fields(const MeshingOptions*) {
       field("repair_budget", &O::repair_budget, between(0, 1000), Unit::none,
             "Largest number of splits and diagonals of the repair, as a multiple of the number of polygons. Those "
             "that prove unnecessary are undone."),
+      field("planar", &O::planar,
+            "Make every polygon planar to a millionth of the diagonal: planes and corners are moved together, and a "
+            "corner that can't be on its polygon's plane is cut off as a triangle."),
+      field("planar_reach", &O::planar_reach, between(0, 1), Unit::none,
+            "With planar: distance that a corner may move to be on its planes, as a share of the diagonal. Up to six "
+            "times as far along the scan where its edges are long, less where they are short."),
       threads_field(&O::threads),
   };
 }

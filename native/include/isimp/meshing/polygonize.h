@@ -37,6 +37,17 @@ struct MeshingWork {
   bool operator==(const MeshingWork&) const = default;
 };
 
+/// What MeshingOptions::planar came to.
+struct PlanarReport {
+  bool asked = false;
+  bool planar = false;               ///< every polygon is planar to a millionth of the diagonal, rounded to float32 too
+  double whole = 0;                  ///< share of the polygons that stayed one
+  std::int32_t faces_added = 0;      ///< as corners were cut off; the sum of those below
+  std::int32_t added_for_apart = 0;  ///< planes round a corner do not meet within reach
+  std::int32_t added_for_crossing = 0, added_for_flipped = 0, added_for_meeting = 0;  ///< else it would have been so
+  bool operator==(const PlanarReport&) const = default;
+};
+
 /// What came out, and by how much it is not perfect.
 struct MeshingReport {
   std::int32_t polygons = 0, corners = 0, vertices = 0;
@@ -62,6 +73,7 @@ struct MeshingReport {
   std::int32_t repair_rounds = 0;
   MeshingWork work;
   bool repair_capped = false;  ///< something is left that takes more splits than repair_budget allows
+  PlanarReport planar;
   bool operator==(const MeshingReport&) const = default;
 };
 

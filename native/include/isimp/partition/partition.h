@@ -15,6 +15,17 @@
 
 namespace isimp {
 
+/// What `regularise` made of the planes of a partition (meshing/regularise.h). Lengths in scene units.
+struct Regularity {
+  std::int32_t directions = 0;  ///< of all regions' planes, opposite ones counted once
+  std::int32_t planes = 0;      ///< that differ
+  std::int32_t level = 0, upright = 0, slopes = 0, parallel = 0, free = 0;  ///< regions by what they were snapped to
+  double length = 0;      ///< what a snap may add to the distance of a region from its plane, root mean square
+  double rms_before = 0;  ///< distance of the scan from the regions' planes of best fit, root mean square ...
+  double rms = 0;         ///< ... and from those snapped
+  bool operator==(const Regularity&) const = default;
+};
+
 /// A surface split into connected, near-planar regions.
 struct Partition {
   std::vector<std::int32_t> face_region;  ///< (F) in [0, R); kNone where a speck was left out
@@ -33,7 +44,8 @@ struct Partition {
   bool snapped = false;       ///< the shape has so many planes: a gap in the costs of merging that can't be chance
   double bound = 0.0;         ///< as asked for, scene units; 0: none
   double distance_max = 0.0;  ///< with a bound: the largest distance of a vertex from its region's plane, scene units
-  std::vector<double> region_offset;  ///< (R) with a bound: that plane is where region_normal * x is this; else empty
+  std::vector<double> region_offset;  ///< (R) with a bound, or where regularised: that plane is where region_normal * x
+                                      ///< is this; else empty
   std::int32_t proxies_asked = 0;     ///< R is larger where components need more (see `proxies_needed`)
   std::int32_t proxies_needed = 0;    ///< the least that the kept components need together
   std::int32_t parts_left_out = 0;    ///< components without a region
@@ -44,6 +56,11 @@ struct Partition {
   std::vector<std::uint8_t>
       region_locked;  ///< (R) 1 where edits leave a region as it is; empty: none (interact/lock.h)
 
+  /// (R) 1 where the plane of region_normal and region_offset is given, for polygons to keep to; empty: none
+  std::vector<std::uint8_t> region_held;
+  std::optional<Regularity> regularity;  ///< where it was regularised and not edited since
+
+  [[nodiscard]] bool is_held(std::int32_t region) const { return !region_held.empty() && region_held[region] != 0; }
   [[nodiscard]] std::int32_t region_count() const { return static_cast<std::int32_t>(region_seed.size()); }
 };
 

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <tuple>
+
+#include "isimp/core/job.h"
+#include "isimp/core/options.h"
+#include "isimp/mesh/mesh.h"
+#include "isimp/partition/partition.h"
+
+namespace isimp {
+
+/// The axis that points up, of the scene.
+enum class Up : std::uint8_t { x, y, z, none };
+
+/// How the planes of regions are snapped. What each field means stands in `fields` below.
+struct RegulariseOptions {
+  double angle = 8;
+  std::optional<double> length;
+  Up up = Up::z;
+};
+
+constexpr auto fields(const RegulariseOptions*) {
+  using O = RegulariseOptions;
+  return std::tuple{
+      field("angle", &O::angle, between(0, 45), Unit::none,
+            "Largest angle by which a plane is turned, degrees; three times as much where a region is so small that it "
+            "hardly moves."),
+      field("length", &O::length, above(0), Unit::length,
+            "What turning or moving a plane may add to the distance of its region, root mean square. None: 1.2 times "
+            "the median of that distance, and more for regions of few faces, so it follows the scan's noise."),
+      choice("up", &O::up, {{"x", Up::x}, {"y", Up::y}, {"z", Up::z}, {"none", Up::none}},
+             "The axis that is up, for level and upright planes; none: planes are made parallel only."),
+  };
+}
+
+/// Snaps the planes of regions: level, upright with right angles between them, equal slopes, parallel, coplanar. Large
+/// regions lead. Each snap is made only if the scan stays within `length` of the plane. The labels do not change;
+/// `polygonize` keeps to the planes.
+///
+/// \return the partition with region_normal, region_offset, region_held and regularity set
+/// \throws InvalidInput  the partition is not one of this mesh; an option out of its range
+/// \throws Cancelled     nothing was made
+/// Source: the order of snaps as in Verdie, Lafarge, Alliez 2015; the gate by length is our own.
+/// Cost: O(F + R^2).
+Partition regularise(const Mesh& mesh, const Partition& partition, const RegulariseOptions& options, Job& job);
+
+}  // namespace isimp

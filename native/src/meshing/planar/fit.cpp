@@ -1,0 +1,218 @@
+#include "planar/fit.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <cmath>
+
+namespace isimp::meshing::planar {
+namespace {
+
+using Mat3 = Eigen::Matrix3d;
+
+/// What a step of a corner costs beside the area of a mean unit times its square distance. Source: own trials.
+constexpr double kStep = 0.7;
+constexpr double kMostShare = 30;  ///< corners of little reach cost at most the square of this times as much
+constexpr double kMostTurn = 0.2;  ///< of a plane in a round, radians
+constexpr double kMostSteps = 6;   ///< of a corner in a round, in units of its reach
+constexpr double kDamping = 1e-9;
+
+/// A corner on a plane: how the distance changes with the three unknowns of the plane.
+struct Link {
+  std::int32_t unit, corner;
+  Vec3 slope;  ///< for two turns about the middle of its scan, and the offset
+};
+
+class Solver {
+ public:
+  Solver(std::vector<Unit>& units, const Places& places, const Kept& kept, std::vector<Vec3>& at)
+      : units_(units), places_(places), at_(at), first_(places.start.size() + 1, 0), unknown_(units.size(), kNone) {
+    double area = 0;
+    for (std::size_t u = 0; u < units.size(); ++u) {
+      area += units[u].scan.area;
+      if (!units[u].held && !units[u].free) unknown_[u] = count_++;
+      for (std::size_t i = 0; !units[u].free && i < units[u].loop.size(); ++i)
+        if (kept[u][i]) links_.push_back({static_cast<std::int32_t>(u), units[u].loop[i], Vec3::Zero()});
+    }
+    mean_area_ = area > 0 ? area / static_cast<double>(units.size()) : 1;
+    std::stable_sort(links_.begin(), links_.end(), [](const Link& a, const Link& b) { return a.corner < b.corner; });
+    for (const Link& l : links_) ++first_[l.corner + 1];
+    for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
+  }
+
+  void round(double penalty) {
+    start(penalty);
+    for (std::int32_t c = 0; c + 1 < static_cast<std::int32_t>(first_.size()); ++c) eliminate(c, penalty);
+    solve();
+    for (std::int32_t c = 0; c + 1 < static_cast<std::int32_t>(first_.size()); ++c) move(c);
+    for (std::size_t u = 0; u < units_.size(); ++u) turn(u);
+  }
+
+ private:
+  [[nodiscard]] std::span<const Link> at(std::int32_t c) const {
+    return std::span(links_).subspan(first_[c], first_[c + 1] - first_[c]);
+  }
+  [[nodiscard]] double weight(std::size_t u) const { return units_[u].scan.area / mean_area_; }
+
+  /// The terms of the planes alone.
+  void start(double penalty) {
+    diagonal_.assign(count_, Mat3::Zero());
+    right_.setZero(3 * count_);
+    for (std::size_t u = 0; u < units_.size(); ++u) {
+      const Unit& unit = units_[u];
+      if (unknown_[u] == kNone) continue;
+      const Eigen::Matrix<double, 3, 2> axes = axes_of(unit.normal);
+      Mat3 h = Mat3::Zero();
+      h.topLeftCorner<2, 2>() = axes.transpose() * unit.scan.spread * axes;
+      h(2, 2) = 1;
+      Vec3 b;
+      b << -axes.transpose() * (unit.scan.spread * unit.normal), unit.normal.dot(unit.scan.centre) - unit.offset;
+      const double size = places_.diagonal * places_.diagonal;
+      diagonal_[unknown_[u]] = weight(u) * h + kDamping * Vec3(size, size, 1).asDiagonal().toDenseMatrix();
+      right_.segment<3>(3 * unknown_[u]) = weight(u) * b;
+    }
+    for (Link& l : links_) {
+      const std::int32_t k = unknown_[l.unit];
+      if (k == kNone) continue;
+      const Unit& unit = units_[l.unit];
+      const Vec3 arm = at_[l.corner] - unit.scan.centre;
+      l.slope << axes_of(unit.normal).transpose() * arm, -1.0;
+      diagonal_[k] += penalty * l.slope * l.slope.transpose();
+      right_.segment<3>(3 * k) -= penalty * miss(l) * l.slope;
+    }
+    blocks_.clear();
+    steps_.resize(at_.size());
+  }
+
+  [[nodiscard]] double miss(const Link& l) const {
+    return units_[l.unit].normal.dot(at_[l.corner]) - units_[l.unit].offset;
+  }
+
+  /// Puts what a corner would do into the equations of the planes round it.
+  void eliminate(std::int32_t c, double penalty) {
+    if (at(c).empty()) return;
+    const double share = std::min(places_.base / std::max(places_.reach[c], 1e-300), kMostShare);
+    const double cost = kStep * share * share;
+    Mat3 h = cost * Mat3::Identity();
+    Vec3 b = -cost * (at_[c] - places_.start[c]);
+    for (const Link& l : at(c)) {
+      const Vec3& n = units_[l.unit].normal;
+      h += penalty * n * n.transpose();
+      b -= penalty * miss(l) * n;
+    }
+    Step& s = steps_[c];
+    s.inverse = h.inverse();
+    s.right = b;
+    s.penalty = penalty;
+    for (const Link& l : at(c)) {
+      const std::int32_t k = unknown_[l.unit];
+      if (k == kNone) continue;
+      const Vec3 back = penalty * (s.inverse * units_[l.unit].normal);
+      right_.segment<3>(3 * k) -= l.slope * back.dot(b);
+      for (const Link& m : at(c)) {
+        const std::int32_t j = unknown_[m.unit];
+        if (j == kNone || j > k) continue;
+        const Mat3 block = penalty * back.dot(units_[m.unit].normal) * l.slope * m.slope.transpose();
+        if (j == k) {
+          diagonal_[k] -= block;
+        } else {
+          blocks_.push_back({k, j, block});
+        }
+      }
+    }
+  }
+
+  void solve() {
+    std::vector<Eigen::Triplet<double>> entries;
+    entries.reserve(9 * (blocks_.size() + diagonal_.size()));
+    for (std::int32_t k = 0; k < count_; ++k)
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j <= i; ++j) entries.emplace_back(3 * k + i, 3 * k + j, diagonal_[k](i, j));
+    for (const auto& [row, column, block] : blocks_)
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) entries.emplace_back(3 * row + i, 3 * column + j, -block(i, j));
+    Eigen::SparseMatrix<double> matrix(3 * count_, 3 * count_);
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    if (!analysed_) ldlt_.analyzePattern(matrix);
+    analysed_ = true;
+    ldlt_.factorize(matrix);
+    if (ldlt_.info() == Eigen::Success) {
+      answer_ = ldlt_.solve(right_);
+    } else {
+      answer_.setZero(3 * count_);
+    }
+    if (!answer_.allFinite()) answer_.setZero();
+  }
+
+  void move(std::int32_t c) {
+    if (at(c).empty()) return;
+    const Step& s = steps_[c];
+    Vec3 b = s.right;
+    for (const Link& l : at(c))
+      if (const std::int32_t k = unknown_[l.unit]; k != kNone)
+        b -= s.penalty * l.slope.dot(answer_.segment<3>(3 * k)) * units_[l.unit].normal;
+    Vec3 step = s.inverse * b;
+    const double length = step.norm(), most = kMostSteps * places_.reach[c];
+    if (length > most) step *= most / length;
+    at_[c] += step;
+  }
+
+  void turn(std::size_t u) {
+    if (unknown_[u] == kNone) return;
+    Unit& unit = units_[u];
+    const Vec3 y = answer_.segment<3>(3 * unknown_[u]);
+    const double by = std::hypot(y[0], y[1]), share = by > kMostTurn ? kMostTurn / by : 1;
+    const double beyond = unit.offset - unit.normal.dot(unit.scan.centre) + y[2];
+    unit.normal = (unit.normal + share * (axes_of(unit.normal) * y.head<2>())).normalized();
+    unit.offset = unit.normal.dot(unit.scan.centre) + beyond;
+  }
+
+  static Eigen::Matrix<double, 3, 2> axes_of(const Vec3& n) {
+    int axis = 0;
+    n.cwiseAbs().minCoeff(&axis);
+    Eigen::Matrix<double, 3, 2> axes;
+    axes.col(0) = n.cross(Vec3::Unit(axis)).normalized();
+    axes.col(1) = n.cross(axes.col(0));
+    return axes;
+  }
+
+  struct Step {
+    Mat3 inverse = Mat3::Zero();
+    Vec3 right = Vec3::Zero();
+    double penalty = 0;
+  };
+  struct Block {
+    std::int32_t row, column;
+    Mat3 block;
+  };
+
+  std::vector<Unit>& units_;
+  const Places& places_;
+  std::vector<Vec3>& at_;
+  std::vector<Link> links_;          // by corner
+  std::vector<std::int32_t> first_;  // by corner: where its links begin
+  std::vector<std::int32_t> unknown_;
+  std::int32_t count_ = 0;
+  double mean_area_ = 1;
+  std::vector<Mat3> diagonal_;
+  std::vector<Block> blocks_;
+  std::vector<Step> steps_;
+  Eigen::VectorXd right_, answer_;
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> ldlt_;
+  bool analysed_ = false;
+};
+
+}  // namespace
+
+void fit(std::vector<Unit>& units, const Places& places, const Kept& kept, const Schedule& schedule,
+         std::vector<Vec3>& at, const Job& job) {
+  Solver solver(units, places, kept, at);
+  for (int k = 0; k < schedule.rounds; ++k) {
+    job.poll();
+    solver.round(schedule.from * std::pow(schedule.to / schedule.from, k / (schedule.rounds - 1.0)));
+  }
+}
+
+}  // namespace isimp::meshing::planar

@@ -1,0 +1,162 @@
+#include "planar/meet.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+namespace isimp::meshing::planar {
+namespace {
+
+constexpr std::size_t kMostPlanes = 7;  ///< round a corner that are tried in all combinations
+constexpr std::int32_t kTogether = 64;  ///< corners on one thread
+constexpr double kRank = 1e-7;          ///< singular values below this share of the largest fix nothing
+constexpr double kOfTriangle = 0.25;    ///< what a triangle's plane weighs: it is planar without it
+constexpr double kOfArea = 0.5;         ///< what a unit's share of the area round a corner weighs beside being one
+
+struct Candidate {
+  std::int32_t unit, place;
+  double weight;
+};
+
+/// The point nearest to `from` on all of some planes, or where it nearly is.
+Vec3 nearest_on(std::span<const Unit* const> planes, const Vec3& from) {
+  const auto miss = [&](const Unit* u) { return u->offset - u->normal.dot(from); };
+  if (planes.size() == 1) return from + miss(planes[0]) * planes[0]->normal;
+  if (planes.size() == 2) {
+    const Vec3 &a = planes[0]->normal, &b = planes[1]->normal;
+    const double det = a.cross(b).squaredNorm(), same = a.dot(b), r = miss(planes[0]), s = miss(planes[1]);
+    if (det > kRank) return from + ((r - same * s) * a + (s - same * r) * b) / det;
+  }
+  if (planes.size() == 3) {
+    const Vec3 &a = planes[0]->normal, &b = planes[1]->normal, &c = planes[2]->normal;
+    const Vec3 bc = b.cross(c);
+    const double det = a.dot(bc);
+    if (std::abs(det) > 1e-3)
+      return from + (miss(planes[0]) * bc + miss(planes[1]) * c.cross(a) + miss(planes[2]) * a.cross(b)) / det;
+  }
+  const auto n = static_cast<Eigen::Index>(planes.size());
+  Eigen::Matrix<double, Eigen::Dynamic, 3> rows(n, 3);
+  Eigen::VectorXd right(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    rows.row(i) = planes[i]->normal.transpose();
+    right[i] = miss(planes[i]);
+  }
+  Eigen::JacobiSVD<Eigen::MatrixXd> svd(rows, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  svd.setThreshold(kRank);
+  return from + Vec3(svd.solve(right));
+}
+
+class Corner {
+ public:
+  Corner(const std::vector<Unit>& units, std::span<const Around::Use> uses, const Places& places, std::int32_t corner)
+      : units_(units), places_(places), corner_(corner), tolerance_(kOnPlane * places.diagonal) {
+    double area = 0;
+    for (const auto& [u, place] : uses) area += units[u].scan.area;
+    for (const auto& [u, place] : uses) {
+      if (units[u].free) continue;
+      const double one = units[u].loop.size() == 3 ? kOfTriangle : 1;
+      all_.push_back({u, place, one * (1 + kOfArea * units[u].scan.area / std::max(area, 1e-300))});
+    }
+    std::stable_sort(all_.begin(), all_.end(), [](const auto& a, const auto& b) { return a.weight > b.weight; });
+    if (all_.size() > kMostPlanes) all_.resize(kMostPlanes);
+  }
+
+  /// \return the planes that it is on, as bits
+  std::uint32_t place(Vec3& at) {
+    best_at_ = places_.start[corner_];
+    const auto n = static_cast<int>(all_.size());
+    const std::uint32_t full = (1U << n) - 1;
+    if (touched() == full) {  // it need not move
+      at = best_at_;
+      return full;
+    }
+    if (places_.reach[corner_] > 0) {
+      if (n > 0) attempt(full);
+      for (int size = n - 1; size > 0 && best_ == 0; --size)
+        for (std::uint32_t set = 1; set < full; ++set)
+          if (std::popcount(set) == size) attempt(set);
+    }
+    at = best_at_;
+    return best_ | touched();
+  }
+
+  [[nodiscard]] const std::vector<Candidate>& all() const { return all_; }
+
+ private:
+  void attempt(std::uint32_t set) {
+    planes_.clear();
+    double weight = 0;
+    for (std::size_t i = 0; i < all_.size(); ++i)
+      if (set >> i & 1) {
+        planes_.push_back(&units_[all_[i].unit]);
+        weight += all_[i].weight;
+      }
+    if (weight < best_weight_) return;
+    const Vec3 x = nearest_on(planes_, places_.start[corner_]);
+    if (!x.allFinite() || !places_.allows(corner_, x)) return;
+    for (const Unit* u : planes_)
+      if (std::abs(u->normal.dot(x) - u->offset) > tolerance_) return;
+    const double distance = (x - places_.start[corner_]).norm();
+    if (weight == best_weight_ && distance >= best_distance_) return;
+    best_ = set;
+    best_weight_ = weight;
+    best_distance_ = distance;
+    best_at_ = x;
+  }
+
+  /// Planes that it is on though nobody asked: those of one wall in two units.
+  [[nodiscard]] std::uint32_t touched() const {
+    std::uint32_t set = 0;
+    for (std::size_t i = 0; i < all_.size(); ++i) {
+      const Unit& u = units_[all_[i].unit];
+      if (std::abs(u.normal.dot(best_at_) - u.offset) <= tolerance_) set |= 1U << i;
+    }
+    return set;
+  }
+
+  const std::vector<Unit>& units_;
+  const Places& places_;
+  const std::int32_t corner_;
+  const double tolerance_;
+  std::vector<Candidate> all_;
+  std::vector<const Unit*> planes_;
+  std::uint32_t best_ = 0;
+  double best_weight_ = 0, best_distance_ = std::numeric_limits<double>::infinity();
+  Vec3 best_at_ = Vec3::Zero();
+};
+
+}  // namespace
+
+Around::Around(const std::vector<Unit>& units, std::int32_t corners) : start_(corners + 1, 0) {
+  for (const Unit& u : units)
+    for (const std::int32_t c : u.loop) ++start_[c + 1];
+  for (std::size_t c = 1; c < start_.size(); ++c) start_[c] += start_[c - 1];
+  std::vector<std::int32_t> fill(start_.begin(), start_.end() - 1);
+  uses_.resize(start_.back());
+  for (std::size_t u = 0; u < units.size(); ++u)
+    for (std::size_t i = 0; i < units[u].loop.size(); ++i)
+      uses_[fill[units[u].loop[i]]++] = {static_cast<std::int32_t>(u), static_cast<std::int32_t>(i)};
+}
+
+Kept meet(const std::vector<Unit>& units, const Around& around, const Places& places, const Threads& threads,
+          const Job& job, std::vector<Vec3>& at) {
+  Kept kept(units.size());
+  for (std::size_t u = 0; u < units.size(); ++u) kept[u].assign(units[u].loop.size(), 0);
+  at.resize(places.start.size());
+  const auto n = static_cast<std::int32_t>(places.start.size());
+  threads.blocks(n, kTogether, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+    job.poll();
+    for (std::int32_t c = begin; c < end; ++c) {
+      Corner corner(units, around.of(c), places, c);
+      const std::uint32_t set = corner.place(at[c]);
+      for (std::size_t i = 0; i < corner.all().size(); ++i)
+        if (set >> i & 1) kept[corner.all()[i].unit][corner.all()[i].place] = 1;
+    }
+  });
+  return kept;
+}
+
+}  // namespace isimp::meshing::planar

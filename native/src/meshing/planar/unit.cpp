@@ -1,0 +1,145 @@
+#include "planar/unit.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "outline.h"
+
+namespace isimp::meshing::planar {
+namespace {
+
+// How far a corner may go, as shares of its shortest edge and of the reach that is asked for. Source: own trials.
+constexpr double kOfEdge = 0.5, kLeast = 0.1, kMost = 6;
+/// A spread whose smallest eigenvalue is above this share of the next fixes no plane.
+constexpr double kThin = 0.25;
+/// The cosine between the direction of least spread and that of the outline below which the former is not trusted.
+constexpr double kAgree = 0.8;
+
+/// The distance of a point from a segment, squared.
+double squared_distance(const Vec3& p, const Vec3& a, const Vec3& b) {
+  const Vec3 d = b - a;
+  const double length = d.squaredNorm(), t = length > 0 ? std::clamp((p - a).dot(d) / length, 0.0, 1.0) : 0.0;
+  return (p - a - t * d).squaredNorm();
+}
+
+/// Whether a point is inside a loop as seen along an axis: an odd number of edges on one side of it.
+bool is_inside(const Vec3& p, std::span<const std::int32_t> loop, std::span<const Vec3> at, int axis) {
+  const int x = (axis + 1) % 3, y = (axis + 2) % 3;
+  bool inside = false;
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    const Vec3 &a = at[loop[i]], &b = at[loop[i + 1 < loop.size() ? i + 1 : 0]];
+    if ((a[y] > p[y]) == (b[y] > p[y])) continue;
+    inside ^= p[x] < a[x] + (b[x] - a[x]) * (p[y] - a[y]) / (b[y] - a[y]);
+  }
+  return inside;
+}
+
+/// The plane of each of a piece's units from the faces of the scan that are nearest to it.
+void share_out(State& state, std::span<Unit> units) {
+  const Mesh& mesh = state.mesh;
+  const auto& at = state.corners.position;
+  int axis = 0;
+  state.planes[units[0].piece].normal.cwiseAbs().maxCoeff(&axis);
+  std::vector<std::vector<std::int32_t>> faces(units.size());
+  for (const std::int32_t f : state.labels.faces_of(units[0].piece)) {
+    const Triangle& t = mesh.triangles()[f];
+    const Vec3 middle = (mesh.vertices()[t[0]] + mesh.vertices()[t[1]] + mesh.vertices()[t[2]]) / 3;
+    std::size_t best = 0;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t u = 0; u < units.size(); ++u) {
+      const auto& loop = units[u].loop;
+      double distance = is_inside(middle, loop, at, axis) ? -1 : nearest;
+      for (std::size_t i = 0; distance >= 0 && i < loop.size(); ++i)
+        distance = std::min(distance, squared_distance(middle, at[loop[i]], at[loop[(i + 1) % loop.size()]]));
+      if (distance >= nearest) continue;
+      nearest = distance;
+      best = u;
+    }
+    faces[best].push_back(f);
+  }
+  for (std::size_t u = 0; u < units.size(); ++u) {
+    units[u].scan = faces[u].empty() ? Plane{} : plane_of(mesh, faces[u]);
+    hold(units[u].scan, state.partition, state.labels.pieces[units[u].piece].region);
+  }
+}
+
+/// The plane that the scan asks for; that of the corners where the scan is too thin a strip to tell.
+void find_plane(Unit& unit, std::span<const Vec3> at, double least_area) {
+  const Vec3 outline = vector_area(unit.loop, at);
+  Vec3 middle = Vec3::Zero();
+  for (const std::int32_t c : unit.loop) middle += at[c];
+  middle /= static_cast<double>(unit.loop.size());
+  Plane& scan = unit.scan;
+  const double length = outline.norm();
+  if (scan.area <= least_area && !scan.held) {
+    scan.area = std::max(length, least_area);
+    scan.centre = middle;
+    scan.spread.setZero();
+    for (const std::int32_t c : unit.loop)
+      scan.spread += (at[c] - middle) * (at[c] - middle).transpose() / static_cast<double>(unit.loop.size());
+    if (length > 0) scan.normal = outline / length;
+  }
+  unit.held = scan.held;
+  if (scan.held) {
+    unit.normal = scan.normal;
+    unit.offset = scan.normal.dot(scan.centre);
+    return;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scan.spread);
+  Vec3 n = solver.eigenvectors().col(0);
+  const bool is_thin = !(solver.eigenvalues()[0] <= kThin * solver.eigenvalues()[1]);
+  if (is_thin || std::abs(n.dot(outline)) < kAgree * length) n = length > 0 ? Vec3(outline / length) : scan.normal;
+  if (n.dot(length > 0 ? outline : scan.normal) < 0) n = -n;
+  unit.normal = n;
+  unit.offset = n.dot(scan.centre);
+}
+
+}  // namespace
+
+bool Places::allows(std::int32_t corner, const Vec3& x) const { return (x - start[corner]).norm() <= reach[corner]; }
+
+std::vector<Unit> units_of(State& state) {
+  std::vector<Unit> units;
+  double area = 0;
+  for (std::int32_t l = 0; l < state.labels.piece_count(); ++l) {
+    const std::size_t first = units.size();
+    if (state.polygons.count_of(l) == 0) continue;
+    const std::vector<Vec3> beyond = areas_beyond_chords(state, l);
+    state.polygons.for_each_of(l, [&](std::int32_t q) {
+      Unit& u = units.emplace_back();
+      u.piece = l;
+      u.loop.assign(state.polygons.of(q).begin(), state.polygons.of(q).end());
+      for (const std::int32_t c : u.loop) u.home.push_back(state.mesh.vertices()[state.corners.vertex[c]]);
+      for (const std::int32_t k : chords_of(state, l, u.loop))
+        u.beyond.push_back(k == kNone ? Vec3::Zero() : beyond[k]);
+      u.scan = state.planes[l];
+    });
+    if (units.size() - first > 1) share_out(state, std::span(units).subspan(first));
+    for (std::size_t u = first; u < units.size(); ++u) area += units[u].scan.area;
+  }
+  const double least = 1e-9 * area / static_cast<double>(std::max<std::size_t>(units.size(), 1));
+  for (Unit& u : units) find_plane(u, state.corners.position, least);
+  return units;
+}
+
+Places places_of(const State& state, const std::vector<Unit>& units, double base) {
+  Places p;
+  p.start = state.corners.position;
+  p.base = base;
+  p.diagonal = state.mesh.diagonal();
+  p.reach.assign(p.start.size(), std::numeric_limits<double>::infinity());
+  for (const Unit& u : units)
+    for (std::size_t i = 0; i < u.loop.size(); ++i) {
+      const std::int32_t a = u.loop[i], b = u.loop[i + 1 < u.loop.size() ? i + 1 : 0];
+      const double length = (p.start[a] - p.start[b]).norm();
+      p.reach[a] = std::min(p.reach[a], length);
+      p.reach[b] = std::min(p.reach[b], length);
+    }
+  for (double& r : p.reach) r = std::clamp(kOfEdge * r, kLeast * base, kMost * base);
+  return p;
+}
+
+}  // namespace isimp::meshing::planar

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "planes.h"
+#include "state.h"
+
+namespace isimp::meshing::planar {
+
+/// Why a polygon is not one face any more.
+enum class Cause : std::uint8_t {
+  none,
+  apart,     ///< the planes round some corner do not meet within reach
+  crossing,  ///< it would intersect itself or have no area
+  flipped,   ///< it would face away from the scan
+  meeting,   ///< it would intersect another polygon
+};
+
+/// A polygon that is to be planar: the part of the scan that it stands for, and the plane that it is to have.
+struct Unit {
+  std::int32_t piece = kNone;
+  std::vector<std::int32_t> loop;  ///< corners
+  std::vector<Vec3> home;          ///< of these, the vertices of the scan
+  std::vector<Vec3> beyond;        ///< by edge: the vector area between it and the boundary that it stands for
+  Plane scan;                      ///< of the faces that it stands for
+  Vec3 normal = Vec3::UnitZ();     ///< unit; the plane is where normal * x = offset
+  double offset = 0;
+  bool held = false;          ///< its plane is given and does not change
+  bool free = false;          ///< given up: it is triangulated, and its plane counts for nothing
+  bool plain = false;         ///< its triangles are those of least surface, whichever way they face
+  Cause cause = Cause::none;  ///< why it was given up or a corner held back
+};
+
+/// The corners, and how far each may go.
+struct Places {
+  std::vector<Vec3> start;    ///< (C) where the polygons of the mesher have them
+  std::vector<double> reach;  ///< (C) largest distance from `start`
+  double base = 0;            ///< the reach that is asked for, scene units
+  double diagonal = 0;
+
+  /// Whether a corner may be at x.
+  [[nodiscard]] bool allows(std::int32_t corner, const Vec3& x) const;
+};
+
+/// The polygons of a state as units, in the order of their pieces. A piece that has several is shared out among them.
+std::vector<Unit> units_of(State& state);
+
+/// How far each corner may go: `base`, more where its edges are long, as it slides along its planes, and less where they
+/// are short.
+Places places_of(const State& state, const std::vector<Unit>& units, double base);
+
+}  // namespace isimp::meshing::planar

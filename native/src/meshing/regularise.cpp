@@ -1,0 +1,384 @@
+#include "isimp/meshing/regularise.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "isimp/core/errors.h"
+#include "planes.h"
+
+namespace isimp {
+namespace {
+
+using namespace meshing;
+using Some = std::vector<std::int32_t>;  ///< regions, the largest first
+
+constexpr double kQuarter = std::numbers::pi / 2;
+constexpr double kThin = 0.25;  ///< a spread whose smallest eigenvalue is above this share of the next fixes no plane
+constexpr double kAgree = 0.8;  ///< cosine between that plane and the faces' mean normal below which the mean counts
+constexpr double kOfMedian = 1.2;  ///< the length by default, times the median distance of a region from its plane
+constexpr double kUnsure = 3;      ///< times that distance * sqrt(3 / faces) is what the plane of a region is unsure by
+constexpr double kLeastLength = 1e-5;  ///< of the diagonal
+constexpr double kSure = 0.6;          ///< below this share of the length, up to kWider times the angle is allowed
+constexpr double kWider = 3;
+constexpr int kFrames = 3;                              ///< directions of walls, each with those square to it
+constexpr double kVote = 1.5 * std::numbers::pi / 180;  ///< width of a vote for one
+constexpr double kSame = 1e-9;                          ///< of two normals that are one direction
+
+/// What each snapped plane came to be.
+enum class Kind : std::uint8_t { free, level, upright, slope, parallel };
+
+struct Region {
+  Plane scan;
+  double faces = 1;
+  Vec3 normal = Vec3::UnitZ();  ///< of best fit, at first
+  Vec3 snapped = normal;
+  double offset = 0;
+  Kind kind = Kind::free;
+};
+
+double azimuth_difference(double a, double b) {
+  const double d = std::fmod(a - b + kQuarter / 2, kQuarter);
+  return (d < 0 ? d + kQuarter : d) - kQuarter / 2;
+}
+
+class Regulariser {
+ public:
+  Regulariser(const Mesh& mesh, const Partition& partition, const RegulariseOptions& options)
+      : angle_(options.angle * std::numbers::pi / 180), up_(options.up) {
+    std::vector<Some> faces(partition.region_count());
+    for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+      if (const std::int32_t r = partition.face_region[f]; r != kNone) faces[r].push_back(f);
+    for (const Some& some : faces) {
+      Region& r = regions_.emplace_back();
+      if (!some.empty()) r.scan = plane_of(mesh, some);
+      r.faces = static_cast<double>(std::max<std::size_t>(some.size(), 1));
+      fit(r);
+    }
+    const double noise = median_distance();
+    length_ = options.length.value_or(std::max(kOfMedian * noise, kLeastLength * mesh.diagonal()));
+    if (!options.length) unsure_ = kUnsure * noise;
+    z_ = Vec3::Unit(up_ == Up::x ? 0 : up_ == Up::y ? 1 : 2);
+    x_ = Vec3::Unit(up_ == Up::x ? 1 : 0);
+    y_ = z_.cross(x_);
+  }
+
+  void run() {
+    Some left(regions_.size());
+    std::iota(left.begin(), left.end(), 0);
+    std::stable_sort(left.begin(), left.end(),
+                     [&](auto a, auto b) { return regions_[a].scan.area > regions_[b].scan.area; });
+    std::erase_if(left, [&](std::int32_t r) { return regions_[r].scan.area <= 0; });
+    const Some all = left;
+    if (up_ != Up::none) {
+      take(left, Kind::level, [&](const Region&) { return z_; });
+      snap_upright(left);
+      snap_slopes(left);
+    }
+    snap_parallel(left);
+    for (const std::int32_t r : all) regions_[r].offset = regions_[r].snapped.dot(regions_[r].scan.centre);
+    align_offsets(all);
+  }
+
+  Partition result(const Partition& partition) const {
+    Partition out = partition;
+    Regularity found;
+    const auto n = regions_.size();
+    out.region_offset.resize(n);
+    out.region_held.assign(n, 0);
+    double area = 0, before = 0, after = 0;
+    Some reps;
+    std::vector<Vec3> directions;
+    for (std::size_t i = 0; i < n; ++i) {
+      const Region& r = regions_[i];
+      if (r.scan.area <= 0) continue;
+      const bool held = r.kind != Kind::free;
+      out.region_held[i] = held;
+      out.region_offset[i] = r.offset;
+      out.region_normal[i] = r.snapped;
+      area += r.scan.area;
+      before += r.scan.area * squared(r, r.normal, r.normal.dot(r.scan.centre));
+      after += r.scan.area * squared(r, r.snapped, r.offset);
+      if (std::none_of(directions.begin(), directions.end(), [&](const Vec3& d) { return is_along(d, r.snapped); }))
+        directions.push_back(r.snapped);
+      if (std::none_of(reps.begin(), reps.end(), [&](std::int32_t p) { return is_one_plane(regions_[p], r); }))
+        reps.push_back(static_cast<std::int32_t>(i));
+      count(found, r.kind);
+    }
+    found.directions = static_cast<std::int32_t>(directions.size());
+    found.planes = static_cast<std::int32_t>(reps.size());
+    found.length = length_;
+    found.rms_before = area > 0 ? std::sqrt(before / area) : 0;
+    found.rms = area > 0 ? std::sqrt(after / area) : 0;
+    out.regularity = found;
+    return out;
+  }
+
+ private:
+  static void count(Regularity& found, Kind kind) {
+    switch (kind) {
+      case Kind::free:
+        ++found.free;
+        break;
+      case Kind::level:
+        ++found.level;
+        break;
+      case Kind::upright:
+        ++found.upright;
+        break;
+      case Kind::slope:
+        ++found.slopes;
+        break;
+      case Kind::parallel:
+        ++found.parallel;
+        break;
+    }
+  }
+
+  static void fit(Region& r) {
+    const Vec3& mean = r.scan.normal;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(r.scan.spread);
+    const Vec3 n = solver.eigenvectors().col(0);
+    const bool is_thin = !(solver.eigenvalues()[0] <= kThin * solver.eigenvalues()[1]);
+    r.normal = is_thin || std::abs(n.dot(mean)) < kAgree ? mean : Vec3(n.dot(mean) < 0 ? -n : n);
+    r.snapped = r.normal;
+  }
+
+  /// Mean square distance of a region from a plane.
+  static double squared(const Region& r, const Vec3& n, double offset) {
+    const double d = n.dot(r.scan.centre) - offset;
+    return std::max(0.0, n.dot(r.scan.spread * n)) + d * d;
+  }
+
+  [[nodiscard]] double median_distance() const {
+    std::vector<std::pair<double, double>> all;  // distance, area
+    double area = 0;
+    for (const Region& r : regions_) {
+      all.emplace_back(std::sqrt(squared(r, r.normal, r.normal.dot(r.scan.centre))), r.scan.area);
+      area += r.scan.area;
+    }
+    std::sort(all.begin(), all.end());
+    double sum = 0;
+    for (const auto& [distance, share] : all)
+      if ((sum += share) >= area / 2) return distance;
+    return 0;
+  }
+
+  static bool is_along(const Vec3& a, const Vec3& b) { return a.cross(b).norm() <= kSame; }
+  static bool is_one_plane(const Region& a, const Region& b) {
+    return (a.snapped - b.snapped).norm() <= kSame && std::abs(a.offset - b.offset) <= kSame * (1 + std::abs(a.offset));
+  }
+
+  /// What turning a plane about its middle adds to the root mean square distance of its region.
+  [[nodiscard]] double added(const Region& r, const Vec3& n) const {
+    return std::sqrt(std::max(0.0, n.dot(r.scan.spread * n) - r.normal.dot(r.scan.spread * r.normal)));
+  }
+  [[nodiscard]] bool may(std::int32_t i, const Vec3& n) const {
+    const Region& r = regions_[i];
+    const double same = std::abs(r.normal.dot(n)), cost = added(r, n);
+    const double unsure = unsure_ * std::sqrt(3 / r.faces);  // of few faces the noise turns the plane
+    if (same >= std::cos(angle_)) return cost < length_ + unsure;
+    return same >= std::cos(kWider * angle_) && cost < kSure * length_ + unsure;
+  }
+  void set(std::int32_t i, const Vec3& n, Kind kind) {
+    regions_[i].snapped = regions_[i].normal.dot(n) < 0 ? Vec3(-n) : n;
+    regions_[i].kind = kind;
+  }
+
+  /// Snaps those that may be to target(region), and takes them out of `left`.
+  /// \return those
+  template <class Target>
+  Some take(Some& left, Kind kind, Target target) {
+    Some took, rest;
+    for (const std::int32_t r : left) {
+      const Vec3 n = target(regions_[r]);
+      if (may(r, n)) {
+        set(r, n, kind);
+        took.push_back(r);
+      } else {
+        rest.push_back(r);
+      }
+    }
+    left = std::move(rest);
+    return took;
+  }
+
+  [[nodiscard]] double azimuth(const Vec3& n) const { return std::atan2(n.dot(y_), n.dot(x_)); }
+  [[nodiscard]] Vec3 toward(double azimuth) const { return std::cos(azimuth) * x_ + std::sin(azimuth) * y_; }
+  /// The direction of a frame nearest to an azimuth.
+  static double nearest(double frame, double azimuth) {
+    return frame + std::round((azimuth - frame) / kQuarter) * kQuarter;
+  }
+  [[nodiscard]] Vec3 levelled(const Vec3& n) const {
+    const Vec3 flat = n - n.dot(z_) * z_;
+    return flat.norm() > 0 ? Vec3(flat.normalized()) : z_;
+  }
+
+  /// The azimuth, mod a quarter turn, that most area votes for.
+  [[nodiscard]] double vote(const Some& some) const {
+    constexpr int kSteps = 360;
+    double best = 0, most = -1;
+    for (int k = 0; k < kSteps; ++k) {
+      const double here = kQuarter * k / kSteps;
+      double sum = 0;
+      for (const std::int32_t r : some) {
+        const double d = azimuth_difference(azimuth(regions_[r].normal), here) / kVote;
+        sum += regions_[r].scan.area * std::exp(-d * d / 2);
+      }
+      if (sum <= most) continue;
+      most = sum;
+      best = here;
+    }
+    for (int k = 0; k < 10; ++k) {
+      double sum = 0, area = 0;
+      for (const std::int32_t r : some) {
+        const double d = azimuth_difference(azimuth(regions_[r].normal), best);
+        if (std::abs(d) > angle_ / 2) continue;
+        // What it costs the region to be turned: large walls are sure of their direction.
+        const Vec3 side = z_.cross(levelled(regions_[r].normal));
+        const double weight = regions_[r].scan.area * side.dot(regions_[r].scan.spread * side);
+        sum += weight * d;
+        area += weight;
+      }
+      if (area > 0) best += sum / area;
+    }
+    return best;
+  }
+
+  void snap_upright(Some& left) {
+    Some upright, rest;
+    for (const std::int32_t r : left) {
+      const Vec3& n = regions_[r].normal;
+      const bool is = std::abs(n.dot(z_)) < std::sin(kWider * angle_) && may(r, levelled(n));
+      (is ? upright : rest).push_back(r);
+    }
+    for (int k = 0; k < kFrames && !upright.empty(); ++k) {
+      const double frame = vote(upright);
+      const Some took =
+          take(upright, Kind::upright, [&](const Region& r) { return toward(nearest(frame, azimuth(r.normal))); });
+      if (took.empty()) break;
+      frames_.push_back(frame);
+    }
+    while (!upright.empty()) {
+      const Vec3 n = levelled(regions_[upright[0]].normal);
+      set(upright[0], n, Kind::upright);
+      upright.erase(upright.begin());
+      take(upright, Kind::upright, [&](const Region&) { return n; });
+    }
+    left = std::move(rest);
+  }
+
+  /// Ridges and eaves level and along the walls, and equal slopes.
+  void snap_slopes(Some& left) {
+    struct Slope {
+      std::int32_t region;
+      double rise, azimuth;
+    };
+    std::vector<Slope> slopes;
+    Some rest;
+    for (const std::int32_t r : left) {
+      const Vec3& n = regions_[r].normal;
+      const double rise = std::atan2(n.dot(z_), levelled(n).dot(n));
+      bool found = false;
+      for (const double frame : frames_) {
+        const double to = nearest(frame, azimuth(n));
+        if (!may(r, std::cos(rise) * toward(to) + std::sin(rise) * z_)) continue;
+        slopes.push_back({r, rise, to});
+        found = true;
+        break;
+      }
+      if (!found) rest.push_back(r);
+    }
+    left = std::move(rest);
+    while (!slopes.empty()) {
+      const double lead = std::abs(slopes[0].rise);
+      double sum = 0, weight = 0;
+      for (const Slope& s : slopes)
+        if (std::abs(std::abs(s.rise) - lead) < angle_) {
+          sum += regions_[s.region].scan.area * std::abs(s.rise);
+          weight += regions_[s.region].scan.area;
+        }
+      const double mean = weight > 0 ? sum / weight : lead;
+      const auto target = [&](const Slope& s, double rise) {
+        return Vec3(std::cos(rise) * toward(s.azimuth) + std::copysign(std::sin(rise), s.rise) * z_);
+      };
+      std::vector<Slope> others;
+      for (std::size_t k = 0; k < slopes.size(); ++k) {
+        const Slope& s = slopes[k];
+        const Vec3 n = target(s, mean);
+        if (std::abs(std::abs(s.rise) - lead) < angle_ && may(s.region, n)) {
+          set(s.region, n, Kind::slope);
+        } else if (k == 0) {
+          set(s.region, target(s, lead), Kind::slope);
+        } else {
+          others.push_back(s);
+        }
+      }
+      slopes = std::move(others);
+    }
+  }
+
+  void snap_parallel(Some& left) {
+    while (!left.empty()) {
+      const Vec3 n = regions_[left[0]].normal;
+      const std::int32_t first = left[0];
+      left.erase(left.begin());
+      if (!take(left, Kind::parallel, [&](const Region&) { return n; }).empty()) set(first, n, Kind::parallel);
+    }
+  }
+
+  /// Regions of one direction whose planes are nearly one get one plane.
+  void align_offsets(const Some& all) {
+    std::vector<bool> done(regions_.size(), false);
+    for (const std::int32_t lead : all) {
+      if (done[lead] || regions_[lead].kind == Kind::free) continue;
+      double sum = 0, area = 0;
+      Some group;
+      for (const std::int32_t r : all) {
+        const Region& other = regions_[r];
+        const bool same = !done[r] && other.kind != Kind::free &&
+                          (other.snapped - regions_[lead].snapped).norm() <= kSame &&
+                          std::abs(other.offset - regions_[lead].offset) < length_;
+        if (!same) continue;
+        group.push_back(r);
+        sum += other.scan.area * other.offset;
+        area += other.scan.area;
+      }
+      for (const std::int32_t r : group) {
+        regions_[r].snapped = regions_[lead].snapped;
+        regions_[r].offset = sum / area;
+        done[r] = true;
+      }
+    }
+  }
+
+  const double angle_;
+  const Up up_;
+  double length_ = 0, unsure_ = 0;
+  Vec3 x_, y_, z_;
+  std::vector<Region> regions_;
+  std::vector<double> frames_;
+};
+
+}  // namespace
+
+Partition regularise(const Mesh& mesh, const Partition& partition, const RegulariseOptions& options, Job& job) {
+  check_fields(options);
+  if (partition.face_region.size() != static_cast<std::size_t>(mesh.face_count()))
+    throw InvalidInput("the partition has labels for " + std::to_string(partition.face_region.size()) +
+                       " faces, but the mesh has " + std::to_string(mesh.face_count()));
+  Job::Part whole(job, "regularising", 0.0, 1.0);
+  Regulariser regulariser(mesh, partition, options);
+  job.report(0.5);
+  regulariser.run();
+  job.poll();
+  return regulariser.result(partition);
+}
+
+}  // namespace isimp

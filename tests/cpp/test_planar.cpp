@@ -1,0 +1,179 @@
+// Exactly planar polygons, and planes that are snapped.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "isimp/core/errors.h"
+#include "isimp/meshing/polygonize.h"
+#include "isimp/meshing/regularise.h"
+#include "labelled.h"
+#include "polygon_judge.h"
+#include "shapes.h"
+
+namespace isimp {
+namespace {
+
+constexpr double kPlanar = 1e-6;
+
+PolygonMesh polygons(const Mesh& mesh, const Partition& part, MeshingOptions options = {.planar = true}) {
+  Job job;
+  return polygonize(mesh, part, options, job);
+}
+
+/// Largest distance of a corner from the plane of its polygon, after rounding to float32 about the origin.
+double bend(const PolygonMesh& mesh, const Vec3& origin, bool rounded) {
+  double most = 0;
+  for (const judge::Loop& loop : judge::polygons_of(mesh)) {
+    std::vector<Vec3> p;
+    Vec3 middle = Vec3::Zero();
+    for (const std::int32_t v : loop) {
+      const Vec3 x = mesh.vertices[v] - origin;
+      p.push_back(rounded ? rounded_to_float(x) : x);
+      middle += p.back() / static_cast<double>(loop.size());
+    }
+    Vec3 area = Vec3::Zero();
+    for (std::size_t i = 0; i < p.size(); ++i) area += (p[i] - middle).cross(p[(i + 1) % p.size()] - middle);
+    for (const Vec3& x : p) most = std::max(most, std::abs((x - middle).dot(area.normalized())));
+  }
+  return most;
+}
+
+/// Nothing is wrong with the polygons of a scan, all are planar, and the scan's topology is kept.
+void expect_sound(const PolygonMesh& out, const Mesh& mesh, const Partition& part) {
+  EXPECT_TRUE(out.report.planar.planar);
+  EXPECT_LE(bend(out, mesh.origin(), false), kPlanar * mesh.diagonal());
+  EXPECT_LE(bend(out, mesh.origin(), true), kPlanar * mesh.diagonal());
+  EXPECT_EQ(judge::faults_against(out, mesh, part), "");
+  EXPECT_TRUE(out.report.imperfect.empty());
+  const PlanarReport& r = out.report.planar;
+  EXPECT_EQ(r.faces_added, r.added_for_apart + r.added_for_crossing + r.added_for_flipped + r.added_for_meeting);
+}
+
+/// The unit cube with noise, its sides as regions.
+struct Box {
+  Mesh mesh;
+  Partition part;
+  explicit Box(double noise, const Vec3& at = Vec3::Zero()) : mesh(made(noise, at)), part(labels()) {}
+
+  static Mesh made(double noise, const Vec3& at) {
+    shapes::Arrays a = shapes::noisy(shapes::cube(12), noise, 3);
+    for (Vec3& v : a.vertices) v += at;
+    return shapes::mesh(a);
+  }
+  static Partition labels() { return labelled::planes(shapes::mesh(shapes::cube(12))); }
+};
+
+TEST(Planar, NoisyBoxStaysWholeAndIsPlanar) {
+  for (const double noise : {0.0, 0.002, 0.006}) {
+    const Box box(noise);
+    const PolygonMesh out = polygons(box.mesh, box.part);
+    expect_sound(out, box.mesh, box.part);
+    EXPECT_EQ(out.polygon_count(), 6);
+    EXPECT_EQ(out.report.planar.whole, 1.0);
+    EXPECT_EQ(out.report.planar.faces_added, 0);
+  }
+}
+
+TEST(Planar, FarFromZeroItIsAsPlanar) {
+  const Vec3 utm(450000.25, 5500000.5, 112);
+  const Box box(0.004, utm);
+  expect_sound(polygons(box.mesh, box.part), box.mesh, box.part);
+}
+
+TEST(Planar, OffChangesNothing) {
+  const Mesh ball = shapes::mesh(shapes::noisy(shapes::sphere(4), 0.01, 5));
+  const Partition part = labelled::voronoi(ball, 60, 7);
+  const PolygonMesh plain = polygons(ball, part, {}), reach = polygons(ball, part, {.planar_reach = 0.02});
+  EXPECT_EQ(plain.vertices, reach.vertices);
+  EXPECT_EQ(plain.loops, reach.loops);
+  EXPECT_FALSE(plain.report.planar.asked);
+  EXPECT_GT(bend(plain, ball.origin(), false), kPlanar * ball.diagonal());
+}
+
+TEST(Planar, CurvedScansAreCut) {
+  const Mesh ball = shapes::mesh(shapes::noisy(shapes::sphere(4), 0.01, 5));
+  const Partition part = labelled::voronoi(ball, 60, 7);
+  const PolygonMesh before = polygons(ball, part, {}), after = polygons(ball, part);
+  expect_sound(after, ball, part);
+  EXPECT_GT(after.polygon_count(), before.polygon_count());
+  EXPECT_GT(after.report.planar.faces_added, 0);
+  EXPECT_LT(after.report.planar.whole, 1.0);
+  for (const std::int32_t r : after.polygon_region) EXPECT_TRUE(r >= 0 && r < part.region_count());
+}
+
+TEST(Planar, OpenSheetsStayOpen) {
+  shapes::Arrays a = shapes::noisy(shapes::plane(24), 0.003, 2);
+  for (Vec3& v : a.vertices) v.z() += std::abs(v.x() - 0.5);
+  const Mesh mesh = shapes::mesh(a);
+  std::vector<std::int32_t> label;
+  for (const Triangle& t : mesh.triangles()) {
+    const Vec3 c = (mesh.vertices()[t[0]] + mesh.vertices()[t[1]] + mesh.vertices()[t[2]]) / 3;
+    label.push_back(c.x() > 0.25 - 1e-3 && c.x() < 0.4 && c.y() > 0.3 && c.y() < 0.7 ? 2 : c.x() < 0.5 ? 0 : 1);
+  }
+  const Partition part = labelled::by(label);
+  const PolygonMesh out = polygons(mesh, part);
+  expect_sound(out, mesh, part);
+  EXPECT_FALSE(out.report.closed);
+}
+
+TEST(Planar, SameBitsForAnyThreads) {
+  const Mesh ball = shapes::mesh(shapes::noisy(shapes::sphere(4), 0.02, 5));
+  const Partition part = labelled::voronoi(ball, 80, 9);
+  const PolygonMesh one = polygons(ball, part, {.planar = true, .threads = 1});
+  const PolygonMesh four = polygons(ball, part, {.planar = true, .threads = 4});
+  EXPECT_EQ(one.vertices, four.vertices);
+  EXPECT_EQ(one.loops, four.loops);
+  EXPECT_EQ(one.report, four.report);
+}
+
+Partition regular(const Box& box, RegulariseOptions options = {}) {
+  Job job;
+  return regularise(box.mesh, box.part, options, job);
+}
+
+TEST(Regularise, BoxGetsSixPlanesInThreeDirections) {
+  const Box box(0.006);
+  const Partition part = regular(box);
+  ASSERT_TRUE(part.regularity);
+  EXPECT_EQ(part.regularity->directions, 3);
+  EXPECT_EQ(part.regularity->planes, 6);
+  EXPECT_EQ(part.regularity->level, 2);
+  EXPECT_EQ(part.regularity->upright, 4);
+  EXPECT_LT(part.regularity->rms, 1.1 * part.regularity->rms_before);
+  EXPECT_EQ(part.face_region, box.part.face_region);
+  for (std::int32_t a = 0; a < 6; ++a)
+    for (std::int32_t b = 0; b < a; ++b) {
+      const double same = std::abs(part.region_normal[a].dot(part.region_normal[b]));
+      EXPECT_TRUE(same < 1e-12 || same > 1 - 1e-12);
+    }
+}
+
+TEST(Regularise, PolygonsKeepToThePlanes) {
+  const Box box(0.002, Vec3(1000, 2000, 30));
+  const Partition part = regular(box);
+  for (const bool planar : {false, true}) {
+    const PolygonMesh out = polygons(box.mesh, part, {.planar = planar});
+    ASSERT_EQ(out.polygon_count(), 6);
+    const std::vector<judge::Loop> loops = judge::polygons_of(out);
+    for (std::int32_t q = 0; q < 6; ++q)
+      for (const std::int32_t v : loops[q]) {
+        const std::int32_t r = out.polygon_region[q];
+        const double off = part.region_normal[r].dot(out.vertices[v] - box.mesh.origin()) - part.region_offset[r];
+        EXPECT_LT(std::abs(off), (planar ? 1e-7 : 1e-3) * box.mesh.diagonal());
+      }
+  }
+}
+
+TEST(Regularise, AShortLengthSnapsNothingAndOptionsAreChecked) {
+  const Box box(0.006);
+  const Partition part = regular(box, {.angle = 8, .length = 1e-12});
+  EXPECT_EQ(part.regularity->free, 6);
+  EXPECT_EQ(std::count(part.region_held.begin(), part.region_held.end(), 1), 0);
+  EXPECT_THROW(regular(box, {.angle = 90, .length = {}}), InvalidInput);
+  EXPECT_EQ(regular(box, {.angle = 8, .length = {}, .up = Up::none}).regularity->upright, 0);
+}
+
+}  // namespace
+}  // namespace isimp

@@ -1,0 +1,121 @@
+"""Exactly planar polygons and snapped planes, on houses whose planes are known."""
+
+import json
+import pathlib
+import pickle
+
+import houses
+import numpy as np
+import pytest
+
+import isimp_engine as engine
+from isimp_engine.cli import main
+
+
+def bends(poly: engine.PolygonMesh, rounded: bool) -> float:
+    """The largest distance of a corner from the best plane of its polygon."""
+    at = np.asarray(poly.vertices) - np.asarray(poly.vertices).mean(0)
+    if rounded:
+        at = at.astype(np.float32).astype(float)
+    most = 0.0
+    for loop in np.split(poly.loops, poly.loop_start[1:]):
+        points = at[loop] - at[loop].mean(0)
+        normal = np.linalg.svd(points, full_matrices=False)[2][2]
+        most = max(most, float(np.abs(points @ normal).max()))
+    return most
+
+
+def made(house: houses.House) -> tuple[engine.Mesh, engine.Partition]:
+    mesh = engine.Mesh(house.vertices, house.triangles)
+    return mesh, engine.partition_from(mesh, house.label.astype(np.int32))
+
+
+@pytest.mark.parametrize(("noise", "seed"), [(0.0, 1), (0.001, 2), (0.002, 3), (0.003, 4)])
+def test_houses_stay_whole(noise: float, seed: int) -> None:
+    house = houses.make(noise, seed, turn=10.0 * seed)
+    mesh, part = made(house)
+    before = engine.polygonize(mesh, part)
+    poly = engine.polygonize(mesh, part, engine.MeshingOptions(planar=True))
+    assert poly.report["planar"] is True
+    assert bends(poly, rounded=False) <= 1e-6 * house.diagonal
+    assert bends(poly, rounded=True) <= 1e-6 * house.diagonal
+    assert poly.report["whole"] >= 0.98
+    for key in ("crossing", "flipped", "intersecting", "closed", "manifold", "euler"):
+        assert poly.report[key] == before.report[key], key
+    assert len(poly.polygon_region) == len(poly.loop_start)
+
+
+def test_off_says_nothing_of_it() -> None:
+    mesh, part = made(houses.make(0.002))
+    report = engine.polygonize(mesh, part).report
+    assert "whole" not in report
+
+
+def test_far_from_zero() -> None:
+    house = houses.make(0.002, at=(450000.0, 5500000.0, 100.0))
+    mesh, part = made(house)
+    poly = engine.polygonize(mesh, part, engine.MeshingOptions(planar=True))
+    assert bends(poly, rounded=True) <= 1e-6 * house.diagonal
+
+
+def test_a_house_has_five_directions() -> None:
+    house = houses.make(0.002, 3)
+    mesh, part = made(house)
+    snapped = engine.regularise(mesh, part, engine.RegulariseOptions(angle=8.0, length=None, up="z"))
+    truth = len({tuple(np.round(n * np.sign(n[np.argmax(abs(n))]), 6)) for n in normals(house)})
+    assert snapped.report["directions"] == truth == 5
+    assert snapped.report["rms_added"] <= 0.1 * snapped.report["rms"]
+    assert np.array_equal(snapped.face_region, part.face_region)
+    poly = engine.polygonize(mesh, snapped, engine.MeshingOptions(planar=True))
+    assert poly.report["planar"]
+    assert poly.report["whole"] >= 0.98
+
+
+def normals(house: houses.House) -> np.ndarray:
+    """The true normal of each plane."""
+    a, b, c = (house.clean[house.triangles[:, k]] for k in range(3))
+    n = np.cross(b - a, c - a)
+    n /= np.linalg.norm(n, axis=1)[:, None]
+    return n[np.unique(house.label, return_index=True)[1]]
+
+
+def test_snapped_planes_survive_pickling_and_edits_elsewhere() -> None:
+    mesh, part = made(houses.make(0.001, 2))
+    snapped = engine.regularise(mesh, part)
+    back = pickle.loads(pickle.dumps(snapped))  # noqa: S301
+    assert back.report == snapped.report
+    assert np.array_equal(back.region_held, snapped.region_held)
+    assert np.array_equal(back.region_offset, snapped.region_offset)
+    locked = engine.lock_regions(mesh, snapped, [0])
+    assert np.array_equal(locked.region_held, snapped.region_held)
+    face = int(np.flatnonzero(snapped.face_region == snapped.face_region[0])[-1])
+    edited = engine.add_proxy(mesh, snapped, face)
+    kept = edited.region_held.sum()
+    assert snapped.region_held.sum() - 12 <= kept < snapped.region_held.sum()
+    held = np.flatnonzero(edited.region_held[: snapped.region_count])
+    assert np.array_equal(edited.region_normal[held], snapped.region_normal[held])
+
+
+def test_options_are_checked() -> None:
+    mesh, part = made(houses.make(0.001, 2))
+    with pytest.raises(engine.InvalidInput, match="angle"):
+        engine.regularise(mesh, part, engine.RegulariseOptions(angle=-1.0))
+    with pytest.raises(engine.InvalidInput, match="planar_reach"):
+        engine.polygonize(mesh, part, engine.MeshingOptions(planar=True, planar_reach=-1.0))
+
+
+def test_the_command_has_both(tmp_path: pathlib.Path) -> None:
+    house = houses.make(0.002, 3)
+    scan, out, report = tmp_path / "house.obj", tmp_path / "out.obj", tmp_path / "report.json"
+    lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in house.vertices]
+    lines += [f"f {a} {b} {c}" for a, b, c in house.triangles + 1]
+    scan.write_text("\n".join(lines) + "\n")
+    arguments = ["simplify", str(scan), str(out), "--proxies", "110", "--planar", "--report", str(report), "--quiet"]
+    assert main([*arguments, "--regularise"]) == 0
+    found = json.loads(report.read_text())
+    assert found["output"]["planar"] is True
+    assert found["partition"]["directions"] < 20
+    assert found["options"]["regularise"]["angle"] == 8.0
+    assert main([*arguments, "--regularise", "5"]) == 0
+    assert json.loads(report.read_text())["options"]["regularise"]["angle"] == 5.0
+    assert main([*arguments, "--regularise", "90"]) == 2
