@@ -116,22 +116,11 @@ def openings():
         print(f"| {name} | {handles(engine.clean(*arrays))} | {' | '.join(map(str, left))} |", flush=True)
 
 
-def room(tunnels):
-    """A box with walls of three cells, a door, a window, and tunnels of one cell through a wall."""
-    solid = np.ones((40, 40, 28), bool)
-    solid[3:-3, 3:-3, 3:-3] = False
-    solid[:3, 15:25, 6:20] = False
-    solid[10:20, :3, 10:20] = False
-    for k in range(tunnels):
-        solid[-3:, 5 + 4 * (k % 8), 6 + 5 * (k // 8)] = False
-    return shapes.voxels(solid, 0.06)
-
-
 def rooms():
     print("\n| tunnels | regions | polygons, kept | closed | without tunnels |\n|---|---|---|---|---|")
     for tunnels in (16, 32):
         for regions in (30, 60, 120):
-            arrays, plain = room(tunnels), room(0)
+            arrays, plain = shapes.room(tunnels), shapes.room(0)
             figures = [
                 made(mesh, proxies=regions)[1].report["polygons"]
                 for mesh in (engine.clean(*arrays), closed(arrays, regions), engine.clean(*plain))

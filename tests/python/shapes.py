@@ -89,6 +89,17 @@ def plate(columns, rows, thickness, size=3, gap=3):
     return solid
 
 
+def room(tunnels, noise=0.06):
+    """A box with walls of three cells, a door, a window, and tunnels of one cell through a wall."""
+    solid = np.ones((40, 40, 28), bool)
+    solid[3:-3, 3:-3, 3:-3] = False
+    solid[:3, 15:25, 6:20] = False
+    solid[10:20, :3, 10:20] = False
+    for k in range(tunnels):
+        solid[-3:, 5 + 4 * (k % 8), 6 + 5 * (k // 8)] = False
+    return voxels(solid, noise)
+
+
 def facade(columns=8, rows=5, depth=2, noise=0.0):
     """A wall, front only, with windows of 4 by 6 cells set back by `depth`: their sides are joined to it."""
     wide, high, gap = 4, 6, 4

@@ -48,6 +48,15 @@ def find(context):
     return (None, problem) if problem else seen(context)
 
 
+def find_result(context):
+    """(scan, result, "") or (None, None, why not)."""
+    scan, problem = find(context)
+    result = None if problem else result_of(context.scene, scan)
+    if not problem and result is None:
+        problem = "There is no result yet: press Mesh first"
+    return (None, None, problem) if problem else (scan, result, "")
+
+
 def seen(context):
     """As `find`, but while something is under way too: to look at, and not to change."""
     active = context.view_layer.objects.active

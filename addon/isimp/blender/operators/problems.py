@@ -13,16 +13,13 @@ class ISIMP_OT_show_problems(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        scan, problem = targets.find(context)
-        if not problem and targets.result_of(context.scene, scan) is None:
-            problem = "There is no result yet: press Mesh first"
+        _, _, problem = targets.find_result(context)
         if problem:
             cls.poll_message_set(problem)
         return not problem
 
     def execute(self, context):
-        scan, _ = targets.find(context)
-        result = targets.result_of(context.scene, scan)
+        scan, result, _ = targets.find_result(context)
         if context.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
         defective = mesh_io.read_layer(result.data, mesh_io.FLAW) > 0

@@ -28,9 +28,7 @@ class ISIMP_OT_swap(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        scan, problem = targets.find(context)
-        if not problem and targets.result_of(context.scene, scan) is None:
-            problem = "There is no result yet: press Mesh first"
+        _, _, problem = targets.find_result(context)
         if not problem and context.mode != "OBJECT":
             problem = "Leave Edit Mode first (Tab)"
         if problem:
@@ -38,8 +36,7 @@ class ISIMP_OT_swap(bpy.types.Operator):
         return not problem
 
     def execute(self, context):
-        scan, _ = targets.find(context)
-        result = targets.result_of(context.scene, scan)
+        scan, result, _ = targets.find_result(context)
         if context.view_layer.objects.active == scan:
             show.bring_to_front(context, result, scan)
             display.give_back(context)
