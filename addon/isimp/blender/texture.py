@@ -15,7 +15,7 @@ def is_textured(obj) -> bool:
     if not len(obj.data.uv_layers):
         return False
     for slot in obj.material_slots:
-        if slot.material is not None and slot.material.use_nodes and (shader := _shader(slot.material)) is not None:
+        if slot.material is not None and (shader := _shader(slot.material)) is not None:
             links = shader.inputs["Base Color"].links
             if links and links[0].from_node.type == "TEX_IMAGE" and links[0].from_node.image is not None:
                 return True
@@ -79,7 +79,7 @@ def read(obj) -> Shown:
 
 def _image(material) -> np.ndarray:
     """(H, W, 4) uint8 of the image at a material's Base Color, row 0 at the top; its colour as one pixel without."""
-    if material is None or not material.use_nodes:
+    if material is None or _nodes(material) is None:
         return _pixel(_GREY if material is None else material.diffuse_color)
     shader = _shader(material)
     color = shader.inputs["Base Color"] if shader is not None else None
@@ -96,8 +96,16 @@ def _image(material) -> np.ndarray:
 _BAKE = "Bake it to an image first: Render Properties > Bake, type Diffuse, in Cycles."
 
 
+def _nodes(material):
+    """The node tree a material is shown by, None if by its plain settings."""
+    if bpy.app.version < (5, 0, 0) and not material.use_nodes:  # from then on each has nodes
+        return None
+    return material.node_tree
+
+
 def _shader(material):
-    output = material.node_tree.get_output_node("ALL")
+    tree = _nodes(material)
+    output = None if tree is None else tree.get_output_node("ALL")
     if output is None or not output.inputs["Surface"].is_linked:
         return None
     node = output.inputs["Surface"].links[0].from_node
@@ -145,7 +153,8 @@ def write(result, uv: np.ndarray, made, name: str) -> None:
 
 
 def _set_nodes(material, uv_map: str, color, normal) -> None:
-    material.use_nodes = True
+    if bpy.app.version < (5, 0, 0):
+        material.use_nodes = True
     tree = material.node_tree
     tree.nodes.clear()
     output, shader = tree.nodes.new("ShaderNodeOutputMaterial"), tree.nodes.new("ShaderNodeBsdfPrincipled")
@@ -164,7 +173,8 @@ def _set_nodes(material, uv_map: str, color, normal) -> None:
 
 def _set_images(material, _uv_map: str, color, normal) -> None:
     """Puts new images in the place of the last ones, which go; what the user did to the nodes stays."""
-    for node in material.node_tree.nodes if material.use_nodes else ():
+    tree = _nodes(material)
+    for node in () if tree is None else tree.nodes:
         old = node.image if node.type == "TEX_IMAGE" else None
         new = {"color": color, "normal": normal}.get(old.get(OWN)) if old is not None else None
         if new is None:

@@ -18,7 +18,8 @@ def image_of(name, colour, size=16):
 
 def material_of(name, image):
     material = bpy.data.materials.new(name)
-    material.use_nodes = True
+    if bpy.app.version < (5, 0, 0):
+        material.use_nodes = True
     nodes = material.node_tree.nodes
     node = nodes.new("ShaderNodeTexImage")
     node.image = image
