@@ -266,7 +266,7 @@ class Regulariser {
       frames_.push_back(frame);
     }
     while (!upright.empty()) {
-      const Vec3 n = levelled(regions_[upright[0]].normal);
+      Vec3 n = levelled(regions_[upright[0]].normal);
       set(upright[0], n, Kind::upright);
       upright.erase(upright.begin());
       take(upright, Kind::upright, [&](const Region&) { return n; });
@@ -326,7 +326,7 @@ class Regulariser {
 
   void snap_parallel(Some& left) {
     while (!left.empty()) {
-      const Vec3 n = regions_[left[0]].normal;
+      Vec3 n = regions_[left[0]].normal;
       const std::int32_t first = left[0];
       left.erase(left.begin());
       if (!take(left, Kind::parallel, [&](const Region&) { return n; }).empty()) set(first, n, Kind::parallel);

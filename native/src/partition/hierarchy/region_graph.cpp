@@ -140,8 +140,7 @@ MergeGraph graph_of_regions(const FaceGraph& graph, const std::vector<std::int32
 std::vector<double> border_lengths(const Surface& surface, const std::vector<std::int32_t>& label,
                                    std::span<const std::int32_t> faces, const MergeGraph& touching,
                                    const Threads& threads) {
-  constexpr std::int32_t kAhead = 12;  // faces, for the memory to be there in time
-  constexpr double kUnit = 0x1p40;     // sums of integers do not depend on the number of threads
+  constexpr double kUnit = 0x1p40;  // sums of integers do not depend on the number of threads
   const FaceGraph& graph = surface.graph();
   const Mesh& mesh = surface.mesh();
   const RelativeWeight weight = surface.relative_weight();
@@ -153,7 +152,8 @@ std::vector<double> border_lengths(const Surface& surface, const std::vector<std
     std::vector<std::int64_t>& sum = sums[piece];
     sum.assign(touching.neighbour.size(), 0);
     for (std::int32_t i = begin; i < end; ++i) {
-      if (i + kAhead < end) __builtin_prefetch(&graph.mesh_face[faces[i + kAhead]]);
+      if (const auto soon = static_cast<std::size_t>(i) + kAhead; soon < faces.size())
+        __builtin_prefetch(&graph.mesh_face[faces[soon]]);
       const std::int32_t own = label[faces[i]];
       for (int k = 0; k < 3; ++k) {
         const std::int32_t other = label[graph.neighbours[faces[i]][k]];
@@ -161,7 +161,7 @@ std::vector<double> border_lengths(const Surface& surface, const std::vector<std
         const Triangle& t = mesh.triangles()[graph.mesh_face[faces[i]]];
         const double length = (mesh.vertices()[t[(k + 1) % 3]] - mesh.vertices()[t[k]]).norm();
         if (const float w = weight.of(faces[i]); w > 0)
-          sum[entry(touching, own, other)] += static_cast<std::int64_t>(share * length * worth_of(w) + 0.5);
+          sum[entry(touching, own, other)] += std::llrint(share * length * worth_of(w));
       }
     }
   });
