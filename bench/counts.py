@@ -39,7 +39,7 @@ DETAILS = (0.02, 0.01, 0.005, 0.0025, 0.00125)
 
 
 def closed(arrays, regions):
-    """The mesh with the openings closed that so many regions can't show."""
+    """The mesh after its openings are closed that are too small for this number of regions."""
     mesh = engine.clean(*arrays)
     length = engine.opening_length(mesh, regions)
     return engine.clean(*arrays, engine.CleanOptions(fill_holes=length, cut_handles=length)) if length else mesh

@@ -41,7 +41,7 @@ class RecipeError(ValueError):
 class Recipe:
     """What the steps of a recipe ask for."""
 
-    values: dict[str, Any]  #: the recipe as it was read
+    values: dict[str, Any]  #: the recipe's JSON value
     partition: dict[str, Any]  #: of PartitionOptions
     angle: float | None  #: no region crosses an edge that bends by more, in degrees
     edits: tuple[tuple[str, int], ...]  #: steps after the partition, and how often each is done

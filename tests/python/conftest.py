@@ -4,9 +4,10 @@ from pathlib import Path
 
 import pytest
 
+import batches
 import isimp_engine as engine
+import meshfiles
 import shapes
-from batches import scan
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -27,10 +28,19 @@ def sheet():
 
 
 @pytest.fixture
+def scan(tmp_path):
+    """A file of 800 faces."""
+    path = tmp_path / "scan.ply"
+    vertices, triangles = shapes.bumpy(20)
+    meshfiles.ply_binary(path, vertices, triangles.tolist())
+    return path
+
+
+@pytest.fixture
 def scans(tmp_path):
     """A folder of three scans, one of them in a folder of its own."""
     for name in ("a.ply", "b.ply", "sub/c.ply"):
-        scan(tmp_path / "in" / name)
+        batches.scan(tmp_path / "in" / name)
     return tmp_path / "in"
 
 

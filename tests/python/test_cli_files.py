@@ -18,14 +18,6 @@ from test_cli import ENVIRONMENT, check_line, isimp
 posix = pytest.mark.skipif(sys.platform == "win32", reason="needs files as POSIX has them")
 
 
-@pytest.fixture
-def scan(tmp_path):
-    path = tmp_path / "scan.ply"
-    vertices, triangles = shapes.bumpy(20)
-    meshfiles.ply_binary(path, vertices, triangles.tolist())
-    return path
-
-
 def simplify(scan, out, *more, **keywords):
     return isimp("simplify", scan, out, "--proxies", 9, *more, **keywords)
 

@@ -10,8 +10,6 @@ import numpy as np
 import pytest
 
 import isimp_engine as engine
-import meshfiles
-import shapes
 from isimp_engine import batch, recipes
 
 steps = pytest.importorskip("isimp.steps")
@@ -20,14 +18,6 @@ rcp = pytest.importorskip("isimp.recipe")
 
 def recipe(*given):
     return recipes.parsed(json.loads(rcp.Recipe(given).to_json()))
-
-
-@pytest.fixture
-def scan(tmp_path):
-    path = tmp_path / "scan.ply"
-    vertices, triangles = shapes.bumpy(20)
-    meshfiles.ply_binary(path, vertices, triangles.tolist())
-    return path
 
 
 def test_what_the_add_on_writes_is_read():

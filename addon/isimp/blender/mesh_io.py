@@ -80,6 +80,16 @@ def points(mesh) -> np.ndarray:
     return vertices
 
 
+def loop_triangles(mesh, what):
+    """(3 T,) int32 "vertices" or "loops" of the triangles that polygons are drawn as, and (T,) the polygon of each."""
+    mesh.calc_loop_triangles()
+    corners = np.empty(3 * len(mesh.loop_triangles), np.int32)
+    faces = np.empty(len(mesh.loop_triangles), np.int32)
+    mesh.loop_triangles.foreach_get(what, corners)
+    mesh.loop_triangles.foreach_get("polygon_index", faces)
+    return corners, faces
+
+
 def _arrays(mesh):
     vertices = points(mesh)
     if len(mesh.loops) == 3 * len(mesh.polygons):
@@ -91,11 +101,7 @@ def _arrays(mesh):
             mesh.loops.foreach_get("vertex_index", triangles)
         faces = np.arange(len(mesh.polygons), dtype=np.int32)
     else:
-        mesh.calc_loop_triangles()
-        triangles = np.empty(3 * len(mesh.loop_triangles), np.int32)
-        faces = np.empty(len(mesh.loop_triangles), np.int32)
-        mesh.loop_triangles.foreach_get("vertices", triangles)
-        mesh.loop_triangles.foreach_get("polygon_index", faces)
+        triangles, faces = loop_triangles(mesh, "vertices")
     return vertices.reshape(-1, 3), triangles.reshape(-1, 3), faces
 
 

@@ -25,7 +25,7 @@ def is_textured(obj) -> bool:
 def keep(scan, result, arrays, outcome, size=None) -> dict:
     """Puts the scan's texture on its result; returns the engine's report. Raises Unusable or ValueError.
 
-    arrays: of the scan as it was read for the outcome. Nothing is changed if it can't be done.
+    arrays: the scan's arrays that the outcome was made from. On an error nothing changes.
     """
     shown = read(scan)
     order = _corners(result, outcome)
@@ -66,15 +66,10 @@ def read(obj) -> Shown:
     if not images or all(image.size == 4 for image in images):
         raise mesh_io.Unusable(f"'{obj.name}' has no image texture at the Base Color of a material.")
     if len(mesh.loops) == 3 * len(mesh.polygons):
-        corners, faces = np.arange(len(mesh.loops)).reshape(-1, 3), np.arange(len(mesh.polygons))
+        corners, faces = np.arange(len(mesh.loops)), np.arange(len(mesh.polygons))
     else:
-        mesh.calc_loop_triangles()
-        corners = np.empty(3 * len(mesh.loop_triangles), np.int32)
-        faces = np.empty(len(mesh.loop_triangles), np.int32)
-        mesh.loop_triangles.foreach_get("loops", corners)
-        mesh.loop_triangles.foreach_get("polygon_index", faces)
-        corners = corners.reshape(-1, 3)
-    return Shown(uv.reshape(-1, 2)[corners], np.clip(slots, 0, len(images) - 1)[faces], images)
+        corners, faces = mesh_io.loop_triangles(mesh, "loops")
+    return Shown(uv.reshape(-1, 2)[corners.reshape(-1, 3)], np.clip(slots, 0, len(images) - 1)[faces], images)
 
 
 def _image(material) -> np.ndarray:

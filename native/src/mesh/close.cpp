@@ -5,19 +5,13 @@
 #include <numeric>
 #include <utility>
 
+#include "forest.h"
 #include "isimp/mesh/mesh.h"
 
 namespace isimp::detail {
 namespace {
 
 constexpr int kPasses = 8;
-
-double length(const MeshArrays& arrays, const std::vector<std::int32_t>& loop) {
-  double sum = 0;
-  for (std::size_t i = 0; i < loop.size(); ++i)
-    sum += (arrays.vertices[loop[i]] - arrays.vertices[loop[(i + 1) % loop.size()]]).norm();
-  return sum;
-}
 
 double area(const Vec3& a, const Vec3& b, const Vec3& c) { return 0.5 * (b - a).cross(c - a).norm(); }
 
@@ -27,17 +21,13 @@ struct Components {
   std::vector<double> area;
 
   Components(const MeshArrays& arrays, Job& job) : of_vertex(arrays.vertices.size()) {
-    std::iota(of_vertex.begin(), of_vertex.end(), 0);
-    const auto find = [&](std::int32_t v) {
-      while (of_vertex[v] != v) v = of_vertex[v] = of_vertex[of_vertex[v]];
-      return v;
-    };
+    Forest forest(of_vertex.size());
     for_each_index(arrays.triangles.size(), job, [&](std::size_t f) {
       const auto& [a, b, c] = arrays.triangles[f];
-      of_vertex[find(b)] = find(a);
-      of_vertex[find(c)] = find(a);
+      forest.join(a, b);
+      forest.join(a, c);
     });
-    for (std::int32_t& v : of_vertex) v = find(v);
+    for (std::size_t v = 0; v < of_vertex.size(); ++v) of_vertex[v] = forest.root(static_cast<std::int32_t>(v));
     area.assign(of_vertex.size(), 0.0);
     for (const auto& [a, b, c] : arrays.triangles)
       area[of_vertex[a]] += detail::area(arrays.vertices[a], arrays.vertices[b], arrays.vertices[c]);
@@ -238,6 +228,13 @@ Topology topology_of(const MeshArrays& arrays, const Threads& threads, Job& job)
 }
 
 }  // namespace
+
+double length(const MeshArrays& arrays, const std::vector<std::int32_t>& loop) {
+  double sum = 0;
+  for (std::size_t i = 0; i < loop.size(); ++i)
+    sum += (arrays.vertices[loop[i]] - arrays.vertices[loop[(i + 1) % loop.size()]]).norm();
+  return sum;
+}
 
 void close_small(MeshArrays& arrays, const CleanOptions& options, RepairLog& log, const Threads& threads, Job& job) {
   fill(arrays.source_face, arrays.triangles.size());

@@ -39,6 +39,10 @@ Patch cover(const std::vector<Vec3>& loop, const std::vector<Vec3>& beyond, int 
 std::vector<char> find_crossed(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles,
                                const std::vector<char>& removed, std::size_t fresh, Job& job);
 
+// close.cpp
+/// The length of a closed loop of vertices.
+double length(const MeshArrays& arrays, const std::vector<std::int32_t>& loop);
+
 // handles.cpp
 /// Handles with a loop round them or through them of at most `longest`, no two of them near each other.
 std::vector<Opening> find_handles(const MeshArrays& arrays, const Topology& topology, double longest, Job& job);

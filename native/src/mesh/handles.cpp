@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "close.h"
+#include "forest.h"
 #include "isimp/mesh/mesh.h"
 
 /// A tree over the vertices by distance, and a tree over faces and holes that crosses none of its edges and takes those
@@ -85,26 +86,6 @@ class HandleLoops {
       } while (h != kNone && h != start);
     }
   }
-
-  /// Nodes that are joined one after another.
-  class Forest {
-   public:
-    explicit Forest(std::size_t n) : up_(n) { std::iota(up_.begin(), up_.end(), 0); }
-    std::int32_t root(std::int32_t i) {
-      while (up_[i] != i) i = up_[i] = up_[up_[i]];
-      return i;
-    }
-    /// \return whether they were apart
-    bool join(std::int32_t a, std::int32_t b) {
-      a = root(a);
-      b = root(b);
-      up_[std::max(a, b)] = std::min(a, b);
-      return a != b;
-    }
-
-   private:
-    std::vector<std::int32_t> up_;
-  };
 
   /// Edges, a half-edge each, rising, and the nodes on both sides of each: faces and holes, or what is one for all
   /// that will be asked.
@@ -215,8 +196,7 @@ class HandleLoops {
     Loop loop;
     loop.vertices = std::move(a);
     loop.vertices.insert(loop.vertices.end(), b.rbegin() + 1, b.rend());
-    for (std::size_t i = 0; i < loop.vertices.size(); ++i)
-      loop.length += distance(loop.vertices[i], loop.vertices[(i + 1) % loop.vertices.size()]);
+    loop.length = length(arrays_, loop.vertices);
     return loop;
   }
 
@@ -267,7 +247,7 @@ class Rings {
       add_fans(o.loops[side], wider.removed);
       if (!free_inside(wider.removed) || !find_borders(wider, loop)) continue;
       const auto is_narrow = [&](const std::vector<std::int32_t>& border) {
-        return length_of(border) <= kWider * loop.length;
+        return length(arrays_, border) <= kWider * loop.length;
       };
       // The border that did not move may be wide already.
       const bool narrow = std::all_of(wider.loops.begin(), wider.loops.end(), [&](const auto& border) {
@@ -278,13 +258,6 @@ class Rings {
       any = true;
     }
     return any;
-  }
-
-  [[nodiscard]] double length_of(const std::vector<std::int32_t>& loop) const {
-    double sum = 0;
-    for (std::size_t i = 0; i < loop.size(); ++i)
-      sum += (arrays_.vertices[loop[i]] - arrays_.vertices[loop[(i + 1) % loop.size()]]).norm();
-    return sum;
   }
 
   static bool is_same(const std::vector<std::int32_t>& a, const std::vector<std::int32_t>& b) {
@@ -356,7 +329,7 @@ class Rings {
     };
     for (int side = 0; side < 2; ++side) {
       std::vector<std::int32_t> faces;
-      for (const std::int32_t v : o.loops[side]) add_fan(v, faces);
+      add_fans(o.loops[side], faces);
       for (const std::int32_t f : faces) visit(f, side);
     }
     while (!joined && !front[0].empty() && !front[1].empty())

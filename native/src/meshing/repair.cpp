@@ -39,9 +39,7 @@ class Repairer {
       const Job::Part part(job_, "repairing", 0.0, 0.25);
       s_.update({});
       std::vector<Join> joins = join_junctions(s_, job_);
-      std::vector<std::int32_t> all(s_.labels.pieces.size());
-      std::iota(all.begin(), all.end(), 0);
-      judge(all);
+      judge(all_pieces());
       take_back_joins(joins);
       outcome_.joined = static_cast<std::int32_t>(joins.size());
       mend(kRounds);
@@ -153,14 +151,19 @@ class Repairer {
       s_.diagonals = diagonals;
       polygons_ = 0;  // these splits are not counted
       for (const std::int32_t l : outcome.stuck) split(l);
-      std::vector<std::int32_t> all(s_.labels.pieces.size());
-      std::iota(all.begin(), all.end(), 0);
+      const std::vector<std::int32_t> all = all_pieces();
       s_.update(all, positions);
       judge(all);
       std::fill(tries_.begin(), tries_.end(), 0);
       mend(kRounds);
       fall_back();
     }
+  }
+
+  [[nodiscard]] std::vector<std::int32_t> all_pieces() const {
+    std::vector<std::int32_t> all(s_.labels.pieces.size());
+    std::iota(all.begin(), all.end(), 0);
+    return all;
   }
 
   bool shatter(std::int32_t l) {

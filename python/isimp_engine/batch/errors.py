@@ -2,4 +2,4 @@
 
 
 class BatchError(Exception):
-    """A batch can't be run as asked for. The message is shown as it is."""
+    """A batch can't be run with these arguments. The message is for the user."""

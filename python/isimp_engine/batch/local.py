@@ -28,7 +28,7 @@ class Local:
     """Runs pieces of work on this machine.
 
     parts: a folder for their folders.
-    jobs: at most so many at once; None: as many as keep the cores busy.
+    jobs: the largest number at once; None: as many as keep the cores busy.
     threads: that each of them has; None: as `threads` says.
     """
 

@@ -119,7 +119,7 @@ def run(
     options: as of `isimp simplify`, with _ for -: {"proxies": 500, "leave_out": 0.0}.
     recipe: the file or the values of a recipe; options that are given come first.
     format: of the results, such as "obj" or "ply".
-    jobs: at most so many scans at once; None: as many as there are cores. Memory may allow fewer.
+    jobs: the largest number of scans at once; None: one a core. Free memory may allow fewer.
     dask: the address of a Dask scheduler, whose workers do the work; all of them must see the same files.
     time_limit, memory_limit: of each scan, in seconds and MB; None: no limit, and the memory that is free.
     retry_failed: do again what failed before.

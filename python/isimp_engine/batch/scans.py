@@ -33,7 +33,7 @@ class Scan:
     output: str = ""  #: the path of the result below the output folder, with /
 
     def key(self, recipe: dict[str, Any]) -> str:
-        """Names the work: this file as it is now, what is to be done, and the version of the engine."""
+        """Identifies the work by the file's present state, what is to be done, and the version of the engine."""
         values = [self.name, self.size, self.changed, self.output, recipe, __version__]
         return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()[:32]
 
@@ -204,5 +204,5 @@ def estimated_faces(path: Path) -> int:
 
 
 def needed_mb(faces: int, size: int) -> float:
-    """About how much memory a run on so many faces in a file of so many bytes needs, in MB."""
+    """Estimate of the memory that a run on this number of faces in a file of this many bytes needs, in MB."""
     return _BASE_MB + _MB_PER_FACE * faces + size / _MB

@@ -80,7 +80,7 @@ def simplify_options() -> argparse.ArgumentParser:
     )
     guiding.add_angle(command)
     add_fields(command, MeshingOptions, ("planar",))
-    turned = "snap planes of regions: level, upright, parallel, coplanar; by at most so many degrees, else %(const)s"
+    turned = "snap planes: level, upright, parallel, coplanar; each turns by at most ANGLE degrees. Default: %(const)s"
     angle = RegulariseOptions().angle
     command.add_argument("--regularise", type=float, nargs="?", const=angle, metavar="ANGLE", help=turned)
     command.add_argument(

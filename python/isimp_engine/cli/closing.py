@@ -19,8 +19,12 @@ def closing_options(mesh: Mesh, options: PartitionOptions, clean: CleanOptions, 
 
     Where the number of regions is to be found, it is found on the scan as it is.
     """
-    if opening_length(mesh, 1, job) == 0:
-        return None
-    regions = options.proxies or partition(mesh, options, job).region_count
+    regions = options.proxies
+    if not regions:  # to be found; 0 is refused by the partition
+        if opening_length(mesh, 1, job) == 0:
+            return None
+        regions = partition(mesh, options, job).region_count
     length = opening_length(mesh, regions, job)
+    if length == 0:
+        return None
     return CleanOptions(**clean.as_dict() | {"fill_holes": length, "cut_handles": length})

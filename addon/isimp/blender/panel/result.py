@@ -27,7 +27,8 @@ class ISIMP_PT_result(SubPanel, bpy.types.Panel):
         settings.give(rcp.Mesh, meshing, operator)
         operator.keep_texture = panel.keep_texture
         scan, _ = targets.find(context)
-        if scan is not None and texture.is_textured(scan):
+        textured = scan is not None and texture.is_textured(scan)
+        if textured:
             layout.prop(panel, "keep_texture")
         unit = context.scene.unit_settings
         for line, alert in text.report_lines(store.numbers(scan), unit.system, unit.scale_length):
@@ -36,7 +37,7 @@ class ISIMP_PT_result(SubPanel, bpy.types.Panel):
         if defects:
             layout.operator("isimp.show_problems", text=defects, icon="ERROR")
         if targets.result_of(context.scene, scan) is not None:
-            if texture.is_textured(scan):
+            if textured:
                 layout.operator("isimp.texture", icon="TEXTURE")
             layout.operator("isimp.swap", icon="ARROW_LEFTRIGHT")
 

@@ -38,10 +38,9 @@ constexpr auto fields(const MeshingOptions*) {
             "Largest distance of a corner from its vertex of the scan, as a share of the diagonal."),
       field("flatten", &O::flatten, between(0, 10000), Unit::none,
             "Rounds of fitting planes and moving corners. 0 keeps the first positions."),
-      field(
-          "flatness_from", &O::flatness_from, any(), Unit::none,
-          "Number of regions from which flatness applies as it is. With fewer, which are not planar themselves, it is "
-          "flatness * (flatness_from / regions)^4."),
+      field("flatness_from", &O::flatness_from, any(), Unit::none,
+            "Number of regions from which the limit is flatness itself. With fewer regions it is flatness * "
+            "(flatness_from / regions)^4, since these are not planar themselves."),
       field("flatness", &O::flatness, between(0, 100), Unit::none,
             "Largest distance of a corner from its polygon's plane, as a share of the diagonal; polygons beyond it "
             "are split. Where a tolerance found the number of regions, twice the tolerance if that is more. 0: no "

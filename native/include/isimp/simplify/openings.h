@@ -10,8 +10,8 @@ namespace isimp {
 /// Whether a mesh has a hole or a handle.
 bool has_openings(const Mesh& mesh);
 
-/// The length up to which the loops of holes and handles are errors of scanning that so many regions can't show; for
-/// CleanOptions::fill_holes and cut_handles. Photogrammetry leaves many tunnels and pinholes, each of which would cost
+/// The length up to which the loops of holes and handles count as errors of scanning; for CleanOptions::fill_holes and
+/// cut_handles. Photogrammetry leaves tunnels and pinholes that are too small for this number of regions, and each costs
 /// polygons.
 ///
 /// Half of sqrt(area / regions), but at most 20 times the mean edge, so that openings that the scan has sampled well

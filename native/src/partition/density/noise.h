@@ -20,9 +20,9 @@ double mean_edge(const Mesh& mesh);
 /// The umbrella operator r(v) = v - mean of the neighbours, applied twice, leaves of a smooth surface nothing but
 /// noise. Its part along the normal is taken at each vertex away from borders; the median makes creases count little.
 /// True within 10 % at noise that is felt, up to 45 % too high at very weak one. Noise that smoothing has made alike at
-/// neighbouring vertices can't be told from shape. From .06 of an edge's length on it must also be what white noise would
-/// be when the operator is applied once; else it is the shape of a mesh with few faces, and is taken for less. Above half an edge's length, or of fewer than 50 vertices, it is
-/// taken for shape: 0.
+/// neighbouring vertices can't be told from shape. From .06 of an edge's length on, what the operator leaves when it is
+/// applied once must fit white noise too. Else it is the shape of a mesh with few faces, and the estimate is lowered.
+/// Above half an edge's length, or of fewer than 50 vertices, it is taken for shape: 0.
 /// Cost: O(V + F).
 double estimate_noise(const Mesh& mesh, Job& job);
 
