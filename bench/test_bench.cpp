@@ -7,7 +7,7 @@
 #include "input.h"
 #include "isimp/core/errors.h"
 #include "isimp/simplify/partitioner.h"
-#include "lloyd/flooding.h"
+#include "flooding.h"
 #include "measure.h"
 #include "reference.h"
 #include "shapes.h"

@@ -2,12 +2,12 @@
 
 #include "bindings.h"
 #include "ending.h"
-#include "isimp/parallel/backend.h"
+#include "isimp/thesis/thesis.h"
 
 namespace isimp::bindings {
 
 void bind_parallel(py::module_& m) {
-  m.def("backends", &parallel::backends, py::call_guard<Unlocked>(),
+  m.def("backends", &backends, py::call_guard<Unlocked>(),
         "The names that PartitionOptions.backend takes here: 'cpu' always, 'cuda' where a device is present.");
 }
 

@@ -4,8 +4,8 @@
 
 #include "isimp/parallel/backend.h"
 #include "kept_flooder.h"
-#include "methods.h"
 #include "partition_checks.h"
+#include "rounds.h"
 #include "shapes.h"
 
 namespace isimp {
@@ -26,7 +26,7 @@ std::vector<PartitionOptions> variants() {
 
 Partition run(const PartitionOptions& options, parallel::Flooder& flooder) {
   Job job;
-  return by_number(ring(), Hierarchy{}, &flooder, options, job);
+  return in_rounds(ring(), Hierarchy{}, &flooder, options, job);
 }
 
 std::unique_ptr<parallel::Flooder> load_within(const std::string& name, std::size_t most) {
@@ -137,7 +137,7 @@ TEST(KeptFlooder, AnotherSurfaceTakesThePlaceOfTheFirst) {
     std::vector<std::int32_t> labels(static_cast<std::size_t>(surface.face_count()));
     const Partition fresh = partition(surface, variants().back(), job);
     const Partition result = kept.with(surface, "cpu", [&](parallel::Flooder& flooder) {
-      return by_number(surface, Hierarchy{}, &flooder, variants().back(), job);
+      return in_rounds(surface, Hierarchy{}, &flooder, variants().back(), job);
     });
     EXPECT_EQ(result.face_region, fresh.face_region);
     EXPECT_EQ(result.error, fresh.error);

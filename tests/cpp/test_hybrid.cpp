@@ -4,7 +4,7 @@
 
 #include <set>
 
-#include "isimp/hybrid/hybrid.h"
+#include "hybrid.h"
 #include "partition_checks.h"
 #include "shapes.h"
 

@@ -6,10 +6,10 @@
 #include <set>
 
 #include "isimp/parallel/backend.h"
-#include "lloyd/parallel_lloyd.h"
-#include "lloyd/seeding.h"
-#include "methods.h"
+#include "parallel_lloyd.h"
 #include "partition_checks.h"
+#include "rounds.h"
+#include "seeding.h"
 #include "shapes.h"
 
 namespace isimp {
@@ -200,7 +200,7 @@ TEST(ParallelLloyd, TheGridFindsWhatBruteForceFinds) {
       PartitionOptions options{.proxies = proxies, .iterations = 4, .method = Method::naive, .nearest = nearest};
       const Partition grid = run(mesh, options);
       expect_sound_regions(mesh, grid);
-      options.search = parallel::Search::brute;
+      options.search = Search::brute;
       const Partition brute = run(mesh, options);
       EXPECT_EQ(grid.face_region, brute.face_region) << proxies << ", " << nearest;
       EXPECT_EQ(grid.history, brute.history);
@@ -298,7 +298,7 @@ TEST(ParallelLloyd, AKeptFlooderGivesTheSame) {
   const auto flooder = load(mesh, "cpu");
   for (const std::int32_t proxies : {30, 80, 30})
     for (const PartitionOptions& options : variants({.proxies = proxies})) {
-      const Partition kept = by_number(mesh, Hierarchy{}, flooder.get(), options, job);
+      const Partition kept = in_rounds(mesh, Hierarchy{}, flooder.get(), options, job);
       const Partition fresh = run(mesh, options);
       EXPECT_EQ(kept.face_region, fresh.face_region);
       EXPECT_EQ(kept.history, fresh.history);
@@ -310,9 +310,9 @@ TEST(ParallelLloyd, QueuedMakesTheSameRoundsOnAFlooderThatNaiveHasPlaced) {
   Job job;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const auto flooder = load(mesh, "cpu");
-    (void)by_number(mesh, Hierarchy{}, flooder.get(), {.proxies = 20, .method = Method::naive}, job);
+    (void)in_rounds(mesh, Hierarchy{}, flooder.get(), {.proxies = 20, .method = Method::naive}, job);
     const PartitionOptions queued{.proxies = 20, .seed = seed, .method = Method::queued};
-    EXPECT_EQ(by_number(mesh, Hierarchy{}, flooder.get(), queued, job).history, run(mesh, queued).history);
+    EXPECT_EQ(in_rounds(mesh, Hierarchy{}, flooder.get(), queued, job).history, run(mesh, queued).history);
   }
 }
 

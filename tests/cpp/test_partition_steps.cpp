@@ -5,129 +5,24 @@
 #include <algorithm>
 #include <cmath>
 #include <queue>
+#include <random>
 #include <tuple>
 
 #include "borders/local.h"
 #include "borders/relax.h"
+#include "graphs.h"
 #include "hierarchy/contraction.h"
 #include "hierarchy/hierarchy.h"
 #include "hierarchy/patch_relax.h"
 #include "hierarchy/region_graph.h"
 #include "isimp/simplify/partitioner.h"
-#include "lloyd/flooding.h"
-#include "lloyd/lloyd.h"
-#include "lloyd/seeding.h"
 #include "partition_checks.h"
 #include "shapes.h"
 
 namespace isimp {
 namespace {
 
-/// A strip of faces of equal area, each joined to the one before, with normals at these angles in the x-y plane.
-FaceGraph strip(const std::vector<double>& degrees) {
-  FaceGraph g;
-  const auto n = static_cast<std::int32_t>(degrees.size());
-  for (std::int32_t i = 0; i < n; ++i) {
-    const double a = degrees[i] * 3.14159265358979 / 180;
-    g.faces.push_back(
-        {static_cast<float>(std::cos(a)), static_cast<float>(std::sin(a)), 0, 1.0F / static_cast<float>(n)});
-    g.neighbours.push_back({i > 0 ? i - 1 : n, i + 1, n});
-    g.mesh_face.push_back(i);
-    g.graph_face.push_back(i);
-  }
-  g.faces.push_back({});
-  g.neighbours.push_back({n, n, n});
-  g.area = 1;
-  return g;
-}
-
-std::vector<std::int32_t> flood(const FaceGraph& g, const std::vector<std::int32_t>& seeds) {
-  std::vector<NormalMetric::Proxy> proxies;
-  for (const std::int32_t s : seeds) proxies.push_back(NormalMetric::proxy_of(g.faces[s]));
-  std::vector<std::int32_t> label;
-  Job job;
-  Flooding().run(g, proxies, seeds, label, job);
-  return label;
-}
-
-TEST(Flooding, MeetsWhereTheErrorsAreEqual) {
-  // Normals turn by 10 degrees a face from 0 to 90: seeds at the ends meet in the middle.
-  const FaceGraph g = strip({0, 10, 20, 30, 40, 50, 60, 70, 80, 90});
-  EXPECT_EQ(flood(g, {0, 9}), (std::vector<std::int32_t>{0, 0, 0, 0, 0, 1, 1, 1, 1, 1, kNone}));
-}
-
-TEST(Flooding, GoesRoundNothingAndLeavesWhatNoSeedReaches) {
-  FaceGraph g = strip({0, 0, 0, 90, 90, 90});
-  g.neighbours[2][1] = g.neighbours[3][0] = 6;  // cut in two
-  EXPECT_EQ(flood(g, {1}), (std::vector<std::int32_t>{0, 0, 0, kNone, kNone, kNone, kNone}));
-}
-
-TEST(Flooding, CrossesASteepFaceOnlyWhenNothingElseIsLeft) {
-  // The face at 80 degrees parts two flat halves. Each seed takes its own half first.
-  const FaceGraph g = strip({0, 1, 2, 80, 2, 1, 0});
-  const auto label = flood(g, {0, 6});
-  EXPECT_EQ(label[2], 0);
-  EXPECT_EQ(label[4], 1);
-}
-
-TEST(Flooding, ListsCoverAllErrorsInOrder) {
-  EXPECT_EQ(Flooding::list_of(0.0F), 0);
-  std::int32_t before = 0;
-  for (float e = 1e-9F; e < 4.0F; e *= 1.01F) {
-    const std::int32_t list = Flooding::list_of(e);
-    EXPECT_GE(list, before);
-    EXPECT_LE(e, Flooding::upper_end(list));
-    EXPECT_TRUE(list == 0 || e > Flooding::upper_end(list - 1));
-    before = list;
-  }
-  EXPECT_LE(4.0F, Flooding::upper_end(Flooding::list_of(4.0F)));
-}
-
-/// Flooding and fitting as the 2004 paper writes it down.
-double plain_error(const FaceGraph& g, std::vector<std::int32_t> seeds, int rounds) {
-  std::vector<NormalMetric::Proxy> proxies;
-  for (const std::int32_t s : seeds) proxies.push_back(NormalMetric::proxy_of(g.faces[s]));
-  Regions state;
-  double least = 1e300;
-  Job job;
-  for (int round = 0; round < rounds; ++round) {
-    using Entry = std::tuple<float, std::int32_t, std::int32_t>;
-    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-    state.label.assign(g.faces.size(), kNone);
-    state.sum.assign(seeds.size(), {});
-    const auto settle = [&](std::int32_t face, std::int32_t r) {
-      state.label[face] = r;
-      for (const std::int32_t j : g.neighbours[face])
-        if (j != g.size() && state.label[j] == kNone) queue.emplace(NormalMetric::error(g.faces[j], proxies[r]), j, r);
-    };
-    for (std::size_t r = 0; r < seeds.size(); ++r) state.label[seeds[r]] = static_cast<std::int32_t>(r);
-    for (std::size_t r = 0; r < seeds.size(); ++r) settle(seeds[r], static_cast<std::int32_t>(r));
-    while (!queue.empty()) {
-      const auto [error, face, r] = queue.top();
-      queue.pop();
-      if (state.label[face] == kNone) settle(face, r);
-    }
-    sum_regions(g, state, job);
-    least = std::min(least, state.error());
-    seeds = nearest_faces(g, state, job);
-    for (std::size_t r = 0; r < seeds.size(); ++r) proxies[r] = NormalMetric::fit(state.sum[r]);
-  }
-  return least;
-}
-
-TEST(Flooding, IsAsGoodAsThePlainVersion) {
-  double fast = 0, plain = 0;
-  for (std::uint32_t k = 1; k <= 8; ++k) {
-    const Mesh mesh = shapes::mesh(shapes::noisy(shapes::torus(60, 30), 0.004, k));
-    Job job;
-    const Parts parts = find_parts(mesh, 60, 0, job);
-    const auto seeds = random_seeds(mesh, parts, share_out(parts), k, job);
-    std::vector<double> history;
-    fast += lloyd(mesh.graph(), seeds, 20, history, job).error();
-    plain += plain_error(mesh.graph(), seeds, 20);
-  }
-  EXPECT_LT(std::abs(fast / plain - 1), 0.015);
-}
+using graphs::strip;
 
 RegionSum node(double x, double y, double weight = 0) {
   RegionSum s;
@@ -182,13 +77,13 @@ TEST(MergeGreedily, LeavesOutEmptyNodes) {
 
 TEST(MergeGreedily, TakesTheCheapestPairEveryTime) {
   // Against a version that looks at all pairs before each merge.
-  Random random(5);
+  std::mt19937 random(5);
   for (int run = 0; run < 20; ++run) {
     const std::int32_t n = 30;
     std::vector<RegionSum> sums;
     for (std::int32_t u = 0; u < n; ++u)
       sums.push_back(
-          node(static_cast<double>(random.below(1000)) / 1000, static_cast<double>(random.below(1000)) / 1000));
+          node(static_cast<double>(random() % 1000) / 1000, static_cast<double>(random() % 1000) / 1000));
     const MergeGraph g = chain(n);
     const std::vector<std::int32_t> need{1};
     Job job;
@@ -287,12 +182,28 @@ TEST(Relaxation, MovesTheBorderToTheCrease) {
   EXPECT_NEAR(r.error(), 0.0, 1e-7);
 }
 
-/// Relaxes what two rounds of flooding leave, and sees that no region is torn or emptied and that the sums are kept.
+/// Regions that grow at the same pace from faces far apart.
+Regions grown(const FaceGraph& graph, std::int32_t count, Job& job) {
+  Regions r{std::vector<std::int32_t>(graph.faces.size(), kNone), std::vector<RegionSum>(count)};
+  std::vector<std::int32_t> reached;
+  for (std::int32_t k = 0; k < count; ++k) {
+    reached.push_back(static_cast<std::int32_t>(static_cast<std::int64_t>(k) * graph.size() / count));
+    r.label[reached.back()] = k;
+  }
+  for (std::size_t i = 0; i < reached.size(); ++i)
+    for (const std::int32_t j : graph.neighbours[reached[i]])
+      if (j != graph.size() && r.label[j] == kNone) {
+        r.label[j] = r.label[reached[i]];
+        reached.push_back(j);
+      }
+  sum_regions(graph, r, job);
+  return r;
+}
+
+/// Relaxes rough regions, and sees that no region is torn or emptied and that the sums are kept.
 Regions relaxed(const Mesh& mesh, std::int32_t proxies, std::int32_t threads, BorderWeight weight = {}) {
   Job job;
-  const Parts parts = find_parts(mesh, proxies, 0, job);
-  std::vector<double> history;
-  Regions r = lloyd(mesh.graph(), random_seeds(mesh, parts, share_out(parts), 2, job), 2, history, job);
+  Regions r = grown(mesh.graph(), proxies, job);
   const double before = r.error();
   Relaxation<GraphLabels> relaxation(mesh.graph(), {r.label.data()}, r.sum, weight, Threads(threads));
   for (std::int32_t i = 0; i < mesh.face_count(); ++i) relaxation.push_if_border(i);
@@ -457,14 +368,6 @@ TEST(Hierarchy, FillsUpComponentsThatHaveTooFewPatches) {
   std::vector<std::vector<bool>> seen(13, std::vector<bool>(60, false));
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) seen[mesh.component()[f]][p.face_region[f]] = true;
   for (const auto& of : seen) EXPECT_GE(std::count(of.begin(), of.end(), true), 4);
-}
-
-TEST(Random, DrawsEvenlyAndTheSameEverywhere) {
-  Random random(42);
-  EXPECT_EQ(random.below(1000000), Random(42).below(1000000));
-  std::vector<int> count(7, 0);
-  for (int k = 0; k < 7000; ++k) ++count[random.below(7)];
-  for (const int c : count) EXPECT_NEAR(c, 1000, 150);
 }
 
 }  // namespace

@@ -14,17 +14,19 @@ import isimp_engine
 ROOT = Path(__file__).resolve().parents[2]
 NATIVE = ROOT / "native"
 ADDON = ROOT / "addon" / "isimp"
-ORDER = ["core", "mesh", "partition", "interact", "meshing", "texture", "hybrid", "simplify"]
+ORDER = ["core", "mesh", "partition", "interact", "meshing", "texture", "thesis", "simplify"]
 #: each may know those before it
 UNRELATED = {("interact", "meshing"), ("meshing", "interact")}
-PRIVATE = {"CGAL": {"mesh", "meshing"}, "OpenMesh": {"hybrid"}, "thrust": {"parallel"}}
+PRIVATE = {"CGAL": {"mesh", "meshing"}, "OpenMesh": {"thesis"}, "thrust": {"parallel"}}
 
 
 def modules():
     """The engine's modules and what each is declared to use, as CMake has it."""
     text = (NATIVE / "CMakeLists.txt").read_text()
-    calls = re.findall(r"^\s*isimp_module\((\w+)([^)]*)\)", text, re.MULTILINE)
-    return {name: set(rest.partition("USES")[2].partition("INSIDE")[0].split()) for name, rest in calls}
+    uses = {}
+    for name, rest in re.findall(r"^\s*isimp_module\((\w+)([^)]*)\)", text, re.MULTILINE):  # once for each branch
+        uses.setdefault(name, set()).update(rest.partition("USES")[2].partition("INSIDE")[0].split())
+    return uses
 
 
 def reachable(uses, name):

@@ -4,7 +4,7 @@
 #include "edit.h"
 #include "isimp/interact/heuristics.h"
 #include "isimp/partition/regions.h"
-#include "lloyd/teleport.h"
+#include "hierarchy/teleport.h"
 
 namespace isimp {
 namespace {

@@ -4,7 +4,6 @@
 
 #include "isimp/core/errors.h"
 #include "isimp/core/options.h"
-#include "isimp/parallel/backend.h"
 
 namespace isimp {
 namespace {
@@ -33,7 +32,6 @@ void check_count(const Surface& surface, const PartitionOptions& options) {
 void check(const Surface& surface, const PartitionOptions& options) {
   check_count(surface, options);
   check_fields(options);
-  if (options.backend != "cpu") (void)parallel::backend(options.backend);
 }
 
 }  // namespace isimp

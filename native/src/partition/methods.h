@@ -3,24 +3,19 @@
 #include "hierarchy/detail_tree.h"
 #include "hierarchy/hierarchy.h"
 #include "isimp/core/job.h"
-#include "isimp/parallel/flooder.h"
 #include "isimp/partition/partition.h"
 #include "isimp/partition/surface.h"
 
-/// The ways to a partition. Each takes what it needs ready-made and options that `check` has passed; which one is
-/// taken, and what is kept from one call to the next, is decided by the Partitioner.
+/// The ways to a partition by Method::hierarchy. Each takes what it needs ready-made and options that `check` has passed;
+/// which one is taken, and what is kept from one call to the next, is decided by the Partitioner.
 namespace isimp {
 
 /// Whether the method, or its seeding, begins with a hierarchy.
 bool needs_hierarchy(const PartitionOptions& options);
-/// Whether the method floods on a back end.
-bool needs_flooder(const PartitionOptions& options);
 
-/// Exactly options.proxies regions, or as many as the components need: every method but hybrid.
-/// \param hierarchy  one that serves this surface and number, where needs_hierarchy(options); else an empty one
-/// \param flooder    the surface on options.backend, where needs_flooder(options); else null
-Partition by_number(const Surface& surface, const Hierarchy& hierarchy, parallel::Flooder* flooder,
-                    const PartitionOptions& options, Job& job);
+/// Exactly options.proxies regions, or as many as the components need: Method::hierarchy.
+/// \param hierarchy  one that serves this surface and number
+Partition by_number(const Surface& surface, const Hierarchy& hierarchy, const PartitionOptions& options, Job& job);
 
 /// Few regions that keep options.bound: Method::hierarchy.
 Partition by_bound(const Surface& surface, const PartitionOptions& options, Job& job);

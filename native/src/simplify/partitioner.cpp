@@ -14,8 +14,7 @@
 #include "hierarchy/hierarchy.h"
 #include "inherited.h"
 #include "isimp/core/errors.h"
-#include "isimp/hybrid/hybrid.h"
-#include "kept_flooder.h"
+#include "isimp/thesis/thesis.h"
 #include "methods.h"
 
 namespace isimp {
@@ -27,7 +26,6 @@ struct Partitioner::Kept {
   std::shared_ptr<const GuidedGraph> reweighted;  // that graph with this adaptivity; null without
   std::shared_ptr<const Hierarchy> hierarchy;
   std::shared_ptr<const DetailTree> tree;
-  std::shared_ptr<const Decimated> decimated;
 };
 
 /// A surface, and what is kept for it.
@@ -48,7 +46,7 @@ struct Partitioner::OwnPart {
 Partitioner::Partitioner(const Mesh& mesh) : Partitioner(mesh, Keep::what_helps) {}
 
 Partitioner::Partitioner(const Mesh& mesh, Keep keep)
-    : mesh_(&mesh), keep_(keep), kept_(std::make_unique<Kept>()), flooder_(std::make_unique<KeptFlooder>()) {}
+    : mesh_(&mesh), keep_(keep), kept_(std::make_unique<Kept>()), thesis_(std::make_unique<Thesis>()) {}
 
 Partitioner::~Partitioner() = default;
 
@@ -106,6 +104,7 @@ Partition partition(const Surface& surface, const PartitionOptions& options, Job
 
 Partition Partitioner::on_surface(const Surface& surface, Kept kept, const PartitionOptions& options, Job& job) const {
   check(surface, options);
+  Thesis::check(options);
   const bool finer = options.adaptivity > 0;
   double done = 0.0;
   if (finer && !kept.reweighted) {
@@ -190,6 +189,7 @@ void lock_as(Partition& part, const Partition& before) {
 Partition Partitioner::on_part(const Surface& surface, std::span<const std::int32_t> open,
                                const PartitionOptions& options, const Constraints& constraints, Job& job) const {
   check(surface, options);
+  Thesis::check(options);
   std::shared_ptr<const OwnPart> own;
   const Partitioner* part = constraints.part;
   double done = 0.0;
@@ -245,7 +245,6 @@ Partition Partitioner::found_by_detail(const Surface& surface, Kept kept, const 
 
 Partition Partitioner::by_known_number(const Surface& surface, Kept kept, const PartitionOptions& options,
                                        Job& job) const {
-  if (options.method == Method::hybrid) return on_decimated(surface, std::move(kept), options, job);
   const std::int32_t proxies = *options.proxies;
   double done = 0.0;
   if (needs_hierarchy(options) && (!kept.hierarchy || !kept.hierarchy->serves(surface, proxies))) {
@@ -259,23 +258,8 @@ Partition Partitioner::by_known_number(const Surface& surface, Kept kept, const 
   const Job::Part stage(job, "relaxing", done, 1.0);
   const Hierarchy none;
   const Hierarchy& hierarchy = needs_hierarchy(options) ? *kept.hierarchy : none;
-  if (!needs_flooder(options)) return by_number(surface, hierarchy, nullptr, options, job);
-  return flooder_->with(surface, options.backend, [&](parallel::Flooder& flooder) {
-    return by_number(surface, hierarchy, &flooder, options, job);
-  });
-}
-
-Partition Partitioner::on_decimated(const Surface& surface, Kept kept, const PartitionOptions& options,
-                                    Job& job) const {
-  double done = 0.0;
-  if (!kept.decimated || kept.decimated->fraction != options.fraction) {
-    done = 0.9;
-    const Job::Part stage(job, "decimating", 0.0, done);
-    kept.decimated = std::make_shared<const Decimated>(decimate(surface, options.fraction, job));
-    keep(kept);
-  }
-  const Job::Part stage(job, "partitioning", done, 1.0);
-  return hybrid(surface, *kept.decimated, options, job);
+  if (options.method == Method::hierarchy) return by_number(surface, hierarchy, options, job);
+  return thesis_->by_number(surface, hierarchy, options, job);
 }
 
 }  // namespace isimp

@@ -6,7 +6,6 @@
 #include <tuple>
 
 #include "isimp/core/options.h"
-#include "isimp/parallel/flooder.h"
 
 namespace isimp {
 
@@ -34,6 +33,15 @@ enum class Connect {
   flood,   ///< one sequential round of lloyd, the thesis's own
 };
 
+/// How Method::naive finds the regions nearest to a face.
+enum class Search {
+  grid,   ///< by a grid of the regions' centres
+  brute,  ///< by looking at them all, as the thesis has it: O(F P); the same regions
+};
+
+/// The most regions that a face may look at in Method::naive.
+inline constexpr std::int32_t kMostNearest = 32;
+
 /// How to split a surface into regions. What each field means stands in `fields` below.
 ///
 /// At most one of `proxies`, `detail`, `tolerance` and `bound` is given; none: `detail` at kDefaultDetail.
@@ -54,7 +62,7 @@ struct PartitionOptions {
   std::int32_t threads = 0;
   std::string backend = "cpu";
   std::int32_t nearest = 8;
-  parallel::Search search = parallel::Search::grid;
+  Search search = Search::grid;
   Connect connect = Connect::repair;
   double fraction = 0.125;
 };
@@ -113,9 +121,9 @@ constexpr auto fields(const PartitionOptions*) {
       threads_field(&O::threads),
       field("backend", &O::backend,
             "Where 'naive' and 'queued' run: one of backends(). The labels are the same on all."),
-      field("nearest", &O::nearest, between(1, parallel::Flooder::kMostNearest), Unit::none,
+      field("nearest", &O::nearest, between(1, kMostNearest), Unit::none,
             "Number of nearest regions that a face compares in 'naive'."),
-      choice("search", &O::search, {{"grid", parallel::Search::grid}, {"brute", parallel::Search::brute}},
+      choice("search", &O::search, {{"grid", Search::grid}, {"brute", Search::brute}},
              "How 'naive' finds them: 'grid', or 'brute', which compares all regions, as in the thesis."),
       choice("connect", &O::connect, {{"repair", Connect::repair}, {"flood", Connect::flood}},
              "How 'naive' and 'queued' make regions connected at the end. 'repair': the largest piece of each "

@@ -13,15 +13,14 @@
 namespace isimp {
 
 class DetailTree;
-struct Decimated;
 struct Hierarchy;
-class KeptFlooder;
+class Thesis;
 
 /// Makes partitions of one mesh: the only place that decides which method runs, on how many regions, and what is kept
 /// from one call to the next.
 ///
 /// Kept is what another number of regions can use: the guided graph, the graph with another density, the tree that
-/// finds the number of regions, and the hierarchy, the decimated mesh or a device's memory where the method has one; and
+/// finds the number of regions, the hierarchy where the method has one, and what Thesis keeps; and
 /// the same of the part of the mesh that was split alone. So a second call takes a fraction of the first one's time. The
 /// results are those of a new Partitioner, bit for bit.
 class Partitioner {
@@ -85,14 +84,13 @@ class Partitioner {
   Partition with_weights(const Surface& surface, Kept kept, const PartitionOptions& options, Job& job) const;
   Partition found_by_detail(const Surface& surface, Kept kept, const PartitionOptions& options, Job& job) const;
   Partition by_known_number(const Surface& surface, Kept kept, const PartitionOptions& options, Job& job) const;
-  Partition on_decimated(const Surface& surface, Kept kept, const PartitionOptions& options, Job& job) const;
 
   const Mesh* mesh_;
   Keep keep_;
   mutable std::mutex mutex_;
   mutable std::unique_ptr<Kept> kept_;
   mutable std::shared_ptr<const OwnPart> part_;
-  std::unique_ptr<KeptFlooder> flooder_;
+  std::unique_ptr<Thesis> thesis_;
 };
 
 /// One partition of a surface, with nothing kept: as Partitioner::run, with the guides in the surface.

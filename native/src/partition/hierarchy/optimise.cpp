@@ -9,7 +9,7 @@
 #include "borders/relax.h"
 #include "hierarchy/patch_relax.h"
 #include "hierarchy/region_graph.h"
-#include "lloyd/teleport.h"
+#include "hierarchy/teleport.h"
 
 namespace isimp {
 namespace {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "isimp/core/errors.h"
-#include "lloyd/parallel_lloyd.h"
+#include "parallel_lloyd.h"
 
 namespace isimp {
 

@@ -1,5 +1,5 @@
+#include "hybrid.h"
 #include "isimp/core/errors.h"
-#include "isimp/hybrid/hybrid.h"
 
 /// In place of decimate.cpp where OpenMesh was not there to build with.
 namespace isimp {

@@ -1,4 +1,4 @@
-#include "lloyd/teleport.h"
+#include "hierarchy/teleport.h"
 
 #include <algorithm>
 #include <limits>

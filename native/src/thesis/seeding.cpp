@@ -1,4 +1,4 @@
-#include "lloyd/seeding.h"
+#include "seeding.h"
 
 #include <algorithm>
 #include <cmath>

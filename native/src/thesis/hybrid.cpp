@@ -1,4 +1,4 @@
-#include "isimp/hybrid/hybrid.h"
+#include "hybrid.h"
 
 #include <algorithm>
 #include <limits>
@@ -8,12 +8,13 @@
 #include <utility>
 
 #include "borders/relax.h"
+#include "flooding.h"
 #include "hierarchy/hierarchy.h"
 #include "isimp/core/errors.h"
 #include "isimp/partition/metric.h"
-#include "lloyd/flooding.h"
 #include "make_partition.h"
 #include "methods.h"
+#include "rounds.h"
 
 namespace isimp {
 namespace {
@@ -196,7 +197,8 @@ Partition hybrid(const Surface& surface, const Decimated& all, const PartitionOp
     const Hierarchy hierarchy = needs_hierarchy(plain) ? build_hierarchy(coarse_surface, *plain.proxies, job,
                                                                          plain.threads, nodes_for(*plain.proxies))
                                                        : Hierarchy{};
-    carrier.carry(coarse, by_number(coarse_surface, hierarchy, nullptr, plain, job));
+    carrier.carry(coarse, faithful ? in_rounds(coarse_surface, hierarchy, nullptr, plain, job)
+                                   : by_number(coarse_surface, hierarchy, plain, job));
   }
   const Job::Part carrying(job, "carrying back", 0.9, 1.0);
   Regions regions;

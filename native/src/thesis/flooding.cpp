@@ -1,4 +1,4 @@
-#include "lloyd/flooding.h"
+#include "flooding.h"
 
 #include <algorithm>
 

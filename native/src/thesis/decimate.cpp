@@ -8,8 +8,8 @@
 #include <cmath>
 #include <string>
 
+#include "hybrid.h"
 #include "isimp/core/errors.h"
-#include "isimp/hybrid/hybrid.h"
 
 namespace isimp {
 namespace {

@@ -1,9 +1,9 @@
-#include "lloyd/lloyd.h"
+#include "lloyd.h"
 
 #include <limits>
 #include <utility>
 
-#include "lloyd/flooding.h"
+#include "flooding.h"
 
 namespace isimp {
 

@@ -1,0 +1,63 @@
+// The methods of the paper and the thesis behind their door: all of them where they are built, a clear error where not.
+
+#include <gtest/gtest.h>
+
+#include "isimp/simplify/partitioner.h"
+#include "isimp/thesis/thesis.h"
+#include "partition_checks.h"
+#include "shapes.h"
+
+namespace isimp {
+namespace {
+
+using checks::message_of;
+
+Partition run(const Mesh& mesh, PartitionOptions options) {
+  options.proxies = 30;
+  Job job;
+  return Partitioner(mesh).run(options, {}, job);
+}
+
+const Mesh& ring() {
+  static const Mesh mesh = shapes::mesh(shapes::noisy(shapes::torus(60, 30), 0.02, 5));
+  return mesh;
+}
+
+TEST(Thesis, TheDefaultMethodNeedsNoneOfIt) { EXPECT_EQ(run(ring(), {}).region_count(), 30); }
+
+TEST(Thesis, EveryMethodIsThereOrRefused) {
+  for (const Method method : {Method::lloyd, Method::teleport, Method::naive, Method::queued, Method::hybrid}) {
+    const PartitionOptions options{.method = method};
+    if (Thesis::is_built()) {
+      EXPECT_EQ(run(ring(), options).region_count(), 30);
+    } else {
+      EXPECT_EQ(message_of([&] { run(ring(), options); }),
+                "method hierarchy is the only one in this build, which was made with ISIMP_THESIS=OFF");
+    }
+  }
+}
+
+TEST(Thesis, ABackEndThatIsNotHereIsRefused) {
+  const std::string message = message_of([] { run(ring(), {.backend = "abacus"}); });
+  EXPECT_NE(message.find("abacus"), std::string::npos) << message;
+  EXPECT_EQ(backends().front(), "cpu");
+  EXPECT_TRUE(Thesis::is_built() || backends().size() == 1);
+}
+
+/// What is kept for one surface must not serve another one.
+TEST(Thesis, ADecimatedMeshServesItsOwnSurface) {
+  const Partitioner kept(ring());
+  const PartitionOptions options{.proxies = 30, .method = Method::hybrid};
+  if (!Thesis::is_built()) GTEST_SKIP() << "made with ISIMP_THESIS=OFF";
+  Job job;
+  Constraints heavy;
+  for (std::int32_t f = 0; f < ring().face_count(); ++f) heavy.guides.weights.push_back(f % 7 == 0 ? 9.0 : 1.0);
+  const auto plain = kept.run(options, {}, job).face_region;
+  const auto weighted = kept.run(options, heavy, job).face_region;
+  EXPECT_EQ(kept.run(options, {}, job).face_region, plain);
+  EXPECT_EQ(Partitioner(ring()).run(options, heavy, job).face_region, weighted);
+  EXPECT_NE(plain, weighted);
+}
+
+}  // namespace
+}  // namespace isimp
