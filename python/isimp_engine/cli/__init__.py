@@ -22,7 +22,7 @@ from .. import (
     _process,
     recipes,
 )
-from . import batch, guiding, info, simplify, texturing
+from . import batch, guiding, info, lods, simplify, texturing
 from .errors import UsageError
 from .files import place
 
@@ -46,6 +46,13 @@ def parser() -> argparse.ArgumentParser:
     command.set_defaults(run=simplify.run)
     command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL, OFF or GLB")
     command.add_argument("output", type=Path, metavar="OUTPUT", help="PLY or OBJ; with --texture OBJ or GLB")
+    command.add_argument(
+        "--lods",
+        type=lods.counts,
+        metavar="N,N,...",
+        help="levels of detail: a result for each number of regions, OUTPUT_LOD0, OUTPUT_LOD1, ...; with --texture "
+        "each image has half the side of the one before",
+    )
     guiding.add_files(command)
     command.add_argument(
         "--labels", type=place, metavar="L.npy", help="one int32 region per face of INPUT, in file order; -1: none"

@@ -28,7 +28,7 @@ from ..guided import partition_guided
 from ..texturing.writing import KINDS as TEXTURED_KINDS
 from ..texturing.writing import files_of
 from ..within import Made, polygonize_within
-from . import closing, guiding, texturing, words
+from . import closing, guiding, lods, texturing, words
 from .errors import UsageError
 from .files import STDOUT, Outputs, check, is_same
 from .loading import Input, clean_mesh, facts, labels, load
@@ -57,20 +57,45 @@ class Done:
     """What a run made, for callers in the same process."""
 
     source: Input
+    partition: Partition
     polygons: PolygonMesh
     report: dict[str, Any]
 
 
 def run(arguments: argparse.Namespace) -> Done:
-    beside = check_places(arguments)
-    steps, options, recipe = Steps(wanted(arguments.quiet)), arguments.options, arguments.recipe
+    levels = lods.levels(arguments)
+    beside = [check_places(level) for level in levels]
+    steps = Steps(wanted(arguments.quiet))
+    done: list[Done] = []
+    with steps("read") as job:
+        source = load(arguments.input, job, arguments.options.threads, textured=arguments.texture is not None)
+    if arguments.texture is not None:
+        texturing.check_source(source, [path for files in beside for path in files])
+    with Outputs() as outputs:
+        for number, (level, files) in enumerate(zip(levels, beside, strict=True)):
+            if number > 0 and level.texture is not None:
+                level.texture = lods.halved(done[0].report["texture"]["size"], number)
+            done.append(_make(level, source, steps, outputs, files))
+            steps = Steps(wanted(arguments.quiet))
+        report = done[0].report
+        if arguments.lods is not None:
+            report = {**report, "lods": [level.report for level in done]}
+        if arguments.report:
+            outputs.write_text(arguments.report, json.dumps(report, indent=2, allow_nan=False) + "\n")
+        outputs.commit()
+    if not arguments.quiet:  # where the report is on stdout, it is alone there
+        stream = sys.stderr if arguments.report == STDOUT else sys.stdout
+        if stream is not None:
+            print("\n".join(summary(source, done)), file=stream)
+    return done[0]
+
+
+def _make(arguments: argparse.Namespace, source: Input, steps: Steps, outputs: Outputs, beside: list[Path]) -> Done:
+    """Make and write one result; its files appear when `outputs` are committed."""
+    options, recipe = arguments.options, arguments.recipe
     meshing = MeshingOptions(**(recipe.meshing if recipe else {}) | {"threads": options.threads})
     meshing.planar = meshing.planar or bool(arguments.planar)
     regular = None if arguments.regularise is None else RegulariseOptions(angle=arguments.regularise)
-    with steps("read") as job:
-        source = load(arguments.input, job, options.threads, textured=arguments.texture is not None)
-    if arguments.texture is not None:
-        texturing.check_source(source, beside)
     closed = None
     with steps("clean") as job:
         mesh, repaired, repaired_at = clean_mesh(source, arguments.clean, job)
@@ -98,48 +123,40 @@ def run(arguments: argparse.Namespace) -> Done:
     if arguments.texture is not None:
         with steps("texture") as job:
             made = texturing.make(arguments, source, mesh, part, poly, job)
-    with Outputs() as outputs:
-        with steps("write") as job:
-            if made is None:
-                outputs.write(arguments.output, lambda path: write(path, poly, job))
-            else:
-                for file, content in files_of(arguments.output, poly, made, job).items():
-                    outputs.write(file, partial(Path.write_bytes, data=content))
-            if arguments.labels:
-                outputs.write(arguments.labels, lambda path: save_labels(path, labels(source, mesh, part)))
-        report = {
-            "isimp": __version__,
-            "input": {"path": str(source.path), "vertices": len(source.vertices), "faces": source.faces}
-            | {"triangles": len(source.triangles)},
-            "repair": repaired,
-            "repaired_at": repaired_at,
-            "closed_below": closed.fill_holes if closed else None,
-            "mesh": facts(mesh),
-            "options": options.as_dict()
-            | {
-                "clean": (closed or arguments.clean).as_dict(),
-                "meshing": meshing.as_dict(),
-                "guides": guiding.as_dict(arguments),
-                "recipe": recipe and recipe.values,
-                "regularise": regular and regular.as_dict(),
-            },
-            "regions": part.region_count,
-            "error": part.error,
-            "history": part.history.tolist(),
-            "partition": part.report,
-            "output": {"path": str(arguments.output)} | found.report,
-            "texture": None if made is None else made.report | {"files": [str(path) for path in beside]},
-            "seconds": steps.seconds,
-            "peak_mb": peak_mb(),
-        }
-        if arguments.report:
-            outputs.write_text(arguments.report, json.dumps(report, indent=2, allow_nan=False) + "\n")
-        outputs.commit()
-    if not arguments.quiet:  # where the report is on stdout, it is alone there
-        stream = sys.stderr if arguments.report == STDOUT else sys.stdout
-        if stream is not None:
-            print("\n".join(summary(source, part, report)), file=stream)
-    return Done(source, poly, report)
+    with steps("write") as job:
+        if made is None:
+            outputs.write(arguments.output, lambda path: write(path, poly, job))
+        else:
+            for file, content in files_of(arguments.output, poly, made, job).items():
+                outputs.write(file, partial(Path.write_bytes, data=content))
+        if arguments.labels:
+            outputs.write(arguments.labels, lambda path: save_labels(path, labels(source, mesh, part)))
+    report = {
+        "isimp": __version__,
+        "input": {"path": str(source.path), "vertices": len(source.vertices), "faces": source.faces}
+        | {"triangles": len(source.triangles)},
+        "repair": repaired,
+        "repaired_at": repaired_at,
+        "closed_below": closed.fill_holes if closed else None,
+        "mesh": facts(mesh),
+        "options": options.as_dict()
+        | {
+            "clean": (closed or arguments.clean).as_dict(),
+            "meshing": meshing.as_dict(),
+            "guides": guiding.as_dict(arguments),
+            "recipe": recipe and recipe.values,
+            "regularise": regular and regular.as_dict(),
+        },
+        "regions": part.region_count,
+        "error": part.error,
+        "history": part.history.tolist(),
+        "partition": part.report,
+        "output": {"path": str(arguments.output)} | found.report,
+        "texture": None if made is None else made.report | {"files": [str(path) for path in beside]},
+        "seconds": steps.seconds,
+        "peak_mb": peak_mb(),
+    }
+    return Done(source, part, poly, report)
 
 
 @contextmanager
@@ -190,9 +207,18 @@ def peak_mb() -> float | None:
     return round(peak / (2**20 if sys.platform == "darwin" else 2**10), 1)
 
 
-def summary(source: Input, part: Partition, report: dict[str, Any]) -> Iterator[str]:
+def summary(source: Input, done: list[Done]) -> Iterator[str]:
+    yield f"{source.path}: {words.count(source.faces, 'face')}, {words.shape(done[0].report['mesh'])}"
+    said: list[str] = []  # what holds for every level is said once
+    for level in done:
+        for line in _summary(level.partition, level.report):
+            if line not in said:
+                yield line
+            said.append(line)
+
+
+def _summary(part: Partition, report: dict[str, Any]) -> Iterator[str]:
     mesh, out = report["mesh"], report["output"]
-    yield f"{source.path}: {words.count(source.faces, 'face')}, {words.shape(mesh)}"
     for line in words.repairs(report["repair"], report["repaired_at"]):
         yield f"  repaired: {line}"
     if report["closed_below"] and (report["repair"]["filled_holes"] or report["repair"]["cut_handles"]):
