@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -356,6 +357,8 @@ def test_info_says_what_the_mesh_is_and_what_would_be_repaired(tmp_path):
         "  to repair:",
         "    1 face dropped: a vertex is used twice (face 192)",
         "    1 face dropped: an earlier face has the same vertices (face 193)",
+        "  would become 6 polygons of 6 regions",
+        "    6 regions found at a tolerance of 0.00968, noise 0, the number of planes it is made of",
     ]
     said = json.loads(isimp("info", path, "--json").stdout)
     assert said["input"] == {"path": str(path), "vertices": 98, "faces": 194, "triangles": 194}
@@ -367,10 +370,38 @@ def test_info_says_what_the_mesh_is_and_what_would_be_repaired(tmp_path):
 
 
 def test_info_on_a_good_mesh_has_nothing_to_repair(scan):
-    lines = isimp("info", scan).stdout.splitlines()
+    lines = isimp("info", scan, "--mesh-only").stdout.splitlines()
     assert lines[1] == "  1,800 faces, 961 vertices"
     assert lines[2] == "  1 part, open, 120 border edges in 1 loop, Euler characteristic 1"
     assert lines[-1] == "  nothing to repair"
+
+
+def test_info_counts_the_polygons_that_a_run_makes(scan, tmp_path):
+    report = tmp_path / "r.json"
+    assert isimp("simplify", scan, tmp_path / "o.ply", "--proxies", 20, "--report", report).returncode == 0
+    made = json.loads(report.read_text())["output"]
+    said = json.loads(isimp("info", scan, "--proxies", 20, "--json").stdout)["result"]
+    assert (said["polygons"], said["regions"]) == (made["polygons"], 20)
+    done = isimp("info", scan, "--proxies", 20000)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[-1] == "  no polygons: proxies must be in [1, 1800], got 20000"
+    assert json.loads(isimp("info", scan, "--mesh-only", "--json").stdout)["result"] is None
+
+
+def test_polygons_beyond_the_regions_are_explained(tmp_path):
+    vertices, triangles = shapes.room(16)
+    path = tmp_path / "plate.ply"
+    meshfiles.ply_binary(path, vertices, triangles.tolist())
+    said = json.loads(isimp("info", path, "--proxies", 30, "--keep-openings", "--json").stdout)["result"]
+    more = said["polygons"] - said["regions"]
+    assert more > 0
+    line = next(
+        line for line in isimp("info", path, "--proxies", 30, "--keep-openings").stdout.splitlines() if "more" in line
+    )
+    numbers = [int(number) for number in re.findall(r"\d+", line)]
+    assert numbers[0] == more == sum(numbers[1:])
+    done = isimp("simplify", path, tmp_path / "o.ply", "--proxies", 30, "--keep-openings")
+    assert line.strip() in done.stdout
 
 
 def test_help_and_version():

@@ -66,10 +66,15 @@ def parser() -> argparse.ArgumentParser:
     command.set_defaults(run=batch.run)
     batch.add_options(command)
 
-    command = commands.add_parser("info", help="what a mesh is and what would be repaired", description=info.__doc__)
+    command = commands.add_parser(
+        "info", help="what a mesh is and what it would become", description=info.__doc__, parents=shared
+    )
     command.set_defaults(run=info.run)
     command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL, OFF or GLB")
-    add_fields(command, CleanOptions, names(CleanOptions))
+    command.add_argument(
+        "--mesh-only", action="store_true", help="do not count the polygons, which takes the time of a run"
+    )
+    command.set_defaults(**guiding.NO_FILES)
     command.add_argument("--json", action="store_true", help="as JSON")
     return parser
 
@@ -153,8 +158,6 @@ def _of_recipe(arguments: argparse.Namespace, given: dict[str, Any]) -> dict[str
 def settle(arguments: argparse.Namespace) -> None:
     """Replace what the command line gave by what the steps take: the recipe and the engine's options."""
     arguments.clean = options_of(arguments, CleanOptions)
-    if arguments.run is info.run:
-        return
     if isinstance(arguments.recipe, Path):
         try:
             arguments.recipe = recipes.read(arguments.recipe)

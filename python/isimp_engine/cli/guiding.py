@@ -21,6 +21,8 @@ _FILES = {
     "base": ("L.npy", "one region per face of INPUT, as --labels wrote it; without it the others have none"),
 }
 
+NO_FILES = dict.fromkeys(_FILES)  #: what the command line says of them where it gives none
+
 
 def add_angle(command: argparse.ArgumentParser) -> None:
     about = "no region crosses an edge at which INPUT bends by more than so many degrees, in [0, 180]"

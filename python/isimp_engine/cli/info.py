@@ -1,4 +1,4 @@
-"""Say what a mesh is, and what would be repaired before it is simplified. Nothing is written."""
+"""Say what a mesh is, what would be repaired, and how many polygons it would become. Nothing is written."""
 
 import argparse
 import json
@@ -6,8 +6,9 @@ from collections.abc import Iterator
 from typing import Any
 
 from .. import Job
-from . import words
-from .loading import clean_mesh, facts, load
+from . import simplify, words
+from .errors import UsageError
+from .loading import Input, clean_mesh, facts, load
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -20,8 +21,25 @@ def run(arguments: argparse.Namespace) -> None:
         "repair": repaired,
         "repaired_at": repaired_at,
         "mesh": facts(mesh) | {"box": [low.tolist(), high.tolist()]},
+        "result": None if arguments.mesh_only else result(arguments, source),
     }
     print(json.dumps(report, indent=2, allow_nan=False) if arguments.json else "\n".join(lines(report)))
+
+
+def result(arguments: argparse.Namespace, source: Input) -> dict[str, Any]:
+    """How many polygons `isimp simplify` would make with these options, and why; or why it would refuse."""
+    try:
+        model = simplify.make_model(arguments, source, simplify.Steps(show=False))
+    except UsageError as error:
+        return {"refused": str(error).removeprefix(f"{source.path}: ")}
+    out = model.found.report
+    counts = {key: value for key, value in out.items() if key in ("regions", "polygons") or key.startswith("split_for")}
+    return counts | {
+        "closed_below": model.closed.fill_holes if model.closed else None,
+        "filled_holes": model.repaired["filled_holes"],
+        "cut_handles": model.repaired["cut_handles"],
+        "partition": model.partition.report,
+    }
 
 
 def lines(report: dict[str, Any]) -> Iterator[str]:
@@ -39,3 +57,21 @@ def lines(report: dict[str, Any]) -> Iterator[str]:
     repairs = list(words.repairs(report["repair"], report["repaired_at"]))
     yield "  nothing to repair" if not repairs else "  to repair:"
     yield from (f"    {line}" for line in repairs)
+    if report["result"] is not None:
+        yield from result_lines(report["result"])
+
+
+def result_lines(result: dict[str, Any]) -> Iterator[str]:
+    if "refused" in result:
+        yield f"  no polygons: {result['refused']}"
+        return
+    polygons, regions = words.count(result["polygons"], "polygon"), words.count(result["regions"], "region")
+    yield f"  would become {polygons} of {regions}"
+    if more := words.more_than_regions(result):
+        yield f"    {more}"
+    if result["partition"]["tolerance"] is not None:
+        yield f"    {words.found(result['partition'])}"
+    if result["closed_below"] and (result["filled_holes"] or result["cut_handles"]):
+        things = {"hole": result["filled_holes"], "handle": result["cut_handles"]}
+        closed = " and ".join(words.count(number, thing) for thing, number in things.items() if number)
+        yield f"    {closed} up to {result['closed_below']:.4g} long closed before; --keep-openings keeps them"

@@ -14,8 +14,10 @@ from typing import Any
 import numpy as np
 
 from .. import (
+    CleanOptions,
     InvalidInput,
     Job,
+    Mesh,
     MeshingOptions,
     Partition,
     PolygonMesh,
@@ -27,7 +29,7 @@ from .. import (
 from ..guided import partition_guided
 from ..texturing.writing import KINDS as TEXTURED_KINDS
 from ..texturing.writing import files_of
-from ..within import Made, polygonize_within
+from ..within import Made, Within, polygonize_within
 from . import closing, guiding, lods, texturing, words
 from .errors import UsageError
 from .files import STDOUT, Outputs, check, is_same
@@ -90,8 +92,22 @@ def run(arguments: argparse.Namespace) -> Done:
     return done[0]
 
 
-def _make(arguments: argparse.Namespace, source: Input, steps: Steps, outputs: Outputs, beside: list[Path]) -> Done:
-    """Make and write one result; its files appear when `outputs` are committed."""
+@dataclass(frozen=True)
+class Model:
+    """The polygons of a scan, and how they came about."""
+
+    mesh: Mesh
+    partition: Partition
+    found: Within
+    repaired: dict[str, int]
+    repaired_at: dict[str, list[int]]
+    closed: CleanOptions | None  #: how openings were closed; None where none were
+    meshing: MeshingOptions
+    regular: RegulariseOptions | None
+
+
+def make_model(arguments: argparse.Namespace, source: Input, steps: Steps) -> Model:
+    """Repair, partition and mesh, as the command line says."""
     options, recipe = arguments.options, arguments.recipe
     meshing = MeshingOptions(**(recipe.meshing if recipe else {}) | {"threads": options.threads})
     meshing.planar = meshing.planar or bool(arguments.planar)
@@ -118,7 +134,14 @@ def _make(arguments: argparse.Namespace, source: Input, steps: Steps, outputs: O
     with steps("mesh") as job:
         edited = recipe is not None and recipe.edits  # made anew, the edits would be lost
         found = polygonize_within(mesh, part, meshing, job, None if edited else Made(options, guides))
-        part, poly = found.partition, found.polygons
+    return Model(mesh, found.partition, found, repaired, repaired_at, closed, meshing, regular)
+
+
+def _make(arguments: argparse.Namespace, source: Input, steps: Steps, outputs: Outputs, beside: list[Path]) -> Done:
+    """Make and write one result; its files appear when `outputs` are committed."""
+    options, recipe = arguments.options, arguments.recipe
+    model = make_model(arguments, source, steps)
+    mesh, part, poly, closed = model.mesh, model.partition, model.found.polygons, model.closed
     made = None
     if arguments.texture is not None:
         with steps("texture") as job:
@@ -135,23 +158,23 @@ def _make(arguments: argparse.Namespace, source: Input, steps: Steps, outputs: O
         "isimp": __version__,
         "input": {"path": str(source.path), "vertices": len(source.vertices), "faces": source.faces}
         | {"triangles": len(source.triangles)},
-        "repair": repaired,
-        "repaired_at": repaired_at,
+        "repair": model.repaired,
+        "repaired_at": model.repaired_at,
         "closed_below": closed.fill_holes if closed else None,
         "mesh": facts(mesh),
         "options": options.as_dict()
         | {
             "clean": (closed or arguments.clean).as_dict(),
-            "meshing": meshing.as_dict(),
+            "meshing": model.meshing.as_dict(),
             "guides": guiding.as_dict(arguments),
             "recipe": recipe and recipe.values,
-            "regularise": regular and regular.as_dict(),
+            "regularise": model.regular and model.regular.as_dict(),
         },
         "regions": part.region_count,
         "error": part.error,
         "history": part.history.tolist(),
         "partition": part.report,
-        "output": {"path": str(arguments.output)} | found.report,
+        "output": {"path": str(arguments.output)} | model.found.report,
         "texture": None if made is None else made.report | {"files": [str(path) for path in beside]},
         "seconds": steps.seconds,
         "peak_mb": peak_mb(),
@@ -235,6 +258,8 @@ def _summary(part: Partition, report: dict[str, Any]) -> Iterator[str]:
     kind = f"{'closed' if out['closed'] else 'open'}, {'manifold' if out['manifold'] else 'not manifold'}"
     yield f"{out['path']}: {polygons} of {regions}, {out['corners'] / max(out['polygons'], 1):.1f} corners each, {kind}"
     yield f"  flat to {mean} of the diagonal, at worst {worst}; {sum(report['seconds'].values()):.1f} s"
+    if more := words.more_than_regions(out):
+        yield f"  {more}"
     if report["texture"] is not None:
         yield from texturing.summary(report["texture"])
     if out.get("scan_distance") is not None:

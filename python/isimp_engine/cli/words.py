@@ -52,6 +52,22 @@ def repairs(counts: dict[str, int], where: dict[str, list[int]]) -> Iterator[str
         yield text
 
 
+def more_than_regions(out: dict[str, Any]) -> str:
+    """`61 more than regions: 40 at holes, 21 to keep them flat and apart`; "" where there are no more."""
+    more = out["polygons"] - out["regions"]
+    if more <= 0:
+        return ""
+    reasons = {
+        "at holes": out["split_for_holes"],
+        "at handles": out["split_for_handles"],
+        "for closed parts": out["split_for_closed"],
+        "for regions in pieces": out["split_for_unconnected"] + out["split_for_pinches"],
+    }
+    reasons["to keep them flat and apart"] = more - sum(reasons.values())  # splits and new edges of the repair
+    why = ", ".join(f"{number:,} {reason}" for reason, number in reasons.items() if number > 0)
+    return f"{more:,} more than regions: {why}"
+
+
 def found(partition: dict[str, Any]) -> str:
     """`167 regions found at a tolerance of 0.00125, noise 2.1e-05`."""
     text = f"{count(partition['regions'], 'region')} found at a tolerance of {partition['tolerance']:.3g}"
