@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-#include "forest.h"
+#include "isimp/core/forest.h"
 #include "isimp/mesh/mesh.h"
 
 namespace isimp::detail {

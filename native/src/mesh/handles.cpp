@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "close.h"
-#include "forest.h"
+#include "isimp/core/forest.h"
 #include "isimp/mesh/mesh.h"
 
 /// A tree over the vertices by distance, and a tree over faces and holes that crosses none of its edges and takes those

@@ -1,7 +1,7 @@
 #include <algorithm>
-#include <numeric>
 #include <vector>
 
+#include "isimp/core/forest.h"
 #include "judge.h"
 
 namespace isimp::meshing {
@@ -12,31 +12,6 @@ struct Edge {
   std::int32_t corner;  // where in `loops` it starts
   bool forward;         // from a to b
   auto operator<=>(const Edge&) const = default;
-};
-
-/// Joins the corners of a vertex whose polygons meet in an edge.
-/// \return how many groups of corners are left
-class Fans {
- public:
-  explicit Fans(std::size_t corners) : parent_(corners), groups_(corners) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-  void join(std::int32_t a, std::int32_t b) {
-    a = root(a);
-    b = root(b);
-    if (a == b) return;
-    parent_[std::max(a, b)] = std::min(a, b);
-    --groups_;
-  }
-  [[nodiscard]] std::size_t groups() const { return groups_; }
-
- private:
-  std::int32_t root(std::int32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  std::vector<std::int32_t> parent_;
-  std::size_t groups_;
 };
 
 }  // namespace
@@ -55,7 +30,8 @@ void judge_topology(PolygonMesh& mesh) {
     }
   }
   std::sort(edges.begin(), edges.end());
-  Fans fans(mesh.loops.size());
+  detail::Forest fans(mesh.loops.size());  // corners of a vertex whose polygons meet in an edge
+  std::size_t groups = mesh.loops.size();
   bool good = true, closed = true;
   std::int64_t count = 0;
   for (std::size_t i = 0; i < edges.size();) {
@@ -66,13 +42,13 @@ void judge_topology(PolygonMesh& mesh) {
     if (end - i > 2 || edges[i].a == edges[i].b || (end - i == 2 && edges[i].forward == edges[i + 1].forward)) {
       good = false;
     } else if (end - i == 2) {
-      fans.join(edges[i].corner, next[edges[i + 1].corner]);
-      fans.join(edges[i + 1].corner, next[edges[i].corner]);
+      groups -= fans.join(edges[i].corner, next[edges[i + 1].corner]) ? 1 : 0;
+      groups -= fans.join(edges[i + 1].corner, next[edges[i].corner]) ? 1 : 0;
     }
     i = end;
   }
   mesh.report.closed = closed;
-  mesh.report.manifold = good && fans.groups() == mesh.vertices.size();
+  mesh.report.manifold = good && groups == mesh.vertices.size();
   mesh.report.euler = static_cast<std::int64_t>(mesh.vertices.size()) - count + mesh.polygon_count();
 }
 
