@@ -14,11 +14,11 @@ from .cache import Cache
 from .engine_options import MESHING, PARTITION
 from .prepared import (
     Prepared,
-    face_areas,
     face_regions,
     in_users_faces,
     joined_pairs,
     pair_lengths,
+    prepared_of,
     scan_numbers,
     triangle_at,
     triangles_at,
@@ -63,6 +63,7 @@ class Outcome:
     origin: tuple = (0.0, 0.0, 0.0)  #: near the polygons, exactly; 0 where they lie near zero. See `engine.Mesh.origin`
     numbers: dict = field(default_factory=dict)  #: of the last step and of the scan
     made: Any = None  #: how the engine made the partition; None once it was edited
+    closed: float = 0.0  #: scene units; openings up to this length were closed before the partition
 
     @property
     def face_color(self) -> np.ndarray:
@@ -99,14 +100,16 @@ class Session:
         steps, keys = recipe.active(), _keys(scan, recipe)
         done, outcome = self._longest_known(keys)
         if done < len(steps):
-            times = [0.0 if self._meshes.get(scan.digest) else _PREPARING]
+            closed = outcome.closed if outcome else 0.0
+            times = [0.0 if self._meshes.get((scan.digest, closed)) else _PREPARING]
             ends = shares(times + [_TIMES.get(type(step), 1.0) for _, step in steps[done:]])
-            prepared = replace(self.prepare(scan, watch, 0.0, ends[0]), layers=scan.layers)
+            prepared = replace(self.prepare(scan, watch, 0.0, ends[0], closed), layers=scan.layers)
         for number in range(done, len(steps)):
             index, step = steps[number]
             begin, end = ends[number - done : number - done + 2]
             try:
                 outcome = self._apply(step, prepared, outcome, watch, begin, end)
+                prepared = replace(self.prepare(scan, closed=outcome.closed), layers=scan.layers)
             except engine.InvalidInput as error:
                 raise StepFailed(index, step, in_users_faces(str(error), prepared), outcome) from error
             except (ValueError, RuntimeError) as error:  # that of a device that ran out of memory, say
@@ -116,13 +119,16 @@ class Session:
             raise ValueError("The recipe has no active step: press Partition.")
         return outcome
 
-    def prepare(self, scan: Scan, watch: Watch | None = None, begin: float = 0.0, end: float = 1.0) -> Prepared:
-        """The scan, checked and repaired. Raises ValueError if nothing usable is in it."""
-        prepared = self._meshes.get(scan.digest)
+    def prepare(
+        self, scan: Scan, watch: Watch | None = None, begin: float = 0.0, end: float = 1.0, closed: float = 0.0
+    ) -> Prepared:
+        """The scan, checked and repaired. closed: see Outcome. Raises ValueError if nothing usable is in it."""
+        key = (scan.digest, closed)
+        prepared = self._meshes.get(key)
         if prepared is None:
-            prepared = _prepare(scan, watch or Watch(), begin, end)
+            prepared = _prepare(scan, closed, watch or Watch(), begin, end)
             # Adjacency, normals and other data of the engine: about 300 bytes a face.
-            self._meshes.put(scan.digest, prepared, 300 * len(scan.triangles))
+            self._meshes.put(key, prepared, 300 * len(scan.triangles))
         return prepared
 
     def triangulate(self, polygons) -> tuple[np.ndarray, np.ndarray]:
@@ -133,7 +139,7 @@ class Session:
 
     def texture(self, scan: Scan, outcome: Outcome, shown: Shown, size: int | None = None):
         """UVs and images of an outcome's polygons; see `engine.texture`. Raises ValueError."""
-        mesh = self.prepare(scan).mesh
+        mesh = self.prepare(scan, closed=outcome.closed).mesh
         soup = engine.TexturedSoup(scan.vertices, scan.triangles, shown.uv, shown.material, shown.images)
         options = engine.TextureOptions(size=size, threads=self.threads)
         return engine.texture(mesh, outcome.partition, outcome.polygons, soup, options)
@@ -143,7 +149,7 @@ class Session:
 
         Raises ValueError if there is no such face, or it is in no region. Cost: of the size of the region.
         """
-        prepared = self.prepare(scan)
+        prepared = self.prepare(scan, closed=outcome.closed)
         return engine.region_statistics(prepared.mesh, outcome.partition, triangle_at(prepared, face))
 
     def locked_regions(self, scan: Scan, recipe: rcp.Recipe, watch: Watch | None = None) -> np.ndarray:
@@ -185,6 +191,11 @@ class Session:
         own = rcp.engine_options(step, PARTITION) | {"noise": None if step.noise < 0 else step.noise}
         own = {name: value for name, value in own.items() if name not in rcp.COUNTS or name == step.count_by}
         options = engine.PartitionOptions(**own, backend=self.backend, threads=self.threads)
+        locked = before is not None and before.partition.region_locked.any()
+        if not (locked or step.faces):  # they keep regions that are of the mesh as it was
+            plain = replace(self.prepare(prepared.scan, watch, begin, begin), layers=prepared.layers)
+            closed = self._closing(step, plain, options, watch, begin, begin + 0.3 * (end - begin))
+            prepared = replace(self.prepare(prepared.scan, watch, begin, end, closed), layers=prepared.layers)
         guides = _guides(step, prepared, before)
         made = engine.within.Made(options, guides, self._part(prepared, guides, step.leave_out))
         args = (prepared.mesh, options, guides, made.part)
@@ -198,12 +209,22 @@ class Session:
             numbers |= {"barriers": len(barriers), "barriers_inside": inside}
         return replace(_with_regions(prepared, partition, kept, numbers), made=made)
 
+    def _closing(self, step: rcp.Partition, plain: Prepared, options, watch, begin, end) -> float:
+        """The length up to which openings are closed, since the regions of the step can't show them."""
+        if not step.close_openings or step.count_by == "bound" or engine.opening_length(plain.mesh, 1) == 0:
+            return 0.0
+        count = options.proxies
+        if count is None:
+            found = _engine_call(watch, begin, end, "counting regions", engine.partition, plain.mesh, options)
+            count = found.region_count
+        return engine.opening_length(plain.mesh, count)
+
     def _part(self, prepared: Prepared, guides, leave_out: float):
         """The part of the mesh to split, kept so that another number is quick; None: all of it."""
         faces = engine.guided.open_faces(prepared.mesh, guides, leave_out)
         if faces is None:
             return None
-        key = (prepared.scan.digest, faces.tobytes())
+        key = (prepared.scan.digest, prepared.closed, faces.tobytes())
         if self._parts.get(key) is None:
             self._parts.put(key, engine.guided.part_of(prepared.mesh, faces), 1)
         return self._parts.get(key)
@@ -223,24 +244,14 @@ def _engine_call(watch: Watch, begin: float, end: float, stage: str, function, *
             raise Stopped from None
 
 
-def _prepare(scan: Scan, watch: Watch, begin: float, end: float) -> Prepared:
+def _prepare(scan: Scan, closed: float, watch: Watch, begin: float, end: float) -> Prepared:
     if len(scan.triangles) == 0:
         raise ValueError("The mesh has no faces: there is nothing to simplify.")
     middle = begin + 0.4 * (end - begin)
-    mesh = _engine_call(watch, begin, middle, "reading the mesh", engine.clean, scan.vertices, scan.triangles)
+    args = (scan.vertices, scan.triangles, engine.CleanOptions(fill_holes=closed, cut_handles=closed))
+    mesh = _engine_call(watch, begin, middle, "reading the mesh", engine.clean, *args)
     with watch.part("reading the mesh", middle, end):
-        mesh_face = scan.triangle_face[mesh.source_face]
-        scan.face_edges  # noqa: B018  (made here and kept)
-        face_triangle = np.full(scan.face_count, -1, np.int32)
-        triangle = np.arange(len(mesh_face), dtype=np.int32)
-        face_triangle[mesh_face] = triangle
-        if len(scan.triangles) == scan.face_count and np.array_equal(face_triangle[mesh_face], triangle):
-            areas = None
-        else:
-            areas = face_areas(mesh)
-            order = np.argsort(areas, kind="stable")
-            face_triangle[mesh_face[order]] = order  # the last one written is the largest
-        return Prepared(scan, mesh, mesh_face, face_triangle, areas)
+        return replace(prepared_of(scan, mesh), closed=closed)
 
 
 def _needs_regions(before: Outcome | None) -> Outcome:
@@ -257,7 +268,7 @@ def _with_regions(prepared: Prepared, partition, kept: np.ndarray | None, number
     color = view.assign_colors(partition.region_count, pairs, kept)
     known = {"regions": partition.region_count, "error": partition.error, "left_out": int((face_region < 0).sum())}
     known["locked"] = int(np.count_nonzero(partition.region_locked))
-    return Outcome(face_region, color, border, partition, numbers=known | numbers)
+    return Outcome(face_region, color, border, partition, numbers=known | numbers, closed=prepared.closed)
 
 
 def _weights(step: rcp.Partition, prepared: Prepared) -> np.ndarray | None:

@@ -101,6 +101,11 @@ class PartitionSettings:
         default=_PARTITION.smooth,
         **_range(PARTITION["smooth"]),
     )
+    close_openings: BoolProperty(
+        name="Close Openings",
+        description="Close holes and tunnels of a noisy scan that the regions can't show",
+        default=_PARTITION.close_openings,
+    )
     noise: FloatProperty(
         name="Noise",
         description="Standard deviation of the scan's points, in the scan's units. Below 0: estimated",

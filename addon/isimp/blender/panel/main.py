@@ -68,6 +68,7 @@ class ISIMP_PT_options(Panel, bpy.types.Panel):
         for name in ("seeding", "seed", "iterations"):
             column.prop(partition, name)
         layout.prop(partition, "leave_out", text="Leave Out")
+        layout.prop(partition, "close_openings")
         layout.prop(partition, "adaptivity", slider=True)
         layout.prop(partition, "smooth", slider=True)
         layout.prop(partition, "weights", icon="GROUP_VERTEX")
