@@ -208,7 +208,8 @@ def apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end, threads: int
     options = engine.MeshingOptions(**rcp.engine_options(step, MESHING), threads=threads)
 
     def job(of: float, to: float):
-        return watch.part("meshing", begin + of * (end - begin), begin + to * (end - begin), engine.Job())
+        share = 0.9 * (end - begin)
+        return watch.part("meshing", begin + of * share, begin + to * share, engine.Job())
 
     args = (prepared.mesh, before.partition, options)
     try:
@@ -218,18 +219,43 @@ def apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end, threads: int
     regions = before
     if found.partition is not before.partition:
         regions = with_regions(prepared, found.partition, carried_colors(before, found.partition), {})
+    args = (prepared.mesh, regions.partition, found.polygons, 0.0)
+    away = engine_call(watch, end - 0.1 * (end - begin), end, "measuring", engine.within.scan_distances, *args)
+    return replace(
+        regions,
+        polygons=found.polygons,
+        origin=prepared.mesh.origin,
+        numbers=_mesh_numbers(found, regions, away) | {"regions_before": before.numbers["regions"]},
+        region_distance=_of_regions(prepared.mesh, regions.partition, away),
+    )
+
+
+def _mesh_numbers(found, regions: Outcome, away: np.ndarray) -> dict:
+    """away: (V,) how far the scan's vertices are from the polygons, NaN where they are in no region."""
     polygons, report = found.polygons, found.report
     names = ("regions", "error", "left_out")
     more = ("closed", "manifold", "planarity_max", "planarity_mean", "scan_distance", "scan_distance_allowed")
     numbers = {name: regions.numbers[name] for name in names} | {
-        "regions_before": before.numbers["regions"],
         "polygons": len(polygons.loop_start),
         "corners": len(polygons.loops),
         "vertices": len(polygons.vertices),
         **{name: report[name] for name in more if name in report},
         "flaws": flaws(report),
+        "split": {name: report[name] for name in report if name.startswith("split_for_")},
     }
-    return replace(regions, polygons=polygons, origin=prepared.mesh.origin, numbers=numbers)
+    known = away[np.isfinite(away)]
+    if len(known):
+        numbers |= {"away_mean": float(known.mean()), "away_max": float(known.max())}
+    return numbers
+
+
+def _of_regions(mesh, partition, away: np.ndarray) -> np.ndarray:
+    """(R,) the largest of the vertices of each region."""
+    label, triangles = np.asarray(partition.face_region), np.asarray(mesh.triangles)
+    largest, inside = np.zeros(partition.region_count), label >= 0
+    each = np.nan_to_num(away)[triangles[inside]].max(axis=1)
+    np.maximum.at(largest, label[inside], each)
+    return largest
 
 
 #: relative time of a step, and of the preparation before the first

@@ -31,6 +31,7 @@ class Outcome:
     origin: tuple = (0.0, 0.0, 0.0)  #: near the polygons, exactly; 0 where they lie near zero. See `engine.Mesh.origin`
     numbers: dict = field(default_factory=dict)  #: of the last step and of the scan
     made: Any = None  #: how the engine made the partition; None once it was edited
+    region_distance: Any = None  #: after Mesh: (R,) largest distance of its vertices from the polygons
     closed: float = 0.0  #: scene units; openings up to this length were closed before the partition
 
     @property

@@ -138,7 +138,10 @@ class Session:
         else:
             outcome = APPLY[type(step)](step, prepared, before, watch, begin, end)
         seconds = time.perf_counter() - started
-        numbers = {"step": step.kind, "seconds": seconds, **scan_numbers(prepared), **outcome.numbers}
+        numbers = {"step": step.kind, "seconds": seconds, "scan": prepared.scan.digest}
+        numbers |= scan_numbers(self.prepare(prepared.scan)) | {"closed_below": outcome.closed}
+        numbers |= {"repairs": self.prepare(prepared.scan, closed=outcome.closed).mesh.report["repairs"]}
+        numbers |= outcome.numbers
         return replace(outcome, numbers=numbers)
 
     def _partition(self, step: rcp.Partition, prepared, before, watch, begin, end) -> Outcome:

@@ -130,10 +130,8 @@ def test_the_add_on_closes_the_same_as_the_command(tmp_path):
 
 
 def test_covers_belong_to_the_face_beside_them():
-    vertices, triangles = shapes.bumpy(20)
-    middle = len(triangles) // 2
-    scan = scan_of((vertices, np.delete(triangles, np.arange(middle, middle + 6), axis=0)))
-    mesh = engine.clean(scan.vertices, scan.triangles, engine.CleanOptions(fill_holes=10.0))
+    scan = scan_of(shapes.room(4))
+    mesh = engine.clean(scan.vertices, scan.triangles, engine.CleanOptions(cut_handles=5.0))
     covers = np.flatnonzero(mesh.source_face < 0)
     assert len(covers) > 0
     prepared = prepared_of(scan, mesh)

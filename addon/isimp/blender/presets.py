@@ -53,8 +53,9 @@ class ISIMP_MT_presets(bpy.types.Menu):
     def draw(self, context):
         for preset in presets.PRESETS:
             self.layout.operator("isimp.preset", text=preset.label).name = preset.name
-        self.layout.separator()
-        self.draw_preset(context)
+        if bpy.utils.preset_paths(_FOLDER):  # there are none before the user has made one
+            self.layout.separator()
+            self.draw_preset(context)
 
 
 class ISIMP_OT_preset_add(AddPresetBase, bpy.types.Operator):

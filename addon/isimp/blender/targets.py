@@ -5,6 +5,7 @@ import bpy
 from .. import session
 from . import aside, mesh_io, raw, runtime, store
 
+KEPT = "kept"  #: in the place of the digest of a result that was edited by hand, and that Mesh leaves as it is
 _OTHER = {
     "CURVE": "a curve",
     "EMPTY": "an empty",
@@ -34,11 +35,15 @@ def scan_of(obj):
 
 
 def result_of(scene, scan):
-    """The result made from a scan, if it is still in the scene; else None. Never one with the scan's mesh."""
+    """The result made from a scan, if it is still in the scene; else None.
+
+    Never one with the scan's mesh, nor one that was edited by hand and kept.
+    """
     key = raw.text(scan, "key")
     if not key:
         return None
     made = (obj for obj in scene.objects if raw.text(obj, "scan_key") == key and obj.type == "MESH")
+    made = (obj for obj in made if raw.text(obj, "made") != KEPT)
     return next((obj for obj in made if obj.data != scan.data and scan_of(obj) == scan), None)
 
 
