@@ -37,6 +37,16 @@ def changed(before: dict[str, Any], numbers: dict[str, Any]) -> str:
     return f"{count(before['regions'], 'region')} -> {now}" if "regions" in before else now
 
 
+def several(number: int) -> str:
+    return f"{count(number, 'scan')} done"
+
+
+def skipped(names: list[str]) -> str:
+    """Selected scans that Mesh can't do."""
+    named = ", ".join(f"'{name}'" for name in names[:3]) + (" and others" if len(names) > 3 else "")
+    return f"Not done, as they have no regions yet: {named}"
+
+
 def locked(numbers: dict[str, Any]) -> str:
     number = numbers.get("locked", 0)
     return f"{count(number, 'region')} locked" if number else "No region is locked"

@@ -11,6 +11,7 @@ import time
 
 import bpy
 
+from .. import messages
 from ..session import StepFailed
 from ..task import Status
 from . import modal, overlay, pending, preview, reading, runtime, show, store, targets
@@ -106,7 +107,7 @@ class ISIMP_OT_settle(modal.RecipeOperator, bpy.types.Operator):
     bl_label = pending.LABEL
     bl_options = {"UNDO", "INTERNAL"}
 
-    keeps_failed = True
+    keeps_failed = names_steps = True
 
     def wanted(self, context, scan):
         return visible(context, scan, pending.recipe_of(context, scan))
@@ -114,7 +115,7 @@ class ISIMP_OT_settle(modal.RecipeOperator, bpy.types.Operator):
     show = staticmethod(show.show_outcome)
 
     def told(self, before, numbers):
-        return f"{before.get('regions', '?')} -> {numbers['regions']} regions"
+        return messages.changed(before, numbers)
 
     def invoke(self, context, event):
         if runtime.get().live.shown is None:

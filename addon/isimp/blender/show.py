@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import bpy
 
-from .. import stored
+from .. import messages, stored
 from . import aside, display, mesh_io, raw, result, store, targets
 
 
@@ -78,7 +78,7 @@ def show_outcome(context, scan, work, outcome) -> None:
 
 def show_failed(context, scan, work, error) -> None:
     """Stores a recipe with a failed step, and the reason; the previous result stays visible."""
-    failed = {"failed": error.index, "reason": stored.line(error.reason)}
+    failed = {"failed": error.index, "reason": stored.line(messages.reason(error.reason))}
     outcome = error.outcome
     if outcome is None or (mesh_io.state_of(scan) and not store.read(scan).problem):
         state = _save(scan, work, store.numbers(scan) | failed)

@@ -53,6 +53,12 @@ def find(context):
     return (None, problem) if problem else seen(context)
 
 
+def selected(context) -> list:
+    """The selected scans that can be used, those of selected results among them, each once."""
+    scans = [scan_of(obj) or obj for obj in context.selected_objects if obj.type == "MESH"]
+    return list(dict.fromkeys(scan for scan in scans if not _unusable(scan)))
+
+
 def find_result(context):
     """(scan, result, "") or (None, None, why not)."""
     scan, problem = find(context)

@@ -4,7 +4,8 @@ import textwrap
 
 import bpy
 
-from .. import afar
+from .. import afar, messages
+from ..messages import count as _count
 from . import mesh_io
 
 _STAY = "\N{NO-BREAK SPACE}"
@@ -30,19 +31,13 @@ def beside(said: str, measure, wanted: float, right: float, left: float) -> tupl
     return lines, max(left, min(wanted, right - max(map(measure, lines))))
 
 
-def _count(number: int, one: str) -> str:
-    many = f"{one[:-2]}ices" if one.endswith("vertex") else f"{one}s"
-    return f"{number:,} {one if number == 1 else many}"
-
-
-def scan_line(mesh, numbers: dict) -> str:
-    """The size of a scan; its parts and holes once it has been analysed."""
+def scan_lines(mesh, numbers: dict) -> tuple:
+    """(size, shape) of a scan, always two lines; its parts and holes are known once it has been looked at."""
     triangles = len(mesh.loops) - 2 * len(mesh.polygons)
     if not _looked_at(mesh, numbers):
-        return _count(triangles, "triangle")
+        return _count(triangles, "triangle"), "Not partitioned yet"
     holes = "closed" if numbers["closed"] else _count(numbers["border_loops"], "hole")
-    told = f"{_count(numbers['triangles'], 'triangle')} · {_count(numbers['components'], 'part')} · {holes}"
-    return told.replace(" ", _STAY).replace(f"·{_STAY}", "· ")  # a number stays with its word
+    return _count(numbers["triangles"], "triangle"), f"{_count(numbers['components'], 'part')} · {holes}"
 
 
 _FAULTS = {
@@ -57,6 +52,7 @@ _FAULTS = {
     "subdivided_edges": "double edge",
     "turned_edges": "zero-area face",
 }  # vertices that no face uses are none
+_OPENINGS = {"filled_holes": "hole", "cut_handles": "tunnel"}
 
 
 def lost_detail(scan, unit) -> list:
@@ -65,20 +61,23 @@ def lost_detail(scan, unit) -> list:
     return [] if lost is None else [afar.told(lost, unit.system, unit.scale_length)]
 
 
-def warnings(mesh, numbers: dict) -> list:
-    """The defects of a scan, and how they are handled."""
-    if not _looked_at(mesh, numbers):
-        return []
-    left_out, lines = numbers.get("left_out", 0), []
-    faults = [(name, number) for name, number in numbers.get("repairs", {}).items() if number and name in _FAULTS]
+def good_news(numbers: dict, system: str, scale: float) -> list:
+    """What the add-on has mended or closed for the result, as lines; the scan itself stays as it is."""
+    repairs, lines = numbers.get("repairs", {}), []
+    closed = [_count(repairs[name], one) for name, one in _OPENINGS.items() if repairs.get(name)]
+    if closed:
+        below = length(numbers["closed_below"], system, scale) if numbers.get("closed_below") else ""
+        lines.append(f"Closed: {' and '.join(closed)}" + (f" up to {below} round" if below else ""))
+    faults = [(name, number) for name, number in repairs.items() if number and name in _FAULTS]
     if faults:
-        said = ", ".join(_count(number, _FAULTS[name]) for name, number in faults)
-        lines.append(f"Repaired for the result: {said}")
-    if left_out:
-        lines.append(
-            f"{_count(left_out, 'face')} left out (small parts or defects): grey on the scan, not in the result"
-        )
+        lines.append("Mended: " + ", ".join(_count(number, _FAULTS[name]) for name, number in faults))
     return lines
+
+
+def left_out(numbers: dict) -> str:
+    """Which faces are in no region; empty if all are in one."""
+    faces = numbers.get("left_out", 0)
+    return f"{_count(faces, 'face')} left out, grey on the scan: small parts or defects" if faces else ""
 
 
 def _looked_at(mesh, numbers: dict) -> bool:
@@ -93,11 +92,12 @@ def report_lines(numbers: dict, system: str, scale: float) -> list:
     flat, worst = (amount(numbers, name, system, scale) for name in ("planarity_mean", "planarity_max"))
     sound = "Closed" if numbers["closed"] else "Open, like the scan"
     sound = sound if numbers["manifold"] else "Non-manifold: polygons share an edge or vertex that they should not"
-    lines = [
-        (f"{_count(numbers['polygons'], 'polygon')} · {each:.1f} corners each", False),
-        (f"Planar within {flat} (worst {worst})", False),
-        (sound, not numbers["manifold"]),
-    ]
+    lines = [(f"{_count(numbers['polygons'], 'polygon')} · {each:.1f} corners each", False)]
+    lines += [(line, False) for line in [messages.why_more(numbers)] if line]
+    if "away_max" in numbers:
+        mean, most = (amount(numbers, name, system, scale) for name in ("away_mean", "away_max"))
+        lines.append((f"{mean} from the scan (at most {most})", False))
+    lines += [(f"Flat within {flat} (worst {worst})", False), (sound, not numbers["manifold"])]
     if "scan_distance" in numbers:
         away, allowed = (amount(numbers, name, system, scale) for name in ("scan_distance", "scan_distance_allowed"))
         too_far = numbers["scan_distance"] > numbers["scan_distance_allowed"]

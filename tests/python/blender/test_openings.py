@@ -4,6 +4,7 @@ import bpy
 import numpy as np
 import pytest
 import scans
+
 from isimp.blender import store, text
 
 pytestmark = pytest.mark.usefixtures("scene")
@@ -20,7 +21,7 @@ def pierced():
     scans.mode("EDIT")
     centers = np.array([polygon.center for polygon in scan.data.polygons])
     places = 2 * np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, 0, 1]])
-    near = np.linalg.norm(centers[:, None] - places, axis=2).min(axis=1) < 0.15
+    near = np.linalg.norm(centers[:, None] - places, axis=2).min(axis=1) < 0.1
     scans.select_faces(scan, *np.flatnonzero(near))
     bpy.ops.mesh.delete(type="FACE")
     scans.mode("OBJECT")
@@ -29,12 +30,12 @@ def pierced():
 
 def test_small_holes_are_closed_and_large_ones_would_stay():
     scan = pierced()
-    assert bpy.ops.isimp.partition(proxies=20) == {"FINISHED"}
+    assert bpy.ops.isimp.partition(proxies=8) == {"FINISHED"}
     numbers = store.numbers(scan)
     assert (numbers["border_loops"], numbers["repairs"]["filled_holes"]) == (4, 4)
     assert text.good_news(numbers, "METRIC", 1.0)[0].startswith("Closed: 4 holes")
     assert bpy.ops.isimp.mesh() == {"FINISHED"}
     assert store.numbers(scan)["closed"]
-    assert bpy.ops.isimp.partition(proxies=20, close_openings=False) == {"FINISHED"}
+    assert bpy.ops.isimp.partition(proxies=8, close_openings=False) == {"FINISHED"}
     assert bpy.ops.isimp.mesh() == {"FINISHED"}
     assert not store.numbers(scan)["closed"]

@@ -12,6 +12,7 @@ class ISIMP_OT_mesh(RecipeOperator, settings.MeshSettings, bpy.types.Operator):
 
     bl_idname = "isimp.mesh"
     bl_label = "Mesh"
+    does_all = True
 
     keep_texture: bpy.props.BoolProperty(
         name="Keep Texture", description="Put the images of the scan's materials on the result", default=True

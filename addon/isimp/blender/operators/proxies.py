@@ -1,6 +1,7 @@
 import bpy
 from bpy.props import IntProperty
 
+from ... import messages
 from ... import recipe as rcp
 from .. import mesh_io, pending, targets
 from ..modal import RecipeOperator
@@ -39,7 +40,7 @@ class AtFaces(RecipeOperator):
     show = staticmethod(show_regions)
 
     def told(self, before, numbers):
-        return f"{before.get('regions', '?')} -> {numbers['regions']} regions"
+        return messages.changed(before, numbers)
 
 
 class ISIMP_OT_add_proxy(AtFaces, bpy.types.Operator):

@@ -2,6 +2,7 @@
 
 import bpy
 
+from ... import messages
 from .. import settings, store, targets
 from .common import SubPanel, draw_lines, side_by_side
 
@@ -50,7 +51,7 @@ def _draw_row(column, index, step, is_open, past_failed, count) -> None:
     name.alert = past_failed == 0
     name.active = step.enabled and past_failed <= 0
     icon = "ERROR" if past_failed == 0 else "DOWNARROW_HLT" if is_open else "RIGHTARROW"
-    name.operator("isimp.step_open", text=f"{index + 1}  {step.describe()}", icon=icon, emboss=False).step = index
+    name.operator("isimp.step_open", text=f"{index + 1}  {messages.line(step)}", icon=icon, emboss=False).step = index
     if not is_open:
         return
     tools = row.row(align=True)

@@ -5,6 +5,7 @@ from contextlib import suppress
 import bpy
 from bpy.props import StringProperty
 
+from ... import messages
 from ...gestures import Pointing
 from .. import overlay, reading, runtime, store, targets
 from . import under
@@ -59,6 +60,9 @@ class ModalTool:
             return False
         self._region, self._view = context.region, context.region_data
         scan, problem = targets.find(context)
+        if not problem and context.view_layer.objects.active != scan:
+            self.report({"INFO"}, f"{messages.RESULT_TOOL}.")
+            return False
         problem = problem or targets.needs_regions(scan)
         self._ground = under.ground(context, wait=True) if not problem else None
         if self._ground is None:
