@@ -11,6 +11,7 @@ from typing import Any
 from . import recipe as rcp
 from .outcome import StepFailed
 
+EDITED = "Edited by hand: settings leave it as it is, and Mesh makes a new one beside it"
 RESULT_TOOL = "This is the result, and has no regions to edit: press Swap to go to the scan"
 
 
@@ -192,11 +193,11 @@ def why_more(numbers: dict[str, Any]) -> str:
         f"{number:,} with {_WHY[name]}" if name != "split_for_repair" else f"{number:,} {_WHY[name]}"
         for name, number in sorted(causes.items(), key=lambda item: -item[1])
     )
-    return f"{more:,} more than regions" + (f"; divided: {said}" if said else "")
+    return f"{more:,} more than regions" + (f": {said}" if said else "")
 
 
 def summary(regions: int, polygons: int | None, away: str) -> str:
     """The line in the corner of the viewport."""
     if polygons is None:
         return count(regions, "region")
-    return f"{count(regions, 'region')} -> {count(polygons, 'polygon')}" + (f", {away} from the scan" if away else "")
+    return f"{count(regions, 'region')} -> {count(polygons, 'polygon')}" + (f", {away} off the scan" if away else "")

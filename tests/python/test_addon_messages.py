@@ -104,7 +104,7 @@ def test_more_polygons_than_regions_are_explained():
         "regions": 487,
         "split": {"split_for_holes": 40, "split_for_repair": 3, "split_for_odd": 9},
     }
-    assert messages.why_more(numbers) == "71 more than regions; divided: 40 with holes, 3 not flat"
+    assert messages.why_more(numbers) == "71 more than regions: 40 with holes, 3 not flat"
     assert messages.why_more({"polygons": 5, "regions": 4}) == "1 more than regions"
     assert messages.why_more({"polygons": 4, "regions": 4}) == ""
 

@@ -14,7 +14,7 @@ import bpy
 from .. import messages
 from ..session import StepFailed
 from ..task import Status
-from . import modal, overlay, pending, preview, reading, runtime, show, store, targets
+from . import modal, overlay, pending, preview, reading, result, runtime, show, store, targets
 
 log = logging.getLogger("isimp")
 _SETTLED = 0.3  # seconds without a change
@@ -27,7 +27,9 @@ def _find(context):
     if not (context.window_manager.isimp.live and live.pending) or runtime.get().running is not None:
         return None
     scan, problem = targets.find(context)
-    return None if problem or scan.name != live.scan or targets.needs_regions(scan) else scan
+    if problem or scan.name != live.scan or targets.needs_regions(scan) or result.is_edited_here(context, scan):
+        return None
+    return scan
 
 
 def _tick():

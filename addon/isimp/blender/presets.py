@@ -90,7 +90,7 @@ def draw(context, layout) -> None:
     row = layout.row(align=True)
     row.use_property_split = False
     shown = title(context)
-    row.menu("ISIMP_MT_presets", text=shown)
+    row.menu("ISIMP_MT_presets", text=shown.removeprefix("Photogrammetry ").capitalize() if shown in _OURS else shown)
     row.operator("isimp.preset_add", text="", icon="ADD")
     if shown not in _OURS:
         row.operator("isimp.preset_add", text="", icon="REMOVE").remove_active = True

@@ -95,6 +95,7 @@ def forget_file() -> None:
     runtime.get().recipes.clear()
     runtime.get().nodes.clear()
     runtime.get().most_nodes.clear()
+    runtime.get().live.settings.clear()
 
 
 class _Nodes:

@@ -34,7 +34,7 @@ def beside(said: str, measure, wanted: float, right: float, left: float) -> tupl
 def scan_lines(mesh, numbers: dict) -> tuple:
     """(size, shape) of a scan, always two lines; its parts and holes are known once it has been looked at."""
     triangles = len(mesh.loops) - 2 * len(mesh.polygons)
-    if not _looked_at(mesh, numbers):
+    if not is_looked_at(mesh, numbers):
         return _count(triangles, "triangle"), "Not partitioned yet"
     holes = "closed" if numbers["closed"] else _count(numbers["border_loops"], "hole")
     return _count(numbers["triangles"], "triangle"), f"{_count(numbers['components'], 'part')} · {holes}"
@@ -80,7 +80,8 @@ def left_out(numbers: dict) -> str:
     return f"{_count(faces, 'face')} left out, grey on the scan: small parts or defects" if faces else ""
 
 
-def _looked_at(mesh, numbers: dict) -> bool:
+def is_looked_at(mesh, numbers: dict) -> bool:
+    """Whether the numbers are of the mesh as it is, as far as counting tells."""
     return "components" in numbers and numbers.get("faces") == len(mesh.polygons)
 
 
@@ -88,16 +89,15 @@ def report_lines(numbers: dict, system: str, scale: float) -> list:
     """(line, whether it is a warning) for the report of Mesh; empty before it."""
     if "polygons" not in numbers:
         return []
-    each = numbers["corners"] / max(1, numbers["polygons"])
     flat, worst = (amount(numbers, name, system, scale) for name in ("planarity_mean", "planarity_max"))
     sound = "Closed" if numbers["closed"] else "Open, like the scan"
     sound = sound if numbers["manifold"] else "Non-manifold: polygons share an edge or vertex that they should not"
-    lines = [(f"{_count(numbers['polygons'], 'polygon')} · {each:.1f} corners each", False)]
+    lines = [(_count(numbers["polygons"], "polygon"), False)]
     lines += [(line, False) for line in [messages.why_more(numbers)] if line]
     if "away_max" in numbers:
         mean, most = (amount(numbers, name, system, scale) for name in ("away_mean", "away_max"))
-        lines.append((f"{mean} from the scan (at most {most})", False))
-    lines += [(f"Flat within {flat} (worst {worst})", False), (sound, not numbers["manifold"])]
+        lines.append((f"{mean} off the scan, at most {most}", False))
+    lines += [(f"Flat to {flat}, worst {worst}", False), (sound, not numbers["manifold"])]
     if "scan_distance" in numbers:
         away, allowed = (amount(numbers, name, system, scale) for name in ("scan_distance", "scan_distance_allowed"))
         too_far = numbers["scan_distance"] > numbers["scan_distance_allowed"]
@@ -131,7 +131,8 @@ def number_rows(numbers: dict, system: str, scale: float) -> list:
     """(name, value) of the last step's numbers, the most important first."""
     rows = [("Regions", f"{numbers['regions']:,}")] if "regions" in numbers else []
     if "polygons" in numbers:
-        rows += [("Polygons", f"{numbers['polygons']:,}"), ("Corners", f"{numbers['corners']:,}")]
+        each = numbers["corners"] / max(1, numbers["polygons"])
+        rows += [("Polygons", f"{numbers['polygons']:,}"), ("Corners", f"{numbers['corners']:,} ({each:.1f} each)")]
         rows += [("Vertices", f"{numbers['vertices']:,}")]
     if "error" in numbers:
         rows.append(("Error", f"{numbers['error']:.4g}"))

@@ -11,11 +11,12 @@ _ROWS = 16  # shown unless all are asked for
 
 class ISIMP_PT_steps(SubPanel, bpy.types.Panel):
     bl_label = "Steps"
+    bl_order = 4
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
         layout, panel = self.prepare(context), context.window_manager.isimp
-        scan, _ = targets.find(context)
+        scan, _ = targets.seen(context)
         recipe, numbers = store.load(scan), store.numbers(scan)
         if recipe is None:
             draw_lines(context, layout, targets.needs_steps(scan), icon="INFO")
@@ -71,7 +72,7 @@ def _draw_settings(context, box, index, step, recipe) -> None:
     if settings.shown_step(recipe, type(step))[0] == index:
         group = settings.group(context, type(step))
         for name in names:
-            box.prop(group, name)
+            settings.draw(box, type(step), group, name)
 
 
 CLASSES = (ISIMP_PT_steps,)
