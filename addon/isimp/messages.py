@@ -12,6 +12,7 @@ from . import recipe as rcp
 from .outcome import StepFailed
 
 EDITED = "Edited by hand: settings leave it as it is, and Mesh makes a new one beside it"
+SCAN_EDITED = "The scan was edited since Partition: its regions were found again, and may differ"
 RESULT_TOOL = "This is the result, and has no regions to edit: press Swap to go to the scan"
 
 
@@ -46,6 +47,16 @@ def skipped(names: list[str]) -> str:
     """Selected scans that Mesh can't do."""
     named = ", ".join(f"'{name}'" for name in names[:3]) + (" and others" if len(names) > 3 else "")
     return f"Not done, as they have no regions yet: {named}"
+
+
+def shared(names: list[str]) -> str:
+    """Linked duplicates of a scan."""
+    named = f"'{names[0]}'" if len(names) == 1 else count(len(names), "other object")
+    return (
+        f"{named} has the same mesh, and so the same regions"
+        if len(names) == 1
+        else (f"{named} have the same mesh, and so the same regions")
+    )
 
 
 def locked(numbers: dict[str, Any]) -> str:

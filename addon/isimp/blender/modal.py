@@ -329,6 +329,8 @@ class RecipeOperator:
         pending.follow(context)
         self._done = [*self._done, context.view_layer.objects.active.name]
         self.report({"INFO"}, self.told(before, outcome.numbers))
+        if _was_edited(before, work, outcome):
+            self.report({"WARNING"}, messages.SCAN_EDITED)
         for warning in self.warnings(context, obj, before):
             self.report({"WARNING"}, warning)
         return {"FINISHED"}
@@ -338,6 +340,12 @@ class RecipeOperator:
         if obj is None:
             self.report({"WARNING"}, f"'{work.name}' was changed or removed meanwhile: the result was discarded.")
         return obj
+
+
+def _was_edited(before: dict, work, outcome) -> bool:
+    """Whether the scan has changed since its regions were found, and steps before the last were done again on it."""
+    changed = before.get("scan", "") not in {"", outcome.numbers["scan"]}
+    return changed and len(work.recipe.steps) > 1
 
 
 def _show_progress(context, text) -> None:

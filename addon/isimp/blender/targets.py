@@ -2,7 +2,7 @@
 
 import bpy
 
-from .. import session
+from .. import messages, session
 from . import aside, mesh_io, raw, runtime, store
 
 KEPT = "kept"  #: in the place of the digest of a result that was edited by hand, and that Mesh leaves as it is
@@ -129,6 +129,9 @@ def notes(scan) -> list:
     problem, end = store.read(scan).problem, aside.suffix(scan.data)
     anew = f"Nothing is lost: Partition starts again and keeps this as '{mesh_io.REGION}{end}'"
     lines = [f"{problem}. {anew}."] if problem else []
+    twins = [obj.name for obj in bpy.data.objects if obj.data == scan.data and obj != scan]
+    if twins:
+        lines.append(messages.shared(twins))
     for name, kind in aside.foreign_layers(scan.data):
         lines.append(f"'{name}' is no layer of iSimp's ({kind}): Partition keeps it as '{name}{end}'.")
     kept = aside.layers(scan.data) + raw.kept(scan.data) + raw.kept(scan)

@@ -27,6 +27,9 @@ class ISIMP_PT_regions(SubPanel, bpy.types.Panel):
         settings.give(rcp.Partition, panel.partition, anew)
         anew.part = True
         column.operator("isimp.select_region", icon="RESTRICT_SELECT_OFF")
+        row = column.row(align=True)
+        for by, name in (("SIZE", "Small"), ("FLATNESS", "Bent"), ("DIRECTION", "Up")):
+            row.operator("isimp.select_by", text=name).by = by
         column = layout.column(align=True)
         locked = store.numbers(targets.seen(context)[0]).get("locked", 0)
         column.label(text=messages.locked({"locked": locked}), icon="LOCKED" if locked else "UNLOCKED")

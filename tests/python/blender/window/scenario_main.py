@@ -26,6 +26,13 @@ def show_steps():
     steps.ISIMP_PT_steps.bl_options = set()
 
 
+def show_edits():
+    """Has the panel Edit Regions open from the beginning; before the add-on is switched on."""
+    from isimp.blender.panel import edit
+
+    edit.ISIMP_PT_regions.bl_options = set()
+
+
 def scan():
     return bpy.data.objects["Scan"]
 
@@ -54,6 +61,7 @@ def same(what, seen, wanted):
 
 
 def run(hand):
+    show_edits()
     isimp.register()
     make_scan()
     yield 0.5
