@@ -98,15 +98,15 @@ def _draw_mesh(context, layout, scan, numbers, panel) -> None:
 def _draw_progress(place, running) -> None:
     """As high as the button and the line below it, which it stands for."""
     share, said = running.progress()
-    row = place.row(align=True)
+    row = place.split(factor=0.5, align=True)
     row.scale_y = 1.4
     if hasattr(row, "progress"):
         row.progress(factor=share, text=f"{share:.0%}")
     else:
         row.split(factor=max(0.02, min(1.0, share))).operator("isimp.stop", text=" ", depress=True)
     if running.shown is None:  # writing takes a moment, and must not be stopped half way
-        row.operator("isimp.stop", text="", icon="CANCEL")
-    place.label(text=said, icon="SORTTIME")
+        row.operator("isimp.stop", text="Stop (Esc)", icon="CANCEL")
+    place.label(text=said[said.find(f"{share:.0%}") :] or said, icon="SORTTIME")  # the status bar has all of it
 
 
 def _draw_report(context, layout, scan, numbers) -> None:
