@@ -1,5 +1,6 @@
 """Texts of the panel: numbers, warnings, reports."""
 
+import re
 import textwrap
 
 import bpy
@@ -72,6 +73,12 @@ def good_news(numbers: dict, system: str, scale: float) -> list:
     if faults:
         lines.append("Mended: " + ", ".join(_count(number, _FAULTS[name]) for name, number in faults))
     return lines
+
+
+def short_progress(said: str) -> str:
+    """How far some work is, without its stage: the sidebar has no room for that, and the status bar tells it."""
+    found = re.search(r"\d+%.*", said)
+    return found[0] if found else said
 
 
 def left_out(numbers: dict) -> str:

@@ -106,7 +106,7 @@ def _draw_progress(place, running) -> None:
         row.split(factor=max(0.02, min(1.0, share))).operator("isimp.stop", text=" ", depress=True)
     if running.shown is None:  # writing takes a moment, and must not be stopped half way
         row.operator("isimp.stop", text="Stop (Esc)", icon="CANCEL")
-    place.label(text=said[said.find(f"{share:.0%}") :] or said, icon="SORTTIME")  # the status bar has all of it
+    place.label(text=text.short_progress(said), icon="SORTTIME")
 
 
 def _draw_report(context, layout, scan, numbers) -> None:
