@@ -79,7 +79,7 @@ def _lengths(vertices: np.ndarray, ends: np.ndarray) -> np.ndarray:
 
 def strength(pixels: float) -> float:
     """How strongly a line of some length on the screen is drawn, in [0.15, 1]: crowds of short ones hide the scan."""
-    return min(1.0, max(0.15, (pixels - 3.0) / 17.0))
+    return min(1.0, max(0.15, (pixels - 4.0) / 50.0))
 
 
 def polygon_edges(loops: np.ndarray, loop_start: np.ndarray) -> np.ndarray:

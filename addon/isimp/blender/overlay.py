@@ -21,7 +21,7 @@ from . import mesh_io, preferences, reading, runtime, settings, shaders, store, 
 
 _KEPT = 8  # sketches
 _GROUPS = 8  # of lines of similar length
-_LEAST_DOT = 0.3  # strength below which corners are not drawn
+_LEAST_DOT = 0.5  # strength below which corners are not drawn
 _TICK = 0.1
 # How much nearer to the eye than they are lines are drawn, of the scan's size, so that the faces they lie on don't hide
 # them; those of the polygons more, as the scan bulges over them.

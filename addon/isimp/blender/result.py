@@ -99,6 +99,24 @@ def fill(result, scan, outcome) -> None:
     mesh_io.fill_polygons(result.data, vertices, loops, start, layers)
 
 
+def take_materials(result, scan, outcome) -> None:
+    """Gives each polygon the material that most faces of its region have on the scan."""
+    materials = [slot.material for slot in scan.material_slots]
+    if not any(materials):
+        return
+    of_face = np.empty(len(scan.data.polygons), np.int32)
+    scan.data.polygons.foreach_get("material_index", of_face)
+    inside, count = outcome.face_region >= 0, len(materials)
+    keys = outcome.face_region[inside].astype(np.int64) * count + np.clip(of_face[inside], 0, count - 1)
+    votes = np.bincount(keys, minlength=count * len(outcome.region_color)).reshape(-1, count)
+    result.data.materials.clear()
+    for material in materials:
+        result.data.materials.append(material)
+    chosen = votes.argmax(axis=1).astype(np.int32)[np.asarray(outcome.polygons.polygon_region)]
+    result.data.polygons.foreach_set("material_index", chosen)
+    result.data.update()
+
+
 def _moved(result):
     """How a user has moved a result since Mesh put it in its place; None if not at all."""
     try:

@@ -6,7 +6,7 @@ from dataclasses import replace
 import bpy
 
 from .. import messages, stored
-from . import aside, display, mesh_io, raw, result, store, targets
+from . import aside, display, mesh_io, raw, result, store, targets, texture
 
 
 def _save(scan, work, numbers: dict) -> int:
@@ -42,6 +42,8 @@ def show_polygons(context, scan, work, outcome):
     scan.isimp.key = scan.isimp.key or uuid.uuid4().hex
     made.isimp.scan_key, made.isimp.scan_name = scan.isimp.key, scan.name
     result.fill(made, scan, outcome)
+    if not texture.is_textured(scan):  # else it becomes one material
+        result.take_materials(made, scan, outcome)
     result.sign(made)
     mesh_io.give_color_back(scan.data)
     if kept is not None and kept.name in context.view_layer.objects:

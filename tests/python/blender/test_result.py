@@ -182,3 +182,20 @@ def test_the_digest_tells_of_each_kind_of_edit():
         seen.add(results.digest(result))
     assert len(seen) == 6
     assert np.isfinite(scans.coordinates(result.data)).all()
+
+
+def test_polygons_have_the_materials_of_their_regions():
+    scan = scans.cube()
+    for name in ("Red", "Blue"):
+        scan.data.materials.append(bpy.data.materials.new(name))
+    for polygon in scan.data.polygons:
+        polygon.material_index = int(polygon.center.z > 0.99)
+    bpy.ops.isimp.partition(proxies=6)
+    for _ in range(2):  # made, and refreshed
+        bpy.ops.isimp.mesh()
+        result = bpy.context.object
+        assert [material.name for material in result.data.materials] == ["Red", "Blue"]
+        top = [polygon.material_index for polygon in result.data.polygons if polygon.normal.z > 0.9]
+        rest = [polygon.material_index for polygon in result.data.polygons if polygon.normal.z < 0.9]
+        assert (top, rest) == ([1], [0] * 5)
+    assert len(bpy.data.objects) == 2
