@@ -47,7 +47,7 @@ class ISIMP_OT_add_proxy(AtFaces, bpy.types.Operator):
     """Add a region at each selected face of the scan"""
 
     bl_idname = "isimp.add_proxy"
-    bl_label = "Add Proxy"
+    bl_label = "Add Region"
 
     def wanted(self, context, scan):
         faces = self.faces(scan)
@@ -65,7 +65,7 @@ class ISIMP_OT_delete_proxy(AtFaces, bpy.types.Operator):
     """Delete each region with a selected face; its neighbours take its faces"""
 
     bl_idname = "isimp.delete_proxy"
-    bl_label = "Delete Proxy"
+    bl_label = "Delete Region"
 
     def wanted(self, context, scan):
         faces, regions = self.faces(scan), mesh_io.read_regions(scan)
