@@ -214,3 +214,8 @@ def tube():
                 a = 7 * y + x
                 faces += [(a, a + 1, a + 8), (a, a + 8, a + 7)]
     return scans.add("Scan", points, faces)
+
+
+def test_every_setting_of_mesh_is_drawn():
+    drawn = {"chord_tolerance", "join_junctions", "flatten", "planar"}
+    assert set(settings.names(rcp.Mesh)) == drawn, "draw a new one in panel/result.py"

@@ -152,12 +152,14 @@ class ISIMP_PT_options(Panel, bpy.types.Panel):
         for name in ("adaptivity", "smooth"):
             layout.prop(partition, name, slider=True)
         settings.draw(layout, rcp.Partition, partition, "leave_out")
+        ticks = layout.column(align=True)
+        ticks.use_property_split = False  # their names need the whole width
+        ticks.prop(partition, "close_openings")
         if partition.count_by != "proxies":
-            layout.prop(partition, "noise_automatic", text="Noise Automatic")
+            ticks.prop(partition, "snap")
+            ticks.prop(partition, "noise_automatic", text="Automatic Noise")
             if not partition.noise_automatic:
                 layout.prop(partition, "noise_length")
-            layout.prop(partition, "snap")
-        layout.prop(partition, "close_openings")
         layout.prop(partition, "weights", icon="GROUP_VERTEX")
         if partition.weights:
             layout.prop(partition, "influence", slider=True)

@@ -31,8 +31,11 @@ class ISIMP_PT_result(SubPanel, bpy.types.Panel):
 
     def draw(self, context):
         layout, meshing = self.prepare(context), context.window_manager.isimp.mesh
-        for name in settings.names(rcp.Mesh):
+        for name in ("chord_tolerance", "join_junctions", "flatten"):
             settings.draw(layout, rcp.Mesh, meshing, name)
+        ticks = layout.column(align=True)
+        ticks.use_property_split = False  # its name needs the whole width
+        ticks.prop(meshing, "planar")
 
 
 class ISIMP_PT_numbers(SubPanel, bpy.types.Panel):
