@@ -43,9 +43,9 @@ def is_edited(obj) -> bool:
 
 
 def is_edited_here(context, scan) -> bool:
-    """Whether the active object is a result of the scan and was edited by hand."""
+    """Whether the active object is a result of the scan and was edited by hand, or is in Edit Mode for that."""
     active = context.view_layer.objects.active
-    return active is not None and active != scan and is_edited(active)
+    return active is not None and active != scan and (active.mode == "EDIT" or is_edited(active))
 
 
 def sign(obj) -> None:

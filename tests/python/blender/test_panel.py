@@ -160,6 +160,10 @@ def test_settings_leave_a_result_alone_that_was_edited_by_hand():
     bpy.ops.isimp.mesh()
     result = bpy.context.object
     assert not results.is_edited_here(bpy.context, scan)
+    scans.mode("EDIT")
+    assert results.is_edited_here(bpy.context, scan)
+    scans.mode("OBJECT")
+    assert not results.is_edited_here(bpy.context, scan)
     result.data.vertices[0].co.x += 1
     assert results.is_edited_here(bpy.context, scan)
     scans.activate(scan)
