@@ -49,14 +49,14 @@ def skipped(names: list[str]) -> str:
     return f"Not done, as they have no regions yet: {named}"
 
 
+def hidden(name: str) -> str:
+    return f"'{name}' can't be seen: its collection is hidden. Show it in the Outliner"
+
+
 def shared(names: list[str]) -> str:
     """Linked duplicates of a scan."""
-    named = f"'{names[0]}'" if len(names) == 1 else count(len(names), "other object")
-    return (
-        f"{named} has the same mesh, and so the same regions"
-        if len(names) == 1
-        else (f"{named} have the same mesh, and so the same regions")
-    )
+    who = f"'{names[0]}' has" if len(names) == 1 else f"{count(len(names), 'other object')} have"
+    return f"{who} the same mesh, and so the same regions"
 
 
 def locked(numbers: dict[str, Any]) -> str:

@@ -329,6 +329,8 @@ class RecipeOperator:
         pending.follow(context)
         self._done = [*self._done, context.view_layer.objects.active.name]
         self.report({"INFO"}, self.told(before, outcome.numbers))
+        if not context.view_layer.objects.active.visible_get():
+            self.report({"WARNING"}, messages.hidden(context.view_layer.objects.active.name))
         if _was_edited(before, work, outcome):
             self.report({"WARNING"}, messages.SCAN_EDITED)
         for warning in self.warnings(context, obj, before):

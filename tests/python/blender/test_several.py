@@ -4,6 +4,8 @@ import bpy
 import pytest
 import scans
 
+from isimp.blender import targets
+
 pytestmark = pytest.mark.usefixtures("scene")
 
 
@@ -54,6 +56,32 @@ def test_other_selected_objects_are_left_alone():
     lamp.select_set(True)
     assert bpy.ops.isimp.partition(proxies=6) == {"FINISHED"}
     assert set(scans.regions(scan).tolist()) == set(range(6))
+
+
+def test_a_scan_in_a_hidden_collection_is_said_to_be_out_of_sight(capfd):
+    scan = scans.cube()
+    home = bpy.data.collections.new("Home")
+    bpy.context.scene.collection.children.link(home)
+    home.objects.link(scan)
+    bpy.context.scene.collection.objects.unlink(scan)
+    scans.activate(scan)
+    bpy.ops.isimp.partition(proxies=6)
+    assert "can't be seen" not in capfd.readouterr().out
+    home.hide_viewport = True
+    bpy.context.view_layer.objects.active = scan
+    if bpy.context.view_layer.objects.active != scan:
+        pytest.skip("this Blender lets no hidden object be active")
+    bpy.ops.isimp.partition(proxies=7)
+    assert "'Scan' can't be seen: its collection is hidden" in capfd.readouterr().out
+
+
+def test_linked_duplicates_are_named():
+    scan = scans.cube()
+    twin = bpy.data.objects.new("Twin", scan.data)
+    bpy.context.scene.collection.objects.link(twin)
+    assert targets.notes(scan) == ["'Twin' has the same mesh, and so the same regions"]
+    bpy.context.scene.collection.objects.link(bpy.data.objects.new("Third", scan.data))
+    assert targets.notes(scan) == ["2 other objects have the same mesh, and so the same regions"]
 
 
 def test_a_hidden_scan_comes_to_sight():
