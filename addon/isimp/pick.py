@@ -123,6 +123,18 @@ def area(vertices: np.ndarray, triangles: np.ndarray) -> float:
     return float(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
 
 
+def of_regions(vertices: np.ndarray, triangles: np.ndarray, label: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(R,) area and (R, 3) mean normal, weighted by area and not made a unit, of each region.
+
+    label: (T,) region of each triangle, -1 for none. The normal is as long as the area where a region is flat.
+    """
+    a, b, c = (vertices[triangles[:, k]].astype(np.float64) for k in range(3))
+    cross, inside, count = np.cross(b - a, c - a) / 2, label >= 0, int(label.max(initial=-1)) + 1
+    size = np.bincount(label[inside], np.linalg.norm(cross[inside], axis=1), count)
+    normal = [np.bincount(label[inside], cross[inside, k], count) for k in range(3)]
+    return size, np.stack(normal, axis=1)
+
+
 def flatness(vertices: np.ndarray, triangles: np.ndarray, chosen: np.ndarray) -> tuple[float, float, float]:
     """(area, error, largest distance of a corner from the mean plane) of some triangles.
 

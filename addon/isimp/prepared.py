@@ -21,12 +21,55 @@ class Prepared:
     mesh_face: np.ndarray  #: (F',) the user's face each face of the mesh is of
     face_triangle: np.ndarray  #: (face_count,) the largest face of the mesh in each user's face, -1 if none is left
     layers: dict = field(default_factory=dict, kw_only=True)  #: of the scan as it is now
+    closed: float = field(default=0.0, kw_only=True)  #: scene units; openings up to this length were closed
     areas: np.ndarray | None  #: (F',) where a user's face has more than one triangle; None where each has one
 
     @property
     def face_pairs(self) -> np.ndarray:
         """(E, 2) user's faces that share an edge."""
         return self.scan.face_edges[0]
+
+
+def prepared_of(scan: Scan, mesh) -> Prepared:
+    """The scan with the mesh that the engine made of it. Covers of openings belong to the user's face beside them."""
+    mesh_face = scan.triangle_face[mesh.source_face]
+    covers = np.flatnonzero(np.asarray(mesh.source_face) < 0)
+    if len(covers):
+        mesh_face[covers] = _faces_beside(np.asarray(mesh.triangles), mesh_face, covers)
+    scan.face_edges  # noqa: B018  (made here and kept)
+    face_triangle = np.full(scan.face_count, -1, np.int32)
+    triangle = np.arange(len(mesh_face), dtype=np.int32)
+    face_triangle[mesh_face] = triangle
+    if len(scan.triangles) == scan.face_count and np.array_equal(face_triangle[mesh_face], triangle):
+        return Prepared(scan, mesh, mesh_face, face_triangle, None)
+    areas = face_areas(mesh)
+    areas[covers] = 0  # they are no part of the user's face, and do not tell its region
+    order = np.argsort(areas, kind="stable")
+    face_triangle[mesh_face[order]] = order  # the last one written is the largest
+    return Prepared(scan, mesh, mesh_face, face_triangle, areas)
+
+
+def _faces_beside(triangles: np.ndarray, mesh_face: np.ndarray, covers: np.ndarray) -> np.ndarray:
+    """(K,) the user's face of the nearest triangle that is no cover, by steps across edges."""
+    near = np.zeros(triangles.max() + 1, bool)
+    near[triangles[covers]] = True
+    some = np.flatnonzero(near[triangles].sum(axis=1) >= 2)  # all that share an edge with a cover, and the covers
+    ends = np.sort(triangles[some][:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    _, edge = np.unique(ends, axis=0, return_inverse=True)
+    order = np.argsort(edge.ravel(), kind="stable")
+    face, edge = np.repeat(np.arange(len(some)), 3)[order], edge.ravel()[order]
+    pair = np.flatnonzero(edge[1:] == edge[:-1])
+    a, b = face[pair], face[pair + 1]
+    known = np.where(np.isin(some, covers), -1, mesh_face[some])
+    for _ in range(len(covers)):
+        for one, other in ((a, b), (b, a)):
+            take = (known[one] < 0) & (known[other] >= 0)
+            known[one[take]] = known[other[take]]
+        if (known >= 0).all():
+            break
+    result = np.full(len(triangles), -1, mesh_face.dtype)
+    result[some] = known
+    return result[covers]
 
 
 def face_areas(mesh) -> np.ndarray:

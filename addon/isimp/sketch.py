@@ -22,14 +22,20 @@ class Sketch:
 
     #: (2 B, 3) where regions meet
     borders: np.ndarray = field(default_factory=_points)
-    #: (2 E, 3) the edges of the polygons
+    #: (2 E, 3) the edges of the polygons, the longest first
     outline: np.ndarray = field(default_factory=_points)
-    #: (C, 3) their corners
+    #: (C, 3) their corners, those with the longest edges first
     corners: np.ndarray = field(default_factory=_points)
+    #: (C,) the mean length of the edges at each corner
+    reach: np.ndarray = field(default_factory=lambda: np.empty(0, np.float32))
     #: (3 T, 3) their triangles
     surface: np.ndarray = field(default_factory=_points)
     #: (3 T, 4) RGBA of the corners of the triangles, by the planarity of their polygon
     heat: np.ndarray = field(default_factory=lambda: np.empty((0, 4), np.float32))
+    #: (3 T, 4) the same by the distance of the scan from their polygon
+    away: np.ndarray = field(default_factory=lambda: np.empty((0, 4), np.float32))
+    #: the numbers of the polygons, as Mesh reports them
+    numbers: dict = field(default_factory=dict)
     #: (2 E, 3) the edges of defective polygons
     problems: np.ndarray = field(default_factory=_points)
     #: (3 L, 3) the triangles of locked regions
@@ -51,9 +57,29 @@ def _relative(points: np.ndarray, origin) -> np.ndarray:
 
 
 def outline(vertices: np.ndarray, loops: np.ndarray, loop_start: np.ndarray) -> np.ndarray:
-    """(2 E, 3) float32 the edges of polygons, those of two only once."""
+    """(2 E, 3) float32 the edges of polygons, those of two only once, the longest first."""
+    ends = np.unique(np.sort(polygon_edges(loops, loop_start), axis=1), axis=0)
+    order = np.argsort(-_lengths(vertices, ends), kind="stable")
+    return vertices[ends[order].ravel()].astype(np.float32)
+
+
+def corners(vertices: np.ndarray, loops: np.ndarray, loop_start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(C, 3) float32 the corners of polygons, and (C,) the mean length of their edges, the longest first."""
     ends = polygon_edges(loops, loop_start)
-    return vertices[np.unique(np.sort(ends, axis=1), axis=0).ravel()].astype(np.float32)
+    length, count = np.repeat(_lengths(vertices, ends), 2), len(vertices)
+    times = np.bincount(ends.ravel(), minlength=count)
+    mean = np.bincount(ends.ravel(), length, count) / np.maximum(times, 1)
+    order = np.argsort(-mean, kind="stable")
+    return vertices[order].astype(np.float32), mean[order].astype(np.float32)
+
+
+def _lengths(vertices: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    return np.linalg.norm(vertices[ends[:, 0]] - vertices[ends[:, 1]], axis=1)
+
+
+def strength(pixels: float) -> float:
+    """How strongly a line of some length on the screen is drawn, in [0.15, 1]: crowds of short ones hide the scan."""
+    return min(1.0, max(0.15, (pixels - 4.0) / 50.0))
 
 
 def polygon_edges(loops: np.ndarray, loop_start: np.ndarray) -> np.ndarray:
@@ -97,13 +123,16 @@ def draw(
     loops, start = np.asarray(polygons.loops), np.asarray(polygons.loop_start)
     triangles, of = session.triangulate(polygons)
     share = heat(np.asarray(polygons.planarity), made.numbers["diagonal"])
+    far = heat(made.region_distance[np.asarray(polygons.polygon_region)], made.numbers["diagonal"], 0.02)
     defective = sorted({polygon for found in made.numbers["flaws"].values() for polygon in found})
     return Sketch(
         lines,
         outline(vertices, loops, start),
-        vertices,
+        *corners(vertices, loops, start),
         vertices[triangles.ravel()],
         heat_colors(np.repeat(share[of], 3)),
+        heat_colors(np.repeat(far[of], 3)),
+        made.numbers,
         vertices[edges_of(defective, loops, start).ravel()],
         locked,
         origin=origin,

@@ -136,6 +136,7 @@ class Partition(Step):
     method: str = PARTITION["method"].default
     seeding: str = PARTITION["seeding"].default
     leave_out: float = PARTITION["leave_out"].default
+    close_openings: bool = True  #: close holes and tunnels of a noisy scan that the regions can't show
     weights: str = ""  #: vertex group or attribute; higher values give smaller regions; none if empty
     influence: float = 1.0  #: strength of the weights, in [0, 2]
     seams: bool = False  #: no region crosses an edge that is marked as a seam,
@@ -418,7 +419,7 @@ KINDS = {
 #: What steps saved by earlier versions lack, and the values that mean what they meant. A saved step has all settings
 #: of its version, so one that has the first of these but not the second is one; people write fewer.
 _EARLIER: dict[str, tuple[set[str], dict[str, Any]]] = {
-    "partition": ({"seed", "leave_out"}, {"smooth": 0.0}),
+    "partition": ({"seed", "leave_out"}, {"smooth": 0.0, "close_openings": False}),
     "mesh": ({"chord_tolerance", "flatten"}, {"join_junctions": 0.0}),
 }
 _TYPES: dict[str, type[Step]] = {kind: cls for cls, kind in KINDS.items()}

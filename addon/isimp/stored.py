@@ -152,13 +152,15 @@ _COUNTS = (
 )
 _NUMBERS = (
     *("error", "seconds", "diagonal", "planarity_max", "planarity_mean"),
-    *("scan_distance", "scan_distance_allowed"),
+    *("scan_distance", "scan_distance_allowed", "away_mean", "away_max", "closed_below"),
 )
 _FITS = {
     **dict.fromkeys(_COUNTS, _is_count),
     **dict.fromkeys(_NUMBERS, _is_number),
     **dict.fromkeys(("closed", "manifold"), _is_flag),
     "repairs": _are_counts,
+    "split": _are_counts,
+    "scan": _is_text,
     "flaws": _are_polygons,
     "reason": _is_text,
 }
@@ -167,6 +169,8 @@ _TOGETHER = {
     "components": ("border_loops", "closed", "triangles", "faces"),
     "polygons": ("corners", "vertices", "planarity_mean", "planarity_max", "closed", "manifold", "regions"),
     "scan_distance": ("scan_distance_allowed",),
+    "away_max": ("away_mean",),
+    "away_mean": ("away_max",),
     "failed": ("reason",),
 }
 

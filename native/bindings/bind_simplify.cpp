@@ -68,10 +68,10 @@ void bind_openings(py::module_& m) {
       "mesh"_a, "regions"_a, "job"_a = py::none(),
       R"(The length up to which the loops of holes and handles are errors of scanning, in scene units.
 
-Photogrammetry leaves tunnels and pinholes that are too small for this number of regions, and each costs polygons. Give the
-length to CleanOptions as fill_holes and cut_handles. It is half of sqrt(area / regions), but at most 20 times the mean edge, so that
-openings that the scan has sampled well stay. 0 where the mesh has no opening, or so little noise that it is drawn and not
-scanned.
+Photogrammetry leaves tunnels and pinholes that are too small for this number of regions, and each costs polygons. Give
+the length to CleanOptions as fill_holes and cut_handles. It is half of sqrt(area / regions), but at most 20 times the
+mean edge, so that openings that the scan has sampled well stay. It is rounded down to the mean edge times a power of
+sqrt(2). 0 where the mesh has no opening, or so little noise that it is drawn and not scanned.
 Raises InvalidInput (regions below 1) or Cancelled. Cost: O(V + F).)");
 }
 

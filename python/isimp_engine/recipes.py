@@ -28,7 +28,7 @@ _EDITS = {"add_worst": add_worst, "delete_least": delete_least, "merge_cheapest"
 _OF_BLENDER = {"weights": "", "borders": "", "seams": False, "sharp": False, "materials": False, "face_sets": False}
 #: What steps saved by earlier versions lack, as in the add-on: a saved step has all settings of its version.
 _EARLIER: dict[str, tuple[set[str], dict[str, Any]]] = {
-    "partition": ({"seed", "leave_out"}, {"smooth": 0.0}),
+    "partition": ({"seed", "leave_out"}, {"smooth": 0.0, "close_openings": False}),
     "mesh": ({"chord_tolerance", "flatten"}, {"join_junctions": 0.0}),
 }
 
@@ -43,6 +43,7 @@ class Recipe:
 
     values: dict[str, Any]  #: the recipe's JSON value
     partition: dict[str, Any]  #: of PartitionOptions
+    close_openings: bool  #: close those that the regions can't show
     angle: float | None  #: no region crosses an edge that bends by more, in degrees
     edits: tuple[tuple[str, int], ...]  #: steps after the partition, and how often each is done
     meshing: dict[str, Any]  #: of MeshingOptions
@@ -75,13 +76,14 @@ def parsed(values: Any) -> Recipe:
         raise RecipeError(f"the recipe has version {version!r}, this isimp reads up to {VERSION}: update isimp")
     partition: dict[str, Any] | None = None
     meshing: dict[str, Any] = {}
-    angle, edits = None, list[tuple[str, int]]()
+    angle, edits, closing = None, list[tuple[str, int]](), True
     for number, step in enumerate(values["steps"], 1):
         try:
             kind, settings = _settings(step)
             if not settings.pop("enabled", True):
                 continue
             if kind == "partition":
+                closing = _flag(settings, "close_openings")
                 partition, angle, edits = *_partition(settings), []
             elif kind == "mesh":
                 meshing = _checked(MeshingOptions, settings)
@@ -91,7 +93,7 @@ def parsed(values: Any) -> Recipe:
             raise RecipeError(f"step {number}: {error}") from None
     if partition is None:
         raise RecipeError("the recipe has no partition step")
-    return Recipe(values, partition, angle, tuple(edits), meshing)
+    return Recipe(values, partition, closing, angle, tuple(edits), meshing)
 
 
 def _settings(step: Any) -> tuple[str, dict[str, Any]]:
@@ -102,6 +104,14 @@ def _settings(step: Any) -> tuple[str, dict[str, Any]]:
     kind = settings.pop("step")
     names, meant = _EARLIER.get(kind, (set(), {}))
     return kind, (meant | settings if names <= settings.keys() else settings)
+
+
+def _flag(settings: dict[str, Any], name: str) -> bool:
+    """A setting that is on where it is not given."""
+    value = settings.pop(name, True)
+    if not isinstance(value, bool):
+        raise RecipeError(f"{name} must be true or false, got {value!r}")
+    return value
 
 
 def _partition(settings: dict[str, Any]) -> tuple[dict[str, Any], float | None]:

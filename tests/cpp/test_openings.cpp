@@ -18,9 +18,17 @@ double length(const shapes::Arrays& a, std::int32_t regions) {
 TEST(Openings, AreMeasuredByTheRegions) {
   const shapes::Arrays scan = shapes::noisy(shapes::torus(120, 60), 0.001, 1);
   const double area = shapes::mesh(scan).graph().area, edge = std::sqrt(area / 14400 * 4 / std::sqrt(3.0));
-  EXPECT_NEAR(length(scan, 300), 0.5 * std::sqrt(area / 300), 1e-12);
+  for (const std::int32_t regions : {100, 300, 1200}) {
+    const double wanted = 0.5 * std::sqrt(area / regions);
+    EXPECT_LE(length(scan, regions), wanted * (1 + 1e-12));
+    EXPECT_GT(length(scan, regions), wanted / std::sqrt(2.0));
+  }
   EXPECT_NEAR(length(scan, 1200), length(scan, 300) / 2, 1e-12);
-  EXPECT_NEAR(length(scan, 1), 20 * edge, 1e-9) << "however few regions";
+  EXPECT_NEAR(length(scan, 1), 16 * edge, 1e-9) << "however few regions";
+  int different = 0;
+  for (std::int32_t regions = 300; regions < 600; regions += 10)
+    different += length(scan, regions + 10) != length(scan, regions) ? 1 : 0;
+  EXPECT_EQ(different, 1) << "so that a slider closes anew but seldom";
 }
 
 TEST(Openings, OfDrawnModelsStay) {

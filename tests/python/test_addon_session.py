@@ -8,8 +8,10 @@ import pytest
 
 from isimp import recipe as rcp
 from isimp import view
+from isimp.cache import Cache
+from isimp.prepared import face_regions
 from isimp.recipe import AddProxy, DeleteProxy, Mesh, Partition, Recipe
-from isimp.session import Cache, Scan, Session, StepFailed, engine, face_regions
+from isimp.session import Scan, Session, StepFailed, engine
 from isimp.task import Stopped, Watch
 
 SIDES = Recipe((Partition(proxies=6),))

@@ -112,3 +112,20 @@ def test_heat_goes_from_flat_to_bent():
     assert colors[0, 1] > colors[0, 0]
     assert colors[2, 0] > colors[2, 1]
     assert sketch.heat(np.ones(2), 0.0).tolist() == [0.0, 0.0]
+
+
+def test_short_lines_are_fainter_but_never_gone():
+    assert sketch.strength(0) == sketch.strength(4) == 0.15
+    assert sketch.strength(54) == sketch.strength(500) == 1
+    assert 0.15 < sketch.strength(20) < sketch.strength(40) < 1
+
+
+def test_lines_and_corners_come_by_length():
+    vertices = np.array([[0, 0, 0], [4, 0, 0], [4, 1, 0], [0, 1, 0]], float)
+    loops, start = np.array([0, 1, 2, 0, 2, 3]), np.array([0, 3])
+    ends = sketch.outline(vertices, loops, start).reshape(-1, 2, 3)
+    length = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1)
+    assert length == pytest.approx([17**0.5, 4, 4, 1, 1])
+    places, reach = sketch.corners(vertices, loops, start)
+    assert reach.tolist() == sorted(reach.tolist(), reverse=True)
+    assert sorted(map(tuple, places.tolist())) == sorted(map(tuple, vertices.tolist()))

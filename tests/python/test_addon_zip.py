@@ -52,7 +52,7 @@ def test_only_the_blender_part_imports_bpy():
         inside = "blender" in path.relative_to(ROOT / "addon" / "isimp").parts
         assert inside or not re.search(r"^\s*(import|from) (bpy|bmesh|gpu|mathutils)", text, re.MULTILINE), path
         engine = re.search(r"^\s*(import|from .* import) isimp_engine", text, re.MULTILINE)
-        assert path.name == "session.py" or not engine, path
+        assert path.name == "engine.py" or not engine, path
 
 
 def fake_wheel(folder, platform="linux_x86_64"):

@@ -95,14 +95,14 @@ def test_what_is_optional_is_not_imported_before_it_is_asked_for():
 
 
 @pytest.mark.skipif(not ADDON.is_dir(), reason="the add-on is not here")
-def test_only_session_imports_the_engine_and_only_blender_bpy():
+def test_only_engine_imports_the_engine_and_only_blender_bpy():
     for path in sorted(ADDON.rglob("*.py")):
         inside = path.relative_to(ADDON).parts
         if inside[0] == "isimp_engine":  # the engine itself, when put inside the add-on
             continue
         for name in imports(path):
             if name.lstrip(".") == "isimp_engine":
-                assert inside == ("session.py",), f"{path} imports the engine"
+                assert inside == ("engine.py",), f"{path} imports the engine"
             if name in {"bpy", "bmesh", "gpu", "gpu_extras", "blf", "bpy_extras", "mathutils"}:
                 assert inside[0] in ("blender", "__init__.py"), f"{path} imports {name}"
 

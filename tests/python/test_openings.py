@@ -8,6 +8,9 @@ import pytest
 import isimp_engine as engine
 import meshfiles
 import shapes
+from isimp import recipe as rcp
+from isimp.prepared import prepared_of
+from isimp.session import Scan, Session, StepFailed
 from isimp_engine import batch
 from test_cli import isimp
 
@@ -46,12 +49,12 @@ def test_all_openings_are_kept_on_request(tmp_path, options):
     assert "openings up to" not in said
 
 
-def test_a_recipe_means_the_same_as_in_the_add_on_which_closes_nothing(tmp_path):
-    recipe = {"isimp_recipe": 1, "steps": [{"step": "partition", "proxies": REGIONS}]}
-    (tmp_path / "r.json").write_text(json.dumps(recipe))
+@pytest.mark.parametrize("closes", [None, True, False])
+def test_a_recipe_says_whether_openings_are_closed(tmp_path, closes):
+    step = {"step": "partition", "proxies": REGIONS} | ({} if closes is None else {"close_openings": closes})
+    (tmp_path / "r.json").write_text(json.dumps({"isimp_recipe": 1, "steps": [step]}))
     report, _ = simplified(tmp_path, shapes.room(16), "--recipe", tmp_path / "r.json")
-    assert report["closed_below"] is None
-    assert report["mesh"]["euler"] == -32
+    assert report["repair"]["cut_handles"] == (0 if closes is False else 16)
 
 
 def test_a_batch_closes_openings_as_the_command_does(tmp_path):
@@ -89,3 +92,50 @@ def test_the_length_needs_a_region():
     with pytest.raises(engine.InvalidInput, match="regions must be at least 1, got 0"):
         engine.opening_length(mesh, 0)
     assert engine.opening_length(mesh, 30) > engine.opening_length(mesh, 3000) > 0
+
+
+def scan_of(arrays):
+    vertices, triangles = arrays
+    count = len(triangles)
+    return Scan(vertices.astype(np.float32), triangles.astype(np.int32), np.arange(count, dtype=np.int32), count)
+
+
+def test_the_add_on_closes_them_too_and_edits_what_is_closed():
+    scan, session = scan_of(shapes.room(16)), Session()
+    steps = rcp.Recipe((rcp.Partition(proxies=REGIONS),))
+    outcome = session.replay(scan, steps)
+    assert outcome.closed > 4
+    assert outcome.numbers["repairs"]["cut_handles"] == 16
+    gone = outcome.face_region < 0
+    assert 0 < gone.sum() < 16 * 40, "the walls of the tunnels are in no region"
+    kept = session.replay(scan, rcp.Recipe((rcp.Partition(proxies=REGIONS, close_openings=False),)))
+    assert kept.closed == 0
+    assert (kept.face_region >= 0).all()
+    made = session.replay(scan, steps.then(rcp.Mesh()))
+    whole = session.replay(scan_of(shapes.room(0)), steps.then(rcp.Mesh()))
+    assert made.numbers["polygons"] <= 1.1 * whole.numbers["polygons"]
+    face = int(np.flatnonzero(~gone)[0])
+    edited = session.replay(scan, steps.then(rcp.AddProxy(face=face)))
+    assert edited.closed == outcome.closed
+    assert edited.numbers["regions"] == REGIONS + 1
+    assert session.region_at(scan, edited, face)["area"] > 0
+    with pytest.raises(StepFailed, match="left out by the repair"):
+        session.replay(scan, steps.then(rcp.AddProxy(face=int(np.flatnonzero(gone)[0]))))
+
+
+def test_the_add_on_closes_the_same_as_the_command(tmp_path):
+    report, _ = simplified(tmp_path, shapes.room(16), f"--proxies={REGIONS}")
+    outcome = Session().replay(scan_of(shapes.room(16)), rcp.Recipe((rcp.Partition(proxies=REGIONS),)))
+    assert outcome.closed == pytest.approx(report["closed_below"], rel=1e-5)
+
+
+def test_covers_belong_to_the_face_beside_them():
+    scan = scan_of(shapes.room(4))
+    mesh = engine.clean(scan.vertices, scan.triangles, engine.CleanOptions(cut_handles=5.0))
+    covers = np.flatnonzero(mesh.source_face < 0)
+    assert len(covers) > 0
+    prepared = prepared_of(scan, mesh)
+    for cover, face in zip(covers, prepared.mesh_face[covers], strict=True):
+        near = np.isin(scan.triangles, mesh.source_vertex[mesh.triangles[cover]]).any(axis=1)
+        assert near[face]
+    assert (prepared.face_triangle[prepared.mesh_face[covers]] < covers.min()).all(), "a face stands for itself"

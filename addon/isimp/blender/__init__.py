@@ -2,7 +2,21 @@
 
 import bpy
 
-from . import display, live, operators, overlay, panel, preferences, presets, runtime, settings, store, tools
+from . import (
+    command,
+    display,
+    live,
+    menus,
+    operators,
+    overlay,
+    panel,
+    preferences,
+    presets,
+    runtime,
+    settings,
+    store,
+    tools,
+)
 
 _CLASSES = (
     *store.CLASSES,
@@ -13,6 +27,7 @@ _CLASSES = (
     *presets.CLASSES,
     *preferences.CLASSES,
     *panel.CLASSES,
+    *menus.CLASSES,
 )
 
 
@@ -26,9 +41,13 @@ def register():
     live.register()
     overlay.register()
     tools.register()
+    menus.register()
+    command.register()
 
 
 def unregister():
+    command.unregister()
+    menus.unregister()
     tools.unregister()
     overlay.unregister()
     live.unregister()

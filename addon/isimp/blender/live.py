@@ -11,9 +11,10 @@ import time
 
 import bpy
 
+from .. import messages
 from ..session import StepFailed
 from ..task import Status
-from . import modal, overlay, pending, preview, reading, runtime, show, store, targets
+from . import modal, overlay, pending, preview, reading, result, runtime, show, store, targets
 
 log = logging.getLogger("isimp")
 _SETTLED = 0.3  # seconds without a change
@@ -26,7 +27,9 @@ def _find(context):
     if not (context.window_manager.isimp.live and live.pending) or runtime.get().running is not None:
         return None
     scan, problem = targets.find(context)
-    return None if problem or scan.name != live.scan or targets.needs_regions(scan) else scan
+    if problem or scan.name != live.scan or targets.needs_regions(scan) or result.is_edited_here(context, scan):
+        return None
+    return scan
 
 
 def _tick():
@@ -106,7 +109,7 @@ class ISIMP_OT_settle(modal.RecipeOperator, bpy.types.Operator):
     bl_label = pending.LABEL
     bl_options = {"UNDO", "INTERNAL"}
 
-    keeps_failed = True
+    keeps_failed = names_steps = True
 
     def wanted(self, context, scan):
         return visible(context, scan, pending.recipe_of(context, scan))
@@ -114,7 +117,7 @@ class ISIMP_OT_settle(modal.RecipeOperator, bpy.types.Operator):
     show = staticmethod(show.show_outcome)
 
     def told(self, before, numbers):
-        return f"{before.get('regions', '?')} -> {numbers['regions']} regions"
+        return messages.changed(before, numbers)
 
     def invoke(self, context, event):
         if runtime.get().live.shown is None:

@@ -407,22 +407,38 @@ def _make_edit_layers(edit):
 
 
 def show_color(mesh) -> None:
-    """Makes the regions' colours the ones shown, and remembers which were before."""
-    active, ours = mesh.color_attributes.active_color, mesh.color_attributes.get(COLOR)
+    """Makes the regions' colours the ones shown, and remembers which were before. Renders keep the user's own."""
+    colors = mesh.color_attributes
+    active, ours, rendered = colors.active_color, colors.get(COLOR), _rendered(mesh)
     if ours is None:
         return
     if active is not None and active.name != COLOR:
         raw.make_way(mesh)
         mesh.isimp.user_color = active.name
-    mesh.color_attributes.active_color = ours
+    colors.active_color = ours
+    _render(mesh, rendered if rendered != COLOR else raw.text(mesh, "user_color"))
 
 
 def give_color_back(mesh) -> None:
     """Shows again the colours that were shown before the regions' were."""
-    name = raw.text(mesh, "user_color")
+    name, rendered = raw.text(mesh, "user_color"), _rendered(mesh)
     layer = mesh.color_attributes.get(name) if name else None
     if layer is not None:
         mesh.color_attributes.active_color = layer
+        _render(mesh, rendered if rendered != COLOR else name)
+
+
+def _rendered(mesh) -> str:
+    """The name of the colours that renders and exporters take; empty where there are none."""
+    colors = mesh.color_attributes
+    return colors[colors.render_color_index].name if 0 <= colors.render_color_index < len(colors) else ""
+
+
+def _render(mesh, name: str) -> None:
+    """Makes colours those that renders take, if there are any of that name."""
+    place = mesh.color_attributes.find(name) if name else -1
+    if place >= 0 and _rendered(mesh) != name:
+        mesh.color_attributes.render_color_index = place
 
 
 def read_layer(mesh, name: str) -> np.ndarray:

@@ -12,7 +12,7 @@ from contextlib import suppress
 
 import bpy
 
-from .. import view
+from .. import messages, view
 from ..session import StepFailed
 from ..task import Status, Stopped, Task
 from . import mesh_io, pending, preferences, reading, runtime, show, store, targets
@@ -109,8 +109,18 @@ class RecipeOperator:
     #: Whether the recipe is kept if one of its steps fails: the step is marked, and the previous result stays visible
     keeps_failed = False
 
+    #: Whether messages name the step that failed, as its user looks at the list of steps
+    names_steps = False
+
+    #: Whether all selected scans are done, one after the other
+    does_all = False
+
+    _waiting = ()  #: names of the selected scans that are still to be done
+    _skipped = ()  #: names of those that this can't be done for
+    _done = ()  #: names of the objects that were shown for those that are done
     _writing = None  #: the write in progress in Edit Mode: see show.writing
     _before = None  #: the numbers of the regions before
+    _is_modal = False
 
     @classmethod
     def poll(cls, context):
@@ -130,6 +140,13 @@ class RecipeOperator:
         return []
 
     def execute(self, context):
+        self._gather(context)
+        state = self._execute_one(context)
+        while self._turn_to_next(context):
+            state |= self._execute_one(context)
+        return self._conclude(context, state)
+
+    def _execute_one(self, context):
         work = self._begin(context)
         if work is None:
             return {"CANCELLED"}
@@ -143,11 +160,54 @@ class RecipeOperator:
     def invoke(self, context, event):
         if bpy.app.background:
             return self.execute(context)
-        self._work = self._begin(context)
+        self._gather(context)
+        self._state = set()
+        return self._invoke_one(context)
+
+    def _invoke_one(self, context):
+        self._work, self._writing, self._before = self._begin(context), None, None
         if self._work is None:
-            return {"CANCELLED"}
+            return self._next(context, {"CANCELLED"})
         self._work.start()
         return self.go_on(context)
+
+    def _next(self, context, state):
+        """Goes on with the next scan after one has ended, or ends."""
+        self._state = getattr(self, "_state", set()) | state
+        task = self._work.task if self._work is not None else None
+        stopped = task is not None and isinstance(task.error, Stopped)
+        if not stopped and self._turn_to_next(context):
+            return self._invoke_one(context)
+        return self._conclude(context, self._state)
+
+    def _gather(self, context) -> None:
+        """The scans to be done after the active one."""
+        first, _ = targets.find(context)
+        others = targets.selected(context) if self.does_all and context.mode == "OBJECT" else []
+        others = [obj for obj in others if obj != first and first is not None]
+        self._waiting = [obj.name for obj in others if not self.problem(context, obj)]
+        self._skipped = [obj.name for obj in others if obj.name not in self._waiting]
+        self._done = []
+
+    def _turn_to_next(self, context) -> bool:
+        """Makes the next waiting scan the active object; False if none is left."""
+        while self._waiting:
+            scan = bpy.data.objects.get(self._waiting.pop(0))
+            if scan is not None and scan.name in context.view_layer.objects:
+                show.bring_to_front(context, scan, None)
+                return True
+        return False
+
+    def _conclude(self, context, state):
+        """Selects all that was made, if that is more than one."""
+        shown = [bpy.data.objects[name] for name in self._done if name in context.view_layer.objects]
+        if len(shown) > 1:
+            for obj in shown:
+                obj.select_set(True)
+            self.report({"INFO"}, messages.several(len(shown)))
+        if self._skipped and shown:
+            self.report({"WARNING"}, messages.skipped(self._skipped))
+        return {"FINISHED"} if "FINISHED" in state else {"CANCELLED"}
 
     def go_on(self, context):
         """Takes the result of the work, or waits for it, without a frozen window."""
@@ -155,10 +215,12 @@ class RecipeOperator:
         self._work.read_on(context, 0.5 * _AT_ONCE)
         status = self._work.task.wait(max(0.0, end - time.monotonic()))
         if status is not Status.RUNNING and self._written(end - time.monotonic()):
-            return self._settle(context)
+            return self._next(context, self._settle(context))
         runtime.get().running = self._work
         self._timer = context.window_manager.event_timer_add(_TICK, window=context.window)
-        context.window_manager.modal_handler_add(self)
+        if not self._is_modal:
+            context.window_manager.modal_handler_add(self)
+            self._is_modal = True
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):
@@ -177,7 +239,7 @@ class RecipeOperator:
             _show_progress(context, f"{self._work.name}: {self._work.progress()[1]}")
             return {"PASS_THROUGH"}
         self._end_modal(context)
-        return self._settle(context)
+        return self._next(context, self._settle(context))
 
     def _written(self, seconds: float) -> bool:
         """Continues writing face by face for `seconds`; whether it is complete."""
@@ -234,7 +296,8 @@ class RecipeOperator:
         if isinstance(error, Stopped):
             self.report({"INFO"}, "Stopped. Nothing was changed.")
         elif isinstance(error, (StepFailed, ValueError)):
-            self.report({"ERROR"}, f"{str(error).rstrip('.')}. Nothing was changed.")
+            said = self._reason(work, error) if isinstance(error, StepFailed) else messages.reason(str(error))
+            self.report({"ERROR"}, f"{said.rstrip('.')}. Nothing was changed.")
         else:
             log.debug("unexpected", exc_info=error)
             self.report({"ERROR"}, f"Internal error in iSimp: {type(error).__name__}: {error}. Nothing was changed.")
@@ -246,8 +309,16 @@ class RecipeOperator:
             return {"CANCELLED"}
         show.show_failed(context, obj, work, error)
         pending.follow(context)
-        self.report({"WARNING"}, f"{str(error).rstrip('.')}. The previous result stays.")
+        self.report({"WARNING"}, f"{messages.failed(error, self.names_steps)}. The previous result stays.")
         return {"FINISHED"}
+
+    def _reason(self, work, error: StepFailed) -> str:
+        """Names the step only if its user has not just done it."""
+        scan = work.target()
+        before = store.load(scan) if scan is not None else None
+        known = before.steps if before is not None else ()
+        old = error.index < len(known) and work.recipe.steps[: error.index + 1] == known[: error.index + 1]
+        return messages.failed(error, self.names_steps or old)
 
     def _finish(self, context, work, outcome):
         obj = self._target(work)
@@ -256,7 +327,12 @@ class RecipeOperator:
         before = store.numbers(obj) if self._before is None else self._before
         self.show(context, obj, work, outcome)
         pending.follow(context)
+        self._done = [*self._done, context.view_layer.objects.active.name]
         self.report({"INFO"}, self.told(before, outcome.numbers))
+        if not context.view_layer.objects.active.visible_get():
+            self.report({"WARNING"}, messages.hidden(context.view_layer.objects.active.name))
+        if _was_edited(before, work, outcome):
+            self.report({"WARNING"}, messages.SCAN_EDITED)
         for warning in self.warnings(context, obj, before):
             self.report({"WARNING"}, warning)
         return {"FINISHED"}
@@ -266,6 +342,12 @@ class RecipeOperator:
         if obj is None:
             self.report({"WARNING"}, f"'{work.name}' was changed or removed meanwhile: the result was discarded.")
         return obj
+
+
+def _was_edited(before: dict, work, outcome) -> bool:
+    """Whether the scan has changed since its regions were found, and steps before the last were done again on it."""
+    changed = before.get("scan", "") not in {"", outcome.numbers["scan"]}
+    return changed and len(work.recipe.steps) > 1
 
 
 def _show_progress(context, text) -> None:

@@ -6,21 +6,22 @@ arrays to the graphics card, and never changes anything of the file.
 
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import partial
+from itertools import pairwise
 
-import blf
 import bpy
 import gpu
 import numpy as np
 from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix, Vector
 
+from .. import messages, sketch
 from .. import recipe as rcp
-from .. import sketch
 from ..task import Status, Task
-from . import mesh_io, preferences, reading, runtime, settings, shaders, store, targets, text
+from . import mesh_io, preferences, reading, runtime, settings, shaders, store, targets, text, words
 
 _KEPT = 8  # sketches
+_GROUPS = 8  # of lines of similar length
+_LEAST_DOT = 0.5  # strength below which corners are not drawn
 _TICK = 0.1
 # How much nearer to the eye than they are lines are drawn, of the scan's size, so that the faces they lie on don't hide
 # them; those of the polygons more, as the scan bulges over them.
@@ -57,7 +58,9 @@ def _key(context, scan):
     The box tells of a scan that was moved in its data, or exchanged for another one, and got the same recipe.
     """
     panel, shown = context.window_manager.isimp, runtime.get().live.shown_of(scan)
-    meshing = settings.to_step(rcp.Mesh, panel.mesh) if panel.outline or panel.heat else None
+    meshing = (
+        settings.to_step(rcp.Mesh, panel.mesh) if panel.outline or panel.heat or panel.away or panel.summary else None
+    )
     state = mesh_io.state_of(scan) if shown is None else shown.work.recipe
     shape = mesh_io.shape_matrix(scan).tobytes() + np.array(scan.bound_box).tobytes()
     return scan.name, state, shape, meshing
@@ -197,13 +200,35 @@ def _draw_lines_over(context, space, scan, shown) -> None:
         shown.draw_borders(_line_shader(wish.border_color, wish.line_width))
 
 
+def _draw_summary(context) -> None:
+    """How many regions and polygons there are, in the corner of the view."""
+    if not (context.window_manager.isimp.summary and context.space_data.overlay.show_overlays):
+        return
+    scan, problem = targets.seen(context)
+    if problem or not targets.has_regions(scan):
+        return
+    numbers = store.numbers(scan)
+    if scan_shown(context) is not None:
+        shown, drawing = runtime.get().live.shown_of(scan), _drawing(context, scan)
+        made = drawing.sketch.numbers if drawing is not None else {}
+        numbers = shown.work.task.result.numbers if shown is not None else numbers
+        numbers = made if made.get("regions_before") == numbers.get("regions") else {"regions": numbers.get("regions")}
+    if numbers.get("regions") is None:
+        return
+    unit = context.scene.unit_settings
+    away = text.amount(numbers, "away_mean", unit.system, unit.scale_length) if "away_mean" in numbers else ""
+    words.draw_corner(context, messages.summary(numbers["regions"], numbers.get("polygons"), away))
+
+
 def _draw_text():
     """The few words beside the mouse, and the brush's circle."""
     context = bpy.context
-    hover = hover_shown(context) if runtime.get() is not None else None
+    if runtime.get() is None:
+        return
+    _draw_summary(context)
+    hover = hover_shown(context)
     if hover is None:
         return
-    scale = context.preferences.system.ui_scale
     if hover.ring:
         angle = np.linspace(0, 2 * np.pi, 49)
         circle = np.stack([np.cos(angle), np.sin(angle)], axis=1) * hover.ring + hover.at
@@ -216,29 +241,7 @@ def _draw_text():
         lines(np.array([(*at, 0.0) for at in hover.stretch], np.float32), (1.0, 0.85, 0.2, 1.0), 2.0)
         gpu.state.blend_set("NONE")
     if hover.text:
-        _draw_words(context, hover, scale)
-
-
-def _draw_words(context, hover, scale) -> None:
-    """The text beside the mouse, outside the sidebar and the toolbar over the viewport."""
-    font = 0
-    blf.size(font, round(12 * scale), *(() if bpy.app.version >= (4, 0, 0) else (72,)))
-    blf.enable(font, blf.SHADOW)
-    blf.shadow(font, 5, 0.0, 0.0, 0.0, 0.9)
-    blf.color(font, 1.0, 1.0, 1.0, 1.0)
-    here, away = context.region, 18 * scale
-    beside = [other for other in context.area.regions if other.type in {"UI", "TOOLS"} and other.width > 1]
-    right = min([here.width, *(other.x - here.x for other in beside if other.alignment == "RIGHT")]) - away / 2
-    left = max([0, *(other.x + other.width - here.x for other in beside if other.alignment == "LEFT")]) + away / 2
-    told, x = text.beside(hover.text, partial(_width, font), hover.at[0] + away, right, left)
-    for number, line in enumerate(told):
-        blf.position(font, x, hover.at[1] - (20 + 18 * number) * scale, 0)
-        blf.draw(font, line)
-    blf.disable(font, blf.SHADOW)
-
-
-def _width(font, words: str) -> float:
-    return blf.dimensions(font, words)[0]
+        words.draw_hover(context, hover)
 
 
 class _Over:
@@ -250,6 +253,11 @@ class _Over:
         self.away = max(1e-6, -(view.view_matrix @ scan.matrix_world @ middle).z)
         self.size = scan.dimensions.length
         self.is_perspective = view.is_perspective
+
+    def pixels(self, context) -> float:
+        """How many pixels long one unit of the scan's space is, at the scan's middle."""
+        high = 0.5 * context.region.height * self.projection[1][1]
+        return high / self.away if self.is_perspective else high
 
     def nearer(self, share: float) -> None:
         """Draws the following nearer to the eye by this share of the scan's size."""
@@ -294,15 +302,47 @@ def _draw_sketch(context, space, drawing) -> None:
         shader = shaders.hatched()
         shader.bind()
         shaders.draw(_batch(drawing, "locked", "TRIS", shader), shader)
-    _draw_lines(drawing, "borders", wish.border_color, wish.line_width)
+    pixels = space.pixels(context)
+    usual = sketch.strength(pixels * float(np.median(made.reach))) if len(made.reach) else 1.0
+    _draw_lines(drawing, "borders", _faded(wish.border_color, max(0.4, usual)), wish.line_width * max(0.6, usual))
     space.nearer(_OVER)
-    if panel.heat and len(made.surface):
-        _draw_heat(drawing)
+    if panel.away and len(made.surface):
+        _draw_heat(drawing, "away")
+    elif panel.heat and len(made.surface):
+        _draw_heat(drawing, "heat")
     if panel.outline:
-        _draw_lines(drawing, "outline", wish.outline_color, wish.line_width)
-        _draw_points(drawing, "corners", wish.outline_color, 3 * wish.line_width)
+        _draw_outline(drawing, pixels, wish)
     _draw_lines(drawing, "problems", wish.problem_color, 2 * wish.line_width)
     space.nearer(_ON)
+
+
+def _faded(color, share: float) -> tuple:
+    return (*color[:3], color[3] * share)
+
+
+def _draw_outline(drawing, pixels: float, wish) -> None:
+    """Lines and corners in groups of similar length: the shorter they are on the screen, the fainter and thinner."""
+    made = drawing.sketch
+    edges = np.linalg.norm(made.outline[::2] - made.outline[1::2], axis=1)
+    for name, points, length, each in (
+        ("outline", made.outline, edges, 2),
+        ("corners", made.corners, made.reach, 1),
+    ):
+        ends = np.linspace(0, len(length), min(_GROUPS, len(length)) + 1).astype(int)
+        for group, (begin, end) in enumerate(pairwise(ends.tolist())):
+            share = sketch.strength(pixels * float(length[(begin + end) // 2]))
+            color, part = _faded(wish.outline_color, share), slice(each * begin, each * end)
+            if each == 2:
+                shader = _line_shader(color, wish.line_width * (0.5 + 0.5 * share))
+                shaders.draw(_part(drawing, f"{name} {group}", points[part], "LINES", shader), shader)
+            elif share > _LEAST_DOT:
+                _draw_points(drawing, f"{name} {group}", points[part], color, 3 * wish.line_width * share)
+
+
+def _part(drawing, name, points, kind, shader):
+    if name not in drawing.batches:
+        drawing.batches[name] = batch_for_shader(shader, kind, {"pos": points})
+    return drawing.batches[name]
 
 
 def _batch(drawing, name, kind, shader, **more):
@@ -338,19 +378,21 @@ def _draw_lines(drawing, name, color, width) -> None:
         shaders.draw(_batch(drawing, name, "LINES", shader), shader)
 
 
-def _draw_points(drawing, name, color, size) -> None:
-    if len(getattr(drawing.sketch, name)):
-        shader = gpu.shader.from_builtin(_named("UNIFORM_COLOR"))
-        gpu.state.point_size_set(size)
-        shader.bind()
-        shader.uniform_float("color", color)
-        shaders.draw(_batch(drawing, name, "POINTS", shader), shader)
+def _draw_points(drawing, name, points, color, size) -> None:
+    shader = gpu.shader.from_builtin(_named("UNIFORM_COLOR"))
+    gpu.state.point_size_set(size)
+    shader.bind()
+    shader.uniform_float("color", color)
+    shaders.draw(_part(drawing, name, points, "POINTS", shader), shader)
 
 
-def _draw_heat(drawing) -> None:
+def _draw_heat(drawing, by: str) -> None:
     shader = gpu.shader.from_builtin(_named("SMOOTH_COLOR"))
     shader.bind()
-    shaders.draw(_batch(drawing, "surface", "TRIS", shader, color=drawing.sketch.heat), shader)
+    if by not in drawing.batches:
+        values = {"pos": drawing.sketch.surface, "color": getattr(drawing.sketch, by)}
+        drawing.batches[by] = batch_for_shader(shader, "TRIS", values)
+    shaders.draw(drawing.batches[by], shader)
 
 
 def _draw_hover(hover) -> None:

@@ -55,13 +55,16 @@ def write_shown(context) -> bool:
 
 def follow(context) -> None:
     """Lets the settings follow the recipe of the active scan."""
-    live = runtime.get().live
+    live, before = runtime.get().live, runtime.get().live.scan
     scan, problem = targets.find(context)
-    live.scan, live.pending = (scan.name if scan is not None else ""), False
+    live.scan, live.pending = (scan.name if scan is not None else before), False
     recipe = None if problem else store.load(scan)
     if recipe is not None and recipe.steps:
         settings.to_panel(context, recipe)
     elif scan is not None:
+        if before and before != scan.name and before in bpy.data.objects:  # else it was renamed
+            live.settings[before] = settings.shown(context)
+            settings.show(context, live.settings.get(scan.name))
         settings.forget_foreign(context, scan)
 
 

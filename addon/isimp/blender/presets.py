@@ -53,8 +53,9 @@ class ISIMP_MT_presets(bpy.types.Menu):
     def draw(self, context):
         for preset in presets.PRESETS:
             self.layout.operator("isimp.preset", text=preset.label).name = preset.name
-        self.layout.separator()
-        self.draw_preset(context)
+        if bpy.utils.preset_paths(_FOLDER):  # there are none before the user has made one
+            self.layout.separator()
+            self.draw_preset(context)
 
 
 class ISIMP_OT_preset_add(AddPresetBase, bpy.types.Operator):
@@ -89,7 +90,7 @@ def draw(context, layout) -> None:
     row = layout.row(align=True)
     row.use_property_split = False
     shown = title(context)
-    row.menu("ISIMP_MT_presets", text=shown)
+    row.menu("ISIMP_MT_presets", text=shown.removeprefix("Photogrammetry ").capitalize() if shown in _OURS else shown)
     row.operator("isimp.preset_add", text="", icon="ADD")
     if shown not in _OURS:
         row.operator("isimp.preset_add", text="", icon="REMOVE").remove_active = True

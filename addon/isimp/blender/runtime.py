@@ -20,6 +20,7 @@ class Live:
         self.wake = None  #: called when a setting was changed; None where there are no timers
         self.pending = False  #: whether a setting was changed that is no step to undo yet
         self.scan = ""  #: whose settings the panel shows
+        self.settings = {}  #: object's name -> steps with the settings chosen for it, before it has regions
         self._quiet = False
 
     def touch(self) -> None:

@@ -11,250 +11,8 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
 from .. import recipe as rcp
-from ..engine_options import MESHING, PARTITION
-from ..option import Option
-from . import runtime, targets, weights
-
-_PARTITION, _MESH = rcp.Partition(), rcp.Mesh()
-
-
-def _weights(self, context, edit_text):
-    """The suggestions of the field for weights."""
-    scan, problem = targets.find(context)
-    return [] if problem else weights.names(scan)
-
-
-def _face_attributes(self, context, edit_text):
-    """The suggestions of the field for the attribute of barriers."""
-    scan, problem = targets.find(context)
-    return [] if problem else weights.face_names(scan)
-
-
-_CAN_SEARCH = "search" in StringProperty.__doc__
-_SEARCHED = {"search": _weights} if _CAN_SEARCH else {}
-_FACES_SEARCHED = {"search": _face_attributes} if _CAN_SEARCH else {}
-
-
-def _range(option: Option) -> dict:
-    """The ends of the range of an engine's option, as far as they are in it."""
-    number = int if option.kind == "int" else float
-    least = {} if option.least is None or option.above_least else {"min": number(option.least)}
-    most = {} if option.most is None or option.below_most else {"max": number(option.most)}
-    return least | most
-
-
-class PartitionSettings:
-    count_by: EnumProperty(
-        name="Count By",
-        description="How the number of regions is chosen",
-        items=(
-            ("detail", "Automatic", "The number follows from the shape, at a detail that is a share of its size"),
-            ("proxies", "Count", "An exact number"),
-            (
-                "tolerance",
-                "Tolerance",
-                "The number follows from a length: smaller shapes are ignored, below .2 m on a building, say",
-            ),
-            ("bound", "Bound", "The number follows from the largest distance of a vertex from its region's plane"),
-        ),
-        default=_PARTITION.count_by,
-    )
-    detail: FloatProperty(
-        name="Detail",
-        description="Shapes below this share of the scan's size are ignored. A smaller value gives more regions",
-        default=_PARTITION.detail,
-        min=0.0001,
-        max=1.0,
-        soft_max=0.05,
-        precision=4,
-        step=0.05,
-    )
-    tolerance: FloatProperty(
-        name="Tolerance",
-        description="Shapes below this length are ignored. A smaller value gives more regions",
-        default=_PARTITION.tolerance,
-        min=1e-6,
-        soft_max=10.0,
-        precision=4,
-        step=1,
-        unit="LENGTH",
-    )
-    bound: FloatProperty(
-        name="Bound",
-        description="Largest distance of a vertex from its region's plane. A smaller value gives more regions",
-        default=_PARTITION.bound,
-        min=1e-6,
-        soft_max=10.0,
-        precision=4,
-        step=1,
-        unit="LENGTH",
-    )
-    adaptivity: FloatProperty(
-        name="Adaptivity",
-        description="Smaller regions where the scan is rough. 0: the same detail everywhere",
-        default=_PARTITION.adaptivity,
-        **_range(PARTITION["adaptivity"]),
-    )
-    smooth: FloatProperty(
-        name="Smooth",
-        description="How much short, straight borders count beside the error. 0: least error. 1: cleanest shapes",
-        default=_PARTITION.smooth,
-        **_range(PARTITION["smooth"]),
-    )
-    noise: FloatProperty(
-        name="Noise",
-        description="Standard deviation of the scan's points, in the scan's units. Below 0: estimated",
-        default=_PARTITION.noise,
-        min=-1.0,
-        soft_max=0.1,
-        precision=5,
-    )
-    snap: BoolProperty(
-        name="Snap to Planes",
-        description="If the shape clearly consists of planes, make one region for each plane",
-        default=_PARTITION.snap,
-    )
-    proxies: IntProperty(
-        name="Proxies",
-        description="Number of regions. Each becomes one polygon, or a few",
-        default=_PARTITION.proxies,
-        soft_max=5000,
-        **_range(PARTITION["proxies"]),
-    )
-    method: EnumProperty(
-        name="Method",
-        description="Algorithm of the partition",
-        items=(
-            (
-                "hierarchy",
-                "Hierarchy",
-                "Merge small patches, then relax the borders: the fastest, with the least error",
-            ),
-            (
-                "teleport",
-                "Teleport",
-                "As Lloyd; then merge the cheapest pair and split the worst region while the error falls",
-            ),
-            ("lloyd", "Lloyd", "Flood from the seeds and fit planes, alternately: the method of the first paper"),
-            ("queued", "Queued", "As Lloyd, but flood all faces of a queue at once: for GPUs"),
-            ("naive", "Naive", "As Lloyd, but every face chooses among the nearest regions: for GPUs"),
-            ("hybrid", "Hybrid", "Partition a decimated copy, and carry the regions back to the scan"),
-        ),
-        default=_PARTITION.method,
-    )
-    seeding: EnumProperty(
-        name="Start",
-        description="Faces at which the first regions start (all methods except Hierarchy)",
-        items=(
-            ("random", "Random", "Random faces"),
-            ("farthest", "Farthest", "Each face where the surface differs most from all regions so far"),
-            ("hierarchical", "Hierarchical", "One face in each region of the method Hierarchy"),
-        ),
-        default=_PARTITION.seeding,
-    )
-    seed: IntProperty(
-        name="Seed",
-        description="Seed of the random numbers",
-        default=_PARTITION.seed,
-        **_range(PARTITION["seed"]),
-    )
-    iterations: IntProperty(
-        name="Iterations",
-        description="Maximum number of rounds of flooding and fitting. Fewer if the regions stop changing",
-        default=_PARTITION.iterations,
-        soft_max=100,
-        **_range(PARTITION["iterations"]),
-    )
-    leave_out: FloatProperty(
-        name="Leave Out Parts",
-        description="Loose parts below this share of the total area get no region and no polygon. 0: keep every part",
-        default=_PARTITION.leave_out,
-        max=0.99,
-        precision=4,
-        step=0.01,
-        **_range(PARTITION["leave_out"]),
-    )
-
-    weights: StringProperty(
-        name="Weights",
-        description="A vertex group (from weight paint) or an attribute of faces or vertices. Higher weights give more "
-        "and smaller regions; with Count, the total number stays. Empty: no weights",
-        default=_PARTITION.weights,
-        **_SEARCHED,
-    )
-    influence: FloatProperty(
-        name="Influence",
-        description="Strength of the weights. At 1, a weight of 1 gives four times as many regions as a weight of 0",
-        default=_PARTITION.influence,
-        min=0.0,
-        max=2.0,
-    )
-
-    seams: BoolProperty(
-        name="Seams",
-        description="No region crosses an edge that is marked as a seam (Edge > Mark Seam)",
-        default=_PARTITION.seams,
-    )
-    sharp: BoolProperty(
-        name="Sharp Edges",
-        description="No region crosses an edge that is marked as sharp (Edge > Mark Sharp)",
-        default=_PARTITION.sharp,
-    )
-    materials: BoolProperty(
-        name="Materials", description="No region has faces of two materials", default=_PARTITION.materials
-    )
-    face_sets: BoolProperty(
-        name="Face Sets",
-        description="No region has faces of two face sets (of Sculpt Mode)",
-        default=_PARTITION.face_sets,
-    )
-    angle: FloatProperty(
-        name="Angle",
-        description="No region crosses an edge with a larger angle between its faces, in degrees. 180: no limit",
-        default=_PARTITION.angle,
-        min=0.0,
-        max=180.0,
-        precision=0,
-        step=100,
-    )
-    borders: StringProperty(
-        name="Attribute",
-        description="No region has faces with different values of this face attribute. Empty: no such barrier",
-        default=_PARTITION.borders,
-        **_FACES_SEARCHED,
-    )
-
-
-class MeshSettings:
-    chord_tolerance: FloatProperty(
-        name="Corner Tolerance",
-        description="Distance of a border from a straight line at which it gets another corner, as a share of a "
-        "region's size. A smaller value follows the scan more closely, with more corners",
-        default=_MESH.chord_tolerance,
-        min=0.01,
-        soft_max=2.0,
-    )
-    join_junctions: FloatProperty(
-        name="Join Junctions",
-        description="Largest distance at which two vertices of three polygons become one vertex of four, as a share "
-        "of a region's size, where that gives better polygons. 0: none",
-        default=_MESH.join_junctions,
-        soft_max=2.0,
-        **_range(MESHING["join_junctions"]),
-    )
-    flatten: IntProperty(
-        name="Planarize",
-        description="Rounds of moving corners to make polygons planar. 0: corners keep their first positions",
-        default=_MESH.flatten,
-        soft_max=200,
-        **_range(MESHING["flatten"]),
-    )
-    planar: BoolProperty(
-        name="Planar Exactly",
-        description="Make every polygon exactly planar. Corners that can't be on the plane of their polygon are cut "
-        "off as triangles",
-        default=_MESH.planar,
-    )
+from . import runtime, units, weights
+from .properties import MeshSettings, PartitionSettings
 
 
 def changed(self, context) -> None:
@@ -298,13 +56,18 @@ def _words(name: str) -> str:
 
 def _group(cls) -> type:
     """The property group that holds the settings of a step in the panel."""
-    annotations = _watched(_SETTINGS.get(cls) or _plain(cls))
+    annotations = _watched(_SETTINGS.get(cls) or _plain(cls)) | units.SHOWN.get(cls, {})
     return type(f"Isimp{cls.__name__}", (bpy.types.PropertyGroup,), {"__annotations__": annotations})
 
 
 _SETTINGS = {rcp.Partition: PartitionSettings, rcp.Mesh: MeshSettings}
 _GROUPS = {cls: _group(cls) for cls in rcp.KINDS}
 _KNOWN = {cls: frozenset(group.__annotations__) for cls, group in _GROUPS.items()}
+
+
+def draw(layout, cls, properties, name: str, **more) -> None:
+    """Draws a setting of a step in the unit that people think in: see units.py."""
+    layout.prop(properties, units.INSTEAD.get((cls, name), name), **more)
 
 
 class _Shown:
@@ -331,6 +94,17 @@ class _Shown:
         name="Flatness",
         description="Colour the previewed polygons: green is planar, red is non-planar by half a percent of the size",
         default=False,
+    )
+    away: BoolProperty(
+        name="Distance",
+        description="Colour the previewed polygons by the largest distance of the scan from them: green is none, red "
+        "is two percent of the size or more",
+        default=False,
+    )
+    summary: BoolProperty(
+        name="Summary",
+        description="Tell in the corner of the view how many regions and polygons there are, and how far from the scan",
+        default=True,
     )
     times: IntProperty(name="Times", description="Number of edits", default=1, min=1, soft_max=50)
     brush: IntProperty(name="Radius", description="Radius of the brush", default=40, min=1, max=500, subtype="PIXEL")
@@ -452,6 +226,18 @@ def to_panel(context, recipe) -> None:
             found = shown_step(recipe, cls)
             if found is not None:
                 copy(cls, found[1], group(context, cls))
+
+
+def shown(context) -> tuple:
+    """The settings of Partition and Mesh in the panel, as steps."""
+    return tuple(to_step(cls, group(context, cls)) for cls in _SETTINGS)
+
+
+def show(context, steps) -> None:
+    """Shows settings in the panel, without re-running anything; None: those of a scan that was never looked at."""
+    with runtime.get().live.quiet():
+        for step in steps if steps is not None else (cls() for cls in _SETTINGS):
+            copy(type(step), step, group(context, type(step)))
 
 
 def forget_foreign(context, scan) -> None:

@@ -4,11 +4,9 @@ import uuid
 from dataclasses import replace
 
 import bpy
-import numpy as np
-from mathutils import Matrix
 
-from .. import stored
-from . import aside, display, mesh_io, raw, store, targets
+from .. import messages, stored
+from . import aside, display, mesh_io, raw, result, store, targets, texture
 
 
 def _save(scan, work, numbers: dict) -> int:
@@ -24,27 +22,35 @@ def show_regions(context, scan, work, outcome) -> None:
     """Writes regions and colours on the scan and brings it to the front."""
     state = _save(scan, work, outcome.numbers)
     _write(scan, work, outcome, state)
-    result = targets.result_of(context.scene, scan)
-    if context.view_layer.objects.active != scan:
-        bring_to_front(context, scan, result)
+    if context.view_layer.objects.active != scan or not scan.visible_get():
+        bring_to_front(context, scan, targets.result_of(context.scene, scan))
     display.show(context)
 
 
-def show_polygons(context, scan, work, outcome) -> None:
-    """Makes or refreshes the result beside the scan, which is hidden, and brings it to the front."""
-    if scan.mode == "EDIT":
+def show_polygons(context, scan, work, outcome):
+    """Makes or refreshes the result beside the scan, which is hidden, and brings it to the front.
+
+    A result that was edited by hand is kept, and returned; else None.
+    """
+    if context.mode != "OBJECT":  # the scan's, or that of its result
         bpy.ops.object.mode_set(mode="OBJECT")
     state = _save(scan, work, outcome.numbers)
     _write(scan, work, outcome, state)
-    result = targets.result_of(context.scene, scan) or _new_result(context, scan)
-    for obj in (scan, result):
+    made, kept = result.to_fill(context, scan)
+    for obj in (scan, made):
         raw.make_way(obj)
     scan.isimp.key = scan.isimp.key or uuid.uuid4().hex
-    result.isimp.scan_key, result.isimp.scan_name = scan.isimp.key, scan.name
-    _fill(result, scan, outcome)
+    made.isimp.scan_key, made.isimp.scan_name = scan.isimp.key, scan.name
+    result.fill(made, scan, outcome)
+    if not texture.is_textured(scan):  # else it becomes one material
+        result.take_materials(made, scan, outcome)
+    result.sign(made)
     mesh_io.give_color_back(scan.data)
-    bring_to_front(context, result, scan)
+    if kept is not None and kept.name in context.view_layer.objects:
+        kept.hide_set(True)
+    bring_to_front(context, made, scan)
     display.give_back(context)
+    return kept
 
 
 def _color(work, outcome):
@@ -74,7 +80,7 @@ def show_outcome(context, scan, work, outcome) -> None:
 
 def show_failed(context, scan, work, error) -> None:
     """Stores a recipe with a failed step, and the reason; the previous result stays visible."""
-    failed = {"failed": error.index, "reason": stored.line(error.reason)}
+    failed = {"failed": error.index, "reason": stored.line(messages.reason(error.reason))}
     outcome = error.outcome
     if outcome is None or (mesh_io.state_of(scan) and not store.read(scan).problem):
         state = _save(scan, work, store.numbers(scan) | failed)
@@ -94,48 +100,3 @@ def bring_to_front(context, shown, hidden) -> None:
         shown.hide_set(False)
         shown.select_set(True)
         context.view_layer.objects.active = shown
-
-
-def _new_result(context, scan):
-    name = f"{scan.name[:52]}.simplified"  # a name holds 63 bytes
-    result = bpy.data.objects.new(name, bpy.data.meshes.new(name))
-    for collection in scan.users_collection or (context.scene.collection,):
-        collection.objects.link(result)
-    result.show_wire = True
-    result.show_all_edges = True
-    return result
-
-
-def _fill(result, scan, outcome) -> None:
-    """Puts the polygons where the scan is: in its own space, or in the world's if its transform is sheared.
-
-    Those of a scan far from its own zero are put relative to the outcome's origin, and the result's place has the rest.
-    """
-    polygons = outcome.polygons
-    loops, start = np.array(polygons.loops), np.array(polygons.loop_start)
-    unshaped, place = np.linalg.inv(mesh_io.shape_matrix(scan)), np.array(scan.matrix_world, np.float64)
-    vertices = (np.asarray(polygons.vertices) - outcome.origin) @ unshaped
-    matrix = place[:3, :3].copy()
-    place[:3, 3] += matrix @ (outcome.origin @ unshaped)
-    unsheared = np.array(Matrix.LocRotScale(*scan.matrix_world.decompose()), np.float64)[:3, :3]
-    if not np.allclose(unsheared, matrix, rtol=0, atol=1e-5 * np.abs(matrix).max()):
-        place[:3, :3] = np.eye(3)
-        vertices = vertices @ matrix.T
-        if np.linalg.det(matrix) < 0:
-            loops = turned(loops, start)
-    result.matrix_world = Matrix(place.tolist())
-    # Blender rounds a location to float32. The rounding error of a far one goes to the vertices.
-    rounded = place[:3, 3] - place[:3, 3].astype(np.float32)
-    vertices += np.linalg.solve(place[:3, :3], rounded)
-    defective = np.zeros(len(start), np.int32)
-    for found in outcome.numbers["flaws"].values():
-        defective[found] = 1
-    layers = {mesh_io.REGION: np.asarray(polygons.polygon_region), mesh_io.FLAW: defective}
-    mesh_io.fill_polygons(result.data, vertices, loops, start, layers)
-
-
-def turned(loops: np.ndarray, start: np.ndarray) -> np.ndarray:
-    """Every polygon the other way round."""
-    totals = np.diff(start, append=len(loops))
-    within = np.arange(len(loops)) - np.repeat(start, totals)
-    return loops[np.repeat(start + totals - 1, totals) - within]

@@ -48,6 +48,8 @@ class IsimpObject(bpy.types.PropertyGroup):
     key: StringProperty()
     scan_key: StringProperty()
     scan_name: StringProperty()
+    made: StringProperty()  # of a result: its digest as Mesh made it; see result.py
+    placed: StringProperty()  # and the transform that Mesh gave it, as JSON
 
 
 def load(obj):
@@ -93,6 +95,7 @@ def forget_file() -> None:
     runtime.get().recipes.clear()
     runtime.get().nodes.clear()
     runtime.get().most_nodes.clear()
+    runtime.get().live.settings.clear()
 
 
 class _Nodes:

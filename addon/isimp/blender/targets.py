@@ -2,9 +2,10 @@
 
 import bpy
 
-from .. import session
+from .. import messages, session
 from . import aside, mesh_io, raw, runtime, store
 
+KEPT = "kept"  #: in the place of the digest of a result that was edited by hand, and that Mesh leaves as it is
 _OTHER = {
     "CURVE": "a curve",
     "EMPTY": "an empty",
@@ -34,11 +35,15 @@ def scan_of(obj):
 
 
 def result_of(scene, scan):
-    """The result made from a scan, if it is still in the scene; else None. Never one with the scan's mesh."""
+    """The result made from a scan, if it is still in the scene; else None.
+
+    Never one with the scan's mesh, nor one that was edited by hand and kept.
+    """
     key = raw.text(scan, "key")
     if not key:
         return None
     made = (obj for obj in scene.objects if raw.text(obj, "scan_key") == key and obj.type == "MESH")
+    made = (obj for obj in made if raw.text(obj, "made") != KEPT)
     return next((obj for obj in made if obj.data != scan.data and scan_of(obj) == scan), None)
 
 
@@ -46,6 +51,12 @@ def find(context):
     """(scan, "") or (None, why not). The scan is the active object, or the one the active result was made from."""
     problem = _not_now()
     return (None, problem) if problem else seen(context)
+
+
+def selected(context) -> list:
+    """The selected scans that can be used, those of selected results among them, each once."""
+    scans = [scan_of(obj) or obj for obj in context.selected_objects if obj.type == "MESH"]
+    return list(dict.fromkeys(scan for scan in scans if not _unusable(scan)))
 
 
 def find_result(context):
@@ -118,6 +129,9 @@ def notes(scan) -> list:
     problem, end = store.read(scan).problem, aside.suffix(scan.data)
     anew = f"Nothing is lost: Partition starts again and keeps this as '{mesh_io.REGION}{end}'"
     lines = [f"{problem}. {anew}."] if problem else []
+    twins = [obj.name for obj in bpy.data.objects if obj.data == scan.data and obj != scan]
+    if twins:
+        lines.append(messages.shared(twins))
     for name, kind in aside.foreign_layers(scan.data):
         lines.append(f"'{name}' is no layer of iSimp's ({kind}): Partition keeps it as '{name}{end}'.")
     kept = aside.layers(scan.data) + raw.kept(scan.data) + raw.kept(scan)

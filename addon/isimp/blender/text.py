@@ -1,10 +1,12 @@
 """Texts of the panel: numbers, warnings, reports."""
 
+import re
 import textwrap
 
 import bpy
 
-from .. import afar
+from .. import afar, messages
+from ..messages import count as _count
 from . import mesh_io
 
 _STAY = "\N{NO-BREAK SPACE}"
@@ -30,19 +32,13 @@ def beside(said: str, measure, wanted: float, right: float, left: float) -> tupl
     return lines, max(left, min(wanted, right - max(map(measure, lines))))
 
 
-def _count(number: int, one: str) -> str:
-    many = f"{one[:-2]}ices" if one.endswith("vertex") else f"{one}s"
-    return f"{number:,} {one if number == 1 else many}"
-
-
-def scan_line(mesh, numbers: dict) -> str:
-    """The size of a scan; its parts and holes once it has been analysed."""
+def scan_lines(mesh, numbers: dict) -> tuple:
+    """(size, shape) of a scan, always two lines; its parts and holes are known once it has been looked at."""
     triangles = len(mesh.loops) - 2 * len(mesh.polygons)
-    if not _looked_at(mesh, numbers):
-        return _count(triangles, "triangle")
+    if not is_looked_at(mesh, numbers):
+        return _count(triangles, "triangle"), "Not partitioned yet"
     holes = "closed" if numbers["closed"] else _count(numbers["border_loops"], "hole")
-    told = f"{_count(numbers['triangles'], 'triangle')} · {_count(numbers['components'], 'part')} · {holes}"
-    return told.replace(" ", _STAY).replace(f"·{_STAY}", "· ")  # a number stays with its word
+    return _count(numbers["triangles"], "triangle"), f"{_count(numbers['components'], 'part')} · {holes}"
 
 
 _FAULTS = {
@@ -57,6 +53,7 @@ _FAULTS = {
     "subdivided_edges": "double edge",
     "turned_edges": "zero-area face",
 }  # vertices that no face uses are none
+_OPENINGS = {"filled_holes": "hole", "cut_handles": "tunnel"}
 
 
 def lost_detail(scan, unit) -> list:
@@ -65,23 +62,33 @@ def lost_detail(scan, unit) -> list:
     return [] if lost is None else [afar.told(lost, unit.system, unit.scale_length)]
 
 
-def warnings(mesh, numbers: dict) -> list:
-    """The defects of a scan, and how they are handled."""
-    if not _looked_at(mesh, numbers):
-        return []
-    left_out, lines = numbers.get("left_out", 0), []
-    faults = [(name, number) for name, number in numbers.get("repairs", {}).items() if number and name in _FAULTS]
+def good_news(numbers: dict, system: str, scale: float) -> list:
+    """What the add-on has mended or closed for the result, as lines; the scan itself stays as it is."""
+    repairs, lines = numbers.get("repairs", {}), []
+    closed = [_count(repairs[name], one) for name, one in _OPENINGS.items() if repairs.get(name)]
+    if closed:
+        below = length(numbers["closed_below"], system, scale) if numbers.get("closed_below") else ""
+        lines.append(f"Closed: {' and '.join(closed)}" + (f" up to {below} round" if below else ""))
+    faults = [(name, number) for name, number in repairs.items() if number and name in _FAULTS]
     if faults:
-        said = ", ".join(_count(number, _FAULTS[name]) for name, number in faults)
-        lines.append(f"Repaired for the result: {said}")
-    if left_out:
-        lines.append(
-            f"{_count(left_out, 'face')} left out (small parts or defects): grey on the scan, not in the result"
-        )
+        lines.append("Mended: " + ", ".join(_count(number, _FAULTS[name]) for name, number in faults))
     return lines
 
 
-def _looked_at(mesh, numbers: dict) -> bool:
+def short_progress(said: str) -> str:
+    """How far some work is, without its stage: the sidebar has no room for that, and the status bar tells it."""
+    found = re.search(r"\d+%.*", said)
+    return found[0] if found else said
+
+
+def left_out(numbers: dict) -> str:
+    """Which faces are in no region; empty if all are in one."""
+    faces = numbers.get("left_out", 0)
+    return f"{_count(faces, 'face')} left out, grey on the scan: small parts or defects" if faces else ""
+
+
+def is_looked_at(mesh, numbers: dict) -> bool:
+    """Whether the numbers are of the mesh as it is, as far as counting tells."""
     return "components" in numbers and numbers.get("faces") == len(mesh.polygons)
 
 
@@ -89,15 +96,15 @@ def report_lines(numbers: dict, system: str, scale: float) -> list:
     """(line, whether it is a warning) for the report of Mesh; empty before it."""
     if "polygons" not in numbers:
         return []
-    each = numbers["corners"] / max(1, numbers["polygons"])
     flat, worst = (amount(numbers, name, system, scale) for name in ("planarity_mean", "planarity_max"))
     sound = "Closed" if numbers["closed"] else "Open, like the scan"
     sound = sound if numbers["manifold"] else "Non-manifold: polygons share an edge or vertex that they should not"
-    lines = [
-        (f"{_count(numbers['polygons'], 'polygon')} · {each:.1f} corners each", False),
-        (f"Planar within {flat} (worst {worst})", False),
-        (sound, not numbers["manifold"]),
-    ]
+    lines = [(_count(numbers["polygons"], "polygon"), False)]
+    lines += [(line, False) for line in [messages.why_more(numbers)] if line]
+    if "away_max" in numbers:
+        mean, most = (amount(numbers, name, system, scale) for name in ("away_mean", "away_max"))
+        lines.append((f"{mean} off the scan, at most {most}", False))
+    lines += [(f"Flat to {flat}, worst {worst}", False), (sound, not numbers["manifold"])]
     if "scan_distance" in numbers:
         away, allowed = (amount(numbers, name, system, scale) for name in ("scan_distance", "scan_distance_allowed"))
         too_far = numbers["scan_distance"] > numbers["scan_distance_allowed"]
@@ -131,7 +138,8 @@ def number_rows(numbers: dict, system: str, scale: float) -> list:
     """(name, value) of the last step's numbers, the most important first."""
     rows = [("Regions", f"{numbers['regions']:,}")] if "regions" in numbers else []
     if "polygons" in numbers:
-        rows += [("Polygons", f"{numbers['polygons']:,}"), ("Corners", f"{numbers['corners']:,}")]
+        each = numbers["corners"] / max(1, numbers["polygons"])
+        rows += [("Polygons", f"{numbers['polygons']:,}"), ("Corners", f"{numbers['corners']:,} ({each:.1f} each)")]
         rows += [("Vertices", f"{numbers['vertices']:,}")]
     if "error" in numbers:
         rows.append(("Error", f"{numbers['error']:.4g}"))

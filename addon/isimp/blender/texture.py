@@ -4,7 +4,8 @@ import bpy
 import numpy as np
 
 from ..session import Shown
-from . import mesh_io, runtime, show
+from . import mesh_io, runtime
+from .result import turned
 
 OWN = "isimp_texture"  #: marks the material and the images that were made here
 _GREY = (0.8, 0.8, 0.8, 1.0)
@@ -43,7 +44,7 @@ def _corners(result, outcome) -> np.ndarray:
     loops = np.empty(len(result.data.loops), np.int32)
     result.data.loops.foreach_get("vertex_index", loops)
     each = np.arange(len(wanted))
-    for order in (each, show.turned(each, start)):
+    for order in (each, turned(each, start)):
         if np.array_equal(wanted[order], loops):
             return order
     raise mesh_io.Unusable(f"'{result.name}' has changed since Mesh: press Mesh again, then Keep Texture.")

@@ -26,7 +26,8 @@ double opening_length(const Mesh& mesh, std::int32_t regions, Job& job) {
   if (!has_openings(mesh)) return 0;
   const double edge = mean_edge(mesh);
   if (!(estimate_noise(mesh, job) > kLeastNoise * edge)) return 0;
-  return std::min(kOfRegion * std::sqrt(mesh.graph().area / regions), kMostEdges * edge);
+  const double length = std::min(kOfRegion * std::sqrt(mesh.graph().area / regions), kMostEdges * edge);
+  return edge * std::exp2(std::floor(2 * std::log2(length / edge)) / 2);
 }
 
 }  // namespace isimp

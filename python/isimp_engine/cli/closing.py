@@ -6,12 +6,10 @@ from .. import CleanOptions, Job, Mesh, PartitionOptions, opening_length, partit
 
 
 def is_wanted(arguments: argparse.Namespace) -> bool:
-    """Not where the user has said what to close, nor with a bound: that promises each vertex of the scan.
-
-    Nor with a recipe: it means the same as in the add-on, which closes nothing by itself.
-    """
+    """Not where the user has said what to close, nor with a bound: that promises each vertex of the scan."""
+    kept = arguments.keep_openings or (arguments.recipe is not None and not arguments.recipe.close_openings)
     given = arguments.clean.fill_holes > 0 or arguments.clean.cut_handles > 0
-    return not (arguments.keep_openings or given or arguments.options.bound or arguments.recipe)
+    return not (kept or given or arguments.options.bound)
 
 
 def closing_options(mesh: Mesh, options: PartitionOptions, clean: CleanOptions, job: Job) -> CleanOptions | None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scans
 
-from isimp import session
+from isimp import applying, session
 
 pytestmark = pytest.mark.usefixtures("scene")
 
@@ -31,7 +31,7 @@ def flatness(obj, face):
 
 
 def test_problem_polygons_are_shown(monkeypatch):
-    monkeypatch.setattr(session, "flaws", lambda report: {"bent": [1, 4], "crossing": [4]})
+    monkeypatch.setattr(applying, "flaws", lambda report: {"bent": [1, 4], "crossing": [4]})
     scans.cube(cells=3)  # no other test has this one: outcomes are kept
     result = simplify()
     bpy.ops.isimp.swap()

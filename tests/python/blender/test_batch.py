@@ -302,7 +302,7 @@ def test_a_picture_shows_colours_and_lines(tmp_path):
     [
         (["none.ply", "out.obj"], "there is no file"),
         (["cube.ply", "out.obj", "--proxies", "0"], "--proxies must be at least 1, got 0"),
-        (["cube.ply", "out.obj", "--proxies", "999999"], "proxies must be in"),
+        (["cube.ply", "out.obj", "--proxies", "999999"], "At most 300 regions"),
         (["damaged.ply", "out.obj"], "damaged.ply"),
         (["points.obj", "out.obj"], "no mesh with faces"),
     ],

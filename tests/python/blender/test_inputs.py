@@ -90,8 +90,8 @@ def test_a_step_that_cannot_be_done_leaves_the_last_good_result():
     scan = scans.dimple(scans.cube())
     bpy.ops.isimp.partition(proxies=6)
     before = scans.regions(scan).tolist(), scans.colors(scan).tolist(), store.load(scan)
-    refused(lambda: bpy.ops.isimp.add_proxy(face=99999), "Step 2, Add proxy at face 99999: there is no face 99999")
-    refused(lambda: bpy.ops.isimp.partition(proxies=10**6), "Step 1, Partition into 1000000")
+    refused(lambda: bpy.ops.isimp.add_proxy(face=99999), "There is no face 99999")
+    refused(lambda: bpy.ops.isimp.partition(proxies=10**6), "At most 432 regions are possible, one for each triangle")
     assert (scans.regions(scan).tolist(), scans.colors(scan).tolist(), store.load(scan)) == before
 
 
@@ -229,9 +229,9 @@ def test_faults_are_told_by_kind_and_unused_vertices_are_none():
     from isimp.blender import text
 
     scan = scans.cube(cells=4)
-    assert text.warnings(scan.data, store.numbers(scan)) == []
+    assert text.good_news(store.numbers(scan), "NONE", 1.0) == []
     flipped = [face.vertices[:][:: -1 if face.index in (3, 9) else 1] for face in scan.data.polygons]
     points = [*scans.coordinates(scan.data), (5, 5, 5)]
     faulty = scans.add("Faulty", points, flipped)
     bpy.ops.isimp.partition(proxies=6)
-    assert text.warnings(faulty.data, store.numbers(faulty)) == ["Repaired for the result: 2 reversed faces"]
+    assert text.good_news(store.numbers(faulty), "NONE", 1.0) == ["Mended: 2 reversed faces"]

@@ -23,6 +23,11 @@ def test_words_beside_the_mouse_stay_where_they_are_seen(wanted, right, lines, a
     assert text.beside(SAID, lambda words: 10 * len(words), wanted, right, 10) == (lines, at)
 
 
+def test_progress_fits_the_sidebar():
+    assert text.short_progress("Reading the mesh 15%, 10 s left") == "15%, 10 s left"
+    assert text.short_progress("Starting") == "Starting"
+
+
 def test_a_number_is_parted_from_its_word_only_where_it_must_be():
     line = "5,120\N{NO-BREAK SPACE}triangles · 1\N{NO-BREAK SPACE}part"
     assert text.wrapped(line, 20) == ["5,120\N{NO-BREAK SPACE}triangles ·", "1\N{NO-BREAK SPACE}part"]

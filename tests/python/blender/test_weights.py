@@ -54,7 +54,7 @@ def test_edits_and_polygons_go_on_from_weighted_regions(scan):
 
 
 def test_weights_that_are_not_there_are_named(scan):
-    with pytest.raises(RuntimeError, match="there is no vertex group or numeric attribute 'None'"):
+    with pytest.raises(RuntimeError, match="There is no vertex group or numeric attribute 'None'"):
         bpy.ops.isimp.partition(proxies=30, weights="None")
 
 

@@ -4,6 +4,7 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty, FloatVectorProperty, IntProperty, StringProperty
 
+from ... import messages
 from ... import recipe as rcp
 from .. import mesh_io, pending, targets
 from ..modal import RecipeOperator
@@ -76,7 +77,7 @@ class ISIMP_OT_lock(_Edit, bpy.types.Operator):
         return pending.recipe_of(context, scan).then(step(faces=tuple(self.each(scan))))
 
     def told(self, before, numbers):
-        return f"{numbers.get('locked', 0)} regions locked"
+        return messages.locked(numbers)
 
 
 class ISIMP_OT_grow(_Edit, bpy.types.Operator):
@@ -180,7 +181,7 @@ class _Times(RecipeOperator):
     show = staticmethod(show_regions)
 
     def told(self, before, numbers):
-        return f"{before.get('regions', '?')} -> {numbers['regions']} regions, error {numbers['error']:.4g}"
+        return messages.changed(before, numbers)
 
 
 class ISIMP_OT_add_worst(_Times, bpy.types.Operator):

@@ -1,7 +1,8 @@
 import bpy
 
+from ... import messages
 from ... import recipe as rcp
-from .. import mesh_io, pending, settings, targets, texture
+from .. import mesh_io, pending, result, settings, targets, texture
 from ..modal import RecipeOperator
 from ..show import show_polygons
 
@@ -11,6 +12,7 @@ class ISIMP_OT_mesh(RecipeOperator, settings.MeshSettings, bpy.types.Operator):
 
     bl_idname = "isimp.mesh"
     bl_label = "Mesh"
+    does_all = True
 
     keep_texture: bpy.props.BoolProperty(
         name="Keep Texture", description="Put the images of the scan's materials on the result", default=True
@@ -24,17 +26,25 @@ class ISIMP_OT_mesh(RecipeOperator, settings.MeshSettings, bpy.types.Operator):
         return pending.recipe_of(context, scan).then(settings.to_step(rcp.Mesh, self))
 
     def show(self, context, scan, work, outcome):
-        show_polygons(context, scan, work, outcome)
+        self._kept = show_polygons(context, scan, work, outcome)
         if not self.keep_texture or not texture.is_textured(scan):
             return
+        made = targets.result_of(context.scene, scan)
         try:
-            texture.keep(scan, targets.result_of(context.scene, scan), work.scan, outcome)
+            texture.keep(scan, made, work.scan, outcome)
+            result.sign(made)
         except (mesh_io.Unusable, ValueError) as error:
             self.report({"WARNING"}, f"The result has no texture: {error}")
 
     def told(self, before, numbers):
-        closed = "closed" if numbers["closed"] else "open"
-        return f"{numbers['triangles']:,} triangles -> {numbers['polygons']:,} polygons, {closed}"
+        return messages.meshed(numbers)
+
+    def warnings(self, context, scan, before):
+        lines = []
+        if self._kept is not None:
+            made = targets.result_of(context.scene, scan)
+            lines.append(messages.kept(self._kept.name, made.name))
+        return lines
 
 
 CLASSES = (ISIMP_OT_mesh,)

@@ -3,6 +3,7 @@ import dataclasses
 import bpy
 from bpy.props import BoolProperty
 
+from ... import messages
 from ... import recipe as rcp
 from .. import mesh_io, settings, store, targets, text
 from ..modal import RecipeOperator
@@ -21,10 +22,17 @@ class ISIMP_OT_partition(RecipeOperator, settings.PartitionSettings, bpy.types.O
         options={"SKIP_SAVE"},
     )
 
+    @property
+    def does_all(self):
+        return not self.part
+
     @classmethod
     def description(cls, context, properties):
-        part = "Partition the selected faces only, with the settings above; all others stay in their regions"
-        return part if properties.part else cls.__doc__
+        if properties.part:
+            return "Partition the selected faces only, with the settings above; all others stay in their regions"
+        scan, problem = targets.find(context)
+        gone = 0 if problem else messages.hand_edits(store.load(scan))
+        return f"{cls.__doc__}. {messages.will_drop(gone)}" if gone else cls.__doc__
 
     def wanted(self, context, scan):
         step = settings.to_step(rcp.Partition, self)
@@ -37,17 +45,17 @@ class ISIMP_OT_partition(RecipeOperator, settings.PartitionSettings, bpy.types.O
         if len(given) == 1 and not self.properties.is_property_set("count_by"):
             step = dataclasses.replace(step, count_by=given[0])
         before = rcp.Recipe() if targets.needs_regions(scan) else store.load(scan)
+        self._dropped = 0 if self.part else messages.hand_edits(before)
         return before.then(step)  # keeps the steps before locked regions
 
     show = staticmethod(show_regions)
 
     def warnings(self, context, scan, before):
-        return [] if before else text.lost_detail(scan, context.scene.unit_settings)  # once is enough
+        lines = [] if before else text.lost_detail(scan, context.scene.unit_settings)  # once is enough
+        return [*lines, messages.dropped(self._dropped)] if self._dropped else lines
 
     def told(self, before, numbers):
-        more = numbers["regions"] - numbers["asked"]
-        needs = f", {more} more than requested, as its parts need them" if more > 0 else ""
-        return f"{numbers['triangles']:,} triangles in {numbers['regions']} regions{needs}"
+        return messages.partitioned(numbers)
 
 
 CLASSES = (ISIMP_OT_partition,)

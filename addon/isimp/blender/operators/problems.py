@@ -1,15 +1,31 @@
 import bpy
 import numpy as np
 
+from ... import messages
 from .. import display, mesh_io, show, targets
 
 
 class ISIMP_OT_show_problems(bpy.types.Operator):
-    """Select the defective polygons in Edit Mode of the result"""
+    """Select polygons in Edit Mode of the result: the defective ones, or those of regions that were divided"""
 
     bl_idname = "isimp.show_problems"
     bl_label = "Select Defective Polygons"
     bl_options = {"REGISTER", "UNDO"}
+
+    kind: bpy.props.EnumProperty(
+        name="Polygons",
+        items=(
+            ("DEFECTIVE", "Defective", "Polygons that are bent, flipped, crossing or intersecting"),
+            ("DIVIDED", "Of Divided Regions", "Polygons of regions that became more than one polygon"),
+        ),
+        options={"SKIP_SAVE"},
+    )
+
+    @classmethod
+    def description(cls, context, properties):
+        if properties.kind == "DIVIDED":
+            return "Select the polygons of regions that became more than one polygon, in Edit Mode of the result"
+        return "Select the defective polygons in Edit Mode of the result"
 
     @classmethod
     def poll(cls, context):
@@ -22,19 +38,27 @@ class ISIMP_OT_show_problems(bpy.types.Operator):
         scan, result, _ = targets.find_result(context)
         if context.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
-        defective = mesh_io.read_layer(result.data, mesh_io.FLAW) > 0
+        chosen = _chosen(result.data, self.kind)
         show.bring_to_front(context, result, scan)
         display.give_back(context)
-        mesh_io.select_polygons(result, defective)
-        if not defective.any():
-            self.report({"INFO"}, "No polygon has a defect.")
+        mesh_io.select_polygons(result, chosen)
+        if not chosen.any():
+            none = "No polygon has a defect." if self.kind == "DEFECTIVE" else "Each region is one polygon."
+            self.report({"INFO"}, none)
             return {"FINISHED"}
         bpy.ops.object.mode_set(mode="EDIT")
         context.tool_settings.mesh_select_mode = (False, False, True)
-        self.report(
-            {"INFO"}, f"{np.count_nonzero(defective)} defective polygons selected: View > Frame Selected zooms to them."
-        )
+        found = messages.count(int(np.count_nonzero(chosen)), "polygon")
+        self.report({"INFO"}, f"{found} selected: View > Frame Selected zooms to them.")
         return {"FINISHED"}
+
+
+def _chosen(mesh, kind: str) -> np.ndarray:
+    """(polygons,) bool"""
+    if kind == "DEFECTIVE":
+        return mesh_io.read_layer(mesh, mesh_io.FLAW) > 0
+    region = mesh_io.read_layer(mesh, mesh_io.REGION)
+    return np.bincount(np.maximum(region, 0))[np.maximum(region, 0)] > 1
 
 
 CLASSES = (ISIMP_OT_show_problems,)

@@ -1,6 +1,7 @@
 import bpy
 from bpy.props import IntProperty
 
+from ... import messages
 from ... import recipe as rcp
 from .. import mesh_io, pending, targets
 from ..modal import RecipeOperator
@@ -39,14 +40,14 @@ class AtFaces(RecipeOperator):
     show = staticmethod(show_regions)
 
     def told(self, before, numbers):
-        return f"{before.get('regions', '?')} -> {numbers['regions']} regions"
+        return messages.changed(before, numbers)
 
 
 class ISIMP_OT_add_proxy(AtFaces, bpy.types.Operator):
     """Add a region at each selected face of the scan"""
 
     bl_idname = "isimp.add_proxy"
-    bl_label = "Add Proxy"
+    bl_label = "Add Region"
 
     def wanted(self, context, scan):
         faces = self.faces(scan)
@@ -64,7 +65,7 @@ class ISIMP_OT_delete_proxy(AtFaces, bpy.types.Operator):
     """Delete each region with a selected face; its neighbours take its faces"""
 
     bl_idname = "isimp.delete_proxy"
-    bl_label = "Delete Proxy"
+    bl_label = "Delete Region"
 
     def wanted(self, context, scan):
         faces, regions = self.faces(scan), mesh_io.read_regions(scan)

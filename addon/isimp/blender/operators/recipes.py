@@ -5,6 +5,7 @@ from pathlib import Path
 import bpy
 from bpy.props import BoolProperty, StringProperty
 
+from ... import messages
 from ...recipe import Recipe
 from .. import show, store, targets
 from ..modal import RecipeOperator
@@ -23,6 +24,8 @@ class ISIMP_OT_replay(RecipeOperator, bpy.types.Operator):
         name="All or Nothing", description="If a step fails, change nothing. If off, the failed step is marked"
     )
 
+    names_steps = True
+
     @property
     def keeps_failed(self):
         return not self.strict
@@ -36,7 +39,7 @@ class ISIMP_OT_replay(RecipeOperator, bpy.types.Operator):
     show = staticmethod(show.show_outcome)
 
     def told(self, before, numbers):
-        return f"{numbers['triangles']:,} triangles in {numbers['regions']} regions"
+        return messages.partitioned(numbers)
 
 
 class ISIMP_OT_take_back(RecipeOperator, bpy.types.Operator):
@@ -44,7 +47,7 @@ class ISIMP_OT_take_back(RecipeOperator, bpy.types.Operator):
 
     bl_idname = "isimp.take_back"
     bl_label = "Take Kept Steps Back"
-    keeps_failed = True
+    keeps_failed = names_steps = True
 
     @classmethod
     def problem(cls, context, scan):
@@ -56,7 +59,7 @@ class ISIMP_OT_take_back(RecipeOperator, bpy.types.Operator):
     show = staticmethod(show.show_outcome)
 
     def told(self, before, numbers):
-        return f"{before.get('regions', '?')} -> {numbers['regions']} regions"
+        return messages.changed(before, numbers)
 
 
 class _HasRecipe:

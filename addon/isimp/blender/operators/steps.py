@@ -5,6 +5,7 @@ import dataclasses
 import bpy
 from bpy.props import BoolProperty, IntProperty
 
+from ... import messages
 from ...recipe import Recipe
 from .. import display, mesh_io, pending, settings, show, store, targets
 from ..modal import RecipeOperator
@@ -13,7 +14,7 @@ from ..modal import RecipeOperator
 class _AtStep(RecipeOperator):
     """Mixin of operators that change one step of the recipe."""
 
-    keeps_failed = True
+    keeps_failed = names_steps = True
     step: IntProperty(name="Step", description="Number of the step, from 0", default=0, min=0, options={"SKIP_SAVE"})
 
     @classmethod
@@ -29,7 +30,7 @@ class _AtStep(RecipeOperator):
     show = staticmethod(show.show_outcome)
 
     def told(self, before, numbers):
-        return f"{before.get('regions', '?')} -> {numbers['regions']} regions"
+        return messages.changed(before, numbers)
 
 
 class ISIMP_OT_step_switch(_AtStep, bpy.types.Operator):

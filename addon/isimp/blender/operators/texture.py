@@ -1,7 +1,7 @@
 import bpy
 
 from ...session import StepFailed
-from .. import mesh_io, reading, runtime, show, store, targets, texture
+from .. import mesh_io, reading, result, runtime, show, store, targets, texture
 
 
 class ISIMP_OT_texture(bpy.types.Operator):
@@ -27,18 +27,21 @@ class ISIMP_OT_texture(bpy.types.Operator):
         return not problem
 
     def execute(self, context):
-        scan, result, _ = targets.find_result(context)
+        scan, made, _ = targets.find_result(context)
         if context.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
         try:
             recipe = store.load(scan)
             arrays = reading.read(context, scan, recipe.layers())
             outcome = runtime.get().session.replay(arrays, recipe)
-            report = texture.keep(scan, result, arrays, outcome, self.size or None)
+            was_edited = result.is_edited(made)
+            report = texture.keep(scan, made, arrays, outcome, self.size or None)
         except (mesh_io.Unusable, StepFailed, ValueError) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        show.bring_to_front(context, result, scan)
+        if not was_edited:
+            result.sign(made)
+        show.bring_to_front(context, made, scan)
         self.report({"INFO"}, f"Texture of {report['size']:,} x {report['size']:,} pixels, {report['charts']:,} charts")
         return {"FINISHED"}
 

@@ -27,7 +27,7 @@ class SubPanel(Panel):
 
 
 def ready(context) -> bool:
-    scan, problem = targets.find(context)
+    scan, problem = targets.seen(context)
     return not problem and targets.has_regions(scan)
 
 
@@ -42,7 +42,7 @@ def draw_lines(context, layout, message: str, icon: str, alert: bool = False) ->
 def letters(context) -> int:
     """How many letters fit into a line with an icon before it."""
     width = context.region.width / context.preferences.system.ui_scale if context.region else 260
-    return max(8, int((width - 80) / 5.8))
+    return max(8, int((width - 66) / 5.7))
 
 
 def is_narrow(context) -> bool:

@@ -2,13 +2,16 @@
 
 import bpy
 
+from ... import messages
 from ... import recipe as rcp
-from .. import display, settings, store, targets
+from .. import settings, store, targets
 from .common import SubPanel, side_by_side
 
 
 class ISIMP_PT_regions(SubPanel, bpy.types.Panel):
     bl_label = "Edit Regions"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 1
 
     def draw(self, context):
         layout, panel = self.prepare(context), context.window_manager.isimp
@@ -24,18 +27,14 @@ class ISIMP_PT_regions(SubPanel, bpy.types.Panel):
         settings.give(rcp.Partition, panel.partition, anew)
         anew.part = True
         column.operator("isimp.select_region", icon="RESTRICT_SELECT_OFF")
+        row = column.row(align=True)
+        for by, name in (("SIZE", "Small"), ("FLATNESS", "Bent"), ("DIRECTION", "Up")):
+            row.operator("isimp.select_by", text=name).by = by
         column = layout.column(align=True)
-        locked = store.numbers(targets.find(context)[0]).get("locked", 0)
-        column.label(
-            text=f"{locked} locked" if locked else "No locked regions", icon="LOCKED" if locked else "UNLOCKED"
-        )
+        locked = store.numbers(targets.seen(context)[0]).get("locked", 0)
+        column.label(text=messages.locked({"locked": locked}), icon="LOCKED" if locked else "UNLOCKED")
         locks = _row(context, column, ("isimp.lock", "Lock", "LOCKED"), ("isimp.lock", "Unlock", "UNLOCKED"))
         locks[1].unlock = True
-        row = side_by_side(context, layout)
-        row.use_property_split = False
-        shown = display.is_shown(context)
-        row.operator("isimp.show_regions", text="Colours", icon="HIDE_OFF" if shown else "HIDE_ON", depress=shown)
-        row.prop(panel, "overlay", text="Lines", icon="MESH_GRID", toggle=True)
 
 
 class ISIMP_PT_heuristics(SubPanel, bpy.types.Panel):

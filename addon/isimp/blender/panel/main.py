@@ -1,9 +1,13 @@
-"""The top of the sidebar: the scan, the number of regions, the button Partition."""
+"""The top of the sidebar: the scan, the number of regions, Partition, Mesh, and what came of it.
+
+Lines that are there before and after a press have a place of their own, so that no button moves under the mouse.
+"""
 
 import bpy
 
+from ... import messages
 from ... import recipe as rcp
-from .. import presets, runtime, settings, store, targets, text
+from .. import presets, result, runtime, settings, store, targets, text, texture
 from .common import Panel, draw_lines, is_narrow
 
 
@@ -12,67 +16,157 @@ class ISIMP_PT_main(Panel, bpy.types.Panel):
 
     def draw(self, context):
         layout = self.prepare(context)
-        running = runtime.get().running
-        if running is not None:
-            _draw_progress(context, layout, running)
-            return
-        scan, problem = targets.find(context)
+        scan, problem = targets.seen(context)
         if problem:
             draw_lines(context, layout, problem, icon="INFO")
             return
         numbers, panel = store.numbers(scan), context.window_manager.isimp
-        column = layout.column(align=True)
-        column.label(text=scan.name, icon="MESH_DATA")
-        draw_lines(context, column, text.scan_line(scan.data, numbers), icon="BLANK1")
-        lost = text.lost_detail(scan, context.scene.unit_settings)
-        for warning in (*lost, *text.warnings(scan.data, numbers)):
-            draw_lines(context, layout, warning, icon="ERROR")
-        for note in targets.notes(scan):
-            draw_lines(context, layout, note, icon="INFO")
-        if store.kept(scan) is not None:
-            layout.operator("isimp.take_back", icon="LOOP_BACK")
+        _draw_head(context, layout, scan, numbers)
         presets.draw(context, layout)
-        partition = panel.partition
-        ways = layout.grid_flow(row_major=True, columns=1 if is_narrow(context) else 2, align=True)
-        ways.use_property_split = False
-        for name in rcp.COUNTS:
-            ways.prop_enum(partition, "count_by", name)
-        row = layout.row(align=True)
-        row.prop(partition, partition.count_by or "detail")  # which a file of another version may not say
-        row.prop(panel, "live", text="", icon="PLAY")
-        if partition.count_by != "proxies" and "regions" in numbers:
-            layout.label(text=f"{numbers['regions']:,} regions", icon="FORWARD")
-        button = layout.column()
-        button.scale_y = 1.4
-        operator = button.operator("isimp.partition", icon="MOD_EXPLODE")
-        settings.give(rcp.Partition, panel.partition, operator)
+        _draw_count(context, layout, panel)
+        _draw_partition(context, layout, scan, numbers, panel)
+        _draw_mesh(context, layout, scan, numbers, panel)
+        _draw_report(context, layout, scan, numbers)
+
+
+def _draw_head(context, layout, scan, numbers) -> None:
+    """Three lines, before and after Partition."""
+    column = layout.column(align=True)
+    active = context.view_layer.objects.active
+    column.label(text=scan.name if active == scan else f"{scan.name} (its result)", icon="MESH_DATA")
+    for line in text.scan_lines(scan.data, numbers):
+        column.label(text=line, icon="BLANK1")
+
+
+def _draw_count(context, layout, panel) -> None:
+    partition = panel.partition
+    ways = layout.grid_flow(row_major=True, columns=1 if is_narrow(context) else 2, align=True)
+    ways.use_property_split = False
+    for name in rcp.COUNTS:
+        ways.prop_enum(partition, "count_by", name)
+    row = layout.row(align=True)
+    settings.draw(row, rcp.Partition, partition, partition.count_by or "detail")  # which another version may not say
+    row.prop(panel, "live", text="", icon="PLAY")
+
+
+def _draw_partition(context, layout, scan, numbers, panel) -> None:
+    running = runtime.get().running
+    place = layout.column(align=True)
+    if running is not None and not running.recipe.ends_in_mesh():
+        _draw_progress(place, running)
+        return
+    edits = messages.hand_edits(store.load(scan))
+    button = place.row(align=True)
+    button.scale_y = 1.4
+    operator = button.operator(
+        "isimp.partition",
+        text="Partition Anew" if edits else "Partition",
+        icon="MOD_EXPLODE",
+        depress="regions" not in numbers,  # what to do next has the accent
+    )
+    settings.give(rcp.Partition, panel.partition, operator)
+    place.label(text=_regions_line(numbers, edits), icon="FORWARD" if "regions" in numbers else "BLANK1")
+
+
+def _regions_line(numbers, edits: int) -> str:
+    if "regions" not in numbers:
+        return "No regions yet"
+    more = f" · {messages.count(edits, 'edit')}" if edits else ""
+    return messages.count(numbers["regions"], "region") + more
+
+
+def _draw_mesh(context, layout, scan, numbers, panel) -> None:
+    running = runtime.get().running
+    place = layout.column(align=True)
+    if running is not None and running.recipe.ends_in_mesh():
+        _draw_progress(place, running)
+        return
+    button = place.row(align=True)
+    button.scale_y = 1.4
+    operator = button.operator(
+        "isimp.mesh", icon="MESH_ICOSPHERE", depress="regions" in numbers and "polygons" not in numbers
+    )
+    settings.give(rcp.Mesh, panel.mesh, operator)
+    operator.keep_texture = panel.keep_texture
+    row = place.row(align=True)
+    row.use_property_split = False
+    row.operator("isimp.swap", text="Swap", icon="ARROW_LEFTRIGHT")
+    if texture.is_textured(scan):
+        row.prop(panel, "keep_texture", text="Texture", icon="TEXTURE", toggle=True)
+
+
+def _draw_progress(place, running) -> None:
+    """As high as the button and the line below it, which it stands for."""
+    share, said = running.progress()
+    row = place.split(factor=0.5, align=True)
+    row.scale_y = 1.4
+    if hasattr(row, "progress"):
+        row.progress(factor=share, text=f"{share:.0%}")
+    else:
+        row.split(factor=max(0.02, min(1.0, share))).operator("isimp.stop", text=" ", depress=True)
+    if running.shown is None:  # writing takes a moment, and must not be stopped half way
+        row.operator("isimp.stop", text="Stop (Esc)", icon="CANCEL")
+    place.label(text=text.short_progress(said), icon="SORTTIME")
+
+
+def _draw_report(context, layout, scan, numbers) -> None:
+    """What came out, what was mended, what is to be known; below the buttons, as it grows."""
+    unit = context.scene.unit_settings
+    for line, alert in text.report_lines(numbers, unit.system, unit.scale_length):
+        draw_lines(context, layout, line, icon="ERROR" if alert else "CHECKMARK")
+    defects = text.problems(numbers)
+    if defects:
+        layout.operator("isimp.show_problems", text=defects, icon="ERROR").kind = "DEFECTIVE"
+    if "polygons" in numbers and numbers["polygons"] > numbers["regions"]:
+        divided = layout.operator("isimp.show_problems", text="Select Divided Regions", icon="RESTRICT_SELECT_OFF")
+        divided.kind = "DIVIDED"
+    if runtime.get().running is None and result.is_edited_here(context, scan):
+        draw_lines(context, layout, messages.EDITED, icon="INFO")
+    if not text.is_looked_at(scan.data, numbers):
+        numbers = {}
+    for line in text.good_news(numbers, unit.system, unit.scale_length):
+        draw_lines(context, layout, line, icon="CHECKMARK")
+    left_out = text.left_out(numbers)
+    for line in (*([left_out] if left_out else ()), *targets.notes(scan)):
+        draw_lines(context, layout, line, icon="INFO")
+    for warning in text.lost_detail(scan, unit):
+        draw_lines(context, layout, warning, icon="ERROR")
+    if store.kept(scan) is not None:
+        layout.operator("isimp.take_back", icon="LOOP_BACK")
+    if texture.is_textured(scan) and targets.result_of(context.scene, scan) is not None:
+        layout.operator("isimp.texture", text="Make Texture Again", icon="TEXTURE")
 
 
 class ISIMP_PT_options(Panel, bpy.types.Panel):
-    bl_label = "Options"
+    bl_label = "Partition Options"
     bl_parent_id = "ISIMP_PT_main"
     bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 2
 
     @classmethod
     def poll(cls, context):
-        return not targets.find(context)[1]
+        return not targets.seen(context)[1]
 
     def draw(self, context):
         layout, partition = self.prepare(context), context.window_manager.isimp.partition
+        for name in ("adaptivity", "smooth"):
+            layout.prop(partition, name, slider=True)
+        settings.draw(layout, rcp.Partition, partition, "leave_out")
+        ticks = layout.column(align=True)
+        ticks.use_property_split = False  # their names need the whole width
+        ticks.prop(partition, "close_openings")
         if partition.count_by != "proxies":
-            layout.prop(partition, "noise")
-            layout.prop(partition, "snap")
-        layout.prop(partition, "method")
-        column = layout.column()
-        column.active = partition.method != "hierarchy"  # which starts from no faces
-        for name in ("seeding", "seed", "iterations"):
-            column.prop(partition, name)
-        layout.prop(partition, "leave_out", text="Leave Out")
-        layout.prop(partition, "adaptivity", slider=True)
-        layout.prop(partition, "smooth", slider=True)
+            ticks.prop(partition, "snap")
+            ticks.prop(partition, "noise_automatic", text="Automatic Noise")
+            if not partition.noise_automatic:
+                layout.prop(partition, "noise_length")
         layout.prop(partition, "weights", icon="GROUP_VERTEX")
         if partition.weights:
             layout.prop(partition, "influence", slider=True)
+        layout.prop(partition, "method")
+        if partition.method != "hierarchy":  # which starts from no faces
+            for name in ("seeding", "seed", "iterations"):
+                layout.prop(partition, name)
 
 
 class ISIMP_PT_borders(Panel, bpy.types.Panel):
@@ -88,22 +182,8 @@ class ISIMP_PT_borders(Panel, bpy.types.Panel):
         column.prop(partition, "materials")
         if bpy.app.version >= (3, 6, 0):  # before, nothing tells of them
             column.prop(partition, "face_sets")
-        layout.prop(partition, "angle")
+        settings.draw(layout, rcp.Partition, partition, "angle")
         layout.prop(partition, "borders", icon="SPREADSHEET")
-
-
-def _draw_progress(context, layout, running) -> None:
-    column = layout.column()
-    column.label(text=running.name, icon="SORTTIME")
-    share, said = running.progress()
-    draw_lines(context, column, said, icon="BLANK1")  # the time left is to be read at any width
-    if hasattr(column, "progress"):
-        column.progress(factor=share, text=f"{share:.0%}")
-    else:
-        split = column.split(factor=max(0.02, min(1.0, share)))
-        split.operator("isimp.stop", text=" ", depress=True)
-    if running.shown is None:  # writing takes a moment, and must not be stopped half way
-        column.operator("isimp.stop", text="Stop (Esc)", icon="CANCEL")
 
 
 CLASSES = (ISIMP_PT_main, ISIMP_PT_options, ISIMP_PT_borders)

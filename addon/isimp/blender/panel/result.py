@@ -1,54 +1,50 @@
-"""The settings and the report of the polygons."""
+"""What is drawn over the scan, the settings of the polygons, and all numbers."""
 
 import bpy
 
 from ... import recipe as rcp
-from .. import settings, store, targets, text, texture
-from .common import SubPanel, draw_lines
-
-#: Where the name of a property is too long for the sidebar as it comes
-_LABELS = {"chord_tolerance": {"text": "Corners"}}
+from .. import display, settings, store, targets, text
+from .common import SubPanel
 
 
-class ISIMP_PT_result(SubPanel, bpy.types.Panel):
-    bl_label = "Result"
+class ISIMP_PT_view(SubPanel, bpy.types.Panel):
+    bl_label = "Show"
+    bl_order = 0
 
     def draw(self, context):
         layout, panel = self.prepare(context), context.window_manager.isimp
-        meshing = panel.mesh
-        column = layout.column(heading="Preview", align=True)
-        column.prop(panel, "outline")
-        column.prop(panel, "heat")
-        for name in settings.names(rcp.Mesh):
-            layout.prop(meshing, name, **_LABELS.get(name, {}))
-        button = layout.column()
-        button.scale_y = 1.4
-        operator = button.operator("isimp.mesh", icon="MESH_ICOSPHERE")
-        settings.give(rcp.Mesh, meshing, operator)
-        operator.keep_texture = panel.keep_texture
-        scan, _ = targets.find(context)
-        textured = scan is not None and texture.is_textured(scan)
-        if textured:
-            layout.prop(panel, "keep_texture")
-        unit = context.scene.unit_settings
-        for line, alert in text.report_lines(store.numbers(scan), unit.system, unit.scale_length):
-            draw_lines(context, layout, line, icon="ERROR" if alert else "CHECKMARK")
-        defects = text.problems(store.numbers(scan))
-        if defects:
-            layout.operator("isimp.show_problems", text=defects, icon="ERROR")
-        if targets.result_of(context.scene, scan) is not None:
-            if textured:
-                layout.operator("isimp.texture", icon="TEXTURE")
-            layout.operator("isimp.swap", icon="ARROW_LEFTRIGHT")
+        layout.use_property_split = False
+        grid = layout.grid_flow(row_major=True, columns=2, align=True, even_columns=True)
+        shown = display.is_shown(context)
+        grid.operator("isimp.show_regions", text="Regions", icon="HIDE_OFF" if shown else "HIDE_ON", depress=shown)
+        grid.prop(panel, "overlay", text="Lines", icon="MESH_GRID", toggle=True)
+        grid.prop(panel, "outline", text="Polygons", icon="MESH_ICOSPHERE", toggle=True)
+        grid.prop(panel, "summary", icon="INFO", toggle=True)
+        grid.prop(panel, "heat", text="Flatness", icon="COLOR", toggle=True)
+        grid.prop(panel, "away", text="Distance", icon="DRIVER_DISTANCE", toggle=True)
+
+
+class ISIMP_PT_result(SubPanel, bpy.types.Panel):
+    bl_label = "Polygon Options"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 3
+
+    def draw(self, context):
+        layout, meshing = self.prepare(context), context.window_manager.isimp.mesh
+        for name in ("chord_tolerance", "join_junctions", "flatten"):
+            settings.draw(layout, rcp.Mesh, meshing, name)
+        ticks = layout.column(align=True)
+        ticks.use_property_split = False  # its name needs the whole width
+        ticks.prop(meshing, "planar")
 
 
 class ISIMP_PT_numbers(SubPanel, bpy.types.Panel):
     bl_label = "Numbers"
-    bl_parent_id = "ISIMP_PT_result"
     bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 5
 
     def draw(self, context):
-        scan, _ = targets.find(context)
+        scan, _ = targets.seen(context)
         column = self.layout.column(align=True)
         unit = context.scene.unit_settings
         for name, value in text.number_rows(store.numbers(scan), unit.system, unit.scale_length):
@@ -57,4 +53,4 @@ class ISIMP_PT_numbers(SubPanel, bpy.types.Panel):
             row.label(text=value)
 
 
-CLASSES = (ISIMP_PT_result, ISIMP_PT_numbers)
+CLASSES = (ISIMP_PT_view, ISIMP_PT_result, ISIMP_PT_numbers)

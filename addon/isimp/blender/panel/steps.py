@@ -2,6 +2,7 @@
 
 import bpy
 
+from ... import messages
 from .. import settings, store, targets
 from .common import SubPanel, draw_lines, side_by_side
 
@@ -10,11 +11,12 @@ _ROWS = 16  # shown unless all are asked for
 
 class ISIMP_PT_steps(SubPanel, bpy.types.Panel):
     bl_label = "Steps"
+    bl_order = 4
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
         layout, panel = self.prepare(context), context.window_manager.isimp
-        scan, _ = targets.find(context)
+        scan, _ = targets.seen(context)
         recipe, numbers = store.load(scan), store.numbers(scan)
         if recipe is None:
             draw_lines(context, layout, targets.needs_steps(scan), icon="INFO")
@@ -50,7 +52,7 @@ def _draw_row(column, index, step, is_open, past_failed, count) -> None:
     name.alert = past_failed == 0
     name.active = step.enabled and past_failed <= 0
     icon = "ERROR" if past_failed == 0 else "DOWNARROW_HLT" if is_open else "RIGHTARROW"
-    name.operator("isimp.step_open", text=f"{index + 1}  {step.describe()}", icon=icon, emboss=False).step = index
+    name.operator("isimp.step_open", text=f"{index + 1}  {messages.line(step)}", icon=icon, emboss=False).step = index
     if not is_open:
         return
     tools = row.row(align=True)
@@ -70,7 +72,7 @@ def _draw_settings(context, box, index, step, recipe) -> None:
     if settings.shown_step(recipe, type(step))[0] == index:
         group = settings.group(context, type(step))
         for name in names:
-            box.prop(group, name)
+            settings.draw(box, type(step), group, name)
 
 
 CLASSES = (ISIMP_PT_steps,)

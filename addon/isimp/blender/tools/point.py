@@ -5,14 +5,15 @@ from contextlib import suppress
 import bpy
 from bpy.props import StringProperty
 
+from ... import messages
 from ...gestures import Pointing
 from .. import overlay, reading, runtime, store, targets
 from . import under
 
-_LIGHT = (1.0, 1.0, 1.0, 0.25)
+_LIGHT = (1.0, 0.75, 0.4, 0.35)
 _VERBS = {"add": "isimp.add_proxy", "delete": "isimp.delete_proxy", "select": "isimp.select_region"}
 _JOIN = (1.0, 0.85, 0.2, 0.45)
-_EDGE = (1.0, 1.0, 1.0, 1.0)
+_EDGE = (1.0, 0.55, 0.05, 1.0)  # neither that of borders nor that of the outline
 
 
 def show_hover(context, ground, hit, at, joined=None) -> None:
@@ -28,7 +29,7 @@ def show_hover(context, ground, hit, at, joined=None) -> None:
         for region in [hit.region] if joined is None else [joined.region, hit.region]:
             triangles = ground.triangles_of(region)
             hover.fills.append((ground.points(triangles), _LIGHT if joined is None else _JOIN))
-            hover.lines.append((ground.border(region), _EDGE, 3.0))
+            hover.lines.append((ground.border(region), _EDGE, 4.0))
         told = ground.told(context.scene.unit_settings, hit.region)
         hover.text = told if joined is None else "Release to merge both"
     if before is not None or current.hover is not None:
@@ -59,6 +60,9 @@ class ModalTool:
             return False
         self._region, self._view = context.region, context.region_data
         scan, problem = targets.find(context)
+        if not problem and context.view_layer.objects.active != scan:
+            self.report({"INFO"}, f"{messages.RESULT_TOOL}.")
+            return False
         problem = problem or targets.needs_regions(scan)
         self._ground = under.ground(context, wait=True) if not problem else None
         if self._ground is None:

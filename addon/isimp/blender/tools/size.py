@@ -3,6 +3,7 @@
 import bpy
 from bpy.props import BoolProperty
 
+from ... import messages
 from ...gestures import Sizing, rings_in
 from ...session import StepFailed
 from ...task import Status
@@ -71,7 +72,7 @@ class ISIMP_OT_size(ModalTool, bpy.types.Operator):
                 work.read_on(context, _TICK)
                 return
             self._work, error = None, work.task.error
-            self._said = error.reason.capitalize() if isinstance(error, StepFailed) else ""
+            self._said = messages.failed(error, False) if isinstance(error, StepFailed) else ""
             live.tried = preview.Preview(work) if error is None else live.tried
             overlay.redraw()
         if wish == self._tried:

@@ -15,8 +15,9 @@ bool has_openings(const Mesh& mesh);
 /// polygons.
 ///
 /// Half of sqrt(area / regions), but at most 20 times the mean edge, so that openings that the scan has sampled well
-/// stay however few regions there are. 0 where the mesh has no opening, or so little noise that it is drawn and not
-/// scanned.
+/// stay however few regions there are. Rounded down to the mean edge times a power of sqrt(2), so that numbers of
+/// regions that differ little close the same. 0 where the mesh has no opening, or so little noise that it is drawn and
+/// not scanned.
 /// \param regions  at least 1
 /// \return scene units
 /// \throws InvalidInput  regions below 1

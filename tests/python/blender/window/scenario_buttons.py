@@ -13,6 +13,7 @@ def show_heuristics():
     """Has the panel By Error open from the beginning; before the add-on is switched on."""
     from isimp.blender.panel import edit
 
+    edit.ISIMP_PT_regions.bl_options = set()
     edit.ISIMP_PT_heuristics.bl_options = set()
 
 

@@ -26,6 +26,13 @@ def show_steps():
     steps.ISIMP_PT_steps.bl_options = set()
 
 
+def show_edits():
+    """Has the panel Edit Regions open from the beginning; before the add-on is switched on."""
+    from isimp.blender.panel import edit
+
+    edit.ISIMP_PT_regions.bl_options = set()
+
+
 def scan():
     return bpy.data.objects["Scan"]
 
@@ -54,6 +61,7 @@ def same(what, seen, wanted):
 
 
 def run(hand):
+    show_edits()
     isimp.register()
     make_scan()
     yield 0.5
@@ -63,8 +71,12 @@ def run(hand):
     bpy.context.window_manager.isimp.partition.count_by = "proxies"
     yield from hand.type_into("partition.proxies", "14")
     same("typed", bpy.context.window_manager.isimp.partition.proxies, 14)
+    yield from hand.find("bpy.ops.isimp.partition")
+    place = hand.at
     yield from hand.press("isimp.partition")
     same("regions", regions(), 14)
+    yield from hand.move(*place)
+    same("the button stays under the mouse", hand.under_mouse(), "bpy.ops.isimp.partition")
     same("shading", hand.area.spaces.active.shading.color_type, "VERTEX")
     yield from hand.shot("2-partition")
 
@@ -96,6 +108,10 @@ def run(hand):
     same("mode", scan().mode, "OBJECT")
     same("regions in Object Mode", regions(), 15)
     yield from hand.press("isimp.mesh")
+    same("and so does this one", hand.under_mouse(), "bpy.ops.isimp.mesh")
+    with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
+        same("no tool on the result", bpy.ops.isimp.point("INVOKE_DEFAULT"), {"CANCELLED"})
+        same("nor the other", bpy.ops.isimp.paint("INVOKE_DEFAULT"), {"CANCELLED"})
     result = bpy.context.object
     same("result", result.name, "Scan.simplified")
     same("scan hidden", scan().hide_get(), True)

@@ -1,0 +1,275 @@
+"""How the engine does each step of a recipe but the partition, which session.py does."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from . import recipe as rcp
+from . import smoothing, view
+from .engine import engine
+from .engine_options import MESHING
+from .outcome import Outcome
+from .prepared import (
+    Prepared,
+    face_regions,
+    joined_pairs,
+    pair_lengths,
+    triangle_at,
+    triangles_at,
+    with_split_faces,
+)
+from .task import Stopped, Watch
+
+
+def engine_call(watch: Watch, begin: float, end: float, stage: str, function, *args):
+    """Calls the engine with a job of its own, so that its progress shows and it can be stopped."""
+    with watch.part(stage, begin, end, engine.Job()) as job:
+        try:
+            return function(*args, job=job)
+        except engine.Cancelled:
+            raise Stopped from None
+
+
+def _needs_regions(before: Outcome | None) -> Outcome:
+    if before is None:
+        raise ValueError("there are no regions yet: a Partition step must come first.")
+    return before
+
+
+def with_regions(prepared: Prepared, partition, kept: np.ndarray | None, numbers: dict) -> Outcome:
+    """kept: (R,) the colour each region has already, -1 for a new one."""
+    face_region = face_regions(prepared, partition)
+    border = view.border_pairs(face_region, prepared.face_pairs)
+    pairs = view.region_pairs(face_region, prepared.face_pairs[border])
+    color = view.assign_colors(partition.region_count, pairs, kept)
+    known = {"regions": partition.region_count, "error": partition.error, "left_out": int((face_region < 0).sum())}
+    known["locked"] = int(np.count_nonzero(partition.region_locked))
+    return Outcome(face_region, color, border, partition, numbers=known | numbers, closed=prepared.closed)
+
+
+def _apply_add(step: rcp.AddProxy, prepared, before, watch, begin, end) -> Outcome:
+    before, triangle = _needs_regions(before), triangle_at(prepared, step.face)
+    args = (prepared.mesh, before.partition, triangle)
+    partition = engine_call(watch, begin, end, "adding a proxy", engine.add_proxy, *args)
+    return with_regions(prepared, partition, np.append(before.region_color, -1), {})
+
+
+def _apply_delete(step: rcp.DeleteProxy, prepared, before, watch, begin, end) -> Outcome:
+    before, triangle = _needs_regions(before), triangle_at(prepared, step.face)
+    args = (prepared.mesh, before.partition, triangle)
+    partition = engine_call(watch, begin, end, "deleting a proxy", engine.delete_proxy, *args)
+    gone = int(before.partition.face_region[triangle])  # regions above it move down by one
+    return with_regions(prepared, partition, np.delete(before.region_color, gone), {})
+
+
+def flaws(report: dict) -> dict:
+    """{kind of defect: polygons}, without pairs that intersect in the scan itself."""
+    found = {}
+    for entry in report.get("imperfect", ()):
+        if entry["flaw"] != "excused":
+            found.setdefault(entry["flaw"], set()).add(entry["polygon"])
+    return {flaw: sorted(polygons) for flaw, polygons in found.items()}
+
+
+def carried_colors(before: Outcome, partition) -> np.ndarray:
+    """(R,) the colour each region brings from before, -1 for a new one: colours go with the regions' seeds."""
+    old, color = before.partition, before.region_color
+    came, went = old.face_region[partition.region_seed], partition.face_region[old.region_seed]
+    kept = np.full(partition.region_count, -1, color.dtype)
+    for region in range(len(color) - 1, -1, -1):  # of several that became one the lowest
+        if went[region] >= 0:
+            kept[went[region]] = color[region]
+    same = (came >= 0) & (went[came] == np.arange(len(came)))
+    kept[same] = color[came[same]]
+    return kept
+
+
+def _apply_edit(step: rcp.Step, prepared, before, watch, begin, end) -> Outcome:
+    before = _needs_regions(before)
+    stage, function, arguments = _EDITS[type(step)]
+    args = (prepared.mesh, before.partition, *arguments(step, prepared))
+    partition = engine_call(watch, begin, end, stage, getattr(engine, function), *args)
+    return with_regions(prepared, partition, carried_colors(before, partition), {})
+
+
+def _apply_merge(step: rcp.MergeRegions, prepared, before, watch, begin, end) -> Outcome:
+    before, other = _needs_regions(before), triangle_at(prepared, step.other)
+    args = (prepared.mesh, before.partition, triangle_at(prepared, step.face), other)
+    partition = engine_call(watch, begin, end, "merging", engine.merge_regions, *args)
+    gone = int(before.partition.face_region[other])  # regions above it move down by one
+    return with_regions(prepared, partition, np.delete(before.region_color, gone), {})
+
+
+def _apply_paint(step: rcp.PaintFaces, prepared, before, watch, begin, end) -> Outcome:
+    before, faces = _needs_regions(before), triangles_at(prepared, step.faces)
+    onto = None if step.onto < 0 else triangle_at(prepared, step.onto)
+    args = (prepared.mesh, before.partition, faces, onto)
+    partition = engine_call(watch, begin, end, "painting", engine.paint_faces, *args)
+    if step.lock:
+        painted = partition.region_seed[-1] if onto is None else onto
+        partition = engine.lock_regions(prepared.mesh, partition, np.array([painted]))
+    return with_regions(prepared, partition, carried_colors(before, partition), {})
+
+
+def _apply_erase(step: rcp.EraseFaces, prepared, before, watch, begin, end) -> Outcome:
+    """Erasing by hand changes a locked region too."""
+    before, faces = _needs_regions(before), triangles_at(prepared, step.faces)
+    partition, region = before.partition, int(before.partition.face_region[faces[0]])
+    locked = region >= 0 and bool(partition.region_locked[region])
+    if locked:
+        partition = engine.unlock_regions(prepared.mesh, partition, faces[:1])
+    partition = engine_call(watch, begin, end, "erasing", engine.erase_faces, prepared.mesh, partition, faces)
+    if locked and partition.region_count == before.partition.region_count:  # else it is gone
+        partition = engine.lock_regions(prepared.mesh, partition, np.flatnonzero(partition.face_region == region)[:1])
+    return with_regions(prepared, partition, carried_colors(before, partition), {})
+
+
+def _apply_smooth(step: rcp.SmoothFaces, prepared, before, watch, begin, end) -> Outcome:
+    """Works on the user's faces: those that change their region are painted onto it, one region after the other.
+
+    A stroke that begins in a locked region smooths that region too; other locked regions stay unchanged.
+    """
+    before, count = _needs_regions(before), prepared.scan.face_count
+    triangles_at(prepared, step.faces)  # raises if there are no such faces
+    inside = np.zeros(count, bool)
+    inside[list(step.faces)] = True
+    inside &= prepared.face_triangle >= 0
+    partition, label = before.partition, before.face_region
+    joined = joined_pairs(prepared, engine.separated_faces(prepared.mesh, partition))
+    pairs = prepared.face_pairs[joined]
+    fixed, first = np.array(partition.region_locked, bool), int(label[step.faces[0]])
+    locked = first >= 0 and bool(fixed[first])
+    if locked:
+        partition = engine.unlock_regions(prepared.mesh, partition, triangles_at(prepared, step.faces[:1]))
+        fixed[first] = False
+    wanted = smoothing.smoothed(label, pairs, inside, fixed, step.rounds, watch.poll)
+    wanted = smoothing.shortened(wanted, pairs, pair_lengths(prepared)[joined], inside, fixed)
+    for region in np.unique(label[wanted != label]):
+        if not (wanted[label == region] == region).any():
+            wanted[label == region] = region  # a brush that covers all of it must not take it away
+    for region in np.unique(wanted[wanted != label]):
+        stays = int(np.flatnonzero((label == region) & (wanted == region))[0])
+        now = face_regions(prepared, partition)
+        moved = smoothing.reachable((wanted == region) & (now != now[stays]) & inside, now == now[stays], pairs)
+        if moved.any():
+            whole = with_split_faces(prepared, partition, moved, now == now[stays], pairs)
+            faces = triangles_at(prepared, tuple(np.flatnonzero(whole).tolist()))
+            args = (prepared.mesh, partition, faces, triangle_at(prepared, stays))
+            partition = engine_call(watch, begin, end, "smoothing", engine.paint_faces, *args)
+    if locked:
+        stays = int(np.flatnonzero((label == first) & (wanted == first))[0])
+        partition = engine.lock_regions(prepared.mesh, partition, np.array([triangle_at(prepared, stays)]))
+    return with_regions(prepared, partition, carried_colors(before, partition), {})
+
+
+def _apply_lock(step: rcp.LockRegions, prepared, before, watch, begin, end) -> Outcome:
+    before = _needs_regions(before)
+    change = engine.unlock_regions if isinstance(step, rcp.UnlockRegions) else engine.lock_regions
+    faces = np.array([triangle_at(prepared, face) for face in step.faces])
+    partition = change(prepared.mesh, before.partition, faces)
+    return with_regions(prepared, partition, before.region_color, {})
+
+
+def _cut_arguments(step: rcp.CutRegion, prepared) -> tuple:
+    direction = np.array(step.direction, float) if step.direction else None
+    return triangle_at(prepared, step.face), np.array(step.line, float), direction
+
+
+def _at_face(step, prepared) -> tuple:
+    return (triangle_at(prepared, step.face),)
+
+
+def _at_face_by_rings(step, prepared) -> tuple:
+    return triangle_at(prepared, step.face), step.rings
+
+
+def _times(step, prepared) -> tuple:
+    return (step.times,)
+
+
+#: of each step: its name while it works, the engine's function, and that function's arguments
+_EDITS = {
+    rcp.SplitRegion: ("splitting", "split_region", _at_face),
+    rcp.CutRegion: ("splitting", "split_along", _cut_arguments),
+    rcp.GrowRegion: ("growing", "grow_region", _at_face_by_rings),
+    rcp.ShrinkRegion: ("shrinking", "shrink_region", _at_face_by_rings),
+    rcp.AddWorst: ("adding proxies", "add_worst", _times),
+    rcp.DeleteLeast: ("deleting proxies", "delete_least", _times),
+    rcp.MergeCheapest: ("merging", "merge_cheapest", _times),
+    rcp.Improve: ("improving", "improve", lambda step, prepared: ()),
+}
+
+
+def apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end, threads: int) -> Outcome:
+    """If the polygons violate the bound, repartitions with a smaller one, unless the partition was edited."""
+    before = _needs_regions(before)
+    options = engine.MeshingOptions(**rcp.engine_options(step, MESHING), threads=threads)
+
+    def job(of: float, to: float):
+        share = 0.9 * (end - begin)
+        return watch.part("meshing", begin + of * share, begin + to * share, engine.Job())
+
+    args = (prepared.mesh, before.partition, options)
+    try:
+        found = engine.within.polygonize_within(*args, made=before.made, jobs=job)
+    except engine.Cancelled:
+        raise Stopped from None
+    regions = before
+    if found.partition is not before.partition:
+        regions = with_regions(prepared, found.partition, carried_colors(before, found.partition), {})
+    args = (prepared.mesh, regions.partition, found.polygons, 0.0)
+    away = engine_call(watch, end - 0.1 * (end - begin), end, "measuring", engine.within.scan_distances, *args)
+    return replace(
+        regions,
+        polygons=found.polygons,
+        origin=prepared.mesh.origin,
+        numbers=_mesh_numbers(found, regions, away) | {"regions_before": before.numbers["regions"]},
+        region_distance=_of_regions(prepared.mesh, regions.partition, away),
+    )
+
+
+def _mesh_numbers(found, regions: Outcome, away: np.ndarray) -> dict:
+    """away: (V,) how far the scan's vertices are from the polygons, NaN where they are in no region."""
+    polygons, report = found.polygons, found.report
+    names = ("regions", "error", "left_out")
+    more = ("closed", "manifold", "planarity_max", "planarity_mean", "scan_distance", "scan_distance_allowed")
+    numbers = {name: regions.numbers[name] for name in names} | {
+        "polygons": len(polygons.loop_start),
+        "corners": len(polygons.loops),
+        "vertices": len(polygons.vertices),
+        **{name: report[name] for name in more if name in report},
+        "flaws": flaws(report),
+        "split": {name: report[name] for name in report if name.startswith("split_for_")},
+    }
+    known = away[np.isfinite(away)]
+    if len(known):
+        numbers |= {"away_mean": float(known.mean()), "away_max": float(known.max())}
+    return numbers
+
+
+def _of_regions(mesh, partition, away: np.ndarray) -> np.ndarray:
+    """(R,) the largest of the vertices of each region."""
+    label, triangles = np.asarray(partition.face_region), np.asarray(mesh.triangles)
+    largest, inside = np.zeros(partition.region_count), label >= 0
+    each = np.nan_to_num(away)[triangles[inside]].max(axis=1)
+    np.maximum.at(largest, label[inside], each)
+    return largest
+
+
+#: relative time of a step, and of the preparation before the first
+TIMES = {rcp.Partition: 5.0, rcp.Mesh: 14.0}
+PREPARING = 3.0
+
+APPLY = {
+    rcp.AddProxy: _apply_add,
+    rcp.DeleteProxy: _apply_delete,
+    rcp.MergeRegions: _apply_merge,
+    rcp.PaintFaces: _apply_paint,
+    rcp.EraseFaces: _apply_erase,
+    rcp.SmoothFaces: _apply_smooth,
+    rcp.LockRegions: _apply_lock,
+    rcp.UnlockRegions: _apply_lock,
+    **dict.fromkeys(_EDITS, _apply_edit),
+}

@@ -1,0 +1,63 @@
+"""Menus: Object > iSimp, whose entries the search (F3) finds too, and a pie menu for a key of one's own."""
+
+import bpy
+
+from .. import recipe as rcp
+from . import settings
+
+
+class ISIMP_MT_object(bpy.types.Menu):
+    """Turn scans into clean, editable polygons"""
+
+    bl_label = "iSimp"
+
+    def draw(self, context):
+        layout, panel = self.layout, context.window_manager.isimp
+        settings.give(rcp.Partition, panel.partition, layout.operator("isimp.partition", icon="MOD_EXPLODE"))
+        settings.give(rcp.Mesh, panel.mesh, layout.operator("isimp.mesh", icon="MESH_ICOSPHERE"))
+        layout.operator("isimp.swap", icon="ARROW_LEFTRIGHT")
+        layout.separator()
+        for by, name in (("SIZE", "Small"), ("FLATNESS", "Bent"), ("DIRECTION", "Facing Up")):
+            layout.operator("isimp.select_by", text=f"Select {name} Regions").by = by
+        layout.separator()
+        for name in ("add_worst", "delete_least", "merge_cheapest", "improve"):
+            layout.operator(f"isimp.{name}")
+        layout.separator()
+        layout.operator("isimp.recipe_export", icon="EXPORT")
+        layout.operator("isimp.recipe_import", icon="IMPORT")
+
+
+class ISIMP_MT_pie(bpy.types.Menu):
+    """What is done most often, around the mouse"""
+
+    bl_label = "iSimp"
+
+    def draw(self, context):
+        pie, panel = self.layout.menu_pie(), context.window_manager.isimp
+        pie.operator("isimp.add_proxy", icon="ADD")  # left, right, below, above; then the corners
+        pie.operator("isimp.delete_proxy", icon="REMOVE")
+        settings.give(rcp.Mesh, panel.mesh, pie.operator("isimp.mesh", icon="MESH_ICOSPHERE"))
+        settings.give(rcp.Partition, panel.partition, pie.operator("isimp.partition", icon="MOD_EXPLODE"))
+        pie.operator("isimp.merge", icon="AUTOMERGE_ON")
+        pie.operator("isimp.split", icon="MOD_BOOLEAN")
+        pie.operator("isimp.swap", icon="ARROW_LEFTRIGHT")
+        pie.operator("isimp.select_region", icon="RESTRICT_SELECT_OFF")
+
+
+def _draw_entry(menu, context) -> None:
+    menu.layout.separator()
+    menu.layout.menu("ISIMP_MT_object", icon="MOD_REMESH")
+
+
+CLASSES = (ISIMP_MT_object, ISIMP_MT_pie)
+_HOMES = ("VIEW3D_MT_object", "VIEW3D_MT_edit_mesh")
+
+
+def register() -> None:
+    for name in _HOMES:
+        getattr(bpy.types, name).append(_draw_entry)
+
+
+def unregister() -> None:
+    for name in _HOMES:
+        getattr(bpy.types, name).remove(_draw_entry)

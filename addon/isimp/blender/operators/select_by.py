@@ -1,0 +1,89 @@
+"""Regions selected by what they are like: small, not flat, or turned to a side."""
+
+import bpy
+import numpy as np
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty
+
+from ... import messages, pick
+from .. import mesh_io, reading, targets
+
+
+class ISIMP_OT_select_by(bpy.types.Operator):
+    """Select the faces of all regions that are small, bent, or turned to a side"""
+
+    bl_idname = "isimp.select_by"
+    bl_label = "Select Regions By"
+    bl_options = {"REGISTER", "UNDO"}
+
+    by: EnumProperty(
+        name="By",
+        items=(
+            ("SIZE", "Small", "Regions below a share of the area"),
+            ("FLATNESS", "Bent", "Regions whose normals differ by more than an angle on average"),
+            ("DIRECTION", "Facing", "Regions that face a direction, up to an angle"),
+        ),
+    )
+    share: FloatProperty(
+        name="Below",
+        description="Share of the area of all regions",
+        default=0.2,
+        min=0.0,
+        max=100.0,
+        soft_max=5.0,
+        precision=2,
+        subtype="PERCENTAGE",
+    )
+    angle: FloatProperty(name="Angle", default=np.radians(20.0), min=0.0, max=np.pi, subtype="ANGLE")
+    direction: FloatVectorProperty(
+        name="Direction", description="In the world", default=(0.0, 0.0, 1.0), subtype="DIRECTION"
+    )
+    extend: BoolProperty(name="Extend", description="Keep the present selection", options={"SKIP_SAVE"})
+
+    @classmethod
+    def poll(cls, context):
+        scan, problem = targets.find(context)
+        problem = problem or targets.needs_regions(scan)
+        if problem:
+            cls.poll_message_set(problem)
+        return not problem
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.prop(self, "by")
+        layout.prop(self, "share" if self.by == "SIZE" else "angle")
+        if self.by == "DIRECTION":
+            layout.prop(self, "direction")
+        layout.prop(self, "extend")
+
+    def execute(self, context):
+        scan, _ = targets.find(context)
+        arrays, regions = reading.read(context, scan), mesh_io.read_regions(scan)
+        chosen = self.chosen(scan, arrays, regions)
+        faces = np.isin(regions, np.flatnonzero(chosen))
+        if self.extend:
+            faces[mesh_io.selected_faces(scan)] = True
+        context.view_layer.objects.active = scan
+        if scan.mode != "EDIT" and scan.visible_get():
+            bpy.ops.object.mode_set(mode="EDIT")
+            context.tool_settings.mesh_select_mode = (False, False, True)
+        mesh_io.select_polygons(scan, faces)
+        self.report({"INFO"}, f"{messages.count(int(chosen.sum()), 'region')} selected")
+        return {"FINISHED"}
+
+    def chosen(self, scan, arrays, regions) -> np.ndarray:
+        """(R,) bool"""
+        area, normal = pick.of_regions(arrays.vertices, arrays.triangles, regions[arrays.triangle_face])
+        length, there = np.linalg.norm(normal, axis=1), area > 0
+        if self.by == "SIZE":
+            return there & (area < 0.01 * self.share * area.sum())
+        if self.by == "FLATNESS":
+            # For a cap of a sphere up to an angle from its axis, the mean normal is cos(angle / 2) squared long.
+            return there & (length < area * np.cos(0.5 * self.angle) ** 2)
+        place = mesh_io.place_matrix(scan)[:3, :3]
+        wanted = np.array(self.direction, np.float64) @ place  # a rotation, or one with a mirror
+        wanted /= max(np.linalg.norm(wanted), 1e-30)
+        return there & (normal @ wanted > length * np.cos(self.angle))
+
+
+CLASSES = (ISIMP_OT_select_by,)

@@ -1,0 +1,180 @@
+"""The object that Mesh makes beside a scan: where it lies, and whether its user has edited it since."""
+
+import hashlib
+import json
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+from . import mesh_io, raw, targets
+
+_PLACE = ("location", "rotation_euler", "rotation_quaternion", "rotation_axis_angle", "scale")
+_DELTA = ("delta_location", "delta_rotation_euler", "delta_rotation_quaternion", "delta_scale")
+
+
+def digest(obj) -> str:
+    """A hash of all that a user can edit of a result's mesh. Cost: of its size, which is small."""
+    if mesh_io.is_edited(obj):
+        obj.update_from_editmode()
+    mesh, found = obj.data, hashlib.blake2b(digest_size=16)
+    for items, name, kind, width in (
+        (mesh.vertices, "co", np.float32, 3),
+        (mesh.edges, "vertices", np.int32, 2),
+        (mesh.edges, "use_seam", bool, 1),
+        (mesh.edges, "use_edge_sharp", bool, 1),
+        (mesh.loops, "vertex_index", np.int32, 1),
+        (mesh.polygons, "loop_total", np.int32, 1),
+        (mesh.polygons, "material_index", np.int32, 1),
+        *((layer.data, "uv", np.float32, 2) for layer in mesh.uv_layers),
+    ):
+        values = np.empty(width * len(items), kind)
+        items.foreach_get(name, values)
+        found.update(values.tobytes() + b"|")
+    named = (obj.vertex_groups, mesh.uv_layers, mesh.color_attributes)
+    names = [[item.name for item in items if item.name != mesh_io.COLOR] for items in named]
+    found.update(repr((names, mesh.shape_keys is not None)).encode())
+    return found.hexdigest()
+
+
+def is_edited(obj) -> bool:
+    """Whether a result is no longer as Mesh made it; also if that is not known."""
+    return raw.text(obj, "made") != digest(obj)
+
+
+def is_edited_here(context, scan) -> bool:
+    """Whether the active object is a result of the scan and was edited by hand, or is in Edit Mode for that."""
+    active = context.view_layer.objects.active
+    return active is not None and active != scan and (active.mode == "EDIT" or is_edited(active))
+
+
+def sign(obj) -> None:
+    """Notes that a result is now as Mesh made it."""
+    obj.isimp.made = digest(obj)
+
+
+def to_fill(context, scan) -> tuple:
+    """(the object to fill with polygons, the edited result that is kept, or None)."""
+    result = targets.result_of(context.scene, scan)
+    if result is None or not is_edited(result):
+        return result or _new(scan, context), None
+    raw.make_way(result)
+    result.isimp.made = targets.KEPT
+    return _new(scan, context), result
+
+
+def _new(scan, context):
+    name = f"{scan.name[:52]}.simplified"  # a name holds 63 bytes
+    result = bpy.data.objects.new(name, bpy.data.meshes.new(name))
+    for collection in scan.users_collection or (context.scene.collection,):
+        collection.objects.link(result)
+    result.show_wire = True
+    result.show_all_edges = True
+    return result
+
+
+def fill(result, scan, outcome) -> None:
+    """Puts the polygons where the scan is, with the scan's parent and transform if those alone tell its place.
+
+    Those of a scan far from its own zero are put relative to the outcome's origin, and the result's location has the
+    rest. Blender rounds a location to float32; the rounding error of a far one goes to the vertices.
+    """
+    polygons = outcome.polygons
+    loops, start = np.array(polygons.loops), np.array(polygons.loop_start)
+    unshaped = np.linalg.inv(mesh_io.shape_matrix(scan))
+    vertices, shift = (np.asarray(polygons.vertices) - outcome.origin) @ unshaped, outcome.origin @ unshaped
+    moved = _moved(result)
+    # Blender multiplies a parent's transform in float32: far from zero, only a result without one is exact.
+    if _is_told_by_transform(scan) and not (scan.parent is not None and shift.any()):
+        vertices += _place_alike(result, scan, shift)
+    else:
+        vertices, loops = _place_in_world(result, scan, vertices, shift, loops, start)
+    result.isimp.placed = json.dumps([list(row) for row in result.matrix_basis])
+    if moved is not None:
+        result.matrix_basis = moved @ result.matrix_basis
+    defective = np.zeros(len(start), np.int32)
+    for found in outcome.numbers["flaws"].values():
+        defective[found] = 1
+    layers = {mesh_io.REGION: np.asarray(polygons.polygon_region), mesh_io.FLAW: defective}
+    mesh_io.fill_polygons(result.data, vertices, loops, start, layers)
+
+
+def take_materials(result, scan, outcome) -> None:
+    """Gives each polygon the material that most faces of its region have on the scan."""
+    materials = [slot.material for slot in scan.material_slots]
+    if not any(materials):
+        return
+    of_face = np.empty(len(scan.data.polygons), np.int32)
+    scan.data.polygons.foreach_get("material_index", of_face)
+    inside, count = outcome.face_region >= 0, len(materials)
+    keys = outcome.face_region[inside].astype(np.int64) * count + np.clip(of_face[inside], 0, count - 1)
+    votes = np.bincount(keys, minlength=count * len(outcome.region_color)).reshape(-1, count)
+    result.data.materials.clear()
+    for material in materials:
+        result.data.materials.append(material)
+    chosen = votes.argmax(axis=1).astype(np.int32)[np.asarray(outcome.polygons.polygon_region)]
+    result.data.polygons.foreach_set("material_index", chosen)
+    result.data.update()
+
+
+def _moved(result):
+    """How a user has moved a result since Mesh put it in its place; None if not at all."""
+    try:
+        placed = Matrix(json.loads(raw.text(result, "placed")))
+    except (ValueError, TypeError):  # none, or of another version
+        return None
+    if placed == result.matrix_basis or abs(placed.determinant()) < 1e-30:
+        return None
+    return result.matrix_basis @ placed.inverted()
+
+
+def _is_told_by_transform(scan) -> bool:
+    """Whether the scan's parent and its own transform alone lead to its place: no constraint, no parent of a bone."""
+    matrix = scan.matrix_basis
+    if scan.parent is not None:
+        if scan.parent_type != "OBJECT":
+            return False
+        matrix = scan.parent.matrix_world @ scan.matrix_parent_inverse @ matrix
+    place = np.array(scan.matrix_world)
+    return np.allclose(np.array(matrix), place, rtol=1e-6, atol=1e-6 * np.abs(place[:3, :3]).max())
+
+
+def _place_alike(result, scan, shift) -> np.ndarray:
+    """Gives the result the scan's parent and transform, moved by `shift`. Returns the rounding error of the location.
+
+    Both in the space of the scan's mesh.
+    """
+    result.parent, result.matrix_parent_inverse = scan.parent, scan.matrix_parent_inverse
+    result.rotation_mode = scan.rotation_mode
+    for name in (*_PLACE, *_DELTA):
+        setattr(result, name, getattr(scan, name))
+    if not shift.any():
+        return np.zeros(3)
+    matrix = np.array(scan.matrix_basis, np.float64)[:3, :3]
+    wanted = np.array(scan.location, np.float64) + matrix @ shift
+    result.location = wanted
+    return np.linalg.solve(matrix, wanted - np.array(result.location, np.float64))
+
+
+def _place_in_world(result, scan, vertices, shift, loops, start):
+    """Puts the result where the scan is seen. (vertices, loops), in the world's axes if the scan is sheared."""
+    place = np.array(scan.matrix_world, np.float64)
+    matrix = place[:3, :3].copy()
+    place[:3, 3] += matrix @ shift
+    unsheared = np.array(Matrix.LocRotScale(*scan.matrix_world.decompose()), np.float64)[:3, :3]
+    if not np.allclose(unsheared, matrix, rtol=0, atol=1e-5 * np.abs(matrix).max()):
+        place[:3, :3] = np.eye(3)
+        vertices = vertices @ matrix.T
+        if np.linalg.det(matrix) < 0:
+            loops = turned(loops, start)
+    result.parent = None
+    result.matrix_world = Matrix(place.tolist())
+    rounded = place[:3, 3] - place[:3, 3].astype(np.float32)
+    return vertices + np.linalg.solve(place[:3, :3], rounded), loops
+
+
+def turned(loops: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """Every polygon the other way round."""
+    totals = np.diff(start, append=len(loops))
+    within = np.arange(len(loops)) - np.repeat(start, totals)
+    return loops[np.repeat(start + totals - 1, totals) - within]

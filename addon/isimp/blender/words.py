@@ -1,0 +1,67 @@
+"""Words in the viewport, beside the mouse and in its corner: on a dark ground, as lines of any colour are below."""
+
+import blf
+import bpy
+import gpu
+from gpu_extras.batch import batch_for_shader
+
+from . import text
+
+_FONT = 0
+_GROUND = (0.05, 0.05, 0.05, 0.8)
+_CORNER, _BELOW = 18, 76  # pixels from the left, and from the top: below the names of the view and the object
+
+
+def draw_hover(context, hover) -> None:
+    """The text beside the mouse, outside the sidebar and the toolbar over the viewport."""
+    scale = _begin(context)
+    left, right = _free(context)
+    away = 18 * scale
+    told, x = text.beside(hover.text, _width, hover.at[0] + away, right - away / 2, left + away / 2)
+    _draw(told, x, hover.at[1] - 20 * scale, scale)
+
+
+def draw_corner(context, said: str) -> None:
+    """A line in the upper left corner of the viewport, below Blender's own; the last operation has the lower one."""
+    scale, here = _begin(context), context.region
+    left, _ = _free(context)
+    above = [other for other in context.area.regions if other.type in {"HEADER", "TOOL_HEADER"} and other.height > 1]
+    top = min([here.height, *(other.y - here.y for other in above if other.alignment == "TOP")])
+    _draw([said], left + _CORNER * scale, top - _BELOW * scale, scale)
+
+
+def _begin(context) -> float:
+    scale = context.preferences.system.ui_scale
+    blf.size(_FONT, round(12 * scale), *(() if bpy.app.version >= (4, 0, 0) else (72,)))
+    return scale
+
+
+def _free(context) -> tuple:
+    """(left, right) end of the viewport that no sidebar or toolbar covers."""
+    here = context.region
+    beside = [other for other in context.area.regions if other.type in {"UI", "TOOLS"} and other.width > 1]
+    right = min([here.width, *(other.x - here.x for other in beside if other.alignment == "RIGHT")])
+    left = max([0, *(other.x + other.width - here.x for other in beside if other.alignment == "LEFT")])
+    return left, right
+
+
+def _draw(lines, x: float, y: float, scale: float) -> None:
+    """Lines of text on their ground, the first at a height."""
+    high, room = 18 * scale, 6 * scale
+    wide = max(map(_width, lines))
+    top, bottom = y + high - room / 2, y - high * (len(lines) - 1) - room
+    shader = gpu.shader.from_builtin("UNIFORM_COLOR" if bpy.app.version >= (4, 0, 0) else "2D_UNIFORM_COLOR")
+    a, b, c, d = [(x - room, bottom), (x + wide + room, bottom), (x + wide + room, top), (x - room, top)]
+    gpu.state.blend_set("ALPHA")
+    shader.bind()
+    shader.uniform_float("color", _GROUND)
+    batch_for_shader(shader, "TRIS", {"pos": [a, b, c, a, c, d]}).draw(shader)
+    gpu.state.blend_set("NONE")
+    blf.color(_FONT, 1.0, 1.0, 1.0, 1.0)
+    for number, line in enumerate(lines):
+        blf.position(_FONT, x, y - high * number, 0)
+        blf.draw(_FONT, line)
+
+
+def _width(words: str) -> float:
+    return blf.dimensions(_FONT, words)[0]

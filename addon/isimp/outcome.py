@@ -1,0 +1,40 @@
+"""What a recipe leads to, or why it leads nowhere."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from . import recipe as rcp
+from . import view
+
+
+class StepFailed(Exception):
+    """A step failed; `outcome` is the result of the steps before it, None if there were none."""
+
+    def __init__(self, index: int, step: rcp.Step, reason: str, outcome: Outcome | None):
+        super().__init__(f"Step {index + 1}, {step.describe()}: {reason}")
+        self.index, self.step, self.reason, self.outcome = index, step, reason, outcome
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """The result of a recipe. Arrays are by the user's faces."""
+
+    face_region: np.ndarray  #: (face_count,) int32, -1 where a face is in no region
+    region_color: np.ndarray  #: (R,) int32 into view.PALETTE
+    border: np.ndarray  #: (K,) those of the scan's `face_edges` where regions meet, or a region and none
+    partition: Any
+    polygons: Any = None  #: the engine's PolygonMesh after Mesh, else None
+    origin: tuple = (0.0, 0.0, 0.0)  #: near the polygons, exactly; 0 where they lie near zero. See `engine.Mesh.origin`
+    numbers: dict = field(default_factory=dict)  #: of the last step and of the scan
+    made: Any = None  #: how the engine made the partition; None once it was edited
+    region_distance: Any = None  #: after Mesh: (R,) largest distance of its vertices from the polygons
+    closed: float = 0.0  #: scene units; openings up to this length were closed before the partition
+
+    @property
+    def face_color(self) -> np.ndarray:
+        """(face_count,) uint8 into view.COLORS."""
+        return view.face_colors(self.face_region, self.region_color)

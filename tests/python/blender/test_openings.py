@@ -1,0 +1,41 @@
+"""Openings that the regions can't show are closed by Partition; what it did is said, and Mesh agrees."""
+
+import bpy
+import numpy as np
+import pytest
+import scans
+
+from isimp.blender import store, text
+
+pytestmark = pytest.mark.usefixtures("scene")
+
+
+def pierced():
+    """A rough sphere with four small holes."""
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=5, radius=2)
+    scan = bpy.context.object
+    scan.name = "Scan"
+    points = scans.coordinates(scan.data)
+    points += np.random.default_rng(1).normal(0, 0.01, points.shape)
+    scan.data.vertices.foreach_set("co", points.astype(np.float32).ravel())
+    scans.mode("EDIT")
+    centers = np.array([polygon.center for polygon in scan.data.polygons])
+    places = 2 * np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    near = np.linalg.norm(centers[:, None] - places, axis=2).min(axis=1) < 0.1
+    scans.select_faces(scan, *np.flatnonzero(near))
+    bpy.ops.mesh.delete(type="FACE")
+    scans.mode("OBJECT")
+    return scan
+
+
+def test_small_holes_are_closed_and_large_ones_would_stay():
+    scan = pierced()
+    assert bpy.ops.isimp.partition(proxies=8) == {"FINISHED"}
+    numbers = store.numbers(scan)
+    assert (numbers["border_loops"], numbers["repairs"]["filled_holes"]) == (4, 4)
+    assert text.good_news(numbers, "METRIC", 1.0)[0].startswith("Closed: 4 holes")
+    assert bpy.ops.isimp.mesh() == {"FINISHED"}
+    assert store.numbers(scan)["closed"]
+    assert bpy.ops.isimp.partition(proxies=8, close_openings=False) == {"FINISHED"}
+    assert bpy.ops.isimp.mesh() == {"FINISHED"}
+    assert not store.numbers(scan)["closed"]

@@ -1,0 +1,225 @@
+"""The panel: settings belong to a scan, have units, and every line and button has its place and its words."""
+
+import bpy
+import pytest
+import scans
+
+from isimp import recipe as rcp
+from isimp.blender import pending, presets, runtime, settings, store, targets, text
+from isimp.blender import result as results
+from isimp.blender.panel import main
+
+pytestmark = pytest.mark.usefixtures("scene")
+
+
+def group(cls=rcp.Partition):
+    return settings.group(bpy.context, cls)
+
+
+@pytest.fixture(autouse=True)
+def fresh():
+    runtime.get().live.scan = ""
+    runtime.get().live.settings.clear()
+    yield
+    settings.show(bpy.context, None)
+
+
+def look_at(scan):
+    scans.activate(scan)
+    pending.follow(bpy.context)
+
+
+def test_a_preset_of_one_scan_is_not_that_of_the_next():
+    first, other = scans.cube("First"), scans.cube("Other")
+    look_at(first)
+    bpy.ops.isimp.preset(name="building")
+    look_at(other)
+    assert group().detail == pytest.approx(0.005)
+    group().detail = 0.02
+    look_at(first)
+    assert group().detail == pytest.approx(0.0025)
+    look_at(other)
+    assert group().detail == pytest.approx(0.02)
+
+
+def test_settings_stay_while_another_kind_of_object_is_looked_at_or_the_scan_renamed():
+    scan = scans.cube()
+    look_at(scan)
+    group().detail = 0.02
+    lamp = bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", "POINT"))
+    bpy.context.scene.collection.objects.link(lamp)
+    look_at(lamp)
+    look_at(scan)
+    assert group().detail == pytest.approx(0.02)
+    scan.name = "Renamed"
+    look_at(scan)
+    assert group().detail == pytest.approx(0.02)
+
+
+def test_a_scan_with_regions_brings_its_own():
+    first, other = scans.cube("First"), scans.cube("Other")
+    look_at(first)
+    bpy.ops.isimp.partition(proxies=17)
+    look_at(other)
+    assert (group().count_by, group().proxies) == ("detail", 200)
+    look_at(first)
+    assert (group().count_by, group().proxies) == ("proxies", 17)
+
+
+@pytest.mark.parametrize(
+    ("cls", "name", "other", "value", "seen"),
+    [
+        (rcp.Partition, "detail", "detail_percent", 0.0025, 0.25),
+        (rcp.Partition, "leave_out", "leave_out_percent", 0.001, 0.1),
+        (rcp.Partition, "angle", "angle_turn", 90.0, 1.5707964),
+        (rcp.Partition, "noise", "noise_length", 0.25, 0.25),
+        (rcp.Mesh, "chord_tolerance", "chord_percent", 0.7, 70.0),
+        (rcp.Mesh, "join_junctions", "join_percent", 0.5, 50.0),
+    ],
+)
+def test_settings_have_units_and_both_faces_agree(cls, name, other, value, seen):
+    setattr(group(cls), name, value)
+    assert getattr(group(cls), other) == pytest.approx(seen)
+    setattr(group(cls), other, seen / 2)
+    assert getattr(group(cls), name) == pytest.approx(value / 2)
+
+
+def test_noise_is_automatic_without_a_magic_number():
+    assert group().noise_automatic
+    assert group().noise_length == 0
+    group().noise_automatic = False
+    assert group().noise == 0
+    group().noise_length = 0.5
+    assert not group().noise_automatic
+    group().noise_automatic = True
+    assert settings.to_step(rcp.Partition, group()).noise == -1
+
+
+def test_the_other_face_of_a_setting_is_followed_live(monkeypatch):
+    touched = []
+    monkeypatch.setattr(runtime.get().live, "touch", lambda: touched.append(1))
+    group().detail_percent = 1.5
+    assert touched
+
+
+def test_no_setting_of_the_panel_shows_minus_one():
+    for cls in (rcp.Partition, rcp.Mesh):
+        for name in settings.names(cls):
+            shown = settings.units.INSTEAD.get((cls, name), name)
+            value = getattr(group(cls), shown)
+            assert not isinstance(value, (int, float)) or value >= 0, shown
+
+
+def test_lines_that_change_have_their_place_before_partition():
+    scan = scans.cube()
+    before = text.scan_lines(scan.data, store.numbers(scan))
+    assert before == ("432 triangles", "Not partitioned yet")
+    assert main._regions_line({}, 0) == "No regions yet"
+    bpy.ops.isimp.partition(proxies=6)
+    after = text.scan_lines(scan.data, store.numbers(scan))
+    assert after == ("432 triangles", "1 part · closed")
+    assert main._regions_line(store.numbers(scan), 0) == "6 regions"
+    bpy.ops.isimp.add_proxy(face=3)
+    assert main._regions_line(store.numbers(scan), 1) == "7 regions · 1 edit"
+
+
+@pytest.mark.parametrize("letters", [22])
+def test_the_report_fits_the_default_width(letters):
+    scan = scans.dimple(scans.cube())
+    bpy.ops.isimp.partition(proxies=12)
+    bpy.ops.isimp.mesh()
+    numbers = store.numbers(scan)
+    lines = [line for line, _ in text.report_lines(numbers, "METRIC", 1.0)]
+    assert lines[0] == "12 polygons"
+    assert any(line.endswith(numbers_away(numbers)) for line in lines)
+    for line in (*lines, *text.scan_lines(scan.data, numbers)):
+        assert all(len(part) <= letters for part in text.wrapped(line, letters))
+
+
+def numbers_away(numbers):
+    assert 0 < numbers["away_mean"] < numbers["away_max"] < 0.5
+    return f"at most {text.amount(numbers, 'away_max', 'METRIC', 1.0)}"
+
+
+def test_partition_says_how_many_edits_it_drops_and_what_brings_them_back(capfd):
+    scan = scans.dimple(scans.cube())
+    bpy.ops.isimp.partition(proxies=12)
+    assert "dropped" not in capfd.readouterr().out
+    bpy.ops.isimp.add_proxy(face=3)
+    bpy.ops.isimp.add_proxy(face=300)
+    bpy.ops.isimp.mesh()
+    capfd.readouterr()
+    bpy.ops.isimp.partition(proxies=12)
+    assert "2 edits by hand were dropped: Ctrl-Z brings them back" in capfd.readouterr().out
+    assert len(store.load(scan).steps) == 1
+
+
+def test_settings_leave_a_result_alone_that_was_edited_by_hand():
+    scan = scans.dimple(scans.cube())
+    bpy.ops.isimp.partition(proxies=12)
+    bpy.ops.isimp.mesh()
+    result = bpy.context.object
+    assert not results.is_edited_here(bpy.context, scan)
+    scans.mode("EDIT")
+    assert results.is_edited_here(bpy.context, scan)
+    scans.mode("OBJECT")
+    assert not results.is_edited_here(bpy.context, scan)
+    result.data.vertices[0].co.x += 1
+    assert results.is_edited_here(bpy.context, scan)
+    scans.activate(scan)
+    assert not results.is_edited_here(bpy.context, scan)
+
+
+def test_the_presets_menu_draws_in_a_fresh_configuration(monkeypatch, tmp_path):
+    monkeypatch.setenv("BLENDER_USER_SCRIPTS", str(tmp_path))
+    drawn = []
+    monkeypatch.setattr(
+        presets.ISIMP_MT_presets, "draw_preset", lambda menu, context: drawn.append(menu), raising=False
+    )
+
+    class Layout:
+        def operator(self, name, text):
+            return type("Button", (), {})()
+
+        def separator(self):
+            pass
+
+    menu = type("Menu", (), {"layout": Layout(), "draw_preset": lambda self, context: drawn.append(self)})()
+    presets.ISIMP_MT_presets.draw(menu, bpy.context)
+    assert not drawn, "a menu of no files says * Missing Paths *"
+    (tmp_path / "presets" / "isimp").mkdir(parents=True)
+    presets.ISIMP_MT_presets.draw(menu, bpy.context)
+    assert len(drawn) == 1
+
+
+def test_divided_regions_are_selected():
+    scan = tube()
+    assert bpy.ops.isimp.partition(proxies=1, snap=False) == {"FINISHED"}
+    assert bpy.ops.isimp.mesh() == {"FINISHED"}
+    numbers, result = store.numbers(scan), bpy.context.object
+    assert numbers["polygons"] > numbers["regions"]
+    assert "more than regions" in text.report_lines(numbers, "METRIC", 1.0)[1][0]
+    assert bpy.ops.isimp.show_problems(kind="DIVIDED") == {"FINISHED"}
+    result.update_from_editmode()
+    chosen = {polygon.index for polygon in result.data.polygons if polygon.select}
+    scans.mode("OBJECT")
+    regions = scans.regions(result).tolist()
+    assert chosen == {index for index, region in enumerate(regions) if regions.count(region) > 1} != set()
+    assert targets.result_of(bpy.context.scene, scan) == result
+
+
+def tube():
+    """A square plate with a square hole: a flat region that is no disc."""
+    points = [(x, y, 0) for y in range(7) for x in range(7)]
+    faces = []
+    for y in range(6):
+        for x in range(6):
+            if not (2 <= x < 4 and 2 <= y < 4):
+                a = 7 * y + x
+                faces += [(a, a + 1, a + 8), (a, a + 8, a + 7)]
+    return scans.add("Scan", points, faces)
+
+
+def test_every_setting_of_mesh_is_drawn():
+    drawn = {"chord_tolerance", "join_junctions", "flatten", "planar"}
+    assert set(settings.names(rcp.Mesh)) == drawn, "draw a new one in panel/result.py"

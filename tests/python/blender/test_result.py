@@ -1,0 +1,201 @@
+"""What a user did to the result by hand is kept, and the result has the place of its scan."""
+
+import bpy
+import numpy as np
+import pytest
+import scans
+from mathutils import Matrix
+
+from isimp.blender import result as results
+from isimp.blender import targets
+
+pytestmark = pytest.mark.usefixtures("scene")
+
+
+def simplified():
+    scan = scans.cube()
+    assert bpy.ops.isimp.partition(proxies=6) == {"FINISHED"}
+    assert bpy.ops.isimp.mesh() == {"FINISHED"}
+    return scan, bpy.context.object
+
+
+def bevel(result):
+    scans.activate(result)
+    scans.mode("EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.bevel(offset=0.1)
+    scans.mode("OBJECT")
+
+
+def move_vertex(result):
+    result.data.vertices[0].co.x += 0.5
+
+
+def mark_seam(result):
+    result.data.edges[0].use_seam = True
+
+
+def assign_material(result):
+    result.data.materials.append(bpy.data.materials.new("Mine"))
+    result.data.materials.append(bpy.data.materials.new("Other"))
+    result.data.polygons[0].material_index = 1
+
+
+def unwrap(result):
+    result.data.uv_layers.new(name="Mine")
+
+
+@pytest.mark.parametrize("edit", [bevel, move_vertex, mark_seam, assign_material, unwrap])
+def test_mesh_again_keeps_a_result_that_was_edited_by_hand(edit):
+    scan, first = simplified()
+    edit(first)
+    before = results.digest(first)
+    assert bpy.ops.isimp.mesh() == {"FINISHED"}
+    second = bpy.context.object
+    assert (first.name, second.name) == ("Scan.simplified", "Scan.simplified.001")
+    assert results.digest(first) == before
+    assert (first.hide_get(), second.hide_get(), len(second.data.polygons)) == (True, False, 6)
+    assert targets.result_of(bpy.context.scene, scan) == second
+    assert targets.scan_of(first) == scan
+    assert bpy.ops.isimp.mesh() == {"FINISHED"}
+    assert bpy.context.object == second, "one that nobody has edited is refreshed"
+
+
+def test_it_is_said_which_is_which(capfd):
+    _, first = simplified()
+    move_vertex(first)
+    bpy.ops.isimp.mesh()
+    said = capfd.readouterr().out
+    assert "'Scan.simplified' was edited by hand and is kept, hidden" in said
+    assert "The new polygons are 'Scan.simplified.001'" in said
+
+
+def test_edits_in_edit_mode_count_before_it_is_left():
+    _, first = simplified()
+    scans.mode("EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.transform.resize(value=(2, 1, 1))
+    assert bpy.ops.isimp.mesh() == {"FINISHED"}
+    assert bpy.context.object != first
+    assert scans.coordinates(first.data)[:, 0].max() == pytest.approx(2)
+
+
+def test_a_result_of_an_earlier_version_is_kept_as_nothing_tells_whether_it_was_edited():
+    _, first = simplified()
+    first.isimp.made = ""
+    bpy.ops.isimp.mesh()
+    assert bpy.context.object != first
+
+
+def test_a_result_survives_saving_without_being_taken_for_edited(tmp_path):
+    simplified()
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "file.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "file.blend"))
+    assert not results.is_edited(bpy.data.objects["Scan.simplified"])
+
+
+def transforms(obj):
+    names = ("location", "rotation_euler", "rotation_quaternion", "scale", "delta_location", "delta_scale")
+    return {name: tuple(getattr(obj, name)) for name in names} | {"mode": obj.rotation_mode}
+
+
+def test_a_mirrored_scan_gives_its_numbers_to_the_result():
+    scan = scans.cube()
+    scan.scale, scan.rotation_euler, scan.location = (-1, 1, 1), (0.1, 0.2, 0.3), (1, 2, 3)
+    scan.delta_location = (0, 0, 5)
+    bpy.context.view_layer.update()
+    bpy.ops.isimp.partition(proxies=6)
+    bpy.ops.isimp.mesh()
+    assert transforms(bpy.context.object) == transforms(scan)
+
+
+def test_the_result_has_the_scans_parent():
+    scan, parent = scans.cube(), bpy.data.objects.new("Parent", None)
+    bpy.context.scene.collection.objects.link(parent)
+    parent.scale, parent.location = (1, 3, 1), (4, 5, 6)
+    scan.parent, scan.rotation_euler = parent, (0.5, 0.2, 0.1)
+    scan.matrix_parent_inverse = Matrix.Translation((1, 1, 1))
+    bpy.context.view_layer.update()
+    bpy.ops.isimp.partition(proxies=6)
+    bpy.ops.isimp.mesh()
+    result = bpy.context.object
+    bpy.context.view_layer.update()
+    assert result.parent == parent
+    assert result.matrix_world == scan.matrix_world
+    parent.location = (40, 50, 60)
+    bpy.context.view_layer.update()
+    assert result.matrix_world == scan.matrix_world
+
+
+def test_a_constrained_scan_has_its_result_where_it_is_seen():
+    scan, goal = scans.cube(), bpy.data.objects.new("Goal", None)
+    bpy.context.scene.collection.objects.link(goal)
+    goal.location = (7, 8, 9)
+    scan.constraints.new("COPY_LOCATION").target = goal
+    bpy.context.view_layer.update()
+    bpy.ops.isimp.partition(proxies=6)
+    bpy.ops.isimp.mesh()
+    assert tuple(bpy.context.object.matrix_world.translation) == (7, 8, 9)
+
+
+def test_a_result_that_was_moved_aside_stays_there():
+    scan, result = simplified()
+    result.location.x += 5
+    bpy.context.view_layer.update()
+    bpy.ops.isimp.mesh(chord_tolerance=0.1)
+    assert bpy.context.object == result
+    assert tuple(result.location) == pytest.approx((5, 0, 0))
+    scan.location.y = 3
+    bpy.context.view_layer.update()
+    bpy.ops.isimp.mesh()
+    assert tuple(result.location) == pytest.approx((5, 3, 0))
+
+
+def test_renders_keep_taking_the_users_colours():
+    scan = scans.cube()
+    colors = scan.data.color_attributes
+    for name in ("first", "Col"):
+        colors.new(name, "BYTE_COLOR", "CORNER")
+    colors.active_color, colors.render_color_index = colors["first"], colors.find("Col")
+    bpy.ops.isimp.partition(proxies=6)
+    assert colors.active_color.name == "isimp_color"
+    assert colors[colors.render_color_index].name == "Col"
+    bpy.ops.isimp.mesh()
+    assert (colors.active_color.name, colors[colors.render_color_index].name) == ("first", "Col")
+
+
+def test_render_colours_taken_by_an_earlier_version_are_given_back():
+    scan = scans.cube()
+    colors = scan.data.color_attributes
+    colors.active_color = colors.new("Col", "BYTE_COLOR", "CORNER")
+    bpy.ops.isimp.partition(proxies=6)
+    colors.render_color_index = colors.find("isimp_color")
+    bpy.ops.isimp.mesh()
+    assert colors[colors.render_color_index].name == "Col"
+
+
+def test_the_digest_tells_of_each_kind_of_edit():
+    _, result = simplified()
+    seen = {results.digest(result)}
+    for edit in (move_vertex, mark_seam, assign_material, unwrap, bevel):
+        edit(result)
+        seen.add(results.digest(result))
+    assert len(seen) == 6
+    assert np.isfinite(scans.coordinates(result.data)).all()
+
+
+def test_polygons_have_the_materials_of_their_regions():
+    scan = scans.cube()
+    for name in ("Red", "Blue"):
+        scan.data.materials.append(bpy.data.materials.new(name))
+    for polygon in scan.data.polygons:
+        polygon.material_index = int(polygon.center.z > 0.99)
+    bpy.ops.isimp.partition(proxies=6)
+    for _ in range(2):  # made, and refreshed
+        bpy.ops.isimp.mesh()
+        result = bpy.context.object
+        assert [material.name for material in result.data.materials] == ["Red", "Blue"]
+        top = [polygon.material_index for polygon in result.data.polygons if polygon.normal.z > 0.9]
+        rest = [polygon.material_index for polygon in result.data.polygons if polygon.normal.z < 0.9]
+        assert (top, rest) == ([1], [0] * 5)
+    assert len(bpy.data.objects) == 2
