@@ -21,7 +21,7 @@ constexpr double kThickness = 4;  ///< times the thickness that the judge asks f
 class Triangulation {
  public:
   Triangulation(const Unit& unit, const std::vector<std::uint8_t>& kept, const std::vector<Vec3>& at,
-                const Rules& rules, const std::set<Edge>& edges)
+                const Rules& rules, const Edges& edges)
       : unit_(unit),
         kept_(kept),
         at_(at),
@@ -57,7 +57,7 @@ class Triangulation {
   void best(std::size_t i, std::size_t j) {
     double& least = cost_[i * n_ + j];
     least = kNever;
-    if (j - i < n_ - 1 && edges_.contains(edge(i, j))) return;
+    if (j - i < n_ - 1 && edges_.has(edge(i, j))) return;
     for (std::size_t k = i + 1; k < j; ++k) {
       const double rest = cost_[i * n_ + k] + cost_[k * n_ + j];
       if (rest >= least) continue;
@@ -106,7 +106,7 @@ class Triangulation {
   const std::vector<std::uint8_t>& kept_;
   const std::vector<Vec3>& at_;
   const Rules& rules_;
-  const std::set<Edge>& edges_;
+  const Edges& edges_;
   const std::size_t n_;
   Vec3 outline_, up_;
   double area_ = 0;
@@ -116,15 +116,31 @@ class Triangulation {
 
 }  // namespace
 
-bool cut(const Unit& unit, const std::vector<std::uint8_t>& kept, const std::vector<Vec3>& at, const Rules& rules,
-         std::set<Edge>& edges, std::vector<Edge>& cuts) {
+bool Edges::has(const Edge& e) const {
+  const auto& some = beyond_[e[0]];
+  return std::find(some.begin(), some.end(), e[1]) != some.end();
+}
+
+void Edges::remove(const Edge& e) {
+  auto& some = beyond_[e[0]];
+  some.erase(std::find(some.begin(), some.end(), e[1]));
+}
+
+bool cut(const Unit& unit, const std::vector<std::uint8_t>& kept, std::span<const Edge> own,
+         const std::vector<Vec3>& at, const Rules& rules, Edges& edges, std::vector<Edge>& cuts) {
+  cuts.clear();
   const bool whole = !unit.free && std::all_of(kept.begin(), kept.end(), [](std::uint8_t k) { return k != 0; });
   if (whole || unit.loop.size() == 3) return true;
-  Triangulation triangles(unit, kept, at, rules, edges);
-  if (!triangles.find()) return false;
-  const std::size_t before = cuts.size();
-  triangles.collect(cuts);
-  edges.insert(cuts.begin() + static_cast<std::ptrdiff_t>(before), cuts.end());
+  if (unit.own) {
+    if (own.size() + 3 != unit.loop.size()) return false;
+    if (std::any_of(own.begin(), own.end(), [&](const Edge& e) { return edges.has(e); })) return false;
+    cuts.assign(own.begin(), own.end());
+  } else {
+    Triangulation triangles(unit, kept, at, rules, edges);
+    if (!triangles.find()) return false;
+    triangles.collect(cuts);
+  }
+  for (const Edge& e : cuts) edges.add(e);
   return true;
 }
 
