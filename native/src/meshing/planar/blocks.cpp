@@ -1,6 +1,6 @@
 #include "planar/blocks.h"
 
-#include <Eigen/LU>
+#include <Eigen/Cholesky>
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
 #include <algorithm>
@@ -104,7 +104,7 @@ void BlockSystem::factorise() {
       factor_row_[fill_[i]] = k;
       factor_[fill_[i]++] = l;
     }
-    inverse_[k] = rest.inverse();
+    inverse_[k] = rest.ldlt().solve(Mat3::Identity());
   }
 }
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "judge.h"
+
 namespace isimp::meshing::planar {
 namespace {
 
@@ -12,8 +14,10 @@ constexpr double kFace = 1;
 constexpr double kOfSurface = 0.02;
 constexpr double kBad = 100;  ///< a triangle that faces away or has no area: only where there is no other way
 constexpr double kNever = 1e30;
-constexpr double kFacing =
-    0.25;  ///< the cosine between a triangle and its unit, a little above what the judge asks for
+/// The cosines between a triangle and its unit below which it faces away, a little above what the judge asks for, and
+/// below which it is steep.
+constexpr double kFacing = 2 * kFacingApart, kSteep = 0.25;
+constexpr double kOfSteep = 4;    ///< what a steep one costs
 constexpr double kThickness = 4;  ///< times the thickness that the judge asks for
 
 /// The triangulation of a polygon that leaves the fewest faces, once triangles on the plane are one again.
@@ -77,9 +81,10 @@ class Triangulation {
     const double share = kOfSurface * size / std::max(area_, 1e-300);
     const bool faces = area.dot(up_) > 0;
     if (is_core(i, k, j)) return faces || size <= rules_.thickness * extent ? share : kBad;
-    const bool turned = std::max(area.dot(direction(i, k, j)), area.dot(rules_.facing)) <= kFacing * size;
+    const double turn = std::max(area.dot(direction(i, k, j)), area.dot(rules_.facing));
     const bool thin = size <= kThickness * rules_.thickness * extent;
-    return (faces && !turned && !thin ? kFace : kBad) + share;
+    if (!faces || thin || turn <= kFacing * size) return kBad + share;
+    return (turn <= kSteep * size ? kOfSteep : kFace) + share;
   }
 
   /// Of the part of the scan that a triangle stands for.
@@ -131,9 +136,9 @@ bool cut(const Unit& unit, const std::vector<std::uint8_t>& kept, std::span<cons
   cuts.clear();
   const bool whole = !unit.free && std::all_of(kept.begin(), kept.end(), [](std::uint8_t k) { return k != 0; });
   if (whole || unit.loop.size() == 3) return true;
-  if (unit.own) {
-    if (own.size() + 3 != unit.loop.size()) return false;
-    if (std::any_of(own.begin(), own.end(), [&](const Edge& e) { return edges.has(e); })) return false;
+  const bool as_before = unit.own && own.size() + 3 == unit.loop.size() &&
+                         std::none_of(own.begin(), own.end(), [&](const Edge& e) { return edges.has(e); });
+  if (as_before) {
     cuts.assign(own.begin(), own.end());
   } else {
     Triangulation triangles(unit, kept, at, rules, edges);

@@ -1,7 +1,7 @@
 #include "planar/fit.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -116,7 +116,7 @@ class Solver {
       b -= penalty * miss(l) * n;
     }
     Step& s = steps_[c];
-    s.inverse = h.inverse();
+    s.inverse = h.ldlt().solve(Mat3::Identity());
     s.right = b;
     s.penalty = penalty;
     for (const Link& l : at(c)) {

@@ -17,13 +17,13 @@
 namespace isimp::meshing::planar {
 namespace {
 
-constexpr int kPasses = 5;  ///< fits without the corners that did not fit
-constexpr Schedule kFirst{25, 1, 1e6};
-constexpr Schedule kAgain{10, 1e2, 1e6};  ///< of these
-constexpr int kGentle = 12;               ///< rounds in which corners that are held back keep half their way
-constexpr std::int32_t kTogether = 64;    ///< corners on one thread
-constexpr std::size_t kFew = 8;           ///< corners of a unit that is rather triangulated than held back
-constexpr double kLeast = 1e-3;           ///< of the diagonal: corners held back to less than this stay where they were
+constexpr int kPasses = 3;  ///< fits, all but the first without the corners that did not fit
+constexpr Schedule kFirst{15, 1, 1e6}, kAgain{6, 1e2, 1e6};
+constexpr int kRings = 5;               ///< round what is stuck, that are solved anew
+constexpr int kGentle = 12;             ///< rounds in which corners that are held back keep half their way
+constexpr std::int32_t kTogether = 64;  ///< corners on one thread
+constexpr std::size_t kFew = 8;         ///< corners of a unit that is rather triangulated than held back
+constexpr double kLeast = 1e-3;         ///< of the diagonal: corners held back to less than this stay where they were
 
 bool is_flat(std::span<const std::int32_t> polygon, std::span<const Vec3> at, double most) {
   if (polygon.size() == 3) return true;
@@ -114,7 +114,7 @@ class Planarizer {
 
   /// Takes over what the try before found for the same polygons.
   void recall() {
-    is_again_ = !memory_.units.empty();
+    is_again_ = !memory_.reach.empty();
     for (Unit& u : units_) {
       const auto known = memory_.units.find(u.loop);
       if (known == memory_.units.end()) continue;
@@ -134,11 +134,40 @@ class Planarizer {
     Kept kept;
     for (const Unit& u : units_) kept.emplace_back(u.loop.size(), 1);
     std::vector<Vec3> at = places_.start;
-    if (!is_again_) fit(units_, places_, kept, kFirst, at, job_);
-    for (int pass = is_again_ ? kPasses - 1 : 1; pass < kPasses; ++pass) {
+    if (is_again_) {
+      solve_new(at);
+      return;
+    }
+    fit(units_, places_, kept, kFirst, at, job_);
+    for (int pass = 1; pass < kPasses; ++pass) {
       kept = meet(units_, around_, places_, s_.threads, job_, at_);
       fit(units_, places_, kept, kAgain, at, job_);
     }
+  }
+
+  /// The planes of units that the try before did not know are fitted to those that it did.
+  void solve_new(std::vector<Vec3>& at) {
+    std::vector<std::int32_t> fixed;
+    std::vector<bool> is_new(units_.size(), false), concerns(at.size(), false);
+    for (std::size_t u = 0; u < units_.size(); ++u) {
+      is_new[u] = !memory_.units.contains(units_[u].loop);
+      if (!is_new[u] && !units_[u].held) fixed.push_back(static_cast<std::int32_t>(u));
+      for (const std::int32_t c : units_[u].loop) concerns[c] = concerns[c] || is_new[u];
+    }
+    for (const std::int32_t u : fixed) units_[u].held = true;
+    Kept kept;
+    for (const Unit& u : units_) {
+      auto& of = kept.emplace_back();
+      for (const std::int32_t c : u.loop) of.push_back(concerns[c]);
+    }
+    fit(units_, places_, kept, kFirst, at, job_);
+    for (int pass = 1; pass < kPasses; ++pass) {
+      kept = meet(units_, around_, places_, s_.threads, job_, at_);
+      for (std::size_t u = 0; u < units_.size(); ++u)
+        for (std::size_t i = 0; i < kept[u].size(); ++i) kept[u][i] = kept[u][i] && concerns[units_[u].loop[i]];
+      fit(units_, places_, kept, kAgain, at, job_);
+    }
+    for (const std::int32_t u : fixed) units_[u].held = false;
   }
 
   /// Has a corner, and what is round it, looked at in the next round.
@@ -294,6 +323,11 @@ class Planarizer {
       unit.free = true;
       return note(u, cause);
     }
+    const bool may_turn = unit.loop.size() > 3 && cause == Cause::meeting;
+    if (may_turn && !unit.plain) {
+      unit.plain = true;
+      return note(u, cause);
+    }
     bool any = false;  // what is round it may have moved
     for (const std::int32_t c : unit.loop)
       if (at_[c] != places_.start[c]) {
@@ -301,8 +335,8 @@ class Planarizer {
         any = true;
       }
     if (any) return note(u, cause);
-    if (unit.loop.size() == 3 || unit.own || cause != Cause::meeting) return false;
-    (unit.plain ? unit.own : unit.plain) = true;
+    if (!may_turn || unit.own) return false;
+    unit.own = true;
     return note(u, cause);
   }
 
@@ -347,13 +381,36 @@ class Planarizer {
     r.whole = units_.empty() ? 1.0 : whole / static_cast<double>(units_.size());
     r.planar = is_planar(s_);
     out.stuck = std::move(stuck_);
-    memory_.units.clear();
-    for (Unit& u : units_) {
-      std::vector<std::int32_t> loop = u.loop;
-      memory_.units.emplace(std::move(loop), std::move(u));
-    }
-    memory_.reach = places_.reach;
+    remember(out.stuck);
     return out;
+  }
+
+  /// Leaves what was found to the next try, but for the surroundings of the pieces that are to change.
+  void remember(const std::vector<std::int32_t>& stuck) {
+    std::vector<bool> is_near(units_.size(), false);
+    std::vector<std::int32_t> rim;
+    for (const std::int32_t l : stuck)
+      for (std::int32_t u = first_[l]; u < first_[l + 1]; ++u) rim.push_back(u);
+    memory_.units.clear();
+    memory_.reach = places_.reach;
+    for (int ring = 0; ring < kRings; ++ring) {
+      std::vector<std::int32_t> next;
+      for (const std::int32_t u : rim) {
+        is_near[u] = true;
+        for (const std::int32_t c : units_[u].loop) {
+          memory_.reach[c] = std::numeric_limits<double>::infinity();
+          for (const Around::Use& use : around_.of(c))
+            if (!is_near[use.unit]) next.push_back(use.unit);
+        }
+      }
+      sort_unique(next);
+      rim = std::move(next);
+    }
+    for (std::size_t u = 0; u < units_.size(); ++u) {
+      if (is_near[u]) continue;
+      std::vector<std::int32_t> loop = units_[u].loop;
+      memory_.units.emplace(std::move(loop), std::move(units_[u]));
+    }
   }
 
   State& s_;
