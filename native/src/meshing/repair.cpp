@@ -140,17 +140,17 @@ class Repairer {
   }
 
   /// Where a polygon can't be made planar, its piece is split, at last into faces of the scan at their places, and that
-  /// part is done again.
+  /// part is done again; after many tries it stays as it is.
   void make_planar() {
-    constexpr int kSplits = 6;
+    constexpr int kSplits = 6, kTries = 16;
     planar::Memory memory;
     for (int go = 0;; ++go) {
       const std::vector<Vec3> positions = s_.corners.position;
       const Diagonals diagonals = s_.diagonals;
       findings_.keep();
-      planar::Outcome outcome = planar::make_planar(s_, findings_, memory, job_);
+      planar::Outcome outcome = planar::make_planar(s_, findings_, memory, go == kTries, job_);
       outcome_.planar = outcome.report;
-      if (outcome.stuck.empty()) return;
+      if (outcome.stuck.empty() || go == kTries) return;
       std::vector<std::int32_t> changed = outcome.stuck;
       for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l)
         if (s_.diagonals[l] != diagonals[l]) changed.push_back(l);

@@ -55,10 +55,11 @@ bool is_within(const Vec3& p, const std::array<Vec3, 3>& t, double most) {
 
 class Planarizer {
  public:
-  Planarizer(State& state, Findings& findings, Memory& memory, const Job& job)
+  Planarizer(State& state, Findings& findings, Memory& memory, bool is_last, const Job& job)
       : s_(state),
         f_(findings),
         memory_(memory),
+        is_last_(is_last),
         job_(job),
         units_(units_of(state)),
         places_(places_of(state, units_, state.options.planar_reach * state.mesh.diagonal())),
@@ -230,7 +231,9 @@ class Planarizer {
     judged_.clear();
     for (const std::int32_t u : dirty_) {
       const Rules rules{s_.planes[units_[u].piece].normal, f_.bounds().thickness};
-      uncut_[u] = !cut(units_[u], kept_[u], own_[u], at_, rules, edges_, cuts_[u]);
+      cuts_[u].clear();
+      uncut_[u] = !units_[u].left && !is_flat(units_[u].loop, at_, kPlanar * places_.diagonal) &&
+                  !cut(units_[u], kept_[u], own_[u], at_, rules, edges_, cuts_[u]);
       is_dirty_[u] = false;
       judged_.push_back(units_[u].piece);
     }
@@ -278,7 +281,7 @@ class Planarizer {
       const auto loop = s_.polygons.of(s_.polygons.first_of(l) + part);
       const std::uint8_t faults = verdicts[part].faults & ~(kBent | kGiven | faults_[l]);
       const bool flat = is_flat(loop, at_, most);
-      if (faults == 0 && flat) continue;
+      if (faults == 0 && (flat || units_[unit_of(l, part)].left)) continue;
       const Cause cause = faults & (kCrossing | kNoArea) ? Cause::crossing : faults ? Cause::flipped : Cause::apart;
       if (give_up(l, part, loop, cause, firmly)) {
         any = true;
@@ -335,8 +338,12 @@ class Planarizer {
         any = true;
       }
     if (any) return note(u, cause);
-    if (!may_turn || unit.own) return false;
-    unit.own = true;
+    if (may_turn && !unit.own) {
+      unit.own = true;
+      return note(u, cause);
+    }
+    if (!is_last_ || unit.left) return false;
+    unit.left = true;
     return note(u, cause);
   }
 
@@ -360,7 +367,7 @@ class Planarizer {
     std::int32_t whole = 0;
     for (std::size_t u = 0; u < units_.size(); ++u) {
       const auto added = static_cast<std::int32_t>(cuts_[u].size());
-      whole += added == 0 && !uncut_[u];
+      whole += added == 0 && !uncut_[u] && !units_[u].left;
       r.faces_added += added;
       switch (added == 0 ? Cause::none : units_[u].cause) {
         case Cause::none:
@@ -416,6 +423,7 @@ class Planarizer {
   State& s_;
   Findings& f_;
   Memory& memory_;
+  const bool is_last_;
   const Job& job_;
   std::vector<Unit> units_;  // in the order of their pieces
   Places places_;
@@ -439,8 +447,8 @@ class Planarizer {
 
 }  // namespace
 
-Outcome make_planar(State& state, Findings& findings, Memory& memory, const Job& job) {
-  return Planarizer(state, findings, memory, job).run();
+Outcome make_planar(State& state, Findings& findings, Memory& memory, bool is_last, const Job& job) {
+  return Planarizer(state, findings, memory, is_last, job).run();
 }
 
 bool is_planar(const State& state) {

@@ -30,11 +30,13 @@ struct Outcome {
 /// corner that can't, within reach, is cut off its polygon by a triangle. What was not faulty before is not afterwards:
 /// what the judge finds at fault holds its corners back, is triangulated, and at last has the very triangles and the
 /// places of corners that the judge found faultless before. Only where such a triangle can't be a polygon of its own
-/// (it would face away, or an edge of it is one of other polygons) the piece is stuck.
+/// (it would face away, or an edge of it is one of other polygons) the piece is stuck. A polygon that is planar where it
+/// was is never cut for a fault.
+/// \param is_last  what is stuck stays as it was, though it is not planar
 /// \param findings  of the state as it is; up to date afterwards
 /// \param memory  of the try before, replaced by that of this one
 /// Cost: some twenty sparse solves in three unknowns a polygon, and a judgement of what changes from round to round.
-Outcome make_planar(State& state, Findings& findings, Memory& memory, const Job& job);
+Outcome make_planar(State& state, Findings& findings, Memory& memory, bool is_last, const Job& job);
 
 /// Whether all polygons are.
 bool is_planar(const State& state);
