@@ -123,6 +123,20 @@ TEST(Planar, RoughScansGetNoFaultThatTheyHadNot) {
       }
 }
 
+/// Crumpled balls, of which the repair's budget leaves a hundred polygons that cross themselves: planar ones are fewer.
+TEST(Planar, CrumpledScansGetNoMoreFaultsThanTheyHad) {
+  const auto faults = [](const MeshingReport& r) { return r.crossing + r.flipped + r.bent + r.intersecting; };
+  for (const int regions : {40, 100}) {
+    const Mesh ball = shapes::mesh(shapes::noisy(shapes::sphere(3), 0.3, 1));
+    const Partition part = labelled::voronoi(ball, regions, 1);
+    const MeshingReport before = polygons(ball, part, {}).report, after = polygons(ball, part).report;
+    EXPECT_GT(faults(before), 0);
+    EXPECT_LE(faults(after), faults(before));
+    EXPECT_TRUE(after.manifold && after.closed);
+    EXPECT_EQ(after.euler, before.euler);
+  }
+}
+
 TEST(Planar, OpenSheetsStayOpen) {
   shapes::Arrays a = shapes::noisy(shapes::plane(24), 0.003, 2);
   for (Vec3& v : a.vertices) v.z() += std::abs(v.x() - 0.5);

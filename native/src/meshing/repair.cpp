@@ -144,13 +144,14 @@ class Repairer {
   void make_planar() {
     constexpr int kSplits = 6, kTries = 16;
     planar::Memory memory;
+    bool is_last = false;
     for (int go = 0;; ++go) {
       const std::vector<Vec3> positions = s_.corners.position;
       const Diagonals diagonals = s_.diagonals;
       findings_.keep();
-      planar::Outcome outcome = planar::make_planar(s_, findings_, memory, go == kTries, job_);
+      const planar::Outcome outcome = planar::make_planar(s_, findings_, memory, is_last, job_);
       outcome_.planar = outcome.report;
-      if (outcome.stuck.empty() || go == kTries) return;
+      if (outcome.stuck.empty() || is_last) return;
       std::vector<std::int32_t> changed = outcome.stuck;
       for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l)
         if (s_.diagonals[l] != diagonals[l]) changed.push_back(l);
@@ -159,7 +160,7 @@ class Repairer {
       polygons_ = 0;  // these splits are not counted
       bool any = false;
       for (const std::int32_t l : outcome.stuck) any = (go < kSplits ? split(l) || shatter(l) : shatter(l)) || any;
-      if (!any) return;
+      is_last = !any || go + 1 == kTries;
       sort_unique(changed);
       s_.update(changed, positions);
       judge(all_pieces());
