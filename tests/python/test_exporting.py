@@ -10,6 +10,7 @@ import pytest
 
 import isimp_engine as engine
 from isimp_engine.cli import main
+from isimp_engine.cli.lods import named
 from isimp_engine.exporting import require, surfaces_of, validity
 
 UTM = (450000.25, 5500000.5, 112.0)
@@ -184,6 +185,11 @@ def test_nothing_is_left_where_the_place_is_missing(tmp_path: Path) -> None:
     with pytest.raises(engine.FileError, match="can't be written"):
         engine.write(tmp_path / "no" / "a.city.json", box())
     assert list(tmp_path.iterdir()) == []
+
+
+def test_levels_of_detail_keep_the_kind_of_file() -> None:
+    assert named(Path("a/house.city.json"), 1) == Path("a/house_LOD1.city.json")
+    assert named(Path("a/house.v2.obj"), 0) == Path("a/house.v2_LOD0.obj")
 
 
 def test_the_command_writes_cityjson_and_says_whether_it_is_valid(tmp_path: Path, capsys) -> None:

@@ -10,6 +10,7 @@ from .._core import PolygonMesh
 from .surfaces import CLASSES, Surfaces, rings
 
 VERSIONS = ("2.0", "1.1")
+_TRANSFORM = "transform"  # written by itself: cjio, once imported, has json write six digits of any number
 _STEPS = 1e-9  # of the diagonal: what coordinates are rounded to, in whole powers of ten
 
 
@@ -43,9 +44,11 @@ def cityjson(poly: PolygonMesh, surfaces: Surfaces, name: str, crs: int | None =
     content = {
         "type": "CityJSON",
         "version": version,
-        "transform": {"scale": [step] * 3, "translate": low.tolist()},
+        "transform": _TRANSFORM + ":",
         "metadata": metadata,
         "CityObjects": {name: {"type": "Building", "geometry": [geometry]}},
         "vertices": points,
     }
-    return json.dumps(content, separators=(",", ":"), allow_nan=False) + "\n"
+    text = json.dumps(content, separators=(",", ":"), allow_nan=False)
+    scale, shift = ",".join([repr(step)] * 3), ",".join(repr(x) for x in low.tolist())
+    return text.replace(f'"{_TRANSFORM}:"', f'{{"scale":[{scale}],"translate":[{shift}]}}', 1) + "\n"
