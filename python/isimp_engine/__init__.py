@@ -2,6 +2,7 @@
 
 from . import _process as _process  # isort: skip  (before all that takes long to load)
 
+from . import exporting as exporting
 from . import guided as guided
 from . import guides as guides
 from . import within as within
@@ -47,8 +48,8 @@ from ._core import (
     split_region,
     triangulate,
     unlock_regions,
-    write,
 )
+from .exporting import write
 from .texturing import Texture, TexturedSoup, read_textured, texture, write_textured
 
 __all__ = [

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "isimp/core/errors.h"
@@ -101,6 +102,39 @@ TEST(Planar, CurvedScansAreCut) {
   EXPECT_GT(after.report.planar.faces_added, 0);
   EXPECT_LT(after.report.planar.whole, 1.0);
   for (const std::int32_t r : after.polygon_region) EXPECT_TRUE(r >= 0 && r < part.region_count());
+}
+
+/// Rough balls, of which the polygons are far from planar: much has to be given up, at last the planes themselves.
+TEST(Planar, RoughScansGetNoFaultThatTheyHadNot) {
+  for (const std::uint32_t seed : {1U, 2U, 3U, 4U})
+    for (const double noise : {0.03, 0.06})
+      for (const int regions : {24, 60, 150}) {
+        const Mesh ball = shapes::mesh(shapes::noisy(shapes::sphere(3), noise, seed));
+        const Partition part = labelled::voronoi(ball, regions, seed);
+        const MeshingReport before = polygons(ball, part, {}).report, after = polygons(ball, part).report;
+        SCOPED_TRACE("noise " + std::to_string(noise) + ", seed " + std::to_string(seed) + ", regions " +
+                     std::to_string(regions));
+        EXPECT_TRUE(after.planar.planar);
+        EXPECT_LE(after.crossing, before.crossing);
+        EXPECT_LE(after.flipped, before.flipped);
+        EXPECT_LE(after.intersecting, before.intersecting);
+        EXPECT_TRUE(after.manifold && after.closed);
+        EXPECT_EQ(after.euler, before.euler);
+      }
+}
+
+/// Crumpled balls, of which the repair's budget leaves a hundred polygons that cross themselves: planar ones are fewer.
+TEST(Planar, CrumpledScansGetNoMoreFaultsThanTheyHad) {
+  const auto faults = [](const MeshingReport& r) { return r.crossing + r.flipped + r.bent + r.intersecting; };
+  for (const int regions : {40, 100}) {
+    const Mesh ball = shapes::mesh(shapes::noisy(shapes::sphere(3), 0.3, 1));
+    const Partition part = labelled::voronoi(ball, regions, 1);
+    const MeshingReport before = polygons(ball, part, {}).report, after = polygons(ball, part).report;
+    EXPECT_GT(faults(before), 0);
+    EXPECT_LE(faults(after), faults(before));
+    EXPECT_TRUE(after.manifold && after.closed);
+    EXPECT_EQ(after.euler, before.euler);
+  }
 }
 
 TEST(Planar, OpenSheetsStayOpen) {

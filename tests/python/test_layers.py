@@ -80,9 +80,12 @@ def imports(path):
             yield from ("." * node.level + name.split(".")[0] for name in names)
 
 
+OPTIONAL = {"on_dask.py": {"distributed"}, "images.py": {"PIL"}, "dxf.py": {"ezdxf"}, "ifc.py": {"ifcopenshell"}}
+
+
 def test_the_package_imports_itself_relatively_and_else_only_numpy_and_pillow_for_images():
     for path in sorted((ROOT / "python" / "isimp_engine").rglob("*.py")):
-        allowed = {"numpy"} | {"on_dask.py": {"distributed"}, "images.py": {"PIL"}}.get(path.name, set())
+        allowed = {"numpy"} | OPTIONAL.get(path.name, set())
         for name in imports(path):
             assert name.startswith(".") or name in allowed or name in sys.stdlib_module_names, f"{path} imports {name}"
 

@@ -50,6 +50,8 @@ Findings::Found Findings::find(std::int32_t piece, Source source) const {
   const std::int32_t first = s_.polygons.first_of(piece);
   const bool apart = apart_ && s_.polygons.count_of(piece) > 1;
   const std::vector<Vec3> beyond = apart ? areas_beyond_chords(s_, piece) : std::vector<Vec3>{};
+  Bounds bounds = bounds_;
+  if (apart) bounds.facing = kFacingApart;
   for (std::int32_t q = first; q < first + s_.polygons.count_of(piece); ++q) {
     const auto polygon = s_.polygons.of(q);
     Vec3 normal = f.source.normal;
@@ -59,7 +61,7 @@ Findings::Found Findings::find(std::int32_t piece, Source source) const {
       if (area.dot(other) > area.dot(normal)) normal = other;
     }
     f.polygons.push_back(
-        judge_polygon(polygon, s_.corners.position, normal, bounds_, {{}, piece, q - first}, &f.facets.facets));
+        judge_polygon(polygon, s_.corners.position, normal, bounds, {{}, piece, q - first}, &f.facets.facets));
   }
   f.facets.locate(s_.corners.position);
   if (f.polygons.size() == 1 && f.polygons[0].faults == kNoArea && f.source.is_face && is_given(piece))

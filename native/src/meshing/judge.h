@@ -38,12 +38,17 @@ struct PolygonVerdict {
 /// Of the diagonal: about what float32 can tell apart. A thinner polygon has no area.
 constexpr double kThickness = 1e-6;
 
+/// The cosine between a polygon and its piece up to which it counts as flipped; the second for polygons that planar
+/// ones were cut into, which may be steep where the bent one was.
+constexpr double kFacingPiece = 0.2, kFacingApart = 0.02;
+
 struct Bounds {
   double bend = 0;       ///< scene units; no bound if not above 0
   double thickness = 0;  ///< scene units; a polygon thinner than this has no area
   /// Polygons are planar, so any triangulation will do: triangles that are about as thin are avoided, as the long side
   /// of one would run through a corner that lies on it.
   bool no_slivers = false;
+  double facing = kFacingPiece;  ///< the cosine up to which a polygon counts as flipped
 };
 
 /// \param normal  that of the piece: a polygon that faces away from it is flipped

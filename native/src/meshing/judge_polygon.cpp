@@ -12,8 +12,6 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Point = Kernel::Point_2;
 
-constexpr double kFacing = 0.2;  ///< cosine between a polygon and its piece up to which it counts as flipped
-
 /// The polygon seen along its normal, turned counter-clockwise.
 struct Flat {
   std::vector<Point> points;
@@ -284,7 +282,7 @@ PolygonVerdict judge_polygon(std::span<const std::int32_t> polygon, std::span<co
     verdict.faults = kNoArea;
     return verdict;
   }
-  if (f.normal.dot(normal) <= kFacing * f.normal.norm()) verdict.faults |= kFlipped;
+  if (f.normal.dot(normal) <= bounds.facing * f.normal.norm()) verdict.faults |= kFlipped;
   if (bounds.bend > 0 && f.bend > bounds.bend) verdict.faults |= kBent;
   const bool convex = is_convex(f.points);
   if (!convex) verdict.crossing = find_crossing(f.points);

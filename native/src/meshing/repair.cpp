@@ -32,6 +32,7 @@ class Repairer {
   Repairer(State& state, Job& job) : s_(state), job_(job), findings_(state, bounds(state), job) {
     const auto allowed = static_cast<std::int32_t>(s_.options.repair_budget * s_.labels.piece_count());
     most_polygons_ = s_.labels.piece_count() + std::max(kLeastBudget, allowed);
+    if (s_.options.planar) findings_.judge_planar();
   }
 
   RepairOutcome run() {
@@ -138,22 +139,31 @@ class Repairer {
     return ever;
   }
 
-  /// Where a polygon can't be made planar, its piece is split and all is done again.
+  /// Where a polygon can't be made planar, its piece is split, at last into faces of the scan at their places, and that
+  /// part is done again; after many tries it stays as it is.
   void make_planar() {
-    constexpr int kTries = 4;
-    for (int go = 0; go < kTries; ++go) {
+    constexpr int kSplits = 6, kTries = 16;
+    planar::Memory memory;
+    bool is_last = false;
+    for (int go = 0;; ++go) {
       const std::vector<Vec3> positions = s_.corners.position;
       const Diagonals diagonals = s_.diagonals;
-      planar::Outcome outcome = planar::make_planar(s_, findings_, job_);
+      findings_.keep();
+      const planar::Outcome outcome = planar::make_planar(s_, findings_, memory, is_last, job_);
       outcome_.planar = outcome.report;
-      if (outcome.stuck.empty() || go + 1 == kTries) return;
-      s_.corners.position = positions;
+      if (outcome.stuck.empty() || is_last) return;
+      std::vector<std::int32_t> changed = outcome.stuck;
+      for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l)
+        if (s_.diagonals[l] != diagonals[l]) changed.push_back(l);
       s_.diagonals = diagonals;
+      s_.corners.position = positions;
       polygons_ = 0;  // these splits are not counted
-      for (const std::int32_t l : outcome.stuck) split(l);
-      const std::vector<std::int32_t> all = all_pieces();
-      s_.update(all, positions);
-      judge(all);
+      bool any = false;
+      for (const std::int32_t l : outcome.stuck) any = (go < kSplits ? split(l) || shatter(l) : shatter(l)) || any;
+      is_last = !any || go + 1 == kTries;
+      sort_unique(changed);
+      s_.update(changed, positions);
+      judge(all_pieces());
       std::fill(tries_.begin(), tries_.end(), 0);
       mend(kRounds);
       fall_back();

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from .. import CleanOptions, PartitionOptions, __version__, recipes
+from .. import CleanOptions, FileError, PartitionOptions, __version__, exporting, recipes
 from . import page
 from .errors import BatchError
 from .local import Local
@@ -308,6 +308,10 @@ def _suffix(kind: str, arguments: argparse.Namespace) -> str:
     if suffix not in kinds:
         known = ", ".join(each.removeprefix(".") for each in kinds)
         raise BatchError(f"the format '{kind}' can't be written with these options; these can: {known}")
+    try:
+        exporting.require("results" + suffix)
+    except FileError as error:
+        raise BatchError(str(error)) from None
     return suffix
 
 

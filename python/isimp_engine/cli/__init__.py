@@ -104,6 +104,12 @@ def simplify_options() -> argparse.ArgumentParser:
         help="keep the scan's texture in an image of SIZE x SIZE pixels; without SIZE: as dense as the scan's images. "
         "Beside OUTPUT.obj come OUTPUT.mtl, OUTPUT.png and OUTPUT_normal.png; OUTPUT.glb holds all",
     )
+    command.add_argument(
+        "--crs",
+        type=int,
+        metavar="EPSG",
+        help="the number of the scan's reference system, written to CityJSON and IFC",
+    )
     command.add_argument("--recipe", type=Path, metavar="R.json", help="the steps to do, as the add-on exports them")
     return command
 

@@ -35,7 +35,9 @@ class Terminated(KeyboardInterrupt):
 def add_options(command: argparse.ArgumentParser) -> None:
     command.add_argument("inputs", nargs="+", metavar="INPUT", help="folder, pattern, list file, or scans")
     command.add_argument("output", type=Path, metavar="OUTPUT_FOLDER", help="made if it is not there")
-    command.add_argument("--format", default="obj", metavar="KIND", help="of results: obj, ply, ... Default: obj.")
+    command.add_argument(
+        "--format", default="obj", metavar="KIND", help="of results, as OUTPUT of simplify may end. Default: obj."
+    )
     command.add_argument("--jobs", type=int, metavar="N", help="scans at once. Default: what cores and memory allow.")
     command.add_argument("--dask", metavar="ADDRESS", help="scheduler of a cluster that does the work: tcp://HOST:PORT")
     command.add_argument("--time-limit", type=float, metavar="S", help="seconds a scan may take. Default: no limit.")

@@ -5,7 +5,7 @@ import copy
 from itertools import pairwise
 from pathlib import Path
 
-from .. import TextureOptions
+from .. import TextureOptions, exporting
 from . import texturing
 from .errors import UsageError
 from .files import STDOUT
@@ -52,7 +52,10 @@ def _level(arguments: argparse.Namespace, number: int, regions: int) -> argparse
 
 def named(path: Path, number: int) -> Path:
     """The name of a level as engines of games expect it: `stone_LOD1.glb`."""
-    return path.with_name(f"{path.stem}_LOD{number}{path.suffix}") if str(path) != STDOUT else path
+    if str(path) == STDOUT:
+        return path
+    suffix = exporting.kind_of(path) or path.suffix  # .city.json is one
+    return path.with_name(f"{path.name[: len(path.name) - len(suffix)]}_LOD{number}{suffix}")
 
 
 def halved(size: int, times: int) -> int:

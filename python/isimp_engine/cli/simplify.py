@@ -15,6 +15,7 @@ import numpy as np
 
 from .. import (
     CleanOptions,
+    FileError,
     InvalidInput,
     Job,
     Mesh,
@@ -23,8 +24,8 @@ from .. import (
     PolygonMesh,
     RegulariseOptions,
     __version__,
+    exporting,
     regularise,
-    write,
 )
 from ..guided import partition_guided
 from ..texturing.writing import KINDS as TEXTURED_KINDS
@@ -36,7 +37,7 @@ from .files import STDOUT, Outputs, check, is_same
 from .loading import Input, clean_mesh, facts, labels, load
 from .progress import Progress, wanted
 
-OUTPUT_KINDS = (".ply", ".obj")
+OUTPUT_KINDS = (".ply", ".obj", *exporting.KINDS)
 
 
 class Steps:
@@ -148,7 +149,8 @@ def _make(arguments: argparse.Namespace, source: Input, steps: Steps, outputs: O
             made = texturing.make(arguments, source, mesh, part, poly, job)
     with steps("write") as job:
         if made is None:
-            outputs.write(arguments.output, lambda path: write(path, poly, job))
+            put = partial(exporting.write, polygons=poly, job=job, crs=arguments.crs, like=arguments.output)
+            outputs.write(arguments.output, put)
         else:
             for file, content in files_of(arguments.output, poly, made, job).items():
                 outputs.write(file, partial(Path.write_bytes, data=content))
@@ -175,6 +177,7 @@ def _make(arguments: argparse.Namespace, source: Input, steps: Steps, outputs: O
         "history": part.history.tolist(),
         "partition": part.report,
         "output": {"path": str(arguments.output)} | model.found.report,
+        "validity": exporting.validity(poly),
         "texture": None if made is None else made.report | {"files": [str(path) for path in beside]},
         "seconds": steps.seconds,
         "peak_mb": peak_mb(),
@@ -198,9 +201,13 @@ def output_kinds(arguments: argparse.Namespace) -> tuple[str, ...]:
 
 def check_places(arguments: argparse.Namespace) -> list[Path]:
     """Refuse before the work what would fail after it; returns the files that come beside the output."""
-    if arguments.output.suffix.lower() not in (kinds := output_kinds(arguments)):
+    if not arguments.output.name.lower().endswith(kinds := output_kinds(arguments)):
         more = "with --texture " if arguments.texture is not None else ""
         raise UsageError(f"{arguments.output}: {more}OUTPUT must end in one of {', '.join(kinds)}")
+    try:
+        exporting.require(arguments.output)
+    except FileError as error:
+        raise UsageError(str(error)) from None
     beside = texturing.check_output(arguments)
     if arguments.labels == STDOUT:
         raise UsageError("--labels writes a binary file, which can't go to stdout; give ./- for a file called -")
@@ -265,5 +272,7 @@ def _summary(part: Partition, report: dict[str, Any]) -> Iterator[str]:
     if out.get("scan_distance") is not None:
         kept = "within" if out["scan_distance"] <= out["scan_distance_allowed"] else "NOT within"
         yield f"  the scan is at most {out['scan_distance']:.4g} off, {kept} {out['scan_distance_allowed']:.4g}"
+    if exporting.kind_of(out["path"]):
+        yield f"  {words.surfaces(report['validity'])}"
     if flaws := [f"{out[key]} {key}" for key in ("crossing", "flipped", "bent", "intersecting") if out[key]]:
         yield f"  not perfect: {', '.join(flaws)}"

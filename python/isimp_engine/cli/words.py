@@ -28,6 +28,19 @@ def count(number: int, thing: str) -> str:
     return f"{number:,} {'vertices' if thing == 'vertex' else thing + 's'}"
 
 
+def surfaces(validity: dict[str, Any]) -> str:
+    """`8 walls, 2 roofs, 1 part of the ground, 0 ceilings; a closed solid; all planar within 0.01`."""
+    found = validity["surfaces"]
+    named = zip(("wall", "roof", "ground", "ceiling"), found.values(), strict=True)
+    parts = ", ".join(
+        f"{number:,} {name}" + ("s" if number != 1 and name != "ground" else "") for name, number in named
+    )
+    kind = "a closed solid" if validity["solid"] else "no closed solid"
+    bent, limit = validity["non_planar"], validity["planarity_limit"]
+    plane = f"{count(bent, 'polygon')} non-planar by more than {limit:g}" if bent else f"all planar within {limit:g}"
+    return f"{parts}; {kind}; {plane}"
+
+
 def shape(report: dict[str, Any]) -> str:
     """`2 parts, 1 of them closed, 223 border edges in 5 loops`."""
     text = count(report["components"], "part")

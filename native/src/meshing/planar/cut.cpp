@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "judge.h"
+
 namespace isimp::meshing::planar {
 namespace {
 
@@ -12,8 +14,10 @@ constexpr double kFace = 1;
 constexpr double kOfSurface = 0.02;
 constexpr double kBad = 100;  ///< a triangle that faces away or has no area: only where there is no other way
 constexpr double kNever = 1e30;
-constexpr double kFacing =
-    0.25;  ///< the cosine between a triangle and its unit, a little above what the judge asks for
+/// The cosines between a triangle and its unit below which it faces away, a little above what the judge asks for, and
+/// below which it is steep.
+constexpr double kFacing = 2 * kFacingApart, kSteep = 0.25;
+constexpr double kOfSteep = 4;    ///< what a steep one costs
 constexpr double kThickness = 4;  ///< times the thickness that the judge asks for
 
 /// The triangulation of a polygon that leaves the fewest faces, once triangles on the plane are one again.
@@ -21,7 +25,7 @@ constexpr double kThickness = 4;  ///< times the thickness that the judge asks f
 class Triangulation {
  public:
   Triangulation(const Unit& unit, const std::vector<std::uint8_t>& kept, const std::vector<Vec3>& at,
-                const Rules& rules, const std::set<Edge>& edges)
+                const Rules& rules, const Edges& edges)
       : unit_(unit),
         kept_(kept),
         at_(at),
@@ -57,7 +61,7 @@ class Triangulation {
   void best(std::size_t i, std::size_t j) {
     double& least = cost_[i * n_ + j];
     least = kNever;
-    if (j - i < n_ - 1 && edges_.contains(edge(i, j))) return;
+    if (j - i < n_ - 1 && edges_.has(edge(i, j))) return;
     for (std::size_t k = i + 1; k < j; ++k) {
       const double rest = cost_[i * n_ + k] + cost_[k * n_ + j];
       if (rest >= least) continue;
@@ -77,9 +81,10 @@ class Triangulation {
     const double share = kOfSurface * size / std::max(area_, 1e-300);
     const bool faces = area.dot(up_) > 0;
     if (is_core(i, k, j)) return faces || size <= rules_.thickness * extent ? share : kBad;
-    const bool turned = std::max(area.dot(direction(i, k, j)), area.dot(rules_.facing)) <= kFacing * size;
+    const double turn = std::max(area.dot(direction(i, k, j)), area.dot(rules_.facing));
     const bool thin = size <= kThickness * rules_.thickness * extent;
-    return (faces && !turned && !thin ? kFace : kBad) + share;
+    if (!faces || thin || turn <= kFacing * size) return kBad + share;
+    return (turn <= kSteep * size ? kOfSteep : kFace) + share;
   }
 
   /// Of the part of the scan that a triangle stands for.
@@ -106,7 +111,7 @@ class Triangulation {
   const std::vector<std::uint8_t>& kept_;
   const std::vector<Vec3>& at_;
   const Rules& rules_;
-  const std::set<Edge>& edges_;
+  const Edges& edges_;
   const std::size_t n_;
   Vec3 outline_, up_;
   double area_ = 0;
@@ -116,15 +121,31 @@ class Triangulation {
 
 }  // namespace
 
-bool cut(const Unit& unit, const std::vector<std::uint8_t>& kept, const std::vector<Vec3>& at, const Rules& rules,
-         std::set<Edge>& edges, std::vector<Edge>& cuts) {
+bool Edges::has(const Edge& e) const {
+  const auto& some = beyond_[e[0]];
+  return std::find(some.begin(), some.end(), e[1]) != some.end();
+}
+
+void Edges::remove(const Edge& e) {
+  auto& some = beyond_[e[0]];
+  some.erase(std::find(some.begin(), some.end(), e[1]));
+}
+
+bool cut(const Unit& unit, const std::vector<std::uint8_t>& kept, std::span<const Edge> own,
+         const std::vector<Vec3>& at, const Rules& rules, Edges& edges, std::vector<Edge>& cuts) {
+  cuts.clear();
   const bool whole = !unit.free && std::all_of(kept.begin(), kept.end(), [](std::uint8_t k) { return k != 0; });
   if (whole || unit.loop.size() == 3) return true;
-  Triangulation triangles(unit, kept, at, rules, edges);
-  if (!triangles.find()) return false;
-  const std::size_t before = cuts.size();
-  triangles.collect(cuts);
-  edges.insert(cuts.begin() + static_cast<std::ptrdiff_t>(before), cuts.end());
+  const bool as_before = unit.own && own.size() + 3 == unit.loop.size() &&
+                         std::none_of(own.begin(), own.end(), [&](const Edge& e) { return edges.has(e); });
+  if (as_before) {
+    cuts.assign(own.begin(), own.end());
+  } else {
+    Triangulation triangles(unit, kept, at, rules, edges);
+    if (!triangles.find()) return false;
+    triangles.collect(cuts);
+  }
+  for (const Edge& e : cuts) edges.add(e);
   return true;
 }
 

@@ -1,11 +1,11 @@
 #include "planar/fit.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
-#include <Eigen/LU>
-#include <Eigen/SparseCholesky>
-#include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
+
+#include "planar/blocks.h"
 
 namespace isimp::meshing::planar {
 namespace {
@@ -40,14 +40,19 @@ class Solver {
     std::stable_sort(links_.begin(), links_.end(), [](const Link& a, const Link& b) { return a.corner < b.corner; });
     for (const Link& l : links_) ++first_[l.corner + 1];
     for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
+    steps_.resize(first_.size() - 1);
+    axes_.resize(units.size());
+    right_.resize(count_);
+    system_ = BlockSystem(count_, pairs());
   }
 
   void round(double penalty) {
     start(penalty);
     for (std::int32_t c = 0; c + 1 < static_cast<std::int32_t>(first_.size()); ++c) eliminate(c, penalty);
-    solve();
-    for (std::int32_t c = 0; c + 1 < static_cast<std::int32_t>(first_.size()); ++c) move(c);
-    for (std::size_t u = 0; u < units_.size(); ++u) turn(u);
+    const std::vector<Vec3>& turns = system_.solve(right_);
+    for (std::int32_t c = 0; c + 1 < static_cast<std::int32_t>(first_.size()); ++c) move(c, turns);
+    for (std::size_t u = 0; u < units_.size(); ++u)
+      if (unknown_[u] != kNone) turn(u, turns[unknown_[u]]);
   }
 
  private:
@@ -56,34 +61,42 @@ class Solver {
   }
   [[nodiscard]] double weight(std::size_t u) const { return units_[u].scan.area / mean_area_; }
 
+  /// Pairs of planes that share a corner, in the order in which `eliminate` comes to them.
+  [[nodiscard]] std::vector<std::array<std::int32_t, 2>> pairs() const {
+    std::vector<std::array<std::int32_t, 2>> all;
+    for (std::int32_t c = 0; c + 1 < static_cast<std::int32_t>(first_.size()); ++c)
+      for (const Link& l : at(c))
+        for (const Link& m : at(c))
+          if (unknown_[m.unit] != kNone && unknown_[m.unit] < unknown_[l.unit])
+            all.push_back({unknown_[l.unit], unknown_[m.unit]});
+    return all;
+  }
+
   /// The terms of the planes alone.
   void start(double penalty) {
-    diagonal_.assign(count_, Mat3::Zero());
-    right_.setZero(3 * count_);
+    system_.clear();
+    pair_ = 0;
     for (std::size_t u = 0; u < units_.size(); ++u) {
       const Unit& unit = units_[u];
       if (unknown_[u] == kNone) continue;
-      const Eigen::Matrix<double, 3, 2> axes = axes_of(unit.normal);
+      const Axes axes = axes_[u] = axes_of(unit.normal);
       Mat3 h = Mat3::Zero();
       h.topLeftCorner<2, 2>() = axes.transpose() * unit.scan.spread * axes;
       h(2, 2) = 1;
       Vec3 b;
       b << -axes.transpose() * (unit.scan.spread * unit.normal), unit.normal.dot(unit.scan.centre) - unit.offset;
       const double size = places_.diagonal * places_.diagonal;
-      diagonal_[unknown_[u]] = weight(u) * h + kDamping * Vec3(size, size, 1).asDiagonal().toDenseMatrix();
-      right_.segment<3>(3 * unknown_[u]) = weight(u) * b;
+      system_.diagonal(unknown_[u]) = weight(u) * h + kDamping * Vec3(size, size, 1).asDiagonal().toDenseMatrix();
+      right_[unknown_[u]] = weight(u) * b;
     }
     for (Link& l : links_) {
       const std::int32_t k = unknown_[l.unit];
       if (k == kNone) continue;
-      const Unit& unit = units_[l.unit];
-      const Vec3 arm = at_[l.corner] - unit.scan.centre;
-      l.slope << axes_of(unit.normal).transpose() * arm, -1.0;
-      diagonal_[k] += penalty * l.slope * l.slope.transpose();
-      right_.segment<3>(3 * k) -= penalty * miss(l) * l.slope;
+      const Vec3 arm = at_[l.corner] - units_[l.unit].scan.centre;
+      l.slope << axes_[l.unit].transpose() * arm, -1.0;
+      system_.diagonal(k) += penalty * l.slope * l.slope.transpose();
+      right_[k] -= penalty * miss(l) * l.slope;
     }
-    blocks_.clear();
-    steps_.resize(at_.size());
   }
 
   [[nodiscard]] double miss(const Link& l) const {
@@ -103,76 +116,53 @@ class Solver {
       b -= penalty * miss(l) * n;
     }
     Step& s = steps_[c];
-    s.inverse = h.inverse();
+    s.inverse = h.ldlt().solve(Mat3::Identity());
     s.right = b;
     s.penalty = penalty;
     for (const Link& l : at(c)) {
       const std::int32_t k = unknown_[l.unit];
       if (k == kNone) continue;
       const Vec3 back = penalty * (s.inverse * units_[l.unit].normal);
-      right_.segment<3>(3 * k) -= l.slope * back.dot(b);
+      right_[k] -= l.slope * back.dot(b);
       for (const Link& m : at(c)) {
         const std::int32_t j = unknown_[m.unit];
         if (j == kNone || j > k) continue;
         const Mat3 block = penalty * back.dot(units_[m.unit].normal) * l.slope * m.slope.transpose();
         if (j == k) {
-          diagonal_[k] -= block;
+          system_.diagonal(k) -= block;
         } else {
-          blocks_.push_back({k, j, block});
+          system_.add(pair_++, -block);
         }
       }
     }
   }
 
-  void solve() {
-    std::vector<Eigen::Triplet<double>> entries;
-    entries.reserve(9 * (blocks_.size() + diagonal_.size()));
-    for (std::int32_t k = 0; k < count_; ++k)
-      for (int i = 0; i < 3; ++i)
-        for (int j = 0; j <= i; ++j) entries.emplace_back(3 * k + i, 3 * k + j, diagonal_[k](i, j));
-    for (const auto& [row, column, block] : blocks_)
-      for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) entries.emplace_back(3 * row + i, 3 * column + j, -block(i, j));
-    Eigen::SparseMatrix<double> matrix(3 * count_, 3 * count_);
-    matrix.setFromTriplets(entries.begin(), entries.end());
-    if (!analysed_) ldlt_.analyzePattern(matrix);
-    analysed_ = true;
-    ldlt_.factorize(matrix);
-    if (ldlt_.info() == Eigen::Success) {
-      answer_ = ldlt_.solve(right_);
-    } else {
-      answer_.setZero(3 * count_);
-    }
-    if (!answer_.allFinite()) answer_.setZero();
-  }
-
-  void move(std::int32_t c) {
+  void move(std::int32_t c, const std::vector<Vec3>& turns) {
     if (at(c).empty()) return;
     const Step& s = steps_[c];
     Vec3 b = s.right;
     for (const Link& l : at(c))
       if (const std::int32_t k = unknown_[l.unit]; k != kNone)
-        b -= s.penalty * l.slope.dot(answer_.segment<3>(3 * k)) * units_[l.unit].normal;
+        b -= s.penalty * l.slope.dot(turns[k]) * units_[l.unit].normal;
     Vec3 step = s.inverse * b;
     const double length = step.norm(), most = kMostSteps * places_.reach[c];
     if (length > most) step *= most / length;
     at_[c] += step;
   }
 
-  void turn(std::size_t u) {
-    if (unknown_[u] == kNone) return;
+  void turn(std::size_t u, const Vec3& y) {
     Unit& unit = units_[u];
-    const Vec3 y = answer_.segment<3>(3 * unknown_[u]);
     const double by = std::hypot(y[0], y[1]), share = by > kMostTurn ? kMostTurn / by : 1;
     const double beyond = unit.offset - unit.normal.dot(unit.scan.centre) + y[2];
-    unit.normal = (unit.normal + share * (axes_of(unit.normal) * y.head<2>())).normalized();
+    unit.normal = (unit.normal + share * (axes_[u] * y.head<2>())).normalized();
     unit.offset = unit.normal.dot(unit.scan.centre) + beyond;
   }
 
-  static Eigen::Matrix<double, 3, 2> axes_of(const Vec3& n) {
+  using Axes = Eigen::Matrix<double, 3, 2>;
+  static Axes axes_of(const Vec3& n) {
     int axis = 0;
     n.cwiseAbs().minCoeff(&axis);
-    Eigen::Matrix<double, 3, 2> axes;
+    Axes axes;
     axes.col(0) = n.cross(Vec3::Unit(axis)).normalized();
     axes.col(1) = n.cross(axes.col(0));
     return axes;
@@ -183,11 +173,6 @@ class Solver {
     Vec3 right = Vec3::Zero();
     double penalty = 0;
   };
-  struct Block {
-    std::int32_t row, column;
-    Mat3 block;
-  };
-
   std::vector<Unit>& units_;
   const Places& places_;
   std::vector<Vec3>& at_;
@@ -196,12 +181,11 @@ class Solver {
   std::vector<std::int32_t> unknown_;
   std::int32_t count_ = 0;
   double mean_area_ = 1;
-  std::vector<Mat3> diagonal_;
-  std::vector<Block> blocks_;
   std::vector<Step> steps_;
-  Eigen::VectorXd right_, answer_;
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> ldlt_;
-  bool analysed_ = false;
+  std::vector<Axes> axes_;   // by unit: the directions in which its plane turns
+  std::vector<Vec3> right_;  // by unknown
+  std::size_t pair_ = 0;     // of those of `pairs`, the next
+  BlockSystem system_;
 };
 
 }  // namespace

@@ -141,6 +141,17 @@ Around::Around(const std::vector<Unit>& units, std::int32_t corners) : start_(co
       uses_[fill[units[u].loop[i]]++] = {static_cast<std::int32_t>(u), static_cast<std::int32_t>(i)};
 }
 
+Vec3 meet_at(std::int32_t corner, const std::vector<Unit>& units, const Around& around, const Places& places,
+             Kept& kept) {
+  Corner c(units, around.of(corner), places, corner);
+  Vec3 at;
+  const std::uint32_t set = c.place(at);
+  for (const auto& [unit, place] : around.of(corner)) kept[unit][place] = 0;
+  for (std::size_t i = 0; i < c.all().size(); ++i)
+    if (set >> i & 1) kept[c.all()[i].unit][c.all()[i].place] = 1;
+  return at;
+}
+
 Kept meet(const std::vector<Unit>& units, const Around& around, const Places& places, const Threads& threads,
           const Job& job, std::vector<Vec3>& at) {
   Kept kept(units.size());
@@ -149,12 +160,7 @@ Kept meet(const std::vector<Unit>& units, const Around& around, const Places& pl
   const auto n = static_cast<std::int32_t>(places.start.size());
   threads.blocks(n, kTogether, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
     job.poll();
-    for (std::int32_t c = begin; c < end; ++c) {
-      Corner corner(units, around.of(c), places, c);
-      const std::uint32_t set = corner.place(at[c]);
-      for (std::size_t i = 0; i < corner.all().size(); ++i)
-        if (set >> i & 1) kept[corner.all()[i].unit][corner.all()[i].place] = 1;
-    }
+    for (std::int32_t c = begin; c < end; ++c) at[c] = meet_at(c, units, around, places, kept);
   });
   return kept;
 }

@@ -35,5 +35,10 @@ constexpr double kOnPlane = 1e-7;
 /// Cost: O(corners * 2^planes), at most 7 planes of each.
 Kept meet(const std::vector<Unit>& units, const Around& around, const Places& places, const Threads& threads,
           const Job& job, std::vector<Vec3>& at);
+/// The same for one corner.
+/// \param kept  by unit, by place in its loop: what is said of this corner is changed
+/// \return where it is then
+Vec3 meet_at(std::int32_t corner, const std::vector<Unit>& units, const Around& around, const Places& places,
+             Kept& kept);
 
 }  // namespace isimp::meshing::planar

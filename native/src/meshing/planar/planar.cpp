@@ -17,12 +17,13 @@
 namespace isimp::meshing::planar {
 namespace {
 
-constexpr int kPasses = 5;                ///< fits without the corners that did not fit
-constexpr Schedule kAgain{10, 1e2, 1e6};  ///< of these
-constexpr int kRounds = 80;               ///< of judging and holding back ...
-constexpr int kGentle = 12;               ///< ... in the first of which corners keep half their way
-constexpr std::size_t kFew = 8;           ///< corners of a unit that is rather triangulated than held back
-constexpr double kLeast = 1e-3;           ///< of the diagonal: corners held back to less than this stay where they were
+constexpr int kPasses = 3;  ///< fits, all but the first without the corners that did not fit
+constexpr Schedule kFirst{15, 1, 1e6}, kAgain{6, 1e2, 1e6};
+constexpr int kRings = 5;               ///< round what is stuck, that are solved anew
+constexpr int kGentle = 12;             ///< rounds in which corners that are held back keep half their way
+constexpr std::int32_t kTogether = 64;  ///< corners on one thread
+constexpr std::size_t kFew = 8;         ///< corners of a unit that is rather triangulated than held back
+constexpr double kLeast = 1e-3;         ///< of the diagonal: corners held back to less than this stay where they were
 
 bool is_flat(std::span<const std::int32_t> polygon, std::span<const Vec3> at, double most) {
   if (polygon.size() == 3) return true;
@@ -54,26 +55,42 @@ bool is_within(const Vec3& p, const std::array<Vec3, 3>& t, double most) {
 
 class Planarizer {
  public:
-  Planarizer(State& state, Findings& findings, const Job& job)
+  Planarizer(State& state, Findings& findings, Memory& memory, bool is_last, const Job& job)
       : s_(state),
         f_(findings),
+        memory_(memory),
+        is_last_(is_last),
         job_(job),
         units_(units_of(state)),
         places_(places_of(state, units_, state.options.planar_reach * state.mesh.diagonal())),
         around_(units_, state.corners.count()),
         diagonals_(state.diagonals),
-        first_(state.labels.pieces.size() + 1, 0) {
+        edges_(state.corners.count()),
+        first_(state.labels.pieces.size() + 1, 0),
+        cuts_(units_.size()),
+        uncut_(units_.size(), false),
+        is_dirty_(units_.size(), false),
+        is_moving_(state.corners.count(), false) {
     for (const Unit& u : units_) ++first_[u.piece + 1];
     for (std::size_t l = 1; l < first_.size(); ++l) first_[l] += first_[l - 1];
     for (std::size_t l = 0; l + 1 < first_.size(); ++l)
       faults_.push_back(f_.faults(static_cast<std::int32_t>(l)) & ~kBent);
     for (const Hit& h : f_.hits()) met_.insert({h.a, h.b});
-    f_.judge_planar();
+    for (const Unit& u : units_) {
+      kept_.emplace_back(u.loop.size(), 0);
+      for (std::size_t i = 0; i < u.loop.size(); ++i) edges_.add(edge(u.loop[i], u.loop[(i + 1) % u.loop.size()]));
+    }
+    find_own();
   }
 
   Outcome run() {
+    recall();
     solve();
-    for (int round = 0; round < kRounds; ++round) {
+    at_ = places_.start;
+    for (std::int32_t c = 0; c < s_.corners.count(); ++c) ask(c);
+    for (int round = 0;; ++round) {
+      job_.poll();
+      place();
       apply();
       if (!hold_back(round >= kGentle)) break;
     }
@@ -81,78 +98,158 @@ class Planarizer {
   }
 
  private:
+  static Edge edge(std::int32_t a, std::int32_t b) { return {std::min(a, b), std::max(a, b)}; }
+
+  /// The edges across each unit of the triangles that the judge sees now.
+  void find_own() {
+    own_.resize(units_.size());
+    for (std::size_t l = 0; l + 1 < first_.size(); ++l)
+      for (const Facet& f : f_.of(static_cast<std::int32_t>(l)).facets.facets) {
+        const std::int32_t u = first_[l] + f.part;
+        for (std::size_t k = 0; k < 3; ++k) {
+          const std::int32_t a = f.corner[k], b = f.corner[(k + 1) % 3];
+          if (a < b && !edges_.has({a, b})) own_[u].push_back({a, b});
+        }
+      }
+  }
+
+  /// Takes over what the try before found for the same polygons.
+  void recall() {
+    is_again_ = !memory_.reach.empty();
+    for (Unit& u : units_) {
+      const auto known = memory_.units.find(u.loop);
+      if (known == memory_.units.end()) continue;
+      const Unit& was = known->second;
+      u.normal = was.normal;
+      u.offset = was.offset;
+      u.free = was.free;
+      u.plain = was.plain;
+      u.own = was.own;
+      u.cause = was.cause;
+    }
+    for (std::size_t c = 0; c < std::min(memory_.reach.size(), places_.reach.size()); ++c)
+      places_.reach[c] = std::min(places_.reach[c], memory_.reach[c]);
+  }
+
   void solve() {
     Kept kept;
     for (const Unit& u : units_) kept.emplace_back(u.loop.size(), 1);
     std::vector<Vec3> at = places_.start;
-    fit(units_, places_, kept, {}, at, job_);
+    if (is_again_) {
+      solve_new(at);
+      return;
+    }
+    fit(units_, places_, kept, kFirst, at, job_);
     for (int pass = 1; pass < kPasses; ++pass) {
       kept = meet(units_, around_, places_, s_.threads, job_, at_);
       fit(units_, places_, kept, kAgain, at, job_);
     }
   }
 
-  /// Puts corners on their planes, nearer to where they were if they leave the scan there.
-  void place() {
-    constexpr int kTries = 4;
-    for (int go = 0; go < kTries; ++go) {
-      kept_ = meet(units_, around_, places_, s_.threads, job_, at_);
-      bool any = false;
-      for (std::int32_t c = 0; c < s_.corners.count(); ++c)
-        if (!is_near_scan(c)) {
-          places_.reach[c] = go + 2 < kTries ? 0.6 * (at_[c] - places_.start[c]).norm() : 0;
-          any = true;
-        }
-      if (!any) return;
+  /// The planes of units that the try before did not know are fitted to those that it did.
+  void solve_new(std::vector<Vec3>& at) {
+    std::vector<std::int32_t> fixed;
+    std::vector<bool> is_new(units_.size(), false), concerns(at.size(), false);
+    for (std::size_t u = 0; u < units_.size(); ++u) {
+      is_new[u] = !memory_.units.contains(units_[u].loop);
+      if (!is_new[u] && !units_[u].held) fixed.push_back(static_cast<std::int32_t>(u));
+      for (const std::int32_t c : units_[u].loop) concerns[c] = concerns[c] || is_new[u];
     }
+    for (const std::int32_t u : fixed) units_[u].held = true;
+    Kept kept;
+    for (const Unit& u : units_) {
+      auto& of = kept.emplace_back();
+      for (const std::int32_t c : u.loop) of.push_back(concerns[c]);
+    }
+    fit(units_, places_, kept, kFirst, at, job_);
+    for (int pass = 1; pass < kPasses; ++pass) {
+      kept = meet(units_, around_, places_, s_.threads, job_, at_);
+      for (std::size_t u = 0; u < units_.size(); ++u)
+        for (std::size_t i = 0; i < kept[u].size(); ++i) kept[u][i] = kept[u][i] && concerns[units_[u].loop[i]];
+      fit(units_, places_, kept, kAgain, at, job_);
+    }
+    for (const std::int32_t u : fixed) units_[u].held = false;
   }
 
-  /// Whether a corner is where it was, or no further from the scan than it may be from its vertex or than the reach.
-  [[nodiscard]] bool is_near_scan(std::int32_t c) {
-    const double step = (at_[c] - places_.start[c]).norm();
+  /// Has a corner, and what is round it, looked at in the next round.
+  void ask(std::int32_t c) {
+    if (is_moving_[c]) return;
+    is_moving_[c] = true;
+    moving_.push_back(c);
+  }
+  void ask_unit(std::int32_t u) {
+    if (is_dirty_[u]) return;
+    is_dirty_[u] = true;
+    dirty_.push_back(u);
+  }
+
+  /// Puts corners on their planes, nearer to where they were if they leave the scan there.
+  void place() {
+    std::sort(moving_.begin(), moving_.end());
+    const auto n = static_cast<std::int32_t>(moving_.size());
+    std::vector<Vec3> to(moving_.size());
+    s_.threads.blocks(n, kTogether, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+      job_.poll();
+      for (std::int32_t i = begin; i < end; ++i) to[i] = meet_at(moving_[i], units_, around_, places_, kept_);
+    });
+    constexpr int kTries = 4;
+    for (std::int32_t i = 0; i < n; ++i) {
+      const std::int32_t c = moving_[i];
+      for (int go = 1; go < kTries && !is_near_scan(c, to[i]); ++go) {
+        places_.reach[c] = go + 1 < kTries ? 0.6 * (to[i] - places_.start[c]).norm() : 0;
+        to[i] = meet_at(c, units_, around_, places_, kept_);
+      }
+      at_[c] = s_.corners.position[c] = to[i];
+      is_moving_[c] = false;
+      for (const auto& [u, place] : around_.of(c)) ask_unit(u);
+    }
+    moving_.clear();
+  }
+
+  /// Whether a place is no further from the start than the reach, or from the corner's vertex or the scan than it may.
+  [[nodiscard]] bool is_near_scan(std::int32_t c, const Vec3& x) {
     const Vec3& home = s_.mesh.vertices()[s_.corners.vertex[c]];
-    if (step <= places_.base || (at_[c] - home).norm() <= s_.options.reach * places_.diagonal) return true;
+    if ((x - places_.start[c]).norm() <= places_.base || (x - home).norm() <= s_.options.reach * places_.diagonal)
+      return true;
     for (const Around::Use& use : around_.of(c)) {
       std::vector<std::int32_t>& faces = faces_[units_[use.unit].piece];
       if (faces.empty()) faces = s_.labels.faces_of(units_[use.unit].piece);
       for (const std::int32_t f : faces) {
         const Triangle& t = s_.mesh.triangles()[f];
         const auto& v = s_.mesh.vertices();
-        if (is_within(at_[c], {v[t[0]], v[t[1]], v[t[2]]}, places_.base)) return true;
+        if (is_within(x, {v[t[0]], v[t[1]], v[t[2]]}, places_.base)) return true;
       }
     }
     return false;
   }
 
-  /// Puts corners and cuts where the planes ask for them, and judges what has changed.
+  /// Cuts the units that have changed, and judges them.
   void apply() {
-    place();
-    std::set<Edge> edges;
-    for (const Unit& u : units_)
-      for (std::size_t i = 0; i < u.loop.size(); ++i) {
-        const auto [a, b] = std::minmax(u.loop[i], u.loop[i + 1 < u.loop.size() ? i + 1 : 0]);
-        edges.insert({a, b});
-      }
-    s_.corners.position = at_;
-    cuts_.assign(units_.size(), {});
-    uncut_.assign(units_.size(), false);
-    Diagonals diagonals = diagonals_;
-    for (std::size_t u = 0; u < units_.size(); ++u) {
-      const Unit& unit = units_[u];
-      if (unit.free) kept_[u].assign(unit.loop.size(), 0);
-      const Rules rules{s_.planes[unit.piece].normal, f_.bounds().thickness};
-      uncut_[u] = !cut(unit, kept_[u], at_, rules, edges, cuts_[u]);
-      for (const auto& [a, b] : cuts_[u]) diagonals[unit.piece].push_back({s_.corners.vertex[a], s_.corners.vertex[b]});
+    std::sort(dirty_.begin(), dirty_.end());
+    for (const std::int32_t u : dirty_)
+      for (const Edge& e : cuts_[u]) edges_.remove(e);
+    judged_.clear();
+    for (const std::int32_t u : dirty_) {
+      const Rules rules{s_.planes[units_[u].piece].normal, f_.bounds().thickness};
+      cuts_[u].clear();
+      uncut_[u] = !units_[u].left && !is_flat(units_[u].loop, at_, kPlanar * places_.diagonal) &&
+                  !cut(units_[u], kept_[u], own_[u], at_, rules, edges_, cuts_[u]);
+      is_dirty_[u] = false;
+      judged_.push_back(units_[u].piece);
     }
+    dirty_.clear();
+    sort_unique(judged_);
     std::vector<std::int32_t> changed;
-    for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l)
-      if (diagonals[l] != s_.diagonals[l]) changed.push_back(l);
-    s_.diagonals = std::move(diagonals);
+    for (const std::int32_t l : judged_) {
+      std::vector<std::array<std::int32_t, 2>> diagonals = diagonals_[l];
+      for (std::int32_t u = first_[l]; u < first_[l + 1]; ++u)
+        for (const auto& [a, b] : cuts_[u]) diagonals.push_back({s_.corners.vertex[a], s_.corners.vertex[b]});
+      if (diagonals == s_.diagonals[l]) continue;
+      s_.diagonals[l] = std::move(diagonals);
+      changed.push_back(l);
+    }
     s_.polygons.collect(s_.complex, s_.labels, s_.diagonals, s_.corners, changed);
-    std::vector<std::int32_t> all;
-    for (const Unit& u : units_) all.push_back(u.piece);
-    sort_unique(all);
-    f_.judge(all);
+    f_.judge(judged_);
   }
 
   /// What is at fault, and what is not planar, moves its corners less or is triangulated.
@@ -160,9 +257,10 @@ class Planarizer {
   bool hold_back(bool firmly) {
     acted_.assign(units_.size(), false);
     bool any = false;
+    judged_.insert(judged_.end(), stuck_.begin(), stuck_.end());
+    sort_unique(judged_);
     stuck_.clear();
-    for (std::size_t l = 0; l + 1 < first_.size(); ++l)
-      any = hold_back_piece(static_cast<std::int32_t>(l), firmly) || any;
+    for (const std::int32_t l : judged_) any = hold_back_piece(l, firmly) || any;
     for (const Hit& h : f_.hits()) {
       if (met_.contains({h.a, h.b})) continue;
       const std::span<const std::int32_t> corners(h.corners);
@@ -183,7 +281,7 @@ class Planarizer {
       const auto loop = s_.polygons.of(s_.polygons.first_of(l) + part);
       const std::uint8_t faults = verdicts[part].faults & ~(kBent | kGiven | faults_[l]);
       const bool flat = is_flat(loop, at_, most);
-      if (faults == 0 && flat) continue;
+      if (faults == 0 && (flat || units_[unit_of(l, part)].left)) continue;
       const Cause cause = faults & (kCrossing | kNoArea) ? Cause::crossing : faults ? Cause::flipped : Cause::apart;
       if (give_up(l, part, loop, cause, firmly)) {
         any = true;
@@ -221,28 +319,43 @@ class Planarizer {
     if (moved) {
       const double left = firmly || most / 2 < kLeast * places_.diagonal ? 0 : most / 2;
       for (const std::int32_t c : corners)
-        if ((at_[c] - places_.start[c]).norm() > most / 2) places_.reach[c] = std::min(places_.reach[c], left);
+        if ((at_[c] - places_.start[c]).norm() > most / 2) lower(c, left);
       return note(u, cause);
     }
     if (!unit.free && unit.loop.size() > 3) {
       unit.free = true;
       return note(u, cause);
     }
-    if (firmly) {  // what is round it may have moved
-      for (const std::int32_t c : unit.loop)
-        if (at_[c] != places_.start[c]) {
-          places_.reach[c] = 0;
-          acted_[u] = true;
-        }
-      if (acted_[u]) return note(u, cause);
+    const bool may_turn = unit.loop.size() > 3 && cause == Cause::meeting;
+    if (may_turn && !unit.plain) {
+      unit.plain = true;
+      return note(u, cause);
     }
-    if (unit.plain || unit.loop.size() == 3 || cause != Cause::meeting) return false;
-    unit.plain = true;
+    bool any = false;  // what is round it may have moved
+    for (const std::int32_t c : unit.loop)
+      if (at_[c] != places_.start[c]) {
+        lower(c, 0);
+        any = true;
+      }
+    if (any) return note(u, cause);
+    if (may_turn && !unit.own) {
+      unit.own = true;
+      return note(u, cause);
+    }
+    if (!is_last_ || unit.left) return false;
+    unit.left = true;
     return note(u, cause);
+  }
+
+  void lower(std::int32_t c, double reach) {
+    places_.reach[c] = std::min(places_.reach[c], reach);
+    ask(c);
   }
 
   bool note(std::int32_t u, Cause cause) {
     acted_[u] = true;
+    for (const std::int32_t c : units_[u].loop) ask(c);
+    ask_unit(u);
     if (units_[u].cause == Cause::none) units_[u].cause = cause;
     return true;
   }
@@ -254,7 +367,7 @@ class Planarizer {
     std::int32_t whole = 0;
     for (std::size_t u = 0; u < units_.size(); ++u) {
       const auto added = static_cast<std::int32_t>(cuts_[u].size());
-      whole += added == 0 && !uncut_[u];
+      whole += added == 0 && !uncut_[u] && !units_[u].left;
       r.faces_added += added;
       switch (added == 0 ? Cause::none : units_[u].cause) {
         case Cause::none:
@@ -275,30 +388,68 @@ class Planarizer {
     r.whole = units_.empty() ? 1.0 : whole / static_cast<double>(units_.size());
     r.planar = is_planar(s_);
     out.stuck = std::move(stuck_);
+    remember(out.stuck);
     return out;
+  }
+
+  /// Leaves what was found to the next try, but for the surroundings of the pieces that are to change.
+  void remember(const std::vector<std::int32_t>& stuck) {
+    std::vector<bool> is_near(units_.size(), false);
+    std::vector<std::int32_t> rim;
+    for (const std::int32_t l : stuck)
+      for (std::int32_t u = first_[l]; u < first_[l + 1]; ++u) rim.push_back(u);
+    memory_.units.clear();
+    memory_.reach = places_.reach;
+    for (int ring = 0; ring < kRings; ++ring) {
+      std::vector<std::int32_t> next;
+      for (const std::int32_t u : rim) {
+        is_near[u] = true;
+        for (const std::int32_t c : units_[u].loop) {
+          memory_.reach[c] = std::numeric_limits<double>::infinity();
+          for (const Around::Use& use : around_.of(c))
+            if (!is_near[use.unit]) next.push_back(use.unit);
+        }
+      }
+      sort_unique(next);
+      rim = std::move(next);
+    }
+    for (std::size_t u = 0; u < units_.size(); ++u) {
+      if (is_near[u]) continue;
+      std::vector<std::int32_t> loop = units_[u].loop;
+      memory_.units.emplace(std::move(loop), std::move(units_[u]));
+    }
   }
 
   State& s_;
   Findings& f_;
+  Memory& memory_;
+  const bool is_last_;
   const Job& job_;
   std::vector<Unit> units_;  // in the order of their pieces
   Places places_;
   const Around around_;
-  const Diagonals diagonals_;                  // as they were
+  const Diagonals diagonals_;  // as they were
+  Edges edges_;
+  std::vector<std::vector<Edge>> own_;         // by unit
   std::vector<std::int32_t> first_;            // by piece: its first unit
   std::vector<std::uint8_t> faults_;           // by piece: as they were
   std::set<std::array<std::int32_t, 2>> met_;  // pairs of pieces that met
+  bool is_again_ = false;                      // there was a try before
   std::vector<Vec3> at_;
   Kept kept_;
-  std::vector<std::vector<Edge>> cuts_;  // by unit
-  std::vector<bool> uncut_, acted_;      // by unit: there is no way to cut it; it has given up something in this round
-  std::vector<std::int32_t> stuck_;
+  std::vector<std::vector<Edge>> cuts_;       // by unit
+  std::vector<bool> uncut_, acted_;           // by unit: there is no way to cut it; it has given up something now
+  std::vector<bool> is_dirty_, is_moving_;    // by unit, by corner: listed in ...
+  std::vector<std::int32_t> dirty_, moving_;  // ... units to be cut and corners to be placed in the next round
+  std::vector<std::int32_t> judged_, stuck_;  // pieces
   std::map<std::int32_t, std::vector<std::int32_t>> faces_;  // of the scan, by piece: those that were asked for
 };
 
 }  // namespace
 
-Outcome make_planar(State& state, Findings& findings, const Job& job) { return Planarizer(state, findings, job).run(); }
+Outcome make_planar(State& state, Findings& findings, Memory& memory, bool is_last, const Job& job) {
+  return Planarizer(state, findings, memory, is_last, job).run();
+}
 
 bool is_planar(const State& state) {
   for (std::int32_t l = 0; l < state.labels.piece_count(); ++l) {

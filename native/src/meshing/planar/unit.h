@@ -31,6 +31,8 @@ struct Unit {
   bool held = false;          ///< its plane is given and does not change
   bool free = false;          ///< given up: it is triangulated, and its plane counts for nothing
   bool plain = false;         ///< its triangles are those of least surface, whichever way they face
+  bool own = false;           ///< its triangles are those that the judge saw before anything moved
+  bool left = false;          ///< it stays as it was, planar or not
   Cause cause = Cause::none;  ///< why it was given up or a corner held back
 };
 

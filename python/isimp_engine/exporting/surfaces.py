@@ -1,0 +1,101 @@
+"""What polygons are on a building, and whether a model is valid."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._core import PolygonMesh
+
+WALL, ROOF, GROUND, CEILING = "WallSurface", "RoofSurface", "GroundSurface", "OuterCeilingSurface"
+CLASSES = (WALL, ROOF, GROUND, CEILING)
+PLANAR = 0.01  # scene units: what validators of city models allow by default, in metres
+
+_UPRIGHT = 0.25  # a wall's normal has no larger part along up: it leans by less than 14.5 degrees
+_LEVEL = 0.94  # the least part for ground: it rises by less than 20 degrees
+_LOW = 0.1  # of the model's height: ground lies below this
+
+
+@dataclass(frozen=True)
+class Surfaces:
+    """The class of each polygon by its plane's direction and place, and what the polygons are together."""
+
+    kind: list[str]  # by polygon, of CLASSES
+    normal: NDArray[np.float64]  # (Q, 3), unit; zero without area
+    components: int
+    volume: float  # of what closed polygons surround; negative where they face inwards
+    solid: bool  # whether they are one closed, manifold component that faces outwards
+
+    def of(self, kind: str) -> list[int]:
+        """The polygons of a class."""
+        return [q for q, own in enumerate(self.kind) if own == kind]
+
+
+def rings(poly: PolygonMesh) -> list[NDArray[np.int32]]:
+    """The corners of each polygon."""
+    return np.split(np.asarray(poly.loops), np.asarray(poly.loop_start)[1:]) if len(poly.loop_start) else []
+
+
+def surfaces_of(poly: PolygonMesh, up: tuple[float, float, float] = (0.0, 0.0, 1.0)) -> Surfaces:
+    """Tell walls, roofs, ground and ceilings apart.
+
+    Walls are upright within 14.5 degrees. Of the others, ground is what is level within 20 degrees in the lowest tenth
+    of the model's height, whichever way it faces: the underside of a closed building, or the terrain of an open scan.
+    Roofs face up and ceilings (of bays and passages) face down.
+    """
+    at = np.asarray(poly.vertices, dtype=np.float64)
+    at = at - at.mean(0) if len(at) else at  # products of large coordinates would lose digits
+    axis = np.asarray(up, dtype=np.float64) / np.linalg.norm(up)
+    loops = rings(poly)
+    areas, heights, volume = np.zeros((len(loops), 3)), np.zeros(len(loops)), 0.0
+    for q, loop in enumerate(loops):
+        p = at[loop]
+        areas[q] = np.cross(p - p[0], np.roll(p, -1, axis=0) - p[0]).sum(0) / 2
+        heights[q] = (p @ axis).mean()
+        volume += float(p[0] @ areas[q]) / 3
+    size = np.linalg.norm(areas, axis=1, keepdims=True)
+    normal = np.divide(areas, size, out=np.zeros_like(areas), where=size > 0)
+    along = normal @ axis
+    heights_all = at @ axis if len(at) else np.zeros(1)
+    low = heights_all.min() + _LOW * float(np.ptp(heights_all))
+    kind = np.where(np.abs(along) <= _UPRIGHT, WALL, np.where(along > 0, ROOF, CEILING)).astype(object)
+    kind[(np.abs(along) >= _LEVEL) & (heights <= low)] = GROUND
+    parts = _components(loops, len(at))
+    closed = bool(poly.report["closed"]) and bool(poly.report["manifold"])
+    return Surfaces([str(k) for k in kind], normal, parts, volume, closed and parts == 1 and volume > 0)
+
+
+def validity(poly: PolygonMesh, limit: float = PLANAR) -> dict[str, Any]:
+    """What validators of city models ask first: planar polygons, within `limit` in scene units, and a closed shell."""
+    found = surfaces_of(poly)
+    bent = np.asarray(poly.planarity) > limit
+    return {
+        "planarity_limit": limit,
+        "planarity_max": float(np.max(poly.planarity, initial=0.0)),
+        "non_planar": int(bent.sum()),
+        "closed": bool(poly.report["closed"]),
+        "manifold": bool(poly.report["manifold"]),
+        "components": found.components,
+        "solid": found.solid,
+        "self_intersections": int(poly.report["crossing"] + poly.report["intersecting"] + poly.report["excused"]),
+        "surfaces": {kind: len(found.of(kind)) for kind in CLASSES},
+    }
+
+
+def _components(loops: list[NDArray[np.int32]], vertices: int) -> int:
+    parent = np.arange(vertices)
+
+    def root(v: int) -> int:
+        while parent[v] != v:
+            parent[v] = parent[parent[v]]
+            v = parent[v]
+        return v
+
+    used = set()
+    for loop in loops:
+        first = root(int(loop[0]))
+        for v in loop.tolist():
+            used.add(v)
+            parent[root(v)] = first
+    return len({root(v) for v in used})

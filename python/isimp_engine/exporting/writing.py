@@ -1,0 +1,83 @@
+"""One door for all files of polygons."""
+
+import importlib.util
+import os
+from collections.abc import Callable
+from os import PathLike
+from pathlib import Path
+
+from .. import _core
+from .._core import FileError, Job, PolygonMesh
+from . import cityjson, dxf, ifc
+from .surfaces import surfaces_of
+
+KINDS = (".city.json", ".dxf", ".ifc")
+_NEEDS = {".dxf": ("ezdxf", "dxf"), ".ifc": ("ifcopenshell", "ifc")}  # the package, and the extra that installs it
+
+
+def kind_of(path: str | PathLike[str]) -> str | None:
+    """Which of KINDS a name ends in; None for others."""
+    name = Path(path).name.lower()
+    return next((kind for kind in KINDS if name.endswith(kind)), None)
+
+
+def require(path: str | PathLike[str]) -> None:
+    """Refuse a file for which a package is missing. Raises FileError, which names it."""
+    package, extra = _NEEDS.get(kind_of(path) or "", (None, None))
+    if package is not None and importlib.util.find_spec(package) is None:
+        raise FileError(f"{path}: to write it the package {package} is needed: pip install 'isimp[{extra}]'")
+
+
+def write(
+    path: str | PathLike[str],
+    polygons: PolygonMesh,
+    job: Job | None = None,
+    *,
+    crs: int | None = None,
+    version: str = "2.0",
+    like: str | PathLike[str] | None = None,
+) -> None:
+    """Write polygons: PLY, OBJ, and for buildings CityJSON (.city.json), DXF and IFC.
+
+    The file appears whole or not at all. CityJSON, DXF and IFC have their polygons by class (walls, roofs, ground) and
+    keep n-gons and the scan's coordinates in double precision; they take scene units for metres. DXF needs the package
+    ezdxf, IFC ifcopenshell.
+
+    crs: the number of the EPSG reference system of the coordinates, written to CityJSON and IFC.
+    version: of CityJSON, "2.0" or "1.1".
+    like: the name that tells the kind, where `path` is one for now.
+    Raises FileError (another extension, a missing package, or the place can't be written), InvalidInput, Cancelled.
+    """
+    named = Path(like if like is not None else path)
+    kind = kind_of(named)
+    if kind is None:
+        _core.write(path, polygons, job)
+        return
+    require(named)
+    place = Path(path)
+    surfaces, name = surfaces_of(polygons), named.name[: -len(kind)] or "building"
+    if kind == ".city.json":
+        text = cityjson.cityjson(polygons, surfaces, name, crs, version)
+        _whole(place, lambda draft: draft.write_text(text, encoding="utf-8"))
+    elif kind == ".dxf":
+        _whole(place, lambda draft: dxf.write(draft, polygons, surfaces))
+    else:
+        _whole(place, lambda draft: ifc.write(draft, polygons, surfaces, name, crs))
+
+
+def _whole(place: Path, put: Callable[[Path], object]) -> None:
+    """Write beside the place, then move there; devices and pipes are written to as they are."""
+    if place.exists() and not place.is_file():
+        draft = place
+    else:
+        place = Path(os.path.realpath(place))  # a link stays one
+        draft = place.with_name(f".{os.getpid()}.{place.name}")
+    try:
+        put(draft)
+        if draft is not place:
+            draft.replace(place)
+    except OSError as error:
+        raise FileError(f"{place}: can't be written: {error.strerror or error}") from None
+    finally:
+        if draft is not place:
+            draft.unlink(missing_ok=True)

@@ -1,0 +1,210 @@
+"""CityJSON, DXF and IFC, read back by libraries that no one here wrote where they are installed."""
+
+import json
+import sys
+from pathlib import Path
+
+import houses
+import numpy as np
+import pytest
+
+import isimp_engine as engine
+from isimp_engine.cli import main
+from isimp_engine.cli.lods import named
+from isimp_engine.exporting import require, surfaces_of, validity
+
+UTM = (450000.25, 5500000.5, 112.0)
+
+
+def made(at: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> engine.PolygonMesh:
+    house = houses.make(0.0, 1, at=at)
+    mesh = engine.Mesh(house.vertices, house.triangles)
+    part = engine.partition_from(mesh, house.label.astype(np.int32))
+    return engine.polygonize(mesh, part, engine.MeshingOptions(planar=True))
+
+
+def box(size: float = 1.0, at: tuple[float, float, float] = (0.0, 0.0, 0.0), top: bool = True) -> engine.PolygonMesh:
+    """A closed cube of six polygons, or one without its top."""
+    n = 4
+    corners, faces, label = [], [], []
+    for axis in range(3):
+        for side in (0, 1):
+            if axis == 2 and side == 1 and not top:
+                continue
+            u, v = ((axis + 1) % 3, (axis + 2) % 3) if side else ((axis + 2) % 3, (axis + 1) % 3)
+            first = len(corners)
+            for i in range(n + 1):
+                for j in range(n + 1):
+                    p = [0.0, 0.0, 0.0]
+                    p[axis], p[u], p[v] = float(side), i / n, j / n
+                    corners.append([size * x + o for x, o in zip(p, at, strict=True)])
+            for i in range(n):
+                for j in range(n):
+                    a = first + i * (n + 1) + j
+                    faces += [[a, a + n + 1, a + n + 2], [a, a + n + 2, a + 1]]
+                    label += [2 * axis + side] * 2
+    points, index = np.unique(np.array(corners), axis=0, return_inverse=True)
+    mesh = engine.Mesh(points, index.reshape(-1)[np.array(faces)].astype(np.int32))
+    part = engine.partition_from(mesh, np.unique(label, return_inverse=True)[1].astype(np.int32))
+    return engine.polygonize(mesh, part)
+
+
+def rings(poly: engine.PolygonMesh) -> list[np.ndarray]:
+    return [np.asarray(poly.vertices)[loop] for loop in np.split(poly.loops, poly.loop_start[1:])]
+
+
+def same_rings(found: list[np.ndarray], poly: engine.PolygonMesh, within: float) -> None:
+    """Each polygon of the file is one of ours, corner by corner."""
+    ours = sorted((np.round(r, 3).tolist(), i) for i, r in enumerate(rings(poly)))
+    theirs = sorted((np.round(r, 3).tolist(), i) for i, r in enumerate(found))
+    assert [r for r, _ in ours] == [r for r, _ in theirs]
+    for (_, i), (_, k) in zip(ours, theirs, strict=True):
+        assert np.abs(rings(poly)[i] - found[k]).max() <= within
+
+
+def test_walls_roofs_and_ground_are_told_apart() -> None:
+    poly = box()
+    found = surfaces_of(poly)
+    names = ["WallSurface"] * 4 + ["GroundSurface", "RoofSurface"]
+    assert found.kind == names
+    assert found.solid
+    assert found.volume == pytest.approx(1.0)
+    lying = surfaces_of(poly, up=(1.0, 0.0, 0.0))
+    assert lying.kind == ["GroundSurface", "RoofSurface"] + ["WallSurface"] * 4
+
+
+def test_validity_tells_open_from_closed_and_bent_from_planar() -> None:
+    closed, opened = validity(box()), validity(box(top=False))
+    assert (closed["closed"], closed["solid"], closed["components"], closed["non_planar"]) == (True, True, 1, 0)
+    assert (opened["closed"], opened["solid"]) == (False, False)
+    assert opened["surfaces"] == {"WallSurface": 4, "RoofSurface": 0, "GroundSurface": 1, "OuterCeilingSurface": 0}
+    assert validity(made(), limit=-1.0)["non_planar"] == len(made().loop_start)
+
+
+def cityjson_rings(city: dict) -> list[np.ndarray]:
+    (building,) = city["CityObjects"].values()
+    (geometry,) = building["geometry"]
+    faces = geometry["boundaries"][0] if geometry["type"] == "Solid" else geometry["boundaries"]
+    at = np.array(city["vertices"]) * city["transform"]["scale"] + city["transform"]["translate"]
+    return [at[face[0]] for face in faces]
+
+
+@pytest.mark.parametrize("version", ["2.0", "1.1"])
+def test_cityjson_keeps_polygons_classes_and_place(tmp_path: Path, version: str) -> None:
+    poly = made(UTM)
+    path = tmp_path / "house.city.json"
+    engine.write(path, poly, crs=25832, version=version)
+    city = json.loads(path.read_text())
+    same_rings(cityjson_rings(city), poly, within=1e-8)
+    assert city["version"] == version
+    assert city["metadata"]["referenceSystem"].endswith("EPSG/0/25832")
+    (geometry,) = city["CityObjects"]["house"]["geometry"]
+    kinds = [s["type"] for s in geometry["semantics"]["surfaces"]]
+    values = geometry["semantics"]["values"]
+    values = values[0] if geometry["type"] == "Solid" else values
+    assert [kinds[v] for v in values] == surfaces_of(poly).kind
+    assert all(isinstance(x, int) for vertex in city["vertices"] for x in vertex)
+
+
+def test_cityjson_of_a_closed_box_is_a_solid(tmp_path: Path) -> None:
+    for top, kind in ((True, "Solid"), (False, "MultiSurface")):
+        path = tmp_path / "box.city.json"
+        engine.write(path, box(top=top))
+        (geometry,) = json.loads(path.read_text())["CityObjects"]["box"]["geometry"]
+        assert geometry["type"] == kind
+
+
+def test_cityjson_is_what_cjio_reads(tmp_path: Path) -> None:
+    cityjson = pytest.importorskip("cjio.cityjson", reason="cjio is not installed")
+    path, poly = tmp_path / "box.city.json", box(10.0, UTM)
+    engine.write(path, poly, crs=25832)
+    with path.open() as file:
+        city = cityjson.reader(file)
+    city.check_version()  # raises where it does not know it
+    assert city.get_version() == "2.0"
+    assert city.get_epsg() == 25832
+    assert city.number_city_objects_level1() == 1
+    city.decompress()
+    (building,) = city.j["CityObjects"].values()
+    at = np.array(city.j["vertices"])
+    same_rings([at[face[0]] for face in building["geometry"][0]["boundaries"][0]], poly, within=1e-8)
+
+
+def test_dxf_is_what_ezdxf_reads(tmp_path: Path) -> None:
+    ezdxf = pytest.importorskip("ezdxf", reason="ezdxf is not installed")
+    path, poly = tmp_path / "house.dxf", made(UTM)
+    engine.write(path, poly)
+    drawing = ezdxf.readfile(path)
+    assert not drawing.audit().has_errors
+    kinds, found = surfaces_of(poly).kind, []
+    for mesh in drawing.modelspace().query("MESH"):
+        at = np.array(mesh.vertices)
+        faces = [at[list(face)] for face in mesh.faces]
+        assert len(faces) == kinds.count(mesh.dxf.layer)
+        found += faces
+    same_rings(found, poly, within=1e-9)
+
+
+@pytest.mark.parametrize("crs", [None, 25832])
+def test_ifc_is_what_ifcopenshell_reads(tmp_path: Path, crs: int | None) -> None:
+    ifcopenshell = pytest.importorskip("ifcopenshell", reason="ifcopenshell is not installed")
+    path, poly = tmp_path / "house.ifc", made(UTM)
+    engine.write(path, poly, crs=crs)
+    file = ifcopenshell.open(str(path))
+    (site,) = file.by_type("IfcSite")
+    shift = np.array(site.ObjectPlacement.RelativePlacement.Location.Coordinates)
+    if crs is not None:
+        (conversion,) = file.by_type("IfcMapConversion")
+        assert conversion.TargetCRS.Name == "EPSG:25832"
+        assert not shift.any()
+        shift = np.array([conversion.Eastings, conversion.Northings, conversion.OrthogonalHeight])
+    found, elements = [], file.by_type("IfcWall") + file.by_type("IfcRoof") + file.by_type("IfcSlab")
+    for element in elements:
+        (shape,) = element.Representation.Representations[0].Items
+        assert shape.is_a("IfcPolygonalFaceSet")
+        at = np.array(shape.Coordinates.CoordList) + shift
+        found += [at[np.array(face.CoordIndex) - 1] for face in shape.Faces]
+    assert {e.is_a() for e in elements} >= {"IfcWall", "IfcRoof"}
+    same_rings(found, poly, within=1e-8)
+
+
+def test_a_missing_package_is_named_before_the_work(tmp_path: Path, monkeypatch, capsys) -> None:
+    scan = tmp_path / "scan.obj"
+    scan.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    for package, kind in (("ezdxf", "dxf"), ("ifcopenshell", "ifc")):
+        monkeypatch.setitem(sys.modules, package, None)
+        monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+        with pytest.raises(engine.FileError, match=rf"{package} is needed: pip install 'isimp\[{kind}\]'"):
+            require(f"a.{kind}")
+        assert main(["simplify", str(scan), str(tmp_path / f"out.{kind}"), "--quiet"]) == 2
+        assert package in capsys.readouterr().err
+        assert not (tmp_path / f"out.{kind}").exists()
+
+
+def test_nothing_is_left_where_the_place_is_missing(tmp_path: Path) -> None:
+    with pytest.raises(engine.FileError, match="can't be written"):
+        engine.write(tmp_path / "no" / "a.city.json", box())
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_levels_of_detail_keep_the_kind_of_file() -> None:
+    assert named(Path("a/house.city.json"), 1) == Path("a/house_LOD1.city.json")
+    assert named(Path("a/house.v2.obj"), 0) == Path("a/house.v2_LOD0.obj")
+
+
+def test_the_command_writes_cityjson_and_says_whether_it_is_valid(tmp_path: Path, capsys) -> None:
+    house = houses.make(0.002, 3)
+    scan, out, report = tmp_path / "scan.obj", tmp_path / "out.city.json", tmp_path / "report.json"
+    lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in house.vertices]
+    lines += [f"f {a} {b} {c}" for a, b, c in house.triangles + 1]
+    scan.write_text("\n".join(lines) + "\n")
+    command = ["simplify", str(scan), str(out), "--proxies", "110", "--planar", "--crs", "25832"]
+    assert main([*command, "--report", str(report)]) == 0
+    assert "walls" in capsys.readouterr().out
+    found = json.loads(report.read_text())["validity"]
+    assert found["non_planar"] == 0
+    assert found["planarity_limit"] == 0.01
+    city = json.loads(out.read_text())
+    assert len(cityjson_rings(city)) == sum(found["surfaces"].values())
+    assert list(city["CityObjects"]) == ["out"]
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["out.city.json", "report.json", "scan.obj"]
