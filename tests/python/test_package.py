@@ -212,9 +212,8 @@ def test_the_sdist_has_the_headers_that_git_ignores():
 
 def test_release_notes_are_the_section_of_the_version():
     notes = script("release_notes")
-    changelog = (
-        "# Changelog\n\n## Unreleased\n\n- new\n\n## 0.2.0.1\n\n- not it\n\n## 0.2.0 - 2026-01-01\n\n- two\n\n## 0.1.0\n\n- one\n"
-    )
+    sections = {"Unreleased": "new", "0.2.0.1": "not it", "0.2.0 - 2026-01-01": "two", "0.1.0": "one"}
+    changelog = "# Changelog\n\n" + "\n".join(f"## {name}\n\n- {line}\n" for name, line in sections.items())
     assert notes.section(changelog, "0.2.0") == "- two"
     assert notes.section(changelog, "0.1.0") == "- one"
     with pytest.raises(SystemExit, match=r"no section 0\.3\.0: rename Unreleased"):
@@ -280,3 +279,10 @@ def test_the_next_version_of_a_zip_has_its_own_version_everywhere(tmp_path):
         else:
             assert f"isimp/{installed.MARK}" in names
             assert b'"version": (0, 1, 999)' in names["isimp/__init__.py"]
+
+
+def test_a_module_with_its_own_library_shows_one_name():
+    """Debian's Blender crashed when it shared weak names of the C++ library with the one that was linked in."""
+    bindings = (ROOT / "native" / "bindings" / "CMakeLists.txt").read_text(encoding="utf-8")
+    assert "-Wl,--version-script=${PROJECT_SOURCE_DIR}/cmake/module.map" in bindings
+    assert "{ global: PyInit__core; local: *; };" in (ROOT / "cmake" / "module.map").read_text(encoding="utf-8")
