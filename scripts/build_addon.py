@@ -1,10 +1,12 @@
-"""Packs the add-on for Blender, with the engine in it: one zip for Blender before 4.2, one extension for later ones.
+"""Packs the add-on for Blender, with the engine in it.
+
+For each platform there are two zips: an extension for Blender 4.2 and later, and a legacy zip for Blender 3.4 to 4.1.
 
     scripts/build_addon.py [--wheel WHEEL ...] [--out dist]
 
-The version is that of CMakeLists.txt. The engine comes from wheels of the package (`pip wheel . --no-deps`), or,
-without --wheel, from the package installed for the Python that runs this. The zip for older Blenders takes the first
-wheel, the extension all: Blender picks.
+The version is that of CMakeLists.txt. The engine comes from wheels, one for each platform, that hold the module for
+all Pythons (scripts/package.sh), or, without --wheel, from the package installed for the Python that runs this.
+Blender 4.2.0 takes the wheel of the highest name whatever its Python, so a zip never has two.
 """
 
 import argparse
@@ -37,16 +39,22 @@ def add(archive: zipfile.ZipFile, name: str, data: bytes) -> None:
 
 
 def version() -> str:
-    """The version of the project. CMakeLists.txt is the one place that states it."""
-    return re.search(r"project\(isimp VERSION ([0-9]+\.[0-9]+\.[0-9]+)", (ROOT / "CMakeLists.txt").read_text()).group(1)
+    """The version of the project, as wheels have it. CMakeLists.txt is the one place that states it."""
+    stated = r'project\(isimp VERSION ([0-9]+\.[0-9]+\.[0-9]+)[^"]*"((?:\.dev[0-9]+)?)"'
+    return "".join(re.search(stated, (ROOT / "CMakeLists.txt").read_text()).groups())
+
+
+def blenders_version() -> str:
+    """The same as Blender wants it, which asks for semantic versions: 0.1.0-dev.3 for 0.1.0.dev3."""
+    return re.sub(r"\.dev([0-9]+)$", r"-dev.\1", version())
 
 
 def with_version(name: str, data: bytes) -> bytes:
     """The file with the project's version, if it is one of the two that state a version to Blender."""
     if name == "__init__.py":
-        old, new = b'"version": (0, 0, 0),', f'"version": ({version().replace(".", ", ")}),'.encode()
+        old, new = b'"version": (0, 0, 0),', f'"version": ({", ".join(version().split(".")[:3])}),'.encode()
     elif name == "blender_manifest.toml":
-        old, new = b'version = "0.0.0"', f'version = "{version()}"'.encode()
+        old, new = b'version = "0.0.0"', f'version = "{blenders_version()}"'.encode()
     else:
         return data
     if data.count(old) != 1:
@@ -97,41 +105,56 @@ def installed_wheel(folder: Path) -> Path:
     return wheel
 
 
+def engine_of(name: str) -> bool:
+    """Whether a file of a wheel is the engine's: the package, and the libraries that auditwheel puts beside it."""
+    return name.startswith(("isimp_engine/", "isimp.libs/", "isimp_engine.libs/"))
+
+
 def pack_legacy(target: Path, wheel: Path) -> None:
-    """Everything under isimp/, the engine as a package inside."""
+    """Everything under isimp/, the engine as a package inside, its libraries beside it, where it looks for them."""
     with zipfile.ZipFile(target, "w") as archive, zipfile.ZipFile(wheel) as source:
         for name, data in addon_files().items():
             if name != "blender_manifest.toml":
                 add(archive, f"isimp/{name}", data)
-        for name in sorted(source.namelist()):
-            if name.startswith("isimp_engine/"):
-                add(archive, f"isimp/{name}", source.read(name))
+        for name in sorted(filter(engine_of, source.namelist())):
+            add(archive, f"isimp/{name}", source.read(name))
 
 
-def pack_extension(target: Path, wheels: list[Path]) -> None:
-    """Everything at the top, the wheels named in the manifest."""
-    names = ", ".join(f'"./wheels/{wheel.name}"' for wheel in wheels)
-    platforms = ", ".join(f'"{name}"' for name in sorted({platform_of(wheel) for wheel in wheels}))
+def pack_extension(target: Path, wheel: Path, website: str | None) -> None:
+    """Everything at the top, the wheel named in the manifest."""
+    site = f'website = "{website}"\n' if website else ""
     with zipfile.ZipFile(target, "w") as archive:
         for name, data in addon_files().items():
-            more = f"platforms = [{platforms}]\nwheels = [{names}]\n" if name == "blender_manifest.toml" else ""
-            add(archive, name, data + more.encode())
-        for wheel in wheels:
-            add(archive, f"wheels/{wheel.name}", wheel.read_bytes())
+            if name == "blender_manifest.toml":
+                named = f'{site}platforms = ["{platform_of(wheel)}"]\nwheels = ["./wheels/{wheel.name}"]\n'.encode()
+                head, tables, rest = data.partition(b"\n[")  # a table ends the part that these belong to
+                add(archive, name, head + b"\n" + named + tables + rest)
+            else:
+                add(archive, name, data)
+        add(archive, f"wheels/{wheel.name}", wheel.read_bytes())
 
 
 def main(argv: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--wheel", type=Path, nargs="+", help="wheels of the package, for one platform and Python each")
+    parser.add_argument("--wheel", type=Path, nargs="+", help="wheels of the package, one for each platform")
     parser.add_argument("--out", type=Path, default=ROOT / "dist", help="where the zips go (default dist)")
+    parser.add_argument("--website", help="address of the project, for the extension's manifest")
     options = parser.parse_args(argv)
     options.out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
         wheels = options.wheel or [installed_wheel(Path(folder))]
-        legacy, extension = (options.out / f"isimp-{version()}-{kind}.zip" for kind in ("blender3", "extension"))
-        pack_legacy(legacy, wheels[0])
-        pack_extension(extension, wheels)
-    print(legacy, extension, sep="\n")
+        platforms = [platform_of(wheel) for wheel in wheels]
+        if len(set(platforms)) != len(platforms):
+            raise SystemExit(
+                f"one wheel for each platform is wanted, got {', '.join(sorted(platforms))}; see wheels.py"
+            )
+        for wheel, platform in zip(wheels, platforms, strict=True):
+            extension, legacy = (
+                options.out / f"isimp-{version()}-{kind}-{platform}.zip" for kind in ("extension", "legacy")
+            )
+            pack_extension(extension, wheel, options.website)
+            pack_legacy(legacy, wheel)
+            print(extension, legacy, sep="\n")
 
 
 if __name__ == "__main__":

@@ -42,6 +42,13 @@ build_requirements() {
   "$python" -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"], sep="\n")'
 }
 
+# has_extensions: whether the Blender on the PATH is 4.2 or later. An older one takes no notice of --command, and exits 0.
+has_extensions() {
+  local version
+  version=$(blender --version 2>/dev/null | sed -n '1s/^Blender //p')
+  [ -n "$version" ] && printf '4.2\n%s\n' "$version" | sort -C -V
+}
+
 # build_wheel VENV [OPTION...]: our package with CUDA where nvcc is found, into out/wheel; a second time only what has
 # changed.
 build_wheel() {
@@ -59,10 +66,10 @@ install_wheel() {
   "$venv/bin/pip" install -q --no-deps --force-reinstall "$@" "$out"/wheel/isimp-*.whl
 }
 
-# make_addon: the zips of the add-on with that wheel in it, and the one for Blender 3 put where Debian's Blender finds it.
+# make_addon: the zips of the add-on with that wheel in it, and the legacy one put where Debian's Blender finds it.
 make_addon() {
-  "$python" scripts/build_addon.py --wheel "$out"/wheel/isimp-*.whl --out dist >/dev/null || return
+  "$python" scripts/build_addon.py --wheel "$out"/wheel/isimp-*.whl --out "$out/addon" >/dev/null || return
   rm -rf "$out/blender/addons/isimp"
   mkdir -p "$out/blender/addons"
-  "$python" -m zipfile -e dist/isimp-*-blender3.zip "$out/blender/addons" && export BLENDER_USER_SCRIPTS=$out/blender
+  "$python" -m zipfile -e "$out"/addon/isimp-*-legacy-*.zip "$out/blender/addons" && export BLENDER_USER_SCRIPTS=$out/blender
 }

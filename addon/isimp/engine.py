@@ -3,9 +3,10 @@
 ENGINE_PROBLEM = ""  #: why the engine can't be used; empty when it can
 try:
     import isimp_engine as engine
-except ImportError:
+except ImportError as outer:
     try:
         from . import isimp_engine as engine
-    except ImportError as error:
+    except ImportError as inner:
         engine = None
-        ENGINE_PROBLEM = str(error)
+        # What is there and does not load says more than what is not there.
+        ENGINE_PROBLEM = str(inner if isinstance(outer, ModuleNotFoundError) else outer)

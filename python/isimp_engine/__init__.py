@@ -2,6 +2,8 @@
 
 from . import _process as _process  # isort: skip  (before all that takes long to load)
 
+from . import _carried as _carried  # isort: skip  (before the module whose lack it explains)
+
 from . import exporting as exporting
 from . import guided as guided
 from . import guides as guides

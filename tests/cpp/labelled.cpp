@@ -2,6 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <deque>
@@ -12,7 +15,6 @@
 #include <random>
 #include <sstream>
 #include <stdexcept>
-#include <tuple>
 
 #include "isimp/core/job.h"
 
@@ -32,12 +34,13 @@ Partition by(std::vector<std::int32_t> regions) {
 }
 
 Partition planes(const Mesh& mesh) {
-  std::map<std::tuple<long, long, long, long>, std::int32_t> known;
+  std::map<std::array<std::int64_t, 4>, std::int32_t> known;
   std::vector<std::int32_t> regions;
   for (const Triangle& t : mesh.triangles()) {
     const Vec3 &a = mesh.vertices()[t[0]], &b = mesh.vertices()[t[1]], &c = mesh.vertices()[t[2]];
     const Vec3 n = (b - a).cross(c - a).normalized() * 1e4;
-    const auto key = std::tuple(std::lround(n.x()), std::lround(n.y()), std::lround(n.z()), std::lround(n.dot(a)));
+    const std::array<std::int64_t, 4> key{std::llround(n.x()), std::llround(n.y()), std::llround(n.z()),
+                                          std::llround(n.dot(a))};
     regions.push_back(known.emplace(key, static_cast<std::int32_t>(known.size())).first->second);
   }
   return by(std::move(regions));

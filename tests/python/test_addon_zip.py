@@ -3,6 +3,7 @@
 import ast
 import importlib.util
 import re
+import shutil
 import sys
 import zipfile
 from pathlib import Path
@@ -30,9 +31,9 @@ def test_blender_can_read_bl_info_without_running_anything():
 def test_both_zips_state_the_version_of_the_project(tmp_path):
     project = re.search(r"project\(isimp VERSION ([0-9.]+)", (ROOT / "CMakeLists.txt").read_text()).group(1)
     build_addon.main(["--wheel", str(fake_wheel(tmp_path)), "--out", str(tmp_path)])
-    with zipfile.ZipFile(tmp_path / f"isimp-{project}-blender3.zip") as archive:
+    with zipfile.ZipFile(tmp_path / f"isimp-{project}-legacy-linux-x64.zip") as archive:
         legacy = bl_info(archive.read("isimp/__init__.py"))["version"]
-    with zipfile.ZipFile(tmp_path / f"isimp-{project}-extension.zip") as archive:
+    with zipfile.ZipFile(tmp_path / f"isimp-{project}-extension-linux-x64.zip") as archive:
         extension = bl_info(archive.read("__init__.py"))["version"]
         manifest = tomllib.loads(archive.read("blender_manifest.toml").decode())["version"]
     assert [".".join(map(str, legacy)), ".".join(map(str, extension)), manifest] == [project] * 3
@@ -66,7 +67,7 @@ def fake_wheel(folder, platform="linux_x86_64"):
 
 def test_the_zip_for_older_blenders_holds_the_engine(tmp_path, monkeypatch):
     build_addon.main(["--wheel", str(fake_wheel(tmp_path)), "--out", str(tmp_path / "dist")])
-    with zipfile.ZipFile(tmp_path / "dist" / f"isimp-{build_addon.version()}-blender3.zip") as archive:
+    with zipfile.ZipFile(tmp_path / "dist" / f"isimp-{build_addon.version()}-legacy-linux-x64.zip") as archive:
         names = archive.namelist()
         archive.extractall(tmp_path / "addons")
     assert all(name.startswith("isimp/") for name in names)
@@ -82,18 +83,60 @@ def test_the_zip_for_older_blenders_holds_the_engine(tmp_path, monkeypatch):
     assert module.answer == 42
 
 
-def test_the_extension_names_its_wheels_and_platforms(tmp_path):
-    wheels = [
-        fake_wheel(tmp_path, platform) for platform in ("manylinux_2_34_x86_64", "macosx_13_0_arm64", "win_amd64")
-    ]
-    build_addon.main(["--wheel", *map(str, wheels), "--out", str(tmp_path)])
-    with zipfile.ZipFile(tmp_path / f"isimp-{build_addon.version()}-extension.zip") as archive:
-        manifest = tomllib.loads(archive.read("blender_manifest.toml").decode())
-        assert sorted(manifest["wheels"]) == sorted(f"./wheels/{wheel.name}" for wheel in wheels)
-        assert {f"wheels/{wheel.name}" for wheel in wheels} <= set(archive.namelist())
-    assert manifest["platforms"] == ["linux-x64", "macos-arm64", "windows-x64"]
-    assert manifest["license"] == ["SPDX:GPL-3.0-or-later"]
-    assert not manifest["tagline"].endswith(".")
+def extension_manifest(path):
+    with zipfile.ZipFile(path) as archive:
+        return tomllib.loads(archive.read("blender_manifest.toml").decode()), set(archive.namelist())
+
+
+def test_each_platform_has_an_extension_with_its_wheel(tmp_path):
+    platforms = {"manylinux_2_28_x86_64": "linux-x64", "macosx_13_0_arm64": "macos-arm64", "win_amd64": "windows-x64"}
+    wheels = [fake_wheel(tmp_path, platform) for platform in platforms]
+    build_addon.main(["--wheel", *map(str, wheels), "--out", str(tmp_path), "--website", "https://example.org"])
+    for wheel, platform in zip(wheels, platforms.values(), strict=True):
+        name = f"isimp-{build_addon.version()}-extension-{platform}.zip"
+        manifest, names = extension_manifest(tmp_path / name)
+        assert manifest["wheels"] == [f"./wheels/{wheel.name}"]
+        assert {entry for entry in names if entry.startswith("wheels/")} == {f"wheels/{wheel.name}"}
+        assert manifest["platforms"] == [platform]
+        assert manifest["license"] == ["SPDX:GPL-3.0-or-later"]
+        assert manifest["website"] == "https://example.org"
+        assert manifest["copyright"]
+        assert set(manifest["permissions"]) == {"files"}
+        assert all(len(why) <= 64 and not why.endswith(".") for why in manifest["permissions"].values())
+        assert not manifest["tagline"].endswith(".")
+
+
+def test_two_wheels_of_a_platform_are_refused_since_blender_takes_one_blindly(tmp_path):
+    wheel = fake_wheel(tmp_path)
+    other = wheel.with_name(wheel.name.replace("cp311", "cp313"))
+    other.write_bytes(wheel.read_bytes())
+    with pytest.raises(SystemExit, match="one wheel for each platform is wanted, got linux-x64, linux-x64"):
+        build_addon.main(["--wheel", str(wheel), str(other), "--out", str(tmp_path)])
+
+
+def test_the_legacy_zip_has_the_libraries_where_the_engine_looks(tmp_path):
+    wheel = fake_wheel(tmp_path)
+    with zipfile.ZipFile(wheel, "a") as archive:
+        archive.writestr("isimp.libs/libgomp-1.so", "library")
+    build_addon.main(["--wheel", str(wheel), "--out", str(tmp_path)])
+    with zipfile.ZipFile(tmp_path / f"isimp-{build_addon.version()}-legacy-linux-x64.zip") as archive:
+        assert archive.read("isimp/isimp.libs/libgomp-1.so") == b"library"
+
+
+def test_a_trial_has_a_version_of_its_own_in_the_words_of_each(tmp_path, monkeypatch):
+    stated = (ROOT / "CMakeLists.txt").read_text()
+    assert stated.count('set(ISIMP_TRIAL "")') == 1  # what scripts/package.sh --trial N changes
+    shutil.copytree(ROOT / "addon", tmp_path / "addon", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(ROOT / "LICENSE", tmp_path)
+    (tmp_path / "CMakeLists.txt").write_text(stated.replace('set(ISIMP_TRIAL "")', 'set(ISIMP_TRIAL ".dev7")'))
+    project = build_addon.version()
+    monkeypatch.setattr(build_addon, "ROOT", tmp_path)
+    monkeypatch.setattr(build_addon, "ADDON", tmp_path / "addon" / "isimp")
+    build_addon.main(["--wheel", str(fake_wheel(tmp_path)), "--out", str(tmp_path)])
+    manifest, _ = extension_manifest(tmp_path / f"isimp-{project}.dev7-extension-linux-x64.zip")
+    assert manifest["version"] == f"{project}-dev.7"
+    with zipfile.ZipFile(tmp_path / f"isimp-{project}.dev7-legacy-linux-x64.zip") as archive:
+        assert bl_info(archive.read("isimp/__init__.py"))["version"] == tuple(map(int, project.split(".")))
 
 
 def test_the_same_input_gives_the_same_zips(tmp_path):

@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "isimp/core/prefetch.h"
 #include "parallel_loops.h"
 
 namespace isimp {
@@ -160,7 +161,7 @@ void fill_missing_normals(FaceGraph& graph, const std::vector<std::int32_t>& mis
 /// Has the vertices of a face a little ahead fetched.
 void fetch_soon(std::span<const Vec3> vertices, std::span<const Triangle> triangles, std::size_t f) {
   if (f + kAhead >= triangles.size()) return;
-  for (const std::int32_t v : triangles[f + kAhead]) __builtin_prefetch(&vertices[v]);
+  for (const std::int32_t v : triangles[f + kAhead]) prefetch(&vertices[v]);
 }
 
 /// A face's record, its area times `scale`; all zero for a face without area. Sets its area.

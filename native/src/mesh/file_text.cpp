@@ -5,7 +5,23 @@
 #include <cmath>
 #include <limits>
 
+#ifdef ISIMP_FAST_FLOAT
+#include <fast_float/fast_float.h>
+#endif
+
 namespace isimp::detail {
+namespace {
+
+/// std::from_chars, which not every standard library has for numbers with a point; both round correctly.
+auto from_characters(const char* begin, const char* end, double& value) {
+#ifdef ISIMP_FAST_FLOAT
+  return fast_float::from_chars(begin, end, value);
+#else
+  return std::from_chars(begin, end, value);
+#endif
+}
+
+}  // namespace
 
 void FileText::fail_at(const char* place, const std::string& what) const {
   const auto line = 1 + std::count(bytes.data(), std::min(place, bytes.data() + bytes.size()), '\n');
@@ -25,7 +41,7 @@ std::optional<double> to_number(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);
   if (word.empty()) return {};
   double value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  const auto [end, error] = from_characters(word.data(), word.data() + word.size(), value);
   const std::string_view rest(end, static_cast<std::size_t>(word.data() + word.size() - end));
   if (error == std::errc::invalid_argument) return {};
   if (!rest.empty()) {  // how some Windows programs spell NaN and infinity: 1.#QNAN, -1.#IND, 1.#INF

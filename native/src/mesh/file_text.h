@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,6 +10,12 @@
 #include "isimp/core/errors.h"
 
 namespace isimp::detail {
+
+/// A path, or a part of one, as UTF-8 on every system: where path.string() has no letter for one it throws on Windows.
+inline std::string utf8(const std::filesystem::path& path) {
+  const std::u8string text = path.u8string();
+  return {text.begin(), text.end()};
+}
 
 /// A file's contents, and the name that errors carry.
 struct FileText {

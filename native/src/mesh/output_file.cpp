@@ -2,6 +2,7 @@
 
 #include <system_error>
 
+#include "file_text.h"
 #include "isimp/core/errors.h"
 
 #ifndef _WIN32
@@ -35,7 +36,7 @@ bool is_read_only(const fs::path& place, const fs::file_status& status) {
 
 }  // namespace
 
-OutputFile::OutputFile(const fs::path& path, Job& job) : name_(path.string()), place_(end_of_links(path)) {
+OutputFile::OutputFile(const fs::path& path, Job& job) : name_(utf8(path)), place_(end_of_links(path)) {
   std::error_code error;
   const fs::file_status before = fs::status(place_, error);
   if (fs::is_directory(before)) fail("it is a folder; give the name of a file");

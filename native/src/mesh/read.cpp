@@ -17,7 +17,7 @@ using detail::FileText;
 constexpr std::size_t kBlock = std::size_t{1} << 22;  // bytes between two polls: some milliseconds
 
 std::string lower_extension(const fs::path& path) {
-  std::string extension = path.extension().string();
+  std::string extension = detail::utf8(path.extension());
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return extension;
@@ -41,7 +41,7 @@ void read_bytes(const fs::path& path, FileText& file, const Threads& threads, Jo
 }
 
 FileText load(const fs::path& path, const Threads& threads, Job& job) {
-  FileText file{path.string(), {}};
+  FileText file{detail::utf8(path), {}};
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status)) file.fail("there is no such file");
@@ -79,8 +79,8 @@ PolygonSoup read_polygons(const std::filesystem::path& path, Job& job, std::int3
                         : extension == ".off" ? detail::read_off
                                               : nullptr;
   if (reader == nullptr)
-    FileText{path.string(), {}}.fail("the extension \"" + extension +
-                                     "\" is not known; PLY, OBJ, STL and OFF files can be read");
+    FileText{detail::utf8(path), {}}.fail("the extension \"" + extension +
+                                          "\" is not known; PLY, OBJ, STL and OFF files can be read");
   const Threads workers(threads);
   const FileText file = load(path, workers, job);
   try {

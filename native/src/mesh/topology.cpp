@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "edge_groups.h"
+#include "isimp/core/prefetch.h"
 #include "isimp/mesh/mesh.h"
 #include "parallel_loops.h"
 
@@ -95,7 +96,7 @@ class RisingHalfedges {
     limit.back() = vertices;
     threads.run(pieces, pieces, [&](std::int32_t piece, std::int32_t, std::int32_t) {
       for_each_from({limit[piece], limit[piece + 1]}, [&](const HalfEdge& e, const HalfEdge& soon) {
-        __builtin_prefetch(&entries_[end_[soon.from]], 1);
+        prefetch_to_write(&entries_[end_[soon.from]]);
         entries_[end_[e.from]++] = {e.to, e.h};
       });
     });
@@ -105,7 +106,7 @@ class RisingHalfedges {
   }
 
   /// Has a vertex's bucket fetched.
-  void fetch(std::int32_t from) const { __builtin_prefetch(&entries_[begin(static_cast<std::size_t>(from))]); }
+  void fetch(std::int32_t from) const { prefetch(&entries_[begin(static_cast<std::size_t>(from))]); }
   /// The first half-edge from one vertex to a larger one, or kNone.
   [[nodiscard]] std::int32_t find(std::int32_t from, std::int32_t to) const {
     const std::uint32_t at = place(from, to);

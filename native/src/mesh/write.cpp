@@ -5,6 +5,7 @@
 #include <string>
 
 #include "edge_groups.h"
+#include "file_text.h"
 #include "isimp/core/errors.h"
 #include "isimp/mesh/io.h"
 #include "output_file.h"
@@ -105,11 +106,11 @@ void write_obj(const Polygons& polygons, OutputFile& file, Job& job) {
 
 void write_polygons(const std::filesystem::path& path, std::span<const Vec3> vertices,
                     std::span<const std::int32_t> loops, std::span<const std::int32_t> loop_start, Job& job) {
-  std::string extension = path.extension().string();
+  std::string extension = detail::utf8(path.extension());
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (extension != ".ply" && extension != ".obj")
-    throw FileError(path.string() + ": the extension \"" + extension + "\" can't be written; choose .ply or .obj");
+    throw FileError(detail::utf8(path) + ": the extension \"" + extension + "\" can't be written; choose .ply or .obj");
   const Polygons polygons{vertices, loops, loop_start};
   check(polygons);
   job.poll();

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "boxes.h"
+#include "isimp/core/prefetch.h"
 #include "isimp/mesh/meet.h"
 #include "judge.h"
 
@@ -254,7 +255,7 @@ ScanPart::ScanPart(const Mesh& mesh, std::span<const std::int32_t> faces) {
   boxes.reserve(faces.size());
   for (std::size_t i = 0; i < faces.size(); ++i) {
     if (i + kAhead < faces.size())
-      for (const std::int32_t v : mesh.triangles()[faces[i + kAhead]]) __builtin_prefetch(&mesh.vertices()[v]);
+      for (const std::int32_t v : mesh.triangles()[faces[i + kAhead]]) prefetch(&mesh.vertices()[v]);
     const Corners at = corners_of(mesh, faces[i]);
     if (has_area(at)) boxes.push_back({box_of(at), faces[i]});
   }

@@ -8,6 +8,7 @@
 
 #include "isimp/core/check.h"
 #include "isimp/core/errors.h"
+#include "isimp/core/prefetch.h"
 
 namespace isimp::meshing {
 namespace {
@@ -156,7 +157,7 @@ std::vector<std::int32_t> hang(const Mesh& mesh, std::span<const std::int32_t> f
     if (f % kStride == 0) job.poll();
     if (f + kAhead < last)
       for (std::int32_t h = 3 * (f + kAhead), end = h + 3; h < end; ++h)
-        if (mesh.opposite(h) < h) __builtin_prefetch(&faces[std::max(mesh.opposite(h), 0) / 3]);
+        if (mesh.opposite(h) < h) prefetch(&faces[std::max(mesh.opposite(h), 0) / 3]);
     faces[f] = {face_region[f], f};
     if (face_region[f] == kNone) continue;
     std::int32_t root = f;

@@ -2,6 +2,8 @@
 
 #include <Eigen/Geometry>
 
+#include "isimp/core/prefetch.h"
+
 namespace isimp::meshing {
 namespace {
 
@@ -67,7 +69,7 @@ std::vector<Plane> planes_of(const Labels& labels, const Threads& threads, const
     for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
       if (part == 0 && f % kStride == 0) job.poll();
       if (f + kAhead < mesh.face_count() && mine(f + kAhead))
-        for (const std::int32_t v : mesh.triangles()[f + kAhead]) __builtin_prefetch(&mesh.vertices()[v]);
+        for (const std::int32_t v : mesh.triangles()[f + kAhead]) prefetch(&mesh.vertices()[v]);
       if (mine(f)) moments[labels.label[f]].add(mesh, f, origin[labels.label[f]]);
     }
     for (std::int32_t l = begin; l < end; ++l) planes[l] = plane(mesh, moments[l], origin[l]);

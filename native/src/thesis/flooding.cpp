@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "isimp/core/prefetch.h"
+
 namespace isimp {
 namespace {
 
@@ -58,13 +60,13 @@ void Flooding::run(const FaceGraph& graph, std::span<const NormalMetric::Proxy> 
     for (std::size_t i = 0; i < size; ++i) {
       if ((++polled & 0xfff) == 0) job.poll();
       if (i + 8 < size) {
-        __builtin_prefetch(&label_[list[i + 8]]);
-        __builtin_prefetch(&graph.neighbours[list[i + 8]]);
+        prefetch(&label_[list[i + 8]]);
+        prefetch(&graph.neighbours[list[i + 8]]);
       }
       if (i + 4 < size)
         for (const std::int32_t j : graph.neighbours[list[i + 4]]) {
-          __builtin_prefetch(&label_[j]);
-          __builtin_prefetch(&graph.faces[j]);
+          prefetch(&label_[j]);
+          prefetch(&graph.faces[j]);
         }
       const std::int32_t face = list[i];
       if (label_[face] >= 0) continue;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "isimp/core/prefetch.h"
 #include "isimp/mesh/face_graph.h"
 #include "isimp/partition/metric.h"
 #include "isimp/partition/surface.h"
@@ -17,7 +18,7 @@ struct GraphLabels {
   std::int32_t* label;
   [[nodiscard]] std::int32_t get(std::int32_t i) const { return label[i]; }
   void set(std::int32_t i, std::int32_t region) const { label[i] = region; }
-  void prefetch(std::int32_t i) const { __builtin_prefetch(&label[i]); }
+  void prefetch(std::int32_t i) const { isimp::prefetch(&label[i]); }
 };
 
 /// Labels by graph index that lie in an array of n in the order of the mesh.

@@ -9,6 +9,7 @@
 #include "borders/block_changes.h"
 #include "borders/border_moves.h"
 #include "isimp/core/job.h"
+#include "isimp/core/prefetch.h"
 #include "isimp/core/threads.h"
 #include "isimp/mesh/face_graph.h"
 #include "isimp/partition/metric.h"
@@ -87,7 +88,7 @@ class Relaxation {
     return border;
   }
   /// Has what on_border will look at fetched, but for the labels.
-  void fetch(std::int32_t face) const { __builtin_prefetch(&moves_.graph.neighbours[face]); }
+  void fetch(std::int32_t face) const { prefetch(&moves_.graph.neighbours[face]); }
   void push_if_border(std::int32_t face) {
     if (on_border(face)) push(face);
   }
@@ -184,8 +185,8 @@ class Relaxation {
       if ((i & 0x3fff) == 0) job.poll();
       if (i + kAhead < size) {
         const std::int32_t soon = lists.current[i + kAhead];
-        __builtin_prefetch(&graph.neighbours[soon]);
-        __builtin_prefetch(&graph.faces[soon]);
+        prefetch(&graph.neighbours[soon]);
+        prefetch(&graph.faces[soon]);
       }
       if constexpr (requires { moves_.labels.prefetch(0); }) {
         if (i + kSoon < size)

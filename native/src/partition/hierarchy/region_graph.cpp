@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "borders/border_moves.h"
+#include "isimp/core/prefetch.h"
 
 namespace isimp {
 namespace {
@@ -70,7 +71,7 @@ void insert_pairs(const FaceGraph& graph, const std::vector<std::int32_t>& label
   std::pair<std::int32_t, std::int32_t> last(kNone, kNone);  // along a border the same pair comes many times
   const std::size_t size = faces.size();
   for (std::size_t k = 0; k < size; ++k) {
-    if (k + kAhead < size) __builtin_prefetch(&graph.neighbours[faces[k + kAhead]]);
+    if (k + kAhead < size) prefetch(&graph.neighbours[faces[k + kAhead]]);
     const std::int32_t own = label[faces[k]];
     if (own == kNone) continue;
     for (const std::int32_t j : graph.neighbours[faces[k]]) {
@@ -153,7 +154,7 @@ std::vector<double> border_lengths(const Surface& surface, const std::vector<std
     sum.assign(touching.neighbour.size(), 0);
     for (std::int32_t i = begin; i < end; ++i) {
       if (const auto soon = static_cast<std::size_t>(i) + kAhead; soon < faces.size())
-        __builtin_prefetch(&graph.mesh_face[faces[soon]]);
+        prefetch(&graph.mesh_face[faces[soon]]);
       const std::int32_t own = label[faces[i]];
       for (int k = 0; k < 3; ++k) {
         const std::int32_t other = label[graph.neighbours[faces[i]][k]];

@@ -22,7 +22,7 @@ def installed(tmp_path_factory):
     made = subprocess.run(build, capture_output=True, text=True)
     if made.returncode:
         pytest.skip(made.stderr.strip())
-    with zipfile.ZipFile(made.stdout.splitlines()[0]) as archive:
+    with zipfile.ZipFile(next(name for name in made.stdout.splitlines() if "-legacy-" in name)) as archive:
         archive.extractall(folder / "addons")
     return folder
 

@@ -1,0 +1,134 @@
+#!/usr/bin/env bash
+# Tries what scripts/package.sh left in dist/ as people do, and writes a table to out/try_install/table.md.
+#   scripts/try_install.sh [CELL...]      some cells; the default is all
+# Cells: bullseye bookworm trixie sid (bare chroots: the wheel by pip, then the whole job), bpy-VERSION (Blender as a Python
+# package: install from disk, enable, work, upgrade, uninstall, look for what is left), blender (Debian's, the same).
+# Chroots and Blenders are kept in ~/.cache/isimp, or in $ISIMP_CACHE. Chroots need root. It exits 1 if a cell failed.
+set -uo pipefail
+. "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+cells=("$@")
+[ $# != 0 ] || cells=(bullseye bookworm trixie sid bpy-4.2.0 bpy-4.5.15 bpy-5.0.1 bpy-5.2.3 blender)
+cache=${ISIMP_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/isimp}
+tried=$out/try_install
+mkdir -p "$tried" "$cache/chroots"
+
+# wheel_for PYTHON: the one in dist for it.
+wheel_for() {
+  find "$root/dist" -name "isimp-*-cp${1/./}-*.whl" | head -n 1
+}
+
+# fresh DIR: empty, for what Blender keeps of a user.
+fresh() {
+  rm -rf "$1"
+  mkdir -p "$1"
+}
+
+# zips KIND: the zip and the one of a next version.
+zips() {
+  local zip
+  zip=$(find "$root/dist" -name "isimp-*-$1-linux-x64.zip" | head -n 1)
+  [ -n "$zip" ] || { echo "dist has no $1 zip: run scripts/package.sh"; return 1; }
+  echo "$zip"
+  "$python" scripts/installed.py next "$zip" "$tried/next"
+}
+
+try_chroot() { # SUITE
+  local suite=$1 chroot=$cache/chroots/$1 version wheel
+  if [ ! -e "$chroot.done" ]; then
+    apt_install debootstrap
+    if ! as_root debootstrap --variant=minbase --include=python3,ca-certificates "$suite" "$chroot" >"$tried/$suite.debootstrap" 2>&1; then
+      echo "debootstrap failed"
+      return 1
+    fi
+    touch "$chroot.done"
+  fi
+  version=$(as_root chroot "$chroot" python3 -c 'import sys; print("%d.%d" % sys.version_info[:2])' 2>/dev/null)
+  wheel=$(wheel_for "${version:-none}")
+  fresh "$tried/$suite"
+  if [ -z "$wheel" ]; then # no Python of ours: at least every library and version of a symbol must be there
+    wheel=$(wheel_for 3.11)
+    "$python" -m zipfile -e "$wheel" "$tried/$suite/site"
+    fresh "$chroot/opt/isimp"
+    cp -r "$tried/$suite/site/." "$chroot/opt/isimp/"
+    as_root chroot "$chroot" sh -c 'ldd -r /opt/isimp/isimp_engine/_core*.so' >"$tried/$suite/ldd" 2>&1
+    if grep -E 'not found|undefined symbol' "$tried/$suite/ldd" | grep -v 'symbol: _\?Py'; then return 1; fi
+    echo "Python ${version:-none} has no wheel: not run; every library and symbol of the module is there"
+    return
+  fi
+  # numpy and pillow from outside, since a bare system has no pip.
+  pip_for "$version" "$tried/$suite/site" "$wheel" || return 1
+  fresh "$chroot/opt/isimp"
+  cp -r "$tried/$suite/site/." "$chroot/opt/isimp/"
+  cp scripts/installed.py "$chroot/opt/isimp/"
+  as_root chroot "$chroot" env -i PATH=/usr/bin:/bin PYTHONPATH=/opt/isimp python3 /opt/isimp/installed.py package
+}
+
+# pip_for PYTHON FOLDER WHEEL: what pip would install for it, whatever Python runs this.
+pip_for() {
+  [ -e "$cache/pip/bin/pip" ] || "$python" -m venv "$cache/pip" || return 1
+  if ! "$cache/pip/bin/pip" install -q --target "$2" --python-version "$1" --only-binary=:all: "$3" 2>"$2.log"; then
+    tail -n 1 "$2.log"
+    return 1
+  fi
+}
+
+try_bpy() { # VERSION
+  local venv=$cache/bpy-$1 interpreter archives
+  interpreter=$(command -v python3.11) && case $1 in 5.[1-9]*) interpreter=$(newest_python 3.13) ;; esac
+  [ -n "$interpreter" ] || { echo "no Python for it here"; return 1; }
+  if [ ! -e "$venv/done" ]; then
+    { "$interpreter" -m venv "$venv" && "$venv/bin/pip" install -q "bpy==$1" && touch "$venv/done"; } || return 1
+  fi
+  fresh "$tried/bpy-$1"
+  mapfile -t archives < <(zips extension)
+  [ ${#archives[@]} = 2 ] || { echo "${archives[*]}"; return 1; }
+  in_blender "$tried/bpy-$1" "${archives[@]}" -- "$venv/bin/python" scripts/installed.py
+}
+
+# in_blender FOLDER ZIP NEXT -- COMMAND...: the four steps, each in a new process; says what they said.
+in_blender() {
+  local folder=$1 zip=$2 next=$3 step archive lines=""
+  shift 4
+  for step in install upgrade remove look; do
+    [ $step = upgrade ] && archive=$next || archive=$zip
+    if ! ISIMP_TRIED=$folder BLENDER_USER_RESOURCES=$folder BLENDER_USER_SCRIPTS=$folder/scripts timeout 600 \
+      "$@" $step "$archive" >"$folder.$step.log" 2>&1 || ! grep -q '^SAID' "$folder.$step.log"; then
+      echo "$step: $(grep -vE '^\s*$' "$folder.$step.log" | tail -n 1)"
+      return 1
+    fi
+    lines+=${lines:+, }$(sed -n 's/^SAID //p' "$folder.$step.log")
+  done
+  echo "$lines"
+}
+
+newest_python() { # 3.13
+  command -v "python$1" || find "${PYENV_ROOT:-$HOME/.pyenv}/versions" -path "*/bin/python$1" 2>/dev/null | sort | tail -n 1
+}
+
+try_blender() {
+  local archives kind=legacy
+  apt_install "${blender_packages[@]}"
+  ! has_extensions || kind=extension
+  fresh "$tried/blender"
+  mkdir -p "$tried/blender/scripts/addons"
+  mapfile -t archives < <(zips $kind)
+  [ ${#archives[@]} = 2 ] || { echo "${archives[*]}"; return 1; }
+  in_blender "$tried/blender" "${archives[@]}" -- \
+    blender -b --factory-startup --python-exit-code 1 --python scripts/installed.py --
+}
+
+failed=0
+printf '| where | result |\n|---|---|\n' >"$tried/table.md"
+for cell in "${cells[@]}"; do
+  case $cell in
+    bullseye | bookworm | trixie | sid) result=$(try_chroot "$cell" 2>&1) ;;
+    bpy-*) result=$(try_bpy "${cell#bpy-}" 2>&1) ;;
+    blender) result=$(try_blender 2>&1) ;;
+    *) echo "try_install.sh: no cell is called $cell" >&2 && exit 2 ;;
+  esac
+  code=$?
+  [ $code = 0 ] || { failed=1 && result="FAILED: $result"; }
+  printf '| %s | %s |\n' "$cell" "$(tail -n 1 <<<"$result")" | tee -a "$tried/table.md"
+done
+exit $failed

@@ -1,0 +1,288 @@
+"""What people download: wheels for all Pythons and for one, checksums, headers."""
+
+import base64
+import hashlib
+import importlib.util
+import re
+import subprocess
+import sys
+import zipfile
+from pathlib import Path, PurePosixPath
+
+import pytest
+import tomllib
+
+from isimp_engine import _carried
+
+ROOT = Path(__file__).parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+
+
+def script(name):
+    spec = importlib.util.spec_from_file_location(f"scripts_{name}", ROOT / "scripts" / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+wheels, headers = script("wheels"), script("headers")
+LINUX = "manylinux_2_17_x86_64.manylinux2014_x86_64"
+
+
+def module_name(python, platform=LINUX):
+    return {
+        LINUX: f"isimp_engine/_core.cpython-{python}-x86_64-linux-gnu.so",
+        "win_amd64": f"isimp_engine/_core.cp{python}-win_amd64.pyd",
+    }[platform]
+
+
+def made_wheel(folder, python, platform=LINUX, version="0.1.0", readme="the same"):
+    wheel = folder / f"isimp-{version}-cp{python}-cp{python}-{platform}.whl"
+    info = f"isimp-{version}.dist-info"
+    with zipfile.ZipFile(wheel, "w") as archive:
+        archive.writestr("isimp_engine/__init__.py", readme)
+        module = zipfile.ZipInfo(module_name(python, platform))
+        module.external_attr = 0o100755 << 16
+        archive.writestr(module, f"module {python}")
+        archive.writestr("isimp.libs/libgomp.so.1", "library")
+        tags = "".join(f"Tag: cp{python}-cp{python}-{part}\n" for part in platform.split("."))
+        archive.writestr(f"{info}/WHEEL", f"Wheel-Version: 1.0\nRoot-Is-Purelib: false\n{tags}")
+        archive.writestr(f"{info}/METADATA", f"Name: isimp\nVersion: {version}\n")
+        archive.writestr(f"{info}/RECORD", "wrong")
+    return wheel
+
+
+def contents(wheel):
+    with zipfile.ZipFile(wheel) as archive:
+        return {name: archive.read(name) for name in archive.namelist()}
+
+
+def assert_record_is_right(wheel):
+    files = contents(wheel)
+    record = next(name for name in files if name.endswith("/RECORD"))
+    rows = dict(line.split(",", 1) for line in files[record].decode().splitlines())
+    assert rows.keys() == files.keys()
+    for name, row in rows.items():
+        if name == record:
+            assert row == ","
+        else:
+            digest = base64.urlsafe_b64encode(hashlib.sha256(files[name]).digest()).rstrip(b"=").decode()
+            assert row == f"sha256={digest},{len(files[name])}"
+
+
+@pytest.mark.parametrize("platform", [LINUX, "win_amd64"])
+def test_a_fat_wheel_has_the_module_of_every_python(tmp_path, platform):
+    parts = [made_wheel(tmp_path, python, platform) for python in (311, 313, 310)]
+    fat = wheels.fatten(parts, tmp_path / "fat")
+    assert fat.name == f"isimp-0.1.0-py3-none-{platform}.whl"
+    files = contents(fat)
+    assert {name for name in files if "_core" in name} == {module_name(p, platform) for p in (310, 311, 313)}
+    about = files["isimp-0.1.0.dist-info/WHEEL"].decode().splitlines()
+    assert [line for line in about if line.startswith("Tag:")] == [
+        f"Tag: py3-none-{part}" for part in platform.split(".")
+    ]
+    assert "Root-Is-Purelib: false" in about
+    assert_record_is_right(fat)
+
+
+def test_a_fat_wheel_splits_into_the_wheels_it_was_made_of(tmp_path):
+    parts = [made_wheel(tmp_path, python) for python in (310, 311)]
+    made = wheels.split(wheels.fatten(parts, tmp_path / "fat"), tmp_path / "thin")
+    assert [path.name for path in made] == [path.name for path in parts]
+    for before, after in zip(parts, made, strict=True):
+        old, new = contents(before), contents(after)
+        assert old.keys() == new.keys()
+        same = {name for name in old if old[name] == new[name]}
+        assert old.keys() - same <= {"isimp-0.1.0.dist-info/RECORD"}
+        assert_record_is_right(after)
+    with zipfile.ZipFile(made[0]) as archive:  # a module stays executable, as auditwheel leaves it
+        assert archive.getinfo(module_name(310)).external_attr >> 16 & 0o777 == 0o755
+
+
+def test_the_same_wheels_give_the_same_bytes(tmp_path):
+    parts = [made_wheel(tmp_path, python) for python in (310, 311)]
+    one, two = (wheels.fatten(order, tmp_path / name) for name, order in (("a", parts), ("b", parts[::-1])))
+    assert one.read_bytes() == two.read_bytes()
+
+
+def test_wheels_that_do_not_belong_together_are_refused(tmp_path):
+    first = made_wheel(tmp_path, 310)
+    for other in (made_wheel(tmp_path, 311, "win_amd64"), made_wheel(tmp_path, 311, version="0.1.1")):
+        with pytest.raises(SystemExit, match="one version and one platform are wanted"):
+            wheels.fatten([first, other], tmp_path / "fat")
+    with pytest.raises(SystemExit, match=r"isimp_engine/__init__\.py differs from that of another wheel"):
+        wheels.fatten([first, made_wheel(tmp_path, 311, readme="another")], tmp_path / "fat")
+
+
+def test_a_wheel_without_a_module_is_refused(tmp_path):
+    wheel = made_wheel(tmp_path, 310)
+    files = {name: (data, 0o644) for name, data in contents(wheel).items() if "_core" not in name}
+    bare = wheels.write(tmp_path / "bare", "isimp-0.1.0", "py3-none", LINUX, files)
+    for act in (lambda: wheels.split(bare, tmp_path), lambda: wheels.fatten([bare], tmp_path)):
+        with pytest.raises(SystemExit, match="no module isimp_engine/_core"):
+            act()
+
+
+def test_checksums_are_those_that_sha256sum_checks(tmp_path):
+    (tmp_path / "a.whl").write_bytes(b"wheel")
+    (tmp_path / "gone.zip.sha256").write_text("old")
+    assert [path.name for path in wheels.checksums(tmp_path)] == ["a.whl.sha256"]
+    assert (tmp_path / "a.whl.sha256").read_text() == f"{hashlib.sha256(b'wheel').hexdigest()}  a.whl\n"
+    assert not (tmp_path / "gone.zip.sha256").exists()
+    wheels.main(["checksums", str(tmp_path)])  # again: no checksum of a checksum
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.whl", "a.whl.sha256"]
+
+
+def test_a_python_without_a_module_is_told_which_there_are():
+    names = ["_core.cpython-310-x86_64-linux-gnu.so", "_core.cpython-311-x86_64-linux-gnu.so", "_core.pyi"]
+    said = _carried.problem(names, [".cpython-399-x86_64-linux-gnu.so", ".abi3.so", ".so"])
+    running = "{}.{}".format(*sys.version_info)
+    assert "has its engine for Python 3.10, 3.11 on x86_64-linux-gnu" in said
+    assert f"this is Python {running} on {sys.platform}" in said
+    assert _carried.problem(names, [".cpython-311-x86_64-linux-gnu.so"]) == ""
+    assert _carried.problem(["_core.pyi", "_core.py"], [".so"]) == ""
+
+
+def test_a_file_with_another_checksum_is_not_used(tmp_path):
+    (tmp_path / "boost.whl").write_bytes(b"not Boost")
+    with pytest.raises(headers.Missing, match=r"boost\.whl: its SHA-256 is .*, not 00, so it is not used"):
+        headers.checked(tmp_path, "boost", "00")
+    right = hashlib.sha256(b"not Boost").hexdigest()
+    assert headers.checked(tmp_path, "boost", right) == tmp_path / "boost.whl"
+
+
+@pytest.mark.parametrize(
+    ("name", "path", "needed"),
+    [
+        ("boost-headers", "version.hpp", True),
+        ("boost-headers", "mpl/if.hpp", True),
+        ("boost-headers", "asio/buffer.hpp", False),
+        ("openmesh", "Core/Mesh/ArrayKernel.cc", True),
+        ("openmesh", "Core/Mesh/CMakeLists.txt", False),
+        ("libcgal-dev", "version.h", True),
+    ],
+)
+def test_what_is_taken_of_each_package(name, path, needed):
+    assert headers.wanted(name, PurePosixPath(path)) == needed
+
+
+def test_headers_and_licences_are_gathered(tmp_path):
+    top = tmp_path / "tree" / headers.FOLDERS["cmeel-eigen"]
+    (top / "src").mkdir(parents=True)
+    (top / "src" / "Core.h").write_text("core")
+    (tmp_path / "tree" / "LICENSE").write_text("licence")
+    (tmp_path / "tree" / "other.txt").write_text("other")
+    headers.gather("cmeel-eigen", tmp_path / "tree", tmp_path / "made")
+    made = {path.relative_to(tmp_path / "made").as_posix() for path in (tmp_path / "made").rglob("*") if path.is_file()}
+    assert made == {"include/Eigen/src/Core.h", "licences/cmeel-eigen-LICENSE"}
+
+
+def test_a_build_that_may_not_fetch_says_what_it_lacks(tmp_path):
+    """Only the part of CMake that looks for headers, in a project of its own that compiles nothing."""
+    (tmp_path / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.24)\nproject(lacking LANGUAGES NONE)\n"
+        f"include({(ROOT / 'cmake' / 'dependencies.cmake').as_posix()})\n"
+    )
+    arguments = ["-DISIMP_FETCH=OFF", "-DISIMP_HEADERS=none", "-DCMAKE_FIND_ROOT_PATH=/none", "-DISIMP_BUNDLED=ON"]
+    try:
+        done = subprocess.run(
+            ["cmake", "-S", tmp_path, "-B", tmp_path / "build", *arguments], capture_output=True, text=True
+        )
+    except FileNotFoundError:
+        pytest.skip("needs cmake")
+    assert done.returncode
+    said = " ".join(done.stderr.split())
+    assert "were not found. Install CGAL, Boost and Eigen" in said
+    assert "ISIMP_FETCH=ON" in said
+
+
+def test_every_package_states_its_checksum_and_licence():
+    rows = [*headers.OF_PYPI, *headers.OF_DEBIAN]
+    assert {name for name, _, _ in rows} == headers.FOLDERS.keys()
+    assert all(len(sha256) == 64 for _, _, sha256 in rows)
+    named = [line.split(" | ")[0].strip("| ") for line in headers.LICENCES.splitlines() if line.startswith("| ")][1:]
+    assert named == ["CGAL", "Boost", "Eigen", "fast_float", "OpenMesh"]
+
+
+def test_the_sdist_has_the_headers_that_git_ignores():
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["scikit-build"]
+    assert "third_party" in settings["sdist"]["include"]
+    assert "/third_party/" in (ROOT / ".gitignore").read_text(encoding="utf-8").splitlines()
+
+
+def test_release_notes_are_the_section_of_the_version():
+    notes = script("release_notes")
+    sections = {"Unreleased": "new", "0.2.0.1": "not it", "0.2.0 - 2026-01-01": "two", "0.1.0": "one"}
+    changelog = "# Changelog\n\n" + "\n".join(f"## {name}\n\n- {line}\n" for name, line in sections.items())
+    assert notes.section(changelog, "0.2.0") == "- two"
+    assert notes.section(changelog, "0.1.0") == "- one"
+    with pytest.raises(SystemExit, match=r"no section 0\.3\.0: rename Unreleased"):
+        notes.section(changelog, "0.3.0")
+
+
+def test_links_between_pages_lead_somewhere():
+    pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").glob("*.md")]
+    wrong = []
+    for page in pages:
+        text = page.read_text(encoding="utf-8")
+        for link in re.findall(r"\]\(([^)\s]+)\)", re.sub(r"```.*?```", "", text, flags=re.DOTALL)):
+            name, _, anchor = link.partition("#")
+            if ":" in name:
+                continue
+            target = (page.parent / name) if name else page
+            found = target.exists() and (not anchor or anchor in anchors(target))
+            wrong += [] if found else [f"{page.name}: {link}"]
+    assert wrong == []
+
+
+def anchors(page):
+    """Of the headings, as the sites of Git and MkDocs make them."""
+    heads = re.findall(r"^#+ (.+)$", page.read_text(encoding="utf-8"), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", head.lower()).strip().replace(" ", "-") for head in heads}
+
+
+def test_every_page_is_in_the_site():
+    site = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
+    listed = set(re.findall(r": (\w+\.md)$", site, re.MULTILINE))
+    assert listed == {page.name for page in (ROOT / "docs").glob("*.md")}
+
+
+def test_the_site_builds_without_a_warning(tmp_path):
+    if importlib.util.find_spec("mkdocs") is None or importlib.util.find_spec("material") is None:
+        pytest.skip("needs mkdocs-material")
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "-f", ROOT / "mkdocs.yml", "-d", tmp_path]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+def test_workflows_run_scripts_that_are_there():
+    for workflow in (ROOT / ".github" / "workflows").glob("*.yml"):
+        for name in re.findall(r"scripts/\w+\.(?:sh|py)", workflow.read_text(encoding="utf-8")):
+            assert (ROOT / name).exists(), f"{workflow.name}: {name}"
+
+
+def test_the_next_version_of_a_zip_has_its_own_version_everywhere(tmp_path):
+    installed, build = script("installed"), script("build_addon")
+    wheel = wheels.fatten([made_wheel(tmp_path, 311)], tmp_path / "fat")
+    build.main(["--wheel", str(wheel), "--out", str(tmp_path)])
+    zips = {kind: next(tmp_path.glob(f"isimp-*-{kind}-*.zip")) for kind in ("extension", "legacy")}
+    for kind, archive in zips.items():
+        after = installed.next_version(archive, tmp_path / "next")
+        assert after.name == archive.name.replace(build.version(), "0.1.999")
+        names = contents(after)
+        if kind == "extension":
+            assert b'version = "0.1.999"' in names["blender_manifest.toml"]
+            (inner,) = [name for name in names if name.endswith(".whl")]
+            assert inner in f"wheels/{wheel.name}".replace("0.1.0", "0.1.999")
+            (tmp_path / "inner.whl").write_bytes(names[inner])
+            assert installed.MARK in contents(tmp_path / "inner.whl")
+        else:
+            assert f"isimp/{installed.MARK}" in names
+            assert b'"version": (0, 1, 999)' in names["isimp/__init__.py"]
+
+
+def test_a_module_with_its_own_library_shows_one_name():
+    """Debian's Blender crashed when it shared weak names of the C++ library with the one that was linked in."""
+    bindings = (ROOT / "native" / "bindings" / "CMakeLists.txt").read_text(encoding="utf-8")
+    assert "-Wl,--version-script=${PROJECT_SOURCE_DIR}/cmake/module.map" in bindings
+    assert "{ global: PyInit__core; local: *; };" in (ROOT / "cmake" / "module.map").read_text(encoding="utf-8")
