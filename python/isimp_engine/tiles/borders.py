@@ -1,5 +1,6 @@
 """Where tiles meet: border edges that are one, halos, and T-junctions."""
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -183,7 +184,7 @@ def split_faces(
             for first, second, third in ((x, y, z), (y, z, x), (z, x, y)):
                 if (first, second) == (a, b):
                     chain = [a, *points, b]
-                    parts[place : place + 1] = [(p, q, third) for p, q in zip(chain, chain[1:], strict=False)]
+                    parts[place : place + 1] = [(p, q, third) for p, q in pairwise(chain)]
                     break
             else:
                 continue

@@ -92,8 +92,8 @@ def run(
     output: the polygon mesh, .obj or .ply.
     proxies: the number of regions.
     weld: length up to which vertices on borders of different tiles are one; 0: only where they are equal.
-    work: folder for intermediate results, on a disk that all workers share; it stays. None: one beside the output, which is
-          removed at the end. A run that was ended goes on from there.
+    work: folder for intermediate results, on a disk that all workers share; it stays. None: one beside the output,
+          which is removed at the end. A run that was ended goes on from there.
     labels: folder for the labels: an int32 array for each tile, the region of each face of its file; -1: none.
     jobs: the largest number of tiles at once; None: one a core. Free memory may allow fewer.
     dask: the address of a Dask scheduler, whose workers do the work.
@@ -101,7 +101,8 @@ def run(
     watch: called after each step of a tile, and some times a second.
 
     The result is the same bits for any number of workers, and after any number of interrupted runs.
-    Raises TilesError (wrong usage), TileFailed (a tile can't be read, too little memory) and KeyboardInterrupt as it comes.
+    Raises TilesError (wrong usage), TileFailed (a tile can't be read, too little memory) and KeyboardInterrupt as it
+    comes.
     """
     if not hasattr(os, "fork"):
         raise TilesError("tiles need child processes by fork, which this system does not have")
@@ -388,7 +389,7 @@ class _Run:
             "regions": merged["regions"],
             "regions_needed": join["needed"],
             "error": steps.error_of(load(of_tile(work, sums, 0), "sums")),
-            "border_length": sum(values_of(of_tile(work, "touch", k))["length"] for k in present),
+            "border_length": sum(values_of(of_tile(work, "thin", k))["borders"] for k in present),
             "parts_left_out": join["left_out"],
             "area_left_out": join["area_left_out"],
             "border_edges": edges,

@@ -1,8 +1,8 @@
 """The steps from tiles to polygons, as functions on arrays: for `isimp tiles`, or for a scheduler of one's own.
 
-Letters of shapes: F faces of a tile, H faces of its halo, K patches or regions, E pairs of them, R regions of all tiles.
-Sums are (K, 5) float64: x, y, z of the sum of area * normal, twice the area, and the number of faces. Pairs are (E, 2)
-int32, and `lengths` (E,) float64 says how long the border of each is. Areas and lengths are in scene units.
+Letters of shapes: F faces of a tile, H faces of its halo, K patches or regions, E pairs of them, R regions of all
+tiles. Sums are (K, 5) float64: x, y, z of the sum of area * normal, twice the area, and the number of faces. Pairs
+are (E, 2) int32, and `lengths` (E,) float64 says how long the border of each is. Areas and lengths are in scene units.
 """
 
 from typing import Any, NamedTuple
@@ -66,8 +66,8 @@ def faces_of(mesh: Mesh) -> Faces:
 def patches(mesh: Mesh, size: int, smooth: float = 0.5, job: Job | None = None) -> Patches:
     """Split a tile into patches of about `size` faces, by the engine's own partition.
 
-    Nothing is left out and closed components get as many patches as they need, since both are decided on the graph of all
-    tiles. Raises InvalidInput (size below 1) or Cancelled. Cost: O(F); 130 bytes a face with the mesh.
+    Nothing is left out and closed components get as many patches as they need, since both are decided on the graph of
+    all tiles. Raises InvalidInput (size below 1) or Cancelled. Cost: O(F); 130 bytes a face with the mesh.
     """
     return Patches(*_core._tile_patches(mesh, size, smooth, job))
 
@@ -77,8 +77,8 @@ def find_components(
 ) -> Components:
     """Find the components of the joined graph, which of them are left out, and how many regions each needs.
 
-    open_nodes: (K,) whether a node lies on the border of the whole scan. A component without one is closed and needs four
-    regions. `leave_out` as in PartitionOptions. Raises InvalidInput (arrays that do not fit). Cost: O(K log K).
+    open_nodes: (K,) whether a node lies on the border of the whole scan. A component without one is closed and needs
+    four regions. `leave_out` as in PartitionOptions. Raises InvalidInput (arrays that do not fit). Cost: O(K log K).
     """
     nodes = np.asarray(open_nodes, dtype=np.uint8)
     return Components(*_core._tile_components(sums, pairs, lengths, nodes, proxies, leave_out))
@@ -124,8 +124,9 @@ def relax(
 ) -> Relaxed:
     """Move faces of a tile between neighbouring regions, by the error and the engine's weight of borders.
 
-    record, neighbour, label: of the tile's own faces, `owned` of them, and then of its halo. frozen: (F + H,) bool, faces
-    that stay in this round; a region can't fall apart if round each vertex only the tile of the highest rank moves faces.
+    record, neighbour, label: of the tile's own faces, `owned` of them, and then of its halo. frozen: (F + H,) bool,
+    faces that stay in this round; a region can't fall apart if round each vertex only the tile of the highest rank
+    moves faces.
     sums: (R, 5) of all regions. error (a share), area, faces: of all tiles; regions: how many are wanted.
     Raises InvalidInput or Cancelled. Cost: O(F) and what moves; 60 bytes a face.
     """
@@ -148,8 +149,8 @@ def touching(
 def thin(mesh: Mesh, label: ArrayLike, moments: ArrayLike | None = None, job: Job | None = None) -> Thinned:
     """Take out vertices inside regions; borders of regions and of the mesh stay, and with them all mean normals.
 
-    label: (F,) region of each face; faces with -1 are dropped. moments: (F, 10) of what the faces stand for already; sums
-    over regions stay the same. No face turns over. Raises InvalidInput or Cancelled. Cost: O(F), 1 us a face.
+    label: (F,) region of each face; faces with -1 are dropped. moments: (F, 10) of what the faces stand for already;
+    sums over regions stay the same. No face turns over. Raises InvalidInput or Cancelled. Cost: O(F), 1 us a face.
     """
     return Thinned(*_core._tile_thin(mesh, label, moments, job))
 
@@ -168,15 +169,15 @@ def polygonize_thinned(
 def weld(points: ArrayLike, tile: ArrayLike, length: float, job: Job | None = None) -> NDArray[np.int32]:
     """Which vertices on borders of tiles are one: the index (N,) of the point whose place each takes.
 
-    points: (N, 3) in the order of their tiles. A point goes to the nearest place of an earlier tile at most `length` away;
-    of two points of a tile that want one place the nearer gets it. Cost: O(N) where few are that near.
+    points: (N, 3) in the order of their tiles. A point goes to the nearest place of an earlier tile at most `length`
+    away; of two points of a tile that want one place the nearer gets it. Cost: O(N) where few are that near.
     """
     to: NDArray[np.int32] = _core._tile_weld(points, tile, length, job)
     return to
 
 
 def points_on_edges(ends: ArrayLike, points: ArrayLike, length: float, job: Job | None = None) -> NDArray[np.int32]:
-    """T-junctions: pairs (J, 2) of an edge and a point that lies inside it, at most `length` off; by edge, then along it.
+    """T-junctions: pairs (J, 2) of an edge and a point inside it, at most `length` off; by edge, then along it.
 
     ends: (2 E, 3) the two ends of each edge. points: (N, 3).
     """

@@ -82,7 +82,7 @@ def _clean(vertices: NDArray[Any], triangles: NDArray[Any]) -> Mesh | None:
     try:
         return clean(vertices, triangles, _CLEAN)
     except InvalidInput as error:
-        if "no face" in str(error):
+        if str(error).startswith("no usable face"):
             return None
         raise
 
@@ -311,7 +311,7 @@ def _touch(task: Task, work: Path, made: Path) -> dict[str, Any]:
     neighbour = load(of_tile(work, "halo", tile), "neighbour")
     pairs, lengths = steps.touching(neighbour, len(length), _labels(task, work), length)
     save(made, pairs=pairs, lengths=lengths)
-    return {"length": float(lengths.sum())}
+    return {}
 
 
 def _merge(task: Task, work: Path, made: Path) -> dict[str, Any]:
@@ -343,7 +343,10 @@ def _thin(task: Task, work: Path, made: Path) -> dict[str, Any]:
         save(made, face=np.unique(polygon), region=_file_labels(polygon, region, area))
     thinned = steps.thin(mesh, region)
     save(made, **thinned._asdict())
-    return {"faces": len(thinned.triangles)}
+    length = load(folder, "length")
+    neighbour = load(of_tile(work, "halo", tile), "neighbour")
+    borders_length = float(steps.touching(neighbour, len(length), _labels(task, work), length)[1].sum())
+    return {"faces": len(thinned.triangles), "borders": borders_length}
 
 
 def _file_labels(polygon: NDArray[np.int32], region: NDArray[np.int32], area: NDArray[np.float64]) -> NDArray[np.int32]:
