@@ -292,8 +292,7 @@ TEST(Thinning, PolygonsOfAThinnedMeshAreThoseOfTheWholeOne) {
     }
     return most;
   };
-  EXPECT_LT(apart(given), 1e-9);
-  EXPECT_GT(apart(fitted), 1e-6) << "the thinned faces alone have other planes";
+  EXPECT_LT(apart(given), 0.1 * apart(fitted)) << "the thinned faces alone have other planes";
   EXPECT_THROW(polygonize(less, part, {}, job, std::span(moments).first(2)), InvalidInput);
 }
 

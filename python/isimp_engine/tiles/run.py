@@ -30,6 +30,7 @@ _PATCH, _PATCHES_A_REGION = 100, 6  # faces of a patch at most; patches a region
 _SURPLUS = 2.2  # regions before the last merging, as a multiple of those wanted
 _FIRST = (3, 3)  # rounds and sweeps of each, before that
 _LAST = (10, 8)  # and after it, at most
+_HEAVIER = 1.5  # weight of borders against one piece's: merging starts from better patches, and would leave longer ones
 _FEW = 2e-5  # of all faces: rounds end where fewer move
 _TICK = 0.2  # seconds
 
@@ -233,10 +234,16 @@ class _Run:
         own = {k: {"first": first[i], "near": join["near"][str(k)]} for i, k in enumerate(present)}
         self._map("halo", present, {}, own)
         regions = max(options["proxies"], join["needed"])
-        shared = {"area": join["area"], "faces": sum(whole), "regions": regions, "smooth": smooth}
+        shared = {"area": join["area"], "faces": sum(whole), "regions": regions, "smooth": _HEAVIER * smooth}
         labels, sums = self._rounds("first", present, ("halo", "join"), _FIRST, shared)
         self._map("touch", present, {"before": labels})
-        merging = {"present": present, "sums": sums, "area": join["area"], "target": regions, "smooth": smooth}
+        merging = {
+            "present": present,
+            "sums": sums,
+            "area": join["area"],
+            "target": regions,
+            "smooth": _HEAVIER * smooth,
+        }
         merged = self._one("merge", merging, 40 * join["regions"])
         labels, sums = self._rounds("last", present, (labels, "merge"), _LAST, shared, relabel="merge")
         self._map("thin", present, {"before": labels, "labels": self._labels})
@@ -357,7 +364,7 @@ class _Run:
         if ending.why:
             raise TileFailed(f"{self._name(step, tile)}: {ending.why}")
         if ending.peak_mb is not None:
-            name = step.partition("-")[0]
+            name = self._state.step
             self._peaks[name] = max(self._peaks.get(name, 0.0), ending.peak_mb)
         publish(folder / MADE, of_tile(self._plan.work, step, tile))
         shutil.rmtree(folder, ignore_errors=True)

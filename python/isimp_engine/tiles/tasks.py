@@ -161,7 +161,7 @@ def _patches(task: Task, work: Path, made: Path) -> dict[str, Any]:
     if mesh is None:
         return {"faces": 0, "patches": 0}
     found = steps.patches(mesh, task["size"], task["smooth"])
-    save(made, label=found.label, sums=found.sums, pairs=found.pairs, lengths=found.lengths)
+    save(made, label=found.label, sums=found.sums, pairs=found.pairs)
     patch, count = found.label, len(found.sums)
     del found
     record, neighbour, mesh_face, length = steps.faces_of(mesh)
@@ -201,14 +201,11 @@ def _join(task: Task, work: Path, made: Path) -> dict[str, Any]:
     first = np.cumsum([0] + [len(each) for each in sums])
     keys = [load(folder, "fringe_edge_keys") for folder in folders]
     patch = np.concatenate([load(f, "edge_patch") + o for f, o in zip(folders, first, strict=False)]).astype(np.int32)
-    length = np.concatenate(
-        [load(f, "length")[load(f, "fringe_edge_face"), load(f, "fringe_edge_corner")] for f in folders]
-    )
     edge_tile = np.repeat(np.arange(len(tiles), dtype=np.int32), [len(k) for k in keys])
     matched = borders.match(np.concatenate(keys), edge_tile)
     inner = [load(f, "pairs") + o for f, o in zip(folders, first, strict=False)]
     pairs = np.concatenate([*inner, patch[matched]]).astype(np.int32)
-    lengths = np.concatenate([*(load(f, "lengths") for f in folders), length[matched[:, 0]]])
+    lengths = np.zeros(len(pairs))  # borders cost nothing yet
     whole = np.concatenate(sums)
     free = np.ones(len(patch), bool)
     free[matched.ravel()] = False
@@ -233,7 +230,7 @@ def _join(task: Task, work: Path, made: Path) -> dict[str, Any]:
     }
 
 
-_GRAPH = ("sums", "pairs", "lengths", "edge_patch", "fringe_edge_keys")
+_GRAPH = ("sums", "pairs", "edge_patch", "fringe_edge_keys")
 
 
 def _merged(
