@@ -9,6 +9,7 @@
 #include "borders/relax.h"
 #include "hierarchy/contraction.h"
 #include "isimp/core/errors.h"
+#include "isimp/core/forest.h"
 #include "parts.h"
 
 namespace isimp::tiles {
@@ -97,21 +98,13 @@ Components find_components(const JoinedGraph& graph, std::span<const std::uint8_
   const std::size_t nodes = graph.sum.size();
   if (open.size() != nodes) throw InvalidInput("`open` must have one value for each node");
   if (nodes == 0) throw InvalidInput("there are no patches");
-  std::vector<std::int32_t> up(nodes);
-  std::iota(up.begin(), up.end(), 0);
-  const auto find = [&](std::int32_t u) {
-    while (up[u] != u) u = up[u] = up[up[u]];
-    return u;
-  };
-  for (const auto& [u, v] : graph.pair) {
-    const std::int32_t a = find(u), b = find(v);
-    up[std::max(a, b)] = std::min(a, b);
-  }
+  detail::Forest forest(nodes);
+  for (const auto& [u, v] : graph.pair) forest.join(u, v);
   Components result;
   result.component.assign(nodes, kNone);
   std::vector<Body> bodies;
   for (std::size_t u = 0; u < nodes; ++u) {
-    const std::int32_t root = find(static_cast<std::int32_t>(u));
+    const std::int32_t root = forest.root(static_cast<std::int32_t>(u));
     if (static_cast<std::size_t>(root) == u) {
       result.component[u] = static_cast<std::int32_t>(bodies.size());
       bodies.emplace_back();
