@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <cmath>
@@ -91,6 +92,27 @@ TEST(TileMerging, FindsTheSidesOfACube) {
   for (std::size_t u = 0; u < label.size(); ++u) sum[label[u]].add(graph.sum[u]);
   ASSERT_EQ(sum.size(), 6U);
   for (const auto& [region, s] : sum) EXPECT_NEAR(s.length(), 1.0, 1e-5) << region;
+}
+
+TEST(TileMerging, OfANodeWithManyNeighboursTakesLittleMemory) {
+  constexpr std::int32_t kLeaves = 12000;  // the square of it times 6 bytes are 860 MB
+  tiles::JoinedGraph graph;
+  for (std::int32_t u = 0; u <= kLeaves; ++u) {
+    graph.sum.push_back({0, 0, 1, 2, 1});
+    if (u > 0) graph.pair.push_back({0, u});
+  }
+  graph.length.resize(graph.pair.size(), 1.0);
+  const std::vector<std::uint8_t> open(graph.sum.size(), 1);
+  Job job;
+  const auto peak_kb = [] {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return usage.ru_maxrss;
+  };
+  const auto before = peak_kb();
+  const auto label = tiles::merge(graph, tiles::find_components(graph, open, 1, 0.0), 1, {}, job);
+  EXPECT_EQ(*std::max_element(label.begin(), label.end()), 0);
+  EXPECT_LT(peak_kb() - before, 200 * 1024);
 }
 
 TEST(TileMerging, RefusesPairsThatAreNotThere) {

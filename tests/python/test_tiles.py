@@ -269,7 +269,8 @@ def test_the_command_writes_results_labels_and_a_report(tmp_path, whole):
         (("empty", "a.obj", "--proxies", 5), 2, "there is no scan"),
         (("in", "a.stl", "--proxies", 5), 2, "OUTPUT must end in one of .obj, .ply"),
         (("in", "no/a.obj", "--proxies", 5), 2, "there is no folder no to write to"),
-        (("in", "a.obj", "--proxies", 0), 2, "proxies"),
+        (("in", "a.obj", "--proxies", 0), 2, "--proxies must be at least 1, got 0"),
+        (("in", "a.obj", "--proxies", 5, "--smooth", 2), 2, "--smooth must be in [0, 1], got 2"),
         (("in", "a.obj", "--proxies", 5, "--weld", -1), 2, "the length to weld within must be at least 0"),
         (("in", "a.obj", "--proxies", 5, "--jobs", 0), 2, "the number of jobs must be at least 1"),
         (("in", "a.obj", "--proxies", 100_000), 2, "100,000 regions of 4,608 faces can't be made"),
@@ -295,8 +296,9 @@ def test_ctrl_c_ends_it_and_the_next_run_goes_on(tmp_path, whole):
     process = subprocess.Popen([*map(str, command)], env=ENVIRONMENT, stderr=subprocess.PIPE, text=True)
     wait_for((tmp_path / ".a.obj.tiles" / "join").exists)
     process.send_signal(signal.SIGINT)
-    assert process.wait(20) == 130
-    assert process.stderr.read().splitlines()[-1].endswith("; the same command goes on from there")
+    said = process.communicate(timeout=20)[1]
+    assert process.returncode == 130
+    assert said.splitlines()[-1].endswith("; the same command goes on from there")
     done = isimp(*command[3:])
     assert done.returncode == 0
     assert "goes on from an earlier run" in done.stderr

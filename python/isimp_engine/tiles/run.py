@@ -12,11 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from .. import InvalidInput, MeshingOptions, PartitionOptions, __version__
+from .. import InvalidInput, PartitionOptions, __version__
 from ..batch.errors import BatchError
 from ..batch.local import Local
 from ..batch.nursery import Ending, Limits
 from ..batch.on_dask import OnDask
+from ..batch.run import check_ranges
 from ..batch.scans import READABLE, estimated_faces, find_scans, needed_mb
 from ..batch.table import WORK, Lock, sync_folder
 from . import steps
@@ -115,6 +116,8 @@ def run(
         plan.work.mkdir(parents=True, exist_ok=True)
         with Lock(plan.work):
             before = _begin(plan)
+            for path in plan.work.glob("running-*"):  # of a run on a cluster that was killed
+                path.unlink()
             parts = plan.work / "parts"
             shutil.rmtree(parts, ignore_errors=True)
             parts.mkdir()
@@ -160,11 +163,9 @@ def _plan(source: Path, output: Path, work: Any, options: dict[str, Any], tile_f
 
 def _check(options: dict[str, Any]) -> None:
     try:
-        PartitionOptions(
-            **{name: options[name] for name in ("proxies", "smooth", "leave_out", "seed") if name in options}
-        )
-        MeshingOptions(planar=options.get("planar", False))
-    except InvalidInput as error:
+        names = ("proxies", "smooth", "leave_out", "seed")
+        check_ranges(PartitionOptions(**{name: options[name] for name in names if name in options}))
+    except (BatchError, InvalidInput) as error:
         raise TilesError(str(error)) from None
     if not (0 <= options["weld"] < float("inf")):
         raise TilesError(f"the length to weld within must be at least 0, got {options['weld']}")
@@ -419,11 +420,9 @@ def _write_labels(plan: Plan, folder: Path) -> int:
     if plan.is_single:
         faces = values_of(of_tile(plan.work, "split", 0))["faces"]
         label = np.full(faces, -1, np.int32)
-        for tile in sorted((plan.work / "thin").iterdir()):
-            label[load(tile, "face")] = load(tile, "region")
-        names = [(plan.inputs[0][0], label)]
-        for name, array in names:
-            _save_label(folder, name, array, plan)
+        for part in sorted((plan.work / "thin").iterdir()):
+            label[load(part, "face")] = load(part, "region")
+        _save_label(folder, plan.inputs[0][0], label, plan)
         return 1
     for tile, (name, _) in enumerate(plan.inputs):
         label = np.full(values_of(of_tile(plan.work, "prepare", tile))["file_faces"], -1, np.int32)

@@ -148,9 +148,9 @@ def split_scan(path: Path, folder: Path, tile_faces: int) -> dict[str, int]:
     try:
         for triangles, polygon in source.chunks():
             assert boxes is not None
-            tile = boxes.find(middles_of(source, triangles))
-            order = np.argsort(tile, kind="stable")
-            ends = np.searchsorted(tile[order], np.arange(len(files) + 1))
+            box = boxes.find(middles_of(source, triangles))
+            order = np.argsort(box, kind="stable")
+            ends = np.searchsorted(box[order], np.arange(len(files) + 1))
             for k, file in enumerate(files):
                 chosen = order[ends[k] : ends[k + 1]]
                 row = np.empty(len(chosen), rows)

@@ -151,7 +151,8 @@ def _t_junctions(
     result = result[edge_tile[result[:, 0]] != tile_of[result[:, 1]]]
     key = np.stack([result[:, 0].astype(np.uint64), names[result[:, 1]]], 1)
     _, one = np.unique(key, axis=0, return_index=True)  # a place of several tiles goes in once
-    return result[np.sort(one)]
+    kept: NDArray[np.int64] = result[np.sort(one)]
+    return kept
 
 
 def _patches(task: Task, work: Path, made: Path) -> dict[str, Any]:
@@ -239,7 +240,9 @@ def _merged(
     """The sums and the components of regions, from those of their nodes."""
     kept = label >= 0
     count = int(label.max()) + 1
-    merged = np.stack([np.bincount(label[kept], sums[kept, k], count) for k in range(5)], 1)
+    merged = np.empty((count, 5))
+    for k in range(5):
+        merged[:, k] = np.bincount(label[kept], sums[kept, k], count)
     of = np.full(count, -1, np.int32)
     of[label[kept]] = component[kept]
     return merged, of
