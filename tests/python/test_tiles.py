@@ -102,13 +102,13 @@ def run_bits(folder, out, **options):
 
 
 def test_the_result_is_the_same_bits_for_any_number_of_workers(tmp_path, whole):
-    folder = tilesets.write(tmp_path / "in", tilesets.cut(*whole, 3, 2))
+    folder = tilesets.write(tmp_path / "in", tilesets.cut(*whole, 3, 1))
     assert run_bits(folder, tmp_path / "a.ply", jobs=1) == run_bits(folder, tmp_path / "b.ply", jobs=2)
 
 
-@pytest.mark.parametrize("step", ["prepare/000003", "join", "first-01", "last-00", "thin/000001"])
+@pytest.mark.parametrize("step", ["prepare/000003", "first-01", "thin/000001"])
 def test_a_run_that_was_killed_goes_on_and_gives_the_same_bits(tmp_path, whole, step):
-    folder = tilesets.write(tmp_path / "in", tilesets.cut(*whole, 3, 2))
+    folder = tilesets.write(tmp_path / "in", tilesets.cut(*whole, 2, 2))
     command = [sys.executable, "-m", "isimp_engine", "tiles", folder, tmp_path / "a.ply", "--proxies", P]
     command += ["--work", tmp_path / "work", "--labels", tmp_path / "a.labels"]
     process = subprocess.Popen([*map(str, command)], env=ENVIRONMENT, stderr=subprocess.DEVNULL)

@@ -227,6 +227,9 @@ class _Run:
         size = max(1, min(_PATCH, sum(whole) // (_PATCHES_A_REGION * options["proxies"])))
         smooth = options.get("smooth", PartitionOptions().smooth)
         self._map("patches", present, {"size": size, "smooth": smooth})
+        for k in present:  # vertices on borders have been put in, or all faces of a tile welded away
+            self._faces[k] = values_of(of_tile(plan.work, "patches", k))["faces"]
+        present = [k for k in present if self._faces[k]]
         target = max(options["proxies"], int(_SURPLUS * options["proxies"]))
         leave_out = options.get("leave_out", PartitionOptions().leave_out)
         merging = {"present": present, "proxies": options["proxies"], "target": target, "leave_out": leave_out}
