@@ -23,7 +23,7 @@ HEAD = """# API of the Python module
 
 Letters of shapes: V vertices, F faces and R regions of a mesh; W vertices, Q polygons and L corners of polygons.
 """
-MODULES = ("guides", "guided", "within", "recipes", "batch")
+MODULES = ("guides", "guided", "within", "recipes", "batch", "tiles")
 _SIGNATURE = re.compile(r"\w+\(.*\)( -> .+)?$")  # the first line of a docstring of pybind11
 
 

@@ -22,5 +22,6 @@ void bind_meshing(py::module_& m);
 void bind_io(py::module_& m);
 void bind_simplify(py::module_& m);
 void bind_texture(py::module_& m);
+void bind_tiles(py::module_& m);
 
 }  // namespace isimp::bindings

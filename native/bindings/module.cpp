@@ -15,4 +15,5 @@ PYBIND11_MODULE(_core, m) {
   isimp::bindings::bind_io(m);
   isimp::bindings::bind_simplify(m);
   isimp::bindings::bind_texture(m);
+  isimp::bindings::bind_tiles(m);
 }

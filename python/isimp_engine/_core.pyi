@@ -295,7 +295,7 @@ def triangulate(
 def write(path: str | PathLike[str], polygons: PolygonMesh, job: Job | None = None) -> None: ...
 def opening_length(mesh: Mesh, regions: int, job: Job | None = None) -> float: ...
 
-# What the modules guides, guided and within give their public names to.
+# What the modules guides, guided, within and tiles give their public names to.
 _inner_edges: Callable[[Mesh], tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]]
 _sharp_edges: Callable[[Mesh, float], NDArray[np.int32]]
 _marked_edges: Callable[[Mesh, NDArray[Any]], NDArray[np.int32]]
@@ -307,6 +307,16 @@ _parted_at: Callable[[Mesh, Partition, NDArray[Any]], NDArray[np.int32] | None]
 _scan_distances: Callable[[Mesh, Partition, PolygonMesh, float, int, int, Job | None], NDArray[np.float64]]
 _distances_to_triangles: Callable[[NDArray[Any], NDArray[Any]], NDArray[np.float64]]
 _tightened: Callable[[Mesh, Partition, float, MeshingOptions], MeshingOptions]
+_tile_faces: Callable[[Mesh], tuple[NDArray[Any], ...]]
+_tile_patches: Callable[[Mesh, int, float, Job | None], tuple[NDArray[Any], ...]]
+_tile_components: Callable[..., tuple[NDArray[np.int32], NDArray[np.int32], int, float]]
+_tile_merge: Callable[..., NDArray[np.int32]]
+_tile_relax: Callable[..., tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64], int]]
+_tile_touching: Callable[..., tuple[NDArray[np.int32], NDArray[np.float64]]]
+_tile_thin: Callable[..., tuple[NDArray[Any], ...]]
+_tile_polygonize: Callable[..., PolygonMesh]
+_tile_weld: Callable[..., NDArray[np.int32]]
+_tile_points_on_edges: Callable[..., NDArray[np.int32]]
 _BoundSearch: Callable[[float, bool], Any]
 _Stretch: Callable[[Job, float, float], AbstractContextManager[None]]
 

@@ -14,7 +14,7 @@ import isimp_engine
 ROOT = Path(__file__).resolve().parents[2]
 NATIVE = ROOT / "native"
 ADDON = ROOT / "addon" / "isimp"
-ORDER = ["core", "mesh", "partition", "interact", "meshing", "texture", "thesis", "simplify"]
+ORDER = ["core", "mesh", "partition", "interact", "meshing", "texture", "thesis", "simplify", "tiles"]
 #: each may know those before it
 UNRELATED = {("interact", "meshing"), ("meshing", "interact")}
 PRIVATE = {"CGAL": {"mesh", "meshing"}, "OpenMesh": {"thesis"}, "thrust": {"parallel"}}

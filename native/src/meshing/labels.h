@@ -8,6 +8,7 @@
 #include "isimp/core/job.h"
 #include "isimp/core/threads.h"
 #include "isimp/mesh/mesh.h"
+#include "isimp/meshing/moments.h"
 #include "marks.h"
 
 namespace isimp::meshing {
@@ -40,8 +41,9 @@ struct Labels {
   explicit Labels(const Mesh& m);
 
   const Mesh& mesh;
-  std::vector<std::int32_t> label;    ///< (F) kNone where a part was left out
-  std::vector<Piece> pieces;          ///< by label
+  std::vector<std::int32_t> label;          ///< (F) kNone where a part was left out
+  std::vector<Piece> pieces;                ///< by label
+  std::span<const SurfaceMoments> moments;  ///< (F) of what each face stands for; empty: of the faces themselves
   std::vector<std::int32_t> touched;  ///< pieces that were cut or took or gave faces, for whoever keeps up with them
   Marks face_marks, vertex_marks, halfedge_marks;
   std::atomic<std::int64_t> walked{0};  ///< faces that floods have come to so far

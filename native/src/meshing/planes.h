@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "isimp/core/threads.h"
+#include "isimp/meshing/moments.h"
 #include "isimp/partition/partition.h"
 #include "labels.h"
 
@@ -25,7 +26,8 @@ struct Plane {
 std::vector<Plane> planes_of(const Labels& labels, const Threads& threads, const Job& job);
 
 /// The plane of one piece from its faces.
-Plane plane_of(const Mesh& mesh, std::span<const std::int32_t> faces);
+/// \param moments  as of Labels
+Plane plane_of(const Mesh& mesh, std::span<const std::int32_t> faces, std::span<const SurfaceMoments> moments = {});
 
 /// Turns the plane of a piece into the one that the partition holds for its region, if it does.
 void hold(Plane& plane, const Partition& partition, std::int32_t region);

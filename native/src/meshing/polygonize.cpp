@@ -126,10 +126,14 @@ void report_repair(const RepairOutcome& outcome, std::span<const std::int32_t> p
 
 }  // namespace
 
-PolygonMesh polygonize(const Mesh& mesh, const Partition& partition, const MeshingOptions& options, Job& job) {
+PolygonMesh polygonize(const Mesh& mesh, const Partition& partition, const MeshingOptions& options, Job& job,
+                       std::span<const SurfaceMoments> moments) {
   check(mesh, partition, options);
+  if (!moments.empty() && moments.size() != static_cast<std::size_t>(mesh.face_count()))
+    throw InvalidInput("there are moments of " + std::to_string(moments.size()) + " faces, but the mesh has " +
+                       std::to_string(mesh.face_count()));
   Job::Part whole(job, "meshing", 0.0, 1.0);
-  State state(mesh, partition, options, job);
+  State state(mesh, partition, options, job, moments);
   RepairOutcome outcome;
   {
     Job::Part part(job, "repairing", 0.1, 0.98);

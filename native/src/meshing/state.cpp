@@ -51,7 +51,8 @@ std::int32_t boundary_start(const Labels& labels, std::span<const std::int32_t> 
 
 }  // namespace
 
-State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& job)
+State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& job,
+             std::span<const SurfaceMoments> moments)
     : mesh(m),
       partition(p),
       options(o),
@@ -62,6 +63,7 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
       complex(labels, planes),
       corners(m.vertex_count()),
       job_(job) {
+  labels.moments = moments;
   Bits boundary = label_pieces(labels, partition.face_region, threads, job);
   merged_without_area = merge_pieces_without_area(labels, 2 * kThickness * m.diagonal(), boundary);
   job.report(0.02);
@@ -261,7 +263,7 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, std::
                        loops[i] = labels.loop_from(boundary_start(labels, faces));
                      }
                      labels.pieces[l].region = main_region(mesh, partition, faces);
-                     planes[l] = plane_of(mesh, faces);
+                     planes[l] = plane_of(mesh, faces, labels.moments);
                      hold(planes[l], partition, labels.pieces[l].region);
                    }
                  });

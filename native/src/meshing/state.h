@@ -40,7 +40,9 @@ struct SharedBoundary {
 class State {
  public:
   /// \param job  polled by `update` too
-  State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& job);
+  /// \param moments  as of Labels
+  State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& job,
+        std::span<const SurfaceMoments> moments = {});
 
   /// Where a piece would be split: in halves, or near a place. Threads may ask for several pieces at a time after the
   /// face marks of labels have been cleared.

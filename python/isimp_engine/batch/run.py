@@ -340,11 +340,11 @@ def _checked_options(
     if len(given := [name for name in recipes.COUNTS if options.get(name) is not None]) > 1:
         raise BatchError(f"{' and '.join(given)} each set the number of regions: give one of them")
     for made in (arguments.options, arguments.clean):
-        _check_ranges(made)
+        check_ranges(made)
     return arguments
 
 
-def _check_ranges(options: PartitionOptions | CleanOptions) -> None:
+def check_ranges(options: PartitionOptions | CleanOptions) -> None:
     """Refuse once what the engine would refuse for each scan."""
     values = options.as_dict()
     for option in options.fields():

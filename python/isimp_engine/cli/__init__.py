@@ -1,4 +1,4 @@
-"""The command `isimp`: `isimp simplify INPUT OUTPUT`, `isimp batch INPUT OUTPUT_FOLDER` and `isimp info INPUT`.
+"""The command `isimp`: `isimp simplify INPUT OUTPUT`, `isimp batch ...`, `isimp tiles ...` and `isimp info INPUT`.
 
 Exit status: 0; 2 for wrong usage; 3 for input that can't be used, with one line that says what and where; 4 if some
 scans of a batch failed; 130 after Ctrl-C, with nothing half-written.
@@ -22,7 +22,7 @@ from .. import (
     _process,
     recipes,
 )
-from . import batch, guiding, info, lods, simplify, texturing
+from . import batch, guiding, info, lods, simplify, texturing, tiles
 from .errors import UsageError
 from .files import place
 
@@ -65,6 +65,12 @@ def parser() -> argparse.ArgumentParser:
     )
     command.set_defaults(run=batch.run)
     batch.add_options(command)
+
+    command = commands.add_parser(
+        "tiles", help="make a polygon mesh of a scan in tiles, larger than memory", description=tiles.__doc__
+    )
+    command.set_defaults(run=tiles.run)
+    tiles.add_options(command)
 
     command = commands.add_parser(
         "info", help="what a mesh is and what it would become", description=info.__doc__, parents=shared
@@ -163,6 +169,8 @@ def _of_recipe(arguments: argparse.Namespace, given: dict[str, Any]) -> dict[str
 
 def settle(arguments: argparse.Namespace) -> None:
     """Replace what the command line gave by what the steps take: the recipe and the engine's options."""
+    if arguments.run is tiles.run:
+        return
     arguments.clean = options_of(arguments, CleanOptions)
     if isinstance(arguments.recipe, Path):
         try:

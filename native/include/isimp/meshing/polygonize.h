@@ -2,11 +2,13 @@
 
 #include <compare>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "isimp/core/job.h"
 #include "isimp/core/types.h"
 #include "isimp/mesh/mesh.h"
+#include "isimp/meshing/moments.h"
 #include "isimp/meshing/options.h"
 #include "isimp/partition/partition.h"
 
@@ -92,9 +94,12 @@ struct PolygonMesh {
 
 /// Turns the regions of a partition into polygons that meet edge to edge.
 ///
-/// \throws InvalidInput  the partition is not one of this mesh; an option out of its range
+/// \param moments  (F) of what each face stands for, where the mesh is a thinned one (tiles/thin.h), in the mesh's own
+///                 coordinates; planes are fitted to them. Empty: of the faces themselves
+/// \throws InvalidInput  the partition is not one of this mesh; not F moments; an option out of its range
 /// \throws Cancelled     nothing was made
 /// Source: Cohen-Steiner, Alliez, Desbrun 2004, section 4.
-PolygonMesh polygonize(const Mesh& mesh, const Partition& partition, const MeshingOptions& options, Job& job);
+PolygonMesh polygonize(const Mesh& mesh, const Partition& partition, const MeshingOptions& options, Job& job,
+                       std::span<const SurfaceMoments> moments = {});
 
 }  // namespace isimp

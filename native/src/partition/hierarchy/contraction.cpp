@@ -230,6 +230,7 @@ class Greedy {
         place_(sums.size(), 0),
         left_(need.size(), 0) {
     border_.resize(row_.size(), 0.0);
+    room_ = 4 * row_.size();
     const std::int32_t n = graph.size();
     for (std::int32_t u = 0; u < n; ++u) {
       Node& node = node_[u];
@@ -361,9 +362,11 @@ class Greedy {
     --clusters_;
     --left_[into.part];
     ++stamp_;
+    if (row_.size() > room_) compact();
     const auto begin = static_cast<std::int32_t>(row_.size());
     append(into, u);
     append(from, u);
+    from.first = from.last = 0;
     into.first = begin;
     into.last = static_cast<std::int32_t>(row_.size());
     double least = std::numeric_limits<double>::infinity();
@@ -383,6 +386,24 @@ class Greedy {
     take_partner(u, partner, least);
     push(u);
   }
+  /// Drops rows of clusters that have merged. A cluster with many neighbours leaves a long one each time it merges, so
+  /// that without this the memory would grow with the square of their number.
+  void compact() {
+    std::vector<std::int32_t> row;
+    std::vector<double> border;
+    for (Node& node : node_) {
+      const auto first = static_cast<std::int32_t>(row.size());
+      if (node.first < node.last) {
+        row.insert(row.end(), row_.begin() + node.first, row_.begin() + node.last);
+        border.insert(border.end(), border_.begin() + node.first, border_.begin() + node.last);
+      }
+      node.first = first;
+      node.last = static_cast<std::int32_t>(row.size());
+    }
+    row_ = std::move(row);
+    border_ = std::move(border);
+    room_ = std::max(room_, 2 * row_.size());
+  }
   void append(const Node& node, std::int32_t u) {
     for (std::int32_t k = node.first; k < node.last; ++k) {
       row_.push_back(kAlone);
@@ -400,6 +421,7 @@ class Greedy {
   std::vector<std::int32_t> seen_, place_, left_;
   std::vector<Entry> heap_;
   std::int32_t clusters_ = 0, stamp_ = 0;
+  std::size_t room_ = 0;  // length of `row_` from which it is compacted
 };
 
 }  // namespace

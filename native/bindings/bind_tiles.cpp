@@ -1,0 +1,248 @@
+#include <pybind11/stl.h>
+
+#include <array>
+#include <cstring>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "call.h"
+#include "isimp/core/errors.h"
+#include "isimp/meshing/polygonize.h"
+#include "isimp/tiles/merge.h"
+#include "isimp/tiles/patches.h"
+#include "isimp/tiles/relax.h"
+#include "isimp/tiles/thin.h"
+#include "isimp/tiles/weld.h"
+#include "kept_mesh.h"
+#include "options.h"
+
+/// What tiles/steps.py gives its names and texts to; so all of it is private to the package.
+namespace isimp::bindings {
+
+using namespace py::literals;
+
+namespace {
+
+template <class T>
+using Table = py::array_t<T, py::array::c_style | py::array::forcecast>;
+constexpr py::ssize_t kSumColumns = 5, kMomentColumns = 10;
+
+/// The rows of a table without a copy, as a struct of its numbers.
+template <class Row, class T>
+std::span<const Row> rows(const Table<T>& table, const char* name) {
+  constexpr auto columns = static_cast<py::ssize_t>(sizeof(Row) / sizeof(T));
+  const bool fits = columns == 1 ? table.ndim() == 1 : table.ndim() == 2 && table.shape(1) == columns;
+  if (!fits) throw InvalidInput(std::string(name) + " must have " + std::to_string(columns) + " numbers in each row");
+  return {reinterpret_cast<const Row*>(table.data()), static_cast<std::size_t>(table.shape(0))};
+}
+
+template <class Row, class Fill>
+py::array_t<double> table_of(const std::vector<Row>& items, py::ssize_t columns, Fill fill) {
+  py::array_t<double> table({static_cast<py::ssize_t>(items.size()), columns});
+  double* at = table.mutable_data();
+  for (const Row& item : items) {
+    fill(item, at);
+    at += columns;
+  }
+  return table;
+}
+
+void put(const RegionSum& s, double* at) {
+  at[0] = s.x;
+  at[1] = s.y;
+  at[2] = s.z;
+  at[3] = s.weight;
+  at[4] = s.faces;
+}
+
+std::vector<RegionSum> read_sums(const Table<double>& table) {
+  std::vector<RegionSum> sums;
+  for (const auto& row : rows<std::array<double, kSumColumns>>(table, "sums"))
+    sums.push_back({row[0], row[1], row[2], row[3], static_cast<std::int32_t>(row[4])});
+  return sums;
+}
+
+std::vector<SurfaceMoments> read_moments(const std::optional<Table<double>>& table, const Vec3& origin) {
+  std::vector<SurfaceMoments> moments;
+  if (!table) return moments;
+  for (const auto& row : rows<std::array<double, kMomentColumns>>(*table, "moments")) {
+    SurfaceMoments m;
+    m.area = row[0];
+    m.centre = Vec3(row[1], row[2], row[3]) - origin;
+    std::copy(row.begin() + 4, row.end(), m.second.begin());
+    moments.push_back(m);
+  }
+  return moments;
+}
+
+void put_moments(const SurfaceMoments& m, double* at) {
+  at[0] = m.area;
+  for (int k = 0; k < 3; ++k) at[1 + k] = m.centre[k];
+  std::copy(m.second.begin(), m.second.end(), at + 4);
+}
+
+tiles::JoinedGraph read_graph(const Table<double>& sums, const Table<std::int32_t>& pairs,
+                              const Table<double>& lengths) {
+  const auto pair = rows<std::array<std::int32_t, 2>>(pairs, "pairs");
+  const auto length = rows<double>(lengths, "lengths");
+  return {read_sums(sums), {pair.begin(), pair.end()}, {length.begin(), length.end()}};
+}
+
+/// A mesh as what relaxing needs of it.
+py::tuple faces_of(const KeptMesh& mesh) {
+  const FaceGraph& graph = mesh.graph();
+  const py::ssize_t n = graph.size();
+  py::array_t<float> record({n, py::ssize_t{4}}), length({n, py::ssize_t{3}});
+  py::array_t<std::int32_t> neighbour({n, py::ssize_t{3}}), mesh_face(n);
+  const auto p = mesh.vertices();
+  for (std::int32_t i = 0; i < graph.size(); ++i) {
+    const FaceRecord& f = graph.faces[i];
+    float* at = record.mutable_data(i, 0);
+    at[0] = f.nx;
+    at[1] = f.ny;
+    at[2] = f.nz;
+    at[3] = static_cast<float>(f.area * graph.area);
+    const Triangle& t = mesh.triangles()[graph.mesh_face[i]];
+    for (int k = 0; k < 3; ++k) {
+      const std::int32_t j = graph.neighbours[i][k];
+      *neighbour.mutable_data(i, k) = j == graph.size() ? kNone : j;
+      *length.mutable_data(i, k) = static_cast<float>((p[t[(k + 1) % 3]] - p[t[k]]).norm());
+    }
+  }
+  if (n > 0) std::memcpy(mesh_face.mutable_data(), graph.mesh_face.data(), sizeof(std::int32_t) * n);
+  return py::make_tuple(record, neighbour, mesh_face, length);
+}
+
+void bind_patches(py::module_& m) {
+  m.def("_tile_faces", &faces_of, "mesh"_a, "See tiles.faces_of.");
+  m.def(
+      "_tile_patches",
+      [](const KeptMesh& mesh, std::int32_t size, double smooth, Job* job) {
+        tiles::Patches p = call(job, [&](Job& j) { return tiles::patches(mesh, size, smooth, j); });
+        py::array sums = table_of(p.sum, kSumColumns, put);
+        return py::make_tuple(owned(std::move(p.label)), sums, owned(std::move(p.pair)), owned(std::move(p.length)));
+      },
+      "mesh"_a, "size"_a, "smooth"_a, "job"_a = py::none(), "See tiles.patches.");
+}
+
+void bind_merging(py::module_& m) {
+  m.def(
+      "_tile_components",
+      [](const Table<double>& sums, const Table<std::int32_t>& pairs, const Table<double>& lengths,
+         const Table<std::uint8_t>& open, std::int32_t proxies, double leave_out) {
+        tiles::Components c = tiles::find_components(read_graph(sums, pairs, lengths), rows<std::uint8_t>(open, "open"),
+                                                     proxies, leave_out);
+        return py::make_tuple(owned(std::move(c.component)), owned(std::move(c.need)), c.left_out, c.area_left_out);
+      },
+      "sums"_a, "pairs"_a, "lengths"_a, "open"_a, "proxies"_a, "leave_out"_a, "See tiles.find_components.");
+  m.def(
+      "_tile_merge",
+      [](const Table<double>& sums, const Table<std::int32_t>& pairs, const Table<double>& lengths,
+         const Table<std::int32_t>& component, const Table<std::int32_t>& need, std::int32_t target, double smooth,
+         double error, std::int32_t proxies, Job* job) {
+        const auto graph = read_graph(sums, pairs, lengths);
+        tiles::Components c;
+        const auto of = rows<std::int32_t>(component, "component"), least = rows<std::int32_t>(need, "need");
+        c.component.assign(of.begin(), of.end());
+        c.need.assign(least.begin(), least.end());
+        for (const std::int32_t each : c.component)
+          if (each < kNone || each >= static_cast<std::int32_t>(c.need.size()))
+            throw InvalidInput("a node is in component " + std::to_string(each) + ", but there are " +
+                               std::to_string(c.need.size()));
+        return owned(call(job, [&](Job& j) { return tiles::merge(graph, c, target, {smooth, error, proxies}, j); }));
+      },
+      "sums"_a, "pairs"_a, "lengths"_a, "component"_a, "need"_a, "target"_a, "smooth"_a, "error"_a, "proxies"_a,
+      "job"_a = py::none(), "See tiles.merge.");
+}
+
+void bind_relaxing(py::module_& m) {
+  m.def(
+      "_tile_relax",
+      [](const Table<float>& record, const Table<std::int32_t>& neighbour, std::int32_t owned_faces,
+         const Table<std::int32_t>& label, const Table<std::uint8_t>& frozen, const Table<double>& sums, double error,
+         double smooth, double area, std::int64_t faces, std::int32_t regions, std::int32_t sweeps, Job* job) {
+        const tiles::TileFaces tile{rows<FaceRecord>(record, "faces"),
+                                    rows<std::array<std::int32_t, 3>>(neighbour, "neighbours"), owned_faces};
+        const auto labels = rows<std::int32_t>(label, "labels");
+        const auto stays = rows<std::uint8_t>(frozen, "frozen");
+        const std::vector<RegionSum> sum = read_sums(sums);
+        const tiles::RelaxOptions options{error, smooth, area, faces, regions, sweeps};
+        tiles::Relaxed r = call(job, [&](Job& j) { return tiles::relax(tile, labels, stays, sum, options, j); });
+        std::vector<std::int32_t> changed;
+        for (const auto& [region, unused] : r.change) changed.push_back(region);
+        py::array change = table_of(r.change, kSumColumns, [](const auto& c, double* at) { put(c.second, at); });
+        return py::make_tuple(owned(std::move(r.label)), owned(std::move(changed)), change, r.moves);
+      },
+      "faces"_a, "neighbours"_a, "owned"_a, "labels"_a, "frozen"_a, "sums"_a, "error"_a, "smooth"_a, "area"_a,
+      "face_count"_a, "regions"_a, "sweeps"_a, "job"_a = py::none(), "See tiles.relax.");
+  m.def(
+      "_tile_touching",
+      [](const Table<std::int32_t>& neighbour, std::int32_t owned_faces, const Table<std::int32_t>& label,
+         const Table<float>& length) {
+        const tiles::TileFaces tile{{}, rows<std::array<std::int32_t, 3>>(neighbour, "neighbours"), owned_faces};
+        tiles::Touching t =
+            tiles::touching(tile, rows<std::int32_t>(label, "labels"), rows<std::array<float, 3>>(length, "lengths"));
+        return py::make_tuple(owned(std::move(t.pair)), owned(std::move(t.length)));
+      },
+      "neighbours"_a, "owned"_a, "labels"_a, "lengths"_a, "See tiles.touching.");
+}
+
+void bind_thinning(py::module_& m) {
+  m.def(
+      "_tile_thin",
+      [](const KeptMesh& mesh, const Table<std::int32_t>& label, const std::optional<Table<double>>& moments,
+         Job* job) {
+        const auto labels = rows<std::int32_t>(label, "labels");
+        const std::vector<SurfaceMoments> given = read_moments(moments, Vec3::Zero());
+        tiles::Thinned t = call(job, [&](Job& j) { return tiles::thin(mesh, labels, given, j); });
+        py::array of_faces = table_of(t.moments, kMomentColumns, put_moments);
+        return py::make_tuple(owned(std::move(t.vertices)), owned(std::move(t.triangles)), owned(std::move(t.label)),
+                              of_faces);
+      },
+      "mesh"_a, "labels"_a, "moments"_a = py::none(), "job"_a = py::none(), "See tiles.thin.");
+  m.def(
+      "_tile_polygonize",
+      [](const KeptMesh& mesh, const Partition& part, MeshingOptions options, const Table<double>& moments, Job* job) {
+        const std::vector<SurfaceMoments> given = read_moments(moments, mesh.origin());
+        return call(job, [&](Job& j) { return polygonize(mesh, part, options, j, given); });
+      },
+      "mesh"_a, "partition"_a, "options"_a, "moments"_a, "job"_a = py::none(), "See tiles.polygonize_thinned.");
+}
+
+void bind_welding(py::module_& m) {
+  m.def(
+      "_tile_weld",
+      [](const py::object& points, const Table<std::int32_t>& tile, double length, Job* job) {
+        const std::vector<Vec3> places = read_points(points, "points", "(N, 3)");
+        const auto of = rows<std::int32_t>(tile, "tile");
+        return owned(call(job, [&](Job& j) { return tiles::weld(places, of, length, j); }));
+      },
+      "points"_a, "tile"_a, "length"_a, "job"_a = py::none(), "See tiles.weld.");
+  m.def(
+      "_tile_points_on_edges",
+      [](const py::object& ends, const py::object& points, double length, Job* job) {
+        const std::vector<Vec3> edges = read_points(ends, "ends", "(2 E, 3)");
+        const std::vector<Vec3> places = read_points(points, "points", "(N, 3)");
+        const auto found = call(job, [&](Job& j) { return tiles::points_on_edges(edges, places, length, j); });
+        std::vector<std::array<std::int32_t, 2>> pairs;
+        for (const tiles::OnEdge& each : found) pairs.push_back({each.edge, each.point});
+        return owned(std::move(pairs));
+      },
+      "ends"_a, "points"_a, "length"_a, "job"_a = py::none(), "See tiles.points_on_edges.");
+}
+
+}  // namespace
+
+void bind_tiles(py::module_& m) {
+  bind_patches(m);
+  bind_merging(m);
+  bind_relaxing(m);
+  bind_thinning(m);
+  bind_welding(m);
+}
+
+}  // namespace isimp::bindings

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "isimp/core/job.h"
+#include "isimp/partition/metric.h"
+
+namespace isimp::tiles {
+
+/// The patches, or the regions, of all tiles as one graph.
+struct JoinedGraph {
+  std::vector<RegionSum> sum;                     ///< (K) in scene units squared
+  std::vector<std::array<std::int32_t, 2>> pair;  ///< (E) neighbours, in any order; repeats add up
+  std::vector<double> length;                     ///< (E) of the border that each pair shares, scene units
+};
+
+/// The connected components of a joined graph, and how many regions each needs.
+struct Components {
+  std::vector<std::int32_t> component;  ///< (K) of each node, numbered by first node; kNone where it is left out
+  std::vector<std::int32_t> need;       ///< (C) least number of regions: 4 if closed, else 1; 0 where it is left out
+  std::int32_t left_out = 0;            ///< how many are left out
+  double area_left_out = 0.0;           ///< their share of the whole area
+};
+
+/// Finds components as a partition of one piece does: each below `leave_out` of the area is left out, smallest first,
+/// while all of them together stay below ten times that and the rest has `proxies` faces.
+///
+/// \param open  (K) 1 where a node is on the border of the whole scan; only here is known what is closed
+/// \throws InvalidInput  arrays of unequal lengths, a pair out of range
+/// Cost: O((K + E) log K).
+Components find_components(const JoinedGraph& graph, std::span<const std::uint8_t> open, std::int32_t proxies,
+                           double leave_out);
+
+/// What merging weighs borders by: as the engine does for one piece.
+struct BorderPrice {
+  double smooth = 0.0;       ///< as PartitionOptions::smooth; 0: borders cost nothing
+  double error = 0.0;        ///< of the present regions, as a share of the area
+  std::int32_t proxies = 1;  ///< how many regions there will be
+};
+
+/// Merges neighbours one pair at a time, cheapest first, by exact prices, until `target` are left.
+///
+/// \return (K) region of each node, numbered by first node, kNone where it is left out; more than `target` regions
+///         where the components need them
+/// \throws InvalidInput  as above
+/// \throws Cancelled     nothing was made
+/// Cost: O(K log K) where nodes have few neighbours; some 270 bytes a node.
+std::vector<std::int32_t> merge(const JoinedGraph& graph, const Components& components, std::int32_t target,
+                                const BorderPrice& price, Job& job);
+
+}  // namespace isimp::tiles

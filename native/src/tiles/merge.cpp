@@ -1,0 +1,192 @@
+#include "isimp/tiles/merge.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "borders/relax.h"
+#include "hierarchy/contraction.h"
+#include "isimp/core/errors.h"
+#include "isimp/core/forest.h"
+#include "parts.h"
+
+namespace isimp::tiles {
+namespace {
+
+constexpr std::int32_t kClosedNeed = 4;
+constexpr double kTogether = 10.0;
+constexpr double kManyTimes = 1.3;        // nodes, of those wanted, down to which rounds merge
+constexpr double kLeastTimes = 1.05;      // that rounds leave, for the last merges to be made from exact prices
+constexpr std::int32_t kLeastOfPart = 8;  // nodes of a component, below which rounds leave it alone
+
+void check(const JoinedGraph& graph) {
+  if (graph.length.size() != graph.pair.size())
+    throw InvalidInput("there are " + std::to_string(graph.pair.size()) + " pairs, but " +
+                       std::to_string(graph.length.size()) + " lengths of borders");
+  const auto nodes = static_cast<std::int32_t>(graph.sum.size());
+  for (std::size_t e = 0; e < graph.pair.size(); ++e)
+    for (const std::int32_t u : graph.pair[e])
+      if (u < 0 || u >= nodes)
+        throw InvalidInput("pair " + std::to_string(e) + " names node " + std::to_string(u) + ", but there are " +
+                           std::to_string(nodes));
+}
+
+double area_of(const RegionSum& s) { return s.weight / 2; }
+
+/// What is known of a component before it is decided whether it is kept.
+struct Body {
+  double area = 0.0;
+  std::int64_t faces = 0;
+  bool closed = true;
+};
+
+/// Components, smallest first, that are left out; see find_parts.
+std::vector<std::int32_t> left_out(const std::vector<Body>& bodies, std::int32_t proxies, double leave_out) {
+  std::vector<std::int32_t> order(bodies.size()), out;
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) {
+    return std::pair(bodies[a].area, a) < std::pair(bodies[b].area, b);
+  });
+  order.pop_back();  // the largest is always kept
+  double area = 0, all = 0;
+  std::int64_t faces = 0;
+  for (const Body& body : bodies) {
+    area += body.area;
+    faces += body.faces;
+  }
+  for (const std::int32_t c : order) {
+    const Body& body = bodies[c];
+    if (body.area >= leave_out * area || all + body.area >= kTogether * leave_out * area) break;
+    if (faces - body.faces < proxies) break;
+    faces -= body.faces;
+    all += body.area;
+    out.push_back(c);
+  }
+  return out;
+}
+
+/// Compressed rows from pairs; pairs that stand there twice add up.
+MergeGraph rows_of(const JoinedGraph& graph, double price) {
+  MergeGraph rows;
+  rows.sum.resize(graph.sum.size());
+  rows.first.assign(graph.sum.size() + 1, 0);
+  for (const auto& [u, v] : graph.pair) {
+    if (u == v) continue;
+    ++rows.first[u + 1];
+    ++rows.first[v + 1];
+  }
+  std::partial_sum(rows.first.begin(), rows.first.end(), rows.first.begin());
+  rows.neighbour.resize(static_cast<std::size_t>(rows.first.back()));
+  if (price > 0) rows.border.resize(rows.neighbour.size());
+  std::vector<std::int32_t> next(rows.first.begin(), rows.first.end() - 1);
+  for (std::size_t e = 0; e < graph.pair.size(); ++e) {
+    const auto [u, v] = graph.pair[e];
+    if (u == v) continue;
+    for (const auto& [from, to] : {std::pair(u, v), std::pair(v, u)}) {
+      const std::int32_t at = next[from]++;
+      rows.neighbour[at] = to;
+      if (price > 0) rows.border[at] = price * graph.length[e];
+    }
+  }
+  return rows;
+}
+
+/// Merges by rounds, many pairs at once, as long as there are many more nodes than wanted: one pair at a time takes long
+/// where a cluster has many neighbours, as the ground of a city has.
+/// \return (K) node of the graph that is left
+std::vector<std::int32_t> merge_in_rounds(MergeGraph& graph, std::span<const RegionSum> sums, std::int32_t target,
+                                          Job& job) {
+  for (std::size_t u = 0; u < sums.size(); ++u)
+    graph.sum[u] = {static_cast<float>(sums[u].x), static_cast<float>(sums[u].y), static_cast<float>(sums[u].z),
+                    static_cast<float>(sums[u].length())};
+  std::vector<std::int32_t> to(sums.size()), map;
+  std::iota(to.begin(), to.end(), 0);
+  const Threads threads(1);
+  const auto out = std::count_if(sums.begin(), sums.end(), [](const RegionSum& s) { return s.faces == 0; });
+  while (graph.size() > kManyTimes * target) {
+    MergeGraph next = merge_round(graph, false, kLeastOfPart, map, threads, job);
+    if (next.size() == graph.size() || next.size() < kLeastTimes * target + static_cast<double>(out)) break;
+    for (std::int32_t& u : to) u = map[u];
+    graph = std::move(next);
+  }
+  return to;
+}
+
+}  // namespace
+
+Components find_components(const JoinedGraph& graph, std::span<const std::uint8_t> open, std::int32_t proxies,
+                           double leave_out) {
+  check(graph);
+  const std::size_t nodes = graph.sum.size();
+  if (open.size() != nodes) throw InvalidInput("`open` must have one value for each node");
+  if (nodes == 0) throw InvalidInput("there are no patches");
+  detail::Forest forest(nodes);
+  for (const auto& [u, v] : graph.pair) forest.join(u, v);
+  Components result;
+  result.component.assign(nodes, kNone);
+  std::vector<Body> bodies;
+  for (std::size_t u = 0; u < nodes; ++u) {
+    const std::int32_t root = forest.root(static_cast<std::int32_t>(u));
+    if (static_cast<std::size_t>(root) == u) {
+      result.component[u] = static_cast<std::int32_t>(bodies.size());
+      bodies.emplace_back();
+    }
+    const std::int32_t c = result.component[u] = result.component[root];
+    bodies[c].area += area_of(graph.sum[u]);
+    bodies[c].faces += graph.sum[u].faces;
+    bodies[c].closed &= open[u] == 0;
+  }
+  for (const Body& body : bodies)
+    result.need.push_back(static_cast<std::int32_t>(std::min<std::int64_t>(body.closed ? kClosedNeed : 1, body.faces)));
+  double all = 0, out = 0;
+  for (const Body& body : bodies) all += body.area;
+  for (const std::int32_t c : left_out(bodies, proxies, leave_out)) {
+    result.need[c] = 0;
+    out += bodies[c].area;
+    ++result.left_out;
+  }
+  result.area_left_out = all > 0 ? out / all : 0;
+  for (std::int32_t& c : result.component)
+    if (result.need[c] == 0) c = kNone;
+  return result;
+}
+
+std::vector<std::int32_t> merge(const JoinedGraph& graph, const Components& components, std::int32_t target,
+                                const BorderPrice& price, Job& job) {
+  check(graph);
+  if (components.component.size() != graph.sum.size()) throw InvalidInput("there must be one component for each node");
+  double area = 0;
+  for (const RegionSum& s : graph.sum) area += area_of(s);
+  const double each = price.smooth > 0 && area > 0 ? border_price(price.error, price.smooth) /
+                                                         (2 * std::sqrt(std::max(1, price.proxies)) * std::sqrt(area))
+                                                   : 0.0;
+  MergeGraph rows = rows_of(graph, each);
+  rows.part = components.component;
+  std::vector<RegionSum> sums = graph.sum;
+  const double unit = area > 0 ? 1 / area : 1;
+  for (std::size_t u = 0; u < sums.size(); ++u) {
+    sums[u].x *= unit;
+    sums[u].y *= unit;
+    sums[u].z *= unit;
+    if (components.component[u] == kNone) sums[u].faces = 0;  // takes no part
+    rows.part[u] = std::max(rows.part[u], 0);
+  }
+  if (each > 0 || rows.size() <= kManyTimes * target) return merge_greedily(rows, sums, components.need, target, job);
+  const std::vector<std::int32_t> to = merge_in_rounds(rows, sums, target, job);
+  std::vector<RegionSum> merged(static_cast<std::size_t>(rows.size()));
+  for (std::size_t u = 0; u < to.size(); ++u) merged[to[u]].add(sums[u]);
+  const std::vector<std::int32_t> cluster = merge_greedily(rows, merged, components.need, target, job);
+  std::vector<std::int32_t> label(to.size(), kNone), number(cluster.size(), kNone);
+  std::int32_t count = 0;
+  for (std::size_t u = 0; u < to.size(); ++u) {
+    const std::int32_t c = cluster[to[u]];
+    if (c == kNone) continue;
+    if (number[c] == kNone) number[c] = count++;
+    label[u] = number[c];
+  }
+  return label;
+}
+
+}  // namespace isimp::tiles

@@ -1,0 +1,179 @@
+"""Simplify one scan that is given as tiles, or too large for memory. A run that was ended goes on where it was.
+
+INPUT is a folder of tiles (PLY, OBJ, STL, OFF) in one system of coordinates, or one scan, which is cut into tiles. No
+polygon ends at a border of tiles, and the result is the same for any number of workers.
+"""
+
+import argparse
+import json
+import shutil
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+from .. import _process
+from ..tiles import Outcome, State, TileFailed, TilesError
+from ..tiles import run as run_tiles
+from ..tiles.run import TILE_FACES
+from . import words
+from .batch import TERMINATED, Terminated, terminable
+from .errors import UsageError
+from .files import STDOUT, Outputs, check, place
+from .progress import wanted
+
+_REDRAW = 0.1
+_WORDS = {  # what a step does
+    "split": "cutting",
+    "prepare": "reading",
+    "mend": "fitting borders",
+    "patches": "patches",
+    "join": "joining",
+    "halo": "halos",
+    "relax": "relaxing",
+    "sum": "relaxing",
+    "touch": "merging",
+    "merge": "merging",
+    "thin": "thinning",
+    "mesh": "meshing",
+}
+
+
+def add_options(command: argparse.ArgumentParser) -> None:
+    command.add_argument("input", type=Path, metavar="INPUT", help="folder of tiles, or one scan")
+    command.add_argument("output", type=Path, metavar="OUTPUT", help="PLY or OBJ")
+    command.add_argument("--proxies", type=int, metavar="N", required=True, help="number of regions of all tiles")
+    command.add_argument(
+        "--weld",
+        type=float,
+        default=0.0,
+        metavar="L",
+        help="vertices on borders of tiles up to this far apart are one. Default: 0, only where they are equal.",
+    )
+    command.add_argument("--dask", metavar="ADDRESS", help="scheduler of a cluster that does the work: tcp://HOST:PORT")
+    command.add_argument(
+        "--work", type=Path, metavar="FOLDER", help="for intermediate results; stays. Default: beside OUTPUT, removed."
+    )
+    command.add_argument(
+        "--labels",
+        type=Path,
+        metavar="FOLDER",
+        help="one int32 region per face of each tile's file, TILE.npy; -1: none",
+    )
+    command.add_argument("--jobs", type=int, metavar="N", help="tiles at once. Default: what cores and memory allow.")
+    faces = f"faces of the tiles that one scan is cut into. Default: {TILE_FACES:,}."
+    command.add_argument("--tile-faces", type=int, default=TILE_FACES, metavar="N", help=faces)
+    command.add_argument("--smooth", type=float, metavar="X", help="as of simplify. Default: 0.5.")
+    command.add_argument("--leave-out", type=float, metavar="X", help="as of simplify. Default: 0.001.")
+    command.add_argument("--seed", type=int, metavar="N", help="as of simplify; merging draws no random numbers")
+    command.add_argument("--planar", action="store_true", default=None, help="make every polygon planar")
+    command.add_argument("--report", type=place, metavar="R.json", help="what was done, in numbers; -: to stdout")
+    command.add_argument("--quiet", action="store_true", help="no progress, no summary")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    if isinstance(arguments.report, Path):
+        check(arguments.report)
+    screen = _Screen() if wanted(arguments.quiet) else None
+    state = State()
+    told = arguments.quiet
+
+    def watch(now: State) -> None:
+        nonlocal state, told
+        if now.before and not told:
+            if screen is not None:
+                screen.clear()
+            print(f"isimp: goes on from an earlier run, which did {now.before:,} steps", file=sys.stderr)
+        told, state = True, now
+        if screen is not None:
+            screen.draw(now)
+
+    names = ("smooth", "leave_out", "seed", "planar")
+    given = {name: getattr(arguments, name) for name in names if getattr(arguments, name) is not None}
+    begun = time.monotonic()
+    try:
+        with terminable(), Outputs() as outputs:
+            try:
+                outcome = run_tiles(
+                    arguments.input,
+                    arguments.output,
+                    proxies=arguments.proxies,
+                    weld=arguments.weld,
+                    work=arguments.work,
+                    labels=arguments.labels,
+                    jobs=arguments.jobs,
+                    dask=arguments.dask,
+                    tile_faces=arguments.tile_faces,
+                    options=given,
+                    watch=watch,
+                )
+            finally:
+                if screen is not None:
+                    screen.clear()
+            outcome.report["seconds"]["all"] = round(time.monotonic() - begun, 3)
+            if arguments.report:
+                text = json.dumps(outcome.report, indent=2, allow_nan=False) + "\n"
+                outputs.write_text(arguments.report, text)
+            outputs.commit()
+    except TilesError as error:
+        raise UsageError(str(error)) from None
+    except TileFailed as error:
+        print("isimp:", " ".join(str(error).split()), file=sys.stderr)
+        return BAD_TILE
+    except KeyboardInterrupt as error:
+        said = f"interrupted while {_WORDS.get(state.step, 'starting')}; the same command goes on from there"
+        print(f"isimp: {said}", file=sys.stderr)
+        return TERMINATED if isinstance(error, Terminated) else _process.INTERRUPTED
+    if not arguments.quiet:
+        stream = sys.stderr if arguments.report == STDOUT else sys.stdout
+        if stream is not None:
+            print("\n".join(summary(outcome, arguments)), file=stream)
+    return 0
+
+
+BAD_TILE = 3
+
+
+class _Screen:
+    """One line on stderr: the step, and how many tiles of it are done."""
+
+    def __init__(self) -> None:
+        self._drawn = 0.0
+
+    def draw(self, state: State) -> None:
+        now = time.monotonic()
+        if now - self._drawn < _REDRAW:
+            return
+        self._drawn = now
+        text = f"{_WORDS.get(state.step, state.step)}: {state.done:,} of {state.tiles:,} tiles, {state.seconds:.0f} s"
+        sys.stderr.write("\r\x1b[K" + text[: shutil.get_terminal_size().columns - 1])
+        sys.stderr.flush()
+
+    def clear(self) -> None:
+        sys.stderr.write("\r\x1b[K")
+        sys.stderr.flush()
+
+
+def summary(outcome: Outcome, arguments: argparse.Namespace) -> Iterator[str]:
+    report, out = outcome.report, outcome.report["output"]
+    yield f"{arguments.input}: {words.count(report['faces'], 'face')} in {words.count(report['tiles'], 'tile')}"
+    for name, count in report["repair"].items():
+        yield f"  repaired: {count:,} {name.replace('_', ' ')}"
+    if report["welded_vertices"]:
+        yield f"  welded: {words.count(report['welded_vertices'], 'vertex')} on borders of tiles"
+    if report["t_junctions"]:
+        yield f"  split: borders at {words.count(report['t_junctions'], 'T-junction')}"
+    edges, share = report["border_edges"], report["unmatched_share"]
+    if report["tiles"] > 1:
+        yield f"  borders of tiles: {edges:,} edges, {share:.1%} without a partner: rims of the scan, or gaps"
+    if report["parts_left_out"]:
+        yield f"  left out: {words.count(report['parts_left_out'], 'part')}, {report['area_left_out']:.2%} of the area"
+    if report["regions"] > arguments.proxies:
+        yield f"  {report['regions']:,} proxies used, since the parts need them; {arguments.proxies:,} were asked for"
+    polygons, regions = words.count(out["polygons"], "polygon"), words.count(report["regions"], "region")
+    kind = f"{'closed' if out['closed'] else 'open'}, {'manifold' if out['manifold'] else 'not manifold'}"
+    yield f"{out['path']}: {polygons} of {regions}, {out['corners'] / max(out['polygons'], 1):.1f} corners each, {kind}"
+    mean, worst = (f"{out[key] / report['diagonal']:.3%}" for key in ("planarity_mean", "planarity_max"))
+    yield f"  flat to {mean} of the diagonal, at worst {worst}; {report['seconds']['all']:.1f} s"
+    if flaws := [f"{out[key]} {key}" for key in ("crossing", "flipped", "bent", "intersecting") if out[key]]:
+        yield f"  not perfect: {', '.join(flaws)}"

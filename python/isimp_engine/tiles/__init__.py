@@ -1,0 +1,56 @@
+"""One scan in tiles, larger than memory: `isimp tiles` as a function, and its steps as functions on arrays.
+
+    from isimp_engine import tiles
+
+    outcome = tiles.run("city", "city.obj", proxies=20_000)
+    print(outcome.report["unmatched_share"])
+
+A run that was ended goes on from its work folder. docs/scale.md describes the steps.
+"""
+
+from .errors import TileFailed, TilesError
+from .run import Outcome, State, run
+from .steps import (
+    Components,
+    Faces,
+    Patches,
+    Relaxed,
+    Thinned,
+    add_changes,
+    error_of,
+    faces_of,
+    find_components,
+    merge,
+    patches,
+    points_on_edges,
+    polygonize_thinned,
+    relax,
+    thin,
+    touching,
+    weld,
+)
+
+__all__ = [
+    "Components",
+    "Faces",
+    "Outcome",
+    "Patches",
+    "Relaxed",
+    "State",
+    "Thinned",
+    "TileFailed",
+    "TilesError",
+    "add_changes",
+    "error_of",
+    "faces_of",
+    "find_components",
+    "merge",
+    "patches",
+    "points_on_edges",
+    "polygonize_thinned",
+    "relax",
+    "run",
+    "thin",
+    "touching",
+    "weld",
+]

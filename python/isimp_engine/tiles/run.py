@@ -1,0 +1,459 @@
+"""A scan given as tiles, larger than memory: a tile at a time in each of some child processes."""
+
+import hashlib
+import json
+import os
+import shutil
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .. import InvalidInput, PartitionOptions, __version__
+from ..batch.errors import BatchError
+from ..batch.local import Local
+from ..batch.nursery import Ending, Limits
+from ..batch.on_dask import OnDask
+from ..batch.run import check_ranges
+from ..batch.scans import READABLE, estimated_faces, find_scans, needed_mb
+from ..batch.table import WORK, Lock, sync_folder
+from . import steps
+from .errors import TileFailed, TilesError
+from .store import MADE, load, of_tile, publish, values_of
+
+PLAN = "plan.json"
+TILE_FACES = 1_000_000  #: of the tiles that a single scan is cut into
+OUTPUTS = (".obj", ".ply")
+_PATCH, _PATCHES_A_REGION = 100, 6  # faces of a patch at most; patches a region at least
+_SURPLUS = 2.2  # regions before the last merging, as a multiple of those wanted
+_FIRST = (3, 3)  # rounds and sweeps of each, before that
+_LAST = (10, 8)  # and after it, at most
+_HEAVIER = 1.5  # weight of borders against one piece's: merging starts from better patches, and would leave longer ones
+_FEW = 2e-5  # of all faces: rounds end where fewer move
+_TICK = 0.2  # seconds
+
+Workers = Local | OnDask
+
+
+@dataclass
+class State:
+    """How far a run is."""
+
+    step: str = ""  #: what is being done
+    done: int = 0  #: tiles of this step
+    tiles: int = 0
+    before: int = 0  #: steps of tiles that an earlier run did
+    seconds: float = 0.0
+
+
+@dataclass
+class Outcome:
+    """What a run made."""
+
+    output: Path
+    report: dict[str, Any] = field(default_factory=dict)  #: the numbers; see docs/scale.md
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is to be done."""
+
+    inputs: list[tuple[str, Path]]  # names, and files
+    is_single: bool  # a scan that is cut into tiles first
+    output: Path
+    work: Path
+    options: dict[str, Any]
+
+    def key(self) -> str:
+        files = [(name, str(p), p.stat().st_size, p.stat().st_mtime_ns) for name, p in self.inputs]
+        said = json.dumps([files, self.is_single, self.output.name, self.options, __version__])
+        return hashlib.sha256(said.encode()).hexdigest()
+
+
+def run(
+    source: str | os.PathLike[str],
+    output: str | os.PathLike[str],
+    *,
+    proxies: int,
+    weld: float = 0.0,
+    work: str | os.PathLike[str] | None = None,
+    labels: str | os.PathLike[str] | None = None,
+    jobs: int | None = None,
+    dask: str | None = None,
+    tile_faces: int = TILE_FACES,
+    options: Mapping[str, Any] | None = None,
+    watch: Callable[[State], None] | None = None,
+) -> Outcome:
+    """Simplify one scan that is given as tiles to a polygon mesh; no polygon ends at a border of tiles.
+
+    source: a folder of tiles in one system of coordinates (PLY, OBJ, STL, OFF), or one scan, which is cut into tiles of
+            about `tile_faces` faces.
+    output: the polygon mesh, .obj or .ply.
+    proxies: the number of regions.
+    weld: length up to which vertices on borders of different tiles are one; 0: only where they are equal.
+    work: folder for intermediate results, on a disk that all workers share; it stays. None: one beside the output,
+          which is removed at the end. A run that was ended goes on from there.
+    labels: folder for the labels: an int32 array for each tile, the region of each face of its file; -1: none.
+    jobs: the largest number of tiles at once; None: one a core. Free memory may allow fewer.
+    dask: the address of a Dask scheduler, whose workers do the work.
+    options: smooth, leave_out, seed of PartitionOptions, and planar of MeshingOptions.
+    watch: called after each step of a tile, and some times a second.
+
+    The result is the same bits for any number of workers, and after any number of interrupted runs.
+    Raises TilesError (wrong usage), TileFailed (a tile can't be read, too little memory) and KeyboardInterrupt as it
+    comes.
+    """
+    if not hasattr(os, "fork"):
+        raise TilesError("tiles need child processes by fork, which this system does not have")
+    plan = _plan(Path(source), Path(output), work, dict(options or {}) | {"proxies": proxies, "weld": weld}, tile_faces)
+    if jobs is not None and jobs < 1:
+        raise TilesError(f"the number of jobs must be at least 1, got {jobs}")
+    target = None if labels is None else _label_folder(Path(labels), plan)
+    try:
+        plan.work.mkdir(parents=True, exist_ok=True)
+        with Lock(plan.work):
+            before = _begin(plan)
+            for path in plan.work.glob("running-*"):  # of a run on a cluster that was killed
+                path.unlink()
+            parts = plan.work / "parts"
+            shutil.rmtree(parts, ignore_errors=True)
+            parts.mkdir()
+            with _workers(parts, jobs, dask) as workers:
+                outcome = _Run(plan, workers, watch, before, target is not None).run()
+            if target is not None:
+                outcome.report["labels"] = _write_labels(plan, target)
+            _deliver(plan)
+    except BatchError as error:
+        raise TilesError(str(error).replace("OUTPUT_FOLDER", "the work folder")) from None
+    if work is None:
+        shutil.rmtree(plan.work, ignore_errors=True)
+    return outcome
+
+
+def _plan(source: Path, output: Path, work: Any, options: dict[str, Any], tile_faces: int) -> Plan:
+    if output.suffix.lower() not in OUTPUTS:
+        raise TilesError(f"{output}: OUTPUT must end in one of {', '.join(OUTPUTS)}")
+    place = Path(os.path.abspath(output))  # noqa: PTH100  (links stay as they are)
+    if not place.parent.is_dir():
+        raise TilesError(f"{output}: there is no folder {output.parent} to write to")
+    if place.is_dir():
+        raise TilesError(f"{output}: is a folder; give the name of a file")
+    folder = place.with_name(f".{place.name}.tiles") if work is None else Path(os.path.abspath(work))  # noqa: PTH100
+    if not source.exists():
+        raise TilesError(f"{source}: there is no such folder or scan")
+    if folder.exists() and not folder.is_dir():
+        raise TilesError(f"{folder}: the work folder is a file")
+    try:
+        scans = find_scans([source], output.suffix, besides=folder)
+    except BatchError as error:
+        raise TilesError(str(error)) from None
+    inputs = [(scan.name, scan.path) for scan in scans]
+    inputs = [(name, path) for name, path in inputs if path.resolve() != place.resolve()]
+    if not inputs:
+        raise TilesError(f"{source}: there is no tile in this folder")
+    _check(options)
+    if tile_faces < 1:
+        raise TilesError(f"the number of faces of a tile must be at least 1, got {tile_faces}")
+    single = source.is_file() and source.suffix.lower() in READABLE  # another file is a list of tiles
+    return Plan(inputs, single, place, folder, options | ({"tile_faces": tile_faces} if single else {}))
+
+
+def _check(options: dict[str, Any]) -> None:
+    try:
+        names = ("proxies", "smooth", "leave_out", "seed")
+        check_ranges(PartitionOptions(**{name: options[name] for name in names if name in options}))
+    except (BatchError, InvalidInput) as error:
+        raise TilesError(str(error)) from None
+    if not (0 <= options["weld"] < float("inf")):
+        raise TilesError(f"the length to weld within must be at least 0, got {options['weld']}")
+
+
+def _label_folder(folder: Path, plan: Plan) -> Path:
+    if folder.exists() and not folder.is_dir():
+        raise TilesError(f"{folder}: is a file; the labels need a folder, with a file for each tile")
+    return folder
+
+
+def _begin(plan: Plan) -> int:
+    """Make the work folder ready; returns how many steps of tiles an earlier run of the same plan did."""
+    note, key = plan.work / PLAN, plan.key()
+    others = [path for path in plan.work.iterdir() if path.name != WORK]
+    if note.exists():
+        if json.loads(note.read_text(encoding="utf-8")).get("key") == key:
+            return sum(1 for _ in plan.work.glob("*/*/values.json"))
+        for path in others:
+            shutil.rmtree(path) if path.is_dir() else path.unlink()
+    elif others:
+        raise TilesError(f"{plan.work}: is not empty and no work folder of isimp tiles; give another one")
+    part = plan.work / f"{PLAN}.part"
+    part.write_text(json.dumps({"key": key, "isimp": __version__}), encoding="utf-8")
+    part.replace(note)
+    sync_folder(plan.work)
+    return 0
+
+
+def _workers(parts: Path, jobs: int | None, dask: str | None) -> Workers:
+    work = f"{__package__}.tasks:run"
+    if dask is not None:
+        return OnDask(dask, parts, Limits(), work)
+    return Local(parts, jobs, Limits(), work, threads=1)
+
+
+class _Run:
+    """The steps in their order; those that are done are not done again."""
+
+    def __init__(
+        self, plan: Plan, workers: Workers, watch: Callable[[State], None] | None, before: int, labels: bool
+    ) -> None:
+        self._plan, self._workers, self._labels = plan, workers, labels
+        self._watch = watch or (lambda state: None)
+        self._state = State(before=before)
+        self._begun, self._number = time.monotonic(), 0
+        self._faces: list[int] = [estimated_faces(path) for _, path in plan.inputs]
+        self._sizes = [path.stat().st_size for _, path in plan.inputs]
+        self._peaks: dict[str, float] = {}
+        self._seconds: dict[str, float] = {}
+
+    def run(self) -> Outcome:
+        plan, options = self._plan, self._plan.options
+        self._prepared()
+        present = [k for k, count in enumerate(self._faces) if count]
+        whole = self._faces
+        self._check_faces(whole)
+        self._one("mend", {"weld": options["weld"], "diagonal": self._diagonal}, sum(whole) // 50)
+        size = max(1, min(_PATCH, sum(whole) // (_PATCHES_A_REGION * options["proxies"])))
+        smooth = options.get("smooth", PartitionOptions().smooth)
+        self._map("patches", present, {"size": size, "smooth": smooth})
+        for k in present:  # vertices on borders have been put in, or all faces of a tile welded away
+            self._faces[k] = values_of(of_tile(plan.work, "patches", k))["faces"]
+        present = [k for k in present if self._faces[k]]
+        target = max(options["proxies"], int(_SURPLUS * options["proxies"]))
+        leave_out = options.get("leave_out", PartitionOptions().leave_out)
+        merging = {"present": present, "proxies": options["proxies"], "target": target, "leave_out": leave_out}
+        join = self._one("join", merging, 4 * sum(whole) // size)
+        first = load(of_tile(plan.work, "join", 0), "first").tolist()
+        own = {k: {"first": first[i], "near": join["near"][str(k)]} for i, k in enumerate(present)}
+        self._map("halo", present, {}, own)
+        regions = max(options["proxies"], join["needed"])
+        shared = {"area": join["area"], "faces": sum(whole), "regions": regions, "smooth": _HEAVIER * smooth}
+        labels, sums = self._rounds("first", present, ("halo", "join"), _FIRST, shared)
+        self._map("touch", present, {"before": labels})
+        merging = {
+            "present": present,
+            "sums": sums,
+            "area": join["area"],
+            "target": regions,
+            "smooth": _HEAVIER * smooth,
+        }
+        merged = self._one("merge", merging, 40 * join["regions"])
+        labels, sums = self._rounds("last", present, (labels, "merge"), _LAST, shared, relabel="merge")
+        self._map("thin", present, {"before": labels, "labels": self._labels})
+        last = self._last(present)
+        return Outcome(plan.output, self._report(join, merged, last, sums, present))
+
+    def _prepared(self) -> None:
+        plan = self._plan
+        if plan.is_single:
+            task = {"input": str(plan.inputs[0][1]), "tile_faces": plan.options["tile_faces"]}
+            tiles = self._one("split", task, 0, self._sizes[0] / 2**20)["tiles"]
+            if not tiles:
+                raise TileFailed(f"{plan.inputs[0][1]}: has no faces")
+            self._faces = [-(-self._faces[0] // tiles)] * tiles
+            self._sizes = [36 * self._faces[0]] * tiles
+            self._map("prepare", list(range(tiles)), {})
+        else:
+            names = {k: {"input": str(path)} for k, (_, path) in enumerate(plan.inputs)}
+            self._map("prepare", list(names), {}, names)
+        found = [values_of(of_tile(plan.work, "prepare", k)) for k in range(len(self._faces))]
+        self._faces = [values["faces"] for values in found]
+        self._file_faces = sum(values["file_faces"] for values in found)
+        self._sizes = [0] * len(found)
+        self._repairs: dict[str, int] = {}
+        for values in found:
+            for name, count in values["repairs"].items():
+                self._repairs[name] = self._repairs.get(name, 0) + count
+        boxes = [(values["low"], values["high"]) for values in found if values["faces"]]
+        low, high = np.min([b[0] for b in boxes] or [[0.0]], 0), np.max([b[1] for b in boxes] or [[0.0]], 0)
+        self._diagonal = float(np.linalg.norm(high - low))
+
+    def _check_faces(self, faces: Sequence[int]) -> None:
+        proxies = self._plan.options["proxies"]
+        if not sum(faces):
+            raise TileFailed("no tile has a face that can be used")
+        if proxies > sum(faces):
+            raise TilesError(f"{proxies:,} regions of {sum(faces):,} faces can't be made")
+
+    def _rounds(
+        self,
+        name: str,
+        present: list[int],
+        begin: tuple[str, str],
+        extent: tuple[int, int],
+        shared: dict[str, Any],
+        relabel: str | None = None,
+    ) -> tuple[str, str]:
+        """Relax until few faces move; returns the steps that have the labels and the sums."""
+        labels, sums = begin
+        for number in range(extent[0]):
+            step, added = f"{name}-{number:02d}", f"{name}-{number:02d}-sums"
+            if number + 1 < extent[0] and (self._plan.work / f"{name}-{number + 1:02d}-sums").exists():
+                labels, sums = step, added  # done, and its labels are gone or on the way out
+                continue
+            error = steps.error_of(load(of_tile(self._plan.work, sums, 0), "sums")) / shared["area"]
+            task = {"step": "relax", "before": labels, "sums": sums, "round": number + 100 * len(name)}
+            task["whole"] = shared | {"error": error, "sweeps": extent[1]}
+            if relabel is not None and number == 0:
+                task["relabel"] = relabel
+            self._map(step, present, task)
+            self._one(added, {"step": "sum", "present": present, "after": step, "sums": sums}, 0)
+            if number > 0:
+                shutil.rmtree(self._plan.work / labels, ignore_errors=True)
+            labels, sums = step, added
+            moves = sum(values_of(of_tile(self._plan.work, step, k))["moves"] for k in present)
+            if moves <= _FEW * shared["faces"]:
+                break
+        return labels, sums
+
+    def _last(self, present: list[int]) -> dict[str, Any]:
+        options, name = self._plan.options, f"result{self._plan.output.suffix.lower()}"
+        thinned = sum(values_of(of_tile(self._plan.work, "thin", k))["faces"] for k in present)
+        meshing = {"planar": options.get("planar", False), "threads": 0}
+        return self._one("mesh", {"present": present, "output": name, "meshing": meshing, "threads": 0}, 3 * thinned)
+
+    def _one(self, step: str, task: dict[str, Any], faces: int, mb: float = 0.0) -> dict[str, Any]:
+        """A step of all tiles together."""
+        self._each(step, [0], {"step": step} | task, {}, lambda tile: needed_mb(faces, 0) + mb)
+        return values_of(of_tile(self._plan.work, step, 0))
+
+    def _map(
+        self, step: str, tiles: list[int], task: dict[str, Any], own: Mapping[int, dict[str, Any]] | None = None
+    ) -> None:
+        """A step of each of some tiles."""
+        need = lambda tile: needed_mb(self._faces[tile], self._sizes[tile])  # noqa: E731
+        self._each(step, tiles, {"step": step} | task, own or {}, need)
+
+    def _each(
+        self,
+        step: str,
+        tiles: list[int],
+        task: dict[str, Any],
+        own: Mapping[int, dict[str, Any]],
+        need: Callable[[int], float],
+    ) -> None:
+        work = self._plan.work
+        waiting = [k for k in tiles if not (of_tile(work, step, k) / "values.json").exists()]
+        waiting.sort(key=lambda k: (-need(k), k))
+        running: dict[int, int] = {}
+        self._state.step, self._state.tiles, self._state.done = task["step"], len(tiles), len(tiles) - len(waiting)
+        begun = time.monotonic()
+        self._tell()
+        while waiting or running:
+            while waiting and self._workers.threads(need(waiting[0]), len(waiting)):
+                tile = waiting.pop(0)
+                if why := self._workers.refuses(need(tile)):
+                    raise TileFailed(f"{self._name(step, tile)}: {why}")
+                self._number += 1
+                running[self._number] = tile
+                given = task | own.get(tile, {}) | {"tile": tile, "tiles": len(self._faces), "work": str(work)}
+                self._workers.start(self._number, given, need(tile))
+            for number, folder, ending in self._workers.endings(_TICK):
+                self._keep(step, running.pop(number), folder, ending)
+            self._tell()
+        self._seconds[task["step"]] = self._seconds.get(task["step"], 0.0) + time.monotonic() - begun
+
+    def _keep(self, step: str, tile: int, folder: Path, ending: Ending) -> None:
+        if ending.why:
+            raise TileFailed(f"{self._name(step, tile)}: {ending.why}")
+        if ending.peak_mb is not None:
+            name = self._state.step
+            self._peaks[name] = max(self._peaks.get(name, 0.0), ending.peak_mb)
+        publish(folder / MADE, of_tile(self._plan.work, step, tile))
+        shutil.rmtree(folder, ignore_errors=True)
+        self._state.done += 1
+
+    def _name(self, step: str, tile: int) -> str:
+        if step == "prepare" and not self._plan.is_single:
+            return str(self._plan.inputs[tile][1])
+        if step in ("split", "prepare"):
+            return str(self._plan.inputs[0][1])
+        return f"{step} of tile {tile}"
+
+    def _tell(self) -> None:
+        self._state.seconds = time.monotonic() - self._begun
+        self._watch(self._state)
+
+    def _report(
+        self, join: dict[str, Any], merged: dict[str, Any], last: dict[str, Any], sums: str, present: list[int]
+    ) -> dict[str, Any]:
+        work, mend = self._plan.work, values_of(of_tile(self._plan.work, "mend", 0))
+        edges = join["border_edges"]
+        return {
+            "tiles": len(self._faces),
+            "file_faces": self._file_faces,
+            "faces": sum(self._faces),
+            "largest_tile": max(self._faces),
+            "repair": self._repairs,
+            "options": self._plan.options,
+            "regions": merged["regions"],
+            "regions_needed": join["needed"],
+            "error": steps.error_of(load(of_tile(work, sums, 0), "sums")),
+            "border_length": sum(values_of(of_tile(work, "thin", k))["borders"] for k in present),
+            "parts_left_out": join["left_out"],
+            "area_left_out": join["area_left_out"],
+            "border_edges": edges,
+            "unmatched_edges": edges - join["matched_edges"],
+            "unmatched_share": (edges - join["matched_edges"]) / edges if edges else 0.0,
+            "welded_vertices": mend["welded"],
+            "t_junctions": mend["t_junctions"],
+            "patches": join["patches"],
+            "graph_bytes": join["graph_bytes"],
+            "thinned_faces": last["thinned_faces"],
+            "diagonal": last["diagonal"],
+            "output": {"path": str(self._plan.output)} | last["output"],
+            "peak_mb": self._peaks,
+            "seconds": {name: round(seconds, 3) for name, seconds in self._seconds.items()},
+        }
+
+
+def _write_labels(plan: Plan, folder: Path) -> int:
+    """The labels of each file's faces; returns how many files."""
+    if plan.is_single:
+        faces = values_of(of_tile(plan.work, "split", 0))["faces"]
+        label = np.full(faces, -1, np.int32)
+        for part in sorted((plan.work / "thin").iterdir()):
+            label[load(part, "face")] = load(part, "region")
+        _save_label(folder, plan.inputs[0][0], label, plan)
+        return 1
+    for tile, (name, _) in enumerate(plan.inputs):
+        label = np.full(values_of(of_tile(plan.work, "prepare", tile))["file_faces"], -1, np.int32)
+        thin = of_tile(plan.work, "thin", tile)
+        if thin.exists():
+            label[load(thin, "face")] = load(thin, "region")
+        _save_label(folder, name, label, plan)
+    return len(plan.inputs)
+
+
+def _save_label(folder: Path, name: str, label: Any, plan: Plan) -> None:
+    """As NAME.npy, or NAME.SUFFIX.npy where two tiles differ only in their suffix."""
+    stems = [str(Path(other).with_suffix("")) for other, _ in plan.inputs]
+    own = str(Path(name).with_suffix(""))
+    path = folder / f"{name if stems.count(own) > 1 else own}.npy"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_name(f".{path.name}.{os.getpid()}")
+    with part.open("wb") as file:
+        np.save(file, label)
+    part.replace(path)
+
+
+def _deliver(plan: Plan) -> None:
+    """The result to its place, over an older one."""
+    made = of_tile(plan.work, "mesh", 0) / f"result{plan.output.suffix.lower()}"
+    part = plan.output.with_name(f".{plan.output.name}.{os.getpid()}")
+    shutil.copyfile(made, part)
+    if plan.output.exists():
+        shutil.copymode(plan.output, part)
+    part.replace(Path(os.path.realpath(plan.output)))
+    sync_folder(plan.output.parent)
