@@ -82,8 +82,7 @@ TEST(MergeGreedily, TakesTheCheapestPairEveryTime) {
     const std::int32_t n = 30;
     std::vector<RegionSum> sums;
     for (std::int32_t u = 0; u < n; ++u)
-      sums.push_back(
-          node(static_cast<double>(random() % 1000) / 1000, static_cast<double>(random() % 1000) / 1000));
+      sums.push_back(node(static_cast<double>(random() % 1000) / 1000, static_cast<double>(random() % 1000) / 1000));
     const MergeGraph g = chain(n);
     const std::vector<std::int32_t> need{1};
     Job job;

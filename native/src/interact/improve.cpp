@@ -2,9 +2,9 @@
 #include <utility>
 
 #include "edit.h"
+#include "hierarchy/teleport.h"
 #include "isimp/interact/heuristics.h"
 #include "isimp/partition/regions.h"
-#include "hierarchy/teleport.h"
 
 namespace isimp {
 namespace {

@@ -3,12 +3,11 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numeric>
 #include <optional>
 #include <utility>
 
 #include "coarsen.h"
+#include "diagonal.h"
 #include "findings.h"
 #include "junctions.h"
 #include "planar/planar.h"
@@ -170,11 +169,7 @@ class Repairer {
     }
   }
 
-  [[nodiscard]] std::vector<std::int32_t> all_pieces() const {
-    std::vector<std::int32_t> all(s_.labels.pieces.size());
-    std::iota(all.begin(), all.end(), 0);
-    return all;
-  }
+  [[nodiscard]] std::vector<std::int32_t> all_pieces() const { return numbers_below(s_.labels.piece_count()); }
 
   bool shatter(std::int32_t l) {
     const std::size_t faces = s_.labels.faces_of(l).size();
@@ -408,49 +403,13 @@ class Repairer {
       worst = s_.polygons.first_of(l) + static_cast<std::int32_t>(i);
     }
     if (s_.polygons.of(worst).size() > kMostForDiagonal) return false;
-    const std::array<std::int32_t, 2> d = best_diagonal(worst, s_.planes[l].normal);
+    const std::array<std::int32_t, 2> d = best_diagonal(s_, worst, s_.planes[l].normal);
     if (d[0] == kNone || spent()) return false;
     s_.diagonals[l].push_back(d);
     ++polygons_;
     changed_.push_back(l);
     ++outcome_.diagonals;
     return true;
-  }
-
-  /// The one that leaves the flattest two polygons, both facing as `normal`; kNone where all ends are joined already.
-  /// Cost: O(n^3) for n corners.
-  [[nodiscard]] std::array<std::int32_t, 2> best_diagonal(std::int32_t polygon, const Vec3& normal) const {
-    const auto loop = s_.polygons.of(polygon);
-    const auto n = loop.size();
-    const auto& at = s_.corners.position;
-    std::array<std::int32_t, 2> best{kNone, kNone};
-    double least = std::numeric_limits<double>::max();
-    std::vector<std::int32_t> a, b;
-    for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t j = i + 2; j < n && j - i + 1 < n; ++j) {
-        if (joined(loop[i], loop[j])) continue;
-        a.assign(loop.begin() + static_cast<std::ptrdiff_t>(i), loop.begin() + static_cast<std::ptrdiff_t>(j) + 1);
-        b.assign(loop.begin() + static_cast<std::ptrdiff_t>(j), loop.end());
-        b.insert(b.end(), loop.begin(), loop.begin() + static_cast<std::ptrdiff_t>(i) + 1);
-        double cost = std::max(bend_of(a, at), bend_of(b, at)) + 0.02 * (at[loop[i]] - at[loop[j]]).norm();
-        if (vector_area(a, at).dot(normal) <= 0 || vector_area(b, at).dot(normal) <= 0) cost += s_.mesh.diagonal();
-        if (cost >= least) continue;
-        least = cost;
-        best = {s_.corners.vertex[loop[i]], s_.corners.vertex[loop[j]]};
-      }
-    return best;
-  }
-
-  /// Whether two corners follow each other in some polygon.
-  [[nodiscard]] bool joined(std::int32_t a, std::int32_t b) const {
-    for (const std::int32_t q : s_.polygons.at(a)) {
-      const auto loop = s_.polygons.of(q);
-      for (std::size_t i = 0; i < loop.size(); ++i) {
-        const std::int32_t c = loop[i], d = loop[(i + 1) % loop.size()];
-        if ((c == a && d == b) || (c == b && d == a)) return true;
-      }
-    }
-    return false;
   }
 
   [[nodiscard]] bool spent() const { return polygons_ >= most_polygons_; }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "judge.h"
@@ -86,10 +85,8 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
   planes = planes_of(labels, threads, job);
   for (std::size_t l = 0; l < planes.size(); ++l) hold(planes[l], partition, labels.pieces[l].region);
   complex.tolerance = chord_tolerance(mesh, planes, regions, options);
-  std::vector<std::int32_t> all(labels.pieces.size());
-  std::iota(all.begin(), all.end(), 0);
   job.report(0.08);
-  complex.refresh(all, std::move(loops), job);
+  complex.refresh(numbers_below(labels.piece_count()), std::move(loops), job);
   job.report(0.1);
 }
 
