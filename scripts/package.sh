@@ -111,6 +111,7 @@ with_old_library() {
   arguments+=(--config-settings "cmake.define.OpenMP_gomp_LIBRARY=$place/libgomp.so.1")
   arguments+=(--config-settings "cmake.define.OpenMP_pthread_LIBRARY=$place/libpthread.so")
   export LD_LIBRARY_PATH=$work/libraries # where auditwheel finds the OpenMP library of that Debian
+  ln -sf libgomp.so.1 "$place/libgomp.so" # the name that linking with OpenMP looks for
   mkdir -p "$work/libraries"
   cp -L "$sysroot"/usr/lib/x86_64-linux-gnu/libgomp.so.1 "$work/libraries/"
 }
