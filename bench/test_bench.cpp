@@ -4,10 +4,10 @@
 #include <sstream>
 
 #include "evaluate.h"
+#include "flooding.h"
 #include "input.h"
 #include "isimp/core/errors.h"
 #include "isimp/simplify/partitioner.h"
-#include "flooding.h"
 #include "measure.h"
 #include "reference.h"
 #include "shapes.h"
