@@ -119,7 +119,8 @@ std::vector<OnEdge> points_on_edges(std::span<const Vec3> ends, std::span<const 
   std::vector<std::int32_t> found;
   for (std::int32_t e = 0; e < edges; ++e) {
     if ((e & 0xfff) == 0) job.poll();
-    const Vec3 &a = ends[2 * e], b = ends[2 * e + 1], d = b - a;
+    const Vec3 &a = ends[2 * e], &b = ends[2 * e + 1];
+    const Vec3 d = b - a;
     const double size = d.norm();
     if (!(size > 0)) continue;
     found.clear();
