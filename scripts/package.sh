@@ -103,6 +103,12 @@ with_old_library() {
   folders=$(g++ -E -v -x c++ /dev/null 2>&1 | sed -n 's/^ \(.*\/c++\/.*\)$/\1/p')
   flags="--sysroot=$sysroot -nostdinc++"
   for folder in $folders; do flags+=" -isystem $(realpath "$folder")"; done
+  # Debian's headers of Python include some from below /usr/include.
+  mkdir -p "$work/python/x86_64-linux-gnu"
+  for folder in /usr/include/x86_64-linux-gnu/python3.*; do
+    if [ -d "$folder" ]; then ln -sfn "$folder" "$work/python/x86_64-linux-gnu/"; fi
+  done
+  flags+=" -idirafter $work/python"
   # -B and -L: GCC would look beside itself first, where this machine's library is.
   place=$sysroot/usr/lib/x86_64-linux-gnu
   export CXXFLAGS=$flags LDFLAGS="--sysroot=$sysroot -B$place -L$place -L$sysroot/lib/x86_64-linux-gnu"
