@@ -8,7 +8,7 @@ set -euo pipefail
 zip=${1:?a zip}
 program=${ISIMP_BLENDER_EXT:-}
 if [ -z "$program" ]; then
-  program=$(find "$root"/.venv-bpy-* -path '*bl_pkg/cli/blender_ext.py' 2>/dev/null | sort | tail -n 1)
+  program=$(find "$root"/.venv-bpy-* -path '*bl_pkg/cli/blender_ext.py' 2>/dev/null | sort | tail -n 1 || true) # none: no such folder
 fi
 if [ -n "$program" ]; then
   "$python" "$program" validate "$zip"
