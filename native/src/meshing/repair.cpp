@@ -123,9 +123,7 @@ class Repairer {
       job_.poll();
       any = false;
       polygons_ = s_.polygons.count();
-      met_.assign(s_.labels.pieces.size(), nullptr);
-      for (const Hit& h : findings_.hits())
-        if (!h.excused) met_[h.a] = met_[h.b] = &h;
+      find_met();
       const std::vector<bool> faulty = findings_.faulty();
       for (std::int32_t l = 0; l < static_cast<std::int32_t>(faulty.size()); ++l)
         if (faulty[l]) {
@@ -157,6 +155,7 @@ class Repairer {
       s_.diagonals = diagonals;
       s_.corners.position = positions;
       polygons_ = 0;  // these splits are not counted
+      find_met();     // planar's judging has replaced the hits
       bool any = false;
       for (const std::int32_t l : outcome.stuck) any = (go < kSplits ? split(l) || shatter(l) : shatter(l)) || any;
       is_last = !any || go + 1 == kTries;
@@ -167,6 +166,12 @@ class Repairer {
       mend(kRounds);
       fall_back();
     }
+  }
+
+  void find_met() {
+    met_.assign(s_.labels.pieces.size(), nullptr);
+    for (const Hit& h : findings_.hits())
+      if (!h.excused) met_[h.a] = met_[h.b] = &h;
   }
 
   [[nodiscard]] std::vector<std::int32_t> all_pieces() const { return numbers_below(s_.labels.piece_count()); }
