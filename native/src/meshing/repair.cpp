@@ -155,7 +155,7 @@ class Repairer {
       s_.diagonals = diagonals;
       s_.corners.position = positions;
       polygons_ = 0;  // these splits are not counted
-      find_met();     // planar's judging has replaced the hits
+      find_met();
       bool any = false;
       for (const std::int32_t l : outcome.stuck) any = (go < kSplits ? split(l) || shatter(l) : shatter(l)) || any;
       is_last = !any || go + 1 == kTries;
@@ -168,6 +168,7 @@ class Repairer {
     }
   }
 
+  /// Looks up anew where pieces meet: judging replaces the hits.
   void find_met() {
     met_.assign(s_.labels.pieces.size(), nullptr);
     for (const Hit& h : findings_.hits())
@@ -196,14 +197,10 @@ class Repairer {
   bool act() {
     const auto pieces = s_.labels.piece_count();
     spared_.assign(pieces, false);
-    met_.assign(pieces, nullptr);
-    for (const Hit& h : findings_.hits()) {
-      job_.poll();
-      if (h.excused) continue;
-      met_[h.a] = met_[h.b] = &h;
-      // Of two that meet, the smaller is not split.
-      if (h.a != h.b) spared_[s_.planes[h.a].area < s_.planes[h.b].area ? h.a : h.b] = true;
-    }
+    find_met();
+    // Of two that meet, the smaller is not split.
+    for (const Hit& h : findings_.hits())
+      if (!h.excused && h.a != h.b) spared_[s_.planes[h.a].area < s_.planes[h.b].area ? h.a : h.b] = true;
     bool any = false;
     polygons_ = s_.polygons.count();
     foresee_cuts();

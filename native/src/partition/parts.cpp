@@ -42,13 +42,7 @@ std::vector<Part> measure(const Surface& surface, Job& job) {
   return parts;
 }
 
-/// A component of the mesh; barriers may have cut it into several parts, but it is left out as one, whatever it weighs.
-struct Body {
-  double area = 0.0;
-  std::int32_t faces = 0;
-  bool kept = true;
-};
-
+/// Components of the mesh; barriers may have cut one into several parts, but it is left out as one, whatever it weighs.
 std::vector<Body> bodies_of(const Surface& surface, const Parts& all) {
   std::vector<Body> bodies;
   const Mesh& mesh = surface.mesh();
@@ -65,40 +59,49 @@ std::vector<Body> bodies_of(const Surface& surface, const Parts& all) {
   return bodies;
 }
 
-void choose_left_out(Parts& all, std::vector<Body>& bodies, double leave_out, std::int32_t faces) {
+}  // namespace
+
+LeftOut choose_left_out(std::vector<Body>& bodies, std::int32_t proxies, double leave_out) {
   std::vector<std::int32_t> order(bodies.size());
   std::iota(order.begin(), order.end(), 0);
   std::sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) {
     return std::pair(bodies[a].area, a) < std::pair(bodies[b].area, b);
   });
   order.pop_back();  // the largest is always kept
-  std::int32_t faces_kept = faces;
+  std::int64_t faces = 0;
+  for (const Body& body : bodies) faces += body.faces;
+  LeftOut out;
   for (const std::int32_t c : order) {
     Body& body = bodies[c];
-    if (body.area >= leave_out || all.area_left_out + body.area >= kTogether * leave_out) break;
-    if (faces_kept - body.faces < all.asked) break;
+    if (body.area >= leave_out || out.area + body.area >= kTogether * leave_out) break;
+    if (faces - body.faces < proxies) break;
     body.kept = false;
-    faces_kept -= body.faces;
-    all.area_left_out += body.area;
-    ++all.left_out;
+    faces -= body.faces;
+    out.area += body.area;
+    ++out.count;
   }
+  return out;
 }
 
-}  // namespace
+std::int32_t least_regions(bool closed, std::int64_t faces) {
+  return static_cast<std::int32_t>(std::min<std::int64_t>(closed ? kClosedNeed : 1, faces));
+}
 
 Parts find_parts(const Surface& surface, std::int32_t proxies, double leave_out, Job& job, std::vector<Part> measured) {
   Parts all;
   all.parts = measured.empty() ? measure(surface, job) : std::move(measured);
   all.asked = proxies;
   std::vector<Body> bodies = bodies_of(surface, all);
-  choose_left_out(all, bodies, leave_out, surface.face_count());
+  const LeftOut out = choose_left_out(bodies, proxies, leave_out);
+  all.left_out = out.count;
+  all.area_left_out = out.area;
   if (bodies.size() == all.parts.size())
     for (std::size_t c = 0; c < bodies.size(); ++c) all.parts[c].kept = bodies[c].kept;
   else if (all.left_out > 0)
     for (std::int32_t f = 0; f < surface.face_count(); ++f)
       all.parts[surface.component()[f]].kept = bodies[surface.mesh().component()[f]].kept;
   for (Part& part : all.parts) {
-    part.need = part.kept ? std::min(part.closed ? kClosedNeed : 1, part.sum.faces) : 0;
+    part.need = part.kept ? least_regions(part.closed, part.sum.faces) : 0;
     all.needed += part.need;
   }
   return all;

@@ -40,6 +40,26 @@ struct Parts {
 Parts find_parts(const Surface& surface, std::int32_t proxies, double leave_out, Job& job,
                  std::vector<Part> measured = {});
 
+/// A component as far as it counts for what is left out.
+struct Body {
+  double area = 0.0;
+  std::int64_t faces = 0;
+  bool kept = true;
+};
+
+struct LeftOut {
+  std::int32_t count = 0;
+  double area = 0.0;
+};
+
+/// Decides which bodies are kept, as find_parts says.
+/// \param leave_out  an area, in the unit of the bodies' own
+/// Cost: O(C log C).
+LeftOut choose_left_out(std::vector<Body>& bodies, std::int32_t proxies, double leave_out);
+
+/// The least number of regions of a component.
+std::int32_t least_regions(bool closed, std::int64_t faces);
+
 /// How many regions each component gets: 0 if left out, else its need, and of the rest a share by size and curvature.
 ///
 /// With N regions on a component, its error falls like kappa / N; the least sum of errors has N proportional to

@@ -15,8 +15,6 @@
 namespace isimp::tiles {
 namespace {
 
-constexpr std::int32_t kClosedNeed = 4;
-constexpr double kTogether = 10.0;
 constexpr double kManyTimes = 1.3;        // nodes, of those wanted, down to which rounds merge
 constexpr double kLeastTimes = 1.05;      // that rounds leave, for the last merges to be made from exact prices
 constexpr std::int32_t kLeastOfPart = 8;  // nodes of a component, below which rounds leave it alone
@@ -34,38 +32,6 @@ void check(const JoinedGraph& graph) {
 }
 
 double area_of(const RegionSum& s) { return s.weight / 2; }
-
-/// What is known of a component before it is decided whether it is kept.
-struct Body {
-  double area = 0.0;
-  std::int64_t faces = 0;
-  bool closed = true;
-};
-
-/// Components, smallest first, that are left out; see find_parts.
-std::vector<std::int32_t> left_out(const std::vector<Body>& bodies, std::int32_t proxies, double leave_out) {
-  std::vector<std::int32_t> order(bodies.size()), out;
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) {
-    return std::pair(bodies[a].area, a) < std::pair(bodies[b].area, b);
-  });
-  order.pop_back();  // the largest is always kept
-  double area = 0, all = 0;
-  std::int64_t faces = 0;
-  for (const Body& body : bodies) {
-    area += body.area;
-    faces += body.faces;
-  }
-  for (const std::int32_t c : order) {
-    const Body& body = bodies[c];
-    if (body.area >= leave_out * area || all + body.area >= kTogether * leave_out * area) break;
-    if (faces - body.faces < proxies) break;
-    faces -= body.faces;
-    all += body.area;
-    out.push_back(c);
-  }
-  return out;
-}
 
 /// Compressed rows from pairs; pairs that stand there twice add up.
 MergeGraph rows_of(const JoinedGraph& graph, double price) {
@@ -127,27 +93,26 @@ Components find_components(const JoinedGraph& graph, std::span<const std::uint8_
   Components result;
   result.component.assign(nodes, kNone);
   std::vector<Body> bodies;
+  std::vector<bool> closed;
+  double area = 0;
   for (std::size_t u = 0; u < nodes; ++u) {
     const std::int32_t root = forest.root(static_cast<std::int32_t>(u));
     if (static_cast<std::size_t>(root) == u) {
       result.component[u] = static_cast<std::int32_t>(bodies.size());
       bodies.emplace_back();
+      closed.push_back(true);
     }
     const std::int32_t c = result.component[u] = result.component[root];
     bodies[c].area += area_of(graph.sum[u]);
     bodies[c].faces += graph.sum[u].faces;
-    bodies[c].closed &= open[u] == 0;
+    if (open[u] != 0) closed[c] = false;
   }
-  for (const Body& body : bodies)
-    result.need.push_back(static_cast<std::int32_t>(std::min<std::int64_t>(body.closed ? kClosedNeed : 1, body.faces)));
-  double all = 0, out = 0;
-  for (const Body& body : bodies) all += body.area;
-  for (const std::int32_t c : left_out(bodies, proxies, leave_out)) {
-    result.need[c] = 0;
-    out += bodies[c].area;
-    ++result.left_out;
-  }
-  result.area_left_out = all > 0 ? out / all : 0;
+  for (const Body& body : bodies) area += body.area;
+  const LeftOut out = choose_left_out(bodies, proxies, leave_out * area);
+  result.left_out = out.count;
+  result.area_left_out = area > 0 ? out.area / area : 0;
+  for (std::size_t c = 0; c < bodies.size(); ++c)
+    result.need.push_back(bodies[c].kept ? least_regions(closed[c], bodies[c].faces) : 0);
   for (std::int32_t& c : result.component)
     if (result.need[c] == 0) c = kNone;
   return result;
