@@ -1,9 +1,28 @@
 #include "joins.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace isimp::meshing {
+namespace {
+
+/// Whether a barrier of the partition lies between faces that would be in one piece.
+bool crosses_barrier(const State& state, std::int32_t taker, const std::vector<std::int32_t>& faces) {
+  if (!state.partition.guided) return false;
+  const Mesh& mesh = state.mesh;
+  const FaceGraph& graph = state.partition.guided->graph;
+  for (const std::int32_t f : faces)
+    for (std::int32_t k = 0; k < 3; ++k) {
+      if (graph.neighbours[graph.graph_face[f]][k] != graph.size()) continue;
+      const std::int32_t o = mesh.opposite(3 * f + k);
+      if (o == kNone) continue;
+      if (state.labels.label[o / 3] == taker || std::binary_search(faces.begin(), faces.end(), o / 3)) return true;
+    }
+  return false;
+}
+
+}  // namespace
 
 void touch(Labels& labels, const Join& join) {
   labels.touched.insert(labels.touched.end(), join.pieces.begin(), join.pieces.end());
@@ -15,6 +34,21 @@ std::int32_t face_beside(const Labels& labels, const std::vector<std::int32_t>& 
     for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
       if (labels.across(h) == piece) last = labels.mesh.opposite(h) / 3;
   return last;
+}
+
+bool may_give(const State& state, std::int32_t giver, std::int32_t taker, const std::vector<std::int32_t>& faces) {
+  const Partition& part = state.partition;
+  const std::int32_t from = state.labels.pieces[giver].region, to = state.labels.pieces[taker].region;
+  if (!part.region_locked.empty() && (part.region_locked[from] != 0 || part.region_locked[to] != 0)) return false;
+  if (crosses_barrier(state, taker, faces)) return false;
+  if (!(part.bound > 0) || part.region_offset.empty()) return true;
+  return std::all_of(faces.begin(), faces.end(), [&](std::int32_t f) {
+    const Triangle& t = state.mesh.triangles()[f];
+    return std::all_of(t.begin(), t.end(), [&](std::int32_t v) {
+      const double off = part.region_normal[to].dot(state.mesh.vertices()[v]) - part.region_offset[to];
+      return std::abs(off) <= part.bound;
+    });
+  });
 }
 
 bool take_back(State& state, const std::vector<bool>& faulty, std::vector<Join>& joins) {

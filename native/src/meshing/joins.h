@@ -21,6 +21,11 @@ void touch(Labels& labels, const Join& join);
 /// The last face of a piece that shares an edge with some faces; kNone if there is none.
 std::int32_t face_beside(const Labels& labels, const std::vector<std::int32_t>& faces, std::int32_t piece);
 
+/// Whether the partition's locks, barriers and bound let faces go from one piece to another.
+/// \param faces  in ascending order
+/// Cost: O(faces).
+bool may_give(const State& state, std::int32_t giver, std::int32_t taker, const std::vector<std::int32_t>& faces);
+
 /// Takes back the joins at faulty pieces, and those that were made on top of them. `update` must follow.
 /// \param faulty  by piece
 /// \param joins   loses them

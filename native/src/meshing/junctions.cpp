@@ -289,37 +289,7 @@ class Joiner {
     const Vec3 &giver = sums_[gift.giver], &taker = sums_[gift.taker];
     gift.error = 2 * (giver.norm() + taker.norm() - (giver - gift.sum).norm() - (taker + gift.sum).norm());
     return !gift.faces.empty() && area < kOfGiver * s_.planes[gift.giver].area &&
-           gift.error <= kError * size_ * size_ && is_allowed(gift);
-  }
-
-  /// Whether the partition's locks and bound let faces go from one region to another.
-  [[nodiscard]] bool is_allowed(const Gift& gift) const {
-    const std::int32_t from = s_.labels.pieces[gift.giver].region, to = s_.labels.pieces[gift.taker].region;
-    const auto& locked = s_.partition.region_locked;
-    if (!locked.empty() && (locked[from] != 0 || locked[to] != 0)) return false;
-    if (crosses_barrier(gift)) return false;
-    if (!(s_.partition.bound > 0) || s_.partition.region_offset.empty()) return true;
-    for (const std::int32_t f : gift.faces)
-      for (const std::int32_t v : mesh_.triangles()[f])
-        if (std::abs(s_.partition.region_normal[to].dot(mesh_.vertices()[v]) - s_.partition.region_offset[to]) >
-            s_.partition.bound)
-          return false;
-    return true;
-  }
-
-  /// Whether a barrier of the partition lies between faces that would be in one piece.
-  [[nodiscard]] bool crosses_barrier(const Gift& gift) const {
-    if (!s_.partition.guided) return false;
-    const FaceGraph& graph = s_.partition.guided->graph;
-    for (const std::int32_t f : gift.faces)
-      for (std::int32_t k = 0; k < 3; ++k) {
-        if (graph.neighbours[graph.graph_face[f]][k] != graph.size()) continue;
-        const std::int32_t o = mesh_.opposite(3 * f + k);
-        if (o == kNone) continue;
-        if (s_.labels.label[o / 3] == gift.taker || std::binary_search(gift.faces.begin(), gift.faces.end(), o / 3))
-          return true;
-      }
-    return false;
+           gift.error <= kError * size_ * size_ && may_give(s_, gift.giver, gift.taker, gift.faces);
   }
 
   /// Changes the labels, if all pieces stay discs and no other junction changes.

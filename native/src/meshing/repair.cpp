@@ -9,6 +9,7 @@
 #include "coarsen.h"
 #include "diagonal.h"
 #include "findings.h"
+#include "flaws.h"
 #include "junctions.h"
 #include "planar/planar.h"
 #include "plans.h"
@@ -26,6 +27,10 @@ constexpr std::size_t kMostForDiagonal = 64;  ///< corners of a polygon beyond w
 constexpr double kOfTolerance = 2;            ///< by which a polygon may miss its plane where no less is asked for
 constexpr std::int32_t kLeastBudget = 100;    ///< splits that are always allowed
 
+constexpr int kPasses = 4;            ///< of joining what was split
+constexpr double kManyMore = 1.05;    ///< times the regions: fewer polygons are not joined in further passes
+constexpr double kWorthwhile = 0.99;  ///< a pass that leaves more of the polygons is the last
+
 class Repairer {
  public:
   Repairer(State& state, Job& job) : s_(state), job_(job), findings_(state, bounds(state), job) {
@@ -38,25 +43,17 @@ class Repairer {
     {
       const Job::Part part(job_, "repairing", 0.0, 0.25);
       s_.update({});
+      usual_ = mean_misses(s_);
       std::vector<Join> joins = join_junctions(s_, job_);
       judge(all_pieces());
       take_back_joins(joins);
       outcome_.joined = static_cast<std::int32_t>(joins.size());
       mend(kRounds);
     }
-    {
-      const Job::Part part(job_, "repairing", 0.25, 0.7);
-      outcome_.taken_back = coarsen(s_, findings_, {}, job_);
-      acted_.clear(s_.labels.piece_count());
-    }
-    {
-      const Job::Part part(job_, "repairing", 0.7, 0.75);
-      std::fill(tries_.begin(), tries_.end(), 0);
-      mend(kRounds);
-    }
+    join_again();
     const Job::Part part(job_, "repairing", 0.75, 1.0);
     if (fall_back()) {
-      coarsen(s_, findings_, acted_, job_);
+      coarsen(s_, findings_, usual_, acted_, job_);
       fall_back();
     }
     if (s_.options.planar) {
@@ -64,7 +61,7 @@ class Repairer {
     } else {
       outcome_.planar.planar = planar::is_planar(s_);
     }
-    sum_up();
+    list_flaws(s_, findings_, outcome_);
     return outcome_;
   }
 
@@ -93,6 +90,21 @@ class Repairer {
       }
       changed_ = s_.labels.touched;
       bring_up_to_date();
+    }
+  }
+
+  /// Joins polygons that were split and mends what is left, in turn, while there are many more of them than regions: each
+  /// joining leaves others free to be joined.
+  void join_again() {
+    for (int pass = 0; pass < kPasses; ++pass) {
+      const double from = 0.75 - 0.5 * std::pow(0.4, pass);  // most meshes need one pass
+      const Job::Part part(job_, "repairing", from, 0.75 - 0.2 * std::pow(0.4, pass));
+      const std::int32_t before = s_.polygons.count();
+      outcome_.taken_back += coarsen(s_, findings_, usual_, {}, job_);
+      acted_.clear(s_.labels.piece_count());
+      std::fill(tries_.begin(), tries_.end(), 0);
+      mend(kRounds);
+      if (s_.polygons.count() < kManyMore * s_.regions || s_.polygons.count() > kWorthwhile * before) return;
     }
   }
 
@@ -443,39 +455,6 @@ class Repairer {
     return {};
   }
 
-  void sum_up() {
-    auto& list = outcome_.imperfect;
-    for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l)
-      for (std::size_t i = 0; i < findings_.of(l).polygons.size(); ++i) {
-        const std::int32_t q = s_.polygons.first_of(l) + static_cast<std::int32_t>(i);
-        const std::uint8_t faults = findings_.of(l).polygons[i].faults;
-        outcome_.crossing += (faults & (kCrossing | kNoArea)) != 0;
-        outcome_.flipped += (faults & kFlipped) != 0;
-        outcome_.bent += (faults & kBent) != 0;
-        if (faults & kCrossing) list.push_back({q, Flaw::crossing, kNone});
-        if (faults & kNoArea) list.push_back({q, Flaw::no_area, kNone});
-        if (faults & kFlipped) list.push_back({q, Flaw::flipped, kNone});
-        if (faults & kBent) list.push_back({q, Flaw::bent, kNone});
-        outcome_.without_area += (faults & kGiven) != 0;
-        if (faults & kGiven) list.push_back({q, Flaw::excused, kNone});
-      }
-    const auto add = [&](const Hit& h) {
-      list.push_back({s_.polygons.first_of(h.a) + h.part_a, h.excused ? Flaw::excused : Flaw::intersecting,
-                      s_.polygons.first_of(h.b) + h.part_b});
-    };
-    for (const Hit& h : findings_.hits()) {
-      ++(h.excused ? outcome_.excused : outcome_.intersecting);
-      add(h);
-    }
-    const GivenHits given = findings_.given_hits(kMostListed, kMostCounted);
-    for (const Hit& h : given.first) add(h);
-    outcome_.excused += given.count;
-    outcome_.excused_at_least = !given.is_all;
-    outcome_.work = {s_.labels.walked.load(), s_.placed, findings_.judged()};
-    const RepairOutcome& o = outcome_;
-    outcome_.capped = o.capped && o.crossing + o.flipped + o.bent + o.intersecting > 0;
-  }
-
   State& s_;
   Job& job_;
   RepairOutcome outcome_;
@@ -490,6 +469,7 @@ class Repairer {
   std::vector<bool> touched_;          // by piece: whether it is listed in labels.touched ...
   std::size_t seen_ = 0;               // ... as far as that has been read
   std::vector<std::int32_t> changed_;  // pieces whose diagonals or pulls were changed in this round
+  Misses usual_;                       // of regions, before the repair
   Scope acted_;                        // pieces of which something was changed since all could be joined
 };
 

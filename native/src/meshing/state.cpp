@@ -146,7 +146,8 @@ SharedBoundary State::shared_boundary(std::int32_t piece) const {
     const double length = (mesh.vertices()[mesh.to(h)] - mesh.vertices()[mesh.from(h)]).norm();
     found.all += length;
     const std::int32_t k = labels.across(h);
-    if (k != kNone && k != piece && labels.pieces[k].region == labels.pieces[piece].region) found.with[k] += length;
+    if (k == kNone || k == piece) continue;
+    (labels.pieces[k].region == labels.pieces[piece].region ? found.with : found.others)[k] += length;
   }
   return found;
 }

@@ -29,9 +29,10 @@ struct Union {
   std::vector<std::int32_t> kept_loop, gone_loop;
 };
 
-/// How long the boundary of a piece is, and the part of it that each other piece of its region is across of.
+/// How long the boundary of a piece is, and the part of it that each other piece is across of.
 struct SharedBoundary {
-  std::map<std::int32_t, double> with;
+  std::map<std::int32_t, double> with;    ///< pieces of its region
+  std::map<std::int32_t, double> others;  ///< pieces of other regions
   double all = 0;
 };
 
