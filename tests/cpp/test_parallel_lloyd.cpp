@@ -127,7 +127,7 @@ TEST(Flooder, NaiveFloodingTakesTheBestOfTheNearest) {
   for (std::int32_t r = 0; r < 60; ++r) plain[proxies.seed[r]] = r;
   Job job;
   for (const std::string& name : parallel::backends())
-    for (const parallel::Search search : {parallel::Search::grid, parallel::Search::brute}) {
+    for (const Search search : {Search::grid, Search::brute}) {
       const auto flooder = load(mesh, name);
       flooder->place(centre, {});
       flooder->naive(proxies, 5, search, 2, job);
@@ -150,7 +150,7 @@ TEST(Flooder, RepairLeavesTheLargestPieceAndFillsTheRest) {
   for (const std::string& name : parallel::backends()) {
     const auto flooder = parallel::backend(name).load({faces, neighbours});
     flooder->place(std::vector<float>(27, 0.5F), {});
-    flooder->naive(proxies, 2, parallel::Search::grid, 1, job);
+    flooder->naive(proxies, 2, Search::grid, 1, job);
     std::vector<std::int32_t> labels(9);
     flooder->labels(labels);
     EXPECT_EQ(labels, (std::vector<std::int32_t>{0, 0, 0, 0, 1, 1, 1, 0, 0}));

@@ -123,16 +123,14 @@ std::unique_ptr<parallel::Flooder> load(const Surface& surface, std::string_view
 
 Regions parallel_lloyd(const Surface& surface, parallel::Flooder& flooder, std::vector<std::int32_t> seeds,
                        const PartitionOptions& options, std::vector<double>& history, Job& job) {
-  static_assert(kMostNearest == parallel::Flooder::kMostNearest);
   const bool naive = options.method == Method::naive;
-  const auto search = options.search == Search::grid ? parallel::Search::grid : parallel::Search::brute;
   if (naive && !flooder.placed()) place(surface, flooder);
   parallel::Proxies proxies = first_proxies(surface, std::move(seeds)), best;
   double least = std::numeric_limits<double>::infinity();
   for (std::int32_t round = 0; round < options.iterations; ++round) {
     job.report(static_cast<double>(round) / (options.iterations + 1));
     if (naive) {
-      flooder.naive(proxies, options.nearest, search, options.threads, job);
+      flooder.naive(proxies, options.nearest, options.search, options.threads, job);
     } else {
       flooder.queued(proxies, options.threads, job);
     }

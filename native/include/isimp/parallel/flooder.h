@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "isimp/core/job.h"
+#include "isimp/core/search.h"
 #include "isimp/parallel/sums.h"
 
 namespace isimp::parallel {
@@ -22,12 +23,6 @@ struct Proxies {
   std::vector<float> normal;       ///< (3 R) unit, or zero
   std::vector<float> centre;       ///< (3 R) where the regions are, in the unit of `place`; only for naive flooding
   friend bool operator==(const Proxies&, const Proxies&) = default;
-};
-
-/// How naive flooding finds the regions nearest to a face.
-enum class Search {
-  grid,   ///< by a grid of the regions' centres
-  brute,  ///< by looking at them all, as the thesis has it: O(N R); the same regions
 };
 
 /// One surface in the memory of one back end, and its labels while a partition is worked on. One call at a time.
@@ -58,7 +53,6 @@ class Flooder {
   /// Cost: about O(N nearest); by brute force O(N R).
   /// Source: the thesis's naive one
   virtual void naive(const Proxies& proxies, std::int32_t nearest, Search search, std::int32_t threads, Job& job) = 0;
-  static constexpr std::int32_t kMostNearest = 32;
 
   /// The sums of the regions' faces; centres are summed too where faces are placed.
   struct Fit {

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "isimp/core/options.h"
+#include "isimp/core/search.h"
 
 namespace isimp {
 
@@ -32,15 +33,6 @@ enum class Connect {
   repair,  ///< the largest piece of each region grows over the others: parallel, and it loses less
   flood,   ///< one sequential round of lloyd, the thesis's own
 };
-
-/// How Method::naive finds the regions nearest to a face.
-enum class Search {
-  grid,   ///< by a grid of the regions' centres
-  brute,  ///< by looking at them all, as the thesis has it: O(F P); the same regions
-};
-
-/// The most regions that a face may look at in Method::naive.
-inline constexpr std::int32_t kMostNearest = 32;
 
 /// How to split a surface into regions. What each field means stands in `fields` below.
 ///
