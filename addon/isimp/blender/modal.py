@@ -14,12 +14,13 @@ import bpy
 
 from .. import messages, view
 from ..session import StepFailed
-from ..task import Status, Stopped, Task
+from ..task import Status, Stopped, Task, Watch
 from . import mesh_io, pending, preferences, reading, runtime, show, store, targets
 
 log = logging.getLogger("isimp")
 _AT_ONCE = 0.08  # seconds that the window waits for short work, which needs no progress bar
 _TICK = 0.05
+_BEFORE = 0.6  # of the progress: the steps, where more work follows them
 #: Events that are allowed while a mesh in Edit Mode is written, as it must not change meanwhile
 _NAVIGATION = ("MOUSE", "MIDDLE", "WHEEL", "TRACKPAD", "NDOF", "NUMPAD_", "TIMER", "WINDOW")
 
@@ -41,6 +42,7 @@ class Work:
         self.corners = mesh_io.corner_totals(obj.data)
         self.face_color = self.corner_color = None
         self.task = None
+        self.after = None  #: after(outcome, watch), if given: the rest of the work, on the thread
         self.shown = None  #: the share of the outcome that is written, once writing has begun; see show.writing
 
     def progress(self) -> tuple:
@@ -63,8 +65,13 @@ class Work:
 
     def run(self, watch=None):
         """The outcome, and its colours as the mesh takes them; on any thread."""
-        outcome = self.replay(watch)
+        watch = watch or Watch()
+        with watch.share(0.0, 1.0 if self.after is None else _BEFORE):
+            outcome = self.replay(watch)
         self.paint(outcome)
+        if self.after is not None:
+            with watch.share(_BEFORE, 1.0):
+                self.after(outcome, watch)
         return outcome
 
     def replay(self, watch):
@@ -134,6 +141,9 @@ class RecipeOperator:
     def problem(cls, context, scan) -> str:
         """Why this operator cannot run; empty if it can."""
         return ""
+
+    def begun(self, context, scan, work) -> None:
+        """Called once the scan is read, before the work starts. Raises Unusable or ValueError if it can't be done."""
 
     def warnings(self, context, scan, before: dict) -> list:
         """Warnings about the scan for its user. before: the numbers of the regions before."""
@@ -277,10 +287,12 @@ class RecipeOperator:
             return None
         pending.interrupt(context)
         try:
-            return Work(context, scan, self.wanted(context, scan))
+            work = Work(context, scan, self.wanted(context, scan))
+            self.begun(context, scan, work)
         except (mesh_io.Unusable, ValueError) as problem:
             self.report({"ERROR"}, str(problem))
             return None
+        return work
 
     def _settle(self, context):
         """The thread has ended: takes its result or its error."""

@@ -1,3 +1,5 @@
+from functools import partial
+
 import bpy
 
 from ... import messages
@@ -25,16 +27,35 @@ class ISIMP_OT_mesh(RecipeOperator, settings.MeshSettings, bpy.types.Operator):
     def wanted(self, context, scan):
         return pending.recipe_of(context, scan).then(settings.to_step(rcp.Mesh, self))
 
-    def show(self, context, scan, work, outcome):
-        self._kept = show_polygons(context, scan, work, outcome)
+    def begun(self, context, scan, work):
+        self._baking, self._untextured = None, ""
         if not self.keep_texture or not texture.is_textured(scan):
             return
-        made = targets.result_of(context.scene, scan)
         try:
-            texture.keep(scan, made, work.scan, outcome)
-            result.sign(made)
-        except (mesh_io.Unusable, ValueError) as error:
-            self.report({"WARNING"}, f"The result has no texture: {error}")
+            self._baking = texture.Baking(scan)
+            work.after = partial(self._bake, work)
+        except mesh_io.Unusable as problem:
+            self._untextured = str(problem)
+
+    def _bake(self, work, outcome, watch):
+        """On a thread. Without a texture the polygons are of use still."""
+        try:
+            self._baking.make(work.scan, outcome, watch)
+        except ValueError as problem:
+            self._baking, self._untextured = None, str(problem)
+
+    def show(self, context, scan, work, outcome):
+        self._kept = show_polygons(context, scan, work, outcome)
+        if self._baking is not None:
+            made = targets.result_of(context.scene, scan)
+            try:
+                self._baking.put(made, outcome)
+                result.sign(made)
+            except mesh_io.Unusable as problem:
+                self._untextured = str(problem)
+        self._baking = None  # its images are large
+        if self._untextured:
+            self.report({"WARNING"}, f"The result has no texture: {self._untextured}")
 
     def told(self, before, numbers):
         return messages.meshed(numbers)

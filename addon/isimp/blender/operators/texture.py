@@ -1,15 +1,16 @@
+from functools import partial
+
 import bpy
 
-from ...session import StepFailed
-from .. import mesh_io, reading, result, runtime, show, store, targets, texture
+from .. import mesh_io, pending, result, show, store, targets, texture
+from ..modal import RecipeOperator
 
 
-class ISIMP_OT_texture(bpy.types.Operator):
+class ISIMP_OT_texture(RecipeOperator, bpy.types.Operator):
     """Put the texture of the scan on the result: a UV map, and a material with colours and normals"""
 
     bl_idname = "isimp.texture"
     bl_label = "Keep Texture"
-    bl_options = {"REGISTER", "UNDO"}
 
     size: bpy.props.IntProperty(
         name="Size",
@@ -20,24 +21,31 @@ class ISIMP_OT_texture(bpy.types.Operator):
     )
 
     @classmethod
-    def poll(cls, context):
-        _, _, problem = targets.find_result(context)
-        if problem:
-            cls.poll_message_set(problem)
-        return not problem
+    def problem(cls, context, scan):
+        return "" if targets.result_of(context.scene, scan) else targets.NO_RESULT
 
-    def execute(self, context):
-        scan, made, _ = targets.find_result(context)
+    def wanted(self, context, scan):
+        return store.load(scan)
+
+    def begun(self, context, scan, work):
+        self._baking = texture.Baking(scan, self.size or None)
+        work.after = partial(self._baking.make, work.scan)
+
+    def _finish(self, context, work, outcome):
+        """The recipe stays as it is, and the scan's colours do; only the result changes."""
+        pending.go_on()
         if context.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
+        scan = self._target(work)
+        made = targets.result_of(context.scene, scan) if scan is not None else None
+        if made is None:
+            return {"CANCELLED"}
+        baking, self._baking = self._baking, None
         try:
-            recipe = store.load(scan)
-            arrays = reading.read(context, scan, recipe.layers())
-            outcome = runtime.get().session.replay(arrays, recipe)
             was_edited = result.is_edited(made)
-            report = texture.keep(scan, made, arrays, outcome, self.size or None)
-        except (mesh_io.Unusable, StepFailed, ValueError) as error:
-            self.report({"ERROR"}, str(error))
+            report = baking.put(made, outcome)
+        except mesh_io.Unusable as problem:
+            self.report({"ERROR"}, str(problem))
             return {"CANCELLED"}
         if not was_edited:
             result.sign(made)
