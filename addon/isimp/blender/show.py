@@ -18,6 +18,19 @@ def _save(scan, work, numbers: dict) -> int:
     return state
 
 
+def show_texture(scan, work, outcome, made) -> dict:
+    """Puts the texture on a result that is there, which else stays as it is; returns the engine's report.
+
+    Raises Unusable if the result was changed since Mesh; then nothing changes.
+    """
+    was_edited = result.is_edited(made)
+    report = work.baking.put(made, outcome)
+    if not was_edited:
+        result.sign(made)
+    mesh_io.write_state(scan, _save(scan, work, outcome.numbers))
+    return report
+
+
 def show_regions(context, scan, work, outcome) -> None:
     """Writes regions and colours on the scan and brings it to the front."""
     state = _save(scan, work, outcome.numbers)
@@ -42,8 +55,10 @@ def show_polygons(context, scan, work, outcome):
     scan.isimp.key = scan.isimp.key or uuid.uuid4().hex
     made.isimp.scan_key, made.isimp.scan_name = scan.isimp.key, scan.name
     result.fill(made, scan, outcome)
-    if not texture.is_textured(scan):  # else it becomes one material
+    if work.baking is None and not texture.is_textured(scan):  # else it becomes one material
         result.take_materials(made, scan, outcome)
+    if work.baking is not None:
+        work.baking.put(made, outcome)
     result.sign(made)
     mesh_io.give_color_back(scan.data)
     if kept is not None and kept.name in context.view_layer.objects:

@@ -1,8 +1,7 @@
-from functools import partial
-
 import bpy
 
-from .. import mesh_io, pending, result, show, store, targets, texture
+from ... import recipe as rcp
+from .. import mesh_io, pending, show, store, targets
 from ..modal import RecipeOperator
 
 
@@ -25,14 +24,20 @@ class ISIMP_OT_texture(RecipeOperator, bpy.types.Operator):
         return "" if targets.result_of(context.scene, scan) else targets.NO_RESULT
 
     def wanted(self, context, scan):
-        return store.load(scan)
+        recipe = store.load(scan)
+        if recipe is None or not recipe.ends_in_mesh():
+            raise mesh_io.Unusable("The regions have changed since Mesh: press Mesh again, then Keep Texture.")
+        return recipe.then(rcp.Texture(size=self.size))
 
-    def begun(self, context, scan, work):
-        self._baking = texture.Baking(scan, self.size or None)
-        work.after = partial(self._baking.make, work.scan)
+    def _begin(self, context):
+        work = super()._begin(context)
+        if work is not None and work.untextured:
+            self.report({"ERROR"}, work.untextured)
+            return None
+        return work
 
     def _finish(self, context, work, outcome):
-        """The recipe stays as it is, and the scan's colours do; only the result changes."""
+        """The polygons stay as they are, and the scan's colours do."""
         pending.go_on()
         if context.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
@@ -40,15 +45,14 @@ class ISIMP_OT_texture(RecipeOperator, bpy.types.Operator):
         made = targets.result_of(context.scene, scan) if scan is not None else None
         if made is None:
             return {"CANCELLED"}
-        baking, self._baking = self._baking, None
+        if work.baking is None:  # too many charts for the size
+            self.report({"ERROR"}, work.untextured)
+            return {"CANCELLED"}
         try:
-            was_edited = result.is_edited(made)
-            report = baking.put(made, outcome)
+            report = show.show_texture(scan, work, outcome, made)
         except mesh_io.Unusable as problem:
             self.report({"ERROR"}, str(problem))
             return {"CANCELLED"}
-        if not was_edited:
-            result.sign(made)
         show.bring_to_front(context, made, scan)
         self.report({"INFO"}, f"Texture of {report['size']:,} x {report['size']:,} pixels, {report['charts']:,} charts")
         return {"FINISHED"}
