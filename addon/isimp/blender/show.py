@@ -6,7 +6,7 @@ from dataclasses import replace
 import bpy
 
 from .. import messages, stored
-from . import aside, display, mesh_io, raw, result, store, targets, texture
+from . import aside, carry, display, mesh_io, raw, result, store, targets, texture
 
 
 def _save(scan, work, numbers: dict) -> int:
@@ -55,6 +55,7 @@ def show_polygons(context, scan, work, outcome):
     scan.isimp.key = scan.isimp.key or uuid.uuid4().hex
     made.isimp.scan_key, made.isimp.scan_name = scan.isimp.key, scan.name
     result.fill(made, scan, outcome)
+    carry.bones(made, scan, work.scan, outcome)
     if work.baking is None and not texture.is_textured(scan):  # else it becomes one material
         result.take_materials(made, scan, outcome)
     if work.baking is not None:
