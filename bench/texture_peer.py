@@ -1,9 +1,10 @@
 """Cycles as a peer of the texture: both bake the same UVs, in one process, with one thread.
 
-    PYTHONPATH=build-dev/python python bench/texture_peer.py -- SCAN PROXIES SIZE [--up z] [--views 8] [--site FOLDER ...]
+    PYTHONPATH=build-dev/python python bench/texture_peer.py -- SCAN PROXIES SIZE
+        [--up z] [--views 8] [--site FOLDER ...]
 
-Python has Blender as a module (bpy), or `blender -b --factory-startup --python bench/texture_peer.py --` runs it. Debian's
-Blender 3.4 baked black images where this was tried; bpy 4.5 does not.
+Python has Blender as a module (bpy), or `blender -b --factory-startup --python bench/texture_peer.py --` runs it.
+Debian's Blender 3.4 baked black images where this was tried; bpy 4.5 does not.
 
 Cycles bakes emission from the scan to the polygons with 4 samples, at extrusions of 0.5, 1 and 2 % of the diagonal.
 Views are those of `bench/texture.py`; a close-up of each shows a quarter of the width, round the point of the scan
