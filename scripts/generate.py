@@ -73,7 +73,8 @@ def with_classes(text: str) -> str:
 def data() -> str:
     """The table as the add-on has it."""
     text = HEAD
-    for name, kind in (("MESHING", engine.MeshingOptions), ("PARTITION", engine.PartitionOptions)):
+    tables = {"MESHING": engine.MeshingOptions, "PARTITION": engine.PartitionOptions, "TEXTURE": engine.TextureOptions}
+    for name, kind in tables.items():
         text += f"\n{name}: dict[str, Option] = {{\n"
         for field in kind.fields():
             facts = {"kind": field["type"].removesuffix(" | None"), "default": field["default"]}

@@ -172,6 +172,13 @@ def _apply_lock(step: rcp.LockRegions, prepared, before, watch, begin, end) -> O
     return with_regions(prepared, partition, before.region_color, {})
 
 
+def _apply_texture(step: rcp.Texture, prepared, before, watch, begin, end) -> Outcome:
+    """The images are the object's, and no part of the scan's arrays: `Session.texture` makes it from them."""
+    if before is None or before.polygons is None:
+        raise ValueError("there are no polygons: a Mesh step must come right before.")
+    return before
+
+
 def _cut_arguments(step: rcp.CutRegion, prepared) -> tuple:
     direction = np.array(step.direction, float) if step.direction else None
     return triangle_at(prepared, step.face), np.array(step.line, float), direction
@@ -271,5 +278,6 @@ APPLY = {
     rcp.SmoothFaces: _apply_smooth,
     rcp.LockRegions: _apply_lock,
     rcp.UnlockRegions: _apply_lock,
+    rcp.Texture: _apply_texture,
     **dict.fromkeys(_EDITS, _apply_edit),
 }

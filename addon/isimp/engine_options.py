@@ -194,3 +194,44 @@ PARTITION: dict[str, Option] = {
         most=1.0,
     ),
 }
+
+TEXTURE: dict[str, Option] = {
+    "size": Option(
+        kind="int",
+        default=None,
+        words="in [16, 16384]",
+        least=16.0,
+        most=16384.0,
+    ),
+    "unfold": Option(
+        kind="float",
+        default=40.0,
+        words="in [0, 90]",
+        least=0.0,
+        most=90.0,
+    ),
+    "gutter": Option(
+        kind="int",
+        default=None,
+        words="in [2, 64]",
+        least=2.0,
+        most=64.0,
+    ),
+    "band": Option(
+        kind="int",
+        default=2,
+        words="in [0, 64]",
+        least=0.0,
+        most=64.0,
+    ),
+    "normals": Option(
+        kind="bool",
+        default=True,
+    ),
+    "threads": Option(
+        kind="int",
+        default=0,
+        words="at least 0",
+        least=0.0,
+    ),
+}

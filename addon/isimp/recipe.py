@@ -37,6 +37,7 @@ from .steps import (
     SmoothFaces,
     SplitRegion,
     Step,
+    Texture,
     UnlockRegions,
     check,
     engine_options,
@@ -71,6 +72,7 @@ __all__ = [
     "SmoothFaces",
     "SplitRegion",
     "Step",
+    "Texture",
     "UnlockRegions",
     "engine_options",
     "step_from_dict",
@@ -86,10 +88,12 @@ class Recipe:
     steps: tuple[Step, ...] = ()
 
     def then(self, step: Step) -> Recipe:
-        """The recipe with one more step, in place of a Mesh step at its end.
+        """The recipe with one more step, in place of a Mesh step at its end and its texture.
 
         A partition of all faces replaces the steps after the last lock.
         """
+        if isinstance(step, Texture):
+            return Recipe((*self._without(Texture).steps, step))
         steps = self.without_mesh().steps
         if isinstance(step, Partition) and not step.faces:
             steps = steps[: self._last_lock() + 1]
@@ -149,12 +153,21 @@ class Recipe:
 
     def ends_in_mesh(self) -> bool:
         """Whether its outcome has polygons."""
+        active = [step for _, step in self.active() if not isinstance(step, Texture)]
+        return bool(active) and isinstance(active[-1], Mesh)
+
+    def texture(self) -> Texture | None:
+        """The texture that its outcome has."""
         active = self.active()
-        return bool(active) and isinstance(active[-1][1], Mesh)
+        return active[-1][1] if active and isinstance(active[-1][1], Texture) else None
 
     def without_mesh(self) -> Recipe:
-        """The recipe without the Mesh step at its end, if it has one."""
-        return Recipe(self.steps[:-1]) if self.steps and isinstance(self.steps[-1], Mesh) else self
+        """The recipe without the Mesh step at its end and its texture, if it has them."""
+        return self._without(Texture)._without(Mesh)
+
+    def _without(self, kind: type[Step]) -> Recipe:
+        """The recipe without the step of this kind at its end, if it has one."""
+        return Recipe(self.steps[:-1]) if self.steps and isinstance(self.steps[-1], kind) else self
 
     def layers(self) -> frozenset[str]:
         """The names of the scan's own layers that its steps use."""

@@ -91,12 +91,14 @@ class Session:
         triangles, polygon = engine.triangulate(*args)
         return np.asarray(triangles), np.asarray(polygon)
 
-    def texture(self, scan: Scan, outcome: Outcome, shown: Shown, size: int | None = None):
-        """UVs and images of an outcome's polygons; see `engine.texture`. Raises ValueError."""
-        mesh = self.prepare(scan, closed=outcome.closed).mesh
+    def texture(self, scan: Scan, outcome: Outcome, shown: Shown, size: int | None = None, watch: Watch | None = None):
+        """UVs and images of an outcome's polygons; see `engine.texture`. Raises ValueError or Stopped."""
+        watch = watch or Watch()
+        mesh = self.prepare(scan, watch, closed=outcome.closed).mesh
         soup = engine.TexturedSoup(scan.vertices, scan.triangles, shown.uv, shown.material, shown.images)
         options = engine.TextureOptions(size=size, threads=self.threads)
-        return engine.texture(mesh, outcome.partition, outcome.polygons, soup, options)
+        args = (mesh, outcome.partition, outcome.polygons, soup, options)
+        return engine_call(watch, 0.0, 1.0, "making the texture", engine.texture, *args)
 
     def region_at(self, scan: Scan, outcome: Outcome, face: int) -> dict:
         """The result of `engine.region_statistics` for the region of one of the user's faces.

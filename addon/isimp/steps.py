@@ -14,7 +14,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, SupportsIndex
 
-from .engine_options import MESHING, PARTITION
+from .engine_options import MESHING, PARTITION, TEXTURE
 from .option import Option
 
 METHODS = PARTITION["method"].choices
@@ -396,6 +396,20 @@ class Mesh(Step):
         return "Mesh"
 
 
+@dataclass(frozen=True)
+class Texture(Step):
+    """Show the scan's images on the polygons of the Mesh step before it."""
+
+    size: int = 0  #: width and height of the image in pixels; 0: as dense as the scan's images
+
+    def __post_init__(self) -> None:
+        size = TEXTURE["size"]
+        check(self.size != 0 and not size.holds(self.size), f"size must be 0, or {size.words}, got {self.size}")
+
+    def describe(self) -> str:
+        return f"Texture {self.size:,}" if self.size else "Texture"
+
+
 KINDS = {
     Partition: "partition",
     AddProxy: "add_proxy",
@@ -415,6 +429,7 @@ KINDS = {
     MergeCheapest: "merge_cheapest",
     Improve: "improve",
     Mesh: "mesh",
+    Texture: "texture",
 }
 #: What steps saved by earlier versions lack, and the values that mean what they meant. A saved step has all settings
 #: of its version, so one that has the first of these but not the second is one; people write fewer.

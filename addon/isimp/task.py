@@ -41,6 +41,7 @@ class Watch:
         self._lock = threading.Lock()
         self._job: _Job | None = None
         self._from, self._to = 0.0, 1.0
+        self._share = (0.0, 1.0)
         self._stage = ""
         self._cancelled = False
 
@@ -71,8 +72,19 @@ class Watch:
             raise Stopped
 
     @contextmanager
+    def share(self, begin: float, end: float) -> Iterator[None]:
+        """Until its end, parts take the progress from `begin` to `end` and no further."""
+        self._share = (begin, end)
+        try:
+            yield
+        finally:
+            self._share = (0.0, 1.0)
+
+    @contextmanager
     def part(self, stage: str, begin: float, end: float, job: Any = None) -> Iterator[Any]:
         """Names a stage that takes the progress from `begin` to `end`; `job` is the engine's, if it works."""
+        low, high = self._share
+        begin, end = low + (high - low) * begin, low + (high - low) * end
         with self._lock:
             self._stage, self._from, self._to, self._job = stage, begin, end, job
             if self._cancelled:

@@ -15,6 +15,7 @@ from ._core import (
     MeshingOptions,
     Partition,
     PartitionOptions,
+    TextureOptions,
     add_worst,
     delete_least,
     improve,
@@ -47,6 +48,7 @@ class Recipe:
     angle: float | None  #: no region crosses an edge that bends by more, in degrees
     edits: tuple[tuple[str, int], ...]  #: steps after the partition, and how often each is done
     meshing: dict[str, Any]  #: of MeshingOptions
+    texture: int | None = None  #: keep the texture in an image of this size; 0: as dense as the scan's; None: do not
 
     def edited(self, mesh: Mesh, part: Partition, job: Job | None = None) -> Partition:
         """The partition after the steps that follow it."""
@@ -76,24 +78,28 @@ def parsed(values: Any) -> Recipe:
         raise RecipeError(f"the recipe has version {version!r}, this isimp reads up to {VERSION}: update isimp")
     partition: dict[str, Any] | None = None
     meshing: dict[str, Any] = {}
-    angle, edits, closing = None, list[tuple[str, int]](), True
+    meshed = False  # whether the step before makes polygons, or their texture
+    angle, edits, closing, texture = None, list[tuple[str, int]](), True, None
     for number, step in enumerate(values["steps"], 1):
         try:
             kind, settings = _settings(step)
             if not settings.pop("enabled", True):
                 continue
+            meshed = kind == "mesh" or (meshed and kind == "texture")
             if kind == "partition":
                 closing = _flag(settings, "close_openings")
                 partition, angle, edits = *_partition(settings), []
             elif kind == "mesh":
                 meshing = _checked(MeshingOptions, settings)
+            elif kind == "texture":
+                texture = _texture(settings, meshed)
             else:
                 edits.append(_edit(kind, settings, partition is None))
         except RecipeError as error:
             raise RecipeError(f"step {number}: {error}") from None
     if partition is None:
         raise RecipeError("the recipe has no partition step")
-    return Recipe(values, partition, closing, angle, tuple(edits), meshing)
+    return Recipe(values, partition, closing, angle, tuple(edits), meshing, texture if meshed else None)
 
 
 def _settings(step: Any) -> tuple[str, dict[str, Any]]:
@@ -149,6 +155,21 @@ def _edit(kind: str, settings: dict[str, Any], is_first: bool) -> tuple[str, int
     if isinstance(times, bool) or not isinstance(times, int) or times < 1:
         raise RecipeError(f"times must be a whole number, at least 1, got {times!r}")
     return kind, times
+
+
+def _texture(settings: dict[str, Any], meshed: bool) -> int:
+    """The size of the texture."""
+    if not meshed:
+        raise RecipeError("there are no polygons yet: a mesh step must come right before")
+    size = settings.pop("size", 0)
+    if settings:
+        raise RecipeError(f"texture has no setting '{next(iter(settings))}'")
+    if isinstance(size, bool) or not isinstance(size, int):
+        raise RecipeError(f"size must be a whole number, got {size!r}")
+    field = next(field for field in TextureOptions.fields() if field["name"] == "size")
+    if size and not field["least"] <= size <= field["most"]:
+        raise RecipeError(f"size must be 0, or {field['range']}, got {size}")
+    return size
 
 
 def _checked(kind: type[PartitionOptions] | type[MeshingOptions], settings: dict[str, Any]) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <map>
 #include <random>
 
@@ -299,6 +300,57 @@ TEST(Bake, ImageWithinItsEdgesDoesNotWrapRound) {
   const Texture texture = square({4, 4, pixels, {}}, 1, 1, 64);
   EXPECT_EQ(pixel(texture, 0, 20)[0], 0);
   EXPECT_EQ(pixel(texture, 63, 20)[0], 255);
+}
+
+/// Of a triangle, squared distance from a point, by looking at its plane and its edges.
+double squared_distance(const Mesh& mesh, std::int32_t f, const Vec3& p) {
+  const auto corner = [&](int k) { return mesh.vertices()[mesh.triangles()[f][k % 3]]; };
+  const Vec3 n = normal_of(mesh, f);
+  bool inside = true;
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 a = corner(k), e = corner(k + 1) - a;
+    inside = inside && n.dot(e.cross(p - a)) >= 0;
+    least = std::min(least, (p - a - std::clamp((p - a).dot(e) / e.squaredNorm(), 0.0, 1.0) * e).squaredNorm());
+  }
+  return inside ? std::pow(n.dot(p - corner(0)), 2) : least;
+}
+
+TEST(Bake, EdgesShowTheClosestPoint) {
+  Job job;
+  const Made s = made(shapes::noisy(shapes::sphere(4), 0.01, 3), [](const Vec3& middle, const Vec3&) {
+    return (middle.x() > 0 ? 1 : 0) + (middle.y() > 0 ? 2 : 0) + (middle.z() > 0 ? 4 : 0);
+  });
+  const Atlas atlas = unwrap(s.poly, 64, 1, 40, 0, job);
+  const BakeMap map = bake_map(s.mesh, s.part, s.poly, atlas, {.band = 64}, job);  // 2 texels
+  std::int32_t judged = 0;
+  for (std::int32_t row = 0; row < atlas.side; ++row)
+    for (std::int32_t x = 0; x < atlas.side; ++x) {
+      const std::size_t pixel = static_cast<std::size_t>(row) * atlas.side + x;
+      const std::int32_t q = map.polygon[pixel];
+      if (q == kNone) continue;
+      const double y = atlas.side - 1 - row + 0.5;
+      const auto p = outline(s.poly, atlas, q);
+      double edge = std::numeric_limits<double>::infinity();
+      for (std::size_t i = 0, h = p.size() - 1; i < p.size(); h = i++) {
+        const Eigen::Vector2d a(p[h][0], p[h][1]), b(p[i][0], p[i][1]), at(x + 0.5, y), e = b - a;
+        edge = std::min(edge, (at - a - std::clamp((at - a).dot(e) / e.squaredNorm(), 0.0, 1.0) * e).norm());
+      }
+      if (edge > 0.95) continue;  // beyond, drawn faces weigh more
+      const ChartFrame& frame = atlas.frame[q];
+      const Vec3 place = frame.origin + (x + 0.5) * frame.u + y * frame.v - s.mesh.origin();
+      double least = std::numeric_limits<double>::infinity();
+      const std::int32_t own = s.poly.polygon_region[q];
+      for (std::int32_t f = 0; f < s.mesh.face_count(); ++f) {  // of the region and of the three beside it
+        const std::int32_t apart = s.part.face_region[f] ^ own;
+        if ((apart & (apart - 1)) != 0 || !(normal_of(s.mesh, f).dot(frame.n) > 0)) continue;
+        least = std::min(least, squared_distance(s.mesh, f, place));
+      }
+      ASSERT_NE(map.face[pixel], kNone);
+      EXPECT_NEAR(squared_distance(s.mesh, map.face[pixel], place), least, 1e-5);
+      ++judged;
+    }
+  EXPECT_GT(judged, 200);
 }
 
 TEST(Bake, WhatIsNotKnownShowsWhatIsNearest) {

@@ -29,6 +29,7 @@ FULL = Recipe(
         rcp.MergeCheapest(),
         rcp.Improve(),
         Mesh(chord_tolerance=0.1, flatten=0),
+        rcp.Texture(size=2048),
     )
 )
 
@@ -37,6 +38,22 @@ def test_json_gives_back_every_kind_of_step():
     assert {type(step) for step in FULL.steps} == set(rcp.KINDS)
     assert Recipe.from_json(FULL.to_json()) == FULL
     assert Recipe.from_json(Recipe().to_json(indent=2)) == Recipe()
+
+
+def test_a_texture_follows_polygons_and_goes_with_them():
+    meshed = Recipe((Partition(proxies=6),)).then(Mesh())
+    textured = meshed.then(rcp.Texture(size=64))
+    assert [step.kind for step in textured.steps] == ["partition", "mesh", "texture"]
+    assert textured.then(rcp.Texture()).steps[2].size == 0
+    assert textured.ends_in_mesh()
+    assert textured.texture().size == 64
+    assert meshed.texture() is None
+    assert textured.then(Mesh()) == meshed
+    assert textured.without_mesh() == Recipe((Partition(proxies=6),))
+    assert textured.switched(2, False).texture() is None
+    assert textured.switched(2, False).ends_in_mesh()
+    with pytest.raises(ValueError, match=r"size must be 0, or in \[16, 16384\], got 8"):
+        rcp.Texture(size=8)
 
 
 def test_json_is_what_people_can_write():

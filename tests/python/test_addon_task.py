@@ -33,6 +33,17 @@ def test_progress_is_that_of_the_job_within_its_part():
     assert watch.progress == pytest.approx(1.0)
 
 
+def test_parts_within_a_share_go_no_further():
+    watch = Watch()
+    with watch.share(0.0, 0.6), watch.part("steps", 0.5, 1.0, Job(0.5)):
+        assert watch.progress == pytest.approx(0.45)
+    assert watch.progress == pytest.approx(0.6)
+    with watch.share(0.6, 1.0), watch.part("texture", 0.0, 1.0, Job(0.25)):
+        assert watch.progress == pytest.approx(0.7)
+    with watch.part("alone", 0.0, 1.0, Job(0.25)):
+        assert watch.progress == pytest.approx(0.25)
+
+
 def test_cancel_reaches_the_job_and_every_later_part():
     watch, job = Watch(), Job()
     with watch.part("one", 0, 1, job):

@@ -54,10 +54,26 @@ def test_recipes_of_earlier_versions_mean_what_they_meant():
     assert found.partition["smooth"] == steps.step_from_dict(old).smooth
 
 
+def test_a_texture_step_keeps_the_texture():
+    assert recipe(rcp.Partition(), rcp.Mesh()).texture is None
+    assert recipe(rcp.Partition(), rcp.Mesh(), rcp.Texture()).texture == 0
+    assert recipe(rcp.Partition(), rcp.Mesh(), rcp.Texture(size=64)).texture == 64
+    assert recipe(rcp.Partition(), rcp.Mesh(), rcp.Texture(enabled=False)).texture is None
+    assert recipe(rcp.Partition(), rcp.Mesh(), rcp.Texture(), rcp.Partition()).texture is None, "polygons go with it"
+    for steps_given, message in (
+        ([{"step": "partition"}, {"step": "texture"}], "step 2: there are no polygons yet"),
+        ([{"step": "partition"}, {"step": "mesh"}, {"step": "texture", "size": 8}], "size must be 0, or in"),
+        ([{"step": "partition"}, {"step": "mesh"}, {"step": "texture", "size": "big"}], "whole number"),
+        ([{"step": "partition"}, {"step": "mesh"}, {"step": "texture", "gloss": 1}], "no setting 'gloss'"),
+    ):
+        with pytest.raises(recipes.RecipeError, match=message):
+            recipes.parsed({"isimp_recipe": 1, "steps": steps_given})
+
+
 def test_every_step_is_known():
     """A step that is added to the add-on must be decided on here."""
     for cls, kind in steps.KINDS.items():
-        if kind in ("partition", "mesh"):
+        if kind in ("partition", "mesh", "texture"):
             continue
         fields = {field.name for field in dataclasses.fields(cls)} - {"enabled"}
         values = {"isimp_recipe": 1, "steps": [{"step": "partition"}, {"step": kind}]}

@@ -406,6 +406,23 @@ def test_the_command_says_what_is_wrong_in_a_line(tmp_path, arguments, status, t
     assert not any(tmp_path.glob("x.*"))
 
 
+def test_the_texture_step_of_a_recipe_is_obeyed(tmp_path):
+    write_cube_obj(tmp_path)
+    scan = tmp_path / "cube.obj"
+    steps = [{"step": "partition", "proxies": 6, "count_by": "proxies"}, {"step": "mesh"}]
+    (tmp_path / "r.json").write_text(
+        json.dumps({"isimp_recipe": 1, "steps": [*steps, {"step": "texture", "size": 64}]})
+    )
+    ran = isimp("simplify", scan, tmp_path / "out.glb", "--recipe", tmp_path / "r.json")
+    assert ran.returncode == 0, ran.stderr
+    assert engine.read_textured(tmp_path / "out.glb").images[0].shape == (64, 64, 4)
+    ran = isimp("simplify", scan, tmp_path / "out.glb", "--recipe", tmp_path / "r.json", "--texture", "32")
+    assert engine.read_textured(tmp_path / "out.glb").images[0].shape == (32, 32, 4), "what is given comes first"
+    ran = isimp("simplify", scan, tmp_path / "out.ply", "--recipe", tmp_path / "r.json")
+    assert ran.returncode == 2
+    assert "with a texture OUTPUT must end in one of .obj, .glb" in ran.stderr
+
+
 def test_a_batch_keeps_textures(tmp_path):
     (tmp_path / "in").mkdir()
     write_cube_obj(tmp_path / "in")

@@ -121,7 +121,10 @@ class ISIMP_OT_settle(modal.RecipeOperator, bpy.types.Operator):
 
     def invoke(self, context, event):
         if runtime.get().live.shown is None:
-            return self.execute(context)
+            scan, problem = targets.find(context)
+            recipe = None if problem else self.wanted(context, scan)
+            has_texture = recipe is not None and recipe.texture() is not None
+            return super().invoke(context, event) if has_texture else self.execute(context)
         self._work = runtime.get().live.shown.work
         runtime.get().live.held = True
         return self.go_on(context)

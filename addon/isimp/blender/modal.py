@@ -14,12 +14,13 @@ import bpy
 
 from .. import messages, view
 from ..session import StepFailed
-from ..task import Status, Stopped, Task
-from . import mesh_io, pending, preferences, reading, runtime, show, store, targets
+from ..task import Status, Stopped, Task, Watch
+from . import mesh_io, pending, preferences, reading, runtime, show, store, targets, texture
 
 log = logging.getLogger("isimp")
 _AT_ONCE = 0.08  # seconds that the window waits for short work, which needs no progress bar
 _TICK = 0.05
+_BEFORE = 0.6  # of the progress: the steps, where a texture follows them
 #: Events that are allowed while a mesh in Edit Mode is written, as it must not change meanwhile
 _NAVIGATION = ("MOUSE", "MIDDLE", "WHEEL", "TRACKPAD", "NDOF", "NUMPAD_", "TIMER", "WINDOW")
 
@@ -41,6 +42,8 @@ class Work:
         self.corners = mesh_io.corner_totals(obj.data)
         self.face_color = self.corner_color = None
         self.task = None
+        self.baking = None  #: the texture that the recipe ends in, on its way: see texture.Baking
+        self.untextured = ""  #: why there is none
         self.shown = None  #: the share of the outcome that is written, once writing has begun; see show.writing
 
     def progress(self) -> tuple:
@@ -61,11 +64,33 @@ class Work:
             self._problem = ValueError(str(problem))
         self._is_read.set()
 
+    def read_texture(self, obj) -> None:
+        """Reads the images of the scan's materials, if the recipe ends in a texture."""
+        step = self.recipe.texture()
+        if step is None:
+            return
+        try:
+            self.baking = texture.Baking(obj, step.size or None)
+        except mesh_io.Unusable as problem:
+            self.untextured = str(problem)
+
     def run(self, watch=None):
-        """The outcome, and its colours as the mesh takes them; on any thread."""
-        outcome = self.replay(watch)
+        """The outcome with its texture, and its colours as the mesh takes them; on any thread."""
+        watch = watch or Watch()
+        with watch.share(0.0, 1.0 if self.baking is None else _BEFORE):
+            outcome = self.replay(watch)
         self.paint(outcome)
+        if self.baking is not None:
+            with watch.share(_BEFORE, 1.0):
+                self._bake(outcome, watch)
         return outcome
+
+    def _bake(self, outcome, watch) -> None:
+        """Without a texture the polygons are of use still."""
+        try:
+            self.baking.make(self.scan, outcome, watch)
+        except ValueError as problem:
+            self.baking, self.untextured = None, str(problem)
 
     def replay(self, watch):
         """The outcome, once all is read."""
@@ -277,10 +302,12 @@ class RecipeOperator:
             return None
         pending.interrupt(context)
         try:
-            return Work(context, scan, self.wanted(context, scan))
+            work = Work(context, scan, self.wanted(context, scan))
+            work.read_texture(scan)
         except (mesh_io.Unusable, ValueError) as problem:
             self.report({"ERROR"}, str(problem))
             return None
+        return work
 
     def _settle(self, context):
         """The thread has ended: takes its result or its error."""
@@ -333,6 +360,8 @@ class RecipeOperator:
             self.report({"WARNING"}, messages.hidden(context.view_layer.objects.active.name))
         if _was_edited(before, work, outcome):
             self.report({"WARNING"}, messages.SCAN_EDITED)
+        if work.untextured:
+            self.report({"WARNING"}, f"The result has no texture: {work.untextured}")
         for warning in self.warnings(context, obj, before):
             self.report({"WARNING"}, warning)
         return {"FINISHED"}

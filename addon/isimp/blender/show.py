@@ -6,7 +6,7 @@ from dataclasses import replace
 import bpy
 
 from .. import messages, stored
-from . import aside, display, mesh_io, raw, result, store, targets, texture
+from . import aside, carry, display, mesh_io, raw, result, store, targets, texture
 
 
 def _save(scan, work, numbers: dict) -> int:
@@ -16,6 +16,19 @@ def _save(scan, work, numbers: dict) -> int:
     state = store.save(scan, work.recipe, numbers)
     work.states |= {mesh_io.state_of(scan), state}
     return state
+
+
+def show_texture(scan, work, outcome, made) -> dict:
+    """Puts the texture on a result that is there, which else stays as it is; returns the engine's report.
+
+    Raises Unusable if the result was changed since Mesh; then nothing changes.
+    """
+    was_edited = result.is_edited(made)
+    report = work.baking.put(made, outcome)
+    if not was_edited:
+        result.sign(made)
+    mesh_io.write_state(scan, _save(scan, work, outcome.numbers))
+    return report
 
 
 def show_regions(context, scan, work, outcome) -> None:
@@ -42,8 +55,11 @@ def show_polygons(context, scan, work, outcome):
     scan.isimp.key = scan.isimp.key or uuid.uuid4().hex
     made.isimp.scan_key, made.isimp.scan_name = scan.isimp.key, scan.name
     result.fill(made, scan, outcome)
-    if not texture.is_textured(scan):  # else it becomes one material
+    carry.bones(made, scan, work.scan, outcome)
+    if work.baking is None and not texture.is_textured(scan):  # else it becomes one material
         result.take_materials(made, scan, outcome)
+    if work.baking is not None:
+        work.baking.put(made, outcome)
     result.sign(made)
     mesh_io.give_color_back(scan.data)
     if kept is not None and kept.name in context.view_layer.objects:

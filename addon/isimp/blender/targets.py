@@ -5,6 +5,7 @@ import bpy
 from .. import messages, session
 from . import aside, mesh_io, raw, runtime, store
 
+NO_RESULT = "There is no result yet: press Mesh first"
 KEPT = "kept"  #: in the place of the digest of a result that was edited by hand, and that Mesh leaves as it is
 _OTHER = {
     "CURVE": "a curve",
@@ -64,7 +65,7 @@ def find_result(context):
     scan, problem = find(context)
     result = None if problem else result_of(context.scene, scan)
     if not problem and result is None:
-        problem = "There is no result yet: press Mesh first"
+        problem = NO_RESULT
     return (None, None, problem) if problem else (scan, result, "")
 
 

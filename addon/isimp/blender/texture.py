@@ -23,17 +23,26 @@ def is_textured(obj) -> bool:
     return False
 
 
-def keep(scan, result, arrays, outcome, size=None) -> dict:
-    """Puts the scan's texture on its result; returns the engine's report. Raises Unusable or ValueError.
+class Baking:
+    """The texture of a scan on its way to the result: read by the main thread, made by any, put by the main thread."""
 
-    arrays: the scan's arrays that the outcome was made from. On an error nothing changes.
-    """
-    shown = read(scan)
-    order = _corners(result, outcome)
-    made = runtime.get().session.texture(arrays, outcome, shown, size)
-    name = next(layer.name for layer in scan.data.uv_layers if layer.active_render)
-    write(result, made.uv[order], made, name)
-    return made.report
+    def __init__(self, scan, size=None):
+        """Reads the scan's materials. Raises Unusable."""
+        self._shown, self._size = read(scan), size
+        self._uv_map = next(layer.name for layer in scan.data.uv_layers if layer.active_render)
+        self._made = None
+
+    def make(self, arrays, outcome, watch=None) -> None:
+        """arrays: those of the scan that the outcome was made from. Raises ValueError or Stopped."""
+        if outcome.polygons is None:  # `put` says so
+            return
+        self._made = runtime.get().session.texture(arrays, outcome, self._shown, self._size, watch)
+
+    def put(self, result, outcome) -> dict:
+        """Puts what was made on the result; returns the engine's report. Raises Unusable, and then nothing changes."""
+        order = _corners(result, outcome)
+        write(result, self._made.uv[order], self._made, self._uv_map)
+        return self._made.report
 
 
 def _corners(result, outcome) -> np.ndarray:

@@ -3,7 +3,11 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <string>
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
 
 #include "isimp/core/errors.h"
 
@@ -30,30 +34,44 @@ void check(const Mesh& mesh, const Appearance& look) {
 }
 
 template <class T>
+Rgba pixel_at(const T* p) {
+  return {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2]), static_cast<float>(p[3])};
+}
+
+#ifdef __SSE2__
+/// The same numbers, four at once: compilers do not find this.
+Rgba pixel_at(const std::uint8_t* p) {
+  std::int32_t bytes;
+  std::memcpy(&bytes, p, 4);
+  const __m128i zero = _mm_setzero_si128();
+  const __m128i wide = _mm_unpacklo_epi16(_mm_unpacklo_epi8(_mm_cvtsi32_si128(bytes), zero), zero);
+  Rgba pixel;
+  _mm_store_ps(pixel.data(), _mm_cvtepi32_ps(wide));
+  return pixel;
+}
+#endif
+
+template <class T>
 Rgba bilinear(const T* pixels, std::int32_t w, std::int32_t h, float x, float y, bool repeat) {
   // At least -0.5; truncation is much cheaper than floor.
   std::int32_t x0 = static_cast<std::int32_t>(x + 1) - 1, y0 = static_cast<std::int32_t>(y + 1) - 1;
   const float a = x - static_cast<float>(x0), b = y - static_cast<float>(y0);
   std::int32_t x1 = x0 + 1, y1 = y0 + 1;
-  if (repeat) {
-    x0 = x0 < 0 ? w - 1 : std::min(x0, w - 1);
-    y0 = y0 < 0 ? h - 1 : std::min(y0, h - 1);
-    x1 = x1 >= w ? 0 : x1;
-    y1 = y1 >= h ? 0 : y1;
-  } else {
-    x0 = std::clamp(x0, 0, w - 1);
-    y0 = std::clamp(y0, 0, h - 1);
-    x1 = std::clamp(x1, 0, w - 1);
-    y1 = std::clamp(y1, 0, h - 1);
+  if (x0 < 0 || y0 < 0 || x1 >= w || y1 >= h) {
+    const auto within = [&](std::int32_t i, std::int32_t n) {
+      if (!repeat) return std::clamp(i, 0, n - 1);
+      return i < 0 ? n - 1 : i >= n ? 0 : i;
+    };
+    x0 = within(x0, w);
+    y0 = within(y0, h);
+    x1 = within(x1, w);
+    y1 = within(y1, h);
   }
   const T* upper = pixels + 4 * static_cast<std::size_t>(y0) * w;
   const T* lower = pixels + 4 * static_cast<std::size_t>(y1) * w;
-  const float p = (1 - a) * (1 - b), q = a * (1 - b), r = (1 - a) * b, s = a * b;
-  Rgba mixed;
-  for (int k = 0; k < 4; ++k)
-    mixed[k] = p * static_cast<float>(upper[4 * x0 + k]) + q * static_cast<float>(upper[4 * x1 + k]) +
-               r * static_cast<float>(lower[4 * x0 + k]) + s * static_cast<float>(lower[4 * x1 + k]);
-  return mixed;
+  const Rgba above = (1 - a) * pixel_at(upper + 4 * x0) + a * pixel_at(upper + 4 * x1);
+  const Rgba below = (1 - a) * pixel_at(lower + 4 * x0) + a * pixel_at(lower + 4 * x1);
+  return (1 - b) * above + b * below;
 }
 
 }  // namespace
@@ -83,11 +101,7 @@ Rgba Sampler::operator()(std::int32_t face, float b, float c) const {
   if (look_.image[face] >= 0) return from_picture(face, b, c);
   if (look_.colors.empty()) return {204, 204, 204, 255};
   const std::uint8_t* p = look_.colors.data() + 12 * static_cast<std::size_t>(face);
-  Rgba mixed;
-  for (int k = 0; k < 4; ++k)
-    mixed[k] =
-        (1 - b - c) * static_cast<float>(p[k]) + b * static_cast<float>(p[4 + k]) + c * static_cast<float>(p[8 + k]);
-  return mixed;
+  return (1 - b - c) * pixel_at(p) + b * pixel_at(p + 4) + c * pixel_at(p + 8);
 }
 
 Rgba Sampler::from_picture(std::int32_t face, float b, float c) const {
@@ -103,10 +117,31 @@ Rgba Sampler::from_picture(std::int32_t face, float b, float c) const {
   }
   const float x = std::clamp(u, 0.0F, 1.0F) * static_cast<float>(picture.width) - 0.5F;
   const float y = (1 - std::clamp(v, 0.0F, 1.0F)) * static_cast<float>(picture.height) - 0.5F;
+  return in(picture, x, y, repeat);
+}
+
+Rgba Sampler::in(const Picture& picture, float x, float y, bool repeat) {
   if (!picture.bytes.empty()) return bilinear(picture.bytes.data(), picture.width, picture.height, x, y, repeat);
-  Rgba mixed = bilinear(picture.words.data(), picture.width, picture.height, x, y, repeat);
-  for (float& value : mixed) value /= 257;
-  return mixed;
+  return bilinear(picture.words.data(), picture.width, picture.height, x, y, repeat) / 257;
+}
+
+Rgba Sampler::at_pixel(std::int32_t image, float x, float y) const {
+  const Picture& picture = look_.pictures[image];
+  return in(picture, std::clamp(x, -0.5F, static_cast<float>(picture.width) - 0.5F),
+            std::clamp(y, -0.5F, static_cast<float>(picture.height) - 0.5F), false);
+}
+
+std::optional<std::array<Eigen::Vector2f, 3>> Sampler::corner_pixels(std::int32_t face) const {
+  if (look_.image[face] < 0 || repeats_[face] != 0) return std::nullopt;
+  const Picture& picture = look_.pictures[look_.image[face]];
+  std::array<Eigen::Vector2f, 3> corners;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const float* t = look_.uv.data() + 6 * static_cast<std::size_t>(face) + 2 * k;
+    if (!std::isfinite(t[0]) || !std::isfinite(t[1])) return std::nullopt;
+    corners[k] = {t[0] * static_cast<float>(picture.width) - 0.5F,
+                  (1 - t[1]) * static_cast<float>(picture.height) - 0.5F};
+  }
+  return corners;
 }
 
 double Sampler::pixels(std::int32_t face) const {

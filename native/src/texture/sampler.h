@@ -1,7 +1,9 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "isimp/mesh/mesh.h"
@@ -9,7 +11,7 @@
 
 namespace isimp::detail {
 
-using Rgba = std::array<float, 4>;  ///< 0 to 255
+using Rgba = Eigen::Array4f;  ///< 0 to 255
 
 /// Looks up what the scan shows.
 class Sampler {
@@ -19,6 +21,11 @@ class Sampler {
 
   /// Bilinear in the picture of the face, or between the colours of its corners.
   [[nodiscard]] Rgba operator()(std::int32_t face, float b, float c) const;
+  /// Bilinear in a picture, at x pixels from its left and y from its upper edge, minus a half.
+  [[nodiscard]] Rgba at_pixel(std::int32_t image, float x, float y) const;
+  /// The pixels at the corners of a face, as `at_pixel` takes them. Nothing if it shows no picture, or repeats it.
+  [[nodiscard]] std::optional<std::array<Eigen::Vector2f, 3>> corner_pixels(std::int32_t face) const;
+  [[nodiscard]] std::int32_t image(std::int32_t face) const { return look_.image[face]; }
   /// The mean over the surface: for what nothing is known of.
   [[nodiscard]] Rgba mean() const { return mean_; }
   /// Pixels of the picture per scene unit, squared, times the face's area; 0 for a face without a picture.
@@ -26,10 +33,11 @@ class Sampler {
 
  private:
   [[nodiscard]] Rgba from_picture(std::int32_t face, float b, float c) const;
+  static Rgba in(const Picture& picture, float x, float y, bool repeat);
 
   const Appearance& look_;
   std::vector<std::uint8_t> repeats_;  // (F) whether the image repeats: the face's UVs leave it
-  Rgba mean_{};
+  Rgba mean_ = Rgba::Zero();
 };
 
 }  // namespace isimp::detail

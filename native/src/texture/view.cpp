@@ -9,7 +9,6 @@ namespace {
 
 constexpr float kTouch = 2e-3F;  // samples by which a face is wider than it is, so that no gap shows between two
 constexpr float kMostCells = 65536;
-constexpr float kRounding = 1.0001F;
 constexpr float kInCell = 2;  // faces in a cell, about
 
 /// Of a number of at least 0; cheaper than std::ceil.
@@ -27,38 +26,6 @@ FlatBox extent(const FlatFace& f) {
 
 float double_area(const FlatFace& f) {
   return (f.x[1] - f.x[0]) * (f.y[2] - f.y[0]) - (f.y[1] - f.y[0]) * (f.x[2] - f.x[0]);
-}
-
-/// The closest point of a face to (x, y, 0) (Ericson, Real-Time Collision Detection, 5.1.5): its weights, and the
-/// squared distance.
-float closest_on(const FlatFace& f, float x, float y, float& b, float& c) {
-  const float ux = f.x[1] - f.x[0], uy = f.y[1] - f.y[0], uz = f.z[1] - f.z[0];
-  const float vx = f.x[2] - f.x[0], vy = f.y[2] - f.y[0], vz = f.z[2] - f.z[0];
-  const float px = x - f.x[0], py = y - f.y[0], pz = -f.z[0];
-  const float uu = ux * ux + uy * uy + uz * uz, uv = ux * vx + uy * vy + uz * vz, vv = vx * vx + vy * vy + vz * vz;
-  const float d1 = ux * px + uy * py + uz * pz, d2 = vx * px + vy * py + vz * pz;
-  const float d3 = d1 - uu, d4 = d2 - uv, d5 = d1 - uv, d6 = d2 - vv;
-  const float vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
-  b = c = 0;
-  if (d1 <= 0 && d2 <= 0) {
-  } else if (d3 >= 0 && d4 <= d3) {
-    b = 1;
-  } else if (vc <= 0 && d1 >= 0 && d3 <= 0) {
-    b = d1 / (d1 - d3);
-  } else if (d6 >= 0 && d5 <= d6) {
-    c = 1;
-  } else if (vb <= 0 && d2 >= 0 && d6 <= 0) {
-    c = d2 / (d2 - d6);
-  } else if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
-    c = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-    b = 1 - c;
-  } else {
-    const float sum = va + vb + vc;
-    b = sum > 0 ? vb / sum : 0;
-    c = sum > 0 ? vc / sum : 0;
-  }
-  const float qx = px - b * ux - c * vx, qy = py - b * uy - c * vy, qz = pz - b * uz - c * vz;
-  return qx * qx + qy * qy + qz * qz;
 }
 
 }  // namespace
@@ -102,16 +69,12 @@ std::int32_t Bins::row(float y) const {
   return static_cast<std::int32_t>(std::clamp((y - y0_) / cell_, 0.0F, static_cast<float>(rows_ - 1)));
 }
 
-float Bins::away(std::int32_t i, std::int32_t j, float x, float y) const {
-  const float low_x = x0_ + static_cast<float>(i) * cell_, low_y = y0_ + static_cast<float>(j) * cell_;
-  const float dx = std::max({0.0F, low_x - x, x - low_x - cell_}), dy = std::max({0.0F, low_y - y, y - low_y - cell_});
-  return dx * dx + dy * dy;
-}
-
 void PolygonView::look(const ChartFrame& frame, const TexelBox& box, std::int32_t region) {
   box_ = box;
   collect(frame, region, true);
   if (faces_.empty()) collect(frame, region, false);  // nothing looks the polygon's way: better that than nothing
+  edges_.clear();
+  for (const FlatFace& f : faces_) edges_.push_back(edges_of(f));
   tiles_.build(boxes_, box, static_cast<float>(kTile));
   const float texels = static_cast<float>(box.width()) * static_cast<float>(box.height());
   const float cells = std::clamp(static_cast<float>(faces_.size()), 1.0F, kMostCells);
@@ -182,7 +145,7 @@ TexelBox PolygonView::tile(std::int32_t t) const {
 }
 
 /// Own faces first: what they cover is theirs. Then those beside it, into what is left.
-void PolygonView::draw(std::int32_t t, std::int32_t n, std::vector<std::int32_t>& index,
+void PolygonView::draw(std::int32_t t, std::int32_t n, std::span<const Span> wanted, std::vector<std::int32_t>& index,
                        std::vector<float>& depth) const {
   const TexelBox tile = this->tile(t);
   const std::int32_t w = tile.width() * n, h = tile.height() * n;
@@ -211,7 +174,8 @@ void PolygonView::draw(std::int32_t t, std::int32_t n, std::vector<std::int32_t>
     const float zy = ((f.z[2] - f.z[0]) * (x[1] - x[0]) - (f.z[1] - f.z[0]) * (x[2] - x[0])) / area;
     for (std::int32_t j = j0; j <= j1; ++j) {
       const auto level = static_cast<float>(j);
-      float from = 0, to = static_cast<float>(w - 1);
+      const Span& span = wanted[j / n];
+      float from = static_cast<float>(span.begin * n), to = static_cast<float>(span.end * n - 1);
       for (int k = 0, m = 2; k < 3; m = k++) {  // inside is left of each edge
         const float ex = x[k] - x[m], ey = y[k] - y[m];
         const float slack = kTouch * (std::abs(ex) + std::abs(ey));
@@ -246,49 +210,6 @@ Hit PolygonView::at(std::int32_t index, float x, float y) const {
   b = std::clamp(b, 0.0F, 1.0F);
   c = std::clamp(c, 0.0F, 1.0F - b);
   return {f.face, b, c, f.z[0] + b * (f.z[1] - f.z[0]) + c * (f.z[2] - f.z[0]), index};
-}
-
-/// Cells are looked at in rings round that of the point. What lies beyond the grid is in the cells at its rim, which
-/// are no further away than it is.
-Hit PolygonView::closest(float x, float y, std::array<std::int32_t, 2> guesses) const {
-  Hit best;
-  float least = std::numeric_limits<float>::infinity();
-  const auto look_at = [&](std::int32_t item) {
-    const FlatBox& e = boxes_[item];
-    const float over = std::max({0.0F, e.low_x - x, x - e.high_x}), up = std::max({0.0F, e.low_y - y, y - e.high_y});
-    if (over * over + up * up + e.off * e.off > least * kRounding) return;
-    const FlatFace& f = faces_[item];
-    float b = 0, c = 0;
-    const float d = closest_on(f, x, y, b, c);
-    if (d > least || (d == least && best.face != kNone && f.face >= best.face)) return;
-    least = d;
-    best = {f.face, b, c, f.z[0] + b * (f.z[1] - f.z[0]) + c * (f.z[2] - f.z[0]), item};
-  };
-  for (const std::int32_t guess : guesses)
-    if (guess != kNone) look_at(guess);
-  const std::int32_t ci = grid_.column(x), cj = grid_.row(y);
-  const std::int32_t rings = std::max({ci, cj, grid_.columns() - 1 - ci, grid_.rows() - 1 - cj});
-  bool reached = true;  // whether any cell of the last ring was near enough
-  const auto look_in = [&](std::int32_t i, std::int32_t j) {
-    if (i < 0 || j < 0 || i >= grid_.columns() || j >= grid_.rows()) return;
-    const float away = grid_.away(i, j, x, y), off = grid_.off(i, j);
-    if (away > least * kRounding) return;
-    reached = true;
-    if (away + off * off > least * kRounding) return;
-    for (const std::int32_t item : grid_.in(i, j)) look_at(item);
-  };
-  for (std::int32_t ring = 0; ring <= rings && reached; ++ring) {
-    reached = false;
-    for (std::int32_t i = ci - ring; i <= ci + ring; ++i) {
-      look_in(i, cj - ring);
-      if (ring > 0) look_in(i, cj + ring);
-    }
-    for (std::int32_t j = cj - ring + 1; j < cj + ring; ++j) {
-      look_in(ci - ring, j);
-      look_in(ci + ring, j);
-    }
-  }
-  return best;
 }
 
 }  // namespace isimp::detail

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -46,6 +47,26 @@ struct FlatFace {
   bool own;  ///< of the polygon's region
 };
 
+/// The same face as the search for the closest one takes it: a corner, two edges, and products of them.
+struct FlatEdges {
+  float x, y, z, ux, uy, uz, vx, vy, vz;
+  float uu, uv, vv;
+  float over_uu, over_vv, over_ww;  ///< w = v - u; 0 for edges of no length
+  float over_det;                   ///< of uu vv - uv^2; not a number for faces of no area
+};
+FlatEdges edges_of(const FlatFace& face);
+
+/// Four points of the plane: (x, y), (x + step, y), (x, y + step), (x + step, y + step).
+struct Quad {
+  float x, y, step;
+  unsigned wanted;  ///< bit k: whether point k is asked for
+};
+
+/// Texels of a row of a tile: [begin, end).
+struct Span {
+  std::int32_t begin = 0, end = 0;
+};
+
 /// What a face lies in: texels, and the least distance from the plane.
 struct FlatBox {
   float low_x, high_x, low_y, high_y, off;
@@ -65,8 +86,13 @@ class Bins {
   [[nodiscard]] float off(std::int32_t i, std::int32_t j) const {
     return off_[static_cast<std::size_t>(j) * columns_ + i];
   }
-  /// Squared distance of a point from a cell.
-  [[nodiscard]] float away(std::int32_t i, std::int32_t j, float x, float y) const;
+  /// Squared distance of a box from a cell.
+  [[nodiscard]] float away(std::int32_t i, std::int32_t j, float x0, float x1, float y0, float y1) const {
+    const float low_x = x0_ + static_cast<float>(i) * cell_, low_y = y0_ + static_cast<float>(j) * cell_;
+    const float dx = std::max(std::max(0.0F, low_x - x1), x0 - low_x - cell_);
+    const float dy = std::max(std::max(0.0F, low_y - y1), y0 - low_y - cell_);
+    return dx * dx + dy * dy;
+  }
 
  private:
   float x0_ = 0, y0_ = 0, cell_ = 1;
@@ -91,14 +117,18 @@ class PolygonView {
 
   /// Draws the faces of a tile with n x n samples a texel. `index` gets, for each sample, which of `faces()` is seen
   /// there, or kNone; rows from the bottom.
-  void draw(std::int32_t t, std::int32_t n, std::vector<std::int32_t>& index, std::vector<float>& depth) const;
+  /// \param wanted  of each row of texels; nothing is drawn outside
+  void draw(std::int32_t t, std::int32_t n, std::span<const Span> wanted, std::vector<std::int32_t>& index,
+            std::vector<float>& depth) const;
 
   [[nodiscard]] std::span<const FlatFace> faces() const { return faces_; }
   /// The place of a face that is seen at a point.
   [[nodiscard]] Hit at(std::int32_t index, float x, float y) const;
   /// The closest place to a point of the plane; without a face if there are no faces.
+  [[nodiscard]] Hit closest(float x, float y) const;
+  /// The closest places to four points, about four times as fast.
   /// \param guesses  of `faces()` some that are near, so that the search ends soon; kNone: not known
-  [[nodiscard]] Hit closest(float x, float y, std::array<std::int32_t, 2> guesses = {kNone, kNone}) const;
+  [[nodiscard]] std::array<Hit, 4> closest(const Quad& quad, std::array<std::int32_t, 2> guesses) const;
 
  private:
   void collect(const ChartFrame& frame, std::int32_t region, bool facing);
@@ -107,6 +137,7 @@ class PolygonView {
   const Neighbourhood& near_;
   TexelBox box_;
   std::vector<FlatFace> faces_;
+  std::vector<FlatEdges> edges_;
   std::vector<FlatBox> boxes_;
   Bins tiles_, grid_;
 };

@@ -179,6 +179,8 @@ def settle(arguments: argparse.Namespace) -> None:
             raise UsageError(str(error)) from None
     if arguments.recipe is not None and arguments.angle is None:
         arguments.angle = arguments.recipe.angle
+    if arguments.recipe is not None and arguments.texture is None:
+        arguments.texture = arguments.recipe.texture
     arguments.options = options_of(arguments, PartitionOptions)
 
 

@@ -202,7 +202,7 @@ def output_kinds(arguments: argparse.Namespace) -> tuple[str, ...]:
 def check_places(arguments: argparse.Namespace) -> list[Path]:
     """Refuse before the work what would fail after it; returns the files that come beside the output."""
     if not arguments.output.name.lower().endswith(kinds := output_kinds(arguments)):
-        more = "with --texture " if arguments.texture is not None else ""
+        more = "with a texture " if arguments.texture is not None else ""
         raise UsageError(f"{arguments.output}: {more}OUTPUT must end in one of {', '.join(kinds)}")
     try:
         exporting.require(arguments.output)

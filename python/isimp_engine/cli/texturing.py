@@ -46,7 +46,10 @@ def check_source(source: Input, beside: list[Path]) -> None:
         if any(is_same(path, file) for file in source.soup.files):
             raise UsageError(f"{path}: belongs to the scan and would be overwritten; choose another OUTPUT")
     if not source.soup.has_texture:
-        raise InvalidInput("has neither an image nor colours, so there is no texture to keep; leave out --texture")
+        raise InvalidInput(
+            "has neither an image nor colours, so there is no texture to keep; leave out --texture, or the "
+            "recipe's texture step"
+        )
 
 
 def make(

@@ -5,6 +5,9 @@ import numpy as np
 import pytest
 import scans
 
+from isimp.blender import store
+from isimp.recipe import Mesh, Partition, Recipe, Texture
+
 pytestmark = pytest.mark.usefixtures("scene")
 COLOURS = np.array([[200, 30, 30], [30, 160, 90]], np.uint8)
 
@@ -46,6 +49,10 @@ def simplify(**settings):
     assert bpy.ops.isimp.partition(proxies=6) == {"FINISHED"}
     assert bpy.ops.isimp.mesh(**settings) == {"FINISHED"}
     return bpy.context.object
+
+
+def steps_of(scan):
+    return store.load(scan).steps
 
 
 def shader(material):
@@ -101,6 +108,27 @@ def test_mesh_keeps_the_texture_by_default_and_again():
     (material,) = result.data.materials
     assert shader(material).inputs["Roughness"].default_value == 0.25
     assert sum(bool(image.get("isimp_texture")) for image in bpy.data.images) == 2
+
+
+def test_the_recipe_has_the_texture():
+    scan = textured_cube()
+    simplify()
+    assert [step.kind for step in steps_of(scan)] == ["partition", "mesh", "texture"]
+    assert bpy.ops.isimp.texture(size=64) == {"FINISHED"}
+    assert steps_of(scan)[-1].size == 64
+    assert bpy.ops.isimp.mesh(chord_tolerance=0.1) == {"FINISHED"}
+    assert tuple(shown(bpy.context.object).size) == (64, 64), "Mesh keeps the size"
+    assert bpy.ops.isimp.step_delete(step=2) == {"FINISHED"}
+    assert [step.kind for step in steps_of(scan)] == ["partition", "mesh"]
+
+
+def test_a_recipe_with_a_texture_makes_it(tmp_path):
+    scan = textured_cube()
+    recipe = Recipe((Partition(proxies=6, count_by="proxies"), Mesh(), Texture(size=32)))
+    (tmp_path / "r.json").write_text(recipe.to_json())
+    assert bpy.ops.isimp.recipe_import(filepath=str(tmp_path / "r.json")) == {"FINISHED"}
+    assert tuple(shown(bpy.context.object).size) == (32, 32)
+    assert bpy.context.object != scan
 
 
 def test_mesh_says_why_there_is_no_texture():

@@ -2,7 +2,7 @@ import bpy
 
 from ... import messages
 from ... import recipe as rcp
-from .. import mesh_io, pending, result, settings, targets, texture
+from .. import pending, settings, targets, texture
 from ..modal import RecipeOperator
 from ..show import show_polygons
 
@@ -23,18 +23,14 @@ class ISIMP_OT_mesh(RecipeOperator, settings.MeshSettings, bpy.types.Operator):
         return targets.needs_regions(scan)
 
     def wanted(self, context, scan):
-        return pending.recipe_of(context, scan).then(settings.to_step(rcp.Mesh, self))
+        before = pending.recipe_of(context, scan)
+        recipe = before.then(settings.to_step(rcp.Mesh, self))
+        if self.keep_texture and texture.is_textured(scan):
+            recipe = recipe.then(before.texture() or rcp.Texture())
+        return recipe
 
     def show(self, context, scan, work, outcome):
         self._kept = show_polygons(context, scan, work, outcome)
-        if not self.keep_texture or not texture.is_textured(scan):
-            return
-        made = targets.result_of(context.scene, scan)
-        try:
-            texture.keep(scan, made, work.scan, outcome)
-            result.sign(made)
-        except (mesh_io.Unusable, ValueError) as error:
-            self.report({"WARNING"}, f"The result has no texture: {error}")
 
     def told(self, before, numbers):
         return messages.meshed(numbers)

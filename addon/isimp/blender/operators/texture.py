@@ -1,15 +1,15 @@
 import bpy
 
-from ...session import StepFailed
-from .. import mesh_io, reading, result, runtime, show, store, targets, texture
+from ... import recipe as rcp
+from .. import mesh_io, pending, show, store, targets
+from ..modal import RecipeOperator
 
 
-class ISIMP_OT_texture(bpy.types.Operator):
+class ISIMP_OT_texture(RecipeOperator, bpy.types.Operator):
     """Put the texture of the scan on the result: a UV map, and a material with colours and normals"""
 
     bl_idname = "isimp.texture"
     bl_label = "Keep Texture"
-    bl_options = {"REGISTER", "UNDO"}
 
     size: bpy.props.IntProperty(
         name="Size",
@@ -20,27 +20,39 @@ class ISIMP_OT_texture(bpy.types.Operator):
     )
 
     @classmethod
-    def poll(cls, context):
-        _, _, problem = targets.find_result(context)
-        if problem:
-            cls.poll_message_set(problem)
-        return not problem
+    def problem(cls, context, scan):
+        return "" if targets.result_of(context.scene, scan) else targets.NO_RESULT
 
-    def execute(self, context):
-        scan, made, _ = targets.find_result(context)
+    def wanted(self, context, scan):
+        recipe = store.load(scan)
+        if recipe is None or not recipe.ends_in_mesh():
+            raise mesh_io.Unusable("The regions have changed since Mesh: press Mesh again, then Keep Texture.")
+        return recipe.then(rcp.Texture(size=self.size))
+
+    def _begin(self, context):
+        work = super()._begin(context)
+        if work is not None and work.untextured:
+            self.report({"ERROR"}, work.untextured)
+            return None
+        return work
+
+    def _finish(self, context, work, outcome):
+        """The polygons stay as they are, and the scan's colours do."""
+        pending.go_on()
         if context.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
-        try:
-            recipe = store.load(scan)
-            arrays = reading.read(context, scan, recipe.layers())
-            outcome = runtime.get().session.replay(arrays, recipe)
-            was_edited = result.is_edited(made)
-            report = texture.keep(scan, made, arrays, outcome, self.size or None)
-        except (mesh_io.Unusable, StepFailed, ValueError) as error:
-            self.report({"ERROR"}, str(error))
+        scan = self._target(work)
+        made = targets.result_of(context.scene, scan) if scan is not None else None
+        if made is None:
             return {"CANCELLED"}
-        if not was_edited:
-            result.sign(made)
+        if work.baking is None:  # too many charts for the size
+            self.report({"ERROR"}, work.untextured)
+            return {"CANCELLED"}
+        try:
+            report = show.show_texture(scan, work, outcome, made)
+        except mesh_io.Unusable as problem:
+            self.report({"ERROR"}, str(problem))
+            return {"CANCELLED"}
         show.bring_to_front(context, made, scan)
         self.report({"INFO"}, f"Texture of {report['size']:,} x {report['size']:,} pixels, {report['charts']:,} charts")
         return {"FINISHED"}

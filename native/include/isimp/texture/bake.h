@@ -57,7 +57,8 @@ struct Texture {
 /// \param atlas  of these polygons
 /// \throws InvalidInput  arrays that are not of this mesh, or an option out of its range
 /// \throws Cancelled     nothing was made
-/// Cost: about 0.1 us a sample and 0.5 us a face; memory: the images, 4 bytes a pixel, and 100 bytes a face.
+/// Cost: about 0.1 us a sample and 0.5 us a face; memory: the images, 4 bytes a pixel, 100 bytes a face, and
+/// while a polygon is baked 250 bytes for each face that it can show.
 /// The result does not depend on the number of threads.
 Texture bake(const Mesh& mesh, const Partition& partition, const PolygonMesh& polygons, const Atlas& atlas,
              const Appearance& appearance, const TextureOptions& options, Job& job);

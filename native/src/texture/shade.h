@@ -1,0 +1,70 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <atomic>
+#include <cstdint>
+#include <vector>
+
+#include "sampler.h"
+#include "tile.h"
+
+namespace isimp::detail {
+
+/// Unit normals of the vertices, each face by its area.
+std::vector<Eigen::Vector3f> vertex_normals(const Mesh& mesh);
+
+/// Where colours and normals of the texels go, and what was counted.
+struct Canvas {
+  Texture& texture;
+  const Sampler& sampler;
+  const std::vector<Eigen::Vector3f>& normals;
+  std::atomic<std::int64_t> texels{0}, searched{0}, unknown{0};
+
+  [[nodiscard]] std::size_t pixel(const Texel& texel) const {
+    return static_cast<std::size_t>(texture.side - 1 - texel.y) * texture.side + texel.x;
+  }
+};
+
+/// What a face shows at the points of a chart: all of it grows by the same in every texel.
+struct FaceLook {
+  enum class State : std::uint8_t { unknown, flat, steep };  // steep: it is not looked up in this way
+
+  float x = 0, y = 0;                   ///< where its first corner lies
+  Eigen::Vector2f pixel, per_x, per_y;  ///< of the picture: there, and how it grows
+  Eigen::Vector3f normal, normal_per_x, normal_per_y;
+  std::int32_t image = kNone;
+  State state = State::unknown;
+};
+
+/// Gives the texels of a polygon the colours and normals of the scan.
+class ColourShade {
+ public:
+  ColourShade(const Scene& scene, const PolygonView& view, std::int32_t q, Canvas& canvas);
+  ColourShade(const ColourShade&) = delete;
+  ColourShade& operator=(const ColourShade&) = delete;
+  ~ColourShade();
+
+  void operator()(const Texel& texel, const Samples& samples);
+
+ private:
+  bool add_drawn(const Texel& texel, const Samples& samples);
+  void add_searched(const Texel& texel, const Samples& samples, float share);
+  void add(const Hit& hit, float weight);
+  const FaceLook& look(std::int32_t index);
+  void take_normal(std::uint8_t* rgb);
+
+  const Mesh& mesh_;
+  const PolygonView& view_;
+  Canvas& canvas_;
+  Eigen::Matrix3f tangent_;      // rows: right, up, out of the polygon
+  std::vector<FaceLook> looks_;  // of the view's faces
+  Eigen::Array4f sum_;
+  Eigen::Vector3f normal_ = Eigen::Vector3f::Zero();
+  float weight_ = 0;
+  std::int32_t last_ = kNone, last_x_ = kNone,
+               last_y_ = kNone;  // the face that a search found last, and for which texel
+  std::int64_t texels_ = 0, searched_ = 0, unknown_ = 0;
+  bool with_normals_;
+};
+
+}  // namespace isimp::detail

@@ -1,0 +1,109 @@
+"""A texture is made beside the window: the view moves meanwhile, Esc leaves the last good result, one step to undo."""
+
+import time
+
+import bpy
+import numpy as np
+from scenario_long_work import ended, running
+from scenario_main import make_scan, same, scan
+
+import isimp
+
+DELAY = [0.0]
+
+
+def slow_down():
+    """Makes every texture wait, polled as by the engine, before it is made."""
+    from isimp.blender import runtime
+
+    session = runtime.get().session
+    make = session.texture
+
+    def slowly(arrays, outcome, shown, size=None, watch=None):
+        end = time.monotonic() + DELAY[0]
+        with watch.part("waiting", 0.0, 0.5):
+            while time.monotonic() < end:
+                watch.poll()
+                time.sleep(0.01)
+        return make(arrays, outcome, shown, size, watch)
+
+    session.texture = slowly
+
+
+def paint(colour):
+    """Gives the scan an image of one colour."""
+    image = bpy.data.images.new("Paint", 16, 16)
+    image.pixels.foreach_set(np.tile(np.append(colour, 1), 256).astype(np.float32))
+    image.pack()
+    material = bpy.data.materials.new("Scan")
+    material.use_nodes = True
+    shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+    node = material.node_tree.nodes.new("ShaderNodeTexImage")
+    node.image = image
+    material.node_tree.links.new(node.outputs["Color"], shader.inputs["Base Color"])
+    scan().data.materials.clear()
+    scan().data.materials.append(material)
+
+
+def red():
+    """The red of the result's image, None without a result; of 255."""
+    result = bpy.data.objects.get("Scan.simplified")
+    if result is None or not len(result.data.materials):
+        return None
+    shader = next(n for n in result.data.materials[0].node_tree.nodes if n.type == "BSDF_PRINCIPLED")
+    image = shader.inputs["Base Color"].links[0].from_node.image
+    return round(255 * image.pixels[0])
+
+
+def press(hand, name, **settings):
+    with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
+        getattr(bpy.ops.isimp, name)("INVOKE_DEFAULT", True, **settings)
+
+
+def run(hand):
+    isimp.register()
+    make_scan(4)
+    slow_down()
+    paint((1.0, 0.0, 0.0))
+    bpy.ops.isimp.partition(proxies=12)
+    bpy.ops.ed.undo_push(message="partition")
+    yield 0.5
+
+    DELAY[0] = 300.0
+    press(hand, "mesh")
+    yield 0.6
+    same("Mesh under way", (running(), red()), (True, None))
+    yield from hand.into_view()
+    place = hand.area.spaces.active.region_3d.view_distance
+    yield from hand.key("WHEELUPMOUSE")
+    yield 0.3
+    assert hand.area.spaces.active.region_3d.view_distance != place, "the view can't be moved meanwhile"
+    yield from hand.key("ESC")
+    yield from ended(hand)
+    same("Mesh after Esc", red(), None)
+
+    DELAY[0] = 1.0
+    press(hand, "mesh")
+    yield 0.3
+    yield from ended(hand)
+    yield 0.3
+    same("made", red(), 255)
+
+    paint((0.0, 0.0, 1.0))
+    DELAY[0] = 300.0
+    press(hand, "texture", size=64)
+    yield 0.6
+    same("under way", (running(), red()), (True, 255))
+    yield from hand.into_view()
+    yield from hand.key("ESC")
+    yield from ended(hand)
+    same("after Esc", red(), 255)
+
+    DELAY[0] = 0.5
+    press(hand, "texture", size=64)
+    yield 0.3
+    yield from ended(hand)
+    yield 0.3
+    same("made again", red(), 0)
+    yield from hand.undo()
+    same("one step to undo", red(), 255)
