@@ -1,6 +1,6 @@
-"""The top of the sidebar: the scan, the number of regions, Partition, Mesh, and what came of it.
+"""The main panel: the scan, the settings of the count, Partition, Mesh and the report.
 
-Lines that are there before and after a press have a place of their own, so that no button moves under the mouse.
+The rows above a button are drawn before and after the button is pressed, so that it does not move under the mouse.
 """
 
 import bpy
@@ -30,7 +30,7 @@ class ISIMP_PT_main(Panel, bpy.types.Panel):
 
 
 def _draw_head(context, layout, scan, numbers) -> None:
-    """Three lines, before and after Partition."""
+    """Draws the scan's name and size: three lines, before and after Partition."""
     column = layout.column(align=True)
     active = context.view_layer.objects.active
     column.label(text=scan.name if active == scan else f"{scan.name} (its result)", icon="MESH_DATA")
@@ -96,7 +96,7 @@ def _draw_mesh(context, layout, scan, numbers, panel) -> None:
 
 
 def _draw_progress(place, running) -> None:
-    """As high as the button and the line below it, which it stands for."""
+    """Draws the progress bar, as high as the button and the line that it replaces."""
     share, said = running.progress()
     row = place.split(factor=0.5, align=True)
     row.scale_y = 1.4
@@ -110,7 +110,7 @@ def _draw_progress(place, running) -> None:
 
 
 def _draw_report(context, layout, scan, numbers) -> None:
-    """What came out, what was mended, what is to be known; below the buttons, as it grows."""
+    """Draws the report of Mesh, repairs, notes and warnings; below the buttons, because their number changes."""
     unit = context.scene.unit_settings
     for line, alert in text.report_lines(numbers, unit.system, unit.scale_length):
         draw_lines(context, layout, line, icon="ERROR" if alert else "CHECKMARK")
@@ -122,9 +122,9 @@ def _draw_report(context, layout, scan, numbers) -> None:
         divided.kind = "DIVIDED"
     if runtime.get().running is None and result.is_edited_here(context, scan):
         draw_lines(context, layout, messages.EDITED, icon="INFO")
-    if not text.is_looked_at(scan.data, numbers):
+    if not text.describes(scan.data, numbers):
         numbers = {}
-    for line in text.good_news(numbers, unit.system, unit.scale_length):
+    for line in text.repair_lines(numbers, unit.system, unit.scale_length):
         draw_lines(context, layout, line, icon="CHECKMARK")
     left_out = text.left_out(numbers)
     for line in (*([left_out] if left_out else ()), *targets.notes(scan)):
