@@ -199,6 +199,7 @@ _EDITS = {
     rcp.DeleteLeast: ("deleting proxies", "delete_least", _times),
     rcp.MergeCheapest: ("merging", "merge_cheapest", _times),
     rcp.Improve: ("improving", "improve", lambda step, prepared: ()),
+    rcp.EvenBorders: ("evening out", "even_borders", lambda step, prepared: (step.strength,)),
 }
 
 

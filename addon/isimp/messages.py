@@ -40,6 +40,10 @@ def changed(before: dict[str, Any], numbers: dict[str, Any]) -> str:
     return f"{count(before['regions'], 'region')} -> {now}" if "regions" in before else now
 
 
+def evened(numbers: dict[str, Any]) -> str:
+    return f"The borders of {count(numbers['regions'], 'region')} are even"
+
+
 def several(number: int) -> str:
     return f"{count(number, 'scan')} done"
 

@@ -20,7 +20,7 @@ class ISIMP_MT_object(bpy.types.Menu):
         for by, name in (("SIZE", "Small"), ("FLATNESS", "Bent"), ("DIRECTION", "Facing Up")):
             layout.operator("isimp.select_by", text=f"Select {name} Regions").by = by
         layout.separator()
-        for name in ("add_worst", "delete_least", "merge_cheapest", "improve"):
+        for name in ("add_worst", "delete_least", "merge_cheapest", "improve", "even_borders"):
             layout.operator(f"isimp.{name}")
         layout.separator()
         layout.operator("isimp.recipe_export", icon="EXPORT")

@@ -2,7 +2,7 @@
 
 import bpy
 import numpy as np
-from bpy.props import BoolProperty, FloatVectorProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
 
 from ... import messages
 from ... import recipe as rcp
@@ -218,6 +218,34 @@ class ISIMP_OT_improve(_Times, bpy.types.Operator):
         return pending.recipe_of(context, scan).then(rcp.Improve())
 
 
+class ISIMP_OT_even_borders(RecipeOperator, bpy.types.Operator):
+    """Make the borders of all regions short and straight. Creases stay borders, locked regions do not change"""
+
+    bl_idname = "isimp.even_borders"
+    bl_label = "Even Out Borders"
+
+    strength: FloatProperty(
+        name="Strength",
+        description="How much short borders count beside the error. 0: only teeth are removed",
+        default=1.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+    )
+
+    @classmethod
+    def problem(cls, context, scan):
+        return targets.needs_regions(scan)
+
+    def wanted(self, context, scan):
+        return pending.recipe_of(context, scan).then(rcp.EvenBorders(strength=self.strength))
+
+    show = staticmethod(show_regions)
+
+    def told(self, before, numbers):
+        return messages.evened(numbers)
+
+
 CLASSES = (
     ISIMP_OT_merge,
     ISIMP_OT_split,
@@ -229,4 +257,5 @@ CLASSES = (
     ISIMP_OT_delete_least,
     ISIMP_OT_merge_cheapest,
     ISIMP_OT_improve,
+    ISIMP_OT_even_borders,
 )
