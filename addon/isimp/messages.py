@@ -14,6 +14,7 @@ from .outcome import StepFailed
 
 EDITED = "This result was edited by hand: changed settings do not change it, and Mesh makes a new object beside it"
 SCAN_EDITED = "The scan was edited since Partition: its regions were found again, and may differ"
+COMPARE_KEYS = "Drag: move the line   C: plain, regions or texture   Middle mouse: turn the view   Esc: end"
 RESULT_TOOL = "This is the result, and has no regions to edit: press Swap to go to the scan"
 
 
@@ -62,6 +63,10 @@ def shared(names: list[str]) -> str:
     """Linked duplicates of a scan."""
     who = f"'{names[0]}' has" if len(names) == 1 else f"{count(len(names), 'other object')} have"
     return f"{who} the same mesh, and so the same regions"
+
+
+def compared(is_result: bool, faces: int) -> str:
+    return f"Result: {count(faces, 'polygon')}" if is_result else f"Scan: {count(faces, 'face')}"
 
 
 def locked(numbers: dict[str, Any]) -> str:

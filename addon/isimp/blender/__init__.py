@@ -4,6 +4,7 @@ import bpy
 
 from . import (
     command,
+    comparison,
     display,
     live,
     menus,
@@ -49,6 +50,7 @@ def unregister():
     command.unregister()
     menus.unregister()
     tools.unregister()
+    comparison.stop()
     overlay.unregister()
     live.unregister()
     display.unregister()

@@ -16,6 +16,7 @@ class ISIMP_MT_object(bpy.types.Menu):
         settings.give(rcp.Partition, panel.partition, layout.operator("isimp.partition", icon="MOD_EXPLODE"))
         settings.give(rcp.Mesh, panel.mesh, layout.operator("isimp.mesh", icon="MESH_ICOSPHERE"))
         layout.operator("isimp.swap", icon="ARROW_LEFTRIGHT")
+        layout.operator("isimp.compare", icon="IMAGE_ALPHA")
         layout.separator()
         for by, name in (("SIZE", "Small"), ("FLATNESS", "Bent"), ("DIRECTION", "Facing Up")):
             layout.operator("isimp.select_by", text=f"Select {name} Regions").by = by

@@ -63,6 +63,7 @@ class Runtime:
         self.shaders = {}  #: own ones, by name
         self.handles = ()  #: of the draw handlers
         self.sketching = None  #: (key, Task) of the next overlay
+        self.comparison = None  #: what is compared in the viewports; see comparison.py
         self.status = ""  #: a tool's text in the status bar
         self.hover = None  #: the highlight under the mouse; see tools/under.py
         self.ground = None  #: the scan pointed at

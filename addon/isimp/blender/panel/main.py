@@ -91,6 +91,7 @@ def _draw_mesh(context, layout, scan, numbers, panel) -> None:
     row = place.row(align=True)
     row.use_property_split = False
     row.operator("isimp.swap", text="Swap", icon="ARROW_LEFTRIGHT")
+    row.operator("isimp.compare", text="Compare", icon="IMAGE_ALPHA")
     if texture.is_textured(scan):
         row.prop(panel, "keep_texture", text="Texture", icon="TEXTURE", toggle=True)
 
