@@ -56,7 +56,7 @@ void main() {
     + """
   vec3 normal = light.w * normalize(cross(dFdx(seen), dFdy(seen)));
   float lit = max(dot(normal, light.xyz), 0.0);
-  FragColor = vec4(BASE.rgb * (0.19 + 0.36 * lit) + 0.04 * lit, 1.0);
+  FragColor = vec4(BASE.rgb * (AMBIENT + LIGHT * lit) + 0.04 * lit, 1.0);
 }
 """
 )
@@ -102,13 +102,17 @@ def half_lit():
 
     light: the direction to the light in the space of the points, and -1 where that is mirrored, else 1.
     """
-    return _half("half_lit", "color", "VEC4", _HALF_PLACE, _HALF_LIGHT.replace("BASE", "tint"))
+    return _half("half_lit", "color", "VEC4", _HALF_PLACE, _half_light("tint", 0.19, 0.36))
 
 
 def half_textured():
     """The same with an image (pos, uv) in the place of colours."""
-    base = "texture(image, tint)"
-    return _half("half_textured", "uv", "VEC2", _HALF_PLACE.replace("color", "uv"), _HALF_LIGHT.replace("BASE", base))
+    light = _half_light("texture(image, tint)", 0.35, 0.65)  # brighter: photographs are darker than the palette
+    return _half("half_textured", "uv", "VEC2", _HALF_PLACE.replace("color", "uv"), light)
+
+
+def _half_light(base: str, ambient: float, light: float) -> str:
+    return _HALF_LIGHT.replace("BASE", base).replace("AMBIENT", f"{ambient}").replace("LIGHT", f"{light}")
 
 
 def _half(name: str, attribute: str, kind: str, place: str, color: str):

@@ -3,7 +3,7 @@
 import bpy
 
 from .. import messages, session
-from . import aside, mesh_io, raw, runtime, store
+from . import aside, mesh_io, raw, runtime, store, text
 
 KEPT = "kept"  #: `isimp.made` of a result that was edited and that Mesh leaves alone; a digest on other results
 _OTHER = {
@@ -67,7 +67,7 @@ def allows(operator, context, needs=lambda scan: "") -> bool:
     scan, problem = find(context)
     problem = problem or needs(scan)
     if problem:
-        operator.poll_message_set(problem)
+        operator.poll_message_set(text.said(problem))
     return not problem
 
 

@@ -12,6 +12,11 @@ from . import mesh_io
 _STAY = "\N{NO-BREAK SPACE}"
 
 
+def said(message: str) -> str:
+    """A fixed text in the language of Blender's interface, where it is drawn by other means than Blender's own."""
+    return bpy.app.translations.pgettext_iface(message)
+
+
 def wrapped(message: str, width: int) -> list:
     """Lines of at most `width` letters; words joined by no-break spaces are split only if they are longer."""
     parts = (part if len(part) <= width else part.replace(_STAY, " ") for part in message.split(" "))

@@ -31,6 +31,14 @@ def draw_corner(context, said: str) -> None:
     _draw([said], left + _CORNER * scale, top - _BELOW * scale, scale)
 
 
+def draw_low(context, lines) -> None:
+    """Some lines in the middle of the viewport, at its bottom."""
+    scale = _begin(context)
+    left, right = _free(context)
+    wide = max(map(_width, lines))
+    _draw(lines, max(left + _CORNER * scale, (left + right - wide) / 2), (_BESIDE + 18 * len(lines)) * scale, scale)
+
+
 def draw_beside(context, said, x: float) -> None:
     """Two texts at the bottom of the viewport, left and right of a line at `x`, as far as there is room for them."""
     scale = _begin(context)

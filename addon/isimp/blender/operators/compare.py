@@ -3,7 +3,7 @@
 import bpy
 
 from ... import messages
-from .. import comparison, overlay, runtime, targets
+from .. import comparison, overlay, runtime, targets, text
 
 _NAVIGATION = ("MIDDLE", "WHEEL", "TRACKPAD", "NDOF", "NUMPAD_", "TIMER", "WINDOW", "MOUSEROTATE", "MOUSEZOOM")
 
@@ -26,7 +26,7 @@ class ISIMP_OT_compare(bpy.types.Operator):
             return False
         _, _, problem = targets.find_result(context)
         if not problem and context.mode != "OBJECT":
-            problem = "Leave Edit Mode first (Tab)"
+            problem = text.said("Leave Edit Mode first (Tab)")
         if problem:
             cls.poll_message_set(problem)
         return not problem

@@ -6,7 +6,7 @@ from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntPrope
 
 from ... import messages
 from ... import recipe as rcp
-from .. import mesh_io, pending, targets
+from .. import mesh_io, pending, targets, text
 from ..modal import RecipeOperator
 from ..show import show_regions
 from .proxies import AtFaces
@@ -70,7 +70,8 @@ class ISIMP_OT_lock(_Edit, bpy.types.Operator):
 
     @classmethod
     def description(cls, context, properties):
-        return "Allow changes to the regions of the selected faces again" if properties.unlock else cls.__doc__
+        free = text.said("Allow changes to the regions of the selected faces again")
+        return free if properties.unlock else text.said(cls.__doc__)
 
     def wanted(self, context, scan):
         step = rcp.UnlockRegions if self.unlock else rcp.LockRegions
@@ -93,8 +94,8 @@ class ISIMP_OT_grow(_Edit, bpy.types.Operator):
 
     @classmethod
     def description(cls, context, properties):
-        shrink = "Shrink each region with a selected face: its neighbours take the faces along its border"
-        return shrink if properties.shrink else cls.__doc__
+        shrink = text.said("Shrink each region with a selected face: its neighbours take the faces along its border")
+        return shrink if properties.shrink else text.said(cls.__doc__)
 
     def wanted(self, context, scan):
         recipe = pending.recipe_of(context, scan)

@@ -2,7 +2,7 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty, IntProperty
 
-from .. import display, mesh_io, runtime, show, targets
+from .. import display, mesh_io, runtime, show, targets, text
 
 
 class ISIMP_OT_show_regions(bpy.types.Operator):
@@ -30,7 +30,7 @@ class ISIMP_OT_swap(bpy.types.Operator):
     def poll(cls, context):
         _, _, problem = targets.find_result(context)
         if not problem and context.mode != "OBJECT":
-            problem = "Leave Edit Mode first (Tab)"
+            problem = text.said("Leave Edit Mode first (Tab)")
         if problem:
             cls.poll_message_set(problem)
         return not problem
