@@ -41,6 +41,7 @@ def test_blender_shows_german(monkeypatch):
         assert text.said("No object is active: click the scan first").startswith("Kein Objekt")
         said = bpy.app.translations.pgettext("Even Out Borders", translations.CONTEXT)
         assert said == "Grenzen begradigen"
+        assert bpy.app.translations.pgettext("Bound", translations.CONTEXT) == "Schranke"  # for Blender a sound
         assert bpy.types.ISIMP_OT_mesh.bl_rna.translation_context == translations.CONTEXT
     finally:
         view.language, view.use_translate_interface = before

@@ -7,7 +7,7 @@ import bpy
 
 from ... import messages
 from ... import recipe as rcp
-from .. import presets, result, runtime, settings, store, targets, text, texture
+from .. import presets, result, runtime, settings, store, targets, text, texture, translations
 from .common import Panel, draw_lines, is_narrow
 
 
@@ -42,8 +42,9 @@ def _draw_count(context, layout, panel) -> None:
     partition = panel.partition
     ways = layout.grid_flow(row_major=True, columns=1 if is_narrow(context) else 2, align=True)
     ways.use_property_split = False
-    for name in rcp.COUNTS:
-        ways.prop_enum(partition, "count_by", name)
+    items = partition.bl_rna.properties["count_by"].enum_items
+    for name in rcp.COUNTS:  # Blender translates some of the words otherwise
+        ways.prop_enum(partition, "count_by", name, text=items[name].name, text_ctxt=translations.CONTEXT)
     row = layout.row(align=True)
     settings.draw(row, rcp.Partition, partition, partition.count_by or "detail")  # which another version may not say
     row.prop(panel, "live", text="", icon="PLAY")
