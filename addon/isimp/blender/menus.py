@@ -26,6 +26,8 @@ class ISIMP_MT_object(bpy.types.Menu):
         layout.separator()
         layout.operator("isimp.recipe_export", icon="EXPORT")
         layout.operator("isimp.recipe_import", icon="IMPORT")
+        layout.separator()
+        layout.operator("isimp.workspace", icon="WORKSPACE")
 
 
 class ISIMP_MT_pie(bpy.types.Menu):
