@@ -94,7 +94,9 @@ def _draw_mesh(context, layout, scan, numbers, panel) -> None:
     row.operator("isimp.swap", text="Swap", icon="ARROW_LEFTRIGHT")
     row.operator("isimp.compare", text="Compare", icon="IMAGE_ALPHA")
     if texture.is_textured(scan):
-        place.prop(panel, "keep_texture", text="Keep Texture", icon="TEXTURE", toggle=True)
+        row = place.row(align=True)
+        row.use_property_split = False
+        row.prop(panel, "keep_texture", icon="TEXTURE", toggle=True)
 
 
 def _draw_progress(place, running) -> None:
