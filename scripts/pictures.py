@@ -1,6 +1,7 @@
 """Makes pictures of the documentation in a window of Blender under Xvfb.
 
-They are the README's animation and pictures 7 to 9 of the manual. Pictures 1 to 6 are those of the window test `bunny`.
+They are the README's animation and the manual's. Pictures 1 to 6 come from the shots of the window test `bunny`, if it
+was run before.
 
     scripts/pictures.py [--keep]     --keep: composes the shots that are in out/pictures again
 
@@ -23,6 +24,7 @@ IMAGES = ROOT / "docs" / "images"
 WINDOW = ROOT / "tests" / "python" / "blender" / "window"
 SIZE = 1150, 780  # pixels of the window
 WIDE = 760  # of the animation
+STEPS = 979, 588, 1170, 741  # where the section Steps is in the window of that test
 MOST = 3_000_000  # bytes of it
 
 
@@ -71,6 +73,19 @@ def compose() -> None:
         whole.save(IMAGES / f"{target}.jpg", quality=88)
 
 
+def compose_bunny() -> None:
+    """Pictures 1 to 6 of the manual."""
+    for number, name in enumerate(("scan", "partition", "hover", "flatness", "steps", "mesh"), 1):
+        path = ROOT / "out" / "window" / f"bunny-{number}-{name}.png"
+        if not path.exists():
+            print(f"no {path}: picture {number} stays as it is")
+            continue
+        shot = Image.open(path).convert("RGB")
+        box = STEPS if name == "steps" else (0, 0, shot.width, round(0.775 * shot.width))
+        shot = shot.crop(box).resize((860, 667) if name != "steps" else (400, 320), Image.Resampling.LANCZOS)
+        shot.save(IMAGES / f"manual-{number}-{name}.jpg", quality=88)
+
+
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--keep", action="store_true", help="compose the shots that are in out/pictures again")
@@ -78,3 +93,4 @@ if __name__ == "__main__":
         shoot()
     animate()
     compose()
+    compose_bunny()
