@@ -206,6 +206,7 @@ _EDITS = {
     rcp.DeleteLeast: ("deleting proxies", "delete_least", _times),
     rcp.MergeCheapest: ("merging", "merge_cheapest", _times),
     rcp.Improve: ("improving", "improve", lambda step, prepared: ()),
+    rcp.EvenBorders: ("evening out", "even_borders", lambda step, prepared: (step.strength,)),
 }
 
 
@@ -248,7 +249,11 @@ def _mesh_numbers(found, regions: Outcome, away: np.ndarray) -> dict:
         "vertices": len(polygons.vertices),
         **{name: report[name] for name in more if name in report},
         "flaws": flaws(report),
-        "split": {name: report[name] for name in report if name.startswith("split_for_")},
+        "split": {name: report[name] for name in report if name.startswith("split_for_")}
+        | {
+            "cut_to_be_planar": report.get("faces_added", 0),
+            "without_area": regions.numbers["regions"] - report["regions"],
+        },
     }
     known = away[np.isfinite(away)]
     if len(known):

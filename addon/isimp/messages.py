@@ -1,6 +1,7 @@
-"""What the add-on tells its user: in the words of the panel, without numbers of steps or faces that nobody gave.
+"""Messages to the user.
 
-No Blender is needed.
+They use the words of the panel. They name no step and no face by a number that the user has not given. This module does
+not import Blender.
 """
 
 from __future__ import annotations
@@ -11,8 +12,9 @@ from typing import Any
 from . import recipe as rcp
 from .outcome import StepFailed
 
-EDITED = "Edited by hand: settings leave it as it is, and Mesh makes a new one beside it"
+EDITED = "This result was edited by hand: changed settings do not change it, and Mesh makes a new object beside it"
 SCAN_EDITED = "The scan was edited since Partition: its regions were found again, and may differ"
+COMPARE_KEYS = "Drag: move the line   C: plain, regions or texture   Middle mouse: turn the view   Esc: end"
 RESULT_TOOL = "This is the result, and has no regions to edit: press Swap to go to the scan"
 
 
@@ -39,6 +41,10 @@ def changed(before: dict[str, Any], numbers: dict[str, Any]) -> str:
     return f"{count(before['regions'], 'region')} -> {now}" if "regions" in before else now
 
 
+def evened(numbers: dict[str, Any]) -> str:
+    return f"The borders of {count(numbers['regions'], 'region')} are even"
+
+
 def several(number: int) -> str:
     return f"{count(number, 'scan')} done"
 
@@ -57,6 +63,10 @@ def shared(names: list[str]) -> str:
     """Linked duplicates of a scan."""
     who = f"'{names[0]}' has" if len(names) == 1 else f"{count(len(names), 'other object')} have"
     return f"{who} the same mesh, and so the same regions"
+
+
+def compared(is_result: bool, faces: int) -> str:
+    return f"Result: {count(faces, 'polygon')}" if is_result else f"Scan: {count(faces, 'face')}"
 
 
 def locked(numbers: dict[str, Any]) -> str:
@@ -190,21 +200,24 @@ _WHY = {
     "split_for_pinches": "pinched borders",
     "split_for_closed": "closed shapes",
     "split_for_unconnected": "loose pieces",
-    "split_for_repair": "not flat",
 }
 
 
 def why_more(numbers: dict[str, Any]) -> str:
-    """Why there are more polygons than regions; empty if there are not."""
-    more = numbers["polygons"] - numbers["regions"]
-    if more <= 0:
-        return ""
-    causes = {name: number for name, number in numbers.get("split", {}).items() if number > 0 and name in _WHY}
-    said = ", ".join(
-        f"{number:,} with {_WHY[name]}" if name != "split_for_repair" else f"{number:,} {_WHY[name]}"
-        for name, number in sorted(causes.items(), key=lambda item: -item[1])
-    )
-    return f"{more:,} more than regions" + (f": {said}" if said else "")
+    """Why there are more polygons than regions; empty if there are not. The figures add up to the difference.
+
+    What no other cause explains is the repair of polygons that were not flat. It splits regions and adds diagonals, and
+    removes some of both later, so its own counts do not add up.
+    """
+    more, split = numbers["polygons"] - numbers["regions"], numbers.get("split", {})
+    if more <= 0 or not split:
+        return f"{more:,} more than regions" if more > 0 else ""
+    causes = {f"with {cause}": split.get(name, 0) for name, cause in _WHY.items()}
+    causes["cut off to be planar"] = split.get("cut_to_be_planar", 0)
+    causes["fewer without area"] = gone = split.get("without_area", 0)
+    causes["not flat"] = more + 2 * gone - sum(causes.values())
+    said = sorted(((number, cause) for cause, number in causes.items() if number > 0), reverse=True)
+    return f"{more:,} more than regions: " + ", ".join(f"{number:,} {cause}" for number, cause in said)
 
 
 def summary(regions: int, polygons: int | None, away: str) -> str:

@@ -380,6 +380,19 @@ class Improve(Step):
 
 
 @dataclass(frozen=True)
+class EvenBorders(Step):
+    """Make all borders between regions short and straight."""
+
+    strength: float = 1.0
+
+    def __post_init__(self) -> None:
+        check(not 0 <= self.strength <= 1, f"strength must be in [0, 1], got {self.strength}")
+
+    def describe(self) -> str:
+        return "Even out all borders"
+
+
+@dataclass(frozen=True)
 class Mesh(Step):
     """Turn the regions into polygons."""
 
@@ -428,6 +441,7 @@ KINDS = {
     DeleteLeast: "delete_least",
     MergeCheapest: "merge_cheapest",
     Improve: "improve",
+    EvenBorders: "even_borders",
     Mesh: "mesh",
     Texture: "texture",
 }

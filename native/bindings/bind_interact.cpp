@@ -184,6 +184,16 @@ Locked regions are not chosen. Raises InvalidInput (no pair left) or Cancelled.)
 
 The number of regions stays. Locked regions do not change. The error never grows. Raises Cancelled.
 Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.5 (region teleportation).)");
+  m.def(
+      "even_borders",
+      [](const KeptMesh& mesh, const Partition& part, double strength, Job* job) {
+        return call(job, [&](Job& j) { return even_borders(mesh, part, strength, j); });
+      },
+      "mesh"_a, "partition"_a, "strength"_a = 1.0, "job"_a = py::none(),
+      R"(Make all borders short and straight. Returns a new Partition.
+
+strength: in [0, 1], as PartitionOptions.smooth. The number of regions stays, creases stay borders, and locked regions do
+not change. Raises InvalidInput or Cancelled.)");
 }
 
 py::dict as_dict(const RegionStatistics& s) {

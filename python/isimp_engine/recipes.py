@@ -18,6 +18,7 @@ from ._core import (
     TextureOptions,
     add_worst,
     delete_least,
+    even_borders,
     improve,
     merge_cheapest,
 )
@@ -46,14 +47,19 @@ class Recipe:
     partition: dict[str, Any]  #: of PartitionOptions
     close_openings: bool  #: close those that the regions can't show
     angle: float | None  #: no region crosses an edge that bends by more, in degrees
-    edits: tuple[tuple[str, int], ...]  #: steps after the partition, and how often each is done
+    edits: tuple[tuple[str, float], ...]  #: steps after the partition, with their times or strength
     meshing: dict[str, Any]  #: of MeshingOptions
     texture: int | None = None  #: keep the texture in an image of this size; 0: as dense as the scan's; None: do not
 
     def edited(self, mesh: Mesh, part: Partition, job: Job | None = None) -> Partition:
         """The partition after the steps that follow it."""
-        for kind, times in self.edits:
-            part = improve(mesh, part, job) if kind == "improve" else _EDITS[kind](mesh, part, times, job)
+        for kind, amount in self.edits:
+            if kind == "improve":
+                part = improve(mesh, part, job)
+            elif kind == "even_borders":
+                part = even_borders(mesh, part, amount, job)
+            else:
+                part = _EDITS[kind](mesh, part, int(amount), job)
         return part
 
 
@@ -79,7 +85,7 @@ def parsed(values: Any) -> Recipe:
     partition: dict[str, Any] | None = None
     meshing: dict[str, Any] = {}
     meshed = False  # whether the step before makes polygons, or their texture
-    angle, edits, closing, texture = None, list[tuple[str, int]](), True, None
+    angle, edits, closing, texture = None, list[tuple[str, float]](), True, None
     for number, step in enumerate(values["steps"], 1):
         try:
             kind, settings = _settings(step)
@@ -144,17 +150,20 @@ def _partition(settings: dict[str, Any]) -> tuple[dict[str, Any], float | None]:
     return _checked(PartitionOptions, settings), angle if angle < 180 else None
 
 
-def _edit(kind: str, settings: dict[str, Any], is_first: bool) -> tuple[str, int]:
+def _edit(kind: str, settings: dict[str, Any], is_first: bool) -> tuple[str, float]:
     if is_first:
         raise RecipeError("there are no regions yet: a partition step must come first")
-    if kind != "improve" and kind not in _EDITS:
+    if kind not in ("improve", "even_borders") and kind not in _EDITS:
         raise RecipeError(f"'{kind}' names faces of one scan, which other scans do not have; switch it off")
+    strength = settings.pop("strength", 1.0) if kind == "even_borders" else 1.0
+    if isinstance(strength, bool) or not isinstance(strength, (int, float)) or not 0 <= strength <= 1:
+        raise RecipeError(f"strength must be in [0, 1], got {strength!r}")
     times = settings.pop("times", 1)
     if settings:
         raise RecipeError(f"{kind} has no setting '{next(iter(settings))}'")
     if isinstance(times, bool) or not isinstance(times, int) or times < 1:
         raise RecipeError(f"times must be a whole number, at least 1, got {times!r}")
-    return kind, times
+    return kind, float(strength) if kind == "even_borders" else times
 
 
 def _texture(settings: dict[str, Any], meshed: bool) -> int:

@@ -358,6 +358,50 @@ TEST(Heuristics, ImproveNeverMakesItWorse) {
   EXPECT_LE(improve(ball(), better, job).error, better.error);
 }
 
+/// How many edges of the mesh lie between regions.
+std::int64_t border_edges(const Mesh& mesh, const Partition& p) {
+  std::int64_t edges = 0;
+  for (std::int32_t h = 0; h < 3 * mesh.face_count(); ++h)
+    if (const std::int32_t o = mesh.opposite(h); o != kNone && o < h)
+      edges += static_cast<int>(p.face_region[h / 3] != p.face_region[o / 3]);
+  return edges;
+}
+
+TEST(EvenBorders, StraightensAToothedBorderOnAFlatSideAndLeavesCreases) {
+  const Mesh mesh = shapes::mesh(shapes::cube(12));
+  const Partition sides = run(mesh, 6);
+  Job job;
+  EXPECT_EQ(even_borders(mesh, sides, 1.0, job).face_region, sides.face_region);
+  Faces half;  // of the top: its border runs to and fro by two squares
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const Vec3 at = middle(mesh, f);
+    const int row = static_cast<int>(12 * at.y());
+    if (at.z() > 1 - 1e-9 && 12 * at.x() < (row % 2 == 0 ? 5 : 7)) half.push_back(f);
+  }
+  const Partition toothed = paint_faces(mesh, sides, half, kNone, job);
+  const Partition even = even_borders(mesh, toothed, 1.0, job);
+  expect_sound(mesh, even);
+  EXPECT_EQ(even.region_count(), 7);
+  EXPECT_EQ(border_edges(mesh, toothed) - border_edges(mesh, sides), 12 + 11 * 2);
+  EXPECT_LE(border_edges(mesh, even) - border_edges(mesh, sides), 12 + 3);
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+    EXPECT_TRUE(middle(mesh, f).z() > 1 - 1e-9 || even.face_region[f] == sides.face_region[f]) << f;
+  const Partition locked = set_locked(mesh, toothed, Faces{half[0]}, true);
+  EXPECT_EQ(even_borders(mesh, locked, 1.0, job).face_region, toothed.face_region);
+}
+
+TEST(EvenBorders, ShortensThemMoreWithMoreStrength) {
+  Job job;
+  const Partition p = partition(ball(), {.proxies = 40, .iterations = 1, .method = Method::lloyd}, job);
+  const Partition half = even_borders(ball(), p, 0.3, job), even = even_borders(ball(), p, 1.0, job);
+  expect_sound(ball(), even);
+  EXPECT_EQ(even.region_count(), 40);
+  EXPECT_LT(border_edges(ball(), half), border_edges(ball(), p));
+  EXPECT_LT(border_edges(ball(), even), border_edges(ball(), half));
+  EXPECT_EQ(even_borders(ball(), even, 1.0, job).region_count(), 40);
+  EXPECT_EQ(message_of([&] { even_borders(ball(), p, 1.5, job); }), "strength must be in [0, 1], got 1.500000");
+}
+
 TEST(Statistics, OfACube) {
   Job job;
   const Mesh mesh = shapes::mesh(shapes::cube(4));

@@ -1,9 +1,12 @@
 """How far the polygons are from the scan, as Mesh in the add-on reports it."""
 
+import re
+
 import numpy as np
 import pytest
 
 import shapes
+from isimp import messages
 from isimp import recipe as rcp
 from isimp.session import Scan, Session
 
@@ -41,3 +44,19 @@ def test_more_regions_are_nearer_and_the_numbers_say_why_polygons_were_divided()
     assert many.numbers["away_mean"] < 0.5 * few.numbers["away_mean"]
     assert set(few.numbers["split"]) >= {"split_for_holes", "split_for_repair"}
     assert few.numbers["scan"] == many.numbers["scan"] != ""
+
+
+@pytest.mark.parametrize("planar", [False, True])
+def test_the_causes_of_more_polygons_than_regions_add_up(planar):
+    vertices, triangles = shapes.plane(12)  # with waves that so few regions can't follow
+    across = vertices[:, :2] / np.ptp(vertices[:, :2])
+    vertices[:, 2] = 0.3 * np.ptp(vertices[:, :2]) * np.sin(15 * across).prod(axis=1)
+    step = rcp.Partition(proxies=20, count_by="proxies", snap=False, smooth=0.0, close_openings=False)
+    outcome = Session().replay(scan_of(vertices, triangles), rcp.Recipe((step, rcp.Mesh(planar=planar))))
+    numbers, said = outcome.numbers, messages.why_more(outcome.numbers)
+    assert outcome.polygons.report["diagonals"] > 0
+    more, *causes = [int(number) for number in re.findall(r"\d+", said)]
+    assert more == numbers["polygons"] - numbers["regions"] == sum(causes) > 0, said
+    assert more > sum(number for name, number in numbers["split"].items() if name.startswith("split_for_"))
+    assert "not flat" in said
+    assert ("cut off to be planar" in said) == planar

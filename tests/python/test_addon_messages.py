@@ -102,9 +102,11 @@ def test_more_polygons_than_regions_are_explained():
     numbers = {
         "polygons": 558,
         "regions": 487,
-        "split": {"split_for_holes": 40, "split_for_repair": 3, "split_for_odd": 9},
+        "split": {"split_for_holes": 40, "split_for_repair": 3, "split_for_odd": 9, "cut_to_be_planar": 2},
     }
-    assert messages.why_more(numbers) == "71 more than regions: 40 with holes, 3 not flat"
+    assert messages.why_more(numbers) == "71 more than regions: 40 with holes, 29 not flat, 2 cut off to be planar"
+    numbers["split"]["without_area"] = 5
+    assert "34 not flat, 5 fewer without area, 2 cut" in messages.why_more(numbers)
     assert messages.why_more({"polygons": 5, "regions": 4}) == "1 more than regions"
     assert messages.why_more({"polygons": 4, "regions": 4}) == ""
 

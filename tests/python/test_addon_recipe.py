@@ -28,6 +28,7 @@ FULL = Recipe(
         rcp.DeleteLeast(),
         rcp.MergeCheapest(),
         rcp.Improve(),
+        rcp.EvenBorders(strength=0.5),
         Mesh(chord_tolerance=0.1, flatten=0),
         rcp.Texture(size=2048),
     )

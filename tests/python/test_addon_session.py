@@ -162,6 +162,7 @@ EDITS = [
     rcp.DeleteLeast(times=2),
     rcp.MergeCheapest(times=2),
     rcp.Improve(),
+    rcp.EvenBorders(),
 ]
 
 
@@ -192,7 +193,13 @@ def test_painted_faces_are_a_region_and_locked_ones_stay(quads):
     region = painted.face_region[100]
     assert np.flatnonzero(painted.face_region == region).tolist() == list(STROKE)
     assert painted.numbers["locked"] == 1
-    for step in (rcp.AddWorst(times=8), rcp.DeleteLeast(times=6), rcp.Improve(), rcp.GrowRegion(face=130)):
+    for step in (
+        rcp.AddWorst(times=8),
+        rcp.DeleteLeast(times=6),
+        rcp.Improve(),
+        rcp.EvenBorders(),
+        rcp.GrowRegion(face=130),
+    ):
         after = session.replay(quads, recipe.then(step))
         assert np.flatnonzero(after.face_region == after.face_region[100]).tolist() == list(STROKE)
     with pytest.raises(StepFailed, match="Step 3, Delete proxy at face 100: the region of face 100 is locked"):

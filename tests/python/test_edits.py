@@ -49,6 +49,7 @@ EDITS = {
     "least": lambda mesh, part, face, size: engine.delete_least(mesh, part, size),
     "cheapest": lambda mesh, part, face, size: engine.merge_cheapest(mesh, part, size),
     "improve": lambda mesh, part, face, size: engine.improve(mesh, part),
+    "even": lambda mesh, part, face, size: engine.even_borders(mesh, part, size / 5),
     "lock": lambda mesh, part, face, size: engine.lock_regions(mesh, part, np.array([face])),
     "unlock": lambda mesh, part, face, size: engine.unlock_regions(mesh, part, np.array([face])),
 }
@@ -147,7 +148,7 @@ def test_statistics_add_up(mesh, part):
 
 
 def test_they_can_be_cancelled(mesh, part):
-    for call in (engine.improve, engine.add_worst, engine.merge_cheapest, engine.all_statistics):
+    for call in (engine.improve, engine.even_borders, engine.add_worst, engine.merge_cheapest, engine.all_statistics):
         job = engine.Job()
         job.cancel()
         with pytest.raises(engine.Cancelled):

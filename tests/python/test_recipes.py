@@ -29,6 +29,7 @@ def test_what_the_add_on_writes_is_read():
     assert not {"detail", "tolerance", "bound"} & found.partition.keys()
     assert found.angle == 40
     assert found.edits == (("improve", 1), ("add_worst", 3))
+    assert recipe(rcp.Partition(), rcp.EvenBorders(strength=0.5)).edits == (("even_borders", 0.5),)
     assert found.meshing["flatten"] == 7
     assert recipe(rcp.Partition()).partition["noise"] is None, "below 0: estimated"
     assert recipe(rcp.Partition(proxies=5), rcp.AddWorst(), rcp.Partition(proxies=6)).edits == ()
@@ -77,7 +78,7 @@ def test_every_step_is_known():
             continue
         fields = {field.name for field in dataclasses.fields(cls)} - {"enabled"}
         values = {"isimp_recipe": 1, "steps": [{"step": "partition"}, {"step": kind}]}
-        if fields <= {"times"}:
+        if fields <= {"times", "strength"}:
             assert recipes.parsed(values).edits == ((kind, 1),)
         else:
             with pytest.raises(recipes.RecipeError, match=f"step 2: '{kind}' names faces of one scan"):
@@ -100,6 +101,10 @@ def test_every_step_is_known():
         ({"isimp_recipe": 1, "steps": [{"step": "partition", "colour": 3}]}, "has no setting 'colour'"),
         ({"isimp_recipe": 1, "steps": [{"step": "partition", "method": "magic"}]}, "method"),
         ({"isimp_recipe": 1, "steps": [{"step": "partition"}, {"step": "improve", "times": 0}]}, "at least 1, got 0"),
+        (
+            {"isimp_recipe": 1, "steps": [{"step": "partition"}, {"step": "even_borders", "strength": 2}]},
+            r"strength must be in \[0, 1\], got 2",
+        ),
         ({"isimp_recipe": 1, "steps": [3]}, "step 1: is not a step"),
     ],
 )

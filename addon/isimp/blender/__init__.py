@@ -4,6 +4,7 @@ import bpy
 
 from . import (
     command,
+    comparison,
     display,
     live,
     menus,
@@ -14,8 +15,10 @@ from . import (
     presets,
     runtime,
     settings,
+    start,
     store,
     tools,
+    translations,
 )
 
 _CLASSES = (
@@ -28,11 +31,16 @@ _CLASSES = (
     *preferences.CLASSES,
     *panel.CLASSES,
     *menus.CLASSES,
+    *start.CLASSES,
 )
+for _cls in _CLASSES:
+    if issubclass(_cls, (bpy.types.Operator, bpy.types.Menu, bpy.types.Panel)):
+        _cls.bl_translation_context = translations.CONTEXT
 
 
 def register():
     runtime.start()
+    translations.register()
     for cls in _CLASSES:
         bpy.utils.register_class(cls)
     store.register()
@@ -42,13 +50,16 @@ def register():
     overlay.register()
     tools.register()
     menus.register()
+    start.register()
     command.register()
 
 
 def unregister():
     command.unregister()
+    start.unregister()
     menus.unregister()
     tools.unregister()
+    comparison.stop()
     overlay.unregister()
     live.unregister()
     display.unregister()
@@ -56,4 +67,5 @@ def unregister():
     store.unregister()
     for cls in reversed(_CLASSES):
         bpy.utils.unregister_class(cls)
+    translations.unregister()
     runtime.stop()

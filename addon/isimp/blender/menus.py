@@ -16,15 +16,18 @@ class ISIMP_MT_object(bpy.types.Menu):
         settings.give(rcp.Partition, panel.partition, layout.operator("isimp.partition", icon="MOD_EXPLODE"))
         settings.give(rcp.Mesh, panel.mesh, layout.operator("isimp.mesh", icon="MESH_ICOSPHERE"))
         layout.operator("isimp.swap", icon="ARROW_LEFTRIGHT")
+        layout.operator("isimp.compare", icon="IMAGE_ALPHA")
         layout.separator()
         for by, name in (("SIZE", "Small"), ("FLATNESS", "Bent"), ("DIRECTION", "Facing Up")):
             layout.operator("isimp.select_by", text=f"Select {name} Regions").by = by
         layout.separator()
-        for name in ("add_worst", "delete_least", "merge_cheapest", "improve"):
+        for name in ("add_worst", "delete_least", "merge_cheapest", "improve", "even_borders"):
             layout.operator(f"isimp.{name}")
         layout.separator()
         layout.operator("isimp.recipe_export", icon="EXPORT")
         layout.operator("isimp.recipe_import", icon="IMPORT")
+        layout.separator()
+        layout.operator("isimp.workspace", icon="WORKSPACE")
 
 
 class ISIMP_MT_pie(bpy.types.Menu):

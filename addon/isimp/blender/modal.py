@@ -149,11 +149,7 @@ class RecipeOperator:
 
     @classmethod
     def poll(cls, context):
-        scan, problem = targets.find(context)
-        problem = problem or cls.problem(context, scan)
-        if problem:
-            cls.poll_message_set(problem)
-        return not problem
+        return targets.allows(cls, context, lambda scan: cls.problem(context, scan))
 
     @classmethod
     def problem(cls, context, scan) -> str:

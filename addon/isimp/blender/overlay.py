@@ -25,7 +25,7 @@ _LEAST_DOT = 0.5  # strength below which corners are not drawn
 _TICK = 0.1
 # How much nearer to the eye than they are lines are drawn, of the scan's size, so that the faces they lie on don't hide
 # them; those of the polygons more, as the scan bulges over them.
-_UNDER, _ON, _OVER = 0.0015, 0.003, 0.03
+_UNDER, ON, _OVER = 0.0015, 0.003, 0.03
 
 
 @dataclass
@@ -180,11 +180,11 @@ def _draw():
     if scan is None:
         return
     shown, lines_too = current.live.shown_of(scan), context.space_data.overlay.show_overlays
-    with _Over(context.region_data, scan) as space:
+    with Over(context.region_data, scan) as space:
         if shown is not None and context.space_data.shading.type == "SOLID":
             space.nearer(_UNDER)
             shown.draw()
-            space.nearer(_ON)
+            space.nearer(ON)
         if lines_too and context.window_manager.isimp.overlay:
             _draw_lines_over(context, space, scan, shown)
         if (hover := hover_shown(context)) is not None:
@@ -244,7 +244,7 @@ def _draw_text():
         words.draw_hover(context, hover)
 
 
-class _Over:
+class Over:
     """The scan's own space, a little nearer to the eye than it is; the state of the graphics card is given back."""
 
     def __init__(self, view, scan):
@@ -284,7 +284,7 @@ class _Over:
         gpu.matrix.multiply_matrix(self.place)
         gpu.matrix.push_projection()
         self.projection = gpu.matrix.get_projection_matrix()
-        self.nearer(_ON)
+        self.nearer(ON)
         return self
 
     def __exit__(self, *_):
@@ -313,7 +313,7 @@ def _draw_sketch(context, space, drawing) -> None:
     if panel.outline:
         _draw_outline(drawing, pixels, wish)
     _draw_lines(drawing, "problems", wish.problem_color, 2 * wish.line_width)
-    space.nearer(_ON)
+    space.nearer(ON)
 
 
 def _faded(color, share: float) -> tuple:

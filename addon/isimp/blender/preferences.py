@@ -46,6 +46,12 @@ class IsimpPreferences(bpy.types.AddonPreferences):
         default=_BACKENDS[0],
     )
 
+    quick_start: BoolProperty(
+        name="Quick Start",
+        description="Show three lines of help in the 3D view until the first Partition, or a click there",
+        default=True,
+    )
+
     show_keys: BoolProperty(name="Shortcuts of the Tools", description="Show and change the shortcuts")
 
     def draw(self, context):
@@ -80,6 +86,7 @@ def tool_keymaps(keys) -> list:
 # Where there is one back end only, there is nothing to choose.
 _DRAWN = (
     ("Colours", ("border_color", "outline_color", "problem_color", "line_width")),
+    ("Help", ("quick_start",)),
     ("Performance", ("threads", "backend") if len(_BACKENDS) > 1 else ("threads",)),
 )
 
@@ -90,6 +97,7 @@ class _Default:
 
 for _name, _property in IsimpPreferences.__annotations__.items():
     setattr(_Default, _name, _property.keywords.get("default"))
+_Default.quick_start = False  # scripts need no help
 
 
 def get(context):

@@ -63,11 +63,11 @@ class Preview:
 
     def draw(self) -> None:
         if self._corners is None:
-            self._corners, self._points = _buffer("pos", "F32", 3, "FLOAT", self._points), None
+            self._corners, self._points = buffer("pos", "F32", 3, "FLOAT", self._points), None
         if self._batch is None:
             self._batch = gpu.types.GPUBatch(type="TRIS", buf=self._corners)
             color, self.work.color = self.work.color, None
-            self._batch.vertbuf_add(_buffer("color", "U8", 4, "INT_TO_FLOAT_UNIT", color.view(np.uint8).reshape(-1, 4)))
+            self._batch.vertbuf_add(buffer("color", "U8", 4, "INT_TO_FLOAT_UNIT", color.view(np.uint8).reshape(-1, 4)))
             runtime.get().spare.give(color)
         shader = shaders.lit()
         shader.bind()
@@ -76,7 +76,7 @@ class Preview:
         gpu.state.depth_mask_set(False)
 
 
-def _buffer(name, kind, count, fetch, values):
+def buffer(name, kind, count, fetch, values):
     layout = gpu.types.GPUVertFormat()
     layout.attr_add(id=name, comp_type=kind, len=count, fetch_mode=fetch)
     buffer = gpu.types.GPUVertBuf(layout, len(values))

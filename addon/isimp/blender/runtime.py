@@ -61,8 +61,11 @@ class Runtime:
         self.own_writes = set()  #: names of meshes whose next change is the add-on's own
         self.drawings = OrderedDict()  #: overlays of scans; see overlay.py
         self.shaders = {}  #: own ones, by name
+        self.keys = []  #: (key map, item) of the add-on's own shortcuts
+        self.start = None  #: the draw handler of the quick start
         self.handles = ()  #: of the draw handlers
         self.sketching = None  #: (key, Task) of the next overlay
+        self.comparison = None  #: what is compared in the viewports; see comparison.py
         self.status = ""  #: a tool's text in the status bar
         self.hover = None  #: the highlight under the mouse; see tools/under.py
         self.ground = None  #: the scan pointed at

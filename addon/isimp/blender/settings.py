@@ -46,6 +46,7 @@ _LIMITS = {
     (rcp.PaintFaces, "onto"): {},
     (rcp.SmoothFaces, "rounds"): {"min": 1, "max": rcp.MOST_ROUNDS},
     (rcp.Texture, "size"): {"min": 0, "max": 16384},
+    (rcp.EvenBorders, "strength"): {"min": 0.0, "max": 1.0, "subtype": "FACTOR"},
     **{(cls, "rings"): {"min": 1} for cls in (rcp.GrowRegion, rcp.ShrinkRegion)},
     **{(cls, "times"): {"min": 1} for cls in (rcp.AddWorst, rcp.DeleteLeast, rcp.MergeCheapest)},
 }

@@ -1,6 +1,7 @@
 """The add-on's own programs for the graphics card: regions as lit by Blender, and hatching."""
 
 import gpu
+from mathutils import Vector
 
 from . import runtime
 
@@ -34,6 +35,34 @@ void main() {
   FragColor = at < 2.0 ? vec4(0.0, 0.0, 0.0, 0.7) : vec4(1.0, 1.0, 1.0, 0.45);
 }
 """
+# Only the left or only the right half of a viewport, by the place of the line between them and a sign.
+_HALF = """
+  if ((gl_FragCoord.x - half_seen.x) * half_seen.y < 0.0) {
+    discard;
+  }
+"""
+_HALF_PLACE = """
+void main() {
+  seen = pos;
+  tint = color;
+  gl_Position = ModelViewProjectionMatrix * vec4(pos, 1.0);
+}
+"""
+_HALF_LIGHT = (
+    """
+void main() {
+"""
+    + _HALF
+    + """
+  vec3 normal = light.w * normalize(cross(dFdx(seen), dFdy(seen)));
+  float lit = max(dot(normal, light.xyz), 0.0);
+  FragColor = vec4(BASE.rgb * (AMBIENT + LIGHT * lit) + 0.04 * lit, 1.0);
+}
+"""
+)
+_HALF_FLAT = "void main() {" + _HALF + "FragColor = color; }"
+#: The direction to the light that they are lit by, as seen from the viewport.
+LIGHT = Vector((-0.25, 0.45, 0.85)).normalized()
 
 
 def draw(batch, shader) -> None:
@@ -66,6 +95,55 @@ def hatched():
         info.vertex_in(0, "VEC3", "pos")
         known["hatched"] = _made(info, _FLAT_PLACE, _HATCH)
     return known["hatched"]
+
+
+def half_lit():
+    """As `lit`, in one half of the viewport: half_seen is the line between them and -1 for the left, 1 for the right.
+
+    light: the direction to the light in the space of the points, and -1 where that is mirrored, else 1.
+    """
+    return _half("half_lit", "color", "VEC4", _HALF_PLACE, _half_light("tint", 0.19, 0.36))
+
+
+def half_textured():
+    """The same with an image (pos, uv) in the place of colours."""
+    light = _half_light("texture(image, tint)", 0.35, 0.65)  # brighter: photographs are darker than the palette
+    return _half("half_textured", "uv", "VEC2", _HALF_PLACE.replace("color", "uv"), light)
+
+
+def _half_light(base: str, ambient: float, light: float) -> str:
+    return _HALF_LIGHT.replace("BASE", base).replace("AMBIENT", f"{ambient}").replace("LIGHT", f"{light}")
+
+
+def _half(name: str, attribute: str, kind: str, place: str, color: str):
+    known = runtime.get().shaders
+    if name not in known:
+        info, between = gpu.types.GPUShaderCreateInfo(), gpu.types.GPUStageInterfaceInfo(f"isimp_{name}")
+        between.smooth("VEC3", "seen")
+        between.smooth(kind, "tint")
+        info.push_constant("MAT4", "ModelViewProjectionMatrix")
+        info.push_constant("VEC4", "light")
+        info.push_constant("VEC2", "half_seen")
+        if attribute == "uv":
+            info.sampler(0, "FLOAT_2D", "image")
+        info.vertex_in(0, "VEC3", "pos")
+        info.vertex_in(1, kind, attribute)
+        info.vertex_out(between)
+        known[name] = _made(info, place, color)
+    return known[name]
+
+
+def half_flat():
+    """Lines (pos) of one colour in one half of the viewport."""
+    known = runtime.get().shaders
+    if "half_flat" not in known:
+        info = gpu.types.GPUShaderCreateInfo()
+        info.push_constant("MAT4", "ModelViewProjectionMatrix")
+        info.push_constant("VEC4", "color")
+        info.push_constant("VEC2", "half_seen")
+        info.vertex_in(0, "VEC3", "pos")
+        known["half_flat"] = _made(info, _FLAT_PLACE, _HALF_FLAT)
+    return known["half_flat"]
 
 
 def _made(info, place, color):

@@ -6,7 +6,7 @@ from dataclasses import replace
 import bpy
 
 from .. import messages, stored
-from . import aside, carry, display, mesh_io, raw, result, store, targets, texture
+from . import aside, carry, display, mesh_io, raw, result, start, store, targets, texture
 
 
 def _save(scan, work, numbers: dict) -> int:
@@ -38,6 +38,7 @@ def show_regions(context, scan, work, outcome) -> None:
     if context.view_layer.objects.active != scan or not scan.visible_get():
         bring_to_front(context, scan, targets.result_of(context.scene, scan))
     display.show(context)
+    start.end(context)
 
 
 def show_polygons(context, scan, work, outcome):

@@ -3,10 +3,10 @@
 import bpy
 
 from .. import messages, session
-from . import aside, mesh_io, raw, runtime, store
+from . import aside, mesh_io, raw, runtime, store, text
 
 NO_RESULT = "There is no result yet: press Mesh first"
-KEPT = "kept"  #: in the place of the digest of a result that was edited by hand, and that Mesh leaves as it is
+KEPT = "kept"  #: `isimp.made` of a result that was edited and that Mesh leaves alone; a digest on other results
 _OTHER = {
     "CURVE": "a curve",
     "EMPTY": "an empty",
@@ -58,6 +58,18 @@ def selected(context) -> list:
     """The selected scans that can be used, those of selected results among them, each once."""
     scans = [scan_of(obj) or obj for obj in context.selected_objects if obj.type == "MESH"]
     return list(dict.fromkeys(scan for scan in scans if not _unusable(scan)))
+
+
+def allows(operator, context, needs=lambda scan: "") -> bool:
+    """The poll of an operator that works on a scan; if it can't run, its tooltip gives the reason.
+
+    needs: function of the scan that returns why the operator can't run on it, or an empty text.
+    """
+    scan, problem = find(context)
+    problem = problem or needs(scan)
+    if problem:
+        operator.poll_message_set(text.said(problem))
+    return not problem
 
 
 def find_result(context):

@@ -12,6 +12,11 @@ from . import mesh_io
 _STAY = "\N{NO-BREAK SPACE}"
 
 
+def said(message: str) -> str:
+    """A fixed text in the language of Blender's interface, where it is drawn by other means than Blender's own."""
+    return bpy.app.translations.pgettext_iface(message)
+
+
 def wrapped(message: str, width: int) -> list:
     """Lines of at most `width` letters; words joined by no-break spaces are split only if they are longer."""
     parts = (part if len(part) <= width else part.replace(_STAY, " ") for part in message.split(" "))
@@ -33,9 +38,9 @@ def beside(said: str, measure, wanted: float, right: float, left: float) -> tupl
 
 
 def scan_lines(mesh, numbers: dict) -> tuple:
-    """(size, shape) of a scan, always two lines; its parts and holes are known once it has been looked at."""
+    """(size, shape) of a scan, always two lines. Parts and holes are known after Partition."""
     triangles = len(mesh.loops) - 2 * len(mesh.polygons)
-    if not is_looked_at(mesh, numbers):
+    if not describes(mesh, numbers):
         return _count(triangles, "triangle"), "Not partitioned yet"
     holes = "closed" if numbers["closed"] else _count(numbers["border_loops"], "hole")
     return _count(numbers["triangles"], "triangle"), f"{_count(numbers['components'], 'part')} · {holes}"
@@ -62,8 +67,8 @@ def lost_detail(scan, unit) -> list:
     return [] if lost is None else [afar.told(lost, unit.system, unit.scale_length)]
 
 
-def good_news(numbers: dict, system: str, scale: float) -> list:
-    """What the add-on has mended or closed for the result, as lines; the scan itself stays as it is."""
+def repair_lines(numbers: dict, system: str, scale: float) -> list:
+    """The repairs of the mesh that the regions were made of, as lines. The scan itself is unchanged."""
     repairs, lines = numbers.get("repairs", {}), []
     closed = [_count(repairs[name], one) for name, one in _OPENINGS.items() if repairs.get(name)]
     if closed:
@@ -87,8 +92,8 @@ def left_out(numbers: dict) -> str:
     return f"{_count(faces, 'face')} left out, grey on the scan: small parts or defects" if faces else ""
 
 
-def is_looked_at(mesh, numbers: dict) -> bool:
-    """Whether the numbers are of the mesh as it is, as far as counting tells."""
+def describes(mesh, numbers: dict) -> bool:
+    """Whether the numbers belong to the mesh in its present state, judged by its number of faces."""
     return "components" in numbers and numbers.get("faces") == len(mesh.polygons)
 
 

@@ -15,12 +15,15 @@ def is_textured(obj) -> bool:
     """Whether a material of an object has an image at its Base Color, and there is a UV map for it."""
     if not len(obj.data.uv_layers):
         return False
-    for slot in obj.material_slots:
-        if slot.material is not None and (shader := _shader(slot.material)) is not None:
-            links = shader.inputs["Base Color"].links
-            if links and links[0].from_node.type == "TEX_IMAGE" and links[0].from_node.image is not None:
-                return True
-    return False
+    return any(image_name(slot.material) for slot in obj.material_slots)
+
+
+def image_name(material) -> str:
+    """The name of the image at a material's Base Color; empty if there is none."""
+    shader = None if material is None else _shader(material)
+    links = () if shader is None else shader.inputs["Base Color"].links
+    image = links[0].from_node.image if links and links[0].from_node.type == "TEX_IMAGE" else None
+    return "" if image is None else image.name
 
 
 class Baking:

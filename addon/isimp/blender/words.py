@@ -9,6 +9,7 @@ from . import text
 
 _FONT = 0
 _GROUND = (0.05, 0.05, 0.05, 0.8)
+_BESIDE = 30  # pixels from the bottom
 _CORNER, _BELOW = 18, 76  # pixels from the left, and from the top: below the names of the view and the object
 
 
@@ -28,6 +29,24 @@ def draw_corner(context, said: str) -> None:
     above = [other for other in context.area.regions if other.type in {"HEADER", "TOOL_HEADER"} and other.height > 1]
     top = min([here.height, *(other.y - here.y for other in above if other.alignment == "TOP")])
     _draw([said], left + _CORNER * scale, top - _BELOW * scale, scale)
+
+
+def draw_low(context, lines) -> None:
+    """Some lines in the middle of the viewport, at its bottom."""
+    scale = _begin(context)
+    left, right = _free(context)
+    wide = max(map(_width, lines))
+    _draw(lines, max(left + _CORNER * scale, (left + right - wide) / 2), (_BESIDE + 18 * len(lines)) * scale, scale)
+
+
+def draw_beside(context, said, x: float) -> None:
+    """Two texts at the bottom of the viewport, left and right of a line at `x`, as far as there is room for them."""
+    scale = _begin(context)
+    left, right = _free(context)
+    away = 16 * scale
+    for text_at, begin in ((said[0], x - away - _width(said[0])), (said[1], x + away)):
+        if left + away <= begin and begin + _width(text_at) + away <= right:
+            _draw([text_at], begin, _BESIDE * scale, scale)
 
 
 def _begin(context) -> float:

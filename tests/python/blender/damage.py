@@ -234,8 +234,9 @@ class Layout:
     def prop(self, data, name, **_):
         getattr(data, name)
 
-    def prop_enum(self, data, name, value):
+    def prop_enum(self, data, name, value, text, text_ctxt):
         getattr(data, name)
+        self.said.append(text)
 
     def menu(self, name, text=""):
         self.said.append(text)

@@ -113,3 +113,24 @@ def test_a_painted_step_can_be_changed_afterwards(parted):
     assert count() == 8
     bpy.ops.isimp.step_switch(step=1)
     assert count() == 7
+
+
+def test_all_borders_are_evened_out_in_one_step_that_undo_takes_back():
+    scan = scans.dimple(scans.cube(cells=12))
+    bpy.ops.isimp.partition(proxies=8)
+    middles = {p.index: p.center for p in scan.data.polygons if p.normal[2] > 0.8}
+    half = [face for face, at in middles.items() if at.x < (-0.2 if int(6 * at.y + 60) % 2 else 0.2)]  # with teeth
+    bpy.ops.isimp.paint_faces(painted="-1:" + ",".join(map(str, half)))
+    scans.push("before")
+    before, pairs = scans.regions(scan), scans.face_pairs(scan.data)
+    assert bpy.ops.isimp.even_borders() == {"FINISHED"}
+    scans.push("even")
+    after = scans.regions(scan)
+    assert [step.kind for step in store.load(scan).steps][-2:] == ["paint", "even_borders"]
+    lengths = [int((label[pairs[:, 0]] != label[pairs[:, 1]]).sum()) for label in (before, after)]
+    assert lengths[1] < lengths[0]
+    assert len(set(before)) == len(set(after))
+    bpy.ops.ed.undo()
+    scan = bpy.data.objects["Scan"]
+    assert (scans.regions(scan) == before).all()
+    assert [step.kind for step in store.load(scan).steps][-1] == "paint"

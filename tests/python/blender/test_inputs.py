@@ -229,9 +229,9 @@ def test_faults_are_told_by_kind_and_unused_vertices_are_none():
     from isimp.blender import text
 
     scan = scans.cube(cells=4)
-    assert text.good_news(store.numbers(scan), "NONE", 1.0) == []
+    assert text.repair_lines(store.numbers(scan), "NONE", 1.0) == []
     flipped = [face.vertices[:][:: -1 if face.index in (3, 9) else 1] for face in scan.data.polygons]
     points = [*scans.coordinates(scan.data), (5, 5, 5)]
     faulty = scans.add("Faulty", points, flipped)
     bpy.ops.isimp.partition(proxies=6)
-    assert text.good_news(store.numbers(faulty), "NONE", 1.0) == ["Mended: 2 reversed faces"]
+    assert text.repair_lines(store.numbers(faulty), "NONE", 1.0) == ["Mended: 2 reversed faces"]

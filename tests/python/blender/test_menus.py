@@ -140,3 +140,18 @@ def test_an_edit_of_the_scan_is_noticed(capfd):
     assert "The scan was edited since Partition" in capfd.readouterr().out
     bpy.ops.isimp.mesh()
     assert "was edited" not in capfd.readouterr().out, "once is enough"
+
+
+@pytest.mark.skipif(not bpy.context.window, reason="needs a window, which the background has")
+def test_the_workspace_is_made_once_and_gone_to():
+    bpy.ops.wm.read_homefile(use_factory_startup=True)
+    names = set(bpy.data.workspaces.keys())
+    assert bpy.ops.isimp.workspace() == {"FINISHED"}
+    assert set(bpy.data.workspaces.keys()) - names == {"iSimp"}
+    made = bpy.data.workspaces["iSimp"]
+    areas = [area for screen in made.screens for area in screen.areas if area.type == "VIEW_3D"]
+    space = max(areas, key=lambda area: area.width * area.height).spaces.active
+    assert (space.show_region_ui, space.show_region_toolbar, space.shading.type) == (True, True, "SOLID")
+    assert bpy.ops.isimp.workspace() == {"FINISHED"}
+    assert set(bpy.data.workspaces.keys()) - names == {"iSimp"}
+    assert set(names) <= set(bpy.data.workspaces.keys()), "those that were there stay"

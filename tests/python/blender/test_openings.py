@@ -33,7 +33,7 @@ def test_small_holes_are_closed_and_large_ones_would_stay():
     assert bpy.ops.isimp.partition(proxies=8) == {"FINISHED"}
     numbers = store.numbers(scan)
     assert (numbers["border_loops"], numbers["repairs"]["filled_holes"]) == (4, 4)
-    assert text.good_news(numbers, "METRIC", 1.0)[0].startswith("Closed: 4 holes")
+    assert text.repair_lines(numbers, "METRIC", 1.0)[0].startswith("Closed: 4 holes")
     assert bpy.ops.isimp.mesh() == {"FINISHED"}
     assert store.numbers(scan)["closed"]
     assert bpy.ops.isimp.partition(proxies=8, close_openings=False) == {"FINISHED"}

@@ -2,11 +2,11 @@
 
 import bpy
 import numpy as np
-from bpy.props import BoolProperty, FloatVectorProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
 
 from ... import messages
 from ... import recipe as rcp
-from .. import mesh_io, pending, targets
+from .. import mesh_io, pending, targets, text
 from ..modal import RecipeOperator
 from ..show import show_regions
 from .proxies import AtFaces
@@ -70,7 +70,8 @@ class ISIMP_OT_lock(_Edit, bpy.types.Operator):
 
     @classmethod
     def description(cls, context, properties):
-        return "Allow changes to the regions of the selected faces again" if properties.unlock else cls.__doc__
+        free = text.said("Allow changes to the regions of the selected faces again")
+        return free if properties.unlock else text.said(cls.__doc__)
 
     def wanted(self, context, scan):
         step = rcp.UnlockRegions if self.unlock else rcp.LockRegions
@@ -93,8 +94,8 @@ class ISIMP_OT_grow(_Edit, bpy.types.Operator):
 
     @classmethod
     def description(cls, context, properties):
-        shrink = "Shrink each region with a selected face: its neighbours take the faces along its border"
-        return shrink if properties.shrink else cls.__doc__
+        shrink = text.said("Shrink each region with a selected face: its neighbours take the faces along its border")
+        return shrink if properties.shrink else text.said(cls.__doc__)
 
     def wanted(self, context, scan):
         recipe = pending.recipe_of(context, scan)
@@ -218,6 +219,34 @@ class ISIMP_OT_improve(_Times, bpy.types.Operator):
         return pending.recipe_of(context, scan).then(rcp.Improve())
 
 
+class ISIMP_OT_even_borders(RecipeOperator, bpy.types.Operator):
+    """Make the borders of all regions short and straight. Creases stay borders, locked regions do not change"""
+
+    bl_idname = "isimp.even_borders"
+    bl_label = "Even Out Borders"
+
+    strength: FloatProperty(
+        name="Strength",
+        description="How much short borders count beside the error. 0: only teeth are removed",
+        default=1.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+    )
+
+    @classmethod
+    def problem(cls, context, scan):
+        return targets.needs_regions(scan)
+
+    def wanted(self, context, scan):
+        return pending.recipe_of(context, scan).then(rcp.EvenBorders(strength=self.strength))
+
+    show = staticmethod(show_regions)
+
+    def told(self, before, numbers):
+        return messages.evened(numbers)
+
+
 CLASSES = (
     ISIMP_OT_merge,
     ISIMP_OT_split,
@@ -229,4 +258,5 @@ CLASSES = (
     ISIMP_OT_delete_least,
     ISIMP_OT_merge_cheapest,
     ISIMP_OT_improve,
+    ISIMP_OT_even_borders,
 )

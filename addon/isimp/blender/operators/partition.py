@@ -29,10 +29,13 @@ class ISIMP_OT_partition(RecipeOperator, settings.PartitionSettings, bpy.types.O
     @classmethod
     def description(cls, context, properties):
         if properties.part:
-            return "Partition the selected faces only, with the settings above; all others stay in their regions"
+            return text.said(
+                "Partition the selected faces only, with the settings above; all others stay in their regions"
+            )
         scan, problem = targets.find(context)
         gone = 0 if problem else messages.hand_edits(store.load(scan))
-        return f"{cls.__doc__}. {messages.will_drop(gone)}" if gone else cls.__doc__
+        usual = text.said(cls.__doc__)
+        return f"{usual}. {messages.will_drop(gone)}" if gone else usual
 
     def wanted(self, context, scan):
         step = settings.to_step(rcp.Partition, self)

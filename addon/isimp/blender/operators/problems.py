@@ -2,7 +2,7 @@ import bpy
 import numpy as np
 
 from ... import messages
-from .. import display, mesh_io, show, targets
+from .. import display, mesh_io, show, targets, text
 
 
 class ISIMP_OT_show_problems(bpy.types.Operator):
@@ -24,8 +24,10 @@ class ISIMP_OT_show_problems(bpy.types.Operator):
     @classmethod
     def description(cls, context, properties):
         if properties.kind == "DIVIDED":
-            return "Select the polygons of regions that became more than one polygon, in Edit Mode of the result"
-        return "Select the defective polygons in Edit Mode of the result"
+            return text.said(
+                "Select the polygons of regions that became more than one polygon, in Edit Mode of the result"
+            )
+        return text.said("Select the defective polygons in Edit Mode of the result")
 
     @classmethod
     def poll(cls, context):

@@ -67,11 +67,7 @@ class _HasRecipe:
 
     @classmethod
     def poll(cls, context):
-        scan, problem = targets.find(context)
-        problem = problem or targets.needs_steps(scan)
-        if problem:
-            cls.poll_message_set(problem)
-        return not problem
+        return targets.allows(cls, context, targets.needs_steps)
 
     @staticmethod
     def text(context):
@@ -83,10 +79,7 @@ class _TakesRecipe:
 
     @classmethod
     def poll(cls, context):
-        _, problem = targets.find(context)
-        if problem:
-            cls.poll_message_set(problem)
-        return not problem
+        return targets.allows(cls, context)
 
     def replay(self, recipe):
         try:

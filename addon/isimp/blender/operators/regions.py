@@ -2,7 +2,7 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty, IntProperty
 
-from .. import display, mesh_io, runtime, show, targets
+from .. import display, mesh_io, runtime, show, targets, text
 
 
 class ISIMP_OT_show_regions(bpy.types.Operator):
@@ -30,7 +30,7 @@ class ISIMP_OT_swap(bpy.types.Operator):
     def poll(cls, context):
         _, _, problem = targets.find_result(context)
         if not problem and context.mode != "OBJECT":
-            problem = "Leave Edit Mode first (Tab)"
+            problem = text.said("Leave Edit Mode first (Tab)")
         if problem:
             cls.poll_message_set(problem)
         return not problem
@@ -66,11 +66,7 @@ class ISIMP_OT_select_region(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        scan, problem = targets.find(context)
-        problem = problem or targets.needs_regions(scan)
-        if problem:
-            cls.poll_message_set(problem)
-        return not problem
+        return targets.allows(cls, context, targets.needs_regions)
 
     def execute(self, context):
         scan, _ = targets.find(context)

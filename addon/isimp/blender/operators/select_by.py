@@ -41,11 +41,7 @@ class ISIMP_OT_select_by(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        scan, problem = targets.find(context)
-        problem = problem or targets.needs_regions(scan)
-        if problem:
-            cls.poll_message_set(problem)
-        return not problem
+        return targets.allows(cls, context, targets.needs_regions)
 
     def draw(self, context):
         layout = self.layout

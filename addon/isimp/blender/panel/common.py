@@ -35,7 +35,7 @@ def draw_lines(context, layout, message: str, icon: str, alert: bool = False) ->
     """A message in as many lines as the sidebar's width needs."""
     column = layout.column(align=True)
     column.alert = alert
-    for number, line in enumerate(text.wrapped(message, letters(context))):
+    for number, line in enumerate(text.wrapped(text.said(message), letters(context))):
         column.label(text=line, icon=icon if number == 0 else "BLANK1")
 
 

@@ -26,6 +26,7 @@ class ISIMP_PT_regions(SubPanel, bpy.types.Panel):
         anew = column.operator("isimp.partition", text="Repartition", icon="MOD_EXPLODE")
         settings.give(rcp.Partition, panel.partition, anew)
         anew.part = True
+        column.operator("isimp.even_borders", icon="MOD_SMOOTH")
         column.operator("isimp.select_region", icon="RESTRICT_SELECT_OFF")
         row = column.row(align=True)
         for by, name in (("SIZE", "Small"), ("FLATNESS", "Bent"), ("DIRECTION", "Up")):

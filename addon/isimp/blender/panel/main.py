@@ -1,13 +1,13 @@
-"""The top of the sidebar: the scan, the number of regions, Partition, Mesh, and what came of it.
+"""The main panel: the scan, the settings of the count, Partition, Mesh and the report.
 
-Lines that are there before and after a press have a place of their own, so that no button moves under the mouse.
+The rows above a button are drawn before and after the button is pressed, so that it does not move under the mouse.
 """
 
 import bpy
 
 from ... import messages
 from ... import recipe as rcp
-from .. import presets, result, runtime, settings, store, targets, text, texture
+from .. import presets, result, runtime, settings, store, targets, text, texture, translations
 from .common import Panel, draw_lines, is_narrow
 
 
@@ -30,7 +30,7 @@ class ISIMP_PT_main(Panel, bpy.types.Panel):
 
 
 def _draw_head(context, layout, scan, numbers) -> None:
-    """Three lines, before and after Partition."""
+    """Draws the scan's name and size: three lines, before and after Partition."""
     column = layout.column(align=True)
     active = context.view_layer.objects.active
     column.label(text=scan.name if active == scan else f"{scan.name} (its result)", icon="MESH_DATA")
@@ -42,8 +42,9 @@ def _draw_count(context, layout, panel) -> None:
     partition = panel.partition
     ways = layout.grid_flow(row_major=True, columns=1 if is_narrow(context) else 2, align=True)
     ways.use_property_split = False
-    for name in rcp.COUNTS:
-        ways.prop_enum(partition, "count_by", name)
+    items = partition.bl_rna.properties["count_by"].enum_items
+    for name in rcp.COUNTS:  # Blender translates some of the words otherwise
+        ways.prop_enum(partition, "count_by", name, text=items[name].name, text_ctxt=translations.CONTEXT)
     row = layout.row(align=True)
     settings.draw(row, rcp.Partition, partition, partition.count_by or "detail")  # which another version may not say
     row.prop(panel, "live", text="", icon="PLAY")
@@ -91,12 +92,15 @@ def _draw_mesh(context, layout, scan, numbers, panel) -> None:
     row = place.row(align=True)
     row.use_property_split = False
     row.operator("isimp.swap", text="Swap", icon="ARROW_LEFTRIGHT")
+    row.operator("isimp.compare", text="Compare", icon="IMAGE_ALPHA")
     if texture.is_textured(scan):
-        row.prop(panel, "keep_texture", text="Texture", icon="TEXTURE", toggle=True)
+        row = place.row(align=True)
+        row.use_property_split = False
+        row.prop(panel, "keep_texture", icon="TEXTURE", toggle=True)
 
 
 def _draw_progress(place, running) -> None:
-    """As high as the button and the line below it, which it stands for."""
+    """Draws the progress bar, as high as the button and the line that it replaces."""
     share, said = running.progress()
     row = place.split(factor=0.5, align=True)
     row.scale_y = 1.4
@@ -110,7 +114,7 @@ def _draw_progress(place, running) -> None:
 
 
 def _draw_report(context, layout, scan, numbers) -> None:
-    """What came out, what was mended, what is to be known; below the buttons, as it grows."""
+    """Draws the report of Mesh, repairs, notes and warnings; below the buttons, because their number changes."""
     unit = context.scene.unit_settings
     for line, alert in text.report_lines(numbers, unit.system, unit.scale_length):
         draw_lines(context, layout, line, icon="ERROR" if alert else "CHECKMARK")
@@ -122,9 +126,9 @@ def _draw_report(context, layout, scan, numbers) -> None:
         divided.kind = "DIVIDED"
     if runtime.get().running is None and result.is_edited_here(context, scan):
         draw_lines(context, layout, messages.EDITED, icon="INFO")
-    if not text.is_looked_at(scan.data, numbers):
+    if not text.describes(scan.data, numbers):
         numbers = {}
-    for line in text.good_news(numbers, unit.system, unit.scale_length):
+    for line in text.repair_lines(numbers, unit.system, unit.scale_length):
         draw_lines(context, layout, line, icon="CHECKMARK")
     left_out = text.left_out(numbers)
     for line in (*([left_out] if left_out else ()), *targets.notes(scan)):

@@ -3,7 +3,7 @@
 import bpy
 
 from ... import recipe as rcp
-from .. import display, settings, store, targets, text
+from .. import display, settings, store, targets, text, translations
 from .common import SubPanel
 
 
@@ -17,9 +17,9 @@ class ISIMP_PT_view(SubPanel, bpy.types.Panel):
         grid = layout.grid_flow(row_major=True, columns=2, align=True, even_columns=True)
         shown = display.is_shown(context)
         grid.operator("isimp.show_regions", text="Regions", icon="HIDE_OFF" if shown else "HIDE_ON", depress=shown)
-        grid.prop(panel, "overlay", text="Lines", icon="MESH_GRID", toggle=True)
+        grid.prop(panel, "overlay", text="Lines", text_ctxt=translations.CONTEXT, icon="MESH_GRID", toggle=True)
         grid.prop(panel, "outline", text="Polygons", icon="MESH_ICOSPHERE", toggle=True)
-        grid.prop(panel, "summary", icon="INFO", toggle=True)
+        grid.prop(panel, "summary", text="Summary", text_ctxt=translations.CONTEXT, icon="INFO", toggle=True)
         grid.prop(panel, "heat", text="Flatness", icon="COLOR", toggle=True)
         grid.prop(panel, "away", text="Distance", icon="DRIVER_DISTANCE", toggle=True)
 

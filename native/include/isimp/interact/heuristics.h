@@ -34,4 +34,13 @@ Partition merge_cheapest(const Mesh& mesh, const Partition& partition, std::int3
 /// Cost: O(F) and up to a few times what the partition took.
 Partition improve(const Mesh& mesh, const Partition& partition, Job& job);
 
+/// Makes all borders short and straight; the number of regions stays. Faces move between neighbouring regions as long as
+/// that lowers the error plus the length of the borders, which weighs as in a partition of this smoothness. So creases
+/// stay borders. Regions stay connected, and no face leaves or enters a locked one.
+/// \param strength  in [0, 1], as PartitionOptions::smooth. 0: only teeth go that cost no error
+/// 	hrows InvalidInput  strength out of its range
+/// 	hrows Cancelled     nothing was changed
+/// Cost: O(F) and the moves.
+Partition even_borders(const Mesh& mesh, const Partition& partition, double strength, Job& job);
+
 }  // namespace isimp

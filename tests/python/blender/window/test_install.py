@@ -1,5 +1,6 @@
 """The packed add-on, installed in Debian's Blender as a user would, and the batch example as a command."""
 
+import math
 import os
 import shutil
 import subprocess
@@ -13,16 +14,23 @@ ROOT = Path(__file__).parents[4]
 
 
 @pytest.fixture(scope="module")
-def installed(tmp_path_factory):
-    """A folder of user scripts with the add-on in it."""
+def zips(tmp_path_factory):
+    """The packed add-on."""
     if shutil.which("blender") is None:
         pytest.skip("needs blender")
-    folder = tmp_path_factory.mktemp("scripts")
+    folder = tmp_path_factory.mktemp("zips")
     build = [sys.executable, str(ROOT / "scripts" / "build_addon.py"), "--out", str(folder)]
     made = subprocess.run(build, capture_output=True, text=True)
     if made.returncode:
         pytest.skip(made.stderr.strip())
-    with zipfile.ZipFile(next(name for name in made.stdout.splitlines() if "-legacy-" in name)) as archive:
+    return [Path(line) for line in made.stdout.splitlines() if line.endswith(".zip")]
+
+
+@pytest.fixture(scope="module")
+def installed(zips, tmp_path_factory):
+    """A folder of user scripts with the add-on in it."""
+    folder = tmp_path_factory.mktemp("scripts")
+    with zipfile.ZipFile(next(path for path in zips if "-legacy-" in path.name)) as archive:
         archive.extractall(folder / "addons")
     return folder
 
@@ -73,3 +81,39 @@ def test_batch_as_a_command(installed, tmp_path, arguments, code, said):
     assert (done.returncode, said in done.stdout + done.stderr) == (code, True), done.stdout + done.stderr
     assert (tmp_path / "out.obj").exists() == (code == 0)
     assert "Traceback" not in done.stdout + done.stderr
+
+
+def test_a_student_gets_from_the_zip_to_polygons_in_eight_actions(zips, tmp_path):
+    if shutil.which("xvfb-run") is None:
+        pytest.skip("needs xvfb-run (Debian: xvfb)")
+    scan = tmp_path / "scan.obj"
+    scan.write_text(ball())
+    legacy = next(path for path in zips if "-legacy-" in path.name)
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    environment |= {"ISIMP_SITE": "", "ISIMP_ZIP": str(legacy), "ISIMP_SCAN": str(scan)}
+    environment |= {"BLENDER_USER_SCRIPTS": str(tmp_path / "scripts"), "BLENDER_USER_CONFIG": str(tmp_path / "config")}
+    here = Path(__file__).parent
+    out = Path(os.environ.get("ISIMP_WINDOW_OUT", ROOT / "out" / "window"))
+    out.mkdir(parents=True, exist_ok=True)
+    blender = ["blender", "--factory-startup", "--enable-event-simulate", "-p", "0", "0", "900", "900"]
+    script = ["--python", str(here / "drive.py"), "--", str(here / "student.py"), str(out)]
+    command = ["xvfb-run", "-a", "-s", "-screen 0 900x900x24", *blender, *script]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
+    assert "8. Press **Mesh**." in done.stdout
+    assert "Traceback" not in done.stdout + done.stderr
+
+
+def ball(rings=40):
+    """A sphere with flat caps, as text of an OBJ file."""
+    lines = []
+    for ring in range(rings + 1):
+        for step in range(2 * rings):
+            polar, turn = math.pi * (0.15 + 0.7 * ring / rings), math.pi * step / rings
+            place = math.sin(polar) * math.cos(turn), math.sin(polar) * math.sin(turn), math.cos(polar)
+            lines.append("v {:.6f} {:.6f} {:.6f}".format(*(max(-0.8, min(0.8, value)) for value in place)))
+    for ring in range(rings):
+        for step in range(2 * rings):
+            a, b = 2 * rings * ring + step + 1, 2 * rings * ring + (step + 1) % (2 * rings) + 1
+            lines += [f"f {a} {a + 2 * rings} {b}", f"f {b} {a + 2 * rings} {b + 2 * rings}"]
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,96 @@
+"""Makes pictures of the documentation in a window of Blender under Xvfb.
+
+They are the README's animation and the manual's. Pictures 1 to 6 come from the shots of the window test `bunny`, if it
+was run before.
+
+    scripts/pictures.py [--keep]     --keep: composes the shots that are in out/pictures again
+
+It needs blender, xvfb and imagemagick of Debian, Pillow, the engine (PYTHONPATH or installed), and the bunny in
+$ISIMP_DATA or ../shared/data.
+"""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from PIL import Image
+
+ROOT = Path(__file__).resolve().parent.parent
+OUT = ROOT / "out" / "pictures"
+IMAGES = ROOT / "docs" / "images"
+WINDOW = ROOT / "tests" / "python" / "blender" / "window"
+SIZE = 1150, 780  # pixels of the window
+WIDE = 760  # of the animation
+STEPS = 979, 588, 1170, 741  # where the section Steps is in the window of that test
+MOST = 3_000_000  # bytes of it
+
+
+def shoot() -> None:
+    OUT.mkdir(parents=True, exist_ok=True)
+    sites = [str(ROOT / "addon"), str(WINDOW), str(WINDOW.parent), *os.environ.get("PYTHONPATH", "").split(os.pathsep)]
+    sites += [path for path in sys.path if path.endswith("-packages")]
+    blender = ["blender", "--factory-startup", "--enable-event-simulate", "-p", "0", "0", *map(str, SIZE)]
+    script = ["--python", str(WINDOW / "drive.py"), "--", str(ROOT / "scripts" / "pictures_in_window.py"), str(OUT)]
+    command = ["xvfb-run", "-a", "-s", f"-screen 0 {SIZE[0]}x{SIZE[1]}x24", *blender, *script]
+    environment = os.environ | {"ISIMP_SITE": os.pathsep.join(filter(None, sites))}
+    subprocess.run(command, env=environment, check=True, timeout=1200)
+
+
+def animate() -> None:
+    """The frames as one WebP; the first is seen where animations are not."""
+    film = json.loads((OUT / "film.json").read_text())
+    frames = []
+    for name, _ in film["frames"]:
+        with Image.open(OUT / f"{name}.png") as shot:
+            frame = shot.convert("RGB").crop(tuple(film["box"]))
+        frames.append(frame.resize((WIDE, round(WIDE * frame.height / frame.width)), Image.Resampling.LANCZOS))
+    target, times = IMAGES / "isimp.webp", [milliseconds for _, milliseconds in film["frames"]]
+    for quality in (85, 75, 65, 50):
+        more = {"save_all": True, "append_images": frames[1:], "duration": times, "loop": 0, "method": 6}
+        frames[0].save(target, quality=quality, **more)
+        if target.stat().st_size < MOST:
+            break
+    print(f"{target}: {len(frames)} frames, {sum(times) / 1000:.1f} s, {target.stat().st_size:,} bytes")
+
+
+def compose() -> None:
+    """Pictures 7 to 9 of the manual: views without the sidebar, side by side."""
+    left, top, right, bottom = json.loads((OUT / "film.json").read_text())["box"]
+    box = left, top + 26, right - 262, bottom
+    for target, names in {
+        "manual-7-gestures": ["picture-7-cut", "picture-7-shrink"],
+        "manual-8-paint": ["picture-8-paint"],
+        "manual-9-compare": ["picture-9-compare"],
+    }.items():
+        shots = [Image.open(OUT / f"{name}.png").convert("RGB").crop(box) for name in names]
+        whole = Image.new("RGB", (sum(shot.width for shot in shots) + 8 * (len(shots) - 1), shots[0].height), "white")
+        for number, shot in enumerate(shots):
+            whole.paste(shot, (number * (shot.width + 8), 0))
+        whole.thumbnail((1150, 900), Image.Resampling.LANCZOS)
+        whole.save(IMAGES / f"{target}.jpg", quality=88)
+
+
+def compose_bunny() -> None:
+    """Pictures 1 to 6 of the manual."""
+    for number, name in enumerate(("scan", "partition", "hover", "flatness", "steps", "mesh"), 1):
+        path = ROOT / "out" / "window" / f"bunny-{number}-{name}.png"
+        if not path.exists():
+            print(f"no {path}: picture {number} stays as it is")
+            continue
+        shot = Image.open(path).convert("RGB")
+        box = STEPS if name == "steps" else (0, 0, shot.width, round(0.775 * shot.width))
+        shot = shot.crop(box).resize((860, 667) if name != "steps" else (400, 320), Image.Resampling.LANCZOS)
+        shot.save(IMAGES / f"manual-{number}-{name}.jpg", quality=88)
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("--keep", action="store_true", help="compose the shots that are in out/pictures again")
+    if not parser.parse_args().keep:
+        shoot()
+    animate()
+    compose()
+    compose_bunny()
