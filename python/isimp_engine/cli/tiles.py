@@ -15,7 +15,7 @@ from pathlib import Path
 from .. import _process
 from ..tiles import Outcome, State, TileFailed, TilesError
 from ..tiles import run as run_tiles
-from ..tiles.run import TILE_FACES
+from ..tiles.run import DETAIL, TILE_FACES
 from . import words
 from .batch import TERMINATED, Terminated, terminable
 from .errors import UsageError
@@ -42,7 +42,11 @@ _WORDS = {  # what a step does
 def add_options(command: argparse.ArgumentParser) -> None:
     command.add_argument("input", type=Path, metavar="INPUT", help="folder of tiles, or one scan")
     command.add_argument("output", type=Path, metavar="OUTPUT", help="PLY or OBJ")
-    command.add_argument("--proxies", type=int, metavar="N", required=True, help="number of regions of all tiles")
+    command.add_argument("--proxies", type=int, metavar="N", help="number of regions of all tiles")
+    detail = f"as of simplify: find the number of regions; a share of the scan's size. Default: {DETAIL}."
+    command.add_argument("--detail", type=float, metavar="X", help=detail)
+    command.add_argument("--tolerance", type=float, metavar="T", help="as --detail, in scene units")
+    command.add_argument("--noise", type=float, metavar="S", help="as of simplify. Default: estimated.")
     command.add_argument(
         "--weld",
         type=float,
@@ -88,7 +92,7 @@ def run(arguments: argparse.Namespace) -> int:
         if screen is not None:
             screen.draw(now)
 
-    names = ("smooth", "leave_out", "seed", "planar")
+    names = ("detail", "tolerance", "noise", "smooth", "leave_out", "seed", "planar")
     given = {name: getattr(arguments, name) for name in names if getattr(arguments, name) is not None}
     begun = time.monotonic()
     try:
@@ -168,7 +172,9 @@ def summary(outcome: Outcome, arguments: argparse.Namespace) -> Iterator[str]:
         yield f"  borders of tiles: {edges:,} edges, {share:.1%} without a partner: rims of the scan, or gaps"
     if report["parts_left_out"]:
         yield f"  left out: {words.count(report['parts_left_out'], 'part')}, {report['area_left_out']:.2%} of the area"
-    if report["regions"] > arguments.proxies:
+    if report["tolerance"] is not None:
+        yield f"  {words.found(report)}"
+    elif report["regions"] > arguments.proxies:
         yield f"  {report['regions']:,} proxies used, since the parts need them; {arguments.proxies:,} were asked for"
     polygons, regions = words.count(out["polygons"], "polygon"), words.count(report["regions"], "region")
     kind = f"{'closed' if out['closed'] else 'open'}, {'manifold' if out['manifold'] else 'not manifold'}"

@@ -26,9 +26,10 @@ from .store import MADE, load, of_tile, publish, values_of
 
 PLAN = "plan.json"
 TILE_FACES = 1_000_000  #: of the tiles that a single scan is cut into
+DETAIL = 0.005  #: where neither a number nor a tolerance is given, as for one piece
 OUTPUTS = (".obj", ".ply")
+_PARTITION = ("proxies", "detail", "tolerance", "noise", "snap", "smooth", "leave_out", "seed")
 _PATCH, _PATCHES_A_REGION = 100, 6  # faces of a patch at most; patches a region at least
-_SURPLUS = 2.2  # regions before the last merging, as a multiple of those wanted
 _FIRST = (3, 3)  # rounds and sweeps of each, before that
 _LAST = (10, 8)  # and after it, at most
 _HEAVIER = 1.5  # weight of borders against one piece's: merging starts from better patches, and would leave longer ones
@@ -77,7 +78,7 @@ def run(
     source: str | os.PathLike[str],
     output: str | os.PathLike[str],
     *,
-    proxies: int,
+    proxies: int | None = None,
     weld: float = 0.0,
     work: str | os.PathLike[str] | None = None,
     labels: str | os.PathLike[str] | None = None,
@@ -92,14 +93,14 @@ def run(
     source: a folder of tiles in one system of coordinates (PLY, OBJ, STL, OFF), or one scan, which is cut into tiles of
             about `tile_faces` faces.
     output: the polygon mesh, .obj or .ply.
-    proxies: the number of regions.
+    proxies: the number of regions; None: found, as options say.
     weld: length up to which vertices on borders of different tiles are one; 0: only where they are equal.
     work: folder for intermediate results, on a disk that all workers share; it stays. None: one beside the output,
           which is removed at the end. A run that was ended goes on from there.
     labels: folder for the labels: an int32 array for each tile, the region of each face of its file; -1: none.
     jobs: the largest number of tiles at once; None: one a core. Free memory may allow fewer.
     dask: the address of a Dask scheduler, whose workers do the work.
-    options: smooth, leave_out, seed of PartitionOptions, and planar of MeshingOptions.
+    options: detail, tolerance, noise, snap, smooth, leave_out, seed of PartitionOptions, planar of MeshingOptions.
     watch: called after each step of a tile, and some times a second.
 
     The result is the same bits for any number of workers, and after any number of interrupted runs.
@@ -108,7 +109,7 @@ def run(
     """
     if not hasattr(os, "fork"):
         raise TilesError("tiles need child processes by fork, which this system does not have")
-    plan = _plan(Path(source), Path(output), work, dict(options or {}) | {"proxies": proxies, "weld": weld}, tile_faces)
+    plan = _plan(Path(source), Path(output), work, _options(options, proxies, weld), tile_faces)
     if jobs is not None and jobs < 1:
         raise TilesError(f"the number of jobs must be at least 1, got {jobs}")
     target = None if labels is None else _label_folder(Path(labels), plan)
@@ -131,6 +132,13 @@ def run(
     if work is None:
         shutil.rmtree(plan.work, ignore_errors=True)
     return outcome
+
+
+def _options(options: Mapping[str, Any] | None, proxies: int | None, weld: float) -> dict[str, Any]:
+    given = dict(options or {}) | {"weld": weld} | ({} if proxies is None else {"proxies": proxies})
+    if not any(name in given for name in ("proxies", "detail", "tolerance")):
+        given["detail"] = DETAIL
+    return given
 
 
 def _plan(source: Path, output: Path, work: Any, options: dict[str, Any], tile_faces: int) -> Plan:
@@ -163,10 +171,11 @@ def _plan(source: Path, output: Path, work: Any, options: dict[str, Any], tile_f
 
 def _check(options: dict[str, Any]) -> None:
     try:
-        names = ("proxies", "smooth", "leave_out", "seed")
-        check_ranges(PartitionOptions(**{name: options[name] for name in names if name in options}))
+        check_ranges(PartitionOptions(**{name: options[name] for name in _PARTITION if name in options}))
     except (BatchError, InvalidInput) as error:
         raise TilesError(str(error)) from None
+    if len(given := [name for name in ("proxies", "detail", "tolerance") if name in options]) > 1:
+        raise TilesError(f"--{given[0]} and --{given[1]} contradict each other; give one of them")
     if not (0 <= options["weld"] < float("inf")):
         raise TilesError(f"the length to weld within must be at least 0, got {options['weld']}")
 
@@ -214,6 +223,8 @@ class _Run:
         self._begun, self._number = time.monotonic(), 0
         self._faces: list[int] = [estimated_faces(path) for _, path in plan.inputs]
         self._sizes = [path.stat().st_size for _, path in plan.inputs]
+        self._tolerance: float | None = None  # scene units; None: the number of regions is given
+        self._noise = 0.0
         self._peaks: dict[str, float] = {}
         self._seconds: dict[str, float] = {}
 
@@ -222,22 +233,20 @@ class _Run:
         self._prepared()
         present = [k for k, count in enumerate(self._faces) if count]
         whole = self._faces
-        self._check_faces(whole)
         self._one("mend", {"weld": options["weld"], "diagonal": self._diagonal}, sum(whole) // 50)
-        size = max(1, min(_PATCH, sum(whole) // (_PATCHES_A_REGION * options["proxies"])))
         smooth = options.get("smooth", PartitionOptions().smooth)
-        self._map("patches", present, {"size": size, "smooth": smooth})
+        self._map("patches", present, self._fineness() | {"smooth": smooth})
         for k in present:  # vertices on borders have been put in, or all faces of a tile welded away
             self._faces[k] = values_of(of_tile(plan.work, "patches", k))["faces"]
         present = [k for k in present if self._faces[k]]
-        target = max(options["proxies"], int(_SURPLUS * options["proxies"]))
         leave_out = options.get("leave_out", PartitionOptions().leave_out)
-        merging = {"present": present, "proxies": options["proxies"], "target": target, "leave_out": leave_out}
-        join = self._one("join", merging, 4 * sum(whole) // size)
+        patches = sum(values_of(of_tile(plan.work, "patches", k))["patches"] for k in present)
+        merging = {"present": present, "wanted": self._wanted(), "leave_out": leave_out}
+        join = self._one("join", merging, 4 * patches)
         first = load(of_tile(plan.work, "join", 0), "first").tolist()
         own = {k: {"first": first[i], "near": join["near"][str(k)]} for i, k in enumerate(present)}
         self._map("halo", present, {}, own)
-        regions = max(options["proxies"], join["needed"])
+        regions = join["wanted"]
         shared = {"area": join["area"], "faces": sum(whole), "regions": regions, "smooth": _HEAVIER * smooth}
         labels, sums = self._rounds("first", present, ("halo", "join"), _FIRST, shared)
         self._map("touch", present, {"before": labels})
@@ -246,6 +255,7 @@ class _Run:
             "sums": sums,
             "area": join["area"],
             "target": regions,
+            "cost": join["cost"],
             "smooth": _HEAVIER * smooth,
         }
         merged = self._one("merge", merging, 40 * join["regions"])
@@ -254,8 +264,29 @@ class _Run:
         last = self._last(present)
         return Outcome(plan.output, self._report(join, merged, last, sums, present))
 
+    def _fineness(self) -> dict[str, Any]:
+        """What patches are made by."""
+        if self._tolerance is not None:
+            return {"tolerance": self._tolerance, "noise": self._noise}
+        return {"size": max(1, min(_PATCH, sum(self._faces) // (_PATCHES_A_REGION * self._plan.options["proxies"])))}
+
+    def _wanted(self) -> dict[str, Any]:
+        """What tells the number of regions."""
+        options = self._plan.options
+        if self._tolerance is None:
+            return {"proxies": options["proxies"]}
+        snap = options.get("snap", PartitionOptions().snap)
+        return {"tolerance": self._tolerance, "noise": self._noise, "snap": snap}
+
+    def _measure(self, found: list[dict[str, Any]]) -> None:
+        """The tolerance in scene units, from the size of the scan, and the noise; from tiles that have faces."""
+        options = self._plan.options
+        size, noise = steps.size_and_noise([steps.Extent(**each["extent"]) for each in found if each["faces"]])
+        self._tolerance = options.get("tolerance", options.get("detail", DETAIL) * (size or self._diagonal))
+        self._noise = options["noise"] if options.get("noise") is not None else noise
+
     def _prepared(self) -> None:
-        plan = self._plan
+        plan, measured = self._plan, {"measured": "proxies" not in self._plan.options}
         if plan.is_single:
             task = {"input": str(plan.inputs[0][1]), "tile_faces": plan.options["tile_faces"]}
             tiles = self._one("split", task, 0, self._sizes[0] / 2**20)["tiles"]
@@ -263,10 +294,10 @@ class _Run:
                 raise TileFailed(f"{plan.inputs[0][1]}: has no faces")
             self._faces = [-(-self._faces[0] // tiles)] * tiles
             self._sizes = [36 * self._faces[0]] * tiles
-            self._map("prepare", list(range(tiles)), {})
+            self._map("prepare", list(range(tiles)), measured)
         else:
             names = {k: {"input": str(path)} for k, (_, path) in enumerate(plan.inputs)}
-            self._map("prepare", list(names), {}, names)
+            self._map("prepare", list(names), measured, names)
         found = [values_of(of_tile(plan.work, "prepare", k)) for k in range(len(self._faces))]
         self._faces = [values["faces"] for values in found]
         self._file_faces = sum(values["file_faces"] for values in found)
@@ -278,9 +309,12 @@ class _Run:
         boxes = [(values["low"], values["high"]) for values in found if values["faces"]]
         low, high = np.min([b[0] for b in boxes] or [[0.0]], 0), np.max([b[1] for b in boxes] or [[0.0]], 0)
         self._diagonal = float(np.linalg.norm(high - low))
+        self._check_faces(self._faces)
+        if "proxies" not in plan.options:
+            self._measure(found)
 
     def _check_faces(self, faces: Sequence[int]) -> None:
-        proxies = self._plan.options["proxies"]
+        proxies = self._plan.options.get("proxies", 1)
         if not sum(faces):
             raise TileFailed("no tile has a face that can be used")
         if proxies > sum(faces):
@@ -399,6 +433,9 @@ class _Run:
             "options": self._plan.options,
             "regions": merged["regions"],
             "regions_needed": join["needed"],
+            "tolerance": self._tolerance,
+            "noise": None if self._tolerance is None else self._noise,
+            "snapped": join["snapped"],
             "error": steps.error_of(load(of_tile(work, sums, 0), "sums")),
             "border_length": sum(values_of(of_tile(work, "thin", k))["borders"] for k in present),
             "parts_left_out": join["left_out"],

@@ -24,6 +24,8 @@ from .splitting import split_scan
 from .store import MADE, load, of_tile, save, save_values, tile_name
 
 _CLEAN = CleanOptions(threads=1)
+_FINER = 4.0  # by how much patches are finer than the tolerance at which the joined tree is cut
+_SURPLUS = 2.2  # regions before the last merging, as a multiple of those wanted
 _T_JUNCTION = 1e-9  # of the diagonal: how far off an edge a vertex may be that lies on it, where nothing is welded
 
 Task = dict[str, Any]
@@ -72,7 +74,8 @@ def _prepare(task: Task, work: Path, made: Path) -> dict[str, Any]:
     save(made, ends=np.stack([corners[face, corner], corners[face, (corner + 1) % 3]], 1), face=face, corner=corner)
     low, high = whole.vertices.min(0).tolist(), whole.vertices.max(0).tolist()
     repairs = {name: count for name, count in whole.report["repairs"].items() if count}
-    return {"file_faces": faces, "faces": len(corners), "repairs": repairs, "low": low, "high": high}
+    values = {"file_faces": faces, "faces": len(corners), "repairs": repairs, "low": low, "high": high}
+    return values | ({"extent": steps.measure(whole)._asdict()} if task.get("measured") else {})
 
 
 def _clean(vertices: NDArray[Any], triangles: NDArray[Any]) -> Mesh | None:
@@ -161,7 +164,10 @@ def _patches(task: Task, work: Path, made: Path) -> dict[str, Any]:
     mesh, polygon = _mended(work, tile)
     if mesh is None:
         return {"faces": 0, "patches": 0}
-    found = steps.patches(mesh, task["size"], task["smooth"])
+    if "tolerance" in task:
+        found = steps.detail_patches(mesh, task["tolerance"] / _FINER, task["noise"])
+    else:
+        found = steps.patches(mesh, task["size"], task["smooth"])
     save(made, label=found.label, sums=found.sums, pairs=found.pairs)
     patch, count = found.label, len(found.sums)
     del found
@@ -212,15 +218,22 @@ def _join(task: Task, work: Path, made: Path) -> dict[str, Any]:
     free[matched.ravel()] = False
     open_nodes = np.zeros(len(whole), np.uint8)
     open_nodes[patch[free]] = 1
-    found = steps.find_components(whole, pairs, lengths, open_nodes, task["proxies"], task["leave_out"])
-    label = steps.merge(whole, pairs, lengths, found, max(task["target"], int(found.need.sum())))
+    asked = task["wanted"].get("proxies")
+    found = steps.find_components(whole, pairs, lengths, open_nodes, asked or 1, task["leave_out"])
+    needed = int(found.need.sum())
+    by_detail = None if asked else steps.find_regions(whole, pairs, found, **task["wanted"])
+    wanted = max(asked if by_detail is None else by_detail.regions, needed)
+    label = steps.merge(whole, pairs, lengths, found, max(int(_SURPLUS * wanted), needed))
     region_sums, component = _merged(whole, found.component, label)
     save(made, first=first, label=label, sums=region_sums, component=component, need=found.need)
     near = borders.neighbours_of(keys)
     return {
         "regions": len(region_sums),
         "patches": len(whole),
-        "needed": int(found.need.sum()),
+        "wanted": wanted,
+        "cost": by_detail and by_detail.cost,
+        "snapped": by_detail and by_detail.snapped,
+        "needed": needed,
         "left_out": found.left_out,
         "area_left_out": found.area_left_out,
         "area": float(whole[:, 3].sum() / 2),
@@ -322,7 +335,10 @@ def _merge(task: Task, work: Path, made: Path) -> dict[str, Any]:
     component = load(join, "component")
     found = steps.Components(component, load(join, "need"), 0, 0.0)
     error = steps.error_of(sums) / task["area"]
-    label = steps.merge(sums, pairs, lengths, found, task["target"], task["smooth"], error, task["target"])
+    target = task["target"]
+    if task["cost"] is not None:  # once more, now that borders have moved
+        target = steps.find_regions(sums, pairs, found, 0.0, 0.0, cost=task["cost"]).regions
+    label = steps.merge(sums, pairs, lengths, found, target, task["smooth"], error, target)
     merged, of = _merged(sums, component, label)
     save(made, label=label, sums=merged, component=of)
     return {"regions": len(merged)}
