@@ -33,6 +33,7 @@ _PATCH, _PATCHES_A_REGION = 100, 6  # faces of a patch at most; patches a region
 _FIRST = (3, 3)  # rounds and sweeps of each, before that
 _LAST = (10, 8)  # and after it, at most
 _HEAVIER = 1.5  # weight of borders against one piece's: merging starts from better patches, and would leave longer ones
+_LIGHTER = 0.75  # where the number is found: there one piece has longer borders too
 _FEW = 2e-5  # of all faces: rounds end where fewer move
 _TICK = 0.2  # seconds
 
@@ -247,7 +248,8 @@ class _Run:
         own = {k: {"first": first[i], "near": join["near"][str(k)]} for i, k in enumerate(present)}
         self._map("halo", present, {}, own)
         regions = join["wanted"]
-        shared = {"area": join["area"], "faces": sum(whole), "regions": regions, "smooth": _HEAVIER * smooth}
+        heavier = _HEAVIER if self._tolerance is None else _LIGHTER
+        shared = {"area": join["area"], "faces": sum(whole), "regions": regions, "smooth": heavier * smooth}
         labels, sums = self._rounds("first", present, ("halo", "join"), _FIRST, shared)
         self._map("touch", present, {"before": labels})
         merging = {
@@ -256,7 +258,7 @@ class _Run:
             "area": join["area"],
             "target": regions,
             "cost": join["cost"],
-            "smooth": _HEAVIER * smooth,
+            "smooth": heavier * smooth,
         }
         merged = self._one("merge", merging, 40 * join["regions"])
         labels, sums = self._rounds("last", present, (labels, "merge"), _LAST, shared, relabel="merge")
