@@ -94,10 +94,13 @@ Patches detail_patches(const Mesh& mesh, double tolerance, double noise, Job& jo
     throw InvalidInput("the noise must be at least 0, got " + std::to_string(noise));
   const Surface surface(mesh);
   const double size = surface_size(mesh);
-  const DetailTree tree(surface, {size > 0 ? tolerance / size : kFinestDetail, noise, 0.0}, job);
-  Regions regions = tree.regions(surface, {merge_limit(tolerance, noise, kLeastNoise)}, Threads(1), job);
+  Regions regions;
+  {
+    const DetailTree tree(surface, {size > 0 ? tolerance / size : kFinestDetail, noise, 0.0}, job);
+    regions = tree.regions(surface, {merge_limit(tolerance, noise, kLeastNoise)}, Threads(1), job);
+  }
   regions.label.pop_back();
-  return patches_of(mesh, {regions.label.begin(), regions.label.end()}, std::move(regions.sum));
+  return patches_of(mesh, std::move(regions.label), std::move(regions.sum));
 }
 
 FoundRegions find_regions(const JoinedGraph& graph, const Components& components, double tolerance, double noise,

@@ -5,10 +5,11 @@
 #include <string>
 #include <utility>
 
+#include "hierarchy/hierarchy.h"
+#include "hierarchy/optimise.h"
 #include "hierarchy/region_graph.h"
 #include "isimp/core/errors.h"
-#include "isimp/partition/partition.h"
-#include "isimp/simplify/partitioner.h"
+#include "parts.h"
 #include "patches_of.h"
 
 namespace isimp::tiles {
@@ -47,17 +48,17 @@ Patches patches_of(const Mesh& mesh, std::vector<std::int32_t> label, std::vecto
 
 Patches patches(const Mesh& mesh, std::int32_t size, double smooth, Job& job) {
   if (size < 1) throw InvalidInput("a patch must have at least 1 face, got " + std::to_string(size));
-  PartitionOptions options;
-  options.proxies = std::max(1, mesh.face_count() / size);
-  options.smooth = smooth;
-  options.leave_out = 0;
-  options.threads = 1;
-  Partition part = partition(Surface(mesh), options, job);
-  const FaceGraph& graph = mesh.graph();
-  std::vector<std::int32_t> label;
-  label.reserve(static_cast<std::size_t>(graph.size()) + 1);
-  for (std::int32_t i = 0; i < graph.size(); ++i) label.push_back(part.face_region[graph.mesh_face[i]]);
-  return patches_of(mesh, std::move(label), std::move(part.region_sum));
+  const Surface surface(mesh);
+  const std::int32_t count = std::max(1, mesh.face_count() / size);
+  const Threads threads(1);
+  Regions regions;
+  {
+    const Hierarchy hierarchy = build_hierarchy(surface, count, job, 1, nodes_for(count));
+    const Parts parts = find_parts(surface, count, 0.0, job, hierarchy.parts);
+    regions = optimise(surface, hierarchy, parts, smooth, threads, job, Finish::plain);
+  }
+  regions.label.pop_back();
+  return patches_of(mesh, std::move(regions.label), std::move(regions.sum));
 }
 
 }  // namespace isimp::tiles

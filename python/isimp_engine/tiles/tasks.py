@@ -164,18 +164,20 @@ def _patches(task: Task, work: Path, made: Path) -> dict[str, Any]:
     mesh, polygon = _mended(work, tile)
     if mesh is None:
         return {"faces": 0, "patches": 0}
+    # What relaxing needs goes to files before the patches are made, so that memory never holds both.
+    record, neighbour, mesh_face, length = steps.faces_of(mesh)
+    save(made, record=record, neighbour=neighbour, mesh_face=mesh_face, length=length, polygon=polygon)
+    del length, polygon
+    fringe = borders.fringe_of(record, neighbour, mesh_face, mesh.triangles, mesh.vertices)
+    save(made, **{f"fringe_{name}": array for name, array in fringe._asdict().items()})
+    faces, edge_face = len(record), fringe.edge_face
+    del record, neighbour, mesh_face, fringe
     if "tolerance" in task:
         found = steps.detail_patches(mesh, task["tolerance"] / _FINER, task["noise"])
     else:
         found = steps.patches(mesh, task["size"], task["smooth"])
-    save(made, label=found.label, sums=found.sums, pairs=found.pairs)
-    patch, count = found.label, len(found.sums)
-    del found
-    record, neighbour, mesh_face, length = steps.faces_of(mesh)
-    fringe = borders.fringe_of(record, neighbour, mesh.triangles[mesh_face], mesh.vertices)
-    save(made, record=record, neighbour=neighbour, mesh_face=mesh_face, length=length, polygon=polygon)
-    save(made, **{f"fringe_{name}": array for name, array in fringe._asdict().items()}, edge_patch=patch[fringe[4]])
-    return {"faces": len(record), "patches": count}
+    save(made, label=found.label, sums=found.sums, pairs=found.pairs, edge_patch=found.label[edge_face])
+    return {"faces": faces, "patches": len(found.sums)}
 
 
 def _mended(work: Path, tile: int) -> tuple[Mesh | None, NDArray[np.int32]]:
