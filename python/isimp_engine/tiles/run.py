@@ -20,6 +20,7 @@ from ..batch.on_dask import OnDask
 from ..batch.run import check_ranges
 from ..batch.scans import READABLE, estimated_faces, find_scans, needed_mb
 from ..batch.table import WORK, Lock, sync_folder
+from ..reading import inner, kind_of
 from . import steps
 from .errors import TileFailed, TilesError
 from .store import MADE, load, of_tile, publish, values_of
@@ -166,7 +167,7 @@ def _plan(source: Path, output: Path, work: Any, options: dict[str, Any], tile_f
     _check(options)
     if tile_faces < 1:
         raise TilesError(f"the number of faces of a tile must be at least 1, got {tile_faces}")
-    single = source.is_file() and source.suffix.lower() in READABLE  # another file is a list of tiles
+    single = source.is_file() and kind_of(source) in READABLE  # another file is a list of tiles
     return Plan(inputs, single, place, folder, options | ({"tile_faces": tile_faces} if single else {}))
 
 
@@ -477,8 +478,8 @@ def _write_labels(plan: Plan, folder: Path) -> int:
 
 def _save_label(folder: Path, name: str, label: Any, plan: Plan) -> None:
     """As NAME.npy, or NAME.SUFFIX.npy where two tiles differ only in their suffix."""
-    stems = [str(Path(other).with_suffix("")) for other, _ in plan.inputs]
-    own = str(Path(name).with_suffix(""))
+    stems = [str(inner(other).with_suffix("")) for other, _ in plan.inputs]
+    own = str(inner(name).with_suffix(""))
     path = folder / f"{name if stems.count(own) > 1 else own}.npy"
     path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_name(f".{path.name}.{os.getpid()}")
