@@ -1,7 +1,7 @@
 """Simplify one scan that is given as tiles, or too large for memory. A run that was ended goes on where it was.
 
-INPUT is a folder of tiles (PLY, OBJ, STL, OFF) in one system of coordinates, or one scan, which is cut into tiles. No
-polygon ends at a border of tiles, and the result is the same for any number of workers.
+INPUT is a folder of tiles (PLY, OBJ, STL, OFF) in one system of coordinates, a tileset of 3D Tiles, or one scan, which
+is cut into tiles. No polygon ends at a border of tiles, and the result is the same for any number of workers.
 """
 
 import argparse
@@ -40,7 +40,7 @@ _WORDS = {  # what a step does
 
 
 def add_options(command: argparse.ArgumentParser) -> None:
-    command.add_argument("input", type=Path, metavar="INPUT", help="folder of tiles, or one scan")
+    command.add_argument("input", type=Path, metavar="INPUT", help="folder of tiles, tileset.json, or one scan")
     command.add_argument("output", type=Path, metavar="OUTPUT", help="PLY or OBJ")
     command.add_argument("--proxies", type=int, metavar="N", help="number of regions of all tiles")
     detail = f"as of simplify: find the number of regions; a share of the scan's size. Default: {DETAIL}."

@@ -5,6 +5,7 @@ import json
 import os
 import shutil
 import time
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import InvalidInput, PartitionOptions, __version__
+from .. import FileError, InvalidInput, PartitionOptions, __version__
 from ..batch.errors import BatchError
 from ..batch.local import Local
 from ..batch.nursery import Ending, Limits
@@ -24,6 +25,7 @@ from ..reading import inner, kind_of
 from . import steps
 from .errors import TileFailed, TilesError
 from .store import MADE, load, of_tile, publish, values_of
+from .tileset import Leaf, leaves, tileset_of
 
 PLAN = "plan.json"
 TILE_FACES = 1_000_000  #: of the tiles that a single scan is cut into
@@ -69,10 +71,13 @@ class Plan:
     output: Path
     work: Path
     options: dict[str, Any]
+    leaves: tuple[Leaf, ...] = ()  # of a tileset: as inputs
 
     def key(self) -> str:
         files = [(name, str(p), p.stat().st_size, p.stat().st_mtime_ns) for name, p in self.inputs]
-        said = json.dumps([files, self.is_single, self.output.name, self.options, __version__])
+        said = json.dumps(
+            [files, self.is_single, self.output.name, self.options, __version__, [leaf[1:] for leaf in self.leaves]]
+        )
         return hashlib.sha256(said.encode()).hexdigest()
 
 
@@ -92,8 +97,8 @@ def run(
 ) -> Outcome:
     """Simplify one scan that is given as tiles to a polygon mesh; no polygon ends at a border of tiles.
 
-    source: a folder of tiles in one system of coordinates (PLY, OBJ, STL, OFF), or one scan, which is cut into tiles of
-            about `tile_faces` faces.
+    source: a folder of tiles in one system of coordinates (PLY, OBJ, STL, OFF), a tileset.json of 3D Tiles, or one
+            scan, which is cut into tiles of about `tile_faces` faces.
     output: the polygon mesh, .obj or .ply.
     proxies: the number of regions; None: found, as options say.
     weld: length up to which vertices on borders of different tiles are one; 0: only where they are equal.
@@ -156,6 +161,9 @@ def _plan(source: Path, output: Path, work: Any, options: dict[str, Any], tile_f
         raise TilesError(f"{source}: there is no such folder or scan")
     if folder.exists() and not folder.is_dir():
         raise TilesError(f"{folder}: the work folder is a file")
+    _check(options)
+    if (tileset := tileset_of(source)) is not None:
+        return _plan_of_tileset(tileset, place, folder, options)
     try:
         scans = find_scans([source], output.suffix, besides=folder)
     except BatchError as error:
@@ -164,11 +172,26 @@ def _plan(source: Path, output: Path, work: Any, options: dict[str, Any], tile_f
     inputs = [(name, path) for name, path in inputs if path.resolve() != place.resolve()]
     if not inputs:
         raise TilesError(f"{source}: there is no tile in this folder")
-    _check(options)
     if tile_faces < 1:
         raise TilesError(f"the number of faces of a tile must be at least 1, got {tile_faces}")
     single = source.is_file() and kind_of(source) in READABLE  # another file is a list of tiles
     return Plan(inputs, single, place, folder, options | ({"tile_faces": tile_faces} if single else {}))
+
+
+def _plan_of_tileset(tileset: Path, place: Path, folder: Path, options: dict[str, Any]) -> Plan:
+    try:
+        found = tuple(Leaf(Path(os.path.abspath(leaf.path)), *leaf[1:]) for leaf in leaves(tileset))  # noqa: PTH100
+    except FileError as error:
+        raise TileFailed(str(error)) from None
+    if not found:
+        raise TilesError(f"{tileset}: the tileset has no tile with a mesh")
+    base, seen = Path(os.path.abspath(tileset.parent)), Counter[str]()  # noqa: PTH100
+    inputs = []
+    for leaf in found:
+        name = Path(os.path.relpath(leaf.path, base)).as_posix().replace("../", "")
+        seen[name] += 1
+        inputs.append((name if seen[name] == 1 else f"{name}.{seen[name]}", leaf.path))
+    return Plan(inputs, False, place, folder, options, found)
 
 
 def _check(options: dict[str, Any]) -> None:
@@ -300,6 +323,8 @@ class _Run:
             self._map("prepare", list(range(tiles)), measured)
         else:
             names = {k: {"input": str(path)} for k, (_, path) in enumerate(plan.inputs)}
+            for k, leaf in enumerate(plan.leaves):
+                names[k] |= {"place": leaf.place, "up": leaf.up}
             self._map("prepare", list(names), measured, names)
         found = [values_of(of_tile(plan.work, "prepare", k)) for k in range(len(self._faces))]
         self._faces = [values["faces"] for values in found]

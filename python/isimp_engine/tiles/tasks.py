@@ -19,7 +19,7 @@ from .. import (
     write,
 )
 from ..cli.loading import cut, largest_shares
-from . import borders, steps
+from . import borders, steps, tileset
 from .splitting import split_scan
 from .store import MADE, load, of_tile, save, save_values, tile_name
 
@@ -50,7 +50,11 @@ def _split(task: Task, work: Path, made: Path) -> dict[str, Any]:
 
 def _prepare(task: Task, work: Path, made: Path) -> dict[str, Any]:
     """A tile as a sound mesh, and its border."""
-    if "input" in task:
+    if "place" in task:
+        vertices, triangles = tileset.read(tileset.Leaf(Path(task["input"]), task["place"], task["up"]))
+        faces = len(triangles)
+        polygon = np.arange(faces, dtype=np.int32)
+    elif "input" in task:
         vertices, loops, loop_start = read_polygons(Path(task["input"]), threads=1)
         triangles, polygon = cut(vertices, loops, loop_start)
         faces = len(loop_start)
@@ -384,20 +388,26 @@ def _file_labels(polygon: NDArray[np.int32], region: NDArray[np.int32], area: ND
 def _mesh(task: Task, work: Path, made: Path) -> dict[str, Any]:
     """The polygons of all tiles."""
     folders = [of_tile(work, "thin", tile) for tile in task["present"]]
-    names = steps.Thinned._fields
-    parts = [steps.Thinned(*(load(folder, name) for name in names)) for folder in folders]
-    first = np.cumsum([0] + [len(part.vertices) for part in parts])
-    triangles = [part.triangles + o for part, o in zip(parts, first, strict=False)]
-    vertices, label, moments = (np.concatenate([part[k] for part in parts]) for k in (0, 2, 3))
-    mesh = clean(vertices, np.concatenate(triangles), CleanOptions(threads=task["threads"]))
-    del parts, triangles, vertices
-    source = mesh.source_face
-    again = steps.thin(mesh, label[source], moments[source])  # over what were borders of tiles
-    mesh = clean(again.vertices, again.triangles, CleanOptions(threads=task["threads"]))
+    options = CleanOptions(threads=task["threads"])
+
+    def joined(name: str) -> NDArray[Any]:
+        return np.concatenate([load(folder, name) for folder in folders])
+
+    sizes = [len(np.load(folder / "vertices.npy", mmap_mode="r")) for folder in folders]
+    first = np.cumsum([0] + sizes)
+    triangles = np.concatenate([load(f, "triangles") + int(o) for f, o in zip(folders, first, strict=False)])
+    mesh = clean(joined("vertices"), triangles.astype(np.int32, copy=False), options)
+    del triangles
+    # Moments take more than the mesh, so there is one copy of them at a time.
+    label, moments = joined("label")[mesh.source_face], joined("moments")[mesh.source_face]
+    again = steps.thin(mesh, label, moments)  # over what were borders of tiles
+    del label, moments
+    mesh = clean(again.vertices, again.triangles, options)
     source = mesh.source_face
     part = partition_from(mesh, again.label[source])
-    options = MeshingOptions(**task["meshing"])
-    poly = steps.polygonize_thinned(mesh, part, options, again.moments[source])
+    moments = again.moments[source]
+    del again
+    poly = steps.polygonize_thinned(mesh, part, MeshingOptions(**task["meshing"]), moments)
     output = made / task["output"]
     write(output, poly)
     report = {key: value for key, value in poly.report.items() if key not in ("imperfect", "work")}
