@@ -18,6 +18,7 @@ from typing import Any
 from .. import _process
 from ..batch import BatchError, Outcome, State
 from ..batch import run as run_batch
+from ..batch.clusters import KINDS, checked
 from ..batch.page import NAME, flaws, in_order, totals
 from ..batch.table import NAME as ROWS
 from .errors import UsageError
@@ -39,7 +40,7 @@ def add_options(command: argparse.ArgumentParser) -> None:
         "--format", default="obj", metavar="KIND", help="of results, as OUTPUT of simplify may end. Default: obj."
     )
     command.add_argument("--jobs", type=int, metavar="N", help="scans at once. Default: what cores and memory allow.")
-    command.add_argument("--dask", metavar="ADDRESS", help="scheduler of a cluster that does the work: tcp://HOST:PORT")
+    add_workers(command)
     command.add_argument("--time-limit", type=float, metavar="S", help="seconds a scan may take. Default: no limit.")
     command.add_argument("--memory-limit", type=float, metavar="MB", help="MB a scan may take. Default: what is free.")
     command.add_argument("--retry-failed", action="store_true", help="do again what failed in an earlier run")
@@ -47,6 +48,21 @@ def add_options(command: argparse.ArgumentParser) -> None:
     command.add_argument("--reports", action="store_true", help="write NAME.report.json beside each result")
     command.add_argument("--no-pictures", dest="pictures", action="store_false", help=f"no pictures in {NAME}")
     command.add_argument("--quiet", action="store_true", help="no progress, no summary")
+
+
+def add_workers(command: argparse.ArgumentParser) -> None:
+    """The options that say where children run."""
+    command.add_argument("--dask", metavar="ADDRESS", help="scheduler of a cluster that does the work: tcp://HOST:PORT")
+    started = f"start a cluster for this, of {', '.join(KINDS)}; needs isimp[cluster]"
+    command.add_argument("--cluster", metavar="KIND", help=started)
+    command.add_argument("--workers", type=int, metavar="N", help="jobs of --cluster. Default: 1.")
+    command.add_argument(
+        "--cluster-option",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="of --cluster: cores=16, memory=60GB, walltime=4:00:00, queue=Q, ...; ssh: hosts=A,B,C. May be repeated.",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -70,6 +86,7 @@ def run(arguments: argparse.Namespace) -> int:
                     format=arguments.format,
                     jobs=arguments.jobs,
                     dask=arguments.dask,
+                    cluster=checked(arguments.cluster, arguments.workers, arguments.cluster_option),
                     time_limit=arguments.time_limit,
                     memory_limit=arguments.memory_limit,
                     retry_failed=arguments.retry_failed,

@@ -13,11 +13,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from .. import _process
+from ..batch import BatchError
+from ..batch.clusters import checked
 from ..tiles import Outcome, State, TileFailed, TilesError
 from ..tiles import run as run_tiles
 from ..tiles.run import DETAIL, TILE_FACES
 from . import words
-from .batch import TERMINATED, Terminated, terminable
+from .batch import TERMINATED, Terminated, add_workers, terminable
 from .errors import UsageError
 from .files import STDOUT, Outputs, check, place
 from .progress import wanted
@@ -54,7 +56,7 @@ def add_options(command: argparse.ArgumentParser) -> None:
         metavar="L",
         help="vertices on borders of tiles up to this far apart are one. Default: 0, only where they are equal.",
     )
-    command.add_argument("--dask", metavar="ADDRESS", help="scheduler of a cluster that does the work: tcp://HOST:PORT")
+    add_workers(command)
     command.add_argument(
         "--work", type=Path, metavar="FOLDER", help="for intermediate results; stays. Default: beside OUTPUT, removed."
     )
@@ -107,6 +109,7 @@ def run(arguments: argparse.Namespace) -> int:
                     labels=arguments.labels,
                     jobs=arguments.jobs,
                     dask=arguments.dask,
+                    cluster=checked(arguments.cluster, arguments.workers, arguments.cluster_option),
                     tile_faces=arguments.tile_faces,
                     options=given,
                     watch=watch,
@@ -119,7 +122,7 @@ def run(arguments: argparse.Namespace) -> int:
                 text = json.dumps(outcome.report, indent=2, allow_nan=False) + "\n"
                 outputs.write_text(arguments.report, text)
             outputs.commit()
-    except TilesError as error:
+    except (BatchError, TilesError) as error:
         raise UsageError(str(error)) from None
     except TileFailed as error:
         print("isimp:", " ".join(str(error).split()), file=sys.stderr)

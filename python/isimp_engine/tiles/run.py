@@ -7,6 +7,7 @@ import shutil
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -14,11 +15,12 @@ from typing import Any
 import numpy as np
 
 from .. import FileError, InvalidInput, PartitionOptions, __version__
+from ..batch.clusters import Cluster
 from ..batch.errors import BatchError
 from ..batch.local import Local
 from ..batch.nursery import Ending, Limits
-from ..batch.on_dask import OnDask
-from ..batch.run import check_ranges
+from ..batch.on_dask import OnDask, on_cluster
+from ..batch.run import check_one, check_ranges
 from ..batch.scans import READABLE, estimated_faces, find_scans, needed_mb
 from ..batch.table import WORK, Lock, sync_folder
 from ..reading import inner, kind_of
@@ -91,6 +93,7 @@ def run(
     labels: str | os.PathLike[str] | None = None,
     jobs: int | None = None,
     dask: str | None = None,
+    cluster: Cluster | None = None,
     tile_faces: int = TILE_FACES,
     options: Mapping[str, Any] | None = None,
     watch: Callable[[State], None] | None = None,
@@ -107,6 +110,7 @@ def run(
     labels: folder for the labels: an int32 array for each tile, the region of each face of its file; -1: none.
     jobs: the largest number of tiles at once; None: one a core. Free memory may allow fewer.
     dask: the address of a Dask scheduler, whose workers do the work.
+    cluster: a cluster that is started for this run, see batch.Cluster, in place of `dask`.
     options: detail, tolerance, noise, snap, smooth, leave_out, seed of PartitionOptions, planar of MeshingOptions.
     watch: called after each step of a tile, and some times a second.
 
@@ -121,6 +125,7 @@ def run(
         raise TilesError(f"the number of jobs must be at least 1, got {jobs}")
     target = None if labels is None else _label_folder(Path(labels), plan)
     try:
+        check_one(dask, cluster)
         plan.work.mkdir(parents=True, exist_ok=True)
         with Lock(plan.work):
             before = _begin(plan)
@@ -129,7 +134,7 @@ def run(
             parts = plan.work / "parts"
             shutil.rmtree(parts, ignore_errors=True)
             parts.mkdir()
-            with _workers(parts, jobs, dask) as workers:
+            with _workers(parts, jobs, dask, cluster) as workers:
                 outcome = _Run(plan, workers, watch, before, target is not None).run()
             if target is not None:
                 outcome.report["labels"] = _write_labels(plan, target)
@@ -229,8 +234,12 @@ def _begin(plan: Plan) -> int:
     return 0
 
 
-def _workers(parts: Path, jobs: int | None, dask: str | None) -> Workers:
+def _workers(
+    parts: Path, jobs: int | None, dask: str | None, cluster: Cluster | None
+) -> AbstractContextManager[Workers]:
     work = f"{__package__}.tasks:run"
+    if cluster is not None:
+        return on_cluster(cluster, parts, Limits(), work)
     if dask is not None:
         return OnDask(dask, parts, Limits(), work)
     return Local(parts, jobs, Limits(), work, threads=1)
