@@ -5,28 +5,23 @@ OUTPUT_FOLDER/results.jsonl has one row a scan, results.html shows them.
 """
 
 import argparse
-import shutil
 import signal
 import sys
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from .. import _process
 from ..batch import BatchError, Outcome, State
 from ..batch import run as run_batch
 from ..batch.clusters import KINDS, checked
 from ..batch.page import NAME, flaws, in_order, totals
 from ..batch.table import NAME as ROWS
-from .errors import UsageError
-from .progress import wanted
+from .errors import INTERRUPTED, OK, SOME_FAILED, TERMINATED, UsageError
+from .progress import Screen, wanted
 
-SOME_FAILED, TERMINATED = 4, 128 + signal.SIGTERM
 _LINES = 20  # of problems and of results in the summary; the page has all
-_REDRAW = 0.1
 
 
 class Terminated(KeyboardInterrupt):
@@ -73,7 +68,7 @@ def run(arguments: argparse.Namespace) -> int:
         nonlocal state
         state = now
         if screen is not None:
-            screen.draw(now)
+            screen.draw(lambda: progress(now))
 
     try:
         with terminable():
@@ -103,10 +98,10 @@ def run(arguments: argparse.Namespace) -> int:
     except KeyboardInterrupt as error:
         done = f"{state.before + state.done:,} of {state.scans:,} scans are done"
         print(f"isimp: interrupted, {done}; the same command does the others", file=sys.stderr)
-        return TERMINATED if isinstance(error, Terminated) else _process.INTERRUPTED
+        return TERMINATED if isinstance(error, Terminated) else INTERRUPTED
     if not arguments.quiet and sys.stdout is not None:
         print("\n".join(summary(outcome, arguments)))
-    return SOME_FAILED if outcome.failed else 0
+    return SOME_FAILED if outcome.failed else OK
 
 
 def given_options(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -135,26 +130,6 @@ def terminable() -> Iterator[None]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler if handler is not None else signal.SIG_DFL)
-
-
-class Screen:
-    """One line on stderr: how far it is, how fast, and how long it will take."""
-
-    def __init__(self) -> None:
-        self._drawn = 0.0
-
-    def draw(self, state: State) -> None:
-        now = time.monotonic()
-        if now - self._drawn < _REDRAW:
-            return
-        self._drawn = now
-        text = progress(state)[: shutil.get_terminal_size().columns - 1]
-        sys.stderr.write("\r\x1b[K" + text.encode(errors="replace").decode())
-        sys.stderr.flush()
-
-    def clear(self) -> None:
-        sys.stderr.write("\r\x1b[K")
-        sys.stderr.flush()
 
 
 def progress(state: State) -> str:

@@ -6,25 +6,22 @@ is cut into tiles. No polygon ends at a border of tiles, and the result is the s
 
 import argparse
 import json
-import shutil
 import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from .. import _process
 from ..batch import BatchError
 from ..batch.clusters import checked
 from ..tiles import Outcome, State, TileFailed, TilesError
 from ..tiles import run as run_tiles
 from ..tiles.run import DETAIL, TILE_FACES
 from . import words
-from .batch import TERMINATED, Terminated, add_workers, terminable
-from .errors import UsageError
+from .batch import Terminated, add_workers, terminable
+from .errors import BAD_INPUT, INTERRUPTED, OK, TERMINATED, UsageError
 from .files import STDOUT, Outputs, check, place
-from .progress import wanted
+from .progress import Screen, wanted
 
-_REDRAW = 0.1
 _WORDS = {  # what a step does
     "split": "cutting",
     "prepare": "reading",
@@ -80,7 +77,7 @@ def add_options(command: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     if isinstance(arguments.report, Path):
         check(arguments.report)
-    screen = _Screen() if wanted(arguments.quiet) else None
+    screen = Screen() if wanted(arguments.quiet) else None
     state = State()
     told = arguments.quiet
 
@@ -92,7 +89,7 @@ def run(arguments: argparse.Namespace) -> int:
             print(f"isimp: goes on from an earlier run, which did {now.before:,} steps", file=sys.stderr)
         told, state = True, now
         if screen is not None:
-            screen.draw(now)
+            screen.draw(lambda: progress(now))
 
     names = ("detail", "tolerance", "noise", "smooth", "leave_out", "seed", "planar")
     given = {name: getattr(arguments, name) for name in names if getattr(arguments, name) is not None}
@@ -126,39 +123,21 @@ def run(arguments: argparse.Namespace) -> int:
         raise UsageError(str(error)) from None
     except TileFailed as error:
         print("isimp:", " ".join(str(error).split()), file=sys.stderr)
-        return BAD_TILE
+        return BAD_INPUT
     except KeyboardInterrupt as error:
         said = f"interrupted while {_WORDS.get(state.step, 'starting')}; the same command goes on from there"
         print(f"isimp: {said}", file=sys.stderr)
-        return TERMINATED if isinstance(error, Terminated) else _process.INTERRUPTED
+        return TERMINATED if isinstance(error, Terminated) else INTERRUPTED
     if not arguments.quiet:
         stream = sys.stderr if arguments.report == STDOUT else sys.stdout
         if stream is not None:
             print("\n".join(summary(outcome, arguments)), file=stream)
-    return 0
+    return OK
 
 
-BAD_TILE = 3
-
-
-class _Screen:
-    """One line on stderr: the step, and how many tiles of it are done."""
-
-    def __init__(self) -> None:
-        self._drawn = 0.0
-
-    def draw(self, state: State) -> None:
-        now = time.monotonic()
-        if now - self._drawn < _REDRAW:
-            return
-        self._drawn = now
-        text = f"{_WORDS.get(state.step, state.step)}: {state.done:,} of {state.tiles:,} tiles, {state.seconds:.0f} s"
-        sys.stderr.write("\r\x1b[K" + text[: shutil.get_terminal_size().columns - 1])
-        sys.stderr.flush()
-
-    def clear(self) -> None:
-        sys.stderr.write("\r\x1b[K")
-        sys.stderr.flush()
+def progress(state: State) -> str:
+    """`relaxing: 3 of 16 tiles, 41 s`."""
+    return f"{_WORDS.get(state.step, state.step)}: {state.done:,} of {state.tiles:,} tiles, {state.seconds:.0f} s"
 
 
 def summary(outcome: Outcome, arguments: argparse.Namespace) -> Iterator[str]:
@@ -173,16 +152,11 @@ def summary(outcome: Outcome, arguments: argparse.Namespace) -> Iterator[str]:
     edges, share = report["border_edges"], report["unmatched_share"]
     if report["tiles"] > 1:
         yield f"  borders of tiles: {edges:,} edges, {share:.1%} without a partner: rims of the scan, or gaps"
-    if report["parts_left_out"]:
-        yield f"  left out: {words.count(report['parts_left_out'], 'part')}, {report['area_left_out']:.2%} of the area"
+    yield from words.left_out(report["parts_left_out"], report["area_left_out"])
     if report["tolerance"] is not None:
         yield f"  {words.found(report)}"
-    elif report["regions"] > arguments.proxies:
-        yield f"  {report['regions']:,} proxies used, since the parts need them; {arguments.proxies:,} were asked for"
-    polygons, regions = words.count(out["polygons"], "polygon"), words.count(report["regions"], "region")
-    kind = f"{'closed' if out['closed'] else 'open'}, {'manifold' if out['manifold'] else 'not manifold'}"
-    yield f"{out['path']}: {polygons} of {regions}, {out['corners'] / max(out['polygons'], 1):.1f} corners each, {kind}"
-    mean, worst = (f"{out[key] / report['diagonal']:.3%}" for key in ("planarity_mean", "planarity_max"))
-    yield f"  flat to {mean} of the diagonal, at worst {worst}; {report['seconds']['all']:.1f} s"
-    if flaws := [f"{out[key]} {key}" for key in ("crossing", "flipped", "bent", "intersecting") if out[key]]:
-        yield f"  not perfect: {', '.join(flaws)}"
+    else:
+        yield from words.more_proxies(report["regions"], arguments.proxies)
+    yield words.polygons(out, report["regions"])
+    yield words.flat(out, report["diagonal"], report["seconds"]["all"])
+    yield from words.flaws(out)

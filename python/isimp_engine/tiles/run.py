@@ -23,6 +23,7 @@ from ..batch.on_dask import OnDask, on_cluster
 from ..batch.run import check_one, check_ranges
 from ..batch.scans import READABLE, estimated_faces, find_scans, needed_mb
 from ..batch.table import WORK, Lock, sync_folder
+from ..drafts import whole
 from ..reading import inner, kind_of
 from . import steps
 from .errors import TileFailed, TilesError
@@ -516,18 +517,13 @@ def _save_label(folder: Path, name: str, label: Any, plan: Plan) -> None:
     own = str(inner(name).with_suffix(""))
     path = folder / f"{name if stems.count(own) > 1 else own}.npy"
     path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(f".{path.name}.{os.getpid()}")
-    with part.open("wb") as file:
+    with whole(path) as draft, draft.open("wb") as file:
         np.save(file, label)
-    part.replace(path)
 
 
 def _deliver(plan: Plan) -> None:
     """The result to its place, over an older one."""
     made = of_tile(plan.work, "mesh", 0) / f"result{plan.output.suffix.lower()}"
-    part = plan.output.with_name(f".{plan.output.name}.{os.getpid()}")
-    shutil.copyfile(made, part)
-    if plan.output.exists():
-        shutil.copymode(plan.output, part)
-    part.replace(Path(os.path.realpath(plan.output)))
+    with whole(plan.output) as draft:
+        shutil.copyfile(made, draft)
     sync_folder(plan.output.parent)
