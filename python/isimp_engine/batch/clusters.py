@@ -96,7 +96,7 @@ def _ssh(cluster: Cluster) -> Any:
         raise BatchError("--cluster ssh needs --cluster-option hosts=SCHEDULER,WORKER,... : two hosts or more")
     make = _class_of("ssh", "distributed", "SSHCluster", "distributed")
     _class_of("ssh", "asyncssh", "connect", "asyncssh")
-    worker = {"nthreads": int(options.pop("cores"))} if "cores" in options else {}
+    worker: dict[str, Any] = {"nthreads": int(options.pop("cores"))} if "cores" in options else {}
     if "memory" in options:
         worker["resources"] = {"MB": megabytes(options.pop("memory")) * _SHARE}
     try:

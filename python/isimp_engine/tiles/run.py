@@ -332,7 +332,9 @@ class _Run:
             self._sizes = [36 * self._faces[0]] * tiles
             self._map("prepare", list(range(tiles)), measured)
         else:
-            names = {k: {"input": str(path)} for k, (_, path) in enumerate(plan.inputs)}
+            names: dict[int, dict[str, Any]] = {}
+            for k, (_, path) in enumerate(plan.inputs):
+                names[k] = {"input": str(path)}
             for k, leaf in enumerate(plan.leaves):
                 names[k] |= {"place": leaf.place, "up": leaf.up}
             self._map("prepare", list(names), measured, names)
