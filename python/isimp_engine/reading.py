@@ -2,10 +2,11 @@
 
 import gzip
 import importlib
+import os
 import tempfile
 import zlib
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from os import PathLike
 from pathlib import Path
 from types import ModuleType
@@ -117,6 +118,13 @@ def plain(path: Path, folder: Path | None = None, job: Job | None = None) -> Ite
             raise FileError(str(error).replace(str(copy), str(path))) from None
 
 
+def _named(path: str | PathLike[str], job: Job | None) -> AbstractContextManager[str | PathLike[str]]:
+    """What to read for a path; names that are of no compressed file stay as they are, bytes too."""
+    if isinstance(path, (str, bytes, PathLike)) and is_compressed(os.fsdecode(path)):
+        return plain(Path(os.fsdecode(path)), job=job)
+    return nullcontext(path)
+
+
 def read(
     path: str | PathLike[str], job: Job | None = None, *, threads: int = 0
 ) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
@@ -124,7 +132,7 @@ def read(
 
     Returns vertices (V, 3) and triangles (F, 3). Raises FileError, which says what is wrong and where, or Cancelled.
     """
-    with plain(Path(path), job=job) as place:
+    with _named(path, job) as place:
         return _core.read(place, job, threads=threads)
 
 
@@ -135,7 +143,7 @@ def read_polygons(
 
     Returns vertices (V, 3), loops (L,) and loop_start (Q,). Raises FileError or Cancelled.
     """
-    with plain(Path(path), job=job) as place:
+    with _named(path, job) as place:
         return _core.read_polygons(place, job, threads=threads)
 
 
