@@ -137,7 +137,8 @@ def detail(path: Path, share: float, counts: list[int]) -> None:
     part = engine.partition(mesh, engine.PartitionOptions(detail=share))
     whole = judge(mesh, part.face_region)
     print(
-        f"{path.stem}: {len(triangles):,} faces, one piece: {part.region_count} regions, noise {part.report['noise']:.3g}"
+        f"{path.stem}: {len(triangles):,} faces, one piece: {part.region_count} regions, "
+        f"noise {part.report['noise']:.3g}"
     )
     with tempfile.TemporaryDirectory() as place:
         for count in counts:
@@ -183,11 +184,7 @@ def read(faces: int) -> None:
         obj.write_text(
             "".join(f"v {row}\n" for row in rows) + "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in corners)
         )
-        head = (
-            "ply\nformat ascii 1.0\n"
-            + f"element vertex {len(rows)}\n"
-            + "".join(f"property double {k}\n" for k in "xyz")
-        )
+        head = f"ply\nformat ascii 1.0\nelement vertex {len(rows)}\n" + "".join(f"property double {k}\n" for k in "xyz")
         head += f"element face {len(corners)}\nproperty list uchar int vertex_indices\nend_header\n"
         text.write_text(head + "\n".join(rows) + "\n" + "".join(f"3 {a} {b} {c}\n" for a, b, c in corners))
         environment = {**os.environ, "PYTHONPATH": str(Path(engine.__file__).parents[1])}
