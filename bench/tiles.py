@@ -1,10 +1,12 @@
-"""One scan in tiles: how near `isimp tiles` comes to one piece, and a generated city that is larger than a tile.
+"""Measures `isimp tiles`: how good its results are, how much time and memory it takes, and how fast files are read.
 
-    bench/tiles.py pieces SCAN PROXIES [1 4 16 64]    error, borders, distance and soundness against one piece
-    bench/tiles.py city FACES PROXIES                 a city of about so many faces, a tile at a time
-    bench/tiles.py city FACES PROXIES --kill          the same, the command killed twice: same bits
+    bench/tiles.py pieces SCAN PROXIES [1 4 16 64]    compares tiles with one piece: error, borders, distance, flaws
+    bench/tiles.py detail SCAN DETAIL [1 4 16 64]     compares the numbers of regions that are found
+    bench/tiles.py city FACES PROXIES                 runs a generated city and prints time and memory of each step
+    bench/tiles.py city FACES PROXIES --kill          kills the command twice, and compares the results bit by bit
+    bench/tiles.py read [FACES]                       reads a binary PLY, a text PLY and an OBJ file
 
-Run it with a Python that has isimp_engine and scipy. The peaks are the kernel's.
+Run it with a Python that has isimp_engine; `pieces` needs scipy. The peaks of memory are the kernel's.
 """
 
 from __future__ import annotations
@@ -19,7 +21,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 import isimp_engine as engine
 from isimp_engine import tiles
@@ -75,6 +76,8 @@ def judge(mesh: engine.Mesh, label: np.ndarray) -> tuple[float, float, int]:
 
 def distances(scan: np.ndarray, path: Path) -> tuple[float, float]:
     """Mean and 99th percentile of the distance from vertices of the scan to the polygons of a file."""
+    from scipy.spatial import cKDTree
+
     vertices, triangles = engine.read(path)
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1)
@@ -126,6 +129,69 @@ def pieces(path: Path, proxies: int, counts: list[int]) -> None:
                 f"{len(triangles) / report['thinned_faces']:.1f} x thinned, "
                 f"graph {report['graph_bytes'] / len(triangles):.2f} B a face, {seconds:.1f} s"
             )
+
+
+def detail(path: Path, share: float, counts: list[int]) -> None:
+    mesh = engine.clean(*engine.read(path))
+    triangles, vertices = mesh.triangles, mesh.vertices
+    part = engine.partition(mesh, engine.PartitionOptions(detail=share))
+    whole = judge(mesh, part.face_region)
+    print(
+        f"{path.stem}: {len(triangles):,} faces, one piece: {part.region_count} regions, "
+        f"noise {part.report['noise']:.3g}"
+    )
+    with tempfile.TemporaryDirectory() as place:
+        for count in counts:
+            folder = Path(place) / f"in{count}"
+            parts = cut((vertices, triangles), count, folder)
+            labels = folder.with_suffix(".labels")
+            report = tiles.run(folder, Path(place) / "o.ply", options={"detail": share}, labels=labels).report
+            label = np.empty(len(triangles), np.int32)
+            for k, faces in enumerate(parts):
+                label[faces] = np.load(labels / f"{k:03d}.npy")
+            found = judge(mesh, label)
+            print(
+                f"  {count:3d} tiles: {report['regions']} regions, noise {report['noise']:.3g}, "
+                f"error {found[0] / whole[0] - 1:+.1%}, borders {found[1] / whole[1] - 1:+.1%}, "
+                f"graph {report['graph_bytes'] / len(triangles):.2f} B a face"
+            )
+
+
+READ = """
+import os, sys, time
+import isimp_engine as engine
+peak = lambda: 1024 * int(next(line for line in open("/proc/self/status") if line.startswith("VmHWM")).split()[1])
+path, threads = sys.argv[1], int(sys.argv[2])
+before, wall, cpu = peak(), time.perf_counter(), time.process_time()
+arrays = engine.read_polygons(path, threads=threads)
+wall, cpu, faces = time.perf_counter() - wall, time.process_time() - cpu, len(arrays[2])
+over = peak() - before - sum(array.nbytes for array in arrays)
+size = os.path.getsize(path)
+print(f"  {threads} threads: {size / wall / 1e6:5.0f} MB/s, {size / cpu / 1e6:5.0f} MB a second of processor, "
+      f"{over / faces:5.1f} B a face above the arrays")
+"""
+
+
+def read(faces: int) -> None:
+    n = max(2, round((faces / 2) ** 0.5))
+    with tempfile.TemporaryDirectory() as place:
+        make_city(Path(place) / "city", 2 * n * n, 2 * n * n)
+        binary = next((Path(place) / "city").iterdir())
+        vertices, triangles = engine.read(binary)
+        rows = [" ".join(f"{x:.6f}" for x in row) for row in (vertices - vertices[0]).tolist()]
+        corners = triangles.tolist()
+        obj, text = Path(place) / "city.obj", Path(place) / "city.ply"
+        obj.write_text(
+            "".join(f"v {row}\n" for row in rows) + "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in corners)
+        )
+        head = f"ply\nformat ascii 1.0\nelement vertex {len(rows)}\n" + "".join(f"property double {k}\n" for k in "xyz")
+        head += f"element face {len(corners)}\nproperty list uchar int vertex_indices\nend_header\n"
+        text.write_text(head + "\n".join(rows) + "\n" + "".join(f"3 {a} {b} {c}\n" for a, b, c in corners))
+        environment = {**os.environ, "PYTHONPATH": str(Path(engine.__file__).parents[1])}
+        for name, path in (("PLY, binary", binary), ("PLY, text", text), ("OBJ", obj)):
+            print(f"{name}: {len(corners):,} faces, {path.stat().st_size / len(corners):.1f} B a face", flush=True)
+            for threads in (1, os.cpu_count() or 1):
+                subprocess.run([sys.executable, "-c", READ, str(path), str(threads)], env=environment, check=True)
 
 
 def block(i: int, j: int, n: int, step: float) -> np.ndarray:
@@ -194,6 +260,12 @@ def main() -> None:
     command.add_argument("scan", type=Path)
     command.add_argument("proxies", type=int)
     command.add_argument("counts", type=int, nargs="*", default=[1, 4, 16, 64])
+    command = what.add_parser("detail")
+    command.add_argument("scan", type=Path)
+    command.add_argument("share", type=float)
+    command.add_argument("counts", type=int, nargs="*", default=[1, 4, 16, 64])
+    command = what.add_parser("read")
+    command.add_argument("faces", type=int, nargs="?", default=2_000_000)
     command = what.add_parser("city")
     command.add_argument("faces", type=int)
     command.add_argument("proxies", type=int)
@@ -202,6 +274,10 @@ def main() -> None:
     arguments = parser.parse_args()
     if arguments.what == "pieces":
         pieces(arguments.scan, arguments.proxies, arguments.counts)
+    elif arguments.what == "detail":
+        detail(arguments.scan, arguments.share, arguments.counts)
+    elif arguments.what == "read":
+        read(arguments.faces)
     else:
         city(arguments.faces, arguments.proxies, arguments.kill, arguments.jobs)
 

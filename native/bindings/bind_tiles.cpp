@@ -12,6 +12,7 @@
 #include "call.h"
 #include "isimp/core/errors.h"
 #include "isimp/meshing/polygonize.h"
+#include "isimp/tiles/detail.h"
 #include "isimp/tiles/merge.h"
 #include "isimp/tiles/patches.h"
 #include "isimp/tiles/relax.h"
@@ -117,16 +118,62 @@ py::tuple faces_of(const KeptMesh& mesh) {
   return py::make_tuple(record, neighbour, mesh_face, length);
 }
 
+/// Checked here, since a component tells where in `need` to look.
+tiles::Components read_components(const Table<std::int32_t>& component, const Table<std::int32_t>& need) {
+  tiles::Components c;
+  const auto of = rows<std::int32_t>(component, "component"), least = rows<std::int32_t>(need, "need");
+  c.component.assign(of.begin(), of.end());
+  c.need.assign(least.begin(), least.end());
+  for (const std::int32_t each : c.component)
+    if (each < kNone || each >= static_cast<std::int32_t>(c.need.size()))
+      throw InvalidInput("a node is in component " + std::to_string(each) + ", but there are " +
+                         std::to_string(c.need.size()));
+  return c;
+}
+
+py::tuple tuple_of(tiles::Patches p) {
+  py::array sums = table_of(p.sum, kSumColumns, put);
+  return py::make_tuple(owned(std::move(p.label)), sums, owned(std::move(p.pair)), owned(std::move(p.length)));
+}
+
 void bind_patches(py::module_& m) {
   m.def("_tile_faces", &faces_of, "mesh"_a, "See tiles.faces_of.");
   m.def(
       "_tile_patches",
       [](const KeptMesh& mesh, std::int32_t size, double smooth, Job* job) {
-        tiles::Patches p = call(job, [&](Job& j) { return tiles::patches(mesh, size, smooth, j); });
-        py::array sums = table_of(p.sum, kSumColumns, put);
-        return py::make_tuple(owned(std::move(p.label)), sums, owned(std::move(p.pair)), owned(std::move(p.length)));
+        return tuple_of(call(job, [&](Job& j) { return tiles::patches(mesh, size, smooth, j); }));
       },
       "mesh"_a, "size"_a, "smooth"_a, "job"_a = py::none(), "See tiles.patches.");
+}
+
+void bind_detail(py::module_& m) {
+  m.def(
+      "_tile_measure",
+      [](const KeptMesh& mesh, Job* job) {
+        const tiles::Extent e = call(job, [&](Job& j) { return tiles::measure(mesh, j); });
+        return py::make_tuple(e.area, std::array{e.centre.x(), e.centre.y(), e.centre.z()}, e.spread, e.noise);
+      },
+      "mesh"_a, "job"_a = py::none(), "See tiles.measure.");
+  m.def(
+      "_tile_detail_patches",
+      [](const KeptMesh& mesh, double tolerance, double noise, Job* job) {
+        return tuple_of(call(job, [&](Job& j) { return tiles::detail_patches(mesh, tolerance, noise, j); }));
+      },
+      "mesh"_a, "tolerance"_a, "noise"_a, "job"_a = py::none(), "See tiles.detail_patches.");
+  m.def(
+      "_tile_find_regions",
+      [](const Table<double>& sums, const Table<std::int32_t>& pairs, const Table<std::int32_t>& component,
+         const Table<std::int32_t>& need, double tolerance, double noise, bool snap, std::optional<double> cost,
+         Job* job) {
+        const auto pair = rows<std::array<std::int32_t, 2>>(pairs, "pairs");
+        const tiles::JoinedGraph graph{read_sums(sums), {pair.begin(), pair.end()}, {}};
+        const tiles::Components c = read_components(component, need);
+        const tiles::FoundRegions found =
+            call(job, [&](Job& j) { return tiles::find_regions(graph, c, tolerance, noise, snap, cost, j); });
+        return py::make_tuple(found.regions, found.cost, found.snapped);
+      },
+      "sums"_a, "pairs"_a, "component"_a, "need"_a, "tolerance"_a, "noise"_a, "snap"_a, "cost"_a = py::none(),
+      "job"_a = py::none(), "See tiles.find_regions.");
 }
 
 void bind_merging(py::module_& m) {
@@ -145,14 +192,7 @@ void bind_merging(py::module_& m) {
          const Table<std::int32_t>& component, const Table<std::int32_t>& need, std::int32_t target, double smooth,
          double error, std::int32_t proxies, Job* job) {
         const auto graph = read_graph(sums, pairs, lengths);
-        tiles::Components c;
-        const auto of = rows<std::int32_t>(component, "component"), least = rows<std::int32_t>(need, "need");
-        c.component.assign(of.begin(), of.end());
-        c.need.assign(least.begin(), least.end());
-        for (const std::int32_t each : c.component)
-          if (each < kNone || each >= static_cast<std::int32_t>(c.need.size()))
-            throw InvalidInput("a node is in component " + std::to_string(each) + ", but there are " +
-                               std::to_string(c.need.size()));
+        const tiles::Components c = read_components(component, need);
         return owned(call(job, [&](Job& j) { return tiles::merge(graph, c, target, {smooth, error, proxies}, j); }));
       },
       "sums"_a, "pairs"_a, "lengths"_a, "component"_a, "need"_a, "target"_a, "smooth"_a, "error"_a, "proxies"_a,
@@ -239,6 +279,7 @@ void bind_welding(py::module_& m) {
 
 void bind_tiles(py::module_& m) {
   bind_patches(m);
+  bind_detail(m);
   bind_merging(m);
   bind_relaxing(m);
   bind_thinning(m);

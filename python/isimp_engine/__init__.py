@@ -41,8 +41,6 @@ from ._core import (
     partition,
     partition_from,
     polygonize,
-    read,
-    read_polygons,
     region_statistics,
     regularise,
     separated_faces,
@@ -53,6 +51,7 @@ from ._core import (
     unlock_regions,
 )
 from .exporting import write
+from .reading import read, read_polygons
 from .texturing import Texture, TexturedSoup, read_textured, texture, write_textured
 
 __all__ = [

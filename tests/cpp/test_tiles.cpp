@@ -10,6 +10,7 @@
 
 #include "isimp/core/errors.h"
 #include "isimp/meshing/polygonize.h"
+#include "isimp/tiles/detail.h"
 #include "isimp/tiles/merge.h"
 #include "isimp/tiles/patches.h"
 #include "isimp/tiles/relax.h"
@@ -54,6 +55,43 @@ TEST(TilePatches, CoverTheMeshAndTellWhatTheyShare) {
   EXPECT_TRUE(std::is_sorted(p.pair.begin(), p.pair.end()));
   EXPECT_GE(*std::min_element(p.length.begin(), p.length.end()), 1.0 / 12 - 1e-6);
   EXPECT_THROW(tiles::patches(mesh, 0, 0.5, job), InvalidInput);
+}
+
+TEST(TileDetail, ExtentsOfPartsAddUpToTheSizeOfTheWhole) {
+  Job job;
+  const tiles::Extent e = tiles::measure(shapes::mesh(shapes::cube(12)), job);
+  EXPECT_NEAR(e.area, 6.0, 1e-9);
+  EXPECT_NEAR((e.centre - Vec3(0.5, 0.5, 0.5)).norm(), 0.0, 1e-9);
+  EXPECT_NEAR(e.spread, 0.25 + 2.0 / 12, 1e-9);  // of a side: its distance from the middle, and its own
+  EXPECT_EQ(e.noise, 0.0);
+}
+
+TEST(TileDetail, ACubeHasSixRegionsAtAnyToleranceAndKeepsItsNeed) {
+  Job job;
+  const tiles::Patches p = tiles::detail_patches(shapes::mesh(shapes::cube(12)), 0.002, 0.0, job);
+  EXPECT_EQ(p.sum.size(), 6U) << "flat sides are one patch each";
+  const tiles::JoinedGraph graph{p.sum, p.pair, p.length};
+  const tiles::Components whole = tiles::find_components(graph, std::vector<std::uint8_t>(6, 0), 1, 0.001);
+  for (const double tolerance : {0.0005, 0.008, 0.03})
+    EXPECT_EQ(tiles::find_regions(graph, whole, tolerance, 0.0, true, {}, job).regions, 6) << tolerance;
+  const tiles::FoundRegions coarse = tiles::find_regions(graph, whole, 100.0, 0.0, false, {}, job);
+  EXPECT_EQ(coarse.regions, 4) << "it is closed";
+  EXPECT_EQ(tiles::find_regions(graph, whole, 1.0, 0.0, false, coarse.cost, job).regions, 4);
+  tiles::Components out = whole;
+  out.component.pop_back();
+  EXPECT_THROW(tiles::find_regions(graph, out, 0.1, 0.0, true, {}, job), InvalidInput);
+  EXPECT_THROW(tiles::detail_patches(shapes::mesh(shapes::cube(2)), 0.0, 0.0, job), InvalidInput);
+  EXPECT_THROW(tiles::detail_patches(shapes::mesh(shapes::cube(2)), 0.1, -1.0, job), InvalidInput);
+}
+
+TEST(TileDetail, WhatIsLeftOutIsNotCounted) {
+  Job job;
+  const RegionSum sheet{0, 0, 1, 2, 50}, wall{1, 0, 0, 2, 50}, speck{0, 0, 1e-6, 2e-6, 3};
+  const tiles::JoinedGraph graph{{sheet, wall, speck}, {{0, 1}}, {1}};
+  const tiles::Components parts = tiles::find_components(graph, std::vector<std::uint8_t>(3, 1), 1, 0.001);
+  EXPECT_EQ(parts.left_out, 1);
+  EXPECT_EQ(tiles::find_regions(graph, parts, 0.01, 0.0, true, {}, job).regions, 2);
+  EXPECT_EQ(tiles::find_regions(graph, parts, 10.0, 0.0, true, {}, job).regions, 1);
 }
 
 TEST(TileComponents, OnlyTheJoinedGraphTellsWhatIsClosed) {

@@ -61,6 +61,26 @@ def test_tiles_give_as_many_regions_and_as_small_an_error_as_one_piece(tmp_path,
         assert outcome.report["border_edges"] - outcome.report["unmatched_edges"] >= 2 * 48 * (columns - 1)
 
 
+@pytest.mark.parametrize(("columns", "rows"), [(1, 1), (3, 2)])
+def test_detail_finds_the_planes_that_one_piece_finds(tmp_path, whole, columns, rows):
+    one = engine.partition(engine.clean(*whole), engine.PartitionOptions(detail=0.01))
+    folder = tilesets.write(tmp_path / "in", tilesets.cut(*whole, columns, rows))
+    report = tiles.run(folder, tmp_path / "out.obj", options={"detail": 0.01}).report
+    assert report["tolerance"] == pytest.approx(one.report["tolerance"], rel=1e-6)
+    assert report["noise"] == pytest.approx(one.report["noise"], rel=0.2)
+    assert report["regions"] == pytest.approx(one.region_count, abs=max(1, one.region_count // 10))
+
+
+def test_a_tolerance_is_a_length_and_its_number_is_said(tmp_path):
+    parts = tilesets.cut(*shapes.cube(10), 2, 2)
+    folder = tilesets.write(tmp_path / "in", parts)
+    done = isimp("tiles", folder, tmp_path / "a.obj", "--tolerance", 0.02, "--noise", 0)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "6 regions found at a tolerance of 0.02, noise 0, the number of planes it is made of" in done.stdout
+    by_default = tiles.run(folder, tmp_path / "b.obj").report
+    assert (by_default["regions"], by_default["options"]["detail"]) == (6, 0.005)
+
+
 def test_no_border_of_regions_follows_a_border_of_tiles(tmp_path, whole):
     parts = tilesets.cut(*whole, 4, 3)
     folder = tilesets.write(tmp_path / "in", parts)
@@ -271,6 +291,8 @@ def test_the_command_writes_results_labels_and_a_report(tmp_path, whole):
         (("in", "no/a.obj", "--proxies", 5), 2, "there is no folder no to write to"),
         (("in", "a.obj", "--proxies", 0), 2, "--proxies must be at least 1, got 0"),
         (("in", "a.obj", "--proxies", 5, "--smooth", 2), 2, "--smooth must be in [0, 1], got 2"),
+        (("in", "a.obj", "--proxies", 5, "--detail", 0.1), 2, "--proxies and --detail contradict each other"),
+        (("in", "a.obj", "--detail", 2), 2, "--detail must be in (0, 1], got 2"),
         (("in", "a.obj", "--proxies", 5, "--weld", -1), 2, "the length to weld within must be at least 0"),
         (("in", "a.obj", "--proxies", 5, "--jobs", 0), 2, "the number of jobs must be at least 1"),
         (("in", "a.obj", "--proxies", 100_000), 2, "100,000 regions of 4,608 faces can't be made"),

@@ -1,34 +1,31 @@
 #include "isimp/tiles/patches.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
+#include <utility>
 
+#include "hierarchy/hierarchy.h"
+#include "hierarchy/optimise.h"
 #include "hierarchy/region_graph.h"
 #include "isimp/core/errors.h"
-#include "isimp/partition/partition.h"
-#include "isimp/simplify/partitioner.h"
+#include "parts.h"
+#include "patches_of.h"
 
 namespace isimp::tiles {
 
-Patches patches(const Mesh& mesh, std::int32_t size, double smooth, Job& job) {
-  if (size < 1) throw InvalidInput("a patch must have at least 1 face, got " + std::to_string(size));
-  PartitionOptions options;
-  options.proxies = std::max(1, mesh.face_count() / size);
-  options.smooth = smooth;
-  options.leave_out = 0;
-  options.threads = 1;
-  const Partition part = partition(Surface(mesh), options, job);
+Patches patches_of(const Mesh& mesh, std::vector<std::int32_t> label, std::vector<RegionSum> sum) {
   const FaceGraph& graph = mesh.graph();
   Patches result;
-  result.sum = part.region_sum;
+  result.sum = std::move(sum);
   for (RegionSum& s : result.sum) {
     s.x *= graph.area;
     s.y *= graph.area;
     s.z *= graph.area;
     s.weight *= graph.area;
   }
-  std::vector<std::int32_t> label(static_cast<std::size_t>(graph.size()) + 1, kNone), borders;
-  for (std::int32_t i = 0; i < graph.size(); ++i) label[i] = part.face_region[graph.mesh_face[i]];
+  label.push_back(kNone);
+  std::vector<std::int32_t> borders;
   for (std::int32_t i = 0; i < graph.size(); ++i)
     for (const std::int32_t j : graph.neighbours[i])
       if (label[j] != label[i]) {
@@ -47,6 +44,21 @@ Patches patches(const Mesh& mesh, std::int32_t size, double smooth, Job& job) {
   label.pop_back();
   result.label = std::move(label);
   return result;
+}
+
+Patches patches(const Mesh& mesh, std::int32_t size, double smooth, Job& job) {
+  if (size < 1) throw InvalidInput("a patch must have at least 1 face, got " + std::to_string(size));
+  const Surface surface(mesh);
+  const std::int32_t count = std::max(1, mesh.face_count() / size);
+  const Threads threads(1);
+  Regions regions;
+  {
+    const Hierarchy hierarchy = build_hierarchy(surface, count, job, 1, nodes_for(count));
+    const Parts parts = find_parts(surface, count, 0.0, job, hierarchy.parts);
+    regions = optimise(surface, hierarchy, parts, smooth, threads, job, Finish::plain);
+  }
+  regions.label.pop_back();
+  return patches_of(mesh, std::move(regions.label), std::move(regions.sum));
 }
 
 }  // namespace isimp::tiles

@@ -9,6 +9,7 @@
 A second call does only what is missing. docs/scale.md describes the rows and the folders.
 """
 
+from .clusters import Cluster
 from .errors import BatchError
 from .nursery import Ending, Limits, Nursery, NurseryEnded
 from .run import Outcome, State, run
@@ -17,6 +18,7 @@ from .table import read_rows
 
 __all__ = [
     "BatchError",
+    "Cluster",
     "Ending",
     "Limits",
     "Nursery",

@@ -9,12 +9,14 @@ import queue
 import tempfile
 import threading
 import uuid
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
 from .. import __version__
+from .clusters import Cluster, started
 from .errors import BatchError
 from .nursery import Ending, Limits, Nursery, NurseryEnded
 
@@ -54,6 +56,13 @@ def version() -> str:
     return __version__
 
 
+@contextmanager
+def on_cluster(cluster: Cluster, parts: Path, limits: Limits, work: str) -> "Iterator[OnDask]":
+    """The workers of a cluster that is started for this."""
+    with started(cluster) as address, OnDask(address, parts, limits, work, None) as workers:
+        yield workers
+
+
 class OnDask:
     """Runs pieces of work on the workers of a cluster.
 
@@ -61,7 +70,8 @@ class OnDask:
     many as they have threads.
     """
 
-    def __init__(self, address: str, parts: Path, limits: Limits, work: str) -> None:
+    def __init__(self, address: str, parts: Path, limits: Limits, work: str, patience: float | None = _CONNECT) -> None:
+        """patience: seconds to wait for a worker; None: as long as it takes, as jobs wait in a queue."""
         try:
             import distributed
         except ImportError:
@@ -75,7 +85,7 @@ class OnDask:
         self._done: queue.SimpleQueue[int] = queue.SimpleQueue()
         self._futures: dict[int, Any] = {}
         try:
-            self._check(address)
+            self._check(address, patience)
             self._mb, self._resource = self._memory()
         except BaseException:
             self._client.close()
@@ -130,10 +140,10 @@ class OnDask:
     def _note(self, number: int) -> Callable[[Any], None]:
         return lambda _: self._done.put(number)
 
-    def _check(self, address: str) -> None:
+    def _check(self, address: str, patience: float | None) -> None:
         """Refuse workers without this version, before they refuse each scan."""
         try:
-            self._client.wait_for_workers(1, timeout=_CONNECT)
+            self._client.wait_for_workers(1, timeout=patience)
         except TimeoutError:
             raise BatchError(f"--dask {address}: the scheduler has no worker") from None
         for worker, found in self._client.run(version, on_error="return").items():

@@ -7,17 +7,18 @@ import os
 import shutil
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from .. import CleanOptions, FileError, PartitionOptions, __version__, exporting, recipes
 from . import page
+from .clusters import Cluster
 from .errors import BatchError
 from .local import Local
 from .nursery import SIMPLIFY, Ending, Limits
-from .on_dask import OnDask
+from .on_dask import OnDask, on_cluster
 from .scans import Scan, estimated_faces, find_scans, fixed_part, needed_mb
 from .table import MADE, PICTURE, WORK, Lock, Row, Table, sync_folder
 
@@ -103,6 +104,7 @@ def run(
     format: str = "obj",  # noqa: A002  (as the option of the command)
     jobs: int | None = None,
     dask: str | None = None,
+    cluster: Cluster | None = None,
     time_limit: float | None = None,
     memory_limit: float | None = None,
     retry_failed: bool = False,
@@ -121,6 +123,7 @@ def run(
     format: of the results, such as "obj" or "ply".
     jobs: the largest number of scans at once; None: one a core. Free memory may allow fewer.
     dask: the address of a Dask scheduler, whose workers do the work; all of them must see the same files.
+    cluster: a cluster that is started for this batch, see `Cluster`, in place of `dask`.
     time_limit, memory_limit: of each scan, in seconds and MB; None: no limit, and the memory that is free.
     retry_failed: do again what failed before.
     labels, reports: also write NAME.labels.npy and NAME.report.json, as `isimp simplify` does.
@@ -135,6 +138,7 @@ def run(
         raise BatchError("a batch needs child processes by fork, which this system does not have")
     if jobs is not None and jobs < 1:
         raise BatchError(f"the number of jobs must be at least 1, got {jobs}")
+    check_one(dask, cluster)
     place = Path(os.path.abspath(output))  # noqa: PTH100  (links stay as they are)
     given = dict(options or {})
     arguments = _checked_options(given, recipe)
@@ -152,7 +156,7 @@ def run(
             state = _state(scans, todo, table)
             with _finished(outcome, scans, plan, table, state):
                 if todo:
-                    with _workers(plan, jobs, dask, work) as workers:
+                    with _workers(plan, jobs, dask, cluster, work) as workers:
                         _Run(plan, table, workers, watch, todo, state).run()
             return outcome
 
@@ -166,7 +170,17 @@ def _tidy_folders(plan: Plan) -> None:
         folder.mkdir(parents=True, exist_ok=True)
 
 
-def _workers(plan: Plan, jobs: int | None, dask: str | None, work: str) -> Workers:
+def check_one(dask: str | None, cluster: Cluster | None) -> None:
+    """Refuse two clusters."""
+    if dask is not None and cluster is not None:
+        raise BatchError("--dask and --cluster contradict each other; give one of them")
+
+
+def _workers(
+    plan: Plan, jobs: int | None, dask: str | None, cluster: Cluster | None, work: str
+) -> AbstractContextManager[Workers]:
+    if cluster is not None:
+        return on_cluster(cluster, plan.parts, plan.limits, work)
     if dask is not None:
         return OnDask(dask, plan.parts, plan.limits, work)
     return Local(plan.parts, jobs, plan.limits, work, plan.options.get("threads") or None)

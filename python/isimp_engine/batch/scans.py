@@ -12,13 +12,15 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from .. import __version__
+from ..reading import head_of, inner, is_compressed, kind_of
 from .errors import BatchError
 
-READABLE = (".ply", ".obj", ".stl", ".off")  #: kinds of files that are looked for in folders
+READABLE = (".ply", ".obj", ".stl", ".off")  #: kinds of files that are looked for in folders; .gz or .zst may follow
 
 _MB = 1 << 20
 _BASE_MB = 60.0  # an interpreter with numpy and the engine
 _MB_PER_FACE = 260e-6  # the peak of a run that finds the number of regions, by measurement, and some room
+_RATIO = 6  # of what a compressed file becomes, at most as a rule
 _BYTES_PER_FACE = {".ply": 15, ".obj": 30, ".stl": 50, ".off": 24}  # at least, so that more faces are not in a file
 
 
@@ -50,9 +52,7 @@ def find_scans(inputs: Any, suffix: str = ".obj", besides: Path | None = None) -
     Raises BatchError if nothing is found, or if two scans would have the same name.
     """
     texts = [inputs] if isinstance(inputs, (str, os.PathLike)) else list(inputs)
-    alone = [
-        path for text in texts if (path := _absolute(os.fspath(text))).suffix.lower() in READABLE and path.is_file()
-    ]
+    alone = [path for text in texts if kind_of(path := _absolute(os.fspath(text))) in READABLE and path.is_file()]
     base = _common(alone) if alone else Path.cwd()
     pairs = [pair for text in texts for pair in _named(os.fspath(text), base, len(texts) > 1, besides)]
     found = _without_repeats(pairs)
@@ -85,7 +85,7 @@ def _without_repeats(pairs: Sequence[tuple[str, Path]]) -> dict[str, Path]:
 
 def _with_outputs(scans: Sequence[Scan], suffix: str) -> list[Scan]:
     """Results are named like their scans; where that gives a name twice, the scan's suffix stays in it."""
-    short = [str(PurePosixPath(scan.name).with_suffix(suffix)) for scan in scans]
+    short = [str(PurePosixPath(inner(scan.name)).with_suffix(suffix)) for scan in scans]
     times = Counter(name.casefold() for name in short)
     outputs = [
         name if times[name.casefold()] == 1 else scan.name + suffix for name, scan in zip(short, scans, strict=True)
@@ -114,7 +114,7 @@ def _named(text: str, base: Path, several: bool, besides: Path | None) -> Iterat
         before = f"{path.name}/" if several else ""
         yield from ((before + _below(path, each), each) for each in _in_folder(path, besides))
     elif path.exists():
-        if path.suffix.lower() in READABLE:
+        if kind_of(path) in READABLE:
             yield _below(base, path), path
         else:
             yield from _in_list(path)
@@ -122,7 +122,7 @@ def _named(text: str, base: Path, several: bool, besides: Path | None) -> Iterat
         fixed = fixed_part(text)
         for each in sorted(glob.glob(text, recursive=True)):  # noqa: PTH207  (may be absolute)
             match = _absolute(each)
-            if match.is_file() and match.suffix.lower() in READABLE and not _is_inside(match, besides):
+            if match.is_file() and kind_of(match) in READABLE and not _is_inside(match, besides):
                 yield _below(fixed, match), match
     else:
         raise BatchError(f"{text}: there is no such file or folder")
@@ -161,7 +161,7 @@ def _in_folder(folder: Path, besides: Path | None) -> Iterator[Path]:
                 continue
             if entry.is_dir():
                 waiting.append(Path(entry.path))
-            elif Path(entry.name).suffix.lower() in READABLE:  # a pipe or a broken link too: its row says why
+            elif kind_of(entry.name) in READABLE:  # a pipe or a broken link too: its row says why
                 yield Path(entry.path)
 
 
@@ -186,11 +186,12 @@ def estimated_faces(path: Path) -> int:
         if not path.is_file():  # what comes through a pipe comes once
             return 0
         size = path.stat().st_size
-        with path.open("rb") as file:
-            head = file.read(4096)
+        head = head_of(path, 4096)
     except OSError:
         return 0
-    kind = path.suffix.lower()
+    kind = kind_of(path)
+    if is_compressed(path):
+        size *= _RATIO
     most = size // _BYTES_PER_FACE.get(kind, 15)
     said = None
     if kind == ".ply" and (match := re.search(rb"element\s+face\s+(\d+)", head)):

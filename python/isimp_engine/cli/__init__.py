@@ -23,10 +23,9 @@ from .. import (
     recipes,
 )
 from . import batch, guiding, info, lods, simplify, texturing, tiles
-from .errors import UsageError
+from .errors import BAD_INPUT, INTERRUPTED, OK, USAGE, UsageError
 from .files import place
 
-OK, USAGE, BAD_INPUT, INTERRUPTED = 0, 2, 3, _process.INTERRUPTED
 EXPECTED = (UsageError, FileError, OSError, MemoryError, InvalidInput, RuntimeError)  #: what wrong input raises
 
 Options = type[CleanOptions] | type[MeshingOptions] | type[PartitionOptions]

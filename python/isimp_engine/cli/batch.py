@@ -5,27 +5,23 @@ OUTPUT_FOLDER/results.jsonl has one row a scan, results.html shows them.
 """
 
 import argparse
-import shutil
 import signal
 import sys
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from .. import _process
 from ..batch import BatchError, Outcome, State
 from ..batch import run as run_batch
+from ..batch.clusters import KINDS, checked
 from ..batch.page import NAME, flaws, in_order, totals
 from ..batch.table import NAME as ROWS
-from .errors import UsageError
-from .progress import wanted
+from .errors import INTERRUPTED, OK, SOME_FAILED, TERMINATED, UsageError
+from .progress import Screen, wanted
 
-SOME_FAILED, TERMINATED = 4, 128 + signal.SIGTERM
 _LINES = 20  # of problems and of results in the summary; the page has all
-_REDRAW = 0.1
 
 
 class Terminated(KeyboardInterrupt):
@@ -39,7 +35,7 @@ def add_options(command: argparse.ArgumentParser) -> None:
         "--format", default="obj", metavar="KIND", help="of results, as OUTPUT of simplify may end. Default: obj."
     )
     command.add_argument("--jobs", type=int, metavar="N", help="scans at once. Default: what cores and memory allow.")
-    command.add_argument("--dask", metavar="ADDRESS", help="scheduler of a cluster that does the work: tcp://HOST:PORT")
+    add_workers(command)
     command.add_argument("--time-limit", type=float, metavar="S", help="seconds a scan may take. Default: no limit.")
     command.add_argument("--memory-limit", type=float, metavar="MB", help="MB a scan may take. Default: what is free.")
     command.add_argument("--retry-failed", action="store_true", help="do again what failed in an earlier run")
@@ -47,6 +43,21 @@ def add_options(command: argparse.ArgumentParser) -> None:
     command.add_argument("--reports", action="store_true", help="write NAME.report.json beside each result")
     command.add_argument("--no-pictures", dest="pictures", action="store_false", help=f"no pictures in {NAME}")
     command.add_argument("--quiet", action="store_true", help="no progress, no summary")
+
+
+def add_workers(command: argparse.ArgumentParser) -> None:
+    """The options that say where children run."""
+    command.add_argument("--dask", metavar="ADDRESS", help="scheduler of a cluster that does the work: tcp://HOST:PORT")
+    started = f"start a cluster for this, of {', '.join(KINDS)}; needs isimp[cluster]"
+    command.add_argument("--cluster", metavar="KIND", help=started)
+    command.add_argument("--workers", type=int, metavar="N", help="jobs of --cluster. Default: 1.")
+    command.add_argument(
+        "--cluster-option",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="of --cluster: cores=16, memory=60GB, walltime=4:00:00, queue=Q, ...; ssh: hosts=A,B,C. May be repeated.",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -57,7 +68,7 @@ def run(arguments: argparse.Namespace) -> int:
         nonlocal state
         state = now
         if screen is not None:
-            screen.draw(now)
+            screen.draw(lambda: progress(now))
 
     try:
         with terminable():
@@ -70,6 +81,7 @@ def run(arguments: argparse.Namespace) -> int:
                     format=arguments.format,
                     jobs=arguments.jobs,
                     dask=arguments.dask,
+                    cluster=checked(arguments.cluster, arguments.workers, arguments.cluster_option),
                     time_limit=arguments.time_limit,
                     memory_limit=arguments.memory_limit,
                     retry_failed=arguments.retry_failed,
@@ -86,10 +98,10 @@ def run(arguments: argparse.Namespace) -> int:
     except KeyboardInterrupt as error:
         done = f"{state.before + state.done:,} of {state.scans:,} scans are done"
         print(f"isimp: interrupted, {done}; the same command does the others", file=sys.stderr)
-        return TERMINATED if isinstance(error, Terminated) else _process.INTERRUPTED
+        return TERMINATED if isinstance(error, Terminated) else INTERRUPTED
     if not arguments.quiet and sys.stdout is not None:
         print("\n".join(summary(outcome, arguments)))
-    return SOME_FAILED if outcome.failed else 0
+    return SOME_FAILED if outcome.failed else OK
 
 
 def given_options(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -118,26 +130,6 @@ def terminable() -> Iterator[None]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler if handler is not None else signal.SIG_DFL)
-
-
-class Screen:
-    """One line on stderr: how far it is, how fast, and how long it will take."""
-
-    def __init__(self) -> None:
-        self._drawn = 0.0
-
-    def draw(self, state: State) -> None:
-        now = time.monotonic()
-        if now - self._drawn < _REDRAW:
-            return
-        self._drawn = now
-        text = progress(state)[: shutil.get_terminal_size().columns - 1]
-        sys.stderr.write("\r\x1b[K" + text.encode(errors="replace").decode())
-        sys.stderr.flush()
-
-    def clear(self) -> None:
-        sys.stderr.write("\r\x1b[K")
-        sys.stderr.flush()
 
 
 def progress(state: State) -> str:

@@ -1,5 +1,14 @@
-"""What only the command line can do wrong."""
+"""What only the command line can do wrong, and how it ends."""
+
+import signal
+
+from .. import _process
 
 
 class UsageError(Exception):
     """The arguments don't go together, or not with this input; the message is shown as it is."""
+
+
+#: exit statuses
+OK, USAGE, BAD_INPUT, SOME_FAILED = 0, 2, 3, 4
+INTERRUPTED, TERMINATED = _process.INTERRUPTED, 128 + signal.SIGTERM

@@ -1,13 +1,13 @@
 """Files that appear whole or not at all."""
 
 import os
-import stat
 import sys
 from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
 
 from .. import FileError
+from ..drafts import deliver, draft_of
 from .errors import UsageError
 
 STDOUT = "-"
@@ -59,10 +59,8 @@ class Outputs:
 
     def write(self, path: Path, write: Callable[[Path], object]) -> None:
         """Call `write` with the path to write to for now; a device or pipe is written to as it is."""
-        part = path
-        if path.is_file() or not path.exists():
-            place = Path(os.path.realpath(path))  # a link stays one
-            part = place.with_name(f".{place.stem}.{os.getpid()}{place.suffix}")
+        part, place = draft_of(path)
+        if part != place:
             self._moves.append((part, place))
         try:
             write(part)
@@ -73,8 +71,5 @@ class Outputs:
 
     def commit(self) -> None:
         while self._moves:
-            part, place = self._moves[0]
-            if place.exists():
-                part.chmod(stat.S_IMODE(place.stat().st_mode))
-            part.replace(place)
+            deliver(*self._moves[0])
             self._moves.pop(0)

@@ -8,7 +8,7 @@ from typing import Any
 from .. import Job
 from . import simplify, words
 from .errors import UsageError
-from .loading import Input, clean_mesh, facts, load
+from .loading import Cleaned, Input, clean_mesh, facts, load
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -21,15 +21,15 @@ def run(arguments: argparse.Namespace) -> None:
         "repair": repaired,
         "repaired_at": repaired_at,
         "mesh": facts(mesh) | {"box": [low.tolist(), high.tolist()]},
-        "result": None if arguments.mesh_only else result(arguments, source),
+        "result": None if arguments.mesh_only else result(arguments, source, (mesh, repaired, repaired_at)),
     }
     print(json.dumps(report, indent=2, allow_nan=False) if arguments.json else "\n".join(lines(report)))
 
 
-def result(arguments: argparse.Namespace, source: Input) -> dict[str, Any]:
+def result(arguments: argparse.Namespace, source: Input, cleaned: Cleaned) -> dict[str, Any]:
     """How many polygons `isimp simplify` would make with these options, and why; or why it would refuse."""
     try:
-        model = simplify.make_model(arguments, source, simplify.Steps(show=False))
+        model = simplify.make_model(arguments, source, simplify.Steps(show=False), cleaned)
     except UsageError as error:
         return {"refused": str(error).removeprefix(f"{source.path}: ")}
     out = model.found.report

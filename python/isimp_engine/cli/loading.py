@@ -45,7 +45,11 @@ def cut(
     return triangulate(vertices, loops, loop_start)
 
 
-def clean_mesh(source: Input, options: CleanOptions, job: Job) -> tuple[Mesh, dict[str, int], dict[str, list[int]]]:
+#: a repaired mesh, how often each repair was made, and where first
+Cleaned = tuple[Mesh, dict[str, int], dict[str, list[int]]]
+
+
+def clean_mesh(source: Input, options: CleanOptions, job: Job) -> Cleaned:
     """The mesh, how often each repair was made, and where first: faces are the file's."""
     mesh = clean(source.vertices, source.triangles, options, job)
     report = mesh.report

@@ -3,12 +3,15 @@
 import shutil
 import sys
 import threading
+import time
+from collections.abc import Callable
 from types import TracebackType
 from typing import TextIO
 
 from .. import Job
 
 _BAR = 30
+_REDRAW = 0.1  # seconds
 
 
 class Progress:
@@ -45,7 +48,7 @@ class Progress:
         while True:
             self._stream.write("\r\x1b[K" + line(self._name, self._job))
             self._stream.flush()
-            if self._done.wait(0.1):
+            if self._done.wait(_REDRAW):
                 return
 
 
@@ -54,6 +57,27 @@ def line(name: str, job: Job) -> str:
     done = round(job.progress * _BAR)
     text = f"{name:<9} [{'#' * done}{'-' * (_BAR - done)}] {job.progress:4.0%}  {job.stage}"
     return text[: shutil.get_terminal_size().columns - 1]
+
+
+class Screen:
+    """One line on stderr that is drawn anew some times a second."""
+
+    def __init__(self) -> None:
+        self._drawn = 0.0
+
+    def draw(self, text: Callable[[], str]) -> None:
+        """Show a line, no wider than the terminal, unless the last one is too young; names may be any bytes."""
+        now = time.monotonic()
+        if now - self._drawn < _REDRAW:
+            return
+        self._drawn = now
+        shown = text()[: shutil.get_terminal_size().columns - 1]
+        sys.stderr.write("\r\x1b[K" + shown.encode(errors="replace").decode())
+        sys.stderr.flush()
+
+    def clear(self) -> None:
+        sys.stderr.write("\r\x1b[K")
+        sys.stderr.flush()
 
 
 def wanted(quiet: bool) -> bool:

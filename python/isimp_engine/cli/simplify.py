@@ -34,7 +34,7 @@ from ..within import Made, Within, polygonize_within
 from . import closing, guiding, lods, texturing, words
 from .errors import UsageError
 from .files import STDOUT, Outputs, check, is_same
-from .loading import Input, clean_mesh, facts, labels, load
+from .loading import Cleaned, Input, clean_mesh, facts, labels, load
 from .progress import Progress, wanted
 
 OUTPUT_KINDS = (".ply", ".obj", *exporting.KINDS)
@@ -52,7 +52,7 @@ class Steps:
         job, start = Job(), time.perf_counter()
         with Progress(name, job, sys.stderr) if self._show else nullcontext():
             yield job
-        self.seconds[name] = round(time.perf_counter() - start, 6)
+        self.seconds[name] = round(self.seconds.get(name, 0.0) + time.perf_counter() - start, 6)
 
 
 @dataclass(frozen=True)
@@ -75,10 +75,14 @@ def run(arguments: argparse.Namespace) -> Done:
     if arguments.texture is not None:
         texturing.check_source(source, [path for files in beside for path in files])
     with Outputs() as outputs:
+        cleaned = None
         for number, (level, files) in enumerate(zip(levels, beside, strict=True)):
             if number > 0 and level.texture is not None:
                 level.texture = lods.halved(done[0].report["texture"]["size"], number)
-            done.append(_make(level, source, steps, outputs, files))
+            if number == 0 and len(levels) > 1:
+                with steps("clean") as job:
+                    cleaned = clean_mesh(source, level.clean, job)
+            done.append(_make(level, source, steps, outputs, files, cleaned))
             steps = Steps(wanted(arguments.quiet))
         report = done[0].report
         if arguments.lods is not None:
@@ -107,15 +111,18 @@ class Model:
     regular: RegulariseOptions | None
 
 
-def make_model(arguments: argparse.Namespace, source: Input, steps: Steps) -> Model:
-    """Repair, partition and mesh, as the command line says."""
+def make_model(arguments: argparse.Namespace, source: Input, steps: Steps, cleaned: Cleaned | None = None) -> Model:
+    """Repair, partition and mesh, as the command line says.
+
+    cleaned: the repaired scan, where it is known already; what a mesh keeps of one partition serves the next.
+    """
     options, recipe = arguments.options, arguments.recipe
     meshing = MeshingOptions(**(recipe.meshing if recipe else {}) | {"threads": options.threads})
     meshing.planar = meshing.planar or bool(arguments.planar)
     regular = None if arguments.regularise is None else RegulariseOptions(angle=arguments.regularise)
     closed = None
     with steps("clean") as job:
-        mesh, repaired, repaired_at = clean_mesh(source, arguments.clean, job)
+        mesh, repaired, repaired_at = cleaned or clean_mesh(source, arguments.clean, job)
         if closing.is_wanted(arguments):
             with refused(arguments):
                 closed = closing.closing_options(mesh, options, arguments.clean, job)
@@ -138,19 +145,26 @@ def make_model(arguments: argparse.Namespace, source: Input, steps: Steps) -> Mo
     return Model(mesh, found.partition, found, repaired, repaired_at, closed, meshing, regular)
 
 
-def _make(arguments: argparse.Namespace, source: Input, steps: Steps, outputs: Outputs, beside: list[Path]) -> Done:
+def _make(
+    arguments: argparse.Namespace,
+    source: Input,
+    steps: Steps,
+    outputs: Outputs,
+    beside: list[Path],
+    cleaned: Cleaned | None,
+) -> Done:
     """Make and write one result; its files appear when `outputs` are committed."""
     options, recipe = arguments.options, arguments.recipe
-    model = make_model(arguments, source, steps)
+    model = make_model(arguments, source, steps, cleaned)
     mesh, part, poly, closed = model.mesh, model.partition, model.found.polygons, model.closed
-    made = None
+    made, surfaces = None, exporting.surfaces_of(poly)
     if arguments.texture is not None:
         with steps("texture") as job:
             made = texturing.make(arguments, source, mesh, part, poly, job)
     with steps("write") as job:
         if made is None:
             put = partial(exporting.write, polygons=poly, job=job, crs=arguments.crs, like=arguments.output)
-            outputs.write(arguments.output, put)
+            outputs.write(arguments.output, partial(put, surfaces=surfaces))
         else:
             for file, content in files_of(arguments.output, poly, made, job).items():
                 outputs.write(file, partial(Path.write_bytes, data=content))
@@ -177,7 +191,7 @@ def _make(arguments: argparse.Namespace, source: Input, steps: Steps, outputs: O
         "history": part.history.tolist(),
         "partition": part.report,
         "output": {"path": str(arguments.output)} | model.found.report,
-        "validity": exporting.validity(poly),
+        "validity": exporting.validity(poly, surfaces=surfaces),
         "texture": None if made is None else made.report | {"files": [str(path) for path in beside]},
         "seconds": steps.seconds,
         "peak_mb": peak_mb(),
@@ -253,18 +267,13 @@ def _summary(part: Partition, report: dict[str, Any]) -> Iterator[str]:
         yield f"  repaired: {line}"
     if report["closed_below"] and (report["repair"]["filled_holes"] or report["repair"]["cut_handles"]):
         yield f"  closed: openings up to {report['closed_below']:.4g} long; --keep-openings keeps them"
-    if part.parts_left_out:
-        yield f"  left out: {words.count(part.parts_left_out, 'part')}, {part.area_left_out:.2%} of the area"
+    yield from words.left_out(part.parts_left_out, part.area_left_out)
     yield from (f"  warning: {text}" for text in report["partition"]["warnings"])
     if report["partition"]["tolerance"] is not None:
         yield f"  {words.found(report['partition'])}"
-    if part.region_count > part.proxies_asked:
-        yield f"  {part.region_count:,} proxies used, since the parts need them; {part.proxies_asked:,} were asked for"
-    polygons, regions = words.count(out["polygons"], "polygon"), words.count(out["regions"], "region")
-    mean, worst = (f"{out[key] / mesh['diagonal']:.3%}" for key in ("planarity_mean", "planarity_max"))
-    kind = f"{'closed' if out['closed'] else 'open'}, {'manifold' if out['manifold'] else 'not manifold'}"
-    yield f"{out['path']}: {polygons} of {regions}, {out['corners'] / max(out['polygons'], 1):.1f} corners each, {kind}"
-    yield f"  flat to {mean} of the diagonal, at worst {worst}; {sum(report['seconds'].values()):.1f} s"
+    yield from words.more_proxies(part.region_count, part.proxies_asked)
+    yield words.polygons(out, out["regions"])
+    yield words.flat(out, mesh["diagonal"], sum(report["seconds"].values()))
     if more := words.more_than_regions(out):
         yield f"  {more}"
     if report["texture"] is not None:
@@ -274,5 +283,4 @@ def _summary(part: Partition, report: dict[str, Any]) -> Iterator[str]:
         yield f"  the scan is at most {out['scan_distance']:.4g} off, {kept} {out['scan_distance_allowed']:.4g}"
     if exporting.kind_of(out["path"]):
         yield f"  {words.surfaces(report['validity'])}"
-    if flaws := [f"{out[key]} {key}" for key in ("crossing", "flipped", "bent", "intersecting") if out[key]]:
-        yield f"  not perfect: {', '.join(flaws)}"
+    yield from words.flaws(out)

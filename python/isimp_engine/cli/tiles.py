@@ -1,28 +1,27 @@
 """Simplify one scan that is given as tiles, or too large for memory. A run that was ended goes on where it was.
 
-INPUT is a folder of tiles (PLY, OBJ, STL, OFF) in one system of coordinates, or one scan, which is cut into tiles. No
-polygon ends at a border of tiles, and the result is the same for any number of workers.
+INPUT is a folder of tiles (PLY, OBJ, STL, OFF) in one system of coordinates, a tileset of 3D Tiles, or one scan, which
+is cut into tiles. No polygon ends at a border of tiles, and the result is the same for any number of workers.
 """
 
 import argparse
 import json
-import shutil
 import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from .. import _process
+from ..batch import BatchError
+from ..batch.clusters import checked
 from ..tiles import Outcome, State, TileFailed, TilesError
 from ..tiles import run as run_tiles
-from ..tiles.run import TILE_FACES
+from ..tiles.run import DETAIL, TILE_FACES
 from . import words
-from .batch import TERMINATED, Terminated, terminable
-from .errors import UsageError
+from .batch import Terminated, add_workers, terminable
+from .errors import BAD_INPUT, INTERRUPTED, OK, TERMINATED, UsageError
 from .files import STDOUT, Outputs, check, place
-from .progress import wanted
+from .progress import Screen, wanted
 
-_REDRAW = 0.1
 _WORDS = {  # what a step does
     "split": "cutting",
     "prepare": "reading",
@@ -40,9 +39,13 @@ _WORDS = {  # what a step does
 
 
 def add_options(command: argparse.ArgumentParser) -> None:
-    command.add_argument("input", type=Path, metavar="INPUT", help="folder of tiles, or one scan")
+    command.add_argument("input", type=Path, metavar="INPUT", help="folder of tiles, tileset.json, or one scan")
     command.add_argument("output", type=Path, metavar="OUTPUT", help="PLY or OBJ")
-    command.add_argument("--proxies", type=int, metavar="N", required=True, help="number of regions of all tiles")
+    command.add_argument("--proxies", type=int, metavar="N", help="number of regions of all tiles")
+    detail = f"as of simplify: find the number of regions; a share of the scan's size. Default: {DETAIL}."
+    command.add_argument("--detail", type=float, metavar="X", help=detail)
+    command.add_argument("--tolerance", type=float, metavar="T", help="as --detail, in scene units")
+    command.add_argument("--noise", type=float, metavar="S", help="as of simplify. Default: estimated.")
     command.add_argument(
         "--weld",
         type=float,
@@ -50,7 +53,7 @@ def add_options(command: argparse.ArgumentParser) -> None:
         metavar="L",
         help="vertices on borders of tiles up to this far apart are one. Default: 0, only where they are equal.",
     )
-    command.add_argument("--dask", metavar="ADDRESS", help="scheduler of a cluster that does the work: tcp://HOST:PORT")
+    add_workers(command)
     command.add_argument(
         "--work", type=Path, metavar="FOLDER", help="for intermediate results; stays. Default: beside OUTPUT, removed."
     )
@@ -74,7 +77,7 @@ def add_options(command: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     if isinstance(arguments.report, Path):
         check(arguments.report)
-    screen = _Screen() if wanted(arguments.quiet) else None
+    screen = Screen() if wanted(arguments.quiet) else None
     state = State()
     told = arguments.quiet
 
@@ -86,9 +89,9 @@ def run(arguments: argparse.Namespace) -> int:
             print(f"isimp: goes on from an earlier run, which did {now.before:,} steps", file=sys.stderr)
         told, state = True, now
         if screen is not None:
-            screen.draw(now)
+            screen.draw(lambda: progress(now))
 
-    names = ("smooth", "leave_out", "seed", "planar")
+    names = ("detail", "tolerance", "noise", "smooth", "leave_out", "seed", "planar")
     given = {name: getattr(arguments, name) for name in names if getattr(arguments, name) is not None}
     begun = time.monotonic()
     try:
@@ -103,6 +106,7 @@ def run(arguments: argparse.Namespace) -> int:
                     labels=arguments.labels,
                     jobs=arguments.jobs,
                     dask=arguments.dask,
+                    cluster=checked(arguments.cluster, arguments.workers, arguments.cluster_option),
                     tile_faces=arguments.tile_faces,
                     options=given,
                     watch=watch,
@@ -115,43 +119,25 @@ def run(arguments: argparse.Namespace) -> int:
                 text = json.dumps(outcome.report, indent=2, allow_nan=False) + "\n"
                 outputs.write_text(arguments.report, text)
             outputs.commit()
-    except TilesError as error:
+    except (BatchError, TilesError) as error:
         raise UsageError(str(error)) from None
     except TileFailed as error:
         print("isimp:", " ".join(str(error).split()), file=sys.stderr)
-        return BAD_TILE
+        return BAD_INPUT
     except KeyboardInterrupt as error:
         said = f"interrupted while {_WORDS.get(state.step, 'starting')}; the same command goes on from there"
         print(f"isimp: {said}", file=sys.stderr)
-        return TERMINATED if isinstance(error, Terminated) else _process.INTERRUPTED
+        return TERMINATED if isinstance(error, Terminated) else INTERRUPTED
     if not arguments.quiet:
         stream = sys.stderr if arguments.report == STDOUT else sys.stdout
         if stream is not None:
             print("\n".join(summary(outcome, arguments)), file=stream)
-    return 0
+    return OK
 
 
-BAD_TILE = 3
-
-
-class _Screen:
-    """One line on stderr: the step, and how many tiles of it are done."""
-
-    def __init__(self) -> None:
-        self._drawn = 0.0
-
-    def draw(self, state: State) -> None:
-        now = time.monotonic()
-        if now - self._drawn < _REDRAW:
-            return
-        self._drawn = now
-        text = f"{_WORDS.get(state.step, state.step)}: {state.done:,} of {state.tiles:,} tiles, {state.seconds:.0f} s"
-        sys.stderr.write("\r\x1b[K" + text[: shutil.get_terminal_size().columns - 1])
-        sys.stderr.flush()
-
-    def clear(self) -> None:
-        sys.stderr.write("\r\x1b[K")
-        sys.stderr.flush()
+def progress(state: State) -> str:
+    """`relaxing: 3 of 16 tiles, 41 s`."""
+    return f"{_WORDS.get(state.step, state.step)}: {state.done:,} of {state.tiles:,} tiles, {state.seconds:.0f} s"
 
 
 def summary(outcome: Outcome, arguments: argparse.Namespace) -> Iterator[str]:
@@ -166,14 +152,11 @@ def summary(outcome: Outcome, arguments: argparse.Namespace) -> Iterator[str]:
     edges, share = report["border_edges"], report["unmatched_share"]
     if report["tiles"] > 1:
         yield f"  borders of tiles: {edges:,} edges, {share:.1%} without a partner: rims of the scan, or gaps"
-    if report["parts_left_out"]:
-        yield f"  left out: {words.count(report['parts_left_out'], 'part')}, {report['area_left_out']:.2%} of the area"
-    if report["regions"] > arguments.proxies:
-        yield f"  {report['regions']:,} proxies used, since the parts need them; {arguments.proxies:,} were asked for"
-    polygons, regions = words.count(out["polygons"], "polygon"), words.count(report["regions"], "region")
-    kind = f"{'closed' if out['closed'] else 'open'}, {'manifold' if out['manifold'] else 'not manifold'}"
-    yield f"{out['path']}: {polygons} of {regions}, {out['corners'] / max(out['polygons'], 1):.1f} corners each, {kind}"
-    mean, worst = (f"{out[key] / report['diagonal']:.3%}" for key in ("planarity_mean", "planarity_max"))
-    yield f"  flat to {mean} of the diagonal, at worst {worst}; {report['seconds']['all']:.1f} s"
-    if flaws := [f"{out[key]} {key}" for key in ("crossing", "flipped", "bent", "intersecting") if out[key]]:
-        yield f"  not perfect: {', '.join(flaws)}"
+    yield from words.left_out(report["parts_left_out"], report["area_left_out"])
+    if report["tolerance"] is not None:
+        yield f"  {words.found(report)}"
+    else:
+        yield from words.more_proxies(report["regions"], arguments.proxies)
+    yield words.polygons(out, report["regions"])
+    yield words.flat(out, report["diagonal"], report["seconds"]["all"])
+    yield from words.flaws(out)

@@ -86,3 +86,30 @@ def found(partition: dict[str, Any]) -> str:
     text = f"{count(partition['regions'], 'region')} found at a tolerance of {partition['tolerance']:.3g}"
     text += f", noise {partition['noise']:.2g}"
     return text + (", the number of planes it is made of" if partition["snapped"] else "")
+
+
+def left_out(parts: int, area: float) -> Iterator[str]:
+    if parts:
+        yield f"  left out: {count(parts, 'part')}, {area:.2%} of the area"
+
+
+def more_proxies(used: int, asked: int) -> Iterator[str]:
+    if used > asked:
+        yield f"  {used:,} proxies used, since the parts need them; {asked:,} were asked for"
+
+
+def polygons(out: dict[str, Any], regions: int) -> str:
+    """`a.obj: 12 polygons of 10 regions, 4.5 corners each, closed, manifold`."""
+    made, of = count(out["polygons"], "polygon"), count(regions, "region")
+    kind = f"{'closed' if out['closed'] else 'open'}, {'manifold' if out['manifold'] else 'not manifold'}"
+    return f"{out['path']}: {made} of {of}, {out['corners'] / max(out['polygons'], 1):.1f} corners each, {kind}"
+
+
+def flat(out: dict[str, Any], diagonal: float, seconds: float) -> str:
+    mean, worst = (f"{out[key] / diagonal:.3%}" for key in ("planarity_mean", "planarity_max"))
+    return f"  flat to {mean} of the diagonal, at worst {worst}; {seconds:.1f} s"
+
+
+def flaws(out: dict[str, Any]) -> Iterator[str]:
+    if found := [f"{out[key]} {key}" for key in ("crossing", "flipped", "bent", "intersecting") if out[key]]:
+        yield f"  not perfect: {', '.join(found)}"

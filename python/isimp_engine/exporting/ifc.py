@@ -7,7 +7,7 @@ import numpy as np
 
 from .. import _core
 from .._core import PolygonMesh
-from .surfaces import CEILING, CLASSES, GROUND, ROOF, WALL, Surfaces, rings
+from .surfaces import CEILING, CLASSES, GROUND, ROOF, WALL, Surfaces, part_of, rings
 
 _ELEMENTS = {WALL: "IfcWall", ROOF: "IfcRoof", GROUND: "IfcSlab", CEILING: "IfcSlab"}
 _TYPES = {GROUND: "BASESLAB", CEILING: "FLOOR"}
@@ -64,10 +64,9 @@ def write(path: Path, poly: PolygonMesh, surfaces: Surfaces, name: str, crs: int
         some = surfaces.of(kind)
         if not some:
             continue
-        used, local = np.unique(np.concatenate([loops[q] for q in some]), return_inverse=True)
-        parts = np.split(local + 1, np.cumsum([len(loops[q]) for q in some])[:-1])
-        points = make("IfcCartesianPointList3D", CoordList=(at[used] - shift).tolist())
-        faces = [make("IfcIndexedPolygonalFace", CoordIndex=part.tolist()) for part in parts]
+        places, parts = part_of(poly, loops, some)
+        points = make("IfcCartesianPointList3D", CoordList=(places - shift).tolist())
+        faces = [make("IfcIndexedPolygonalFace", CoordIndex=(part + 1).tolist()) for part in parts]
         shape = make("IfcPolygonalFaceSet", Coordinates=points, Closed=False, Faces=faces)
         body = make(
             "IfcShapeRepresentation",

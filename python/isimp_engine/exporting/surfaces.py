@@ -66,9 +66,21 @@ def surfaces_of(poly: PolygonMesh, up: tuple[float, float, float] = (0.0, 0.0, 1
     return Surfaces([str(k) for k in kind], normal, parts, volume, closed and parts == 1 and volume > 0)
 
 
-def validity(poly: PolygonMesh, limit: float = PLANAR) -> dict[str, Any]:
-    """What validators of city models ask first: planar polygons, within `limit` in scene units, and a closed shell."""
-    found = surfaces_of(poly)
+def part_of(
+    poly: PolygonMesh, loops: list[NDArray[np.int32]], some: list[int]
+) -> tuple[NDArray[np.float64], list[NDArray[np.int64]]]:
+    """Some polygons as a mesh of their own: the places that they use (V, 3), and the corners of each there."""
+    used, local = np.unique(np.concatenate([loops[q] for q in some]), return_inverse=True)
+    ends = np.cumsum([len(loops[q]) for q in some])[:-1]
+    return np.asarray(poly.vertices, dtype=np.float64)[used], np.split(local.ravel(), ends)
+
+
+def validity(poly: PolygonMesh, limit: float = PLANAR, surfaces: Surfaces | None = None) -> dict[str, Any]:
+    """What validators of city models ask first: planar polygons, within `limit` in scene units, and a closed shell.
+
+    surfaces: what `surfaces_of` gives for these polygons, where it is known already.
+    """
+    found = surfaces or surfaces_of(poly)
     bent = np.asarray(poly.planarity) > limit
     return {
         "planarity_limit": limit,

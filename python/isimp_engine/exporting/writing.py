@@ -1,15 +1,15 @@
 """One door for all files of polygons."""
 
 import importlib.util
-import os
 from collections.abc import Callable
 from os import PathLike
 from pathlib import Path
 
 from .. import _core
 from .._core import FileError, Job, PolygonMesh
+from ..drafts import whole
 from . import cityjson, dxf, ifc
-from .surfaces import surfaces_of
+from .surfaces import Surfaces, surfaces_of
 
 KINDS = (".city.json", ".dxf", ".ifc")
 _NEEDS = {".dxf": ("ezdxf", "dxf"), ".ifc": ("ifcopenshell", "ifc")}  # the package, and the extra that installs it
@@ -36,6 +36,7 @@ def write(
     crs: int | None = None,
     version: str = "2.0",
     like: str | PathLike[str] | None = None,
+    surfaces: Surfaces | None = None,
 ) -> None:
     """Write polygons: PLY, OBJ, and for buildings CityJSON (.city.json), DXF and IFC.
 
@@ -46,6 +47,7 @@ def write(
     crs: the number of the EPSG reference system of the coordinates, written to CityJSON and IFC.
     version: of CityJSON, "2.0" or "1.1".
     like: the name that tells the kind, where `path` is one for now.
+    surfaces: what `surfaces_of` gives for these polygons, where it is known already.
     Raises FileError (another extension, a missing package, or the place can't be written), InvalidInput, Cancelled.
     """
     named = Path(like if like is not None else path)
@@ -55,7 +57,7 @@ def write(
         return
     require(named)
     place = Path(path)
-    surfaces, name = surfaces_of(polygons), named.name[: -len(kind)] or "building"
+    surfaces, name = surfaces or surfaces_of(polygons), named.name[: -len(kind)] or "building"
     if kind == ".city.json":
         text = cityjson.cityjson(polygons, surfaces, name, crs, version)
         _whole(place, lambda draft: draft.write_text(text, encoding="utf-8"))
@@ -66,18 +68,9 @@ def write(
 
 
 def _whole(place: Path, put: Callable[[Path], object]) -> None:
-    """Write beside the place, then move there; devices and pipes are written to as they are."""
-    if place.exists() and not place.is_file():
-        draft = place
-    else:
-        place = Path(os.path.realpath(place))  # a link stays one
-        draft = place.with_name(f".{os.getpid()}.{place.name}")
+    """Write beside the place, then move there."""
     try:
-        put(draft)
-        if draft is not place:
-            draft.replace(place)
+        with whole(place) as draft:
+            put(draft)
     except OSError as error:
         raise FileError(f"{place}: can't be written: {error.strerror or error}") from None
-    finally:
-        if draft is not place:
-            draft.unlink(missing_ok=True)

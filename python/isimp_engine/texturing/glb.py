@@ -50,6 +50,18 @@ def read(path: Path) -> TexturedSoup:
     return TexturedSoup(vertices, faces, uv[faces], material, pictures, corner_colors, names, file.linked)
 
 
+def geometry(path: Path, data: bytes) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.float64]]:
+    """Vertices (V, 3) and triangles (F, 3) of a glTF file's contents, and the centre that they are relative to."""
+    file = _File(path, data)
+    parts = [_primitive(file, p, m) for mesh, m in file.instances() for p in mesh.get("primitives", ())]
+    first = np.cumsum([0] + [len(part["vertices"]) for part in parts])
+    vertices = np.concatenate([np.zeros((0, 3)), *(part["vertices"] for part in parts)])
+    rows = [part["triangles"] + base for part, base in zip(parts, first, strict=False)]
+    centre = file.json.get("extensions", {}).get("CESIUM_RTC", {}).get("center", (0.0, 0.0, 0.0))
+    triangles = np.concatenate([np.zeros((0, 3), np.int64), *rows]).astype(np.int32)
+    return vertices, triangles, np.array(centre, dtype=np.float64).reshape(3)
+
+
 def _primitive(file: "_File", primitive: dict[str, Any], matrix: NDArray[np.float64]) -> dict[str, Any]:
     """Vertices, triangles, UVs (v upward) and colours of a primitive."""
     if "KHR_draco_mesh_compression" in primitive.get("extensions", {}):
@@ -111,9 +123,9 @@ def _to_srgb(linear: NDArray[np.float64]) -> NDArray[np.float64]:
 class _File:
     """The JSON and the buffers of a file."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, data: bytes | None = None) -> None:
         self.path = path
-        data = path.read_bytes()
+        data = path.read_bytes() if data is None else data
         self.binary: bytes = b""
         text = data
         if data[:4] == _MAGIC:

@@ -4,6 +4,7 @@ from os import PathLike
 from pathlib import Path
 
 from .._core import FileError, Job, read
+from ..reading import COMPRESSED
 from . import glb, obj, ply
 from .soup import TexturedSoup
 
@@ -20,6 +21,8 @@ def read_textured(path: str | PathLike[str], job: Job | None = None, *, threads:
     """
     place = Path(path)
     kind = place.suffix.lower()
+    if kind in COMPRESSED:
+        raise FileError(f"{place}: is compressed; decompress it first, as its images are looked for beside it")
     if kind not in KINDS:
         raise FileError(f"{place}: is of a kind that can't be read; it must end in one of {', '.join(KINDS)}")
     if kind in (".stl", ".off"):

@@ -1,6 +1,5 @@
 """Polygons with their texture as files."""
 
-import os
 from collections.abc import Callable
 from os import PathLike
 from pathlib import Path
@@ -9,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core import FileError, Job, PolygonMesh, triangulate
+from ..drafts import deliver, draft_of
 from . import images
 from .baking import Texture
 from .glb import glb
@@ -54,12 +54,12 @@ def write_textured(path: str | PathLike[str], poly: PolygonMesh, made: Texture, 
     drafts: list[tuple[Path, Path]] = []
     try:
         for file, content in files.items():
-            draft = file.with_name(f".{file.stem}.{os.getpid()}{file.suffix}")
-            drafts.append((draft, file))
+            draft, target = draft_of(file)
+            if draft != target:
+                drafts.append((draft, target))
             draft.write_bytes(content)
         while drafts:
-            draft, file = drafts[0]
-            draft.replace(file)
+            deliver(*drafts[0])
             drafts.pop(0)
     except OSError as error:
         raise FileError(f"{place}: can't be written: {error.strerror or error}") from None

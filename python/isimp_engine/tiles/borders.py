@@ -67,16 +67,22 @@ def border_edges(neighbour: NDArray[np.int32]) -> tuple[NDArray[np.int32], NDArr
 def fringe_of(
     record: NDArray[np.float32],
     neighbour: NDArray[np.int32],
+    mesh_face: NDArray[np.int32],
     triangles: NDArray[np.int32],
     vertices: NDArray[np.float64],
 ) -> Fringe:
-    """The fringe of a tile; `triangles` in the order of Faces."""
+    """The fringe of a tile; record, neighbour and mesh_face of its Faces, triangles and vertices of its mesh."""
     face, corner = border_edges(neighbour)
-    ends = np.stack([triangles[face, corner], triangles[face, (corner + 1) % 3]], 1)
+    corners = triangles[mesh_face[face]]
+    row = np.arange(len(face))
+    ends = np.stack([corners[row, corner], corners[row, (corner + 1) % 3]], 1)
     near = np.zeros(len(vertices), bool)
     near[ends] = True
-    faces = np.flatnonzero(near[triangles].any(1)).astype(np.int32)
-    used, local = np.unique(triangles[faces], return_inverse=True)
+    touches = near[triangles[:, 0]]
+    for k in (1, 2):
+        touches |= near[triangles[:, k]]
+    faces = np.flatnonzero(touches[mesh_face]).astype(np.int32)
+    used, local = np.unique(triangles[mesh_face[faces]], return_inverse=True)
     keys = place_keys(vertices[used])[local.reshape(-1, 3)]
     names = place_keys(vertices[ends.ravel()]).reshape(-1, 2)
     return Fringe(faces, record[faces], neighbour[faces], keys, face, corner, names)

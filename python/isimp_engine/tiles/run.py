@@ -5,33 +5,41 @@ import json
 import os
 import shutil
 import time
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from .. import InvalidInput, PartitionOptions, __version__
+from .. import FileError, InvalidInput, PartitionOptions, __version__
+from ..batch.clusters import Cluster
 from ..batch.errors import BatchError
 from ..batch.local import Local
 from ..batch.nursery import Ending, Limits
-from ..batch.on_dask import OnDask
-from ..batch.run import check_ranges
+from ..batch.on_dask import OnDask, on_cluster
+from ..batch.run import check_one, check_ranges
 from ..batch.scans import READABLE, estimated_faces, find_scans, needed_mb
 from ..batch.table import WORK, Lock, sync_folder
+from ..drafts import whole
+from ..reading import inner, kind_of
 from . import steps
 from .errors import TileFailed, TilesError
 from .store import MADE, load, of_tile, publish, values_of
+from .tileset import Leaf, leaves, tileset_of
 
 PLAN = "plan.json"
 TILE_FACES = 1_000_000  #: of the tiles that a single scan is cut into
+DETAIL = 0.005  #: where neither a number nor a tolerance is given, as for one piece
 OUTPUTS = (".obj", ".ply")
+_PARTITION = ("proxies", "detail", "tolerance", "noise", "snap", "smooth", "leave_out", "seed")
 _PATCH, _PATCHES_A_REGION = 100, 6  # faces of a patch at most; patches a region at least
-_SURPLUS = 2.2  # regions before the last merging, as a multiple of those wanted
 _FIRST = (3, 3)  # rounds and sweeps of each, before that
 _LAST = (10, 8)  # and after it, at most
 _HEAVIER = 1.5  # weight of borders against one piece's: merging starts from better patches, and would leave longer ones
+_LIGHTER = 0.75  # where the number is found: there one piece has longer borders too
 _FEW = 2e-5  # of all faces: rounds end where fewer move
 _TICK = 0.2  # seconds
 
@@ -66,10 +74,13 @@ class Plan:
     output: Path
     work: Path
     options: dict[str, Any]
+    leaves: tuple[Leaf, ...] = ()  # of a tileset: as inputs
 
     def key(self) -> str:
         files = [(name, str(p), p.stat().st_size, p.stat().st_mtime_ns) for name, p in self.inputs]
-        said = json.dumps([files, self.is_single, self.output.name, self.options, __version__])
+        said = json.dumps(
+            [files, self.is_single, self.output.name, self.options, __version__, [leaf[1:] for leaf in self.leaves]]
+        )
         return hashlib.sha256(said.encode()).hexdigest()
 
 
@@ -77,29 +88,31 @@ def run(
     source: str | os.PathLike[str],
     output: str | os.PathLike[str],
     *,
-    proxies: int,
+    proxies: int | None = None,
     weld: float = 0.0,
     work: str | os.PathLike[str] | None = None,
     labels: str | os.PathLike[str] | None = None,
     jobs: int | None = None,
     dask: str | None = None,
+    cluster: Cluster | None = None,
     tile_faces: int = TILE_FACES,
     options: Mapping[str, Any] | None = None,
     watch: Callable[[State], None] | None = None,
 ) -> Outcome:
     """Simplify one scan that is given as tiles to a polygon mesh; no polygon ends at a border of tiles.
 
-    source: a folder of tiles in one system of coordinates (PLY, OBJ, STL, OFF), or one scan, which is cut into tiles of
-            about `tile_faces` faces.
+    source: a folder of tiles in one system of coordinates (PLY, OBJ, STL, OFF), a tileset.json of 3D Tiles, or one
+            scan, which is cut into tiles of about `tile_faces` faces.
     output: the polygon mesh, .obj or .ply.
-    proxies: the number of regions.
+    proxies: the number of regions; None: found, as options say.
     weld: length up to which vertices on borders of different tiles are one; 0: only where they are equal.
     work: folder for intermediate results, on a disk that all workers share; it stays. None: one beside the output,
           which is removed at the end. A run that was ended goes on from there.
     labels: folder for the labels: an int32 array for each tile, the region of each face of its file; -1: none.
     jobs: the largest number of tiles at once; None: one a core. Free memory may allow fewer.
     dask: the address of a Dask scheduler, whose workers do the work.
-    options: smooth, leave_out, seed of PartitionOptions, and planar of MeshingOptions.
+    cluster: a cluster that is started for this run, see batch.Cluster, in place of `dask`.
+    options: detail, tolerance, noise, snap, smooth, leave_out, seed of PartitionOptions, planar of MeshingOptions.
     watch: called after each step of a tile, and some times a second.
 
     The result is the same bits for any number of workers, and after any number of interrupted runs.
@@ -108,11 +121,12 @@ def run(
     """
     if not hasattr(os, "fork"):
         raise TilesError("tiles need child processes by fork, which this system does not have")
-    plan = _plan(Path(source), Path(output), work, dict(options or {}) | {"proxies": proxies, "weld": weld}, tile_faces)
+    plan = _plan(Path(source), Path(output), work, _options(options, proxies, weld), tile_faces)
     if jobs is not None and jobs < 1:
         raise TilesError(f"the number of jobs must be at least 1, got {jobs}")
     target = None if labels is None else _label_folder(Path(labels), plan)
     try:
+        check_one(dask, cluster)
         plan.work.mkdir(parents=True, exist_ok=True)
         with Lock(plan.work):
             before = _begin(plan)
@@ -121,7 +135,7 @@ def run(
             parts = plan.work / "parts"
             shutil.rmtree(parts, ignore_errors=True)
             parts.mkdir()
-            with _workers(parts, jobs, dask) as workers:
+            with _workers(parts, jobs, dask, cluster) as workers:
                 outcome = _Run(plan, workers, watch, before, target is not None).run()
             if target is not None:
                 outcome.report["labels"] = _write_labels(plan, target)
@@ -131,6 +145,13 @@ def run(
     if work is None:
         shutil.rmtree(plan.work, ignore_errors=True)
     return outcome
+
+
+def _options(options: Mapping[str, Any] | None, proxies: int | None, weld: float) -> dict[str, Any]:
+    given = dict(options or {}) | {"weld": weld} | ({} if proxies is None else {"proxies": proxies})
+    if not any(name in given for name in ("proxies", "detail", "tolerance")):
+        given["detail"] = DETAIL
+    return given
 
 
 def _plan(source: Path, output: Path, work: Any, options: dict[str, Any], tile_faces: int) -> Plan:
@@ -146,6 +167,9 @@ def _plan(source: Path, output: Path, work: Any, options: dict[str, Any], tile_f
         raise TilesError(f"{source}: there is no such folder or scan")
     if folder.exists() and not folder.is_dir():
         raise TilesError(f"{folder}: the work folder is a file")
+    _check(options)
+    if (tileset := tileset_of(source)) is not None:
+        return _plan_of_tileset(tileset, place, folder, options)
     try:
         scans = find_scans([source], output.suffix, besides=folder)
     except BatchError as error:
@@ -154,19 +178,35 @@ def _plan(source: Path, output: Path, work: Any, options: dict[str, Any], tile_f
     inputs = [(name, path) for name, path in inputs if path.resolve() != place.resolve()]
     if not inputs:
         raise TilesError(f"{source}: there is no tile in this folder")
-    _check(options)
     if tile_faces < 1:
         raise TilesError(f"the number of faces of a tile must be at least 1, got {tile_faces}")
-    single = source.is_file() and source.suffix.lower() in READABLE  # another file is a list of tiles
+    single = source.is_file() and kind_of(source) in READABLE  # another file is a list of tiles
     return Plan(inputs, single, place, folder, options | ({"tile_faces": tile_faces} if single else {}))
+
+
+def _plan_of_tileset(tileset: Path, place: Path, folder: Path, options: dict[str, Any]) -> Plan:
+    try:
+        found = tuple(Leaf(Path(os.path.abspath(leaf.path)), *leaf[1:]) for leaf in leaves(tileset))  # noqa: PTH100
+    except FileError as error:
+        raise TileFailed(str(error)) from None
+    if not found:
+        raise TilesError(f"{tileset}: the tileset has no tile with a mesh")
+    base, seen = Path(os.path.abspath(tileset.parent)), Counter[str]()  # noqa: PTH100
+    inputs = []
+    for leaf in found:
+        name = Path(os.path.relpath(leaf.path, base)).as_posix().replace("../", "")
+        seen[name] += 1
+        inputs.append((name if seen[name] == 1 else f"{name}.{seen[name]}", leaf.path))
+    return Plan(inputs, False, place, folder, options, found)
 
 
 def _check(options: dict[str, Any]) -> None:
     try:
-        names = ("proxies", "smooth", "leave_out", "seed")
-        check_ranges(PartitionOptions(**{name: options[name] for name in names if name in options}))
+        check_ranges(PartitionOptions(**{name: options[name] for name in _PARTITION if name in options}))
     except (BatchError, InvalidInput) as error:
         raise TilesError(str(error)) from None
+    if len(given := [name for name in ("proxies", "detail", "tolerance") if name in options]) > 1:
+        raise TilesError(f"--{given[0]} and --{given[1]} contradict each other; give one of them")
     if not (0 <= options["weld"] < float("inf")):
         raise TilesError(f"the length to weld within must be at least 0, got {options['weld']}")
 
@@ -195,8 +235,12 @@ def _begin(plan: Plan) -> int:
     return 0
 
 
-def _workers(parts: Path, jobs: int | None, dask: str | None) -> Workers:
+def _workers(
+    parts: Path, jobs: int | None, dask: str | None, cluster: Cluster | None
+) -> AbstractContextManager[Workers]:
     work = f"{__package__}.tasks:run"
+    if cluster is not None:
+        return on_cluster(cluster, parts, Limits(), work)
     if dask is not None:
         return OnDask(dask, parts, Limits(), work)
     return Local(parts, jobs, Limits(), work, threads=1)
@@ -214,6 +258,8 @@ class _Run:
         self._begun, self._number = time.monotonic(), 0
         self._faces: list[int] = [estimated_faces(path) for _, path in plan.inputs]
         self._sizes = [path.stat().st_size for _, path in plan.inputs]
+        self._tolerance: float | None = None  # scene units; None: the number of regions is given
+        self._noise = 0.0
         self._peaks: dict[str, float] = {}
         self._seconds: dict[str, float] = {}
 
@@ -222,23 +268,22 @@ class _Run:
         self._prepared()
         present = [k for k, count in enumerate(self._faces) if count]
         whole = self._faces
-        self._check_faces(whole)
         self._one("mend", {"weld": options["weld"], "diagonal": self._diagonal}, sum(whole) // 50)
-        size = max(1, min(_PATCH, sum(whole) // (_PATCHES_A_REGION * options["proxies"])))
         smooth = options.get("smooth", PartitionOptions().smooth)
-        self._map("patches", present, {"size": size, "smooth": smooth})
+        self._map("patches", present, self._fineness() | {"smooth": smooth})
         for k in present:  # vertices on borders have been put in, or all faces of a tile welded away
             self._faces[k] = values_of(of_tile(plan.work, "patches", k))["faces"]
         present = [k for k in present if self._faces[k]]
-        target = max(options["proxies"], int(_SURPLUS * options["proxies"]))
         leave_out = options.get("leave_out", PartitionOptions().leave_out)
-        merging = {"present": present, "proxies": options["proxies"], "target": target, "leave_out": leave_out}
-        join = self._one("join", merging, 4 * sum(whole) // size)
+        patches = sum(values_of(of_tile(plan.work, "patches", k))["patches"] for k in present)
+        merging = {"present": present, "wanted": self._wanted(), "leave_out": leave_out}
+        join = self._one("join", merging, 4 * patches)
         first = load(of_tile(plan.work, "join", 0), "first").tolist()
         own = {k: {"first": first[i], "near": join["near"][str(k)]} for i, k in enumerate(present)}
         self._map("halo", present, {}, own)
-        regions = max(options["proxies"], join["needed"])
-        shared = {"area": join["area"], "faces": sum(whole), "regions": regions, "smooth": _HEAVIER * smooth}
+        regions = join["wanted"]
+        heavier = _HEAVIER if self._tolerance is None else _LIGHTER
+        shared = {"area": join["area"], "faces": sum(whole), "regions": regions, "smooth": heavier * smooth}
         labels, sums = self._rounds("first", present, ("halo", "join"), _FIRST, shared)
         self._map("touch", present, {"before": labels})
         merging = {
@@ -246,7 +291,8 @@ class _Run:
             "sums": sums,
             "area": join["area"],
             "target": regions,
-            "smooth": _HEAVIER * smooth,
+            "cost": join["cost"],
+            "smooth": heavier * smooth,
         }
         merged = self._one("merge", merging, 40 * join["regions"])
         labels, sums = self._rounds("last", present, (labels, "merge"), _LAST, shared, relabel="merge")
@@ -254,8 +300,29 @@ class _Run:
         last = self._last(present)
         return Outcome(plan.output, self._report(join, merged, last, sums, present))
 
+    def _fineness(self) -> dict[str, Any]:
+        """What patches are made by."""
+        if self._tolerance is not None:
+            return {"tolerance": self._tolerance, "noise": self._noise}
+        return {"size": max(1, min(_PATCH, sum(self._faces) // (_PATCHES_A_REGION * self._plan.options["proxies"])))}
+
+    def _wanted(self) -> dict[str, Any]:
+        """What tells the number of regions."""
+        options = self._plan.options
+        if self._tolerance is None:
+            return {"proxies": options["proxies"]}
+        snap = options.get("snap", PartitionOptions().snap)
+        return {"tolerance": self._tolerance, "noise": self._noise, "snap": snap}
+
+    def _measure(self, found: list[dict[str, Any]]) -> None:
+        """The tolerance in scene units, from the size of the scan, and the noise; from tiles that have faces."""
+        options = self._plan.options
+        size, noise = steps.size_and_noise([steps.Extent(**each["extent"]) for each in found if each["faces"]])
+        self._tolerance = options.get("tolerance", options.get("detail", DETAIL) * (size or self._diagonal))
+        self._noise = options["noise"] if options.get("noise") is not None else noise
+
     def _prepared(self) -> None:
-        plan = self._plan
+        plan, measured = self._plan, {"measured": "proxies" not in self._plan.options}
         if plan.is_single:
             task = {"input": str(plan.inputs[0][1]), "tile_faces": plan.options["tile_faces"]}
             tiles = self._one("split", task, 0, self._sizes[0] / 2**20)["tiles"]
@@ -263,10 +330,14 @@ class _Run:
                 raise TileFailed(f"{plan.inputs[0][1]}: has no faces")
             self._faces = [-(-self._faces[0] // tiles)] * tiles
             self._sizes = [36 * self._faces[0]] * tiles
-            self._map("prepare", list(range(tiles)), {})
+            self._map("prepare", list(range(tiles)), measured)
         else:
-            names = {k: {"input": str(path)} for k, (_, path) in enumerate(plan.inputs)}
-            self._map("prepare", list(names), {}, names)
+            names: dict[int, dict[str, Any]] = {}
+            for k, (_, path) in enumerate(plan.inputs):
+                names[k] = {"input": str(path)}
+            for k, leaf in enumerate(plan.leaves):
+                names[k] |= {"place": leaf.place, "up": leaf.up}
+            self._map("prepare", list(names), measured, names)
         found = [values_of(of_tile(plan.work, "prepare", k)) for k in range(len(self._faces))]
         self._faces = [values["faces"] for values in found]
         self._file_faces = sum(values["file_faces"] for values in found)
@@ -278,9 +349,12 @@ class _Run:
         boxes = [(values["low"], values["high"]) for values in found if values["faces"]]
         low, high = np.min([b[0] for b in boxes] or [[0.0]], 0), np.max([b[1] for b in boxes] or [[0.0]], 0)
         self._diagonal = float(np.linalg.norm(high - low))
+        self._check_faces(self._faces)
+        if "proxies" not in plan.options:
+            self._measure(found)
 
     def _check_faces(self, faces: Sequence[int]) -> None:
-        proxies = self._plan.options["proxies"]
+        proxies = self._plan.options.get("proxies", 1)
         if not sum(faces):
             raise TileFailed("no tile has a face that can be used")
         if proxies > sum(faces):
@@ -399,6 +473,9 @@ class _Run:
             "options": self._plan.options,
             "regions": merged["regions"],
             "regions_needed": join["needed"],
+            "tolerance": self._tolerance,
+            "noise": None if self._tolerance is None else self._noise,
+            "snapped": join["snapped"],
             "error": steps.error_of(load(of_tile(work, sums, 0), "sums")),
             "border_length": sum(values_of(of_tile(work, "thin", k))["borders"] for k in present),
             "parts_left_out": join["left_out"],
@@ -438,22 +515,17 @@ def _write_labels(plan: Plan, folder: Path) -> int:
 
 def _save_label(folder: Path, name: str, label: Any, plan: Plan) -> None:
     """As NAME.npy, or NAME.SUFFIX.npy where two tiles differ only in their suffix."""
-    stems = [str(Path(other).with_suffix("")) for other, _ in plan.inputs]
-    own = str(Path(name).with_suffix(""))
+    stems = [str(inner(other).with_suffix("")) for other, _ in plan.inputs]
+    own = str(inner(name).with_suffix(""))
     path = folder / f"{name if stems.count(own) > 1 else own}.npy"
     path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(f".{path.name}.{os.getpid()}")
-    with part.open("wb") as file:
+    with whole(path) as draft, draft.open("wb") as file:
         np.save(file, label)
-    part.replace(path)
 
 
 def _deliver(plan: Plan) -> None:
     """The result to its place, over an older one."""
     made = of_tile(plan.work, "mesh", 0) / f"result{plan.output.suffix.lower()}"
-    part = plan.output.with_name(f".{plan.output.name}.{os.getpid()}")
-    shutil.copyfile(made, part)
-    if plan.output.exists():
-        shutil.copymode(plan.output, part)
-    part.replace(Path(os.path.realpath(plan.output)))
+    with whole(plan.output) as draft:
+        shutil.copyfile(made, draft)
     sync_folder(plan.output.parent)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from .. import read_polygons
 from ..cli.loading import cut
+from ..reading import plain
 from .store import save, tile_name
 
 _CHUNK = 1 << 20  # faces that are looked at together
@@ -136,13 +137,17 @@ def middles_of(source: Source, triangles: NDArray[Any]) -> NDArray[np.float64]:
 
 def split_scan(path: Path, folder: Path, tile_faces: int) -> dict[str, int]:
     """Cut a scan into tiles of about so many faces, each a folder of arrays: vertices, triangles, polygon."""
-    source = open_scan(path)
+    folder.mkdir(parents=True, exist_ok=True)
+    with plain(path, folder) as place:
+        return _split(open_scan(place), folder, tile_faces)
+
+
+def _split(source: Source, folder: Path, tile_faces: int) -> dict[str, int]:
     count = source.triangle_count
     leaves = max(1, -(-count // tile_faces))
     sample = np.arange(0, count, max(1, count // _SAMPLE))
     boxes = Boxes(middles_of(source, source.triangles(sample)), leaves) if count else None
     rows = np.dtype([("v", "<i4", 3), ("polygon", "<i4")])
-    folder.mkdir(parents=True, exist_ok=True)
     parts = [folder / f"{tile_name(tile)}.part" for tile in range(boxes.leaves if boxes else 0)]
     files = [part.open("wb") for part in parts]
     try:

@@ -5,6 +5,7 @@ tiles. Sums are (K, 5) float64: x, y, z of the sum of area * normal, twice the a
 are (E, 2) int32, and `lengths` (E,) float64 says how long the border of each is. Areas and lengths are in scene units.
 """
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,6 +32,15 @@ class Patches(NamedTuple):
     lengths: NDArray[np.float64]  #: (E,)
 
 
+class Extent(NamedTuple):
+    """What a tile adds to the size and the noise of the whole scan."""
+
+    area: float
+    centre: list[float]  #: centroid of the surface
+    spread: float  #: mean squared distance of the surface's points from it
+    noise: float  #: standard deviation along the normal
+
+
 class Components(NamedTuple):
     """The connected components of a joined graph."""
 
@@ -38,6 +48,14 @@ class Components(NamedTuple):
     need: NDArray[np.int32]  #: (C,) the least number of regions of each; 0 where it is left out
     left_out: int  #: how many are left out
     area_left_out: float  #: their share of the area
+
+
+class Found(NamedTuple):
+    """How many regions a scan has at a tolerance."""
+
+    regions: int
+    cost: float  #: merges up to this were made, scene units squared
+    snapped: bool  #: the shape consists of so many planes
 
 
 class Relaxed(NamedTuple):
@@ -70,6 +88,54 @@ def patches(mesh: Mesh, size: int, smooth: float = 0.5, job: Job | None = None) 
     all tiles. Raises InvalidInput (size below 1) or Cancelled. Cost: O(F); 130 bytes a face with the mesh.
     """
     return Patches(*_core._tile_patches(mesh, size, smooth, job))
+
+
+def measure(mesh: Mesh, job: Job | None = None) -> Extent:
+    """What a tile adds to the size and the noise of the whole scan. Cost: O(F)."""
+    return Extent(*_core._tile_measure(mesh, job))
+
+
+def size_and_noise(extents: Sequence[Extent]) -> tuple[float, float]:
+    """The size of a scan, which `detail` is a share of, and its noise: the median of the tiles by area."""
+    area = np.array([each.area for each in extents])
+    centre = np.array([each.centre for each in extents])
+    whole = area.sum()
+    if not whole > 0:
+        return 0.0, 0.0
+    apart = ((centre - area @ centre / whole) ** 2).sum(1)
+    spread = float(area @ (np.array([each.spread for each in extents]) + apart)) / whole
+    noise = np.array([each.noise for each in extents])
+    order = np.argsort(noise, kind="stable")
+    half = np.searchsorted(np.cumsum(area[order]), whole / 2)
+    return 3 * float(np.sqrt(spread)), float(noise[order[min(half, len(order) - 1)]])
+
+
+def detail_patches(mesh: Mesh, tolerance: float, noise: float, job: Job | None = None) -> Patches:
+    """Split a tile into patches that show all detail of a tolerance; scene units, as `noise` of the whole scan.
+
+    Nothing is left out. Raises InvalidInput or Cancelled. Cost: O(F log F); 200 bytes a face with the mesh.
+    """
+    return Patches(*_core._tile_detail_patches(mesh, tolerance, noise, job))
+
+
+def find_regions(
+    sums: ArrayLike,
+    pairs: ArrayLike,
+    components: Components,
+    tolerance: float,
+    noise: float,
+    snap: bool = True,
+    cost: float | None = None,
+    job: Job | None = None,
+) -> Found:
+    """How many regions the joined graph has at a tolerance: all is merged to one tree, which is cut there.
+
+    The patches must be finer than the tolerance, as `detail_patches` makes them. cost: where to cut the tree; None:
+    chosen by tolerance, noise and, with `snap`, a gap in the costs. Raises InvalidInput or Cancelled.
+    Cost: O(K log K).
+    """
+    graph = (sums, pairs, components.component, components.need)
+    return Found(*_core._tile_find_regions(*graph, tolerance, noise, snap, cost, job))
 
 
 def find_components(

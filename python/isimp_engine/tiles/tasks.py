@@ -19,11 +19,13 @@ from .. import (
     write,
 )
 from ..cli.loading import cut, largest_shares
-from . import borders, steps
+from . import borders, steps, tileset
 from .splitting import split_scan
 from .store import MADE, load, of_tile, save, save_values, tile_name
 
 _CLEAN = CleanOptions(threads=1)
+_FINER = 4.0  # by how much patches are finer than the tolerance at which the joined tree is cut
+_SURPLUS = 2.2  # regions before the last merging, as a multiple of those wanted
 _T_JUNCTION = 1e-9  # of the diagonal: how far off an edge a vertex may be that lies on it, where nothing is welded
 
 Task = dict[str, Any]
@@ -48,7 +50,11 @@ def _split(task: Task, work: Path, made: Path) -> dict[str, Any]:
 
 def _prepare(task: Task, work: Path, made: Path) -> dict[str, Any]:
     """A tile as a sound mesh, and its border."""
-    if "input" in task:
+    if "place" in task:
+        vertices, triangles = tileset.read(tileset.Leaf(Path(task["input"]), task["place"], task["up"]))
+        faces = len(triangles)
+        polygon = np.arange(faces, dtype=np.int32)
+    elif "input" in task:
         vertices, loops, loop_start = read_polygons(Path(task["input"]), threads=1)
         triangles, polygon = cut(vertices, loops, loop_start)
         faces = len(loop_start)
@@ -72,7 +78,8 @@ def _prepare(task: Task, work: Path, made: Path) -> dict[str, Any]:
     save(made, ends=np.stack([corners[face, corner], corners[face, (corner + 1) % 3]], 1), face=face, corner=corner)
     low, high = whole.vertices.min(0).tolist(), whole.vertices.max(0).tolist()
     repairs = {name: count for name, count in whole.report["repairs"].items() if count}
-    return {"file_faces": faces, "faces": len(corners), "repairs": repairs, "low": low, "high": high}
+    values = {"file_faces": faces, "faces": len(corners), "repairs": repairs, "low": low, "high": high}
+    return values | ({"extent": steps.measure(whole)._asdict()} if task.get("measured") else {})
 
 
 def _clean(vertices: NDArray[Any], triangles: NDArray[Any]) -> Mesh | None:
@@ -161,15 +168,20 @@ def _patches(task: Task, work: Path, made: Path) -> dict[str, Any]:
     mesh, polygon = _mended(work, tile)
     if mesh is None:
         return {"faces": 0, "patches": 0}
-    found = steps.patches(mesh, task["size"], task["smooth"])
-    save(made, label=found.label, sums=found.sums, pairs=found.pairs)
-    patch, count = found.label, len(found.sums)
-    del found
+    # What relaxing needs goes to files before the patches are made, so that memory never holds both.
     record, neighbour, mesh_face, length = steps.faces_of(mesh)
-    fringe = borders.fringe_of(record, neighbour, mesh.triangles[mesh_face], mesh.vertices)
     save(made, record=record, neighbour=neighbour, mesh_face=mesh_face, length=length, polygon=polygon)
-    save(made, **{f"fringe_{name}": array for name, array in fringe._asdict().items()}, edge_patch=patch[fringe[4]])
-    return {"faces": len(record), "patches": count}
+    del length, polygon
+    fringe = borders.fringe_of(record, neighbour, mesh_face, mesh.triangles, mesh.vertices)
+    save(made, **{f"fringe_{name}": array for name, array in fringe._asdict().items()})
+    faces, edge_face = len(record), fringe.edge_face
+    del record, neighbour, mesh_face, fringe
+    if "tolerance" in task:
+        found = steps.detail_patches(mesh, task["tolerance"] / _FINER, task["noise"])
+    else:
+        found = steps.patches(mesh, task["size"], task["smooth"])
+    save(made, label=found.label, sums=found.sums, pairs=found.pairs, edge_patch=found.label[edge_face])
+    return {"faces": faces, "patches": len(found.sums)}
 
 
 def _mended(work: Path, tile: int) -> tuple[Mesh | None, NDArray[np.int32]]:
@@ -212,15 +224,22 @@ def _join(task: Task, work: Path, made: Path) -> dict[str, Any]:
     free[matched.ravel()] = False
     open_nodes = np.zeros(len(whole), np.uint8)
     open_nodes[patch[free]] = 1
-    found = steps.find_components(whole, pairs, lengths, open_nodes, task["proxies"], task["leave_out"])
-    label = steps.merge(whole, pairs, lengths, found, max(task["target"], int(found.need.sum())))
+    asked = task["wanted"].get("proxies")
+    found = steps.find_components(whole, pairs, lengths, open_nodes, asked or 1, task["leave_out"])
+    needed = int(found.need.sum())
+    by_detail = None if asked else steps.find_regions(whole, pairs, found, **task["wanted"])
+    wanted = max(asked if by_detail is None else by_detail.regions, needed)
+    label = steps.merge(whole, pairs, lengths, found, max(int(_SURPLUS * wanted), needed))
     region_sums, component = _merged(whole, found.component, label)
     save(made, first=first, label=label, sums=region_sums, component=component, need=found.need)
     near = borders.neighbours_of(keys)
     return {
         "regions": len(region_sums),
         "patches": len(whole),
-        "needed": int(found.need.sum()),
+        "wanted": wanted,
+        "cost": by_detail and by_detail.cost,
+        "snapped": by_detail and by_detail.snapped,
+        "needed": needed,
         "left_out": found.left_out,
         "area_left_out": found.area_left_out,
         "area": float(whole[:, 3].sum() / 2),
@@ -322,7 +341,10 @@ def _merge(task: Task, work: Path, made: Path) -> dict[str, Any]:
     component = load(join, "component")
     found = steps.Components(component, load(join, "need"), 0, 0.0)
     error = steps.error_of(sums) / task["area"]
-    label = steps.merge(sums, pairs, lengths, found, task["target"], task["smooth"], error, task["target"])
+    target = task["target"]
+    if task["cost"] is not None:  # once more, now that borders have moved
+        target = steps.find_regions(sums, pairs, found, 0.0, 0.0, cost=task["cost"]).regions
+    label = steps.merge(sums, pairs, lengths, found, target, task["smooth"], error, target)
     merged, of = _merged(sums, component, label)
     save(made, label=label, sums=merged, component=of)
     return {"regions": len(merged)}
@@ -366,20 +388,26 @@ def _file_labels(polygon: NDArray[np.int32], region: NDArray[np.int32], area: ND
 def _mesh(task: Task, work: Path, made: Path) -> dict[str, Any]:
     """The polygons of all tiles."""
     folders = [of_tile(work, "thin", tile) for tile in task["present"]]
-    names = steps.Thinned._fields
-    parts = [steps.Thinned(*(load(folder, name) for name in names)) for folder in folders]
-    first = np.cumsum([0] + [len(part.vertices) for part in parts])
-    triangles = [part.triangles + o for part, o in zip(parts, first, strict=False)]
-    vertices, label, moments = (np.concatenate([part[k] for part in parts]) for k in (0, 2, 3))
-    mesh = clean(vertices, np.concatenate(triangles), CleanOptions(threads=task["threads"]))
-    del parts, triangles, vertices
-    source = mesh.source_face
-    again = steps.thin(mesh, label[source], moments[source])  # over what were borders of tiles
-    mesh = clean(again.vertices, again.triangles, CleanOptions(threads=task["threads"]))
+    options = CleanOptions(threads=task["threads"])
+
+    def joined(name: str) -> NDArray[Any]:
+        return np.concatenate([load(folder, name) for folder in folders])
+
+    sizes = [len(np.load(folder / "vertices.npy", mmap_mode="r")) for folder in folders]
+    first = np.cumsum([0] + sizes)
+    triangles = np.concatenate([load(f, "triangles") + int(o) for f, o in zip(folders, first, strict=False)])
+    mesh = clean(joined("vertices"), triangles.astype(np.int32, copy=False), options)
+    del triangles
+    # Moments take more than the mesh, so there is one copy of them at a time.
+    label, moments = joined("label")[mesh.source_face], joined("moments")[mesh.source_face]
+    again = steps.thin(mesh, label, moments)  # over what were borders of tiles
+    del label, moments
+    mesh = clean(again.vertices, again.triangles, options)
     source = mesh.source_face
     part = partition_from(mesh, again.label[source])
-    options = MeshingOptions(**task["meshing"])
-    poly = steps.polygonize_thinned(mesh, part, options, again.moments[source])
+    moments = again.moments[source]
+    del again
+    poly = steps.polygonize_thinned(mesh, part, MeshingOptions(**task["meshing"]), moments)
     output = made / task["output"]
     write(output, poly)
     report = {key: value for key, value in poly.report.items() if key not in ("imperfect", "work")}

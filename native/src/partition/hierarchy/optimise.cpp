@@ -87,7 +87,7 @@ class Optimiser {
             const Threads& threads)
       : surface_(surface), graph_(surface.graph()), h_(hierarchy), parts_(parts), smooth_(smooth), threads_(threads) {}
 
-  Regions run(Job& job) {
+  Regions run(Finish finish, Job& job) {
     const std::int32_t wanted = parts_.regions();
     {
       Job::Part stage(job, "merging", 0.0, 0.4);
@@ -113,6 +113,7 @@ class Optimiser {
     Teleport teleport(graph_, parts_, regions_, std::move(part_), relaxation);
     const bool filled = teleport.fill_up(job);
     const double ratio = least_ratio(wanted);
+    if (finish == Finish::plain) return std::move(regions_);
     if (filled || teleport.worth_trying(pairs, ratio)) teleport.run(kTries, ratio, job);
     return std::move(regions_);
   }
@@ -206,8 +207,8 @@ class Optimiser {
 }  // namespace
 
 Regions optimise(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts, double smooth,
-                 const Threads& threads, Job& job) {
-  return Optimiser(surface, hierarchy, parts, smooth, threads).run(job);
+                 const Threads& threads, Job& job, Finish finish) {
+  return Optimiser(surface, hierarchy, parts, smooth, threads).run(finish, job);
 }
 
 }  // namespace isimp

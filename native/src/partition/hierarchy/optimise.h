@@ -9,6 +9,12 @@
 
 namespace isimp {
 
+/// What the last step of `optimise` does.
+enum class Finish {
+  teleports,  ///< the worst regions are split and the cheapest pairs merged as long as that pays
+  plain,  ///< none of that, for regions that are merged again: where flat ground has a few large regions, it is slow
+};
+
 /// Regions from the hierarchy, much better and faster than flooding from random seeds.
 ///
 /// 1. Merge a coarse level greedily to some more regions than are wanted; carry that down to the patches and
@@ -21,6 +27,6 @@ namespace isimp {
 /// \param smooth  PartitionOptions::smooth; above 0 the borders' length counts beside the error, in relaxing and in
 ///                the last merging
 Regions optimise(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts, double smooth,
-                 const Threads& threads, Job& job);
+                 const Threads& threads, Job& job, Finish finish = Finish::teleports);
 
 }  // namespace isimp

@@ -1,0 +1,158 @@
+"""Files of meshes, compressed ones too."""
+
+import gzip
+import importlib
+import os
+import tempfile
+import zlib
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from os import PathLike
+from pathlib import Path
+from types import ModuleType
+from typing import IO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _core
+from ._core import FileError, Job
+
+COMPRESSED = (".gz", ".zst")  #: what may follow the kind of a file: scan.ply.gz
+_BLOCK = 1 << 20
+
+
+def inner(path: str | PathLike[str]) -> Path:
+    """A name without the suffix of a compression: scan.ply for scan.ply.gz."""
+    place = Path(path)
+    return place.with_suffix("") if is_compressed(place) else place
+
+
+def is_compressed(path: str | PathLike[str]) -> bool:
+    return Path(path).suffix.lower() in COMPRESSED
+
+
+def kind_of(path: str | PathLike[str]) -> str:
+    """The suffix that tells what a file is, in lower case: .ply for scan.PLY.gz."""
+    return inner(path).suffix.lower()
+
+
+def _zstd() -> ModuleType | None:
+    """A module that reads .zst: Python 3.14 has one."""
+    for name in ("compression.zstd", "zstandard"):
+        try:
+            return importlib.import_module(name)
+        except ImportError:
+            pass
+    return None
+
+
+def opened(path: Path) -> IO[bytes]:
+    """A file's contents, out of their compression. Raises FileError for a missing package, OSError."""
+    kind = path.suffix.lower()
+    if kind == ".gz":
+        return gzip.open(path, "rb")  # type: ignore[return-value, unused-ignore]
+    if kind != ".zst":
+        return path.open("rb")
+    module = _zstd()
+    if module is None:
+        raise FileError(f"{path}: to read it the package zstandard is needed: pip install 'isimp[zstd]'")
+    stream: IO[bytes] = module.open(path, "rb")
+    return stream
+
+
+def _blocks(path: Path) -> Iterator[bytes]:
+    """All of a file, out of its compression."""
+    module = _zstd() if path.suffix.lower() == ".zst" else None
+    if module is None or module.__name__ != "zstandard":
+        with opened(path) as source:
+            while block := source.read(_BLOCK):
+                yield block
+        return
+    # The package's own stream takes a file that was cut short for whole.
+    frame = module.ZstdDecompressor().decompressobj()
+    with path.open("rb") as file:
+        begun = False
+        while data := file.read(_BLOCK):
+            while data:
+                if frame.eof:
+                    frame = module.ZstdDecompressor().decompressobj()
+                yield frame.decompress(data)
+                data, begun = frame.unused_data if frame.eof else b"", True
+    if begun and not frame.eof:
+        raise EOFError("it ends within a frame")
+
+
+def _damage() -> tuple[type[Exception], ...]:
+    """What the modules raise where a file is damaged."""
+    module = _zstd()
+    return (EOFError, zlib.error, gzip.BadGzipFile) + (() if module is None else (module.ZstdError,))
+
+
+@contextmanager
+def plain(path: Path, folder: Path | None = None, job: Job | None = None) -> Iterator[Path]:
+    """The file itself, or a copy of it out of its compression, which goes when the block ends.
+
+    folder: for the copy; None: the system's for such files. Raises FileError, which names `path`, and Cancelled.
+    """
+    if not is_compressed(path) or path.is_dir():
+        yield path
+        return
+    with tempfile.TemporaryDirectory(prefix=".isimp", dir=folder) as place:
+        copy = Path(place) / inner(path).name
+        try:
+            with copy.open("wb") as target:
+                for block in _blocks(path):
+                    target.write(block)
+                    if job is not None and job.cancelled:
+                        raise _core.Cancelled("cancelled")
+        except _damage() as error:
+            raise FileError(f"{path}: its compression is damaged or cut short ({error})") from None
+        except FileNotFoundError:
+            raise FileError(f"{path}: there is no such file") from None
+        except OSError as error:
+            raise FileError(f"{path}: can't be decompressed: {error.strerror or error}") from None
+        try:
+            yield copy
+        except FileError as error:
+            raise FileError(str(error).replace(str(copy), str(path))) from None
+
+
+def _named(path: str | PathLike[str], job: Job | None) -> AbstractContextManager[str | PathLike[str]]:
+    """What to read for a path; names that are of no compressed file stay as they are, bytes too."""
+    if isinstance(path, (str, bytes, PathLike)) and is_compressed(os.fsdecode(path)):
+        return plain(Path(os.fsdecode(path)), job=job)
+    return nullcontext(path)
+
+
+def read(
+    path: str | PathLike[str], job: Job | None = None, *, threads: int = 0
+) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """Read the triangles of a PLY, OBJ, STL or OFF file, polygons cut into triangles; also .gz and .zst of them.
+
+    Returns vertices (V, 3) and triangles (F, 3). Raises FileError, which says what is wrong and where, or Cancelled.
+    """
+    with _named(path, job) as place:
+        return _core.read(place, job, threads=threads)
+
+
+def read_polygons(
+    path: str | PathLike[str], job: Job | None = None, *, threads: int = 0
+) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]:
+    """Read the polygons of a PLY, OBJ, STL or OFF file, as many corners as they have; also .gz and .zst of them.
+
+    Returns vertices (V, 3), loops (L,) and loop_start (Q,). Raises FileError or Cancelled.
+    """
+    with _named(path, job) as place:
+        return _core.read_polygons(place, job, threads=threads)
+
+
+def head_of(path: Path, size: int) -> bytes:
+    """The first bytes of a file, out of their compression; none where that can't be read."""
+    try:
+        with opened(path) as file:
+            return bytes(file.read(size))
+    except (OSError, FileError):
+        return b""
+    except _damage():
+        return b""

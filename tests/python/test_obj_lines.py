@@ -1,0 +1,88 @@
+"""Plain OBJ files are read on all threads, others line by line: with the same result and the same messages."""
+
+import numpy as np
+import pytest
+
+import isimp_engine as engine
+import shapes
+
+
+def lines(corners=3, n=40):
+    """An OBJ file of more than a million bytes, so that several threads share it, with lines that say nothing here."""
+    vertices, triangles = shapes.plane(n)
+    rows = ["mtllib a.mtl", "o sheet"] + [f"v {x:.17g} {y:.17g} {z:.17g} 0.5 0.5 0.5" for x, y, z in vertices]
+    rows += ["vt 0 0", "vn 0 0 1", "", "# faces", "usemtl a"]
+    faces = triangles if corners == 3 else np.concatenate([triangles[: n * n], triangles[n * n :, 2:]], 1)
+    forms = ("{}", "{}/1", "{}//1", "{}/1/1")
+    for k, face in enumerate(np.tile(faces, (60 if n > 20 else 1, 1))):
+        rows.append("f " + " ".join(forms[k % 4].format(v + 1) for v in face))
+    return rows
+
+
+def read(tmp_path, rows, end="\n", threads=0):
+    (tmp_path / "a.obj").write_bytes(end.join(rows).encode())
+    return engine.read_polygons(tmp_path / "a.obj", threads=threads)
+
+
+def assert_same(found, wanted):
+    for one, other in zip(found, wanted, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+@pytest.mark.parametrize("corners", [3, 4])
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_plain_files_give_what_line_by_line_gives(tmp_path, corners, end):
+    rows = lines(corners)
+    assert sum(map(len, rows)) > 1 << 20
+    slowly = read(tmp_path, [" # a space before a line is not plain", *rows])
+    for threads in (1, 2, 5):
+        assert_same(read(tmp_path, rows, end, threads), slowly)
+    assert len(slowly[0]) == 41 * 41
+    assert len(slowly[2]) == 60 * (2 if corners == 3 else 1) * 40 * 40
+
+
+@pytest.mark.parametrize(
+    ("row", "faces"),
+    [
+        ("f 1 2 3 4 5", [[0, 1, 2, 3, 4]]),
+        ("f -1 -2 -3", [[120, 119, 118]]),
+        ("f 1 2 \\\n 3", [[0, 1, 2]]),
+        ("f 1 2 3 # 4", [[0, 1, 2]]),
+        ("fo 1 2 3", [[0, 1, 2]]),
+        ("\tf 1 2 3\rf 3 2 1", [[0, 1, 2], [2, 1, 0]]),
+        ("f", [[]]),
+        ("f\r", [[]]),
+        ("f\v1 2 3", [[0, 1, 2]]),
+    ],
+)
+def test_what_is_not_plain_is_read_too(tmp_path, row, faces):
+    rows = lines(n=10)
+    _, loops, start = read(tmp_path, [*rows, row])
+    found = [part.tolist() for part in np.split(loops, start[1:])]
+    assert found[-len(faces) :] == faces
+    assert len(found) == 200 + len(faces)
+
+
+@pytest.mark.parametrize(
+    ("row", "said"),
+    [
+        ("v 1 2", 'line 329: expected three coordinates after "v", got ""'),
+        ("v 1 x 3", 'line 329: expected three coordinates after "v", got "x"'),
+        ("f 1 2 x", 'line 329: expected the number of a vertex .* got "x"'),
+        ("f 1 0 2", 'line 329: expected the number of a vertex .* got "0"'),
+        ("f 1 2 999", "face 200 .* uses vertex 999, but there are 121 vertices, the first of them 1"),
+        ("f 1 2 99999999999", "face 200 .* uses an impossible vertex"),
+    ],
+)
+def test_damage_is_said_with_its_line(tmp_path, row, said):
+    rows = lines(n=10)
+    assert len(rows) == 328
+    with pytest.raises(engine.FileError, match=said):
+        read(tmp_path, [*rows, row])
+
+
+def test_a_file_without_a_last_line_end_and_one_without_faces(tmp_path):
+    assert_same(read(tmp_path, ["v 1 2 3", "v 4 5 6"])[:1], [np.array([[1, 2, 3], [4, 5, 6]])])
+    assert [len(a) for a in read(tmp_path, ["v 1 2 3", "f 1 1 1"])] == [1, 3, 1]
+    with pytest.raises(engine.FileError, match='it has no line that begins with "v "'):
+        read(tmp_path, ["# nothing"])
