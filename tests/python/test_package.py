@@ -123,6 +123,30 @@ def test_a_wheel_without_a_module_is_refused(tmp_path):
             act()
 
 
+def test_a_zip_has_the_pythons_of_its_blenders_alone(tmp_path, capsys):
+    build = script("build_addon")
+    parts = [made_wheel(tmp_path, python) for python in (310, 311, 312, 313, 314)]
+    build.main(["--wheel", str(wheels.fatten(parts, tmp_path / "fat")), "--out", str(tmp_path)])
+    zips = {kind: next(tmp_path.glob(f"isimp-*-{kind}-*.zip")) for kind in build.PYTHONS}
+    (inner,) = [name for name in contents(zips["extension"]) if name.endswith(".whl")]
+    (tmp_path / Path(inner).name).write_bytes(contents(zips["extension"])[inner])
+    assert_record_is_right(tmp_path / Path(inner).name)
+    assert wheels.pythons(contents(tmp_path / Path(inner).name)) == ["311", "313", "314"]
+    names = [name.removeprefix("isimp/") for name in contents(zips["legacy"])]
+    assert wheels.pythons(names) == ["310", "311"]
+    assert "isimp.libs/libgomp.so.1" in names
+    assert capsys.readouterr().err == ""
+
+
+def test_no_zip_is_made_for_blenders_whose_pythons_are_not_there(tmp_path, capsys):
+    build = script("build_addon")
+    fat = wheels.fatten([made_wheel(tmp_path, 313)], tmp_path / "fat")
+    build.main(["--wheel", str(fat), "--out", str(tmp_path)])
+    assert list(tmp_path.glob("*-extension-*.zip"))
+    assert not list(tmp_path.glob("*-legacy-*.zip"))
+    assert "no legacy zip" in capsys.readouterr().err
+
+
 def test_checksums_are_those_that_sha256sum_checks(tmp_path):
     (tmp_path / "a.whl").write_bytes(b"wheel")
     (tmp_path / "gone.zip.sha256").write_text("old")
