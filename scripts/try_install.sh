@@ -77,6 +77,7 @@ try_bpy() { # VERSION
   local venv=$cache/bpy-$1 interpreter archives
   interpreter=$(command -v python3.11) && case $1 in 5.[1-9]*) interpreter=$(newest_python 3.13) ;; esac
   [ -n "$interpreter" ] || { echo "no Python for it here"; return 1; }
+  apt_install "${blender_packages[@]}" libsm6
   if [ ! -e "$venv/done" ]; then
     { "$interpreter" -m venv "$venv" && "$venv/bin/pip" install -q "bpy==$1" && touch "$venv/done"; } || return 1
   fi
