@@ -12,17 +12,11 @@ from pathlib import Path, PurePosixPath
 import pytest
 import tomllib
 
+from conftest import script
 from isimp_engine import _carried
 
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
-
-
-def script(name):
-    spec = importlib.util.spec_from_file_location(f"scripts_{name}", ROOT / "scripts" / f"{name}.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 wheels, headers = script("wheels"), script("headers")
