@@ -8,7 +8,7 @@ set -uo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 cells=("$@")
-[ $# != 0 ] || cells=(bullseye bookworm trixie sid bpy-4.2.0 bpy-4.5.15 bpy-5.0.1 bpy-5.2.3 blender)
+[ $# != 0 ] || cells=(bullseye bookworm trixie sid bpy-4.2.0 bpy-4.2.23 bpy-4.5.15 bpy-5.0.1 bpy-5.1.2 bpy-5.2.3 blender)
 cache=${ISIMP_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/isimp}
 tried=$out/try_install
 mkdir -p "$tried" "$cache/chroots"
