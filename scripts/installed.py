@@ -171,7 +171,7 @@ def in_blender(step: str, archive: str) -> None:
         left = left_in(Path(os.environ["ISIMP_TRIED"]))  # Blender's folder of the user, bare before
         wheels = [path for path in left if "extensions/.local/" in path]
         if left and left == wheels and bpy.app.version == (4, 2, 0):
-            # Its uninstall passes no list of enabled extensions, and its start looks at wheels only where one is enabled.
+            # Its uninstall leaves wheels alone, and its start looks at them only where an extension is enabled.
             print("SAID the engine's files are left, as of any extension until 4.2.0 installs another one")
         elif left:
             raise SystemExit(f"left behind: {', '.join(left[:5])}")

@@ -4,6 +4,7 @@ import base64
 import hashlib
 import importlib.util
 import re
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -212,6 +213,59 @@ def test_a_build_that_may_not_fetch_says_what_it_lacks(tmp_path):
     said = " ".join(done.stderr.split())
     assert "were not found. Install CGAL, Boost and Eigen" in said
     assert "ISIMP_FETCH=ON" in said
+
+
+def test_headers_of_another_python_come_with_the_suffix_of_its_modules(tmp_path, monkeypatch, capsys):
+    fetched = script("python_headers")
+    tree = tmp_path / "tree" / "usr" / "include"
+    (tree / "python3.14").mkdir(parents=True)
+    (tree / "x86_64-linux-gnu" / "python3.14").mkdir(parents=True)
+    (tree / "python3.14" / "Python.h").touch()
+
+    class Apt:
+        def __init__(self, state, suite):
+            assert suite == "sid"
+
+        def download_any(self, name, folder):
+            assert name == "libpython3.14-dev"
+            return [folder / "file.deb"]
+
+    monkeypatch.setattr(fetched, "Apt", Apt)
+    monkeypatch.setattr(fetched, "unpack", lambda file, scratch: tmp_path / "tree")
+    for _ in range(2):  # the second time nothing is fetched
+        assert fetched.main(["3.14", str(tmp_path / "headers")]) == 0
+        suffix, _, folders = capsys.readouterr().out.strip().partition("=")
+        assert wheels.pythons([f"isimp_engine/_core{suffix}"]) == ["314"]
+        assert all((Path(folder) / "x86_64-linux-gnu").exists() for folder in folders.split(",")[1:])
+        assert (Path(folders.split(",")[0]) / "Python.h").exists()
+        tree.mkdir(exist_ok=True)
+
+
+def test_headers_of_a_python_that_debian_lacks_are_said_to_be_missing(tmp_path, monkeypatch, capsys):
+    fetched = script("python_headers")
+    monkeypatch.setattr(fetched, "Apt", lambda *_: (_ for _ in ()).throw(fetched.Missing("no mirror of Debian")))
+    assert fetched.main(["3.14", str(tmp_path / "headers")]) == 1
+    assert "no mirror of Debian" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("target", "system", "processor"),
+    [
+        ("aarch64-linux-musl", "Linux", "aarch64"),
+        ("x86_64-windows-gnu", "Windows", "x86_64"),
+        ("aarch64-macos", "Darwin", "aarch64"),
+    ],
+)
+def test_a_target_of_zig_is_a_system_of_cmake(tmp_path, target, system, processor):
+    if shutil.which("cmake") is None:
+        pytest.skip("needs cmake")
+    show = tmp_path / "show.cmake"
+    show.write_text(
+        f"include({ROOT / 'cmake' / 'zig.cmake'})\nmessage(${{CMAKE_SYSTEM_NAME}}-${{CMAKE_SYSTEM_PROCESSOR}})"
+    )
+    command = ["cmake", f"-DISIMP_ZIG_TARGET={target}", "-DISIMP_ZIG_BIN=/tools", "-P", show]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert done.stderr.strip() == f"{system}-{processor}"
 
 
 def test_every_package_states_its_checksum_and_licence():
