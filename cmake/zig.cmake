@@ -6,10 +6,12 @@ if(ISIMP_ZIG_TARGET MATCHES "windows")
 elseif(ISIMP_ZIG_TARGET MATCHES "macos")
   set(CMAKE_SYSTEM_NAME Darwin)
   set(CMAKE_OSX_SYSROOT "") # zig brings its own
+  set(CMAKE_CXX_FLAGS_INIT "-include cfloat") # zig's math.h leaves out DBL_MAX of a later <cfloat>
 else()
   set(CMAKE_SYSTEM_NAME Linux)
 endif()
 string(REGEX REPLACE "-.*" "" CMAKE_SYSTEM_PROCESSOR ${ISIMP_ZIG_TARGET})
+set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY) # to link is to compile the C++ library first
 set(CMAKE_CXX_COMPILER ${ISIMP_ZIG_BIN}/c++)
 set(CMAKE_CXX_COMPILER_TARGET ${ISIMP_ZIG_TARGET})
 foreach(tool ar ranlib)

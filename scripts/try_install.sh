@@ -40,6 +40,7 @@ make_chroot() {
   [ ! -e "$chroot.done" ] || return 0
   packages=$(IFS=, && echo "${*:3}")
   apt_install debootstrap
+  as_root rm -rf "$chroot" # of a try that was ended
   if ! as_root debootstrap --variant=minbase --include="$packages" "$suite" "$chroot" >"$tried/$2.debootstrap" 2>&1; then
     echo "debootstrap failed"
     return 1
@@ -131,9 +132,9 @@ try_blender_of() { # SUITE
   [ "$(id -u)" = 0 ] || command=(sudo chroot)
   make_chroot "$suite" "blender-$suite" python3 ca-certificates || return
   as_root cp -L /etc/resolv.conf "$chroot/etc/resolv.conf"
-  if [ ! -e "$chroot/usr/bin/blender" ] && ! as_root chroot "$chroot" sh -c "apt-get update -qq &&
-    DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends blender python3-numpy python3-cattr \
-      python3-requests python3-zstandard" >"$tried/blender-$suite.apt" 2>&1; then
+  if [ ! -e "$chroot/usr/bin/blender" ] && ! as_root chroot "$chroot" env DEBIAN_FRONTEND=noninteractive sh -c '
+    apt-get -o Acquire::Check-Valid-Until=false update -qq && apt-get install -qq -y --no-install-recommends \
+    blender python3-numpy python3-cattr python3-requests python3-zstandard' >"$tried/blender-$suite.apt" 2>&1; then
     echo "apt failed: $(tail -n 1 "$tried/blender-$suite.apt")"
     return 1
   fi
