@@ -17,7 +17,6 @@ from conftest import script
 from isimp_engine import _carried
 
 ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT / "scripts"))
 
 
 wheels, headers = script("wheels"), script("headers")
@@ -215,8 +214,13 @@ def test_a_build_that_may_not_fetch_says_what_it_lacks(tmp_path):
     assert "ISIMP_FETCH=ON" in said
 
 
-def test_headers_of_another_python_come_with_the_suffix_of_its_modules(tmp_path, monkeypatch, capsys):
-    fetched = script("python_headers")
+@pytest.fixture
+def fetched(monkeypatch):
+    monkeypatch.setitem(sys.modules, "headers", headers)  # the program's, not the tests' module of that name
+    return script("python_headers")
+
+
+def test_headers_of_another_python_come_with_the_suffix_of_its_modules(tmp_path, monkeypatch, capsys, fetched):
     tree = tmp_path / "tree" / "usr" / "include"
     (tree / "python3.14").mkdir(parents=True)
     (tree / "x86_64-linux-gnu" / "python3.14").mkdir(parents=True)
@@ -241,8 +245,7 @@ def test_headers_of_another_python_come_with_the_suffix_of_its_modules(tmp_path,
         tree.mkdir(exist_ok=True)
 
 
-def test_headers_of_a_python_that_debian_lacks_are_said_to_be_missing(tmp_path, monkeypatch, capsys):
-    fetched = script("python_headers")
+def test_headers_of_a_python_that_debian_lacks_are_said_to_be_missing(tmp_path, monkeypatch, capsys, fetched):
     monkeypatch.setattr(fetched, "Apt", lambda *_: (_ for _ in ()).throw(fetched.Missing("no mirror of Debian")))
     assert fetched.main(["3.14", str(tmp_path / "headers")]) == 1
     assert "no mirror of Debian" in capsys.readouterr().err
