@@ -6,7 +6,8 @@ if(ISIMP_ZIG_TARGET MATCHES "windows")
 elseif(ISIMP_ZIG_TARGET MATCHES "macos")
   set(CMAKE_SYSTEM_NAME Darwin)
   set(CMAKE_OSX_SYSROOT "") # zig brings its own
-  set(CMAKE_CXX_FLAGS_INIT "-include cfloat") # zig's math.h leaves out DBL_MAX of a later <cfloat>
+  # Its float.h gives either DBL_MAX or NAN, by what was asked first, unless the standard is not a strict one.
+  set(CMAKE_CXX_FLAGS_INIT "-include cfloat -U__STRICT_ANSI__")
 else()
   set(CMAKE_SYSTEM_NAME Linux)
 endif()
