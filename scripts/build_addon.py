@@ -5,7 +5,8 @@ For each platform there are two zips: an extension for Blender 4.2 and later, an
     scripts/build_addon.py [--wheel WHEEL ...] [--out dist]
 
 The version is that of CMakeLists.txt. The engine comes from wheels, one for each platform, that hold the module for
-all Pythons (scripts/package.sh), or, without --wheel, from the package installed for the Python that runs this.
+all Pythons (scripts/package.sh), or, without --wheel, from the package installed for the Python that runs this. Of the
+Pythons a zip gets those that its Blenders have.
 Blender 4.2.0 takes the wheel of the highest name whatever its Python, so a zip never has two.
 """
 
@@ -19,6 +20,9 @@ import tempfile
 import zipfile
 from pathlib import Path
 
+sys.path.append(str(Path(__file__).parent))  # wherever this file is loaded from
+import wheels
+
 ROOT = Path(__file__).resolve().parent.parent
 ADDON = ROOT / "addon" / "isimp"
 PLATFORMS = {  # of wheels, and what Blender calls them
@@ -28,6 +32,10 @@ PLATFORMS = {  # of wheels, and what Blender calls them
     r"macosx_.*_x86_64": "macos-x64",
     r"win_amd64": "windows-x64",
     r"win_arm64": "windows-arm64",
+}
+PYTHONS = {  # of the Blenders that a zip is for
+    "extension": ["311", "313", "314"],  # 4.2 to 5.0; 5.1 and 5.2, Debian's 4.3; Debian's 5.2
+    "legacy": ["310", "311"],  # 3.4 to 4.0; 4.1, Debian's 3.4
 }
 EARLIEST = (1980, 1, 1, 0, 0, 0)  # the date of every file, so that the same input gives the same zip
 
@@ -105,6 +113,17 @@ def installed_wheel(folder: Path) -> Path:
     return wheel
 
 
+def wheel_for(kind: str, wheel: Path, folder: Path) -> Path | None:
+    """The wheel for a kind of zip; none where it has no Python for it. A wheel of a single Python stays as it is."""
+    if wheel.name.split("-")[2] != "py3":
+        return wheel
+    there = wheels.pythons(wheels.read(wheel))
+    if not set(there) & set(PYTHONS[kind]):
+        print(f"no {kind} zip: {wheel.name} has modules for Python {', '.join(there)} alone", file=sys.stderr)
+        return None
+    return wheels.slim(wheel, PYTHONS[kind], folder / kind)
+
+
 def engine_of(name: str) -> bool:
     """Whether a file of a wheel is the engine's: the package, and the libraries that auditwheel puts beside it."""
     return name.startswith(("isimp_engine/", "isimp.libs/", "isimp_engine.libs/"))
@@ -142,19 +161,22 @@ def main(argv: list[str] | None = None) -> None:
     options = parser.parse_args(argv)
     options.out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
-        wheels = options.wheel or [installed_wheel(Path(folder))]
-        platforms = [platform_of(wheel) for wheel in wheels]
+        given = options.wheel or [installed_wheel(Path(folder))]
+        platforms = [platform_of(wheel) for wheel in given]
         if len(set(platforms)) != len(platforms):
             raise SystemExit(
                 f"one wheel for each platform is wanted, got {', '.join(sorted(platforms))}; see wheels.py"
             )
-        for wheel, platform in zip(wheels, platforms, strict=True):
-            extension, legacy = (
-                options.out / f"isimp-{version()}-{kind}-{platform}.zip" for kind in ("extension", "legacy")
-            )
-            pack_extension(extension, wheel, options.website)
-            pack_legacy(legacy, wheel)
-            print(extension, legacy, sep="\n")
+        for wheel, platform in zip(given, platforms, strict=True):
+            for kind in PYTHONS:
+                own = wheel_for(kind, wheel, Path(folder))
+                target = options.out / f"isimp-{version()}-{kind}-{platform}.zip"
+                if own and kind == "extension":
+                    pack_extension(target, own, options.website)
+                elif own:
+                    pack_legacy(target, own)
+                if own:
+                    print(target)
 
 
 if __name__ == "__main__":

@@ -107,6 +107,11 @@ class Apt:
         run([*self._apt, "download", f"{name}={version}"], f"{name} {version}", cwd=folder)
         return checked(folder, name, sha256)
 
+    def download_any(self, name: str, folder: Path) -> list[Path]:
+        """Whichever version the suite has; apt checks that it is Debian's."""
+        run([*self._apt, "download", name], name, cwd=folder)
+        return list(folder.iterdir())
+
 
 # Of Boost's libraries those, whole, that the files of CGAL in use need by the compiler's list of headers (g++ -M).
 BOOST = [

@@ -168,9 +168,15 @@ def in_blender(step: str, archive: str) -> None:
         print("SAID removed")
         return
     if step == "look":
-        if left := left_in(Path(os.environ["ISIMP_TRIED"])):  # Blender's folder of the user, bare before
+        left = left_in(Path(os.environ["ISIMP_TRIED"]))  # Blender's folder of the user, bare before
+        wheels = [path for path in left if "extensions/.local/" in path]
+        if left and left == wheels and bpy.app.version == (4, 2, 0):
+            # Its uninstall leaves wheels alone, and its start looks at them only where an extension is enabled.
+            print("SAID the engine's files are left, as of any extension until 4.2.0 installs another one")
+        elif left:
             raise SystemExit(f"left behind: {', '.join(left[:5])}")
-        print("SAID nothing left")
+        else:
+            print("SAID nothing left")
         return
     way.install(archive)
     is_next = (engine_there() / "next.txt").exists()

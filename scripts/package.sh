@@ -12,7 +12,8 @@
 # sdist: the source alone. zips WHEEL...: the zips alone, of wheels that were made elsewhere (cibuildwheel).
 #
 # ISIMP_PYTHONS: the Pythons to build for, as commands or as SUFFIX=FOLDER[,FOLDER] with the headers' folders; without it
-#   each python3.10 to python3.14 on the PATH and of pyenv that has its headers. A wheel holds those, and the zips too.
+#   each python3.10 to python3.14 on the PATH and of pyenv that has its headers, and 3.14 by the headers of Debian sid
+#   where those can be had. There is a wheel for each; the zips hold those of their Blenders (scripts/build_addon.py).
 # ISIMP_THIRD_PARTY: a folder that scripts/headers.py made before. ISIMP_WEBSITE: the address for the extension's manifest.
 #
 # On Debian and x86-64 with GCC it links with the C library of Debian 11 (scripts/sysroot.py), so that the wheels run on
@@ -67,9 +68,16 @@ if all(os.path.exists(os.path.join(folder, "Python.h")) for folder in folders):
 PYTHON
 }
 
+# fetched_entry VERSION: the same for a Python that is not here, by headers of Debian.
+fetched_entry() {
+  [ "$(uname -sm)" = "Linux x86_64" ] || return 1
+  "$python" scripts/python_headers.py "$1" "$cache/python$1" ||
+    { echo "package.sh: no wheel for Python $1, whose headers can't be had" >&2; return 1; }
+}
+
 # python_entries: one a line, one for each suffix; the Python that packages is there anyhow.
 python_entries() {
-  local minor place candidates=()
+  local minor place fetched candidates=()
   if [ -n "${ISIMP_PYTHONS:-}" ]; then
     read -ra candidates <<<"$ISIMP_PYTHONS"
   else
@@ -78,6 +86,7 @@ python_entries() {
         if [ -x "$place" ]; then candidates+=("$place"); fi
       done
     done
+    fetched=$(fetched_entry 3.14) && candidates+=("$fetched")
   fi
   for place in "${candidates[@]}"; do
     case $place in

@@ -27,6 +27,7 @@ stage_lint() {
   apt_install shellcheck
   use_tests_venv
   shellcheck -x -P SCRIPTDIR scripts/*.sh .ci/run
+  "$tests_venv/bin/check-jsonschema" --builtin-schema vendor.github-workflows .github/workflows/*.yml
   "$tests_venv/bin/ruff" check .
   "$tests_venv/bin/ruff" format --check .
 }
@@ -160,7 +161,8 @@ stage_quick() { # what a change is tried with many times an hour
 use_tests_venv() {
   local requirements=()
   [ -e pyproject.toml ] && mapfile -t requirements < <(build_requirements)
-  venv "$tests_venv" pytest pytest-xdist hypothesis mypy ruff==0.14.* numpy pillow distributed "${requirements[@]}"
+  venv "$tests_venv" pytest pytest-xdist hypothesis mypy ruff==0.14.* numpy pillow distributed \
+    check-jsonschema mkdocs-material "${requirements[@]}"
 }
 
 cpp_build() { # BUILD_DIR CMAKE_OPTION...

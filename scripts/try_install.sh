@@ -2,13 +2,14 @@
 # Tries what scripts/package.sh left in dist/ as people do, and writes a table to out/try_install/table.md.
 #   scripts/try_install.sh [CELL...]      some cells; the default is all
 # Cells: bullseye bookworm trixie sid (bare chroots: the wheel by pip, then the whole job), bpy-VERSION (Blender as a Python
-# package: install from disk, enable, work, upgrade, uninstall, look for what is left), blender (Debian's, the same).
+# package: install from disk, enable, work, upgrade, uninstall, look for what is left), blender (this Debian's, the same),
+# blender-SUITE (the one of another Debian, in a chroot).
 # Chroots and Blenders are kept in ~/.cache/isimp, or in $ISIMP_CACHE. Chroots need root. It exits 1 if a cell failed.
 set -uo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 cells=("$@")
-[ $# != 0 ] || cells=(bullseye bookworm trixie sid bpy-4.2.0 bpy-4.5.15 bpy-5.0.1 bpy-5.2.3 blender)
+[ $# != 0 ] || cells=(bullseye bookworm trixie sid bpy-4.2.0 bpy-4.2.23 bpy-4.5.15 bpy-5.0.1 bpy-5.1.2 bpy-5.2.3 blender blender-trixie blender-sid)
 cache=${ISIMP_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/isimp}
 tried=$out/try_install
 mkdir -p "$tried" "$cache/chroots"
@@ -33,16 +34,23 @@ zips() {
   "$python" scripts/installed.py next "$zip" "$tried/next"
 }
 
+# make_chroot SUITE NAME PACKAGE...: a Debian with these packages, made once.
+make_chroot() {
+  local suite=$1 chroot=$cache/chroots/$2 packages
+  [ ! -e "$chroot.done" ] || return 0
+  packages=$(IFS=, && echo "${*:3}")
+  apt_install debootstrap
+  as_root rm -rf "$chroot" # of a try that was ended
+  if ! as_root debootstrap --variant=minbase --include="$packages" "$suite" "$chroot" >"$tried/$2.debootstrap" 2>&1; then
+    echo "debootstrap failed"
+    return 1
+  fi
+  touch "$chroot.done"
+}
+
 try_chroot() { # SUITE
   local suite=$1 chroot=$cache/chroots/$1 version wheel
-  if [ ! -e "$chroot.done" ]; then
-    apt_install debootstrap
-    if ! as_root debootstrap --variant=minbase --include=python3,ca-certificates "$suite" "$chroot" >"$tried/$suite.debootstrap" 2>&1; then
-      echo "debootstrap failed"
-      return 1
-    fi
-    touch "$chroot.done"
-  fi
+  make_chroot "$suite" "$suite" python3 ca-certificates || return
   version=$(as_root chroot "$chroot" python3 -c 'import sys; print("%d.%d" % sys.version_info[:2])' 2>/dev/null)
   wheel=$(wheel_for "${version:-none}")
   fresh "$tried/$suite"
@@ -77,6 +85,7 @@ try_bpy() { # VERSION
   local venv=$cache/bpy-$1 interpreter archives
   interpreter=$(command -v python3.11) && case $1 in 5.[1-9]*) interpreter=$(newest_python 3.13) ;; esac
   [ -n "$interpreter" ] || { echo "no Python for it here"; return 1; }
+  apt_install "${blender_packages[@]}" libsm6
   if [ ! -e "$venv/done" ]; then
     { "$interpreter" -m venv "$venv" && "$venv/bin/pip" install -q "bpy==$1" && touch "$venv/done"; } || return 1
   fi
@@ -118,12 +127,38 @@ try_blender() {
     blender -b --factory-startup --python-exit-code 1 --python scripts/installed.py --
 }
 
+try_blender_of() { # SUITE
+  local suite=$1 chroot=$cache/chroots/blender-$1 archives archive command=(chroot)
+  [ "$(id -u)" = 0 ] || command=(sudo chroot)
+  make_chroot "$suite" "blender-$suite" python3 ca-certificates || return
+  as_root cp -L /etc/resolv.conf "$chroot/etc/resolv.conf"
+  if [ ! -e "$chroot/usr/bin/blender" ] && ! as_root chroot "$chroot" env DEBIAN_FRONTEND=noninteractive sh -c '
+    apt-get -o Acquire::Check-Valid-Until=false update -qq && apt-get install -qq -y --no-install-recommends \
+    blender python3-numpy python3-cattr python3-requests python3-zstandard' >"$tried/blender-$suite.apt" 2>&1; then
+    echo "apt failed: $(tail -n 1 "$tried/blender-$suite.apt")"
+    return 1
+  fi
+  mapfile -t archives < <(zips extension)
+  [ ${#archives[@]} = 2 ] || { echo "${archives[*]}"; return 1; }
+  as_root rm -rf "$chroot/opt/tried"
+  as_root mkdir -p "$chroot/opt/tried"
+  as_root cp scripts/installed.py "$chroot/opt/"
+  for archive in "${archives[@]}"; do # by the same path in there
+    as_root mkdir -p "$chroot$(dirname "$archive")"
+    as_root cp "$archive" "$chroot$archive"
+  done
+  in_blender "$tried/blender-$suite" "${archives[@]}" -- "${command[@]}" "$chroot" env -i HOME=/tmp LANG=C.UTF-8 \
+    PATH=/usr/bin:/bin ISIMP_TRIED=/opt/tried BLENDER_USER_RESOURCES=/opt/tried \
+    blender -b --factory-startup --python-exit-code 1 --python /opt/installed.py --
+}
+
 failed=0
 printf '| where | result |\n|---|---|\n' >"$tried/table.md"
 for cell in "${cells[@]}"; do
   case $cell in
     bullseye | bookworm | trixie | sid) result=$(try_chroot "$cell" 2>&1) ;;
     bpy-*) result=$(try_bpy "${cell#bpy-}" 2>&1) ;;
+    blender-*) result=$(try_blender_of "${cell#blender-}" 2>&1) ;;
     blender) result=$(try_blender 2>&1) ;;
     *) echo "try_install.sh: no cell is called $cell" >&2 && exit 2 ;;
   esac

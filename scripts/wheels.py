@@ -82,13 +82,24 @@ def fatten(wheels: list[Path], folder: Path) -> Path:
     return write(folder, stem, "py3-none", platform, files)
 
 
+def with_modules(files: Files, wanted: Iterable[str]) -> Files:
+    """The files without the modules of other Pythons."""
+    others = {name for name in files if (match := MODULE.fullmatch(name)) and match["python"] not in wanted}
+    return {name: data for name, data in files.items() if name not in others}
+
+
+def slim(wheel: Path, wanted: Iterable[str], folder: Path) -> Path:
+    """A fat wheel with the modules of these Pythons alone; the same name."""
+    (stem, _, platform), files = name_parts(wheel), read(wheel)
+    return write(folder, stem, "py3-none", platform, with_modules(files, wanted))
+
+
 def split(wheel: Path, folder: Path) -> list[Path]:
     (stem, _, platform), files = name_parts(wheel), read(wheel)
-    made = []
-    for python in pythons(files):
-        others = [name for name in files if (match := MODULE.fullmatch(name)) and match["python"] != python]
-        own = {name: data for name, data in files.items() if name not in others}
-        made.append(write(folder, stem, f"cp{python}-cp{python}", platform, own))
+    made = [
+        write(folder, stem, f"cp{python}-cp{python}", platform, with_modules(files, [python]))
+        for python in pythons(files)
+    ]
     if not made:
         raise SystemExit(f"{wheel.name}: no module isimp_engine/_core in it")
     return made

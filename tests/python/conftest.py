@@ -1,3 +1,4 @@
+import importlib.util
 import os
 import signal
 from pathlib import Path
@@ -13,6 +14,19 @@ ROOT = Path(__file__).resolve().parents[2]
 
 # Where the tests were started in the background Ctrl-C is ignored, in the commands they run too; some test just that.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def script(name):
+    """A program of scripts/, as a module."""
+    spec = importlib.util.spec_from_file_location(f"scripts_{name}", ROOT / "scripts" / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture
+def generate():
+    return script("generate")
 
 
 @pytest.fixture

@@ -33,6 +33,32 @@ def ply_binary(path, vertices, polygons, order="little", extra=False):
     path.write_bytes(body)
 
 
+def ply_columns(path, vertex, faces, textures=(), binary=True, order="<"):
+    """A PLY file of columns of vertices and rows of faces: lists of (kind, values) or numbers."""
+    kinds = {"f4": "float", "u1": "uchar", "i4": "int"}
+    head = ["ply", f"format {'binary_little_endian' if order == '<' else 'binary_big_endian'} 1.0"]
+    if not binary:
+        head[1] = "format ascii 1.0"
+    head += [f"comment TextureFile {name}" for name in textures]
+    head += [f"element vertex {len(next(iter(vertex.values())))}"]
+    head += [f"property {kinds[v.dtype.str[1:]]} {k}" for k, v in vertex.items()]
+    head += [f"element face {len(faces)}", "property list uchar int vertex_indices"]
+    wide = len(faces[0]) > 1
+    head += ["property list uchar float texcoord"] * wide + ["end_header\n"]
+    body = []
+    for row in zip(*vertex.values(), strict=True):
+        cells = [(v.dtype.str[1:], v) for v in row]
+        body.append(b"".join(np.array(v, order + k).tobytes() for k, v in cells) if binary else " ".join(map(str, row)))
+    for row in faces:
+        cells = [(order + kind, np.asarray(list_)) for kind, list_ in zip(("i4", "f4"), row, strict=False)]
+        if binary:
+            body.append(b"".join(struct.pack("B", len(v)) + v.astype(k).tobytes() for k, v in cells))
+        else:
+            body.append(" ".join(f"{len(v)} " + " ".join(map(str, v)) for _, v in cells))
+    data = b"".join(body) if binary else ("\n".join(body) + "\n").encode()
+    path.write_bytes("\n".join(head).encode() + data)
+
+
 def ply_big(path, vertices, polygons):
     ply_binary(path, vertices, polygons, "big")
 

@@ -1,7 +1,6 @@
 """What CONTRIBUTING.md promises: a number added in two places of C++ and two of the add-on is an option everywhere."""
 
 import dataclasses
-import importlib.util
 import runpy
 import shutil
 import subprocess
@@ -54,14 +53,6 @@ def test_two_places_in_a_header_give_a_checked_option(tmp_path):
     subprocess.run(command, check=True, timeout=120)
     said = subprocess.run([tmp_path / "main"], check=True, capture_output=True, text=True, timeout=10).stdout
     assert said == "0.5\ncrispness must be in [0, 1], got 2\n"
-
-
-@pytest.fixture
-def generate():
-    spec = importlib.util.spec_from_file_location("generate", ROOT / "scripts" / "generate.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 @pytest.fixture

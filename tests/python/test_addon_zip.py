@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 import tomllib
 
+from conftest import script
+
 ROOT = Path(__file__).parents[2]
-spec = importlib.util.spec_from_file_location("build_addon", ROOT / "scripts" / "build_addon.py")
-build_addon = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(build_addon)
+build_addon = script("build_addon")
 
 
 def bl_info(source):

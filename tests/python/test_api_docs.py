@@ -1,17 +1,15 @@
 """docs/api.md is what scripts/api_docs.py makes of the module's docstrings."""
 
-import importlib.util
 import re
 from pathlib import Path
 
 import pytest
 
 import isimp_engine as engine
+from conftest import script
 
 ROOT = Path(__file__).parents[2]
-spec = importlib.util.spec_from_file_location("api_docs", ROOT / "scripts" / "api_docs.py")
-api_docs = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(api_docs)
+api_docs = script("api_docs")
 
 
 @pytest.fixture(scope="module")

@@ -17,13 +17,9 @@ def painted(tmp_path):
     vertices, triangles = shapes.bumpy(30)
     colors = np.round(127 + 120 * np.sin(7 * vertices)).astype(np.uint8)
     path = tmp_path / "painted.ply"
-    head = f"ply\nformat ascii 1.0\nelement vertex {len(vertices)}\n"
-    head += "".join(f"property float {axis}\n" for axis in "xyz")
-    head += "".join(f"property uchar {color}\n" for color in ("red", "green", "blue"))
-    head += f"element face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n"
-    rows = [" ".join(map(str, (*v, *c))) for v, c in zip(vertices, colors, strict=True)]
-    rows += [f"3 {a} {b} {c}" for a, b, c in triangles]
-    path.write_text(head + "\n".join(rows) + "\n")
+    columns = dict(zip("xyz", vertices.T.astype(np.float32), strict=True))
+    columns |= dict(zip(("red", "green", "blue"), colors.T, strict=True))
+    meshfiles.ply_columns(path, columns, [(t,) for t in triangles])
     return path
 
 

@@ -4,6 +4,7 @@ import base64
 import hashlib
 import importlib.util
 import re
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -12,17 +13,10 @@ from pathlib import Path, PurePosixPath
 import pytest
 import tomllib
 
+from conftest import script
 from isimp_engine import _carried
 
 ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT / "scripts"))
-
-
-def script(name):
-    spec = importlib.util.spec_from_file_location(f"scripts_{name}", ROOT / "scripts" / f"{name}.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 wheels, headers = script("wheels"), script("headers")
@@ -123,6 +117,30 @@ def test_a_wheel_without_a_module_is_refused(tmp_path):
             act()
 
 
+def test_a_zip_has_the_pythons_of_its_blenders_alone(tmp_path, capsys):
+    build = script("build_addon")
+    parts = [made_wheel(tmp_path, python) for python in (310, 311, 312, 313, 314)]
+    build.main(["--wheel", str(wheels.fatten(parts, tmp_path / "fat")), "--out", str(tmp_path)])
+    zips = {kind: next(tmp_path.glob(f"isimp-*-{kind}-*.zip")) for kind in build.PYTHONS}
+    (inner,) = [name for name in contents(zips["extension"]) if name.endswith(".whl")]
+    (tmp_path / Path(inner).name).write_bytes(contents(zips["extension"])[inner])
+    assert_record_is_right(tmp_path / Path(inner).name)
+    assert wheels.pythons(contents(tmp_path / Path(inner).name)) == ["311", "313", "314"]
+    names = [name.removeprefix("isimp/") for name in contents(zips["legacy"])]
+    assert wheels.pythons(names) == ["310", "311"]
+    assert "isimp.libs/libgomp.so.1" in names
+    assert capsys.readouterr().err == ""
+
+
+def test_no_zip_is_made_for_blenders_whose_pythons_are_not_there(tmp_path, capsys):
+    build = script("build_addon")
+    fat = wheels.fatten([made_wheel(tmp_path, 313)], tmp_path / "fat")
+    build.main(["--wheel", str(fat), "--out", str(tmp_path)])
+    assert list(tmp_path.glob("*-extension-*.zip"))
+    assert not list(tmp_path.glob("*-legacy-*.zip"))
+    assert "no legacy zip" in capsys.readouterr().err
+
+
 def test_checksums_are_those_that_sha256sum_checks(tmp_path):
     (tmp_path / "a.whl").write_bytes(b"wheel")
     (tmp_path / "gone.zip.sha256").write_text("old")
@@ -194,6 +212,63 @@ def test_a_build_that_may_not_fetch_says_what_it_lacks(tmp_path):
     said = " ".join(done.stderr.split())
     assert "were not found. Install CGAL, Boost and Eigen" in said
     assert "ISIMP_FETCH=ON" in said
+
+
+@pytest.fixture
+def fetched(monkeypatch):
+    monkeypatch.setitem(sys.modules, "headers", headers)  # the program's, not the tests' module of that name
+    return script("python_headers")
+
+
+def test_headers_of_another_python_come_with_the_suffix_of_its_modules(tmp_path, monkeypatch, capsys, fetched):
+    tree = tmp_path / "tree" / "usr" / "include"
+    (tree / "python3.14").mkdir(parents=True)
+    (tree / "x86_64-linux-gnu" / "python3.14").mkdir(parents=True)
+    (tree / "python3.14" / "Python.h").touch()
+
+    class Apt:
+        def __init__(self, state, suite):
+            assert suite == "sid"
+
+        def download_any(self, name, folder):
+            assert name == "libpython3.14-dev"
+            return [folder / "file.deb"]
+
+    monkeypatch.setattr(fetched, "Apt", Apt)
+    monkeypatch.setattr(fetched, "unpack", lambda file, scratch: tmp_path / "tree")
+    for _ in range(2):  # the second time nothing is fetched
+        assert fetched.main(["3.14", str(tmp_path / "headers")]) == 0
+        suffix, _, folders = capsys.readouterr().out.strip().partition("=")
+        assert wheels.pythons([f"isimp_engine/_core{suffix}"]) == ["314"]
+        assert all((Path(folder) / "x86_64-linux-gnu").exists() for folder in folders.split(",")[1:])
+        assert (Path(folders.split(",")[0]) / "Python.h").exists()
+        tree.mkdir(exist_ok=True)
+
+
+def test_headers_of_a_python_that_debian_lacks_are_said_to_be_missing(tmp_path, monkeypatch, capsys, fetched):
+    monkeypatch.setattr(fetched, "Apt", lambda *_: (_ for _ in ()).throw(fetched.Missing("no mirror of Debian")))
+    assert fetched.main(["3.14", str(tmp_path / "headers")]) == 1
+    assert "no mirror of Debian" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("target", "system", "processor"),
+    [
+        ("aarch64-linux-musl", "Linux", "aarch64"),
+        ("x86_64-windows-gnu", "Windows", "x86_64"),
+        ("aarch64-macos", "Darwin", "aarch64"),
+    ],
+)
+def test_a_target_of_zig_is_a_system_of_cmake(tmp_path, target, system, processor):
+    if shutil.which("cmake") is None:
+        pytest.skip("needs cmake")
+    show = tmp_path / "show.cmake"
+    show.write_text(
+        f"include({ROOT / 'cmake' / 'zig.cmake'})\nmessage(${{CMAKE_SYSTEM_NAME}}-${{CMAKE_SYSTEM_PROCESSOR}})"
+    )
+    command = ["cmake", f"-DISIMP_ZIG_TARGET={target}", "-DISIMP_ZIG_BIN=/tools", "-P", show]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert done.stderr.strip() == f"{system}-{processor}"
 
 
 def test_every_package_states_its_checksum_and_licence():

@@ -1,7 +1,6 @@
 """The typed stub has the compiled module's names, members and parameters, and all of these are documented."""
 
 import ast
-import importlib.util
 import re
 from pathlib import Path
 
@@ -49,9 +48,6 @@ def test_a_function_of_the_stub_has_the_parameters_of_the_real_one(node):
     assert any(text)
 
 
-def test_what_is_made_from_the_table_of_options_is_up_to_date():
-    spec = importlib.util.spec_from_file_location("generate", ROOT / "scripts" / "generate.py")
-    generate = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(generate)
+def test_what_is_made_from_the_table_of_options_is_up_to_date(generate):
     assert generate.with_classes(generate.STUB.read_text()) == generate.STUB.read_text(), "run scripts/generate.py"
     assert generate.data() == generate.DATA.read_text(), "run scripts/generate.py"

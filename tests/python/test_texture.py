@@ -1,13 +1,13 @@
 """The texture of a scan: read, put on the n-gons, written; and the command's --texture."""
 
 import json
-import struct
 
 import numpy as np
 import pytest
 from PIL import Image
 
 import isimp_engine as engine
+import meshfiles
 import shapes
 from test_cli import isimp
 
@@ -176,32 +176,6 @@ def test_without_a_texture_it_says_so(cube):
         result(engine.TexturedSoup(vertices, triangles), np.zeros(len(triangles)))
 
 
-def ply(path, vertex, faces, textures=(), binary=True, order="<"):
-    """A PLY file of columns of vertices and rows of faces: lists of (kind, values) or numbers."""
-    kinds = {"f4": "float", "u1": "uchar", "i4": "int"}
-    head = ["ply", f"format {'binary_little_endian' if order == '<' else 'binary_big_endian'} 1.0"]
-    if not binary:
-        head[1] = "format ascii 1.0"
-    head += [f"comment TextureFile {name}" for name in textures]
-    head += [f"element vertex {len(next(iter(vertex.values())))}"]
-    head += [f"property {kinds[v.dtype.str[1:]]} {k}" for k, v in vertex.items()]
-    head += [f"element face {len(faces)}", "property list uchar int vertex_indices"]
-    wide = len(faces[0]) > 1
-    head += ["property list uchar float texcoord"] * wide + ["end_header\n"]
-    body = []
-    for row in zip(*vertex.values(), strict=True):
-        cells = [(v.dtype.str[1:], v) for v in row]
-        body.append(b"".join(np.array(v, order + k).tobytes() for k, v in cells) if binary else " ".join(map(str, row)))
-    for row in faces:
-        cells = [(order + kind, np.asarray(list_)) for kind, list_ in zip(("i4", "f4"), row, strict=False)]
-        if binary:
-            body.append(b"".join(struct.pack("B", len(v)) + v.astype(k).tobytes() for k, v in cells))
-        else:
-            body.append(" ".join(f"{len(v)} " + " ".join(map(str, v)) for _, v in cells))
-    data = b"".join(body) if binary else ("\n".join(body) + "\n").encode()
-    path.write_bytes("\n".join(head).encode() + data)
-
-
 @pytest.mark.parametrize(("binary", "order"), [(True, "<"), (True, ">"), (False, "<")])
 @pytest.mark.parametrize("by_face", [False, True])
 def test_ply_with_texture_coordinates(tmp_path, binary, order, by_face):
@@ -215,7 +189,7 @@ def test_ply_with_texture_coordinates(tmp_path, binary, order, by_face):
     else:
         vertex |= {"texture_u": uv[:, 0], "texture_v": uv[:, 1]}
         faces = [(t,) for t in triangles]
-    ply(tmp_path / "s.ply", vertex, faces, ["a.png"], binary, order)
+    meshfiles.ply_columns(tmp_path / "s.ply", vertex, faces, ["a.png"], binary, order)
     soup = engine.read_textured(tmp_path / "s.ply")
     assert np.allclose(soup.uv, uv[soup.triangles])
     assert (soup.material == 0).all()
@@ -228,7 +202,7 @@ def test_ply_of_quads_with_texcoords_of_each_corner(tmp_path):
     picture(tmp_path, "a.png", ramp())
     x, y, z = vertices.T
     faces = [([0, 1, 2, 3], uv[[0, 1, 2, 3]].ravel()), ([1, 4, 2], uv[[1, 4, 2]].ravel())]
-    ply(tmp_path / "s.ply", {"x": x, "y": y, "z": z}, faces, ["a.png"])
+    meshfiles.ply_columns(tmp_path / "s.ply", {"x": x, "y": y, "z": z}, faces, ["a.png"])
     soup = engine.read_textured(tmp_path / "s.ply")
     assert len(soup.triangles) == 3
     assert np.allclose(soup.uv, uv[soup.triangles])
@@ -244,7 +218,7 @@ def test_colours_of_vertices_become_a_texture(tmp_path):
     x, y, z = vertices.T.astype(np.float32)
     red, green, blue = (vertices.T * 200).astype(np.uint8)
     vertex = {"x": x, "y": y, "z": z, "red": red, "green": green, "blue": blue}
-    ply(tmp_path / "c.ply", vertex, [(t,) for t in triangles])
+    meshfiles.ply_columns(tmp_path / "c.ply", vertex, [(t,) for t in triangles])
     soup = engine.read_textured(tmp_path / "c.ply")
     assert np.array_equal(soup.colors[:, :, :3], np.stack([red, green, blue], axis=1)[soup.triangles])
 
@@ -399,7 +373,7 @@ def test_the_command_says_what_is_wrong_in_a_line(tmp_path, arguments, status, t
     write_cube_obj(tmp_path)
     vertices, triangles = shapes.plane(2)
     x, y, z = vertices.T.astype(np.float32)
-    ply(tmp_path / "plain.ply", {"x": x, "y": y, "z": z}, [(t,) for t in triangles])
+    meshfiles.ply_columns(tmp_path / "plain.ply", {"x": x, "y": y, "z": z}, [(t,) for t in triangles])
     ran = isimp("simplify", *arguments, cwd=tmp_path)
     assert ran.returncode == status
     assert text in ran.stderr
