@@ -15,7 +15,8 @@ from ..batch import BatchError
 from ..batch.clusters import checked
 from ..tiles import Outcome, State, TileFailed, TilesError
 from ..tiles import run as run_tiles
-from ..tiles.run import DETAIL, TILE_FACES
+from ..tiles.plan import DETAIL
+from ..tiles.run import TILE_FACES
 from . import words
 from .batch import Terminated, add_workers, terminable
 from .errors import BAD_INPUT, INTERRUPTED, OK, TERMINATED, UsageError

@@ -1,11 +1,9 @@
 """A scan given as tiles, larger than memory: a tile at a time in each of some child processes."""
 
-import hashlib
 import json
 import os
 import shutil
 import time
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
@@ -14,27 +12,24 @@ from typing import Any
 
 import numpy as np
 
-from .. import FileError, InvalidInput, PartitionOptions, __version__
+from .. import PartitionOptions, __version__
 from ..batch.clusters import Cluster
 from ..batch.errors import BatchError
 from ..batch.local import Local
 from ..batch.nursery import Ending, Limits
 from ..batch.on_dask import OnDask, on_cluster
-from ..batch.run import check_one, check_ranges
-from ..batch.scans import READABLE, estimated_faces, find_scans, needed_mb
+from ..batch.run import check_one
+from ..batch.scans import estimated_faces, needed_mb
 from ..batch.table import WORK, Lock, sync_folder
 from ..drafts import whole
-from ..reading import inner, kind_of
+from ..reading import inner
 from . import steps
 from .errors import TileFailed, TilesError
+from .plan import DETAIL, Plan, options_of, plan_of
 from .store import MADE, load, of_tile, publish, values_of
-from .tileset import Leaf, leaves, tileset_of
 
 PLAN = "plan.json"
 TILE_FACES = 1_000_000  #: of the tiles that a single scan is cut into
-DETAIL = 0.005  #: where neither a number nor a tolerance is given, as for one piece
-OUTPUTS = (".obj", ".ply")
-_PARTITION = ("proxies", "detail", "tolerance", "noise", "snap", "smooth", "leave_out", "seed")
 _PATCH, _PATCHES_A_REGION = 100, 6  # faces of a patch at most; patches a region at least
 _FIRST = (3, 3)  # rounds and sweeps of each, before that
 _LAST = (10, 8)  # and after it, at most
@@ -63,25 +58,6 @@ class Outcome:
 
     output: Path
     report: dict[str, Any] = field(default_factory=dict)  #: the numbers; see docs/scale.md
-
-
-@dataclass(frozen=True)
-class Plan:
-    """What is to be done."""
-
-    inputs: list[tuple[str, Path]]  # names, and files
-    is_single: bool  # a scan that is cut into tiles first
-    output: Path
-    work: Path
-    options: dict[str, Any]
-    leaves: tuple[Leaf, ...] = ()  # of a tileset: as inputs
-
-    def key(self) -> str:
-        files = [(name, str(p), p.stat().st_size, p.stat().st_mtime_ns) for name, p in self.inputs]
-        said = json.dumps(
-            [files, self.is_single, self.output.name, self.options, __version__, [leaf[1:] for leaf in self.leaves]]
-        )
-        return hashlib.sha256(said.encode()).hexdigest()
 
 
 def run(
@@ -121,7 +97,7 @@ def run(
     """
     if not hasattr(os, "fork"):
         raise TilesError("tiles need child processes by fork, which this system does not have")
-    plan = _plan(Path(source), Path(output), work, _options(options, proxies, weld), tile_faces)
+    plan = plan_of(Path(source), Path(output), work, options_of(options, proxies, weld), tile_faces)
     if jobs is not None and jobs < 1:
         raise TilesError(f"the number of jobs must be at least 1, got {jobs}")
     target = None if labels is None else _label_folder(Path(labels), plan)
@@ -145,70 +121,6 @@ def run(
     if work is None:
         shutil.rmtree(plan.work, ignore_errors=True)
     return outcome
-
-
-def _options(options: Mapping[str, Any] | None, proxies: int | None, weld: float) -> dict[str, Any]:
-    given = dict(options or {}) | {"weld": weld} | ({} if proxies is None else {"proxies": proxies})
-    if not any(name in given for name in ("proxies", "detail", "tolerance")):
-        given["detail"] = DETAIL
-    return given
-
-
-def _plan(source: Path, output: Path, work: Any, options: dict[str, Any], tile_faces: int) -> Plan:
-    if output.suffix.lower() not in OUTPUTS:
-        raise TilesError(f"{output}: OUTPUT must end in one of {', '.join(OUTPUTS)}")
-    place = Path(os.path.abspath(output))  # noqa: PTH100  (links stay as they are)
-    if not place.parent.is_dir():
-        raise TilesError(f"{output}: there is no folder {output.parent} to write to")
-    if place.is_dir():
-        raise TilesError(f"{output}: is a folder; give the name of a file")
-    folder = place.with_name(f".{place.name}.tiles") if work is None else Path(os.path.abspath(work))  # noqa: PTH100
-    if not source.exists():
-        raise TilesError(f"{source}: there is no such folder or scan")
-    if folder.exists() and not folder.is_dir():
-        raise TilesError(f"{folder}: the work folder is a file")
-    _check(options)
-    if (tileset := tileset_of(source)) is not None:
-        return _plan_of_tileset(tileset, place, folder, options)
-    try:
-        scans = find_scans([source], output.suffix, besides=folder)
-    except BatchError as error:
-        raise TilesError(str(error)) from None
-    inputs = [(scan.name, scan.path) for scan in scans]
-    inputs = [(name, path) for name, path in inputs if path.resolve() != place.resolve()]
-    if not inputs:
-        raise TilesError(f"{source}: there is no tile in this folder")
-    if tile_faces < 1:
-        raise TilesError(f"the number of faces of a tile must be at least 1, got {tile_faces}")
-    single = source.is_file() and kind_of(source) in READABLE  # another file is a list of tiles
-    return Plan(inputs, single, place, folder, options | ({"tile_faces": tile_faces} if single else {}))
-
-
-def _plan_of_tileset(tileset: Path, place: Path, folder: Path, options: dict[str, Any]) -> Plan:
-    try:
-        found = tuple(Leaf(Path(os.path.abspath(leaf.path)), *leaf[1:]) for leaf in leaves(tileset))  # noqa: PTH100
-    except FileError as error:
-        raise TileFailed(str(error)) from None
-    if not found:
-        raise TilesError(f"{tileset}: the tileset has no tile with a mesh")
-    base, seen = Path(os.path.abspath(tileset.parent)), Counter[str]()  # noqa: PTH100
-    inputs = []
-    for leaf in found:
-        name = Path(os.path.relpath(leaf.path, base)).as_posix().replace("../", "")
-        seen[name] += 1
-        inputs.append((name if seen[name] == 1 else f"{name}.{seen[name]}", leaf.path))
-    return Plan(inputs, False, place, folder, options, found)
-
-
-def _check(options: dict[str, Any]) -> None:
-    try:
-        check_ranges(PartitionOptions(**{name: options[name] for name in _PARTITION if name in options}))
-    except (BatchError, InvalidInput) as error:
-        raise TilesError(str(error)) from None
-    if len(given := [name for name in ("proxies", "detail", "tolerance") if name in options]) > 1:
-        raise TilesError(f"--{given[0]} and --{given[1]} contradict each other; give one of them")
-    if not (0 <= options["weld"] < float("inf")):
-        raise TilesError(f"the length to weld within must be at least 0, got {options['weld']}")
 
 
 def _label_folder(folder: Path, plan: Plan) -> Path:
