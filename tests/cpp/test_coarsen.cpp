@@ -55,5 +55,14 @@ TEST_F(Coarsen, WhatARegionHadApartStaysInIt) {
   EXPECT_EQ(r.split_for_unconnected, 4);
 }
 
+// Where much is split, pieces of mixed regions come and go; a region must not lose its last one.
+TEST(CoarsenRough, EveryRegionKeepsAPolygon) {
+  const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(5), 0.06, 7));
+  Job job;
+  const MeshingReport r = polygonize(mesh, labelled::voronoi(mesh, 30, 7), {.threads = 1}, job).report;
+  EXPECT_GT(r.polygons, 100);
+  EXPECT_EQ(r.regions, 30);
+}
+
 }  // namespace
 }  // namespace isimp

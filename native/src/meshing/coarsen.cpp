@@ -130,10 +130,17 @@ class Coarsener {
            square_of(both) - square_of(a) - square_of(b) <= kSquare * usual_.square;
   }
 
+  /// Whether the region of the piece that goes keeps another one, and the other piece stays one of its own region.
   [[nodiscard]] bool may_change_region(const Candidate& c) const {
-    const std::int32_t region = s_.labels.pieces[c.other].region;
-    if (s_.labels.pieces[c.piece].region == region) return true;
-    return pieces_in_[region] > 1 && may_give(s_, c.other, c.piece, s_.labels.faces_of(c.other));
+    const std::int32_t from = s_.labels.pieces[c.other].region, to = s_.labels.pieces[c.piece].region;
+    if (from == to) return true;
+    if (pieces_in_[from] < 2) return false;
+    std::vector<std::int32_t> faces = s_.labels.faces_of(c.other);
+    std::sort(faces.begin(), faces.end());
+    if (!may_give(s_, c.other, c.piece, faces)) return false;
+    const std::vector<std::int32_t> more = s_.labels.faces_of(c.piece);
+    faces.insert(faces.end(), more.begin(), more.end());
+    return s_.main_region(faces) == to;
   }
 
   void add_unions(std::int32_t gone, std::vector<Candidate>& all) {

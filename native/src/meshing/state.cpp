@@ -26,20 +26,6 @@ ChordTolerance chord_tolerance(const Mesh& mesh, std::span<const Plane> planes, 
 constexpr std::int32_t kFew = 4;  ///< pieces that are measured on one thread
 constexpr double kFlat = 1e-12;   ///< of the area: with a shorter vector area, faces do not tell a direction
 
-/// The region that has most of some faces' area. Not always that of the piece they were parted from: what mends a pinch
-/// hands faces over to a neighbour of another region.
-std::int32_t main_region(const Mesh& mesh, const Partition& partition, std::span<const std::int32_t> faces) {
-  std::map<std::int32_t, double> area;
-  auto at = area.end();
-  for (const std::int32_t f : faces) {
-    const std::int32_t region = partition.face_region[f];
-    if (at == area.end() || at->first != region) at = area.try_emplace(region, 0).first;
-    at->second += mesh.graph().faces[mesh.graph().graph_face[f]].area;
-  }
-  return std::max_element(area.begin(), area.end(), [](const auto& a, const auto& b) { return a.second < b.second; })
-      ->first;
-}
-
 /// A boundary half-edge of a piece, found from one of its faces.
 std::int32_t boundary_start(const Labels& labels, std::span<const std::int32_t> faces) {
   for (const std::int32_t f : faces)
@@ -76,7 +62,7 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
   sort_unique(labels.touched);
   for (const std::int32_t l : labels.touched) {
     auto& [faces, loop] = discs.at(l);
-    labels.pieces[l].region = main_region(mesh, partition, faces);
+    labels.pieces[l].region = main_region(faces);
     std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end()), loop.end());
     loops[l] = std::move(loop);
   }
@@ -88,6 +74,18 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
   job.report(0.08);
   complex.refresh(numbers_below(labels.piece_count()), std::move(loops), job);
   job.report(0.1);
+}
+
+std::int32_t State::main_region(std::span<const std::int32_t> faces) const {
+  std::map<std::int32_t, double> area;
+  auto at = area.end();
+  for (const std::int32_t f : faces) {
+    const std::int32_t region = partition.face_region[f];
+    if (at == area.end() || at->first != region) at = area.try_emplace(region, 0).first;
+    at->second += mesh.graph().faces[mesh.graph().graph_face[f]].area;
+  }
+  return std::max_element(area.begin(), area.end(), [](const auto& a, const auto& b) { return a.second < b.second; })
+      ->first;
 }
 
 Cut State::find_cut(std::int32_t piece, const Vec3* place) {
@@ -260,7 +258,7 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, std::
                        faces = labels.flood(l);
                        loops[i] = labels.loop_from(boundary_start(labels, faces));
                      }
-                     labels.pieces[l].region = main_region(mesh, partition, faces);
+                     labels.pieces[l].region = main_region(faces);
                      planes[l] = plane_of(mesh, faces, labels.moments);
                      hold(planes[l], partition, labels.pieces[l].region);
                    }
