@@ -27,6 +27,7 @@ constexpr std::size_t kMostForDiagonal = 64;  ///< corners of a polygon beyond w
 constexpr double kOfTolerance = 2;            ///< by which a polygon may miss its plane where no less is asked for
 constexpr std::int32_t kLeastBudget = 100;    ///< splits that are always allowed
 
+constexpr double kOfOpening = 4;      ///< polygons that a border or handle of the scan may take
 constexpr int kPasses = 4;            ///< of joining what was split
 constexpr double kManyMore = 1.05;    ///< times the regions: fewer polygons are not joined in further passes
 constexpr double kWorthwhile = 0.99;  ///< a pass that leaves more of the polygons is the last
@@ -34,8 +35,9 @@ constexpr double kWorthwhile = 0.99;  ///< a pass that leaves more of the polygo
 class Repairer {
  public:
   Repairer(State& state, Job& job) : s_(state), job_(job), findings_(state, bounds(state), job) {
-    const auto allowed = static_cast<std::int32_t>(s_.options.repair_budget * s_.labels.piece_count());
-    most_polygons_ = s_.labels.piece_count() + std::max(kLeastBudget, allowed);
+    const double all = s_.labels.piece_count() + kOfOpening * openings(s_.mesh);
+    most_polygons_ =
+        s_.labels.piece_count() + std::max(kLeastBudget, static_cast<std::int32_t>(s_.options.repair_budget * all));
     if (s_.options.planar) findings_.judge_planar();
   }
 
@@ -66,6 +68,12 @@ class Repairer {
   }
 
  private:
+  static double openings(const Mesh& mesh) {
+    const MeshReport& r = mesh.report();
+    const double handles = (2.0 * r.components - r.border_loops - static_cast<double>(r.euler)) / 2;
+    return r.border_loops + std::max(0.0, handles);
+  }
+
   /// Fewer regions than `flatness_from` may miss their planes by more, so that no number of regions gives many more
   /// polygons than the one before. Who chose a tolerance sees no more than twice as much.
   static Bounds bounds(const State& s) {
@@ -104,7 +112,9 @@ class Repairer {
       acted_.clear(s_.labels.piece_count());
       std::fill(tries_.begin(), tries_.end(), 0);
       mend(kRounds);
-      if (s_.polygons.count() < kManyMore * s_.regions || s_.polygons.count() > kWorthwhile * before) return;
+      const std::int32_t now = s_.polygons.count();
+      // Mending may have made more of them than joining took back; that is joined again.
+      if (now < kManyMore * s_.regions || (now > kWorthwhile * before && now <= before)) return;
     }
   }
 
