@@ -30,7 +30,7 @@ constexpr std::int32_t kLeastBudget = 100;    ///< splits that are always allowe
 constexpr double kOfOpening = 4;      ///< polygons that a border or handle of the scan may take
 constexpr int kPasses = 4;            ///< of joining what was split
 constexpr double kManyMore = 1.05;    ///< times the regions: fewer polygons are not joined in further passes
-constexpr double kWorthwhile = 0.99;  ///< a pass that leaves more of the polygons is the last
+constexpr double kWorthwhile = 0.97;  ///< a pass that leaves more of the polygons is the last
 
 class Repairer {
  public:
