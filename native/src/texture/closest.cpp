@@ -114,7 +114,7 @@ std::array<Hit, 4> PolygonView::closest(const Quad& quad, std::array<std::int32_
   Four x, y;
   for (int k = 0; k < 4; ++k) {
     x[k] = quad.x + quad.step * static_cast<float>(k % 2);
-    y[k] = quad.y + quad.step * static_cast<float>(k / 2);
+    y[k] = quad.y + quad.step * static_cast<float>(k >> 1);
     best.squared[k] = (quad.wanted >> k & 1) != 0 ? kFar : -1.0F;
     best.face[k] = best.item[k] = kNone;
   }
