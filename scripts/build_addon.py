@@ -114,7 +114,10 @@ def installed_wheel(folder: Path) -> Path:
 
 
 def wheel_for(kind: str, wheel: Path, folder: Path) -> Path | None:
-    """The wheel for a kind of zip; none where it has no Python for it. A wheel of a single Python stays as it is."""
+    """The wheel for a kind of zip: the modules that its Blenders need. None if the wheel has none of them.
+
+    A wheel of a single Python is taken whole.
+    """
     if wheel.name.split("-")[2] != "py3":
         return wheel
     there = wheels.pythons(wheels.read(wheel))

@@ -78,7 +78,7 @@ def compose_bunny() -> None:
     for number, name in enumerate(("scan", "partition", "hover", "flatness", "steps", "mesh"), 1):
         path = ROOT / "out" / "window" / f"bunny-{number}-{name}.png"
         if not path.exists():
-            print(f"no {path}: picture {number} stays as it is")
+            print(f"no {path}: picture {number} is not changed")
             continue
         shot = Image.open(path).convert("RGB")
         box = STEPS if name == "steps" else (0, 0, shot.width, round(0.775 * shot.width))

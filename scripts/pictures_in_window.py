@@ -8,6 +8,7 @@ import json
 import bpy
 import numpy as np
 from mathutils import Quaternion
+from scans import material_of
 from scenario_bunny import load, view
 from scenario_main import scan
 from scenario_tools import drag, place, sketched, tool
@@ -61,13 +62,7 @@ def paint():
     across = points.reshape(-1, 3)[:, [0, 2]]
     uv = (across - across.min(axis=0)) / np.ptp(across, axis=0).max()
     mesh.uv_layers.new(name="UV").data.foreach_set("uv", uv[loops].ravel())
-    material = bpy.data.materials.new("Fur")
-    material.use_nodes = True
-    node = material.node_tree.nodes.new("ShaderNodeTexImage")
-    node.image = image
-    shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
-    material.node_tree.links.new(node.outputs["Color"], shader.inputs["Base Color"])
-    mesh.materials.append(material)
+    mesh.materials.append(material_of("Fur", image))
 
 
 def partitioned(hand, **settings):

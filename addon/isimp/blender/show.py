@@ -19,7 +19,7 @@ def _save(scan, work, numbers: dict) -> int:
 
 
 def show_texture(scan, work, outcome, made) -> dict:
-    """Puts the texture on a result that is there, which else stays as it is; returns the engine's report.
+    """Puts the texture on an existing result, whose polygons do not change; returns the engine's report.
 
     Raises Unusable if the result was changed since Mesh; then nothing changes.
     """

@@ -72,6 +72,16 @@ def allows(operator, context, needs=lambda scan: "") -> bool:
     return not problem
 
 
+def allows_with_result(operator, context) -> bool:
+    """The same for an operator that works on a scan and its result, in Object Mode."""
+    _, _, problem = find_result(context)
+    if not problem and context.mode != "OBJECT":
+        problem = text.said("Leave Edit Mode first (Tab)")
+    if problem:
+        operator.poll_message_set(problem)
+    return not problem
+
+
 def find_result(context):
     """(scan, result, "") or (None, None, why not)."""
     scan, problem = find(context)

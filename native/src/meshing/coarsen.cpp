@@ -291,9 +291,9 @@ class Coarsener {
       case Act::split: {
         mark_tried(Act::split, c.other, c.piece);
         std::int32_t& left = pieces_of_[s_.mesh.component()[s_.labels.pieces[c.other].face]];
-        if (left <= kLeastClosed || !may_change_region(c)) return {};
+        if (left <= kLeastClosed) return {};
         const std::vector<std::int32_t> loop = s_.loop_together(c.piece, c.other);
-        if (loop.empty() || is_hopeless(loop, c)) return {};
+        if (loop.empty() || is_hopeless(loop, c) || !may_change_region(c)) return {};
         trial.united = s_.unite(c.piece, c.other, loop);
         scope_.add(c.piece);
         --left;

@@ -26,11 +26,10 @@ constexpr std::size_t kShard = 16;            ///< faces of a piece that falls a
 constexpr std::size_t kMostForDiagonal = 64;  ///< corners of a polygon beyond which it is split at once
 constexpr double kOfTolerance = 2;            ///< by which a polygon may miss its plane where no less is asked for
 constexpr std::int32_t kLeastBudget = 100;    ///< splits that are always allowed
-
-constexpr double kOfOpening = 4;      ///< polygons that a border or handle of the scan may take
-constexpr int kPasses = 4;            ///< of joining what was split
-constexpr double kManyMore = 1.05;    ///< times the regions: fewer polygons are not joined in further passes
-constexpr double kWorthwhile = 0.97;  ///< a pass that leaves more of the polygons is the last
+constexpr double kOfOpening = 4;              ///< polygons that a border or handle of the scan may take
+constexpr int kPasses = 4;                    ///< of joining what was split
+constexpr double kManyMore = 1.05;            ///< times the regions: fewer polygons are not joined in further passes
+constexpr double kWorthwhile = 0.97;          ///< a pass that leaves more of the polygons is the last
 
 class Repairer {
  public:
@@ -68,6 +67,7 @@ class Repairer {
   }
 
  private:
+  /// How many borders and handles the scan has.
   static double openings(const Mesh& mesh) {
     const MeshReport& r = mesh.report();
     const double handles = (2.0 * r.components - r.border_loops - static_cast<double>(r.euler)) / 2;
@@ -101,8 +101,8 @@ class Repairer {
     }
   }
 
-  /// Joins polygons that were split and mends what is left, in turn, while there are many more of them than regions: each
-  /// joining leaves others free to be joined.
+  /// Joins split polygons and mends the result, in turn, while there are many more polygons than regions. Each join may
+  /// make others possible.
   void join_again() {
     for (int pass = 0; pass < kPasses; ++pass) {
       const double from = 0.75 - 0.5 * std::pow(0.4, pass);  // most meshes need one pass

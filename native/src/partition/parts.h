@@ -40,7 +40,7 @@ struct Parts {
 Parts find_parts(const Surface& surface, std::int32_t proxies, double leave_out, Job& job,
                  std::vector<Part> measured = {});
 
-/// A component as far as it counts for what is left out.
+/// What decides whether a component is kept.
 struct Body {
   double area = 0.0;
   std::int64_t faces = 0;

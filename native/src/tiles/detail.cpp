@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "checks.h"
 #include "density/noise.h"
 #include "hierarchy/choose_cut.h"
 #include "hierarchy/dendrogram.h"
@@ -19,19 +20,6 @@ namespace isimp::tiles {
 namespace {
 
 constexpr double kRounding = 1e-9;  // of the area: costs below this are none
-
-void check(const JoinedGraph& graph, const Components& components) {
-  const auto nodes = static_cast<std::int32_t>(graph.sum.size());
-  if (components.component.size() != graph.sum.size()) throw InvalidInput("there must be one component for each node");
-  for (const auto& pair : graph.pair)
-    for (const std::int32_t u : pair)
-      if (u < 0 || u >= nodes)
-        throw InvalidInput("a pair names node " + std::to_string(u) + ", but there are " + std::to_string(nodes));
-  for (const std::int32_t c : components.component)
-    if (c < kNone || c >= static_cast<std::int32_t>(components.need.size()))
-      throw InvalidInput("a node is in component " + std::to_string(c) + ", but there are " +
-                         std::to_string(components.need.size()));
-}
 
 /// The nodes that are not left out, areas as shares of `area`.
 ClusterGraph clusters_of(const JoinedGraph& graph, const Components& components, double area) {
@@ -105,7 +93,8 @@ Patches detail_patches(const Mesh& mesh, double tolerance, double noise, Job& jo
 
 FoundRegions find_regions(const JoinedGraph& graph, const Components& components, double tolerance, double noise,
                           bool snap, std::optional<double> cost, Job& job) {
-  check(graph, components);
+  check_pairs(graph);
+  check_components(graph, components);
   double area = 0;
   for (const RegionSum& s : graph.sum) area += s.weight / 2;
   if (!(area > 0)) area = 1;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "borders/relax.h"
+#include "checks.h"
 #include "hierarchy/contraction.h"
 #include "isimp/core/errors.h"
 #include "isimp/core/forest.h"
@@ -23,12 +24,7 @@ void check(const JoinedGraph& graph) {
   if (graph.length.size() != graph.pair.size())
     throw InvalidInput("there are " + std::to_string(graph.pair.size()) + " pairs, but " +
                        std::to_string(graph.length.size()) + " lengths of borders");
-  const auto nodes = static_cast<std::int32_t>(graph.sum.size());
-  for (std::size_t e = 0; e < graph.pair.size(); ++e)
-    for (const std::int32_t u : graph.pair[e])
-      if (u < 0 || u >= nodes)
-        throw InvalidInput("pair " + std::to_string(e) + " names node " + std::to_string(u) + ", but there are " +
-                           std::to_string(nodes));
+  check_pairs(graph);
 }
 
 double area_of(const RegionSum& s) { return s.weight / 2; }
@@ -82,6 +78,23 @@ std::vector<std::int32_t> merge_in_rounds(MergeGraph& graph, std::span<const Reg
 
 }  // namespace
 
+void check_pairs(const JoinedGraph& graph) {
+  const auto nodes = static_cast<std::int32_t>(graph.sum.size());
+  for (std::size_t e = 0; e < graph.pair.size(); ++e)
+    for (const std::int32_t u : graph.pair[e])
+      if (u < 0 || u >= nodes)
+        throw InvalidInput("pair " + std::to_string(e) + " names node " + std::to_string(u) + ", but there are " +
+                           std::to_string(nodes));
+}
+
+void check_components(const JoinedGraph& graph, const Components& components) {
+  if (components.component.size() != graph.sum.size()) throw InvalidInput("there must be one component for each node");
+  for (const std::int32_t c : components.component)
+    if (c < kNone || c >= static_cast<std::int32_t>(components.need.size()))
+      throw InvalidInput("a node is in component " + std::to_string(c) + ", but there are " +
+                         std::to_string(components.need.size()));
+}
+
 Components find_components(const JoinedGraph& graph, std::span<const std::uint8_t> open, std::int32_t proxies,
                            double leave_out) {
   check(graph);
@@ -121,7 +134,7 @@ Components find_components(const JoinedGraph& graph, std::span<const std::uint8_
 std::vector<std::int32_t> merge(const JoinedGraph& graph, const Components& components, std::int32_t target,
                                 const BorderPrice& price, Job& job) {
   check(graph);
-  if (components.component.size() != graph.sum.size()) throw InvalidInput("there must be one component for each node");
+  check_components(graph, components);
   double area = 0;
   for (const RegionSum& s : graph.sum) area += area_of(s);
   const double each = price.smooth > 0 && area > 0 ? border_price(price.error, price.smooth) /

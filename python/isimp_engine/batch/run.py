@@ -156,7 +156,8 @@ def run(
             state = _state(scans, todo, table)
             with _finished(outcome, scans, plan, table, state):
                 if todo:
-                    with _workers(plan, jobs, dask, cluster, work) as workers:
+                    threads = plan.options.get("threads") or None
+                    with workers_of(plan.parts, plan.limits, work, jobs, dask, cluster, threads) as workers:
                         _Run(plan, table, workers, watch, todo, state).run()
             return outcome
 
@@ -176,14 +177,21 @@ def check_one(dask: str | None, cluster: Cluster | None) -> None:
         raise BatchError("--dask and --cluster contradict each other; give one of them")
 
 
-def _workers(
-    plan: Plan, jobs: int | None, dask: str | None, cluster: Cluster | None, work: str
+def workers_of(
+    parts: Path,
+    limits: Limits,
+    work: str,
+    jobs: int | None,
+    dask: str | None,
+    cluster: Cluster | None,
+    threads: int | None,
 ) -> AbstractContextManager[Workers]:
+    """What runs the children: the workers of a cluster, or this machine."""
     if cluster is not None:
-        return on_cluster(cluster, plan.parts, plan.limits, work)
+        return on_cluster(cluster, parts, limits, work)
     if dask is not None:
-        return OnDask(dask, plan.parts, plan.limits, work)
-    return Local(plan.parts, jobs, plan.limits, work, plan.options.get("threads") or None)
+        return OnDask(dask, parts, limits, work)
+    return Local(parts, jobs, limits, work, threads)
 
 
 @contextmanager

@@ -163,8 +163,8 @@ def _make(
             made = texturing.make(arguments, source, mesh, part, poly, job)
     with steps("write") as job:
         if made is None:
-            put = partial(exporting.write, polygons=poly, job=job, crs=arguments.crs, like=arguments.output)
-            outputs.write(arguments.output, partial(put, surfaces=surfaces))
+            of = {"crs": arguments.crs, "like": arguments.output, "surfaces": surfaces}
+            outputs.write(arguments.output, partial(exporting.write, polygons=poly, job=job, **of))
         else:
             for file, content in files_of(arguments.output, poly, made, job).items():
                 outputs.write(file, partial(Path.write_bytes, data=content))

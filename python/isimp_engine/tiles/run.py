@@ -5,7 +5,6 @@ import os
 import shutil
 import time
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,10 +14,8 @@ import numpy as np
 from .. import PartitionOptions, __version__
 from ..batch.clusters import Cluster
 from ..batch.errors import BatchError
-from ..batch.local import Local
 from ..batch.nursery import Ending, Limits
-from ..batch.on_dask import OnDask, on_cluster
-from ..batch.run import check_one
+from ..batch.run import Workers, check_one, workers_of
 from ..batch.scans import estimated_faces, needed_mb
 from ..batch.table import WORK, Lock, sync_folder
 from ..drafts import whole
@@ -37,8 +34,6 @@ _HEAVIER = 1.5  # weight of borders against one piece's: merging starts from bet
 _LIGHTER = 0.75  # where the number is found: there one piece has longer borders too
 _FEW = 2e-5  # of all faces: rounds end where fewer move
 _TICK = 0.2  # seconds
-
-Workers = Local | OnDask
 
 
 @dataclass
@@ -111,7 +106,7 @@ def run(
             parts = plan.work / "parts"
             shutil.rmtree(parts, ignore_errors=True)
             parts.mkdir()
-            with _workers(parts, jobs, dask, cluster) as workers:
+            with workers_of(parts, Limits(), f"{__package__}.tasks:run", jobs, dask, cluster, 1) as workers:
                 outcome = _Run(plan, workers, watch, before, target is not None).run()
             if target is not None:
                 outcome.report["labels"] = _write_labels(plan, target)
@@ -145,17 +140,6 @@ def _begin(plan: Plan) -> int:
     part.replace(note)
     sync_folder(plan.work)
     return 0
-
-
-def _workers(
-    parts: Path, jobs: int | None, dask: str | None, cluster: Cluster | None
-) -> AbstractContextManager[Workers]:
-    work = f"{__package__}.tasks:run"
-    if cluster is not None:
-        return on_cluster(cluster, parts, Limits(), work)
-    if dask is not None:
-        return OnDask(dask, parts, Limits(), work)
-    return Local(parts, jobs, Limits(), work, threads=1)
 
 
 class _Run:

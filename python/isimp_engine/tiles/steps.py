@@ -55,7 +55,7 @@ class Found(NamedTuple):
 
     regions: int
     cost: float  #: merges up to this were made, scene units squared
-    snapped: bool  #: the shape consists of so many planes
+    snapped: bool  #: the number is that of the shape's planes
 
 
 class Relaxed(NamedTuple):

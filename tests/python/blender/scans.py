@@ -22,6 +22,19 @@ def cube(name="Scan", cells=6, quads=False):
     return add(name, vertices, faces)
 
 
+def material_of(name, image):
+    """A material whose colour is an image."""
+    material = bpy.data.materials.new(name)
+    if bpy.app.version < (5, 0, 0):
+        material.use_nodes = True
+    nodes = material.node_tree.nodes
+    node = nodes.new("ShaderNodeTexImage")
+    node.image = image
+    shader = next(n for n in nodes if n.type == "BSDF_PRINCIPLED")
+    material.node_tree.links.new(node.outputs["Color"], shader.inputs["Base Color"])
+    return material
+
+
 def add(name, vertices, faces):
     """An object with the given faces, linked, active and selected."""
     mesh = bpy.data.meshes.new(name)

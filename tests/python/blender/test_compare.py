@@ -51,13 +51,7 @@ def test_a_textured_scan_is_compared_with_its_images():
     scan = scans.cube()
     scan.data.uv_layers.new(name="UV")
     image = bpy.data.images.new("Picture", 8, 8)
-    material = bpy.data.materials.new("Painted")
-    material.use_nodes = True
-    node = material.node_tree.nodes.new("ShaderNodeTexImage")
-    node.image = image
-    shader = material.node_tree.nodes["Principled BSDF"]
-    material.node_tree.links.new(node.outputs["Color"], shader.inputs["Base Color"])
-    scan.data.materials.append(material)
+    scan.data.materials.append(scans.material_of("Painted", image))
     bpy.ops.isimp.partition(proxies=6)
     bpy.ops.isimp.mesh(keep_texture=False)
     assert comparison.looks_of(scan, bpy.context.object) == ("PLAIN", "REGIONS")

@@ -19,25 +19,13 @@ def image_of(name, colour, size=16):
     return image
 
 
-def material_of(name, image):
-    material = bpy.data.materials.new(name)
-    if bpy.app.version < (5, 0, 0):
-        material.use_nodes = True
-    nodes = material.node_tree.nodes
-    node = nodes.new("ShaderNodeTexImage")
-    node.image = image
-    shader = next(n for n in nodes if n.type == "BSDF_PRINCIPLED")
-    material.node_tree.links.new(node.outputs["Color"], shader.inputs["Base Color"])
-    return material
-
-
 def textured_cube(quads=False):
     """A cube whose upper and lower halves of faces have two images."""
     scan = scans.cube(quads=quads)
     layer = scan.data.uv_layers.new(name="Scan UV")
     layer.data.foreach_set("uv", np.random.default_rng(0).random(2 * len(scan.data.loops)).astype(np.float32))
     for i, colour in enumerate(COLOURS):
-        scan.data.materials.append(material_of(f"m{i}", image_of(f"i{i}", colour)))
+        scan.data.materials.append(scans.material_of(f"m{i}", image_of(f"i{i}", colour)))
     flags = np.zeros(len(scan.data.polygons), np.int32)
     for polygon in scan.data.polygons:
         flags[polygon.index] = abs(polygon.normal.z) > 0.5
@@ -158,7 +146,7 @@ def test_what_it_cannot_read_is_said():
     scan.data.uv_layers.new(name="UV")
     with pytest.raises(RuntimeError, match="no image texture"):
         bpy.ops.isimp.texture()
-    material = material_of("procedural", None)
+    material = scans.material_of("procedural", None)
     nodes = material.node_tree.nodes
     noise = nodes.new("ShaderNodeTexNoise")
     material.node_tree.links.new(noise.outputs["Color"], shader(material).inputs["Base Color"])

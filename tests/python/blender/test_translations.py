@@ -1,4 +1,4 @@
-"""Every fixed text of the interface has a German entry, and no entry is of a text that is gone."""
+"""Each fixed text of the interface has a German entry. Each entry belongs to a text of the interface."""
 
 import re
 

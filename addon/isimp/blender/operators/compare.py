@@ -3,7 +3,7 @@
 import bpy
 
 from ... import messages
-from .. import comparison, overlay, runtime, targets, text
+from .. import comparison, overlay, runtime, targets
 
 _NAVIGATION = ("MIDDLE", "WHEEL", "TRACKPAD", "NDOF", "NUMPAD_", "TIMER", "WINDOW", "MOUSEROTATE", "MOUSEZOOM")
 
@@ -24,12 +24,7 @@ class ISIMP_OT_compare(bpy.types.Operator):
         if bpy.app.background or context.area is None or context.area.type != "VIEW_3D":
             cls.poll_message_set("This needs a 3D view")
             return False
-        _, _, problem = targets.find_result(context)
-        if not problem and context.mode != "OBJECT":
-            problem = text.said("Leave Edit Mode first (Tab)")
-        if problem:
-            cls.poll_message_set(problem)
-        return not problem
+        return targets.allows_with_result(cls, context)
 
     def invoke(self, context, event):
         scan, result, _ = targets.find_result(context)

@@ -2,7 +2,7 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty, IntProperty
 
-from .. import display, mesh_io, runtime, show, targets, text
+from .. import display, mesh_io, runtime, show, targets
 
 
 class ISIMP_OT_show_regions(bpy.types.Operator):
@@ -28,12 +28,7 @@ class ISIMP_OT_swap(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        _, _, problem = targets.find_result(context)
-        if not problem and context.mode != "OBJECT":
-            problem = text.said("Leave Edit Mode first (Tab)")
-        if problem:
-            cls.poll_message_set(problem)
-        return not problem
+        return targets.allows_with_result(cls, context)
 
     def execute(self, context):
         scan, result, _ = targets.find_result(context)

@@ -38,8 +38,8 @@ Partition improve(const Mesh& mesh, const Partition& partition, Job& job);
 /// that lowers the error plus the length of the borders, which weighs as in a partition of this smoothness. So creases
 /// stay borders. Regions stay connected, and no face leaves or enters a locked one.
 /// \param strength  in [0, 1], as PartitionOptions::smooth. 0: only teeth go that cost no error
-/// 	hrows InvalidInput  strength out of its range
-/// 	hrows Cancelled     nothing was changed
+/// \throws InvalidInput  strength out of its range
+/// \throws Cancelled     nothing was changed
 /// Cost: O(F) and the moves.
 Partition even_borders(const Mesh& mesh, const Partition& partition, double strength, Job& job);
 

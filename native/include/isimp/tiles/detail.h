@@ -35,7 +35,7 @@ Patches detail_patches(const Mesh& mesh, double tolerance, double noise, Job& jo
 struct FoundRegions {
   std::int32_t regions = 0;
   double cost = 0.0;     ///< merges up to this were made, scene units squared
-  bool snapped = false;  ///< the shape has so many planes; see hierarchy/choose_cut.h
+  bool snapped = false;  ///< the number is that of the shape's planes; see hierarchy/choose_cut.h
 };
 
 /// Merges the joined graph to one tree and cuts it at a tolerance, as a partition of one piece does.

@@ -2,6 +2,7 @@
 
 import bpy
 import numpy as np
+from scans import material_of
 from scenario_main import make_scan, same, scan
 
 import isimp
@@ -90,13 +91,7 @@ def textured(hand):
     mesh = scan().data
     image = bpy.data.images.new("Picture", 64, 64)
     image.generated_type = "COLOR_GRID"
-    material = bpy.data.materials.new("Painted")
-    material.use_nodes = True
-    node = material.node_tree.nodes.new("ShaderNodeTexImage")
-    node.image = image
-    shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
-    material.node_tree.links.new(node.outputs["Color"], shader.inputs["Base Color"])
-    mesh.materials.append(material)
+    mesh.materials.append(material_of("Painted", image))
     bpy.ops.isimp.mesh()
     yield 0.5
     yield from hand.press("isimp.compare")

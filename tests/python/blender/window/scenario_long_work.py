@@ -50,6 +50,17 @@ def ended(hand):
     raise AssertionError("it did not end")
 
 
+def moved_then_stopped(hand):
+    """While work is under way the view can be moved, and Esc ends it."""
+    yield from hand.into_view()
+    place = hand.area.spaces.active.region_3d.view_distance
+    yield from hand.key("WHEELUPMOUSE")
+    yield 0.3
+    assert hand.area.spaces.active.region_3d.view_distance != place, "the view can't be moved meanwhile"
+    yield from hand.key("ESC")
+    yield from ended(hand)
+
+
 def run(hand):
     isimp.register()
     make_scan()
@@ -66,13 +77,7 @@ def run(hand):
     yield from press_slowly(hand, 300)
     same("a second press", bpy.ops.isimp.partition.poll(), False)
     yield from hand.shot("6-working")
-    yield from hand.into_view()
-    place = hand.area.spaces.active.region_3d.view_distance
-    yield from hand.key("WHEELUPMOUSE")
-    yield 0.3
-    assert hand.area.spaces.active.region_3d.view_distance != place, "the view can't be moved meanwhile"
-    yield from hand.key("ESC")
-    yield from ended(hand)
+    yield from moved_then_stopped(hand)
     same("after Esc", regions(), before)
     yield 0.3
     same("ready again", bpy.ops.isimp.partition.poll(), True)

@@ -4,7 +4,8 @@ import time
 
 import bpy
 import numpy as np
-from scenario_long_work import ended, running
+from scans import material_of
+from scenario_long_work import ended, moved_then_stopped, running
 from scenario_main import make_scan, same, scan
 
 import isimp
@@ -35,14 +36,8 @@ def paint(colour):
     image = bpy.data.images.new("Paint", 16, 16)
     image.pixels.foreach_set(np.tile(np.append(colour, 1), 256).astype(np.float32))
     image.pack()
-    material = bpy.data.materials.new("Scan")
-    material.use_nodes = True
-    shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
-    node = material.node_tree.nodes.new("ShaderNodeTexImage")
-    node.image = image
-    material.node_tree.links.new(node.outputs["Color"], shader.inputs["Base Color"])
     scan().data.materials.clear()
-    scan().data.materials.append(material)
+    scan().data.materials.append(material_of("Scan", image))
 
 
 def red():
@@ -73,13 +68,7 @@ def run(hand):
     press(hand, "mesh")
     yield 0.6
     same("Mesh under way", (running(), red()), (True, None))
-    yield from hand.into_view()
-    place = hand.area.spaces.active.region_3d.view_distance
-    yield from hand.key("WHEELUPMOUSE")
-    yield 0.3
-    assert hand.area.spaces.active.region_3d.view_distance != place, "the view can't be moved meanwhile"
-    yield from hand.key("ESC")
-    yield from ended(hand)
+    yield from moved_then_stopped(hand)
     same("Mesh after Esc", red(), None)
 
     DELAY[0] = 1.0
