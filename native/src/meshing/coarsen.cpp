@@ -19,6 +19,7 @@ constexpr std::size_t kWorthwhile = 300;  ///< a round that tries less than one 
 /// A round of many trials of which less than one in so many is good is the last one too: what is left then is a scan
 /// finer than its polygons, where each trial costs as much as it did and few will do.
 constexpr std::size_t kMany = 64, kPoor = 8;
+constexpr double kSameWay = 0.5;   ///< cosine of the angle to which a hole's wall may be one polygon with another piece
 constexpr double kHopeless = 1.5;  ///< times the bound: no placement will make a polygon so bent flat
 // What a union of two regions may miss more, as shares of what a region misses in the mean. Source: own trials, 15 scans,
 // buildings and nasty meshes at 50 to 1,000 regions.
@@ -121,6 +122,12 @@ class Coarsener {
     return (scope_.has(kept) || scope_.has(gone)) && !tried(Act::split, gone, kept);
   }
 
+  /// Whether one of two pieces was parted from the other's plate since it looks another way.
+  [[nodiscard]] bool is_wall_of(std::int32_t a, std::int32_t b) const {
+    const auto is_wall = [&](std::int32_t l) { return s_.labels.pieces[l].cause == Cause::wall; };
+    return (is_wall(a) || is_wall(b)) && s_.planes[a].normal.dot(s_.planes[b].normal) < kSameWay;
+  }
+
   /// Whether a larger piece of another region is near enough to the plane of both.
   [[nodiscard]] bool is_alike(std::int32_t kept, std::int32_t gone) const {
     const Plane &a = s_.planes[kept], &b = s_.planes[gone];
@@ -148,7 +155,8 @@ class Coarsener {
       const SharedBoundary shared = s_.shared_boundary(gone);
       unions_[gone].emplace();
       for (const auto& [k, length] : shared.with)
-        unions_[gone]->push_back({Act::split, k, gone, shared.all > 0 ? length / shared.all : 0});
+        if (!is_wall_of(k, gone))
+          unions_[gone]->push_back({Act::split, k, gone, shared.all > 0 ? length / shared.all : 0});
       for (const auto& [k, length] : shared.others)
         if (s_.labels.pieces[gone].cause != Cause::unconnected && is_alike(k, gone))
           unions_[gone]->push_back({Act::split, k, gone, length / shared.all - 1});

@@ -86,6 +86,12 @@ std::vector<std::int32_t> hand_over_sector(Cutter& cutter, std::int32_t vertex);
 /// \return the new label, kNone if there is no such chain
 std::int32_t cut_chain(Cutter& cutter, std::int32_t piece, const Shape& shape);
 
+/// Parts a piece with many loops or handles by the directions its faces look in: the walls of holes from the plate that
+/// they go through. No polygon can stand for both, and cuts from hole to hole would not part them.
+/// \return how many labels are new, the last ones; 0 if the faces look in one direction or in too many
+/// Cost: O(n) for n faces of the piece.
+std::int32_t cut_by_direction(Cutter& cutter, std::int32_t piece);
+
 /// Cuts a piece of genus 0 with many boundary loops along chains of paths from loop to loop, each as straight as can
 /// be, so that holes in rows are parted by rows. All paths come from one forest of shortest paths.
 /// \return how many labels are new, the last ones; 0 if there is no such chain. Pieces may have holes left.

@@ -14,7 +14,7 @@
 namespace isimp::meshing {
 
 /// Why a piece is there.
-enum class Cause : std::uint8_t { region, unconnected, pinch, hole, handle, closed, repair };
+enum class Cause : std::uint8_t { region, unconnected, pinch, hole, wall, handle, closed, repair };  ///< wall: of holes
 
 /// A connected set of faces that is to become one polygon.
 struct Piece {

@@ -43,7 +43,7 @@ void count_splits(const Labels& labels, std::int32_t regions, MeshingReport& rep
     ++pieces[p.region];
     report.split_for_unconnected += p.cause == Cause::unconnected;
     report.split_for_pinches += p.cause == Cause::pinch;
-    report.split_for_holes += p.cause == Cause::hole;
+    report.split_for_holes += p.cause == Cause::hole || p.cause == Cause::wall;
     report.split_for_handles += p.cause == Cause::handle;
     report.split_for_closed += p.cause == Cause::closed;
     report.split_for_repair += p.cause == Cause::repair;

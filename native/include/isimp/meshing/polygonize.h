@@ -55,6 +55,7 @@ struct MeshingReport {
   std::int32_t polygons = 0, corners = 0, vertices = 0;
   std::int32_t regions = 0;
   std::int32_t regions_split = 0;  ///< regions that became more than one polygon
+  /// Polygons more than regions, by cause; those for holes count also walls that were parted from their plate.
   std::int32_t split_for_unconnected = 0, split_for_holes = 0, split_for_handles = 0, split_for_pinches = 0,
                split_for_closed = 0, split_for_repair = 0;
   std::int32_t merged_without_area = 0;  ///< pieces of regions that a neighbour took over, as they had no area

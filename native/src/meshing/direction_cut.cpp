@@ -1,0 +1,161 @@
+#include <algorithm>
+#include <utility>
+
+#include "discs.h"
+
+namespace isimp::meshing {
+namespace {
+
+constexpr double kOneWay = 0.97;  ///< vector area over area from which on a piece is looked at no further
+constexpr double kRough = 0.035;  ///< 1 less the same, for the faces of each direction: more is a curve, not sides ...
+constexpr double kBetter = 3;     ///< ... and for the whole piece it has to be so many times as much
+constexpr double kNear = 0.7071;  ///< cosine of 45 degrees: how near to a direction its faces look
+constexpr double kRest = 0.01;    ///< share of the area that needs no direction of its own
+constexpr int kDirections = 10;   ///< at most
+constexpr int kRefinements = 3;   ///< of a direction: each the mean of the faces near the one before
+constexpr int kSmoothings = 2;    ///< rounds in which a face takes the direction of two of its neighbours
+
+/// The faces of one piece and the directions they look in.
+class Looks {
+ public:
+  Looks(const Cutter& cutter, std::span<const std::int32_t> faces)
+      : labels_(cutter.labels), faces_(faces), place_(cutter.face_place.get()) {
+    const FaceGraph& graph = labels_.mesh.graph();
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+      place_[faces[i]] = static_cast<std::int32_t>(i);
+      const FaceRecord& r = graph.faces[graph.graph_face[faces[i]]];
+      looks_.push_back({Vec3(r.nx, r.ny, r.nz), r.area});
+      area_ += r.area;
+    }
+  }
+
+  /// By how much less than its area the vector area of the piece is, as a share.
+  [[nodiscard]] double roughness() const { return roughness(std::vector<std::uint8_t>(looks_.size(), 0)); }
+
+  /// The same where the vector areas of all faces of one direction are summed up.
+  [[nodiscard]] double roughness(const std::vector<std::uint8_t>& own) const {
+    std::array<Vec3, kDirections> sums;
+    sums.fill(Vec3::Zero());
+    for (std::size_t i = 0; i < own.size(); ++i) sums[own[i]] += looks_[i].area * looks_[i].normal;
+    double length = 0;
+    for (const Vec3& s : sums) length += s.norm();
+    return area_ > 0 ? 1 - length / area_ : 0;
+  }
+
+  /// By place of the face: which of the directions that most of the area looks in is its own.
+  [[nodiscard]] std::vector<std::uint8_t> nearest_directions() const {
+    const std::vector<Vec3> directions = find();
+    std::vector<std::uint8_t> own(looks_.size());
+    for (std::size_t i = 0; i < own.size(); ++i) own[i] = nearest(directions, looks_[i].normal);
+    for (int round = 0; round < kSmoothings; ++round) smooth(own);
+    return own;
+  }
+
+  /// The connected parts of faces of one direction.
+  [[nodiscard]] std::vector<std::vector<std::int32_t>> parts(const std::vector<std::uint8_t>& own) const {
+    std::vector<std::vector<std::int32_t>> parts;
+    std::vector<bool> seen(own.size(), false);
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      if (seen[i]) continue;
+      seen[i] = true;
+      std::vector<std::int32_t>& part = parts.emplace_back(1, faces_[i]);
+      for (std::size_t k = 0; k < part.size(); ++k)
+        for_each_beside(part[k], [&](std::int32_t j) {
+          if (seen[j] || own[j] != own[i]) return;
+          seen[j] = true;
+          part.push_back(faces_[j]);
+        });
+    }
+    return parts;
+  }
+
+ private:
+  struct Look {
+    Vec3 normal;
+    double area;
+  };
+
+  static std::uint8_t nearest(std::span<const Vec3> directions, const Vec3& normal) {
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < directions.size(); ++i)
+      if (directions[i].dot(normal) > directions[best].dot(normal)) best = i;
+    return static_cast<std::uint8_t>(best);
+  }
+
+  /// The largest area first.
+  [[nodiscard]] std::vector<Vec3> find() const {
+    std::vector<Vec3> found;
+    std::vector<Look> rest = looks_;
+    for (double left = area_; static_cast<int>(found.size()) < kDirections && left > kRest * area_;) {
+      Vec3 d = fullest(rest);
+      for (int i = 0; i < kRefinements; ++i) d = mean_near(rest, d);
+      found.push_back(d);
+      const auto gone =
+          std::partition(rest.begin(), rest.end(), [&](const Look& l) { return l.normal.dot(d) < kNear; });
+      if (gone == rest.end()) break;
+      for (auto l = gone; l != rest.end(); ++l) left -= l->area;
+      rest.erase(gone, rest.end());
+    }
+    return found;
+  }
+
+  /// Of the 26 directions from a cell of a grid to those round it, the nearest one to most of the area.
+  static Vec3 fullest(std::span<const Look> looks) {
+    std::vector<Vec3> directions;
+    for (int x = -1; x <= 1; ++x)
+      for (int y = -1; y <= 1; ++y)
+        for (int z = -1; z <= 1; ++z)
+          if (x != 0 || y != 0 || z != 0) directions.push_back(Vec3(x, y, z).normalized());
+    std::vector<double> area(directions.size(), 0);
+    for (const Look& l : looks) area[nearest(directions, l.normal)] += l.area;
+    return directions[std::max_element(area.begin(), area.end()) - area.begin()];
+  }
+
+  static Vec3 mean_near(std::span<const Look> looks, const Vec3& direction) {
+    Vec3 sum = Vec3::Zero();
+    for (const Look& l : looks)
+      if (l.normal.dot(direction) >= kNear) sum += l.area * l.normal;
+    return sum.norm() > 0 ? Vec3(sum.normalized()) : direction;
+  }
+
+  /// Specks take the direction of two neighbours that agree.
+  void smooth(std::vector<std::uint8_t>& own) const {
+    const std::vector<std::uint8_t> before = own;
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      std::array<std::int32_t, 3> beside{kNone, kNone, kNone};
+      int n = 0;
+      for_each_beside(faces_[i], [&](std::int32_t j) { beside[n++] = before[j]; });
+      for (int a = 0; a < n; ++a)
+        for (int b = 0; b < a; ++b)
+          if (beside[a] == beside[b]) own[i] = static_cast<std::uint8_t>(beside[a]);
+    }
+  }
+
+  template <class Function>
+  void for_each_beside(std::int32_t f, Function fn) const {
+    for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
+      if (labels_.inner(h)) fn(place_[labels_.mesh.opposite(h) / 3]);
+  }
+
+  const Labels& labels_;
+  std::span<const std::int32_t> faces_;
+  std::int32_t* place_;  // by face of the mesh, valid for those of the piece
+  std::vector<Look> looks_;
+  double area_ = 0;
+};
+
+}  // namespace
+
+std::int32_t cut_by_direction(Cutter& cutter, std::int32_t piece) {
+  const std::vector<std::int32_t> faces = cutter.labels.faces_of(piece);
+  const Looks looks(cutter, faces);
+  const double before = looks.roughness();
+  if (before <= 1 - kOneWay) return 0;
+  const std::vector<std::uint8_t> own = looks.nearest_directions();
+  if (const double after = looks.roughness(own); after > kRough || kBetter * after > before) return 0;
+  const std::vector<std::vector<std::int32_t>> parts = looks.parts(own);
+  for (std::size_t k = 1; k < parts.size(); ++k) cutter.labels.part(parts[k], faces[0], Cause::wall);
+  return static_cast<std::int32_t>(parts.size()) - 1;
+}
+
+}  // namespace isimp::meshing
