@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # Tries what scripts/package.sh left in dist/ as people do, and writes a table to out/try_install/table.md.
 #   scripts/try_install.sh [CELL...]      some cells; the default is all
-# Cells: bullseye bookworm trixie sid (bare chroots: the wheel by pip, then the whole job), bpy-VERSION (Blender as a Python
-# package: install from disk, enable, work, upgrade, uninstall, look for what is left), blender (this Debian's, the same),
-# blender-SUITE (the one of another Debian, in a chroot).
+# Cells: bullseye bookworm trixie sid (bare chroots: the wheel by pip, then the whole job; in bullseye by a Python 3.11 that
+# is compiled there, which takes minutes and is kept), bpy-VERSION (Blender as a Python package: install from disk, enable,
+# work, upgrade, uninstall, look for what is left), blender (this Debian's, the same), blender-SUITE (the one of another
+# Debian, in a chroot).
 # Chroots and Blenders are kept in ~/.cache/isimp, or in $ISIMP_CACHE. Chroots need root. It exits 1 if a cell failed.
 set -uo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
@@ -48,28 +49,47 @@ make_chroot() {
   touch "$chroot.done"
 }
 
+# newer_python CHROOT: Python 3.11 from the source of Debian 12, compiled once in an older Debian, in /opt/python there.
+newer_python() {
+  local chroot=$1
+  [ ! -e "$chroot/opt/python/done" ] || return 0
+  as_root cp -L /etc/resolv.conf "$chroot/etc/resolv.conf"
+  # shellcheck disable=SC2016 # it is the chroot's shell that expands them
+  as_root chroot "$chroot" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin sh -e -c '
+    rm -rf /opt/source /opt/python
+    mkdir -p /opt/source
+    cd /opt/source
+    echo "deb-src http://deb.debian.org/debian bookworm main" >sources.list
+    from="-qq -o APT::Sandbox::User=root -o Dir::Etc::SourceList=/opt/source/sources.list -o Dir::Etc::SourceParts=-"
+    apt-get $from update
+    apt-get $from source --download-only python3.11
+    tar -xzf python3.11_*.orig.tar.gz
+    cd Python-3.11*
+    ./configure -q --prefix=/opt/python OPT=-O1 --disable-test-modules --without-ensurepip
+    make -s
+    make -s install
+    touch /opt/python/done' >"$chroot.python.log" 2>&1
+}
+
 try_chroot() { # SUITE
-  local suite=$1 chroot=$cache/chroots/$1 version wheel
-  make_chroot "$suite" "$suite" python3 ca-certificates || return
-  version=$(as_root chroot "$chroot" python3 -c 'import sys; print("%d.%d" % sys.version_info[:2])' 2>/dev/null)
-  wheel=$(wheel_for "${version:-none}")
-  fresh "$tried/$suite"
-  if [ -z "$wheel" ]; then # no Python of ours: at least every library and version of a symbol must be there
-    wheel=$(wheel_for 3.11)
-    "$python" -m zipfile -e "$wheel" "$tried/$suite/site"
-    fresh "$chroot/opt/isimp"
-    cp -r "$tried/$suite/site/." "$chroot/opt/isimp/"
-    as_root chroot "$chroot" sh -c 'ldd -r /opt/isimp/isimp_engine/_core*.so' >"$tried/$suite/ldd" 2>&1
-    if grep -E 'not found|undefined symbol' "$tried/$suite/ldd" | grep -v 'symbol: _\?Py'; then return 1; fi
-    echo "Python ${version:-none} has no wheel: not run; every library and symbol of the module is there"
-    return
+  local suite=$1 chroot=$cache/chroots/$1 version wheel tools=() interpreter=python3
+  # Its Python 3.9 is older than all that have a wheel, so it gets one that is not.
+  [ "$suite" != bullseye ] || tools=(gcc make libc6-dev zlib1g-dev libffi-dev)
+  make_chroot "$suite" "$suite" python3 ca-certificates "${tools[@]}" || return
+  if [ "$suite" = bullseye ]; then
+    newer_python "$chroot" || { echo "Python 3.11 was not compiled: $(tail -n 1 "$chroot.python.log")"; return 1; }
+    interpreter=/opt/python/bin/python3.11
   fi
+  version=$(as_root chroot "$chroot" "$interpreter" -c 'import sys; print("%d.%d" % sys.version_info[:2])' 2>/dev/null)
+  wheel=$(wheel_for "${version:-none}")
+  [ -n "$wheel" ] || { echo "dist has no wheel for Python ${version:-none}: run scripts/package.sh"; return 1; }
+  fresh "$tried/$suite"
   # numpy and pillow from outside, since a bare system has no pip.
   pip_for "$version" "$tried/$suite/site" "$wheel" || return 1
   fresh "$chroot/opt/isimp"
   cp -r "$tried/$suite/site/." "$chroot/opt/isimp/"
   cp scripts/installed.py "$chroot/opt/isimp/"
-  as_root chroot "$chroot" env -i PATH=/usr/bin:/bin PYTHONPATH=/opt/isimp python3 /opt/isimp/installed.py package
+  as_root chroot "$chroot" env -i PATH=/usr/bin:/bin PYTHONPATH=/opt/isimp "$interpreter" /opt/isimp/installed.py package
 }
 
 # pip_for PYTHON FOLDER WHEEL: what pip would install for it, whatever Python runs this.
