@@ -45,6 +45,12 @@ def evened(numbers: dict[str, Any]) -> str:
     return f"The borders of {count(numbers['regions'], 'region')} are even"
 
 
+def kept_open(numbers: dict[str, Any]) -> str:
+    repairs = numbers.get("repairs", {})
+    closed = repairs.get("filled_holes", 0) + repairs.get("cut_handles", 0)
+    return f"{count(numbers.get('kept_open', 0), 'opening')} kept open, {closed:,} closed"
+
+
 def several(number: int) -> str:
     return f"{count(number, 'scan')} done"
 

@@ -33,6 +33,7 @@ class Outcome:
     made: Any = None  #: how the engine made the partition; None once it was edited
     region_distance: Any = None  #: after Mesh: (R,) largest distance of its vertices from the polygons
     closed: float = 0.0  #: scene units; openings up to this length were closed before the partition
+    kept: tuple = ()  #: but for those at these places
 
     @property
     def face_color(self) -> np.ndarray:

@@ -136,7 +136,8 @@ class Partition(Step):
     method: str = PARTITION["method"].default
     seeding: str = PARTITION["seeding"].default
     leave_out: float = PARTITION["leave_out"].default
-    close_openings: bool = True  #: close holes and tunnels of a noisy scan that the regions can't show
+    close_openings: bool = True  #: close holes and tunnels of a noisy scan that the regions can't show,
+    keep_openings: tuple[tuple[float, ...], ...] = ()  #: but for those at these places; scan coordinates
     weights: str = ""  #: vertex group or attribute; higher values give smaller regions; none if empty
     influence: float = 1.0  #: strength of the weights, in [0, 2]
     seams: bool = False  #: no region crosses an edge that is marked as a seam,
@@ -156,6 +157,25 @@ class Partition(Step):
         check(not 0 <= self.influence <= 2, f"influence must be in [0, 2], got {self.influence}")
         check(not 0 <= self.angle <= 180, f"angle must be in [0, 180] degrees, got {self.angle}")
         object.__setattr__(self, "faces", _indices(self.faces) if len(self.faces) else ())
+        places = tuple(_numbers(place, "a place of keep_openings") for place in self.keep_openings)
+        check(any(len(place) != 3 for place in places), "each place of keep_openings must have 3 numbers")
+        object.__setattr__(self, "keep_openings", places)
+
+    def to_dict(self) -> dict[str, Any]:
+        values = super().to_dict()
+        if not self.keep_openings:  # as steps of earlier versions are
+            del values["keep_openings"]
+        return values
+
+    def keeping(self, place: Iterable[float], keep: bool) -> Partition:
+        """The step with one more opening kept open, or without the kept place that is nearest to this one."""
+        place, places = _numbers(place, "place"), self.keep_openings
+        if keep:
+            places = (*places, *({place} - set(places)))
+        elif places:
+            nearest = min(range(len(places)), key=lambda index: math.dist(places[index], place))
+            places = places[:nearest] + places[nearest + 1 :]
+        return dataclasses.replace(self, keep_openings=places)
 
     def _settle_count(self) -> None:
         given = [name for name in COUNTS if getattr(self, name) is not None]

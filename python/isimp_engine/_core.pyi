@@ -45,6 +45,8 @@ class Mesh:
     def origin(self) -> tuple[float, float, float]: ...
     @property
     def report(self) -> dict[str, Any]: ...
+    @property
+    def openings(self) -> list[dict[str, Any]]: ...
 
 class CleanOptions:
     weld: float
@@ -68,6 +70,8 @@ def clean(
     triangles: NDArray[np.integer],
     options: CleanOptions = ...,
     job: Job | None = None,
+    *,
+    keep: NDArray[np.floating] | None = None,
 ) -> Mesh: ...
 
 class PartitionOptions:

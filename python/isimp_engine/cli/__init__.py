@@ -22,7 +22,7 @@ from .. import (
     _process,
     recipes,
 )
-from . import batch, guiding, info, lods, simplify, texturing, tiles
+from . import batch, closing, guiding, info, lods, simplify, texturing, tiles
 from .errors import BAD_INPUT, INTERRUPTED, OK, USAGE, UsageError
 from .files import place
 
@@ -94,6 +94,13 @@ def simplify_options() -> argparse.ArgumentParser:
         "--keep-openings",
         action="store_true",
         help="keep all holes and handles; else those of a noisy scan that the regions can't show are closed",
+    )
+    command.add_argument(
+        "--keep-opening",
+        type=closing.place,
+        action="append",
+        metavar="X,Y,Z",
+        help="keep the hole or handle at this place open; the report lists the places (may be given several times)",
     )
     guiding.add_angle(command)
     add_fields(command, MeshingOptions, ("planar",))

@@ -6,14 +6,14 @@ from collections.abc import Iterator
 from typing import Any
 
 from .. import Job
-from . import simplify, words
+from . import closing, simplify, words
 from .errors import UsageError
 from .loading import Cleaned, Input, clean_mesh, facts, load
 
 
 def run(arguments: argparse.Namespace) -> None:
     source = load(arguments.input, Job(), arguments.clean.threads)
-    mesh, repaired, repaired_at = clean_mesh(source, arguments.clean, Job())
+    mesh, repaired, repaired_at = clean_mesh(source, arguments.clean, Job(), closing.kept_places(arguments))
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     report = {
         "input": {"path": str(source.path), "vertices": len(source.vertices), "faces": source.faces}
@@ -38,6 +38,7 @@ def result(arguments: argparse.Namespace, source: Input, cleaned: Cleaned) -> di
         "closed_below": model.closed.fill_holes if model.closed else None,
         "filled_holes": model.repaired["filled_holes"],
         "cut_handles": model.repaired["cut_handles"],
+        "openings": closing.told(model.mesh),
         "partition": model.partition.report,
     }
 

@@ -81,7 +81,7 @@ def run(arguments: argparse.Namespace) -> Done:
                 level.texture = lods.halved(done[0].report["texture"]["size"], number)
             if number == 0 and len(levels) > 1:
                 with steps("clean") as job:
-                    cleaned = clean_mesh(source, level.clean, job)
+                    cleaned = clean_mesh(source, level.clean, job, closing.kept_places(level))
             done.append(_make(level, source, steps, outputs, files, cleaned))
             steps = Steps(wanted(arguments.quiet))
         report = done[0].report
@@ -122,12 +122,13 @@ def make_model(arguments: argparse.Namespace, source: Input, steps: Steps, clean
     regular = None if arguments.regularise is None else RegulariseOptions(angle=arguments.regularise)
     closed = None
     with steps("clean") as job:
-        mesh, repaired, repaired_at = cleaned or clean_mesh(source, arguments.clean, job)
+        keep = closing.kept_places(arguments)
+        mesh, repaired, repaired_at = cleaned or clean_mesh(source, arguments.clean, job, keep)
         if closing.is_wanted(arguments):
             with refused(arguments):
                 closed = closing.closing_options(mesh, options, arguments.clean, job)
             if closed is not None:
-                mesh, repaired, repaired_at = clean_mesh(source, closed, job)
+                mesh, repaired, repaired_at = clean_mesh(source, closed, job, keep)
     with steps("partition") as job, refused(arguments):
         guides = guiding.guides_of(arguments, source, mesh, job)
         part = partition_guided(mesh, options, job, guides)
@@ -177,10 +178,12 @@ def _make(
         "repair": model.repaired,
         "repaired_at": model.repaired_at,
         "closed_below": closed.fill_holes if closed else None,
+        "openings": closing.told(mesh),
         "mesh": facts(mesh),
         "options": options.as_dict()
         | {
             "clean": (closed or arguments.clean).as_dict(),
+            "keep_openings": closing.kept_places(arguments),
             "meshing": model.meshing.as_dict(),
             "guides": guiding.as_dict(arguments),
             "recipe": recipe and recipe.values,
@@ -265,8 +268,7 @@ def _summary(part: Partition, report: dict[str, Any]) -> Iterator[str]:
     mesh, out = report["mesh"], report["output"]
     for line in words.repairs(report["repair"], report["repaired_at"]):
         yield f"  repaired: {line}"
-    if report["closed_below"] and (report["repair"]["filled_holes"] or report["repair"]["cut_handles"]):
-        yield f"  closed: openings up to {report['closed_below']:.4g} long; --keep-openings keeps them"
+    yield from closing.lines(report["openings"], report["options"]["keep_openings"], report["closed_below"])
     yield from words.left_out(part.parts_left_out, part.area_left_out)
     yield from (f"  warning: {text}" for text in report["partition"]["warnings"])
     if report["partition"]["tolerance"] is not None:
