@@ -3,6 +3,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "call.h"
+#include "isimp/meshing/expected.h"
 #include "isimp/meshing/polygonize.h"
 #include "isimp/meshing/regularise.h"
 #include "kept_mesh.h"
@@ -120,6 +121,16 @@ The labels stay. The partition that comes back has region_normal, region_offset 
 to these planes. Its report has directions, planes and rms_added (scene units). An edit lets go of the planes of the
 regions that it changes. Raises InvalidInput (the partition is not one of this mesh, or an option out of its range) or
 Cancelled.)");
+  m.def(
+      "expected_polygons",
+      [](const KeptMesh& mesh, const Partition& part, MeshingOptions options, Job* job) {
+        const ExpectedPolygons e = call(job, [&](Job& j) { return expected_polygons(mesh, part, options, j); });
+        return py::dict("polygons"_a = e.polygons, "regions"_a = e.regions, "raw_holes"_a = e.raw_holes,
+                        "raw_handles"_a = e.raw_handles, "raw_closed"_a = e.raw_closed, "raw_pieces"_a = e.raw_pieces,
+                        "bent"_a = e.bent, "crossing"_a = e.crossing, "flipped"_a = e.flipped, "meeting"_a = e.meeting);
+      },
+      "mesh"_a, "partition"_a, "options"_a = MeshingOptions(), "job"_a = py::none(),
+      R"(How many polygons `polygonize` will make.)");
   m.def(
       "polygonize",
       [](const KeptMesh& mesh, const Partition& part, MeshingOptions options, Job* job) {

@@ -53,7 +53,7 @@ def test_an_opening_that_was_clicked_stays_open_through_partition_undo_and_save(
     assert (numbers["repairs"]["filled_holes"], numbers["kept_open"]) == (3, 1)
     assert text.repair_lines(numbers, "METRIC", 1.0)[1] == "Kept open: 1 opening"
     assert text.has_openings(numbers)
-    assert bpy.ops.isimp.partition(proxies=10) == {"FINISHED"}
+    assert bpy.ops.isimp.partition(proxies=7) == {"FINISHED"}
     assert store.numbers(scan)["kept_open"] == 1
     assert store.load(scan).whole()[1].keep_openings == (place,)
     assert bpy.ops.isimp.mesh() == {"FINISHED"}
