@@ -226,6 +226,15 @@ def why_more(numbers: dict[str, Any]) -> str:
     return f"{more:,} more than regions: " + ", ".join(f"{number:,} {cause}" for number, cause in said)
 
 
+def expected(numbers: dict[str, Any]) -> str:
+    """How many polygons Mesh will about make, and why; empty where that is not known or they are there."""
+    counts = numbers.get("expected", {})
+    if "polygons" in numbers or not {"polygons", "regions"} <= counts.keys():
+        return ""
+    why = why_more({"polygons": counts["polygons"], "regions": counts["regions"], "split": counts})
+    return f"Mesh will make about {count(counts['polygons'], 'polygon')}" + (f", {why}" if why else "")
+
+
 def summary(regions: int, polygons: int | None, away: str) -> str:
     """The line in the corner of the viewport."""
     if polygons is None:

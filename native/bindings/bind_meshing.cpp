@@ -67,6 +67,13 @@ py::dict report_of(const MeshingReport& r) {
   return report;
 }
 
+py::dict expectation(const ExpectedPolygons& e) {
+  return py::dict("polygons"_a = e.polygons, "regions"_a = e.regions, "split_for_holes"_a = e.split_for_holes,
+                  "split_for_handles"_a = e.split_for_handles, "split_for_closed"_a = e.split_for_closed,
+                  "split_for_unconnected"_a = e.split_for_unconnected, "split_for_pinches"_a = e.split_for_pinches,
+                  "split_for_repair"_a = e.split_for_repair);
+}
+
 void bind_result(py::module_& m) {
   py::class_<PolygonMesh>(m, "PolygonMesh", py::module_local(),
                           "A mesh of simple polygons without holes; polygon q has the corners "
@@ -124,13 +131,15 @@ Cancelled.)");
   m.def(
       "expected_polygons",
       [](const KeptMesh& mesh, const Partition& part, MeshingOptions options, Job* job) {
-        const ExpectedPolygons e = call(job, [&](Job& j) { return expected_polygons(mesh, part, options, j); });
-        return py::dict("polygons"_a = e.polygons, "regions"_a = e.regions, "raw_holes"_a = e.raw_holes,
-                        "raw_handles"_a = e.raw_handles, "raw_closed"_a = e.raw_closed, "raw_pieces"_a = e.raw_pieces,
-                        "bent"_a = e.bent, "crossing"_a = e.crossing, "flipped"_a = e.flipped, "meeting"_a = e.meeting);
+        return expectation(call(job, [&](Job& j) { return expected_polygons(mesh, part, options, j); }));
       },
       "mesh"_a, "partition"_a, "options"_a = MeshingOptions(), "job"_a = py::none(),
-      R"(How many polygons `polygonize` will make.)");
+      R"(About how many polygons `polygonize` will make of a partition, and why they are more than the regions, as a dict.
+
+polygons, regions; split_for_holes, split_for_handles, split_for_closed, split_for_unconnected and split_for_pinches: what
+the topology of the regions needs; split_for_repair: what being flat, simple and apart will take, which is estimated.
+polygons is the sum of all others. Cost: about a fifth of `polygonize`. Error on scans: 2 % in the median.
+Raises InvalidInput or Cancelled as `polygonize`.)");
   m.def(
       "polygonize",
       [](const KeptMesh& mesh, const Partition& part, MeshingOptions options, Job* job) {

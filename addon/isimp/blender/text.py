@@ -105,9 +105,9 @@ def describes(mesh, numbers: dict) -> bool:
 
 
 def report_lines(numbers: dict, system: str, scale: float) -> list:
-    """(line, whether it is a warning) for the report of Mesh; empty before it."""
+    """(line, whether it is a warning) for the report of Mesh; before it, how many polygons it will make."""
     if "polygons" not in numbers:
-        return []
+        return [(line, False) for line in [messages.expected(numbers)] if line]
     flat, worst = (amount(numbers, name, system, scale) for name in ("planarity_mean", "planarity_max"))
     sound = "Closed" if numbers["closed"] else "Open, like the scan"
     sound = sound if numbers["manifold"] else "Non-manifold: polygons share an edge or vertex that they should not"

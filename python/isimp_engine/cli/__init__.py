@@ -79,6 +79,9 @@ def parser() -> argparse.ArgumentParser:
     command.add_argument(
         "--mesh-only", action="store_true", help="do not count the polygons, which takes the time of a run"
     )
+    command.add_argument(
+        "--estimate", action="store_true", help="estimate the polygons from the regions, in a fraction of that time"
+    )
     command.set_defaults(**guiding.NO_FILES)
     command.add_argument("--json", action="store_true", help="as JSON")
     return parser

@@ -5,7 +5,7 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from .. import CleanOptions, Job, Mesh, PartitionOptions, opening_length, partition
+from .. import CleanOptions, Job, Mesh, PartitionOptions, opening_lengths, partition
 
 Place = tuple[float, float, float]
 _NEAR = 0.5  #: of an opening's length: a place beyond it means none
@@ -68,10 +68,10 @@ def closing_options(mesh: Mesh, options: PartitionOptions, clean: CleanOptions, 
     """
     regions = options.proxies
     if not regions:  # to be found; 0 is refused by the partition
-        if opening_length(mesh, 1, job) == 0:
+        if opening_lengths(mesh, 1, job)[1] == 0:
             return None
         regions = partition(mesh, options, job).region_count
-    length = opening_length(mesh, regions, job)
-    if length == 0:
+    holes, handles = opening_lengths(mesh, regions, job)
+    if handles == 0:
         return None
-    return CleanOptions(**clean.as_dict() | {"fill_holes": length, "cut_handles": length})
+    return CleanOptions(**clean.as_dict() | {"fill_holes": holes, "cut_handles": handles})

@@ -24,10 +24,11 @@ from .. import (
     PolygonMesh,
     RegulariseOptions,
     __version__,
+    expected_polygons,
     exporting,
     regularise,
 )
-from ..guided import partition_guided
+from ..guided import Guides, partition_guided
 from ..texturing.writing import KINDS as TEXTURED_KINDS
 from ..texturing.writing import files_of
 from ..within import Made, Within, polygonize_within
@@ -53,6 +54,11 @@ class Steps:
         with Progress(name, job, sys.stderr) if self._show else nullcontext():
             yield job
         self.seconds[name] = round(self.seconds.get(name, 0.0) + time.perf_counter() - start, 6)
+
+    def say(self, line: str) -> None:
+        """A line between two steps, where they are shown."""
+        if self._show:
+            print(line, file=sys.stderr)
 
 
 @dataclass(frozen=True)
@@ -107,12 +113,28 @@ class Model:
     repaired: dict[str, int]
     repaired_at: dict[str, list[int]]
     closed: CleanOptions | None  #: how openings were closed; None where none were
+    expected: dict[str, int]  #: of polygons, before they were made: see `expected_polygons`
     meshing: MeshingOptions
     regular: RegulariseOptions | None
 
 
-def make_model(arguments: argparse.Namespace, source: Input, steps: Steps, cleaned: Cleaned | None = None) -> Model:
-    """Repair, partition and mesh, as the command line says.
+@dataclass(frozen=True)
+class Regions:
+    """The regions of a scan, and what they were made of."""
+
+    mesh: Mesh
+    partition: Partition
+    guides: Guides
+    repaired: dict[str, int]
+    repaired_at: dict[str, list[int]]
+    closed: CleanOptions | None  #: as in Model, too:
+    expected: dict[str, int]
+    meshing: MeshingOptions
+    regular: RegulariseOptions | None
+
+
+def make_regions(arguments: argparse.Namespace, source: Input, steps: Steps, cleaned: Cleaned | None = None) -> Regions:
+    """Repair and partition, as the command line says, and foresee the polygons.
 
     cleaned: the repaired scan, where it is known already; what a mesh keeps of one partition serves the next.
     """
@@ -141,9 +163,21 @@ def make_model(arguments: argparse.Namespace, source: Input, steps: Steps, clean
             except InvalidInput as error:
                 raise UsageError(str(error).replace("angle must", "--regularise must")) from None
     with steps("mesh") as job:
+        expected = expected_polygons(mesh, part, meshing, job)
+    steps.say(f"expected: {words.expected(expected)}")
+    return Regions(mesh, part, guides, repaired, repaired_at, closed, expected, meshing, regular)
+
+
+def make_model(arguments: argparse.Namespace, source: Input, steps: Steps, cleaned: Cleaned | None = None) -> Model:
+    """Repair, partition and mesh, as the command line says. cleaned: see `make_regions`."""
+    made = make_regions(arguments, source, steps, cleaned)
+    recipe = arguments.recipe
+    with steps("mesh") as job:
         edited = recipe is not None and recipe.edits  # made anew, the edits would be lost
-        found = polygonize_within(mesh, part, meshing, job, None if edited else Made(options, guides))
-    return Model(mesh, found.partition, found, repaired, repaired_at, closed, meshing, regular)
+        anew = None if edited else Made(arguments.options, made.guides)
+        found = polygonize_within(made.mesh, made.partition, made.meshing, job, anew)
+    repairs = made.repaired, made.repaired_at
+    return Model(made.mesh, found.partition, found, *repairs, made.closed, made.expected, made.meshing, made.regular)
 
 
 def _make(
@@ -193,6 +227,7 @@ def _make(
         "error": part.error,
         "history": part.history.tolist(),
         "partition": part.report,
+        "expected": model.expected,
         "output": {"path": str(arguments.output)} | model.found.report,
         "validity": exporting.validity(poly, surfaces=surfaces),
         "texture": None if made is None else made.report | {"files": [str(path) for path in beside]},
