@@ -138,7 +138,7 @@ Cancelled.)");
 
 polygons, regions; split_for_holes, split_for_handles, split_for_closed, split_for_unconnected and split_for_pinches: what
 the topology of the regions needs; split_for_repair: what being flat, simple and apart will take, which is estimated.
-polygons is the sum of all others. Cost: about a fifth of `polygonize`. Error on scans: 2 % in the median.
+polygons is the sum of all others. Cost: about a fifth of `polygonize`. Error on scans: 3 % in the median.
 Raises InvalidInput or Cancelled as `polygonize`.)");
   m.def(
       "polygonize",
