@@ -29,6 +29,7 @@ std::int32_t* counter_of(ExpectedPolygons& e, Cause cause) {
     case Cause::pinch:
       return &e.split_for_pinches;
     case Cause::hole:
+    case Cause::wall:
       return &e.split_for_holes;
     case Cause::handle:
       return &e.split_for_handles;
