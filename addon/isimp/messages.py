@@ -45,6 +45,12 @@ def evened(numbers: dict[str, Any]) -> str:
     return f"The borders of {count(numbers['regions'], 'region')} are even"
 
 
+def kept_open(numbers: dict[str, Any]) -> str:
+    repairs = numbers.get("repairs", {})
+    closed = repairs.get("filled_holes", 0) + repairs.get("cut_handles", 0)
+    return f"{count(numbers.get('kept_open', 0), 'opening')} kept open, {closed:,} closed"
+
+
 def several(number: int) -> str:
     return f"{count(number, 'scan')} done"
 
@@ -218,6 +224,15 @@ def why_more(numbers: dict[str, Any]) -> str:
     causes["not flat"] = more + 2 * gone - sum(causes.values())
     said = sorted(((number, cause) for cause, number in causes.items() if number > 0), reverse=True)
     return f"{more:,} more than regions: " + ", ".join(f"{number:,} {cause}" for number, cause in said)
+
+
+def expected(numbers: dict[str, Any]) -> str:
+    """How many polygons Mesh will about make, and why; empty where that is not known or they are there."""
+    counts = numbers.get("expected", {})
+    if "polygons" in numbers or not {"polygons", "regions"} <= counts.keys():
+        return ""
+    why = why_more({"polygons": counts["polygons"], "regions": counts["regions"], "split": counts})
+    return f"Mesh will make about {count(counts['polygons'], 'polygon')}" + (f", {why}" if why else "")
 
 
 def summary(regions: int, polygons: int | None, away: str) -> str:

@@ -32,7 +32,9 @@ class Outcome:
     numbers: dict = field(default_factory=dict)  #: of the last step and of the scan
     made: Any = None  #: how the engine made the partition; None once it was edited
     region_distance: Any = None  #: after Mesh: (R,) largest distance of its vertices from the polygons
-    closed: float = 0.0  #: scene units; openings up to this length were closed before the partition
+    closed: float = 0.0  #: scene units; handles up to this length were cut before the partition,
+    filled: float = 0.0  #: and holes up to this length filled,
+    kept: tuple = ()  #: but for those at these places
 
     @property
     def face_color(self) -> np.ndarray:

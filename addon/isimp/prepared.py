@@ -21,7 +21,9 @@ class Prepared:
     mesh_face: np.ndarray  #: (F',) the user's face each face of the mesh is of
     face_triangle: np.ndarray  #: (face_count,) the largest face of the mesh in each user's face, -1 if none is left
     layers: dict = field(default_factory=dict, kw_only=True)  #: of the scan as it is now
-    closed: float = field(default=0.0, kw_only=True)  #: scene units; openings up to this length were closed
+    closed: float = field(default=0.0, kw_only=True)  #: scene units; handles up to this length were cut,
+    filled: float = field(default=0.0, kw_only=True)  #: and holes up to this length filled,
+    kept: tuple = field(default=(), kw_only=True)  #: but for those at these places
     areas: np.ndarray | None  #: (F',) where a user's face has more than one triangle; None where each has one
 
     @property

@@ -138,6 +138,11 @@ class Recipe:
         self._check_index(index)
         return Recipe(self.steps[:index] + self.steps[index + 1 :])
 
+    def whole(self) -> tuple[int, Partition | None]:
+        """The last partition of all faces, which says what openings are closed, and its index; (-1, None) if none."""
+        found = [(index, step) for index, step in self.active() if isinstance(step, Partition) and not step.faces]
+        return found[-1] if found else (-1, None)
+
     def moved(self, index: int, to: int) -> Recipe:
         """The recipe with one of its steps at another place."""
         self._check_index(index)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -54,16 +55,16 @@ class Session:
         steps, keys = recipe.active(), _keys(scan, recipe)
         done, outcome = self._longest_known(keys)
         if done < len(steps):
-            closed = outcome.closed if outcome else 0.0
-            times = [0.0 if self._meshes.get((scan.digest, closed)) else PREPARING]
+            closing = (outcome.closed, outcome.filled, outcome.kept) if outcome else (0.0, 0.0, ())
+            times = [0.0 if self._meshes.get((scan.digest, *closing)) else PREPARING]
             ends = shares(times + [TIMES.get(type(step), 1.0) for _, step in steps[done:]])
-            prepared = replace(self.prepare(scan, watch, 0.0, ends[0], closed), layers=scan.layers)
+            prepared = replace(self.prepare(scan, watch, 0.0, ends[0], *closing), layers=scan.layers)
         for number in range(done, len(steps)):
             index, step = steps[number]
             begin, end = ends[number - done : number - done + 2]
             try:
                 outcome = self._apply(step, prepared, outcome, watch, begin, end)
-                prepared = replace(self.prepare(scan, closed=outcome.closed), layers=scan.layers)
+                prepared = replace(self._prepared(scan, outcome), layers=scan.layers)
             except engine.InvalidInput as error:
                 raise StepFailed(index, step, in_users_faces(str(error), prepared), outcome) from error
             except (ValueError, RuntimeError) as error:  # that of a device that ran out of memory, say
@@ -74,16 +75,36 @@ class Session:
         return outcome
 
     def prepare(
-        self, scan: Scan, watch: Watch | None = None, begin: float = 0.0, end: float = 1.0, closed: float = 0.0
+        self,
+        scan: Scan,
+        watch: Watch | None = None,
+        begin: float = 0.0,
+        end: float = 1.0,
+        closed: float = 0.0,
+        filled: float = 0.0,
+        kept: tuple = (),
     ) -> Prepared:
-        """The scan, checked and repaired. closed: see Outcome. Raises ValueError if nothing usable is in it."""
-        key = (scan.digest, closed)
+        """The scan, checked and repaired; closed, filled and kept are those of Outcome.
+
+        Raises ValueError if nothing usable is in it.
+        """
+        kept = kept if closed else ()
+        key = (scan.digest, closed, filled, kept)
         prepared = self._meshes.get(key)
         if prepared is None:
-            prepared = _prepare(scan, closed, watch or Watch(), begin, end)
+            prepared = _prepare(scan, (closed, filled), kept, watch or Watch(), begin, end)
             # Adjacency, normals and other data of the engine: about 300 bytes a face.
             self._meshes.put(key, prepared, 300 * len(scan.triangles))
         return prepared
+
+    def _prepared(self, scan: Scan, outcome: Outcome, watch: Watch | None = None) -> Prepared:
+        """The scan as an outcome's partition is of it."""
+        return self.prepare(scan, watch, closed=outcome.closed, filled=outcome.filled, kept=outcome.kept)
+
+    def openings(self, scan: Scan, outcome: Outcome) -> list[dict]:
+        """What was closed before the partition, and what was kept open: `engine.Mesh.openings`."""
+        found: list[dict] = self._prepared(scan, outcome).mesh.openings
+        return found
 
     def triangulate(self, polygons) -> tuple[np.ndarray, np.ndarray]:
         """(T, 3) vertices and (T,) polygon of triangles that fill the polygons of an outcome."""
@@ -94,7 +115,7 @@ class Session:
     def texture(self, scan: Scan, outcome: Outcome, shown: Shown, size: int | None = None, watch: Watch | None = None):
         """UVs and images of an outcome's polygons; see `engine.texture`. Raises ValueError or Stopped."""
         watch = watch or Watch()
-        mesh = self.prepare(scan, watch, closed=outcome.closed).mesh
+        mesh = self._prepared(scan, outcome, watch).mesh
         soup = engine.TexturedSoup(scan.vertices, scan.triangles, shown.uv, shown.material, shown.images)
         options = engine.TextureOptions(size=size, threads=self.threads)
         args = (mesh, outcome.partition, outcome.polygons, soup, options)
@@ -105,7 +126,7 @@ class Session:
 
         Raises ValueError if there is no such face, or it is in no region. Cost: of the size of the region.
         """
-        prepared = self.prepare(scan, closed=outcome.closed)
+        prepared = self._prepared(scan, outcome)
         return engine.region_statistics(prepared.mesh, outcome.partition, triangle_at(prepared, face))
 
     def locked_regions(self, scan: Scan, recipe: rcp.Recipe, watch: Watch | None = None) -> np.ndarray:
@@ -141,8 +162,10 @@ class Session:
             outcome = APPLY[type(step)](step, prepared, before, watch, begin, end)
         seconds = time.perf_counter() - started
         numbers = {"step": step.kind, "seconds": seconds, "scan": prepared.scan.digest}
-        numbers |= scan_numbers(self.prepare(prepared.scan)) | {"closed_below": outcome.closed}
-        numbers |= {"repairs": self.prepare(prepared.scan, closed=outcome.closed).mesh.report["repairs"]}
+        numbers |= scan_numbers(self.prepare(prepared.scan)) | {"closed_below": outcome.filled}
+        mesh = self._prepared(prepared.scan, outcome).mesh
+        numbers |= {"repairs": mesh.report["repairs"]}
+        numbers |= {"kept_open": sum(opening["kept"] for opening in mesh.openings)}
         numbers |= outcome.numbers
         return replace(outcome, numbers=numbers)
 
@@ -154,13 +177,17 @@ class Session:
         if not (locked or step.faces):  # they keep regions that are of the mesh as it was
             plain = replace(self.prepare(prepared.scan, watch, begin, begin), layers=prepared.layers)
             closed = self._closing(step, plain, options, watch, begin, begin + 0.3 * (end - begin))
-            prepared = replace(self.prepare(prepared.scan, watch, begin, end, closed), layers=prepared.layers)
+            prepared = replace(
+                self.prepare(prepared.scan, watch, begin, end, *closed, step.keep_openings), layers=prepared.layers
+            )
         guides = _guides(step, prepared, before)
         made = engine.within.Made(options, guides, self._part(prepared, guides, step.leave_out))
         args = (prepared.mesh, options, guides, made.part)
         partition = engine_call(watch, begin, end, "partitioning", _partition_guided, *args)
         names = ("rounds", "tolerance", "noise", "snapped", "distance_max", "warnings")
-        numbers = {"asked": partition.proxies_asked} | {name: partition.report[name] for name in names}
+        numbers = {"asked": partition.proxies_asked, "expected": self._expected(prepared, partition, watch, end)} | {
+            name: partition.report[name] for name in names
+        }
         kept = None if before is None or guides.before is None else carried_colors(before, partition)
         barriers = guides.arrays()["barriers"]
         if barriers is not None:
@@ -168,22 +195,31 @@ class Session:
             numbers |= {"barriers": len(barriers), "barriers_inside": inside}
         return replace(with_regions(prepared, partition, kept, numbers), made=made)
 
-    def _closing(self, step: rcp.Partition, plain: Prepared, options, watch, begin, end) -> float:
-        """The length up to which openings are closed, since the regions of the step can't show them."""
+    def _expected(self, prepared: Prepared, partition, watch, at: float) -> dict[str, int]:
+        """How many polygons there will be; empty where a part has no regions yet, and Mesh would say so."""
+        args = (prepared.mesh, partition)
+        try:
+            return engine_call(watch, at, at, "counting polygons", engine.expected_polygons, *args)
+        except engine.InvalidInput:
+            return {}
+
+    def _closing(self, step: rcp.Partition, plain: Prepared, options, watch, begin, end) -> tuple[float, float]:
+        """The lengths up to which handles are cut and holes filled, since the regions of the step can't show them."""
         if not step.close_openings or step.count_by == "bound" or engine.opening_length(plain.mesh, 1) == 0:
-            return 0.0
+            return 0.0, 0.0
         count = options.proxies
         if count is None:
             found = engine_call(watch, begin, end, "counting regions", engine.partition, plain.mesh, options)
             count = found.region_count
-        return engine.opening_length(plain.mesh, count)
+        holes, handles = engine.opening_lengths(plain.mesh, count)
+        return handles, holes
 
     def _part(self, prepared: Prepared, guides, leave_out: float):
         """The part of the mesh to split, kept so that another number is quick; None: all of it."""
         faces = engine.guided.open_faces(prepared.mesh, guides, leave_out)
         if faces is None:
             return None
-        key = (prepared.scan.digest, prepared.closed, faces.tobytes())
+        key = (prepared.scan.digest, prepared.closed, prepared.filled, prepared.kept, faces.tobytes())
         if self._parts.get(key) is None:
             self._parts.put(key, engine.guided.part_of(prepared.mesh, faces), 1)
         return self._parts.get(key)
@@ -194,14 +230,15 @@ def _keys(scan: Scan, recipe: rcp.Recipe) -> list[tuple]:
     return [(scan.digest, scan.layers_digest, key) for key in recipe.prefix_keys()]
 
 
-def _prepare(scan: Scan, closed: float, watch: Watch, begin: float, end: float) -> Prepared:
+def _prepare(scan: Scan, closing: tuple[float, float], kept: tuple, watch: Watch, begin: float, end: float) -> Prepared:
     if len(scan.triangles) == 0:
         raise ValueError("The mesh has no faces: there is nothing to simplify.")
     middle = begin + 0.4 * (end - begin)
-    args = (scan.vertices, scan.triangles, engine.CleanOptions(fill_holes=closed, cut_handles=closed))
-    mesh = engine_call(watch, begin, middle, "reading the mesh", engine.clean, *args)
+    args = (scan.vertices, scan.triangles, engine.CleanOptions(cut_handles=closing[0], fill_holes=closing[1]))
+    clean = partial(engine.clean, keep=np.array(kept, np.float64).reshape(-1, 3))
+    mesh = engine_call(watch, begin, middle, "reading the mesh", clean, *args)
     with watch.part("reading the mesh", middle, end):
-        return replace(prepared_of(scan, mesh), closed=closed)
+        return replace(prepared_of(scan, mesh), closed=closing[0], filled=closing[1], kept=kept)
 
 
 def _weights(step: rcp.Partition, prepared: Prepared) -> np.ndarray | None:

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import operator
-import reprlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, SupportsIndex
+from typing import Any
 
+from .checks import RecipeError, check, check_options, indices, numbers, short
 from .engine_options import MESHING, PARTITION, TEXTURE
 from .option import Option
 
@@ -30,64 +29,13 @@ _LARGEST = (1 << 31) - 1  # of the engine's whole numbers, but for seeds
 _LARGEST_SEED = (1 << 63) - 1
 
 
-class RecipeError(ValueError):
-    """A recipe can't be used; the message says which step and why."""
-
-
-def check(wrong: bool, message: str) -> None:
-    """Raises RecipeError if something is wrong."""
-    if wrong:
-        raise RecipeError(message)
-
-
 def engine_options(step: Step, table: dict[str, Option]) -> dict[str, Any]:
     """The settings of a step that are the engine's options, by the same names."""
     return {field.name: getattr(step, field.name) for field in dataclasses.fields(step) if field.name in table}
 
 
-def _check_options(settings: dict[str, Any], table: dict[str, Option]) -> None:
-    """Refuses settings that the engine would refuse."""
-    for name, value in settings.items():
-        option = table[name]
-        if option.choices:
-            known = ", ".join(option.choices)
-            check(value not in option.choices, f"{name} must be one of {known}, got {short(value)}")
-        elif option.kind in {"int", "float"}:
-            check(not option.holds(value), f"{name} must be {option.words}, got {value}")
-
-
 def _check_face(face: int) -> None:
     check(face < 0, f"face must be at least 0, got {face}")
-
-
-def _indices(faces: Sequence[SupportsIndex]) -> tuple[int, ...]:
-    """Faces as plain integers; any sequence of integers will do, numpy's too."""
-    try:
-        plain = tuple(operator.index(face) for face in faces if not isinstance(face, bool))
-    except TypeError:
-        plain = ()
-    check(len(plain) == 0 or len(plain) != len(faces), f"faces must be a list of faces, got {short(faces)}")
-    check(min(plain) < 0, f"faces must be at least 0, got {short(min(plain))}")
-    return plain
-
-
-def _numbers(values: Iterable[Any], name: str) -> tuple[float, ...]:
-    try:
-        plain = tuple(float(value) for value in values)
-    except (TypeError, ValueError, OverflowError):
-        raise RecipeError(f"{name} must be a list of numbers, got {short(values)}") from None
-    check(not all(map(math.isfinite, plain)), f"{name} must be finite, got {short(values)}")
-    return plain
-
-
-_SHORT = reprlib.Repr()  # with limits of depth and length
-_SHORT.maxlevel, _SHORT.maxstring, _SHORT.maxlist, _SHORT.maxtuple = 3, 50, 10, 10
-
-
-def short(value: object) -> str:
-    """A value that may be anything, as it is put into a message."""
-    text = _SHORT.repr(value)
-    return text if len(text) < 60 else text[:57] + "..."
 
 
 def _count(faces: tuple[int, ...]) -> str:
@@ -136,7 +84,8 @@ class Partition(Step):
     method: str = PARTITION["method"].default
     seeding: str = PARTITION["seeding"].default
     leave_out: float = PARTITION["leave_out"].default
-    close_openings: bool = True  #: close holes and tunnels of a noisy scan that the regions can't show
+    close_openings: bool = True  #: close holes and tunnels of a noisy scan that the regions can't show,
+    keep_openings: tuple[tuple[float, ...], ...] = ()  #: but for those at these places; scan coordinates
     weights: str = ""  #: vertex group or attribute; higher values give smaller regions; none if empty
     influence: float = 1.0  #: strength of the weights, in [0, 2]
     seams: bool = False  #: no region crosses an edge that is marked as a seam,
@@ -152,10 +101,29 @@ class Partition(Step):
         check(self.count_by not in COUNTS, f"count_by must be one of {', '.join(COUNTS)}, got {short(self.count_by)}")
         options = engine_options(self, PARTITION)
         check(not math.isfinite(options.pop("noise")), f"noise must be a length, or below 0, got {self.noise}")
-        _check_options(options, PARTITION)
+        check_options(options, PARTITION)
         check(not 0 <= self.influence <= 2, f"influence must be in [0, 2], got {self.influence}")
         check(not 0 <= self.angle <= 180, f"angle must be in [0, 180] degrees, got {self.angle}")
-        object.__setattr__(self, "faces", _indices(self.faces) if len(self.faces) else ())
+        object.__setattr__(self, "faces", indices(self.faces) if len(self.faces) else ())
+        places = tuple(numbers(place, "a place of keep_openings") for place in self.keep_openings)
+        check(any(len(place) != 3 for place in places), "each place of keep_openings must have 3 numbers")
+        object.__setattr__(self, "keep_openings", places)
+
+    def to_dict(self) -> dict[str, Any]:
+        values = super().to_dict()
+        if not self.keep_openings:  # as steps of earlier versions are
+            del values["keep_openings"]
+        return values
+
+    def keeping(self, place: Iterable[float], keep: bool) -> Partition:
+        """The step with one more opening kept open, or without the kept place that is nearest to this one."""
+        place, places = numbers(place, "place"), self.keep_openings
+        if keep:
+            places = (*places, *({place} - set(places)))
+        elif places:
+            nearest = min(range(len(places)), key=lambda index: math.dist(places[index], place))
+            places = places[:nearest] + places[nearest + 1 :]
+        return dataclasses.replace(self, keep_openings=places)
 
     def _settle_count(self) -> None:
         given = [name for name in COUNTS if getattr(self, name) is not None]
@@ -244,8 +212,8 @@ class CutRegion(Step):
 
     def __post_init__(self) -> None:
         _check_face(self.face)
-        object.__setattr__(self, "line", tuple(_numbers(point, "a point of line") for point in self.line))
-        object.__setattr__(self, "direction", _numbers(self.direction, "direction"))
+        object.__setattr__(self, "line", tuple(numbers(point, "a point of line") for point in self.line))
+        object.__setattr__(self, "direction", numbers(self.direction, "direction"))
         check(len(self.line) < 2, f"line must have at least 2 points, got {len(self.line)}")
         check(any(len(point) != 3 for point in self.line), "each point of line must have 3 numbers")
         check(len(self.direction) not in (0, 3), f"direction must have 3 numbers, got {len(self.direction)}")
@@ -263,7 +231,7 @@ class PaintFaces(Step):
     lock: bool = False  #: and lock it
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "faces", _indices(self.faces))
+        object.__setattr__(self, "faces", indices(self.faces))
 
     def describe(self) -> str:
         where = "a new region" if self.onto < 0 else f"the region at face {self.onto}"
@@ -277,7 +245,7 @@ class EraseFaces(Step):
     faces: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "faces", _indices(self.faces))
+        object.__setattr__(self, "faces", indices(self.faces))
 
     def describe(self) -> str:
         return f"Erase {_count(self.faces)} from the region at face {self.faces[0]}"
@@ -291,7 +259,7 @@ class SmoothFaces(Step):
     rounds: int = 10
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "faces", _indices(self.faces))
+        object.__setattr__(self, "faces", indices(self.faces))
         check(not 1 <= self.rounds <= MOST_ROUNDS, f"rounds must be in [1, {MOST_ROUNDS:,}], got {self.rounds}")
 
     def describe(self) -> str:
@@ -328,7 +296,7 @@ class LockRegions(Step):
     faces: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "faces", _indices(self.faces))
+        object.__setattr__(self, "faces", indices(self.faces))
 
     def describe(self) -> str:
         return f"Lock the regions at {_count(self.faces)}"
@@ -402,7 +370,7 @@ class Mesh(Step):
     planar: bool = MESHING["planar"].default
 
     def __post_init__(self) -> None:
-        _check_options(engine_options(self, MESHING), MESHING)
+        check_options(engine_options(self, MESHING), MESHING)
         check(self.chord_tolerance <= 0, f"chord_tolerance must be above 0, got {self.chord_tolerance}")
 
     def describe(self) -> str:

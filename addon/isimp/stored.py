@@ -148,7 +148,7 @@ def _are_polygons(value: object) -> bool:
 
 _COUNTS = (
     *("regions", "regions_before", "asked", "left_out", "locked", "barriers", "barriers_inside", "failed"),
-    *("polygons", "corners", "vertices", "triangles", "faces", "components", "border_loops"),
+    *("polygons", "corners", "vertices", "triangles", "faces", "components", "border_loops", "kept_open"),
 )
 _NUMBERS = (
     *("error", "seconds", "diagonal", "planarity_max", "planarity_mean"),
@@ -160,6 +160,7 @@ _FITS = {
     **dict.fromkeys(("closed", "manifold"), _is_flag),
     "repairs": _are_counts,
     "split": _are_counts,
+    "expected": _are_counts,
     "scan": _is_text,
     "flaws": _are_polygons,
     "reason": _is_text,

@@ -9,6 +9,7 @@
 #include "call.h"
 #include "isimp/core/errors.h"
 #include "isimp/mesh/clean.h"
+#include "isimp/mesh/found_opening.h"
 #include "isimp/mesh/mesh.h"
 #include "kept_mesh.h"
 #include "options.h"
@@ -48,12 +49,26 @@ std::shared_ptr<KeptMesh> make_mesh(const py::object& vertices, const py::object
 }
 
 std::shared_ptr<KeptMesh> clean_mesh(const py::object& vertices, const py::object& triangles,
-                                     const CleanOptions& options, Job* job) {
+                                     const CleanOptions& options, Job* job, const py::object& keep) {
   auto points = read_vertices(vertices, Threads(options.threads));
   auto corners = read_triangles(triangles, points.size());
+  const std::vector<Vec3> places = keep.is_none() ? std::vector<Vec3>() : read_points(keep, "keep", "(K, 3)");
   return call(job, [&, options](Job& j) {
-    return std::make_shared<KeptMesh>(clean(std::move(points), std::move(corners), options, j));
+    Cleaned cleaned = clean_keeping(std::move(points), std::move(corners), options, places, j);
+    return std::make_shared<KeptMesh>(std::move(cleaned.mesh), std::move(cleaned.openings));
   });
+}
+
+py::list openings_of(const KeptMesh& mesh) {
+  py::list all;
+  for (const auto& [handle, kept, center, length, loops] : mesh.openings()) {
+    py::list lines;
+    for (const std::vector<Vec3>& loop : loops) lines.append(owned(std::vector<Vec3>(loop)));
+    all.append(py::dict("kind"_a = handle ? "handle" : "hole", "kept"_a = kept,
+                        "center"_a = py::make_tuple(center[0], center[1], center[2]), "length"_a = length,
+                        "loops"_a = std::move(lines)));
+  }
+  return all;
 }
 
 void bind_class(py::module_& m) {
@@ -92,6 +107,12 @@ vertices, faces, components, closed_components, border_edges, border_loops, eule
 area and diagonal (scene units), closed; after `clean` also how often each repair was made (unused_vertices: how many it
 dropped). `repairs` holds these counts alone, `repaired_at` the caller's indices of the first few of each: vertices for
 the keys that end so, else faces; both are empty after Mesh(...).)")
+      .def_property_readonly("openings", &openings_of,
+                             R"(The openings that `clean` was asked to close, as a list of dicts.
+
+kind ('hole' or 'handle'), kept (True: it stayed open, since a place in `keep` means it; False: it was closed), center
+(x, y, z), length (of the border of a hole, of the loop round a handle or tunnel) and loops: (K, 3) arrays of closed
+polylines, the border of a hole or both ends of what was cut out. In the caller's coordinates.)")
       .def(py::pickle([](const KeptMesh& self) { return state_of(self); }, &mesh_from))
       .def("__repr__", [](const KeptMesh& mesh) {
         const MeshReport& r = mesh.report();
@@ -106,6 +127,7 @@ void bind_mesh(py::module_& m) {
   OptionsClass<CleanOptions>(m, "CleanOptions", "How to repair a mesh. All fields are keywords.");
   bind_class(m);
   m.def("clean", &clean_mesh, "vertices"_a, "triangles"_a, "options"_a = CleanOptions(), "job"_a = py::none(),
+        py::kw_only(), "keep"_a = py::none(),
         R"(Repair any triangles into a Mesh: output of scanners, STL files, texture seams.
 
 The repairs in their order. The mesh's report has the count and first places of each under this key:
@@ -124,6 +146,8 @@ The repairs in their order. The mesh's report has the count and first places of 
  cut_handles           the ring of faces around a handle removed, both ends covered
 Zero-area faces that no flip mends are kept. Faces and vertices keep the caller's order; copies and covers come last.
 vertices: (V, 3) float32 or float64, anything in it. triangles: (F, 3) integers in [0, V).
+keep: (K, 3) places whose holes and handles stay open, such as the centers in `Mesh.openings`: an opening stays if one
+lies within a quarter of its length of its center.
 Raises InvalidInput (another shape, no faces, an index out of range, a negative length, no face is left) or
 Cancelled. Cost: O(V + F); closing holes or handles adds O((V + F) log F).)");
 }

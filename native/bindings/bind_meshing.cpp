@@ -3,6 +3,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "call.h"
+#include "isimp/meshing/expected.h"
 #include "isimp/meshing/polygonize.h"
 #include "isimp/meshing/regularise.h"
 #include "kept_mesh.h"
@@ -66,6 +67,13 @@ py::dict report_of(const MeshingReport& r) {
   return report;
 }
 
+py::dict expectation(const ExpectedPolygons& e) {
+  return py::dict("polygons"_a = e.polygons, "regions"_a = e.regions, "split_for_holes"_a = e.split_for_holes,
+                  "split_for_handles"_a = e.split_for_handles, "split_for_closed"_a = e.split_for_closed,
+                  "split_for_unconnected"_a = e.split_for_unconnected, "split_for_pinches"_a = e.split_for_pinches,
+                  "split_for_repair"_a = e.split_for_repair);
+}
+
 void bind_result(py::module_& m) {
   py::class_<PolygonMesh>(m, "PolygonMesh", py::module_local(),
                           "A mesh of simple polygons without holes; polygon q has the corners "
@@ -120,6 +128,18 @@ The labels stay. The partition that comes back has region_normal, region_offset 
 to these planes. Its report has directions, planes and rms_added (scene units). An edit lets go of the planes of the
 regions that it changes. Raises InvalidInput (the partition is not one of this mesh, or an option out of its range) or
 Cancelled.)");
+  m.def(
+      "expected_polygons",
+      [](const KeptMesh& mesh, const Partition& part, MeshingOptions options, Job* job) {
+        return expectation(call(job, [&](Job& j) { return expected_polygons(mesh, part, options, j); }));
+      },
+      "mesh"_a, "partition"_a, "options"_a = MeshingOptions(), "job"_a = py::none(),
+      R"(About how many polygons `polygonize` will make of a partition, and why they are more than the regions, as a dict.
+
+polygons, regions; split_for_holes, split_for_handles, split_for_closed, split_for_unconnected and split_for_pinches: what
+the topology of the regions needs; split_for_repair: what being flat, simple and apart will take, which is estimated.
+polygons is the sum of all others. Cost: about a fifth of `polygonize`. Error on scans: 3 % in the median.
+Raises InvalidInput or Cancelled as `polygonize`.)");
   m.def(
       "polygonize",
       [](const KeptMesh& mesh, const Partition& part, MeshingOptions options, Job* job) {

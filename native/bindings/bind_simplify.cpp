@@ -73,6 +73,16 @@ the length to CleanOptions as fill_holes and cut_handles. It is half of sqrt(are
 mean edge, so that openings that the scan has sampled well stay. It is rounded down to the mean edge times a power of
 sqrt(2). 0 where the mesh has no opening, or so little noise that it is drawn and not scanned.
 Raises InvalidInput (regions below 1) or Cancelled. Cost: O(V + F).)");
+  m.def(
+      "opening_lengths",
+      [](const KeptMesh& mesh, std::int32_t regions, Job* job) {
+        const OpeningLengths lengths = call_here(job, [&](Job& j) { return opening_lengths(mesh, regions, j); });
+        return std::tuple{lengths.holes, lengths.handles};
+      },
+      "mesh"_a, "regions"_a, "job"_a = py::none(),
+      R"((fill_holes, cut_handles) for CleanOptions, as the command and the add-on use them: see opening_length.
+
+Holes of up to 8 mean edges, as a missing vertex leaves them, are filled up to sqrt(area / regions).)");
 }
 
 void bind_constraints(py::module_& m) {

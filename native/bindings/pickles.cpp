@@ -38,6 +38,31 @@ RepairReport unpack_repairs(const py::tuple& packed) {
   return repairs;
 }
 
+py::tuple pack_openings(const std::vector<FoundOpening>& openings) {
+  py::list list;
+  for (const auto& [handle, kept, center, length, loops] : openings) {
+    py::list lines;
+    for (const std::vector<Vec3>& loop : loops) lines.append(pack(loop));
+    list.append(py::make_tuple(handle, kept, pack(std::vector<Vec3>{center}), length, py::tuple(lines)));
+  }
+  return py::tuple(list);
+}
+
+std::vector<FoundOpening> unpack_openings(const py::tuple& packed) {
+  std::vector<FoundOpening> openings;
+  for (const py::handle item : packed) {
+    const auto parts = item.cast<py::tuple>();
+    check(parts.size() == 5);
+    FoundOpening& o = openings.emplace_back();
+    std::vector<Vec3> center;
+    unpack(parts[2], center);
+    check(center.size() == 1);
+    o = {parts[0].cast<bool>(), parts[1].cast<bool>(), center[0], parts[3].cast<double>(), {}};
+    for (const py::handle line : parts[4].cast<py::tuple>()) unpack(line, o.loops.emplace_back());
+  }
+  return openings;
+}
+
 py::object pack_guided(const std::shared_ptr<const GuidedGraph>& guided) {
   if (!guided) return py::none();
   const auto& [graph, weight, component, component_count] = *guided;
@@ -99,20 +124,23 @@ py::tuple state_of(const KeptMesh& mesh) {
   const auto items = [](const auto span) { return pack(std::vector(span.begin(), span.end())); };
   // In the caller's coordinates: the mesh that is made of them is shifted as this one was.
   return py::make_tuple(items(mesh.placed_vertices()), items(mesh.triangles()), items(mesh.source_face()),
-                        items(mesh.source_vertex()), pack_repairs(mesh.report().repairs));
+                        items(mesh.source_vertex()), pack_repairs(mesh.report().repairs),
+                        pack_openings(mesh.openings()));
 }
 
 std::shared_ptr<KeptMesh> mesh_from(const py::tuple& state) {
-  check(state.size() == 5);
+  check(state.size() == 6);
   std::vector<Vec3> vertices;
   std::vector<Triangle> triangles;
   Array<std::int32_t> source_face, source_vertex;
   unpack_all(py::make_tuple(state[0], state[1], state[2], state[3]), vertices, triangles, source_face, source_vertex);
   check(source_face.size() == triangles.size() && source_vertex.size() == vertices.size());
   RepairReport repairs = unpack_repairs(state[4].cast<py::tuple>());
+  std::vector<FoundOpening> openings = unpack_openings(state[5].cast<py::tuple>());
   return call(nullptr, [&](Job& job) {
     return std::make_shared<KeptMesh>(Mesh(std::move(vertices), std::move(triangles), std::move(source_face),
-                                           std::move(source_vertex), std::move(repairs), Threads(0), job));
+                                           std::move(source_vertex), std::move(repairs), Threads(0), job),
+                                      std::move(openings));
   });
 }
 

@@ -5,9 +5,12 @@ in no file that the engine reads; a recipe with such a step is refused.
 """
 
 import json
+import reprlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from ._core import (
     Job,
@@ -45,7 +48,8 @@ class Recipe:
 
     values: dict[str, Any]  #: the recipe's JSON value
     partition: dict[str, Any]  #: of PartitionOptions
-    close_openings: bool  #: close those that the regions can't show
+    close_openings: bool  #: close those that the regions can't show,
+    keep_openings: tuple[tuple[float, float, float], ...]  #: but for those at these places
     angle: float | None  #: no region crosses an edge that bends by more, in degrees
     edits: tuple[tuple[str, float], ...]  #: steps after the partition, with their times or strength
     meshing: dict[str, Any]  #: of MeshingOptions
@@ -86,6 +90,7 @@ def parsed(values: Any) -> Recipe:
     meshing: dict[str, Any] = {}
     meshed = False  # whether the step before makes polygons, or their texture
     angle, edits, closing, texture = None, list[tuple[str, float]](), True, None
+    keep: tuple[tuple[float, float, float], ...] = ()
     for number, step in enumerate(values["steps"], 1):
         try:
             kind, settings = _settings(step)
@@ -93,7 +98,7 @@ def parsed(values: Any) -> Recipe:
                 continue
             meshed = kind == "mesh" or (meshed and kind == "texture")
             if kind == "partition":
-                closing = _flag(settings, "close_openings")
+                closing, keep = _flag(settings, "close_openings"), _places(settings, "keep_openings")
                 partition, angle, edits = *_partition(settings), []
             elif kind == "mesh":
                 meshing = _checked(MeshingOptions, settings)
@@ -105,7 +110,7 @@ def parsed(values: Any) -> Recipe:
             raise RecipeError(f"step {number}: {error}") from None
     if partition is None:
         raise RecipeError("the recipe has no partition step")
-    return Recipe(values, partition, closing, angle, tuple(edits), meshing, texture if meshed else None)
+    return Recipe(values, partition, closing, keep, angle, tuple(edits), meshing, texture if meshed else None)
 
 
 def _settings(step: Any) -> tuple[str, dict[str, Any]]:
@@ -124,6 +129,19 @@ def _flag(settings: dict[str, Any], name: str) -> bool:
     if not isinstance(value, bool):
         raise RecipeError(f"{name} must be true or false, got {value!r}")
     return value
+
+
+def _places(settings: dict[str, Any], name: str) -> tuple[tuple[float, float, float], ...]:
+    """A setting that is a list of places."""
+    values = settings.pop(name, [])
+    try:
+        places = np.array(values, np.float64).reshape(-1, 3)
+        fits = isinstance(values, list) and len(places) == len(values) and bool(np.isfinite(places).all())
+    except (TypeError, ValueError, OverflowError):
+        fits = False
+    if not fits:
+        raise RecipeError(f"{name} must be a list of places of three finite numbers, got {reprlib.repr(values)}")
+    return tuple((float(x), float(y), float(z)) for x, y, z in places)
 
 
 def _partition(settings: dict[str, Any]) -> tuple[dict[str, Any], float | None]:

@@ -1,6 +1,7 @@
 // Which openings are taken for errors of scanning.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "isimp/core/errors.h"
@@ -29,6 +30,22 @@ TEST(Openings, AreMeasuredByTheRegions) {
   for (std::int32_t regions = 300; regions < 600; regions += 10)
     different += length(scan, regions + 10) != length(scan, regions) ? 1 : 0;
   EXPECT_EQ(different, 1) << "so that a slider closes anew but seldom";
+}
+
+TEST(Openings, HolesOfOneVertexAreFilledAsLongAsRegionsAreLarger) {
+  const shapes::Arrays scan = shapes::noisy(shapes::torus(120, 60), 0.001, 1);
+  const Mesh mesh = shapes::mesh(scan);
+  const double edge = std::sqrt(mesh.graph().area / 14400 * 4 / std::sqrt(3.0));
+  Job job;
+  for (const std::int32_t regions : {1, 100, 300, 1200}) {
+    const OpeningLengths lengths = opening_lengths(mesh, regions, job);
+    EXPECT_EQ(lengths.handles, length(scan, regions));
+    EXPECT_GE(lengths.holes, lengths.handles);
+    EXPECT_LE(lengths.holes, std::max(lengths.handles, std::sqrt(mesh.graph().area / regions)));
+  }
+  EXPECT_GT(opening_lengths(mesh, 100, job).holes, 5 * edge);
+  EXPECT_GT(opening_lengths(mesh, 100, job).holes, 1.5 * length(scan, 100));
+  EXPECT_EQ(opening_lengths(shapes::mesh(shapes::torus(120, 60)), 100, job).holes, 0) << "drawn";
 }
 
 TEST(Openings, OfDrawnModelsStay) {

@@ -100,6 +100,47 @@ def room(tunnels, noise=0.06):
     return voxels(solid, noise)
 
 
+def mvs_house(scale=1, errors=True, noise=0.04):
+    """A house with windows, a bay and a gable roof of cells, with what photogrammetry makes of it.
+
+    errors: whether there are tunnels of `scale` cells through the corners of the bay, pinholes, and specks round it.
+    """
+    wide, deep, high, eave = 60 * scale, 40 * scale, 44 * scale, 30 * scale
+    solid = np.zeros((wide, deep, high), bool)
+    solid[2 * scale : -2 * scale, 2 * scale : -2 * scale, : eave + 4 * scale] = True
+    solid[40 * scale : 56 * scale, : 14 * scale, : 14 * scale] = True
+    for x in range(6 * scale, 38 * scale, 8 * scale):
+        for z in (5 * scale, 18 * scale):
+            for y in (slice(2 * scale, 4 * scale), slice(-4 * scale, -2 * scale)):
+                solid[x : x + 4 * scale, y, z : z + 7 * scale] = False
+    if errors:
+        edge = 56 * scale
+        for z in range(2 * scale, 12 * scale, 2 * scale):
+            at, into = slice(z, z + scale), slice(edge - 3 * scale, edge - 2 * scale)
+            solid[into, : 3 * scale, at] = solid[into.start : edge, 2 * scale : 3 * scale, at] = False
+            solid[into.start - 8 * scale : into.stop - 8 * scale, : 2 * scale, at] = False
+            solid[into.start - 8 * scale : into.stop, scale : 2 * scale, at] = False
+    vertices, triangles = voxels(solid, noise)
+    up = vertices[:, 2] > eave
+    lift = 0.55 * (deep / 2 - 2 * scale - np.abs(vertices[:, 1] - deep / 2))
+    vertices[up, 2] += (vertices[up, 2] - eave) / (4 * scale) * lift[up]
+    return _with_pinholes_and_specks(vertices, triangles, scale) if errors else (vertices, triangles)
+
+
+def _with_pinholes_and_specks(vertices, triangles, scale):
+    """40 fans of faces are gone, and 40 tetrahedra of .3 to 2 cells float near the surface."""
+    rng = np.random.default_rng(4)
+    gone = np.isin(triangles, rng.choice(len(vertices), 40, replace=False)).any(axis=1)
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    specks = [
+        vertices[rng.integers(len(vertices))] + scale * (rng.normal(0, 1, 3) * 3 + rng.uniform(0.3, 2) * corners)
+        for _ in range(40)
+    ]
+    more = np.concatenate([len(vertices) + 4 * k + faces for k in range(40)])
+    return np.concatenate([vertices, *specks]), np.concatenate([triangles[~gone], more]).astype(np.int32)
+
+
 def facade(columns=8, rows=5, depth=2, noise=0.0):
     """A wall, front only, with windows of 4 by 6 cells set back by `depth`: their sides are joined to it."""
     wide, high, gap = 4, 6, 4

@@ -156,3 +156,14 @@ def test_the_command_finds_the_number_too(tmp_path, capsys):
         main(["simplify", str(scan), str(out), "--detail=0.01", "--proxies=6"])
     assert caught.value.code == 2
     assert "not allowed with" in capsys.readouterr().err
+
+
+def test_few_large_triangles_are_drawn_and_are_no_noise():
+    """Hills of 288 triangles get about as many regions as the same hills of more."""
+    vertices, triangles = shapes.plane(12)
+    vertices[:, 2] = 0.2 * np.sin(7 * vertices[:, 0]) * np.cos(5 * vertices[:, 1])
+    fine, more = shapes.plane(48)
+    fine[:, 2] = 0.2 * np.sin(7 * fine[:, 0]) * np.cos(5 * fine[:, 1])
+    coarse = found(engine.clean(vertices, triangles))
+    assert coarse.report["noise"] == 0
+    assert coarse.region_count >= 0.75 * found(engine.clean(fine, more)).region_count

@@ -87,6 +87,15 @@ def test_with_a_detail_the_regions_found_tell_what_is_closed(tmp_path):
     assert report["closed_below"] <= 0.5 * np.sqrt(area / 6)
 
 
+def test_the_pinholes_of_a_house_are_filled(tmp_path):
+    report, _ = simplified(tmp_path, shapes.mvs_house(), "--proxies=150", "--leave-out=0.002")
+    kept, _ = simplified(tmp_path, shapes.mvs_house(), "--proxies=150", "--leave-out=0.002", "--keep-openings")
+    assert report["repair"]["filled_holes"] >= 36, "40 vertices are missing"
+    assert kept["mesh"]["border_loops"] == 40
+    assert report["output"]["polygons"] <= 1.3 * report["output"]["regions"]
+    assert report["output"]["polygons"] < kept["output"]["polygons"]
+
+
 def test_the_length_needs_a_region():
     mesh = engine.clean(*shapes.room(0))
     with pytest.raises(engine.InvalidInput, match="regions must be at least 1, got 0"):
@@ -126,7 +135,8 @@ def test_the_add_on_closes_them_too_and_edits_what_is_closed():
 def test_the_add_on_closes_the_same_as_the_command(tmp_path):
     report, _ = simplified(tmp_path, shapes.room(16), f"--proxies={REGIONS}")
     outcome = Session().replay(scan_of(shapes.room(16)), rcp.Recipe((rcp.Partition(proxies=REGIONS),)))
-    assert outcome.closed == pytest.approx(report["closed_below"], rel=1e-5)
+    assert outcome.filled == pytest.approx(report["options"]["clean"]["fill_holes"], rel=1e-5)
+    assert outcome.closed == pytest.approx(report["options"]["clean"]["cut_handles"], rel=1e-5)
 
 
 def test_covers_belong_to_the_face_beside_them():

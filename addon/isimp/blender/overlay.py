@@ -402,8 +402,11 @@ def _draw_hover(hover) -> None:
         if len(points):
             shader.uniform_float("color", color)
             shaders.draw(batch_for_shader(shader, "TRIS", {"pos": points}), shader)
+    if hover.through:
+        gpu.state.depth_test_set("NONE")
     for points, color, width in hover.lines:
         lines(points, color, width)
+    gpu.state.depth_test_set("LESS_EQUAL")
 
 
 def register() -> None:

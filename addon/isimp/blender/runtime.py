@@ -68,6 +68,7 @@ class Runtime:
         self.comparison = None  #: what is compared in the viewports; see comparison.py
         self.status = ""  #: a tool's text in the status bar
         self.hover = None  #: the highlight under the mouse; see tools/under.py
+        self.openings = None  #: ((object's name, state), openings) of the scan pointed at; see tools/opening.py
         self.ground = None  #: the scan pointed at
         self.surface = None  #: (Scan, pick.Surface) of the scan pointed at
         self.digging = None  #: (Scan, Task) that makes it

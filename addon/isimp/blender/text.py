@@ -74,10 +74,17 @@ def repair_lines(numbers: dict, system: str, scale: float) -> list:
     if closed:
         below = length(numbers["closed_below"], system, scale) if numbers.get("closed_below") else ""
         lines.append(f"Closed: {' and '.join(closed)}" + (f" up to {below} round" if below else ""))
+    if numbers.get("kept_open"):
+        lines.append(f"Kept open: {_count(numbers['kept_open'], 'opening')}")
     faults = [(name, number) for name, number in repairs.items() if number and name in _FAULTS]
     if faults:
         lines.append("Mended: " + ", ".join(_count(number, _FAULTS[name]) for name, number in faults))
     return lines
+
+
+def has_openings(numbers: dict) -> bool:
+    """Whether openings were closed, or kept open one by one."""
+    return any(numbers.get("repairs", {}).get(name) for name in _OPENINGS) or bool(numbers.get("kept_open"))
 
 
 def short_progress(said: str) -> str:
@@ -98,9 +105,9 @@ def describes(mesh, numbers: dict) -> bool:
 
 
 def report_lines(numbers: dict, system: str, scale: float) -> list:
-    """(line, whether it is a warning) for the report of Mesh; empty before it."""
+    """(line, whether it is a warning) for the report of Mesh; before it, how many polygons it will make."""
     if "polygons" not in numbers:
-        return []
+        return [(line, False) for line in [messages.expected(numbers)] if line]
     flat, worst = (amount(numbers, name, system, scale) for name in ("planarity_mean", "planarity_max"))
     sound = "Closed" if numbers["closed"] else "Open, like the scan"
     sound = sound if numbers["manifold"] else "Non-manifold: polygons share an edge or vertex that they should not"

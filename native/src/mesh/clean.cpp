@@ -8,6 +8,7 @@
 
 #include "close.h"
 #include "isimp/core/errors.h"
+#include "isimp/mesh/found_opening.h"
 #include "soup.h"
 
 namespace isimp {
@@ -53,10 +54,15 @@ MeshArrays take_apart(Soup& soup, double tolerance, bool welded, Job& job) {
   return separate(soup, job);
 }
 
-}  // namespace
+/// Arrays that are sound, before small openings are closed.
+struct Sound {
+  MeshArrays arrays;
+  Topology topology;
+  RepairLog log;
+};
 
-Mesh clean(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options, Job& job) {
-  const Threads threads(options.threads);
+Sound make_sound(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options,
+                 const Threads& threads, Job& job) {
   check(vertices.size(), triangles, options, threads);
   Soup soup;
   soup.vertices = std::move(vertices);
@@ -89,15 +95,37 @@ Mesh clean(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const Cl
   if (!sound) topology = find_topology(arrays.vertices.size(), arrays.triangles, threads, job);
   if (!topology.flaw.empty()) throw Error("cleaning left " + topology.flaw);
   flip_degenerate_edges(arrays, topology, soup.log, threads, job);
-  const bool closing = options.fill_holes > 0 || options.cut_handles > 0;
-  if (closing) {
+  return {std::move(arrays), std::move(topology), std::move(soup.log)};
+}
+
+bool is_closing(const CleanOptions& options) { return options.fill_holes > 0 || options.cut_handles > 0; }
+
+}  // namespace
+
+Mesh clean(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options, Job& job) {
+  if (is_closing(options)) return clean_keeping(std::move(vertices), std::move(triangles), options, {}, job).mesh;
+  const Threads threads(options.threads);
+  Sound sound = make_sound(std::move(vertices), std::move(triangles), options, threads, job);
+  const Job::Part part(job, "cleaning", 0.5, 1.0);
+  return Mesh(std::move(sound.arrays), std::move(sound.topology), sound.log.take(), threads, job);
+}
+
+Cleaned clean_keeping(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options,
+                      const std::vector<Vec3>& keep, Job& job) {
+  for (const Vec3& place : keep)
+    if (!place.allFinite()) throw InvalidInput("a place of an opening to keep has a coordinate that is not finite");
+  if (!is_closing(options)) return {clean(std::move(vertices), std::move(triangles), options, job), {}};
+  const Threads threads(options.threads);
+  auto [arrays, topology, log] = make_sound(std::move(vertices), std::move(triangles), options, threads, job);
+  std::vector<FoundOpening> found;
+  {
     const Job::Part part(job, "closing holes", 0.5, 0.75);
-    close_small(arrays, options, soup.log, threads, job);
+    found = close_small(arrays, options, keep, log, threads, job);
   }
-  const Job::Part part(job, "cleaning", closing ? 0.75 : 0.5, 1.0);
-  if (!closing) return Mesh(std::move(arrays), std::move(topology), soup.log.take(), threads, job);
-  return Mesh(std::move(arrays.vertices), std::move(arrays.triangles), std::move(arrays.source_face),
-              std::move(arrays.source_vertex), soup.log.take(), threads, job);
+  const Job::Part part(job, "cleaning", 0.75, 1.0);
+  return {Mesh(std::move(arrays.vertices), std::move(arrays.triangles), std::move(arrays.source_face),
+               std::move(arrays.source_vertex), log.take(), threads, job),
+          std::move(found)};
 }
 
 }  // namespace isimp

@@ -45,9 +45,10 @@ std::vector<Opening> find_holes(const MeshArrays& arrays, const Topology& topolo
       seen[g] = true;
       loop.push_back(end(g));
     }
-    if (length(arrays, loop) > longest) continue;
+    const double round = length(arrays, loop);
+    if (round > longest) continue;
     std::reverse(loop.begin(), loop.end());  // a patch runs against its neighbours
-    holes.push_back({RepairKind::filled_holes, {}, {std::move(loop)}, {}});
+    holes.push_back({RepairKind::filled_holes, {}, {std::move(loop)}, {}, round});
   }
   return holes;
 }
@@ -236,25 +237,40 @@ double length(const MeshArrays& arrays, const std::vector<std::int32_t>& loop) {
   return sum;
 }
 
-void close_small(MeshArrays& arrays, const CleanOptions& options, RepairLog& log, const Threads& threads, Job& job) {
+std::vector<FoundOpening> close_small(MeshArrays& arrays, const CleanOptions& options, const std::vector<Vec3>& keep,
+                                      RepairLog& log, const Threads& threads, Job& job) {
   fill(arrays.source_face, arrays.triangles.size());
   fill(arrays.source_vertex, arrays.vertices.size());
+  std::vector<FoundOpening> found;
+  const auto tell = [&](const std::vector<Opening>& openings, bool kept) {
+    for (const Opening& o : openings) found.push_back(found_opening(arrays, o, kept));
+  };
   if (options.fill_holes > 0) {
     const Topology topology = topology_of(arrays, threads, job);
     const Components components(arrays, job);
     Closer closer(arrays, topology, &components, job);
-    for (const Opening& o : closer.close(find_holes(arrays, topology, options.fill_holes)))
-      log.add(o.kind, arrays.source_face[topology.vertex_halfedge[o.loops[0][0]] / 3]);
+    std::vector<Opening> holes = find_holes(arrays, topology, options.fill_holes);
+    const auto end =
+        std::stable_partition(holes.begin(), holes.end(), [&](const Opening& o) { return !is_kept(arrays, o, keep); });
+    tell({end, holes.end()}, true);
+    holes.erase(end, holes.end());
+    const std::vector<Opening> closed = closer.close(std::move(holes));
+    tell(closed, false);
+    for (const Opening& o : closed) log.add(o.kind, arrays.source_face[topology.vertex_halfedge[o.loops[0][0]] / 3]);
   }
   // Cutting one handle may leave another that was too near it, so that a few passes are made.
   for (int pass = 0; options.cut_handles > 0 && pass < kPasses; ++pass) {
     const Topology topology = topology_of(arrays, threads, job);
     Closer closer(arrays, topology, nullptr, job);
-    const std::vector<Opening> closed = closer.close(find_handles(arrays, topology, options.cut_handles, job));
+    Handles handles = find_handles(arrays, topology, options.cut_handles, keep, job);
+    if (pass == 0) tell(handles.kept, true);  // further passes find the same again
+    const std::vector<Opening> closed = closer.close(std::move(handles.closed));
+    tell(closed, false);
     for (const Opening& o : closed) log.add(o.kind, arrays.source_face[o.removed[0]]);
     drop_removed(arrays, closed);
     if (closed.empty()) break;
   }
+  return found;
 }
 
 }  // namespace isimp::detail

@@ -6,6 +6,7 @@
 
 #include "isimp/core/job.h"
 #include "isimp/mesh/clean.h"
+#include "isimp/mesh/found_opening.h"
 #include "soup.h"
 #include "topology.h"
 
@@ -24,6 +25,7 @@ struct Opening {
   std::vector<std::int32_t> removed;             ///< faces, rising
   std::vector<std::vector<std::int32_t>> loops;  ///< vertices in the order in which a patch runs along them
   std::vector<Patch> patches;                    ///< one a loop, once found
+  double length = 0;                             ///< of a hole's border, or of the loop round a handle
 };
 
 // patch.cpp
@@ -43,12 +45,26 @@ std::vector<char> find_crossed(const std::vector<Vec3>& vertices, const std::vec
 /// The length of a closed loop of vertices.
 double length(const MeshArrays& arrays, const std::vector<std::int32_t>& loop);
 
+// kept_openings.cpp
+/// What `clean_keeping` tells of an opening.
+FoundOpening found_opening(const MeshArrays& arrays, const Opening& opening, bool kept);
+/// Whether one of the places means the opening; see clean_keeping.
+bool is_kept(const MeshArrays& arrays, const Opening& opening, const std::vector<Vec3>& keep);
+
 // handles.cpp
+/// Handles to close and handles that stay.
+struct Handles {
+  std::vector<Opening> closed, kept;
+};
 /// Handles with a loop round them or through them of at most `longest`, no two of them near each other.
-std::vector<Opening> find_handles(const MeshArrays& arrays, const Topology& topology, double longest, Job& job);
+/// \param keep  places whose handles are not closed
+Handles find_handles(const MeshArrays& arrays, const Topology& topology, double longest, const std::vector<Vec3>& keep,
+                     Job& job);
 
 // close.cpp
-/// Fills holes and cuts handles as the options say. `parts` is sound before and after.
-void close_small(MeshArrays& arrays, const CleanOptions& options, RepairLog& log, const Threads& threads, Job& job);
+/// Fills holes and cuts handles as the options say. `arrays` are sound before and after.
+/// \return the openings that were closed or kept
+std::vector<FoundOpening> close_small(MeshArrays& arrays, const CleanOptions& options, const std::vector<Vec3>& keep,
+                                      RepairLog& log, const Threads& threads, Job& job);
 
 }  // namespace isimp::detail

@@ -219,21 +219,35 @@ class Rings {
         seen_(arrays.triangles.size(), 0) {}
 
   /// \return no loops if the faces round the loop are no ring, reach a border of the mesh or one taken before
-  Opening take(const Loop& loop) {
-    Opening o;
-    o.kind = RepairKind::cut_handles;
-    add_fans(loop.vertices, o.removed);
-    if (!free_inside(o.removed) || !find_borders(o, loop)) return {};
-    for (int rows = 0; rows < kMostRows && widen(o, loop);) ++rows;
-    if (parts_surface(o)) return {};
-    for (const std::int32_t f : o.removed)
-      for (const std::int32_t v : arrays_.triangles[f]) taken_[v] = 1;
-    return o;
+  Opening take(const Loop& loop) { return take(ring_of(loop)); }
+
+  /// The same, but only where one of the places means it. It counts as gone for those that are taken after it, so that
+  /// no other loop closes what stays: neither one that crosses it nor one in the same tunnel.
+  Opening hold(const Loop& loop, const std::vector<Vec3>& keep) {
+    Opening o = ring_of(loop);
+    return o.loops.empty() || !is_kept(arrays_, o, keep) ? Opening{} : take(std::move(o));
   }
 
  private:
   static constexpr int kMostRows = 32;
   static constexpr double kWider = 1.3;  // times the loop's length: a border beyond is no longer in the tunnel
+
+  [[nodiscard]] Opening ring_of(const Loop& loop) const {
+    Opening o;
+    o.kind = RepairKind::cut_handles;
+    o.length = loop.length;
+    add_fans(loop.vertices, o.removed);
+    if (!free_inside(o.removed) || !find_borders(o, loop)) return {};
+    for (int rows = 0; rows < kMostRows && widen(o, loop);) ++rows;
+    return o;
+  }
+
+  Opening take(Opening o) {
+    if (o.loops.empty() || parts_surface(o)) return {};
+    for (const std::int32_t f : o.removed)
+      for (const std::int32_t v : arrays_.triangles[f]) taken_[v] = 1;
+    return o;
+  }
 
   /// Takes the ring's next faces on both sides, as far as they are in the same tunnel or on the same handle: were it cut
   /// in the middle alone, a dent would stay on both sides.
@@ -243,6 +257,7 @@ class Rings {
     for (int side = 0; side < 2; ++side) {
       Opening wider;
       wider.kind = o.kind;
+      wider.length = o.length;
       wider.removed = o.removed;
       add_fans(o.loops[side], wider.removed);
       if (!free_inside(wider.removed) || !find_borders(wider, loop)) continue;
@@ -352,11 +367,17 @@ class Rings {
 
 }  // namespace
 
-std::vector<Opening> find_handles(const MeshArrays& arrays, const Topology& topology, double longest, Job& job) {
-  std::vector<Opening> handles;
+Handles find_handles(const MeshArrays& arrays, const Topology& topology, double longest, const std::vector<Vec3>& keep,
+                     Job& job) {
+  Handles handles;
   Rings rings(arrays, topology);
-  for (const Loop& loop : HandleLoops(arrays, topology, job).find(longest))
-    if (Opening o = rings.take(loop); !o.loops.empty()) handles.push_back(std::move(o));
+  const std::vector<Loop> loops = HandleLoops(arrays, topology, job).find(longest);
+  for (const Loop& loop : loops) {
+    if (keep.empty()) break;
+    if (Opening o = rings.hold(loop, keep); !o.loops.empty()) handles.kept.push_back(std::move(o));
+  }
+  for (const Loop& loop : loops)
+    if (Opening o = rings.take(loop); !o.loops.empty()) handles.closed.push_back(std::move(o));
   return handles;
 }
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "check_input.h"
 #include "isimp/core/errors.h"
-#include "isimp/core/options.h"
 #include "judge.h"
 #include "repair.h"
 #include "state.h"
@@ -17,24 +17,6 @@ namespace isimp {
 namespace {
 
 using namespace meshing;
-
-void check(const Mesh& mesh, const Partition& partition, const MeshingOptions& options) {
-  check_fields(options);
-  if (partition.face_region.size() != static_cast<std::size_t>(mesh.face_count()))
-    throw InvalidInput("the partition has labels for " + std::to_string(partition.face_region.size()) +
-                       " faces, but the mesh has " + std::to_string(mesh.face_count()));
-  const std::int32_t regions = partition.region_count();
-  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    const std::int32_t r = partition.face_region[f];
-    if (r < kNone || r >= regions)
-      throw InvalidInput("face " + std::to_string(f) + " is in region " + std::to_string(r) + ", but there are " +
-                         std::to_string(regions) + " regions");
-    for (std::int32_t h = 3 * f; r == kNone && h < 3 * f + 3; ++h)
-      if (const std::int32_t o = mesh.opposite(h); o != kNone && partition.face_region[o / 3] != kNone)
-        throw InvalidInput("face " + std::to_string(f) + " is left out, but face " + std::to_string(o / 3) +
-                           " beside it is not; only whole parts can be left out");
-  }
-}
 
 void count_splits(const Labels& labels, std::int32_t regions, MeshingReport& report) {
   std::vector<std::int32_t> pieces(regions, 0);
@@ -128,7 +110,7 @@ void report_repair(const RepairOutcome& outcome, std::span<const std::int32_t> p
 
 PolygonMesh polygonize(const Mesh& mesh, const Partition& partition, const MeshingOptions& options, Job& job,
                        std::span<const SurfaceMoments> moments) {
-  check(mesh, partition, options);
+  check_input(mesh, partition, options);
   if (!moments.empty() && moments.size() != static_cast<std::size_t>(mesh.face_count()))
     throw InvalidInput("there are moments of " + std::to_string(moments.size()) + " faces, but the mesh has " +
                        std::to_string(mesh.face_count()));

@@ -33,7 +33,7 @@ constexpr double kWorthwhile = 0.97;          ///< a pass that leaves more of th
 
 class Repairer {
  public:
-  Repairer(State& state, Job& job) : s_(state), job_(job), findings_(state, bounds(state), job) {
+  Repairer(State& state, Job& job) : s_(state), job_(job), findings_(state, bounds_of(state), job) {
     const double all = s_.labels.piece_count() + kOfOpening * openings(s_.mesh);
     most_polygons_ =
         s_.labels.piece_count() + std::max(kLeastBudget, static_cast<std::int32_t>(s_.options.repair_budget * all));
@@ -72,15 +72,6 @@ class Repairer {
     const MeshReport& r = mesh.report();
     const double handles = (2.0 * r.components - r.border_loops - static_cast<double>(r.euler)) / 2;
     return r.border_loops + std::max(0.0, handles);
-  }
-
-  /// Fewer regions than `flatness_from` may miss their planes by more, so that no number of regions gives many more
-  /// polygons than the one before. Who chose a tolerance sees no more than twice as much.
-  static Bounds bounds(const State& s) {
-    const double fewer = std::max(1.0, static_cast<double>(s.options.flatness_from) / std::max(s.regions, 1));
-    const double bend = s.options.flatness * std::pow(fewer, 4) * s.mesh.diagonal();
-    return {.bend = bend > 0 ? std::max(bend, kOfTolerance * s.partition.tolerance) : 0,
-            .thickness = kThickness * s.mesh.diagonal()};
   }
 
   /// Takes back the joins at pieces that moving corners does not mend, since a split would cost more polygons.
@@ -484,6 +475,13 @@ class Repairer {
 };
 
 }  // namespace
+
+Bounds bounds_of(const State& s) {
+  const double fewer = std::max(1.0, static_cast<double>(s.options.flatness_from) / std::max(s.regions, 1));
+  const double bend = s.options.flatness * std::pow(fewer, 4) * s.mesh.diagonal();
+  return {.bend = bend > 0 ? std::max(bend, kOfTolerance * s.partition.tolerance) : 0,
+          .thickness = kThickness * s.mesh.diagonal()};
+}
 
 RepairOutcome repair(State& state, Job& job) { return Repairer(state, job).run(); }
 

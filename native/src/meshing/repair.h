@@ -1,6 +1,7 @@
 #pragma once
 
 #include "isimp/core/job.h"
+#include "judge.h"
 #include "state.h"
 
 namespace isimp::meshing {
@@ -23,6 +24,10 @@ struct RepairOutcome {
 
 constexpr std::size_t kMostListed = 1000;         ///< flaws of a kind that a report lists
 constexpr std::int64_t kMostCounted = 1'000'000;  ///< pairs of the scan's own faces that are counted
+
+/// What a polygon may be. Fewer regions than `flatness_from` may miss their planes by more, so that no number of regions
+/// gives many more polygons than the one before. Who chose a tolerance sees no more than twice as much.
+Bounds bounds_of(const State& state);
 
 /// Looks for polygons that cross themselves, are flipped, are bent or intersect, and changes them and what is round
 /// them until none is left or nothing helps: pulls corners back to the mesh, adds corners, adds diagonals, splits

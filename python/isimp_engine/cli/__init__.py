@@ -22,7 +22,7 @@ from .. import (
     _process,
     recipes,
 )
-from . import batch, guiding, info, lods, simplify, texturing, tiles
+from . import batch, closing, guiding, info, lods, simplify, texturing, tiles
 from .errors import BAD_INPUT, INTERRUPTED, OK, USAGE, UsageError
 from .files import place
 
@@ -79,6 +79,9 @@ def parser() -> argparse.ArgumentParser:
     command.add_argument(
         "--mesh-only", action="store_true", help="do not count the polygons, which takes the time of a run"
     )
+    command.add_argument(
+        "--estimate", action="store_true", help="estimate the polygons from the regions, in a fraction of that time"
+    )
     command.set_defaults(**guiding.NO_FILES)
     command.add_argument("--json", action="store_true", help="as JSON")
     return parser
@@ -94,6 +97,13 @@ def simplify_options() -> argparse.ArgumentParser:
         "--keep-openings",
         action="store_true",
         help="keep all holes and handles; else those of a noisy scan that the regions can't show are closed",
+    )
+    command.add_argument(
+        "--keep-opening",
+        type=closing.place,
+        action="append",
+        metavar="X,Y,Z",
+        help="keep the hole or handle at this place open; the report lists the places (may be given several times)",
     )
     guiding.add_angle(command)
     add_fields(command, MeshingOptions, ("planar",))

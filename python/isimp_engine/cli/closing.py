@@ -1,8 +1,14 @@
 """Close what scanning left open: holes and tunnels that are smaller than what the regions can show."""
 
 import argparse
+import math
+from collections.abc import Iterator
+from typing import Any
 
-from .. import CleanOptions, Job, Mesh, PartitionOptions, opening_length, partition
+from .. import CleanOptions, Job, Mesh, PartitionOptions, opening_lengths, partition
+
+Place = tuple[float, float, float]
+_NEAR = 0.5  #: of an opening's length: a place beyond it means none
 
 
 def is_wanted(arguments: argparse.Namespace) -> bool:
@@ -12,6 +18,49 @@ def is_wanted(arguments: argparse.Namespace) -> bool:
     return not (kept or given or arguments.options.bound)
 
 
+def place(text: str) -> Place:
+    """X,Y,Z: a place on the command line."""
+    numbers = [float(part) for part in text.split(",")]
+    if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
+        raise ValueError(text)
+    return numbers[0], numbers[1], numbers[2]
+
+
+place.__name__ = "place X,Y,Z"  # in argparse's message
+
+
+def kept_places(arguments: argparse.Namespace) -> list[Place]:
+    """Where openings stay open: of the command line and of the recipe."""
+    given: list[Place] = [*(arguments.keep_opening or ())]
+    return given + list(arguments.recipe.keep_openings if arguments.recipe is not None else ())
+
+
+def told(mesh: Mesh) -> list[dict[str, Any]]:
+    """The openings of a repaired mesh for the report, the longest first."""
+    names = ("kind", "kept", "center", "length")
+    found = [{name: opening[name] for name in names} for opening in mesh.openings]
+    return sorted(found, key=lambda opening: -opening["length"])
+
+
+def lines(openings: list[dict[str, Any]], places: list[Place], below: float | None) -> Iterator[str]:
+    """What the summary says of openings."""
+    closed = [opening for opening in openings if not opening["kept"]]
+    if closed and below:
+        longest = f"the longest, a {closed[0]['kind']} of {closed[0]['length']:.4g}, at {_at(closed[0]['center'])}"
+        yield f"  closed: openings up to {below:.4g} long; {longest}"
+        yield "    --keep-opening X,Y,Z keeps one open, --keep-openings all; the report lists them"
+    kept = [opening for opening in openings if opening["kept"]]
+    for opening in kept:
+        yield f"  kept open: a {opening['kind']} of {opening['length']:.4g} at {_at(opening['center'])}"
+    for each in places if openings else ():
+        if all(math.dist(each, opening["center"]) > _NEAR * opening["length"] for opening in kept):
+            yield f"  warning: no opening that would be closed is at {_at(each)}"
+
+
+def _at(place: Place) -> str:
+    return ",".join(f"{number:.9g}" for number in place)
+
+
 def closing_options(mesh: Mesh, options: PartitionOptions, clean: CleanOptions, job: Job) -> CleanOptions | None:
     """How to repair the scan once more, so that its small openings are closed; None where it has none.
 
@@ -19,10 +68,10 @@ def closing_options(mesh: Mesh, options: PartitionOptions, clean: CleanOptions, 
     """
     regions = options.proxies
     if not regions:  # to be found; 0 is refused by the partition
-        if opening_length(mesh, 1, job) == 0:
+        if opening_lengths(mesh, 1, job)[1] == 0:
             return None
         regions = partition(mesh, options, job).region_count
-    length = opening_length(mesh, regions, job)
-    if length == 0:
+    holes, handles = opening_lengths(mesh, regions, job)
+    if handles == 0:
         return None
-    return CleanOptions(**clean.as_dict() | {"fill_holes": length, "cut_handles": length})
+    return CleanOptions(**clean.as_dict() | {"fill_holes": holes, "cut_handles": handles})

@@ -6,14 +6,14 @@ from collections.abc import Iterator
 from typing import Any
 
 from .. import Job
-from . import simplify, words
+from . import closing, simplify, words
 from .errors import UsageError
 from .loading import Cleaned, Input, clean_mesh, facts, load
 
 
 def run(arguments: argparse.Namespace) -> None:
     source = load(arguments.input, Job(), arguments.clean.threads)
-    mesh, repaired, repaired_at = clean_mesh(source, arguments.clean, Job())
+    mesh, repaired, repaired_at = clean_mesh(source, arguments.clean, Job(), closing.kept_places(arguments))
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     report = {
         "input": {"path": str(source.path), "vertices": len(source.vertices), "faces": source.faces}
@@ -28,16 +28,25 @@ def run(arguments: argparse.Namespace) -> None:
 
 def result(arguments: argparse.Namespace, source: Input, cleaned: Cleaned) -> dict[str, Any]:
     """How many polygons `isimp simplify` would make with these options, and why; or why it would refuse."""
+    model: simplify.Regions | simplify.Model
+    steps = simplify.Steps(show=False)
     try:
-        model = simplify.make_model(arguments, source, simplify.Steps(show=False), cleaned)
+        if arguments.estimate:
+            model = simplify.make_regions(arguments, source, steps, cleaned)
+            out: dict[str, Any] = model.expected
+        else:
+            model = simplify.make_model(arguments, source, steps, cleaned)
+            out = model.found.report
     except UsageError as error:
         return {"refused": str(error).removeprefix(f"{source.path}: ")}
-    out = model.found.report
     counts = {key: value for key, value in out.items() if key in ("regions", "polygons") or key.startswith("split_for")}
     return counts | {
+        "expected": model.expected,
+        "estimated": bool(arguments.estimate),
         "closed_below": model.closed.fill_holes if model.closed else None,
         "filled_holes": model.repaired["filled_holes"],
         "cut_handles": model.repaired["cut_handles"],
+        "openings": closing.told(model.mesh),
         "partition": model.partition.report,
     }
 
@@ -66,7 +75,7 @@ def result_lines(result: dict[str, Any]) -> Iterator[str]:
         yield f"  no polygons: {result['refused']}"
         return
     polygons, regions = words.count(result["polygons"], "polygon"), words.count(result["regions"], "region")
-    yield f"  would become {polygons} of {regions}"
+    yield f"  would become {'about ' if result['estimated'] else ''}{polygons} of {regions}"
     if more := words.more_than_regions(result):
         yield f"    {more}"
     if result["partition"]["tolerance"] is not None:

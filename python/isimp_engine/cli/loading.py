@@ -1,5 +1,6 @@
 """From a file to a clean mesh, and back to the file's own faces."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -45,13 +46,15 @@ def cut(
     return triangulate(vertices, loops, loop_start)
 
 
+Places = Sequence[tuple[float, float, float]]
 #: a repaired mesh, how often each repair was made, and where first
 Cleaned = tuple[Mesh, dict[str, int], dict[str, list[int]]]
 
 
-def clean_mesh(source: Input, options: CleanOptions, job: Job) -> Cleaned:
-    """The mesh, how often each repair was made, and where first: faces are the file's."""
-    mesh = clean(source.vertices, source.triangles, options, job)
+def clean_mesh(source: Input, options: CleanOptions, job: Job, keep: Places = ()) -> Cleaned:
+    """The mesh, how often each repair was made, and where first: faces are the file's. keep: see `clean`."""
+    places = np.array(keep, np.float64).reshape(-1, 3)
+    mesh = clean(source.vertices, source.triangles, options, job, keep=places)
     report = mesh.report
     where = {
         key: places if key.endswith("vertices") else [int(p) for p in dict.fromkeys(source.polygon[places])]

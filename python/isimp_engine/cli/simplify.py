@@ -24,10 +24,11 @@ from .. import (
     PolygonMesh,
     RegulariseOptions,
     __version__,
+    expected_polygons,
     exporting,
     regularise,
 )
-from ..guided import partition_guided
+from ..guided import Guides, partition_guided
 from ..texturing.writing import KINDS as TEXTURED_KINDS
 from ..texturing.writing import files_of
 from ..within import Made, Within, polygonize_within
@@ -53,6 +54,11 @@ class Steps:
         with Progress(name, job, sys.stderr) if self._show else nullcontext():
             yield job
         self.seconds[name] = round(self.seconds.get(name, 0.0) + time.perf_counter() - start, 6)
+
+    def say(self, line: str) -> None:
+        """A line between two steps, where they are shown."""
+        if self._show:
+            print(line, file=sys.stderr)
 
 
 @dataclass(frozen=True)
@@ -81,7 +87,7 @@ def run(arguments: argparse.Namespace) -> Done:
                 level.texture = lods.halved(done[0].report["texture"]["size"], number)
             if number == 0 and len(levels) > 1:
                 with steps("clean") as job:
-                    cleaned = clean_mesh(source, level.clean, job)
+                    cleaned = clean_mesh(source, level.clean, job, closing.kept_places(level))
             done.append(_make(level, source, steps, outputs, files, cleaned))
             steps = Steps(wanted(arguments.quiet))
         report = done[0].report
@@ -107,12 +113,28 @@ class Model:
     repaired: dict[str, int]
     repaired_at: dict[str, list[int]]
     closed: CleanOptions | None  #: how openings were closed; None where none were
+    expected: dict[str, int]  #: of polygons, before they were made: see `expected_polygons`
     meshing: MeshingOptions
     regular: RegulariseOptions | None
 
 
-def make_model(arguments: argparse.Namespace, source: Input, steps: Steps, cleaned: Cleaned | None = None) -> Model:
-    """Repair, partition and mesh, as the command line says.
+@dataclass(frozen=True)
+class Regions:
+    """The regions of a scan, and what they were made of."""
+
+    mesh: Mesh
+    partition: Partition
+    guides: Guides
+    repaired: dict[str, int]
+    repaired_at: dict[str, list[int]]
+    closed: CleanOptions | None  #: as in Model, too:
+    expected: dict[str, int]
+    meshing: MeshingOptions
+    regular: RegulariseOptions | None
+
+
+def make_regions(arguments: argparse.Namespace, source: Input, steps: Steps, cleaned: Cleaned | None = None) -> Regions:
+    """Repair and partition, as the command line says, and foresee the polygons.
 
     cleaned: the repaired scan, where it is known already; what a mesh keeps of one partition serves the next.
     """
@@ -122,12 +144,13 @@ def make_model(arguments: argparse.Namespace, source: Input, steps: Steps, clean
     regular = None if arguments.regularise is None else RegulariseOptions(angle=arguments.regularise)
     closed = None
     with steps("clean") as job:
-        mesh, repaired, repaired_at = cleaned or clean_mesh(source, arguments.clean, job)
+        keep = closing.kept_places(arguments)
+        mesh, repaired, repaired_at = cleaned or clean_mesh(source, arguments.clean, job, keep)
         if closing.is_wanted(arguments):
             with refused(arguments):
                 closed = closing.closing_options(mesh, options, arguments.clean, job)
             if closed is not None:
-                mesh, repaired, repaired_at = clean_mesh(source, closed, job)
+                mesh, repaired, repaired_at = clean_mesh(source, closed, job, keep)
     with steps("partition") as job, refused(arguments):
         guides = guiding.guides_of(arguments, source, mesh, job)
         part = partition_guided(mesh, options, job, guides)
@@ -140,9 +163,21 @@ def make_model(arguments: argparse.Namespace, source: Input, steps: Steps, clean
             except InvalidInput as error:
                 raise UsageError(str(error).replace("angle must", "--regularise must")) from None
     with steps("mesh") as job:
+        expected = expected_polygons(mesh, part, meshing, job)
+    steps.say(f"expected: {words.expected(expected)}")
+    return Regions(mesh, part, guides, repaired, repaired_at, closed, expected, meshing, regular)
+
+
+def make_model(arguments: argparse.Namespace, source: Input, steps: Steps, cleaned: Cleaned | None = None) -> Model:
+    """Repair, partition and mesh, as the command line says. cleaned: see `make_regions`."""
+    made = make_regions(arguments, source, steps, cleaned)
+    recipe = arguments.recipe
+    with steps("mesh") as job:
         edited = recipe is not None and recipe.edits  # made anew, the edits would be lost
-        found = polygonize_within(mesh, part, meshing, job, None if edited else Made(options, guides))
-    return Model(mesh, found.partition, found, repaired, repaired_at, closed, meshing, regular)
+        anew = None if edited else Made(arguments.options, made.guides)
+        found = polygonize_within(made.mesh, made.partition, made.meshing, job, anew)
+    repairs = made.repaired, made.repaired_at
+    return Model(made.mesh, found.partition, found, *repairs, made.closed, made.expected, made.meshing, made.regular)
 
 
 def _make(
@@ -177,10 +212,12 @@ def _make(
         "repair": model.repaired,
         "repaired_at": model.repaired_at,
         "closed_below": closed.fill_holes if closed else None,
+        "openings": closing.told(mesh),
         "mesh": facts(mesh),
         "options": options.as_dict()
         | {
             "clean": (closed or arguments.clean).as_dict(),
+            "keep_openings": closing.kept_places(arguments),
             "meshing": model.meshing.as_dict(),
             "guides": guiding.as_dict(arguments),
             "recipe": recipe and recipe.values,
@@ -190,6 +227,7 @@ def _make(
         "error": part.error,
         "history": part.history.tolist(),
         "partition": part.report,
+        "expected": model.expected,
         "output": {"path": str(arguments.output)} | model.found.report,
         "validity": exporting.validity(poly, surfaces=surfaces),
         "texture": None if made is None else made.report | {"files": [str(path) for path in beside]},
@@ -265,8 +303,7 @@ def _summary(part: Partition, report: dict[str, Any]) -> Iterator[str]:
     mesh, out = report["mesh"], report["output"]
     for line in words.repairs(report["repair"], report["repaired_at"]):
         yield f"  repaired: {line}"
-    if report["closed_below"] and (report["repair"]["filled_holes"] or report["repair"]["cut_handles"]):
-        yield f"  closed: openings up to {report['closed_below']:.4g} long; --keep-openings keeps them"
+    yield from closing.lines(report["openings"], report["options"]["keep_openings"], report["closed_below"])
     yield from words.left_out(part.parts_left_out, part.area_left_out)
     yield from (f"  warning: {text}" for text in report["partition"]["warnings"])
     if report["partition"]["tolerance"] is not None:

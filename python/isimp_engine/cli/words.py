@@ -81,6 +81,11 @@ def more_than_regions(out: dict[str, Any]) -> str:
     return f"{more:,} more than regions: {why}"
 
 
+def expected(counts: dict[str, int]) -> str:
+    """`about 345 polygons of 300 regions`."""
+    return f"about {count(counts['polygons'], 'polygon')} of {count(counts['regions'], 'region')}"
+
+
 def found(partition: dict[str, Any]) -> str:
     """`167 regions found at a tolerance of 0.00125, noise 2.1e-05`."""
     text = f"{count(partition['regions'], 'region')} found at a tolerance of {partition['tolerance']:.3g}"

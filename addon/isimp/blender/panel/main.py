@@ -130,6 +130,9 @@ def _draw_report(context, layout, scan, numbers) -> None:
         numbers = {}
     for line in text.repair_lines(numbers, unit.system, unit.scale_length):
         draw_lines(context, layout, line, icon="CHECKMARK")
+    if text.has_openings(numbers):
+        choose = layout.operator("wm.tool_set_by_id", text="Choose Openings", icon="MESH_CIRCLE")
+        choose.name = f"isimp.opening_tool.{context.mode.lower()}"
     left_out = text.left_out(numbers)
     for line in (*([left_out] if left_out else ()), *targets.notes(scan)):
         draw_lines(context, layout, line, icon="INFO")

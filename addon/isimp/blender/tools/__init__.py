@@ -2,7 +2,7 @@
 
 import bpy
 
-from . import paint, point, size
+from . import opening, paint, point, size
 
 
 def _hover(keys):
@@ -110,14 +110,33 @@ class _Grow(_Tool):
     )
 
 
+class _Openings(_Tool):
+    bl_idname = "isimp.opening_tool"
+    bl_label = "Openings"
+    bl_description = (
+        "Show the holes and tunnels that Partition closed.\n• Click one: keep it open\n• Click it again: close it"
+    )
+    bl_icon = "ops.mesh.loopcut_slide"
+    bl_keymap = (
+        (
+            "isimp.hover_opening",
+            {"type": "MOUSEMOVE", "value": "ANY", "any": True},
+            {"properties": [("keys", "Click an opening: keep it open, or close it again")]},
+        ),
+        _press("isimp.toggle_opening"),
+    )
+
+
 def _for_mode(tool, mode):
     return type(
         f"{tool.__name__}{mode}", (tool,), {"bl_context_mode": mode, "bl_idname": f"{tool.bl_idname}.{mode.lower()}"}
     )
 
 
-_TOOLS = [[_for_mode(tool, mode) for tool in (_Region, _Paint, _Cut, _Grow)] for mode in ("OBJECT", "EDIT_MESH")]
-CLASSES = (*point.CLASSES, *paint.CLASSES, *size.CLASSES)
+_TOOLS = [
+    [_for_mode(tool, mode) for tool in (_Region, _Paint, _Cut, _Grow, _Openings)] for mode in ("OBJECT", "EDIT_MESH")
+]
+CLASSES = (*opening.CLASSES, *point.CLASSES, *paint.CLASSES, *size.CLASSES)
 
 
 def register() -> None:

@@ -26,6 +26,7 @@ class Hover:
     key: tuple | None = None  #: state and region, to see whether it is still valid
     at: tuple = (0, 0)
     ring: float = 0.0  #: pixels of the brush's circle; 0 for none
+    through: bool = False  #: whether the scan does not hide it
     stretch: tuple | None = None  #: two places in the viewport with a line between them
 
 

@@ -24,4 +24,14 @@ bool has_openings(const Mesh& mesh);
 /// Cost: O(V + F).
 double opening_length(const Mesh& mesh, std::int32_t regions, Job& job);
 
+/// Scene units; both 0 where opening_length is.
+struct OpeningLengths {
+  double holes = 0;    ///< for CleanOptions::fill_holes
+  double handles = 0;  ///< for CleanOptions::cut_handles: opening_length
+};
+
+/// The same by kind. Holes of up to 8 mean edges, as a missing vertex leaves them, are filled up to sqrt(area / regions):
+/// filling changes less than cutting.
+OpeningLengths opening_lengths(const Mesh& mesh, std::int32_t regions, Job& job);
+
 }  // namespace isimp

@@ -13,7 +13,7 @@ namespace {
 constexpr double kMedianOfNormal = 0.6745;  // median of |x|, x normal with deviation 1
 constexpr double kTwiceUmbrella = 1.359;    // deviation of what is left of such noise where six edges meet
 constexpr double kMostNoise = 0.5;          // of an edge's length
-constexpr std::size_t kFewest = 50;         // vertices; a mesh of fewer is no scan
+constexpr std::size_t kFewest = 250;        // vertices; a mesh of fewer is no scan
 constexpr std::int32_t kPollEvery = 0xffff;
 
 // Of white noise the operator leaves 1.26 times as much the second time as the first. Where it leaves less, the mesh is a

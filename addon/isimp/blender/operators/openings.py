@@ -1,0 +1,45 @@
+"""Openings that Partition closed, kept open one by one."""
+
+import bpy
+from bpy.props import BoolProperty, FloatVectorProperty
+
+from ... import messages
+from .. import mesh_io, pending, targets, text
+from ..modal import RecipeOperator
+from ..show import show_regions
+
+
+class ISIMP_OT_keep_opening(RecipeOperator, bpy.types.Operator):
+    """Keep an opening of the scan open that Partition closes, and do Partition and all edits after it again"""
+
+    bl_idname = "isimp.keep_opening"
+    bl_label = "Keep Opening"
+
+    place: FloatVectorProperty(
+        name="Place", description="A place in the opening, in the scan's coordinates", size=3, options={"SKIP_SAVE"}
+    )
+    close: BoolProperty(name="Close", description="Close the kept opening again", options={"SKIP_SAVE"})
+
+    @classmethod
+    def description(cls, context, properties):
+        again = text.said("Close an opening again that was kept open")
+        return again if properties.close else text.said(cls.__doc__)
+
+    @classmethod
+    def problem(cls, context, scan):
+        return targets.needs_regions(scan)
+
+    def wanted(self, context, scan):
+        recipe = pending.recipe_of(context, scan).without_mesh()
+        index, step = recipe.whole()
+        if step is None or not step.close_openings:
+            raise mesh_io.Unusable("No opening was closed: switch Close Openings on and press Partition.")
+        return recipe.replaced(index, step.keeping(self.place, keep=not self.close))
+
+    show = staticmethod(show_regions)
+
+    def told(self, before, numbers):
+        return messages.kept_open(numbers)
+
+
+CLASSES = (ISIMP_OT_keep_opening,)

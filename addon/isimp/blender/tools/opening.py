@@ -1,0 +1,109 @@
+"""The Openings tool: shows what Partition closed; a click keeps an opening open, another one closes it again."""
+
+import bpy
+import numpy as np
+from bpy.props import StringProperty
+
+from ... import openings
+from .. import mesh_io, overlay, reading, runtime, store, targets, text
+from . import point, under
+
+_CLOSED, _KEPT = (1.0, 0.45, 0.1, 1.0), (0.2, 0.85, 0.35, 1.0)
+
+
+def found(context, scan, wait: bool = False) -> list | None:
+    """The openings of the regions seen; None while that is not known. With `wait` they are found here and now."""
+    current, key = runtime.get(), (scan.name, mesh_io.state_of(scan))
+    if current.openings is not None and current.openings[0] == key:
+        return current.openings[1]
+    recipe = store.load(scan)
+    if current.running is not None or not recipe:
+        return None
+    recipe = recipe.without_mesh()
+    arrays = reading.read(context, scan, recipe.layers(), again=not wait)
+    outcome = current.session.known(arrays, recipe)
+    if outcome is None and wait:
+        current.stop_sketching()
+        outcome = current.session.replay(arrays, recipe)
+    if outcome is None:
+        return None
+    current.openings = (key, current.session.openings(arrays, outcome))
+    return current.openings[1]
+
+
+def under_mouse(context, scan, all_found, at) -> int | None:
+    """Which of them is under a place in the viewport."""
+    region = context.region
+    to_view = np.array(context.region_data.perspective_matrix) @ mesh_io.place_matrix(scan)
+    return openings.nearest(all_found, to_view, (region.width, region.height), at)
+
+
+def show(context, scan, all_found, chosen, at) -> None:
+    """Draws all openings, and the one under the mouse stronger, with what it is."""
+    current = runtime.get()
+    hover = current.hover = under.Hover(scan.name, -1, at=at, through=True)
+    for kept, color in ((False, _CLOSED), (True, _KEPT)):
+        some = [opening for opening in all_found if opening["kept"] == kept]
+        hover.lines.append((openings.lines(some), color, 2.0))
+    if chosen is not None:
+        opening = all_found[chosen]
+        hover.lines.append((openings.lines([opening]), _KEPT if opening["kept"] else _CLOSED, 6.0))
+        unit = context.scene.unit_settings
+        hover.text = openings.told(opening, text.length(opening["length"], unit.system, unit.scale_length))
+    overlay.redraw()
+
+
+def _scan(context):
+    """The scan in the viewport, or None."""
+    if context.region is None or context.region.type != "WINDOW" or context.region_data is None:
+        return None
+    scan, problem = targets.find(context)
+    seen = not problem and context.view_layer.objects.active == scan and not targets.needs_regions(scan)
+    return scan if seen else None
+
+
+class ISIMP_OT_hover_opening(bpy.types.Operator):
+    """Show the openings that Partition closed, and describe the one under the mouse"""
+
+    bl_idname = "isimp.hover_opening"
+    bl_label = "Highlight Opening"
+    bl_options = {"INTERNAL"}
+
+    keys: StringProperty(name="Keys", description="Text of the status bar", options={"SKIP_SAVE"})
+
+    def invoke(self, context, event):
+        scan = _scan(context)
+        if scan is None:
+            return {"PASS_THROUGH"}
+        all_found = found(context, scan)
+        if all_found is None:
+            overlay.tell(context, "Click: find out what was closed")
+            return {"PASS_THROUGH"}
+        at = (event.mouse_region_x, event.mouse_region_y)
+        show(context, scan, all_found, under_mouse(context, scan, all_found, at), at)
+        overlay.tell(context, self.keys if all_found else "Nothing was closed")
+        return {"PASS_THROUGH"}
+
+
+class ISIMP_OT_toggle_opening(bpy.types.Operator):
+    """Keep the opening under the mouse open, or close it again"""
+
+    bl_idname = "isimp.toggle_opening"
+    bl_label = "Keep or Close Opening"
+    bl_options = {"INTERNAL"}
+
+    def invoke(self, context, event):
+        scan = _scan(context)
+        if scan is None:
+            self.report({"INFO"}, "There are no regions here (sidebar: N, tab iSimp).")
+            return {"CANCELLED"}
+        all_found = found(context, scan, wait=True) or []
+        chosen = under_mouse(context, scan, all_found, (event.mouse_region_x, event.mouse_region_y))
+        if chosen is None:
+            return {"PASS_THROUGH"}
+        opening = all_found[chosen]
+        point.do("isimp.keep_opening", place=opening["center"], close=opening["kept"])
+        return {"FINISHED"}
+
+
+CLASSES = (ISIMP_OT_hover_opening, ISIMP_OT_toggle_opening)

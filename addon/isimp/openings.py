@@ -1,0 +1,45 @@
+"""The openings of a scan in a view: which one is under the mouse, and what is said of it. numpy only."""
+
+from __future__ import annotations
+
+import numpy as np
+
+REACH = 24.0  #: pixels
+
+
+def seen(points: np.ndarray, to_view: np.ndarray, size: tuple[float, float]) -> np.ndarray:
+    """(N, 2) pixels of (N, 3) points, NaN behind the eye. to_view: (4, 4) from their space to the view's box."""
+    there = np.column_stack([points, np.ones(len(points))]) @ np.asarray(to_view, float).T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        flat = there[:, :2] / there[:, 3:]
+    flat[there[:, 3] <= 0] = np.nan
+    return (flat + 1) / 2 * np.asarray(size, float)
+
+
+def nearest(openings: list[dict], to_view: np.ndarray, size: tuple[float, float], at) -> int | None:
+    """The opening under the mouse or next to it: by its center and its border, within REACH."""
+    best, found = REACH, None
+    for number, opening in enumerate(openings):
+        points = np.concatenate([[opening["center"]], *opening["loops"]])
+        away = np.linalg.norm(seen(points, to_view, size) - np.asarray(at, float), axis=1)
+        away = float(np.nanmin(away)) if np.isfinite(away).any() else np.inf
+        if away < best:
+            best, found = away, number
+    return found
+
+
+def lines(openings: list[dict], origin=(0.0, 0.0, 0.0)) -> np.ndarray:
+    """(2 E, 3) float32 the borders of openings as pairs of points, relative to a place."""
+    pairs = [
+        np.stack([loop, np.roll(loop, -1, axis=0)], axis=1).reshape(-1, 3)
+        for opening in openings
+        for loop in map(np.asarray, opening["loops"])
+    ]
+    return (np.concatenate([np.empty((0, 3)), *pairs]) - np.asarray(origin, float)).astype(np.float32)
+
+
+def told(opening: dict, length: str) -> str:
+    """What is said of the opening under the mouse. length: in the scene's units."""
+    name = "Hole" if opening["kind"] == "hole" else "Tunnel or handle"
+    state = "kept open · click: close it" if opening["kept"] else "closed · click: keep it open"
+    return f"{name}, {length} round · {state}"

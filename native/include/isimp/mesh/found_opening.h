@@ -1,0 +1,34 @@
+#pragma once
+
+#include <vector>
+
+#include "isimp/core/job.h"
+#include "isimp/core/types.h"
+#include "isimp/mesh/clean.h"
+
+namespace isimp {
+
+/// A hole or a handle that was short enough to close. Coordinates are the caller's, lengths in scene units.
+struct FoundOpening {
+  bool handle = false;  ///< else a hole
+  bool kept = false;    ///< it stayed open because the caller asked for it; else it was closed
+  Vec3 center = Vec3::Zero();
+  double length = 0;                     ///< of the border of a hole; of the loop round a handle or tunnel
+  std::vector<std::vector<Vec3>> loops;  ///< closed polylines: the border of a hole, or both ends of what was cut out
+};
+
+/// A repaired mesh and the openings that were short enough to close.
+struct Cleaned {
+  Mesh mesh;
+  std::vector<FoundOpening> openings;  ///< holes, then handles; none is listed that could not be closed
+};
+
+/// As `clean`, but openings at some places stay open. Places, unlike indices, are the same after another repair.
+///
+/// \param keep  places, such as FoundOpening::center. An opening stays if one of them lies within a quarter of its
+///              length of its center; for a handle, of the line between the centers of its two ends
+/// \throws InvalidInput  as `clean`; a place is not finite
+Cleaned clean_keeping(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options,
+                      const std::vector<Vec3>& keep, Job& job);
+
+}  // namespace isimp
