@@ -8,13 +8,12 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import operator
-import reprlib
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, SupportsIndex
+from typing import Any
 
+from .checks import RecipeError, check, check_choice, check_face, check_options, indices, must, numbers, short
 from .engine_options import MESHING, PARTITION, TEXTURE
+from .language import own, said
 from .option import Option
 
 METHODS = PARTITION["method"].choices
@@ -30,64 +29,9 @@ _LARGEST = (1 << 31) - 1  # of the engine's whole numbers, but for seeds
 _LARGEST_SEED = (1 << 63) - 1
 
 
-class RecipeError(ValueError):
-    """A recipe can't be used; the message says which step and why."""
-
-
-def check(wrong: bool, message: str) -> None:
-    """Raises RecipeError if something is wrong."""
-    if wrong:
-        raise RecipeError(message)
-
-
 def engine_options(step: Step, table: dict[str, Option]) -> dict[str, Any]:
     """The settings of a step that are the engine's options, by the same names."""
     return {field.name: getattr(step, field.name) for field in dataclasses.fields(step) if field.name in table}
-
-
-def _check_options(settings: dict[str, Any], table: dict[str, Option]) -> None:
-    """Refuses settings that the engine would refuse."""
-    for name, value in settings.items():
-        option = table[name]
-        if option.choices:
-            known = ", ".join(option.choices)
-            check(value not in option.choices, f"{name} must be one of {known}, got {short(value)}")
-        elif option.kind in {"int", "float"}:
-            check(not option.holds(value), f"{name} must be {option.words}, got {value}")
-
-
-def _check_face(face: int) -> None:
-    check(face < 0, f"face must be at least 0, got {face}")
-
-
-def _indices(faces: Sequence[SupportsIndex]) -> tuple[int, ...]:
-    """Faces as plain integers; any sequence of integers will do, numpy's too."""
-    try:
-        plain = tuple(operator.index(face) for face in faces if not isinstance(face, bool))
-    except TypeError:
-        plain = ()
-    check(len(plain) == 0 or len(plain) != len(faces), f"faces must be a list of faces, got {short(faces)}")
-    check(min(plain) < 0, f"faces must be at least 0, got {short(min(plain))}")
-    return plain
-
-
-def _numbers(values: Iterable[Any], name: str) -> tuple[float, ...]:
-    try:
-        plain = tuple(float(value) for value in values)
-    except (TypeError, ValueError, OverflowError):
-        raise RecipeError(f"{name} must be a list of numbers, got {short(values)}") from None
-    check(not all(map(math.isfinite, plain)), f"{name} must be finite, got {short(values)}")
-    return plain
-
-
-_SHORT = reprlib.Repr()  # with limits of depth and length
-_SHORT.maxlevel, _SHORT.maxstring, _SHORT.maxlist, _SHORT.maxtuple = 3, 50, 10, 10
-
-
-def short(value: object) -> str:
-    """A value that may be anything, as it is put into a message."""
-    text = _SHORT.repr(value)
-    return text if len(text) < 60 else text[:57] + "..."
 
 
 def _count(faces: tuple[int, ...]) -> str:
@@ -149,19 +93,20 @@ class Partition(Step):
 
     def __post_init__(self) -> None:
         self._settle_count()
-        check(self.count_by not in COUNTS, f"count_by must be one of {', '.join(COUNTS)}, got {short(self.count_by)}")
+        check_choice(self.count_by not in COUNTS, "count_by", ", ".join(COUNTS), self.count_by)
         options = engine_options(self, PARTITION)
-        check(not math.isfinite(options.pop("noise")), f"noise must be a length, or below 0, got {self.noise}")
-        _check_options(options, PARTITION)
-        check(not 0 <= self.influence <= 2, f"influence must be in [0, 2], got {self.influence}")
-        check(not 0 <= self.angle <= 180, f"angle must be in [0, 180] degrees, got {self.angle}")
-        object.__setattr__(self, "faces", _indices(self.faces) if len(self.faces) else ())
+        must(math.isfinite(options.pop("noise")), "noise", own("a length, or below 0"), self.noise)
+        check_options(options, PARTITION)
+        must(0 <= self.influence <= 2, "influence", "in [0, 2]", self.influence)
+        must(0 <= self.angle <= 180, "angle", own("in [0, 180] degrees"), self.angle)
+        object.__setattr__(self, "faces", indices(self.faces) if len(self.faces) else ())
 
     def _settle_count(self) -> None:
         given = [name for name in COUNTS if getattr(self, name) is not None]
         if not self.count_by:
             check(
-                len(given) > 1, f"{' and '.join(given)} each set the number of regions: give one of them, or count_by"
+                len(given) > 1,
+                said("{names} each set the number of regions: give one of them, or count_by", names=", ".join(given)),
             )
             object.__setattr__(self, "count_by", given[0] if given else "detail")
         for name, value in COUNTS.items():
@@ -187,7 +132,7 @@ class AddProxy(Step):
     face: int = 0
 
     def __post_init__(self) -> None:
-        _check_face(self.face)
+        check_face(self.face)
 
     def describe(self) -> str:
         return f"Add proxy at face {self.face}"
@@ -200,7 +145,7 @@ class DeleteProxy(Step):
     face: int = 0
 
     def __post_init__(self) -> None:
-        _check_face(self.face)
+        check_face(self.face)
 
     def describe(self) -> str:
         return f"Delete proxy at face {self.face}"
@@ -214,8 +159,8 @@ class MergeRegions(Step):
     other: int = 0  #: of the one that becomes part of it
 
     def __post_init__(self) -> None:
-        _check_face(self.face)
-        _check_face(self.other)
+        check_face(self.face)
+        check_face(self.other)
 
     def describe(self) -> str:
         return f"Merge the region at face {self.other} into that at face {self.face}"
@@ -228,7 +173,7 @@ class SplitRegion(Step):
     face: int = 0
 
     def __post_init__(self) -> None:
-        _check_face(self.face)
+        check_face(self.face)
 
     def describe(self) -> str:
         return f"Split the region at face {self.face}"
@@ -243,12 +188,15 @@ class CutRegion(Step):
     direction: tuple[float, ...] = ()  #: empty: the region's normal
 
     def __post_init__(self) -> None:
-        _check_face(self.face)
-        object.__setattr__(self, "line", tuple(_numbers(point, "a point of line") for point in self.line))
-        object.__setattr__(self, "direction", _numbers(self.direction, "direction"))
-        check(len(self.line) < 2, f"line must have at least 2 points, got {len(self.line)}")
-        check(any(len(point) != 3 for point in self.line), "each point of line must have 3 numbers")
-        check(len(self.direction) not in (0, 3), f"direction must have 3 numbers, got {len(self.direction)}")
+        check_face(self.face)
+        object.__setattr__(self, "line", tuple(numbers(point, said("a point of line")) for point in self.line))
+        object.__setattr__(self, "direction", numbers(self.direction, "direction"))
+        check(len(self.line) < 2, said("line must have at least 2 points, got {number}", number=len(self.line)))
+        check(any(len(point) != 3 for point in self.line), said("each point of line must have 3 numbers"))
+        check(
+            len(self.direction) not in (0, 3),
+            said("direction must have 3 numbers, got {number}", number=len(self.direction)),
+        )
 
     def describe(self) -> str:
         return f"Cut the region at face {self.face}"
@@ -263,7 +211,7 @@ class PaintFaces(Step):
     lock: bool = False  #: and lock it
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "faces", _indices(self.faces))
+        object.__setattr__(self, "faces", indices(self.faces))
 
     def describe(self) -> str:
         where = "a new region" if self.onto < 0 else f"the region at face {self.onto}"
@@ -277,7 +225,7 @@ class EraseFaces(Step):
     faces: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "faces", _indices(self.faces))
+        object.__setattr__(self, "faces", indices(self.faces))
 
     def describe(self) -> str:
         return f"Erase {_count(self.faces)} from the region at face {self.faces[0]}"
@@ -291,8 +239,8 @@ class SmoothFaces(Step):
     rounds: int = 10
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "faces", _indices(self.faces))
-        check(not 1 <= self.rounds <= MOST_ROUNDS, f"rounds must be in [1, {MOST_ROUNDS:,}], got {self.rounds}")
+        object.__setattr__(self, "faces", indices(self.faces))
+        must(1 <= self.rounds <= MOST_ROUNDS, "rounds", f"in [1, {MOST_ROUNDS:,}]", self.rounds)
 
     def describe(self) -> str:
         return f"Smooth the borders in {_count(self.faces)}"
@@ -306,8 +254,8 @@ class GrowRegion(Step):
     rings: int = 1
 
     def __post_init__(self) -> None:
-        _check_face(self.face)
-        check(self.rings < 1, f"rings must be at least 1, got {self.rings}")
+        check_face(self.face)
+        must(self.rings >= 1, "rings", own("at least 1"), self.rings)
 
     def describe(self) -> str:
         return f"Grow the region at face {self.face} by {self.rings}"
@@ -328,7 +276,7 @@ class LockRegions(Step):
     faces: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "faces", _indices(self.faces))
+        object.__setattr__(self, "faces", indices(self.faces))
 
     def describe(self) -> str:
         return f"Lock the regions at {_count(self.faces)}"
@@ -349,7 +297,7 @@ class AddWorst(Step):
     times: int = 1
 
     def __post_init__(self) -> None:
-        check(self.times < 1, f"times must be at least 1, got {self.times}")
+        must(self.times >= 1, "times", own("at least 1"), self.times)
 
     def describe(self) -> str:
         return f"Add {self.times} at the largest error"
@@ -386,7 +334,7 @@ class EvenBorders(Step):
     strength: float = 1.0
 
     def __post_init__(self) -> None:
-        check(not 0 <= self.strength <= 1, f"strength must be in [0, 1], got {self.strength}")
+        must(0 <= self.strength <= 1, "strength", "in [0, 1]", self.strength)
 
     def describe(self) -> str:
         return "Even out all borders"
@@ -402,8 +350,8 @@ class Mesh(Step):
     planar: bool = MESHING["planar"].default
 
     def __post_init__(self) -> None:
-        _check_options(engine_options(self, MESHING), MESHING)
-        check(self.chord_tolerance <= 0, f"chord_tolerance must be above 0, got {self.chord_tolerance}")
+        check_options(engine_options(self, MESHING), MESHING)
+        must(self.chord_tolerance > 0, "chord_tolerance", own("above 0"), self.chord_tolerance)
 
     def describe(self) -> str:
         return "Mesh"
@@ -417,7 +365,7 @@ class Texture(Step):
 
     def __post_init__(self) -> None:
         size = TEXTURE["size"]
-        check(self.size != 0 and not size.holds(self.size), f"size must be 0, or {size.words}, got {self.size}")
+        must(self.size == 0 or size.holds(self.size), "size", said("0, or {words}", words=size.words), self.size)
 
     def describe(self) -> str:
         return f"Texture {self.size:,}" if self.size else "Texture"
@@ -459,35 +407,43 @@ _ACCEPTS: dict[str, type | tuple[type, ...]] = {
     "float": (float, int),
     "list": (list, tuple),
 }
+_CALLED = {
+    "bool": own("true or false"),
+    "int": own("a whole number"),
+    "str": own("a text"),
+    "float": own("a number"),
+    "list": own("a list"),
+}
 
 
 def step_from_dict(values: Any) -> Step:
     """The step that `Step.to_dict` made. Raises RecipeError, which names the problem."""
     if not isinstance(values, dict) or "step" not in values:
-        raise RecipeError(f"not a step: {short(values)}")
+        raise RecipeError(said("not a step: {values}", values=short(values)))
     values = dict(values)
     kind = values.pop("step")
     if not isinstance(kind, str) or kind not in _TYPES:
-        raise RecipeError(f"{short(kind)} is not a step of this version")
+        raise RecipeError(said("{kind} is not a step of this version", kind=short(kind)))
     fields = {field.name: field for field in dataclasses.fields(_TYPES[kind])}
     for name, value in values.items():
         if name not in fields:
-            raise RecipeError(f"{kind} has no setting {short(name)}")
+            raise RecipeError(said("{kind} has no setting {name}", kind=kind, name=short(name)))
         wanted = "list" if fields[name].type.startswith("tuple") else fields[name].type.removesuffix(" | None")
-        _check_value(f"{name} of {kind}", wanted, value)
+        _check_value(said("{name} of {step}", name=name, step=kind), wanted, value, name == "seed")
     names, meant = _EARLIER.get(kind, (set(), {}))
     return _TYPES[kind](**(meant | values if names <= values.keys() else values))
 
 
-def _check_value(what: str, wanted: str, value: Any) -> None:
+def _check_value(what: str, wanted: str, value: Any, is_seed: bool) -> None:
     """Refuses a value of another type, or beyond the limits of the engine or Blender."""
     if not isinstance(value, _ACCEPTS[wanted]) or (wanted != "bool" and isinstance(value, bool)):
-        raise RecipeError(f"{what} must be a {wanted}, got {short(value)}")
+        must(False, what, _CALLED[wanted], value)
     if isinstance(value, str) and not _is_name(value):
-        raise RecipeError(f"{what} contains characters that are not valid in a name, got {short(value)}")
-    most = _LARGEST if wanted == "int" and not what.startswith("seed ") else _LARGEST_SEED
+        text = own("{name} contains characters that are not valid in a name, got {value}")
+        raise RecipeError(said(text, name=what, value=short(value)))
+    most = _LARGEST if wanted == "int" and not is_seed else _LARGEST_SEED
     if isinstance(value, int) and abs(value) > most:
-        raise RecipeError(f"{what} must be at most {most}, got {short(value)}")
+        raise RecipeError(said("{name} must be at most {most}, got {value}", name=what, most=most, value=short(value)))
 
 
 def _is_name(text: str) -> bool:

@@ -1,5 +1,6 @@
 """Shared code of the panels."""
 
+from ...language import said
 from .. import targets, text
 
 _NARROW = 16  # letters in a line
@@ -35,7 +36,7 @@ def draw_lines(context, layout, message: str, icon: str, alert: bool = False) ->
     """A message in as many lines as the sidebar's width needs."""
     column = layout.column(align=True)
     column.alert = alert
-    for number, line in enumerate(text.wrapped(text.said(message), letters(context))):
+    for number, line in enumerate(text.wrapped(said(message), letters(context))):
         column.label(text=line, icon=icon if number == 0 else "BLANK1")
 
 

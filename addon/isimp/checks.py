@@ -1,0 +1,77 @@
+"""Checks of the settings of steps. Each message names the setting, what it must be, and what it is."""
+
+from __future__ import annotations
+
+import math
+import operator
+import reprlib
+from collections.abc import Iterable, Sequence
+from typing import Any, SupportsIndex
+
+from .language import own, said
+from .option import Option
+
+
+class RecipeError(ValueError):
+    """A recipe can't be used; the message says which step and why."""
+
+
+def check(wrong: bool, message: str) -> None:
+    """Raises RecipeError if something is wrong."""
+    if wrong:
+        raise RecipeError(message)
+
+
+def must(right: bool, name: str, words: str, value: object) -> None:
+    """Raises RecipeError if a setting has a wrong value. words: what it must be."""
+    check(not right, said("{name} must be {words}, got {value}", name=name, words=said(words), value=short(value)))
+
+
+def check_choice(wrong: bool, name: str, known: str, value: object) -> None:
+    check(wrong, said("{name} must be one of {known}, got {value}", name=name, known=known, value=short(value)))
+
+
+def check_options(settings: dict[str, Any], table: dict[str, Option]) -> None:
+    """Refuses settings that the engine would refuse."""
+    for name, value in settings.items():
+        option = table[name]
+        if option.choices:
+            known = ", ".join(option.choices)
+            check_choice(value not in option.choices, name, known, value)
+        elif option.kind in {"int", "float"}:
+            must(option.holds(value), name, option.words, value)
+
+
+def check_face(face: int) -> None:
+    must(face >= 0, "face", own("at least 0"), face)
+
+
+def indices(faces: Sequence[SupportsIndex]) -> tuple[int, ...]:
+    """Faces as plain integers; any sequence of integers will do, numpy's too."""
+    try:
+        plain = tuple(operator.index(face) for face in faces if not isinstance(face, bool))
+    except TypeError:
+        plain = ()
+    must(len(plain) > 0 and len(plain) == len(faces), "faces", own("a list of faces"), faces)
+    must(min(plain) >= 0, "faces", own("at least 0"), min(plain))
+    return plain
+
+
+def numbers(values: Iterable[Any], name: str) -> tuple[float, ...]:
+    try:
+        plain = tuple(float(value) for value in values)
+    except (TypeError, ValueError, OverflowError):
+        plain = None
+    must(plain is not None, name, own("a list of numbers"), values)
+    must(all(map(math.isfinite, plain)), name, own("finite"), values)
+    return plain
+
+
+_SHORT = reprlib.Repr()  # with limits of depth and length
+_SHORT.maxlevel, _SHORT.maxstring, _SHORT.maxlist, _SHORT.maxtuple = 3, 50, 10, 10
+
+
+def short(value: object) -> str:
+    """A value that may be anything, as it is put into a message."""
+    text = _SHORT.repr(value)
+    return text if len(text) < 60 else text[:57] + "..."
