@@ -19,6 +19,18 @@ def wrapped(message: str, width: int) -> list:
     return textwrap.wrap(" ".join(parts), width)
 
 
+def fitted(told: str, measure, room: float) -> list:
+    """Lines of some words, none wider than `room` but for a single word. measure: how wide some words are."""
+    lines: list = []
+    for word in told.split(" "):
+        longer = f"{lines[-1]} {word}" if lines else word
+        if lines and measure(longer) <= room:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return lines
+
+
 def beside(told: str, measure, wanted: float, right: float, left: float) -> tuple[list, float]:
     """(lines, where they begin) of words that should begin at `wanted` and must lie between `left` and `right`.
 
