@@ -43,7 +43,7 @@ def draw_lines(context, layout, message: str, icon: str, alert: bool = False) ->
 def letters(context) -> int:
     """How many letters fit into a line with an icon before it."""
     width = context.region.width / context.preferences.system.ui_scale if context.region else 260
-    return max(8, int((width - 66) / 5.7))
+    return max(8, int((width - 66) / 6.1))
 
 
 def is_narrow(context) -> bool:
