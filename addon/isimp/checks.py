@@ -58,11 +58,12 @@ def indices(faces: Sequence[SupportsIndex]) -> tuple[int, ...]:
 
 
 def numbers(values: Iterable[Any], name: str) -> tuple[float, ...]:
+    plain: tuple[float, ...] = ()
     try:
-        plain = tuple(float(value) for value in values)
+        plain, are_numbers = tuple(float(value) for value in values), True
     except (TypeError, ValueError, OverflowError):
-        plain = None
-    must(plain is not None, name, own("a list of numbers"), values)
+        are_numbers = False
+    must(are_numbers, name, own("a list of numbers"), values)
     must(all(map(math.isfinite, plain)), name, own("finite"), values)
     return plain
 

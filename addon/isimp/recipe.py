@@ -11,6 +11,7 @@ import json
 from dataclasses import dataclass
 from typing import Any
 
+from .checks import RecipeError, check, short
 from .language import own, said
 from .steps import (
     COUNTS,
@@ -34,16 +35,13 @@ from .steps import (
     Mesh,
     PaintFaces,
     Partition,
-    RecipeError,
     ShrinkRegion,
     SmoothFaces,
     SplitRegion,
     Step,
     Texture,
     UnlockRegions,
-    check,
     engine_options,
-    short,
     step_from_dict,
 )
 

@@ -118,7 +118,8 @@ def test_a_student_gets_from_the_zip_to_polygons_in_eight_actions(zips, tmp_path
     command = ["xvfb-run", "-a", "-s", "-screen 0 900x900x24", *blender, *script]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
-    assert "8. Press **Mesh**." in done.stdout
+    actions = 7 if kind_for_blender() == "extension" else 8  # an extension needs no tick
+    assert f"{actions}. Press **Mesh**." in done.stdout
     assert "Traceback" not in done.stdout + done.stderr
 
 
