@@ -15,6 +15,7 @@ _STAY = "\N{NO-BREAK SPACE}"
 
 def wrapped(message: str, width: int) -> list:
     """Lines of at most `width` letters; words joined by no-break spaces are split only if they are longer."""
+    message = re.sub(r"(?<=\d) (?=(?:[a-zµ]{1,2}|[%'\"])(?: |$))", _STAY, message)  # a number keeps its unit
     parts = (part if len(part) <= width else part.replace(_STAY, " ") for part in message.split(" "))
     return textwrap.wrap(" ".join(parts), width)
 

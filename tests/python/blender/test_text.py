@@ -41,6 +41,11 @@ def test_progress_fits_the_sidebar():
     assert text.short_progress("Starting") == "Starting"
 
 
+def test_a_number_keeps_its_unit():
+    assert text.wrapped("1.4 cm off the scan, at most 5.1 cm", 32)[-1] == "5.1\N{NO-BREAK SPACE}cm"
+    assert text.wrapped("26 regions at most", 9) == ["26", "regions", "at most"]
+
+
 def test_a_number_is_parted_from_its_word_only_where_it_must_be():
     line = "5,120\N{NO-BREAK SPACE}triangles · 1\N{NO-BREAK SPACE}part"
     assert text.wrapped(line, 20) == ["5,120\N{NO-BREAK SPACE}triangles ·", "1\N{NO-BREAK SPACE}part"]
