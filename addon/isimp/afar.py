@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .language import own, said
+
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
@@ -44,11 +46,13 @@ def loss(low: ArrayLike, high: ArrayLike, scale: ArrayLike = (1.0, 1.0, 1.0)) ->
 
 def told(lost: Loss, system: str, unit_scale: float) -> str:
     """The loss as one line. system, unit_scale: the scene's unit settings."""
-    metres, unit = _UNITS.get(system, (unit_scale, "units"))
+    metres, unit = _UNITS.get(system, (unit_scale, said(own("units"))))
     away, step = (f"{_plain(length * unit_scale / metres)} {unit}" for length in (lost.away, lost.step))
-    return (
-        f"This scan lies {away} from its origin, where Blender's coordinates have steps of {step}. "
-        "To keep its detail, import it with an offset near zero."
+    return said(
+        "This scan lies {away} from its origin, where Blender's coordinates have steps of {step}. "
+        "To keep its detail, import it with an offset near zero.",
+        away=away,
+        step=step,
     )
 
 

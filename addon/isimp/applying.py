@@ -10,6 +10,7 @@ from . import recipe as rcp
 from . import smoothing, view
 from .engine import engine
 from .engine_options import MESHING
+from .language import said
 from .outcome import Outcome
 from .prepared import (
     Prepared,
@@ -34,7 +35,7 @@ def engine_call(watch: Watch, begin: float, end: float, stage: str, function, *a
 
 def _needs_regions(before: Outcome | None) -> Outcome:
     if before is None:
-        raise ValueError("there are no regions yet: a Partition step must come first.")
+        raise ValueError(said("there are no regions yet: a Partition step must come first"))
     return before
 
 
@@ -53,14 +54,14 @@ def with_regions(prepared: Prepared, partition, kept: np.ndarray | None, numbers
 def _apply_add(step: rcp.AddProxy, prepared, before, watch, begin, end) -> Outcome:
     before, triangle = _needs_regions(before), triangle_at(prepared, step.face)
     args = (prepared.mesh, before.partition, triangle)
-    partition = engine_call(watch, begin, end, "adding a proxy", engine.add_proxy, *args)
+    partition = engine_call(watch, begin, end, "adding a region", engine.add_proxy, *args)
     return with_regions(prepared, partition, np.append(before.region_color, -1), {})
 
 
 def _apply_delete(step: rcp.DeleteProxy, prepared, before, watch, begin, end) -> Outcome:
     before, triangle = _needs_regions(before), triangle_at(prepared, step.face)
     args = (prepared.mesh, before.partition, triangle)
-    partition = engine_call(watch, begin, end, "deleting a proxy", engine.delete_proxy, *args)
+    partition = engine_call(watch, begin, end, "deleting a region", engine.delete_proxy, *args)
     gone = int(before.partition.face_region[triangle])  # regions above it move down by one
     return with_regions(prepared, partition, np.delete(before.region_color, gone), {})
 
@@ -176,7 +177,7 @@ def _apply_lock(step: rcp.LockRegions, prepared, before, watch, begin, end) -> O
 def _apply_texture(step: rcp.Texture, prepared, before, watch, begin, end) -> Outcome:
     """The images are the object's, and no part of the scan's arrays: `Session.texture` makes it from them."""
     if before is None or before.polygons is None:
-        raise ValueError("there are no polygons: a Mesh step must come right before.")
+        raise ValueError(said("there are no polygons: a Mesh step must come right before"))
     return before
 
 
@@ -203,8 +204,8 @@ _EDITS = {
     rcp.CutRegion: ("splitting", "split_along", _cut_arguments),
     rcp.GrowRegion: ("growing", "grow_region", _at_face_by_rings),
     rcp.ShrinkRegion: ("shrinking", "shrink_region", _at_face_by_rings),
-    rcp.AddWorst: ("adding proxies", "add_worst", _times),
-    rcp.DeleteLeast: ("deleting proxies", "delete_least", _times),
+    rcp.AddWorst: ("adding regions", "add_worst", _times),
+    rcp.DeleteLeast: ("deleting regions", "delete_least", _times),
     rcp.MergeCheapest: ("merging", "merge_cheapest", _times),
     rcp.Improve: ("improving", "improve", lambda step, prepared: ()),
     rcp.EvenBorders: ("evening out", "even_borders", lambda step, prepared: (step.strength,)),

@@ -1,4 +1,4 @@
-"""Checks of the values of steps. Standard library only."""
+"""Checks of the settings of steps. Each message names the setting, what it must be, and what it is."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import reprlib
 from collections.abc import Iterable, Sequence
 from typing import Any, SupportsIndex
 
+from .language import own, said
 from .option import Option
 
 
@@ -21,15 +22,28 @@ def check(wrong: bool, message: str) -> None:
         raise RecipeError(message)
 
 
+def must(right: bool, name: str, words: str, value: object) -> None:
+    """Raises RecipeError if a setting has a wrong value. words: what it must be."""
+    check(not right, said("{name} must be {words}, got {value}", name=name, words=said(words), value=short(value)))
+
+
+def check_choice(wrong: bool, name: str, known: str, value: object) -> None:
+    check(wrong, said("{name} must be one of {known}, got {value}", name=name, known=known, value=short(value)))
+
+
 def check_options(settings: dict[str, Any], table: dict[str, Option]) -> None:
     """Refuses settings that the engine would refuse."""
     for name, value in settings.items():
         option = table[name]
         if option.choices:
             known = ", ".join(option.choices)
-            check(value not in option.choices, f"{name} must be one of {known}, got {short(value)}")
+            check_choice(value not in option.choices, name, known, value)
         elif option.kind in {"int", "float"}:
-            check(not option.holds(value), f"{name} must be {option.words}, got {value}")
+            must(option.holds(value), name, option.words, value)
+
+
+def check_face(face: int) -> None:
+    must(face >= 0, "face", own("at least 0"), face)
 
 
 def indices(faces: Sequence[SupportsIndex]) -> tuple[int, ...]:
@@ -38,18 +52,19 @@ def indices(faces: Sequence[SupportsIndex]) -> tuple[int, ...]:
         plain = tuple(operator.index(face) for face in faces if not isinstance(face, bool))
     except TypeError:
         plain = ()
-    check(len(plain) == 0 or len(plain) != len(faces), f"faces must be a list of faces, got {short(faces)}")
-    check(min(plain) < 0, f"faces must be at least 0, got {short(min(plain))}")
+    must(len(plain) > 0 and len(plain) == len(faces), "faces", own("a list of faces"), faces)
+    must(min(plain) >= 0, "faces", own("at least 0"), min(plain))
     return plain
 
 
 def numbers(values: Iterable[Any], name: str) -> tuple[float, ...]:
-    """Values as plain, finite numbers."""
+    plain: tuple[float, ...] = ()
     try:
-        plain = tuple(float(value) for value in values)
+        plain, are_numbers = tuple(float(value) for value in values), True
     except (TypeError, ValueError, OverflowError):
-        raise RecipeError(f"{name} must be a list of numbers, got {short(values)}") from None
-    check(not all(map(math.isfinite, plain)), f"{name} must be finite, got {short(values)}")
+        are_numbers = False
+    must(are_numbers, name, own("a list of numbers"), values)
+    must(all(map(math.isfinite, plain)), name, own("finite"), values)
     return plain
 
 

@@ -10,29 +10,30 @@ import re
 from typing import Any
 
 from . import recipe as rcp
+from .language import count, own, said
 from .outcome import StepFailed
 
-EDITED = "This result was edited by hand: changed settings do not change it, and Mesh makes a new object beside it"
-SCAN_EDITED = "The scan was edited since Partition: its regions were found again, and may differ"
-COMPARE_KEYS = "Drag: move the line   C: plain, regions or texture   Middle mouse: turn the view   Esc: end"
-RESULT_TOOL = "This is the result, and has no regions to edit: press Swap to go to the scan"
-
-
-def count(number: int, one: str) -> str:
-    """A number with its noun: "1 region", "1,280 regions"."""
-    many = f"{one[:-2]}ices" if one.endswith("vertex") else f"{one}s"
-    return f"{number:,} {one if number == 1 else many}"
+EDITED = own("This result was edited by hand: changed settings do not change it, and Mesh makes a new object beside it")
+SCAN_EDITED = own("The scan was edited since Partition: its regions were found again, and may differ")
+COMPARE_KEYS = own("Drag: move the line   C: plain, regions or texture   Middle mouse: turn the view   Esc: end")
+REGIONS_CHANGED = own("The regions have changed since Mesh: press Mesh again, then Keep Texture.")
+NO_FACE = own("No face is selected: select one in Edit Mode (Tab, then 3), or give its number.")
+RESULT_TOOL = own("This is the result, and has no regions to edit: press Swap to go to the scan")
 
 
 def partitioned(numbers: dict[str, Any]) -> str:
-    told = f"{count(numbers['triangles'], 'triangle')} in {count(numbers['regions'], 'region')}"
+    triangles, regions = count(numbers["triangles"], "triangle"), count(numbers["regions"], "region")
     more = numbers["regions"] - numbers.get("asked", numbers["regions"])
-    return f"{told}, {more:,} more than requested, as its parts need them" if more > 0 else told
+    if more <= 0:
+        return said("{triangles} in {regions}", triangles=triangles, regions=regions)
+    text = own("{triangles} in {regions}, {more} more than requested, as its parts need them")
+    return said(text, triangles=triangles, regions=regions, more=f"{more:,}")
 
 
 def meshed(numbers: dict[str, Any]) -> str:
-    closed = "closed" if numbers["closed"] else "open"
-    return f"{count(numbers['triangles'], 'triangle')} -> {count(numbers['polygons'], 'polygon')}, {closed}"
+    triangles, polygons = count(numbers["triangles"], "triangle"), count(numbers["polygons"], "polygon")
+    text = own("{triangles} -> {polygons}, closed") if numbers["closed"] else own("{triangles} -> {polygons}, open")
+    return said(text, triangles=triangles, polygons=polygons)
 
 
 def changed(before: dict[str, Any], numbers: dict[str, Any]) -> str:
@@ -42,7 +43,7 @@ def changed(before: dict[str, Any], numbers: dict[str, Any]) -> str:
 
 
 def evened(numbers: dict[str, Any]) -> str:
-    return f"The borders of {count(numbers['regions'], 'region')} are even"
+    return said("Even borders: {regions}", regions=count(numbers["regions"], "region"))
 
 
 def kept_open(numbers: dict[str, Any]) -> str:
@@ -52,37 +53,52 @@ def kept_open(numbers: dict[str, Any]) -> str:
 
 
 def several(number: int) -> str:
-    return f"{count(number, 'scan')} done"
+    return said("{scans} done", scans=count(number, "scan"))
+
+
+def listed(names: list[str], most: int = 3) -> str:
+    """Names of objects, the first of them where there are many."""
+    named = ", ".join(f"'{name}'" for name in names[:most])
+    return said("{names} and others", names=named) if len(names) > most else named
 
 
 def skipped(names: list[str]) -> str:
     """Selected scans that Mesh can't do."""
-    named = ", ".join(f"'{name}'" for name in names[:3]) + (" and others" if len(names) > 3 else "")
-    return f"Not done, as they have no regions yet: {named}"
+    return said("Not done, as they have no regions yet: {names}", names=listed(names))
+
+
+def textured(report: dict[str, Any]) -> str:
+    charts = count(report["charts"], "chart")
+    return said("Texture of {size} x {size} pixels, {charts}", size=f"{report['size']:,}", charts=charts)
 
 
 def hidden(name: str) -> str:
-    return f"'{name}' can't be seen: its collection is hidden. Show it in the Outliner"
+    return said("'{name}' can't be seen: its collection is hidden. Show it in the Outliner", name=name)
 
 
 def shared(names: list[str]) -> str:
     """Linked duplicates of a scan."""
-    who = f"'{names[0]}' has" if len(names) == 1 else f"{count(len(names), 'other object')} have"
-    return f"{who} the same mesh, and so the same regions"
+    if len(names) == 1:
+        return said("'{name}' has the same mesh, and so the same regions", name=names[0])
+    others = count(len(names), "other object")
+    return said("{others} have the same mesh, and so the same regions", others=others)
 
 
 def compared(is_result: bool, faces: int) -> str:
-    return f"Result: {count(faces, 'polygon')}" if is_result else f"Scan: {count(faces, 'face')}"
+    if is_result:
+        return said("Result: {polygons}", polygons=count(faces, "polygon"))
+    return said("Scan: {faces}", faces=count(faces, "face"))
 
 
 def locked(numbers: dict[str, Any]) -> str:
     number = numbers.get("locked", 0)
-    return f"{count(number, 'region')} locked" if number else "No region is locked"
+    return said("{regions} locked", regions=count(number, "region")) if number else said("No region is locked")
 
 
 def kept(edited: str, made: str) -> str:
     """Mesh was pressed again after the result was edited by hand."""
-    return f"'{edited}' was edited by hand and is kept, hidden. The new polygons are '{made}'"
+    text = own("'{edited}' was edited by hand and is kept, hidden. The new polygons are '{made}'")
+    return said(text, edited=edited, made=made)
 
 
 def hand_edits(recipe: rcp.Recipe | None) -> int:
@@ -97,115 +113,205 @@ def hand_edits(recipe: rcp.Recipe | None) -> int:
 
 
 def dropped(number: int) -> str:
-    verb = "was" if number == 1 else "were"
-    back = "it" if number == 1 else "them"
-    return f"{count(number, 'edit')} by hand {verb} dropped: Ctrl-Z brings {back} back"
+    edits = count(number, "edit")
+    if number == 1:
+        return said("{edits} by hand was dropped: Ctrl-Z brings it back", edits=edits)
+    return said("{edits} by hand were dropped: Ctrl-Z brings them back", edits=edits)
 
 
 def will_drop(number: int) -> str:
-    return f"Partition starts anew: {count(number, 'edit')} by hand will be dropped"
+    return said("Partition starts anew: {edits} by hand will be dropped", edits=count(number, "edit"))
 
 
 #: An engine's reason, and the words of the person who pointed at the place that it names
 _REASONS = (
-    (r"the region of face \d+ is locked: unlock it first", "this region is locked: press L over it, or Unlock"),
+    (r"the region of face \d+ is locked: unlock it first", own("this region is locked: press L over it, or Unlock")),
     (
-        r"the region of face \d+ is the only one of its part( that is not locked)?: it can't be deleted",
-        r"this is the only region of its loose part\1: it can't be deleted",
+        r"the region of face \d+ is the only one of its part that is not locked: it can't be deleted",
+        own("this is the only region of its loose part that is not locked: it can't be deleted"),
+    ),
+    (
+        r"the region of face \d+ is the only one of its part: it can't be deleted",
+        own("this is the only region of its loose part: it can't be deleted"),
     ),
     (
         r"the region of face \d+ is that face alone: there is nothing to split",
-        "this region is a single face: there is nothing to split",
+        own("this region is a single face: there is nothing to split"),
     ),
     (
         r"face \d+ lies in a part that was left out",
-        "this part was left out, as it is small: set Leave Out to 0 and press Partition",
+        own("this part was left out, as it is small: set Leave Out to 0 and press Partition"),
     ),
     (
         r"face \d+ was left out by the repair of the mesh: it has no area or is a duplicate",
-        "this face is in no region: it has no area, is a duplicate, or lies in an opening that was closed",
+        own("this face is in no region: it has no area, is a duplicate, or lies in an opening that was closed"),
     ),
     (
         r"the regions of .* share no edge: only neighbours can be merged",
-        "these regions share no edge: only neighbours can be merged",
+        own("these regions share no edge: only neighbours can be merged"),
     ),
-    (r"faces? .* are in one region: there is nothing to merge", "this is one region: there is nothing to merge"),
-    (r"the line does not cut the region of face \d+.*", "the line does not cross this region"),
+    (
+        r"faces? .* are in one region: there is nothing to merge",
+        own("this is one region: there is nothing to merge"),
+    ),
+    (r"the line does not cut the region of face \d+.*", own("the line does not cross this region")),
     (
         r"there is nothing to paint: no face was given that is not locked or of the region already",
-        "all these faces are in that region already, or locked",
+        own("all these faces are in that region already, or locked"),
     ),
     (
-        r"the faces to erase touch no other region that could take them( and is not locked)?",
-        r"no other region beside these faces could take them\1",
+        r"the faces to erase touch no other region that could take them and is not locked",
+        own("no other region beside these faces could take them and is not locked"),
+    ),
+    (
+        r"the faces to erase touch no other region that could take them",
+        own("no other region beside these faces could take them"),
     ),
 )
 
 
-def reason(said: str) -> str:
+def reason(told: str) -> str:
     """A reason of the engine in the words of the panel."""
-    said = said.rstrip(".")
-    found = re.search(r"proxies must be in \[1, (\d+)\], got (-?\d+)", said)
+    told = told.rstrip(".")
+    found = re.search(r"proxies must be in \[1, (\d+)\], got (-?\d+)", told)
     if found:
-        most = int(found[1])
-        return f"at most {count(most, 'region')} are possible, one for each triangle"
+        most = count(int(found[1]), "region")
+        return said("at most {regions} are possible, one for each triangle", regions=most)
     for pattern, words in _REASONS:
-        said, times = re.subn(pattern, words, said)
-        if times:
-            return said
-    return said.replace("proxies", "regions").replace("proxy", "region")
+        found = re.search(pattern, told)
+        if found:
+            return told[: found.start()] + said(words) + told[found.end() :]
+    return told.replace("proxies", "regions").replace("proxy", "region")
 
 
 def failed(error: StepFailed, names_step: bool) -> str:
     """Why a step failed. names_step: the user looks at the list of steps, or does not know which one it was."""
-    said = reason(error.reason)
-    return f"Step {error.index + 1}, {line(error.step)}: {said}" if names_step else said[:1].upper() + said[1:]
+    why = reason(error.reason)
+    if names_step:
+        return said("Step {number}, {step}: {why}", number=error.index + 1, step=line(error.step), why=why)
+    return why[:1].upper() + why[1:]
+
+
+def unchanged(why: str) -> str:
+    """Something could not be done."""
+    return said("{why}. Nothing was changed.", why=why.rstrip("."))
+
+
+def no_step(index: int, steps: int) -> str:
+    return said("There is no step {number}: the recipe has {steps}.", number=index + 1, steps=steps)
 
 
 _LINES = {
-    rcp.AddProxy: "Add a region",
-    rcp.DeleteProxy: "Delete a region",
-    rcp.MergeRegions: "Merge two regions",
-    rcp.SplitRegion: "Split a region",
-    rcp.CutRegion: "Cut a region",
+    rcp.AddProxy: own("Add a region"),
+    rcp.DeleteProxy: own("Delete a region"),
+    rcp.MergeRegions: own("Merge two regions"),
+    rcp.SplitRegion: own("Split a region"),
+    rcp.CutRegion: own("Cut a region"),
+    rcp.Improve: own("Improve"),
+    rcp.EvenBorders: own("Even out all borders"),
+    rcp.Mesh: own("Mesh"),
+    rcp.Texture: own("Keep Texture"),
+}
+_OF_FACES = {
+    rcp.EraseFaces: own("Erase {faces} from a region"),
+    rcp.SmoothFaces: own("Smooth the borders in {faces}"),
+}
+_OF_TIMES = {
+    rcp.AddWorst: own("Add {number} at the largest error"),
+    rcp.DeleteLeast: own("Delete {number} of least error"),
+    rcp.MergeCheapest: own("Merge {number} of least error"),
 }
 
 
 def line(step: rcp.Step) -> str:
     """A step's line in the list of steps."""
     if type(step) in _LINES:
-        return _LINES[type(step)]
+        return said(_LINES[type(step)])
     if isinstance(step, rcp.Partition):
         return _partition_line(step)
-    faces = count(len(getattr(step, "faces", ())), "face")
+    faces = len(getattr(step, "faces", ()))
+    if type(step) in _OF_FACES:
+        return said(_OF_FACES[type(step)], faces=count(faces, "face"))
+    if type(step) in _OF_TIMES:
+        return said(_OF_TIMES[type(step)], number=f"{step.times:,}")
     if isinstance(step, rcp.PaintFaces):
-        return f"Paint {faces} into {'a new' if step.onto < 0 else 'a'} region" + (", locked" if step.lock else "")
-    if isinstance(step, rcp.EraseFaces):
-        return f"Erase {faces} from a region"
-    if isinstance(step, rcp.GrowRegion):
-        verb = "Shrink" if isinstance(step, rcp.ShrinkRegion) else "Grow"
-        return f"{verb} a region by {count(step.rings, 'ring')}"
-    if isinstance(step, rcp.LockRegions):
-        verb = "Unlock" if isinstance(step, rcp.UnlockRegions) else "Lock"
-        return f"{verb} {count(len(step.faces), 'region')}"
+        return _paint_line(step, count(faces, "face"))
+    if isinstance(step, rcp.GrowRegion):  # and ShrinkRegion
+        text = (
+            own("Shrink a region by {rings}") if isinstance(step, rcp.ShrinkRegion) else own("Grow a region by {rings}")
+        )
+        return said(text, rings=count(step.rings, "ring"))
+    if isinstance(step, rcp.LockRegions):  # and UnlockRegions
+        text = own("Unlock {regions}") if isinstance(step, rcp.UnlockRegions) else own("Lock {regions}")
+        return said(text, regions=count(faces, "region"))
     return step.describe()
 
 
-def _partition_line(step: rcp.Partition) -> str:
-    what = f"Partition {count(len(step.faces), 'face')}" if step.faces else "Partition"
-    if step.count_by == "proxies":
-        return f"{what} into {step.proxies:,}"
-    if step.count_by == "detail":
-        return f"{what}, detail {100 * (step.detail or 0):.3g} %"
-    return f"{what}, {step.count_by} {getattr(step, step.count_by):.4g}"
+def _paint_line(step: rcp.PaintFaces, faces: str) -> str:
+    text = own("Paint {faces} into a new region") if step.onto < 0 else own("Paint {faces} into a region")
+    told = said(text, faces=faces)
+    return said("{step}, locked", step=told) if step.lock else told
 
+
+def _partition_line(step: rcp.Partition) -> str:
+    what = said("Partition")
+    if step.faces:
+        what = said("Partition {faces}", faces=count(len(step.faces), "face"))
+    if step.count_by == "proxies":
+        return said("{what} into {number}", what=what, number=f"{step.proxies:,}")
+    if step.count_by == "detail":
+        return said("{what}, detail {number} %", what=what, number=f"{100 * (step.detail or 0):.3g}")
+    text = own("{what}, tolerance {number}") if step.count_by == "tolerance" else own("{what}, bound {number}")
+    return said(text, what=what, number=f"{getattr(step, step.count_by):.4g}")
+
+
+#: What the add-on and the engine name as they work
+STAGES = (
+    own("Adding"),
+    own("Adding a region"),
+    own("Adding regions"),
+    own("Baking"),
+    own("Carrying back"),
+    own("Cleaning"),
+    own("Closing holes"),
+    own("Counting regions"),
+    own("Cutting"),
+    own("Cutting off a part"),
+    own("Decimating"),
+    own("Deleting"),
+    own("Deleting a region"),
+    own("Deleting regions"),
+    own("Erasing"),
+    own("Evening out"),
+    own("Finding details"),
+    own("Fitting planes"),
+    own("Flooding"),
+    own("Growing"),
+    own("Improving"),
+    own("Joining polygons"),
+    own("Making the texture"),
+    own("Measuring"),
+    own("Merging"),
+    own("Meshing"),
+    own("Painting"),
+    own("Partitioning"),
+    own("Reading the mesh"),
+    own("Regularising"),
+    own("Relaxing"),
+    own("Repairing"),
+    own("Seeding"),
+    own("Shrinking"),
+    own("Smoothing"),
+    own("Splitting"),
+    own("Teleporting"),
+)
 
 _WHY = {
-    "split_for_holes": "holes",
-    "split_for_handles": "handles",
-    "split_for_pinches": "pinched borders",
-    "split_for_closed": "closed shapes",
-    "split_for_unconnected": "loose pieces",
+    "split_for_holes": own("{number} with holes"),
+    "split_for_handles": own("{number} with handles"),
+    "split_for_pinches": own("{number} with pinched borders"),
+    "split_for_closed": own("{number} with closed shapes"),
+    "split_for_unconnected": own("{number} with loose pieces"),
 }
 
 
@@ -217,13 +323,14 @@ def why_more(numbers: dict[str, Any]) -> str:
     """
     more, split = numbers["polygons"] - numbers["regions"], numbers.get("split", {})
     if more <= 0 or not split:
-        return f"{more:,} more than regions" if more > 0 else ""
-    causes = {f"with {cause}": split.get(name, 0) for name, cause in _WHY.items()}
-    causes["cut off to be planar"] = split.get("cut_to_be_planar", 0)
-    causes["fewer without area"] = gone = split.get("without_area", 0)
-    causes["not flat"] = more + 2 * gone - sum(causes.values())
-    said = sorted(((number, cause) for cause, number in causes.items() if number > 0), reverse=True)
-    return f"{more:,} more than regions: " + ", ".join(f"{number:,} {cause}" for number, cause in said)
+        return said("{more} more than regions", more=f"{more:,}") if more > 0 else ""
+    causes = {cause: split.get(name, 0) for name, cause in _WHY.items()}
+    causes[own("{number} cut off to be planar")] = split.get("cut_to_be_planar", 0)
+    causes[own("{number} fewer without area")] = gone = split.get("without_area", 0)
+    causes[own("{number} not flat")] = more + 2 * gone - sum(causes.values())
+    found = sorted(((number, cause) for cause, number in causes.items() if number > 0), reverse=True)
+    told = ", ".join(said(cause, number=f"{number:,}") for number, cause in found)
+    return said("{more} more than regions: {causes}", more=f"{more:,}", causes=told)
 
 
 def expected(numbers: dict[str, Any]) -> str:
@@ -239,4 +346,5 @@ def summary(regions: int, polygons: int | None, away: str) -> str:
     """The line in the corner of the viewport."""
     if polygons is None:
         return count(regions, "region")
-    return f"{count(regions, 'region')} -> {count(polygons, 'polygon')}" + (f", {away} off the scan" if away else "")
+    told = f"{count(regions, 'region')} -> {count(polygons, 'polygon')}"
+    return said("{numbers}, {away} off the scan", numbers=told, away=away) if away else told

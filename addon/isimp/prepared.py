@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from .language import said
 from .scan import Scan
 from .spare import blocks
 
@@ -156,12 +157,16 @@ def in_users_faces(message: str, prepared: Prepared) -> str:
     return re.sub(r"\bfaces? \d+(?: and \d+)?", lambda found: re.sub(r"\d+", users, found[0]), message)
 
 
+def _no_face(face: int, count: int) -> str:
+    return said("there is no face {face}: the mesh has {count} faces", face=face, count=count)
+
+
 def triangle_at(prepared: Prepared, face: int) -> int:
     if face >= prepared.scan.face_count:
-        raise ValueError(f"there is no face {face}: the mesh has {prepared.scan.face_count} faces.")
+        raise ValueError(_no_face(face, prepared.scan.face_count))
     triangle = int(prepared.face_triangle[face])
     if triangle < 0:
-        raise ValueError(f"face {face} was left out by the repair of the mesh: it has no area or is a duplicate.")
+        raise ValueError(f"face {face} was left out by the repair of the mesh: it has no area or is a duplicate")
     return triangle
 
 
@@ -170,7 +175,7 @@ def triangles_at(prepared: Prepared, faces: tuple[int, ...]) -> np.ndarray:
     first = triangle_at(prepared, faces[0])
     count = prepared.scan.face_count
     if max(faces) >= count:
-        raise ValueError(f"there is no face {max(faces)}: the mesh has {count} faces.")
+        raise ValueError(_no_face(max(faces), count))
     wanted = np.zeros(count, bool)
     wanted[list(faces)] = True
     triangles = np.flatnonzero(wanted[prepared.mesh_face])

@@ -11,6 +11,8 @@ import json
 from dataclasses import dataclass
 from typing import Any
 
+from .checks import RecipeError, check, short
+from .language import own, said
 from .steps import (
     COUNTS,
     KINDS,
@@ -33,16 +35,13 @@ from .steps import (
     Mesh,
     PaintFaces,
     Partition,
-    RecipeError,
     ShrinkRegion,
     SmoothFaces,
     SplitRegion,
     Step,
     Texture,
     UnlockRegions,
-    check,
     engine_options,
-    short,
     step_from_dict,
 )
 
@@ -156,7 +155,8 @@ class Recipe:
         return self.replaced(index, dataclasses.replace(self.steps[index], enabled=enabled))
 
     def _check_index(self, index: int) -> None:
-        check(not 0 <= index < len(self.steps), f"there is no step {index + 1}: the recipe has {len(self.steps)}")
+        text, steps = own("there is no step {number}: the recipe has {steps}"), len(self.steps)
+        check(not 0 <= index < steps, said(text, number=index + 1, steps=steps))
 
     def ends_in_mesh(self) -> bool:
         """Whether its outcome has polygons."""
@@ -199,16 +199,22 @@ class Recipe:
     @staticmethod
     def from_json(text: str) -> Recipe:
         """The recipe that `to_json` made. Raises RecipeError, which names the problem and the step."""
-        values = parsed(text, "not a recipe")
-        check(not isinstance(values, dict) or "isimp_recipe" not in values, "not a recipe: it has no 'isimp_recipe'")
+        values = parsed(text, said("not a recipe"))
+        check(
+            not isinstance(values, dict) or "isimp_recipe" not in values, said("not a recipe: it has no 'isimp_recipe'")
+        )
         version = values["isimp_recipe"]
         known = isinstance(version, int) and version <= VERSION
         check(
             not known,
-            f"the recipe has version {short(version)}, this add-on reads up to {VERSION}: update the add-on",
+            said(
+                "the recipe has version {version}, this add-on reads up to {known}: update the add-on",
+                version=short(version),
+                known=VERSION,
+            ),
         )
         steps = values.get("steps")
-        check(not isinstance(steps, list), "not a recipe: 'steps' must be a list")
+        check(not isinstance(steps, list), said("not a recipe: 'steps' must be a list"))
         return Recipe(tuple(numbered_step(number, step) for number, step in enumerate(steps, 1)))
 
 
@@ -217,9 +223,9 @@ def parsed(text: str, problem: str) -> Any:
     try:
         return json.loads(text)
     except ValueError as error:
-        raise RecipeError(f"{problem}: it is not JSON ({error})") from None
+        raise RecipeError(said("{problem}: it is not JSON ({error})", problem=problem, error=error)) from None
     except RecursionError:
-        raise RecipeError(f"{problem}: its brackets are nested too deeply") from None
+        raise RecipeError(said("{problem}: its brackets are nested too deeply", problem=problem)) from None
 
 
 def numbered_step(number: int, values: Any) -> Step:
@@ -227,4 +233,4 @@ def numbered_step(number: int, values: Any) -> Step:
     try:
         return step_from_dict(values)
     except RecipeError as error:
-        raise RecipeError(f"step {number}: {error}") from None
+        raise RecipeError(said("step {number}: {error}", number=number, error=error)) from None

@@ -13,6 +13,7 @@ from .applying import APPLY, PREPARING, TIMES, apply_mesh, carried_colors, engin
 from .cache import Cache
 from .engine import ENGINE_PROBLEM, engine
 from .engine_options import PARTITION
+from .language import said
 from .outcome import Outcome, StepFailed
 from .prepared import Prepared, in_users_faces, prepared_of, scan_numbers, triangle_at, triangles_at
 from .scan import Scan
@@ -71,7 +72,7 @@ class Session:
                 raise StepFailed(index, step, str(error), outcome) from error
             self._outcomes.put(keys[number], outcome, _size(outcome, prepared))
         if outcome is None:
-            raise ValueError("The recipe has no active step: press Partition.")
+            raise ValueError(said("The recipe has no active step: press Partition"))
         return outcome
 
     def prepare(
@@ -232,7 +233,7 @@ def _keys(scan: Scan, recipe: rcp.Recipe) -> list[tuple]:
 
 def _prepare(scan: Scan, closing: tuple[float, float], kept: tuple, watch: Watch, begin: float, end: float) -> Prepared:
     if len(scan.triangles) == 0:
-        raise ValueError("The mesh has no faces: there is nothing to simplify.")
+        raise ValueError(said("The mesh has no faces: there is nothing to simplify"))
     middle = begin + 0.4 * (end - begin)
     args = (scan.vertices, scan.triangles, engine.CleanOptions(cut_handles=closing[0], fill_holes=closing[1]))
     clean = partial(engine.clean, keep=np.array(kept, np.float64).reshape(-1, 3))
@@ -246,7 +247,9 @@ def _weights(step: rcp.Partition, prepared: Prepared) -> np.ndarray | None:
     if not step.weights:
         return None
     if step.weights not in prepared.layers:
-        raise ValueError(f"there is no vertex group or numeric attribute '{step.weights}' for the weights.")
+        raise ValueError(
+            said("there is no vertex group or numeric attribute '{name}' for the weights", name=step.weights)
+        )
     painted = np.clip(np.nan_to_num(prepared.layers[step.weights].astype(np.float64)), 0.0, 1.0)
     return 16.0 ** (step.influence * painted[prepared.mesh_face])
 
@@ -257,7 +260,7 @@ def _barriers(step: rcp.Partition, prepared: Prepared) -> list[np.ndarray]:
     values = [prepared.layers.get(rcp.MARKS[name]) for name in ("materials", "face_sets") if getattr(step, name)]
     if step.borders:
         if step.borders not in prepared.layers:
-            raise ValueError(f"there is no face attribute '{step.borders}' for the barriers.")
+            raise ValueError(said("there is no face attribute '{name}' for the barriers", name=step.borders))
         values.append(prepared.layers[step.borders])
     of_faces = (each[prepared.mesh_face] for each in values if each is not None)
     found.extend(guides.attribute_borders(mesh, each) for each in of_faces)

@@ -12,8 +12,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from .checks import RecipeError, check, check_options, indices, numbers, short
+from .checks import RecipeError, check, check_choice, check_face, check_options, indices, must, numbers, short
 from .engine_options import MESHING, PARTITION, TEXTURE
+from .language import own, said
 from .option import Option
 
 METHODS = PARTITION["method"].choices
@@ -32,10 +33,6 @@ _LARGEST_SEED = (1 << 63) - 1
 def engine_options(step: Step, table: dict[str, Option]) -> dict[str, Any]:
     """The settings of a step that are the engine's options, by the same names."""
     return {field.name: getattr(step, field.name) for field in dataclasses.fields(step) if field.name in table}
-
-
-def _check_face(face: int) -> None:
-    check(face < 0, f"face must be at least 0, got {face}")
 
 
 def _count(faces: tuple[int, ...]) -> str:
@@ -98,15 +95,15 @@ class Partition(Step):
 
     def __post_init__(self) -> None:
         self._settle_count()
-        check(self.count_by not in COUNTS, f"count_by must be one of {', '.join(COUNTS)}, got {short(self.count_by)}")
+        check_choice(self.count_by not in COUNTS, "count_by", ", ".join(COUNTS), self.count_by)
         options = engine_options(self, PARTITION)
-        check(not math.isfinite(options.pop("noise")), f"noise must be a length, or below 0, got {self.noise}")
+        must(math.isfinite(options.pop("noise")), "noise", own("a length, or below 0"), self.noise)
         check_options(options, PARTITION)
-        check(not 0 <= self.influence <= 2, f"influence must be in [0, 2], got {self.influence}")
-        check(not 0 <= self.angle <= 180, f"angle must be in [0, 180] degrees, got {self.angle}")
+        must(0 <= self.influence <= 2, "influence", "in [0, 2]", self.influence)
+        must(0 <= self.angle <= 180, "angle", own("in [0, 180] degrees"), self.angle)
         object.__setattr__(self, "faces", indices(self.faces) if len(self.faces) else ())
-        places = tuple(numbers(place, "a place of keep_openings") for place in self.keep_openings)
-        check(any(len(place) != 3 for place in places), "each place of keep_openings must have 3 numbers")
+        places = tuple(numbers(place, said("a place of keep_openings")) for place in self.keep_openings)
+        check(any(len(place) != 3 for place in places), said("each place of keep_openings must have 3 numbers"))
         object.__setattr__(self, "keep_openings", places)
 
     def to_dict(self) -> dict[str, Any]:
@@ -129,7 +126,8 @@ class Partition(Step):
         given = [name for name in COUNTS if getattr(self, name) is not None]
         if not self.count_by:
             check(
-                len(given) > 1, f"{' and '.join(given)} each set the number of regions: give one of them, or count_by"
+                len(given) > 1,
+                said("{names} each set the number of regions: give one of them, or count_by", names=", ".join(given)),
             )
             object.__setattr__(self, "count_by", given[0] if given else "detail")
         for name, value in COUNTS.items():
@@ -155,7 +153,7 @@ class AddProxy(Step):
     face: int = 0
 
     def __post_init__(self) -> None:
-        _check_face(self.face)
+        check_face(self.face)
 
     def describe(self) -> str:
         return f"Add proxy at face {self.face}"
@@ -168,7 +166,7 @@ class DeleteProxy(Step):
     face: int = 0
 
     def __post_init__(self) -> None:
-        _check_face(self.face)
+        check_face(self.face)
 
     def describe(self) -> str:
         return f"Delete proxy at face {self.face}"
@@ -182,8 +180,8 @@ class MergeRegions(Step):
     other: int = 0  #: of the one that becomes part of it
 
     def __post_init__(self) -> None:
-        _check_face(self.face)
-        _check_face(self.other)
+        check_face(self.face)
+        check_face(self.other)
 
     def describe(self) -> str:
         return f"Merge the region at face {self.other} into that at face {self.face}"
@@ -196,7 +194,7 @@ class SplitRegion(Step):
     face: int = 0
 
     def __post_init__(self) -> None:
-        _check_face(self.face)
+        check_face(self.face)
 
     def describe(self) -> str:
         return f"Split the region at face {self.face}"
@@ -211,12 +209,15 @@ class CutRegion(Step):
     direction: tuple[float, ...] = ()  #: empty: the region's normal
 
     def __post_init__(self) -> None:
-        _check_face(self.face)
-        object.__setattr__(self, "line", tuple(numbers(point, "a point of line") for point in self.line))
+        check_face(self.face)
+        object.__setattr__(self, "line", tuple(numbers(point, said("a point of line")) for point in self.line))
         object.__setattr__(self, "direction", numbers(self.direction, "direction"))
-        check(len(self.line) < 2, f"line must have at least 2 points, got {len(self.line)}")
-        check(any(len(point) != 3 for point in self.line), "each point of line must have 3 numbers")
-        check(len(self.direction) not in (0, 3), f"direction must have 3 numbers, got {len(self.direction)}")
+        check(len(self.line) < 2, said("line must have at least 2 points, got {number}", number=len(self.line)))
+        check(any(len(point) != 3 for point in self.line), said("each point of line must have 3 numbers"))
+        check(
+            len(self.direction) not in (0, 3),
+            said("direction must have 3 numbers, got {number}", number=len(self.direction)),
+        )
 
     def describe(self) -> str:
         return f"Cut the region at face {self.face}"
@@ -260,7 +261,7 @@ class SmoothFaces(Step):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "faces", indices(self.faces))
-        check(not 1 <= self.rounds <= MOST_ROUNDS, f"rounds must be in [1, {MOST_ROUNDS:,}], got {self.rounds}")
+        must(1 <= self.rounds <= MOST_ROUNDS, "rounds", f"in [1, {MOST_ROUNDS:,}]", self.rounds)
 
     def describe(self) -> str:
         return f"Smooth the borders in {_count(self.faces)}"
@@ -274,8 +275,8 @@ class GrowRegion(Step):
     rings: int = 1
 
     def __post_init__(self) -> None:
-        _check_face(self.face)
-        check(self.rings < 1, f"rings must be at least 1, got {self.rings}")
+        check_face(self.face)
+        must(self.rings >= 1, "rings", own("at least 1"), self.rings)
 
     def describe(self) -> str:
         return f"Grow the region at face {self.face} by {self.rings}"
@@ -317,7 +318,7 @@ class AddWorst(Step):
     times: int = 1
 
     def __post_init__(self) -> None:
-        check(self.times < 1, f"times must be at least 1, got {self.times}")
+        must(self.times >= 1, "times", own("at least 1"), self.times)
 
     def describe(self) -> str:
         return f"Add {self.times} at the largest error"
@@ -354,7 +355,7 @@ class EvenBorders(Step):
     strength: float = 1.0
 
     def __post_init__(self) -> None:
-        check(not 0 <= self.strength <= 1, f"strength must be in [0, 1], got {self.strength}")
+        must(0 <= self.strength <= 1, "strength", "in [0, 1]", self.strength)
 
     def describe(self) -> str:
         return "Even out all borders"
@@ -371,7 +372,7 @@ class Mesh(Step):
 
     def __post_init__(self) -> None:
         check_options(engine_options(self, MESHING), MESHING)
-        check(self.chord_tolerance <= 0, f"chord_tolerance must be above 0, got {self.chord_tolerance}")
+        must(self.chord_tolerance > 0, "chord_tolerance", own("above 0"), self.chord_tolerance)
 
     def describe(self) -> str:
         return "Mesh"
@@ -385,7 +386,7 @@ class Texture(Step):
 
     def __post_init__(self) -> None:
         size = TEXTURE["size"]
-        check(self.size != 0 and not size.holds(self.size), f"size must be 0, or {size.words}, got {self.size}")
+        must(self.size == 0 or size.holds(self.size), "size", said("0, or {words}", words=size.words), self.size)
 
     def describe(self) -> str:
         return f"Texture {self.size:,}" if self.size else "Texture"
@@ -427,35 +428,43 @@ _ACCEPTS: dict[str, type | tuple[type, ...]] = {
     "float": (float, int),
     "list": (list, tuple),
 }
+_CALLED = {
+    "bool": own("true or false"),
+    "int": own("a whole number"),
+    "str": own("a text"),
+    "float": own("a number"),
+    "list": own("a list"),
+}
 
 
 def step_from_dict(values: Any) -> Step:
     """The step that `Step.to_dict` made. Raises RecipeError, which names the problem."""
     if not isinstance(values, dict) or "step" not in values:
-        raise RecipeError(f"not a step: {short(values)}")
+        raise RecipeError(said("not a step: {values}", values=short(values)))
     values = dict(values)
     kind = values.pop("step")
     if not isinstance(kind, str) or kind not in _TYPES:
-        raise RecipeError(f"{short(kind)} is not a step of this version")
+        raise RecipeError(said("{kind} is not a step of this version", kind=short(kind)))
     fields = {field.name: field for field in dataclasses.fields(_TYPES[kind])}
     for name, value in values.items():
         if name not in fields:
-            raise RecipeError(f"{kind} has no setting {short(name)}")
+            raise RecipeError(said("{kind} has no setting {name}", kind=kind, name=short(name)))
         wanted = "list" if fields[name].type.startswith("tuple") else fields[name].type.removesuffix(" | None")
-        _check_value(f"{name} of {kind}", wanted, value)
+        _check_value(said("{name} of {step}", name=name, step=kind), wanted, value, name == "seed")
     names, meant = _EARLIER.get(kind, (set(), {}))
     return _TYPES[kind](**(meant | values if names <= values.keys() else values))
 
 
-def _check_value(what: str, wanted: str, value: Any) -> None:
+def _check_value(what: str, wanted: str, value: Any, is_seed: bool) -> None:
     """Refuses a value of another type, or beyond the limits of the engine or Blender."""
     if not isinstance(value, _ACCEPTS[wanted]) or (wanted != "bool" and isinstance(value, bool)):
-        raise RecipeError(f"{what} must be a {wanted}, got {short(value)}")
+        must(False, what, _CALLED[wanted], value)
     if isinstance(value, str) and not _is_name(value):
-        raise RecipeError(f"{what} contains characters that are not valid in a name, got {short(value)}")
-    most = _LARGEST if wanted == "int" and not what.startswith("seed ") else _LARGEST_SEED
+        text = own("{name} contains characters that are not valid in a name, got {value}")
+        raise RecipeError(said(text, name=what, value=short(value)))
+    most = _LARGEST if wanted == "int" and not is_seed else _LARGEST_SEED
     if isinstance(value, int) and abs(value) > most:
-        raise RecipeError(f"{what} must be at most {most}, got {short(value)}")
+        raise RecipeError(said("{name} must be at most {most}, got {value}", name=what, most=most, value=short(value)))
 
 
 def _is_name(text: str) -> bool:

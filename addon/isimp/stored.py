@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from . import recipe as rcp
+from .language import own, said
 
 MOST_STEPS = 20_000  #: of a recipe
 _LONGEST_REASON = 300  # letters; the panel makes lines of them
@@ -18,7 +19,7 @@ _LARGEST = 1 << 63  # no count comes near it
 
 NodeOf = Callable[[int], "tuple[int, str, str] | None"]  #: a node by its id; None if there is no such node
 
-UNKNOWN = "The steps of these regions are unknown"
+UNKNOWN = own("The steps of these regions are unknown")
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,7 @@ def read(state: int, node_of: NodeOf, recipe: rcp.Recipe | None = None) -> Store
         try:
             recipe = rcp.Recipe(tuple(_step(number, text) for number, text in enumerate(texts, 1)))
         except rcp.RecipeError as error:
-            return Stored(None, problem=line(f"The steps can't be read: {error}"))
+            return Stored(None, problem=line(said("The steps can't be read: {error}", error=error)))
     last = node_of(state)
     return Stored(recipe, numbers_from(last[2]) if last is not None else {})
 
@@ -62,12 +63,13 @@ def _texts(state: int, node_of: NodeOf) -> tuple[list[str], str]:
     at = state
     while at:
         if at in seen:
-            return [], "The steps can't be read: they form a circle"
+            return [], said("The steps can't be read: they form a circle")
         if len(texts) == MOST_STEPS:
-            return [], f"The steps can't be read: there are more than {MOST_STEPS:,}"
+            return [], said("The steps can't be read: there are more than {most}", most=f"{MOST_STEPS:,}")
         node = node_of(at)
         if node is None:
-            return [], f"{UNKNOWN}: a step before the last {len(texts)} is missing" if texts else UNKNOWN
+            text = own("The steps of these regions are unknown: a step before the last {number} is missing")
+            return [], said(text, number=len(texts)) if texts else said(UNKNOWN)
         seen.add(at)
         texts.append(node[1])
         at = node[0]
@@ -75,7 +77,7 @@ def _texts(state: int, node_of: NodeOf) -> tuple[list[str], str]:
 
 
 def _step(number: int, text: str) -> rcp.Step:
-    return rcp.numbered_step(number, rcp.parsed(text, f"step {number} is not a step"))
+    return rcp.numbered_step(number, rcp.parsed(text, said("step {number} is not a step", number=number)))
 
 
 def readable(states: Iterable[int], node_of: NodeOf) -> set[int]:

@@ -14,6 +14,8 @@ from enum import Enum
 from itertools import accumulate
 from typing import Any, Protocol
 
+from .language import own, said
+
 
 class Stopped(Exception):
     """The work was stopped from outside. Nothing was changed."""
@@ -144,5 +146,8 @@ class Task:
     def describe(self) -> str:
         """One line for people: the stage, how much is done, how long it will take."""
         left = self.seconds_left()
-        text = f"{self.watch.stage.capitalize() or 'Working'} {self.watch.progress:.0%}"
-        return text if left is None else f"{text}, {max(1, round(left))} s left"
+        stage = said(self.watch.stage.capitalize() or own("Working"))
+        text = f"{stage} {self.watch.progress:.0%}"
+        return (
+            text if left is None else said("{progress}, {seconds} s left", progress=text, seconds=max(1, round(left)))
+        )

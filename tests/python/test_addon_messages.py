@@ -1,10 +1,13 @@
 """What the add-on says: the words of the panel, right with one and with many."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import shapes
-from isimp import messages
+from isimp import applying, messages
 from isimp import recipe as rcp
 from isimp.session import Scan, Session, StepFailed
 
@@ -22,6 +25,7 @@ def failure(*steps):
     return caught.value
 
 
+ROOT = Path(__file__).parents[2]
 SPLIT = rcp.Partition(proxies=8)
 
 
@@ -128,3 +132,12 @@ def test_more_polygons_than_regions_are_explained():
 )
 def test_a_step_in_the_list_names_no_face(step, said):
     assert messages.line(step) == said
+
+
+def test_each_stage_of_the_engine_and_the_addon_has_a_name_that_is_translated():
+    sources = [*ROOT.joinpath("native", "src").rglob("*.cpp"), *ROOT.joinpath("addon", "isimp").glob("*.py")]
+    begin = r"(?:Part [a-z_]*[({][a-z_.]*, *|watch\.part\(|engine_call\(watch, [^\"]*?)"
+    found = {name for path in sources for name in re.findall(begin + r'"([a-z ]+)"', path.read_text(encoding="utf-8"))}
+    found |= {stage for stage, *_ in applying._EDITS.values()}
+    assert {"flooding", "reading the mesh", "measuring", "evening out"} <= found
+    assert {name.capitalize() for name in found} == set(messages.STAGES)

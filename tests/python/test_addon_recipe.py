@@ -82,7 +82,10 @@ def test_steps_saved_before_a_setting_was_there_mean_what_they_meant():
         ('{"isimp_recipe": 1, "steps": [3]}', "step 1: not a step: 3"),
         ('{"isimp_recipe": 1, "steps": [{"step": "melt"}]}', "step 1: 'melt' is not a step"),
         ('{"isimp_recipe": 1, "steps": [{"step": "add_proxy", "fase": 1}]}', "no setting 'fase'"),
-        ('{"isimp_recipe": 1, "steps": [{"step": "add_proxy", "face": true}]}', "face of add_proxy must be a int"),
+        (
+            '{"isimp_recipe": 1, "steps": [{"step": "add_proxy", "face": true}]}',
+            "face of add_proxy must be a whole number",
+        ),
         ('{"isimp_recipe": 1, "steps": [{"step": "add_proxy", "face": -1}]}', "at least 0, got -1"),
         ('{"isimp_recipe": 1, "steps": [{"step": "mesh"}, {"step": "partition", "proxies": 0}]}', "step 2: proxies"),
         (
@@ -188,7 +191,7 @@ def test_what_is_given_says_how_many():
     assert Partition(count_by="bound", proxies=3).count_by == "bound"
     assert rcp.step_from_dict({"step": "partition", "proxies": 6}) == Partition(proxies=6)
     with pytest.raises(
-        RecipeError, match="tolerance and proxies each set the number of regions: give one of them, or count_by"
+        RecipeError, match="tolerance, proxies each set the number of regions: give one of them, or count_by"
     ):
         Partition(proxies=3, tolerance=0.1)
 

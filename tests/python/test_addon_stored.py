@@ -46,7 +46,7 @@ def test_a_sound_chain_is_read():
         (chain(FIRST, "3"), "step 2: not a step: 3"),
         (chain(FIRST, "null"), "step 2: not a step: None"),
         (chain(FIRST, '{"step": ["add_proxy"]}'), r"step 2: \['add_proxy'\] is not a step"),
-        (chain(FIRST, '{"step": "add_proxy", "face": 1e400}'), "face of add_proxy must be a int, got inf"),
+        (chain(FIRST, '{"step": "add_proxy", "face": 1e400}'), "face of add_proxy must be a whole number, got inf"),
         (chain(FIRST, '{"step": "add_proxy", "face": 99999999999}'), "face of add_proxy must be at most 2147483647"),
         (chain(FIRST, '{"step": "paint", "faces": [1' + "0" * 5000 + "]}"), "step 2 is not a step: it is not JSON"),
         (chain('{"step": "partition", "detail": NaN}'), r"step 1: detail must be in \(0, 1\], got nan"),

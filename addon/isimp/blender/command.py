@@ -3,6 +3,7 @@
 import bpy
 
 from ..engine import engine
+from ..language import said
 
 _handle = None
 
@@ -10,7 +11,7 @@ _handle = None
 def run(words) -> int:
     """Runs the command with its words; returns its exit status."""
     if engine is None:
-        print("The iSimp engine does not load: install the zip for this system.")
+        print(said("The iSimp engine does not load: install the zip for this system"))
         return 1
     from importlib import import_module
 

@@ -3,6 +3,7 @@
 import numpy as np
 
 from .. import recipe as rcp
+from ..language import said
 from . import mesh_io, weights
 
 _FACE_SET = ".sculpt_face_set"  # from Blender 3.6 on; before, nothing tells of them
@@ -19,8 +20,11 @@ def read(obj, wanted, vertex_count: int) -> dict:
             continue
         if len(mesh.vertices) != vertex_count:
             raise mesh_io.Unusable(
-                f"The marked edges of '{obj.name}' can't be traced through its modifiers: apply them first "
-                "(Object > Apply > Visual Geometry to Mesh)."
+                said(
+                    "The marked edges of '{name}' can't be traced through its modifiers: apply them first "
+                    "(Object > Apply > Visual Geometry to Mesh).",
+                    name=obj.name,
+                )
             )
         marked, ends = np.empty(len(mesh.edges), bool), np.empty(2 * len(mesh.edges), np.int32)
         mesh.edges.foreach_get(flag, marked)

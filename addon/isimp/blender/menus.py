@@ -5,6 +5,12 @@ import bpy
 from .. import recipe as rcp
 from . import settings
 
+_SELECT = (
+    ("SIZE", "Select Small Regions"),
+    ("FLATNESS", "Select Bent Regions"),
+    ("DIRECTION", "Select Regions Facing Up"),
+)
+
 
 class ISIMP_MT_object(bpy.types.Menu):
     """Turn scans into clean, editable polygons"""
@@ -18,8 +24,8 @@ class ISIMP_MT_object(bpy.types.Menu):
         layout.operator("isimp.swap", icon="ARROW_LEFTRIGHT")
         layout.operator("isimp.compare", icon="IMAGE_ALPHA")
         layout.separator()
-        for by, name in (("SIZE", "Small"), ("FLATNESS", "Bent"), ("DIRECTION", "Facing Up")):
-            layout.operator("isimp.select_by", text=f"Select {name} Regions").by = by
+        for by, name in _SELECT:
+            layout.operator("isimp.select_by", text=name).by = by
         layout.separator()
         for name in ("add_worst", "delete_least", "merge_cheapest", "improve", "even_borders"):
             layout.operator(f"isimp.{name}")

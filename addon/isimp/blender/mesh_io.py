@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 
 from .. import afar, view
+from ..language import own, said
 from ..session import Scan
 from . import raw, runtime
 
@@ -33,7 +34,9 @@ def shape_matrix(obj) -> np.ndarray:
     values, axes = np.linalg.eigh(matrix.T @ matrix)
     scale = np.sqrt(np.maximum(values, 0.0))
     if not np.isfinite(matrix).all() or scale.min() <= 1e-9 * scale.max():
-        raise Unusable(f"'{obj.name}' is scaled to nothing along an axis: give it a scale other than 0.")
+        raise Unusable(
+            said("'{name}' is scaled to nothing along an axis: give it a scale other than 0.", name=obj.name)
+        )
     shape = axes @ np.diag(scale) @ axes.T
     digits = 10.0 ** (np.floor(np.log10(scale.max())) - 5)  # rounding error of the transform must not change the result
     return np.round(shape / digits) * digits
@@ -125,13 +128,14 @@ def _evaluated_arrays(context, obj):
             vertices, triangles, faces = _arrays(mesh)
             origin = mesh.attributes.get(_ORIGIN)
             if len(mesh.polygons) == 0:
-                raise Unusable(f"The modifiers of '{obj.name}' leave no faces.")
+                raise Unusable(said("The modifiers of '{name}' leave no faces.", name=obj.name))
             if origin is None or origin.domain != "FACE":
                 names = ", ".join(modifier.name for modifier in obj.modifiers if modifier.show_viewport)
-                raise Unusable(
-                    f"The modifiers of '{obj.name}' ({names}) make faces that can't be traced back to its own: "
+                text = own(
+                    "The modifiers of '{name}' ({modifiers}) make faces that can't be traced back to its own: "
                     "apply them first (Object > Apply > Visual Geometry to Mesh)."
                 )
+                raise Unusable(said(text, name=obj.name, modifiers=names))
             traced = np.empty(len(mesh.polygons), np.int32)
             origin.data.foreach_get("value", traced)
         finally:

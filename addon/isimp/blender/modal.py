@@ -13,6 +13,7 @@ from contextlib import suppress
 import bpy
 
 from .. import messages, view
+from ..language import own, said
 from ..session import StepFailed
 from ..task import Status, Stopped, Task, Watch
 from . import mesh_io, pending, preferences, reading, runtime, show, store, targets, texture
@@ -49,7 +50,7 @@ class Work:
     def progress(self) -> tuple:
         """(share, words) of how far it is."""
         if self.shown is not None:
-            return self.shown, f"Showing {self.shown:.0%}"
+            return self.shown, said("Showing {share}", share=f"{self.shown:.0%}")
         return self.task.watch.progress, self.task.describe()
 
     def read_on(self, context, seconds: float = math.inf) -> None:
@@ -254,7 +255,10 @@ class RecipeOperator:
             return {"PASS_THROUGH" if free else "RUNNING_MODAL"}
         if task.status is Status.RUNNING:
             self._work.read_on(context, reading.SPAN)
-            _show_progress(context, f"{self._work.name}: {self._work.progress()[1]} - Esc stops it")
+            _show_progress(
+                context,
+                said("{name}: {progress} - Esc stops it", name=self._work.name, progress=self._work.progress()[1]),
+            )
             return {"PASS_THROUGH"}
         if not self._written(reading.SPAN):
             _show_progress(context, f"{self._work.name}: {self._work.progress()[1]}")
@@ -317,13 +321,14 @@ class RecipeOperator:
         if isinstance(error, StepFailed) and self.keeps_failed:
             return self._keep(context, work, error)
         if isinstance(error, Stopped):
-            self.report({"INFO"}, "Stopped. Nothing was changed.")
+            self.report({"INFO"}, messages.unchanged(said("Stopped")))
         elif isinstance(error, (StepFailed, ValueError)):
-            said = self._reason(work, error) if isinstance(error, StepFailed) else messages.reason(str(error))
-            self.report({"ERROR"}, f"{said.rstrip('.')}. Nothing was changed.")
+            why = self._reason(work, error) if isinstance(error, StepFailed) else messages.reason(str(error))
+            self.report({"ERROR"}, messages.unchanged(why))
         else:
             log.debug("unexpected", exc_info=error)
-            self.report({"ERROR"}, f"Internal error in iSimp: {type(error).__name__}: {error}. Nothing was changed.")
+            internal = said("Internal error in iSimp: {error}", error=f"{type(error).__name__}: {error}")
+            self.report({"ERROR"}, messages.unchanged(internal))
         return {"CANCELLED"}
 
     def _keep(self, context, work, error: StepFailed):
@@ -332,7 +337,9 @@ class RecipeOperator:
             return {"CANCELLED"}
         show.show_failed(context, obj, work, error)
         pending.follow(context)
-        self.report({"WARNING"}, f"{messages.failed(error, self.names_steps)}. The previous result stays.")
+        self.report(
+            {"WARNING"}, said("{why}. The previous result stays.", why=messages.failed(error, self.names_steps))
+        )
         return {"FINISHED"}
 
     def _reason(self, work, error: StepFailed) -> str:
@@ -355,9 +362,9 @@ class RecipeOperator:
         if not context.view_layer.objects.active.visible_get():
             self.report({"WARNING"}, messages.hidden(context.view_layer.objects.active.name))
         if _was_edited(before, work, outcome):
-            self.report({"WARNING"}, messages.SCAN_EDITED)
+            self.report({"WARNING"}, said(messages.SCAN_EDITED))
         if work.untextured:
-            self.report({"WARNING"}, f"The result has no texture: {work.untextured}")
+            self.report({"WARNING"}, said("The result has no texture: {why}", why=work.untextured))
         for warning in self.warnings(context, obj, before):
             self.report({"WARNING"}, warning)
         return {"FINISHED"}
@@ -365,7 +372,8 @@ class RecipeOperator:
     def _target(self, work):
         obj = work.target()
         if obj is None:
-            self.report({"WARNING"}, f"'{work.name}' was changed or removed meanwhile: the result was discarded.")
+            text = own("'{name}' was changed or removed meanwhile: the result was discarded.")
+            self.report({"WARNING"}, said(text, name=work.name))
         return obj
 
 

@@ -16,6 +16,7 @@ from mathutils import Matrix, Vector
 
 from .. import messages, sketch
 from .. import recipe as rcp
+from ..language import said
 from ..task import Status, Task
 from . import mesh_io, preferences, reading, runtime, settings, shaders, store, targets, text, words
 
@@ -154,7 +155,7 @@ def tell(context, keys: str) -> None:
     current = runtime.get()
     if current.status != keys:
         current.status = keys
-        context.workspace.status_text_set(keys or None)
+        context.workspace.status_text_set(said(keys) if keys else None)
 
 
 def _tool_is_ours(context) -> bool:

@@ -6,12 +6,14 @@ from bpy.props import EnumProperty
 
 from .. import presets
 from .. import recipe as rcp
+from ..language import own, said
 from . import settings
 
 _FOLDER = "isimp"
 _TITLE = "Presets"
 # Titles of the menu that are no preset of the user's.
 _OURS = {_TITLE, *(preset.label for preset in presets.PRESETS)}
+_SHORT = {"Photogrammetry figure": own("Figure"), "Photogrammetry building": own("Building")}  # as the panel is narrow
 # Settings of one scan, not of a kind of scans: lengths in its units, a count, its weights.
 _LEFT = frozenset({"proxies", "tolerance", "bound", "weights", "influence", "borders"})
 
@@ -90,7 +92,7 @@ def draw(context, layout) -> None:
     row = layout.row(align=True)
     row.use_property_split = False
     shown = title(context)
-    row.menu("ISIMP_MT_presets", text=shown.removeprefix("Photogrammetry ").capitalize() if shown in _OURS else shown)
+    row.menu("ISIMP_MT_presets", text=said(_SHORT.get(shown, shown)) if shown in _OURS else shown)
     row.operator("isimp.preset_add", text="", icon="ADD")
     if shown not in _OURS:
         row.operator("isimp.preset_add", text="", icon="REMOVE").remove_active = True

@@ -2,7 +2,8 @@
 
 import bpy
 
-from . import overlay, preferences, runtime, targets, text, words
+from ..language import said
+from . import overlay, preferences, runtime, targets, words
 
 LINES = (
     "Quick start with iSimp (a click hides this)",
@@ -23,7 +24,7 @@ def is_shown(context) -> bool:
 def _draw() -> None:
     context = bpy.context
     if runtime.get() is not None and is_shown(context):
-        words.draw_low(context, [text.said(line) for line in LINES])
+        words.draw_low(context, [said(line) for line in LINES])
 
 
 def end(context) -> None:

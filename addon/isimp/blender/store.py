@@ -19,10 +19,11 @@ import bpy
 from bpy.props import CollectionProperty, IntProperty, StringProperty
 
 from .. import stored
+from ..language import own, said
 from . import aside, mesh_io, raw, runtime
 
 MOST_NODES = 4000
-_NO_LIST = "The steps can't be read: another value is in the place of their list"
+_NO_LIST = own("The steps can't be read: another value is in the place of their list")
 
 
 class IsimpNode(bpy.types.PropertyGroup):
@@ -78,7 +79,7 @@ def _read(mesh, state: int) -> stored.Stored:
     current, key = runtime.get(), (mesh.name_full, state)
     if key not in current.stored:
         found = _Nodes(mesh)
-        known = stored.Stored(None, problem=_NO_LIST) if found.are_lost and key[1] else None
+        known = stored.Stored(None, problem=said(_NO_LIST)) if found.are_lost and key[1] else None
         known = known or stored.read(key[1], found.node, current.recipes.get(key))
         current.stored[key], current.recipes[key] = known, known.recipe
     return current.stored[key]

@@ -3,23 +3,24 @@
 import bpy
 
 from .. import messages, session
-from . import aside, mesh_io, raw, runtime, store, text
+from ..language import own, said
+from . import aside, mesh_io, raw, runtime, store
 
-NO_RESULT = "There is no result yet: press Mesh first"
+NO_RESULT = own("There is no result yet: press Mesh first")
 KEPT = "kept"  #: `isimp.made` of a result that was edited and that Mesh leaves alone; a digest on other results
 _OTHER = {
-    "CURVE": "a curve",
-    "EMPTY": "an empty",
-    "SURFACE": "a surface",
-    "META": "a metaball",
-    "FONT": "a text",
-    "CAMERA": "a camera",
-    "LIGHT": "a light",
-    "ARMATURE": "an armature",
-    "POINTCLOUD": "a point cloud",
-    "CURVES": "hair curves",
-    "VOLUME": "a volume",
-    "LATTICE": "a lattice",
+    "CURVE": own("a curve"),
+    "EMPTY": own("an empty"),
+    "SURFACE": own("a surface"),
+    "META": own("a metaball"),
+    "FONT": own("a text"),
+    "CAMERA": own("a camera"),
+    "LIGHT": own("a light"),
+    "ARMATURE": own("an armature"),
+    "POINTCLOUD": own("a point cloud"),
+    "CURVES": own("hair curves"),
+    "VOLUME": own("a volume"),
+    "LATTICE": own("a lattice"),
 }
 _MAKES_MESH = {"CURVE", "SURFACE", "META", "FONT"}
 
@@ -68,7 +69,7 @@ def allows(operator, context, needs=lambda scan: "") -> bool:
     scan, problem = find(context)
     problem = problem or needs(scan)
     if problem:
-        operator.poll_message_set(text.said(problem))
+        operator.poll_message_set(said(problem))
     return not problem
 
 
@@ -76,9 +77,9 @@ def allows_with_result(operator, context) -> bool:
     """The same for an operator that works on a scan and its result, in Object Mode."""
     _, _, problem = find_result(context)
     if not problem and context.mode != "OBJECT":
-        problem = text.said("Leave Edit Mode first (Tab)")
+        problem = own("Leave Edit Mode first (Tab)")
     if problem:
-        operator.poll_message_set(problem)
+        operator.poll_message_set(said(problem))
     return not problem
 
 
@@ -101,36 +102,43 @@ def seen(context):
 
 def _no_engine() -> str:
     if session.ENGINE_PROBLEM:
-        return f"The iSimp engine does not load: install the zip for this system ({session.ENGINE_PROBLEM})"
+        text = own("The iSimp engine does not load: install the zip for this system ({why})")
+        return said(text, why=session.ENGINE_PROBLEM)
     return ""
 
 
 def _not_now() -> str:
     running = runtime.get().running
     if running is not None:
-        return f"Work on '{running.name}' is not finished: wait, or press Esc"
+        return said("Work on '{name}' is not finished: wait, or press Esc", name=running.name)
     return ""
 
 
 def _unusable(obj) -> str:
     if obj is None:
-        return "No object is active: click the scan first"
+        return said("No object is active: click the scan first")
     if obj.type != "MESH":
-        hint = "convert it first (Object > Convert > Mesh)" if obj.type in _MAKES_MESH else "click the scan first"
-        return f"'{obj.name}' is {_OTHER.get(obj.type, 'not a mesh')}, not a mesh: {hint}"
+        kind = said(_OTHER[obj.type]) if obj.type in _OTHER else obj.type.capitalize()
+        if obj.type in _MAKES_MESH:
+            text = own("'{name}' is {kind}, not a mesh: convert it first (Object > Convert > Mesh)")
+        else:
+            text = own("'{name}' is {kind}, not a mesh: click the scan first")
+        return said(text, name=obj.name, kind=kind)
     for block in (obj, obj.data):
         if block.library is not None:
-            return (
-                f"'{block.name}' is linked from {block.library.filepath} and can't be changed: "
-                "make it local first (Object > Relations > Make Local)"
+            return said(
+                "'{name}' is linked from {file} and can't be changed: "
+                "make it local first (Object > Relations > Make Local)",
+                name=block.name,
+                file=block.library.filepath,
             )
     if obj.mode not in {"OBJECT", "EDIT"}:
-        return "Leave this mode first: iSimp works in Object and Edit Mode"
+        return said("Leave this mode first: iSimp works in Object and Edit Mode")
     points, faces = mesh_io.counts(obj)
     if faces == 0:
         if points:
-            return f"'{obj.name}' has points but no faces: reconstruct a surface first"
-        return f"'{obj.name}' is empty: import a scan first"
+            return said("'{name}' has points but no faces: reconstruct a surface first", name=obj.name)
+        return said("'{name}' is empty: import a scan first", name=obj.name)
     return ""
 
 
@@ -143,23 +151,26 @@ def needs_steps(scan) -> str:
     """Why the recipe of a scan cannot be edited; empty if it can."""
     stored = store.read(scan)
     if stored.recipe is None:
-        return f"{stored.problem}: press Partition to start again"
-    return "" if stored.recipe.steps else "There are no regions yet: press Partition first"
+        return said("{problem}: press Partition to start again", problem=stored.problem)
+    return "" if stored.recipe.steps else said("There are no regions yet: press Partition first")
 
 
 def notes(scan) -> list:
     """Messages about unreadable data on a scan, and where they are kept."""
     problem, end = store.read(scan).problem, aside.suffix(scan.data)
-    anew = f"Nothing is lost: Partition starts again and keeps this as '{mesh_io.REGION}{end}'"
-    lines = [f"{problem}. {anew}."] if problem else []
+    lines = []
+    if problem:
+        text = own("{problem}. Nothing is lost: Partition starts again and keeps this as '{name}'.")
+        lines.append(said(text, problem=problem, name=f"{mesh_io.REGION}{end}"))
     twins = [obj.name for obj in bpy.data.objects if obj.data == scan.data and obj != scan]
     if twins:
         lines.append(messages.shared(twins))
     for name, kind in aside.foreign_layers(scan.data):
-        lines.append(f"'{name}' is no layer of iSimp's ({kind}): Partition keeps it as '{name}{end}'.")
+        text = own("'{name}' is no layer of iSimp's ({kind}): Partition keeps it as '{kept}'.")
+        lines.append(said(text, name=name, kind=kind, kept=f"{name}{end}"))
     kept = aside.layers(scan.data) + raw.kept(scan.data) + raw.kept(scan)
     shown = ", ".join(f"'{name}'" for name in kept if not name.startswith(".")) or ", ".join(kept)
-    return [*lines, f"Kept, as it could not be read: {shown}"] if kept else lines
+    return [*lines, said("Kept, as it could not be read: {names}", names=shown)] if kept else lines
 
 
 def needs_regions(scan) -> str:
@@ -169,5 +180,10 @@ def needs_regions(scan) -> str:
         return missing
     known, now = store.numbers(scan).get("faces"), len(scan.data.polygons)
     if scan.mode == "OBJECT" and known is not None and known != now:
-        return f"'{scan.name}' has changed since ({known:,} -> {now:,} faces): press Partition to start again"
+        return said(
+            "'{name}' has changed since ({before} -> {now} faces): press Partition to start again",
+            name=scan.name,
+            before=f"{known:,}",
+            now=f"{now:,}",
+        )
     return ""

@@ -6,30 +6,39 @@ import textwrap
 import bpy
 
 from .. import afar, messages
-from ..messages import count as _count
+from ..language import count as _count
+from ..language import noun, own, said
 from . import mesh_io
 
 _STAY = "\N{NO-BREAK SPACE}"
 
 
-def said(message: str) -> str:
-    """A fixed text in the language of Blender's interface, where it is drawn by other means than Blender's own."""
-    return bpy.app.translations.pgettext_iface(message)
-
-
 def wrapped(message: str, width: int) -> list:
     """Lines of at most `width` letters; words joined by no-break spaces are split only if they are longer."""
+    message = re.sub(r"(?<=\d) (?=(?:[a-zµ]{1,2}|[%'\"])(?: |$))", _STAY, message)  # a number keeps its unit
     parts = (part if len(part) <= width else part.replace(_STAY, " ") for part in message.split(" "))
     return textwrap.wrap(" ".join(parts), width)
 
 
-def beside(said: str, measure, wanted: float, right: float, left: float) -> tuple[list, float]:
+def fitted(told: str, measure, room: float) -> list:
+    """Lines of some words, none wider than `room` but for a single word. measure: how wide some words are."""
+    lines: list = []
+    for word in told.split(" "):
+        longer = f"{lines[-1]} {word}" if lines else word
+        if lines and measure(longer) <= room:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return lines
+
+
+def beside(told: str, measure, wanted: float, right: float, left: float) -> tuple[list, float]:
     """(lines, where they begin) of words that should begin at `wanted` and must lie between `left` and `right`.
 
     measure: how wide some words are. Lines break between statements, at " · ", and only where one line has no room.
     """
     lines, room = [], right - left
-    for part in said.split(" · "):
+    for part in told.split(" · "):
         if lines and measure(f"{lines[-1]} · {part}") <= room:
             lines[-1] += f" · {part}"
         else:
@@ -41,24 +50,24 @@ def scan_lines(mesh, numbers: dict) -> tuple:
     """(size, shape) of a scan, always two lines. Parts and holes are known after Partition."""
     triangles = len(mesh.loops) - 2 * len(mesh.polygons)
     if not describes(mesh, numbers):
-        return _count(triangles, "triangle"), "Not partitioned yet"
-    holes = "closed" if numbers["closed"] else _count(numbers["border_loops"], "hole")
+        return _count(triangles, "triangle"), said("Not partitioned yet")
+    holes = said("closed") if numbers["closed"] else _count(numbers["border_loops"], "hole")
     return _count(numbers["triangles"], "triangle"), f"{_count(numbers['components'], 'part')} · {holes}"
 
 
 _FAULTS = {
-    "non_finite_faces": "invalid face",
-    "repeated_index_faces": "invalid face",
-    "duplicate_faces": "duplicate face",
-    "welded_vertices": "unwelded vertex",
-    "flipped_faces": "reversed face",
-    "cut_edges": "unorientable edge",
-    "split_edges": "non-manifold edge",
-    "split_vertices": "non-manifold vertex",
-    "subdivided_edges": "double edge",
-    "turned_edges": "zero-area face",
+    "non_finite_faces": noun("invalid face"),
+    "repeated_index_faces": noun("invalid face"),
+    "duplicate_faces": noun("duplicate face"),
+    "welded_vertices": noun("unwelded vertex"),
+    "flipped_faces": noun("reversed face"),
+    "cut_edges": noun("unorientable edge"),
+    "split_edges": noun("non-manifold edge"),
+    "split_vertices": noun("non-manifold vertex"),
+    "subdivided_edges": noun("double edge"),
+    "turned_edges": noun("zero-area face"),
 }  # vertices that no face uses are none
-_OPENINGS = {"filled_holes": "hole", "cut_handles": "tunnel"}
+_OPENINGS = {"filled_holes": noun("hole"), "cut_handles": noun("tunnel")}
 
 
 def lost_detail(scan, unit) -> list:
@@ -72,13 +81,15 @@ def repair_lines(numbers: dict, system: str, scale: float) -> list:
     repairs, lines = numbers.get("repairs", {}), []
     closed = [_count(repairs[name], one) for name, one in _OPENINGS.items() if repairs.get(name)]
     if closed:
+        told = said("{holes} and {tunnels}", holes=closed[0], tunnels=closed[-1]) if len(closed) > 1 else closed[0]
         below = length(numbers["closed_below"], system, scale) if numbers.get("closed_below") else ""
-        lines.append(f"Closed: {' and '.join(closed)}" + (f" up to {below} round" if below else ""))
+        text = own("Closed: {openings} up to {length} round") if below else own("Closed: {openings}")
+        lines.append(said(text, openings=told, length=below))
     if numbers.get("kept_open"):
-        lines.append(f"Kept open: {_count(numbers['kept_open'], 'opening')}")
-    faults = [(name, number) for name, number in repairs.items() if number and name in _FAULTS]
+        lines.append(said("Kept open: {openings}", openings=_count(numbers["kept_open"], "opening")))
+    faults = [_count(number, _FAULTS[name]) for name, number in repairs.items() if number and name in _FAULTS]
     if faults:
-        lines.append("Mended: " + ", ".join(_count(number, _FAULTS[name]) for name, number in faults))
+        lines.append(said("Mended: {faults}", faults=", ".join(faults)))
     return lines
 
 
@@ -87,16 +98,17 @@ def has_openings(numbers: dict) -> bool:
     return any(numbers.get("repairs", {}).get(name) for name in _OPENINGS) or bool(numbers.get("kept_open"))
 
 
-def short_progress(said: str) -> str:
+def short_progress(told: str) -> str:
     """How far some work is, without its stage: the sidebar has no room for that, and the status bar tells it."""
-    found = re.search(r"\d+%.*", said)
-    return found[0] if found else said
+    found = re.search(r"\d+%.*", told)
+    return found[0] if found else told
 
 
 def left_out(numbers: dict) -> str:
     """Which faces are in no region; empty if all are in one."""
     faces = numbers.get("left_out", 0)
-    return f"{_count(faces, 'face')} left out, grey on the scan: small parts or defects" if faces else ""
+    text = own("{faces} left out, grey on the scan: small parts or defects")
+    return said(text, faces=_count(faces, "face")) if faces else ""
 
 
 def describes(mesh, numbers: dict) -> bool:
@@ -109,28 +121,30 @@ def report_lines(numbers: dict, system: str, scale: float) -> list:
     if "polygons" not in numbers:
         return [(line, False) for line in [messages.expected(numbers)] if line]
     flat, worst = (amount(numbers, name, system, scale) for name in ("planarity_mean", "planarity_max"))
-    sound = "Closed" if numbers["closed"] else "Open, like the scan"
-    sound = sound if numbers["manifold"] else "Non-manifold: polygons share an edge or vertex that they should not"
+    sound = said("Closed") if numbers["closed"] else said("Open, like the scan")
+    if not numbers["manifold"]:
+        sound = said("Non-manifold: polygons share an edge or vertex that they should not")
     lines = [(_count(numbers["polygons"], "polygon"), False)]
     lines += [(line, False) for line in [messages.why_more(numbers)] if line]
     if "away_max" in numbers:
         mean, most = (amount(numbers, name, system, scale) for name in ("away_mean", "away_max"))
-        lines.append((f"{mean} off the scan, at most {most}", False))
-    lines += [(f"Flat to {flat}, worst {worst}", False), (sound, not numbers["manifold"])]
+        lines.append((said("{mean} off the scan, at most {most}", mean=mean, most=most), False))
+    lines += [(said("Flat to {flat}, worst {worst}", flat=flat, worst=worst), False), (sound, not numbers["manifold"])]
     if "scan_distance" in numbers:
         away, allowed = (amount(numbers, name, system, scale) for name in ("scan_distance", "scan_distance_allowed"))
         too_far = numbers["scan_distance"] > numbers["scan_distance_allowed"]
-        lines.append((f"Scan within {away}" + (f", above the allowed {allowed}" if too_far else ""), too_far))
+        text = own("Scan within {away}, above the allowed {allowed}") if too_far else own("Scan within {away}")
+        lines.append((said(text, away=away, allowed=allowed), too_far))
     added = numbers["regions"] - numbers.get("regions_before", numbers["regions"])
     if added > 0:
-        lines.append((f"{_count(added, 'region')} added to keep the bound", False))
+        lines.append((said("{regions} added to keep the bound", regions=_count(added, "region")), False))
     return lines
 
 
 def problems(numbers: dict) -> str:
     """The text of the button that selects defective polygons; empty if there are none."""
     defective = {polygon for found in numbers.get("flaws", {}).values() for polygon in found}
-    return f"Select {_count(len(defective), 'defective polygon')}" if defective else ""
+    return said("Select {polygons}", polygons=_count(len(defective), "defective polygon")) if defective else ""
 
 
 def amount(numbers: dict, name: str, system: str, scale: float) -> str:
@@ -148,18 +162,20 @@ def length(value: float, system: str, scale: float) -> str:
 
 def number_rows(numbers: dict, system: str, scale: float) -> list:
     """(name, value) of the last step's numbers, the most important first."""
-    rows = [("Regions", f"{numbers['regions']:,}")] if "regions" in numbers else []
+    rows = [(said("Regions"), f"{numbers['regions']:,}")] if "regions" in numbers else []
     if "polygons" in numbers:
-        each = numbers["corners"] / max(1, numbers["polygons"])
-        rows += [("Polygons", f"{numbers['polygons']:,}"), ("Corners", f"{numbers['corners']:,} ({each:.1f} each)")]
-        rows += [("Vertices", f"{numbers['vertices']:,}")]
+        each = f"{numbers['corners'] / max(1, numbers['polygons']):.1f}"
+        corners = said("{number} ({each} each)", number=f"{numbers['corners']:,}", each=each)
+        rows += [(said("Polygons"), f"{numbers['polygons']:,}"), (said("Corners"), corners)]
+        rows += [(said("Vertices"), f"{numbers['vertices']:,}")]
     if "error" in numbers:
-        rows.append(("Error", f"{numbers['error']:.4g}"))
+        rows.append((said("Error"), f"{numbers['error']:.4g}"))
     if numbers.get("barriers"):
-        kept = numbers["barriers"] - numbers.get("barriers_inside", 0)
-        rows.append(("Barriers kept", f"{kept:,} of {_count(numbers['barriers'], 'edge')}"))
+        kept = f"{numbers['barriers'] - numbers.get('barriers_inside', 0):,}"
+        edges = _count(numbers["barriers"], "edge")
+        rows.append((said("Barriers kept"), said("{number} of {edges}", number=kept, edges=edges)))
     if numbers.get("left_out"):
-        rows.append(("Left out", _count(numbers["left_out"], "face")))
+        rows.append((said("Left out"), _count(numbers["left_out"], "face")))
     if "seconds" in numbers:
-        rows.append(("Seconds", f"{numbers['seconds']:.2f}"))
+        rows.append((said("Seconds"), f"{numbers['seconds']:.2f}"))
     return rows

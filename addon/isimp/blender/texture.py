@@ -3,6 +3,8 @@
 import bpy
 import numpy as np
 
+from .. import messages
+from ..language import own, said
 from ..session import Shown
 from . import mesh_io, runtime
 from .result import turned
@@ -51,7 +53,7 @@ class Baking:
 def _corners(result, outcome) -> np.ndarray:
     """Which corner of the outcome's polygons each corner of the result is. Raises Unusable if it was edited."""
     if outcome.polygons is None:
-        raise mesh_io.Unusable("The regions have changed since Mesh: press Mesh again, then Keep Texture.")
+        raise mesh_io.Unusable(said(messages.REGIONS_CHANGED))
     wanted, start = np.array(outcome.polygons.loops), np.array(outcome.polygons.loop_start)
     loops = np.empty(len(result.data.loops), np.int32)
     result.data.loops.foreach_get("vertex_index", loops)
@@ -59,17 +61,21 @@ def _corners(result, outcome) -> np.ndarray:
     for order in (each, turned(each, start)):
         if np.array_equal(wanted[order], loops):
             return order
-    raise mesh_io.Unusable(f"'{result.name}' has changed since Mesh: press Mesh again, then Keep Texture.")
+    raise mesh_io.Unusable(
+        said("'{name}' has changed since Mesh: press Mesh again, then Keep Texture.", name=result.name)
+    )
 
 
 def read(obj) -> Shown:
     """What each triangle of a scan shows, in the order of `mesh_io.read`. Raises Unusable."""
     mesh = obj.data
     if mesh_io.has_modifiers(obj):
-        raise mesh_io.Unusable(f"'{obj.name}' has modifiers: apply them first, since they may move its UVs.")
+        raise mesh_io.Unusable(
+            said("'{name}' has modifiers: apply them first, since they may move its UVs.", name=obj.name)
+        )
     layer = next((layer for layer in mesh.uv_layers if layer.active_render), None)
     if layer is None:
-        raise mesh_io.Unusable(f"'{obj.name}' has no UV map, so it has no texture to keep.")
+        raise mesh_io.Unusable(said("'{name}' has no UV map, so it has no texture to keep.", name=obj.name))
     uv = np.empty(2 * len(mesh.loops), np.float32)
     layer.data.foreach_get("uv", uv)
     slots = np.empty(len(mesh.polygons), np.int32)
@@ -77,7 +83,7 @@ def read(obj) -> Shown:
     materials = [slot.material for slot in obj.material_slots]
     images = [_image(material) for material in materials]
     if not images or all(image.size == 4 for image in images):
-        raise mesh_io.Unusable(f"'{obj.name}' has no image texture at the Base Color of a material.")
+        raise mesh_io.Unusable(said("'{name}' has no image texture at the Base Color of a material.", name=obj.name))
     if len(mesh.loops) == 3 * len(mesh.polygons):
         corners, faces = np.arange(len(mesh.loops)), np.arange(len(mesh.polygons))
     else:
@@ -92,16 +98,18 @@ def _image(material) -> np.ndarray:
     shader = _shader(material)
     color = shader.inputs["Base Color"] if shader is not None else None
     if color is None:
-        raise mesh_io.Unusable(f"The material '{material.name}' has no Principled BSDF. {_BAKE}")
+        raise mesh_io.Unusable(_bake(own("The material '{name}' has no Principled BSDF."), material))
     if not color.is_linked:
         return _pixel(color.default_value)
     node = color.links[0].from_node
     if node.type != "TEX_IMAGE" or node.image is None:
-        raise mesh_io.Unusable(f"The Base Color of the material '{material.name}' comes from no image. {_BAKE}")
+        raise mesh_io.Unusable(_bake(own("The Base Color of the material '{name}' comes from no image."), material))
     return pixels(node.image)
 
 
-_BAKE = "Bake it to an image first: Render Properties > Bake, type Diffuse, in Cycles."
+def _bake(text: str, material) -> str:
+    advice = said("Bake it to an image first: Render Properties > Bake, type Diffuse, in Cycles.")
+    return f"{said(text, name=material.name)} {advice}"
 
 
 def _nodes(material):
@@ -130,10 +138,11 @@ def _pixel(linear) -> np.ndarray:
 def pixels(image) -> np.ndarray:
     """(H, W, 4) uint8 as stored, row 0 at the top. Raises Unusable."""
     if image.source == "TILED":
-        raise mesh_io.Unusable(f"The image '{image.name}' has UDIM tiles, which are not supported yet.")
+        raise mesh_io.Unusable(said("The image '{name}' has UDIM tiles, which are not supported yet.", name=image.name))
     width, height = image.size
     if not width or not height or image.channels != 4:
-        raise mesh_io.Unusable(f"The image '{image.name}' can't be read ({image.filepath or 'no file'}).")
+        file = image.filepath or said("no file")
+        raise mesh_io.Unusable(said("The image '{name}' can't be read ({file}).", name=image.name, file=file))
     values = np.empty(4 * width * height, np.float32)
     image.pixels.foreach_get(values)
     return np.round(np.clip(values, 0, 1) * 255).astype(np.uint8).reshape(height, width, 4)[::-1]

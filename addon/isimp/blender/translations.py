@@ -4,6 +4,8 @@ from pathlib import Path
 
 import bpy
 
+from .. import language
+
 CONTEXT = "iSimp"  #: of operators, menus and panels: their names are words that Blender translates otherwise
 _FOLDER = Path(__file__).parents[1] / "translations"
 _LOCALES = {"de": ("de", "de_DE")}  #: what Blender calls a language, by version
@@ -15,14 +17,20 @@ def read(language: str) -> dict:
     return dict(line.replace("\\n", "\n").split("\t") for line in lines if line)
 
 
+def _said(text: str) -> str:
+    return bpy.app.translations.pgettext_iface(text, CONTEXT)
+
+
 def register() -> None:
     contexts = (CONTEXT, bpy.app.translations.contexts.default, bpy.app.translations.contexts.operator_default)
     known = {}
-    for language, locales in _LOCALES.items():
-        entries = {(context, english): own for english, own in read(language).items() for context in contexts}
+    for name, locales in _LOCALES.items():
+        entries = {(context, english): own for english, own in read(name).items() for context in contexts}
         known |= dict.fromkeys(locales, entries)
     bpy.app.translations.register(__package__, known)
+    language.speak(_said)
 
 
 def unregister() -> None:
+    language.speak(str)
     bpy.app.translations.unregister(__package__)

@@ -11,6 +11,7 @@ _FONT = 0
 _GROUND = (0.05, 0.05, 0.05, 0.8)
 _BESIDE = 30  # pixels from the bottom
 _CORNER, _BELOW = 18, 76  # pixels from the left, and from the top: below the names of the view and the object
+_GIZMOS = 110  # pixels that the axes and buttons of the view take at its right
 
 
 def draw_hover(context, hover) -> None:
@@ -22,13 +23,17 @@ def draw_hover(context, hover) -> None:
     _draw(told, x, hover.at[1] - 20 * scale, scale)
 
 
-def draw_corner(context, said: str) -> None:
-    """A line in the upper left corner of the viewport, below Blender's own; the last operation has the lower one."""
+def draw_corner(context, told: str) -> None:
+    """Words in the upper left corner of the viewport, below Blender's own; the last operation has the lower one.
+
+    They stay clear of the sidebar over the viewport, and of Blender's gizmos beside it.
+    """
     scale, here = _begin(context), context.region
-    left, _ = _free(context)
+    left, right = _free(context)
     above = [other for other in context.area.regions if other.type in {"HEADER", "TOOL_HEADER"} and other.height > 1]
     top = min([here.height, *(other.y - here.y for other in above if other.alignment == "TOP")])
-    _draw([said], left + _CORNER * scale, top - _BELOW * scale, scale)
+    room = right - left - (_CORNER + _GIZMOS) * scale
+    _draw(text.fitted(told, _width, room), left + _CORNER * scale, top - _BELOW * scale, scale)
 
 
 def draw_low(context, lines) -> None:

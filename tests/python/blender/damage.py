@@ -137,7 +137,7 @@ UNREADABLE = {
     "deep JSON": (set_last(step="[" * 200_000), "step 2 is not a step: its brackets are nested too deeply"),
     "a huge number": (
         set_last(step='{"step": "add_proxy", "face": 1e999}'),
-        "face of add_proxy must be a int, got inf",
+        "face of add_proxy must be a whole number, got inf",
     ),
     "a number beyond 32 bits": (
         set_last(step='{"step": "add_proxy", "face": 4294967296}'),

@@ -67,3 +67,22 @@ def test_users_keep_presets_of_their_own(tmp_path, monkeypatch):
     assert group.detail == pytest.approx(0.0123)
     bpy.ops.isimp.preset_add(remove_active=True)
     assert not file.exists()
+
+
+@pytest.mark.parametrize(("preset", "shown"), [("figure", "Figure"), ("building", "Building"), ("cad", "CAD")])
+def test_the_menu_of_the_panel_has_a_short_title(preset, shown):
+    bpy.ops.isimp.preset(name=preset)
+    drawn = []
+
+    class Layout:
+        def row(self, **_):
+            return self
+
+        def menu(self, name, text):
+            drawn.append(text)
+
+        def operator(self, *_, **__):
+            return self
+
+    presets.draw(bpy.context, Layout())
+    assert drawn == [shown]

@@ -23,9 +23,27 @@ def test_words_beside_the_mouse_stay_where_they_are_seen(wanted, right, lines, a
     assert text.beside(SAID, lambda words: 10 * len(words), wanted, right, 10) == (lines, at)
 
 
+@pytest.mark.parametrize(
+    ("room", "lines"),
+    [
+        (400, ["200 regions -> 201 polygons, 1.4 cm off"]),
+        (280, ["200 regions -> 201 polygons,", "1.4 cm off"]),
+        (150, ["200 regions ->", "201 polygons,", "1.4 cm off"]),
+        (-50, ["200", "regions", "->", "201", "polygons,", "1.4", "cm", "off"]),  # no room at all
+    ],
+)
+def test_the_summary_takes_the_lines_that_it_needs(room, lines):
+    assert text.fitted("200 regions -> 201 polygons, 1.4 cm off", lambda words: 10 * len(words), room) == lines
+
+
 def test_progress_fits_the_sidebar():
     assert text.short_progress("Reading the mesh 15%, 10 s left") == "15%, 10 s left"
     assert text.short_progress("Starting") == "Starting"
+
+
+def test_a_number_keeps_its_unit():
+    assert text.wrapped("1.4 cm off the scan, at most 5.1 cm", 32)[-1] == "5.1\N{NO-BREAK SPACE}cm"
+    assert text.wrapped("26 regions at most", 9) == ["26", "regions", "at most"]
 
 
 def test_a_number_is_parted_from_its_word_only_where_it_must_be():

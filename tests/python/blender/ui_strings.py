@@ -1,18 +1,28 @@
 """Every fixed text of the add-on's panels, menus, operators, tools and preferences."""
 
 import ast
+import re
+from functools import cache
 from pathlib import Path
 
 import bpy
 
-from isimp import blender
+from isimp import blender, language
+from isimp.engine_options import MESHING, PARTITION, TEXTURE
 
 _FOLDER = Path(blender.__file__).parent
 _DRAWN = ("panel/*.py", "menus.py", "preferences.py", "presets.py", "tools/__init__.py", "start.py", "targets.py")
 _BASES = (bpy.types.Operator, bpy.types.Panel, bpy.types.Menu, bpy.types.PropertyGroup, bpy.types.AddonPreferences)
+_SENTENCE = re.compile(r"[a-z]{2,} \W*[a-z{]|[}a-z]\S* [a-z]{2,}")
 _OWN = {"rna_type", "bl_idname", "filepath", "filter_glob", "remove_name", "remove_active"}
 
 
+def sources() -> list:
+    """All of the add-on but what is generated."""
+    return [path for path in sorted(_FOLDER.parent.rglob("*.py")) if path.name != "engine_options.py"]
+
+
+@cache
 def all_strings() -> set:
     found = set()
     for cls in blender._CLASSES:
@@ -20,8 +30,9 @@ def all_strings() -> set:
     for pattern in _DRAWN:
         for path in _FOLDER.glob(pattern):
             found |= drawn(path)
-    for path in _FOLDER.rglob("*.py"):
+    for path in sources():
         found |= said(path)
+    found |= settings()
     theirs = {"iSimp", "Name"}  # the same in all languages, and Blender's own
     return {text for text in found if any(map(str.islower, text)) and text.strip() == text} - theirs
 
@@ -57,10 +68,61 @@ def drawn(path) -> set:
 
 
 def said(path) -> set:
-    """Texts that are translated by `text.said`."""
-    calls = (node for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(node, ast.Call))
-    calls = (call for call in calls if isinstance(call.func, ast.Attribute) and call.func.attr == "said")
-    return {part.value for call in calls for part in call.args if isinstance(part, ast.Constant)}
+    """Texts of messages: those in `said` and `own`, and the nouns in `count` and `noun`, for one thing and for many."""
+    found = set()
+    for call in _calls(ast.parse(path.read_text(encoding="utf-8"))):
+        texts = [part.value for part in call.args if isinstance(part, ast.Constant) and isinstance(part.value, str)]
+        found |= set(texts) if _name(call) in {"said", "own"} else {form for one in texts for form in _forms(one)}
+    return found
+
+
+def _calls(tree):
+    calls = (node for node in ast.walk(tree) if isinstance(node, ast.Call))
+    return [call for call in calls if _name(call) in {"said", "own", "count", "_count", "noun"}]
+
+
+def _name(call) -> str:
+    return call.func.id if isinstance(call.func, ast.Name) else getattr(call.func, "attr", "")
+
+
+def _forms(one: str) -> set:
+    return {f"{{number}} {one}", f"{{number}} {language.plural(one)}"}
+
+
+def settings() -> set:
+    """What the engine's options must be, as words."""
+    words = (option.words for table in (PARTITION, MESHING, TEXTURE) for option in table.values())
+    return {text for text in words if re.search("[a-z]{3}", text)}
+
+
+def unsaid(path) -> list:
+    """Sentences in a source that nothing translates: neither a message, nor a fixed text, nor the name of a stage.
+
+    Sentences are strings with two words or more. Those of `describe` are for logs and scripts.
+    """
+    tree, known = ast.parse(path.read_text(encoding="utf-8")), all_strings()
+    skipped = {id(part) for call in _calls(tree) for part in ast.walk(call)}
+    for node in ast.walk(tree):
+        if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef)) and ast.get_docstring(node) is not None:
+            skipped.add(id(node.body[0].value))
+        if isinstance(node, ast.FunctionDef) and node.name == "describe":
+            skipped |= {id(part) for part in ast.walk(node)}
+        if isinstance(node, ast.JoinedStr):
+            skipped |= {id(part) for part in ast.walk(node) if part is not node}
+    found = []
+    for node in ast.walk(tree):
+        if id(node) in skipped:
+            continue
+        if isinstance(node, ast.JoinedStr):
+            text = "".join(part.value if isinstance(part, ast.Constant) else "{}" for part in node.values)
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            text = node.value
+        else:
+            continue
+        is_known = isinstance(node, ast.Constant) and not known.isdisjoint({text, text.capitalize()})
+        if _SENTENCE.search(text) and not is_known:
+            found.append(text)
+    return found
 
 
 def is_text(text: str) -> bool:

@@ -3,6 +3,7 @@
 import bpy
 
 from ... import messages
+from ...language import said
 from .. import comparison, overlay, runtime, targets
 
 _NAVIGATION = ("MIDDLE", "WHEEL", "TRACKPAD", "NDOF", "NUMPAD_", "TIMER", "WINDOW", "MOUSEROTATE", "MOUSEZOOM")
@@ -19,10 +20,10 @@ class ISIMP_OT_compare(bpy.types.Operator):
     @classmethod
     def poll(cls, context):
         if runtime.get().comparison is not None:
-            cls.poll_message_set("Scan and result are being compared: press Esc to end it")
+            cls.poll_message_set(said("Scan and result are being compared: press Esc to end it"))
             return False
         if bpy.app.background or context.area is None or context.area.type != "VIEW_3D":
-            cls.poll_message_set("This needs a 3D view")
+            cls.poll_message_set(said("This needs a 3D view"))
             return False
         return targets.allows_with_result(cls, context)
 
@@ -69,7 +70,7 @@ class ISIMP_OT_compare(bpy.types.Operator):
 
     def _tell(self, context) -> None:
         if context.workspace is not None:
-            context.workspace.status_text_set(messages.COMPARE_KEYS)
+            context.workspace.status_text_set(said(messages.COMPARE_KEYS))
 
     def _end(self, context):
         if runtime.get() is not None and runtime.get().comparison is self._made:

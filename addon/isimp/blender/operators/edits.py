@@ -6,7 +6,8 @@ from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntPrope
 
 from ... import messages
 from ... import recipe as rcp
-from .. import mesh_io, pending, targets, text
+from ...language import own, said
+from .. import mesh_io, pending, targets
 from ..modal import RecipeOperator
 from ..show import show_regions
 from .proxies import AtFaces
@@ -40,7 +41,7 @@ class ISIMP_OT_merge(_Edit, bpy.types.Operator):
     def wanted(self, context, scan):
         faces = [self.face, self.other] if self.other >= 0 else self.each(scan)
         if len(faces) < 2:
-            raise mesh_io.Unusable("Only one region is selected: select faces of two neighbouring regions.")
+            raise mesh_io.Unusable(said("Only one region is selected: select faces of two neighbouring regions."))
         recipe = pending.recipe_of(context, scan)
         for other in faces[1:]:
             recipe = recipe.then(rcp.MergeRegions(face=faces[0], other=other))
@@ -70,8 +71,8 @@ class ISIMP_OT_lock(_Edit, bpy.types.Operator):
 
     @classmethod
     def description(cls, context, properties):
-        free = text.said("Allow changes to the regions of the selected faces again")
-        return free if properties.unlock else text.said(cls.__doc__)
+        free = said("Allow changes to the regions of the selected faces again")
+        return free if properties.unlock else said(cls.__doc__)
 
     def wanted(self, context, scan):
         step = rcp.UnlockRegions if self.unlock else rcp.LockRegions
@@ -94,8 +95,8 @@ class ISIMP_OT_grow(_Edit, bpy.types.Operator):
 
     @classmethod
     def description(cls, context, properties):
-        shrink = text.said("Shrink each region with a selected face: its neighbours take the faces along its border")
-        return shrink if properties.shrink else text.said(cls.__doc__)
+        shrink = said("Shrink each region with a selected face: its neighbours take the faces along its border")
+        return shrink if properties.shrink else said(cls.__doc__)
 
     def wanted(self, context, scan):
         recipe = pending.recipe_of(context, scan)
@@ -148,7 +149,8 @@ class ISIMP_OT_paint_faces(AtFaces, bpy.types.Operator):
             parts = [stroke.split(":") for stroke in self.painted.split(";")]
             return [(int(onto), tuple(map(int, faces.split(",")))) for onto, faces in parts]
         except ValueError:
-            raise mesh_io.Unusable(f"'{self.painted[:40]}' is not a list of strokes: write 'onto:face,face'.") from None
+            text = own("'{text}' is not a list of strokes: write 'onto:face,face'.")
+            raise mesh_io.Unusable(said(text, text=self.painted[:40])) from None
 
 
 class ISIMP_OT_cut_region(AtFaces, bpy.types.Operator):

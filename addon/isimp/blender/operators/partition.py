@@ -5,6 +5,7 @@ from bpy.props import BoolProperty
 
 from ... import messages
 from ... import recipe as rcp
+from ...language import said
 from .. import mesh_io, settings, store, targets, text
 from ..modal import RecipeOperator
 from ..show import show_regions
@@ -29,12 +30,10 @@ class ISIMP_OT_partition(RecipeOperator, settings.PartitionSettings, bpy.types.O
     @classmethod
     def description(cls, context, properties):
         if properties.part:
-            return text.said(
-                "Partition the selected faces only, with the settings above; all others stay in their regions"
-            )
+            return said("Partition the selected faces only, with the settings above; all others stay in their regions")
         scan, problem = targets.find(context)
         gone = 0 if problem else messages.hand_edits(store.load(scan))
-        usual = text.said(cls.__doc__)
+        usual = said(cls.__doc__)
         return f"{usual}. {messages.will_drop(gone)}" if gone else usual
 
     def wanted(self, context, scan):
@@ -42,7 +41,9 @@ class ISIMP_OT_partition(RecipeOperator, settings.PartitionSettings, bpy.types.O
         if self.part:
             faces = mesh_io.selected_faces(scan)
             if not len(faces):
-                raise mesh_io.Unusable("No face is selected: select the faces to partition in Edit Mode (Tab, then 3).")
+                raise mesh_io.Unusable(
+                    said("No face is selected: select the faces to partition in Edit Mode (Tab, then 3).")
+                )
             step = dataclasses.replace(step, faces=tuple(faces.tolist()))
         given = [name for name in rcp.COUNTS if self.properties.is_property_set(name)]
         if len(given) == 1 and not self.properties.is_property_set("count_by"):

@@ -2,7 +2,8 @@ import bpy
 import numpy as np
 
 from ... import messages
-from .. import display, mesh_io, show, targets, text
+from ...language import own, said
+from .. import display, mesh_io, show, targets
 
 
 class ISIMP_OT_show_problems(bpy.types.Operator):
@@ -24,10 +25,8 @@ class ISIMP_OT_show_problems(bpy.types.Operator):
     @classmethod
     def description(cls, context, properties):
         if properties.kind == "DIVIDED":
-            return text.said(
-                "Select the polygons of regions that became more than one polygon, in Edit Mode of the result"
-            )
-        return text.said("Select the defective polygons in Edit Mode of the result")
+            return said("Select the polygons of regions that became more than one polygon, in Edit Mode of the result")
+        return said("Select the defective polygons in Edit Mode of the result")
 
     @classmethod
     def poll(cls, context):
@@ -45,13 +44,13 @@ class ISIMP_OT_show_problems(bpy.types.Operator):
         display.give_back(context)
         mesh_io.select_polygons(result, chosen)
         if not chosen.any():
-            none = "No polygon has a defect." if self.kind == "DEFECTIVE" else "Each region is one polygon."
-            self.report({"INFO"}, none)
+            none = own("No polygon has a defect.") if self.kind == "DEFECTIVE" else own("Each region is one polygon.")
+            self.report({"INFO"}, said(none))
             return {"FINISHED"}
         bpy.ops.object.mode_set(mode="EDIT")
         context.tool_settings.mesh_select_mode = (False, False, True)
         found = messages.count(int(np.count_nonzero(chosen)), "polygon")
-        self.report({"INFO"}, f"{found} selected: View > Frame Selected zooms to them.")
+        self.report({"INFO"}, said("{polygons} selected: View > Frame Selected zooms to them.", polygons=found))
         return {"FINISHED"}
 
 

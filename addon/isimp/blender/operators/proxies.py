@@ -3,6 +3,7 @@ from bpy.props import IntProperty
 
 from ... import messages
 from ... import recipe as rcp
+from ...language import own, said
 from .. import mesh_io, pending, targets
 from ..modal import RecipeOperator
 from ..show import show_regions
@@ -25,7 +26,7 @@ class AtFaces(RecipeOperator):
     def problem(cls, context, scan):
         missing = targets.needs_regions(scan)
         if not missing and scan.mode == "EDIT" and scan.data.total_face_sel == 0:
-            missing = "No face is selected: click one in face select mode (press 3)"
+            missing = own("No face is selected: click one in face select mode (press 3)")
         return missing
 
     def faces(self, scan) -> list:
@@ -34,7 +35,7 @@ class AtFaces(RecipeOperator):
             return [self.face]
         faces = mesh_io.selected_faces(scan).tolist()
         if not faces:
-            raise mesh_io.Unusable("No face is selected: select one in Edit Mode (Tab, then 3), or give its number.")
+            raise mesh_io.Unusable(said(messages.NO_FACE))
         return faces
 
     show = staticmethod(show_regions)
@@ -52,9 +53,8 @@ class ISIMP_OT_add_proxy(AtFaces, bpy.types.Operator):
     def wanted(self, context, scan):
         faces = self.faces(scan)
         if len(faces) > _MOST_FACES:
-            raise mesh_io.Unusable(
-                f"{len(faces):,} faces are selected, and each would become a region: select at most {_MOST_FACES}."
-            )
+            text = own("{faces} are selected, and each would become a region: select at most {most}.")
+            raise mesh_io.Unusable(said(text, faces=messages.count(len(faces), "face"), most=_MOST_FACES))
         recipe = pending.recipe_of(context, scan)
         for face in faces:
             recipe = recipe.then(rcp.AddProxy(face=face))

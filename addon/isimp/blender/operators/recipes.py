@@ -6,6 +6,7 @@ import bpy
 from bpy.props import BoolProperty, StringProperty
 
 from ... import messages
+from ...language import own, said
 from ...recipe import Recipe
 from .. import show, store, targets
 from ..modal import RecipeOperator
@@ -33,7 +34,7 @@ class ISIMP_OT_replay(RecipeOperator, bpy.types.Operator):
     def wanted(self, context, scan):
         recipe = Recipe.from_json(self.recipe)
         if not recipe.active():
-            raise ValueError("The recipe has no active step.")
+            raise ValueError(said("The recipe has no active step."))
         return recipe
 
     show = staticmethod(show.show_outcome)
@@ -51,7 +52,7 @@ class ISIMP_OT_take_back(RecipeOperator, bpy.types.Operator):
 
     @classmethod
     def problem(cls, context, scan):
-        return "" if store.kept(scan) is not None else "There are no kept steps that this version can read"
+        return "" if store.kept(scan) is not None else own("There are no kept steps that this version can read")
 
     def wanted(self, context, scan):
         return store.kept(scan)
@@ -74,6 +75,14 @@ class _HasRecipe:
         return store.load(targets.find(context)[0]).to_json(indent=2) + "\n"
 
 
+def _without_kind(told: str) -> str:
+    """What an operator reported, without the word "Error" that Blender puts before it in its own language."""
+    words = bpy.app.translations
+    for kind in {"Error", words.pgettext_iface("Error"), words.pgettext_tip("Error")}:
+        told = told.removeprefix(f"{kind}: ")
+    return told
+
+
 class _TakesRecipe:
     """Mixin of operators that pass a recipe to Replay."""
 
@@ -85,10 +94,10 @@ class _TakesRecipe:
         try:
             done = bpy.ops.isimp.replay("INVOKE_DEFAULT", True, recipe=recipe)
         except RuntimeError as error:
-            self.report({"ERROR"}, str(error).strip().removeprefix("Error: "))
+            self.report({"ERROR"}, _without_kind(str(error).strip()))
             return {"CANCELLED"}
         except (TypeError, ValueError):  # Blender can't hand it over
-            self.report({"ERROR"}, "Not a recipe: it is not text.")
+            self.report({"ERROR"}, said("Not a recipe: it is not text."))
             return {"CANCELLED"}
         return {"CANCELLED"} if done == {"RUNNING_MODAL"} else done
 
@@ -101,7 +110,7 @@ class ISIMP_OT_recipe_copy(_HasRecipe, bpy.types.Operator):
 
     def execute(self, context):
         context.window_manager.clipboard = self.text(context)
-        self.report({"INFO"}, "Recipe copied.")
+        self.report({"INFO"}, said("Recipe copied."))
         return {"FINISHED"}
 
 
@@ -134,9 +143,9 @@ class ISIMP_OT_recipe_export(_HasRecipe, bpy.types.Operator):
         try:
             path.write_text(self.text(context), encoding="utf-8")
         except OSError as error:
-            self.report({"ERROR"}, f"'{path}' can't be written: {error.strerror}.")
+            self.report({"ERROR"}, said("'{path}' can't be written: {why}.", path=path, why=error.strerror))
             return {"CANCELLED"}
-        self.report({"INFO"}, f"Recipe written to '{path}'.")
+        self.report({"INFO"}, said("Recipe written to '{path}'.", path=path))
         return {"FINISHED"}
 
 
@@ -158,7 +167,8 @@ class ISIMP_OT_recipe_import(_TakesRecipe, bpy.types.Operator):
         try:
             recipe = path.read_text(encoding="utf-8")
         except (OSError, UnicodeDecodeError) as error:
-            self.report({"ERROR"}, f"'{path}' can't be read: {getattr(error, 'strerror', None) or 'it is not text'}.")
+            why = getattr(error, "strerror", None) or said("it is not text")
+            self.report({"ERROR"}, said("'{path}' can't be read: {why}.", path=path, why=why))
             return {"CANCELLED"}
         return self.replay(recipe)
 

@@ -2,6 +2,8 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty, IntProperty
 
+from ... import messages
+from ...language import said
 from .. import display, mesh_io, runtime, show, targets
 
 
@@ -68,13 +70,13 @@ class ISIMP_OT_select_region(bpy.types.Operator):
         selected, regions = mesh_io.selected_faces(scan), mesh_io.read_regions(scan)
         faces = selected if self.face < 0 else np.array([self.face])
         if len(faces) == 0 or faces.max() >= len(regions):
-            self.report({"ERROR"}, "No face is selected: select one in Edit Mode (Tab, then 3), or give its number.")
+            self.report({"ERROR"}, said(messages.NO_FACE))
             return {"CANCELLED"}
         chosen = np.isin(regions, np.unique(regions[faces]))
         if self.extend:
             chosen[selected] = True
         mesh_io.select_polygons(scan, chosen)
-        self.report({"INFO"}, f"{int(chosen.sum()):,} faces selected.")
+        self.report({"INFO"}, said("{faces} selected", faces=messages.count(int(chosen.sum()), "face")))
         return {"FINISHED"}
 
 

@@ -5,6 +5,7 @@ import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty
 
 from ... import messages, pick
+from ...language import said
 from .. import mesh_io, reading, targets
 
 
@@ -64,7 +65,7 @@ class ISIMP_OT_select_by(bpy.types.Operator):
             bpy.ops.object.mode_set(mode="EDIT")
             context.tool_settings.mesh_select_mode = (False, False, True)
         mesh_io.select_polygons(scan, faces)
-        self.report({"INFO"}, f"{messages.count(int(chosen.sum()), 'region')} selected")
+        self.report({"INFO"}, said("{regions} selected", regions=messages.count(int(chosen.sum()), "region")))
         return {"FINISHED"}
 
     def chosen(self, scan, arrays, regions) -> np.ndarray:

@@ -6,6 +6,7 @@ import bpy
 from bpy.props import BoolProperty, IntProperty
 
 from ... import messages
+from ...language import own, said
 from ...recipe import Recipe
 from .. import display, mesh_io, pending, settings, show, store, targets
 from ..modal import RecipeOperator
@@ -24,7 +25,7 @@ class _AtStep(RecipeOperator):
     def wanted(self, context, scan):
         steps = list(pending.recipe_of(context, scan).steps)
         if self.step >= len(steps):
-            raise ValueError(f"There is no step {self.step + 1}: the recipe has {len(steps)}.")
+            raise ValueError(messages.no_step(self.step, len(steps)))
         return Recipe(tuple(self.changed(steps)))
 
     show = staticmethod(show.show_outcome)
@@ -55,7 +56,10 @@ class ISIMP_OT_step_move(_AtStep, bpy.types.Operator):
     def changed(self, steps):
         to = self.step + (1 if self.later else -1)
         if not 0 <= to < len(steps):
-            raise ValueError(f"Step {self.step + 1} is the {'last' if self.later else 'first'} already.")
+            text = (
+                own("Step {number} is the last already.") if self.later else own("Step {number} is the first already.")
+            )
+            raise ValueError(said(text, number=self.step + 1))
         steps.insert(to, steps.pop(self.step))
         return steps
 
@@ -83,7 +87,7 @@ class ISIMP_OT_step_delete(_AtStep, bpy.types.Operator):
         mesh_io.clear_regions(scan)
         show.bring_to_front(context, scan, None)
         display.give_back(context)
-        self.report({"INFO"}, "No step is left: the scan is in its original state.")
+        self.report({"INFO"}, said("No step is left: the scan is in its original state."))
         return {"FINISHED"}
 
 

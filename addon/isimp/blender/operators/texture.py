@@ -1,6 +1,8 @@
 import bpy
 
+from ... import messages
 from ... import recipe as rcp
+from ...language import said
 from .. import mesh_io, pending, show, store, targets
 from ..modal import RecipeOperator
 
@@ -26,7 +28,7 @@ class ISIMP_OT_texture(RecipeOperator, bpy.types.Operator):
     def wanted(self, context, scan):
         recipe = store.load(scan)
         if recipe is None or not recipe.ends_in_mesh():
-            raise mesh_io.Unusable("The regions have changed since Mesh: press Mesh again, then Keep Texture.")
+            raise mesh_io.Unusable(said(messages.REGIONS_CHANGED))
         return recipe.then(rcp.Texture(size=self.size))
 
     def _begin(self, context):
@@ -54,7 +56,7 @@ class ISIMP_OT_texture(RecipeOperator, bpy.types.Operator):
             self.report({"ERROR"}, str(problem))
             return {"CANCELLED"}
         show.bring_to_front(context, made, scan)
-        self.report({"INFO"}, f"Texture of {report['size']:,} x {report['size']:,} pixels, {report['charts']:,} charts")
+        self.report({"INFO"}, messages.textured(report))
         return {"FINISHED"}
 
 

@@ -1,5 +1,7 @@
 import bpy
 
+from ...language import said
+
 _NAME = "iSimp"
 
 
@@ -12,7 +14,7 @@ class ISIMP_OT_workspace(bpy.types.Operator):
     @classmethod
     def poll(cls, context):
         if context.window is None:
-            cls.poll_message_set("This needs a window")
+            cls.poll_message_set(said("This needs a window"))
         return context.window is not None
 
     def execute(self, context):

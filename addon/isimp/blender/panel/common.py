@@ -1,5 +1,6 @@
 """Shared code of the panels."""
 
+from ...language import said
 from .. import targets, text
 
 _NARROW = 16  # letters in a line
@@ -35,14 +36,14 @@ def draw_lines(context, layout, message: str, icon: str, alert: bool = False) ->
     """A message in as many lines as the sidebar's width needs."""
     column = layout.column(align=True)
     column.alert = alert
-    for number, line in enumerate(text.wrapped(text.said(message), letters(context))):
+    for number, line in enumerate(text.wrapped(said(message), letters(context))):
         column.label(text=line, icon=icon if number == 0 else "BLANK1")
 
 
 def letters(context) -> int:
     """How many letters fit into a line with an icon before it."""
     width = context.region.width / context.preferences.system.ui_scale if context.region else 260
-    return max(8, int((width - 66) / 5.7))
+    return max(8, int((width - 66) / 6.1))
 
 
 def is_narrow(context) -> bool:

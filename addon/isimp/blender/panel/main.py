@@ -7,6 +7,7 @@ import bpy
 
 from ... import messages
 from ... import recipe as rcp
+from ...language import said
 from .. import presets, result, runtime, settings, store, targets, text, texture, translations
 from .common import Panel, draw_lines, is_narrow
 
@@ -33,7 +34,7 @@ def _draw_head(context, layout, scan, numbers) -> None:
     """Draws the scan's name and size: three lines, before and after Partition."""
     column = layout.column(align=True)
     active = context.view_layer.objects.active
-    column.label(text=scan.name if active == scan else f"{scan.name} (its result)", icon="MESH_DATA")
+    column.label(text=scan.name if active == scan else said("{name} (its result)", name=scan.name), icon="MESH_DATA")
     for line in text.scan_lines(scan.data, numbers):
         column.label(text=line, icon="BLANK1")
 
@@ -71,7 +72,7 @@ def _draw_partition(context, layout, scan, numbers, panel) -> None:
 
 def _regions_line(numbers, edits: int) -> str:
     if "regions" not in numbers:
-        return "No regions yet"
+        return said("No regions yet")
     more = f" · {messages.count(edits, 'edit')}" if edits else ""
     return messages.count(numbers["regions"], "region") + more
 
@@ -125,7 +126,7 @@ def _draw_report(context, layout, scan, numbers) -> None:
         divided = layout.operator("isimp.show_problems", text="Select Divided Regions", icon="RESTRICT_SELECT_OFF")
         divided.kind = "DIVIDED"
     if runtime.get().running is None and result.is_edited_here(context, scan):
-        draw_lines(context, layout, messages.EDITED, icon="INFO")
+        draw_lines(context, layout, said(messages.EDITED), icon="INFO")
     if not text.describes(scan.data, numbers):
         numbers = {}
     for line in text.repair_lines(numbers, unit.system, unit.scale_length):

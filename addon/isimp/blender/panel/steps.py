@@ -3,6 +3,7 @@
 import bpy
 
 from ... import messages
+from ...language import said
 from .. import settings, store, targets
 from .common import SubPanel, draw_lines, side_by_side
 
@@ -25,7 +26,7 @@ class ISIMP_PT_steps(SubPanel, bpy.types.Panel):
         column = layout.column(align=True)
         hidden = 0 if panel.all_steps else max(0, len(recipe.steps) - _ROWS)
         if len(recipe.steps) > _ROWS:
-            column.prop(panel, "all_steps", text=f"All {len(recipe.steps)} steps", toggle=True)
+            column.prop(panel, "all_steps", text=said("All {number} steps", number=len(recipe.steps)), toggle=True)
         for index, step in enumerate(recipe.steps):
             is_open = panel.open_step == index
             if index < hidden and not is_open and index != failed:

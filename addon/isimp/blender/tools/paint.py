@@ -4,6 +4,7 @@ import bpy
 import numpy as np
 
 from ...gestures import Cut, Stroke
+from ...language import own, said
 from .. import overlay, runtime
 from . import under
 from .point import ModalTool, do
@@ -43,7 +44,7 @@ class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
             place, direction = self.seen(event, side)
             stroke.press(place, direction, verb)
         self.show_stroke(context, event)
-        return self.go(context, "Release: apply · Esc: cancel")
+        return self.go(context, own("Release: apply · Esc: cancel"))
 
     def modal(self, context, event):
         if self.is_dropped(event):
@@ -87,7 +88,7 @@ class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
             more = {verb: True} if verb in {"erase", "smooth"} else {"lock": self._lock}
             do("isimp.paint_faces", painted=";".join(strokes), **more)
         elif wishes:
-            self.report({"INFO"}, "Nothing to paint: all faces are in that region already, or locked")
+            self.report({"INFO"}, said("Nothing to paint: all faces are in that region already, or locked"))
 
     def changes(self, wish, faces) -> bool:
         """Whether the faces change; one side of a mirrored stroke may change nothing."""
@@ -110,7 +111,7 @@ class ISIMP_OT_cut(ModalTool, bpy.types.Operator):
         self._rays = [self.ray(event)]
         hit = self._ground.hit(self._rays[0])
         self._cut.press(hit, self._from)
-        return self.go(context, "Release here: split in two · Drag over the region: cut it · Esc: cancel")
+        return self.go(context, own("Release here: split in two · Drag over the region: cut it · Esc: cancel"))
 
     def modal(self, context, event):
         if self.is_dropped(event):
@@ -158,7 +159,7 @@ class ISIMP_OT_brush(ModalTool, bpy.types.Operator):
         self._center = (event.mouse_region_x - self._before, event.mouse_region_y)
         self._from = event.mouse_x - self._before
         self.show_ring(context)
-        return self.go(context, "Move: radius · Click: apply · Esc: cancel")
+        return self.go(context, own("Move: radius · Click: apply · Esc: cancel"))
 
     def modal(self, context, event):
         panel = context.window_manager.isimp

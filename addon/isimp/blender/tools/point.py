@@ -7,6 +7,7 @@ from bpy.props import StringProperty
 
 from ... import messages
 from ...gestures import Pointing
+from ...language import own, said
 from .. import overlay, reading, runtime, store, targets
 from . import under
 
@@ -31,7 +32,7 @@ def show_hover(context, ground, hit, at, joined=None) -> None:
             hover.fills.append((ground.points(triangles), _LIGHT if joined is None else _JOIN))
             hover.lines.append((ground.border(region), _EDGE, 4.0))
         told = ground.told(context.scene.unit_settings, hit.region)
-        hover.text = told if joined is None else "Release to merge both"
+        hover.text = told if joined is None else said("Release to merge both")
     if before is not None or current.hover is not None:
         overlay.redraw()
 
@@ -61,12 +62,13 @@ class ModalTool:
         self._region, self._view = context.region, context.region_data
         scan, problem = targets.find(context)
         if not problem and context.view_layer.objects.active != scan:
-            self.report({"INFO"}, f"{messages.RESULT_TOOL}.")
+            self.report({"INFO"}, f"{said(messages.RESULT_TOOL)}.")
             return False
         problem = problem or targets.needs_regions(scan)
         self._ground = under.ground(context, wait=True) if not problem else None
         if self._ground is None:
-            self.report({"INFO"}, f"{problem or 'There are no regions here'} (sidebar: N, tab iSimp).")
+            why = said(problem or own("There are no regions here"))
+            self.report({"INFO"}, said("{why} (sidebar: N, tab iSimp).", why=why))
         return self._ground is not None
 
     def go(self, context, keys: str):
@@ -147,7 +149,7 @@ class ISIMP_OT_point(ModalTool, bpy.types.Operator):
             return {"PASS_THROUGH"}
         self._gesture = Pointing()
         self._gesture.press(hit, self.place(event), ctrl=event.ctrl, alt=event.alt)
-        return self.go(context, "Drag to another region: merge both · Release: apply · Esc: cancel")
+        return self.go(context, own("Drag to another region: merge both · Release: apply · Esc: cancel"))
 
     def modal(self, context, event):
         if self.is_dropped(event):

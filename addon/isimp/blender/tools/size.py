@@ -5,6 +5,7 @@ from bpy.props import BoolProperty
 
 from ... import messages
 from ...gestures import Sizing, rings_in
+from ...language import own, said
 from ...session import StepFailed
 from ...task import Status
 from .. import overlay, pending, preview, runtime, targets
@@ -37,7 +38,7 @@ class ISIMP_OT_size(ModalTool, bpy.types.Operator):
         self._said = ""
         runtime.get().live.held = True
         self._timer = context.window_manager.event_timer_add(_TICK, window=context.window)
-        return self.go(context, "Right: grow · Left: shrink · Release: apply · Esc: cancel")
+        return self.go(context, own("Right: grow · Left: shrink · Release: apply · Esc: cancel"))
 
     def modal(self, context, event):
         if self.is_dropped(event):
@@ -60,7 +61,10 @@ class ISIMP_OT_size(ModalTool, bpy.types.Operator):
     def tell(self, at) -> None:
         """Shows the effect of a release beside the mouse."""
         wish = self._gesture.wish
-        what = "No change" if wish is None else f"{wish.verb.capitalize()} by {wish.rings} faces"
+        what = said("No change")
+        if wish is not None:
+            text = own("Shrink by {rings}") if wish.verb == "shrink" else own("Grow by {rings}")
+            what = said(text, rings=messages.count(wish.rings, "ring"))
         runtime.get().hover = under.Hover(self._ground.name, -1, at=at, text=self._said or what)
         overlay.redraw()
 

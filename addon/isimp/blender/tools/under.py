@@ -8,6 +8,7 @@ from bpy_extras import view3d_utils
 from ... import pick
 from ... import recipe as rcp
 from ...gestures import Hit
+from ...language import said
 from ...task import Status, Task
 from .. import mesh_io, reading, runtime, store, targets, text
 
@@ -100,15 +101,19 @@ class Ground:
     def told(self, unit, region: int) -> str:
         """The description of a region in one line. unit: the scene's."""
         if region < 0:
-            return "Left out: click to make this part a region"
+            return said("Left out: click to make this part a region")
         triangles = self.triangles_of(region)
         share, error, away = pick.flatness(self.scan.vertices, self.scan.triangles, triangles)
         away = text.length(away, unit.system, unit.scale_length)
         if self._area is None:
             self._area = pick.area(self.scan.vertices, self.scan.triangles)
         part = min(1.0, error / self._error) if self._error > 1e-9 * self._area else 0.0
-        return (
-            f"Region {region} · {share / self._area:.1%} of the area · {part:.1%} of the error · planar within {away}"
+        return said(
+            "Region {number} · {area} of the area · {error} of the error · planar within {away}",
+            number=region,
+            area=f"{share / self._area:.1%}",
+            error=f"{part:.1%}",
+            away=away,
         )
 
 

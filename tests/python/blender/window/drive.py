@@ -151,8 +151,7 @@ class Hand:
 
     def settle(self, seconds=30):
         """Waits until no work is under way."""
-        from isimp.blender import runtime
-
+        runtime = module("runtime")
         yield 0.3
         end = time.time() + seconds
         while runtime.get().running is not None:
@@ -177,6 +176,11 @@ class Hand:
         yield 0.4
         subprocess.run(["import", "-window", "root", str(self.out / f"{name}.png")], check=True)
         yield
+
+
+def module(name):
+    """A module of the add-on, which has another package as an extension."""
+    return next(found for path, found in sys.modules.items() if path.endswith(f"isimp.blender.{name}"))
 
 
 def main(scenario, out):
