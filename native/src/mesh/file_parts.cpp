@@ -5,8 +5,8 @@
 namespace isimp::detail {
 namespace {
 
-constexpr std::size_t kPart = std::size_t{1} << 20;  // bytes: some milliseconds of text
-constexpr std::size_t kLongestLine = 8 * kPart;
+constexpr std::size_t kPart = std::size_t{1} << 18;  // bytes: a millisecond of text
+constexpr std::size_t kLongestLine = 32 * kPart;
 constexpr std::size_t kLook = 256;  // bytes to look for the end of a line in
 
 }  // namespace
@@ -19,7 +19,7 @@ FileParts::Reader::Reader(const FileParts& parts) : parts_(parts) {
 
 std::string_view FileParts::Reader::bytes(std::size_t begin, std::size_t end) {
   if (parts_.is_held_) return parts_.file_.text().substr(begin, end - begin);
-  buffer_.resize(std::max(buffer_.size(), end - begin));
+  if (buffer_.size() < end - begin) buffer_ = Array<char>(end - begin + kPart / 8);  // a resize would copy the old one
   in_.seekg(static_cast<std::streamoff>(begin));
   if (!in_.read(buffer_.data(), static_cast<std::streamsize>(end - begin)))
     parts_.file_.fail("it can't be read to its end");

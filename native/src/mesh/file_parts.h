@@ -51,7 +51,7 @@ class FileParts {
   bool is_held_ = false;
 };
 
-/// Where parts of whole lines begin and end, about a megabyte each: rising, the end of the file last. Empty if a line
+/// Where parts of whole lines begin and end, about a quarter of a megabyte each: rising, the end of the file last. Empty if a line
 /// is longer than some parts, as in a file whose lines don't end in line feeds.
 std::vector<std::size_t> line_parts(const FileParts& parts, std::size_t begin, Job& job);
 

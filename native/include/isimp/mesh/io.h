@@ -39,7 +39,7 @@ struct PolygonSoup {
 ///                   plain files: binary PLY with one number of corners, text PLY with a row in each line, OBJ whose
 ///                   faces count vertices from 1. Of other binary PLY files they share stretches of faces with equal
 ///                   numbers of corners
-/// Cost: O(bytes). Plain files are read in parts of a megabyte a thread; others are held in memory meanwhile. A million
+/// Cost: O(bytes). Plain files are read in small parts; others are held in memory meanwhile. A million
 ///       faces of binary PLY take about 25 ms of processor time.
 PolygonSoup read_polygons(const std::filesystem::path& path, Job& job, std::int32_t threads = 0);
 
