@@ -1,3 +1,4 @@
+#include <optional>
 #include <utility>
 
 #include "arrays.h"
@@ -21,12 +22,14 @@ void check_threads(std::int32_t threads) {
 py::tuple read(const py::object& name, Job* job, std::int32_t threads) {
   const auto path = to_path(name);
   check_threads(threads);
-  auto [vertices, triangles] = call(job, [&](Job& j) {
-    PolygonSoup soup = read_polygons(path, j, threads);
-    Triangulation cut = triangulate(soup, j);
-    return std::pair(std::move(soup.vertices), std::move(cut.triangles));
+  PolygonSoup soup;
+  std::optional<Triangulation> cut;  // nothing to cut in the usual file: its corners are the triangles
+  call(job, [&](Job& j) {
+    soup = read_polygons(path, j, threads);
+    if (!are_triangles(soup, j)) cut = triangulate(soup, j);
   });
-  return py::make_tuple(owned(std::move(vertices)), owned(std::move(triangles)));
+  py::array triangles = cut ? owned(std::move(cut->triangles)) : owned(std::move(soup.loops)).reshape({-1, 3});
+  return py::make_tuple(owned(std::move(soup.vertices)), std::move(triangles));
 }
 
 py::tuple read_as_polygons(const py::object& name, Job* job, std::int32_t threads) {

@@ -41,6 +41,15 @@ def test_plain_files_give_what_line_by_line_gives(tmp_path, corners, end):
     assert len(slowly[2]) == 60 * (2 if corners == 3 else 1) * 40 * 40
 
 
+def test_faces_of_several_sizes_are_shared_by_threads(tmp_path):
+    rows = lines()
+    rows[2000:2000] = ["f 1 2 3 4", "f", "f 5 6 7 8 9"]
+    slowly = read(tmp_path, [" # a space before a line is not plain", *rows])
+    for threads in (1, 2, 5):
+        assert_same(read(tmp_path, rows, threads=threads), slowly)
+    assert len(slowly[1]) == 3 * (len(slowly[2]) - 3) + 9
+
+
 @pytest.mark.parametrize(
     ("row", "faces"),
     [

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "file_parts.h"
 #include "file_text.h"
 #include "isimp/core/job.h"
 #include "isimp/core/threads.h"
@@ -59,6 +61,16 @@ class SoupBuilder {
   std::span<Vec3> add_vertices(std::size_t count);
   /// Adds `count` polygons with `corners` corners each. The caller sets the corners, polygon after polygon.
   std::span<std::int32_t> add_polygons(std::size_t count, std::size_t corners);
+  /// Whether so many can still be added, polygons with so many corners in all.
+  [[nodiscard]] bool has_room(std::size_t vertices, std::size_t polygons, std::size_t corners) const {
+    return vertices <= room_for_vertices() && polygons <= room_for_polygons(0) && corners <= room_for_polygons(1);
+  }
+  /// Where polygons begin in all corners, and their corners.
+  struct Polygons {
+    std::span<std::int32_t> starts, corners;
+  };
+  /// Adds polygons with `corners` corners in all, the first polygons of the soup. The caller sets both arrays.
+  Polygons add_mixed_polygons(std::size_t count, std::size_t corners);
   /// Removes the last `count` polygons, which have `corners` corners each.
   void drop_polygons(std::size_t count, std::size_t corners);
   [[nodiscard]] const std::vector<Vec3>& vertices() const { return soup_.vertices; }
@@ -75,6 +87,15 @@ class SoupBuilder {
   const Threads& threads_;
   PolygonSoup soup_;
 };
+
+// Readers on all threads, of the usual files. They return nothing for other files, damaged ones among them: the readers
+// below then find out what is in them, or what is wrong.
+
+/// Binary PLY with rows of equal size, or text with a row in each line; vertices first, then faces.
+std::optional<PolygonSoup> read_plain_ply(const FileParts& parts, const Threads& threads, Job& job);
+/// Lines that begin with "v " or "f ", numbers of vertices counted from 1. Other lines are skipped. The lines are
+/// counted first, so no array is larger than it must be.
+std::optional<PolygonSoup> read_plain_obj(const FileParts& parts, const Threads& threads, Job& job);
 
 PolygonSoup read_ply(const FileText& file, const Threads& threads, Job& job);
 PolygonSoup read_obj(const FileText& file, const Threads& threads, Job& job);

@@ -57,6 +57,21 @@ PlyElement read_element(const FileText& file, std::string_view line, Words& word
 
 }  // namespace
 
+int PlyElement::find_corners() const {
+  const int named = find("vertex_indices"), corners = named >= 0 ? named : find("vertex_index");
+  if (corners < 0) return -1;
+  const PlyProperty& p = properties[static_cast<std::size_t>(corners)];
+  return p.is_list && p.type < PlyScalar::f32 ? corners : -1;
+}
+
+std::size_t PlyHeader::wanted_elements() const {
+  std::size_t wanted = 0;
+  for (std::size_t i = 0; i < elements.size(); ++i)
+    if (const std::string& name = elements[i].name; name == "vertex" || name == "face" || name == "tristrips")
+      wanted = i + 1;
+  return wanted;
+}
+
 PlyHeader read_ply_header(const FileText& file) {
   PlyHeader header;
   Lines lines(file.text());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <string>
 #include <string_view>
@@ -39,6 +40,8 @@ struct PlyElement {
       if (properties[i].name == property) return static_cast<int>(i);
     return -1;
   }
+  /// The index of the list of whole numbers that names the vertices of a face, or -1.
+  [[nodiscard]] int find_corners() const;
 };
 
 enum class PlyEncoding { text, little_endian, big_endian };
@@ -47,6 +50,13 @@ struct PlyHeader {
   PlyEncoding encoding = PlyEncoding::text;
   std::vector<PlyElement> elements;
   std::size_t body = 0;  ///< where the data begins
+
+  /// Whether the file's byte order is not this machine's.
+  [[nodiscard]] bool swaps() const {
+    return (encoding == PlyEncoding::big_endian) != (std::endian::native == std::endian::big);
+  }
+  /// The number of elements up to the last one with vertices, faces or strips; later ones are not read.
+  [[nodiscard]] std::size_t wanted_elements() const;
 };
 
 /// Reads what stands before the data.

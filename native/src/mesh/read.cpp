@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cctype>
 #include <fstream>
+#include <optional>
 #include <system_error>
 
 #include "edge_groups.h"
@@ -12,7 +13,7 @@ namespace isimp {
 namespace {
 
 namespace fs = std::filesystem;
-using detail::FileText;
+using detail::FileParts, detail::FileText;
 
 constexpr std::size_t kBlock = std::size_t{1} << 22;  // bytes between two polls: some milliseconds
 
@@ -40,26 +41,51 @@ void read_bytes(const fs::path& path, FileText& file, const Threads& threads, Jo
   });
 }
 
-FileText load(const fs::path& path, const Threads& threads, Job& job) {
-  FileText file{detail::utf8(path), {}};
+/// Finds out what a path leads to, and reads it if it is a pipe.
+/// \return its size if it is a regular file
+std::optional<std::size_t> begin(const fs::path& path, FileText& file, Job& job) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status)) file.fail("there is no such file");
   if (fs::is_directory(status)) file.fail("it is a folder, not a mesh file");
+  std::optional<std::size_t> size;
   if (fs::is_fifo(status)) {
     file.bytes = detail::read_pipe(path, file.name, job);
-    if (file.bytes.empty()) file.fail("it is empty");
-    return file;
+  } else {
+    if (detail::is_stream(status)) file.fail("it is a device, not a mesh file");
+    if (!std::ifstream(path, std::ios::binary)) file.fail("it can't be opened; check that you may read it");
+    size = fs::file_size(path, error);
+    if (error) file.fail("its size can't be found: " + error.message());
   }
-  if (detail::is_stream(status)) file.fail("it is a device, not a mesh file");
-  std::ifstream in(path, std::ios::binary);
-  if (!in) file.fail("it can't be opened; check that you may read it");
-  const std::uintmax_t size = fs::file_size(path, error);
-  if (error) file.fail("its size can't be found: " + error.message());
-  file.bytes.resize(size);
-  read_bytes(path, file, threads, job);
-  if (file.bytes.empty()) file.fail("it is empty");
-  return file;
+  if (size.value_or(file.bytes.size()) == 0) file.fail("it is empty");
+  return size;
+}
+
+/// The readers of a format.
+struct Format {
+  std::optional<PolygonSoup> (*plain)(const FileParts&, const Threads&, Job&);  ///< of usual files, or null
+  PolygonSoup (*any)(const FileText&, const Threads&, Job&);
+};
+
+std::optional<Format> format_of(std::string_view extension) {
+  if (extension == ".ply") return Format{detail::read_plain_ply, detail::read_ply};
+  if (extension == ".obj") return Format{detail::read_plain_obj, detail::read_obj};
+  if (extension == ".stl") return Format{nullptr, detail::read_stl};
+  if (extension == ".off") return Format{nullptr, detail::read_off};
+  return {};
+}
+
+PolygonSoup read_with(const Format& format, const fs::path& path, FileText& file, const Threads& threads, Job& job) {
+  const std::optional<std::size_t> size = begin(path, file, job);
+  if (format.plain != nullptr) {
+    const FileParts parts = size ? FileParts(path, file, *size) : FileParts(file);
+    if (auto soup = format.plain(parts, threads, job)) return std::move(*soup);
+  }
+  if (size) {
+    file.bytes.resize(*size);
+    read_bytes(path, file, threads, job);
+  }
+  return format.any(file, threads, job);
 }
 
 }  // namespace
@@ -71,20 +97,12 @@ std::span<const std::int32_t> PolygonSoup::polygon(std::int32_t q) const {
 }
 
 PolygonSoup read_polygons(const std::filesystem::path& path, Job& job, std::int32_t threads) {
-  using Reader = PolygonSoup (*)(const FileText&, const Threads&, Job&);
   const std::string extension = lower_extension(path);
-  const Reader reader = extension == ".ply"   ? detail::read_ply
-                        : extension == ".obj" ? detail::read_obj
-                        : extension == ".stl" ? detail::read_stl
-                        : extension == ".off" ? detail::read_off
-                                              : nullptr;
-  if (reader == nullptr)
-    FileText{detail::utf8(path), {}}.fail("the extension \"" + extension +
-                                          "\" is not known; PLY, OBJ, STL and OFF files can be read");
-  const Threads workers(threads);
-  const FileText file = load(path, workers, job);
+  FileText file{detail::utf8(path), {}};
+  const std::optional<Format> format = format_of(extension);
+  if (!format) file.fail("the extension \"" + extension + "\" is not known; PLY, OBJ, STL and OFF files can be read");
   try {
-    return reader(file, workers, job);
+    return read_with(*format, path, file, Threads(threads), job);
   } catch (const std::bad_alloc&) {
     file.fail("there is not enough memory for it");
   }

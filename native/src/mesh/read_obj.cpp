@@ -1,6 +1,5 @@
 #include "edge_groups.h"
 #include "formats.h"
-#include "obj_lines.h"
 
 namespace isimp::detail {
 namespace {
@@ -36,7 +35,6 @@ void read_face(const FileText& file, std::string_view line, Words& words, SoupBu
 }  // namespace
 
 PolygonSoup read_obj(const FileText& file, const Threads& threads, Job& job) {
-  if (auto plain = read_obj_lines(file, threads, job)) return std::move(*plain);
   SoupBuilder soup(file, threads);
   Lines lines(file.text());
   std::string_view line;

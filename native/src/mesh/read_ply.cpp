@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <span>
 #include <utility>
 #include <vector>
@@ -19,7 +18,7 @@ class Values {
   Values(const FileText& file, const PlyHeader& header)
       : file_(file),
         text_(header.encoding == PlyEncoding::text),
-        swap_((header.encoding == PlyEncoding::big_endian) != (std::endian::native == std::endian::big)),
+        swap_(header.swaps()),
         words_(file.text().substr(header.body)),
         at_(file.bytes.data() + header.body),
         end_(file.bytes.data() + file.bytes.size()) {}
@@ -36,7 +35,7 @@ class Values {
   }
   /// What is left of a binary file; nothing of a text file.
   [[nodiscard]] PlyBytes bytes() const {
-    return {text_ ? std::span<const char>() : std::span<const char>(at_, end_), swap_};
+    return {parts_, text_ ? parts_.size() : static_cast<std::size_t>(at_ - file_.bytes.data()), swap_};
   }
   /// Goes on after so many bytes that were read elsewhere.
   void pass(std::size_t bytes) { at_ += bytes; }
@@ -119,6 +118,7 @@ class Values {
   }
 
   const FileText& file_;
+  FileParts parts_{file_};
   bool text_, swap_;
   Words words_;
   const char* at_;
@@ -164,9 +164,8 @@ void read_vertices(const FileText& file, const PlyElement& element, Values& valu
 
 /// Which property of faces or strips lists their vertices.
 int list_of_corners(const FileText& file, const PlyElement& element, const char* what) {
-  const int named = element.find("vertex_indices"), corners = named >= 0 ? named : element.find("vertex_index");
-  const auto usable = [&](const PlyProperty& p) { return p.is_list && p.type < PlyScalar::f32; };
-  if (element.count > 0 && (corners < 0 || !usable(element.properties[static_cast<std::size_t>(corners)])))
+  const int corners = element.find_corners();
+  if (element.count > 0 && corners < 0)
     file.fail(std::string("the PLY ") + what + " have no list of whole numbers called vertex_indices or vertex_index");
   return corners;
 }
@@ -195,7 +194,7 @@ void read_faces(const FileText& file, const PlyElement& element, Values& values,
   for (std::size_t row = 0; row < element.count;) {
     job.poll();
     const PlyBytes bytes = values.bytes();
-    if (!bytes.rest.empty()) {
+    if (bytes.size() > 0) {
       const PlyRows read = read_face_rows(bytes, element, static_cast<std::size_t>(corners),
                                           std::min(tried, element.count - row), soup, threads, job);
       values.pass(read.bytes);
@@ -255,15 +254,6 @@ void read_strips(const FileText& file, const PlyElement& element, Values& values
   }
 }
 
-/// The number of elements up to the last one with vertices, faces or strips; later ones are not read.
-std::size_t wanted_elements(const PlyHeader& header) {
-  std::size_t wanted = 0;
-  for (std::size_t i = 0; i < header.elements.size(); ++i)
-    if (const std::string& name = header.elements[i].name; name == "vertex" || name == "face" || name == "tristrips")
-      wanted = i + 1;
-  return wanted;
-}
-
 }  // namespace
 
 PolygonSoup read_ply(const FileText& file, const Threads& threads, Job& job) {
@@ -271,7 +261,7 @@ PolygonSoup read_ply(const FileText& file, const Threads& threads, Job& job) {
   Values values(file, header);
   SoupBuilder soup(file, threads);
   bool vertices = false, faces = false;
-  for (const PlyElement& element : std::span(header.elements).first(wanted_elements(header))) {
+  for (const PlyElement& element : std::span(header.elements).first(header.wanted_elements())) {
     values.check_room(element);
     if (element.name == "vertex" && !vertices) {
       vertices = true;

@@ -201,7 +201,8 @@ class EarCutter {
   std::vector<std::pair<double, std::int32_t>> widest_;  // a heap; empty while it is not needed
 };
 
-/// Whether all polygons are triangles: the usual file.
+}  // namespace
+
 bool are_triangles(const PolygonSoup& soup, Job& job) {
   if (soup.loops.size() != 3 * soup.loop_start.size()) return false;
   bool equal = true;
@@ -209,8 +210,6 @@ bool are_triangles(const PolygonSoup& soup, Job& job) {
                          [&](std::size_t q) { equal &= static_cast<std::size_t>(soup.loop_start[q]) == 3 * q; });
   return equal;
 }
-
-}  // namespace
 
 Triangulation triangulate(const PolygonSoup& soup, Job& job) {
   Triangulation result;

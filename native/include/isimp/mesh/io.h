@@ -35,11 +35,12 @@ struct PolygonSoup {
 ///                    expected
 /// \throws Cancelled  polled at least every 50 ms of work and while it waits for a pipe, not while the system waits for
 ///                    the disk
-/// \param threads    0: as many as there are cores; the result does not depend on it. They share the reading of the
-///                   file and, in a binary PLY, vertices without lists and stretches of faces with equal numbers of
-///                   corners
-/// Cost: O(bytes); the whole file is held in memory meanwhile. A million faces of binary PLY take about 30 ms of
-///       processor time.
+/// \param threads    0: as many as there are cores; the result does not depend on it. They share all of the work on
+///                   plain files: binary PLY with one number of corners, text PLY with a row in each line, OBJ whose
+///                   faces count vertices from 1. Of other binary PLY files they share stretches of faces with equal
+///                   numbers of corners
+/// Cost: O(bytes). Plain files are read in small parts; others are held in memory meanwhile. A million
+///       faces of binary PLY take about 25 ms of processor time.
 PolygonSoup read_polygons(const std::filesystem::path& path, Job& job, std::int32_t threads = 0);
 
 /// Writes polygons as binary PLY (little-endian, places as double) or OBJ (shortest decimals that give the same double
@@ -54,6 +55,9 @@ PolygonSoup read_polygons(const std::filesystem::path& path, Job& job, std::int3
 /// \throws Cancelled     nothing is left behind
 void write_polygons(const std::filesystem::path& path, std::span<const Vec3> vertices,
                     std::span<const std::int32_t> loops, std::span<const std::int32_t> loop_start, Job& job);
+
+/// Whether all polygons are triangles: `loops` then holds one after another.
+bool are_triangles(const PolygonSoup& soup, Job& job);
 
 /// Triangles that fill polygons, without new vertices.
 struct Triangulation {

@@ -19,6 +19,7 @@ constexpr std::int64_t kRenewals = 16;  // faces parted anew, in all, as a multi
 constexpr double kShare = 3e-4;         // of the whole error, times the least ratio: worth parting a region anew
 constexpr double kLeastFall = 1e-4;     // of the error by a round: below it, it is not worth another
 constexpr double kLeastGain = 1e-7;     // of the whole area: less is rounding
+constexpr int kVain = 3;                // neighbours with which a region gains no more, before it is left as it is
 
 }  // namespace
 
@@ -158,7 +159,8 @@ bool Teleport::part_anew(std::int32_t region, std::int32_t other, Job& job) {
   for (const std::int32_t face : faces) labels_.set(face, region);
   regions_.sum[region].add(two);
   const double joining = regions_.sum[region].error() - one.error() - two.error();
-  if (split(region, other, job) - joining > kMargin * joining + kLeastGain) {
+  parted_gain_ = split(region, other, job);
+  if (parted_gain_ - joining > kMargin * joining + kLeastGain) {
     --count_[part_of(region)];
     accept_split(region, other);
     return true;
@@ -265,12 +267,17 @@ int Teleport::renew(int tries, double least_ratio, Job& job) {
     if (used[region] || tried_[region].renewed == error) continue;
     tried_[region].renewed = error;
     bool better = false;
+    int vain = 0;  // neighbours in a row with which nothing but rounding was gained, as on flat ground with noise
     for (const std::int32_t other : around[region]) {
       job.poll();
       if (used[other]) continue;
       renewal_work_ -= regions_.sum[region].faces + regions_.sum[other].faces;
       if (renewal_work_ < 0) break;
-      if (!part_anew(region, other, job)) continue;
+      if (!part_anew(region, other, job)) {
+        vain = parted_gain_ > kLeastGain ? 0 : vain + 1;
+        if (vain >= kVain) break;
+        continue;
+      }
       used[region] = used[other] = better = true;
       break;
     }

@@ -75,6 +75,7 @@ class Teleport {
     double renewed = -1;  // its error when it was parted anew from all its neighbours in vain
   };
   std::vector<Tried> tried_;
+  double parted_gain_ = 0;         // by which the error fell when two regions were last parted anew
   std::int64_t renewal_work_ = 0;  // faces that renew() may still touch
 };
 

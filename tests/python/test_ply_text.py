@@ -1,0 +1,146 @@
+"""Text PLY files with a row in each line are read on all threads, others word by word: with the same result.
+
+The messages are the same, too. Plain files of any kind are never in memory as a whole.
+"""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import isimp_engine as engine
+import shapes
+
+VERTEX = ("float x", "float y", "float z")
+DOUBLES = ("double x", "double y", "double z")
+FACE = ("list uchar int vertex_indices",)
+
+
+def head(vertices, faces, vertex=VERTEX, face=FACE, form="ascii"):
+    rows = ["ply", f"format {form} 1.0", f"element vertex {vertices}", *(f"property {p}" for p in vertex)]
+    return [*rows, f"element face {faces}", *(f"property {p}" for p in face), "end_header"]
+
+
+def sheet(corners=3, n=40, times=20):
+    """Rows of more than a million bytes, so that several threads share them."""
+    vertices, triangles = shapes.plane(n)
+    places = [f"{x:.17g} {y:.17g} {z:.17g}" for x, y, z in vertices]
+    faces = triangles.tolist()
+    if corners == 0:  # of all sizes, none and one corner among them
+        faces = [[(7 * k + j) % len(vertices) for j in range(k % 7)] for k in range(len(triangles))]
+    return places, [" ".join(map(str, [len(face), *face])) for face in faces] * times
+
+
+def read(tmp_path, rows, end="\n", threads=0):
+    (tmp_path / "a.ply").write_bytes(end.join(rows).encode())
+    return engine.read_polygons(tmp_path / "a.ply", threads=threads)
+
+
+def assert_same(found, wanted):
+    for one, other in zip(found, wanted, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+@pytest.mark.parametrize("corners", [3, 0])
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_rows_in_lines_give_what_word_by_word_gives(tmp_path, corners, end):
+    places, faces = sheet(corners, times=40)
+    rows = head(len(places), len(faces)) + places + faces
+    assert sum(map(len, rows)) > 1 << 20
+    slowly = read(tmp_path, [*rows[:-1], "", rows[-1]])  # an empty line is no row
+    assert len(slowly[0]) == 41 * 41
+    assert len(slowly[2]) == 40 * 2 * 40 * 40
+    for threads in (1, 2, 5):
+        assert_same(read(tmp_path, rows, end, threads), slowly)
+        assert_same(read(tmp_path, [*rows, ""], end, threads), slowly)
+
+
+def test_other_properties_and_elements_are_skipped(tmp_path):
+    places, faces = sheet(n=10, times=1)
+    wanted = read(tmp_path, head(len(places), len(faces)) + places + faces)
+    vertex = ("uchar red", "float z", "double x", "float y", "int tag")
+    face = ("float quality", "list uchar float texcoord", *FACE, "int id")
+    swapped = [" ".join(("255", place.split()[2], *place.split()[:2], "-1")) for place in places]
+    more = [f"0.5 2 .25 .75 {row} 7" for row in faces]
+    rows = head(len(places), len(faces), vertex, face)
+    rows[-1:] = ["element edge 1", "property int vertex1", "end_header"]
+    for threads in (1, 3):
+        assert_same(read(tmp_path, [*rows, *swapped, *more, "0", "what follows is not read"], threads=threads), wanted)
+
+
+@pytest.mark.parametrize(
+    "mend",
+    [
+        lambda rows: [" ".join(rows)],  # all in one line
+        lambda rows: [rows[0].replace(" ", "\n"), *rows[1:]],
+        lambda rows: [f"{rows[0]} {rows[1]}", "", *rows[2:]],
+        lambda rows: ["\r".join(rows)],
+        lambda rows: [f"\t{row.replace(' ', '  ')} " for row in rows],
+        lambda rows: [*rows[:-1], rows[-1] + " 5 6 7"],
+    ],
+)
+def test_rows_that_are_no_lines_are_read_too(tmp_path, mend):
+    places, faces = sheet(n=10, times=1)
+    rows = head(len(places), len(faces))
+    assert_same(read(tmp_path, rows + mend(places + faces)), read(tmp_path, rows + places + faces))
+
+
+@pytest.mark.parametrize(
+    ("at", "row", "said"),
+    [
+        (3, "1 x 3", 'line 13: expected a number for vertex 3 .* got "x"'),
+        (-1, "3 0 1 x", 'line 330: expected a number for face 199 .* got "x"'),
+        (-1, "3 0 1", "it ends within face 199 .* of 200; it is cut short or damaged"),
+        (-1, "3 0 1 999", "face 199 .* uses vertex 999, but there are 121 vertices, the first of them 0"),
+        (-1, "3 0 1 -1", "face 199 .* uses an impossible vertex"),
+        (-1, "99999 0 1 1", "face 199 .* promises a list of 99999 values, more than the file holds; it is damaged"),
+        (-1, "-1", "face 199 .* promises a list of -1 values"),
+    ],
+)
+def test_damage_is_said_with_its_place(tmp_path, at, row, said):
+    places, faces = sheet(n=10, times=1)
+    rows = places + faces
+    rows[at] = row
+    with pytest.raises(engine.FileError, match=said):
+        read(tmp_path, head(len(places), len(faces)) + rows)
+
+
+@pytest.mark.parametrize("count", [(2, 0), (0, 0)])
+def test_files_with_no_faces_or_nothing(tmp_path, count):
+    vertices, loops, start = read(tmp_path, [*head(*count), "1 2 3", "4 5 6"])
+    assert [len(vertices), len(loops), len(start)] == [count[0], 0, 0]
+
+
+PEAK = """
+import sys
+import isimp_engine as engine
+def peak():
+    status = open("/proc/self/status").read().split("VmHWM:")[1]
+    return 1024 * int(status.split()[0])
+before = peak()
+arrays = engine.read(sys.argv[1], threads=2)
+print((peak() - before - sum(array.nbytes for array in arrays)) / len(arrays[1]))
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="asks Linux for the peak of memory")
+@pytest.mark.parametrize("kind", ["binary.ply", "text.ply", "text.obj"])
+def test_reading_takes_little_memory_above_the_arrays(tmp_path, kind):
+    vertices, triangles = shapes.plane(350)
+    path = tmp_path / kind
+    if kind == "binary.ply":
+        rows = np.zeros(len(triangles), dtype=[("n", "u1"), ("v", "<i4", 3)])
+        rows["n"], rows["v"] = 3, triangles
+        text = "\n".join([*head(len(vertices), len(triangles), DOUBLES, form="binary_little_endian"), ""]).encode()
+        path.write_bytes(text + vertices.astype("<f8").tobytes() + rows.tobytes())
+    else:
+        is_ply = kind == "text.ply"
+        places = [("" if is_ply else "v ") + f"{x:.6f} {y:.6f} {z:.6f}" for x, y, z in vertices.tolist()]
+        faces = triangles.tolist() if is_ply else (triangles + 1).tolist()
+        faces = [("3" if is_ply else "f") + f" {a} {b} {c}" for a, b, c in faces]
+        path.write_text("\n".join((head(len(places), len(faces)) if is_ply else []) + places + faces))
+    assert path.stat().st_size > 25 * len(triangles)
+    own = {"PYTHONPATH": ":".join(p for p in sys.path if p)}
+    done = subprocess.run([sys.executable, "-c", PEAK, str(path)], env=own, capture_output=True, text=True, check=True)
+    assert float(done.stdout) < 20
