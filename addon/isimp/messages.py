@@ -49,7 +49,8 @@ def evened(numbers: dict[str, Any]) -> str:
 def kept_open(numbers: dict[str, Any]) -> str:
     repairs = numbers.get("repairs", {})
     closed = repairs.get("filled_holes", 0) + repairs.get("cut_handles", 0)
-    return f"{count(numbers.get('kept_open', 0), 'opening')} kept open, {closed:,} closed"
+    kept = count(numbers.get("kept_open", 0), "opening")
+    return said("{openings} kept open, {closed} closed", openings=kept, closed=f"{closed:,}")
 
 
 def several(number: int) -> str:
@@ -274,6 +275,7 @@ STAGES = (
     own("Carrying back"),
     own("Cleaning"),
     own("Closing holes"),
+    own("Counting polygons"),
     own("Counting regions"),
     own("Cutting"),
     own("Cutting off a part"),
@@ -295,6 +297,7 @@ STAGES = (
     own("Meshing"),
     own("Painting"),
     own("Partitioning"),
+    own("Reading"),
     own("Reading the mesh"),
     own("Regularising"),
     own("Relaxing"),
@@ -339,7 +342,8 @@ def expected(numbers: dict[str, Any]) -> str:
     if "polygons" in numbers or not {"polygons", "regions"} <= counts.keys():
         return ""
     why = why_more({"polygons": counts["polygons"], "regions": counts["regions"], "split": counts})
-    return f"Mesh will make about {count(counts['polygons'], 'polygon')}" + (f", {why}" if why else "")
+    told = said("Mesh will make about {polygons}", polygons=count(counts["polygons"], "polygon"))
+    return f"{told}, {why}" if why else told
 
 
 def summary(regions: int, polygons: int | None, away: str) -> str:

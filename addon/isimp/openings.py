@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from .language import said
+
 REACH = 24.0  #: pixels
 
 
@@ -40,6 +42,6 @@ def lines(openings: list[dict], origin=(0.0, 0.0, 0.0)) -> np.ndarray:
 
 def told(opening: dict, length: str) -> str:
     """What is said of the opening under the mouse. length: in the scene's units."""
-    name = "Hole" if opening["kind"] == "hole" else "Tunnel or handle"
-    state = "kept open · click: close it" if opening["kept"] else "closed · click: keep it open"
-    return f"{name}, {length} round · {state}"
+    name = said("Hole") if opening["kind"] == "hole" else said("Tunnel or handle")
+    state = said("kept open · click: close it") if opening["kept"] else said("closed · click: keep it open")
+    return said("{opening}, {length} round", opening=name, length=length) + f" · {state}"

@@ -29,7 +29,7 @@ def test_a_smooth_scan_gets_about_what_is_said(proxies):
     assert expected["polygons"] == pytest.approx(made["polygons"], rel=0.1)
 
 
-@pytest.mark.parametrize("proxies", [60, 120])
+@pytest.mark.parametrize("proxies", [30, 60, 120])
 def test_a_room_with_tunnels_gets_about_what_is_said_and_handles_are_named(proxies):
     expected, made = foreseen(engine.clean(*shapes.room(16)), proxies=proxies)
     assert expected["polygons"] == pytest.approx(made["polygons"], rel=0.3)

@@ -128,10 +128,10 @@ class Coarsener {
     return (is_wall(a) || is_wall(b)) && s_.planes[a].normal.dot(s_.planes[b].normal) < kSameWay;
   }
 
-  /// Whether a larger piece of another region is near enough to the plane of both.
+  /// Whether a larger piece of another region, or the first of two of one size, is near enough to the plane of both.
   [[nodiscard]] bool is_alike(std::int32_t kept, std::int32_t gone) const {
     const Plane &a = s_.planes[kept], &b = s_.planes[gone];
-    if (b.area >= a.area) return false;
+    if (b.area > a.area || (b.area == a.area && kept > gone)) return false;
     const Plane both = united(a, b);
     return error_of(both) - error_of(a) - error_of(b) <= kError * usual_.error &&
            square_of(both) - square_of(a) - square_of(b) <= kSquare * usual_.square;

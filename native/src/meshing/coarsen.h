@@ -15,7 +15,7 @@ struct Misses {
 Misses mean_misses(const State& state);
 
 /// Takes back what was done beyond need: removes diagonals and unites pieces that were parted with neighbours, wherever
-/// no polygon becomes faulty by it. Neighbours of the same region come first. One of another region has to be larger and
+/// no polygon becomes faulty by it. Neighbours of the same region come first. One of another region has to be no smaller and
 /// near the same plane, and the region that gives keeps a piece; what a region had apart from the rest stays in it. Many
 /// at a time that are not near each other; those by which something became faulty are done again. What is plainly going
 /// to be faulty is not tried. Then corners are eased (ease.h), and what they are free to do without now is tried again.

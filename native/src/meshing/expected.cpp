@@ -17,7 +17,7 @@ namespace {
 using namespace meshing;
 
 // What comes of what is seen first. Source: least squares of the relative error over 21 scans at 30 to 1,000 regions.
-constexpr double kOfSplit = 0.4;  ///< further polygons for each that the topology needs
+constexpr double kOfSplit = 0.4;  ///< further polygons for each that the topology needs, but for walls, which are flat
 constexpr double kOfBend = 1.4;   ///< for the root of what a polygon is bent beyond the bound, in bounds
 constexpr double kOfCrossing = 0.35;
 constexpr double kOfMeeting = 1.1;  ///< for a piece that meets others
@@ -42,6 +42,18 @@ std::int32_t* counter_of(ExpectedPolygons& e, Cause cause) {
   return nullptr;
 }
 
+/// Whether a wall goes on in another region, with which it will be one polygon.
+bool goes_on(const State& state, std::int32_t wall) {
+  constexpr double kSameWay = 0.9;  // cosine of the angle
+  bool found = false;
+  state.for_each_neighbour(wall, [&](std::int32_t l) {
+    const Piece &a = state.labels.pieces[wall], &b = state.labels.pieces[l];
+    found = found || (a.region != b.region && b.cause == Cause::wall &&
+                      state.planes[wall].normal.dot(state.planes[l].normal) > kSameWay);
+  });
+  return found;
+}
+
 /// What the faults of the polygons of a piece will take.
 double cost_of(const Findings& findings, std::int32_t piece) {
   double cost = (findings.faults(piece) & kCrossing) != 0 ? kOfCrossing : 0;
@@ -64,7 +76,7 @@ ExpectedPolygons expected_polygons(const Mesh& mesh, const Partition& partition,
 
   ExpectedPolygons e;
   std::set<std::int32_t> regions, meeting;
-  std::int32_t pieces = 0, splits = 0;
+  std::int32_t pieces = 0, splits = 0, walls = 0, halves = 0;
   double more = 0;
   for (std::int32_t l = 0; l < state.labels.piece_count(); ++l) {
     const Piece& piece = state.labels.pieces[l];
@@ -74,6 +86,8 @@ ExpectedPolygons expected_polygons(const Mesh& mesh, const Partition& partition,
     if (std::int32_t* counter = counter_of(e, piece.cause)) {
       ++*counter;
       ++splits;
+      walls += piece.cause == Cause::wall;
+      halves += piece.cause == Cause::wall && goes_on(state, l);
     }
     more += cost_of(findings, l);
   }
@@ -81,8 +95,11 @@ ExpectedPolygons expected_polygons(const Mesh& mesh, const Partition& partition,
     if (!h.excused) meeting.insert(std::max(h.a, h.b));
   more += kOfMeeting * static_cast<double>(meeting.size());
   // A scan that is cut to discs nowhere and has no other fault keeps one polygon a piece.
-  if (more > 0) more += kOfSplit * splits;
+  if (more > 0) more += kOfSplit * (splits - walls);
   e.regions = static_cast<std::int32_t>(regions.size());
+  e.split_for_holes -= halves / 2;
+  splits -= halves / 2;
+  pieces -= halves / 2;
   e.split_for_repair = static_cast<std::int32_t>(std::lround(more)) + (pieces - e.regions - splits);
   e.polygons = e.regions + splits + e.split_for_repair;
   return e;

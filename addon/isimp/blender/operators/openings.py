@@ -4,7 +4,8 @@ import bpy
 from bpy.props import BoolProperty, FloatVectorProperty
 
 from ... import messages
-from .. import mesh_io, pending, targets, text
+from ...language import said
+from .. import mesh_io, pending, targets
 from ..modal import RecipeOperator
 from ..show import show_regions
 
@@ -22,8 +23,8 @@ class ISIMP_OT_keep_opening(RecipeOperator, bpy.types.Operator):
 
     @classmethod
     def description(cls, context, properties):
-        again = text.said("Close an opening again that was kept open")
-        return again if properties.close else text.said(cls.__doc__)
+        again = said("Close an opening again that was kept open")
+        return again if properties.close else said(cls.__doc__)
 
     @classmethod
     def problem(cls, context, scan):
@@ -33,7 +34,7 @@ class ISIMP_OT_keep_opening(RecipeOperator, bpy.types.Operator):
         recipe = pending.recipe_of(context, scan).without_mesh()
         index, step = recipe.whole()
         if step is None or not step.close_openings:
-            raise mesh_io.Unusable("No opening was closed: switch Close Openings on and press Partition.")
+            raise mesh_io.Unusable(said("No opening was closed: switch Close Openings on and press Partition."))
         return recipe.replaced(index, step.keeping(self.place, keep=not self.close))
 
     show = staticmethod(show_regions)

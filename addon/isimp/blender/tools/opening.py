@@ -5,6 +5,7 @@ import numpy as np
 from bpy.props import StringProperty
 
 from ... import openings
+from ...language import said
 from .. import mesh_io, overlay, reading, runtime, store, targets, text
 from . import point, under
 
@@ -77,11 +78,11 @@ class ISIMP_OT_hover_opening(bpy.types.Operator):
             return {"PASS_THROUGH"}
         all_found = found(context, scan)
         if all_found is None:
-            overlay.tell(context, "Click: find out what was closed")
+            overlay.tell(context, said("Click: find out what was closed"))
             return {"PASS_THROUGH"}
         at = (event.mouse_region_x, event.mouse_region_y)
         show(context, scan, all_found, under_mouse(context, scan, all_found, at), at)
-        overlay.tell(context, self.keys if all_found else "Nothing was closed")
+        overlay.tell(context, self.keys if all_found else said("Nothing was closed"))
         return {"PASS_THROUGH"}
 
 
@@ -95,7 +96,7 @@ class ISIMP_OT_toggle_opening(bpy.types.Operator):
     def invoke(self, context, event):
         scan = _scan(context)
         if scan is None:
-            self.report({"INFO"}, "There are no regions here (sidebar: N, tab iSimp).")
+            self.report({"INFO"}, said("There are no regions here (sidebar: N, tab iSimp)."))
             return {"CANCELLED"}
         all_found = found(context, scan, wait=True) or []
         chosen = under_mouse(context, scan, all_found, (event.mouse_region_x, event.mouse_region_y))
