@@ -18,8 +18,9 @@ _OWN = {"rna_type", "bl_idname", "filepath", "filter_glob", "remove_name", "remo
 
 
 def sources() -> list:
-    """All of the add-on but what is generated."""
-    return [path for path in sorted(_FOLDER.parent.rglob("*.py")) if path.name != "engine_options.py"]
+    """All of the add-on but what is generated and, in the packed one, the engine."""
+    own = [path for path in sorted(_FOLDER.parent.rglob("*.py")) if "isimp_engine" not in path.parts]
+    return [path for path in own if path.name != "engine_options.py"]
 
 
 @cache
