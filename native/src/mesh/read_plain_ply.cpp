@@ -23,7 +23,8 @@ struct Layout {
 
 std::optional<PlyHeader> read_head(const FileParts& parts) {
   FileText head{parts.file().name, {}};
-  const std::string_view bytes = FileParts::Reader(parts).bytes(0, std::min(kHead, parts.size()));
+  FileParts::Reader reader(parts);  // holds the bytes
+  const std::string_view bytes = reader.bytes(0, std::min(kHead, parts.size()));
   head.bytes.assign(bytes.begin(), bytes.end());
   try {
     PlyHeader header = read_ply_header(head);
