@@ -47,8 +47,7 @@ def with_regions(prepared: Prepared, partition, kept: np.ndarray | None, numbers
     color = view.assign_colors(partition.region_count, pairs, kept)
     known = {"regions": partition.region_count, "error": partition.error, "left_out": int((face_region < 0).sum())}
     known["locked"] = int(np.count_nonzero(partition.region_locked))
-    closing = {name: getattr(prepared, name) for name in ("closed", "filled", "kept")}
-    return Outcome(face_region, color, border, partition, numbers=known | numbers, **closing)
+    return Outcome(face_region, color, border, partition, numbers=known | numbers, closing=prepared.closing)
 
 
 def _apply_add(step: rcp.AddProxy, prepared, before, watch, begin, end) -> Outcome:

@@ -73,6 +73,6 @@ _SHORT.maxlevel, _SHORT.maxstring, _SHORT.maxlist, _SHORT.maxtuple = 3, 50, 10, 
 
 
 def short(value: object) -> str:
-    """A value that may be anything, as it is put into a message."""
+    """The text of any value for a message, shortened."""
     text = _SHORT.repr(value)
     return text if len(text) < 60 else text[:57] + "..."

@@ -9,6 +9,7 @@ import numpy as np
 
 from . import recipe as rcp
 from . import view
+from .prepared import NONE_CLOSED, Closing
 
 
 class StepFailed(Exception):
@@ -32,9 +33,7 @@ class Outcome:
     numbers: dict = field(default_factory=dict)  #: of the last step and of the scan
     made: Any = None  #: how the engine made the partition; None once it was edited
     region_distance: Any = None  #: after Mesh: (R,) largest distance of its vertices from the polygons
-    closed: float = 0.0  #: scene units; handles up to this length were cut before the partition,
-    filled: float = 0.0  #: and holes up to this length filled,
-    kept: tuple = ()  #: but for those at these places
+    closing: Closing = NONE_CLOSED  #: how openings were closed before the partition
 
     @property
     def face_color(self) -> np.ndarray:

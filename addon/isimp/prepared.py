@@ -13,6 +13,18 @@ from .scan import Scan
 from .spare import blocks
 
 
+@dataclass(frozen=True)
+class Closing:
+    """Which openings of a scan are closed before it is partitioned."""
+
+    handles: float = 0.0  #: scene units; handles up to this length are cut,
+    holes: float = 0.0  #: and holes up to this length filled,
+    kept: tuple = ()  #: but for those at these places
+
+
+NONE_CLOSED = Closing()
+
+
 @dataclass(frozen=True, eq=False)
 class Prepared:
     """A scan as the engine takes it, and the way back to the user's faces."""
@@ -22,9 +34,7 @@ class Prepared:
     mesh_face: np.ndarray  #: (F',) the user's face each face of the mesh is of
     face_triangle: np.ndarray  #: (face_count,) the largest face of the mesh in each user's face, -1 if none is left
     layers: dict = field(default_factory=dict, kw_only=True)  #: of the scan as it is now
-    closed: float = field(default=0.0, kw_only=True)  #: scene units; handles up to this length were cut,
-    filled: float = field(default=0.0, kw_only=True)  #: and holes up to this length filled,
-    kept: tuple = field(default=(), kw_only=True)  #: but for those at these places
+    closing: Closing = field(default=NONE_CLOSED, kw_only=True)  #: how its openings were closed
     areas: np.ndarray | None  #: (F',) where a user's face has more than one triangle; None where each has one
 
     @property

@@ -15,7 +15,16 @@ from .engine import ENGINE_PROBLEM, engine
 from .engine_options import PARTITION
 from .language import said
 from .outcome import Outcome, StepFailed
-from .prepared import Prepared, in_users_faces, prepared_of, scan_numbers, triangle_at, triangles_at
+from .prepared import (
+    NONE_CLOSED,
+    Closing,
+    Prepared,
+    in_users_faces,
+    prepared_of,
+    scan_numbers,
+    triangle_at,
+    triangles_at,
+)
 from .scan import Scan
 from .task import Watch, shares
 
@@ -56,10 +65,10 @@ class Session:
         steps, keys = recipe.active(), _keys(scan, recipe)
         done, outcome = self._longest_known(keys)
         if done < len(steps):
-            closing = (outcome.closed, outcome.filled, outcome.kept) if outcome else (0.0, 0.0, ())
-            times = [0.0 if self._meshes.get((scan.digest, *closing)) else PREPARING]
+            closing = outcome.closing if outcome else NONE_CLOSED
+            times = [0.0 if self._meshes.get((scan.digest, closing)) else PREPARING]
             ends = shares(times + [TIMES.get(type(step), 1.0) for _, step in steps[done:]])
-            prepared = replace(self.prepare(scan, watch, 0.0, ends[0], *closing), layers=scan.layers)
+            prepared = replace(self.prepare(scan, watch, 0.0, ends[0], closing), layers=scan.layers)
         for number in range(done, len(steps)):
             index, step = steps[number]
             begin, end = ends[number - done : number - done + 2]
@@ -81,26 +90,20 @@ class Session:
         watch: Watch | None = None,
         begin: float = 0.0,
         end: float = 1.0,
-        closed: float = 0.0,
-        filled: float = 0.0,
-        kept: tuple = (),
+        closing: Closing = NONE_CLOSED,
     ) -> Prepared:
-        """The scan, checked and repaired; closed, filled and kept are those of Outcome.
-
-        Raises ValueError if nothing usable is in it.
-        """
-        kept = kept if closed else ()
-        key = (scan.digest, closed, filled, kept)
+        """The scan, checked and repaired. Raises ValueError if nothing usable is in it."""
+        key = (scan.digest, closing)
         prepared = self._meshes.get(key)
         if prepared is None:
-            prepared = _prepare(scan, (closed, filled), kept, watch or Watch(), begin, end)
+            prepared = _prepare(scan, closing, watch or Watch(), begin, end)
             # Adjacency, normals and other data of the engine: about 300 bytes a face.
             self._meshes.put(key, prepared, 300 * len(scan.triangles))
         return prepared
 
     def _prepared(self, scan: Scan, outcome: Outcome, watch: Watch | None = None) -> Prepared:
-        """The scan as an outcome's partition is of it."""
-        return self.prepare(scan, watch, closed=outcome.closed, filled=outcome.filled, kept=outcome.kept)
+        """The repaired scan that an outcome's partition belongs to."""
+        return self.prepare(scan, watch, closing=outcome.closing)
 
     def openings(self, scan: Scan, outcome: Outcome) -> list[dict]:
         """What was closed before the partition, and what was kept open: `engine.Mesh.openings`."""
@@ -163,7 +166,7 @@ class Session:
             outcome = APPLY[type(step)](step, prepared, before, watch, begin, end)
         seconds = time.perf_counter() - started
         numbers = {"step": step.kind, "seconds": seconds, "scan": prepared.scan.digest}
-        numbers |= scan_numbers(self.prepare(prepared.scan)) | {"closed_below": outcome.filled}
+        numbers |= scan_numbers(self.prepare(prepared.scan)) | {"closed_below": outcome.closing.holes}
         mesh = self._prepared(prepared.scan, outcome).mesh
         numbers |= {"repairs": mesh.report["repairs"]}
         numbers |= {"kept_open": sum(opening["kept"] for opening in mesh.openings)}
@@ -177,10 +180,8 @@ class Session:
         locked = before is not None and before.partition.region_locked.any()
         if not (locked or step.faces):  # they keep regions that are of the mesh as it was
             plain = replace(self.prepare(prepared.scan, watch, begin, begin), layers=prepared.layers)
-            closed = self._closing(step, plain, options, watch, begin, begin + 0.3 * (end - begin))
-            prepared = replace(
-                self.prepare(prepared.scan, watch, begin, end, *closed, step.keep_openings), layers=prepared.layers
-            )
+            closing = self._closing(step, plain, options, watch, begin, begin + 0.3 * (end - begin))
+            prepared = replace(self.prepare(prepared.scan, watch, begin, end, closing), layers=prepared.layers)
         guides = _guides(step, prepared, before)
         made = engine.within.Made(options, guides, self._part(prepared, guides, step.leave_out))
         args = (prepared.mesh, options, guides, made.part)
@@ -204,23 +205,23 @@ class Session:
         except engine.InvalidInput:
             return {}
 
-    def _closing(self, step: rcp.Partition, plain: Prepared, options, watch, begin, end) -> tuple[float, float]:
-        """The lengths up to which handles are cut and holes filled, since the regions of the step can't show them."""
+    def _closing(self, step: rcp.Partition, plain: Prepared, options, watch, begin, end) -> Closing:
+        """Which openings are closed, since the regions of the step can't show them."""
         if not step.close_openings or step.count_by == "bound" or engine.opening_length(plain.mesh, 1) == 0:
-            return 0.0, 0.0
+            return NONE_CLOSED
         count = options.proxies
         if count is None:
             found = engine_call(watch, begin, end, "counting regions", engine.partition, plain.mesh, options)
             count = found.region_count
         holes, handles = engine.opening_lengths(plain.mesh, count)
-        return handles, holes
+        return Closing(handles, holes, step.keep_openings) if handles else NONE_CLOSED
 
     def _part(self, prepared: Prepared, guides, leave_out: float):
         """The part of the mesh to split, kept so that another number is quick; None: all of it."""
         faces = engine.guided.open_faces(prepared.mesh, guides, leave_out)
         if faces is None:
             return None
-        key = (prepared.scan.digest, prepared.closed, prepared.filled, prepared.kept, faces.tobytes())
+        key = (prepared.scan.digest, prepared.closing, faces.tobytes())
         if self._parts.get(key) is None:
             self._parts.put(key, engine.guided.part_of(prepared.mesh, faces), 1)
         return self._parts.get(key)
@@ -231,15 +232,15 @@ def _keys(scan: Scan, recipe: rcp.Recipe) -> list[tuple]:
     return [(scan.digest, scan.layers_digest, key) for key in recipe.prefix_keys()]
 
 
-def _prepare(scan: Scan, closing: tuple[float, float], kept: tuple, watch: Watch, begin: float, end: float) -> Prepared:
+def _prepare(scan: Scan, closing: Closing, watch: Watch, begin: float, end: float) -> Prepared:
     if len(scan.triangles) == 0:
         raise ValueError(said("The mesh has no faces: there is nothing to simplify"))
     middle = begin + 0.4 * (end - begin)
-    args = (scan.vertices, scan.triangles, engine.CleanOptions(cut_handles=closing[0], fill_holes=closing[1]))
-    clean = partial(engine.clean, keep=np.array(kept, np.float64).reshape(-1, 3))
+    args = (scan.vertices, scan.triangles, engine.CleanOptions(cut_handles=closing.handles, fill_holes=closing.holes))
+    clean = partial(engine.clean, keep=np.array(closing.kept, np.float64).reshape(-1, 3))
     mesh = engine_call(watch, begin, middle, "reading the mesh", clean, *args)
     with watch.part("reading the mesh", middle, end):
-        return replace(prepared_of(scan, mesh), closed=closing[0], filled=closing[1], kept=kept)
+        return replace(prepared_of(scan, mesh), closing=closing)
 
 
 def _weights(step: rcp.Partition, prepared: Prepared) -> np.ndarray | None:

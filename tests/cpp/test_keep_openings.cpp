@@ -109,7 +109,7 @@ TEST(KeepOpenings, OneHandleOfTwoStays) {
 }
 
 TEST(KeepOpenings, NoOtherLoopClosesAHandleThatStays) {
-  // Loops round the tube and loops through the hole are all short enough: whichever is shortest is told and is named.
+  // Loops round the tube and loops through the hole are all short enough; the shortest one is listed.
   const Arrays ring = shapes::torus(48, 24, 0.4);
   const Cleaned all = cleaned(ring, {}, 10);
   ASSERT_EQ(all.openings.size(), 1U);

@@ -7,7 +7,7 @@
 #include "isimp/core/errors.h"
 #include "isimp/mesh/io.h"
 
-/// Files of text that somebody writes anew while they are read: their lines are counted first, and what is read then
+/// Files of text that change while they are read: their lines are counted first, and what is read then
 /// may be other lines. The arrays are those of either file or of a mixture, or a message says what is wrong; nothing is
 /// written outside of them.
 namespace isimp {

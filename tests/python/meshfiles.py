@@ -4,6 +4,8 @@ import struct
 
 import numpy as np
 
+import isimp_engine as engine
+
 
 def ply_ascii(path, vertices, polygons):
     head = (
@@ -104,3 +106,14 @@ POLYGONS = {
     "mesh.off": off,
 }
 TRIANGLES = {**POLYGONS, "ascii.stl": stl_ascii, "binary.stl": stl_binary}
+
+
+def read_rows(path, rows, end="\n", threads=0):
+    """What the engine reads of a file of these lines."""
+    path.write_bytes(end.join(rows).encode())
+    return engine.read_polygons(path, threads=threads)
+
+
+def assert_same(found, wanted):
+    for one, other in zip(found, wanted, strict=True):
+        np.testing.assert_array_equal(one, other)

@@ -5,6 +5,7 @@ import pytest
 
 import isimp_engine as engine
 import shapes
+from meshfiles import assert_same, read_rows
 
 
 def lines(corners=3, n=40):
@@ -20,13 +21,7 @@ def lines(corners=3, n=40):
 
 
 def read(tmp_path, rows, end="\n", threads=0):
-    (tmp_path / "a.obj").write_bytes(end.join(rows).encode())
-    return engine.read_polygons(tmp_path / "a.obj", threads=threads)
-
-
-def assert_same(found, wanted):
-    for one, other in zip(found, wanted, strict=True):
-        np.testing.assert_array_equal(one, other)
+    return read_rows(tmp_path / "a.obj", rows, end, threads)
 
 
 @pytest.mark.parametrize("corners", [3, 4])

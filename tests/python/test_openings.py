@@ -113,19 +113,19 @@ def test_the_add_on_closes_them_too_and_edits_what_is_closed():
     scan, session = scan_of(shapes.room(16)), Session()
     steps = rcp.Recipe((rcp.Partition(proxies=REGIONS),))
     outcome = session.replay(scan, steps)
-    assert outcome.closed > 4
+    assert outcome.closing.handles > 4
     assert outcome.numbers["repairs"]["cut_handles"] == 16
     gone = outcome.face_region < 0
     assert 0 < gone.sum() < 16 * 40, "the walls of the tunnels are in no region"
     kept = session.replay(scan, rcp.Recipe((rcp.Partition(proxies=REGIONS, close_openings=False),)))
-    assert kept.closed == 0
+    assert kept.closing.handles == 0
     assert (kept.face_region >= 0).all()
     made = session.replay(scan, steps.then(rcp.Mesh()))
     whole = session.replay(scan_of(shapes.room(0)), steps.then(rcp.Mesh()))
     assert made.numbers["polygons"] <= 1.1 * whole.numbers["polygons"]
     face = int(np.flatnonzero(~gone)[0])
     edited = session.replay(scan, steps.then(rcp.AddProxy(face=face)))
-    assert edited.closed == outcome.closed
+    assert edited.closing == outcome.closing
     assert edited.numbers["regions"] == REGIONS + 1
     assert session.region_at(scan, edited, face)["area"] > 0
     with pytest.raises(StepFailed, match="left out by the repair"):
@@ -135,8 +135,8 @@ def test_the_add_on_closes_them_too_and_edits_what_is_closed():
 def test_the_add_on_closes_the_same_as_the_command(tmp_path):
     report, _ = simplified(tmp_path, shapes.room(16), f"--proxies={REGIONS}")
     outcome = Session().replay(scan_of(shapes.room(16)), rcp.Recipe((rcp.Partition(proxies=REGIONS),)))
-    assert outcome.filled == pytest.approx(report["options"]["clean"]["fill_holes"], rel=1e-5)
-    assert outcome.closed == pytest.approx(report["options"]["clean"]["cut_handles"], rel=1e-5)
+    assert outcome.closing.holes == pytest.approx(report["options"]["clean"]["fill_holes"], rel=1e-5)
+    assert outcome.closing.handles == pytest.approx(report["options"]["clean"]["cut_handles"], rel=1e-5)
 
 
 def test_covers_belong_to_the_face_beside_them():

@@ -11,6 +11,7 @@ import pytest
 
 import isimp_engine as engine
 import shapes
+from meshfiles import assert_same, read_rows
 
 VERTEX = ("float x", "float y", "float z")
 DOUBLES = ("double x", "double y", "double z")
@@ -33,13 +34,7 @@ def sheet(corners=3, n=40, times=20):
 
 
 def read(tmp_path, rows, end="\n", threads=0):
-    (tmp_path / "a.ply").write_bytes(end.join(rows).encode())
-    return engine.read_polygons(tmp_path / "a.ply", threads=threads)
-
-
-def assert_same(found, wanted):
-    for one, other in zip(found, wanted, strict=True):
-        np.testing.assert_array_equal(one, other)
+    return read_rows(tmp_path / "a.ply", rows, end, threads)
 
 
 @pytest.mark.parametrize("corners", [3, 0])

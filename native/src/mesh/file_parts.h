@@ -18,7 +18,7 @@
 namespace isimp::detail {
 
 /// A file's bytes, read from the disk part by part, so that it is never in memory as a whole. A mapping would save one
-/// copy within the cache, but a file that somebody cuts short meanwhile would end the process by SIGBUS.
+/// copy within the cache, but SIGBUS would end the process if the file were cut short meanwhile.
 class FileParts {
  public:
   /// Bytes that are in memory already. `held` outlives this.
@@ -55,6 +55,15 @@ class FileParts {
 /// is longer than some parts, as in a file whose lines don't end in line feeds.
 std::vector<std::size_t> line_parts(const FileParts& parts, std::size_t begin, Job& job);
 
+/// Polls in each piece of work, and reports how far the first one is, since the others are about as far.
+inline void report_piece(Job& job, std::int32_t piece, double share) {
+  if (piece == 0) {
+    job.report(share);
+  } else {
+    job.poll();
+  }
+}
+
 /// Calls body(i, text) for each part of whole lines on all threads; false if one of the calls returns false.
 template <class Body>
 bool for_each_part(const FileParts& parts, const std::vector<std::size_t>& edges, const Threads& threads, Job& job,
@@ -64,11 +73,7 @@ bool for_each_part(const FileParts& parts, const std::vector<std::size_t>& edges
   threads.run(count, threads.pieces(count, 1), [&](std::int32_t piece, std::int32_t begin, std::int32_t end) {
     FileParts::Reader reader(parts);
     for (std::int32_t i = begin; i < end && fine; ++i) {
-      if (piece == 0) {  // the others are about as far
-        job.report(static_cast<double>(i) / end);
-      } else {
-        job.poll();
-      }
+      report_piece(job, piece, static_cast<double>(i) / end);
       const auto k = static_cast<std::size_t>(i);
       if (!body(k, reader.bytes(edges[k], edges[k + 1]))) fine = false;
     }

@@ -61,7 +61,7 @@ class SoupBuilder {
   std::span<Vec3> add_vertices(std::size_t count);
   /// Adds `count` polygons with `corners` corners each. The caller sets the corners, polygon after polygon.
   std::span<std::int32_t> add_polygons(std::size_t count, std::size_t corners);
-  /// Whether so many can still be added, polygons with so many corners in all.
+  /// Whether this many vertices, polygons and corners in all can still be added.
   [[nodiscard]] bool has_room(std::size_t vertices, std::size_t polygons, std::size_t corners) const {
     return vertices <= room_for_vertices() && polygons <= room_for_polygons(0) && corners <= room_for_polygons(1);
   }

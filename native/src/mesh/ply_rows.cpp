@@ -34,11 +34,7 @@ std::size_t for_each_block(std::size_t rows, const FileParts& parts, const Threa
     FileParts::Reader reader(parts);
     const auto end = static_cast<std::size_t>(last);
     for (auto begin = static_cast<std::size_t>(first); begin < end; begin += kBlock) {
-      if (piece == 0) {  // the others are about as far
-        job.report(static_cast<double>(begin) / last);
-      } else {
-        job.poll();
-      }
+      report_piece(job, piece, static_cast<double>(begin) / last);
       const std::size_t block_end = std::min(end, begin + kBlock), came = visit(reader, begin, block_end);
       if (came == block_end) continue;
       stopped[piece] = came;

@@ -31,8 +31,7 @@ void read_bytes(const fs::path& path, FileText& file, const Threads& threads, Jo
     std::ifstream in(path, std::ios::binary);
     in.seekg(static_cast<std::streamoff>(begin) * static_cast<std::streamoff>(kBlock));
     for (std::int32_t block = begin; block < end; ++block) {
-      if (piece == 0) job.report(static_cast<double>(block) / end);  // the others are about as far
-      job.poll();
+      detail::report_piece(job, piece, static_cast<double>(block) / end);
       const std::size_t done = static_cast<std::size_t>(block) * kBlock;
       const std::size_t wanted = std::min(kBlock, file.bytes.size() - done);
       if (!in.read(file.bytes.data() + done, static_cast<std::streamsize>(wanted)))

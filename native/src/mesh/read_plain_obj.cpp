@@ -1,4 +1,4 @@
-#include <algorithm>
+#include <numeric>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -11,6 +11,10 @@ namespace {
 /// How many things of each kind a part of the file has, or how many there are before it.
 struct Counts {
   std::size_t vertices = 0, faces = 0, corners = 0;
+
+  friend Counts operator+(const Counts& a, const Counts& b) {
+    return {a.vertices + b.vertices, a.faces + b.faces, a.corners + b.corners};
+  }
 };
 
 bool begins(std::string_view line, char keyword) {
@@ -48,17 +52,6 @@ bool count_lines(std::string_view text, Counts& counts) {
            }
            return true;
          });
-}
-
-/// Turns the counts of each part into those of all parts before it, and returns those of all.
-Counts add_up(std::vector<Counts>& counts) {
-  Counts before;
-  for (Counts& own : counts) {
-    const Counts held = own;
-    own = before;
-    before = {before.vertices + held.vertices, before.faces + held.faces, before.corners + held.corners};
-  }
-  return before;
 }
 
 bool read_vertex(std::string_view line, Vec3& place) {
@@ -104,14 +97,15 @@ bool read_lines(std::string_view text, const Arrays& arrays, Counts at, const Co
 std::optional<PolygonSoup> read_plain_obj(const FileParts& parts, const Threads& threads, Job& job) {
   const std::vector<std::size_t> edges = line_parts(parts, 0, job);
   if (edges.empty()) return {};
-  std::vector<Counts> counts(edges.size());  // the last is of nothing, and then of all
+  std::vector<Counts> counts(edges.size());  // of each part; then of all parts before it, the last one of all parts
   {
     const Job::Part counting(job, "reading", 0.0, 0.2);
     if (!for_each_part(parts, edges, threads, job,
                        [&](std::size_t i, std::string_view text) { return count_lines(text, counts[i]); }))
       return {};
   }
-  const Counts all = add_up(counts);
+  std::exclusive_scan(counts.begin(), counts.end(), counts.begin(), Counts{});
+  const Counts& all = counts.back();
   SoupBuilder soup(parts.file(), threads);
   if (all.vertices == 0 || !soup.has_room(all.vertices, all.faces, all.corners)) return {};
   const Arrays arrays{soup.add_vertices(all.vertices), soup.add_mixed_polygons(all.faces, all.corners)};

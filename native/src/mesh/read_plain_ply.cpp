@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -96,8 +97,7 @@ class TextRows {
   [[nodiscard]] std::size_t rows() const { return layout_.vertex.count + layout_.face.count; }
   /// Turns the numbers of parts into those of all parts before each.
   static void add_up(std::vector<std::size_t>& numbers) {
-    std::size_t before = 0;
-    for (std::size_t& number : numbers) before += std::exchange(number, before);
+    std::exclusive_scan(numbers.begin(), numbers.end(), numbers.begin(), std::size_t{0});
   }
   bool count_rows() {
     const Job::Part part(job_, "reading", 0.0, 0.1);

@@ -6,9 +6,9 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr double kOneWay = 0.97;  ///< vector area over area from which on a piece is looked at no further
-constexpr double kRough = 0.035;  ///< 1 less the same, for the faces of each direction: more is a curve, not sides ...
-constexpr double kBetter = 3;     ///< ... and for the whole piece it has to be so many times as much
+constexpr double kFlat = 0.03;    ///< roughness up to which a piece has one side
+constexpr double kCurve = 0.035;  ///< roughness of the sides beyond which they are a curve
+constexpr double kGain = 3;       ///< times the roughness of the sides: a piece that is less rough stays whole
 constexpr double kNear = 0.7071;  ///< cosine of 45 degrees: how near to a direction its faces look
 constexpr double kRest = 0.01;    ///< share of the area that needs no direction of its own
 constexpr int kDirections = 10;   ///< at most
@@ -29,10 +29,10 @@ class Looks {
     }
   }
 
-  /// By how much less than its area the vector area of the piece is, as a share.
+  /// 1 less the vector area over the area: 0 where all faces look in one direction.
   [[nodiscard]] double roughness() const { return roughness(std::vector<std::uint8_t>(looks_.size(), 0)); }
 
-  /// The same where the vector areas of all faces of one direction are summed up.
+  /// The same of the sides: for each direction, the vector area of its faces.
   [[nodiscard]] double roughness(const std::vector<std::uint8_t>& own) const {
     std::array<Vec3, kDirections> sums;
     sums.fill(Vec3::Zero());
@@ -150,9 +150,9 @@ std::int32_t cut_by_direction(Cutter& cutter, std::int32_t piece) {
   const std::vector<std::int32_t> faces = cutter.labels.faces_of(piece);
   const Looks looks(cutter, faces);
   const double before = looks.roughness();
-  if (before <= 1 - kOneWay) return 0;
+  if (before <= kFlat) return 0;
   const std::vector<std::uint8_t> own = looks.nearest_directions();
-  if (const double after = looks.roughness(own); after > kRough || kBetter * after > before) return 0;
+  if (const double after = looks.roughness(own); after > kCurve || kGain * after > before) return 0;
   const std::vector<std::vector<std::int32_t>> parts = looks.parts(own);
   for (std::size_t k = 1; k < parts.size(); ++k) cutter.labels.part(parts[k], faces[0], Cause::wall);
   return static_cast<std::int32_t>(parts.size()) - 1;

@@ -22,26 +22,6 @@ constexpr double kOfBend = 1.4;   ///< for the root of what a polygon is bent be
 constexpr double kOfCrossing = 0.35;
 constexpr double kOfMeeting = 1.1;  ///< for a piece that meets others
 
-std::int32_t* counter_of(ExpectedPolygons& e, Cause cause) {
-  switch (cause) {
-    case Cause::unconnected:
-      return &e.split_for_unconnected;
-    case Cause::pinch:
-      return &e.split_for_pinches;
-    case Cause::hole:
-    case Cause::wall:
-      return &e.split_for_holes;
-    case Cause::handle:
-      return &e.split_for_handles;
-    case Cause::closed:
-      return &e.split_for_closed;
-    case Cause::region:
-    case Cause::repair:
-      break;
-  }
-  return nullptr;
-}
-
 /// Whether a wall goes on in another region, with which it will be one polygon.
 bool goes_on(const State& state, std::int32_t wall) {
   constexpr double kSameWay = 0.9;  // cosine of the angle
@@ -97,11 +77,9 @@ ExpectedPolygons expected_polygons(const Mesh& mesh, const Partition& partition,
   // A scan that is cut to discs nowhere and has no other fault keeps one polygon a piece.
   if (more > 0) more += kOfSplit * (splits - walls);
   e.regions = static_cast<std::int32_t>(regions.size());
-  e.split_for_holes -= halves / 2;
-  splits -= halves / 2;
-  pieces -= halves / 2;
   e.split_for_repair = static_cast<std::int32_t>(std::lround(more)) + (pieces - e.regions - splits);
-  e.polygons = e.regions + splits + e.split_for_repair;
+  e.split_for_holes -= halves / 2;
+  e.polygons = e.regions + splits - halves / 2 + e.split_for_repair;
   return e;
 }
 

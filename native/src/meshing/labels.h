@@ -16,6 +16,29 @@ namespace isimp::meshing {
 /// Why a piece is there.
 enum class Cause : std::uint8_t { region, unconnected, pinch, hole, wall, handle, closed, repair };  ///< wall: of holes
 
+/// The counter of a report that a piece of this cause adds to; null for the first piece of a region.
+template <class Report>
+std::int32_t* counter_of(Report& report, Cause cause) {
+  switch (cause) {
+    case Cause::unconnected:
+      return &report.split_for_unconnected;
+    case Cause::pinch:
+      return &report.split_for_pinches;
+    case Cause::hole:
+    case Cause::wall:
+      return &report.split_for_holes;
+    case Cause::handle:
+      return &report.split_for_handles;
+    case Cause::closed:
+      return &report.split_for_closed;
+    case Cause::repair:
+      return &report.split_for_repair;
+    case Cause::region:
+      break;
+  }
+  return nullptr;
+}
+
 /// A connected set of faces that is to become one polygon.
 struct Piece {
   std::int32_t face = kNone;    ///< one of its faces

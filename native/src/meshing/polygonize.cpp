@@ -23,12 +23,7 @@ void count_splits(const Labels& labels, std::int32_t regions, MeshingReport& rep
   for (const Piece& p : labels.pieces) {
     if (p.face == kNone) continue;
     ++pieces[p.region];
-    report.split_for_unconnected += p.cause == Cause::unconnected;
-    report.split_for_pinches += p.cause == Cause::pinch;
-    report.split_for_holes += p.cause == Cause::hole || p.cause == Cause::wall;
-    report.split_for_handles += p.cause == Cause::handle;
-    report.split_for_closed += p.cause == Cause::closed;
-    report.split_for_repair += p.cause == Cause::repair;
+    if (std::int32_t* counter = counter_of(report, p.cause)) ++*counter;
   }
   report.regions = static_cast<std::int32_t>(std::count_if(pieces.begin(), pieces.end(), [](int n) { return n > 0; }));
   report.regions_split =

@@ -28,26 +28,25 @@ def run(arguments: argparse.Namespace) -> None:
 
 def result(arguments: argparse.Namespace, source: Input, cleaned: Cleaned) -> dict[str, Any]:
     """How many polygons `isimp simplify` would make with these options, and why; or why it would refuse."""
-    model: simplify.Regions | simplify.Model
     steps = simplify.Steps(show=False)
     try:
         if arguments.estimate:
-            model = simplify.make_regions(arguments, source, steps, cleaned)
-            out: dict[str, Any] = model.expected
+            regions = simplify.make_regions(arguments, source, steps, cleaned)
+            out: dict[str, Any] = regions.expected
         else:
-            model = simplify.make_model(arguments, source, steps, cleaned)
+            regions = model = simplify.make_model(arguments, source, steps, cleaned)
             out = model.found.report
     except UsageError as error:
         return {"refused": str(error).removeprefix(f"{source.path}: ")}
     counts = {key: value for key, value in out.items() if key in ("regions", "polygons") or key.startswith("split_for")}
     return counts | {
-        "expected": model.expected,
+        "expected": regions.expected,
         "estimated": bool(arguments.estimate),
-        "closed_below": model.closed.fill_holes if model.closed else None,
-        "filled_holes": model.repaired["filled_holes"],
-        "cut_handles": model.repaired["cut_handles"],
-        "openings": closing.told(model.mesh),
-        "partition": model.partition.report,
+        "closed_below": regions.closed.fill_holes if regions.closed else None,
+        "filled_holes": regions.repaired["filled_holes"],
+        "cut_handles": regions.repaired["cut_handles"],
+        "openings": closing.told(regions.mesh),
+        "partition": regions.partition.report,
     }
 
 

@@ -104,21 +104,6 @@ def run(arguments: argparse.Namespace) -> Done:
 
 
 @dataclass(frozen=True)
-class Model:
-    """The polygons of a scan, and how they came about."""
-
-    mesh: Mesh
-    partition: Partition
-    found: Within
-    repaired: dict[str, int]
-    repaired_at: dict[str, list[int]]
-    closed: CleanOptions | None  #: how openings were closed; None where none were
-    expected: dict[str, int]  #: of polygons, before they were made: see `expected_polygons`
-    meshing: MeshingOptions
-    regular: RegulariseOptions | None
-
-
-@dataclass(frozen=True)
 class Regions:
     """The regions of a scan, and what they were made of."""
 
@@ -127,10 +112,17 @@ class Regions:
     guides: Guides
     repaired: dict[str, int]
     repaired_at: dict[str, list[int]]
-    closed: CleanOptions | None  #: as in Model, too:
-    expected: dict[str, int]
+    closed: CleanOptions | None  #: how openings were closed; None where none were
+    expected: dict[str, int]  #: of polygons, before they are made: see `expected_polygons`
     meshing: MeshingOptions
     regular: RegulariseOptions | None
+
+
+@dataclass(frozen=True)
+class Model(Regions):
+    """The regions of a scan, as they are after meshing, and their polygons."""
+
+    found: Within
 
 
 def make_regions(arguments: argparse.Namespace, source: Input, steps: Steps, cleaned: Cleaned | None = None) -> Regions:
@@ -176,8 +168,7 @@ def make_model(arguments: argparse.Namespace, source: Input, steps: Steps, clean
         edited = recipe is not None and recipe.edits  # made anew, the edits would be lost
         anew = None if edited else Made(arguments.options, made.guides)
         found = polygonize_within(made.mesh, made.partition, made.meshing, job, anew)
-    repairs = made.repaired, made.repaired_at
-    return Model(made.mesh, found.partition, found, *repairs, made.closed, made.expected, made.meshing, made.regular)
+    return Model(**vars(made) | {"partition": found.partition}, found=found)
 
 
 def _make(

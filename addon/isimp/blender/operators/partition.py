@@ -50,7 +50,7 @@ class ISIMP_OT_partition(RecipeOperator, settings.PartitionSettings, bpy.types.O
             step = dataclasses.replace(step, count_by=given[0])
         before = rcp.Recipe() if targets.needs_regions(scan) else store.load(scan)
         self._dropped = 0 if self.part else messages.hand_edits(before)
-        if (last := before.whole()[1]) is not None and not self.part:  # what somebody kept open stays so
+        if (last := before.whole()[1]) is not None and not self.part:  # openings that the user kept open stay open
             step = dataclasses.replace(step, keep_openings=last.keep_openings)
         return before.then(step)  # keeps the steps before locked regions
 

@@ -56,7 +56,7 @@ def show(context, scan, all_found, chosen, at) -> None:
 
 def _scan(context):
     """The scan in the viewport, or None."""
-    if context.region is None or context.region.type != "WINDOW" or context.region_data is None:
+    if not point.in_viewport(context):
         return None
     scan, problem = targets.find(context)
     seen = not problem and context.view_layer.objects.active == scan and not targets.needs_regions(scan)
@@ -96,7 +96,7 @@ class ISIMP_OT_toggle_opening(bpy.types.Operator):
     def invoke(self, context, event):
         scan = _scan(context)
         if scan is None:
-            self.report({"INFO"}, said("There are no regions here (sidebar: N, tab iSimp)."))
+            self.report({"INFO"}, point.nothing_here())
             return {"CANCELLED"}
         all_found = found(context, scan, wait=True) or []
         chosen = under_mouse(context, scan, all_found, (event.mouse_region_x, event.mouse_region_y))

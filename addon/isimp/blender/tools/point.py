@@ -44,6 +44,16 @@ def do(operator: str, **settings) -> None:
         getattr(getattr(bpy.ops, group), name)("INVOKE_DEFAULT", True, **settings)
 
 
+def in_viewport(context) -> bool:
+    """Whether the mouse is in the 3D view itself, not in a panel beside it."""
+    return context.region is not None and context.region.type == "WINDOW" and context.region_data is not None
+
+
+def nothing_here(problem: str = own("There are no regions here")) -> str:
+    """Why there is nothing to point at, and where to begin."""
+    return said("{why} (sidebar: N, tab iSimp).", why=said(problem))
+
+
 class ModalTool:
     """Mixin of tools that work from a press of the mouse to its release."""
 
@@ -57,7 +67,7 @@ class ModalTool:
 
     def begin(self, context, event) -> bool:
         """Whether there is something to point at."""
-        if context.region is None or context.region.type != "WINDOW" or context.region_data is None:
+        if not in_viewport(context):
             return False
         self._region, self._view = context.region, context.region_data
         scan, problem = targets.find(context)
@@ -67,8 +77,7 @@ class ModalTool:
         problem = problem or targets.needs_regions(scan)
         self._ground = under.ground(context, wait=True) if not problem else None
         if self._ground is None:
-            why = said(problem or own("There are no regions here"))
-            self.report({"INFO"}, said("{why} (sidebar: N, tab iSimp).", why=why))
+            self.report({"INFO"}, nothing_here(problem) if problem else nothing_here())
         return self._ground is not None
 
     def go(self, context, keys: str):
@@ -101,7 +110,7 @@ class ISIMP_OT_hover(bpy.types.Operator):
     keys: StringProperty(name="Keys", description="Text of the status bar", options={"SKIP_SAVE"})
 
     def invoke(self, context, event):
-        if context.region is None or context.region.type != "WINDOW" or context.region_data is None:
+        if not in_viewport(context):
             return {"PASS_THROUGH"}
         ground = under.ground(context)
         at = (event.mouse_region_x, event.mouse_region_y)

@@ -19,7 +19,7 @@ constexpr std::int64_t kRenewals = 16;  // faces parted anew, in all, as a multi
 constexpr double kShare = 3e-4;         // of the whole error, times the least ratio: worth parting a region anew
 constexpr double kLeastFall = 1e-4;     // of the error by a round: below it, it is not worth another
 constexpr double kLeastGain = 1e-7;     // of the whole area: less is rounding
-constexpr int kVain = 3;                // neighbours with which a region gains no more, before it is left as it is
+constexpr int kVain = 3;                // neighbours in a row without gain after which a region is left as it is
 
 }  // namespace
 

@@ -3,9 +3,8 @@
 import bpy
 import numpy as np
 from scenario_main import same, scan
-from scenario_tools import place, tool, view
+from scenario_tools import begin, place, tool
 
-import isimp
 from isimp.blender import runtime, store
 
 
@@ -37,12 +36,7 @@ def kept():
 
 
 def run(hand):
-    isimp.register()
-    pierced()
-    yield 0.5
-    yield from hand.open_tab()
-    bpy.ops.isimp.partition("EXEC_DEFAULT", True, proxies=8)
-    yield from view(hand)
+    yield from begin(hand, pierced, proxies=8)
     same("the hole is closed", kept(), (0, 1))
     yield from tool(hand, "isimp.opening_tool.object")
     yield from hand.move(*place(hand, 0.02, 0.0))
@@ -55,7 +49,7 @@ def run(hand):
     same("a click keeps it open", kept(), (1, 0))
     yield from hand.move(*place(hand, 0.02, 0.0))
     yield 0.3
-    same("it is told", "kept open" in runtime.get().hover.text, True)
+    same("the hover text names it", "kept open" in runtime.get().hover.text, True)
     yield from hand.shot("openings-2-kept")
     yield from hand.undo()
     same("undone", kept(), (0, 1))

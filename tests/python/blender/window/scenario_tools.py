@@ -15,13 +15,13 @@ def tool(hand, name):
     yield 0.3
 
 
-def begin(hand):
-    """A scan in fourteen regions, seen from the front."""
+def begin(hand, make=make_scan, proxies=14):
+    """A scan in its regions, seen from the front."""
     isimp.register()
-    make_scan()
+    make()
     yield 0.5
     yield from hand.open_tab()
-    bpy.ops.isimp.partition("EXEC_DEFAULT", True, proxies=14)
+    bpy.ops.isimp.partition("EXEC_DEFAULT", True, proxies=proxies)
     yield from view(hand)
 
 
