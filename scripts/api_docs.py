@@ -71,7 +71,9 @@ def members(cls: type) -> Iterator[tuple[str, str, str]]:
             default = "" if field.default is dataclasses.MISSING else repr(field.default)
             yield field.name, default, about.get(field.name, "")
     defaults = cls() if is_compiled_class(cls) and hasattr(cls, "as_dict") else None
-    for name, member in vars(cls).items():
+    for name, attribute in vars(cls).items():
+        # The docstring of a static method's wrapper is Python's own, of static methods as such.
+        member = attribute.__func__ if isinstance(attribute, staticmethod) else attribute
         fields = getattr(cls, "__dataclass_fields__", {})
         if name.startswith("_") or name in fields:
             continue
