@@ -183,7 +183,7 @@ class Session:
             closing = self._closing(step, plain, options, watch, begin, begin + 0.3 * (end - begin))
             prepared = replace(self.prepare(prepared.scan, watch, begin, end, closing), layers=prepared.layers)
         guides = _guides(step, prepared, before)
-        made = engine.within.Made(options, guides, self._part(prepared, guides, step.leave_out))
+        made = engine.within.Made(options, guides, self._part(prepared, guides, options))
         args = (prepared.mesh, options, guides, made.part)
         partition = engine_call(watch, begin, end, "partitioning", _partition_guided, *args)
         names = ("rounds", "tolerance", "noise", "snapped", "distance_max", "warnings")
@@ -216,9 +216,9 @@ class Session:
         holes, handles = engine.opening_lengths(plain.mesh, count)
         return Closing(handles, holes, step.keep_openings) if handles else NONE_CLOSED
 
-    def _part(self, prepared: Prepared, guides, leave_out: float):
+    def _part(self, prepared: Prepared, guides, options):
         """The part of the mesh to split, kept so that another number is quick; None: all of it."""
-        faces = engine.guided.open_faces(prepared.mesh, guides, leave_out)
+        faces = engine.guided.open_faces(prepared.mesh, guides, options.leave_out, options.proxies)
         if faces is None:
             return None
         key = (prepared.scan.digest, prepared.closing, faces.tobytes())

@@ -102,12 +102,13 @@ void bind_constraints(py::module_& m) {
       "See guided.partition_guided.");
   m.def(
       "_open_faces",
-      [](const KeptMesh& mesh, const Given& faces, const Partition* before, double leave_out, Job* job) -> py::object {
+      [](const KeptMesh& mesh, const Given& faces, const Partition* before, std::int32_t proxies, double leave_out,
+         Job* job) -> py::object {
         const Constraints constraints{.faces = to_faces(faces), .before = before};
-        auto open = call_here(job, [&](Job& j) { return open_faces(mesh, constraints, leave_out, j); });
+        auto open = call_here(job, [&](Job& j) { return open_faces(mesh, constraints, proxies, leave_out, j); });
         return open ? py::object(owned(std::move(*open))) : py::object(py::none());
       },
-      "mesh"_a, "faces"_a, "before"_a, "leave_out"_a, "job"_a = py::none(), "See guided.open_faces.");
+      "mesh"_a, "faces"_a, "before"_a, "proxies"_a, "leave_out"_a, "job"_a = py::none(), "See guided.open_faces.");
   m.def(
       "_part_of",
       [](const KeptMesh& mesh, const py::object& faces, Job* job) {

@@ -309,7 +309,7 @@ _inner_edges: Callable[[Mesh], tuple[NDArray[np.int32], NDArray[np.int32], NDArr
 _sharp_edges: Callable[[Mesh, float], NDArray[np.int32]]
 _marked_edges: Callable[[Mesh, NDArray[Any]], NDArray[np.int32]]
 _partition: Callable[..., Partition]
-_open_faces: Callable[[Mesh, NDArray[Any] | None, Partition | None, float], NDArray[np.int32] | None]
+_open_faces: Callable[[Mesh, NDArray[Any] | None, Partition | None, int, float], NDArray[np.int32] | None]
 _part_of: Callable[[Mesh, NDArray[Any], Job | None], Mesh]
 _inside_regions: Callable[[Mesh, Partition, NDArray[Any]], int]
 _parted_at: Callable[[Mesh, Partition, NDArray[Any]], NDArray[np.int32] | None]

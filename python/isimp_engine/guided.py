@@ -65,9 +65,12 @@ def part_of(mesh: Mesh, faces: Faces, job: Job | None = None) -> Part:
     return Part(alone, faces[alone.source_face])
 
 
-def open_faces(mesh: Mesh, guides: Guides, leave_out: float) -> Faces | None:
-    """The faces that may get other regions than they have; None: all, and nothing is decided yet."""
-    faces = _open_faces(mesh, _numbers(guides.faces), guides.before, leave_out)
+def open_faces(mesh: Mesh, guides: Guides, leave_out: float, proxies: int | None = None) -> Faces | None:
+    """The faces that may get other regions than they have; None: all, and nothing is decided yet.
+
+    leave_out, proxies: of the PartitionOptions to come.
+    """
+    faces = _open_faces(mesh, _numbers(guides.faces), guides.before, proxies or 1, leave_out)
     return None if faces is None else faces.astype(np.intp)
 
 

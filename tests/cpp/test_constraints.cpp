@@ -275,7 +275,7 @@ TEST(Constraints, WhatIsKeptOfAPartChangesNothing) {
   Constraints constraints = all_kinds(mesh, before);
   for (const bool only_some : {true, false, true}) {
     constraints.faces = only_some ? std::optional(upper_faces(mesh)) : std::nullopt;
-    const Mesh part = part_of(mesh, *open_faces(mesh, constraints, 0.001, job), job);
+    const Mesh part = part_of(mesh, *open_faces(mesh, constraints, 12, 0.001, job), job);
     const Partitioner own(part);
     for (const std::int32_t proxies : {30, 50}) {
       const Partition fresh = run(mesh, {.proxies = proxies}, constraints);

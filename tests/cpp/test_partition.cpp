@@ -104,6 +104,20 @@ TEST(Partition, SpecksAreLeftOutSmallestFirst) {
   EXPECT_EQ(run(mesh, {.proxies = mesh.face_count(), .method = Method::lloyd}).parts_left_out, 0);
 }
 
+TEST(Partition, LeavesOutMoreWhereEachPartIsFarBelowARegion) {
+  // Thirty parts of .00051 of the area each: nineteen of them stay below ten times .001, all below twenty times.
+  auto arrays = shapes::plane(30);
+  shapes::Arrays speck = shapes::plane(1);
+  for (Vec3& v : speck.vertices) v *= std::sqrt(0.00051 / (1 - 30 * 0.00051));
+  for (int k = 1; k <= 30; ++k) arrays = shapes::both(arrays, speck, {2.0 * k, 0, 0});
+  const Mesh mesh = shapes::mesh(arrays);
+  const auto left_out = [&](const PartitionOptions& options) { return run(mesh, options).parts_left_out; };
+  EXPECT_EQ(left_out({.proxies = 150}), 30);  // a tenth of the mean region is .00067
+  EXPECT_EQ(left_out({.proxies = 250}), 19);  // .0004
+  EXPECT_EQ(left_out({.proxies = 150, .leave_out = 0.0007}), 27);
+  EXPECT_EQ(left_out({.detail = 0.01}), 19);
+}
+
 TEST(Partition, LeavesOutOnlyWhileTogetherBelowTenTimesTheShare) {
   // A hundred and one equal parts, each .0099 of the area: ten of them stay below ten times .01.
   auto arrays = shapes::plane(1);

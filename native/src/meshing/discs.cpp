@@ -8,6 +8,10 @@ namespace {
 
 /// Up to so many boundary loops one chain makes two discs. The polygons of more would have too many corners.
 constexpr std::size_t kFewLoops = 8;
+/// Loops, and two for a handle, beyond which a piece is parted by the directions its faces look in. Then each wall of a
+/// hole is a polygon. Other cuts give half to a third as many polygons, but repairing them takes a time that grows with
+/// the square of the holes.
+constexpr std::size_t kManyOpenings = 24;
 /// Cutting round a handle takes time for all faces of its piece. With more handles than this a piece is halved first.
 constexpr std::int32_t kFewHandles = 64;
 
@@ -47,7 +51,7 @@ void cut(Cutter& cutter, std::int32_t piece, const Shape& shape, Job& job) {
     return;
   }
   const std::size_t openings = shape.loops.size() + 2 * static_cast<std::size_t>(shape.genus);
-  if (openings > kFewLoops && cut_by_direction(cutter, piece) > 0) return;
+  if (openings > kManyOpenings && cut_by_direction(cutter, piece) > 0) return;
   if (shape.genus == 0 && shape.loops.size() > kFewLoops && cut_holes(cutter, piece, shape, job) > 0) return;
   if (shape.genus == 0 && shape.loops.size() > 1 && cut_chain(cutter, piece, shape) != kNone) return;
   if (shape.genus > 0 && shape.genus <= kFewHandles && cut_handles(cutter, piece, shape, job) > 0) return;

@@ -9,7 +9,9 @@ namespace isimp {
 namespace {
 
 constexpr std::int32_t kClosedNeed = 4;  // a closed surface of planar polygons has at least four
-constexpr double kTogether = 10.0;       // all parts left out stay below this times `leave_out`
+constexpr double kTogether = 10.0;       // all parts left out stay below this times `leave_out`,
+constexpr double kUnseenTogether = 20;   // or this where each of the others is too small to be seen:
+constexpr double kUnseen = 0.1;          // of the mean area of a region
 
 /// Everything but `kept` and `need`.
 std::vector<Part> measure(const Surface& surface, Job& job) {
@@ -69,11 +71,17 @@ LeftOut choose_left_out(std::vector<Body>& bodies, std::int32_t proxies, double 
   });
   order.pop_back();  // the largest is always kept
   std::int64_t faces = 0;
-  for (const Body& body : bodies) faces += body.faces;
+  double area = 0;
+  for (const Body& body : bodies) {
+    faces += body.faces;
+    area += body.area;
+  }
+  const double unseen = proxies > 1 ? kUnseen * area / proxies : 0.0;
   LeftOut out;
   for (const std::int32_t c : order) {
     Body& body = bodies[c];
-    if (body.area >= leave_out || out.area + body.area >= kTogether * leave_out) break;
+    const double together = body.area < unseen ? kUnseenTogether : kTogether;
+    if (body.area >= leave_out || out.area + body.area >= together * leave_out) break;
     if (faces - body.faces < proxies) break;
     body.kept = false;
     faces -= body.faces;

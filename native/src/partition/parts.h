@@ -32,10 +32,12 @@ struct Parts {
 };
 
 /// Finds the components and decides which are kept: each below `leave_out` of the area is left out, smallest first,
-/// while all of them together stay below ten times that. The largest is always kept, and none is left out where the
-/// rest would have fewer than `proxies` faces. That goes by components of the mesh, and by true areas, whatever the
-/// guides.
+/// while all of them together stay below ten times that. They may have up to twenty times that where each has less than
+/// a tenth of the mean area of `proxies` regions: it would get up to four of them. The largest is always kept, and none
+/// is left out where the rest would have fewer than `proxies` faces. That goes by components of the mesh, and by true
+/// areas, whatever the guides.
 /// Cost: O(F + C log C).
+/// \param proxies   1 where the number of regions is not known yet
 /// \param measured  the components where they are known already (see Hierarchy::parts)
 Parts find_parts(const Surface& surface, std::int32_t proxies, double leave_out, Job& job,
                  std::vector<Part> measured = {});

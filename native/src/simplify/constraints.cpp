@@ -13,8 +13,9 @@ namespace isimp {
 namespace {
 
 /// Clears the faces of components that partitions leave out.
-void close_left_out(const Mesh& mesh, double leave_out, std::vector<std::uint8_t>& is_open, Job& job) {
-  const Parts all = find_parts(mesh, 1, leave_out, job);
+void close_left_out(const Mesh& mesh, std::int32_t proxies, double leave_out, std::vector<std::uint8_t>& is_open,
+                    Job& job) {
+  const Parts all = find_parts(mesh, proxies, leave_out, job);
   for (std::size_t f = 0; f < is_open.size(); ++f)
     if (!all.parts[mesh.component()[f]].kept) is_open[f] = 0;
 }
@@ -44,8 +45,8 @@ Guides Constraints::with_cuts() const {
   return all;
 }
 
-std::optional<std::vector<std::int32_t>> open_faces(const Mesh& mesh, const Constraints& constraints, double leave_out,
-                                                    Job& job) {
+std::optional<std::vector<std::int32_t>> open_faces(const Mesh& mesh, const Constraints& constraints,
+                                                    std::int32_t proxies, double leave_out, Job& job) {
   const Partition* before = constraints.before;
   const auto count = static_cast<std::size_t>(mesh.face_count());
   if (before != nullptr) check_is_of(mesh, *before);
@@ -55,7 +56,7 @@ std::optional<std::vector<std::int32_t>> open_faces(const Mesh& mesh, const Cons
   if (constraints.faces)
     is_open = chosen_faces(mesh, *constraints.faces);
   else
-    close_left_out(mesh, leave_out, is_open, job);
+    close_left_out(mesh, proxies, leave_out, is_open, job);
   std::vector<std::int32_t> open;
   for (std::size_t f = 0; f < count; ++f) {
     const std::int32_t region = locked ? before->face_region[f] : kNone;

@@ -80,7 +80,7 @@ Partitioner::Prepared Partitioner::prepare(Guides guides, double adaptivity, Job
 }
 
 Partition Partitioner::run(const PartitionOptions& options, const Constraints& constraints, Job& job) const {
-  const auto open = open_faces(*mesh_, constraints, options.leave_out, job);
+  const auto open = open_faces(*mesh_, constraints, options.proxies.value_or(1), options.leave_out, job);
   Prepared prepared = prepare(constraints.with_cuts(), options.adaptivity, job);
   const Surface& surface = prepared.surface;
   const auto split = [&] {

@@ -91,7 +91,8 @@ constexpr auto fields(const PartitionOptions*) {
             "'hierarchy', and for detail and tolerance."),
       field("leave_out", &O::leave_out, from_below(0, 1), Unit::none,
             "Components below this share of the total area get no region, smallest first, as long as all of them "
-            "together stay below ten times it. 0 keeps every component."),
+            "together stay below ten times it; below twenty times it, where each has less than a tenth of the mean "
+            "area of the `proxies` asked for. 0 keeps every component."),
       field("seed", &O::seed, at_least(0), Unit::none, "Seed of the random numbers."),
       field("iterations", &O::iterations, at_least(1), Unit::none, "Maximum number of rounds of flooding and fitting."),
       choice("seeding", &O::seeding,

@@ -31,10 +31,10 @@ struct Constraints {
 /// The faces that may get other regions than they have, rising: `faces` or, without them, those that are not left out;
 /// without those of locked regions. nullopt: there are neither `faces` nor locked regions.
 ///
-/// \param leave_out  as in PartitionOptions
+/// \param proxies, leave_out  as in PartitionOptions; proxies is 1 where the number of regions is not known
 /// \throws InvalidInput  a face out of range (named); no face; all of them are locked; `before` is of another mesh
-std::optional<std::vector<std::int32_t>> open_faces(const Mesh& mesh, const Constraints& constraints, double leave_out,
-                                                    Job& job);
+std::optional<std::vector<std::int32_t>> open_faces(const Mesh& mesh, const Constraints& constraints,
+                                                    std::int32_t proxies, double leave_out, Job& job);
 
 /// Some faces of a mesh, cut off from the others, as a mesh of their own. Its source_face counts in `faces`, its
 /// source_vertex names vertices of the whole mesh.

@@ -43,8 +43,9 @@ class Partitioner {
   /// No region is empty, each is connected, every face of a kept component is in one. Every kept component gets at
   /// least what its topology needs: 4 if it is closed, else 1; never more than its faces. Where that takes more than
   /// `proxies`, it is taken, and `proxies_needed` says so. Components each below `leave_out` of the area are left out,
-  /// smallest first, while all of them together stay below ten times it. The largest is always kept, and none is left
-  /// out where the rest would have fewer than `proxies` faces.
+  /// smallest first, while all of them together stay below ten times it, or below twenty times it where each has less
+  /// than a tenth of the mean area of `proxies` regions. The largest is always kept, and none is left out where the rest
+  /// would have fewer than `proxies` faces.
   /// The same mesh, options and constraints give the same partition bit for bit: nothing depends on hashing, on the
   /// order of threads or on a library's random numbers. May be called from several threads at once.
   ///

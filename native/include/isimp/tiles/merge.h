@@ -25,8 +25,7 @@ struct Components {
   double area_left_out = 0.0;           ///< their share of the whole area
 };
 
-/// Finds components as a partition of one piece does: each below `leave_out` of the area is left out, smallest first,
-/// while all of them together stay below ten times that and the rest has `proxies` faces.
+/// Finds components, and leaves small ones out as a partition of one piece does: see PartitionOptions::leave_out.
 ///
 /// \param open  (K) 1 where a node is on the border of the whole scan; only here is known what is closed
 /// \throws InvalidInput  arrays of unequal lengths, a pair out of range
