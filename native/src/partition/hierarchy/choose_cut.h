@@ -28,7 +28,7 @@ struct Cut {
 ///
 /// Where a shape has no number of planes of its own, the costs fall steadily: with C_P the cost of going from P regions
 /// to P - 1, (P / 2) ln(C_P / C_(P+1)) is then exponentially distributed with mean 1. Gaps that reach into
-/// [t, 4 t], where the ratio is above 2 and that value above ln(W + 1) + 3, with W merges inside, are significant; the
+/// [t, 4 t], where the ratio is above 2 and that value above ln(W + 1) + 4, with W merges inside, are significant; the
 /// widest is taken and cut in its geometric middle. Under noise the window begins at kLeastNoise.
 /// \param falling  the costs, largest first, scene units squared; 20,000 of them are enough
 /// \param parts    what is left when everything is merged
