@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 #include <set>
 
@@ -21,20 +22,34 @@ std::vector<double> without_scale() {
 }
 
 TEST(CutRule, WithoutAGapStaysAtTheTolerance) {
-  const Cut cut = choose_cut(without_scale(), 1, 1e-12, 0.005, 0, true);
+  const Cut cut = choose_cut(without_scale(), 1, 1e-12, 0.005, 0.005, 0, true);
   EXPECT_FALSE(cut.snapped);
   EXPECT_DOUBLE_EQ(cut.cost, 16 * 0.005 * 0.005);
+}
+
+TEST(CutRule, NumberOfRegionsIsAMeanOverNearTolerances) {
+  std::vector<double> costs = without_scale();
+  const auto regions = [&](double tolerance) {
+    const Cut cut = choose_cut(costs, 1, 1e-12, tolerance, 0.001, 0, false);
+    return 1 + std::count_if(costs.begin(), costs.end(), [&](double c) { return c > cut.cost; });
+  };
+  EXPECT_EQ(regions(0.005), 49);  // as at t itself: 16 t^2 = 1 / 50^2 is the cost of merging 50 regions
+  // Ten costs just below the limit, as of ten bumps: at t alone, their regions would come all at once.
+  for (std::size_t k = 49; k < 59; ++k) costs[k] = (0.99 - 1e-4 * static_cast<double>(k)) / 50 / 50;
+  std::int64_t most = 0;
+  for (double t = 0.006; t > 0.004; t /= 1.01) most = std::max(most, regions(t / 1.01) - regions(t));
+  EXPECT_LE(most, 3);
 }
 
 TEST(CutRule, MovesIntoASignificantGap) {
   std::vector<double> costs = without_scale();  // 49 of them at or above .0004
   for (std::size_t k = 49; k < costs.size(); ++k) costs[k] /= 50;
-  const Cut cut = choose_cut(costs, 1, 1e-12, 0.0025, 0, true);  // asks for 1e-4
+  const Cut cut = choose_cut(costs, 1, 1e-12, 0.0025, 0.001, 0, true);  // asks for 1e-4
   EXPECT_TRUE(cut.snapped);
   EXPECT_LT(cut.cost, costs[48]);
   EXPECT_GT(cut.cost, costs[49]);
-  EXPECT_FALSE(choose_cut(costs, 1, 1e-12, 0.0025, 0, false).snapped);
-  EXPECT_FALSE(choose_cut(costs, 1, 1e-12, 0.02, 0, true).snapped);  // the gap is finer than what is asked
+  EXPECT_FALSE(choose_cut(costs, 1, 1e-12, 0.0025, 0.001, 0, false).snapped);
+  EXPECT_FALSE(choose_cut(costs, 1, 1e-12, 0.02, 0.001, 0, true).snapped);  // the gap is finer than what is asked
 }
 
 TEST(CutRule, NoiseCountsAsToleranceButDoesNotAddToIt) {

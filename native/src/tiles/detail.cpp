@@ -106,7 +106,7 @@ FoundRegions find_regions(const JoinedGraph& graph, const Components& components
   std::vector<double> falling = tree.cost;
   std::sort(falling.begin(), falling.end(), std::greater<>());
   for (double& each : falling) each *= area;
-  const Cut cut = choose_cut(falling, left, kRounding * area, tolerance, noise, snap);
+  const Cut cut = choose_cut(falling, left, kRounding * area, tolerance, tolerance, noise, snap);
   const auto above = std::find_if(tree.cost.begin(), tree.cost.end(), [&](double c) { return c * area > cut.cost; });
   return {tree.leaves - static_cast<std::int32_t>(above - tree.cost.begin()), cut.cost, cut.snapped};
 }

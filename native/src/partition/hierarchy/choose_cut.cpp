@@ -11,6 +11,27 @@ constexpr double kWindow = 4.0;    // gaps are looked for from t to this times t
 constexpr double kSlack = 4.0;     // a gap counts no further than this factor of cost beyond the window
 constexpr double kRatio = 2.0;     // least ratio of costs
 constexpr double kSurprise = 4.0;  // above what the largest of W + 1 exponential draws is about
+constexpr double kSpread = 1.2;    // tolerances from t over this to t times it have a say in the number of regions,
+constexpr int kSamples = 8;        // so many of them on either side,
+constexpr double kFew = 20;        // from this number of regions up: fewer may be those of the shape
+
+/// A cost between those that leave the geometric mean of the numbers of regions at tolerances near t, and one fewer.
+double mean_cut(std::span<const double> falling, std::int32_t parts, double rounding, double tolerance, double finest,
+                double noise) {
+  const double limit = merge_limit(tolerance, noise);
+  const auto regions = [&](double cost) {
+    const auto end = std::lower_bound(falling.begin(), falling.end(), cost, std::greater<>());
+    return parts + static_cast<double>(end - falling.begin());
+  };
+  const double spread = std::min(std::log(kSpread), std::log(tolerance / std::max(finest, kNoise * noise)));
+  if (!(spread > 0) || regions(limit) < kFew) return limit;
+  double sum = 0;
+  for (int i = -kSamples; i <= kSamples; ++i)
+    sum += std::log(regions(merge_limit(tolerance * std::exp(spread * i / kSamples), noise)));
+  const auto unmade = static_cast<std::size_t>(std::lround(std::exp(sum / (2 * kSamples + 1)))) - parts;
+  if (unmade == 0 || unmade >= falling.size()) return limit;
+  return std::sqrt(std::max(falling[unmade], rounding) * std::max(falling[unmade - 1], rounding));
+}
 
 }  // namespace
 
@@ -19,10 +40,10 @@ double merge_limit(double tolerance, double noise, double deviations) {
   return 16 * t * t;
 }
 
-Cut choose_cut(std::span<const double> falling, std::int32_t parts, double rounding, double tolerance, double noise,
-               bool snap) {
+Cut choose_cut(std::span<const double> falling, std::int32_t parts, double rounding, double tolerance, double finest,
+               double noise, bool snap) {
   const double low = merge_limit(tolerance, noise, kLeastNoise), high = merge_limit(kWindow * tolerance, noise);
-  Cut cut{.cost = merge_limit(tolerance, noise)};
+  Cut cut;
   if (snap) {
     const auto inside = static_cast<double>(
         std::count_if(falling.begin(), falling.end(), [&](double c) { return c >= low && c <= high; }));
@@ -38,6 +59,7 @@ Cut choose_cut(std::span<const double> falling, std::int32_t parts, double round
       cut.snapped = true;
     }
   }
+  if (!cut.snapped) cut.cost = mean_cut(falling, parts, rounding, tolerance, finest, noise);
   return cut;
 }
 

@@ -24,7 +24,10 @@ struct Cut {
   bool snapped = false;  ///< it lies in a gap of the costs that can't be chance: the shape has so many planes
 };
 
-/// Cuts at merge_limit(tolerance, noise), or at a significant gap of the costs above it.
+/// Cuts near merge_limit(tolerance, noise), or at a significant gap of the costs above it.
+///
+/// Near it: where the number of regions is the geometric mean of those at tolerances from t / 1.2 to 1.2 t. So the number
+/// depends less on single costs, which noise and the triangles of the scan move past the limit.
 ///
 /// Where a shape has no number of planes of its own, the costs fall steadily: with C_P the cost of going from P regions
 /// to P - 1, (P / 2) ln(C_P / C_(P+1)) is then exponentially distributed with mean 1. Gaps that reach into
@@ -33,7 +36,8 @@ struct Cut {
 /// \param falling  the costs, largest first, scene units squared; 20,000 of them are enough
 /// \param parts    what is left when everything is merged
 /// \param rounding costs below this are none
-Cut choose_cut(std::span<const double> falling, std::int32_t parts, double rounding, double tolerance, double noise,
-               bool snap);
+/// \param finest   the costs are all there for tolerances from this up, scene units; no finer one has a say
+Cut choose_cut(std::span<const double> falling, std::int32_t parts, double rounding, double tolerance, double finest,
+               double noise, bool snap);
 
 }  // namespace isimp

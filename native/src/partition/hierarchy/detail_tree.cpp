@@ -227,7 +227,7 @@ void DetailTree::relax_patches(const FaceGraph& graph, Job& job) {
 
 Cut DetailTree::choose(double tolerance, bool snap) const {
   const auto left = static_cast<std::int32_t>(patches_.sum.size() - tree_.merges());
-  return choose_cut(falling_, left, kRounding * area_, tolerance, noise_, snap);
+  return choose_cut(falling_, left, kRounding * area_, tolerance, settings_.finest * size_, noise_, snap);
 }
 
 std::int32_t DetailTree::merges(const Cut& cut) const {
