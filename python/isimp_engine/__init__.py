@@ -54,7 +54,7 @@ from ._core import (
 )
 from .exporting import write
 from .reading import read, read_polygons
-from .texturing import Texture, TexturedSoup, read_textured, texture, write_textured
+from .texturing import Texture, TexturedSoup, TextureLayer, read_textured, texture, write_textured
 
 __all__ = [
     "Cancelled",
@@ -69,6 +69,7 @@ __all__ = [
     "PolygonMesh",
     "RegulariseOptions",
     "Texture",
+    "TextureLayer",
     "TextureOptions",
     "TexturedSoup",
     "__version__",

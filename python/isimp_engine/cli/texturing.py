@@ -29,10 +29,10 @@ def size(text: str) -> int:
 
 
 def check_output(arguments: argparse.Namespace) -> list[Path]:
-    """The files that come beside the output; refuses those that can't be written."""
+    """The files that can come beside the output; refuses those that can't be written."""
     if arguments.texture is None:
         return []
-    beside = companions(arguments.output, normals=True)
+    beside = companions(arguments.output)
     for path in beside:
         check(path)
     return beside
