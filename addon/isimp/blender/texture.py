@@ -4,28 +4,25 @@ import bpy
 import numpy as np
 
 from .. import messages
-from ..language import own, said
+from ..language import said
 from ..session import Shown
-from . import mesh_io, runtime
+from . import materials, mesh_io, runtime
 from .result import turned
 
 OWN = "isimp_texture"  #: marks the material and the images that were made here
-_GREY = (0.8, 0.8, 0.8, 1.0)
+_PLACES = {
+    "color": "Base Color",
+    "roughness": "Roughness",
+    "metallic": "Metallic",
+    "emission": "Emission",
+}  # layers and inputs
 
 
 def is_textured(obj) -> bool:
     """Whether a material of an object has an image at its Base Color, and there is a UV map for it."""
     if not len(obj.data.uv_layers):
         return False
-    return any(image_name(slot.material) for slot in obj.material_slots)
-
-
-def image_name(material) -> str:
-    """The name of the image at a material's Base Color; empty if there is none."""
-    shader = None if material is None else _shader(material)
-    links = () if shader is None else shader.inputs["Base Color"].links
-    image = links[0].from_node.image if links and links[0].from_node.type == "TEX_IMAGE" else None
-    return "" if image is None else image.name
+    return any(materials.image_name(slot.material) for slot in obj.material_slots)
 
 
 class Baking:
@@ -33,7 +30,7 @@ class Baking:
 
     def __init__(self, scan, size=None):
         """Reads the scan's materials. Raises Unusable."""
-        self._shown, self._size = read(scan), size
+        (self._shown, self.notes), self._size = read(scan), size
         self._uv_map = next(layer.name for layer in scan.data.uv_layers if layer.active_render)
         self._made = None
 
@@ -66,8 +63,8 @@ def _corners(result, outcome) -> np.ndarray:
     )
 
 
-def read(obj) -> Shown:
-    """What each triangle of a scan shows, in the order of `mesh_io.read`. Raises Unusable."""
+def read(obj) -> tuple[Shown, list[str]]:
+    """What each triangle of a scan shows, in the order of `mesh_io.read`, and what is left out. Raises Unusable."""
     mesh = obj.data
     if mesh_io.has_modifiers(obj):
         raise mesh_io.Unusable(
@@ -80,72 +77,18 @@ def read(obj) -> Shown:
     layer.data.foreach_get("uv", uv)
     slots = np.empty(len(mesh.polygons), np.int32)
     mesh.polygons.foreach_get("material_index", slots)
-    materials = [slot.material for slot in obj.material_slots]
-    images = [_image(material) for material in materials]
+    slotted = [slot.material for slot in obj.material_slots]
+    images = [materials.color(material) for material in slotted]
     if not images or all(image.size == 4 for image in images):
         raise mesh_io.Unusable(said("'{name}' has no image texture at the Base Color of a material.", name=obj.name))
     if len(mesh.loops) == 3 * len(mesh.polygons):
         corners, faces = np.arange(len(mesh.loops)), np.arange(len(mesh.polygons))
     else:
         corners, faces = mesh_io.loop_triangles(mesh, "loops")
-    return Shown(uv.reshape(-1, 2)[corners.reshape(-1, 3)], np.clip(slots, 0, len(images) - 1)[faces], images)
-
-
-def _image(material) -> np.ndarray:
-    """(H, W, 4) uint8 of the image at a material's Base Color, row 0 at the top; its colour as one pixel without."""
-    if material is None or _nodes(material) is None:
-        return _pixel(_GREY if material is None else material.diffuse_color)
-    shader = _shader(material)
-    color = shader.inputs["Base Color"] if shader is not None else None
-    if color is None:
-        raise mesh_io.Unusable(_bake(own("The material '{name}' has no Principled BSDF."), material))
-    if not color.is_linked:
-        return _pixel(color.default_value)
-    node = color.links[0].from_node
-    if node.type != "TEX_IMAGE" or node.image is None:
-        raise mesh_io.Unusable(_bake(own("The Base Color of the material '{name}' comes from no image."), material))
-    return pixels(node.image)
-
-
-def _bake(text: str, material) -> str:
-    advice = said("Bake it to an image first: Render Properties > Bake, type Diffuse, in Cycles.")
-    return f"{said(text, name=material.name)} {advice}"
-
-
-def _nodes(material):
-    """The node tree a material is shown by, None if by its plain settings."""
-    if bpy.app.version < (5, 0, 0) and not material.use_nodes:  # from then on each has nodes
-        return None
-    return material.node_tree
-
-
-def _shader(material):
-    tree = _nodes(material)
-    output = None if tree is None else tree.get_output_node("ALL")
-    if output is None or not output.inputs["Surface"].is_linked:
-        return None
-    node = output.inputs["Surface"].links[0].from_node
-    return node if node.type == "BSDF_PRINCIPLED" else None
-
-
-def _pixel(linear) -> np.ndarray:
-    """One pixel of a linear colour, as images store it."""
-    c = np.clip(np.array(linear[:3], np.float64), 0, 1)
-    stored = np.where(c <= 0.0031308, 12.92 * c, 1.055 * c ** (1 / 2.4) - 0.055)
-    return np.append(np.round(255 * stored), 255).astype(np.uint8).reshape(1, 1, 4)
-
-
-def pixels(image) -> np.ndarray:
-    """(H, W, 4) uint8 as stored, row 0 at the top. Raises Unusable."""
-    if image.source == "TILED":
-        raise mesh_io.Unusable(said("The image '{name}' has UDIM tiles, which are not supported yet.", name=image.name))
-    width, height = image.size
-    if not width or not height or image.channels != 4:
-        file = image.filepath or said("no file")
-        raise mesh_io.Unusable(said("The image '{name}' can't be read ({file}).", name=image.name, file=file))
-    values = np.empty(4 * width * height, np.float32)
-    image.pixels.foreach_get(values)
-    return np.round(np.clip(values, 0, 1) * 255).astype(np.uint8).reshape(height, width, 4)[::-1]
+    more = materials.Layers(slotted)
+    shown = np.clip(slots, 0, len(images) - 1)[faces]
+    of_corners = uv.reshape(-1, 2)[corners.reshape(-1, 3)]
+    return Shown(of_corners, shown, images, more.images, more.strength), more.notes
 
 
 def write(result, uv: np.ndarray, made, name: str) -> None:
@@ -162,14 +105,17 @@ def write(result, uv: np.ndarray, made, name: str) -> None:
         material[OWN] = True
         mesh.materials.append(material)
         own = len(mesh.materials) - 1
-    color = _new_image(f"{result.name} color", made.image, "sRGB", "color")
-    normal = None if made.normal is None else _new_image(f"{result.name} normal", made.normal, "Non-Color", "normal")
-    (_set_nodes if fresh else _set_images)(mesh.materials[own], name, color, normal)
+    layers = {"color": made.image} | ({} if made.normal is None else {"normal": made.normal}) | made.layers
+    images = {kind: _new_image(f"{result.name} {kind}", stored, kind) for kind, stored in layers.items()}
+    if fresh:
+        _set_nodes(mesh.materials[own], name, images, made.factors)
+    else:
+        _set_images(mesh.materials[own], images)
     mesh.polygons.foreach_set("material_index", np.full(len(mesh.polygons), own, np.int32))
     mesh.update()
 
 
-def _set_nodes(material, uv_map: str, color, normal) -> None:
+def _set_nodes(material, uv_map: str, images: dict, factors: dict) -> None:
     if bpy.app.version < (5, 0, 0):
         material.use_nodes = True
     tree = material.node_tree
@@ -177,23 +123,32 @@ def _set_nodes(material, uv_map: str, color, normal) -> None:
     output, shader = tree.nodes.new("ShaderNodeOutputMaterial"), tree.nodes.new("ShaderNodeBsdfPrincipled")
     output.location, shader.location = (300, 0), (0, 0)
     tree.links.new(shader.outputs["BSDF"], output.inputs["Surface"])
-    node = _image_node(tree, color, (-600, 0))
-    tree.links.new(node.outputs["Color"], shader.inputs["Base Color"])
-    if normal is None:
-        return
-    node = _image_node(tree, normal, (-600, -300))
-    turn = tree.nodes.new("ShaderNodeNormalMap")
-    turn.uv_map, turn.location = uv_map, (-250, -300)
-    tree.links.new(node.outputs["Color"], turn.inputs["Color"])
-    tree.links.new(turn.outputs["Normal"], shader.inputs["Normal"])
+    for row, (kind, image) in enumerate(images.items()):
+        node = _image_node(tree, image, (-600, -300 * row))
+        if kind == "normal":
+            turn = tree.nodes.new("ShaderNodeNormalMap")
+            turn.uv_map, turn.location = uv_map, (-250, -300 * row)
+            tree.links.new(node.outputs["Color"], turn.inputs["Color"])
+            tree.links.new(turn.outputs["Normal"], shader.inputs["Normal"])
+        elif kind in _PLACES:
+            tree.links.new(node.outputs["Color"], _input(shader, kind))
+    for kind in ("roughness", "metallic"):
+        if kind in factors:
+            _input(shader, kind).default_value = factors[kind]
+    if "emission" in images:
+        shader.inputs["Emission Strength"].default_value = factors["emission"]
 
 
-def _set_images(material, _uv_map: str, color, normal) -> None:
+def _input(shader, kind: str):
+    return materials.emission_of(shader) if kind == "emission" else shader.inputs[_PLACES[kind]]
+
+
+def _set_images(material, images: dict) -> None:
     """Puts new images in the place of the last ones, which go; what the user did to the nodes stays."""
-    tree = _nodes(material)
+    tree = materials.nodes_of(material)
     for node in () if tree is None else tree.nodes:
         old = node.image if node.type == "TEX_IMAGE" else None
-        new = {"color": color, "normal": normal}.get(old.get(OWN)) if old is not None else None
+        new = images.get(old.get(OWN)) if old is not None else None
         if new is None:
             continue
         node.image = new
@@ -201,8 +156,8 @@ def _set_images(material, _uv_map: str, color, normal) -> None:
             name = old.name
             bpy.data.images.remove(old)
             new.name = name
-    for image in (color, normal):
-        if image is not None and image.users == 0:  # the user's nodes have no place for it
+    for image in images.values():
+        if image.users == 0:  # the user's nodes have no place for it
             bpy.data.images.remove(image)
 
 
@@ -212,12 +167,12 @@ def _image_node(tree, image, place):
     return node
 
 
-def _new_image(name: str, stored: np.ndarray, space: str, kind: str):
+def _new_image(name: str, stored: np.ndarray, kind: str):
     height, width = stored.shape[:2]
     image = bpy.data.images.new(name, width, height, alpha=False)
-    image.colorspace_settings.name = space
+    image.colorspace_settings.name = "sRGB" if kind in {"color", "emission"} else "Non-Color"
     values = np.ones((height, width, 4), np.float32)
-    values[:, :, :3] = stored[::-1, :, :3] / np.float32(255)
+    values[:, :, :3] = (stored[::-1, :, None] if stored.ndim == 2 else stored[::-1, :, :3]) / np.float32(255)
     image.pixels.foreach_set(values.ravel())
     image.update()
     image.pack()

@@ -55,6 +55,8 @@ class ISIMP_OT_texture(RecipeOperator, bpy.types.Operator):
         except mesh_io.Unusable as problem:
             self.report({"ERROR"}, str(problem))
             return {"CANCELLED"}
+        for note in work.baking.notes:
+            self.report({"WARNING"}, note)
         show.bring_to_front(context, made, scan)
         self.report({"INFO"}, messages.textured(report))
         return {"FINISHED"}
