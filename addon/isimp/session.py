@@ -119,7 +119,7 @@ class Session:
         triangles, polygon = engine.triangulate(*args)
         return np.asarray(triangles), np.asarray(polygon)
 
-    def texture(self, scan: Scan, outcome: Outcome, shown: Shown, size: int | None = None, watch: Watch | None = None):
+    def texture(self, scan: Scan, outcome: Outcome, shown: Shown, step: rcp.Texture, watch: Watch | None = None):
         """UVs and images of an outcome's polygons; see `engine.texture`. Raises ValueError or Stopped."""
         watch = watch or Watch()
         mesh = self._prepared(scan, outcome, watch).mesh
@@ -129,7 +129,12 @@ class Session:
         }
         arrays = (scan.vertices, scan.triangles, shown.uv, shown.material, shown.images)
         soup = engine.TexturedSoup(*arrays, layers=layers)
-        options = engine.TextureOptions(size=size, threads=self.threads)
+        options = engine.TextureOptions(
+            size=step.size or None,
+            occlusion=step.occlusion,
+            occlusion_distance=step.occlusion_distance or None,
+            threads=self.threads,
+        )
         args = (mesh, outcome.partition, outcome.polygons, soup, options)
         return engine_call(watch, 0.0, 1.0, "making the texture", engine.texture, *args)
 

@@ -12,6 +12,7 @@
 #include "isimp/core/errors.h"
 #include "isimp/texture/bake.h"
 #include "isimp/texture/corners.h"
+#include "isimp/texture/occlusion.h"
 #include "isimp/texture/unwrap.h"
 #include "kept_mesh.h"
 #include "options.h"
@@ -100,6 +101,20 @@ py::tuple bake_texture(const KeptMesh& mesh, const Partition& part, const Polygo
                                  "unknown"_a = made.report.unknown));
 }
 
+py::array occlusion_texture(const KeptMesh& mesh, const Partition& part, const PolygonMesh& poly, const Atlas& atlas,
+                            const TextureOptions& options, Job* job) {
+  Array<std::uint8_t> grey = call(job, [&, options](Job& j) {
+    BakeMap map;
+    {
+      const Job::Part mapping(j, "baking", 0.3, 0.4);
+      map = bake_map(mesh, part, poly, atlas, options, j);
+    }
+    const Job::Part tracing(j, "occlusion", 0.4, 0.98);
+    return occlusion(mesh, map, options, j);
+  });
+  return pixels(std::move(grey), atlas.side, 1);
+}
+
 py::tuple map_texture(const KeptMesh& mesh, const Partition& part, const PolygonMesh& poly, const Atlas& atlas,
                       const TextureOptions& options, Job* job) {
   BakeMap map = call(job, [&, options](Job& j) { return bake_map(mesh, part, poly, atlas, options, j); });
@@ -148,6 +163,8 @@ void bind_texture(py::module_& m) {
   m.def("_bake", &bake_texture, "mesh"_a, "partition"_a, "polygons"_a, "atlas"_a, "uv"_a, "image"_a, "colors"_a,
         "known"_a, "pictures"_a, "layers"_a, "relief"_a, "options"_a, "job"_a = py::none());
   m.def("_bake_map", &map_texture, "mesh"_a, "partition"_a, "polygons"_a, "atlas"_a, "options"_a, "job"_a = py::none());
+  m.def("_occlusion", &occlusion_texture, "mesh"_a, "partition"_a, "polygons"_a, "atlas"_a, "options"_a,
+        "job"_a = py::none());
   m.def("_source_corners", &corners_of, "mesh"_a, "vertices"_a, "triangles"_a, "job"_a = py::none());
 }
 

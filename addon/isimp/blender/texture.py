@@ -10,12 +10,16 @@ from . import materials, mesh_io, runtime
 from .result import turned
 
 OWN = "isimp_texture"  #: marks the material and the images that were made here
+_GLTF, _OCCLUSION = "glTF Material Output", "Occlusion"
+#: What kinds of images go to which inputs
 _PLACES = {
     "color": "Base Color",
+    "normal": "Normal",
     "roughness": "Roughness",
     "metallic": "Metallic",
     "emission": "Emission",
-}  # layers and inputs
+}
+_ROWS = (*_PLACES, "occlusion")
 
 
 def is_textured(obj) -> bool:
@@ -28,9 +32,9 @@ def is_textured(obj) -> bool:
 class Baking:
     """The texture of a scan on its way to the result: read by the main thread, made by any, put by the main thread."""
 
-    def __init__(self, scan, size=None):
+    def __init__(self, scan, step):
         """Reads the scan's materials. Raises Unusable."""
-        (self._shown, self.notes), self._size = read(scan), size
+        (self._shown, self.notes), self._step = read(scan), step
         self._uv_map = next(layer.name for layer in scan.data.uv_layers if layer.active_render)
         self._made = None
 
@@ -38,7 +42,7 @@ class Baking:
         """arrays: those of the scan that the outcome was made from. Raises ValueError or Stopped."""
         if outcome.polygons is None:  # `put` says so
             return
-        self._made = runtime.get().session.texture(arrays, outcome, self._shown, self._size, watch)
+        self._made = runtime.get().session.texture(arrays, outcome, self._shown, self._step, watch)
 
     def put(self, result, outcome) -> dict:
         """Puts what was made on the result; returns the engine's report. Raises Unusable, and then nothing changes."""
@@ -99,66 +103,95 @@ def write(result, uv: np.ndarray, made, name: str) -> None:
     layer.data.foreach_set("uv", uv.astype(np.float32).ravel())
     layer.active = layer.active_render = True
     own = next((i for i, material in enumerate(mesh.materials) if material is not None and material.get(OWN)), -1)
-    fresh = own < 0
-    if fresh:
-        material = bpy.data.materials.new(result.name)
-        material[OWN] = True
-        mesh.materials.append(material)
+    if own < 0:
+        mesh.materials.append(_new_material(result.name))
         own = len(mesh.materials) - 1
     layers = {"color": made.image} | ({} if made.normal is None else {"normal": made.normal}) | made.layers
     images = {kind: _new_image(f"{result.name} {kind}", stored, kind) for kind, stored in layers.items()}
-    if fresh:
-        _set_nodes(mesh.materials[own], name, images, made.factors)
-    else:
-        _set_images(mesh.materials[own], images)
+    _set_images(mesh.materials[own], name, images, made.factors)
     mesh.polygons.foreach_set("material_index", np.full(len(mesh.polygons), own, np.int32))
     mesh.update()
 
 
-def _set_nodes(material, uv_map: str, images: dict, factors: dict) -> None:
+def _new_material(name: str):
+    material = bpy.data.materials.new(name)
     if bpy.app.version < (5, 0, 0):
         material.use_nodes = True
+    material[OWN] = "new"  # else the kinds of images, and with = those of numbers, that it was given
     tree = material.node_tree
     tree.nodes.clear()
     output, shader = tree.nodes.new("ShaderNodeOutputMaterial"), tree.nodes.new("ShaderNodeBsdfPrincipled")
     output.location, shader.location = (300, 0), (0, 0)
     tree.links.new(shader.outputs["BSDF"], output.inputs["Surface"])
-    for row, (kind, image) in enumerate(images.items()):
-        node = _image_node(tree, image, (-600, -300 * row))
-        if kind == "normal":
-            turn = tree.nodes.new("ShaderNodeNormalMap")
-            turn.uv_map, turn.location = uv_map, (-250, -300 * row)
-            tree.links.new(node.outputs["Color"], turn.inputs["Color"])
-            tree.links.new(turn.outputs["Normal"], shader.inputs["Normal"])
-        elif kind in _PLACES:
-            tree.links.new(node.outputs["Color"], _input(shader, kind))
-    for kind in ("roughness", "metallic"):
-        if kind in factors:
-            _input(shader, kind).default_value = factors[kind]
-    if "emission" in images:
-        shader.inputs["Emission Strength"].default_value = factors["emission"]
+    return material
+
+
+def _set_images(material, uv_map: str, images: dict, factors: dict) -> None:
+    """Puts new images in the place of the last ones, which go; what the user did to the nodes stays.
+
+    Images of a kind that the material had not before get nodes, where the user has nothing at that input.
+    """
+    given = material[OWN].split() if isinstance(material[OWN], str) else ["color", "normal"]  # those of iSimp 0.1
+    tree, shader = materials.nodes_of(material), materials.shader_of(material)
+    for node in () if tree is None else list(tree.nodes):
+        old = node.image if node.type == "TEX_IMAGE" else None
+        kind = None if old is None else old.get(OWN)
+        if kind in images:
+            node.image = images[kind]
+        elif kind is not None:  # a layer that there is no more
+            tree.nodes.remove(node)
+        else:
+            continue
+        if old.users == 0:
+            name = old.name
+            bpy.data.images.remove(old)
+            if kind in images:
+                images[kind].name = name
+    if shader is not None:
+        for kind in (kind for kind in images if kind not in given):
+            _plug(tree, shader, uv_map, kind, images[kind])
+        for kind in (kind for kind in factors if f"={kind}" not in given):
+            socket = shader.inputs["Emission Strength"] if kind == "emission" else _input(shader, kind)
+            socket.default_value = factors[kind]
+    material[OWN] = " ".join([*images, *(f"={kind}" for kind in factors)])
+    for image in images.values():
+        if image.users == 0:  # the user's nodes have no place for it
+            bpy.data.images.remove(image)
+
+
+def _plug(tree, shader, uv_map: str, kind: str, image) -> None:
+    """Gives an image a node, and links it to what it is for if that is free."""
+    height = -300 * _ROWS.index(kind)
+    if kind != "occlusion" and _input(shader, kind).is_linked:
+        return
+    node = _image_node(tree, image, (-600, height))
+    if kind == "normal":
+        turn = tree.nodes.new("ShaderNodeNormalMap")
+        turn.uv_map, turn.location = uv_map, (-250, height)
+        tree.links.new(node.outputs["Color"], turn.inputs["Color"])
+        tree.links.new(turn.outputs["Normal"], shader.inputs["Normal"])
+    elif kind == "occlusion":
+        _put_occlusion(tree, node, (0, height))
+    else:
+        tree.links.new(node.outputs["Color"], _input(shader, kind))
+
+
+def _put_occlusion(tree, node, place) -> None:
+    """Plugs an image into the group of nodes where Blender's exporter of glTF looks for the occlusion."""
+    group = bpy.data.node_groups.get(_GLTF) or bpy.data.node_groups.new(_GLTF, "ShaderNodeTree")
+    names = [item.name for item in (group.interface.items_tree if hasattr(group, "interface") else group.inputs)]
+    if _OCCLUSION not in names:
+        if hasattr(group, "interface"):
+            group.interface.new_socket(_OCCLUSION, socket_type="NodeSocketFloat")
+        else:
+            group.inputs.new("NodeSocketFloat", _OCCLUSION)
+    holder = tree.nodes.new("ShaderNodeGroup")
+    holder.node_tree, holder.location = group, place
+    tree.links.new(node.outputs["Color"], holder.inputs[_OCCLUSION])
 
 
 def _input(shader, kind: str):
     return materials.emission_of(shader) if kind == "emission" else shader.inputs[_PLACES[kind]]
-
-
-def _set_images(material, images: dict) -> None:
-    """Puts new images in the place of the last ones, which go; what the user did to the nodes stays."""
-    tree = materials.nodes_of(material)
-    for node in () if tree is None else tree.nodes:
-        old = node.image if node.type == "TEX_IMAGE" else None
-        new = images.get(old.get(OWN)) if old is not None else None
-        if new is None:
-            continue
-        node.image = new
-        if old.users == 0:
-            name = old.name
-            bpy.data.images.remove(old)
-            new.name = name
-    for image in images.values():
-        if image.users == 0:  # the user's nodes have no place for it
-            bpy.data.images.remove(image)
 
 
 def _image_node(tree, image, place):

@@ -15,6 +15,7 @@ from .._core import (
     PolygonMesh,
     TextureOptions,
     _bake,
+    _occlusion,
     _source_corners,
     _unwrap,
 )
@@ -31,9 +32,9 @@ class Texture:
     uv: (L, 2) float64: of each corner in `loops`, from 0 to 1; v = 1 is the upper edge of the image.
     image: (H, W, 4) uint8, row 0 at the top. normal: (H, W, 3) uint8 tangent-space normals (green up), None if not
     asked for: they are right where all corners of a polygon have its `polygon_normal` and `polygon_tangent`.
-    layers: further images that the scan's materials have: (H, W) uint8 "roughness", "metallic" and "occlusion",
-    (H, W, 3) uint8 "emission", stored as colours are. factors: "roughness" and "metallic" where they are one number
-    everywhere, and what the image of "emission" is multiplied by.
+    layers: further images that the scan's materials have, or that were asked for: (H, W) uint8 "roughness", "metallic"
+    and "occlusion", (H, W, 3) uint8 "emission", stored as colours are. factors: "roughness" and "metallic" where they
+    are one number everywhere, and what the image of "emission" is multiplied by.
     """
 
     uv: NDArray[np.float64]
@@ -99,6 +100,8 @@ def texture(
         n: np.ascontiguousarray(i[:, :, :3] if n == "emission" else i[:, :, 0])
         for n, i in zip(wanted, images, strict=True)
     }
+    if options.occlusion:  # in place of that of the scan's materials
+        layers["occlusion"] = _occlusion(mesh, part, poly, atlas, options, job)
     report = {"size": atlas.side, "charts": atlas.chart_count, "fill": atlas.fill, "gutter": atlas.gutter}
     report |= {"texels_per_unit": atlas.scale, "source_texels_per_unit": density} | counts
     report |= {"turned_faces": turned, "lost_faces": lost, "layers": list(layers)}

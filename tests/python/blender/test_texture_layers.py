@@ -1,10 +1,14 @@
 """Roughness, metallic, emission and normal maps of a scan's materials on the result."""
 
+import json
+import warnings
+
 import bpy
 import numpy as np
 import pytest
+import scans
 
-from isimp.blender import materials
+from isimp.blender import materials, store
 from test_texture import COLOURS, image_of, shader, simplify, textured_cube
 
 pytestmark = pytest.mark.usefixtures("scene")
@@ -133,3 +137,44 @@ def test_what_comes_from_no_image_is_left_out_and_said(capfd):
     assert shader(result.data.materials[0]).inputs["Base Color"].is_linked
     assert bpy.ops.isimp.texture(size=64) == {"FINISHED"}
     assert "'Roughness' of the material 'm0'" in capfd.readouterr().out
+
+
+def test_ambient_occlusion_is_made_and_kept_by_the_recipe(tmp_path):
+    scan = textured_cube()
+    result = simplify()
+    assert bpy.ops.isimp.texture(size=64, occlusion=True, occlusion_distance=0.5) == {"FINISHED"}
+    step = store.load(scan).texture()
+    assert (step.size, step.occlusion, step.occlusion_distance) == (64, True, 0.5)
+    assert bpy.ops.isimp.mesh(chord_tolerance=0.1) == {"FINISHED"}
+    assert store.load(scan).texture() == step
+    (image,) = (image for image in bpy.data.images if image.get("isimp_texture") == "occlusion")
+    assert (values_of(image) == 255).all()  # a cube hides nothing from itself
+    assert image.colorspace_settings.name == "Non-Color"
+    scans.activate(result)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # Blender's exporters have some
+        bpy.ops.export_scene.gltf(
+            filepath=str(tmp_path / "out.gltf"), use_selection=True, export_format="GLTF_SEPARATE"
+        )
+    (material,) = json.loads((tmp_path / "out.gltf").read_text())["materials"]
+    assert "occlusionTexture" in material
+    material = result.data.materials[0]
+    shader(material).inputs["Roughness"].default_value = 0.125
+    assert bpy.ops.isimp.texture(size=64) == {"FINISHED"}
+    assert not any(image.get("isimp_texture") == "occlusion" for image in bpy.data.images)
+    assert result.data.materials[0] == material
+    assert shader(material).inputs["Base Color"].is_linked
+    assert shader(material).inputs["Roughness"].default_value == 0.125
+
+
+def test_a_layer_that_the_scan_gets_later_is_plugged_in_where_nothing_of_the_users_is():
+    scan = textured_cube()
+    result = simplify()
+    made, own = shader(result.data.materials[0]), image_of("own", COLOURS[0])
+    plug(result.data.materials[0], own, made.inputs["Metallic"])
+    for place in ("Roughness", "Metallic"):
+        plug(scan.data.materials[0], data_image(place, 51), shader(scan.data.materials[0]).inputs[place])
+    assert bpy.ops.isimp.texture(size=64) == {"FINISHED"}
+    assert linked(made.inputs["Roughness"]).get("isimp_texture") == "roughness"
+    assert linked(made.inputs["Metallic"]) == own
+    assert not any(image.get("isimp_texture") == "metallic" for image in bpy.data.images)
