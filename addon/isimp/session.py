@@ -138,6 +138,13 @@ class Session:
         args = (mesh, outcome.partition, outcome.polygons, soup, options)
         return engine_call(watch, 0.0, 1.0, "making the texture", engine.texture, *args)
 
+    def corner_sources(self, scan: Scan, outcome: Outcome) -> tuple[np.ndarray, np.ndarray]:
+        """(L,) triangle of the scan and (L, 3) weights of its corners, for each corner of an outcome's polygons."""
+        mesh = self._prepared(scan, outcome).mesh
+        args = (mesh, outcome.partition, outcome.polygons, scan.vertices, scan.triangles)
+        triangle, weights = engine.corner_sources(*args, threads=self.threads)
+        return np.asarray(triangle), np.asarray(weights)
+
     def region_at(self, scan: Scan, outcome: Outcome, face: int) -> dict:
         """The result of `engine.region_statistics` for the region of one of the user's faces.
 

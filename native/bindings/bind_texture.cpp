@@ -11,6 +11,7 @@
 #include "call.h"
 #include "isimp/core/errors.h"
 #include "isimp/texture/bake.h"
+#include "isimp/texture/closest_places.h"
 #include "isimp/texture/corners.h"
 #include "isimp/texture/occlusion.h"
 #include "isimp/texture/unwrap.h"
@@ -122,6 +123,14 @@ py::tuple map_texture(const KeptMesh& mesh, const Partition& part, const Polygon
                         pixels(std::move(map.barycentric), map.side, 2), pixels(std::move(map.height), map.side, 1));
 }
 
+py::tuple places_of(const KeptMesh& mesh, const Partition& part, const PolygonMesh& poly,
+                    const Contiguous<std::uint8_t>& known, std::int32_t threads, Job* job) {
+  CornerPlaces found = call(job, [&](Job& j) { return closest_places(mesh, part, poly, span_of(known), threads, j); });
+  const auto corners = static_cast<py::ssize_t>(found.face.size());
+  const py::array weight = owned(std::move(found.barycentric));
+  return py::make_tuple(owned(std::move(found.face)), weight.attr("reshape")(corners, 2));
+}
+
 py::tuple corners_of(const KeptMesh& mesh, const py::object& vertices, const py::object& triangles, Job* job) {
   const auto points = read_vertices(vertices);
   const auto corners = read_triangles(triangles, points.size());
@@ -164,6 +173,8 @@ void bind_texture(py::module_& m) {
         "known"_a, "pictures"_a, "layers"_a, "relief"_a, "options"_a, "job"_a = py::none());
   m.def("_bake_map", &map_texture, "mesh"_a, "partition"_a, "polygons"_a, "atlas"_a, "options"_a, "job"_a = py::none());
   m.def("_occlusion", &occlusion_texture, "mesh"_a, "partition"_a, "polygons"_a, "atlas"_a, "options"_a,
+        "job"_a = py::none());
+  m.def("_closest_places", &places_of, "mesh"_a, "partition"_a, "polygons"_a, "known"_a, "threads"_a = 0,
         "job"_a = py::none());
   m.def("_source_corners", &corners_of, "mesh"_a, "vertices"_a, "triangles"_a, "job"_a = py::none());
 }

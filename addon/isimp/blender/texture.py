@@ -7,7 +7,7 @@ from .. import messages
 from ..language import said
 from ..session import Shown
 from . import materials, mesh_io, runtime
-from .result import turned
+from .result import corner_order
 
 OWN = "isimp_texture"  #: marks the material and the images that were made here
 _GLTF, _OCCLUSION = "glTF Material Output", "Occlusion"
@@ -55,13 +55,9 @@ def _corners(result, outcome) -> np.ndarray:
     """Which corner of the outcome's polygons each corner of the result is. Raises Unusable if it was edited."""
     if outcome.polygons is None:
         raise mesh_io.Unusable(said(messages.REGIONS_CHANGED))
-    wanted, start = np.array(outcome.polygons.loops), np.array(outcome.polygons.loop_start)
-    loops = np.empty(len(result.data.loops), np.int32)
-    result.data.loops.foreach_get("vertex_index", loops)
-    each = np.arange(len(wanted))
-    for order in (each, turned(each, start)):
-        if np.array_equal(wanted[order], loops):
-            return order
+    order = corner_order(result, outcome)
+    if order is not None:
+        return order
     raise mesh_io.Unusable(
         said("'{name}' has changed since Mesh: press Mesh again, then Keep Texture.", name=result.name)
     )
