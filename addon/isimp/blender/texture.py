@@ -143,6 +143,7 @@ def _set_images(material, uv_map: str, images: dict, factors: dict) -> None:
             bpy.data.images.remove(old)
             if kind in images:
                 images[kind].name = name
+                _name_file(images[kind])
     if shader is not None:
         for kind in (kind for kind in images if kind not in given):
             _plug(tree, shader, uv_map, kind, images[kind])
@@ -206,4 +207,11 @@ def _new_image(name: str, stored: np.ndarray, kind: str):
     image.update()
     image.pack()
     image[OWN] = kind
+    _name_file(image)
     return image
+
+
+def _name_file(image) -> None:
+    """Gives a packed image a file name of its own, by which exporters tell images apart. USD wants the image's name."""
+    name = image.name.replace("/", "_").replace("\\", "_")
+    image.filepath_raw = f"//{name}.png"
