@@ -228,6 +228,24 @@ TEXTURE: dict[str, Option] = {
         kind="bool",
         default=True,
     ),
+    "occlusion": Option(
+        kind="bool",
+        default=False,
+    ),
+    "occlusion_distance": Option(
+        kind="float",
+        default=None,
+        words="a finite length above 0",
+        least=0.0,
+        above_least=True,
+    ),
+    "occlusion_rays": Option(
+        kind="int",
+        default=144,
+        words="in [9, 9216]",
+        least=9.0,
+        most=9216.0,
+    ),
     "threads": Option(
         kind="int",
         default=0,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
@@ -43,6 +43,9 @@ class Shown:
     uv: np.ndarray  #: (T, 3, 2) of each corner
     material: np.ndarray  #: (T,) which image
     images: list  #: (H, W, 4) uint8, row 0 at the top
+    #: what else the materials have: by layer one of each, an image, a number or None; see `engine.TextureLayer`
+    layers: dict = field(default_factory=dict)
+    strength: float = 1.0  #: of the emission
 
 
 class Session:
@@ -116,14 +119,31 @@ class Session:
         triangles, polygon = engine.triangulate(*args)
         return np.asarray(triangles), np.asarray(polygon)
 
-    def texture(self, scan: Scan, outcome: Outcome, shown: Shown, size: int | None = None, watch: Watch | None = None):
+    def texture(self, scan: Scan, outcome: Outcome, shown: Shown, step: rcp.Texture, watch: Watch | None = None):
         """UVs and images of an outcome's polygons; see `engine.texture`. Raises ValueError or Stopped."""
         watch = watch or Watch()
         mesh = self._prepared(scan, outcome, watch).mesh
-        soup = engine.TexturedSoup(scan.vertices, scan.triangles, shown.uv, shown.material, shown.images)
-        options = engine.TextureOptions(size=size, threads=self.threads)
+        layers = {
+            name: engine.TextureLayer(images, strength=shown.strength if name == "emission" else 1.0)
+            for name, images in shown.layers.items()
+        }
+        arrays = (scan.vertices, scan.triangles, shown.uv, shown.material, shown.images)
+        soup = engine.TexturedSoup(*arrays, layers=layers)
+        options = engine.TextureOptions(
+            size=step.size or None,
+            occlusion=step.occlusion,
+            occlusion_distance=step.occlusion_distance or None,
+            threads=self.threads,
+        )
         args = (mesh, outcome.partition, outcome.polygons, soup, options)
         return engine_call(watch, 0.0, 1.0, "making the texture", engine.texture, *args)
+
+    def corner_sources(self, scan: Scan, outcome: Outcome) -> tuple[np.ndarray, np.ndarray]:
+        """(L,) triangle of the scan and (L, 3) weights of its corners, for each corner of an outcome's polygons."""
+        mesh = self._prepared(scan, outcome).mesh
+        args = (mesh, outcome.partition, outcome.polygons, scan.vertices, scan.triangles)
+        triangle, weights = engine.corner_sources(*args, threads=self.threads)
+        return np.asarray(triangle), np.asarray(weights)
 
     def region_at(self, scan: Scan, outcome: Outcome, face: int) -> dict:
         """The result of `engine.region_statistics` for the region of one of the user's faces.

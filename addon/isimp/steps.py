@@ -383,10 +383,16 @@ class Texture(Step):
     """Show the scan's images on the polygons of the Mesh step before it."""
 
     size: int = 0  #: width and height of the image in pixels; 0: as dense as the scan's images
+    occlusion: bool = False  #: with an image of ambient occlusion
+    occlusion_distance: float = 0.0  #: how far away faces may be that keep light off; 0: at any distance
 
     def __post_init__(self) -> None:
         size = TEXTURE["size"]
         must(self.size == 0 or size.holds(self.size), "size", said("0, or {words}", words=size.words), self.size)
+        length = TEXTURE["occlusion_distance"]
+        fits = self.occlusion_distance == 0 or length.holds(self.occlusion_distance)
+        words = said("0, or {words}", words=length.words)
+        must(fits, "occlusion_distance", words, self.occlusion_distance)
 
     def describe(self) -> str:
         return f"Texture {self.size:,}" if self.size else "Texture"

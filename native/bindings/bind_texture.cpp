@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -10,7 +11,9 @@
 #include "call.h"
 #include "isimp/core/errors.h"
 #include "isimp/texture/bake.h"
+#include "isimp/texture/closest_places.h"
 #include "isimp/texture/corners.h"
+#include "isimp/texture/occlusion.h"
 #include "isimp/texture/unwrap.h"
 #include "kept_mesh.h"
 #include "options.h"
@@ -69,18 +72,48 @@ py::array pixels(std::vector<T, Allocator>&& values, std::int32_t side, std::int
   return channels == 1 ? flat.attr("reshape")(n, n) : flat.attr("reshape")(n, n, channels);
 }
 
+/// A layer given as (uv, image, pictures). `kept` holds the arrays that it looks at.
+Appearance layer_of(const py::handle& item, std::vector<py::object>& kept) {
+  auto [uv, image, pictures] = py::cast<std::tuple<Contiguous<float>, Contiguous<std::int32_t>, py::list>>(item);
+  Appearance look{span_of(uv), span_of(image), {}, {}, {}};
+  for (std::size_t i = 0; i < pictures.size(); ++i) look.pictures.push_back(picture_of(pictures[i], i));
+  for (const py::object& array : {py::object(uv), py::object(image), py::object(pictures)}) kept.push_back(array);
+  return look;
+}
+
 py::tuple bake_texture(const KeptMesh& mesh, const Partition& part, const PolygonMesh& poly, const Atlas& atlas,
                        const Contiguous<float>& uv, const Contiguous<std::int32_t>& image,
                        const Contiguous<std::uint8_t>& colors, const Contiguous<std::uint8_t>& known,
-                       const py::list& pictures, const TextureOptions& options, Job* job) {
+                       const py::list& pictures, const py::list& layers, const py::object& relief,
+                       const TextureOptions& options, Job* job) {
   Appearance look{span_of(uv), span_of(image), span_of(colors), span_of(known), {}};
   for (std::size_t i = 0; i < pictures.size(); ++i) look.pictures.push_back(picture_of(pictures[i], i));
-  Texture made = call(job, [&, options](Job& j) { return bake(mesh, part, poly, atlas, look, options, j); });
+  MaterialLayers more;
+  std::vector<py::object> kept;
+  for (const py::handle& layer : layers) more.images.push_back(layer_of(layer, kept));
+  if (!relief.is_none()) more.relief = layer_of(relief, kept);
+  Texture made = call(job, [&, options](Job& j) { return bake(mesh, part, poly, atlas, look, options, j, more); });
+  py::list images;
+  for (Array<std::uint8_t>& layer : made.layers) images.append(pixels(std::move(layer), made.side, 4));
   const py::object normal =
       made.normal.empty() ? py::object(py::none()) : py::object(pixels(std::move(made.normal), made.side, 3));
-  return py::make_tuple(pixels(std::move(made.color), made.side, 4), normal,
+  return py::make_tuple(pixels(std::move(made.color), made.side, 4), normal, images,
                         py::dict("texels"_a = made.report.texels, "searched"_a = made.report.searched,
                                  "unknown"_a = made.report.unknown));
+}
+
+py::array occlusion_texture(const KeptMesh& mesh, const Partition& part, const PolygonMesh& poly, const Atlas& atlas,
+                            const TextureOptions& options, Job* job) {
+  Array<std::uint8_t> grey = call(job, [&, options](Job& j) {
+    BakeMap map;
+    {
+      const Job::Part mapping(j, "baking", 0.3, 0.4);
+      map = bake_map(mesh, part, poly, atlas, options, j);
+    }
+    const Job::Part tracing(j, "occlusion", 0.4, 0.98);
+    return occlusion(mesh, map, options, j);
+  });
+  return pixels(std::move(grey), atlas.side, 1);
 }
 
 py::tuple map_texture(const KeptMesh& mesh, const Partition& part, const PolygonMesh& poly, const Atlas& atlas,
@@ -88,6 +121,14 @@ py::tuple map_texture(const KeptMesh& mesh, const Partition& part, const Polygon
   BakeMap map = call(job, [&, options](Job& j) { return bake_map(mesh, part, poly, atlas, options, j); });
   return py::make_tuple(pixels(std::move(map.polygon), map.side, 1), pixels(std::move(map.face), map.side, 1),
                         pixels(std::move(map.barycentric), map.side, 2), pixels(std::move(map.height), map.side, 1));
+}
+
+py::tuple places_of(const KeptMesh& mesh, const Partition& part, const PolygonMesh& poly,
+                    const Contiguous<std::uint8_t>& known, std::int32_t threads, Job* job) {
+  CornerPlaces found = call(job, [&](Job& j) { return closest_places(mesh, part, poly, span_of(known), threads, j); });
+  const auto corners = static_cast<py::ssize_t>(found.face.size());
+  const py::array weight = owned(std::move(found.barycentric));
+  return py::make_tuple(owned(std::move(found.face)), weight.attr("reshape")(corners, 2));
 }
 
 py::tuple corners_of(const KeptMesh& mesh, const py::object& vertices, const py::object& triangles, Job* job) {
@@ -129,8 +170,12 @@ void bind_texture(py::module_& m) {
       },
       "polygons"_a, "options"_a, "density"_a, "job"_a = py::none());
   m.def("_bake", &bake_texture, "mesh"_a, "partition"_a, "polygons"_a, "atlas"_a, "uv"_a, "image"_a, "colors"_a,
-        "known"_a, "pictures"_a, "options"_a, "job"_a = py::none());
+        "known"_a, "pictures"_a, "layers"_a, "relief"_a, "options"_a, "job"_a = py::none());
   m.def("_bake_map", &map_texture, "mesh"_a, "partition"_a, "polygons"_a, "atlas"_a, "options"_a, "job"_a = py::none());
+  m.def("_occlusion", &occlusion_texture, "mesh"_a, "partition"_a, "polygons"_a, "atlas"_a, "options"_a,
+        "job"_a = py::none());
+  m.def("_closest_places", &places_of, "mesh"_a, "partition"_a, "polygons"_a, "known"_a, "threads"_a = 0,
+        "job"_a = py::none());
   m.def("_source_corners", &corners_of, "mesh"_a, "vertices"_a, "triangles"_a, "job"_a = py::none());
 }
 

@@ -54,7 +54,7 @@ from ._core import (
 )
 from .exporting import write
 from .reading import read, read_polygons
-from .texturing import Texture, TexturedSoup, read_textured, texture, write_textured
+from .texturing import Texture, TexturedSoup, TextureLayer, corner_sources, read_textured, texture, write_textured
 
 __all__ = [
     "Cancelled",
@@ -69,6 +69,7 @@ __all__ = [
     "PolygonMesh",
     "RegulariseOptions",
     "Texture",
+    "TextureLayer",
     "TextureOptions",
     "TexturedSoup",
     "__version__",
@@ -77,6 +78,7 @@ __all__ = [
     "all_statistics",
     "backends",
     "clean",
+    "corner_sources",
     "delete_least",
     "delete_proxy",
     "erase_faces",

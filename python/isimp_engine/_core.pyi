@@ -338,6 +338,9 @@ class TextureOptions:
     gutter: int | None
     band: int
     normals: bool
+    occlusion: bool
+    occlusion_distance: float | None
+    occlusion_rays: int
     threads: int
     def __init__(
         self,
@@ -347,6 +350,9 @@ class TextureOptions:
         gutter: int | None = ...,
         band: int = ...,
         normals: bool = ...,
+        occlusion: bool = ...,
+        occlusion_distance: float | None = ...,
+        occlusion_rays: int = ...,
         threads: int = ...,
     ) -> None: ...
     @staticmethod
@@ -354,7 +360,9 @@ class TextureOptions:
     def as_dict(self) -> dict[str, Any]: ...
 
 _unwrap: Callable[[PolygonMesh, TextureOptions, float, Job | None], Any]
-_bake: Callable[..., tuple[NDArray[np.uint8], NDArray[np.uint8] | None, dict[str, int]]]
+_bake: Callable[..., tuple[NDArray[np.uint8], NDArray[np.uint8] | None, list[NDArray[np.uint8]], dict[str, int]]]
+_occlusion: Callable[[Mesh, Partition, PolygonMesh, Any, TextureOptions, Job | None], NDArray[np.uint8]]
+_closest_places: Callable[..., tuple[NDArray[np.int32], NDArray[np.float32]]]
 _bake_map: Callable[..., tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float32], NDArray[np.float32]]]
 _source_corners: Callable[
     [Mesh, NDArray[Any], NDArray[Any], Job | None], tuple[NDArray[np.int32], NDArray[np.float32], int, int]

@@ -1,8 +1,9 @@
-"""What the vertices of a result keep of those of the scan that they stand for: vertex groups, and the armature."""
+"""What a result keeps of its scan: vertex groups and armatures, colour attributes, further UV maps, shape keys."""
 
 import numpy as np
 
 from . import mesh_io, runtime
+from .result import corner_order
 
 
 def bones(result, scan, arrays, outcome) -> None:
@@ -27,8 +28,9 @@ def bones(result, scan, arrays, outcome) -> None:
 
 
 def _is_at_rest(scan, arrays) -> bool:
-    """Whether modifiers leave the vertices where they are."""
-    own = mesh_io.points(scan.data).reshape(-1, 3).astype(np.float64) @ mesh_io.shape_matrix(scan)
+    """Whether modifiers leave the vertices where the mesh and its shape keys put them."""
+    own = mesh_io.points(scan.data).reshape(-1, 3).astype(np.float64)
+    own = (own + sum(value * offsets for _, value, offsets in _keys(scan))) @ mesh_io.shape_matrix(scan)
     return bool(np.abs(own - arrays.vertices).max() <= 1e-5 * np.ptp(own, axis=0).max())
 
 
@@ -41,3 +43,128 @@ def _take_armatures(result, scan) -> None:
         made = result.modifiers.new(modifier.name, "ARMATURE")
         for name in ("object", "use_deform_preserve_volume", "use_vertex_groups", "use_bone_envelopes"):
             setattr(made, name, getattr(modifier, name))
+
+
+def values_of_keys(result) -> dict:
+    """How far each shape key of a result is on."""
+    keys = result.data.shape_keys
+    return {} if keys is None else {key.name: key.value for key in keys.key_blocks}
+
+
+def layers(result, scan, arrays, outcome, turn, slid: dict) -> None:
+    """Gives the result the scan's colour attributes, its UV maps but for that of the texture, and its shape keys.
+
+    Each corner takes what the closest place of its own region has. A vertex takes the mean of its corners. Nothing is
+    done where modifiers make another mesh than the scan's own, and posed figures get no shape keys.
+
+    arrays: those of the scan that the outcome was made from. turn: what `result.fill` returned. slid: values that the
+    result's shape keys had before.
+    """
+    mesh = scan.data
+    if (len(arrays.vertices), arrays.face_count) != (len(mesh.vertices), len(mesh.polygons)):
+        return
+    colors = [layer for layer in mesh.color_attributes if layer.name != mesh_io.COLOR]
+    maps = [layer for layer in mesh.uv_layers if not layer.active_render]
+    keys = _keys(scan) if _is_at_rest(scan, arrays) else []
+    order = corner_order(result, outcome)
+    if not (colors or maps or keys) or order is None:
+        return
+    carrier = _Carrier(arrays, outcome)
+    loops = _loops(mesh, arrays) if maps or any(layer.domain == "CORNER" for layer in colors) else None
+    for layer in colors:
+        values = _read(layer.data, "color", 4)
+        of_corner = carrier(values[arrays.triangles if layer.domain == "POINT" else loops])
+        made = _color_layer(result.data, layer)
+        made.data.foreach_set(
+            "color", (carrier.mean(of_corner) if layer.domain == "POINT" else of_corner[order]).ravel()
+        )
+    for layer in maps:
+        made = result.data.uv_layers.get(layer.name) or result.data.uv_layers.new(name=layer.name, do_init=False)
+        made.data.foreach_set("uv", carrier(_read(layer.data, "uv", 2)[loops])[order].ravel())
+    if keys:
+        _put_keys(result, scan, keys, carrier, arrays, turn, slid)
+
+
+class _Carrier:
+    """Takes values at the corners of the scan's triangles to the corners of polygons."""
+
+    def __init__(self, arrays, outcome):
+        self._triangle, self._weights = runtime.get().session.corner_sources(arrays, outcome)
+        self._loops = np.asarray(outcome.polygons.loops)
+        self._count = np.maximum(np.bincount(self._loops, minlength=len(outcome.polygons.vertices)), 1)
+
+    def __call__(self, values) -> np.ndarray:
+        """(T, 3, n) to (L, n) float32."""
+        taken = np.einsum("lc,lcn->ln", self._weights, values[np.maximum(self._triangle, 0)])
+        return np.where(self._triangle[:, None] >= 0, taken, 0).astype(np.float32)
+
+    def mean(self, of_corner) -> np.ndarray:
+        """(L, n) to (W, n) float32: of the corners of each vertex."""
+        sums = [np.bincount(self._loops, column, len(self._count)) for column in of_corner.T]
+        return (np.stack(sums, axis=1) / self._count[:, None]).astype(np.float32)
+
+
+def _read(data, name: str, width: int) -> np.ndarray:
+    values = np.empty(width * len(data), np.float32)
+    data.foreach_get(name, values)
+    return values.reshape(-1, width)
+
+
+def _loops(mesh, arrays) -> np.ndarray:
+    """(T, 3) the mesh's corner at each corner of a triangle."""
+    of_loop, count = np.empty(len(mesh.loops), np.int32), len(mesh.vertices)
+    mesh.loops.foreach_get("vertex_index", of_loop)
+    totals = np.empty(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("loop_total", totals)
+    keys = np.repeat(np.arange(len(totals), dtype=np.int64), totals) * count + of_loop
+    order = np.argsort(keys, kind="stable")
+    wanted = arrays.triangle_face.astype(np.int64)[:, None] * count + arrays.triangles
+    return order[np.searchsorted(keys[order], wanted)]
+
+
+def _color_layer(mesh, like):
+    """The colour attribute of the same name and kind; an older one of another kind goes."""
+    there = mesh.color_attributes.get(like.name)
+    if there is not None and (there.data_type, there.domain) != (like.data_type, like.domain):
+        mesh.color_attributes.remove(there)
+        there = None
+    return there or mesh.color_attributes.new(name=like.name, type=like.data_type, domain=like.domain)
+
+
+def _keys(scan) -> list:
+    """(shape key, how far it is on, offsets (V, 3)) of each one but the first, in the scan's mesh."""
+    keys = scan.data.shape_keys
+    if keys is None or not keys.use_relative:
+        return []
+    found = []
+    for key in keys.key_blocks:
+        if key == keys.reference_key:
+            continue
+        offsets = (_read(key.data, "co", 3) - _read(key.relative_key.data, "co", 3)).astype(np.float64)
+        group = scan.vertex_groups.get(key.vertex_group) if key.vertex_group else None
+        if group is not None:
+            offsets *= _weights(scan, group)[:, None]
+        found.append((key, 0.0 if key.mute else key.value, offsets))
+    return found
+
+
+def _weights(scan, group) -> np.ndarray:
+    weights = np.zeros(len(scan.data.vertices))
+    for i, vertex in enumerate(scan.data.vertices):
+        weights[i] = sum(entry.weight for entry in vertex.groups if entry.group == group.index)
+    return weights
+
+
+def _put_keys(result, scan, keys: list, carrier, arrays, turn, slid: dict) -> None:
+    """Adds the shape keys. The polygons were made with those that are on, so the first one is without them."""
+    moves = [carrier.mean(carrier(offsets[arrays.triangles])) @ turn for _, _, offsets in keys]
+    now = mesh_io.points(result.data).reshape(-1, 3).astype(np.float64)
+    first = now - sum(value * move for (_, value, _), move in zip(keys, moves, strict=True))
+    result.data.vertices.foreach_set("co", first.astype(np.float32).ravel())
+    result.shape_key_add(name=scan.data.shape_keys.reference_key.name, from_mix=False)
+    for (key, _, _), move in zip(keys, moves, strict=True):
+        made = result.shape_key_add(name=key.name, from_mix=False)
+        made.data.foreach_set("co", (first + move).astype(np.float32).ravel())
+        made.slider_min, made.slider_max = key.slider_min, key.slider_max
+        made.value, made.mute = slid.get(key.name, key.value), key.mute
+    result.data.update()

@@ -15,7 +15,7 @@ from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
 from .. import messages
-from . import mesh_io, overlay, preview, runtime, shaders, texture, words
+from . import materials, mesh_io, overlay, preview, runtime, shaders, texture, words
 
 LOOKS = ("PLAIN", "REGIONS", "TEXTURE")
 _GREY = 0.8
@@ -155,7 +155,7 @@ def _take_texture(side: Side, obj, layer, arrays) -> None:
     if len(mesh.loops) != 3 * len(mesh.polygons):
         corners, _ = mesh_io.loop_triangles(mesh, "loops")
     side.uv = uv.reshape(-1, 2)[np.asarray(corners).ravel()]
-    side.images = [texture.image_name(slot.material) for slot in obj.material_slots]
+    side.images = [materials.image_name(slot.material) for slot in obj.material_slots]
     side.slots = np.clip(slots, 0, len(side.images) - 1)[arrays.triangle_face]
 
 

@@ -71,7 +71,7 @@ class Work:
         if step is None:
             return
         try:
-            self.baking = texture.Baking(obj, step.size or None)
+            self.baking = texture.Baking(obj, step)
         except mesh_io.Unusable as problem:
             self.untextured = str(problem)
 

@@ -31,6 +31,17 @@ def digest(obj) -> str:
         values = np.empty(width * len(items), kind)
         items.foreach_get(name, values)
         found.update(values.tobytes() + b"|")
+    for layer in mesh.color_attributes:
+        if layer.name != mesh_io.COLOR:
+            values = np.empty(4 * len(layer.data), np.float32)
+            layer.data.foreach_get("color", values)
+            found.update(values.tobytes() + b"|")
+    for key in mesh.shape_keys.key_blocks if mesh.shape_keys is not None else ():
+        values = np.empty(3 * len(key.data), np.float32)
+        key.data.foreach_get("co", values)
+        found.update(key.name.encode() + values.tobytes() + b"|")
+    if mesh.shape_keys is not None and mesh.shape_keys.animation_data is not None:
+        found.update(b"animated")
     named = (obj.vertex_groups, mesh.uv_layers, mesh.color_attributes)
     names = [[item.name for item in items if item.name != mesh_io.COLOR] for items in named]
     found.update(repr((names, mesh.shape_keys is not None)).encode())
@@ -73,22 +84,23 @@ def _new(scan, context):
     return result
 
 
-def fill(result, scan, outcome) -> None:
+def fill(result, scan, outcome) -> np.ndarray:
     """Puts the polygons where the scan is, with the scan's parent and transform if those alone tell its place.
 
     Those of a scan far from its own zero are put relative to the outcome's origin, and the result's location has the
     rest. Blender rounds a location to float32; the rounding error of a far one goes to the vertices.
+    Returns the matrix, (3, 3), that takes directions (n, 3) in the scan's mesh to those in the result's.
     """
     polygons = outcome.polygons
     loops, start = np.array(polygons.loops), np.array(polygons.loop_start)
     unshaped = np.linalg.inv(mesh_io.shape_matrix(scan))
     vertices, shift = (np.asarray(polygons.vertices) - outcome.origin) @ unshaped, outcome.origin @ unshaped
-    moved = _moved(result)
+    moved, turn = _moved(result), np.eye(3)
     # Blender multiplies a parent's transform in float32: far from zero, only a result without one is exact.
     if _is_told_by_transform(scan) and not (scan.parent is not None and shift.any()):
         vertices += _place_alike(result, scan, shift)
     else:
-        vertices, loops = _place_in_world(result, scan, vertices, shift, loops, start)
+        vertices, loops, turn = _place_in_world(result, scan, vertices, shift, loops, start)
     result.isimp.placed = json.dumps([list(row) for row in result.matrix_basis])
     if moved is not None:
         result.matrix_basis = moved @ result.matrix_basis
@@ -96,7 +108,22 @@ def fill(result, scan, outcome) -> None:
     for found in outcome.numbers["flaws"].values():
         defective[found] = 1
     layers = {mesh_io.REGION: np.asarray(polygons.polygon_region), mesh_io.FLAW: defective}
+    if result.data.shape_keys is not None:  # else Blender keeps them, with vertices that there are no more
+        result.shape_key_clear()
     mesh_io.fill_polygons(result.data, vertices, loops, start, layers)
+    return turn
+
+
+def corner_order(result, outcome):
+    """Which corner of the outcome's polygons each corner of the result is; None if the result has others."""
+    wanted, start = np.array(outcome.polygons.loops), np.array(outcome.polygons.loop_start)
+    loops = np.empty(len(result.data.loops), np.int32)
+    result.data.loops.foreach_get("vertex_index", loops)
+    each = np.arange(len(wanted))
+    for order in (each, turned(each, start)):
+        if np.array_equal(wanted[order], loops):
+            return order
+    return None
 
 
 def take_materials(result, scan, outcome) -> None:
@@ -161,16 +188,17 @@ def _place_in_world(result, scan, vertices, shift, loops, start):
     place = np.array(scan.matrix_world, np.float64)
     matrix = place[:3, :3].copy()
     place[:3, 3] += matrix @ shift
+    turn = np.eye(3)
     unsheared = np.array(Matrix.LocRotScale(*scan.matrix_world.decompose()), np.float64)[:3, :3]
     if not np.allclose(unsheared, matrix, rtol=0, atol=1e-5 * np.abs(matrix).max()):
         place[:3, :3] = np.eye(3)
-        vertices = vertices @ matrix.T
+        vertices, turn = vertices @ matrix.T, matrix.T
         if np.linalg.det(matrix) < 0:
             loops = turned(loops, start)
     result.parent = None
     result.matrix_world = Matrix(place.tolist())
     rounded = place[:3, 3] - place[:3, 3].astype(np.float32)
-    return vertices + np.linalg.solve(place[:3, :3], rounded), loops
+    return vertices + np.linalg.solve(place[:3, :3], rounded), loops, turn
 
 
 def turned(loops: np.ndarray, start: np.ndarray) -> np.ndarray:

@@ -55,8 +55,10 @@ def show_polygons(context, scan, work, outcome):
         raw.make_way(obj)
     scan.isimp.key = scan.isimp.key or uuid.uuid4().hex
     made.isimp.scan_key, made.isimp.scan_name = scan.isimp.key, scan.name
-    result.fill(made, scan, outcome)
+    slid = carry.values_of_keys(made)
+    turn = result.fill(made, scan, outcome)
     carry.bones(made, scan, work.scan, outcome)
+    carry.layers(made, scan, work.scan, outcome, turn, slid)
     if work.baking is None and not texture.is_textured(scan):  # else it becomes one material
         result.take_materials(made, scan, outcome)
     if work.baking is not None:

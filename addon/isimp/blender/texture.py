@@ -4,36 +4,37 @@ import bpy
 import numpy as np
 
 from .. import messages
-from ..language import own, said
+from ..language import said
 from ..session import Shown
-from . import mesh_io, runtime
-from .result import turned
+from . import materials, mesh_io, runtime
+from .result import corner_order
 
 OWN = "isimp_texture"  #: marks the material and the images that were made here
-_GREY = (0.8, 0.8, 0.8, 1.0)
+_GLTF, _OCCLUSION = "glTF Material Output", "Occlusion"
+#: What kinds of images go to which inputs
+_PLACES = {
+    "color": "Base Color",
+    "normal": "Normal",
+    "roughness": "Roughness",
+    "metallic": "Metallic",
+    "emission": "Emission",
+}
+_ROWS = (*_PLACES, "occlusion")
 
 
 def is_textured(obj) -> bool:
     """Whether a material of an object has an image at its Base Color, and there is a UV map for it."""
     if not len(obj.data.uv_layers):
         return False
-    return any(image_name(slot.material) for slot in obj.material_slots)
-
-
-def image_name(material) -> str:
-    """The name of the image at a material's Base Color; empty if there is none."""
-    shader = None if material is None else _shader(material)
-    links = () if shader is None else shader.inputs["Base Color"].links
-    image = links[0].from_node.image if links and links[0].from_node.type == "TEX_IMAGE" else None
-    return "" if image is None else image.name
+    return any(materials.image_name(slot.material) for slot in obj.material_slots)
 
 
 class Baking:
     """The texture of a scan on its way to the result: read by the main thread, made by any, put by the main thread."""
 
-    def __init__(self, scan, size=None):
+    def __init__(self, scan, step):
         """Reads the scan's materials. Raises Unusable."""
-        self._shown, self._size = read(scan), size
+        (self._shown, self.notes), self._step = read(scan), step
         self._uv_map = next(layer.name for layer in scan.data.uv_layers if layer.active_render)
         self._made = None
 
@@ -41,7 +42,7 @@ class Baking:
         """arrays: those of the scan that the outcome was made from. Raises ValueError or Stopped."""
         if outcome.polygons is None:  # `put` says so
             return
-        self._made = runtime.get().session.texture(arrays, outcome, self._shown, self._size, watch)
+        self._made = runtime.get().session.texture(arrays, outcome, self._shown, self._step, watch)
 
     def put(self, result, outcome) -> dict:
         """Puts what was made on the result; returns the engine's report. Raises Unusable, and then nothing changes."""
@@ -54,20 +55,16 @@ def _corners(result, outcome) -> np.ndarray:
     """Which corner of the outcome's polygons each corner of the result is. Raises Unusable if it was edited."""
     if outcome.polygons is None:
         raise mesh_io.Unusable(said(messages.REGIONS_CHANGED))
-    wanted, start = np.array(outcome.polygons.loops), np.array(outcome.polygons.loop_start)
-    loops = np.empty(len(result.data.loops), np.int32)
-    result.data.loops.foreach_get("vertex_index", loops)
-    each = np.arange(len(wanted))
-    for order in (each, turned(each, start)):
-        if np.array_equal(wanted[order], loops):
-            return order
+    order = corner_order(result, outcome)
+    if order is not None:
+        return order
     raise mesh_io.Unusable(
         said("'{name}' has changed since Mesh: press Mesh again, then Keep Texture.", name=result.name)
     )
 
 
-def read(obj) -> Shown:
-    """What each triangle of a scan shows, in the order of `mesh_io.read`. Raises Unusable."""
+def read(obj) -> tuple[Shown, list[str]]:
+    """What each triangle of a scan shows, in the order of `mesh_io.read`, and what is left out. Raises Unusable."""
     mesh = obj.data
     if mesh_io.has_modifiers(obj):
         raise mesh_io.Unusable(
@@ -80,72 +77,18 @@ def read(obj) -> Shown:
     layer.data.foreach_get("uv", uv)
     slots = np.empty(len(mesh.polygons), np.int32)
     mesh.polygons.foreach_get("material_index", slots)
-    materials = [slot.material for slot in obj.material_slots]
-    images = [_image(material) for material in materials]
+    slotted = [slot.material for slot in obj.material_slots]
+    images = [materials.color(material) for material in slotted]
     if not images or all(image.size == 4 for image in images):
         raise mesh_io.Unusable(said("'{name}' has no image texture at the Base Color of a material.", name=obj.name))
     if len(mesh.loops) == 3 * len(mesh.polygons):
         corners, faces = np.arange(len(mesh.loops)), np.arange(len(mesh.polygons))
     else:
         corners, faces = mesh_io.loop_triangles(mesh, "loops")
-    return Shown(uv.reshape(-1, 2)[corners.reshape(-1, 3)], np.clip(slots, 0, len(images) - 1)[faces], images)
-
-
-def _image(material) -> np.ndarray:
-    """(H, W, 4) uint8 of the image at a material's Base Color, row 0 at the top; its colour as one pixel without."""
-    if material is None or _nodes(material) is None:
-        return _pixel(_GREY if material is None else material.diffuse_color)
-    shader = _shader(material)
-    color = shader.inputs["Base Color"] if shader is not None else None
-    if color is None:
-        raise mesh_io.Unusable(_bake(own("The material '{name}' has no Principled BSDF."), material))
-    if not color.is_linked:
-        return _pixel(color.default_value)
-    node = color.links[0].from_node
-    if node.type != "TEX_IMAGE" or node.image is None:
-        raise mesh_io.Unusable(_bake(own("The Base Color of the material '{name}' comes from no image."), material))
-    return pixels(node.image)
-
-
-def _bake(text: str, material) -> str:
-    advice = said("Bake it to an image first: Render Properties > Bake, type Diffuse, in Cycles.")
-    return f"{said(text, name=material.name)} {advice}"
-
-
-def _nodes(material):
-    """The node tree a material is shown by, None if by its plain settings."""
-    if bpy.app.version < (5, 0, 0) and not material.use_nodes:  # from then on each has nodes
-        return None
-    return material.node_tree
-
-
-def _shader(material):
-    tree = _nodes(material)
-    output = None if tree is None else tree.get_output_node("ALL")
-    if output is None or not output.inputs["Surface"].is_linked:
-        return None
-    node = output.inputs["Surface"].links[0].from_node
-    return node if node.type == "BSDF_PRINCIPLED" else None
-
-
-def _pixel(linear) -> np.ndarray:
-    """One pixel of a linear colour, as images store it."""
-    c = np.clip(np.array(linear[:3], np.float64), 0, 1)
-    stored = np.where(c <= 0.0031308, 12.92 * c, 1.055 * c ** (1 / 2.4) - 0.055)
-    return np.append(np.round(255 * stored), 255).astype(np.uint8).reshape(1, 1, 4)
-
-
-def pixels(image) -> np.ndarray:
-    """(H, W, 4) uint8 as stored, row 0 at the top. Raises Unusable."""
-    if image.source == "TILED":
-        raise mesh_io.Unusable(said("The image '{name}' has UDIM tiles, which are not supported yet.", name=image.name))
-    width, height = image.size
-    if not width or not height or image.channels != 4:
-        file = image.filepath or said("no file")
-        raise mesh_io.Unusable(said("The image '{name}' can't be read ({file}).", name=image.name, file=file))
-    values = np.empty(4 * width * height, np.float32)
-    image.pixels.foreach_get(values)
-    return np.round(np.clip(values, 0, 1) * 255).astype(np.uint8).reshape(height, width, 4)[::-1]
+    more = materials.Layers(slotted)
+    shown = np.clip(slots, 0, len(images) - 1)[faces]
+    of_corners = uv.reshape(-1, 2)[corners.reshape(-1, 3)]
+    return Shown(of_corners, shown, images, more.images, more.strength), more.notes
 
 
 def write(result, uv: np.ndarray, made, name: str) -> None:
@@ -156,54 +99,96 @@ def write(result, uv: np.ndarray, made, name: str) -> None:
     layer.data.foreach_set("uv", uv.astype(np.float32).ravel())
     layer.active = layer.active_render = True
     own = next((i for i, material in enumerate(mesh.materials) if material is not None and material.get(OWN)), -1)
-    fresh = own < 0
-    if fresh:
-        material = bpy.data.materials.new(result.name)
-        material[OWN] = True
-        mesh.materials.append(material)
+    if own < 0:
+        mesh.materials.append(_new_material(result.name))
         own = len(mesh.materials) - 1
-    color = _new_image(f"{result.name} color", made.image, "sRGB", "color")
-    normal = None if made.normal is None else _new_image(f"{result.name} normal", made.normal, "Non-Color", "normal")
-    (_set_nodes if fresh else _set_images)(mesh.materials[own], name, color, normal)
+    layers = {"color": made.image} | ({} if made.normal is None else {"normal": made.normal}) | made.layers
+    images = {kind: _new_image(f"{result.name} {kind}", stored, kind) for kind, stored in layers.items()}
+    _set_images(mesh.materials[own], name, images, made.factors)
     mesh.polygons.foreach_set("material_index", np.full(len(mesh.polygons), own, np.int32))
     mesh.update()
 
 
-def _set_nodes(material, uv_map: str, color, normal) -> None:
+def _new_material(name: str):
+    material = bpy.data.materials.new(name)
     if bpy.app.version < (5, 0, 0):
         material.use_nodes = True
+    material[OWN] = "new"  # else the kinds of images, and with = those of numbers, that it was given
     tree = material.node_tree
     tree.nodes.clear()
     output, shader = tree.nodes.new("ShaderNodeOutputMaterial"), tree.nodes.new("ShaderNodeBsdfPrincipled")
     output.location, shader.location = (300, 0), (0, 0)
     tree.links.new(shader.outputs["BSDF"], output.inputs["Surface"])
-    node = _image_node(tree, color, (-600, 0))
-    tree.links.new(node.outputs["Color"], shader.inputs["Base Color"])
-    if normal is None:
-        return
-    node = _image_node(tree, normal, (-600, -300))
-    turn = tree.nodes.new("ShaderNodeNormalMap")
-    turn.uv_map, turn.location = uv_map, (-250, -300)
-    tree.links.new(node.outputs["Color"], turn.inputs["Color"])
-    tree.links.new(turn.outputs["Normal"], shader.inputs["Normal"])
+    return material
 
 
-def _set_images(material, _uv_map: str, color, normal) -> None:
-    """Puts new images in the place of the last ones, which go; what the user did to the nodes stays."""
-    tree = _nodes(material)
-    for node in () if tree is None else tree.nodes:
+def _set_images(material, uv_map: str, images: dict, factors: dict) -> None:
+    """Puts new images in the place of the last ones, which go; what the user did to the nodes stays.
+
+    Images of a kind that the material had not before get nodes, where the user has nothing at that input.
+    """
+    given = material[OWN].split() if isinstance(material[OWN], str) else ["color", "normal"]  # those of iSimp 0.1
+    tree, shader = materials.nodes_of(material), materials.shader_of(material)
+    for node in () if tree is None else list(tree.nodes):
         old = node.image if node.type == "TEX_IMAGE" else None
-        new = {"color": color, "normal": normal}.get(old.get(OWN)) if old is not None else None
-        if new is None:
+        kind = None if old is None else old.get(OWN)
+        if kind in images:
+            node.image = images[kind]
+        elif kind is not None:  # a layer that there is no more
+            tree.nodes.remove(node)
+        else:
             continue
-        node.image = new
         if old.users == 0:
             name = old.name
             bpy.data.images.remove(old)
-            new.name = name
-    for image in (color, normal):
-        if image is not None and image.users == 0:  # the user's nodes have no place for it
+            if kind in images:
+                images[kind].name = name
+                _name_file(images[kind])
+    if shader is not None:
+        for kind in (kind for kind in images if kind not in given):
+            _plug(tree, shader, uv_map, kind, images[kind])
+        for kind in (kind for kind in factors if f"={kind}" not in given):
+            socket = shader.inputs["Emission Strength"] if kind == "emission" else _input(shader, kind)
+            socket.default_value = factors[kind]
+    material[OWN] = " ".join([*images, *(f"={kind}" for kind in factors)])
+    for image in images.values():
+        if image.users == 0:  # the user's nodes have no place for it
             bpy.data.images.remove(image)
+
+
+def _plug(tree, shader, uv_map: str, kind: str, image) -> None:
+    """Gives an image a node, and links it to what it is for if that is free."""
+    height = -300 * _ROWS.index(kind)
+    if kind != "occlusion" and _input(shader, kind).is_linked:
+        return
+    node = _image_node(tree, image, (-600, height))
+    if kind == "normal":
+        turn = tree.nodes.new("ShaderNodeNormalMap")
+        turn.uv_map, turn.location = uv_map, (-250, height)
+        tree.links.new(node.outputs["Color"], turn.inputs["Color"])
+        tree.links.new(turn.outputs["Normal"], shader.inputs["Normal"])
+    elif kind == "occlusion":
+        _put_occlusion(tree, node, (0, height))
+    else:
+        tree.links.new(node.outputs["Color"], _input(shader, kind))
+
+
+def _put_occlusion(tree, node, place) -> None:
+    """Plugs an image into the group of nodes where Blender's exporter of glTF looks for the occlusion."""
+    group = bpy.data.node_groups.get(_GLTF) or bpy.data.node_groups.new(_GLTF, "ShaderNodeTree")
+    names = [item.name for item in (group.interface.items_tree if hasattr(group, "interface") else group.inputs)]
+    if _OCCLUSION not in names:
+        if hasattr(group, "interface"):
+            group.interface.new_socket(_OCCLUSION, socket_type="NodeSocketFloat")
+        else:
+            group.inputs.new("NodeSocketFloat", _OCCLUSION)
+    holder = tree.nodes.new("ShaderNodeGroup")
+    holder.node_tree, holder.location = group, place
+    tree.links.new(node.outputs["Color"], holder.inputs[_OCCLUSION])
+
+
+def _input(shader, kind: str):
+    return materials.emission_of(shader) if kind == "emission" else shader.inputs[_PLACES[kind]]
 
 
 def _image_node(tree, image, place):
@@ -212,14 +197,21 @@ def _image_node(tree, image, place):
     return node
 
 
-def _new_image(name: str, stored: np.ndarray, space: str, kind: str):
+def _new_image(name: str, stored: np.ndarray, kind: str):
     height, width = stored.shape[:2]
     image = bpy.data.images.new(name, width, height, alpha=False)
-    image.colorspace_settings.name = space
+    image.colorspace_settings.name = "sRGB" if kind in {"color", "emission"} else "Non-Color"
     values = np.ones((height, width, 4), np.float32)
-    values[:, :, :3] = stored[::-1, :, :3] / np.float32(255)
+    values[:, :, :3] = (stored[::-1, :, None] if stored.ndim == 2 else stored[::-1, :, :3]) / np.float32(255)
     image.pixels.foreach_set(values.ravel())
     image.update()
     image.pack()
     image[OWN] = kind
+    _name_file(image)
     return image
+
+
+def _name_file(image) -> None:
+    """Gives a packed image a file name of its own, by which exporters tell images apart. USD wants the image's name."""
+    name = image.name.replace("/", "_").replace("\\", "_")
+    image.filepath_raw = f"//{name}.png"

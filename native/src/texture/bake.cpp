@@ -97,7 +97,7 @@ std::vector<std::int32_t> sample_counts(const Scene& scene, const detail::Sample
 }  // namespace
 
 Texture bake(const Mesh& mesh, const Partition& partition, const PolygonMesh& polygons, const Atlas& atlas,
-             const Appearance& appearance, const TextureOptions& options, Job& job) {
+             const Appearance& appearance, const TextureOptions& options, Job& job, const MaterialLayers& layers) {
   const Threads threads(options.threads);
   const detail::Sampler sampler(mesh, appearance);
   const Scene scene(mesh, partition, polygons, atlas, appearance.known, options, threads, job);
@@ -108,14 +108,22 @@ Texture bake(const Mesh& mesh, const Partition& partition, const PolygonMesh& po
   const std::size_t pixels = scene.owner.size();
   texture.color.resize(4 * pixels);
   if (options.normals) texture.normal.resize(3 * pixels);
-  detail::Canvas canvas{texture, sampler, normals};
+  detail::Canvas canvas{texture, sampler, normals, {}, {}};
+  for (const Appearance& layer : layers.images) {
+    canvas.layers.emplace_back(mesh, layer);
+    texture.layers.emplace_back().resize(4 * pixels);
+  }
+  if (options.normals && layers.relief) canvas.relief.emplace(mesh, normals, *layers.relief);
   const std::vector<std::int32_t> counts = sample_counts(scene, sampler);
-  const Job::Part part(job, "baking", 0, 0.9);
+  const Job::Part part(job, "baking", 0, options.occlusion ? 0.3 : 0.9);
   for_all(
       scene, threads, job, [&](std::int32_t q) { return counts[q]; },
       [&](const PolygonView& view, std::int32_t q) { return detail::ColourShade(scene, view, q, canvas); });
   texture.report = {canvas.texels, canvas.searched, canvas.unknown};
-  detail::flood(scene.owner, atlas.side, sampler.mean(), texture, job);
+  detail::flood(scene.owner, atlas.side, sampler.mean(), texture.color, job);
+  for (std::size_t l = 0; l < texture.layers.size(); ++l)
+    detail::flood(scene.owner, atlas.side, canvas.layers[l].mean(), texture.layers[l], job);
+  if (options.normals) detail::flood_normals(scene.owner, atlas.side, texture.normal);
   return texture;
 }
 

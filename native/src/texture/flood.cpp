@@ -41,11 +41,12 @@ Level halve(std::int32_t side, Read read) {
   return level;
 }
 
-std::vector<Level> reduced(std::span<const std::int32_t> owner, std::int32_t side, const Texture& texture, Job& job) {
+std::vector<Level> reduced(std::span<const std::int32_t> owner, std::int32_t side, std::span<const std::uint8_t> color,
+                           Job& job) {
   std::vector<Level> levels;
   levels.push_back(halve(side, [&](std::int32_t x, std::int32_t y, std::array<std::uint8_t, 4>& rgba) {
     if (owner[static_cast<std::size_t>(side - 1 - y) * side + x] == kNone) return false;
-    std::copy_n(texture.color.data() + 4 * (static_cast<std::size_t>(y) * side + x), 4, rgba.begin());
+    std::copy_n(color.data() + 4 * (static_cast<std::size_t>(y) * side + x), 4, rgba.begin());
     return true;
   }));
   while (levels.back().side > 1) {
@@ -63,8 +64,9 @@ std::vector<Level> reduced(std::span<const std::int32_t> owner, std::int32_t sid
 
 }  // namespace
 
-void flood(std::span<const std::int32_t> owner, std::int32_t side, const Rgba& mean, Texture& texture, Job& job) {
-  std::vector<Level> levels = reduced(owner, side, texture, job);
+void flood(std::span<const std::int32_t> owner, std::int32_t side, const Rgba& mean, std::span<std::uint8_t> color,
+           Job& job) {
+  std::vector<Level> levels = reduced(owner, side, color, job);
   Level& top = levels.back();
   if (top.known[0] == 0)
     for (int k = 0; k < 4; ++k) top.pixel[0][k] = static_cast<std::uint8_t>(std::clamp(mean[k] + 0.5F, 0.0F, 255.0F));
@@ -84,12 +86,19 @@ void flood(std::span<const std::int32_t> owner, std::int32_t side, const Rgba& m
       if (owner[static_cast<std::size_t>(side - 1 - y) * side + x] != kNone) continue;
       const std::size_t at = static_cast<std::size_t>(y) * side + x;
       const auto& rgba = half.pixel[static_cast<std::size_t>(y / 2) * half.side + x / 2];
-      std::copy_n(rgba.begin(), 4, texture.color.data() + 4 * at);
-      if (texture.normal.empty()) continue;
-      texture.normal[3 * at] = texture.normal[3 * at + 1] = 128;
-      texture.normal[3 * at + 2] = 255;
+      std::copy_n(rgba.begin(), 4, color.data() + 4 * at);
     }
   }
+}
+
+void flood_normals(std::span<const std::int32_t> owner, std::int32_t side, std::span<std::uint8_t> normal) {
+  for (std::int32_t y = 0; y < side; ++y)
+    for (std::int32_t x = 0; x < side; ++x) {
+      if (owner[static_cast<std::size_t>(side - 1 - y) * side + x] != kNone) continue;
+      const std::size_t at = 3 * (static_cast<std::size_t>(y) * side + x);
+      normal[at] = normal[at + 1] = 128;
+      normal[at + 2] = 255;
+    }
 }
 
 }  // namespace isimp::detail

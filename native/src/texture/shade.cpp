@@ -16,26 +16,20 @@ float width_of(const FlatFace& f) {
   return longest > 0 ? 1 / (f.over * longest) : 0;
 }
 
-}  // namespace
-
-std::vector<Eigen::Vector3f> vertex_normals(const Mesh& mesh) {
-  std::vector<Vec3> sum(mesh.vertex_count(), Vec3::Zero());
-  const auto v = mesh.vertices();
-  for (const Triangle& t : mesh.triangles()) {
-    const Vec3 n = (v[t[1]] - v[t[0]]).cross(v[t[2]] - v[t[0]]);
-    for (const std::int32_t vertex : t) sum[vertex] += n;
-  }
-  std::vector<Eigen::Vector3f> normals(sum.size());
-  for (std::size_t i = 0; i < sum.size(); ++i) normals[i] = sum[i].normalized().cast<float>();
-  return normals;
+void store(const Rgba& colour, std::uint8_t* rgba) {
+  for (int k = 0; k < 4; ++k) rgba[k] = static_cast<std::uint8_t>(std::clamp(colour[k] + 0.5F, 0.0F, 255.0F));
 }
+
+}  // namespace
 
 ColourShade::ColourShade(const Scene& scene, const PolygonView& view, std::int32_t q, Canvas& canvas)
     : mesh_(scene.mesh),
       view_(view),
       canvas_(canvas),
       looks_(view.faces().size()),
-      with_normals_(!canvas.texture.normal.empty()) {
+      with_normals_(!canvas.texture.normal.empty()),
+      with_layers_(!canvas.layers.empty() || canvas.relief) {
+  layer_sums_.resize(canvas.layers.size());
   const ChartFrame& frame = scene.atlas.frame[q];
   tangent_.row(0) = frame.u.normalized().cast<float>();
   tangent_.row(1) = frame.v.normalized().cast<float>();
@@ -50,15 +44,18 @@ ColourShade::~ColourShade() {
 
 void ColourShade::operator()(const Texel& texel, const Samples& samples) {
   sum_.setZero();
+  for (Rgba& sum : layer_sums_) sum.setZero();
   weight_ = 0;
   bool searched = false;
   if (texel.closest < 1) searched = add_drawn(texel, samples);
   if (texel.closest > 0) add(texel.hit, texel.closest);
   const bool unknown = weight_ <= 0;
-  const Rgba colour = unknown ? canvas_.sampler.mean() : Rgba(sum_ / weight_);
-  std::uint8_t* rgba = canvas_.texture.color.data() + 4 * canvas_.pixel(texel);
-  for (int k = 0; k < 4; ++k) rgba[k] = static_cast<std::uint8_t>(std::clamp(colour[k] + 0.5F, 0.0F, 255.0F));
-  if (with_normals_) take_normal(canvas_.texture.normal.data() + 3 * canvas_.pixel(texel));
+  const std::size_t pixel = canvas_.pixel(texel);
+  store(unknown ? canvas_.sampler.mean() : Rgba(sum_ / weight_), canvas_.texture.color.data() + 4 * pixel);
+  for (std::size_t l = 0; l < layer_sums_.size(); ++l)
+    store(unknown ? canvas_.layers[l].mean() : Rgba(layer_sums_[l] / weight_),
+          canvas_.texture.layers[l].data() + 4 * pixel);
+  if (with_normals_) take_normal(canvas_.texture.normal.data() + 3 * pixel);
   if (!texel.inside) return;
   ++texels_;
   searched_ += searched ? 1 : 0;
@@ -89,8 +86,10 @@ bool ColourShade::add_drawn(const Texel& texel, const Samples& samples) {
       const float dx = x - face.x, dy = y - face.y;
       const Eigen::Vector2f pixel = face.pixel + dx * face.per_x + dy * face.per_y;
       sum_ += share * canvas_.sampler.at_pixel(face.image, pixel.x(), pixel.y());
-      if (with_normals_) normal_ += share * (face.normal + dx * face.normal_per_x + dy * face.normal_per_y);
       weight_ += share;
+      if (with_layers_) add_layers(view_.at(index, x, y), share);
+      if (!with_normals_ || canvas_.relief) continue;
+      normal_ += share * (face.normal + dx * face.normal_per_x + dy * face.normal_per_y);
     }
   if (missing) add_searched(texel, samples, share);
   return missing;
@@ -129,10 +128,15 @@ void ColourShade::add(const Hit& hit, float weight) {
   if (hit.face == kNone) return;
   sum_ += weight * canvas_.sampler(hit.face, hit.b, hit.c);
   weight_ += weight;
-  if (!with_normals_) return;
-  const Triangle& t = mesh_.triangles()[hit.face];
-  const auto& normals = canvas_.normals;
-  normal_ += weight * ((1 - hit.b - hit.c) * normals[t[0]] + hit.b * normals[t[1]] + hit.c * normals[t[2]]);
+  if (with_layers_) add_layers(hit, weight);
+  if (with_normals_ && !canvas_.relief)
+    normal_ += weight * smooth_normal(mesh_, canvas_.normals, hit.face, hit.b, hit.c);
+}
+
+void ColourShade::add_layers(const Hit& hit, float weight) {
+  for (std::size_t l = 0; l < layer_sums_.size(); ++l)
+    layer_sums_[l] += weight * canvas_.layers[l](hit.face, hit.b, hit.c);
+  if (canvas_.relief) normal_ += weight * (*canvas_.relief)(hit.face, hit.b, hit.c);
 }
 
 const FaceLook& ColourShade::look(std::int32_t index) {

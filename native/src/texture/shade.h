@@ -3,21 +3,22 @@
 #include <Eigen/Core>
 #include <atomic>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "relief.h"
 #include "sampler.h"
 #include "tile.h"
 
 namespace isimp::detail {
-
-/// Unit normals of the vertices, each face by its area.
-std::vector<Eigen::Vector3f> vertex_normals(const Mesh& mesh);
 
 /// Where colours and normals of the texels go, and what was counted.
 struct Canvas {
   Texture& texture;
   const Sampler& sampler;
   const std::vector<Eigen::Vector3f>& normals;
+  std::vector<Sampler> layers;
+  std::optional<Relief> relief;
   std::atomic<std::int64_t> texels{0}, searched{0}, unknown{0};
 
   [[nodiscard]] std::size_t pixel(const Texel& texel) const {
@@ -36,7 +37,7 @@ struct FaceLook {
   State state = State::unknown;
 };
 
-/// Gives the texels of a polygon the colours and normals of the scan.
+/// Gives the texels of a polygon the colours, normals and further layers of the scan.
 class ColourShade {
  public:
   ColourShade(const Scene& scene, const PolygonView& view, std::int32_t q, Canvas& canvas);
@@ -50,6 +51,7 @@ class ColourShade {
   bool add_drawn(const Texel& texel, const Samples& samples);
   void add_searched(const Texel& texel, const Samples& samples, float share);
   void add(const Hit& hit, float weight);
+  void add_layers(const Hit& hit, float weight);
   const FaceLook& look(std::int32_t index);
   void take_normal(std::uint8_t* rgb);
 
@@ -59,12 +61,13 @@ class ColourShade {
   Eigen::Matrix3f tangent_;      // rows: right, up, out of the polygon
   std::vector<FaceLook> looks_;  // of the view's faces
   Eigen::Array4f sum_;
+  std::vector<Rgba> layer_sums_;
   Eigen::Vector3f normal_ = Eigen::Vector3f::Zero();
   float weight_ = 0;
   std::int32_t last_ = kNone, last_x_ = kNone,
                last_y_ = kNone;  // the face that a search found last, and for which texel
   std::int64_t texels_ = 0, searched_ = 0, unknown_ = 0;
-  bool with_normals_;
+  bool with_normals_, with_layers_;
 };
 
 }  // namespace isimp::detail

@@ -120,6 +120,15 @@ def simplify_options() -> argparse.ArgumentParser:
         "Beside OUTPUT.obj come OUTPUT.mtl, OUTPUT.png and OUTPUT_normal.png; OUTPUT.glb holds all",
     )
     command.add_argument(
+        "--ao",
+        type=texturing.distance,
+        nargs="?",
+        const=texturing.ANY_DISTANCE,
+        metavar="DISTANCE",
+        help="with --texture: an image of ambient occlusion by the scan's faces up to DISTANCE away, in scene units; "
+        "without DISTANCE: by all",
+    )
+    command.add_argument(
         "--crs",
         type=int,
         metavar="EPSG",
@@ -190,6 +199,10 @@ def settle(arguments: argparse.Namespace) -> None:
         arguments.angle = arguments.recipe.angle
     if arguments.recipe is not None and arguments.texture is None:
         arguments.texture = arguments.recipe.texture
+    if arguments.recipe is not None and arguments.ao is None:
+        arguments.ao = arguments.recipe.ao
+    if arguments.ao is not None and arguments.texture is None:
+        raise UsageError("--ao needs --texture: it is an image of the texture's material")
     arguments.options = options_of(arguments, PartitionOptions)
 
 

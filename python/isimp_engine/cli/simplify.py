@@ -82,13 +82,13 @@ def run(arguments: argparse.Namespace) -> Done:
         texturing.check_source(source, [path for files in beside for path in files])
     with Outputs() as outputs:
         cleaned = None
-        for number, (level, files) in enumerate(zip(levels, beside, strict=True)):
+        for number, level in enumerate(levels):
             if number > 0 and level.texture is not None:
                 level.texture = lods.halved(done[0].report["texture"]["size"], number)
             if number == 0 and len(levels) > 1:
                 with steps("clean") as job:
                     cleaned = clean_mesh(source, level.clean, job, closing.kept_places(level))
-            done.append(_make(level, source, steps, outputs, files, cleaned))
+            done.append(_make(level, source, steps, outputs, cleaned))
             steps = Steps(wanted(arguments.quiet))
         report = done[0].report
         if arguments.lods is not None:
@@ -176,14 +176,13 @@ def _make(
     source: Input,
     steps: Steps,
     outputs: Outputs,
-    beside: list[Path],
     cleaned: Cleaned | None,
 ) -> Done:
     """Make and write one result; its files appear when `outputs` are committed."""
     options, recipe = arguments.options, arguments.recipe
     model = make_model(arguments, source, steps, cleaned)
     mesh, part, poly, closed = model.mesh, model.partition, model.found.polygons, model.closed
-    made, surfaces = None, exporting.surfaces_of(poly)
+    made, written, surfaces = None, [], exporting.surfaces_of(poly)
     if arguments.texture is not None:
         with steps("texture") as job:
             made = texturing.make(arguments, source, mesh, part, poly, job)
@@ -194,6 +193,7 @@ def _make(
         else:
             for file, content in files_of(arguments.output, poly, made, job).items():
                 outputs.write(file, partial(Path.write_bytes, data=content))
+                written.append(file)
         if arguments.labels:
             outputs.write(arguments.labels, lambda path: save_labels(path, labels(source, mesh, part)))
     report = {
@@ -221,7 +221,7 @@ def _make(
         "expected": model.expected,
         "output": {"path": str(arguments.output)} | model.found.report,
         "validity": exporting.validity(poly, surfaces=surfaces),
-        "texture": None if made is None else made.report | {"files": [str(path) for path in beside]},
+        "texture": None if made is None else made.report | {"files": [str(path) for path in written[1:]]},
         "seconds": steps.seconds,
         "peak_mb": peak_mb(),
     }
@@ -243,7 +243,7 @@ def output_kinds(arguments: argparse.Namespace) -> tuple[str, ...]:
 
 
 def check_places(arguments: argparse.Namespace) -> list[Path]:
-    """Refuse before the work what would fail after it; returns the files that come beside the output."""
+    """Refuse before the work what would fail after it; returns the files that can come beside the output."""
     if not arguments.output.name.lower().endswith(kinds := output_kinds(arguments)):
         more = "with a texture " if arguments.texture is not None else ""
         raise UsageError(f"{arguments.output}: {more}OUTPUT must end in one of {', '.join(kinds)}")

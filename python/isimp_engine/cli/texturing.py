@@ -1,6 +1,7 @@
 """The texture of `isimp simplify`: its size, its files, and what may not be overwritten."""
 
 import argparse
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from .files import check, is_same
 from .loading import Input
 
 LIKE_THE_SCAN = 0
+ANY_DISTANCE = 0.0
 
 
 def size(text: str) -> int:
@@ -28,11 +30,23 @@ def size(text: str) -> int:
     return pixels
 
 
+def distance(text: str) -> float:
+    """An argument that gives how far away faces may be that keep light off."""
+    wanted = f"DISTANCE must be a finite length above 0, got {text!r}; --ao without DISTANCE goes behind OUTPUT"
+    try:
+        length = float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(wanted) from None
+    if not 0 < length < math.inf:
+        raise argparse.ArgumentTypeError(wanted)
+    return length
+
+
 def check_output(arguments: argparse.Namespace) -> list[Path]:
-    """The files that come beside the output; refuses those that can't be written."""
+    """The files that can come beside the output; refuses those that can't be written."""
     if arguments.texture is None:
         return []
-    beside = companions(arguments.output, normals=True)
+    beside = companions(arguments.output)
     for path in beside:
         check(path)
     return beside
@@ -57,7 +71,12 @@ def make(
 ) -> Texture:
     """The texture of the polygons."""
     assert source.soup is not None  # read since it was asked for
-    options = TextureOptions(size=arguments.texture or None, threads=arguments.options.threads)
+    options = TextureOptions(
+        size=arguments.texture or None,
+        occlusion=arguments.ao is not None,
+        occlusion_distance=arguments.ao or None,
+        threads=arguments.options.threads,
+    )
     try:
         return texture(mesh, part, poly, source.soup, options, job)
     except InvalidInput as error:  # too many charts for the size
@@ -67,5 +86,7 @@ def make(
 def summary(report: dict[str, Any]) -> Iterator[str]:
     pixels, charts = f"{report['size']:,} x {report['size']:,}", words.count(report["charts"], "chart")
     yield f"  texture: {pixels} pixels, {charts}, {report['fill']:.0%} filled"
+    if report["layers"]:
+        yield f"  with {', '.join(report['layers'])}"
     if report["unknown"]:
         yield f"  warning: {report['unknown']:,} pixels show the mean colour, since no face with a texture is near"

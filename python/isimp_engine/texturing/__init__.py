@@ -1,8 +1,10 @@
 """The texture of a scan, read, put on its polygons and written."""
 
 from .baking import Texture, texture
+from .layers import TextureLayer
+from .places import corner_sources
 from .reading import read_textured
 from .soup import TexturedSoup
 from .writing import write_textured
 
-__all__ = ["Texture", "TexturedSoup", "read_textured", "texture", "write_textured"]
+__all__ = ["Texture", "TextureLayer", "TexturedSoup", "corner_sources", "read_textured", "texture", "write_textured"]

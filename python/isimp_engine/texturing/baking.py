@@ -15,9 +15,11 @@ from .._core import (
     PolygonMesh,
     TextureOptions,
     _bake,
+    _occlusion,
     _source_corners,
     _unwrap,
 )
+from .layers import NEUTRAL, NORMAL, NUMBERS, TextureLayer, constant
 from .soup import TexturedSoup
 
 FINER = 1.0  # texels of the result per pixel of the scan's images, at least; sizes are powers of two, so 1.4 on average
@@ -30,6 +32,9 @@ class Texture:
     uv: (L, 2) float64: of each corner in `loops`, from 0 to 1; v = 1 is the upper edge of the image.
     image: (H, W, 4) uint8, row 0 at the top. normal: (H, W, 3) uint8 tangent-space normals (green up), None if not
     asked for: they are right where all corners of a polygon have its `polygon_normal` and `polygon_tangent`.
+    layers: further images that the scan's materials have, or that were asked for: (H, W) uint8 "roughness", "metallic"
+    and "occlusion", (H, W, 3) uint8 "emission", stored as colours are. factors: "roughness" and "metallic" where they
+    are one number everywhere, and what the image of "emission" is multiplied by.
     """
 
     uv: NDArray[np.float64]
@@ -38,6 +43,8 @@ class Texture:
     polygon_normal: NDArray[np.float64] = field(repr=False)  #: (Q, 3)
     polygon_tangent: NDArray[np.float64] = field(repr=False)  #: (Q, 3) the direction of u
     report: dict[str, Any]
+    layers: dict[str, NDArray[np.uint8]] = field(default_factory=dict, repr=False)
+    factors: dict[str, float] = field(default_factory=dict)
 
     def __iter__(self) -> Iterator[Any]:
         yield self.uv
@@ -58,7 +65,8 @@ def texture(
     The report: `size`, `charts`, `fill` (area of the polygons over that of the image), `texels_per_unit` and
     `source_texels_per_unit` (of the result and of the scan, per scene unit), `gutter`, `texels` (in polygons),
     `searched` (of them those that show the closest face, since none lies above or below), `unknown` (those that show
-    the mean colour), `turned_faces` (faces that repairs changed) and `lost_faces` (those without a place on the scan).
+    the mean colour), `turned_faces` (faces that repairs changed), `lost_faces` (those without a place on the scan)
+    and `layers` (the names of further images).
     Raises InvalidInput (the source is not the mesh's, or shows nothing; charts do not fit into the size) or Cancelled.
     """
     options = options or TextureOptions()
@@ -68,13 +76,36 @@ def texture(
     look = _look(source, face, weight)
     density = _density(mesh, look)
     atlas = _unwrap(poly, options, FINER * density, job)
-    image, normal, counts = _bake(
-        mesh, part, poly, atlas, look.uv, look.image, look.colors, look.known, look.pictures, options, job
+    wanted, factors = _wanted(source)
+    shown = [_layer(source, name, face, weight, look.uv) for name in wanted]
+    relief = None
+    if options.normals and NORMAL in source.layers:
+        relief = _layer(source, NORMAL, face, weight, look.uv)
+    image, normal, images, counts = _bake(
+        mesh,
+        part,
+        poly,
+        atlas,
+        look.uv,
+        look.image,
+        look.colors,
+        look.known,
+        look.pictures,
+        shown,
+        relief,
+        options,
+        job,
     )
+    layers = {
+        n: np.ascontiguousarray(i[:, :, :3] if n == "emission" else i[:, :, 0])
+        for n, i in zip(wanted, images, strict=True)
+    }
+    if options.occlusion:  # in place of that of the scan's materials
+        layers["occlusion"] = _occlusion(mesh, part, poly, atlas, options, job)
     report = {"size": atlas.side, "charts": atlas.chart_count, "fill": atlas.fill, "gutter": atlas.gutter}
     report |= {"texels_per_unit": atlas.scale, "source_texels_per_unit": density} | counts
-    report |= {"turned_faces": turned, "lost_faces": lost}
-    return Texture(atlas.uv, image, normal, atlas.normal, atlas.tangent, report)
+    report |= {"turned_faces": turned, "lost_faces": lost, "layers": list(layers)}
+    return Texture(atlas.uv, image, normal, atlas.normal, atlas.tangent, report, layers, factors)
 
 
 @dataclass(frozen=True)
@@ -88,9 +119,49 @@ class _Look:
     pictures: list[Any]
 
 
-def _look(source: TexturedSoup, face: NDArray[np.int32], weight: NDArray[np.float32]) -> _Look:
-    share = np.stack([1 - weight[:, :, 0] - weight[:, :, 1], weight[:, :, 0], weight[:, :, 1]], axis=2)
+def _wanted(source: TexturedSoup) -> tuple[list[str], dict[str, float]]:
+    """The layers that get an image, and the numbers of those that do not."""
+    names, factors = [], {}
+    used = np.unique(source.material)
+    for name, layer in source.layers.items():
+        if name == NORMAL:
+            continue
+        single = constant(name, layer, used)
+        if single is not None and (name in NUMBERS or single == NEUTRAL[name]):
+            factors[name] = single
+            continue
+        names.append(name)
+        factors[name] = layer.strength
+    return names, {name: factor for name, factor in factors.items() if name not in names or name == "emission"}
+
+
+def _layer(
+    source: TexturedSoup, name: str, face: NDArray[np.int32], weight: NDArray[np.float32], uv: NDArray[np.float32]
+) -> tuple[NDArray[np.float32], NDArray[np.int32], list[Any]]:
+    """What each face of the mesh shows of a layer: UVs, image and images. Materials that do not say are neutral."""
+    layer: TextureLayer = source.layers[name]
     at = np.maximum(face, 0)
+    if layer.uv is not None:
+        uv = np.ascontiguousarray(np.einsum("fkc,fcd->fkd", _shares(weight), layer.uv[at]).astype(np.float32))
+    pictures = [np.ascontiguousarray(image) for image in layer.images if image is not None]
+    none = -1
+    if name != NORMAL:
+        none = len(pictures)
+        pictures.append(np.full((1, 1, 4), round(255 * NEUTRAL[name]), dtype=np.uint8))
+    number = np.full(len(layer.images) + 1, none, dtype=np.int32)
+    given = [i for i, image in enumerate(layer.images) if image is not None]
+    number[given] = np.arange(len(given), dtype=np.int32)
+    image = number[source.material[at]]
+    image[face < 0] = none
+    return uv, image, pictures
+
+
+def _shares(weight: NDArray[np.float32]) -> NDArray[np.float32]:
+    return np.stack([1 - weight[:, :, 0] - weight[:, :, 1], weight[:, :, 0], weight[:, :, 1]], axis=2)
+
+
+def _look(source: TexturedSoup, face: NDArray[np.int32], weight: NDArray[np.float32]) -> _Look:
+    share, at = _shares(weight), np.maximum(face, 0)
     uv = np.einsum("fkc,fcd->fkd", share, source.uv[at]).astype(np.float32)
     pictures = [image for image in source.images if image is not None]
     number = np.full(len(source.images) + 1, -1, dtype=np.int32)  # the last one: no material

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core import FileError
-from . import images
+from . import gltf_layers, images
+from .layers import to_srgb
 from .soup import TexturedSoup
 
 _MAGIC, _JSON, _BINARY = b"glTF", 0x4E4F534A, 0x004E4942
@@ -47,7 +48,8 @@ def read(path: Path) -> TexturedSoup:
     material = np.concatenate([np.full(len(p["triangles"]), number[p["material"]]) for p in parts])
     names = [str(file.json["materials"][m].get("name", m)) for m in used]
     corner_colors = None if colors is None else colors[faces]
-    return TexturedSoup(vertices, faces, uv[faces], material, pictures, corner_colors, names, file.linked)
+    layers = gltf_layers.read(file, used, [(part["primitive"], part["triangles"]) for part in parts])
+    return TexturedSoup(vertices, faces, uv[faces], material, pictures, corner_colors, names, file.linked, layers)
 
 
 def geometry(path: Path, data: bytes) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.float64]]:
@@ -77,17 +79,14 @@ def _primitive(file: "_File", primitive: dict[str, Any], matrix: NDArray[np.floa
         raise FileError(f"{file.path}: a triangle uses vertex {triangles.max()}, but there are {len(points)}")
     if np.linalg.det(matrix[:3, :3]) < 0:  # a mirrored object: its triangles are turned to look outward
         triangles = triangles[:, ::-1]
-    uv_set = file.uv_set(primitive.get("material", -1))
-    uv = np.zeros((len(points), 2))
-    if f"TEXCOORD_{uv_set}" in attributes:
-        uv = file.accessor(attributes[f"TEXCOORD_{uv_set}"]).astype(np.float64)
-        uv[:, 1] = 1 - uv[:, 1]
+    uv = file.uv(primitive, file.uv_set(primitive.get("material", -1)))
     colors = None
     if "COLOR_0" in attributes:
         colors = _stored_colors(file.accessor(attributes["COLOR_0"]))
     vertices = points @ matrix[:3, :3].T + matrix[:3, 3]
     return {"vertices": vertices, "triangles": triangles, "uv": uv, "colors": colors} | {
-        "material": primitive.get("material", -1)
+        "material": primitive.get("material", -1),
+        "primitive": primitive,
     }
 
 
@@ -112,12 +111,8 @@ def _stored_colors(linear: NDArray[Any]) -> NDArray[np.uint8]:
     linear = np.clip(linear.astype(np.float64), 0, 1)
     if linear.shape[1] == 3:
         linear = np.hstack([linear, np.ones((len(linear), 1))])
-    linear[:, :3] = _to_srgb(linear[:, :3])
+    linear[:, :3] = to_srgb(linear[:, :3])
     return np.round(linear * 255).astype(np.uint8)
-
-
-def _to_srgb(linear: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.where(linear <= 0.0031308, linear * 12.92, 1.055 * np.maximum(linear, 0) ** (1 / 2.4) - 0.055)
 
 
 class _File:
@@ -141,6 +136,7 @@ class _File:
             raise FileError(f"{path}: is not glTF, or damaged") from None
         self.buffers: dict[int, bytes] = {}
         self.linked: list[Path] = []
+        self.pictures: dict[int, images.Image] = {}
 
     def _chunks(self, data: bytes) -> Iterator[tuple[int, bytes]]:
         if len(data) < 20 or struct.unpack_from("<I", data, 4)[0] != 2:
@@ -232,6 +228,16 @@ class _File:
             return 0
         return int(self._base(material).get("baseColorTexture", {}).get("texCoord", 0))
 
+    def uv(self, primitive: dict[str, Any], uv_set: int) -> NDArray[np.float64]:
+        """(V, 2) of a primitive's vertices, v upward; zeros without."""
+        attributes = primitive.get("attributes", {})
+        if f"TEXCOORD_{uv_set}" not in attributes:
+            count = self._item("accessors", attributes["POSITION"])["count"] if "POSITION" in attributes else 0
+            return np.zeros((count, 2))
+        uv = self.accessor(attributes[f"TEXCOORD_{uv_set}"]).astype(np.float64)
+        uv[:, 1] = 1 - uv[:, 1]
+        return uv
+
     def base_color(self, material: int, plain: bool) -> Any:
         """The image of a material; without one its colour, or None for that of the vertices."""
         base = self._base(material)
@@ -239,16 +245,21 @@ class _File:
             if not plain:
                 return None
             factor = np.asarray(base.get("baseColorFactor", (1, 1, 1, 1)), dtype=np.float64)
-            factor[:3] = _to_srgb(factor[:3])
+            factor[:3] = to_srgb(factor[:3])
             return np.round(np.clip(factor, 0, 1) * 255).astype(np.uint8).reshape(1, 1, 4)
-        source = self._item("textures", base["baseColorTexture"]["index"]).get("source")
+        return self.picture(base["baseColorTexture"])
+
+    def picture(self, texture: dict[str, Any]) -> images.Image:
+        """The image that a material's texture shows."""
+        source = self._item("textures", texture["index"]).get("source")
         if source is None:
             raise FileError(f"{self.path}: an image is of a kind that is not supported; export it with PNG or JPEG")
         image = self._item("images", source)
         name = f"{self.path}: image {image.get('name', image.get('uri', source))}"
-        if "bufferView" in image:
-            return images.decode(self.view(image["bufferView"])[0], name)
-        return images.decode(self._linked(image["uri"]), name)
+        if source not in self.pictures:
+            data = self.view(image["bufferView"])[0] if "bufferView" in image else self._linked(image["uri"])
+            self.pictures[source] = images.decode(data, name)
+        return self.pictures[source]
 
 
 def _matrix(node: dict[str, Any]) -> NDArray[np.float64]:
@@ -302,25 +313,20 @@ def glb(
     uv: NDArray[np.float64],
     normals: NDArray[np.float64],
     tangents: NDArray[np.float64],
-    image: bytes,
-    normal_map: bytes | None,
+    shown: gltf_layers.Shown,
 ) -> bytes:
-    """A file with one mesh of one material: everything by corner, v upward, images as PNG files."""
+    """A file with one mesh of one material: everything by corner, v upward."""
     writer = _Writer()
     middle = (corners.min(0) + corners.max(0)) / 2
     size = float(np.linalg.norm(np.ptp(corners, axis=0)))
     shift = np.where(np.abs(middle) > _FAR * size, np.round(middle), 0.0)
     attributes = {"POSITION": writer.array(corners - shift, "VEC3", bounds=True)}
     attributes["NORMAL"] = writer.array(normals, "VEC3")
-    if normal_map is not None:  # (x, y, z, 1): the third direction is normal x tangent
+    if shown.normal is not None:  # (x, y, z, 1): the third direction is normal x tangent
         attributes["TANGENT"] = writer.array(np.hstack([tangents, np.ones((len(tangents), 1))]), "VEC4")
     attributes["TEXCOORD_0"] = writer.array(np.stack([uv[:, 0], 1 - uv[:, 1]], axis=1), "VEC2")
     primitive = {"attributes": attributes, "indices": writer.array(triangles.ravel(), "SCALAR"), "material": 0}
-    pictures = [image] if normal_map is None else [image, normal_map]
-    base = {"baseColorTexture": {"index": 0}, "metallicFactor": 0, "roughnessFactor": 1}
-    material: dict[str, Any] = {"name": name, "pbrMetallicRoughness": base}
-    if normal_map is not None:
-        material["normalTexture"] = {"index": 1}
+    material, pictures = shown.material()
     node: dict[str, Any] = {"mesh": 0, "name": name}
     if shift.any():
         node["translation"] = shift.tolist()
@@ -330,16 +336,18 @@ def glb(
         "scenes": [{"nodes": [0]}],
         "nodes": [node],
         "meshes": [{"name": name, "primitives": [primitive]}],
-        "materials": [material],
+        "materials": [{"name": name} | material],
         "textures": [{"source": i, "sampler": 0} for i in range(len(pictures))],
         "samplers": [{"magFilter": 9729, "minFilter": 9987, "wrapS": 33071, "wrapT": 33071}],
         "images": [
-            {"bufferView": writer.view(p), "mimeType": "image/png", "name": name + ("_normal" if i else "")}
-            for i, p in enumerate(pictures)
+            {"bufferView": writer.view(data), "mimeType": "image/png", "name": name + suffix}
+            for suffix, data in pictures
         ],
         "accessors": writer.accessors,
         "bufferViews": writer.views,
     }
+    if "extensions" in material:
+        document["extensionsUsed"] = sorted(material["extensions"])
     writer.data += bytes(-len(writer.data) % 4)
     document["buffers"] = [{"byteLength": len(writer.data)}]
     text = json.dumps(document, separators=(",", ":")).encode()

@@ -73,7 +73,7 @@ def rgba(pixels: Any, name: str = "image") -> Image:
 
 def png(pixels: NDArray[np.uint8], name: object) -> bytes:
     """An image as a PNG file; without an alpha channel where it says nothing."""
-    if pixels.shape[2] == 4 and (pixels[:, :, 3] == 255).all():
+    if pixels.ndim == 3 and pixels.shape[2] == 4 and (pixels[:, :, 3] == 255).all():
         pixels = pixels[:, :, :3]
     out = io.BytesIO()
     pillow(name).fromarray(np.ascontiguousarray(pixels)).save(out, format="PNG", compress_level=6)

@@ -9,12 +9,16 @@ from numpy.typing import NDArray
 
 from .._core import FileError, Job, read_polygons, triangulate
 from . import images
+from .layers import NORMAL, TextureLayer, channel, scaled_colors, to_srgb
 from .soup import TexturedSoup, corner_places
 
 # How many words follow the options of a texture map.
 _MAP_OPTIONS = {"-blendu": 1, "-blendv": 1, "-boost": 1, "-cc": 1, "-clamp": 1, "-texres": 1, "-bm": 1, "-imfchan": 1}
 _MAP_OPTIONS |= {"-type": 1, "-mm": 2, "-colorspace": 1}
 _UP_TO_THREE = ("-o", "-s", "-t")
+# Numbers and maps beside the colour. A map counts alone, without its number, but for emission above 1.
+_LAYERS = {"Pr": "roughness", "Pm": "metallic", "Ke": "emission"}
+_LAYERS |= {"map_Pr": "roughness", "map_Pm": "metallic", "map_Ke": "emission", "norm": NORMAL}
 
 
 def read(path: Path, job: Job | None, threads: int) -> TexturedSoup:
@@ -33,10 +37,22 @@ def read(path: Path, job: Job | None, threads: int) -> TexturedSoup:
             pictures.append(m.image())
         else:
             pictures.append(None if colors is not None else m.plain())
-    files = [*rows.library_files(), *(m.map for m in materials.values() if m.map is not None)]
+    names, layers = list(materials), _layers(materials)
+    files = [*rows.library_files(), *(file for m in materials.values() for file in m.files())]
     return TexturedSoup(
-        vertices, triangles, corner_uv[places], material[polygon], pictures, colors, list(materials), files
+        vertices, triangles, corner_uv[places], material[polygon], pictures, colors, names, files, layers
     )
+
+
+def _layers(materials: dict[str, "_Material"]) -> dict[str, TextureLayer]:
+    """What any of the materials has beside its colour."""
+    strength = max([1.0, *(max(m.numbers["emission"]) for m in materials.values() if "emission" in m.numbers)])
+    found = {}
+    for name in dict.fromkeys(_LAYERS.values()):
+        pictures = [m.layer(name, strength) for m in materials.values()]
+        if any(picture is not None for picture in pictures):
+            found[name] = TextureLayer(pictures, strength=strength if name == "emission" else 1.0)
+    return found
 
 
 class _Material:
@@ -45,6 +61,27 @@ class _Material:
     def __init__(self, place: str) -> None:
         self.place, self.diffuse = place, (0.8, 0.8, 0.8)
         self.map: Path | None = None
+        self.numbers: dict[str, tuple[float, float, float]] = {}
+        self.maps: dict[str, tuple[Path, str]] = {}  # with the places where they are named
+
+    def files(self) -> list[Path]:
+        return [file for file in (self.map, *(file for file, _ in self.maps.values())) if file is not None]
+
+    def layer(self, name: str, strength: float) -> Any:
+        """The image of a layer, or its number as a pixel; None if the file does not say."""
+        numbers = self.numbers.get(name)
+        if name in self.maps:
+            image = images.load(*self.maps[name])
+            if name == NORMAL:
+                return image
+            if name != "emission":
+                return channel(image, 0)
+            return scaled_colors(image, max(1.0, *(numbers or (1.0,))) / strength)
+        if numbers is None or (name == "emission" and not any(numbers)):
+            return None
+        if name != "emission":
+            return images.rgba(np.full((1, 1), numbers[0]))
+        return images.rgba(to_srgb(np.reshape(np.divide(numbers, strength), (1, 1, 3))))
 
     def image(self) -> Any:
         return images.load(self.map, self.place) if self.map is not None else None
@@ -177,12 +214,17 @@ def read_mtl(path: Path) -> dict[str, _Material]:
         place = f"{path}, line {row}"
         if word == "newmtl":
             material = found[rest.strip()] = _Material(place)
-        elif word == "Kd":
+        elif word == "Kd" or (word in _LAYERS and not word.startswith(("map", "norm"))):
             try:
                 red, green, blue = (float(x) for x in (rest.split() * 3)[:3])
             except ValueError:
-                raise FileError(f"{place}: expected three numbers after Kd, got {rest!r}") from None
-            material.diffuse = (red, green, blue)
+                raise FileError(f"{place}: expected three numbers after {word}, got {rest!r}") from None
+            if word == "Kd":
+                material.diffuse = (red, green, blue)
+            else:
+                material.numbers[_LAYERS[word]] = (red, green, blue)
+        elif word in _LAYERS and rest.strip():
+            material.maps[_LAYERS[word]] = _map_file(path.parent, rest.strip(), place), place
         elif word == "map_Kd" and rest.strip():
             material.map, material.place = _map_file(path.parent, rest.strip(), place), place
     return found

@@ -14,9 +14,10 @@ KINDS = (".obj", ".ply", ".glb", ".gltf", ".stl", ".off")
 def read_textured(path: str | PathLike[str], job: Job | None = None, *, threads: int = 0) -> TexturedSoup:
     """Read a scan with UVs, images and colours.
 
-    OBJ with its MTL file (map_Kd and Kd; colours after the coordinates of vertices); PLY with texture coordinates of
-    vertices or faces, TextureFile comments, and colours of vertices or faces; binary glTF (.glb) and .gltf with base
-    colours. Vertices and triangles of OBJ and PLY are those that `read` gives. STL and OFF have no texture.
+    OBJ with its MTL file (map_Kd, map_Pr, map_Pm, map_Ke, norm and their numbers; colours after the coordinates of
+    vertices); PLY with texture coordinates of vertices or faces, TextureFile comments, and colours of vertices or
+    faces; binary glTF (.glb) and .gltf with their materials. Vertices and triangles of OBJ and PLY are those that
+    `read` gives. STL and OFF have no texture.
     Raises FileError, which names the file that is missing or damaged and where it is named, or Cancelled.
     """
     place = Path(path)

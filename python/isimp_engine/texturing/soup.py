@@ -1,6 +1,6 @@
 """Triangles with what they show."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from .._core import InvalidInput
 from .images import Image, rgba
+from .layers import TextureLayer, checked
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,6 +25,7 @@ class TexturedSoup:
     to 1, row 0 at the top, kept as (H, W, 4) uint8 or uint16; None for a material that shows the colours.
     colors: (F, 3, 4) uint8: RGBA of each corner. None: no colours. (V, 3 or 4), (F, 3 or 4) and (F, 3, 3) are taken
     too.
+    layers: what else the materials have, by name: "roughness", "metallic", "emission", "occlusion" and "normal".
     """
 
     vertices: NDArray[np.float64]
@@ -34,6 +36,7 @@ class TexturedSoup:
     colors: NDArray[np.uint8] | None = field(default=None, repr=False)
     names: Sequence[str] = ()  #: of the materials, as the file has them
     files: Sequence[Path] = ()  #: that were read beside the scan's own: materials and images
+    layers: Mapping[str, TextureLayer] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
         vertices, triangles = np.asarray(self.vertices), np.asarray(self.triangles)
@@ -56,8 +59,15 @@ class TexturedSoup:
         if faces and (material.min() < -1 or material.max() >= len(images)):
             face = int(np.flatnonzero((material < -1) | (material >= len(images)))[0])
             raise InvalidInput(f"face {face} has material {material[face]}, but there are {len(images)} images")
-        values = {"vertices": vertices, "triangles": triangles, "uv": uv, "material": material, "images": images}
+        values: dict[str, Any] = {
+            "vertices": vertices,
+            "triangles": triangles,
+            "uv": uv,
+            "material": material,
+            "images": images,
+        }
         values["colors"] = None if self.colors is None else corner_colors(self.colors, len(vertices), triangles)
+        values["layers"] = checked(self.layers, len(images), faces)
         for name, value in values.items():
             object.__setattr__(self, name, value)
 

@@ -12,17 +12,26 @@ from ..drafts import deliver, draft_of
 from . import images
 from .baking import Texture
 from .glb import glb
+from .gltf_layers import Shown
+from .layers import NORMAL
 
 KINDS = (".obj", ".glb")
 Put = Callable[[Path, bytes], object]
 
 
-def companions(path: Path, normals: bool) -> list[Path]:
-    """The files that stand beside an output: OBJ has a material file and images."""
+#: What MTL files call the further layers. They have no word for occlusion: it dims the ambient light.
+_MAPS = {"roughness": "map_Pr", "metallic": "map_Pm", "emission": "map_Ke", "occlusion": "map_Ka"}
+
+
+def companions(path: Path) -> list[Path]:
+    """The files that can stand beside an output: OBJ has a material file and images."""
     if path.suffix.lower() != ".obj":
         return []
-    files = [path.with_suffix(".mtl"), path.with_suffix(".png")]
-    return [*files, path.with_name(path.stem + "_normal.png")] if normals else files
+    return [path.with_suffix(".mtl"), path.with_suffix(".png"), *(_beside(path, n) for n in (NORMAL, *_MAPS))]
+
+
+def _beside(path: Path, layer: str) -> Path:
+    return path.with_name(f"{path.stem}_{layer}.png")
 
 
 def files_of(path: Path, poly: PolygonMesh, made: Texture, job: Job | None = None) -> dict[Path, bytes]:
@@ -33,12 +42,13 @@ def files_of(path: Path, poly: PolygonMesh, made: Texture, job: Job | None = Non
     image = images.png(made.image, path)
     normal = None if made.normal is None else images.png(made.normal, path)
     if kind == ".glb":
-        return {path: _glb(path.stem, poly, made, image, normal, job)}
-    mtl, png, *more = companions(path, normal is not None)
-    files = {path: _obj(mtl.name, poly, made), mtl: _mtl(png.name, more[0].name if more else None), png: image}
-    if normal is not None:
-        files[more[0]] = normal
-    return files
+        return {path: _glb(path, poly, made, image, normal, job)}
+    mtl, png, *_ = companions(path)
+    more = {} if normal is None else {NORMAL: normal}
+    more |= {name: images.png(layer, path) for name, layer in made.layers.items()}
+    names = {name: _beside(path, name).name for name in more}
+    files = {path: _obj(mtl.name, poly, made), mtl: _mtl(png.name, names, made.factors), png: image}
+    return files | {_beside(path, name): data for name, data in more.items()}
 
 
 def write_textured(path: str | PathLike[str], poly: PolygonMesh, made: Texture, job: Job | None = None) -> list[Path]:
@@ -87,17 +97,32 @@ def _obj(library: str, poly: PolygonMesh, made: Texture) -> bytes:
     return ("\n".join(lines) + "\n").encode()
 
 
-def _mtl(image: str, normal: str | None) -> bytes:
-    lines = ["newmtl texture", "Ka 0 0 0", "Kd 1 1 1", "Ks 0 0 0", "illum 1", f"map_Kd {image}"]
-    if normal is not None:
-        lines += [f"map_Bump {normal}", f"norm {normal}"]
+def _mtl(image: str, more: dict[str, str], factors: dict[str, float]) -> bytes:
+    ambient = 1 if "occlusion" in more else 0
+    lines = ["newmtl texture", f"Ka {ambient} {ambient} {ambient}", "Kd 1 1 1", "Ks 0 0 0", "illum 1"]
+    lines += [
+        f"{word} {factors[name]:.9g}" for name, word in (("roughness", "Pr"), ("metallic", "Pm")) if name in factors
+    ]
+    if "emission" in more:
+        lines.append("Ke" + f" {factors['emission']:.9g}" * 3)
+    lines.append(f"map_Kd {image}")
+    if NORMAL in more:
+        lines += [f"map_Bump {more[NORMAL]}", f"norm {more[NORMAL]}"]
+    lines += [f"{word} {more[name]}" for name, word in _MAPS.items() if name in more]
     return ("\n".join(lines) + "\n").encode()
 
 
-def _glb(name: str, poly: PolygonMesh, made: Texture, image: bytes, normal: bytes | None, job: Job | None) -> bytes:
+def _glb(path: Path, poly: PolygonMesh, made: Texture, image: bytes, normal: bytes | None, job: Job | None) -> bytes:
     # Every corner is a vertex of its own, since the two sides of an edge have their own normals and UVs.
     each = np.arange(len(poly.loops), dtype=np.int32)
     corners = poly.vertices[poly.loops]
     triangles, _ = triangulate(corners, each, poly.loop_start, job)
     of = np.repeat(np.arange(len(poly.loop_start)), np.diff(_ends(poly)))
-    return glb(name, corners, triangles, made.uv, made.polygon_normal[of], made.polygon_tangent[of], image, normal)
+    layers, surface = made.layers, None
+    if layers.keys() & {"occlusion", "roughness", "metallic"}:
+        full = np.full(made.image.shape[:2], 255, dtype=np.uint8)
+        channels = [layers.get(name, full) for name in ("occlusion", "roughness", "metallic")]
+        surface = images.png(np.stack(channels, axis=2), path)
+    emission = images.png(layers["emission"], path) if "emission" in layers else None
+    shown = Shown(image, normal, surface, emission, frozenset(layers), made.factors)
+    return glb(path.stem, corners, triangles, made.uv, made.polygon_normal[of], made.polygon_tangent[of], shown)

@@ -187,7 +187,8 @@ def test_shape_keys_count_as_seen():
     scans.activate(scan)
     assert (labelled(scan, 6) == wanted).all()
     bpy.ops.isimp.mesh()
-    assert abs(scans.coordinates(bpy.context.object.data)[:, 2]).max() == pytest.approx(0.1, abs=1e-5)
+    result = bpy.context.object.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    assert abs(scans.coordinates(result.data)[:, 2]).max() == pytest.approx(0.1, abs=1e-5)
 
 
 def test_faces_that_scanners_leave_broken():

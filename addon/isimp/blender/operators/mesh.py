@@ -31,12 +31,13 @@ class ISIMP_OT_mesh(RecipeOperator, settings.MeshSettings, bpy.types.Operator):
 
     def show(self, context, scan, work, outcome):
         self._kept = show_polygons(context, scan, work, outcome)
+        self._notes = [] if work.baking is None else work.baking.notes
 
     def told(self, before, numbers):
         return messages.meshed(numbers)
 
     def warnings(self, context, scan, before):
-        lines = []
+        lines = list(self._notes)
         if self._kept is not None:
             made = targets.result_of(context.scene, scan)
             lines.append(messages.kept(self._kept.name, made.name))

@@ -21,6 +21,21 @@ class ISIMP_OT_texture(RecipeOperator, bpy.types.Operator):
         max=16384,
     )
 
+    occlusion: bpy.props.BoolProperty(
+        name="Ambient Occlusion",
+        description="Make an image of how much light from all directions reaches the scan, for glTF and other tools",
+        default=False,
+    )
+    occlusion_distance: bpy.props.FloatProperty(
+        name="Occlusion Distance",
+        description="How far away faces may lie that keep light off; 0: at any distance, which is dark inside a "
+        "closed room",
+        default=0.0,
+        min=0.0,
+        soft_max=10.0,
+        subtype="DISTANCE",
+    )
+
     @classmethod
     def problem(cls, context, scan):
         return "" if targets.result_of(context.scene, scan) else targets.NO_RESULT
@@ -29,7 +44,8 @@ class ISIMP_OT_texture(RecipeOperator, bpy.types.Operator):
         recipe = store.load(scan)
         if recipe is None or not recipe.ends_in_mesh():
             raise mesh_io.Unusable(said(messages.REGIONS_CHANGED))
-        return recipe.then(rcp.Texture(size=self.size))
+        step = rcp.Texture(self.size, self.occlusion, round(self.occlusion_distance, 6))
+        return recipe.then(step)
 
     def _begin(self, context):
         work = super()._begin(context)
@@ -55,6 +71,8 @@ class ISIMP_OT_texture(RecipeOperator, bpy.types.Operator):
         except mesh_io.Unusable as problem:
             self.report({"ERROR"}, str(problem))
             return {"CANCELLED"}
+        for note in work.baking.notes:
+            self.report({"WARNING"}, note)
         show.bring_to_front(context, made, scan)
         self.report({"INFO"}, messages.textured(report))
         return {"FINISHED"}

@@ -142,7 +142,20 @@ def _draw_report(context, layout, scan, numbers) -> None:
     if store.kept(scan) is not None:
         layout.operator("isimp.take_back", icon="LOOP_BACK")
     if texture.is_textured(scan) and targets.result_of(context.scene, scan) is not None:
-        layout.operator("isimp.texture", text="Make Texture Again", icon="TEXTURE")
+        _draw_texture(layout, scan)
+
+
+def _draw_texture(layout, scan) -> None:
+    """Draws the button that makes the texture again, and what says whether it has occlusion."""
+    recipe = store.load(scan)
+    step = (recipe and recipe.texture()) or rcp.Texture()
+    row = layout.row(align=True)
+    for text_, icon, occlusion in (
+        ("Make Texture Again", "TEXTURE", step.occlusion),
+        ("Ambient Occlusion", "CHECKBOX_HLT" if step.occlusion else "CHECKBOX_DEHLT", not step.occlusion),
+    ):
+        button = row.operator("isimp.texture", text=text_, icon=icon)
+        button.size, button.occlusion, button.occlusion_distance = step.size, occlusion, step.occlusion_distance
 
 
 class ISIMP_PT_options(Panel, bpy.types.Panel):

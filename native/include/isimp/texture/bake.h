@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -31,6 +32,12 @@ struct Appearance {
   std::vector<Picture> pictures;
 };
 
+/// What else the materials of a scan have, looked up at the same places as the colours.
+struct MaterialLayers {
+  std::vector<Appearance> images;    ///< roughness, emission and the like, from 0 to 255
+  std::optional<Appearance> relief;  ///< tangent-space normals, green up; a face whose image is kNone has none
+};
+
 struct BakeReport {
   std::int64_t texels = 0;    ///< whose centres lie in a polygon
   std::int64_t searched = 0;  ///< of them those with a place that no face was drawn to: they show the closest face
@@ -40,8 +47,9 @@ struct BakeReport {
 /// The images of the polygons: rows from the top, and none of their texels without a colour.
 struct Texture {
   std::int32_t side = 0;
-  Array<std::uint8_t> color;   ///< (4 side^2) RGBA
-  Array<std::uint8_t> normal;  ///< (3 side^2) tangent-space normals, green up; empty if not asked for
+  Array<std::uint8_t> color;                ///< (4 side^2) RGBA
+  Array<std::uint8_t> normal;               ///< (3 side^2) tangent-space normals, green up; empty if not asked for
+  std::vector<Array<std::uint8_t>> layers;  ///< (4 side^2) each, one for each of the images of MaterialLayers
   BakeReport report;
 };
 
@@ -55,13 +63,14 @@ struct Texture {
 /// of scans lie close together. Gutters continue the polygon's plane; the rest is flooded.
 ///
 /// \param atlas  of these polygons
+/// \param layers  each is made as the colours are; the relief bends the scan's normals in the normal map
 /// \throws InvalidInput  arrays that are not of this mesh, or an option out of its range
 /// \throws Cancelled     nothing was made
 /// Cost: about 0.1 us a sample and 0.5 us a face; memory: the images, 4 bytes a pixel, 100 bytes a face, and
 /// while a polygon is baked 250 bytes for each face that it can show.
 /// The result does not depend on the number of threads.
 Texture bake(const Mesh& mesh, const Partition& partition, const PolygonMesh& polygons, const Atlas& atlas,
-             const Appearance& appearance, const TextureOptions& options, Job& job);
+             const Appearance& appearance, const TextureOptions& options, Job& job, const MaterialLayers& layers = {});
 
 /// For each texel, which place of the scan it shows: rows from the top.
 struct BakeMap {

@@ -15,6 +15,9 @@ struct TextureOptions {
   std::optional<std::int32_t> gutter{};
   std::int32_t band = 2;
   bool normals = true;
+  bool occlusion = false;
+  std::optional<double> occlusion_distance{};
+  std::int32_t occlusion_rays = 144;
   std::int32_t threads = 0;
 };
 
@@ -32,6 +35,13 @@ constexpr auto fields(const TextureOptions*) {
             "Width of the band along the polygons' edges where the colours change over to those of the closest "
             "points, so that both sides of an edge agree; in pixels of an image of 2,048. 0: none."),
       field("normals", &O::normals, "Makes a tangent-space normal map too."),
+      field("occlusion", &O::occlusion,
+            "Makes an image of ambient occlusion too: how much light from all directions reaches the scan."),
+      field("occlusion_distance", &O::occlusion_distance, above(0), Unit::length,
+            "How far away faces may lie that keep that light off. Not given: at any distance, which is dark inside a "
+            "closed room."),
+      field("occlusion_rays", &O::occlusion_rays, between(9, 9216), Unit::none,
+            "Directions in which light is looked for, in multiples of 9. More: smoother, and slower."),
       threads_field(&O::threads),
   };
 }

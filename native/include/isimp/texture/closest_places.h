@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "isimp/core/job.h"
+#include "isimp/mesh/mesh.h"
+#include "isimp/meshing/polygonize.h"
+#include "isimp/partition/partition.h"
+
+namespace isimp {
+
+/// A place on the scan for each corner of polygons.
+struct CornerPlaces {
+  std::vector<std::int32_t> face;  ///< (L) of the mesh; kNone where no face is known
+  std::vector<float> barycentric;  ///< (2 L) weights of the face's corners 1 and 2
+};
+
+/// The closest place to each corner on the faces of its polygon's own region: what values on the scan are carried over
+/// with. Of equally close faces the first one counts. Corners of a region without a known face take the closest one of
+/// all.
+///
+/// \param known  (F) 0 for a face that carries nothing, as one that covers a hole; empty: all do
+/// \throws InvalidInput  parts that do not belong together
+/// Cost: about 5 ns for each corner of a polygon and face of its region, on all threads together.
+CornerPlaces closest_places(const Mesh& mesh, const Partition& partition, const PolygonMesh& polygons,
+                            std::span<const std::uint8_t> known, std::int32_t threads, Job& job);
+
+}  // namespace isimp

@@ -1,0 +1,172 @@
+#include "isimp/texture/occlusion.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "flood.h"
+#include "isimp/core/errors.h"
+#include "isimp/core/threads.h"
+#include "ray_tree.h"
+#include "relief.h"
+
+namespace isimp {
+namespace {
+
+constexpr std::int32_t kGroup = 3;      // texels a side that share all directions
+constexpr float kLift = 1e-5F;          // of the diagonal: so far above their face rays start
+constexpr std::int32_t kTexels = 4096;  // of a block, between polls
+
+/// Directions about z, as many in each direction as light from there counts (Malley's method, on the R2 sequence of
+/// Roberts 2018). Every ninth one is of the same texel of a group.
+std::vector<Eigen::Vector3f> directions(std::int32_t count) {
+  std::vector<Eigen::Vector3f> all(count);
+  for (std::int32_t i = 0; i < count; ++i) {
+    const double height = (i + 0.5) / count, turn = std::fmod(i * 0.6180339887498949, 1.0) * 2 * std::numbers::pi;
+    const double r = std::sqrt(height);
+    all[i] = {static_cast<float>(r * std::cos(turn)), static_cast<float>(r * std::sin(turn)),
+              static_cast<float>(std::sqrt(1 - height))};
+  }
+  return all;
+}
+
+/// Turns z to a unit vector (Duff and others 2017, Building an orthonormal basis, revisited).
+Eigen::Matrix3f frame_of(const Eigen::Vector3f& n) {
+  const float sign = std::copysign(1.0F, n.z()), a = -1 / (sign + n.z()), b = n.x() * n.y() * a;
+  Eigen::Matrix3f frame;
+  frame.col(0) = Eigen::Vector3f(1 + sign * n.x() * n.x() * a, sign * b, -sign * n.x());
+  frame.col(1) = Eigen::Vector3f(b, sign + n.y() * n.y() * a, -n.y());
+  frame.col(2) = n;
+  return frame;
+}
+
+/// Counts the rays that get away.
+class Tracer {
+ public:
+  Tracer(const Mesh& mesh, const TextureOptions& options, Job& job)
+      : mesh_(mesh),
+        normals_(detail::vertex_normals(mesh)),
+        tree_(mesh, job),
+        each_(std::max(1, options.occlusion_rays / (kGroup * kGroup))),
+        directions_(directions(each_ * kGroup * kGroup)),
+        reach_(options.occlusion_distance ? static_cast<float>(*options.occlusion_distance)
+                                          : std::numeric_limits<float>::infinity()) {
+    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    for (const Vec3& v : mesh.vertices()) {
+      low = low.cwiseMin(v);
+      high = high.cwiseMax(v);
+    }
+    lift_ = kLift * static_cast<float>((high - low).norm());
+  }
+
+  /// \param k  which of its group the texel is
+  /// \return the share of the rays that nothing stops
+  [[nodiscard]] float open(std::int32_t face, float b, float c, std::int32_t k) const {
+    const Triangle& t = mesh_.triangles()[face];
+    const auto v = mesh_.vertices();
+    const Eigen::Vector3f u = (v[t[1]] - v[t[0]]).cast<float>(), w = (v[t[2]] - v[t[0]]).cast<float>();
+    Eigen::Vector3f flat = u.cross(w), smooth = detail::smooth_normal(mesh_, normals_, face, b, c);
+    if (!(flat.norm() > 0)) flat = smooth;
+    if (!(smooth.norm() > 0)) smooth = flat;
+    if (!(flat.norm() > 0)) return 1;
+    flat.normalize();
+    smooth.normalize();
+    const Eigen::Vector3f origin = v[t[0]].cast<float>() + b * u + c * w + lift_ * flat;
+    const Eigen::Matrix3f frame = frame_of(smooth);
+    std::int32_t away = 0;
+    for (std::int32_t i = 0; i < each_; ++i) {
+      Eigen::Vector3f d = frame * directions_[i * kGroup * kGroup + k];
+      const float below = d.dot(flat);
+      if (below < 0) d -= 2 * below * flat;  // else the face's own neighbours would stop it
+      away += tree_.hits(origin, d, reach_, face) ? 0 : 1;
+    }
+    return static_cast<float>(away) / static_cast<float>(each_);
+  }
+
+ private:
+  const Mesh& mesh_;
+  std::vector<Eigen::Vector3f> normals_;
+  detail::RayTree tree_;
+  std::int32_t each_;
+  std::vector<Eigen::Vector3f> directions_;
+  float reach_, lift_ = 0;
+};
+
+void check(const Mesh& mesh, const BakeMap& map) {
+  const std::size_t pixels = static_cast<std::size_t>(map.side) * map.side;
+  if (map.polygon.size() != pixels || map.face.size() != pixels || map.barycentric.size() != 2 * pixels)
+    throw InvalidInput("the map has not side x side texels");
+  for (const std::int32_t f : map.face)
+    if (f < kNone || f >= mesh.face_count())
+      throw InvalidInput("the map shows face " + std::to_string(f) + ", but the mesh has " +
+                         std::to_string(mesh.face_count()));
+}
+
+/// The mean of a texel's group as far as it is of the same polygon, as a grey pixel.
+void smooth(const BakeMap& map, const Array<float>& open, std::size_t at, std::uint8_t* rgba) {
+  const auto x = static_cast<std::int32_t>(at % map.side), y = static_cast<std::int32_t>(at / map.side);
+  constexpr std::int32_t kReach = kGroup / 2;
+  float sum = 0, count = 0;
+  for (std::int32_t j = std::max(0, y - kReach); j <= std::min(map.side - 1, y + kReach); ++j)
+    for (std::int32_t i = std::max(0, x - kReach); i <= std::min(map.side - 1, x + kReach); ++i) {
+      const std::size_t near = static_cast<std::size_t>(j) * map.side + i;
+      if (map.polygon[near] != map.polygon[at]) continue;
+      sum += open[near];
+      ++count;
+    }
+  const auto value = static_cast<std::uint8_t>(sum / count * 255 + 0.5F);
+  rgba[0] = rgba[1] = rgba[2] = value;
+  rgba[3] = 255;
+}
+
+}  // namespace
+
+Array<std::uint8_t> occlusion(const Mesh& mesh, const BakeMap& map, const TextureOptions& options, Job& job) {
+  check_fields(options);
+  check(mesh, map);
+  const Threads threads(options.threads);
+  const Tracer tracer(mesh, options, job);
+  const std::size_t pixels = map.polygon.size();
+  std::vector<std::size_t> texels;
+  for (std::size_t i = 0; i < pixels; ++i)
+    if (map.polygon[i] != kNone) texels.push_back(i);
+  const auto count = static_cast<std::int32_t>(texels.size());
+  Array<float> open(pixels);
+  std::atomic<std::int32_t> done{0};
+  const std::thread::id caller = std::this_thread::get_id();
+  const auto each = [&](auto body) {
+    threads.blocks(count, kTexels, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+      for (std::int32_t i = begin; i < end; ++i) {
+        if (i % 64 == 0) job.poll();
+        body(texels[i]);
+      }
+      done += end - begin;
+      if (std::this_thread::get_id() == caller) job.report(done / (2.0 * count));
+    });
+  };
+  each([&](std::size_t at) {
+    const auto x = static_cast<std::int32_t>(at % map.side), y = static_cast<std::int32_t>(at / map.side);
+    const std::int32_t f = map.face[at];
+    open[at] = f == kNone ? 1.0F
+                          : tracer.open(f, map.barycentric[2 * at], map.barycentric[2 * at + 1],
+                                        x % kGroup + kGroup * (y % kGroup));
+  });
+  Array<std::uint8_t> rgba(4 * pixels);
+  each([&](std::size_t at) { smooth(map, open, at, rgba.data() + 4 * at); });
+  Array<std::int32_t> owner(pixels);  // rows from the bottom
+  for (std::int32_t y = 0; y < map.side; ++y)
+    std::copy_n(map.polygon.begin() + static_cast<std::ptrdiff_t>(y) * map.side, map.side,
+                owner.begin() + static_cast<std::ptrdiff_t>(map.side - 1 - y) * map.side);
+  detail::flood(owner, map.side, detail::Rgba::Constant(255), rgba, job);
+  Array<std::uint8_t> grey(pixels);
+  for (std::size_t i = 0; i < pixels; ++i) grey[i] = rgba[4 * i];
+  return grey;
+}
+
+}  // namespace isimp

@@ -1,0 +1,83 @@
+"""Where on the scan the corners of polygons lie."""
+
+import numpy as np
+import pytest
+
+import isimp_engine as engine
+import shapes
+
+
+def made(vertices, triangles, proxies, clean=None):
+    mesh = engine.clean(vertices, triangles, clean or engine.CleanOptions())
+    part = engine.partition(mesh, engine.PartitionOptions(proxies=proxies))
+    return mesh, part, engine.polygonize(mesh, part)
+
+
+def places(vertices, triangles, triangle, weights):
+    return np.einsum("lc,lcn->ln", weights, vertices[triangles[triangle]])
+
+
+def closest(p, corners):
+    """The closest point of a triangle to p, by a fine search of its weights."""
+    b, c = np.meshgrid(np.linspace(0, 1, 201), np.linspace(0, 1, 201))
+    inside = b + c <= 1 + 1e-12
+    b, c = b[inside], c[inside]
+    points = (1 - b - c)[:, None] * corners[0] + b[:, None] * corners[1] + c[:, None] * corners[2]
+    return np.linalg.norm(points - p, axis=1).min()
+
+
+def test_places_are_the_closest_of_the_own_region():
+    vertices, triangles = shapes.bumpy(10)
+    mesh, part, poly = made(vertices, triangles, 8)
+    triangle, weights = engine.corner_sources(mesh, part, poly, vertices, triangles)
+    assert triangle.shape == (len(poly.loops),)
+    assert np.allclose(weights.sum(axis=1), 1, atol=1e-5)
+    assert weights.min() > -1e-5
+    ends = np.append(poly.loop_start, len(poly.loops))
+    region = np.repeat(poly.polygon_region, np.diff(ends))
+    of_source = np.empty(len(triangles), np.int32)
+    of_source[mesh.source_face] = part.face_region
+    assert np.array_equal(of_source[triangle], region)
+    found = np.linalg.norm(places(vertices, triangles, triangle, weights) - poly.vertices[poly.loops], axis=1)
+    for i in range(0, len(poly.loops), 7):
+        own = triangles[of_source == region[i]]
+        least = min(closest(poly.vertices[poly.loops[i]], vertices[t]) for t in own)
+        assert found[i] <= least + 1e-9
+
+
+def test_both_sides_of_a_thin_plate_keep_what_they_have():
+    vertices, triangles = shapes.cube(6)
+    vertices = (vertices * [1, 1, 1e-3]).copy()
+    mesh = engine.clean(vertices, triangles)
+    side = np.arange(len(triangles)) // (2 * 6 * 6)
+    part = engine.partition_from(mesh, side.astype(np.int32)[mesh.source_face])
+    poly = engine.polygonize(mesh, part)
+    triangle, _ = engine.corner_sources(mesh, part, poly, vertices, triangles)
+    ends = np.append(poly.loop_start, len(poly.loops))
+    assert np.array_equal(side[triangle], np.repeat(poly.polygon_region, np.diff(ends)))
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_repairs_and_far_places(threads):
+    """Reversed faces and a filled hole far from zero: corners lie on what the caller gave."""
+    vertices, triangles = shapes.cube(4)
+    vertices = vertices + [2.0**19, -(2.0**21), 2.0**10]
+    triangles = np.delete(triangles, 9, axis=0)
+    triangles[::5] = triangles[::5, ::-1]
+    mesh, part, poly = made(vertices, triangles, 6, engine.CleanOptions(fill_holes=3))
+    assert mesh.report["filled_holes"] == 1
+    triangle, weights = engine.corner_sources(mesh, part, poly, vertices, triangles, threads=threads)
+    assert triangle.min() >= 0
+    assert np.abs(places(vertices, triangles, triangle, weights) - poly.vertices[poly.loops]).max() < 1e-3
+
+
+def test_parts_must_belong_together_and_it_can_be_cancelled():
+    vertices, triangles = shapes.cube(4)
+    mesh, part, poly = made(vertices, triangles, 6)
+    other = engine.clean(*shapes.plane(4))
+    with pytest.raises(engine.InvalidInput):
+        engine.corner_sources(other, part, poly, *shapes.plane(4))
+    job = engine.Job()
+    job.cancel()
+    with pytest.raises(engine.Cancelled):
+        engine.corner_sources(mesh, part, poly, vertices, triangles, job)
