@@ -61,10 +61,10 @@ class ISIMP_OT_select_by(bpy.types.Operator):
         if self.extend:
             faces[mesh_io.selected_faces(scan)] = True
         context.view_layer.objects.active = scan
+        mesh_io.select_polygons(scan, faces, reading.known_corners(scan))  # as arrays, if not in Edit Mode yet
         if scan.mode != "EDIT" and scan.visible_get():
             bpy.ops.object.mode_set(mode="EDIT")
             context.tool_settings.mesh_select_mode = (False, False, True)
-        mesh_io.select_polygons(scan, faces)
         self.report({"INFO"}, said("{regions} selected", regions=messages.count(int(chosen.sum()), "region")))
         return {"FINISHED"}
 
