@@ -131,7 +131,10 @@ def _seen(context, scan):
     if shown is not None:
         return shown.work.recipe, shown.work.scan, shown.work.task.result.face_region
     recipe = store.load(scan)
-    return recipe, reading.read(context, scan, recipe.layers()), mesh_io.read_regions(scan)
+    arrays = reading.read(context, scan, recipe.layers())
+    outcome = runtime.get().session.known(arrays, recipe.without_mesh())
+    # In Edit Mode, reading regions face by face takes a second a million faces.
+    return recipe, arrays, mesh_io.read_regions(scan) if outcome is None else outcome.face_region
 
 
 def _keep(key, made) -> None:
@@ -199,6 +202,15 @@ def _draw_lines_over(context, space, scan, shown) -> None:
             _draw_sketch(context, space, drawing)
     elif shown is not None and len(shown.work.borders):
         shown.draw_borders(_line_shader(wish.border_color, wish.line_width))
+
+
+def previewed(context, scan) -> dict:
+    """The numbers of the polygons that are drawn over a scan, if they are of its regions; else none."""
+    if scan_shown(context) is None:
+        return {}
+    drawing = runtime.get().drawings.get(_key(context, scan))
+    made = drawing.sketch.numbers if drawing is not None else {}
+    return made if made.get("regions_before") == store.numbers(scan).get("regions") else {}
 
 
 def _draw_summary(context) -> None:
