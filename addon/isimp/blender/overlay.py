@@ -132,9 +132,7 @@ def _seen(context, scan):
         return shown.work.recipe, shown.work.scan, shown.work.task.result.face_region
     recipe = store.load(scan)
     arrays = reading.read(context, scan, recipe.layers())
-    outcome = runtime.get().session.known(arrays, recipe.without_mesh())
-    # In Edit Mode, reading regions face by face takes a second a million faces.
-    return recipe, arrays, mesh_io.read_regions(scan) if outcome is None else outcome.face_region
+    return recipe, arrays, reading.regions(scan, arrays, recipe)
 
 
 def _keep(key, made) -> None:
@@ -208,7 +206,10 @@ def previewed(context, scan) -> dict:
     """The numbers of the polygons that are drawn over a scan, if they are of its regions; else none."""
     if scan_shown(context) is None:
         return {}
-    drawing = runtime.get().drawings.get(_key(context, scan))
+    try:
+        drawing = runtime.get().drawings.get(_key(context, scan))
+    except (ValueError, mesh_io.Unusable):  # settings or a transform that nothing can be made with
+        return {}
     made = drawing.sketch.numbers if drawing is not None else {}
     return made if made.get("regions_before") == store.numbers(scan).get("regions") else {}
 

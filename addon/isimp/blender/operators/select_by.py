@@ -5,8 +5,9 @@ import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty
 
 from ... import messages, pick
+from ... import recipe as rcp
 from ...language import said
-from .. import mesh_io, reading, targets
+from .. import mesh_io, reading, store, targets
 
 
 class ISIMP_OT_select_by(bpy.types.Operator):
@@ -55,7 +56,9 @@ class ISIMP_OT_select_by(bpy.types.Operator):
 
     def execute(self, context):
         scan, _ = targets.find(context)
-        arrays, regions = reading.read(context, scan), mesh_io.read_regions(scan)
+        recipe = store.load(scan) or rcp.Recipe()
+        arrays = reading.read(context, scan, recipe.layers())
+        regions = reading.regions(scan, arrays, recipe)
         chosen = self.chosen(scan, arrays, regions)
         faces = np.isin(regions, np.flatnonzero(chosen))
         if self.extend:
