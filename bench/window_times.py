@@ -28,10 +28,11 @@ VALUES = (210, 260, 300, 400, 220, 500, 340)
 FACES = (1000, 200_000, 500_000)
 
 
-def start(scan, site):
-    """Runs this file as a scenario (see drive.py)."""
+def start(scan, site, scenario=None):
+    """Runs a file as a scenario (see drive.py); this one if none is given."""
+    scenario = scenario or Path(__file__).resolve()
     blender = ["blender", "--factory-startup", "--enable-event-simulate", "-p", "0", "0", "800", "640"]
-    script = ["--python", str(WINDOW / "drive.py"), "--", str(Path(__file__).resolve()), "."]
+    script = ["--python", str(WINDOW / "drive.py"), "--", str(scenario), "."]
     environment = os.environ | {"ISIMP_SITE": os.pathsep.join([str(ROOT / "addon"), *site]), "ISIMP_SCAN": str(scan)}
     command = ["xvfb-run", "-a", "-s", "-screen 0 800x640x24", *blender, *script]
     return subprocess.run(command, env=environment, check=False).returncode

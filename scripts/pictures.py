@@ -24,7 +24,7 @@ IMAGES = ROOT / "docs" / "images"
 WINDOW = ROOT / "tests" / "python" / "blender" / "window"
 SIZE = 1150, 780  # pixels of the window
 WIDE = 760  # of the animation
-STEPS = 979, 588, 1170, 741  # where the section Steps is in the window of that test
+STEPS = 979, 655, 1170, 808  # where the section Steps is in the window of that test
 MOST = 3_000_000  # bytes of it
 
 

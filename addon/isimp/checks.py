@@ -49,7 +49,7 @@ def check_face(face: int) -> None:
 def indices(faces: Sequence[SupportsIndex]) -> tuple[int, ...]:
     """Faces as plain integers; any sequence of integers will do, numpy's too."""
     try:
-        plain = tuple(operator.index(face) for face in faces if not isinstance(face, bool))
+        plain = () if bool in set(map(type, faces)) else tuple(map(operator.index, faces))
     except TypeError:
         plain = ()
     must(len(plain) > 0 and len(plain) == len(faces), "faces", own("a list of faces"), faces)

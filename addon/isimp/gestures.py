@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from . import view
+
 _DRAG = 8.0  # pixels before a press is a drag
 _MIN_RING, _MOST_RINGS = 0.05, 1000  # pixels; faces
 
@@ -124,7 +126,7 @@ class Stroke:
         if self._first is None:
             return None
         begin, verb = self._first, self._verb
-        triangles = connected(np.array(sorted(self.covered)), self._pairs, self._triangle_of(begin))
+        triangles = view.connected(np.array(sorted(self.covered)), self._pairs, self._triangle_of(begin))
         faces = np.unique(self._triangle_face[triangles])
         self.cancel()
         rest = tuple(faces[faces != begin.face].tolist())
@@ -133,20 +135,6 @@ class Stroke:
     def cancel(self) -> None:
         self.covered = set()
         self._first = self._last = None
-
-
-def connected(chosen: np.ndarray, pairs: np.ndarray, start: int) -> np.ndarray:
-    """Those of some triangles that a way over shared edges leads to from one of them. chosen: in rising order."""
-    inside = np.zeros(max(int(chosen[-1]), int(pairs.max(initial=0))) + 1, bool)
-    inside[chosen] = True
-    pairs = np.searchsorted(chosen, pairs[inside[pairs[:, 0]] & inside[pairs[:, 1]]])
-    reached = chosen == start
-    while True:
-        ends = reached[pairs]
-        fresh = pairs[ends[:, 0] != ends[:, 1]].ravel()
-        if not len(fresh):
-            return chosen[reached]
-        reached[fresh] = True
 
 
 class Cut:

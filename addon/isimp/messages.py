@@ -336,8 +336,17 @@ def why_more(numbers: dict[str, Any]) -> str:
     return said("{more} more than regions: {causes}", more=f"{more:,}", causes=told)
 
 
-def expected(numbers: dict[str, Any]) -> str:
-    """How many polygons Mesh will about make, and why; empty where that is not known or they are there."""
+def expected(numbers: dict[str, Any], previewed: dict[str, Any] | None = None) -> str:
+    """How many polygons Mesh will make, and why; empty where that is not known or they are there.
+
+    previewed: the numbers of their preview once it is there, which is what Mesh will make; before, it is an estimate.
+    """
+    if previewed and "polygons" in previewed and "polygons" not in numbers:
+        told, why = (
+            said("Mesh will make {polygons}", polygons=count(previewed["polygons"], "polygon")),
+            why_more(previewed),
+        )
+        return f"{told}, {why}" if why else told
     counts = numbers.get("expected", {})
     if "polygons" in numbers or not {"polygons", "regions"} <= counts.keys():
         return ""

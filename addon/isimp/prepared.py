@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from . import view
 from .language import said
 from .scan import Scan
 from .spare import blocks
@@ -104,6 +105,18 @@ def joined_pairs(prepared: Prepared, separated: np.ndarray) -> np.ndarray:
     count = max(prepared.scan.face_count, 1)
     ends = np.sort(pairs, axis=1).astype(np.int64)
     return ~np.isin(ends[:, 0] * count + ends[:, 1], apart[:, 0].astype(np.int64) * count + apart[:, 1])
+
+
+def joined_faces(prepared: Prepared, faces: np.ndarray, start: int) -> np.ndarray:
+    """Those of the user's faces that ways over shared edges lead to from one of them, on the engine's mesh.
+
+    Its edges are others than the user's where faces were mended: flat ones are flipped, say. faces: in rising order.
+    """
+    inside = np.zeros(prepared.scan.face_count, bool)
+    inside[faces] = True
+    some = np.flatnonzero(inside[prepared.mesh_face])
+    beside, _ = view.shared_edges(np.asarray(prepared.mesh.triangles)[some])
+    return view.connected(faces, prepared.mesh_face[some[beside]], start)
 
 
 def with_split_faces(prepared: Prepared, partition, faces: np.ndarray, home: np.ndarray, pairs: np.ndarray):

@@ -54,6 +54,21 @@ def shared_edges(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate(pairs, axis=1).T, np.concatenate(edges).astype(np.int32)
 
 
+def connected(chosen: np.ndarray, pairs: np.ndarray, start: int) -> np.ndarray:
+    """Those of some faces that ways over shared edges lead to from one of them. chosen: in rising order."""
+    inside = np.zeros(max(int(chosen[-1]), int(pairs.max(initial=0))) + 1, bool)
+    inside[chosen] = True
+    pairs = np.searchsorted(chosen, pairs[inside[pairs[:, 0]] & inside[pairs[:, 1]]])
+    reached = chosen == start
+    while True:
+        ends = reached[pairs]
+        fresh = pairs[ends[:, 0] != ends[:, 1]].ravel()
+        if not len(fresh):
+            found: np.ndarray = chosen[reached]
+            return found
+        reached[fresh] = True
+
+
 def region_pairs(face_region: np.ndarray, face_pairs: np.ndarray) -> np.ndarray:
     """(K, 2) int32 regions that share an edge, each pair once, the lower first. face_pairs: (E, 2) faces."""
     a, b = face_region[face_pairs[:, 0]], face_region[face_pairs[:, 1]]

@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
-from isimp import view
+from isimp import prepared, view
+from isimp import recipe as rcp
 from isimp.gestures import Cut, Hit, Pointing, Sizing, Stroke, Wish, rings_in
 from isimp.pick import Surface
+from isimp.session import Scan, Session, StepFailed
 
 A, A2, B, NONE = Hit(1, 0), Hit(2, 0), Hit(9, 1), Hit(20, -1)
 NEAR, FAR = (2.0, 1.0), (60.0, 0.0)
@@ -193,3 +195,19 @@ def test_sizing_beside_the_regions_does_nothing():
 def test_rings_are_at_least_one_and_not_endless():
     assert [rings_in(8.0, ring) for ring in (2.0, 3.0, 100.0, 1e-9, 0.0)] == [4, 3, 1, 160, 160]
     assert rings_in(1e9, 1.0) == 1000
+
+
+def test_a_stroke_over_a_flat_face_keeps_to_the_edges_of_the_mended_mesh():
+    """The engine turns an edge of the face 1, which has no area: then 1 is beside 2, but 3 is not beside 1."""
+    vertices = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [1, 1, 0], [0.5, -1, 0], [1.5, -1, 0]], float)
+    triangles = np.array([[0, 2, 3], [0, 1, 2], [0, 4, 1], [1, 5, 2]], np.int32)
+    scan, session = Scan(vertices, triangles, np.arange(4, dtype=np.int32), 4), Session()
+    stroke = np.array([1, 2, 3])
+    assert view.connected(stroke, scan.edges[0], 2).tolist() == [1, 2, 3]
+    regions = rcp.Recipe((rcp.Partition(proxies=1, close_openings=False),))
+    with pytest.raises(StepFailed, match="do not hang together"):
+        session.replay(scan, regions.then(rcp.PaintFaces(faces=stroke.tolist())))
+    joined = prepared.joined_faces(session.prepare(scan), stroke, 2)
+    assert joined.tolist() == [1, 2]
+    painted = session.replay(scan, regions.then(rcp.PaintFaces(faces=joined.tolist())))
+    assert painted.face_region[1] == painted.face_region[2] != painted.face_region[3]

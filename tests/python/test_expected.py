@@ -79,6 +79,15 @@ def test_the_panel_says_it_until_the_polygons_are_there():
     assert messages.expected({}) == messages.expected({"expected": {"polygons": 3}}) == ""
 
 
+def test_the_preview_takes_the_place_of_the_estimate():
+    numbers = {"regions": 200, "expected": {"polygons": 206, "regions": 200, "holes": 6}}
+    preview = {"polygons": 201, "regions": 200, "split": {"split_for_holes": 1}}
+    assert messages.expected(numbers).startswith("Mesh will make about 206 polygons, 6 more than regions")
+    assert messages.expected(numbers, {}) == messages.expected(numbers)
+    assert messages.expected(numbers, preview) == "Mesh will make 201 polygons, 1 more than regions: 1 with holes"
+    assert messages.expected(numbers | {"polygons": 201}, preview) == ""
+
+
 def test_it_does_not_depend_on_the_order_of_faces():
     vertices, triangles = shapes.bumpy(40)
     mesh = engine.clean(vertices, triangles)

@@ -56,10 +56,13 @@ def place_matrix(obj) -> np.ndarray:
     return place
 
 
-def read(context, obj) -> Scan:
-    """The object as seen: evaluated, scaled, cut into triangles; faces are those of its own mesh. Raises Unusable."""
+def read(context, obj, is_updated: bool = False) -> Scan:
+    """The object as seen: evaluated, scaled, cut into triangles; faces are those of its own mesh. Raises Unusable.
+
+    is_updated: whether its mesh has what was done in Edit Mode, which takes half a second a million faces.
+    """
     shape = shape_matrix(obj)
-    if is_edited(obj):
+    if is_edited(obj) and not is_updated:
         obj.update_from_editmode()
     face_count = len(obj.data.polygons)
     if not has_modifiers(obj):
@@ -156,27 +159,31 @@ def selected_faces(obj) -> np.ndarray:
     return np.flatnonzero(selected)
 
 
-def select_polygons(obj, chosen: np.ndarray) -> None:
-    """Selects polygons and their corners, and no others, in either mode. chosen: (polygons,) bool."""
+def select_polygons(obj, chosen: np.ndarray, corners: np.ndarray | None = None) -> None:
+    """Selects polygons and their corners, and no others, in either mode.
+
+    chosen: (polygons,) bool. corners: the vertex of each corner, if that is known.
+    """
     mesh = obj.data
     if is_edited(obj):
         edit = edit_mesh(mesh)
-        for part in (edit.verts, edit.edges, edit.faces):
-            for item in part:
-                item.select = False
-        for face, wanted in zip(edit.faces, chosen.tolist(), strict=True):
-            if wanted:
-                face.select_set(True)
+        if bpy.ops.mesh.select_all.poll():  # seconds faster than one by one
+            bpy.ops.mesh.select_all(action="DESELECT")
+        else:
+            for part in (edit.verts, edit.edges, edit.faces):
+                for item in part:
+                    item.select = False
+        edit.faces.ensure_lookup_table()
+        for face in np.flatnonzero(chosen).tolist():
+            edit.faces[face].select_set(True)
         bmesh.update_edit_mesh(mesh, loop_triangles=False, destructive=False)
         return
-    corners, starts = np.empty(len(mesh.loops), np.int32), np.empty(len(mesh.polygons), np.int32)
-    mesh.loops.foreach_get("vertex_index", corners)
     edges = np.empty(len(mesh.loops), np.int32)
     mesh.loops.foreach_get("edge_index", edges)
-    mesh.polygons.foreach_get("loop_start", starts)
-    totals = np.empty(len(mesh.polygons), np.int32)
-    mesh.polygons.foreach_get("loop_total", totals)
-    inside = np.repeat(chosen, totals)  # polygons lie in the order of their corners
+    if corners is None:
+        corners = np.empty(len(mesh.loops), np.int32)
+        mesh.loops.foreach_get("vertex_index", corners)
+    inside = np.repeat(chosen, corner_totals(mesh))  # polygons lie in the order of their corners
     for name, domain, items, which in (
         (".select_vert", "POINT", mesh.vertices, corners[inside]),
         (".select_edge", "EDGE", mesh.edges, edges[inside]),
@@ -188,7 +195,7 @@ def select_polygons(obj, chosen: np.ndarray) -> None:
         if (old := mesh.attributes.get(name)) is not None:
             mesh.attributes.remove(old)
         mesh.attributes.new(name, "BOOLEAN", domain).data.foreach_set("value", flags)
-    mesh.update()
+    _updated(mesh)
 
 
 def edit_mesh(mesh):

@@ -131,7 +131,8 @@ def _seen(context, scan):
     if shown is not None:
         return shown.work.recipe, shown.work.scan, shown.work.task.result.face_region
     recipe = store.load(scan)
-    return recipe, reading.read(context, scan, recipe.layers()), mesh_io.read_regions(scan)
+    arrays = reading.read(context, scan, recipe.layers())
+    return recipe, arrays, reading.regions(scan, arrays, recipe)
 
 
 def _keep(key, made) -> None:
@@ -199,6 +200,18 @@ def _draw_lines_over(context, space, scan, shown) -> None:
             _draw_sketch(context, space, drawing)
     elif shown is not None and len(shown.work.borders):
         shown.draw_borders(_line_shader(wish.border_color, wish.line_width))
+
+
+def previewed(context, scan) -> dict:
+    """The numbers of the polygons that are drawn over a scan, if they are of its regions; else none."""
+    if scan_shown(context) is None:
+        return {}
+    try:
+        drawing = runtime.get().drawings.get(_key(context, scan))
+    except (ValueError, mesh_io.Unusable):  # settings or a transform that nothing can be made with
+        return {}
+    made = drawing.sketch.numbers if drawing is not None else {}
+    return made if made.get("regions_before") == store.numbers(scan).get("regions") else {}
 
 
 def _draw_summary(context) -> None:

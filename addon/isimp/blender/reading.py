@@ -22,6 +22,13 @@ class Known:
         self.mesh, self.scan = obj.data.name, scan
         self.counts, self.points, self.shape = _counts(obj.data), mesh_io.points(obj.data), mesh_io.shape_matrix(obj)
 
+    def take_over(self, former) -> None:
+        """Keeps the arrays of before if they are equal: what was computed from them holds still."""
+        names = ("vertices", "triangles", "triangle_face")
+        pairs = ((getattr(former, name), getattr(self.scan, name)) for name in names)
+        if former.face_count == self.scan.face_count and all(np.array_equal(*pair) for pair in pairs):
+            self.scan = former
+
     def fits(self, obj) -> bool:
         return (
             self.mesh == obj.data.name
@@ -66,11 +73,26 @@ def ready(context, obj, layers, seconds: float = math.inf) -> bool:
         return True
     if not bpy.app.background:
         _read(context, obj)  # in Edit Mode, updates the mesh read here; forgets another mesh
-    known, corners = runtime.get().scans.get(obj.name), None
-    if known is not None and len(known.scan.triangles) == len(obj.data.polygons) and not mesh_io.has_modifiers(obj):
-        corners = known.scan.triangles.ravel()
+    corners = known_corners(obj)
     groups = (_group(obj, name) for name in sorted(layers))
     return all(group.go_on(obj, end - time.monotonic(), corners) for group in groups if group is not None)
+
+
+def regions(obj, scan, recipe) -> np.ndarray:
+    """(faces,) int32 the regions of an object, whose arrays and recipe are given.
+
+    In Edit Mode, reading them face by face takes a second a million faces: those of an outcome that is kept are taken.
+    """
+    outcome = runtime.get().session.known(scan, recipe.without_mesh())
+    return mesh_io.read_regions(obj) if outcome is None else outcome.face_region
+
+
+def known_corners(obj) -> np.ndarray | None:
+    """The vertex of each corner of a mesh of triangles, if its arrays were read and are kept; else None."""
+    known = runtime.get().scans.get(obj.name)
+    if known is None or len(known.scan.triangles) != len(obj.data.polygons) or mesh_io.has_modifiers(obj):
+        return None
+    return known.scan.triangles.ravel()
 
 
 def _group(obj, name: str):
@@ -94,9 +116,13 @@ def _read(context, obj):
             return known[obj.name].scan
         obj.update_from_editmode()
     if obj.name not in known or not known[obj.name].fits(obj):
+        former = next((before.scan for before in known.values()), runtime.get().former)
         known.clear()  # one is enough, and large
         runtime.get().groups.clear()
-        known[obj.name] = Known(obj, mesh_io.read(context, obj))
+        known[obj.name] = Known(obj, mesh_io.read(context, obj, is_updated=True))
+        if former is not None:
+            known[obj.name].take_over(former)
+        runtime.get().former = None
     return known[obj.name].scan
 
 
@@ -117,4 +143,6 @@ def forget(name=None) -> None:
     runtime.get().seen = {}
     for known in (runtime.get().scans, runtime.get().groups):
         for key in [key for key, value in known.items() if name in (None, value.mesh)]:
-            del known[key]
+            gone = known.pop(key)
+            if isinstance(gone, Known):
+                runtime.get().former = gone.scan

@@ -54,6 +54,7 @@ class Runtime:
         self.most_nodes = {}  #: mesh's name -> how many nodes it may have before some are forgotten; see store.py
         self.live = Live()
         self.scans = {}  #: object's name -> the arrays read last; see reading.py
+        self.former = None  #: the arrays that `scans` had before, as the next ones may be equal
         self.groups = {}  #: (object's name, vertex group's) -> weights.Group, as far as it is read
         self.written = {}  #: object's name -> (state, regions, colours) as last written on it in Edit Mode
         self.seen = {}  #: object's name -> (state, regions) as read in Edit Mode since anything was changed

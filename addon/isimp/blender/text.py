@@ -116,10 +116,10 @@ def describes(mesh, numbers: dict) -> bool:
     return "components" in numbers and numbers.get("faces") == len(mesh.polygons)
 
 
-def report_lines(numbers: dict, system: str, scale: float) -> list:
+def report_lines(numbers: dict, system: str, scale: float, previewed: dict | None = None) -> list:
     """(line, whether it is a warning) for the report of Mesh; before it, how many polygons it will make."""
     if "polygons" not in numbers:
-        return [(line, False) for line in [messages.expected(numbers)] if line]
+        return [(line, False) for line in [messages.expected(numbers, previewed)] if line]
     flat, worst = (amount(numbers, name, system, scale) for name in ("planarity_mean", "planarity_max"))
     sound = said("Closed") if numbers["closed"] else said("Open, like the scan")
     if not numbers["manifold"]:

@@ -120,7 +120,7 @@ void smooth(const BakeMap& map, const Array<float>& open, std::size_t at, std::u
       sum += open[near];
       ++count;
     }
-  const auto value = static_cast<std::uint8_t>(sum / count * 255 + 0.5F);
+  const auto value = static_cast<std::uint8_t>(std::lround(sum / count * 255));
   rgba[0] = rgba[1] = rgba[2] = value;
   rgba[3] = 255;
 }

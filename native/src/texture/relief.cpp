@@ -25,7 +25,7 @@ Eigen::Vector3f smooth_normal(const Mesh& mesh, const std::vector<Eigen::Vector3
 }
 
 Eigen::Vector3f Relief::operator()(std::int32_t face, float b, float c) const {
-  const Eigen::Vector3f n = smooth_normal(mesh_, normals_, face, b, c).normalized();
+  Eigen::Vector3f n = smooth_normal(mesh_, normals_, face, b, c).normalized();
   if (look_.image[face] == kNone) return n;
   const float* t = look_.uv.data() + 6 * static_cast<std::size_t>(face);
   const float u1 = t[2] - t[0], v1 = t[3] - t[1], u2 = t[4] - t[0], v2 = t[5] - t[1];

@@ -1,8 +1,12 @@
 """The panel: settings belong to a scan, have units, and every line and button has its place and its words."""
 
+import re
+from pathlib import Path
+
 import bpy
 import pytest
 import scans
+import ui_strings
 
 from isimp import recipe as rcp
 from isimp.blender import pending, presets, runtime, settings, store, targets, text
@@ -10,6 +14,11 @@ from isimp.blender import result as results
 from isimp.blender.panel import main
 
 pytestmark = pytest.mark.usefixtures("scene")
+
+MANUAL = Path(__file__).parents[3] / "docs" / "manual.md"
+#: What is bold in the manual and no text of the add-on's: keys, signs, and beginnings of paragraphs
+NO_TEXT = {"+", "\u2212", "C", "Click", "Ctrl-click", "eye", "name", "red", "Object > iSimp", "iSimp"}
+NO_TEXT |= {"The result is yours.", "Rigged figures."}
 
 
 def group(cls=rcp.Partition):
@@ -223,3 +232,10 @@ def tube():
 def test_every_setting_of_mesh_is_drawn():
     drawn = {"chord_tolerance", "join_junctions", "flatten", "planar"}
     assert set(settings.names(rcp.Mesh)) == drawn, "draw a new one in panel/result.py"
+
+
+def test_the_manual_names_everything_as_the_panel_does():
+    bold = {name.strip(",.") for name in re.findall(r"\*\*([^*]+)\*\*", MANUAL.read_text().replace("\n", " "))}
+    bold -= {name.strip(",.") for name in NO_TEXT}
+    assert len(bold) > 50
+    assert bold <= ui_strings.all_strings(), bold - ui_strings.all_strings()

@@ -4,7 +4,7 @@ from bpy.props import BoolProperty, IntProperty
 
 from ... import messages
 from ...language import said
-from .. import display, mesh_io, runtime, show, targets
+from .. import display, mesh_io, reading, runtime, show, targets
 
 
 class ISIMP_OT_show_regions(bpy.types.Operator):
@@ -75,7 +75,7 @@ class ISIMP_OT_select_region(bpy.types.Operator):
         chosen = np.isin(regions, np.unique(regions[faces]))
         if self.extend:
             chosen[selected] = True
-        mesh_io.select_polygons(scan, chosen)
+        mesh_io.select_polygons(scan, chosen, reading.known_corners(scan))
         self.report({"INFO"}, said("{faces} selected", faces=messages.count(int(chosen.sum()), "face")))
         return {"FINISHED"}
 

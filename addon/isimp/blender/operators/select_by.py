@@ -5,8 +5,9 @@ import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty
 
 from ... import messages, pick
+from ... import recipe as rcp
 from ...language import said
-from .. import mesh_io, reading, targets
+from .. import mesh_io, reading, store, targets
 
 
 class ISIMP_OT_select_by(bpy.types.Operator):
@@ -55,16 +56,18 @@ class ISIMP_OT_select_by(bpy.types.Operator):
 
     def execute(self, context):
         scan, _ = targets.find(context)
-        arrays, regions = reading.read(context, scan), mesh_io.read_regions(scan)
+        recipe = store.load(scan) or rcp.Recipe()
+        arrays = reading.read(context, scan, recipe.layers())
+        regions = reading.regions(scan, arrays, recipe)
         chosen = self.chosen(scan, arrays, regions)
         faces = np.isin(regions, np.flatnonzero(chosen))
         if self.extend:
             faces[mesh_io.selected_faces(scan)] = True
         context.view_layer.objects.active = scan
+        mesh_io.select_polygons(scan, faces, reading.known_corners(scan))  # as arrays, if not in Edit Mode yet
         if scan.mode != "EDIT" and scan.visible_get():
             bpy.ops.object.mode_set(mode="EDIT")
             context.tool_settings.mesh_select_mode = (False, False, True)
-        mesh_io.select_polygons(scan, faces)
         self.report({"INFO"}, said("{regions} selected", regions=messages.count(int(chosen.sum()), "region")))
         return {"FINISHED"}
 

@@ -8,7 +8,7 @@ import bpy
 from ... import messages
 from ... import recipe as rcp
 from ...language import said
-from .. import presets, result, runtime, settings, store, targets, text, texture, translations
+from .. import overlay, presets, result, runtime, settings, store, targets, text, texture, translations
 from .common import Panel, draw_lines, is_narrow
 
 
@@ -116,8 +116,8 @@ def _draw_progress(place, running) -> None:
 
 def _draw_report(context, layout, scan, numbers) -> None:
     """Draws the report of Mesh, repairs, notes and warnings; below the buttons, because their number changes."""
-    unit = context.scene.unit_settings
-    for line, alert in text.report_lines(numbers, unit.system, unit.scale_length):
+    unit, made = context.scene.unit_settings, overlay.previewed(context, scan)
+    for line, alert in text.report_lines(numbers, unit.system, unit.scale_length, made):
         draw_lines(context, layout, line, icon="ERROR" if alert else "CHECKMARK")
     defects = text.problems(numbers)
     if defects:

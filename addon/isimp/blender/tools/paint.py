@@ -78,7 +78,8 @@ class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
         """One step to undo for the stroke and its mirrored one."""
         taken, strokes = set(), []
         for wish in wishes:
-            faces = [face for face in wish.faces if face not in taken]  # the two may meet in the middle
+            faces = self._ground.joined(wish.faces, wish.faces[0])
+            faces = [face for face in faces if face not in taken]  # the two may meet in the middle
             taken.update(faces)
             if faces and self.changes(wish, faces):
                 onto = -1 if wish.into is None else wish.into

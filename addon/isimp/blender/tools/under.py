@@ -1,14 +1,16 @@
 """The face and the region under the mouse, and the description of the region."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from bpy_extras import view3d_utils
 
-from ... import pick
+from ... import pick, view
 from ... import recipe as rcp
 from ...gestures import Hit
 from ...language import said
+from ...prepared import joined_faces
 from ...task import Status, Task
 from .. import mesh_io, reading, runtime, store, targets, text
 
@@ -41,9 +43,16 @@ class Ground:
         self.to_scan = np.linalg.inv(self.place)
         self.state = mesh_io.state_of(obj)
         self.label = mesh_io.read_regions(obj)
-        self.locked = _locked(context, obj)  #: numbers of regions, as far as that is known without work
-        self._area = None
+        outcome = _known(context, obj)
+        #: numbers of regions, as far as that is known without work
+        self.locked = np.empty(0, int) if outcome is None else np.flatnonzero(outcome.partition.region_locked)
+        self._between = None if outcome is None else outcome.border
+        self._closing = None if outcome is None else outcome.closing
         self._error = store.numbers(obj).get("error", 0.0)  #: of all regions together
+
+    @cached_property
+    def _triangle_label(self) -> np.ndarray:
+        return self.label[self.scan.triangle_face]
 
     @property
     def surface(self):
@@ -86,17 +95,27 @@ class Ground:
         return (self.place @ np.append(place, 1.0))[:3].tolist()
 
     def triangles_of(self, region: int) -> np.ndarray:
-        return np.flatnonzero(self.label[self.scan.triangle_face] == region)
+        return np.flatnonzero(self._triangle_label == region)
 
     def points(self, triangles) -> np.ndarray:
         """(3 T, 3) float32 the corners of triangles."""
         return self.scan.vertices[self.scan.triangles[triangles[:_MOST_SHOWN]].ravel()].astype(np.float32)
 
+    def joined(self, faces: list, start: int) -> list:
+        """Those of some faces that the engine's mesh joins to one of them, which comes first."""
+        if self._closing is None:  # the mesh is not there yet
+            return faces
+        prepared = runtime.get().session.prepare(self.scan, closing=self._closing)
+        found = joined_faces(prepared, np.unique(faces), start)
+        return [start, *found[found != start].tolist()]
+
     def border(self, region: int) -> np.ndarray:
         """(2 B, 3) float32 the edges where a region ends."""
-        pairs, edges = self.scan.edges
-        inside = self.label[self.scan.triangle_face[pairs]] == region
-        return self.scan.vertices[edges[inside[:, 0] != inside[:, 1]].ravel()].astype(np.float32)
+        pairs, edges = self.scan.face_edges
+        if self._between is None:
+            self._between = view.border_pairs(self.label, pairs)
+        ends = self._between[(self.label[pairs[self._between]] == region).any(axis=1)]
+        return self.scan.vertices[edges[ends].ravel()].astype(np.float32)
 
     def told(self, unit, region: int) -> str:
         """The description of a region in one line. unit: the scene's."""
@@ -105,22 +124,21 @@ class Ground:
         triangles = self.triangles_of(region)
         share, error, away = pick.flatness(self.scan.vertices, self.scan.triangles, triangles)
         away = text.length(away, unit.system, unit.scale_length)
-        if self._area is None:
-            self._area = pick.area(self.scan.vertices, self.scan.triangles)
-        part = min(1.0, error / self._error) if self._error > 1e-9 * self._area else 0.0
+        whole = self.surface.area
+        part = min(1.0, error / self._error) if self._error > 1e-9 * whole else 0.0
         return said(
             "Region {number} · {area} of the area · {error} of the error · planar within {away}",
             number=region,
-            area=f"{share / self._area:.1%}",
+            area=f"{share / whole:.1%}",
             error=f"{part:.1%}",
             away=away,
         )
 
 
-def _locked(context, obj) -> np.ndarray:
+def _known(context, obj):
+    """The outcome that is seen, if it is kept; else None."""
     recipe = (store.load(obj) or rcp.Recipe()).without_mesh()
-    outcome = runtime.get().session.known(reading.read(context, obj, recipe.layers(), again=True), recipe)
-    return np.empty(0, int) if outcome is None else np.flatnonzero(outcome.partition.region_locked)
+    return runtime.get().session.known(reading.read(context, obj, recipe.layers(), again=True), recipe)
 
 
 def ground(context, wait: bool = False):
@@ -156,7 +174,7 @@ def _prepare(known, wait: bool) -> bool:
     if current.digging is None or current.digging[0] is not scan:
 
         def dig(watch):
-            scan.edges  # noqa: B018  (made here and kept, so that nothing has to wait for it later)
+            scan.face_edges  # noqa: B018  (made here and kept, so that nothing has to wait for it later)
             return pick.Surface(scan.vertices, scan.triangles)
 
         current.digging = (scan, Task(dig))

@@ -132,7 +132,7 @@ def hovered(hand):
 
 
 def clicked(hand):
-    from isimp.blender import overlay
+    from isimp.blender import overlay, runtime
 
     before, keep, kept = regions(), overlay._keep, []
 
@@ -148,7 +148,10 @@ def clicked(hand):
     overlay._keep = keep
     same("borders, then polygons", kept, [True, False])
     yield from hand.shot("tools-3-add")
+    made = runtime.get().surface
     yield from undone_and_redone(hand, "added", state)
+    yield from hovered(hand)
+    same("what the mouse needs stays through undo", runtime.get().surface is made, True)
     yield from hand.click(*place(hand, 0.4, 0.4), ctrl=True)
     yield from hand.settle()
     same("ctrl-click deletes", (regions(), last()), (before, "DeleteProxy"))
@@ -226,6 +229,10 @@ def run(hand):
     assert len(sketch.borders)
     assert len(sketch.outline)
     assert len(sketch.corners)
+    from isimp.blender import overlay
+
+    with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("UI")):
+        same("the panel tells what is drawn", overlay.previewed(bpy.context, scan()), sketch.numbers)
     yield from hand.shot("tools-1-sketch")
     yield from tool(hand, "isimp.region_tool.object")
     yield from hovered(hand)
