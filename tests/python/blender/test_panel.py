@@ -18,7 +18,7 @@ pytestmark = pytest.mark.usefixtures("scene")
 MANUAL = Path(__file__).parents[3] / "docs" / "manual.md"
 #: What is bold in the manual and no text of the add-on's: keys, signs, and beginnings of paragraphs
 NO_TEXT = {"+", "\u2212", "C", "Click", "Ctrl-click", "eye", "name", "red", "Object > iSimp", "iSimp"}
-NO_TEXT |= {"The result is yours.", "Rigged figures."}
+NO_TEXT |= {"The result is yours.", "Rigged figures.", "Further layers."}
 
 
 def group(cls=rcp.Partition):

@@ -12,6 +12,13 @@ from test_texture import simplify, textured_cube
 
 pytestmark = pytest.mark.usefixtures("scene")
 
+
+def with_textures():
+    """The setting that writes images, by its name in this Blender."""
+    named = "export_textures" in bpy.ops.wm.usd_export.get_rna_type().properties
+    return {"export_textures": True} if named else {"export_textures_mode": "NEW"}
+
+
 #: of each format: the exporter, the importer, and whether n-gons are kept
 FORMATS = {
     "fbx": (
@@ -20,7 +27,7 @@ FORMATS = {
         True,
     ),
     "usdc": (
-        lambda path: bpy.ops.wm.usd_export(filepath=path, selected_objects_only=True, export_textures=True),
+        lambda path: bpy.ops.wm.usd_export(filepath=path, selected_objects_only=True, **with_textures()),
         lambda path: bpy.ops.wm.usd_import(filepath=path),
         True,
     ),
