@@ -119,16 +119,15 @@ class Hand:
             if self.under_mouse() == full:
                 return
         seen = set()
-        for _ in range(2):  # the report above may grow or shrink a line while the buttons below it are tried
-            for y in self.rows(at[1] if full else side.y + side.height):
-                for share in (0.3, 0.62):
-                    yield from self.move(side.x + (side.width - 20) * share, y)
-                    under = self.under_mouse()
-                    if under:
-                        seen.add(under)
-                        self.known[under] = self.at
-                    if under.endswith(name):
-                        return
+        for y in self.rows(at[1] if full else side.y + side.height):
+            for share in (0.3, 0.62):
+                yield from self.move(side.x + (side.width - 20) * share, y)
+                under = self.under_mouse()
+                if under:
+                    seen.add(under)
+                    self.known[under] = self.at
+                if under.endswith(name):
+                    return
         raise AssertionError(f"no button {name}, there are {sorted(seen)}")
 
     def under_mouse(self):
