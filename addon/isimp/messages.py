@@ -341,17 +341,17 @@ def expected(numbers: dict[str, Any], previewed: dict[str, Any] | None = None) -
 
     previewed: the numbers of their preview once it is there, which is what Mesh will make; before, it is an estimate.
     """
-    if previewed and "polygons" in previewed and "polygons" not in numbers:
-        told, why = (
-            said("Mesh will make {polygons}", polygons=count(previewed["polygons"], "polygon")),
-            why_more(previewed),
-        )
-        return f"{told}, {why}" if why else told
-    counts = numbers.get("expected", {})
-    if "polygons" in numbers or not {"polygons", "regions"} <= counts.keys():
+    if "polygons" in numbers:
         return ""
-    why = why_more({"polygons": counts["polygons"], "regions": counts["regions"], "split": counts})
-    told = said("Mesh will make about {polygons}", polygons=count(counts["polygons"], "polygon"))
+    counts = numbers.get("expected", {})
+    if previewed and "polygons" in previewed:
+        polygons = count(previewed["polygons"], "polygon")
+        told, why = said("Mesh will make {polygons}", polygons=polygons), why_more(previewed)
+    elif {"polygons", "regions"} <= counts.keys():
+        why = why_more({"polygons": counts["polygons"], "regions": counts["regions"], "split": counts})
+        told = said("Mesh will make about {polygons}", polygons=count(counts["polygons"], "polygon"))
+    else:
+        return ""
     return f"{told}, {why}" if why else told
 
 

@@ -23,14 +23,14 @@ def bones(result, scan, arrays, outcome) -> None:
     for own, of in enumerate(source.tolist()):
         for entry in scan.data.vertices[of].groups if of >= 0 else ():
             groups[entry.group].add([own], entry.weight, "REPLACE")
-    if _is_at_rest(scan, arrays):
+    if _is_at_rest(scan, arrays, _keys(scan)):
         _take_armatures(result, scan)
 
 
-def _is_at_rest(scan, arrays) -> bool:
-    """Whether modifiers leave the vertices where the mesh and its shape keys put them."""
+def _is_at_rest(scan, arrays, keys: list) -> bool:
+    """Whether modifiers leave the vertices where the mesh and its shape keys put them. keys: as of `_keys`."""
     own = mesh_io.points(scan.data).reshape(-1, 3).astype(np.float64)
-    own = (own + sum(value * offsets for _, value, offsets in _keys(scan))) @ mesh_io.shape_matrix(scan)
+    own = (own + sum(value * offsets for _, value, offsets in keys)) @ mesh_io.shape_matrix(scan)
     return bool(np.abs(own - arrays.vertices).max() <= 1e-5 * np.ptp(own, axis=0).max())
 
 
@@ -65,7 +65,9 @@ def layers(result, scan, arrays, outcome, turn, slid: dict) -> None:
         return
     colors = [layer for layer in mesh.color_attributes if layer.name != mesh_io.COLOR]
     maps = [layer for layer in mesh.uv_layers if not layer.active_render]
-    keys = _keys(scan) if _is_at_rest(scan, arrays) else []
+    keys = _keys(scan)
+    if keys and not _is_at_rest(scan, arrays, keys):
+        keys = []
     order = corner_order(result, outcome)
     if not (colors or maps or keys) or order is None:
         return
@@ -114,9 +116,8 @@ def _loops(mesh, arrays) -> np.ndarray:
     """(T, 3) the mesh's corner at each corner of a triangle."""
     of_loop, count = np.empty(len(mesh.loops), np.int32), len(mesh.vertices)
     mesh.loops.foreach_get("vertex_index", of_loop)
-    totals = np.empty(len(mesh.polygons), np.int32)
-    mesh.polygons.foreach_get("loop_total", totals)
-    keys = np.repeat(np.arange(len(totals), dtype=np.int64), totals) * count + of_loop
+    faces = np.repeat(np.arange(len(mesh.polygons), dtype=np.int64), mesh_io.corner_totals(mesh))
+    keys = faces * count + of_loop
     order = np.argsort(keys, kind="stable")
     wanted = arrays.triangle_face.astype(np.int64)[:, None] * count + arrays.triangles
     return order[np.searchsorted(keys[order], wanted)]

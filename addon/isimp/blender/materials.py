@@ -3,6 +3,7 @@
 import bpy
 import numpy as np
 
+from ..engine import engine
 from ..language import own, said
 from . import mesh_io
 
@@ -72,13 +73,13 @@ class Layers:
         self.images = {}  #: by layer one of each material: (H, W, channels) from 0 to 1, a number, or None
         self.strength = 1.0  #: of the brightest emission
         self.notes = []  #: what comes from no image and is left out
-        shaders = [None if material is None else (shader_of(material), material.name) for material in materials]
-        shaders = [None if pair is None or pair[0] is None else pair for pair in shaders]
+        shaders = [(shader, m.name) if (shader := shader_of(m)) is not None else None for m in materials]
         for layer, place in _NUMBERS.items():
             self._put(layer, [None if pair is None else self._number(pair, place) for pair in shaders])
         emissions = [None if pair is None else self._emission(pair) for pair in shaders]
+        to_srgb = engine.texturing.layers.to_srgb
         self.strength = max([1.0, *(e[1] for e in emissions if e is not None)])
-        self._put("emission", [None if e is None else _stored(e[0] * (e[1] / self.strength)) for e in emissions])
+        self._put("emission", [None if e is None else to_srgb(e[0] * (e[1] / self.strength)) for e in emissions])
         self._put("normal", [None if pair is None else self._normals(pair) for pair in shaders])
 
     def _put(self, layer: str, images: list) -> None:
@@ -151,12 +152,8 @@ def _linked_image(socket):
 
 def pixel(linear) -> np.ndarray:
     """One pixel of a linear colour, as images store it."""
-    stored = _stored(np.clip(np.array(linear[:3], np.float64), 0, 1))
+    stored = engine.texturing.layers.to_srgb(np.clip(np.array(linear[:3], np.float64), 0, 1))
     return np.append(np.round(255 * stored), 255).astype(np.uint8).reshape(1, 1, 4)
-
-
-def _stored(linear: np.ndarray) -> np.ndarray:
-    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 0) ** (1 / 2.4) - 0.055)
 
 
 def linear_pixels(image) -> np.ndarray:
@@ -164,7 +161,7 @@ def linear_pixels(image) -> np.ndarray:
     values = pixels(image)[:, :, :3] / 255
     if image.colorspace_settings.name != "sRGB":
         return values
-    return np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
+    return engine.texturing.layers.to_linear(values)
 
 
 def pixels(image) -> np.ndarray:

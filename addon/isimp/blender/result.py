@@ -18,6 +18,7 @@ def digest(obj) -> str:
     if mesh_io.is_edited(obj):
         obj.update_from_editmode()
     mesh, found = obj.data, hashlib.blake2b(digest_size=16)
+    keys = mesh.shape_keys.key_blocks if mesh.shape_keys is not None else ()
     for items, name, kind, width in (
         (mesh.vertices, "co", np.float32, 3),
         (mesh.edges, "vertices", np.int32, 2),
@@ -27,22 +28,15 @@ def digest(obj) -> str:
         (mesh.polygons, "loop_total", np.int32, 1),
         (mesh.polygons, "material_index", np.int32, 1),
         *((layer.data, "uv", np.float32, 2) for layer in mesh.uv_layers),
+        *((layer.data, "color", np.float32, 4) for layer in mesh.color_attributes if layer.name != mesh_io.COLOR),
+        *((key.data, "co", np.float32, 3) for key in keys),
     ):
         values = np.empty(width * len(items), kind)
         items.foreach_get(name, values)
         found.update(values.tobytes() + b"|")
-    for layer in mesh.color_attributes:
-        if layer.name != mesh_io.COLOR:
-            values = np.empty(4 * len(layer.data), np.float32)
-            layer.data.foreach_get("color", values)
-            found.update(values.tobytes() + b"|")
-    for key in mesh.shape_keys.key_blocks if mesh.shape_keys is not None else ():
-        values = np.empty(3 * len(key.data), np.float32)
-        key.data.foreach_get("co", values)
-        found.update(key.name.encode() + values.tobytes() + b"|")
     if mesh.shape_keys is not None and mesh.shape_keys.animation_data is not None:
         found.update(b"animated")
-    named = (obj.vertex_groups, mesh.uv_layers, mesh.color_attributes)
+    named = (obj.vertex_groups, mesh.uv_layers, mesh.color_attributes, keys)
     names = [[item.name for item in items if item.name != mesh_io.COLOR] for items in named]
     found.update(repr((names, mesh.shape_keys is not None)).encode())
     return found.hexdigest()

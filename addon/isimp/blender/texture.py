@@ -64,7 +64,7 @@ def _corners(result, outcome) -> np.ndarray:
 
 
 def read(obj) -> tuple[Shown, list[str]]:
-    """What each triangle of a scan shows, in the order of `mesh_io.read`, and what is left out. Raises Unusable."""
+    """What each triangle shows, in the order of `mesh_io.read`, and a line for each input left out. Raises Unusable."""
     mesh = obj.data
     if mesh_io.has_modifiers(obj):
         raise mesh_io.Unusable(

@@ -23,8 +23,8 @@ constexpr std::int32_t kGroup = 3;      // texels a side that share all directio
 constexpr float kLift = 1e-5F;          // of the diagonal: so far above their face rays start
 constexpr std::int32_t kTexels = 4096;  // of a block, between polls
 
-/// Directions about z, as many in each direction as light from there counts (Malley's method, on the R2 sequence of
-/// Roberts 2018). Every ninth one is of the same texel of a group.
+/// Directions about z, cosine-weighted: points of a spiral that cover the disc evenly, lifted to the hemisphere (Malley's
+/// method; the spiral turns by the golden ratio). Each texel of a group uses every ninth one.
 std::vector<Eigen::Vector3f> directions(std::int32_t count) {
   std::vector<Eigen::Vector3f> all(count);
   for (std::int32_t i = 0; i < count; ++i) {
@@ -108,7 +108,7 @@ void check(const Mesh& mesh, const BakeMap& map) {
                          std::to_string(mesh.face_count()));
 }
 
-/// The mean of a texel's group as far as it is of the same polygon, as a grey pixel.
+/// A grey pixel: the mean of the group of texels round this one that are of the same polygon.
 void smooth(const BakeMap& map, const Array<float>& open, std::size_t at, std::uint8_t* rgba) {
   const auto x = static_cast<std::int32_t>(at % map.side), y = static_cast<std::int32_t>(at / map.side);
   constexpr std::int32_t kReach = kGroup / 2;

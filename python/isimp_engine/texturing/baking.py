@@ -131,8 +131,9 @@ def _wanted(source: TexturedSoup) -> tuple[list[str], dict[str, float]]:
             factors[name] = single
             continue
         names.append(name)
-        factors[name] = layer.strength
-    return names, {name: factor for name, factor in factors.items() if name not in names or name == "emission"}
+        if name == "emission":
+            factors[name] = layer.strength
+    return names, factors
 
 
 def _layer(

@@ -17,8 +17,8 @@ _MAP_OPTIONS = {"-blendu": 1, "-blendv": 1, "-boost": 1, "-cc": 1, "-clamp": 1, 
 _MAP_OPTIONS |= {"-type": 1, "-mm": 2, "-colorspace": 1}
 _UP_TO_THREE = ("-o", "-s", "-t")
 # Numbers and maps beside the colour. A map counts alone, without its number, but for emission above 1.
-_LAYERS = {"Pr": "roughness", "Pm": "metallic", "Ke": "emission"}
-_LAYERS |= {"map_Pr": "roughness", "map_Pm": "metallic", "map_Ke": "emission", "norm": NORMAL}
+_NUMBERS = {"Pr": "roughness", "Pm": "metallic", "Ke": "emission"}
+_MAPS = {f"map_{word}": name for word, name in _NUMBERS.items()} | {"norm": NORMAL}
 
 
 def read(path: Path, job: Job | None, threads: int) -> TexturedSoup:
@@ -48,7 +48,7 @@ def _layers(materials: dict[str, "_Material"]) -> dict[str, TextureLayer]:
     """What any of the materials has beside its colour."""
     strength = max([1.0, *(max(m.numbers["emission"]) for m in materials.values() if "emission" in m.numbers)])
     found = {}
-    for name in dict.fromkeys(_LAYERS.values()):
+    for name in _MAPS.values():
         pictures = [m.layer(name, strength) for m in materials.values()]
         if any(picture is not None for picture in pictures):
             found[name] = TextureLayer(pictures, strength=strength if name == "emission" else 1.0)
@@ -214,7 +214,7 @@ def read_mtl(path: Path) -> dict[str, _Material]:
         place = f"{path}, line {row}"
         if word == "newmtl":
             material = found[rest.strip()] = _Material(place)
-        elif word == "Kd" or (word in _LAYERS and not word.startswith(("map", "norm"))):
+        elif word == "Kd" or word in _NUMBERS:
             try:
                 red, green, blue = (float(x) for x in (rest.split() * 3)[:3])
             except ValueError:
@@ -222,9 +222,9 @@ def read_mtl(path: Path) -> dict[str, _Material]:
             if word == "Kd":
                 material.diffuse = (red, green, blue)
             else:
-                material.numbers[_LAYERS[word]] = (red, green, blue)
-        elif word in _LAYERS and rest.strip():
-            material.maps[_LAYERS[word]] = _map_file(path.parent, rest.strip(), place), place
+                material.numbers[_NUMBERS[word]] = (red, green, blue)
+        elif word in _MAPS and rest.strip():
+            material.maps[_MAPS[word]] = _map_file(path.parent, rest.strip(), place), place
         elif word == "map_Kd" and rest.strip():
             material.map, material.place = _map_file(path.parent, rest.strip(), place), place
     return found

@@ -49,9 +49,9 @@ def in_viewport(context) -> bool:
     return context.region is not None and context.region.type == "WINDOW" and context.region_data is not None
 
 
-def nothing_here(problem: str = own("There are no regions here")) -> str:
+def nothing_here(problem: str = "") -> str:
     """Why there is nothing to point at, and where to begin."""
-    return said("{why} (sidebar: N, tab iSimp).", why=said(problem))
+    return said("{why} (sidebar: N, tab iSimp).", why=said(problem or own("There are no regions here")))
 
 
 class ModalTool:
@@ -77,7 +77,7 @@ class ModalTool:
         problem = problem or targets.needs_regions(scan)
         self._ground = under.ground(context, wait=True) if not problem else None
         if self._ground is None:
-            self.report({"INFO"}, nothing_here(problem) if problem else nothing_here())
+            self.report({"INFO"}, nothing_here(problem))
         return self._ground is not None
 
     def go(self, context, keys: str):

@@ -14,8 +14,8 @@ namespace isimp {
 /// shows, from 0 to 255. 255: nothing of the scan is in the way.
 ///
 /// Rays start at the scan's surface, cosine-weighted about its smoothed normal, and are stopped by any face of the scan
-/// within `occlusion_distance`. Each texel sends a ninth of `occlusion_rays`: those of three by three texels differ and
-/// are all together the whole set, of which each texel shows the mean. Texels outside of polygons are flooded.
+/// within `occlusion_distance`. Each texel sends a ninth of `occlusion_rays`; three by three texels together send all of
+/// them, and each texel shows the mean of these nine. Texels outside of polygons are flooded.
 ///
 /// \param map  made by `bake_map` for this mesh
 /// \return (side^2) rows from the top
