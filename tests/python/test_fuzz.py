@@ -59,4 +59,6 @@ def test_any_soup_gets_through_or_is_refused(soup, proxies, leave_out):
     assert set(poly.loops) == set(range(len(poly.vertices)))
     sizes = np.diff(np.append(poly.loop_start, len(poly.loops)))
     assert (sizes >= 3).all()
-    assert set(poly.polygon_region) <= set(range(regions))
+    with_polygons = set(poly.polygon_region)
+    assert with_polygons <= set(range(regions))
+    assert len(with_polygons) == regions - poly.report["merged_without_area"]

@@ -62,6 +62,17 @@ def check(mesh, part, poly):
     assert report["planarity_mean"] <= report["planarity_max"]
 
 
+@pytest.mark.parametrize(("side", "height", "seed", "proxies"), [(20, 0.3, 0, 133), (30, 0.1, 2, 75)])
+def test_a_region_that_its_neighbours_give_more_faces_than_it_has_keeps_its_polygon(side, height, seed, proxies):
+    x, y = np.meshgrid(np.arange(side), np.arange(side))
+    z = height * np.random.default_rng(seed).standard_normal((side, side))
+    first = (np.arange(side - 1)[:, None] * side + np.arange(side - 1)).ravel()
+    triangles = np.concatenate([first[:, None] + [0, 1, side], first[:, None] + [1, side + 1, side]])
+    points = np.stack([x.ravel(), y.ravel(), z.ravel()], axis=1)
+    _, part, poly = simplified((points, triangles.astype(np.int32)), proxies=proxies)
+    assert set(poly.polygon_region) == set(range(part.region_count))
+
+
 def test_a_cube_of_six_regions_is_six_quads():
     vertices, triangles = shapes.cube()
     mesh = engine.Mesh(vertices, triangles)

@@ -147,7 +147,7 @@ class Coarsener {
     if (!may_give(s_, c.other, c.piece, faces)) return false;
     const std::vector<std::int32_t> more = s_.labels.faces_of(c.piece);
     faces.insert(faces.end(), more.begin(), more.end());
-    return s_.main_region(faces) == to;
+    return s_.region_of(c.piece, faces) == to;
   }
 
   void add_unions(std::int32_t gone, std::vector<Candidate>& all) {

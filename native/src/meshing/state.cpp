@@ -62,7 +62,7 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
   sort_unique(labels.touched);
   for (const std::int32_t l : labels.touched) {
     auto& [faces, loop] = discs.at(l);
-    labels.pieces[l].region = main_region(faces);
+    labels.pieces[l].region = region_of(l, faces);
     std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end()), loop.end());
     loops[l] = std::move(loop);
   }
@@ -76,7 +76,7 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
   job.report(0.1);
 }
 
-std::int32_t State::main_region(std::span<const std::int32_t> faces) const {
+std::int32_t State::region_of(std::int32_t piece, std::span<const std::int32_t> faces) const {
   std::map<std::int32_t, double> area;
   auto at = area.end();
   for (const std::int32_t f : faces) {
@@ -84,6 +84,8 @@ std::int32_t State::main_region(std::span<const std::int32_t> faces) const {
     if (at == area.end() || at->first != region) at = area.try_emplace(region, 0).first;
     at->second += mesh.graph().faces[mesh.graph().graph_face[f]].area;
   }
+  const Piece& p = labels.pieces[piece];
+  if (p.cause == Cause::region && area.contains(p.region)) return p.region;
   return std::max_element(area.begin(), area.end(), [](const auto& a, const auto& b) { return a.second < b.second; })
       ->first;
 }
@@ -258,7 +260,7 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, std::
                        faces = labels.flood(l);
                        loops[i] = labels.loop_from(boundary_start(labels, faces));
                      }
-                     labels.pieces[l].region = main_region(faces);
+                     labels.pieces[l].region = region_of(l, faces);
                      planes[l] = plane_of(mesh, faces, labels.moments);
                      hold(planes[l], partition, labels.pieces[l].region);
                    }

@@ -64,9 +64,10 @@ class State {
   }
   /// Adds them to some pieces, in rising order then.
   void add_neighbours(std::vector<std::int32_t>& pieces) const;
-  /// The region that has most of some faces' area. Not always that of the piece they were parted from: what mends a pinch
-  /// hands faces over to a neighbour of another region.
-  [[nodiscard]] std::int32_t main_region(std::span<const std::int32_t> faces) const;
+  /// The region of a piece with these faces. The first piece of a region stays its piece while it has a face of it, so
+  /// that every region keeps a polygon; other pieces are of the region that has most of their area. That may be another
+  /// one than before: joining junctions and mending pinches hand faces over to a neighbour.
+  [[nodiscard]] std::int32_t region_of(std::int32_t piece, std::span<const std::int32_t> faces) const;
   [[nodiscard]] SharedBoundary shared_boundary(std::int32_t piece) const;
   /// The boundary that two pieces would have together, as half-edges in order; empty where that would be no disc.
   /// Cost: O(their boundaries), of which the complex must be up to date.
