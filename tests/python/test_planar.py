@@ -71,6 +71,32 @@ def test_a_house_has_five_directions() -> None:
     assert poly.report["whole"] >= 0.98
 
 
+@pytest.mark.parametrize("noise", [0.001, 0.002, 0.004])
+def test_the_planes_of_a_house_are_found(noise: float) -> None:
+    for seed in (1, 2, 4):
+        house = houses.make(noise, seed, turn=48.0)
+        snapped = engine.regularise(*made(house))
+        assert snapped.report["planes"] == len(np.unique(house.label)), seed
+
+
+def test_snapped_planes_together_add_little_unless_a_length_is_given() -> None:
+    rows = np.linspace(0, 3 * np.pi, 60)
+    x, y = np.meshgrid(rows, rows)
+    first = (np.arange(59)[:, None] * 60 + np.arange(59)).ravel()
+    triangles = np.concatenate([first[:, None] + [0, 1, 60], first[:, None] + [1, 61, 60]])
+    waves = np.stack([x.ravel(), y.ravel(), (np.sin(x) * np.cos(y)).ravel()], axis=1)
+    mesh = engine.Mesh(waves, triangles.astype(np.int32))
+    part = engine.partition(mesh, engine.PartitionOptions(proxies=120))
+
+    def added(length: float | None) -> tuple[float, float]:
+        report = engine.regularise(mesh, part, engine.RegulariseOptions(length=length)).report
+        return report["rms_added"] / (report["rms"] - report["rms_added"]), report["length"]
+
+    share, length = added(None)
+    assert 0.05 < share <= 0.1 + 1e-9
+    assert added(length)[0] > 0.1
+
+
 def normals(house: houses.House) -> np.ndarray:
     """The true normal of each plane."""
     a, b, c = (house.clean[house.triangles[:, k]] for k in range(3))

@@ -23,7 +23,8 @@ constexpr double kQuarter = std::numbers::pi / 2;
 constexpr double kThin = 0.25;  ///< a spread whose smallest eigenvalue is above this share of the next fixes no plane
 constexpr double kAgree = 0.8;  ///< cosine between that plane and the faces' mean normal below which the mean counts
 constexpr double kOfMedian = 1.2;  ///< the length by default, times the median distance of a region from its plane
-constexpr double kUnsure = 3;      ///< times that distance * sqrt(3 / faces) is what the plane of a region is unsure by
+constexpr double kUnsure = 2;      ///< times that distance * sqrt(3 / faces) is what the plane of a region is unsure by
+constexpr double kMostAdded = 0.1;  ///< of the root mean square distance: what all planes together may add by default
 constexpr double kLeastLength = 1e-5;  ///< of the diagonal
 constexpr double kSure = 0.6;          ///< below this share of the length, up to kWider times the angle is allowed
 constexpr double kWider = 3;
@@ -63,7 +64,8 @@ class Regulariser {
     }
     const double noise = median_distance();
     length_ = options.length.value_or(std::max(kOfMedian * noise, kLeastLength * mesh.diagonal()));
-    if (!options.length) unsure_ = kUnsure * noise;
+    has_budget_ = !options.length;
+    if (has_budget_) unsure_ = kUnsure * noise;
     z_ = Vec3::Unit(up_ == Up::x ? 0 : up_ == Up::y ? 1 : 2);
     x_ = Vec3::Unit(up_ == Up::x ? 1 : 0);
     y_ = z_.cross(x_);
@@ -72,8 +74,7 @@ class Regulariser {
   void run() {
     Some left(regions_.size());
     std::iota(left.begin(), left.end(), 0);
-    std::stable_sort(left.begin(), left.end(),
-                     [&](auto a, auto b) { return regions_[a].scan.area > regions_[b].scan.area; });
+    largest_first(left);
     std::erase_if(left, [&](std::int32_t r) { return regions_[r].scan.area <= 0; });
     const Some all = left;
     if (up_ != Up::none) {
@@ -84,6 +85,7 @@ class Regulariser {
     snap_parallel(left);
     for (const std::int32_t r : all) regions_[r].offset = regions_[r].snapped.dot(regions_[r].scan.centre);
     align_offsets(all);
+    if (has_budget_) release(all);
   }
 
   Partition result(const Partition& partition) const {
@@ -179,16 +181,27 @@ class Regulariser {
   [[nodiscard]] double added(const Region& r, const Vec3& n) const {
     return std::sqrt(std::max(0.0, n.dot(r.scan.spread * n) - r.normal.dot(r.scan.spread * r.normal)));
   }
+  /// How far the noise may have turned or moved the plane of a region: the fewer faces, the further.
+  [[nodiscard]] double unsure(const Region& r) const { return unsure_ * std::sqrt(3 / r.faces); }
   [[nodiscard]] bool may(std::int32_t i, const Vec3& n) const {
     const Region& r = regions_[i];
     const double same = std::abs(r.normal.dot(n)), cost = added(r, n);
-    const double unsure = unsure_ * std::sqrt(3 / r.faces);  // of few faces the noise turns the plane
-    if (same >= std::cos(angle_)) return cost < length_ + unsure;
-    return same >= std::cos(kWider * angle_) && cost < kSure * length_ + unsure;
+    if (same >= std::cos(angle_)) return cost < length_ + unsure(r);
+    return same >= std::cos(kWider * angle_) && cost < kSure * length_ + unsure(r);
   }
   void set(std::int32_t i, const Vec3& n, Kind kind) {
     regions_[i].snapped = regions_[i].normal.dot(n) < 0 ? Vec3(-n) : n;
     regions_[i].kind = kind;
+  }
+
+  void set_free(std::int32_t i) {
+    regions_[i].snapped = regions_[i].normal;
+    regions_[i].kind = Kind::free;
+  }
+  void largest_first(Some& some) const {
+    std::sort(some.begin(), some.end(), [&](auto a, auto b) {
+      return std::pair(-regions_[a].scan.area, a) < std::pair(-regions_[b].scan.area, b);
+    });
   }
 
   /// Snaps those that may be to target(region), and takes them out of `left`.
@@ -207,6 +220,21 @@ class Regulariser {
     }
     left = std::move(rest);
     return took;
+  }
+
+  /// Snaps regions to target(region) instead of what they were snapped to, if most of them may be; the others are left.
+  /// \return whether they were
+  template <class Target>
+  bool retake(const Some& took, Some& left, Kind kind, Target target) {
+    Some others;
+    for (const std::int32_t r : took)
+      if (!may(r, target(regions_[r]))) others.push_back(r);
+    if (2 * others.size() >= took.size()) return false;
+    for (const std::int32_t r : took) set(r, target(regions_[r]), kind);
+    for (const std::int32_t r : others) set_free(r);
+    left.insert(left.end(), others.begin(), others.end());
+    largest_first(left);
+    return true;
   }
 
   [[nodiscard]] double azimuth(const Vec3& n) const { return std::atan2(n.dot(y_), n.dot(x_)); }
@@ -251,6 +279,20 @@ class Regulariser {
     return best;
   }
 
+  /// The azimuth, near a first one, of the frame that regions along it fit best.
+  [[nodiscard]] double fitted_frame(const Some& some, double first) const {
+    Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
+    for (const std::int32_t r : some) {
+      const double to = nearest(first, azimuth(regions_[r].normal)) - first;
+      Eigen::Matrix<double, 3, 2> axes;  // turned so that the region's direction is that of the frame
+      axes << std::cos(to) * x_ + std::sin(to) * y_, std::cos(to) * y_ - std::sin(to) * x_;
+      sum += regions_[r].scan.area * axes.transpose() * regions_[r].scan.spread * axes;
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(sum);
+    const Eigen::Vector2d n = solver.eigenvectors().col(0);
+    return nearest(std::atan2(n.y(), n.x()), first);
+  }
+
   void snap_upright(Some& left) {
     Some upright, rest;
     for (const std::int32_t r : left) {
@@ -258,18 +300,28 @@ class Regulariser {
       const bool is = std::abs(n.dot(z_)) < std::sin(kWider * angle_) && may(r, levelled(n));
       (is ? upright : rest).push_back(r);
     }
+    const auto along = [this](double frame) {
+      return [this, frame](const Region& r) { return toward(nearest(frame, azimuth(r.normal))); };
+    };
+    const auto take_along = [&](double frame) {
+      Some took = take(upright, Kind::upright, along(frame));
+      const double fitted = fitted_frame(took, frame);
+      return retake(took, upright, Kind::upright, along(fitted)) ? fitted : frame;
+    };
     for (int k = 0; k < kFrames && !upright.empty(); ++k) {
-      const double frame = vote(upright);
-      const Some took =
-          take(upright, Kind::upright, [&](const Region& r) { return toward(nearest(frame, azimuth(r.normal))); });
-      if (took.empty()) break;
+      const std::size_t before = upright.size();
+      const double frame = take_along(vote(upright));
+      if (upright.size() == before) break;
       frames_.push_back(frame);
     }
     while (!upright.empty()) {
-      Vec3 n = levelled(regions_[upright[0]].normal);
-      set(upright[0], n, Kind::upright);
+      const std::size_t before = upright.size();
+      const std::int32_t first = upright[0];
+      const double frame = azimuth(regions_[first].normal);
+      take_along(frame);
+      if (upright.size() < before) continue;
+      set(first, toward(frame), Kind::upright);
       upright.erase(upright.begin());
-      take(upright, Kind::upright, [&](const Region&) { return n; });
     }
     left = std::move(rest);
   }
@@ -324,12 +376,24 @@ class Regulariser {
     }
   }
 
+  /// The normal that some regions fit best together.
+  [[nodiscard]] Vec3 fitted_normal(const Some& some) const {
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    for (const std::int32_t r : some) sum += regions_[r].scan.area * regions_[r].scan.spread;
+    return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(sum).eigenvectors().col(0);
+  }
+
   void snap_parallel(Some& left) {
     while (!left.empty()) {
-      Vec3 n = regions_[left[0]].normal;
       const std::int32_t first = left[0];
+      const Vec3 n = regions_[first].normal;
       left.erase(left.begin());
-      if (!take(left, Kind::parallel, [&](const Region&) { return n; }).empty()) set(first, n, Kind::parallel);
+      Some took = take(left, Kind::parallel, [&](const Region&) { return n; });
+      if (took.empty()) continue;
+      set(first, n, Kind::parallel);
+      took.insert(took.begin(), first);
+      const Vec3 fitted = fitted_normal(took);
+      retake(took, left, Kind::parallel, [&](const Region&) { return fitted; });
     }
   }
 
@@ -344,7 +408,7 @@ class Regulariser {
         const Region& other = regions_[r];
         const bool same = !done[r] && other.kind != Kind::free &&
                           (other.snapped - regions_[lead].snapped).norm() <= kSame &&
-                          std::abs(other.offset - regions_[lead].offset) < length_;
+                          std::abs(other.offset - regions_[lead].offset) < length_ + unsure(other);
         if (!same) continue;
         group.push_back(r);
         sum += other.scan.area * other.offset;
@@ -358,8 +422,31 @@ class Regulariser {
     }
   }
 
+  /// Releases the planes that add most to the error, until all together add no more than kMostAdded.
+  void release(const Some& all) {
+    double before = 0, now = 0;
+    std::vector<std::pair<double, std::int32_t>> order;
+    for (const std::int32_t i : all) {
+      const Region& r = regions_[i];
+      const double best = r.scan.area * squared(r, r.normal, r.normal.dot(r.scan.centre)),
+                   snapped = r.scan.area * squared(r, r.snapped, r.offset);
+      before += best;
+      now += snapped;
+      if (r.kind != Kind::free) order.emplace_back(best - snapped, i);
+    }
+    std::sort(order.begin(), order.end());
+    const double most = (1 + kMostAdded) * (1 + kMostAdded) * before;
+    for (const auto& [less, i] : order) {
+      if (now <= most) return;
+      now += less;
+      set_free(i);
+      regions_[i].offset = regions_[i].snapped.dot(regions_[i].scan.centre);
+    }
+  }
+
   const double angle_;
   const Up up_;
+  bool has_budget_ = false;  // else each plane's own length is the only bound
   double length_ = 0, unsure_ = 0;
   Vec3 x_, y_, z_;
   std::vector<Region> regions_;

@@ -27,17 +27,19 @@ constexpr auto fields(const RegulariseOptions*) {
       field("angle", &O::angle, between(0, 45), Unit::none,
             "Largest angle by which a plane is turned, degrees; three times as much where a region is so small that it "
             "hardly moves."),
-      field("length", &O::length, above(0), Unit::length,
-            "What turning or moving a plane may add to the distance of its region, root mean square. None: 1.2 times "
-            "the median of that distance, and more for regions of few faces, so it follows the scan's noise."),
+      field(
+          "length", &O::length, above(0), Unit::length,
+          "What turning or moving a plane may add to the distance of its region, root mean square. None: 1.2 times "
+          "the median of that distance, and more for regions of few faces, so it follows the scan's noise; the planes "
+          "that add most are released until all together add at most 10 % to that distance of the scan."),
       choice("up", &O::up, {{"x", Up::x}, {"y", Up::y}, {"z", Up::z}, {"none", Up::none}},
              "The axis that is up, for level and upright planes; none: planes are made parallel only."),
   };
 }
 
 /// Snaps the planes of regions: level, upright with right angles between them, equal slopes, parallel, coplanar. Large
-/// regions lead. Each snap is made only if the scan stays within `length` of the plane. The labels do not change;
-/// `polygonize` keeps to the planes.
+/// regions lead; then the planes of a group are fitted to all of its regions by least squares. Each snap is made only if
+/// the scan stays within `length` of the plane. The labels do not change; `polygonize` keeps to the planes.
 ///
 /// \return the partition with region_normal, region_offset, region_held and regularity set
 /// \throws InvalidInput  the partition is not one of this mesh; an option out of its range
