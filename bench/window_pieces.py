@@ -19,7 +19,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import window_times
 
-BLENDERS = ("foreach_get", "foreach_set", "GPUBatch.draw", "attr_fill")  # functions of Blender's, by how they end
+# Functions of Blender's, by how they end.
+BLENDERS = ("foreach_get", "foreach_set", "GPUBatch.draw", "attr_fill", "update_from_editmode")
 LAYER_UPDATE = "_view_layer_update"  # of bpy.ops: what changed is evaluated
 
 
@@ -111,6 +112,19 @@ def run(hand):
         yield from did(action, hand.click(*middle, **held))
         yield from did(f"{action}: point", pointed())
 
+    def stroke(width):
+        """A stroke with the Paint tool over so much of the view."""
+        here = view.x + (0.5 - 0.5 * width) * view.width
+        yield from hand.move(here, middle[1])
+        hand.event("LEFTMOUSE", "PRESS", ctrl=True)
+        yield 0.1
+        for step in range(1, 21):
+            hand.at = (here + width * view.width * step / 20, middle[1])
+            hand.event("MOUSEMOVE", "NOTHING", ctrl=True)
+            yield 0.05
+        hand.event("LEFTMOUSE", "RELEASE", ctrl=True)
+        yield 0.1
+
     yield from did("partition", pressed("partition"))
     with here():
         bpy.ops.wm.tool_set_by_id(name="isimp.region_tool.object")
@@ -120,12 +134,23 @@ def run(hand):
     yield from told("select", alt=True)
     yield from did("undo", hand.undo())
     yield from did("undo: point", pointed())
+    with here():
+        bpy.ops.wm.tool_set_by_id(name="isimp.paint_tool.object")
+    bpy.context.window_manager.isimp.brush = 60
+    yield from did("stroke", stroke(0.1))
+    yield from did("large stroke", stroke(0.6))
+    with here():
+        bpy.ops.wm.tool_set_by_id(name="isimp.region_tool.object")
     yield from did("even borders", pressed("even_borders"))
     yield from did("mesh", pressed("mesh"))
     yield from did("swap", pressed("swap"))
+    yield from did("select small", pressed("select_by", by="SIZE"))
+    yield from did("select up, edit", pressed("select_by", by="DIRECTION"))
+    yield from did("select bent, edit", pressed("select_by", by="FLATNESS"))
+    yield from hand.into_view()
+    yield from did("out of Edit Mode", hand.key("TAB"))
     yield from hand.into_view()
     yield from did("into Edit Mode", hand.key("TAB"))
-    yield from did("select small", pressed("select_by", by="SIZE"))
     yield from did("add, Edit Mode", pressed("add_proxy", face=1000))
     sys.setprofile(None)
     print(f"peak {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:,.0f} MB")

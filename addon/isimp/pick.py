@@ -141,18 +141,6 @@ def _lengths(vectors: np.ndarray) -> np.ndarray:
     return np.sqrt(np.einsum("ij,ij->i", vectors, vectors))
 
 
-def of_regions(vertices: np.ndarray, triangles: np.ndarray, label: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(R,) area and (R, 3) mean normal, weighted by area and not made a unit, of each region.
-
-    label: (T,) region of each triangle, -1 for none. The normal is as long as the area where a region is flat.
-    """
-    inside, count = label >= 0, int(label.max(initial=-1)) + 1
-    label = label[inside]
-    cross = 0.5 * _crosses(vertices, triangles[inside])
-    normal = [np.bincount(label, cross[:, k], count) for k in range(3)]
-    return np.bincount(label, _lengths(cross), count), np.stack(normal, axis=1)
-
-
 def flatness(vertices: np.ndarray, triangles: np.ndarray, chosen: np.ndarray) -> tuple[float, float, float]:
     """(area, error, largest distance of a corner from the mean plane) of some triangles.
 

@@ -55,18 +55,23 @@ def shared_edges(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def connected(chosen: np.ndarray, pairs: np.ndarray, start: int) -> np.ndarray:
-    """Those of some faces that ways over shared edges lead to from one of them. chosen: in rising order."""
+    """Those of some faces that ways over shared edges lead to from one of them. chosen: in rising order.
+
+    Trees grow together, each round all that touch, so that long ways take few rounds.
+    """
     inside = np.zeros(max(int(chosen[-1]), int(pairs.max(initial=0))) + 1, bool)
     inside[chosen] = True
-    pairs = np.searchsorted(chosen, pairs[inside[pairs[:, 0]] & inside[pairs[:, 1]]])
-    reached = chosen == start
-    while True:
-        ends = reached[pairs]
-        fresh = pairs[ends[:, 0] != ends[:, 1]].ravel()
-        if not len(fresh):
-            found: np.ndarray = chosen[reached]
-            return found
-        reached[fresh] = True
+    a, b = np.searchsorted(chosen, pairs[inside[pairs[:, 0]] & inside[pairs[:, 1]]].T)
+    root = np.arange(len(chosen))
+    while len(a):
+        root[np.maximum(a, b)] = np.minimum(a, b)
+        while not np.array_equal(above := root[root], root):
+            root = above
+        a, b = root[a], root[b]
+        apart = a != b
+        a, b = a[apart], b[apart]
+    found: np.ndarray = chosen[root == root[chosen == start][:1]]
+    return found
 
 
 def region_pairs(face_region: np.ndarray, face_pairs: np.ndarray) -> np.ndarray:

@@ -226,6 +226,23 @@ Raises InvalidInput (no such face, or it was left out) or Cancelled.)");
       "mesh"_a, "partition"_a, "job"_a = py::none(),
       "The figures of every region, in order, as a list of dicts; see region_statistics. Raises InvalidInput or "
       "Cancelled. Cost: O(F).");
+  m.def(
+      "region_sides",
+      [](const py::object& vertices, const py::object& triangles, const py::object& region, const py::object& regions) {
+        const std::vector<Vec3> points = read_vertices(vertices);
+        const std::vector<Triangle> corners = read_triangles(triangles, points.size());
+        const std::vector<std::int32_t> numbers = read_indices(region, "region", "(T,)");
+        const std::int32_t count = to_index(regions, "regions");
+        RegionSides sides = call_here(nullptr, [&](Job&) { return region_sides(points, corners, numbers, count); });
+        return py::make_tuple(owned(std::move(sides.area)), owned(std::move(sides.normal)));
+      },
+      "vertices"_a, "triangles"_a, "region"_a, "regions"_a,
+      R"(How large the regions of any triangles are and where they face: (R,) area and (R, 3) normal, float64.
+
+vertices: (V, 3). triangles: (T, 3). region: (T,) the number of each triangle's, -1 for none. regions: how many
+there are, R. normal: the sum of area times
+unit normal, as long as the area where a region is flat. Triangles that are not finite have no area. Raises InvalidInput.
+Cost: O(V + T).)");
 }
 
 }  // namespace

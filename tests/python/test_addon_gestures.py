@@ -211,3 +211,30 @@ def test_a_stroke_over_a_flat_face_keeps_to_the_edges_of_the_mended_mesh():
     assert joined.tolist() == [1, 2]
     painted = session.replay(scan, regions.then(rcp.PaintFaces(faces=joined.tolist())))
     assert painted.face_region[1] == painted.face_region[2] != painted.face_region[3]
+
+
+def test_faces_are_joined_over_long_ways_and_in_any_order():
+    rng = np.random.default_rng(3)
+    order = rng.permutation(5000)  # two long ways whose faces lie anywhere
+    pairs = np.stack([order[:-1], order[1:]], axis=1)
+    pairs = np.delete(pairs, 2999, axis=0)
+    found = view.connected(np.arange(5000), pairs[rng.permutation(len(pairs))], int(order[17]))
+    assert found.tolist() == sorted(order[:3000].tolist())
+    few = np.sort(order[10:20])
+    assert view.connected(few, pairs, int(order[12])).tolist() == few.tolist()
+    assert view.connected(few, pairs[:0], int(order[12])).tolist() == [order[12]]
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_joined_faces_are_those_of_a_plain_search(seed):
+    rng = np.random.default_rng(seed)
+    pairs = rng.integers(0, 60, (50, 2))
+    chosen = np.sort(rng.choice(60, 45, replace=False))
+    start = int(chosen[7])
+    reached, inside = {start}, set(chosen.tolist())
+    while True:
+        more = {int(b) for pair in pairs for a, b in (pair, pair[::-1]) if a in reached and b in inside} - reached
+        if not more:
+            break
+        reached |= more
+    assert view.connected(chosen, pairs, start).tolist() == sorted(reached)

@@ -147,6 +147,20 @@ def test_statistics_add_up(mesh, part):
     assert list(everything[0]) == struct_fields("interact/statistics.h", "RegionStatistics")
 
 
+def test_sides_of_regions_agree_with_their_statistics(mesh, part):
+    vertices, triangles, region = (np.asarray(a) for a in (mesh.vertices, mesh.triangles, part.face_region))
+    everything = engine.all_statistics(mesh, part)
+    area, normal = engine.region_sides(vertices, triangles, region, REGIONS)
+    assert area == pytest.approx([s["area"] for s in everything])
+    length = np.linalg.norm(normal, axis=1)
+    assert (length <= area * (1 + 1e-9)).all()
+    assert normal / length[:, None] == pytest.approx(np.asarray(part.region_normal), abs=1e-5)
+    single, _ = engine.region_sides(vertices.astype(np.float32), triangles[::-1], region[::-1], REGIONS + 1)
+    assert single == pytest.approx([*area, 0.0], rel=1e-4)
+    with pytest.raises(engine.InvalidInput, match="must be in"):
+        engine.region_sides(vertices, triangles, region, REGIONS - 1)
+
+
 def test_they_can_be_cancelled(mesh, part):
     for call in (engine.improve, engine.even_borders, engine.add_worst, engine.merge_cheapest, engine.all_statistics):
         job = engine.Job()

@@ -164,6 +164,12 @@ def select_polygons(obj, chosen: np.ndarray, corners: np.ndarray | None = None) 
 
     chosen: (polygons,) bool. corners: the vertex of each corner, if that is known.
     """
+    for _ in selecting(obj, chosen, corners):
+        pass
+
+
+def selecting(obj, chosen: np.ndarray, corners: np.ndarray | None = None):
+    """As `select_polygons`, in Edit Mode in pieces: yields before each. Nothing else may change the mesh meanwhile."""
     mesh = obj.data
     if is_edited(obj):
         edit = edit_mesh(mesh)
@@ -173,9 +179,12 @@ def select_polygons(obj, chosen: np.ndarray, corners: np.ndarray | None = None) 
             for part in (edit.verts, edit.edges, edit.faces):
                 for item in part:
                     item.select = False
-        edit.faces.ensure_lookup_table()
-        for face in np.flatnonzero(chosen).tolist():
-            edit.faces[face].select_set(True)
+        faces = np.flatnonzero(chosen)
+        for begin in range(0, len(faces), _PIECE):
+            yield
+            edit.faces.ensure_lookup_table()
+            for face in faces[begin : begin + _PIECE].tolist():
+                edit.faces[face].select_set(True)
         bmesh.update_edit_mesh(mesh, loop_triangles=False, destructive=False)
         return
     edges = np.empty(len(mesh.loops), np.int32)

@@ -22,8 +22,8 @@ log = logging.getLogger("isimp")
 _AT_ONCE = 0.08  # seconds that the window waits for short work, which needs no progress bar
 _TICK = 0.05
 _BEFORE = 0.6  # of the progress: the steps, where a texture follows them
-#: Events that are allowed while a mesh in Edit Mode is written, as it must not change meanwhile
-_NAVIGATION = ("MOUSE", "MIDDLE", "WHEEL", "TRACKPAD", "NDOF", "NUMPAD_", "TIMER", "WINDOW")
+#: Beginnings of events that are allowed while a mesh in Edit Mode is written, as it must not change meanwhile
+NAVIGATION = ("MOUSE", "MIDDLE", "WHEEL", "TRACKPAD", "NDOF", "NUMPAD_", "TIMER", "WINDOW")
 
 
 class Work:
@@ -251,7 +251,7 @@ class RecipeOperator:
             task.watch.cancel()
             return {"RUNNING_MODAL"}
         if event.type != "TIMER":
-            free = self._writing is None or event.type.startswith(_NAVIGATION)
+            free = self._writing is None or event.type.startswith(NAVIGATION)
             return {"PASS_THROUGH" if free else "RUNNING_MODAL"}
         if task.status is Status.RUNNING:
             self._work.read_on(context, reading.SPAN)

@@ -1,5 +1,6 @@
 """Texts of the panel: numbers, warnings, reports."""
 
+import math
 import re
 import textwrap
 
@@ -11,6 +12,9 @@ from ..language import noun, own, said
 from . import mesh_io
 
 _STAY = "\N{NO-BREAK SPACE}"
+_REPORT = 165  # letters of a report, its lines filled up
+_LEAST_ROWS = 5
+_CAUSES = (None, 2, 1, 0)  # told of why there are more polygons than regions: all, or so many
 
 
 def wrapped(message: str, width: int) -> list:
@@ -116,20 +120,46 @@ def describes(mesh, numbers: dict) -> bool:
     return "components" in numbers and numbers.get("faces") == len(mesh.polygons)
 
 
-def report_lines(numbers: dict, system: str, scale: float, previewed: dict | None = None) -> list:
-    """(line, whether it is a warning) for the report of Mesh; before it, how many polygons it will make."""
+def report_rows(numbers: dict, system: str, scale: float, previewed: dict | None, width: int) -> list:
+    """(row, icon, whether it is a warning) of `report_lines`, in rows of `width` letters.
+
+    There are always as many rows as a report has in general, so that what is below it stays where it is: rows are
+    left empty, and minor causes are left out. Only warnings and a bound take more.
+    """
+    room = max(_LEAST_ROWS, math.ceil(_REPORT / width))
+    rows: list = []
+    for causes in _CAUSES:
+        rows = []
+        for line, alert in report_lines(numbers, system, scale, previewed, causes):
+            icons = ["ERROR" if alert else "CHECKMARK"]
+            for part in wrapped(line, width):
+                rows.append((part, icons.pop() if icons else "BLANK1", alert))
+        if len(rows) <= room:
+            break
+    return rows + [("", "BLANK1", False)] * (room - len(rows))
+
+
+def report_lines(
+    numbers: dict, system: str, scale: float, previewed: dict | None = None, causes: int | None = None
+) -> list:
+    """(line, whether it is a warning) for the report of Mesh; before it, how many polygons it will make.
+
+    causes: how many are told of why there are more polygons than regions; None for all.
+    """
     if "polygons" not in numbers:
-        return [(line, False) for line in [messages.expected(numbers, previewed)] if line]
+        return [(line, False) for line in [messages.expected(numbers, previewed, causes)] if line]
     flat, worst = (amount(numbers, name, system, scale) for name in ("planarity_mean", "planarity_max"))
-    sound = said("Closed") if numbers["closed"] else said("Open, like the scan")
-    if not numbers["manifold"]:
-        sound = said("Non-manifold: polygons share an edge or vertex that they should not")
-    lines = [(_count(numbers["polygons"], "polygon"), False)]
-    lines += [(line, False) for line in [messages.why_more(numbers)] if line]
+    made = _count(numbers["polygons"], "polygon")
+    lines = [(f"{made} · {said('closed')}" if numbers["closed"] and numbers["manifold"] else made, False)]
+    lines += [(line, False) for line in [messages.why_more(numbers, causes)] if line]
     if "away_max" in numbers:
         mean, most = (amount(numbers, name, system, scale) for name in ("away_mean", "away_max"))
         lines.append((said("{mean} off the scan, at most {most}", mean=mean, most=most), False))
-    lines += [(said("Flat to {flat}, worst {worst}", flat=flat, worst=worst), False), (sound, not numbers["manifold"])]
+    lines.append((said("Flat to {flat}, worst {worst}", flat=flat, worst=worst), False))
+    if not numbers["manifold"]:
+        lines.append((said("Non-manifold: polygons share an edge or vertex that they should not"), True))
+    elif not numbers["closed"]:
+        lines.append((said("Open, like the scan"), False))
     if "scan_distance" in numbers:
         away, allowed = (amount(numbers, name, system, scale) for name in ("scan_distance", "scan_distance_allowed"))
         too_far = numbers["scan_distance"] > numbers["scan_distance_allowed"]

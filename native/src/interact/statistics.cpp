@@ -99,4 +99,33 @@ std::vector<RegionStatistics> all_statistics(const Mesh& mesh, const Partition& 
   return all;
 }
 
+RegionSides region_sides(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
+                         std::span<const std::int32_t> region, std::int32_t regions) {
+  if (region.size() != triangles.size())
+    throw InvalidInput("region must have " + std::to_string(triangles.size()) +
+                       " numbers, one for each triangle, got " + std::to_string(region.size()));
+  if (regions < 0) throw InvalidInput("regions must be at least 0, got " + std::to_string(regions));
+  const auto count = static_cast<std::int64_t>(vertices.size());
+  RegionSides sides{std::vector<double>(regions, 0.0), std::vector<Vec3>(regions, Vec3::Zero())};
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const std::int32_t r = region[i];
+    if (r < kNone || r >= regions)
+      throw InvalidInput("region of triangle " + std::to_string(i) + " must be in [-1, " + std::to_string(regions) +
+                         "), got " + std::to_string(r));
+    const Triangle& t = triangles[i];
+    for (const std::int32_t v : t)
+      if (v < 0 || v >= count)
+        throw InvalidInput("triangle " + std::to_string(i) + " has vertex " + std::to_string(v) + ", but there are " +
+                           std::to_string(count) + " vertices");
+    if (r == kNone) continue;
+    const Vec3 a = vertices[t[0]];
+    const Vec3 normal = 0.5 * (vertices[t[1]] - a).cross(vertices[t[2]] - a);
+    const double area = normal.norm();
+    if (!std::isfinite(area)) continue;
+    sides.area[r] += area;
+    sides.normal[r] += normal;
+  }
+  return sides;
+}
+
 }  // namespace isimp

@@ -8,7 +8,6 @@ import ui_strings
 
 from isimp import blender
 from isimp.blender import command, menus
-from isimp.blender.modal import RecipeOperator
 
 pytestmark = pytest.mark.usefixtures("scene")
 
@@ -158,44 +157,6 @@ def test_the_workspace_is_made_once_and_gone_to():
     assert bpy.ops.isimp.workspace() == {"FINISHED"}
     assert set(bpy.data.workspaces.keys()) - names == {"iSimp"}
     assert set(names) <= set(bpy.data.workspaces.keys()), "those that were there stay"
-
-
-def operators():
-    return [cls for cls in blender._CLASSES if issubclass(cls, bpy.types.Operator)]
-
-
-def test_operators_that_change_the_scan_have_the_panel_of_the_last_operation():
-    """F9 shows the settings of an operator with REGISTER, and needs UNDO to do it anew."""
-    changing = [cls for cls in operators() if issubclass(cls, RecipeOperator) and "INTERNAL" not in cls.bl_options]
-    assert len(changing) >= 20
-    assert [cls.bl_idname for cls in changing if set(cls.bl_options) != {"REGISTER", "UNDO"}] == []
-
-
-@pytest.mark.parametrize(
-    ("name", "first", "then"),
-    [
-        ("partition", {"proxies": 8, "count_by": "proxies"}, {"proxies": 12, "count_by": "proxies"}),
-        ("grow", {"face": 0, "rings": 1}, {"face": 0, "rings": 2}),
-        ("add_worst", {"times": 1}, {"times": 3}),
-        ("even_borders", {"strength": 0.0}, {"strength": 1.0}),
-        ("mesh", {"chord_tolerance": 0.7}, {"chord_tolerance": 0.2}),
-    ],
-)
-def test_a_setting_changed_after_the_operator_gives_what_it_gives_at_once(name, first, then):
-    """As F9 does it: undo, then again with the other setting."""
-    made = []
-    for settings in ([first, then], [then]):
-        bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-        scans.dimple(scans.cube(cells=6))
-        if name != "partition":
-            bpy.ops.isimp.partition("EXEC_DEFAULT", True, proxies=10)
-        bpy.ops.ed.undo_push(message="before")
-        for number, each in enumerate(settings):
-            if number:
-                bpy.ops.ed.undo()
-            assert getattr(bpy.ops.isimp, name)("EXEC_DEFAULT", True, **each) == {"FINISHED"}
-        made.append(scans.regions(bpy.context.object).tolist())
-    assert made[0] == made[1]
 
 
 def test_tooltips_end_without_a_full_stop():

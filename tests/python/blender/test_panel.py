@@ -8,6 +8,7 @@ import pytest
 import scans
 import ui_strings
 
+from isimp import messages
 from isimp import recipe as rcp
 from isimp.blender import pending, presets, runtime, settings, store, targets, text
 from isimp.blender import result as results
@@ -139,10 +140,86 @@ def test_the_report_fits_the_default_width(letters):
     bpy.ops.isimp.mesh()
     numbers = store.numbers(scan)
     lines = [line for line, _ in text.report_lines(numbers, "METRIC", 1.0)]
-    assert lines[0] == "12 polygons"
+    assert lines[0] == "12 polygons · closed"
     assert any(line.endswith(numbers_away(numbers)) for line in lines)
     for line in (*lines, *text.scan_lines(scan.data, numbers)):
         assert all(len(part) <= letters for part in text.wrapped(line, letters))
+
+
+def test_the_report_has_the_same_rows_before_an_edit_after_it_and_after_mesh():
+    scan = scans.dimple(scans.cube())
+    rows = drawn_rows(scan)
+    assert not rows, "nothing to report before Partition"
+    seen = {}
+    bpy.ops.isimp.partition(proxies=12)
+    seen["fresh"] = drawn_rows(scan)
+    assert any(row.startswith("Mesh will make") for row in seen["fresh"])
+    bpy.ops.isimp.add_proxy(face=3)
+    seen["edited"] = drawn_rows(scan)
+    numbers = store.numbers(scan) | {"regions_before": 13, "polygons": 20, "split": {"split_for_holes": 4}}
+    seen["previewed"] = drawn_rows(scan, made=numbers)
+    assert seen["previewed"] != seen["edited"]
+    bpy.ops.isimp.mesh()
+    seen["made"] = drawn_rows(scan)
+    assert seen["made"][0] == "13 polygons · closed"
+    bpy.ops.isimp.add_proxy(face=300)
+    seen["edited again"] = drawn_rows(scan)
+    assert {state: len(rows) for state, rows in seen.items()} == dict.fromkeys(seen, len(seen["fresh"]))
+    assert all(rows[-1] == "Select Divided Regions" for rows in seen.values())
+
+
+def drawn_rows(scan, made=None):
+    """The texts of all that the report draws, from above."""
+    drawn = []
+
+    class Layout:
+        use_property_split = alert = enabled = True
+
+        def column(self, align=False):
+            return self
+
+        row = column
+
+        def label(self, text, icon):
+            drawn.append(text)
+
+        def operator(self, name, text="", icon="NONE"):
+            drawn.append(text)
+            return type("Button", (), {})()
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(main, "letters", lambda context: 25)
+        patch.setattr(main.overlay, "previewed", lambda context, scan: made)
+        main._draw_report(bpy.context, Layout(), scan, store.numbers(scan))
+    return drawn
+
+
+@pytest.mark.parametrize("width", [12, 22, 25, 40, 80])
+@pytest.mark.parametrize("polygons", [None, 1_325, 12_417])
+def test_a_report_with_many_causes_fits_its_rows(width, polygons):
+    causes = ("holes", "handles", "pinches", "closed", "unconnected")
+    split = {f"split_for_{cause}": 11 * number for number, cause in enumerate(causes, 1)}
+    numbers = {"regions": 325, "diagonal": 1.0, "expected": {"regions": 325, "polygons": 1_325} | split}
+    empty = len(text.report_rows({"regions": 325}, "METRIC", 1.0, None, width))
+    if polygons:
+        away = {"away_mean": 0.0123, "away_max": 0.2345, "planarity_mean": 0.0123, "planarity_max": 0.2345}
+        numbers |= away | {"polygons": polygons, "closed": True, "manifold": True, "split": split}
+    rows = text.report_rows(numbers, "METRIC", 1.0, None, width)
+    assert len(rows) == empty
+    told = " ".join(row for row, _, _ in rows)
+    assert "more than regions" in told
+    assert width < (31 if polygons == 12_417 else 25) or "not flat" in told  # 25: as Blender opens the sidebar
+    assert not any(alert for _, _, alert in rows)
+
+
+def test_causes_that_are_left_out_are_summed_up():
+    numbers = {"regions": 10, "polygons": 20, "split": {"split_for_holes": 7, "split_for_handles": 2}}
+    assert messages.why_more(numbers, 1) == "10 more than regions: 7 with holes, 3 other"
+    assert messages.why_more(numbers, 0) == "10 more than regions"
+    numbers["split"]["without_area"] = 2
+    assert messages.why_more(numbers, 2) == "10 more than regions: 7 with holes, 3 not flat"  # 2 - 2 for the others
+    numbers["split"] = {"split_for_holes": 12, "without_area": 2}
+    assert messages.why_more(numbers, 1) == "10 more than regions"
 
 
 def numbers_away(numbers):

@@ -169,22 +169,26 @@ class ISIMP_OT_cut_region(AtFaces, bpy.types.Operator):
         return pending.recipe_of(context, scan).then(step)
 
 
-class _Times(RecipeOperator):
-    """Mixin of edits at the N best places by error."""
-
-    times: IntProperty(name="Times", description="Number of edits", default=1, min=1, soft_max=50)
+class _ByError(RecipeOperator):
+    """Mixin of edits at places chosen by the error."""
 
     @classmethod
     def problem(cls, context, scan):
         return targets.needs_regions(scan)
 
-    def wanted(self, context, scan):
-        return pending.recipe_of(context, scan).then(self.step(times=self.times))
-
     show = staticmethod(show_regions)
 
     def told(self, before, numbers):
         return messages.changed(before, numbers)
+
+
+class _Times(_ByError):
+    """Mixin of edits at the N best places."""
+
+    times: IntProperty(name="Times", description="Number of edits", default=1, min=1, soft_max=50)
+
+    def wanted(self, context, scan):
+        return pending.recipe_of(context, scan).then(self.step(times=self.times))
 
 
 class ISIMP_OT_add_worst(_Times, bpy.types.Operator):
@@ -211,7 +215,7 @@ class ISIMP_OT_merge_cheapest(_Times, bpy.types.Operator):
     step = rcp.MergeCheapest
 
 
-class ISIMP_OT_improve(_Times, bpy.types.Operator):
+class ISIMP_OT_improve(_ByError, bpy.types.Operator):
     """Move regions to places where they lower the error more, until it no longer falls. Their number stays"""
 
     bl_idname = "isimp.improve"

@@ -4,7 +4,8 @@ from bpy.props import BoolProperty, IntProperty
 
 from ... import messages
 from ...language import said
-from .. import display, mesh_io, reading, runtime, show, targets
+from .. import display, mesh_io, runtime, show, targets
+from ..selecting import SelectOperator
 
 
 class ISIMP_OT_show_regions(bpy.types.Operator):
@@ -45,12 +46,11 @@ class ISIMP_OT_swap(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class ISIMP_OT_select_region(bpy.types.Operator):
+class ISIMP_OT_select_region(SelectOperator, bpy.types.Operator):
     """Select all faces of the regions that have a selected face"""
 
     bl_idname = "isimp.select_region"
     bl_label = "Select Region"
-    bl_options = {"REGISTER", "UNDO"}
 
     face: IntProperty(
         name="Face",
@@ -65,19 +65,21 @@ class ISIMP_OT_select_region(bpy.types.Operator):
     def poll(cls, context):
         return targets.allows(cls, context, targets.needs_regions)
 
-    def execute(self, context):
+    def wanted(self, context):
         scan, _ = targets.find(context)
         selected, regions = mesh_io.selected_faces(scan), mesh_io.read_regions(scan)
         faces = selected if self.face < 0 else np.array([self.face])
         if len(faces) == 0 or faces.max() >= len(regions):
             self.report({"ERROR"}, said(messages.NO_FACE))
-            return {"CANCELLED"}
+            return None
         chosen = np.isin(regions, np.unique(regions[faces]))
         if self.extend:
             chosen[selected] = True
-        mesh_io.select_polygons(scan, chosen, reading.known_corners(scan))
-        self.report({"INFO"}, said("{faces} selected", faces=messages.count(int(chosen.sum()), "face")))
-        return {"FINISHED"}
+        self._count = int(chosen.sum())
+        return scan, chosen
+
+    def conclude(self, context, obj):
+        self.report({"INFO"}, said("{faces} selected", faces=messages.count(self._count, "face")))
 
 
 class ISIMP_OT_stop(bpy.types.Operator):

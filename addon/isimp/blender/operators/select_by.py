@@ -4,18 +4,19 @@ import bpy
 import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty
 
-from ... import messages, pick
+from ... import messages
 from ... import recipe as rcp
+from ...engine import engine
 from ...language import said
 from .. import mesh_io, reading, store, targets
+from ..selecting import SelectOperator
 
 
-class ISIMP_OT_select_by(bpy.types.Operator):
+class ISIMP_OT_select_by(SelectOperator, bpy.types.Operator):
     """Select the faces of all regions that are small, bent, or turned to a side"""
 
     bl_idname = "isimp.select_by"
     bl_label = "Select Regions By"
-    bl_options = {"REGISTER", "UNDO"}
 
     by: EnumProperty(
         name="By",
@@ -54,26 +55,29 @@ class ISIMP_OT_select_by(bpy.types.Operator):
             layout.prop(self, "direction")
         layout.prop(self, "extend")
 
-    def execute(self, context):
+    def wanted(self, context):
         scan, _ = targets.find(context)
         recipe = store.load(scan) or rcp.Recipe()
         arrays = reading.read(context, scan, recipe.layers())
         regions = reading.regions(scan, arrays, recipe)
         chosen = self.chosen(scan, arrays, regions)
-        faces = np.isin(regions, np.flatnonzero(chosen))
+        faces = np.append(chosen, False)[regions]
         if self.extend:
             faces[mesh_io.selected_faces(scan)] = True
+        self._count = int(chosen.sum())
+        return scan, faces  # selected as arrays, if not in Edit Mode yet
+
+    def conclude(self, context, scan):
         context.view_layer.objects.active = scan
-        mesh_io.select_polygons(scan, faces, reading.known_corners(scan))  # as arrays, if not in Edit Mode yet
         if scan.mode != "EDIT" and scan.visible_get():
             bpy.ops.object.mode_set(mode="EDIT")
             context.tool_settings.mesh_select_mode = (False, False, True)
-        self.report({"INFO"}, said("{regions} selected", regions=messages.count(int(chosen.sum()), "region")))
-        return {"FINISHED"}
+        self.report({"INFO"}, said("{regions} selected", regions=messages.count(self._count, "region")))
 
     def chosen(self, scan, arrays, regions) -> np.ndarray:
         """(R,) bool"""
-        area, normal = pick.of_regions(arrays.vertices, arrays.triangles, regions[arrays.triangle_face])
+        label, count = regions[arrays.triangle_face], int(regions.max(initial=-1)) + 1
+        area, normal = engine.region_sides(arrays.vertices, arrays.triangles, label, count)
         length, there = np.linalg.norm(normal, axis=1), area > 0
         if self.by == "SIZE":
             return there & (area < 0.01 * self.share * area.sum())

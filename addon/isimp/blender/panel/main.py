@@ -1,6 +1,7 @@
 """The main panel: the scan, the settings of the count, Partition, Mesh and the report.
 
-The rows above a button are drawn before and after the button is pressed, so that it does not move under the mouse.
+The rows above a button are drawn before and after the button is pressed, so that it does not move under the mouse. The
+report holds its room too, as buttons of edits stand below it.
 """
 
 import bpy
@@ -9,7 +10,7 @@ from ... import messages
 from ... import recipe as rcp
 from ...language import said
 from .. import overlay, presets, result, runtime, settings, store, targets, text, texture, translations
-from .common import Panel, draw_lines, is_narrow
+from .common import Panel, draw_lines, is_narrow, letters
 
 
 class ISIMP_PT_main(Panel, bpy.types.Panel):
@@ -116,15 +117,11 @@ def _draw_progress(place, running) -> None:
 
 def _draw_report(context, layout, scan, numbers) -> None:
     """Draws the report of Mesh, repairs, notes and warnings; below the buttons, because their number changes."""
-    unit, made = context.scene.unit_settings, overlay.previewed(context, scan)
-    for line, alert in text.report_lines(numbers, unit.system, unit.scale_length, made):
-        draw_lines(context, layout, line, icon="ERROR" if alert else "CHECKMARK")
+    unit = context.scene.unit_settings
+    _draw_counts(context, layout, scan, numbers)
     defects = text.problems(numbers)
     if defects:
         layout.operator("isimp.show_problems", text=defects, icon="ERROR").kind = "DEFECTIVE"
-    if "polygons" in numbers and numbers["polygons"] > numbers["regions"]:
-        divided = layout.operator("isimp.show_problems", text="Select Divided Regions", icon="RESTRICT_SELECT_OFF")
-        divided.kind = "DIVIDED"
     if runtime.get().running is None and result.is_edited_here(context, scan):
         draw_lines(context, layout, said(messages.EDITED), icon="INFO")
     if not text.describes(scan.data, numbers):
@@ -141,8 +138,27 @@ def _draw_report(context, layout, scan, numbers) -> None:
         draw_lines(context, layout, warning, icon="ERROR")
     if store.kept(scan) is not None:
         layout.operator("isimp.take_back", icon="LOOP_BACK")
-    if texture.is_textured(scan) and targets.result_of(context.scene, scan) is not None:
-        _draw_texture(layout, scan)
+    if texture.is_textured(scan) and "regions" in numbers:
+        place = layout.column()
+        place.enabled = targets.result_of(context.scene, scan) is not None
+        _draw_texture(place, scan)
+
+
+def _draw_counts(context, layout, scan, numbers) -> None:
+    """Draws what Mesh will make, or has made: as many rows before an edit, after it, and after Mesh."""
+    if "regions" not in numbers:
+        return
+    unit, width = context.scene.unit_settings, letters(context)
+    column = layout.column(align=True)
+    made = overlay.previewed(context, scan)
+    for line, icon, alert in text.report_rows(numbers, unit.system, unit.scale_length, made, width):
+        row = column.row(align=True)
+        row.alert = alert
+        row.label(text=line, icon=icon)
+    place = column.row(align=True)
+    place.enabled = numbers.get("polygons", 0) > numbers["regions"]
+    divided = place.operator("isimp.show_problems", text="Select Divided Regions", icon="RESTRICT_SELECT_OFF")
+    divided.kind = "DIVIDED"
 
 
 def _draw_texture(layout, scan) -> None:

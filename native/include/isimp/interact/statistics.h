@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "isimp/core/job.h"
@@ -30,5 +31,19 @@ RegionStatistics region_statistics(const Mesh& mesh, const Partition& partition,
 /// \throws Cancelled
 /// Cost: O(F).
 std::vector<RegionStatistics> all_statistics(const Mesh& mesh, const Partition& partition, Job& job);
+
+/// How large regions are and where they face, by number.
+struct RegionSides {
+  std::vector<double> area;  ///< scene units squared
+  std::vector<Vec3> normal;  ///< sum of area times unit normal: as long as the area where the region is flat
+};
+
+/// Of regions of any triangles, sound or not; those that are not finite count as without area.
+/// \param region   of each triangle; kNone for none
+/// \param regions  how many there are
+/// \throws InvalidInput  other lengths; a vertex or a region that is not there
+/// Cost: O(T + regions).
+RegionSides region_sides(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
+                         std::span<const std::int32_t> region, std::int32_t regions);
 
 }  // namespace isimp

@@ -99,6 +99,32 @@ def designer(hand):
     yield 0.3
     same("one polygon extruded", len(made.data.polygons), count + corners)
     yield from hand.shot("people-1-extruded")
+    yield from bevelled(hand, made)
+
+
+def bevelled(hand, made):
+    """All edges of the result bevelled by hand; Mesh pressed again leaves it as it is, and makes another one."""
+    yield from hand.into_view()
+    yield from hand.key("TAB")
+    yield from hand.key("A")
+    yield from hand.key("B", ctrl=True)
+    yield from hand.move(hand.at[0] + 20, hand.at[1])
+    yield from hand.key("RET")
+    yield 0.3
+    yield from hand.key("TAB")
+    yield 0.3
+    count, places = len(made.data.polygons), scans.coordinates(made.data)
+    assert count > 60, count
+    yield from press(hand, "mesh")
+    same("kept as it is", np.array_equal(scans.coordinates(made.data), places), True)
+    other = bpy.context.object
+    same("another one", (other.name, len(made.data.polygons)), ("Scan.simplified.001", count))
+    assert len(other.data.polygons) < 30, len(other.data.polygons)
+    same("shown in its place", (made.hide_get(), other.hide_get()), (True, False))
+    yield from hand.shot("people-1-bevelled")
+    yield from hand.undo()
+    same("undone", ("Scan.simplified.001" in bpy.data.objects, len(made.data.polygons)), (False, count))
+    same("and shown", made.visible_get(), True)
 
 
 def artist(hand):

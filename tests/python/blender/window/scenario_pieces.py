@@ -45,6 +45,32 @@ def weighed(hand):
     same("dragged", regions(), 44)
 
 
+def selected_in_pieces(hand):
+    """Faces are selected in pieces in Edit Mode: what else is done waits; one step to undo."""
+    same("in Edit Mode", scan().mode, "EDIT")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    bpy.ops.ed.undo_push(message="none")
+    done = []
+    with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
+        done.append(bpy.ops.isimp.select_by("INVOKE_DEFAULT", True, by="SIZE", share=100.0))
+    same("under way", done, [{"RUNNING_MODAL"}])
+    yield from hand.into_view()
+    yield from hand.key("X")  # would ask what to delete
+    faces = len(scan().data.polygons)
+    for _ in range(300):
+        if scan().data.total_face_sel == faces:
+            break
+        yield 0.05
+    yield 0.3
+    same("all are selected", (scan().data.total_face_sel, scan().mode), (faces, "EDIT"))
+    yield from hand.undo()
+    same("one step to undo", scan().data.total_face_sel, 0)
+    yield from hand.redo()
+    same("and to redo", scan().data.total_face_sel, faces)
+    bpy.ops.mesh.select_all(action="DESELECT")
+    bpy.ops.ed.undo_push(message="none")
+
+
 def running():
     from isimp.blender import runtime
 
@@ -108,6 +134,7 @@ def run(hand):
     yield from hand.settle(120)
     same("added", regions(), 31)
     yield from undone_and_redone(hand, "added", state)
+    yield from selected_in_pieces(hand)
     yield from hand.into_view()
     yield from hand.key("TAB")
     yield 0.3

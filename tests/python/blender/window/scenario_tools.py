@@ -216,6 +216,18 @@ def away(hand):
         context.view_layer.objects.active = scan()
 
 
+def refused(hand, words, **held):
+    """A click in the middle that can't be done says why, in words of what is seen."""
+    from isimp import messages
+
+    told, unchanged = [], messages.unchanged
+    messages.unchanged = lambda why: told.append(why) or unchanged(why)
+    yield from hand.click(*place(hand, 0.0, 0.0), **held)
+    yield from hand.settle()
+    messages.unchanged = unchanged
+    same("refused", told, [words])
+
+
 def locked():
     from isimp.blender import store
 
@@ -257,9 +269,10 @@ def run(hand):
         yield from undone_and_redone(hand, "L", locked)
         if wanted:
             kept = state()
-            yield from hand.click(*place(hand, 0.0, 0.0), ctrl=True)
-            yield from hand.settle()
+            yield from refused(hand, "This region is locked: press L over it, or Unlock", ctrl=True)
             same("what is locked is not deleted", (state(), regions()), (kept, before))
+            yield from refused(hand, "This region is locked: press L over it, or Unlock")
+            same("nor divided", (state(), regions()), (kept, before))
             yield from sketched()
             yield from hand.shot("tools-6-locked")
 

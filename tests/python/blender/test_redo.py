@@ -1,0 +1,142 @@
+"""The panel of the last operation (F9): a setting changed there gives what it gives at once, for every operator."""
+
+import json
+
+import bpy
+import numpy as np
+import pytest
+import scans
+from test_panel import tube
+
+from isimp import blender
+from isimp.blender import store, targets
+from isimp.blender.modal import RecipeOperator
+from test_openings import pierced
+from test_texture import textured_cube
+
+pytestmark = pytest.mark.usefixtures("scene")
+RECIPES = [
+    json.dumps({"isimp_recipe": 1, "steps": [{"step": "partition", "proxies": count, "count_by": "proxies"}]})
+    for count in (6, 9)
+]
+
+
+def parted():
+    """A cube in its six sides, 50 faces each."""
+    scans.cube(cells=5)
+    bpy.ops.isimp.partition(proxies=6)
+
+
+def rounded():
+    scans.dimple(scans.cube())
+    bpy.ops.isimp.partition(proxies=10)
+
+
+def stepped():
+    parted()
+    bpy.ops.isimp.grow(face=0)
+    bpy.ops.isimp.paint_faces(painted="-1:60,61,62,63")
+
+
+def opened():
+    pierced()
+    bpy.ops.isimp.partition(proxies=8)
+
+
+def divided():
+    tube()
+    bpy.ops.isimp.partition(proxies=1, snap=False)
+    bpy.ops.isimp.mesh()
+
+
+def textured():
+    textured_cube()
+    bpy.ops.isimp.partition(proxies=6)
+    bpy.ops.isimp.mesh()
+
+
+CUT = {"face": 0, "direction": (1, 0, 0)}
+#: operator, what is there before, its settings at first and then
+CHANGES = [
+    ("partition", scans.cube, {"proxies": 8, "count_by": "proxies"}, {"proxies": 12, "count_by": "proxies"}),
+    ("keep_opening", opened, {"place": (2, 0, 0)}, {"place": (0, 2, 0)}),
+    ("add_proxy", rounded, {"face": 0}, {"face": 300}),
+    ("delete_proxy", parted, {"face": 0}, {"face": 120}),
+    ("merge", parted, {"face": 0, "other": 120}, {"face": 0, "other": 220}),
+    ("split", rounded, {"face": 0}, {"face": 300}),
+    ("lock", parted, {"face": 0}, {"face": 120}),
+    ("grow", parted, {"face": 0, "rings": 1}, {"face": 0, "rings": 2}),
+    ("grow", parted, {"face": 0}, {"face": 0, "shrink": True}),
+    ("paint_faces", parted, {"painted": "-1:0,1,2,3"}, {"painted": "-1:0,1"}),
+    ("paint_faces", parted, {"painted": "-1:0,1,2,3"}, {"painted": "-1:0,1,2,3", "lock": True}),
+    ("cut_region", parted, CUT | {"line": (-1, -1, 0.1, -1, 1, 0.1)}, CUT | {"line": (-1, 0.1, -1, -1, 0.1, 1)}),
+    ("add_worst", rounded, {"times": 1}, {"times": 3}),
+    ("delete_least", rounded, {"times": 1}, {"times": 3}),
+    ("merge_cheapest", rounded, {"times": 1}, {"times": 3}),
+    ("even_borders", rounded, {"strength": 0.0}, {"strength": 1.0}),
+    ("mesh", rounded, {"chord_tolerance": 0.7}, {"chord_tolerance": 0.05}),
+    ("texture", textured, {"size": 64}, {"size": 128}),
+    ("show_problems", divided, {"kind": "DEFECTIVE"}, {"kind": "DIVIDED"}),
+    ("step_switch", stepped, {"step": 1}, {"step": 2}),
+    ("step_move", stepped, {"step": 1, "later": True}, {"step": 2, "later": False}),
+    ("step_delete", stepped, {"step": 1}, {"step": 2}),
+    ("replay", scans.cube, {"recipe": RECIPES[0]}, {"recipe": RECIPES[1]}),
+    ("select_region", parted, {"face": 0}, {"face": 120}),
+    ("select_by", parted, {"by": "SIZE", "share": 100.0}, {"by": "DIRECTION"}),
+    ("select_by", parted, {"by": "DIRECTION"}, {"by": "DIRECTION", "direction": (0.0, 1.0, 0.0)}),
+]
+SAME = {"step_move"}  # both settings change places of the same two steps
+WITHOUT_SETTINGS = {"improve", "take_back"}
+
+
+def operators():
+    return [cls for cls in blender._CLASSES if issubclass(cls, bpy.types.Operator)]
+
+
+def test_operators_that_change_the_scan_have_the_panel_of_the_last_operation():
+    """F9 shows the settings of an operator with REGISTER, and needs UNDO to do it anew."""
+    changing = [cls for cls in operators() if issubclass(cls, RecipeOperator) and "INTERNAL" not in cls.bl_options]
+    assert len(changing) >= 20
+    assert [cls.bl_idname for cls in changing if set(cls.bl_options) != {"REGISTER", "UNDO"}] == []
+
+
+def test_each_operator_with_settings_there_is_tried():
+    with_panel = {cls for cls in operators() if {"REGISTER", "UNDO"} <= set(getattr(cls, "bl_options", ()))}
+    names = {cls.bl_idname.removeprefix("isimp.") for cls in with_panel}
+    assert names == {name for name, *_ in CHANGES} | WITHOUT_SETTINGS
+    for name in WITHOUT_SETTINGS:
+        assert len(getattr(bpy.ops.isimp, name).get_rna_type().properties) == 1, "the type alone"
+
+
+def seen():
+    """All that an operator may have changed: steps, regions, locks, the selection, the result and its image."""
+    scan = bpy.data.objects["Scan"]
+    found = [store.load(scan).steps, store.numbers(scan).get("locked"), bpy.context.mode]
+    result = targets.result_of(bpy.context.scene, scan)
+    for obj in (scan, result) if result is not None else (scan,):
+        obj.update_from_editmode()
+        chosen = np.empty(len(obj.data.polygons), bool)
+        obj.data.polygons.foreach_get("select", chosen)
+        found += [chosen.tolist(), scans.coordinates(obj.data).tolist()]
+        found += [[list(polygon.vertices) for polygon in obj.data.polygons]]
+    found.append(scans.regions(scan).tolist())
+    found.append(sorted(tuple(image.size) for image in bpy.data.images if image.users))
+    return found
+
+
+@pytest.mark.parametrize(("name", "make", "first", "then"), CHANGES)
+def test_a_setting_changed_after_the_operator_gives_what_it_gives_at_once(name, make, first, then):
+    """As F9 does it: undo, then again with the other setting."""
+    made, once = [], None
+    for settings in ([first, then], [then]):
+        bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+        make()
+        bpy.ops.ed.undo_push(message="before")
+        for number, each in enumerate(settings):
+            if number:
+                once = seen()
+                bpy.ops.ed.undo()
+            assert getattr(bpy.ops.isimp, name)("EXEC_DEFAULT", True, **each) == {"FINISHED"}
+        made.append(seen())
+    assert made[0] == made[1]
+    assert (once == made[0]) == (name in SAME), "the setting makes a difference"
