@@ -19,8 +19,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import window_times
 
-# Functions of Blender's, by how they end.
-BLENDERS = ("foreach_get", "foreach_set", "GPUBatch.draw", "attr_fill", "update_from_editmode")
+# Functions of Blender's, by how they end. Those called by way of RNA, as `update_from_editmode`, can not be seen here.
+BLENDERS = ("foreach_get", "foreach_set", "GPUBatch.draw", "attr_fill")
 LAYER_UPDATE = "_view_layer_update"  # of bpy.ops: what changed is evaluated
 
 
