@@ -228,6 +228,10 @@ TEXTURE: dict[str, Option] = {
         kind="bool",
         default=True,
     ),
+    "height": Option(
+        kind="bool",
+        default=False,
+    ),
     "occlusion": Option(
         kind="bool",
         default=False,

@@ -131,6 +131,7 @@ class Session:
         soup = engine.TexturedSoup(*arrays, layers=layers)
         options = engine.TextureOptions(
             size=step.size or None,
+            height=step.height,
             occlusion=step.occlusion,
             occlusion_distance=step.occlusion_distance or None,
             threads=self.threads,

@@ -385,6 +385,7 @@ class Texture(Step):
     size: int = 0  #: width and height of the image in pixels; 0: as dense as the scan's images
     occlusion: bool = False  #: with an image of ambient occlusion
     occlusion_distance: float = 0.0  #: how far away faces may be that keep light off; 0: at any distance
+    height: bool = False  #: with a height map
 
     def __post_init__(self) -> None:
         size = TEXTURE["size"]

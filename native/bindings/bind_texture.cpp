@@ -13,6 +13,7 @@
 #include "isimp/texture/bake.h"
 #include "isimp/texture/closest_places.h"
 #include "isimp/texture/corners.h"
+#include "isimp/texture/height.h"
 #include "isimp/texture/occlusion.h"
 #include "isimp/texture/unwrap.h"
 #include "kept_mesh.h"
@@ -107,13 +108,24 @@ py::array occlusion_texture(const KeptMesh& mesh, const Partition& part, const P
   Array<std::uint8_t> grey = call(job, [&, options](Job& j) {
     BakeMap map;
     {
-      const Job::Part mapping(j, "baking", 0.3, 0.4);
+      const Job::Part mapping(j, "baking", 0.35, 0.4);
       map = bake_map(mesh, part, poly, atlas, options, j);
     }
     const Job::Part tracing(j, "occlusion", 0.4, 0.98);
     return occlusion(mesh, map, options, j);
   });
   return pixels(std::move(grey), atlas.side, 1);
+}
+
+constexpr double kLeastHeight = 1e-3;  // texels
+
+py::tuple height_texture(const KeptMesh& mesh, const Partition& part, const PolygonMesh& poly, const Atlas& atlas,
+                         const TextureOptions& options, Job* job) {
+  HeightImage image = call(job, [&, options](Job& j) {
+    const Job::Part mapping(j, "baking", options.occlusion ? 0.3 : 0.6, options.occlusion ? 0.35 : 0.98);
+    return height_image(bake_map(mesh, part, poly, atlas, options, j), kLeastHeight / atlas.scale);
+  });
+  return py::make_tuple(pixels(std::move(image.grey), atlas.side, 1), image.range);
 }
 
 py::tuple map_texture(const KeptMesh& mesh, const Partition& part, const PolygonMesh& poly, const Atlas& atlas,
@@ -173,6 +185,8 @@ void bind_texture(py::module_& m) {
         "known"_a, "pictures"_a, "layers"_a, "relief"_a, "options"_a, "job"_a = py::none());
   m.def("_bake_map", &map_texture, "mesh"_a, "partition"_a, "polygons"_a, "atlas"_a, "options"_a, "job"_a = py::none());
   m.def("_occlusion", &occlusion_texture, "mesh"_a, "partition"_a, "polygons"_a, "atlas"_a, "options"_a,
+        "job"_a = py::none());
+  m.def("_height", &height_texture, "mesh"_a, "partition"_a, "polygons"_a, "atlas"_a, "options"_a,
         "job"_a = py::none());
   m.def("_closest_places", &places_of, "mesh"_a, "partition"_a, "polygons"_a, "known"_a, "threads"_a = 0,
         "job"_a = py::none());

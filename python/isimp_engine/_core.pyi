@@ -341,6 +341,7 @@ class TextureOptions:
     gutter: int | None
     band: int
     normals: bool
+    height: bool
     occlusion: bool
     occlusion_distance: float | None
     occlusion_rays: int
@@ -353,6 +354,7 @@ class TextureOptions:
         gutter: int | None = ...,
         band: int = ...,
         normals: bool = ...,
+        height: bool = ...,
         occlusion: bool = ...,
         occlusion_distance: float | None = ...,
         occlusion_rays: int = ...,
@@ -365,6 +367,7 @@ class TextureOptions:
 _unwrap: Callable[[PolygonMesh, TextureOptions, float, Job | None], Any]
 _bake: Callable[..., tuple[NDArray[np.uint8], NDArray[np.uint8] | None, list[NDArray[np.uint8]], dict[str, int]]]
 _occlusion: Callable[[Mesh, Partition, PolygonMesh, Any, TextureOptions, Job | None], NDArray[np.uint8]]
+_height: Callable[[Mesh, Partition, PolygonMesh, Any, TextureOptions, Job | None], tuple[NDArray[np.uint16], float]]
 _closest_places: Callable[..., tuple[NDArray[np.int32], NDArray[np.float32]]]
 _bake_map: Callable[..., tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float32], NDArray[np.float32]]]
 _source_corners: Callable[

@@ -55,6 +55,7 @@ class Recipe:
     meshing: dict[str, Any]  #: of MeshingOptions
     texture: int | None = None  #: keep the texture in an image of this size; 0: as dense as the scan's; None: do not
     ao: float | None = None  #: with ambient occlusion by faces up to this distance; 0: by all; None: without
+    height: bool = False  #: with a height map
 
     def edited(self, mesh: Mesh, part: Partition, job: Job | None = None) -> Partition:
         """The partition after the steps that follow it."""
@@ -90,7 +91,7 @@ def parsed(values: Any) -> Recipe:
     partition: dict[str, Any] | None = None
     meshing: dict[str, Any] = {}
     meshed = False  # whether the step before makes polygons, or their texture
-    angle, edits, closing, texture, ao = None, list[tuple[str, float]](), True, None, None
+    angle, edits, closing, texture, ao, height = None, list[tuple[str, float]](), True, None, None, False
     keep: tuple[tuple[float, float, float], ...] = ()
     for number, step in enumerate(values["steps"], 1):
         try:
@@ -104,7 +105,7 @@ def parsed(values: Any) -> Recipe:
             elif kind == "mesh":
                 meshing = _checked(MeshingOptions, settings)
             elif kind == "texture":
-                texture, ao = _texture(settings, meshed)
+                texture, ao, height = _texture(settings, meshed)
             else:
                 edits.append(_edit(kind, settings, partition is None))
         except RecipeError as error:
@@ -112,8 +113,8 @@ def parsed(values: Any) -> Recipe:
     if partition is None:
         raise RecipeError("the recipe has no partition step")
     if not meshed:
-        texture = ao = None
-    return Recipe(values, partition, closing, keep, angle, tuple(edits), meshing, texture, ao)
+        texture, ao, height = None, None, False
+    return Recipe(values, partition, closing, keep, angle, tuple(edits), meshing, texture, ao, height)
 
 
 def _settings(step: Any) -> tuple[str, dict[str, Any]]:
@@ -187,12 +188,13 @@ def _edit(kind: str, settings: dict[str, Any], is_first: bool) -> tuple[str, flo
     return kind, float(strength) if kind == "even_borders" else times
 
 
-def _texture(settings: dict[str, Any], meshed: bool) -> tuple[int, float | None]:
-    """The size of the texture, and the distance of its occlusion."""
+def _texture(settings: dict[str, Any], meshed: bool) -> tuple[int, float | None, bool]:
+    """The size of the texture, the distance of its occlusion, and whether it has heights."""
     if not meshed:
         raise RecipeError("there are no polygons yet: a mesh step must come right before")
     size = settings.pop("size", 0)
     occlusion, distance = settings.pop("occlusion", False), settings.pop("occlusion_distance", 0.0)
+    height = settings.pop("height", False)
     if settings:
         raise RecipeError(f"texture has no setting '{next(iter(settings))}'")
     if isinstance(size, bool) or not isinstance(size, int):
@@ -202,9 +204,11 @@ def _texture(settings: dict[str, Any], meshed: bool) -> tuple[int, float | None]
         raise RecipeError(f"size must be 0, or {field['range']}, got {size}")
     if not isinstance(occlusion, bool):
         raise RecipeError(f"occlusion must be true or false, got {occlusion!r}")
+    if not isinstance(height, bool):
+        raise RecipeError(f"height must be true or false, got {height!r}")
     if isinstance(distance, bool) or not isinstance(distance, (int, float)) or not 0 <= distance < float("inf"):
         raise RecipeError(f"occlusion_distance must be a finite length, at least 0, got {distance!r}")
-    return size, float(distance) if occlusion else None
+    return size, float(distance) if occlusion else None, height
 
 
 def _checked(kind: type[PartitionOptions] | type[MeshingOptions], settings: dict[str, Any]) -> dict[str, Any]:

@@ -19,7 +19,8 @@ _PLACES = {
     "metallic": "Metallic",
     "emission": "Emission",
 }
-_ROWS = (*_PLACES, "occlusion")
+_ROWS = (*_PLACES, "occlusion", "height")
+_RANGE = "isimp_range"  #: of an image of heights: what black to white is, in scene units
 
 
 def is_textured(obj) -> bool:
@@ -104,6 +105,8 @@ def write(result, uv: np.ndarray, made, name: str) -> None:
         own = len(mesh.materials) - 1
     layers = {"color": made.image} | ({} if made.normal is None else {"normal": made.normal}) | made.layers
     images = {kind: _new_image(f"{result.name} {kind}", stored, kind) for kind, stored in layers.items()}
+    if "height" in images:
+        images["height"][_RANGE] = made.factors["height"]
     _set_images(mesh.materials[own], name, images, made.factors)
     mesh.polygons.foreach_set("material_index", np.full(len(mesh.polygons), own, np.int32))
     mesh.update()
@@ -129,12 +132,17 @@ def _set_images(material, uv_map: str, images: dict, factors: dict) -> None:
     """
     given = material[OWN].split() if isinstance(material[OWN], str) else ["color", "normal"]  # those of iSimp 0.1
     tree, shader = materials.nodes_of(material), materials.shader_of(material)
-    for node in () if tree is None else list(tree.nodes):
-        old = node.image if node.type == "TEX_IMAGE" else None
+    for node in () if tree is None else [node for node in tree.nodes if node.type == "TEX_IMAGE"]:
+        old = node.image
         kind = None if old is None else old.get(OWN)
         if kind in images:
             node.image = images[kind]
+            if kind == "height":
+                _scale_height(node, old)
         elif kind is not None:  # a layer that there is no more
+            for shift in _displacements(node):
+                if not shift.outputs["Displacement"].is_linked:
+                    tree.nodes.remove(shift)
             tree.nodes.remove(node)
         else:
             continue
@@ -147,7 +155,7 @@ def _set_images(material, uv_map: str, images: dict, factors: dict) -> None:
     if shader is not None:
         for kind in (kind for kind in images if kind not in given):
             _plug(tree, shader, uv_map, kind, images[kind])
-        for kind in (kind for kind in factors if f"={kind}" not in given):
+        for kind in (kind for kind in factors if kind != "height" and f"={kind}" not in given):
             socket = shader.inputs["Emission Strength"] if kind == "emission" else _input(shader, kind)
             socket.default_value = factors[kind]
     material[OWN] = " ".join([*images, *(f"={kind}" for kind in factors)])
@@ -159,7 +167,7 @@ def _set_images(material, uv_map: str, images: dict, factors: dict) -> None:
 def _plug(tree, shader, uv_map: str, kind: str, image) -> None:
     """Gives an image a node, and links it to what it is for if that is free."""
     height = -300 * _ROWS.index(kind)
-    if kind != "occlusion" and _input(shader, kind).is_linked:
+    if kind in _PLACES and _input(shader, kind).is_linked:
         return
     node = _image_node(tree, image, (-600, height))
     if kind == "normal":
@@ -169,8 +177,25 @@ def _plug(tree, shader, uv_map: str, kind: str, image) -> None:
         tree.links.new(turn.outputs["Normal"], shader.inputs["Normal"])
     elif kind == "occlusion":
         _put_occlusion(tree, node, (0, height))
+    elif kind == "height":
+        shift = tree.nodes.new("ShaderNodeDisplacement")
+        shift.location = (-250, height)
+        shift.inputs["Midlevel"].default_value, shift.inputs["Scale"].default_value = 0.5, image[_RANGE]
+        tree.links.new(node.outputs["Color"], shift.inputs["Height"])
     else:
         tree.links.new(node.outputs["Color"], _input(shader, kind))
+
+
+def _scale_height(node, old) -> None:
+    """Gives the Displacement nodes behind an image of heights its range, times what the user made of the last one."""
+    before = old.get(_RANGE, 0.0)
+    for shift in _displacements(node):
+        scale = shift.inputs["Scale"]
+        scale.default_value = node.image[_RANGE] * (scale.default_value / before if before > 0 else 1)
+
+
+def _displacements(node) -> list:
+    return [link.to_node for link in node.outputs["Color"].links if link.to_node.type == "DISPLACEMENT"]
 
 
 def _put_occlusion(tree, node, place) -> None:
@@ -199,10 +224,12 @@ def _image_node(tree, image, place):
 
 def _new_image(name: str, stored: np.ndarray, kind: str):
     height, width = stored.shape[:2]
-    image = bpy.data.images.new(name, width, height, alpha=False)
+    deep = stored.dtype == np.uint16
+    image = bpy.data.images.new(name, width, height, alpha=False, float_buffer=deep)
     image.colorspace_settings.name = "sRGB" if kind in {"color", "emission"} else "Non-Color"
     values = np.ones((height, width, 4), np.float32)
-    values[:, :, :3] = (stored[::-1, :, None] if stored.ndim == 2 else stored[::-1, :, :3]) / np.float32(255)
+    most = np.float32(np.iinfo(stored.dtype).max)
+    values[:, :, :3] = (stored[::-1, :, None] if stored.ndim == 2 else stored[::-1, :, :3]) / most
     image.pixels.foreach_set(values.ravel())
     image.update()
     image.pack()
@@ -214,4 +241,4 @@ def _new_image(name: str, stored: np.ndarray, kind: str):
 def _name_file(image) -> None:
     """Gives a packed image a file name of its own, by which exporters tell images apart. USD wants the image's name."""
     name = image.name.replace("/", "_").replace("\\", "_")
-    image.filepath_raw = f"//{name}.png"
+    image.filepath_raw = f"//{name}.{'exr' if image.is_float else 'png'}"

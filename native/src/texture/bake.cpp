@@ -115,7 +115,7 @@ Texture bake(const Mesh& mesh, const Partition& partition, const PolygonMesh& po
   }
   if (options.normals && layers.relief) canvas.relief.emplace(mesh, normals, *layers.relief);
   const std::vector<std::int32_t> counts = sample_counts(scene, sampler);
-  const Job::Part part(job, "baking", 0, options.occlusion ? 0.3 : 0.9);
+  const Job::Part part(job, "baking", 0, options.occlusion ? 0.3 : options.height ? 0.6 : 0.9);
   for_all(
       scene, threads, job, [&](std::int32_t q) { return counts[q]; },
       [&](const PolygonView& view, std::int32_t q) { return detail::ColourShade(scene, view, q, canvas); });

@@ -129,6 +129,13 @@ def simplify_options() -> argparse.ArgumentParser:
         "without DISTANCE: by all",
     )
     command.add_argument(
+        "--height",
+        action="store_true",
+        default=None,
+        help="with --texture: OUTPUT_height.png, of 16 bits: how far the scan lies above or below each polygon; the "
+        "report has its range",
+    )
+    command.add_argument(
         "--crs",
         type=int,
         metavar="EPSG",
@@ -203,6 +210,10 @@ def settle(arguments: argparse.Namespace) -> None:
         arguments.ao = arguments.recipe.ao
     if arguments.ao is not None and arguments.texture is None:
         raise UsageError("--ao needs --texture: it is an image of the texture's material")
+    if arguments.recipe is not None and arguments.height is None:
+        arguments.height = arguments.recipe.height
+    if arguments.height and arguments.texture is None:
+        raise UsageError("--height needs --texture: it has the places of the texture")
     arguments.options = options_of(arguments, PartitionOptions)
 
 

@@ -46,7 +46,7 @@ def check_output(arguments: argparse.Namespace) -> list[Path]:
     """The files that can come beside the output; refuses those that can't be written."""
     if arguments.texture is None:
         return []
-    beside = companions(arguments.output)
+    beside = companions(arguments.output, bool(arguments.height))
     for path in beside:
         check(path)
     return beside
@@ -73,6 +73,7 @@ def make(
     assert source.soup is not None  # read since it was asked for
     options = TextureOptions(
         size=arguments.texture or None,
+        height=bool(arguments.height),
         occlusion=arguments.ao is not None,
         occlusion_distance=arguments.ao or None,
         threads=arguments.options.threads,
@@ -88,5 +89,7 @@ def summary(report: dict[str, Any]) -> Iterator[str]:
     yield f"  texture: {pixels} pixels, {charts}, {report['fill']:.0%} filled"
     if report["layers"]:
         yield f"  with {', '.join(report['layers'])}"
+    if "height_range" in report:
+        yield f"  heights: black to white is {report['height_range']:.6g} scene units"
     if report["unknown"]:
         yield f"  warning: {report['unknown']:,} pixels show the mean colour, since no face with a texture is near"

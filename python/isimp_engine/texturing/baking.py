@@ -15,6 +15,7 @@ from .._core import (
     PolygonMesh,
     TextureOptions,
     _bake,
+    _height,
     _occlusion,
     _source_corners,
     _unwrap,
@@ -33,8 +34,9 @@ class Texture:
     image: (H, W, 4) uint8, row 0 at the top. normal: (H, W, 3) uint8 tangent-space normals (green up), None if not
     asked for: they are right where all corners of a polygon have its `polygon_normal` and `polygon_tangent`.
     layers: further images that the scan's materials have, or that were asked for: (H, W) uint8 "roughness", "metallic"
-    and "occlusion", (H, W, 3) uint8 "emission", stored as colours are. factors: "roughness" and "metallic" where they
-    are one number everywhere, and what the image of "emission" is multiplied by.
+    and "occlusion", (H, W) uint16 "height", (H, W, 3) uint8 "emission", stored as colours are. factors: "roughness" and
+    "metallic" where they are one number everywhere, what the image of "emission" is multiplied by, and the range of
+    "height": the scan lies (value / 65535 - 0.5) * range above the polygon, in scene units.
     """
 
     uv: NDArray[np.float64]
@@ -43,7 +45,7 @@ class Texture:
     polygon_normal: NDArray[np.float64] = field(repr=False)  #: (Q, 3)
     polygon_tangent: NDArray[np.float64] = field(repr=False)  #: (Q, 3) the direction of u
     report: dict[str, Any]
-    layers: dict[str, NDArray[np.uint8]] = field(default_factory=dict, repr=False)
+    layers: dict[str, NDArray[Any]] = field(default_factory=dict, repr=False)
     factors: dict[str, float] = field(default_factory=dict)
 
     def __iter__(self) -> Iterator[Any]:
@@ -65,8 +67,8 @@ def texture(
     The report: `size`, `charts`, `fill` (area of the polygons over that of the image), `texels_per_unit` and
     `source_texels_per_unit` (of the result and of the scan, per scene unit), `gutter`, `texels` (in polygons),
     `searched` (of them those that show the closest face, since none lies above or below), `unknown` (those that show
-    the mean colour), `turned_faces` (faces that repairs changed), `lost_faces` (those without a place on the scan)
-    and `layers` (the names of further images).
+    the mean colour), `turned_faces` (faces that repairs changed), `lost_faces` (those without a place on the scan),
+    `layers` (the names of further images) and, with a height map, `height_range` (see `Texture.factors`).
     Raises InvalidInput (the source is not the mesh's, or shows nothing; charts do not fit into the size) or Cancelled.
     """
     options = options or TextureOptions()
@@ -96,15 +98,19 @@ def texture(
         options,
         job,
     )
-    layers = {
+    layers: dict[str, NDArray[Any]] = {
         n: np.ascontiguousarray(i[:, :, :3] if n == "emission" else i[:, :, 0])
         for n, i in zip(wanted, images, strict=True)
     }
+    if options.height:
+        layers["height"], factors["height"] = _height(mesh, part, poly, atlas, options, job)
     if options.occlusion:  # in place of that of the scan's materials
         layers["occlusion"] = _occlusion(mesh, part, poly, atlas, options, job)
     report = {"size": atlas.side, "charts": atlas.chart_count, "fill": atlas.fill, "gutter": atlas.gutter}
     report |= {"texels_per_unit": atlas.scale, "source_texels_per_unit": density} | counts
     report |= {"turned_faces": turned, "lost_faces": lost, "layers": list(layers)}
+    if options.height:
+        report["height_range"] = factors["height"]
     return Texture(atlas.uv, image, normal, atlas.normal, atlas.tangent, report, layers, factors)
 
 

@@ -71,8 +71,8 @@ def rgba(pixels: Any, name: str = "image") -> Image:
     return full
 
 
-def png(pixels: NDArray[np.uint8], name: object) -> bytes:
-    """An image as a PNG file; without an alpha channel where it says nothing."""
+def png(pixels: NDArray[Any], name: object) -> bytes:
+    """An image as a PNG file, 8 bits or grey of 16; without an alpha channel where it says nothing."""
     if pixels.ndim == 3 and pixels.shape[2] == 4 and (pixels[:, :, 3] == 255).all():
         pixels = pixels[:, :, :3]
     out = io.BytesIO()

@@ -13,6 +13,7 @@ from .images import Image, rgba
 #: The layers that are numbers and colours, and what a material has that does not say.
 NEUTRAL = {"roughness": 1.0, "metallic": 0.0, "emission": 0.0, "occlusion": 1.0}
 NORMAL = "normal"
+HEIGHT = "height"  #: made here, never read
 NUMBERS = ("roughness", "metallic")  #: of one value everywhere these are a number of the result, and no image
 
 

@@ -13,20 +13,20 @@ from . import images
 from .baking import Texture
 from .glb import glb
 from .gltf_layers import Shown
-from .layers import NORMAL
+from .layers import HEIGHT, NORMAL
 
 KINDS = (".obj", ".glb")
 Put = Callable[[Path, bytes], object]
 
 
 #: What MTL files call the further layers. They have no word for occlusion: it dims the ambient light.
-_MAPS = {"roughness": "map_Pr", "metallic": "map_Pm", "emission": "map_Ke", "occlusion": "map_Ka"}
+_MAPS = {"roughness": "map_Pr", "metallic": "map_Pm", "emission": "map_Ke", "occlusion": "map_Ka", HEIGHT: "disp"}
 
 
-def companions(path: Path) -> list[Path]:
-    """The files that can stand beside an output: OBJ has a material file and images."""
+def companions(path: Path, height: bool = False) -> list[Path]:
+    """The files that can stand beside an output: OBJ has a material file and images, GLB has no place for heights."""
     if path.suffix.lower() != ".obj":
-        return []
+        return [_beside(path, HEIGHT)] if height else []
     return [path.with_suffix(".mtl"), path.with_suffix(".png"), *(_beside(path, n) for n in (NORMAL, *_MAPS))]
 
 
@@ -42,20 +42,24 @@ def files_of(path: Path, poly: PolygonMesh, made: Texture, job: Job | None = Non
     image = images.png(made.image, path)
     normal = None if made.normal is None else images.png(made.normal, path)
     if kind == ".glb":
-        return {path: _glb(path, poly, made, image, normal, job)}
+        files = {path: _glb(path, poly, made, image, normal, job)}
+        if HEIGHT in made.layers:
+            files[_beside(path, HEIGHT)] = images.png(made.layers[HEIGHT], path)
+        return files
     mtl, png, *_ = companions(path)
     more = {} if normal is None else {NORMAL: normal}
     more |= {name: images.png(layer, path) for name, layer in made.layers.items()}
     names = {name: _beside(path, name).name for name in more}
-    files = {path: _obj(mtl.name, poly, made), mtl: _mtl(png.name, names, made.factors), png: image}
-    return files | {_beside(path, name): data for name, data in more.items()}
+    texts = {path: _obj(mtl.name, poly, made), mtl: _mtl(png.name, names, made.factors), png: image}
+    return texts | {_beside(path, name): data for name, data in more.items()}
 
 
 def write_textured(path: str | PathLike[str], poly: PolygonMesh, made: Texture, job: Job | None = None) -> list[Path]:
     """Write polygons with their texture; returns the files that were written.
 
     OBJ keeps the n-gons and has an MTL file and PNG images of the same name beside it. GLB has triangles and holds its
-    images; the coordinates are the scan's, though glTF takes y for up.
+    images; the coordinates are the scan's, though glTF takes y for up. A height map is a file beside it, as glTF has
+    no word for it.
     Each file is replaced only when all are complete. Raises FileError (another extension, or the place can't be
     written).
     """
@@ -108,6 +112,8 @@ def _mtl(image: str, more: dict[str, str], factors: dict[str, float]) -> bytes:
     lines.append(f"map_Kd {image}")
     if NORMAL in more:
         lines += [f"map_Bump {more[NORMAL]}", f"norm {more[NORMAL]}"]
+    if HEIGHT in more:
+        lines.append(f"# height above the polygon: (value of disp, from 0 to 1, - 0.5) * {factors[HEIGHT]:.9g}")
     lines += [f"{word} {more[name]}" for name, word in _MAPS.items() if name in more]
     return ("\n".join(lines) + "\n").encode()
 

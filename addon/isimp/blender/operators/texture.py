@@ -36,6 +36,13 @@ class ISIMP_OT_texture(RecipeOperator, bpy.types.Operator):
         subtype="DISTANCE",
     )
 
+    height: bpy.props.BoolProperty(
+        name="Height Map",
+        description="Make an image of how far the scan lies above or below each polygon, with a Displacement node that "
+        "is not linked: the normal map shows the same relief",
+        default=False,
+    )
+
     @classmethod
     def problem(cls, context, scan):
         return "" if targets.result_of(context.scene, scan) else targets.NO_RESULT
@@ -44,7 +51,7 @@ class ISIMP_OT_texture(RecipeOperator, bpy.types.Operator):
         recipe = store.load(scan)
         if recipe is None or not recipe.ends_in_mesh():
             raise mesh_io.Unusable(said(messages.REGIONS_CHANGED))
-        step = rcp.Texture(self.size, self.occlusion, round(self.occlusion_distance, 6))
+        step = rcp.Texture(self.size, self.occlusion, round(self.occlusion_distance, 6), self.height)
         return recipe.then(step)
 
     def _begin(self, context):

@@ -162,16 +162,18 @@ def _draw_counts(context, layout, scan, numbers) -> None:
 
 
 def _draw_texture(layout, scan) -> None:
-    """Draws the button that makes the texture again, and what says whether it has occlusion."""
+    """Draws the button that makes the texture again, and those that say whether it has occlusion and heights."""
     recipe = store.load(scan)
     step = (recipe and recipe.texture()) or rcp.Texture()
+    again = layout.operator("isimp.texture", text="Make Texture Again", icon="TEXTURE")
     row = layout.row(align=True)
-    for text_, icon, occlusion in (
-        ("Make Texture Again", "TEXTURE", step.occlusion),
-        ("Ambient Occlusion", "CHECKBOX_HLT" if step.occlusion else "CHECKBOX_DEHLT", not step.occlusion),
-    ):
-        button = row.operator("isimp.texture", text=text_, icon=icon)
-        button.size, button.occlusion, button.occlusion_distance = step.size, occlusion, step.occlusion_distance
+    turned = []
+    for text_, on in (("Ambient Occlusion", step.occlusion), ("Height Map", step.height)):
+        turned.append(row.operator("isimp.texture", text=text_, icon="CHECKBOX_HLT" if on else "CHECKBOX_DEHLT"))
+    for button in (again, *turned):
+        button.size, button.occlusion_distance = step.size, step.occlusion_distance
+        button.occlusion, button.height = step.occlusion, step.height
+    turned[0].occlusion, turned[1].height = not step.occlusion, not step.height
 
 
 class ISIMP_PT_options(Panel, bpy.types.Panel):

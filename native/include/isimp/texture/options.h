@@ -15,6 +15,7 @@ struct TextureOptions {
   std::optional<std::int32_t> gutter{};
   std::int32_t band = 2;
   bool normals = true;
+  bool height = false;
   bool occlusion = false;
   std::optional<double> occlusion_distance{};
   std::int32_t occlusion_rays = 144;
@@ -35,6 +36,8 @@ constexpr auto fields(const TextureOptions*) {
             "Width of the band along the polygons' edges where the colours change over to those of the closest "
             "points, so that both sides of an edge agree; in pixels of an image of 2,048. 0: none."),
       field("normals", &O::normals, "Makes a tangent-space normal map too."),
+      field("height", &O::height,
+            "Makes a height map of 16 bits too: how far the scan lies above or below each polygon's plane."),
       field("occlusion", &O::occlusion,
             "Makes an image of ambient occlusion too: how much light from all directions reaches the scan."),
       field("occlusion_distance", &O::occlusion_distance, above(0), Unit::length,
