@@ -118,7 +118,7 @@ RegionSides region_sides(std::span<const Vec3> vertices, std::span<const Triangl
         throw InvalidInput("triangle " + std::to_string(i) + " has vertex " + std::to_string(v) + ", but there are " +
                            std::to_string(count) + " vertices");
     if (r == kNone) continue;
-    const Vec3 a = vertices[t[0]];
+    const Vec3& a = vertices[t[0]];
     const Vec3 normal = 0.5 * (vertices[t[1]] - a).cross(vertices[t[2]] - a);
     const double area = normal.norm();
     if (!std::isfinite(area)) continue;

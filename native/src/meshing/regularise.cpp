@@ -386,13 +386,13 @@ class Regulariser {
   void snap_parallel(Some& left) {
     while (!left.empty()) {
       const std::int32_t first = left[0];
-      const Vec3 n = regions_[first].normal;
+      Vec3 n = regions_[first].normal;
       left.erase(left.begin());
       Some took = take(left, Kind::parallel, [&](const Region&) { return n; });
       if (took.empty()) continue;
       set(first, n, Kind::parallel);
       took.insert(took.begin(), first);
-      const Vec3 fitted = fitted_normal(took);
+      Vec3 fitted = fitted_normal(took);
       retake(took, left, Kind::parallel, [&](const Region&) { return fitted; });
     }
   }
