@@ -24,7 +24,7 @@ fs::path end_of_links(fs::path place) {
   return place;
 }
 
-bool is_read_only(const fs::path& place, const fs::file_status& status) {
+bool is_read_only([[maybe_unused]] const fs::path& place, const fs::file_status& status) {
   constexpr fs::perms kWrite = fs::perms::owner_write | fs::perms::group_write | fs::perms::others_write;
   if ((status.permissions() & kWrite) == fs::perms::none) return true;
 #ifndef _WIN32

@@ -29,8 +29,8 @@ class StreamWriter {
 
  private:
   std::string name_;
-  Job& job_;
-  int handle_ = -1;
+  [[maybe_unused]] Job& job_;  // Windows has no such pipes
+  [[maybe_unused]] int handle_ = -1;
 };
 
 }  // namespace isimp::detail
