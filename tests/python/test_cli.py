@@ -6,6 +6,7 @@ import re
 import signal
 import subprocess
 import sys
+import threading
 import time
 from contextlib import contextmanager
 from pathlib import Path
@@ -282,27 +283,28 @@ def big_scan(tmp_path_factory):
 
 @contextmanager
 def on_a_terminal(*arguments):
-    """The command with a terminal as its stderr: the process, and the terminal's other end."""
+    """The command with a terminal as its stderr: the process, and the terminal's two ends."""
     import pty
 
-    ours, theirs = pty.openpty()
+    terminal = pty.openpty()
     command = [sys.executable, "-m", "isimp_engine", *map(str, arguments)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=theirs, env=ENVIRONMENT) as process:
-        os.close(theirs)
-        yield process, ours
-        os.close(ours)
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=terminal[1], env=ENVIRONMENT) as process:
+        yield process, terminal
+    for end in terminal:
+        os.close(end)
 
 
-def read_all(terminal):
+def read_all(process, terminal):
+    """What the process wrote: our hold on its end keeps the kernel from dropping what is unread when it closes."""
+    ours, theirs = terminal
+    end = b"\0end\0"
+    waiter = threading.Thread(target=lambda: (process.wait(), os.write(theirs, end)))
+    waiter.start()
     text = b""
-    while True:
-        try:
-            more = os.read(terminal, 4096)
-        except OSError:  # Linux says so when the other end is closed
-            more = b""
-        if not more:
-            return text.decode()
-        text += more
+    while not text.endswith(end):
+        text += os.read(ours, 4096)
+    waiter.join()
+    return text.removesuffix(end).decode()
 
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="needs a terminal and signals as POSIX has them")
@@ -316,10 +318,10 @@ def test_ctrl_c_is_130_with_nothing_half_written(big_scan, tmp_path, stage):
     with on_a_terminal("simplify", big_scan, out, *flags) as (process, terminal):
         text = b""
         while stage.encode() not in text:
-            text += os.read(terminal, 4096)
+            text += os.read(terminal[0], 4096)
         begun = time.monotonic()
         process.send_signal(signal.SIGINT)
-        rest = read_all(terminal)
+        rest = read_all(process, terminal)
         assert process.wait(timeout=60) == 130
         assert time.monotonic() - begun < 10
         assert process.stdout.read() == b""
@@ -331,14 +333,14 @@ def test_ctrl_c_is_130_with_nothing_half_written(big_scan, tmp_path, stage):
 @posix
 def test_progress_is_shown_on_a_terminal_and_cleared(scan, tmp_path):
     with on_a_terminal("simplify", scan, tmp_path / "o.ply", "--proxies=20") as (process, terminal):
-        text = read_all(terminal)
+        text = read_all(process, terminal)
         assert process.wait(timeout=60) == 0
     for stage in ("read", "clean", "partition", "mesh", "write"):
         assert f"\x1b[K{stage} " in text
     assert text.endswith("\r\x1b[K")
     assert all(len(line) < 100 for line in text.split("\r"))
     with on_a_terminal("simplify", scan, tmp_path / "o.ply", "--proxies=20", "--quiet") as (process, terminal):
-        assert read_all(terminal) == ""
+        assert read_all(process, terminal) == ""
         assert process.wait(timeout=60) == 0
 
 

@@ -232,3 +232,12 @@ def test_reading_and_writing_can_be_cancelled(tmp_path, poly):
         with pytest.raises(engine.Cancelled):
             act()
     assert os.listdir(tmp_path) == ["a.ply"]
+
+
+def test_interrupts_of_a_path_are_passed_on():
+    class Interrupted(os.PathLike):
+        def __fspath__(self):
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        engine.read(Interrupted())
