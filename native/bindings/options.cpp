@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "errors_of_python.h"
 #include "isimp/core/errors.h"
 
 namespace isimp::bindings {
@@ -17,7 +18,7 @@ py::int_ exact_integer(py::handle value, const std::string& name) {
   if (PyBool_Check(value.ptr()) != 0 || PyIndex_Check(value.ptr()) == 0) refuse(name, "an integer", value);
   auto number = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
   if (!number) {
-    PyErr_Clear();
+    drop_error();
     refuse(name, "an integer", value);
   }
   return py::int_(number);
@@ -28,7 +29,7 @@ std::optional<std::string> utf8_of(py::handle value) {
   Py_ssize_t size = 0;
   const char* const text = PyUnicode_AsUTF8AndSize(value.ptr(), &size);
   if (text != nullptr) return std::string(text, static_cast<std::size_t>(size));
-  PyErr_Clear();
+  drop_error();
   return {};
 }
 
@@ -51,7 +52,7 @@ std::uint64_t to_unsigned(py::handle value, const std::string& name) {
   const py::int_ number = exact_integer(value, name);
   const unsigned long long result = PyLong_AsUnsignedLongLong(number.ptr());
   if (PyErr_Occurred() != nullptr) {
-    PyErr_Clear();
+    drop_error();
     refuse(name, range("0", std::to_string(std::numeric_limits<std::uint64_t>::max())), value);
   }
   return result;
@@ -63,7 +64,7 @@ double to_number(py::handle value, const std::string& name) {
   if (!fits || PyBool_Check(value.ptr()) != 0) refuse(name, "a number", value);
   const double result = PyFloat_AsDouble(value.ptr());
   if (PyErr_Occurred() != nullptr) {
-    PyErr_Clear();
+    drop_error();
     refuse(name, "a number", value);
   }
   return result;

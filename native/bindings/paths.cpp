@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "errors_of_python.h"
 #include "isimp/core/errors.h"
 
 namespace isimp::bindings {
@@ -11,8 +12,7 @@ namespace isimp::bindings {
 std::filesystem::path to_path(const py::object& value) {
   const auto name = py::reinterpret_steal<py::object>(PyOS_FSPath(value.ptr()));
   if (!name) {
-    if (PyErr_ExceptionMatches(PyExc_TypeError) == 0) throw py::error_already_set();  // Ctrl-C, as one
-    PyErr_Clear();
+    drop_error();
     throw py::type_error("path must be a str, bytes or os.PathLike, got a " +
                          std::string(py::str(py::type::of(value).attr("__name__"))));
   }

@@ -87,5 +87,5 @@ def test_progress_is_for_terminals(scans, tmp_path):
         ["script", "-qec", line, "/dev/null"], capture_output=True, text=True, env=ENVIRONMENT, timeout=60
     )
     assert done.returncode == 0
-    assert re.search(r"\x1b\[K\d of 3", done.stdout)
+    assert re.search(r"\x1b\[K\d of 3[^\r\n]*: \w+\.ply", done.stdout)
     assert "\x1b[K" in done.stdout

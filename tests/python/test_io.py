@@ -234,10 +234,16 @@ def test_reading_and_writing_can_be_cancelled(tmp_path, poly):
     assert os.listdir(tmp_path) == ["a.ply"]
 
 
-def test_interrupts_of_a_path_are_passed_on():
+def test_interrupts_while_a_path_or_a_number_is_read_are_passed_on():
     class Interrupted(os.PathLike):
         def __fspath__(self):
             raise KeyboardInterrupt
 
+        __index__ = __float__ = __fspath__
+
     with pytest.raises(KeyboardInterrupt):
         engine.read(Interrupted())
+    with pytest.raises(KeyboardInterrupt):
+        engine.PartitionOptions(proxies=Interrupted())
+    with pytest.raises(KeyboardInterrupt):
+        engine.TextureOptions(gutter=Interrupted())
