@@ -158,4 +158,12 @@ std::vector<double> read_numbers(const py::object& numbers, const std::string& n
   return result;
 }
 
+Vec3 read_direction(const py::object& direction, const std::string& name) {
+  py::array given = py::module_::import("numpy").attr("asarray")(direction);
+  if (given.dtype().kind() == 'i' || given.dtype().kind() == 'u') given = given.attr("astype")("float64");
+  const std::vector<double> numbers = read_numbers(given, name, "(3,)");
+  if (numbers.size() != 3) throw InvalidInput(name + " must have 3 numbers, got " + std::to_string(numbers.size()));
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
 }  // namespace isimp::bindings

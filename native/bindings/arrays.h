@@ -89,4 +89,8 @@ auto viewer(Member member) {
   return [member](const py::object& self) { return view(std::invoke(member, self.cast<const Self&>()), self); };
 }
 
+/// Three numbers.
+/// \throws InvalidInput  another number of them, or another kind
+Vec3 read_direction(const py::object& direction, const std::string& name);
+
 }  // namespace isimp::bindings

@@ -33,9 +33,7 @@ std::vector<std::int32_t> to_faces(const py::object& faces) { return read_indice
 
 Vec3 to_direction(const std::optional<py::object>& direction) {
   if (!direction) return Vec3::Zero();
-  const std::vector<double> numbers = read_numbers(*direction, "direction", "(3,)");
-  if (numbers.size() != 3) throw InvalidInput("direction must have 3 numbers, got " + std::to_string(numbers.size()));
-  return {numbers[0], numbers[1], numbers[2]};
+  return read_direction(*direction, "direction");
 }
 
 using EditAtFace = Partition (*)(const Mesh&, const Partition&, std::int32_t, Job&);

@@ -3,6 +3,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "call.h"
+#include "isimp/meshing/align_planes.h"
 #include "isimp/meshing/expected.h"
 #include "isimp/meshing/polygonize.h"
 #include "isimp/meshing/regularise.h"
@@ -111,6 +112,18 @@ the last two, other (the polygon it meets; each pair is listed under both; none 
 
 }  // namespace
 
+Align to_align(const std::string& to) {
+  const std::pair<const char*, Align> names[] = {{"level", Align::level},       {"upright", Align::upright},
+                                                 {"parallel", Align::parallel}, {"perpendicular", Align::perpendicular},
+                                                 {"coplanar", Align::coplanar}, {"free", Align::free}};
+  std::string all;
+  for (const auto& [name, align] : names) {
+    if (to == name) return align;
+    all += (all.empty() ? "" : ", ") + std::string(name);
+  }
+  throw InvalidInput("to must be one of " + all + ", got '" + to + "'");
+}
+
 void bind_meshing(py::module_& m) {
   OptionsClass<MeshingOptions>(m, "MeshingOptions", "How to make polygons of regions. All fields are keywords.");
   OptionsClass<RegulariseOptions>(m, "RegulariseOptions",
@@ -118,16 +131,60 @@ void bind_meshing(py::module_& m) {
   bind_result(m);
   m.def(
       "regularise",
-      [](const KeptMesh& mesh, const Partition& part, RegulariseOptions options, Job* job) {
-        return call(job, [&](Job& j) { return regularise(mesh, part, options, j); });
+      [](const KeptMesh& mesh, const Partition& part, RegulariseOptions options, Job* job,
+         const std::optional<py::object>& up_direction) {
+        const auto up = up_direction ? std::optional(read_direction(*up_direction, "up_direction")) : std::nullopt;
+        return call(job, [&](Job& j) { return regularise(mesh, part, options, j, up); });
       },
-      "mesh"_a, "partition"_a, "options"_a = RegulariseOptions(), "job"_a = py::none(),
+      "mesh"_a, "partition"_a, "options"_a = RegulariseOptions(), "job"_a = py::none(), "up_direction"_a = py::none(),
       R"(Snap the planes of regions: level, upright with right angles between them, equal slopes, parallel, coplanar.
 
 The labels stay. The partition that comes back has region_normal, region_offset and region_held set, and polygonize keeps
 to these planes. Its report has directions, planes and rms_added (scene units). An edit lets go of the planes of the
-regions that it changes. Raises InvalidInput (the partition is not one of this mesh, or an option out of its range) or
-Cancelled.)");
+regions that it changes. Planes that align_planes has set stay, and lead. up_direction: (3,), in place of options.up.
+Raises InvalidInput (the partition is not one of this mesh, or an option out of its range) or Cancelled.)");
+  m.def(
+      "align_planes",
+      [](const KeptMesh& mesh, const Partition& part, const py::object& faces, const std::string& to,
+         const py::object& up_direction, std::optional<double> length, Job* job) {
+        const std::vector<std::int32_t> indices = read_indices(faces, "faces", "(K,)");
+        const Align align = to_align(to);
+        const Vec3 up = read_direction(up_direction, "up_direction");
+        return call(job, [&](Job& j) { return align_planes(mesh, part, indices, align, up, length, j); });
+      },
+      "mesh"_a, "partition"_a, "faces"_a, "to"_a, "up_direction"_a = py::make_tuple(0.0, 0.0, 1.0),
+      "length"_a = py::none(), "job"_a = py::none(),
+      R"(Set the planes of the regions of some faces. Returns a new Partition, to whose planes polygonize keeps.
+
+faces: (K,) integers, indices into mesh.triangles; the region of the first leads. to: "level", "upright", "parallel" or
+"perpendicular" to the plane of the leading region, "coplanar" with it, or "free": no longer held. up_direction: (3,),
+what points up. length: what a plane may add to the root mean square distance of its region, scene units; None: 1 % of
+the diagonal. The labels stay. An edit lets go of the planes of the regions whose area it changes by a fifth or more.
+Raises InvalidInput (no face, one region where two are needed, a plane that adds more than length: the message names the
+face and says "needs X, allowed Y") or Cancelled.)");
+  m.def(
+      "region_fits",
+      [](const KeptMesh& mesh, const Partition& part) {
+        const std::vector<RegionFit> fits = call(nullptr, [&](Job&) { return region_fits(mesh, part); });
+        std::vector<Vec3> normal, centre;
+        std::vector<double> area;
+        py::array_t<double> spread({static_cast<py::ssize_t>(fits.size()), py::ssize_t{3}, py::ssize_t{3}});
+        double* out = spread.mutable_data();
+        for (const RegionFit& fit : fits) {
+          normal.push_back(fit.normal);
+          centre.push_back(fit.centre);
+          area.push_back(fit.area);
+          out = std::copy_n(fit.spread.data(), 9, out);  // it is symmetric
+        }
+        return py::make_tuple(owned(std::move(normal)), owned(std::move(centre)), spread, owned(std::move(area)));
+      },
+      "mesh"_a, "partition"_a,
+      R"(The planes of best fit of all regions: (normal, centre, spread, area).
+
+normal: (R, 3), of length 1. centre: (R, 3), on the plane, relative to mesh.origin. spread: (R, 3, 3), the covariance of
+the surface round it. area: (R,), 0 where a region has no plane. To turn a plane about its centre to a normal n adds
+sqrt(n @ spread @ n - normal @ spread @ normal) to the root mean square distance of its region. Cost: O(F).
+Raises InvalidInput (the partition is not one of this mesh).)");
   m.def(
       "expected_polygons",
       [](const KeptMesh& mesh, const Partition& part, MeshingOptions options, Job* job) {

@@ -41,7 +41,7 @@ py::object regularity_of(const Partition& part) {
   return py::dict("directions"_a = r.directions, "planes"_a = r.planes, "rms_added"_a = r.rms - r.rms_before,
                   "rms"_a = r.rms, "length"_a = r.length,
                   "snapped_to"_a = py::dict("level"_a = r.level, "upright"_a = r.upright, "slope"_a = r.slopes,
-                                            "parallel"_a = r.parallel, "free"_a = r.free));
+                                            "parallel"_a = r.parallel, "free"_a = r.free, "by_hand"_a = r.by_hand));
 }
 
 py::dict report_of(const Partition& part) {
@@ -92,8 +92,10 @@ void bind_result(py::module_& m) {
       .def_property_readonly("region_offset", viewer<Partition>(&Partition::region_offset),
                              "(R,) float64 with a bound, or where regularised: each region's plane is where "
                              "region_normal @ x is this; else empty.")
-      .def_property_readonly("region_held", viewer<Partition>(&Partition::region_held),
-                             "(R,) uint8: 1 where regularise snapped the plane, which polygons keep to; empty: none.")
+      .def_property_readonly(
+          "region_held", viewer<Partition>(&Partition::region_held),
+          "(R,) uint8: 1 where regularise snapped the plane, 2 where align_planes set it; polygons keep to it. "
+          "Empty: none.")
       .def_property_readonly(
           "bound", [](const Partition& part) { return given_or_none(is_bounded(part), part.bound); },
           "The bound as asked for, scene units; None without.")

@@ -4,7 +4,7 @@ from os import PathLike
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 __version__: str
 
@@ -284,7 +284,20 @@ def regularise(
     partition: Partition,
     options: RegulariseOptions = ...,
     job: Job | None = None,
+    up_direction: ArrayLike | None = None,
 ) -> Partition: ...
+def align_planes(
+    mesh: Mesh,
+    partition: Partition,
+    faces: ArrayLike,
+    to: Literal["level", "upright", "parallel", "perpendicular", "coplanar", "free"],
+    up_direction: ArrayLike = ...,
+    length: float | None = None,
+    job: Job | None = None,
+) -> Partition: ...
+def region_fits(
+    mesh: Mesh, partition: Partition
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]: ...
 def expected_polygons(
     mesh: Mesh, partition: Partition, options: MeshingOptions = ..., job: Job | None = None
 ) -> dict[str, int]: ...

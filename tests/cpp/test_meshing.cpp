@@ -251,7 +251,7 @@ TEST(Polygonize, BadInputIsNamed) {
   const Mesh mesh = shapes::mesh(shapes::cube(1));
   Partition p = labelled::single(mesh);
   p.face_region.pop_back();
-  EXPECT_EQ(message_of(mesh, p), "the partition has labels for 11 faces, but the mesh has 12");
+  EXPECT_EQ(message_of(mesh, p), "the partition has 11 faces and the mesh has 12: it was made for another mesh");
   p = labelled::single(mesh);
   p.face_region[4] = 7;
   EXPECT_EQ(message_of(mesh, p), "face 4 is in region 7, but there are 1 regions");

@@ -46,7 +46,7 @@ def test_what_is_flat_and_simple_is_foreseen_exactly():
 
 def test_a_partition_of_another_mesh_is_refused():
     mesh, other = engine.clean(*shapes.cube(4)), engine.clean(*shapes.cube(5))
-    with pytest.raises(engine.InvalidInput, match="the partition has labels for"):
+    with pytest.raises(engine.InvalidInput, match="made for another mesh"):
         engine.expected_polygons(other, engine.partition(mesh, engine.PartitionOptions(proxies=6)))
 
 

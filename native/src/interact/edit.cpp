@@ -11,15 +11,17 @@
 namespace isimp {
 namespace {
 
-constexpr int kSweeps = 40;  // of the borders after an edit
+constexpr int kSweeps = 40;     // of the borders after an edit
+constexpr double kStays = 0.2;  // of a region's area: what an edit may change of it without letting go of its own plane
+constexpr double kTurns = 0.17;  // of its normal, 10 degrees: the same
 
 const Partition& checked(const Mesh& mesh, const Partition& partition) {
+  check_is_of(mesh, partition);
   const auto regions = partition.region_seed.size();
-  if (partition.face_region.size() != static_cast<std::size_t>(mesh.face_count()) ||
-      partition.region_sum.size() != regions || partition.region_normal.size() != regions)
-    throw InvalidInput("the partition has " + std::to_string(partition.face_region.size()) +
-                       " faces and the mesh has " + std::to_string(mesh.face_count()) +
-                       ": it was made for another mesh");
+  if (partition.region_sum.size() != regions || partition.region_normal.size() != regions)
+    throw InvalidInput("the partition has " + std::to_string(regions) + " regions, but sums of " +
+                       std::to_string(partition.region_sum.size()) + " and normals of " +
+                       std::to_string(partition.region_normal.size()));
   return partition;
 }
 
@@ -145,9 +147,10 @@ void Edit::keep_planes() {
   if (result.region_held.empty()) result.region_offset.clear();
   for (std::size_t r = 0; r < result.region_held.size(); ++r) {
     const RegionSum &now = result.region_sum[r], &before = sums_[r];
-    if (now.faces != before.faces || (now.normal() - before.normal()).norm() > 1e-9 ||
-        std::abs(now.weight - before.weight) > 1e-9 * before.weight)
-      result.region_held[r] = 0;
+    const double turned = (now.normal() - before.normal()).norm(), more = std::abs(now.weight - before.weight);
+    const bool is_same = now.faces == before.faces && turned <= 1e-9 && more <= 1e-9 * before.weight;
+    const bool by_hand = result.region_held[r] != kPlaneSnapped && turned <= kTurns && more <= kStays * before.weight;
+    if (!is_same && !by_hand) result.region_held[r] = 0;
   }
   result.regularity.reset();
 }

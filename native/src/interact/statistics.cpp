@@ -52,10 +52,7 @@ RegionStatistics measure(const Mesh& mesh, const Partition& partition, const Fac
 }
 
 const FaceGraph& graph_of(const Mesh& mesh, const Partition& partition) {
-  if (partition.face_region.size() != static_cast<std::size_t>(mesh.face_count()))
-    throw InvalidInput("the partition has " + std::to_string(partition.face_region.size()) +
-                       " faces and the mesh has " + std::to_string(mesh.face_count()) +
-                       ": it was made for another mesh");
+  check_is_of(mesh, partition);
   return partition.guided ? partition.guided->graph : mesh.graph();
 }
 

@@ -10,9 +10,7 @@ namespace isimp::meshing {
 
 void check_input(const Mesh& mesh, const Partition& partition, const MeshingOptions& options) {
   check_fields(options);
-  if (partition.face_region.size() != static_cast<std::size_t>(mesh.face_count()))
-    throw InvalidInput("the partition has labels for " + std::to_string(partition.face_region.size()) +
-                       " faces, but the mesh has " + std::to_string(mesh.face_count()));
+  check_is_of(mesh, partition);
   const std::int32_t regions = partition.region_count();
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
     const std::int32_t r = partition.face_region[f];

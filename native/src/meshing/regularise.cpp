@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "isimp/core/errors.h"
-#include "planes.h"
+#include "region_planes.h"
 
 namespace isimp {
 namespace {
@@ -20,8 +20,6 @@ using namespace meshing;
 using Some = std::vector<std::int32_t>;  ///< regions, the largest first
 
 constexpr double kQuarter = std::numbers::pi / 2;
-constexpr double kThin = 0.25;  ///< a spread whose smallest eigenvalue is above this share of the next fixes no plane
-constexpr double kAgree = 0.8;  ///< cosine between that plane and the faces' mean normal below which the mean counts
 constexpr double kOfMedian = 1.2;  ///< the length by default, times the median distance of a region from its plane
 constexpr double kUnsure = 2;      ///< times that distance * sqrt(3 / faces) is what the plane of a region is unsure by
 constexpr double kMostAdded = 0.1;  ///< of the root mean square distance: what all planes together may add by default
@@ -33,15 +31,11 @@ constexpr double kVote = 1.5 * std::numbers::pi / 180;  ///< width of a vote for
 constexpr double kSame = 1e-9;                          ///< of two normals that are one direction
 
 /// What each snapped plane came to be.
-enum class Kind : std::uint8_t { free, level, upright, slope, parallel };
+enum class Kind : std::uint8_t { free, level, upright, slope, parallel, by_hand };
 
-struct Region {
-  Plane scan;
-  double faces = 1;
-  Vec3 normal = Vec3::UnitZ();  ///< of best fit, at first
-  Vec3 snapped = normal;
-  double offset = 0;
+struct Region : RegionPlane {
   Kind kind = Kind::free;
+  bool stays_free = false;  ///< let go by hand
 };
 
 double azimuth_difference(double a, double b) {
@@ -51,23 +45,26 @@ double azimuth_difference(double a, double b) {
 
 class Regulariser {
  public:
-  Regulariser(const Mesh& mesh, const Partition& partition, const RegulariseOptions& options)
-      : angle_(options.angle * std::numbers::pi / 180), up_(options.up) {
-    std::vector<Some> faces(partition.region_count());
-    for (std::int32_t f = 0; f < mesh.face_count(); ++f)
-      if (const std::int32_t r = partition.face_region[f]; r != kNone) faces[r].push_back(f);
-    for (const Some& some : faces) {
-      Region& r = regions_.emplace_back();
-      if (!some.empty()) r.scan = plane_of(mesh, some);
-      r.faces = static_cast<double>(std::max<std::size_t>(some.size(), 1));
-      fit(r);
+  Regulariser(const Mesh& mesh, const Partition& partition, const RegulariseOptions& options, const Vec3& up)
+      : angle_(options.angle * std::numbers::pi / 180), z_(up) {
+    for (const RegionPlane& plane : region_planes(mesh, partition)) {
+      const std::size_t i = regions_.size();
+      Region& r = regions_.emplace_back(Region{plane});
+      if (partition.region_held.empty()) continue;
+      r.stays_free = partition.region_held[i] == kPlaneFree;
+      if (partition.region_held[i] != kPlaneByHand) continue;
+      r.kind = Kind::by_hand;
+      r.snapped = partition.region_normal[i];
+      r.offset = partition.region_offset[i];
     }
     const double noise = median_distance();
-    length_ = options.length.value_or(std::max(kOfMedian * noise, kLeastLength * mesh.diagonal()));
+    least_ = kLeastLength * mesh.diagonal();
+    length_ = options.length.value_or(std::max(kOfMedian * noise, least_));
     has_budget_ = !options.length;
     if (has_budget_) unsure_ = kUnsure * noise;
-    z_ = Vec3::Unit(up_ == Up::x ? 0 : up_ == Up::y ? 1 : 2);
-    x_ = Vec3::Unit(up_ == Up::x ? 1 : 0);
+    if (!has_up()) return;
+    const Vec3 axis = Vec3::Unit(std::abs(z_.x()) < 0.9 ? 0 : 1);
+    x_ = (axis - z_.dot(axis) * z_).normalized();
     y_ = z_.cross(x_);
   }
 
@@ -77,47 +74,36 @@ class Regulariser {
     largest_first(left);
     std::erase_if(left, [&](std::int32_t r) { return regions_[r].scan.area <= 0; });
     const Some all = left;
-    if (up_ != Up::none) {
+    std::erase_if(left, [&](std::int32_t r) { return is_by_hand(r) || regions_[r].stays_free; });
+    if (has_up()) {
       take(left, Kind::level, [&](const Region&) { return z_; });
-      snap_upright(left);
+      snap_upright(left, all);
       snap_slopes(left);
     }
-    snap_parallel(left);
-    for (const std::int32_t r : all) regions_[r].offset = regions_[r].snapped.dot(regions_[r].scan.centre);
+    snap_parallel(left, all);
+    for (const std::int32_t r : all)
+      if (!is_by_hand(r)) regions_[r].offset = regions_[r].snapped.dot(regions_[r].scan.centre);
     align_offsets(all);
     if (has_budget_) release(all);
   }
 
   Partition result(const Partition& partition) const {
     Partition out = partition;
-    Regularity found;
-    const auto n = regions_.size();
-    out.region_offset.resize(n);
-    out.region_held.assign(n, 0);
-    double area = 0, before = 0, after = 0;
-    Some reps;
-    std::vector<Vec3> directions;
-    for (std::size_t i = 0; i < n; ++i) {
+    out.region_offset.resize(regions_.size());
+    out.region_held.assign(regions_.size(), 0);
+    Regularity found = summary_of({regions_.begin(), regions_.end()});
+    for (std::size_t i = 0; i < regions_.size(); ++i) {
       const Region& r = regions_[i];
       if (r.scan.area <= 0) continue;
-      const bool held = r.kind != Kind::free;
-      out.region_held[i] = held;
+      out.region_held[i] = r.stays_free              ? kPlaneFree
+                           : r.kind == Kind::by_hand ? kPlaneByHand
+                           : r.kind == Kind::free    ? 0
+                                                     : kPlaneSnapped;
       out.region_offset[i] = r.offset;
       out.region_normal[i] = r.snapped;
-      area += r.scan.area;
-      before += r.scan.area * squared(r, r.normal, r.normal.dot(r.scan.centre));
-      after += r.scan.area * squared(r, r.snapped, r.offset);
-      if (std::none_of(directions.begin(), directions.end(), [&](const Vec3& d) { return is_along(d, r.snapped); }))
-        directions.push_back(r.snapped);
-      if (std::none_of(reps.begin(), reps.end(), [&](std::int32_t p) { return is_one_plane(regions_[p], r); }))
-        reps.push_back(static_cast<std::int32_t>(i));
       count(found, r.kind);
     }
-    found.directions = static_cast<std::int32_t>(directions.size());
-    found.planes = static_cast<std::int32_t>(reps.size());
     found.length = length_;
-    found.rms_before = area > 0 ? std::sqrt(before / area) : 0;
-    found.rms = area > 0 ? std::sqrt(after / area) : 0;
     out.regularity = found;
     return out;
   }
@@ -140,29 +126,17 @@ class Regulariser {
       case Kind::parallel:
         ++found.parallel;
         break;
+      case Kind::by_hand:
+        ++found.by_hand;
+        break;
     }
-  }
-
-  static void fit(Region& r) {
-    const Vec3& mean = r.scan.normal;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(r.scan.spread);
-    const Vec3 n = solver.eigenvectors().col(0);
-    const bool is_thin = !(solver.eigenvalues()[0] <= kThin * solver.eigenvalues()[1]);
-    r.normal = is_thin || std::abs(n.dot(mean)) < kAgree ? mean : Vec3(n.dot(mean) < 0 ? -n : n);
-    r.snapped = r.normal;
-  }
-
-  /// Mean square distance of a region from a plane.
-  static double squared(const Region& r, const Vec3& n, double offset) {
-    const double d = n.dot(r.scan.centre) - offset;
-    return std::max(0.0, n.dot(r.scan.spread * n)) + d * d;
   }
 
   [[nodiscard]] double median_distance() const {
     std::vector<std::pair<double, double>> all;  // distance, area
     double area = 0;
     for (const Region& r : regions_) {
-      all.emplace_back(std::sqrt(squared(r, r.normal, r.normal.dot(r.scan.centre))), r.scan.area);
+      all.emplace_back(std::sqrt(squared_distance(r, r.normal, r.best_offset())), r.scan.area);
       area += r.scan.area;
     }
     std::sort(all.begin(), all.end());
@@ -172,10 +146,8 @@ class Regulariser {
     return 0;
   }
 
-  static bool is_along(const Vec3& a, const Vec3& b) { return a.cross(b).norm() <= kSame; }
-  static bool is_one_plane(const Region& a, const Region& b) {
-    return (a.snapped - b.snapped).norm() <= kSame && std::abs(a.offset - b.offset) <= kSame * (1 + std::abs(a.offset));
-  }
+  [[nodiscard]] bool has_up() const { return z_.squaredNorm() > 0; }
+  [[nodiscard]] bool is_by_hand(std::int32_t r) const { return regions_[r].kind == Kind::by_hand; }
 
   /// What turning a plane about its middle adds to the root mean square distance of its region.
   [[nodiscard]] double added(const Region& r, const Vec3& n) const {
@@ -293,7 +265,8 @@ class Regulariser {
     return nearest(std::atan2(n.y(), n.x()), first);
   }
 
-  void snap_upright(Some& left) {
+  /// \param all  those set by hand among them lead
+  void snap_upright(Some& left, const Some& all) {
     Some upright, rest;
     for (const std::int32_t r : left) {
       const Vec3& n = regions_[r].normal;
@@ -308,6 +281,11 @@ class Regulariser {
       const double fitted = fitted_frame(took, frame);
       return retake(took, upright, Kind::upright, along(fitted)) ? fitted : frame;
     };
+    for (const std::int32_t lead : all) {
+      if (!is_by_hand(lead) || std::abs(regions_[lead].snapped.dot(z_)) > kSame) continue;
+      frames_.push_back(azimuth(regions_[lead].snapped));
+      take(upright, Kind::upright, along(frames_.back()));
+    }
     for (int k = 0; k < kFrames && !upright.empty(); ++k) {
       const std::size_t before = upright.size();
       const double frame = take_along(vote(upright));
@@ -383,7 +361,9 @@ class Regulariser {
     return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(sum).eigenvectors().col(0);
   }
 
-  void snap_parallel(Some& left) {
+  void snap_parallel(Some& left, const Some& all) {
+    for (const std::int32_t lead : all)
+      if (is_by_hand(lead)) take(left, Kind::parallel, [&](const Region&) { return regions_[lead].snapped; });
     while (!left.empty()) {
       const std::int32_t first = left[0];
       Vec3 n = regions_[first].normal;
@@ -397,8 +377,9 @@ class Regulariser {
     }
   }
 
-  /// Regions of one direction whose planes are nearly one get one plane.
-  void align_offsets(const Some& all) {
+  /// Regions of one direction whose planes are nearly one get one plane, that of one set by hand if there is one.
+  void align_offsets(Some all) {
+    std::stable_partition(all.begin(), all.end(), [&](std::int32_t r) { return is_by_hand(r); });
     std::vector<bool> done(regions_.size(), false);
     for (const std::int32_t lead : all) {
       if (done[lead] || regions_[lead].kind == Kind::free) continue;
@@ -406,7 +387,7 @@ class Regulariser {
       Some group;
       for (const std::int32_t r : all) {
         const Region& other = regions_[r];
-        const bool same = !done[r] && other.kind != Kind::free &&
+        const bool same = !done[r] && other.kind != Kind::free && (r == lead || !is_by_hand(r)) &&
                           (other.snapped - regions_[lead].snapped).norm() <= kSame &&
                           std::abs(other.offset - regions_[lead].offset) < length_ + unsure(other);
         if (!same) continue;
@@ -414,9 +395,10 @@ class Regulariser {
         sum += other.scan.area * other.offset;
         area += other.scan.area;
       }
+      const double offset = is_by_hand(lead) ? regions_[lead].offset : sum / area;
       for (const std::int32_t r : group) {
         regions_[r].snapped = regions_[lead].snapped;
-        regions_[r].offset = sum / area;
+        regions_[r].offset = offset;
         done[r] = true;
       }
     }
@@ -424,18 +406,20 @@ class Regulariser {
 
   /// Releases the planes that add most to the error, until all together add no more than kMostAdded.
   void release(const Some& all) {
-    double before = 0, now = 0;
+    double before = 0, now = 0, area = 0;
     std::vector<std::pair<double, std::int32_t>> order;
     for (const std::int32_t i : all) {
       const Region& r = regions_[i];
-      const double best = r.scan.area * squared(r, r.normal, r.normal.dot(r.scan.centre)),
-                   snapped = r.scan.area * squared(r, r.snapped, r.offset);
+      if (is_by_hand(i)) continue;  // a person answers for it
+      area += r.scan.area;
+      const double best = r.scan.area * squared_distance(r, r.normal, r.best_offset()),
+                   snapped = r.scan.area * squared_distance(r, r.snapped, r.offset);
       before += best;
       now += snapped;
       if (r.kind != Kind::free) order.emplace_back(best - snapped, i);
     }
     std::sort(order.begin(), order.end());
-    const double most = (1 + kMostAdded) * (1 + kMostAdded) * before;
+    const double most = (1 + kMostAdded) * (1 + kMostAdded) * std::max(before, area * least_ * least_);
     for (const auto& [less, i] : order) {
       if (now <= most) return;
       now += less;
@@ -445,23 +429,25 @@ class Regulariser {
   }
 
   const double angle_;
-  const Up up_;
   bool has_budget_ = false;  // else each plane's own length is the only bound
   double length_ = 0, unsure_ = 0;
-  Vec3 x_, y_, z_;
+  double least_ = 0;  // what counts as no distance
+  Vec3 z_;            // up; zero: none
+  Vec3 x_, y_;
   std::vector<Region> regions_;
   std::vector<double> frames_;
 };
 
 }  // namespace
 
-Partition regularise(const Mesh& mesh, const Partition& partition, const RegulariseOptions& options, Job& job) {
+Partition regularise(const Mesh& mesh, const Partition& partition, const RegulariseOptions& options, Job& job,
+                     const std::optional<Vec3>& up_direction) {
   check_fields(options);
-  if (partition.face_region.size() != static_cast<std::size_t>(mesh.face_count()))
-    throw InvalidInput("the partition has labels for " + std::to_string(partition.face_region.size()) +
-                       " faces, but the mesh has " + std::to_string(mesh.face_count()));
+  check_is_of(mesh, partition);
+  const Vec3 axes[] = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ(), Vec3::Zero()};
+  const Vec3 up = up_direction ? unit_up(*up_direction) : axes[static_cast<int>(options.up)];
   Job::Part whole(job, "regularising", 0.0, 1.0);
-  Regulariser regulariser(mesh, partition, options);
+  Regulariser regulariser(mesh, partition, options, up);
   job.report(0.5);
   regulariser.run();
   job.poll();

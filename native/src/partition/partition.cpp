@@ -50,6 +50,13 @@ void restate_error(const FaceGraph& graph, Partition& part) {
   part.history = {part.error};
 }
 
+void check_is_of(const Mesh& mesh, const Partition& partition) {
+  if (partition.face_region.size() != static_cast<std::size_t>(mesh.face_count()))
+    throw InvalidInput("the partition has " + std::to_string(partition.face_region.size()) +
+                       " faces and the mesh has " + std::to_string(mesh.face_count()) +
+                       ": it was made for another mesh");
+}
+
 Partition partition_from(const Surface& surface, std::span<const std::int32_t> face_region, Job& job) {
   const FaceGraph& graph = surface.graph();
   if (face_region.size() != static_cast<std::size_t>(graph.size()))

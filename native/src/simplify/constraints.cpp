@@ -4,7 +4,6 @@
 #include <string>
 #include <utility>
 
-#include "check_is_of.h"
 #include "isimp/core/errors.h"
 #include "isimp/mesh/clean.h"
 #include "parts.h"

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "check_is_of.h"
 #include "find_edge.h"
 #include "isimp/simplify/constraints.h"
 

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "boxes.h"
-#include "check_is_of.h"
 #include "exact_sums.h"
 #include "isimp/core/errors.h"
 #include "isimp/core/threads.h"

@@ -184,6 +184,23 @@ void lock_as(Partition& part, const Partition& before) {
   if (std::ranges::count(part.region_locked, 0) == part.region_count()) part.region_locked.clear();
 }
 
+/// Holds the planes of the regions that stay as they were.
+void hold_as(Partition& part, const Partition& before, bool all_stay) {
+  if (before.region_held.empty()) return;
+  part.region_offset.resize(part.region_seed.size());
+  part.region_held.assign(part.region_seed.size(), 0);
+  for (std::size_t r = 0; r < part.region_seed.size(); ++r) {
+    const std::int32_t region = before.face_region[part.region_seed[r]];
+    const bool is_locked = region != kNone && !before.region_locked.empty() && before.region_locked[region] != 0;
+    if (region == kNone || !(all_stay || is_locked)) continue;
+    if (part.region_sum[r].faces != before.region_sum[region].faces) continue;  // some of its faces were split off
+    part.region_held[r] = before.region_held[region];
+    if (!before.is_held(region)) continue;
+    part.region_normal[r] = before.region_normal[region];
+    part.region_offset[r] = before.region_offset[region];
+  }
+}
+
 }  // namespace
 
 Partition Partitioner::on_part(const Surface& surface, std::span<const std::int32_t> open,
@@ -209,7 +226,9 @@ Partition Partitioner::on_part(const Surface& surface, std::span<const std::int3
   const std::int32_t first = *std::ranges::max_element(labels) + 1;
   for (std::size_t k = 0; k < face.size(); ++k) labels[face[k]] = first + split.face_region[k];
   Partition result = partition_from(surface, labels, job);
-  if (constraints.before != nullptr) lock_as(result, *constraints.before);
+  if (constraints.before == nullptr) return result;
+  lock_as(result, *constraints.before);
+  hold_as(result, *constraints.before, constraints.faces.has_value());
   return result;
 }
 

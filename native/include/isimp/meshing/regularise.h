@@ -39,13 +39,16 @@ constexpr auto fields(const RegulariseOptions*) {
 
 /// Snaps the planes of regions: level, upright with right angles between them, equal slopes, parallel, coplanar. Large
 /// regions lead; then the planes of a group are fitted to all of its regions by least squares. Each snap is made only if
-/// the scan stays within `length` of the plane. The labels do not change; `polygonize` keeps to the planes.
+/// the scan stays within `length` of the plane. The labels do not change; `polygonize` keeps to the planes. Planes that
+/// `align_planes` has set stay as they are, and others are snapped to them first.
 ///
+/// \param up_direction  what points up, in place of options.up
 /// \return the partition with region_normal, region_offset, region_held and regularity set
-/// \throws InvalidInput  the partition is not one of this mesh; an option out of its range
+/// \throws InvalidInput  the partition is not one of this mesh; an option out of its range; up_direction has no direction
 /// \throws Cancelled     nothing was made
 /// Source: the order of snaps as in Verdie, Lafarge, Alliez 2015; the gate by length is our own.
 /// Cost: O(F + R^2).
-Partition regularise(const Mesh& mesh, const Partition& partition, const RegulariseOptions& options, Job& job);
+Partition regularise(const Mesh& mesh, const Partition& partition, const RegulariseOptions& options, Job& job,
+                     const std::optional<Vec3>& up_direction = {});
 
 }  // namespace isimp

@@ -20,11 +20,17 @@ struct Regularity {
   std::int32_t directions = 0;  ///< of all regions' planes, opposite ones counted once
   std::int32_t planes = 0;      ///< that differ
   std::int32_t level = 0, upright = 0, slopes = 0, parallel = 0, free = 0;  ///< regions by what they were snapped to
+  std::int32_t by_hand = 0;                                                 ///< set by align_planes
   double length = 0;      ///< what a snap may add to the distance of a region from its plane, root mean square
   double rms_before = 0;  ///< distance of the scan from the regions' planes of best fit, root mean square ...
   double rms = 0;         ///< ... and from those snapped
   bool operator==(const Regularity&) const = default;
 };
+
+/// Values of Partition::region_held.
+constexpr std::uint8_t kPlaneSnapped = 1;  ///< snapped by `regularise`
+constexpr std::uint8_t kPlaneByHand = 2;   ///< set by `align_planes`, which `regularise` keeps
+constexpr std::uint8_t kPlaneFree = 3;     ///< let go by `align_planes`: not held, and `regularise` leaves it free
 
 /// A surface split into connected, near-planar regions.
 struct Partition {
@@ -56,13 +62,19 @@ struct Partition {
   std::vector<std::uint8_t>
       region_locked;  ///< (R) 1 where edits leave a region as it is; empty: none (interact/lock.h)
 
-  /// (R) 1 where the plane of region_normal and region_offset is given, for polygons to keep to; empty: none
+  /// (R) kPlaneSnapped or kPlaneByHand where polygons keep to the plane of region_normal and region_offset, kPlaneFree
+  /// where they never do, else 0; empty: all 0
   std::vector<std::uint8_t> region_held;
   std::optional<Regularity> regularity;  ///< where it was regularised and not edited since
 
-  [[nodiscard]] bool is_held(std::int32_t region) const { return !region_held.empty() && region_held[region] != 0; }
+  [[nodiscard]] bool is_held(std::int32_t region) const {
+    return !region_held.empty() && (region_held[region] == kPlaneSnapped || region_held[region] == kPlaneByHand);
+  }
   [[nodiscard]] std::int32_t region_count() const { return static_cast<std::int32_t>(region_seed.size()); }
 };
+
+/// \throws InvalidInput  the partition is of another number of faces
+void check_is_of(const Mesh& mesh, const Partition& partition);
 
 /// A partition with regions that are known: from elsewhere, or put together from several.
 ///
