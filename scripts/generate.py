@@ -73,7 +73,8 @@ def with_classes(text: str) -> str:
 def data() -> str:
     """The table as the add-on has it."""
     text = HEAD
-    tables = {"MESHING": engine.MeshingOptions, "PARTITION": engine.PartitionOptions, "TEXTURE": engine.TextureOptions}
+    tables = {"MESHING": engine.MeshingOptions, "PARTITION": engine.PartitionOptions}
+    tables |= {"REGULARISE": engine.RegulariseOptions, "TEXTURE": engine.TextureOptions}
     for name, kind in tables.items():
         text += f"\n{name}: dict[str, Option] = {{\n"
         for field in kind.fields():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -47,6 +48,7 @@ def with_regions(prepared: Prepared, partition, kept: np.ndarray | None, numbers
     color = view.assign_colors(partition.region_count, pairs, kept)
     known = {"regions": partition.region_count, "error": partition.error, "left_out": int((face_region < 0).sum())}
     known["locked"] = int(np.count_nonzero(partition.region_locked))
+    known |= planes_known(partition)
     return Outcome(face_region, color, border, partition, numbers=known | numbers, closing=prepared.closing)
 
 
@@ -173,6 +175,70 @@ def _apply_lock(step: rcp.LockRegions, prepared, before, watch, begin, end) -> O
     return with_regions(prepared, partition, before.region_color, {})
 
 
+def _up(step: rcp.Regularise | rcp.AlignPlanes, prepared, before) -> np.ndarray | None:
+    """(3,) what points up, in the scan's space; None: nothing does."""
+    if step.up == "none":
+        return None
+    if step.up == "region":
+        if step.face < 0:
+            raise ValueError(said("no region says what is up: select a face and press Regularise"))
+        partition = before.partition
+        region = int(partition.face_region[triangle_at(prepared, step.face)])
+        if region < 0:
+            raise ValueError(said("the region that says what is up was left out: select another face"))
+        return engine.region_fits(prepared.mesh, partition)[0][region]
+    if step.up == "scene":
+        return np.array(step.direction or (0.0, 0.0, 1.0))
+    return np.eye(3)["xyz".index(step.up)]
+
+
+def _apply_regularise(step: rcp.Regularise, prepared, before, watch, begin, end) -> Outcome:
+    before = _needs_regions(before)
+    up = _up(step, prepared, before)
+    options = engine.RegulariseOptions(
+        angle=step.angle, length=step.length or None, up="z" if up is not None else "none"
+    )
+    snap = partial(engine.regularise, up_direction=up)
+    args = (prepared.mesh, before.partition, options)
+    return _with_planes(before, engine_call(watch, begin, end, "regularising", snap, *args))
+
+
+def _apply_align(step: rcp.AlignPlanes, prepared, before, watch, begin, end) -> Outcome:
+    before = _needs_regions(before)
+    up = _up(step, prepared, before)
+    if up is None:
+        if step.to in ("level", "upright"):
+            raise ValueError(said("nothing is level or upright, as there is no up: choose what points up"))
+        up = np.array([0.0, 0.0, 1.0])
+    faces = np.array([triangle_at(prepared, face) for face in step.faces])
+    align = partial(engine.align_planes, length=step.length or None)
+    args = (prepared.mesh, before.partition, faces, step.to, up)
+    return _with_planes(before, engine_call(watch, begin, end, "aligning planes", align, *args))
+
+
+def _with_planes(before: Outcome, partition) -> Outcome:
+    """The same regions with other planes."""
+    known = {name: before.numbers[name] for name in ("regions", "error", "left_out", "locked")}
+    return replace(
+        before,
+        partition=partition,
+        polygons=None,
+        region_distance=None,
+        made=None,
+        numbers=known | planes_known(partition),
+    )
+
+
+def planes_known(partition) -> dict:
+    """How many regions have a plane that polygons keep to, and what `engine.Partition.regularity` tells."""
+    held, found = np.asarray(partition.region_held), partition.regularity
+    known = {"held": int(((held == 1) | (held == 2)).sum())}
+    if found is not None:
+        known |= {name: found[name] for name in ("planes", "directions")}
+        known["planes_add"] = max(0.0, found["rms_added"])
+    return known if known["held"] or found is not None else {}
+
+
 def _apply_texture(step: rcp.Texture, prepared, before, watch, begin, end) -> Outcome:
     """The images are the object's, and no part of the scan's arrays: `Session.texture` makes it from them."""
     if before is None or before.polygons is None:
@@ -244,18 +310,22 @@ def _mesh_numbers(found, regions: Outcome, away: np.ndarray) -> dict:
     polygons, report = found.polygons, found.report
     names = ("regions", "error", "left_out")
     more = ("closed", "manifold", "planarity_max", "planarity_mean", "scan_distance", "scan_distance_allowed")
-    numbers = {name: regions.numbers[name] for name in names} | {
-        "polygons": len(polygons.loop_start),
-        "corners": len(polygons.loops),
-        "vertices": len(polygons.vertices),
-        **{name: report[name] for name in more if name in report},
-        "flaws": flaws(report),
-        "split": {name: report[name] for name in report if name.startswith("split_for_")}
+    numbers = (
+        {name: regions.numbers[name] for name in names}
+        | planes_known(regions.partition)
         | {
-            "cut_to_be_planar": report.get("faces_added", 0),
-            "without_area": regions.numbers["regions"] - report["regions"],
-        },
-    }
+            "polygons": len(polygons.loop_start),
+            "corners": len(polygons.loops),
+            "vertices": len(polygons.vertices),
+            **{name: report[name] for name in more if name in report},
+            "flaws": flaws(report),
+            "split": {name: report[name] for name in report if name.startswith("split_for_")}
+            | {
+                "cut_to_be_planar": report.get("faces_added", 0),
+                "without_area": regions.numbers["regions"] - report["regions"],
+            },
+        }
+    )
     known = away[np.isfinite(away)]
     if len(known):
         numbers |= {"away_mean": float(known.mean()), "away_max": float(known.max())}
@@ -284,6 +354,8 @@ APPLY = {
     rcp.SmoothFaces: _apply_smooth,
     rcp.LockRegions: _apply_lock,
     rcp.UnlockRegions: _apply_lock,
+    rcp.Regularise: _apply_regularise,
+    rcp.AlignPlanes: _apply_align,
     rcp.Texture: _apply_texture,
     **dict.fromkeys(_EDITS, _apply_edit),
 }

@@ -195,6 +195,28 @@ PARTITION: dict[str, Option] = {
     ),
 }
 
+REGULARISE: dict[str, Option] = {
+    "angle": Option(
+        kind="float",
+        default=8.0,
+        words="in [0, 45]",
+        least=0.0,
+        most=45.0,
+    ),
+    "length": Option(
+        kind="float",
+        default=None,
+        words="a finite length above 0",
+        least=0.0,
+        above_least=True,
+    ),
+    "up": Option(
+        kind="str",
+        default="z",
+        choices=("x", "y", "z", "none"),
+    ),
+}
+
 TEXTURE: dict[str, Option] = {
     "size": Option(
         kind="int",

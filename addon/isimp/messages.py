@@ -7,6 +7,7 @@ not import Blender.
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from typing import Any
 
 from . import recipe as rcp
@@ -155,6 +156,14 @@ _REASONS = (
         r"faces? .* are in one region: there is nothing to merge",
         own("this is one region: there is nothing to merge"),
     ),
+    (
+        r"the region of face \d+ is square to the plane that it should have",
+        own("this region is at right angles to the plane that it should have"),
+    ),
+    (
+        r"all faces are in one .*",
+        own("this is one region: select faces of two or more"),
+    ),
     (r"the line does not cut the region of face \d+.*", own("the line does not cross this region")),
     (
         r"there is nothing to paint: no face was given that is not locked or of the region already",
@@ -171,13 +180,21 @@ _REASONS = (
 )
 
 
-def reason(told: str) -> str:
-    """A reason of the engine in the words of the panel."""
+def plain(value: float) -> str:
+    return f"{value:.4g}"
+
+
+def reason(told: str, length: Callable[[float], str] = plain) -> str:
+    """A reason of the engine in the words of the panel. length: the text of a length."""
     told = told.rstrip(".")
     found = re.search(r"proxies must be in \[1, (\d+)\], got (-?\d+)", told)
     if found:
         most = count(int(found[1]), "region")
         return said("at most {regions} are possible, one for each triangle", regions=most)
+    found = re.search(r"the region of face \d+ needs ([\d.e+-]+), allowed ([\d.e+-]+)$", told)
+    if found:
+        needed, allowed = (length(float(number)) for number in found.groups())
+        return said("this region needs {needed}, allowed {allowed}", needed=needed, allowed=allowed)
     for pattern, words in _REASONS:
         found = re.search(pattern, told)
         if found:
@@ -185,9 +202,9 @@ def reason(told: str) -> str:
     return told.replace("proxies", "regions").replace("proxy", "region")
 
 
-def failed(error: StepFailed, names_step: bool) -> str:
+def failed(error: StepFailed, names_step: bool, length: Callable[[float], str] = plain) -> str:
     """Why a step failed. names_step: the user looks at the list of steps, or does not know which one it was."""
-    why = reason(error.reason)
+    why = reason(error.reason, length)
     if names_step:
         return said("Step {number}, {step}: {why}", number=error.index + 1, step=line(error.step), why=why)
     return why[:1].upper() + why[1:]
@@ -210,12 +227,21 @@ _LINES = {
     rcp.CutRegion: own("Cut a region"),
     rcp.Improve: own("Improve"),
     rcp.EvenBorders: own("Even out all borders"),
+    rcp.Regularise: own("Regularise"),
     rcp.Mesh: own("Mesh"),
     rcp.Texture: own("Keep Texture"),
 }
 _OF_FACES = {
     rcp.EraseFaces: own("Erase {faces} from a region"),
     rcp.SmoothFaces: own("Smooth the borders in {faces}"),
+}
+_OF_PLANES = {
+    "level": own("Make {regions} level"),
+    "upright": own("Make {regions} upright"),
+    "parallel": own("Make {regions} parallel"),
+    "perpendicular": own("Make {regions} perpendicular"),
+    "coplanar": own("Make {regions} coplanar"),
+    "free": own("Free {regions}"),
 }
 _OF_TIMES = {
     rcp.AddWorst: own("Add {number} at the largest error"),
@@ -233,6 +259,8 @@ def line(step: rcp.Step) -> str:
     faces = len(getattr(step, "faces", ()))
     if type(step) in _OF_FACES:
         return said(_OF_FACES[type(step)], faces=count(faces, "face"))
+    if isinstance(step, rcp.AlignPlanes):
+        return said(_OF_PLANES[step.to], regions=count(faces, "region"))
     if type(step) in _OF_TIMES:
         return said(_OF_TIMES[type(step)], number=f"{step.times:,}")
     if isinstance(step, rcp.PaintFaces):
@@ -271,6 +299,7 @@ STAGES = (
     own("Adding"),
     own("Adding a region"),
     own("Adding regions"),
+    own("Aligning planes"),
     own("Baking"),
     own("Carrying back"),
     own("Cleaning"),

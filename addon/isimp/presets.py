@@ -19,10 +19,12 @@ class Preset:
     about: str
     partition: rcp.Partition
     mesh: rcp.Mesh
+    regularise: rcp.Regularise | None = None  #: how planes are snapped before Mesh; None: they are not
 
     @property
     def recipe(self) -> rcp.Recipe:
-        return rcp.Recipe((self.partition, self.mesh))
+        steps = (self.partition, self.regularise, self.mesh)
+        return rcp.Recipe(tuple(step for step in steps if step is not None))
 
 
 PRESETS = (
@@ -36,16 +38,18 @@ PRESETS = (
     Preset(
         "building",
         "Photogrammetry building",
-        "One building or room: large planes with straight edges and noise",
+        "One building or room: large planes with straight edges and noise; planes become regular",
         rcp.Partition(count_by="detail", detail=0.0025, adaptivity=0.0),
-        rcp.Mesh(flatten=60),
+        rcp.Mesh(flatten=60, planar=True),
+        rcp.Regularise(),
     ),
     Preset(
         "city",
         "Drone / city tile",
-        "Roofs, walls and ground from the air: few large triangles, many small loose parts",
+        "Roofs, walls and ground from the air: few large triangles, many small loose parts; planes become regular",
         rcp.Partition(count_by="detail", detail=0.0025, noise=0.0, adaptivity=0.0, leave_out=0.0005),
-        rcp.Mesh(flatten=60),
+        rcp.Mesh(flatten=60, planar=True),
+        rcp.Regularise(),
     ),
     Preset(
         "cad",

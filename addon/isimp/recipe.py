@@ -13,9 +13,10 @@ from typing import Any
 
 from .checks import RecipeError, check, short
 from .language import own, said
+from .plane_steps import ALIGNMENTS, UPS, AlignPlanes, Regularise
+from .step import KINDS, Step, engine_options
 from .steps import (
     COUNTS,
-    KINDS,
     MARKS,
     METHODS,
     MOST_ROUNDS,
@@ -38,22 +39,23 @@ from .steps import (
     ShrinkRegion,
     SmoothFaces,
     SplitRegion,
-    Step,
     Texture,
     UnlockRegions,
-    engine_options,
     step_from_dict,
 )
 
 __all__ = [
+    "ALIGNMENTS",
     "COUNTS",
     "KINDS",
     "MARKS",
     "METHODS",
     "MOST_ROUNDS",
     "SEEDINGS",
+    "UPS",
     "AddProxy",
     "AddWorst",
+    "AlignPlanes",
     "CutRegion",
     "DeleteLeast",
     "DeleteProxy",
@@ -69,6 +71,7 @@ __all__ = [
     "Partition",
     "Recipe",
     "RecipeError",
+    "Regularise",
     "ShrinkRegion",
     "SmoothFaces",
     "SplitRegion",
@@ -91,7 +94,8 @@ class Recipe:
     def then(self, step: Step) -> Recipe:
         """The recipe with one more step, in place of a Mesh step at its end and its texture.
 
-        A partition of all faces replaces the steps after the last lock.
+        A partition of all faces replaces the steps after the last lock. Regularise replaces an earlier one, unless
+        planes were set by hand after it, as these may follow those that it has snapped.
         """
         if isinstance(step, Texture):
             return Recipe((*self._without(Texture).steps, step))
@@ -100,6 +104,9 @@ class Recipe:
             steps = steps[: self._last_lock() + 1]
         elif isinstance(step, Partition) and steps and getattr(steps[-1], "faces", ()) == step.faces:
             steps = steps[:-1] if isinstance(steps[-1], Partition) else steps  # the same part once more
+        elif isinstance(step, Regularise):
+            hand = max((k for k, old in enumerate(steps) if isinstance(old, AlignPlanes)), default=-1)
+            steps = tuple(old for k, old in enumerate(steps) if k < hand or not isinstance(old, Regularise))
         return Recipe((*steps, step))
 
     def _last_lock(self) -> int:
@@ -141,6 +148,11 @@ class Recipe:
         """The last partition of all faces, which says what openings are closed, and its index; (-1, None) if none."""
         found = [(index, step) for index, step in self.active() if isinstance(step, Partition) and not step.faces]
         return found[-1] if found else (-1, None)
+
+    def regularised(self, step: Regularise) -> Recipe:
+        """The recipe with planes snapped at its end; as it is if they are already."""
+        active = self.without_mesh().active()
+        return self if active and isinstance(active[-1][1], Regularise) else self.then(step)
 
     def moved(self, index: int, to: int) -> Recipe:
         """The recipe with one of its steps at another place."""

@@ -58,6 +58,7 @@ class Session:
         self._meshes = Cache(budget)
         self._outcomes = Cache(budget)
         self._parts = Cache(0)  # the last one alone
+        self._fits: tuple = (None, ())  # of the last partition
 
     def replay(self, scan: Scan, recipe: rcp.Recipe, watch: Watch | None = None) -> Outcome:
         """The outcome of the recipe on the scan.
@@ -153,6 +154,12 @@ class Session:
         """
         prepared = self._prepared(scan, outcome)
         return engine.region_statistics(prepared.mesh, outcome.partition, triangle_at(prepared, face))
+
+    def region_fits(self, scan: Scan, outcome: Outcome) -> tuple:
+        """The result of `engine.region_fits` for an outcome; kept for the last one."""
+        if self._fits[0] is not outcome.partition:
+            self._fits = outcome.partition, engine.region_fits(self._prepared(scan, outcome).mesh, outcome.partition)
+        return self._fits[1]
 
     def locked_regions(self, scan: Scan, recipe: rcp.Recipe, watch: Watch | None = None) -> np.ndarray:
         """The numbers of the regions that the recipe leaves locked. Raises ValueError or Stopped."""

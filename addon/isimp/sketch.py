@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from . import recipe as rcp
-from . import view
+from . import regularity, view
 from .session import Scan, Session, StepFailed
 from .task import Watch
 
@@ -34,6 +34,8 @@ class Sketch:
     heat: np.ndarray = field(default_factory=lambda: np.empty((0, 4), np.float32))
     #: (3 T, 4) the same by the distance of the scan from their polygon
     away: np.ndarray = field(default_factory=lambda: np.empty((0, 4), np.float32))
+    #: (3 T, 4) the same by the direction of their region's plane
+    directions: np.ndarray = field(default_factory=lambda: np.empty((0, 4), np.float32))
     #: the numbers of the polygons, as Mesh reports them
     numbers: dict = field(default_factory=dict)
     #: (2 E, 3) the edges of defective polygons
@@ -105,9 +107,18 @@ def heat_colors(share: np.ndarray) -> np.ndarray:
 
 
 def draw(
-    session: Session, scan: Scan, face_region: np.ndarray, recipe: rcp.Recipe, meshing: rcp.Mesh | None, watch: Watch
+    session: Session,
+    scan: Scan,
+    face_region: np.ndarray,
+    recipe: rcp.Recipe,
+    meshing: rcp.Mesh | None,
+    watch: Watch,
+    regularise: rcp.Regularise | None = None,
 ) -> Sketch:
-    """The sketch of regions, and of the polygons that the recipe would give; None: no polygons. Raises Stopped."""
+    """The sketch of regions, and of the polygons that the recipe would give. Raises Stopped.
+
+    meshing: how polygons are made; None: there are none. regularise: how planes are snapped before.
+    """
     prepared = session.prepare(scan, watch, 0.0, 0.1)  # its scan is the one whose edges are kept
     origin = prepared.mesh.origin
     lines = borders(prepared.scan, view.border_pairs(face_region, prepared.face_pairs), origin)
@@ -115,7 +126,8 @@ def draw(
     if meshing is None:
         return Sketch(lines, locked=locked, origin=origin)
     try:
-        made = session.replay(scan, recipe.then(meshing), watch)
+        before = recipe if regularise is None else recipe.regularised(regularise)
+        made = session.replay(scan, before.then(meshing), watch)
     except StepFailed as error:
         return Sketch(lines, locked=locked, reason=error.reason, origin=origin)
     polygons = made.polygons
@@ -132,11 +144,22 @@ def draw(
         vertices[triangles.ravel()],
         heat_colors(np.repeat(share[of], 3)),
         heat_colors(np.repeat(far[of], 3)),
+        np.repeat(_direction_colors(session, scan, made)[np.asarray(polygons.polygon_region)[of]], 3, axis=0),
         made.numbers,
         vertices[edges_of(defective, loops, start).ravel()],
         locked,
         origin=origin,
     )
+
+
+def _direction_colors(session: Session, scan: Scan, made) -> np.ndarray:
+    """(R, 4) those of the regions of an outcome."""
+    partition, held = made.partition, made.partition.region_held
+    count = partition.region_count
+    is_held = (held == 1) | (held == 2) if len(held) else np.zeros(count, bool)
+    offset = partition.region_offset if len(partition.region_offset) else np.zeros(count)
+    area = session.region_fits(scan, made)[3]
+    return regularity.direction_colors(np.asarray(partition.region_normal), np.asarray(offset), is_held, area)
 
 
 def triangles_of(scan: Scan, face_region: np.ndarray, regions: np.ndarray, origin) -> np.ndarray:

@@ -15,7 +15,8 @@ from typing import Any
 from .checks import RecipeError, check, check_choice, check_face, check_options, indices, must, numbers, short
 from .engine_options import MESHING, PARTITION, TEXTURE
 from .language import own, said
-from .option import Option
+from .plane_steps import AlignPlanes, Regularise
+from .step import KINDS, Step, count_faces, engine_options
 
 METHODS = PARTITION["method"].choices
 #: settings that give the number of regions, and their defaults
@@ -28,36 +29,6 @@ SEEDINGS = PARTITION["seeding"].choices
 MOST_ROUNDS = 1000  #: of smoothing; by far fewer, borders no longer move
 _LARGEST = (1 << 31) - 1  # of the engine's whole numbers, but for seeds
 _LARGEST_SEED = (1 << 63) - 1
-
-
-def engine_options(step: Step, table: dict[str, Option]) -> dict[str, Any]:
-    """The settings of a step that are the engine's options, by the same names."""
-    return {field.name: getattr(step, field.name) for field in dataclasses.fields(step) if field.name in table}
-
-
-def _count(faces: tuple[int, ...]) -> str:
-    return f"face {faces[0]}" if len(faces) == 1 else f"{len(faces)} faces"
-
-
-@dataclass(frozen=True)
-class Step:
-    """Base of all steps: a step that is switched off has no effect."""
-
-    enabled: bool = dataclasses.field(default=True, kw_only=True)
-
-    @property
-    def kind(self) -> str:
-        return KINDS[type(self)]
-
-    def describe(self) -> str:
-        """The step's line in the list of steps."""
-        raise NotImplementedError
-
-    def to_dict(self) -> dict[str, Any]:
-        values = {"step": self.kind, **dataclasses.asdict(self)}
-        if self.enabled:
-            del values["enabled"]
-        return values
 
 
 @dataclass(frozen=True)
@@ -94,7 +65,7 @@ class Partition(Step):
     faces: tuple[int, ...] = ()  #: split only these; empty: all
 
     def __post_init__(self) -> None:
-        self._settle_count()
+        self._settlecount_faces()
         check_choice(self.count_by not in COUNTS, "count_by", ", ".join(COUNTS), self.count_by)
         options = engine_options(self, PARTITION)
         must(math.isfinite(options.pop("noise")), "noise", own("a length, or below 0"), self.noise)
@@ -122,7 +93,7 @@ class Partition(Step):
             places = places[:nearest] + places[nearest + 1 :]
         return dataclasses.replace(self, keep_openings=places)
 
-    def _settle_count(self) -> None:
+    def _settlecount_faces(self) -> None:
         given = [name for name in COUNTS if getattr(self, name) is not None]
         if not self.count_by:
             check(
@@ -140,7 +111,7 @@ class Partition(Step):
         return frozenset(marks | ({self.weights, self.borders} - {""}))
 
     def describe(self) -> str:
-        what = f"Partition {_count(self.faces)}" if self.faces else "Partition"
+        what = f"Partition {count_faces(self.faces)}" if self.faces else "Partition"
         if self.count_by == "proxies":
             return f"{what} into {self.proxies}"
         return f"{what} at {self.count_by} {getattr(self, self.count_by):.6g}"
@@ -236,7 +207,7 @@ class PaintFaces(Step):
 
     def describe(self) -> str:
         where = "a new region" if self.onto < 0 else f"the region at face {self.onto}"
-        return f"Paint {_count(self.faces)} into {where}" + (", locked" if self.lock else "")
+        return f"Paint {count_faces(self.faces)} into {where}" + (", locked" if self.lock else "")
 
 
 @dataclass(frozen=True)
@@ -249,7 +220,7 @@ class EraseFaces(Step):
         object.__setattr__(self, "faces", indices(self.faces))
 
     def describe(self) -> str:
-        return f"Erase {_count(self.faces)} from the region at face {self.faces[0]}"
+        return f"Erase {count_faces(self.faces)} from the region at face {self.faces[0]}"
 
 
 @dataclass(frozen=True)
@@ -264,7 +235,7 @@ class SmoothFaces(Step):
         must(1 <= self.rounds <= MOST_ROUNDS, "rounds", f"in [1, {MOST_ROUNDS:,}]", self.rounds)
 
     def describe(self) -> str:
-        return f"Smooth the borders in {_count(self.faces)}"
+        return f"Smooth the borders in {count_faces(self.faces)}"
 
 
 @dataclass(frozen=True)
@@ -300,7 +271,7 @@ class LockRegions(Step):
         object.__setattr__(self, "faces", indices(self.faces))
 
     def describe(self) -> str:
-        return f"Lock the regions at {_count(self.faces)}"
+        return f"Lock the regions at {count_faces(self.faces)}"
 
 
 @dataclass(frozen=True)
@@ -308,7 +279,7 @@ class UnlockRegions(LockRegions):
     """Allow later steps to change the regions of some faces again."""
 
     def describe(self) -> str:
-        return f"Unlock the regions at {_count(self.faces)}"
+        return f"Unlock the regions at {count_faces(self.faces)}"
 
 
 @dataclass(frozen=True)
@@ -399,7 +370,7 @@ class Texture(Step):
         return f"Texture {self.size:,}" if self.size else "Texture"
 
 
-KINDS = {
+KINDS |= {  # of all steps
     Partition: "partition",
     AddProxy: "add_proxy",
     DeleteProxy: "delete_proxy",
@@ -418,6 +389,8 @@ KINDS = {
     MergeCheapest: "merge_cheapest",
     Improve: "improve",
     EvenBorders: "even_borders",
+    Regularise: "regularise",
+    AlignPlanes: "align",
     Mesh: "mesh",
     Texture: "texture",
 }

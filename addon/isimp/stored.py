@@ -151,10 +151,11 @@ def _are_polygons(value: object) -> bool:
 _COUNTS = (
     *("regions", "regions_before", "asked", "left_out", "locked", "barriers", "barriers_inside", "failed"),
     *("polygons", "corners", "vertices", "triangles", "faces", "components", "border_loops", "kept_open"),
+    *("held", "planes", "directions"),
 )
 _NUMBERS = (
     *("error", "seconds", "diagonal", "planarity_max", "planarity_mean"),
-    *("scan_distance", "scan_distance_allowed", "away_mean", "away_max", "closed_below"),
+    *("scan_distance", "scan_distance_allowed", "away_mean", "away_max", "closed_below", "planes_add"),
 )
 _FITS = {
     **dict.fromkeys(_COUNTS, _is_count),
@@ -172,6 +173,7 @@ _TOGETHER = {
     "components": ("border_loops", "closed", "triangles", "faces"),
     "polygons": ("corners", "vertices", "planarity_mean", "planarity_max", "closed", "manifold", "regions"),
     "scan_distance": ("scan_distance_allowed",),
+    "planes": ("directions", "planes_add", "regions"),
     "away_max": ("away_mean",),
     "away_mean": ("away_max",),
     "failed": ("reason",),

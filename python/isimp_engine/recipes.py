@@ -5,6 +5,7 @@ in no file that the engine reads; a recipe with such a step is refused.
 """
 
 import json
+import math
 import reprlib
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,12 +19,14 @@ from ._core import (
     MeshingOptions,
     Partition,
     PartitionOptions,
+    RegulariseOptions,
     TextureOptions,
     add_worst,
     delete_least,
     even_borders,
     improve,
     merge_cheapest,
+    regularise,
 )
 
 VERSION = 1  #: of recipes, as the add-on writes them
@@ -43,6 +46,14 @@ class RecipeError(ValueError):
 
 
 @dataclass(frozen=True)
+class Regularise:
+    """A step that snaps planes."""
+
+    options: RegulariseOptions
+    up: tuple[float, float, float] | None  #: what points up, in place of options.up
+
+
+@dataclass(frozen=True)
 class Recipe:
     """What the steps of a recipe ask for."""
 
@@ -51,16 +62,25 @@ class Recipe:
     close_openings: bool  #: close those that the regions can't show,
     keep_openings: tuple[tuple[float, float, float], ...]  #: but for those at these places
     angle: float | None  #: no region crosses an edge that bends by more, in degrees
-    edits: tuple[tuple[str, float], ...]  #: steps after the partition, with their times or strength
+    #: steps after the partition, with their times or strength, or how planes are snapped
+    edits: tuple[tuple[str, float | Regularise], ...]
     meshing: dict[str, Any]  #: of MeshingOptions
     texture: int | None = None  #: keep the texture in an image of this size; 0: as dense as the scan's; None: do not
     ao: float | None = None  #: with ambient occlusion by faces up to this distance; 0: by all; None: without
     height: bool = False  #: with a height map
 
-    def edited(self, mesh: Mesh, part: Partition, job: Job | None = None) -> Partition:
-        """The partition after the steps that follow it."""
+    @property
+    def regular(self) -> Regularise | None:
+        """How planes are snapped last; None: they are not."""
+        found = [amount for _, amount in self.edits if isinstance(amount, Regularise)]
+        return found[-1] if found else None
+
+    def edited(self, mesh: Mesh, part: Partition, job: Job | None = None, *, regularised: bool = True) -> Partition:
+        """The partition after the steps that follow it. regularised: whether planes are snapped."""
         for kind, amount in self.edits:
-            if kind == "improve":
+            if isinstance(amount, Regularise):
+                part = regularise(mesh, part, amount.options, job, amount.up) if regularised else part
+            elif kind == "improve":
                 part = improve(mesh, part, job)
             elif kind == "even_borders":
                 part = even_borders(mesh, part, amount, job)
@@ -91,7 +111,7 @@ def parsed(values: Any) -> Recipe:
     partition: dict[str, Any] | None = None
     meshing: dict[str, Any] = {}
     meshed = False  # whether the step before makes polygons, or their texture
-    angle, edits, closing, texture, ao, height = None, list[tuple[str, float]](), True, None, None, False
+    angle, edits, closing, texture, ao, height = None, list[tuple[str, float | Regularise]](), True, None, None, False
     keep: tuple[tuple[float, float, float], ...] = ()
     for number, step in enumerate(values["steps"], 1):
         try:
@@ -172,9 +192,11 @@ def _partition(settings: dict[str, Any]) -> tuple[dict[str, Any], float | None]:
     return _checked(PartitionOptions, settings), angle if angle < 180 else None
 
 
-def _edit(kind: str, settings: dict[str, Any], is_first: bool) -> tuple[str, float]:
+def _edit(kind: str, settings: dict[str, Any], is_first: bool) -> tuple[str, float | Regularise]:
     if is_first:
         raise RecipeError("there are no regions yet: a partition step must come first")
+    if kind == "regularise":
+        return kind, _regularise(settings)
     if kind not in ("improve", "even_borders") and kind not in _EDITS:
         raise RecipeError(f"'{kind}' names faces of one scan, which other scans do not have; switch it off")
     strength = settings.pop("strength", 1.0) if kind == "even_borders" else 1.0
@@ -186,6 +208,42 @@ def _edit(kind: str, settings: dict[str, Any], is_first: bool) -> tuple[str, flo
     if isinstance(times, bool) or not isinstance(times, int) or times < 1:
         raise RecipeError(f"times must be a whole number, at least 1, got {times!r}")
     return kind, float(strength) if kind == "even_borders" else times
+
+
+def _regularise(settings: dict[str, Any]) -> Regularise:
+    """How a step snaps planes."""
+    up, given = settings.pop("up", "scene"), settings.pop("direction", [])
+    if up == "region":
+        raise RecipeError("takes up from a region of one scan, which other scans do not have; choose an axis")
+    settings.pop("face", -1)  # of that region
+    length = settings.pop("length", 0)
+    direction = _direction(given) if up == "scene" and given != [] else None
+    up = "z" if up == "scene" else up
+    for field in RegulariseOptions.fields():
+        value = {"length": length or None, **settings}.get(field["name"])
+        if "least" in field and value is not None and not _is_in(value, field):
+            raise RecipeError(f"{field['name']} must be {field['range']}, got {value!r}")
+    options = _checked(RegulariseOptions, settings | {"up": up, "length": None if length == 0 else length})
+    return Regularise(RegulariseOptions(**options), direction)
+
+
+def _is_in(value: Any, field: dict[str, Any]) -> bool:
+    """Whether a setting is a number in the range of an option."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+        return False
+    least: float = field["least"]
+    return (value > least if field.get("above_least") else value >= least) and value <= field.get("most", math.inf)
+
+
+def _direction(value: Any) -> tuple[float, float, float]:
+    try:
+        x, y, z = (float(number) for number in value)
+        fits = isinstance(value, list) and all(map(math.isfinite, (x, y, z))) and any((x, y, z))
+    except (TypeError, ValueError, OverflowError):
+        fits = False
+    if not fits:
+        raise RecipeError(f"direction must be three finite numbers, not all 0, got {reprlib.repr(value)}")
+    return x, y, z
 
 
 def _texture(settings: dict[str, Any], meshed: bool) -> tuple[int, float | None, bool]:
@@ -211,7 +269,9 @@ def _texture(settings: dict[str, Any], meshed: bool) -> tuple[int, float | None,
     return size, float(distance) if occlusion else None, height
 
 
-def _checked(kind: type[PartitionOptions] | type[MeshingOptions], settings: dict[str, Any]) -> dict[str, Any]:
+def _checked(
+    kind: type[PartitionOptions] | type[MeshingOptions] | type[RegulariseOptions], settings: dict[str, Any]
+) -> dict[str, Any]:
     """The settings, if they are options of the engine and in their ranges."""
     known = {field["name"] for field in kind.fields()}
     for name in settings:

@@ -29,6 +29,8 @@ FULL = Recipe(
         rcp.MergeCheapest(),
         rcp.Improve(),
         rcp.EvenBorders(strength=0.5),
+        rcp.Regularise(angle=5.0, direction=(0.0, 1.0, 0.0)),
+        rcp.AlignPlanes(faces=(5, 9), to="parallel", length=0.01),
         Mesh(chord_tolerance=0.1, flatten=0),
         rcp.Texture(size=2048),
     )

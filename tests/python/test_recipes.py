@@ -6,11 +6,13 @@ import subprocess
 import sys
 from pathlib import Path
 
+import houses
 import numpy as np
 import pytest
 
 import isimp_engine as engine
 from isimp_engine import batch, recipes
+from isimp_engine.cli import main
 
 steps = pytest.importorskip("isimp.steps")
 rcp = pytest.importorskip("isimp.recipe")
@@ -80,9 +82,59 @@ def test_every_step_is_known():
         values = {"isimp_recipe": 1, "steps": [{"step": "partition"}, {"step": kind}]}
         if fields <= {"times", "strength"}:
             assert recipes.parsed(values).edits == ((kind, 1),)
+        elif kind == "regularise":
+            assert recipes.parsed(values).regular.options.as_dict() == engine.RegulariseOptions().as_dict()
         else:
             with pytest.raises(recipes.RecipeError, match=f"step 2: '{kind}' names faces of one scan"):
                 recipes.parsed(values)
+
+
+def test_regularise_is_read_with_its_settings():
+    found = recipe(rcp.Partition(), rcp.Regularise(angle=5.0, length=0.2, direction=(0.0, 2.0, 0.0))).regular
+    assert (found.options.angle, found.options.length, found.up) == (5.0, 0.2, (0.0, 2.0, 0.0))
+    assert recipe(rcp.Partition(), rcp.Regularise(up="y")).regular.options.up == "y"
+    assert recipe(rcp.Partition(), rcp.Regularise(up="none")).regular.options.up == "none"
+    assert recipe(rcp.Partition(), rcp.Regularise(enabled=False)).regular is None
+    for settings, message in (
+        ({"up": "region", "face": 3}, "takes up from a region of one scan"),
+        ({"up": "down"}, "up must be one of"),
+        ({"angle": 90}, "angle must be in"),
+        ({"length": -1}, "length must be a finite length above 0, got -1"),
+        ({"direction": [0, 0, 0]}, r"direction must be three finite numbers, not all 0, got \[0, 0, 0\]"),
+        ({"direction": [1]}, "direction must be three finite numbers"),
+        ({"gloss": 1}, "has no setting 'gloss'"),
+    ):
+        given = [{"step": "partition"}, {"step": "regularise", **settings}]
+        with pytest.raises(recipes.RecipeError, match=f"step 2: .*{message}"):
+            recipes.parsed({"isimp_recipe": 1, "steps": given})
+
+
+def test_the_command_and_batches_regularise_as_a_recipe_says(tmp_path):
+    house = houses.make(0.002, 3)
+    path, scan, out, report = (tmp_path / name for name in ("r.json", "house.obj", "out.obj", "report.json"))
+    lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in house.vertices]
+    scan.write_text("\n".join([*lines, *(f"f {a} {b} {c}" for a, b, c in house.triangles + 1)]) + "\n")
+    path.write_text(
+        rcp.Recipe((rcp.Partition(proxies=110), rcp.Regularise(angle=6.0), rcp.Mesh(planar=True))).to_json()
+    )
+    assert main(["simplify", str(scan), str(out), "--recipe", str(path), "--report", str(report), "--quiet"]) == 0
+    found = json.loads(report.read_text())
+    assert found["options"]["regularise"]["angle"] == 6.0
+    assert found["partition"]["directions"] < 20
+    assert found["output"]["planar"] is True
+
+    mesh = engine.clean(*engine.read(scan))
+    part = engine.partition(mesh, engine.PartitionOptions(proxies=110, adaptivity=0.25))
+    part = engine.regularise(mesh, part, engine.RegulariseOptions(angle=6.0))
+    poly = engine.polygonize(mesh, part, engine.MeshingOptions(planar=True, join_junctions=rcp.Mesh().join_junctions))
+    np.testing.assert_array_equal(engine.read_polygons(out)[1], poly.loops)
+
+    outcome = batch.run(scan, tmp_path / "models", recipe=path, format="obj")
+    assert outcome.rows[0]["polygons"] == len(poly.loop_start)
+    assert (tmp_path / "models" / "house.obj").read_bytes() == out.read_bytes()
+    flag = ["--regularise", "4", "--report", str(report), "--quiet"]
+    assert main(["simplify", str(scan), str(out), "--recipe", str(path), *flag]) == 0
+    assert json.loads(report.read_text())["options"]["regularise"]["angle"] == 4.0, "the flag comes first"
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ import bpy
 
 from .. import recipe as rcp
 from . import settings
+from .panel.regularity import align
 
 _SELECT = (
     ("SIZE", "Select Small Regions"),
@@ -20,7 +21,7 @@ class ISIMP_MT_object(bpy.types.Menu):
     def draw(self, context):
         layout, panel = self.layout, context.window_manager.isimp
         settings.give(rcp.Partition, panel.partition, layout.operator("isimp.partition", icon="MOD_EXPLODE"))
-        settings.give(rcp.Mesh, panel.mesh, layout.operator("isimp.mesh", icon="MESH_ICOSPHERE"))
+        _give_mesh(panel, layout.operator("isimp.mesh", icon="MESH_ICOSPHERE"))
         layout.operator("isimp.swap", icon="ARROW_LEFTRIGHT")
         layout.operator("isimp.compare", icon="IMAGE_ALPHA")
         layout.separator()
@@ -30,10 +31,36 @@ class ISIMP_MT_object(bpy.types.Menu):
         for name in ("add_worst", "delete_least", "merge_cheapest", "improve", "even_borders"):
             layout.operator(f"isimp.{name}")
         layout.separator()
+        settings.give(rcp.Regularise, panel.regularise, layout.operator("isimp.regularise", icon="SNAP_ON"))
+        layout.menu("ISIMP_MT_planes")
+        layout.separator()
         layout.operator("isimp.recipe_export", icon="EXPORT")
         layout.operator("isimp.recipe_import", icon="IMPORT")
         layout.separator()
         layout.operator("isimp.workspace", icon="WORKSPACE")
+
+
+class ISIMP_MT_planes(bpy.types.Menu):
+    """Set the planes of the regions of the selected faces"""
+
+    bl_label = "Align Planes"
+
+    def draw(self, context):
+        for name in rcp.ALIGNMENTS:
+            align(self.layout, name).length = context.window_manager.isimp.align.length
+
+
+class ISIMP_MT_planes_pie(bpy.types.Menu):
+    """Regularise, and planes set by hand, around the mouse"""
+
+    bl_label = "Planes"
+
+    def draw(self, context):
+        pie, panel = self.layout.menu_pie(), context.window_manager.isimp
+        for name in ("upright", "perpendicular", "level", "coplanar", "parallel", "free"):
+            align(pie, name).length = panel.align.length
+        settings.give(rcp.Regularise, panel.regularise, pie.operator("isimp.regularise", icon="SNAP_ON"))
+        pie.operator("isimp.select_region", icon="RESTRICT_SELECT_OFF")
 
 
 class ISIMP_MT_pie(bpy.types.Menu):
@@ -45,7 +72,7 @@ class ISIMP_MT_pie(bpy.types.Menu):
         pie, panel = self.layout.menu_pie(), context.window_manager.isimp
         pie.operator("isimp.add_proxy", icon="ADD")  # left, right, below, above; then the corners
         pie.operator("isimp.delete_proxy", icon="REMOVE")
-        settings.give(rcp.Mesh, panel.mesh, pie.operator("isimp.mesh", icon="MESH_ICOSPHERE"))
+        _give_mesh(panel, pie.operator("isimp.mesh", icon="MESH_ICOSPHERE"))
         settings.give(rcp.Partition, panel.partition, pie.operator("isimp.partition", icon="MOD_EXPLODE"))
         pie.operator("isimp.merge", icon="AUTOMERGE_ON")
         pie.operator("isimp.split", icon="MOD_BOOLEAN")
@@ -53,12 +80,17 @@ class ISIMP_MT_pie(bpy.types.Menu):
         pie.operator("isimp.select_region", icon="RESTRICT_SELECT_OFF")
 
 
+def _give_mesh(panel, operator) -> None:
+    settings.give(rcp.Mesh, panel.mesh, operator)
+    operator.regularise = panel.regularise_first
+
+
 def _draw_entry(menu, context) -> None:
     menu.layout.separator()
     menu.layout.menu("ISIMP_MT_object", icon="MOD_REMESH")
 
 
-CLASSES = (ISIMP_MT_object, ISIMP_MT_pie)
+CLASSES = (ISIMP_MT_object, ISIMP_MT_planes, ISIMP_MT_planes_pie, ISIMP_MT_pie)
 _HOMES = ("VIEW3D_MT_object", "VIEW3D_MT_edit_mesh")
 
 

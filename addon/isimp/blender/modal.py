@@ -16,7 +16,7 @@ from .. import messages, view
 from ..language import own, said
 from ..session import StepFailed
 from ..task import Status, Stopped, Task, Watch
-from . import mesh_io, pending, preferences, reading, runtime, show, store, targets, texture
+from . import mesh_io, pending, preferences, reading, runtime, show, store, targets, text, texture
 
 log = logging.getLogger("isimp")
 _AT_ONCE = 0.08  # seconds that the window waits for short work, which needs no progress bar
@@ -323,7 +323,11 @@ class RecipeOperator:
         if isinstance(error, Stopped):
             self.report({"INFO"}, messages.unchanged(said("Stopped")))
         elif isinstance(error, (StepFailed, ValueError)):
-            why = self._reason(work, error) if isinstance(error, StepFailed) else messages.reason(str(error))
+            why = (
+                self._reason(work, error)
+                if isinstance(error, StepFailed)
+                else messages.reason(str(error), text.in_scene)
+            )
             self.report({"ERROR"}, messages.unchanged(why))
         else:
             log.debug("unexpected", exc_info=error)
@@ -338,7 +342,8 @@ class RecipeOperator:
         show.show_failed(context, obj, work, error)
         pending.follow(context)
         self.report(
-            {"WARNING"}, said("{why}. The previous result stays.", why=messages.failed(error, self.names_steps))
+            {"WARNING"},
+            said("{why}. The previous result stays.", why=messages.failed(error, self.names_steps, text.in_scene)),
         )
         return {"FINISHED"}
 
@@ -348,7 +353,7 @@ class RecipeOperator:
         before = store.load(scan) if scan is not None else None
         known = before.steps if before is not None else ()
         old = error.index < len(known) and work.recipe.steps[: error.index + 1] == known[: error.index + 1]
-        return messages.failed(error, self.names_steps or old)
+        return messages.failed(error, self.names_steps or old, text.in_scene)
 
     def _finish(self, context, work, outcome):
         obj = self._target(work)

@@ -18,7 +18,7 @@ from .. import messages, sketch
 from .. import recipe as rcp
 from ..language import said
 from ..task import Status, Task
-from . import mesh_io, preferences, reading, runtime, settings, shaders, store, targets, text, words
+from . import mesh_io, preferences, reading, runtime, settings, shaders, store, targets, text, upward, words
 
 _KEPT = 8  # sketches
 _GROUPS = 8  # of lines of similar length
@@ -54,14 +54,14 @@ def hover_shown(context):
 
 
 def _key(context, scan):
-    """The key of a sketch: scan, state, shape and box, and the settings of its polygons (None without polygons).
+    """The key of a sketch: scan, state, shape and box, and how its polygons are made (None without polygons).
 
     The box tells of a scan that was moved in its data, or exchanged for another one, and got the same recipe.
     """
     panel, shown = context.window_manager.isimp, runtime.get().live.shown_of(scan)
-    meshing = (
-        settings.to_step(rcp.Mesh, panel.mesh) if panel.outline or panel.heat or panel.away or panel.summary else None
-    )
+    wants = panel.outline or panel.heat or panel.away or panel.directions or panel.summary
+    first = upward.first(context, scan) if wants and panel.regularise_first else None
+    meshing = (settings.to_step(rcp.Mesh, panel.mesh), first) if wants else None
     state = mesh_io.state_of(scan) if shown is None else shown.work.recipe
     shape = mesh_io.shape_matrix(scan).tobytes() + np.array(scan.bound_box).tobytes()
     return scan.name, state, shape, meshing
@@ -120,7 +120,8 @@ def _tick():
         _keep(_key(context, scan), sketch.Sketch(reason=str(problem)))
         return None
     session = current.session
-    task = Task(lambda watch: sketch.draw(session, arrays, regions, recipe, key[3], watch))
+    meshing, first = key[3] or (None, None)
+    task = Task(lambda watch: sketch.draw(session, arrays, regions, recipe, meshing, watch, first))
     current.sketching = (key, task)
     return _TICK
 
@@ -324,6 +325,8 @@ def _draw_sketch(context, space, drawing) -> None:
         _draw_heat(drawing, "away")
     elif panel.heat and len(made.surface):
         _draw_heat(drawing, "heat")
+    elif panel.directions and len(made.surface):
+        _draw_heat(drawing, "directions")
     if panel.outline:
         _draw_outline(drawing, pixels, wish)
     _draw_lines(drawing, "problems", wish.problem_color, 2 * wish.line_width)

@@ -15,7 +15,7 @@ _TITLE = "Presets"
 _OURS = {_TITLE, *(preset.label for preset in presets.PRESETS)}
 _SHORT = {"Photogrammetry figure": own("Figure"), "Photogrammetry building": own("Building")}  # as the panel is narrow
 # Settings of one scan, not of a kind of scans: lengths in its units, a count, its weights.
-_LEFT = frozenset({"proxies", "tolerance", "bound", "weights", "influence", "borders"})
+_LEFT = frozenset({"proxies", "tolerance", "bound", "weights", "influence", "borders", "length"})
 
 
 def _kept(cls) -> list:
@@ -36,11 +36,12 @@ class ISIMP_OT_preset(bpy.types.Operator):
 
     def execute(self, context):
         preset = presets.BY_NAME[self.name]
-        for step in (preset.partition, preset.mesh):
+        for step in (preset.partition, preset.mesh, *([preset.regularise] if preset.regularise else [])):
             group = settings.group(context, type(step))
             for name in _kept(type(step)):
                 if getattr(group, name) != getattr(step, name):
                     setattr(group, name, getattr(step, name))
+        context.window_manager.isimp.regularise_first = preset.regularise is not None
         ISIMP_MT_presets.bl_label = preset.label
         return {"FINISHED"}
 
@@ -71,13 +72,18 @@ class ISIMP_OT_preset_add(AddPresetBase, bpy.types.Operator):
 
     @property
     def preset_values(self):
-        return [f"shown.{rcp.KINDS[cls]}.{name}" for cls in (rcp.Partition, rcp.Mesh) for name in _kept(cls)]
+        steps = (rcp.Partition, rcp.Mesh, rcp.Regularise)
+        return [
+            *(f"shown.{rcp.KINDS[cls]}.{name}" for cls in steps for name in _kept(cls)),
+            "shown.regularise_first",
+        ]
 
 
 def title(context) -> str:
     """The title of the menu: the add-on's preset with these settings, else the preset chosen last."""
     for preset in presets.PRESETS:
-        if all(_is_shown(context, step) for step in (preset.partition, preset.mesh)):
+        snaps = context.window_manager.isimp.regularise_first == (preset.regularise is not None)
+        if snaps and all(_is_shown(context, step) for step in (preset.partition, preset.mesh)):
             return preset.label
     chosen = ISIMP_MT_presets.bl_label
     return _TITLE if chosen in _OURS else chosen

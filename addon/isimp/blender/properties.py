@@ -3,11 +3,11 @@
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from .. import recipe as rcp
-from ..engine_options import MESHING, PARTITION
+from ..engine_options import MESHING, PARTITION, REGULARISE
 from ..option import Option
 from . import targets, weights
 
-_PARTITION, _MESH = rcp.Partition(), rcp.Mesh()
+_PARTITION, _MESH, _REGULARISE = rcp.Partition(), rcp.Mesh(), rcp.Regularise()
 
 
 def _weights(self, context, edit_text):
@@ -252,3 +252,58 @@ class MeshSettings:
         "off as triangles",
         default=_MESH.planar,
     )
+
+
+def _length(description: str):
+    return FloatProperty(
+        name="Allowed",
+        description=description,
+        default=0.0,
+        min=0.0,
+        soft_max=1.0,
+        precision=4,
+        step=1,
+        unit="LENGTH",
+    )
+
+
+class RegulariseSettings:
+    angle: FloatProperty(
+        name="Angle",
+        description="Largest angle by which a plane is turned, in degrees",
+        default=_REGULARISE.angle,
+        **_range(REGULARISE["angle"]),
+    )
+    length: _length(
+        "What snapping may add to the distance of a region from its plane. 0: it follows from the noise of the scan, "
+        "and all planes together add a tenth at most"
+    )
+    up: EnumProperty(
+        name="Up",
+        description="What level and upright mean",
+        items=(
+            ("scene", "Scene", "The Z axis of the scene, however the scan is turned"),
+            ("x", "Scan X", "The X axis of the scan"),
+            ("y", "Scan Y", "The Y axis of the scan"),
+            ("z", "Scan Z", "The Z axis of the scan"),
+            ("region", "Region", "The region of the selected face is level"),
+            ("none", "None", "No plane is level or upright, only parallel to others"),
+        ),
+        default=_REGULARISE.up,
+    )
+
+
+class AlignSettings:
+    to: EnumProperty(
+        name="To",
+        description="What the planes of the regions become",
+        items=(
+            ("level", "Level", "Level planes: floors, ceilings, flat roofs"),
+            ("upright", "Upright", "Upright planes: walls"),
+            ("parallel", "Parallel", "Parallel to the plane of the region that leads"),
+            ("perpendicular", "Perpendicular", "At right angles to the plane of the region that leads"),
+            ("coplanar", "Coplanar", "One plane for all"),
+            ("free", "Free", "As scanned: no longer held, also not by Regularise"),
+        ),
+    )
+    length: _length("How far a plane may go off its region when it is set by hand. 0: one percent of the scan's size")

@@ -12,7 +12,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, Po
 
 from .. import recipe as rcp
 from . import runtime, units, weights
-from .properties import MeshSettings, PartitionSettings
+from .properties import AlignSettings, MeshSettings, PartitionSettings, RegulariseSettings
 
 
 def changed(self, context) -> None:
@@ -58,11 +58,13 @@ def _words(name: str) -> str:
 
 def _group(cls) -> type:
     """The property group that holds the settings of a step in the panel."""
-    annotations = _watched(_SETTINGS.get(cls) or _plain(cls)) | units.SHOWN.get(cls, {})
+    own = AlignSettings if cls is rcp.AlignPlanes else _SETTINGS.get(cls) or _plain(cls)
+    annotations = _watched(own) | units.SHOWN.get(cls, {})
     return type(f"Isimp{cls.__name__}", (bpy.types.PropertyGroup,), {"__annotations__": annotations})
 
 
-_SETTINGS = {rcp.Partition: PartitionSettings, rcp.Mesh: MeshSettings}
+#: of those that a scan without regions has in the panel
+_SETTINGS = {rcp.Partition: PartitionSettings, rcp.Mesh: MeshSettings, rcp.Regularise: RegulariseSettings}
 _GROUPS = {cls: _group(cls) for cls in rcp.KINDS}
 _KNOWN = {cls: frozenset(group.__annotations__) for cls, group in _GROUPS.items()}
 
@@ -101,6 +103,17 @@ class _Shown:
         name="Distance",
         description="Colour the previewed polygons by the largest distance of the scan from them: green is none, red "
         "is two percent of the size or more",
+        default=False,
+    )
+    directions: BoolProperty(
+        name="Directions",
+        description="Colour the previewed polygons by their direction, where planes are snapped or set by hand: "
+        "a hue for each direction, a shade for each plane. Grey is free",
+        default=False,
+    )
+    regularise_first: BoolProperty(
+        name="Before Mesh",
+        description="Mesh regularises the planes first, with these settings",
         default=False,
     )
     summary: BoolProperty(
@@ -231,7 +244,7 @@ def to_panel(context, recipe) -> None:
 
 
 def shown(context) -> tuple:
-    """The settings of Partition and Mesh in the panel, as steps."""
+    """The settings of Partition, Mesh and Regularise in the panel, as steps."""
     return tuple(to_step(cls, group(context, cls)) for cls in _SETTINGS)
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import bpy
 
 from .. import messages, stored
-from . import aside, carry, display, mesh_io, raw, result, start, store, targets, texture
+from . import aside, carry, display, mesh_io, raw, result, start, store, targets, text, texture
 
 
 def _save(scan, work, numbers: dict) -> int:
@@ -99,7 +99,7 @@ def show_outcome(context, scan, work, outcome) -> None:
 
 def show_failed(context, scan, work, error) -> None:
     """Stores a recipe with a failed step, and the reason; the previous result stays visible."""
-    failed = {"failed": error.index, "reason": stored.line(messages.reason(error.reason))}
+    failed = {"failed": error.index, "reason": stored.line(messages.reason(error.reason, text.in_scene))}
     outcome = error.outcome
     if outcome is None or (mesh_io.state_of(scan) and not store.read(scan).problem):
         state = _save(scan, work, store.numbers(scan) | failed)

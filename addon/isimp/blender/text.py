@@ -171,6 +171,22 @@ def report_lines(
     return lines
 
 
+def planes_line(numbers: dict, system: str, scale: float) -> str:
+    """What has become of the planes of regions."""
+    if "planes" not in numbers:
+        held = numbers.get("held", 0)
+        text = own("{held} of {regions} keep their planes: press Regularise again") if held else own("As scanned")
+        return said(text, held=f"{held:,}", regions=_count(numbers.get("regions", 0), "region"))
+    text = own("{regions} -> {planes} in {directions}, adds {length}")
+    return said(
+        text,
+        regions=_count(numbers["regions"], "region"),
+        planes=_count(numbers["planes"], "plane"),
+        directions=_count(numbers["directions"], "direction"),
+        length=amount(numbers, "planes_add", system, scale),
+    )
+
+
 def problems(numbers: dict) -> str:
     """The text of the button that selects defective polygons; empty if there are none."""
     defective = {polygon for found in numbers.get("flaws", {}).values() for polygon in found}
@@ -188,6 +204,12 @@ def length(value: float, system: str, scale: float) -> str:
     if system == "NONE":
         return f"{value:.3g}"
     return bpy.utils.units.to_string(system, "LENGTH", value * scale, precision=2, compatible_unit=True)
+
+
+def in_scene(value: float) -> str:
+    """A length in the units of the scene that is shown."""
+    unit = bpy.context.scene.unit_settings
+    return length(value, unit.system, unit.scale_length)
 
 
 def number_rows(numbers: dict, system: str, scale: float) -> list:

@@ -8,7 +8,7 @@ from math import degrees, radians
 from bpy.props import BoolProperty, FloatProperty
 
 from .. import recipe as rcp
-from .properties import MeshSettings, PartitionSettings
+from .properties import MeshSettings, PartitionSettings, RegulariseSettings
 
 
 def _of(settings, name: str) -> dict:
@@ -37,14 +37,14 @@ def _percent(settings, name: str, most: float, soft: float, precision: int, labe
     )
 
 
-def _angle():
-    own = _of(PartitionSettings, "angle")
+def _angle(settings, most: float):
+    own = _of(settings, "angle")
     return FloatProperty(
         name=own["name"],
         description=own["description"].replace(", in degrees", "").replace("180:", "180°:"),
         subtype="ANGLE",
         min=0.0,
-        max=radians(180),
+        max=radians(most),
         get=lambda self: radians(self.angle),
         set=lambda self, value: setattr(self, "angle", degrees(value)),
     )
@@ -58,7 +58,7 @@ SHOWN = {
     rcp.Partition: {
         "detail_percent": _percent(PartitionSettings, "detail", 1.0, 0.05, 2),
         "leave_out_percent": _percent(PartitionSettings, "leave_out", 0.99, 0.05, 2, "Leave Out"),
-        "angle_turn": _angle(),
+        "angle_turn": _angle(PartitionSettings, 180),
         "noise_automatic": BoolProperty(
             name="Automatic",
             description="Estimate the roughness of the scan, below which nothing counts as a detail",
@@ -80,6 +80,7 @@ SHOWN = {
         "chord_percent": _percent(MeshSettings, "chord_tolerance", 10.0, 2.0, 0, "Corners"),
         "join_percent": _percent(MeshSettings, "join_junctions", 10.0, 2.0, 0, "Join Corners"),
     },
+    rcp.Regularise: {"angle_turn": _angle(RegulariseSettings, 45)},
 }
 
 #: what the panel shows in place of a setting of a step
@@ -90,4 +91,5 @@ INSTEAD = {
     (rcp.Partition, "noise"): "noise_length",
     (rcp.Mesh, "chord_tolerance"): "chord_percent",
     (rcp.Mesh, "join_junctions"): "join_percent",
+    (rcp.Regularise, "angle"): "angle_turn",
 }

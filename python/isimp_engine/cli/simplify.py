@@ -147,13 +147,15 @@ def make_regions(arguments: argparse.Namespace, source: Input, steps: Steps, cle
         guides = guiding.guides_of(arguments, source, mesh, job)
         part = partition_guided(mesh, options, job, guides)
         if recipe:
-            part = recipe.edited(mesh, part, job)
+            part = recipe.edited(mesh, part, job, regularised=regular is None)
     if regular is not None:
         with steps("regularise") as job:
             try:
                 part = regularise(mesh, part, regular, job)
             except InvalidInput as error:
                 raise UsageError(str(error).replace("angle must", "--regularise must")) from None
+    elif recipe is not None and recipe.regular is not None:
+        regular = recipe.regular.options
     with steps("mesh") as job:
         expected = expected_polygons(mesh, part, meshing, job)
     steps.say(f"expected: {words.expected(expected)}")
@@ -165,7 +167,8 @@ def make_model(arguments: argparse.Namespace, source: Input, steps: Steps, clean
     made = make_regions(arguments, source, steps, cleaned)
     recipe = arguments.recipe
     with steps("mesh") as job:
-        edited = recipe is not None and recipe.edits  # made anew, the edits would be lost
+        # Made anew, edits and planes would be lost.
+        edited = made.regular is not None or (recipe is not None and recipe.edits)
         anew = None if edited else Made(arguments.options, made.guides)
         found = polygonize_within(made.mesh, made.partition, made.meshing, job, anew)
     return Model(**vars(made) | {"partition": found.partition}, found=found)

@@ -2,7 +2,7 @@ import bpy
 
 from ... import messages
 from ... import recipe as rcp
-from .. import pending, settings, targets, texture
+from .. import pending, settings, targets, texture, upward
 from ..modal import RecipeOperator
 from ..show import show_polygons
 
@@ -18,13 +18,20 @@ class ISIMP_OT_mesh(RecipeOperator, settings.MeshSettings, bpy.types.Operator):
         name="Keep Texture", description="Put the images of the scan's materials on the result", default=True
     )
 
+    regularise: bpy.props.BoolProperty(
+        name="Regularise First",
+        description="Regularise the planes first, with the settings of the panel",
+        default=False,
+    )
+
     @classmethod
     def problem(cls, context, scan):
         return targets.needs_regions(scan)
 
     def wanted(self, context, scan):
         before = pending.recipe_of(context, scan)
-        recipe = before.then(settings.to_step(rcp.Mesh, self))
+        first = upward.first(context, scan) if self.regularise else None
+        recipe = (before if first is None else before.regularised(first)).then(settings.to_step(rcp.Mesh, self))
         if self.keep_texture and texture.is_textured(scan):
             recipe = recipe.then(before.texture() or rcp.Texture())
         return recipe

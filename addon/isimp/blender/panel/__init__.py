@@ -1,5 +1,5 @@
 """The sidebar, most important first."""
 
-from . import edit, main, result, steps
+from . import edit, main, regularity, result, steps
 
-CLASSES = tuple(cls for module in (main, edit, result, steps) for cls in module.CLASSES)
+CLASSES = tuple(cls for module in (main, edit, regularity, result, steps) for cls in module.CLASSES)

@@ -90,7 +90,7 @@ def _draw_mesh(context, layout, scan, numbers, panel) -> None:
         "isimp.mesh", icon="MESH_ICOSPHERE", depress="regions" in numbers and "polygons" not in numbers
     )
     settings.give(rcp.Mesh, panel.mesh, operator)
-    operator.keep_texture = panel.keep_texture
+    operator.keep_texture, operator.regularise = panel.keep_texture, panel.regularise_first
     row = place.row(align=True)
     row.use_property_split = False
     row.operator("isimp.swap", text="Swap", icon="ARROW_LEFTRIGHT")

@@ -22,6 +22,7 @@ class ISIMP_PT_view(SubPanel, bpy.types.Panel):
         grid.prop(panel, "summary", text="Summary", text_ctxt=translations.CONTEXT, icon="INFO", toggle=True)
         grid.prop(panel, "heat", text="Flatness", icon="COLOR", toggle=True)
         grid.prop(panel, "away", text="Distance", icon="DRIVER_DISTANCE", toggle=True)
+        grid.prop(panel, "directions", text="Directions", icon="ORIENTATION_NORMAL", toggle=True)
 
 
 class ISIMP_PT_result(SubPanel, bpy.types.Panel):

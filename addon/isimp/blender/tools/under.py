@@ -6,10 +6,10 @@ from functools import cached_property
 import numpy as np
 from bpy_extras import view3d_utils
 
-from ... import pick, view
+from ... import pick, regularity, view
 from ... import recipe as rcp
 from ...gestures import Hit
-from ...language import said
+from ...language import own, said
 from ...prepared import joined_faces
 from ...task import Status, Task
 from .. import mesh_io, reading, runtime, store, targets, text
@@ -43,7 +43,7 @@ class Ground:
         self.to_scan = np.linalg.inv(self.place)
         self.state = mesh_io.state_of(obj)
         self.label = mesh_io.read_regions(obj)
-        outcome = _known(context, obj)
+        outcome = self._outcome = _known(context, obj)
         #: numbers of regions, as far as that is known without work
         self.locked = np.empty(0, int) if outcome is None else np.flatnonzero(outcome.partition.region_locked)
         self._between = None if outcome is None else outcome.border
@@ -126,13 +126,33 @@ class Ground:
         away = text.length(away, unit.system, unit.scale_length)
         whole = self.surface.area
         part = min(1.0, error / self._error) if self._error > 1e-9 * whole else 0.0
-        return said(
+        told = said(
             "Region {number} · {area} of the area · {error} of the error · planar within {away}",
             number=region,
             area=f"{share / whole:.1%}",
             error=f"{part:.1%}",
             away=away,
         )
+        lean = self._leaning(unit, region)
+        return f"{told} · {lean}" if lean else told
+
+    def _leaning(self, unit, region: int) -> str:
+        """How far the plane of a region is from level or upright; empty if it is far, or not known without work."""
+        if self._outcome is None or region >= self._outcome.partition.region_count:
+            return ""
+        held = self._outcome.partition.region_held
+        if len(held) and held[region] in (1, 2):
+            return said("plane held")
+        normal, _, spread, area = runtime.get().session.region_fits(self.scan, self._outcome)
+        if area[region] <= 0:
+            return ""
+        found = regularity.leaning(normal[region], spread[region], self.place[2, :3])
+        if found is None:
+            return ""
+        off = own("{angle}° off level; snapping moves {length}")
+        if not found.is_level:
+            off = own("{angle}° off upright; snapping moves {length}")
+        return said(off, angle=f"{found.degrees:.1f}", length=text.length(found.adds, unit.system, unit.scale_length))
 
 
 def _known(context, obj):

@@ -1,0 +1,97 @@
+"""Planes that belong together: found by Regularise, or set by hand at the selected faces."""
+
+import dataclasses
+
+import bpy
+import numpy as np
+from bpy.props import EnumProperty, FloatProperty
+
+from ... import recipe as rcp
+from ...language import own, said
+from .. import mesh_io, pending, settings, targets, text, upward
+from ..properties import AlignSettings
+from ..show import show_regions
+from .edits import _Edit
+
+_TO = AlignSettings.__annotations__["to"].keywords
+_WITH_LEAD = ("parallel", "perpendicular", "coplanar")
+
+
+class _Planes(_Edit):
+    """Mixin of both."""
+
+    show = staticmethod(show_regions)
+
+    @property
+    def _unit(self):
+        return bpy.context.scene.unit_settings
+
+    def told(self, before, numbers):
+        return text.planes_line(numbers, self._unit.system, self._unit.scale_length)
+
+
+class ISIMP_OT_regularise(_Planes, settings.RegulariseSettings, bpy.types.Operator):
+    """Make planes that nearly are so level, upright, square, parallel or one, as far as the scan allows it"""
+
+    bl_idname = "isimp.regularise"
+    bl_label = "Regularise"
+    does_all = True
+
+    @classmethod
+    def problem(cls, context, scan):
+        return targets.needs_regions(scan)
+
+    def wanted(self, context, scan):
+        step = upward.of_scan(settings.to_step(rcp.Regularise, self), scan)
+        if step.up == "region":
+            step = dataclasses.replace(step, face=self.faces(scan)[0])
+        return pending.recipe_of(context, scan).then(step)
+
+
+class ISIMP_OT_align(_Planes, bpy.types.Operator):
+    """Set the planes of the regions of the selected faces. Regularise, Mesh and edits elsewhere keep them"""
+
+    bl_idname = "isimp.align"
+    bl_label = "Align Planes"
+
+    to: EnumProperty(**_TO)
+    length: FloatProperty(**AlignSettings.__annotations__["length"].keywords)
+
+    @classmethod
+    def description(cls, context, properties):
+        return said(_DESCRIPTIONS[properties.to])
+
+    def wanted(self, context, scan):
+        faces = self._led(scan, self.each(scan))
+        if len(faces) < 2 and self.to in _WITH_LEAD:
+            several = own("Only one region is selected: select faces of two or more. That of the active face leads.")
+            raise mesh_io.Unusable(said(several))
+        up = settings.to_step(rcp.Regularise, settings.group(context, rcp.Regularise))
+        recipe = pending.recipe_of(context, scan)
+        step = rcp.AlignPlanes(faces=tuple(faces), to=self.to, length=round(self.length, 6))
+        return recipe.then(upward.of_scan(upward.as_last(step, up, recipe), scan))
+
+    def _led(self, scan, faces: list) -> list:
+        """The faces with that of the leading region first: of the active face, else the one with the largest area."""
+        regions = mesh_io.read_regions(scan)
+        if len(faces) < 2 or max(faces) >= len(regions):
+            return faces
+        chosen, active = regions[faces], scan.data.polygons.active
+        lead = regions[active] if 0 <= active < len(regions) and scan.data.polygons[active].select else -1
+        if lead < 0 or lead not in chosen:
+            area = np.empty(len(regions))
+            scan.data.polygons.foreach_get("area", area)
+            lead = chosen[np.argmax([area[regions == region].sum() for region in chosen])]
+        first = chosen.tolist().index(lead)
+        return [faces[first], *faces[:first], *faces[first + 1 :]]
+
+
+_DESCRIPTIONS = {
+    "level": own("Make the regions of the selected faces level, as floors and ceilings are"),
+    "upright": own("Make the regions of the selected faces upright, as walls are"),
+    "parallel": own("Make the regions of the selected faces parallel to that of the active face"),
+    "perpendicular": own("Turn the regions of the selected faces at right angles to that of the active face"),
+    "coplanar": own("Put the regions of the selected faces into one plane: that of the active face if it is held"),
+    "free": own("Let the planes of the selected faces' regions go: they follow the scan, also after Regularise"),
+}
+CLASSES = (ISIMP_OT_regularise, ISIMP_OT_align)

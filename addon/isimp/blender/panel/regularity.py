@@ -1,0 +1,61 @@
+"""Planes that belong together: Regularise with its settings, and planes set by hand at the selected faces."""
+
+import bpy
+
+from ... import recipe as rcp
+from ...language import own
+from .. import settings, store, targets, text
+from .common import SubPanel, draw_lines, side_by_side
+
+_ROWS = (("level", "upright"), ("parallel", "perpendicular"), ("coplanar", "free"))
+_ICONS = {
+    "level": "AXIS_TOP",
+    "upright": "AXIS_FRONT",
+    "parallel": "PAUSE",
+    "perpendicular": "EMPTY_AXIS",
+    "coplanar": "MESH_PLANE",
+    "free": "UNLINKED",
+}
+
+
+class ISIMP_PT_regularity(SubPanel, bpy.types.Panel):
+    bl_label = "Regularity"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 2
+
+    def draw(self, context):
+        layout, panel = self.prepare(context), context.window_manager.isimp
+        numbers, unit = store.numbers(targets.seen(context)[0]), context.scene.unit_settings
+        button = layout.row()
+        button.scale_y = 1.2
+        settings.give(rcp.Regularise, panel.regularise, button.operator("isimp.regularise", icon="SNAP_ON"))
+        draw_lines(context, layout, text.planes_line(numbers, unit.system, unit.scale_length), icon="FORWARD")
+        for name in ("angle", "length", "up"):
+            settings.draw(layout, rcp.Regularise, panel.regularise, name)
+        ticks = layout.column(align=True)
+        ticks.use_property_split = False  # their names need the whole width
+        ticks.prop(panel, "regularise_first")
+        ticks.prop(panel, "directions", text="Colour by Direction")
+        column = layout.column(align=True)
+        column.label(text="Planes of the selected faces:")
+        for names in _ROWS:
+            row = side_by_side(context, column)
+            for name in names:
+                button = align(row, name, icon=_ICONS[name])
+                button.length = panel.align.length
+        layout.prop(panel.align, "length", text="By Hand")
+        if not panel.mesh.planar:
+            draw_lines(
+                context, layout, own("For exactly planar polygons: Planar Exactly in Polygon Options"), icon="INFO"
+            )
+
+
+def align(layout, to: str, icon: str = "NONE"):
+    """Draws the button that makes planes so."""
+    items = bpy.ops.isimp.align.get_rna_type().properties["to"].enum_items
+    button = layout.operator("isimp.align", text=items[to].name, icon=icon)
+    button.to = to
+    return button
+
+
+CLASSES = (ISIMP_PT_regularity,)

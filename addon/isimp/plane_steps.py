@@ -1,0 +1,65 @@
+"""The steps that set the planes of regions. Standard library only."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from .checks import check, check_choice, check_options, indices, must, numbers
+from .engine_options import REGULARISE
+from .language import said
+from .step import Step, count_faces
+
+#: what points up: the scene's Z as `direction` has it, an axis of the scan, the normal of a region, nothing
+UPS = ("scene", *(axis for axis in REGULARISE["up"].choices if axis != "none"), "region", "none")
+#: what planes of regions are made
+ALIGNMENTS = ("level", "upright", "parallel", "perpendicular", "coplanar", "free")
+
+
+@dataclass(frozen=True)
+class _Upward(Step):
+    """Base of steps that know what is level and upright."""
+
+    up: str = "scene"  #: one of UPS
+    direction: tuple[float, ...] = ()  #: the scene's Z in the scan's space; empty: z
+    face: int = -1  #: of the region whose normal is up
+    length: float = 0.0  #: what a plane may add to the distance of its region, scene units; 0: the engine's choice
+
+    def __post_init__(self) -> None:
+        check_choice(self.up not in UPS, "up", ", ".join(UPS), self.up)
+        object.__setattr__(self, "direction", numbers(self.direction, "direction"))
+        three = len(self.direction) in (0, 3)
+        check(not three, said("direction must have 3 numbers, got {number}", number=len(self.direction)))
+        check(len(self.direction) == 3 and not any(self.direction), said("direction must not be 0"))
+        length = REGULARISE["length"]
+        fits = self.length == 0 or length.holds(self.length)
+        must(fits, "length", said("0, or {words}", words=length.words), self.length)
+
+
+@dataclass(frozen=True)
+class Regularise(_Upward):
+    """Snap the planes of regions: level, upright with right angles, equal slopes, parallel, coplanar."""
+
+    angle: float = REGULARISE["angle"].default  #: by which a plane is turned at most, in degrees
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_options({"angle": self.angle}, REGULARISE)
+
+    def describe(self) -> str:
+        return "Regularise"
+
+
+@dataclass(frozen=True)
+class AlignPlanes(_Upward):
+    """Set the planes of the regions of some faces; the first leads. Regularise and later edits keep them."""
+
+    faces: tuple[int, ...] = ()
+    to: str = "level"  #: one of ALIGNMENTS
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_choice(self.to not in ALIGNMENTS, "to", ", ".join(ALIGNMENTS), self.to)
+        object.__setattr__(self, "faces", indices(self.faces))
+
+    def describe(self) -> str:
+        return f"Make the planes at {count_faces(self.faces)} {self.to}"

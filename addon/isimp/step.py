@@ -1,0 +1,42 @@
+"""What all steps of recipes have. Standard library only."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import Any
+
+from .option import Option
+
+#: The name of each kind of step in saved recipes; steps.py has all of them
+KINDS: dict[type[Step], str] = {}
+
+
+def engine_options(step: Step, table: dict[str, Option]) -> dict[str, Any]:
+    """The settings of a step that are the engine's options, by the same names."""
+    return {field.name: getattr(step, field.name) for field in dataclasses.fields(step) if field.name in table}
+
+
+def count_faces(faces: tuple[int, ...]) -> str:
+    return f"face {faces[0]}" if len(faces) == 1 else f"{len(faces)} faces"
+
+
+@dataclass(frozen=True)
+class Step:
+    """Base of all steps: a step that is switched off has no effect."""
+
+    enabled: bool = dataclasses.field(default=True, kw_only=True)
+
+    @property
+    def kind(self) -> str:
+        return KINDS[type(self)]
+
+    def describe(self) -> str:
+        """The step's line in the list of steps."""
+        raise NotImplementedError
+
+    def to_dict(self) -> dict[str, Any]:
+        values = {"step": self.kind, **dataclasses.asdict(self)}
+        if self.enabled:
+            del values["enabled"]
+        return values

@@ -1,0 +1,304 @@
+"""Regularise and planes set by hand, in both modes: one step to undo each, in the panel, in menus and before Mesh."""
+
+import bpy
+import numpy as np
+import pytest
+import scans
+
+from isimp import recipe as rcp
+from isimp.blender import pending, runtime, settings, store, text, upward
+from isimp.blender.panel import regularity
+
+pytestmark = pytest.mark.usefixtures("scene")
+OPS = bpy.ops.isimp
+
+
+@pytest.fixture(autouse=True)
+def fresh():
+    yield
+    panel = bpy.context.window_manager.isimp
+    panel.regularise_first = panel.directions = False
+    settings.show(bpy.context, None)
+    settings.copy(rcp.AlignPlanes, rcp.AlignPlanes(faces=(0,)), panel.align)
+
+
+def leaning(name="Scan", slope=0.03, cells=6):
+    """A cube whose top slopes and one side of which leans."""
+    obj = scans.cube(name, cells)
+    points = scans.coordinates(obj.data)
+    top, side = points[:, 2] > 0.999, points[:, 0] > 0.999
+    points[top, 2] += slope * points[top, 0]
+    points[side, 0] += slope * points[side, 2]
+    obj.data.vertices.foreach_set("co", points.astype(np.float32).ravel())
+    obj.data.update()
+    return obj
+
+
+def parted(**more):
+    scan = leaning(**more)
+    assert OPS.partition(proxies=6) == {"FINISHED"}
+    return scan
+
+
+def face_along(scan, *axis):
+    """A face in the middle of the side that looks along an axis."""
+    normals = np.array([polygon.normal for polygon in scan.data.polygons])
+    centers = np.array([polygon.center for polygon in scan.data.polygons])
+    facing = np.flatnonzero(normals @ axis > 0.9)
+    return int(facing[np.argmin(np.linalg.norm(centers[facing] - np.array(axis), axis=1))])
+
+
+def outcome(scan):
+    recipe = store.load(scan)
+    from isimp.blender import reading
+
+    return runtime.get().session.replay(reading.read(bpy.context, scan, recipe.layers()), recipe)
+
+
+def plane(scan, face):
+    found = outcome(scan)
+    region = found.face_region[face]
+    held = found.partition.region_held
+    return np.array(found.partition.region_normal[region]), int(held[region]) if len(held) else 0
+
+
+@pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
+def test_regularise_and_each_alignment_are_one_step_to_undo(mode):
+    scan = parted()
+    top, side, front = (face_along(scan, *axis) for axis in ((0, 0, 1), (1, 0, 0), (0, -1, 0)))
+    scans.mode(mode)
+    scans.push("mode")
+    for call in (
+        lambda: OPS.regularise("EXEC_DEFAULT", True),
+        lambda: OPS.align("EXEC_DEFAULT", True, face=top, to="level"),
+        lambda: OPS.align("EXEC_DEFAULT", True, face=side, to="upright"),
+        lambda: OPS.align("EXEC_DEFAULT", True, face=side, to="free"),
+    ):
+        before = store.load(scan)
+        assert call() == {"FINISHED"}
+        scan = bpy.data.objects["Scan"]
+        after = store.load(scan)
+        assert len(after.steps) == len(before.steps) + 1
+        bpy.ops.ed.undo()
+        scan = bpy.data.objects["Scan"]
+        assert store.load(scan) == before
+        bpy.ops.ed.redo()
+        scan = bpy.data.objects["Scan"]
+        assert store.load(scan) == after
+    assert plane(scan, top)[1] == 2
+    assert plane(scan, side)[1] == 3
+    assert plane(scan, front)[1] == 1
+
+
+def test_alignments_are_at_what_is_selected_and_the_active_face_leads():
+    scan = parted()
+    side, back, top = (face_along(scan, *axis) for axis in ((1, 0, 0), (-1, 0, 0), (0, 0, 1)))
+    scans.mode("EDIT")
+    scans.select_faces(scan, side, back)
+    scans.mode("OBJECT")
+    scan.data.polygons.active = back
+    scans.mode("EDIT")
+    assert OPS.align(to="parallel") == {"FINISHED"}
+    step = store.load(scan).steps[-1]
+    assert step.faces == (back, side)
+    ahead, held = plane(scan, side)
+    assert held == 2
+    assert np.allclose(ahead, (1, 0, 0), atol=1e-6), "the plane of the back stays as it is"
+    scans.mode("EDIT")
+    scans.select_faces(scan, side, top)
+    assert OPS.align(to="perpendicular", length=0.1) == {"FINISHED"}
+    assert abs(plane(scan, side)[0] @ plane(scan, top)[0]) < 1e-12
+
+
+def test_the_larger_region_leads_where_no_face_is_active():
+    scan = parted()
+    top, side = face_along(scan, 0, 0, 1), face_along(scan, 1, 0, 0)
+    small = [side]
+    OPS.paint_faces(painted=f"-1:{','.join(map(str, small))}")
+    scans.mode("EDIT")
+    scans.select_faces(scan, *small, top)
+    scans.mode("OBJECT")
+    scan.data.polygons.active = face_along(scan, 0, 1, 0)  # not selected
+    scans.mode("EDIT")
+    assert OPS.align(to="perpendicular") == {"FINISHED"}
+    assert store.load(scan).steps[-1].faces == (top, small[0])
+
+
+def test_up_is_the_scenes_however_the_scan_is_turned():
+    scan = parted(slope=0.0)
+    assert upward.direction(scan) == ()
+    scan.rotation_euler = (np.pi / 2, 0, 0)  # what was at +y is up now
+    bpy.context.view_layer.update()
+    assert np.allclose(upward.direction(scan), (0, 1, 0), atol=1e-6)
+    OPS.align(face=face_along(scan, 0, 1, 0), to="level")
+    assert store.load(scan).steps[-1].direction == (0, 1, 0), "without the noise of float32"
+    assert np.allclose(store.load(scan).steps[-1].direction, (0, 1, 0), atol=1e-6)
+    assert np.allclose(np.abs(plane(scan, face_along(scan, 0, 1, 0))[0]), (0, 1, 0), atol=1e-6)
+    OPS.regularise()
+    assert outcome(scan).partition.regularity["snapped_to"] == {
+        "level": 1, "upright": 4, "slope": 0, "parallel": 0, "free": 0, "by_hand": 1,
+    }  # fmt: skip
+    OPS.regularise(up="none")
+    assert outcome(scan).partition.regularity["snapped_to"]["upright"] == 0
+    OPS.regularise(up="region", face=face_along(scan, 1, 0, 0))
+    step = store.load(scan).steps[-1]
+    assert (step.up, step.face, step.direction) == ("region", face_along(scan, 1, 0, 0), ())
+    pending.follow(bpy.context)
+    OPS.align(face=face_along(scan, 1, 0, 0), to="level")
+    assert store.load(scan).steps[-1].up == "region", "as in the panel"
+
+
+def test_one_plain_line_for_wrong_use(capfd):
+    scan = parted(slope=0.2)
+    top, side = face_along(scan, 0, 0, 1), face_along(scan, 0, 1, 0)
+    before = scans.regions(scan).tolist(), store.load(scan)
+    for settings_given, words in (
+        ({"face": top, "to": "parallel"}, "Only one region is selected: select faces of two or more"),
+        ({"face": side, "to": "level"}, "This region is at right angles to the plane that it should have"),
+        ({"face": top, "to": "level", "length": 0.001}, "This region needs 12 cm, allowed 1 mm. Nothing was changed"),
+        ({"face": 99_999, "to": "level"}, "There is no face 99999"),
+    ):
+        with pytest.raises(RuntimeError, match=words):
+            OPS.align(**settings_given)
+        assert (scans.regions(scan).tolist(), store.load(scan)) == before
+    scans.mode("EDIT")
+    scans.select_faces(scan)
+    assert not OPS.align.poll()
+    assert OPS.regularise.poll()
+    scans.mode("OBJECT")
+    with pytest.raises(RuntimeError, match="No face is selected"):
+        OPS.align(to="level")
+    capfd.readouterr()
+
+
+def test_a_plane_that_can_not_be_kept_is_marked_and_says_by_how_much():
+    scan = parted()
+    top = face_along(scan, 0, 0, 1)
+    bpy.context.scene.unit_settings.system = "METRIC"
+    OPS.align(face=top, to="level", length=0.5)
+    panel = bpy.context.window_manager.isimp
+    pending.follow(bpy.context)
+    assert panel.align.length == pytest.approx(0.5)
+    with runtime.get().live.quiet():
+        panel.align.length = 0.001
+    runtime.get().live.pending, runtime.get().live.scan = True, scan.name
+    bpy.ops.isimp.settle()
+    numbers = store.numbers(scan)
+    assert numbers["failed"] == 1
+    assert numbers["reason"].startswith("this region needs 1.7")
+    assert numbers["reason"].endswith("cm, allowed 1 mm")
+    assert store.load(scan).steps[1].length == pytest.approx(0.001)
+
+
+def test_the_line_of_the_panel_tells_what_became_of_the_planes():
+    scan = parted()
+    assert text.planes_line(store.numbers(scan), "METRIC", 1.0) == "As scanned"
+    OPS.regularise(length=0.1)
+    line = text.planes_line(store.numbers(scan), "METRIC", 1.0)
+    assert line.startswith("6 regions -> 6 planes in 3 directions, adds ")
+    assert line.endswith(" cm")
+    OPS.add_proxy(face=face_along(scan, 0, 0, 1))
+    line = text.planes_line(store.numbers(scan), "METRIC", 1.0)
+    assert line.endswith("of 7 regions keep their planes: press Regularise again")
+    OPS.regularise(length=0.1)
+    OPS.mesh()
+    assert text.planes_line(store.numbers(scan), "METRIC", 1.0).startswith("7 regions -> ")
+    assert [step.kind for step in store.load(scan).steps] == ["partition", "add_proxy", "regularise", "mesh"]
+
+
+def test_a_changed_setting_runs_regularise_again():
+    scan = parted()
+    OPS.regularise(length=0.1)
+    before = store.numbers(scan)["directions"]
+    pending.follow(bpy.context)
+    panel = bpy.context.window_manager.isimp
+    assert panel.regularise.length == pytest.approx(0.1)
+    panel.regularise.angle_turn = np.radians(0.1)
+    assert panel.regularise.angle == pytest.approx(0.1, abs=1e-5)
+    changed = settings.from_panel(bpy.context, store.load(scan))
+    assert changed.steps[1].angle == pytest.approx(0.1, abs=1e-5)
+    assert changed.steps[1].length == pytest.approx(0.1)
+    runtime.get().live.pending, runtime.get().live.scan = True, scan.name
+    bpy.ops.isimp.settle()
+    assert store.load(scan).steps[1].angle == pytest.approx(0.1, abs=1e-5)
+    assert (before, store.numbers(scan)["directions"]) == (3, 5)
+
+
+def test_mesh_regularises_first_if_the_panel_says_so():
+    scan = parted()
+    bpy.context.window_manager.isimp.regularise.length = 0.1
+    OPS.mesh(regularise=True)
+    assert [step.kind for step in store.load(scan).steps] == ["partition", "regularise", "mesh"]
+    scans.activate(scan)
+    scan.hide_set(False)
+    OPS.mesh(regularise=True, planar=True)
+    assert [step.kind for step in store.load(scan).steps] == ["partition", "regularise", "mesh"]
+    normals = np.abs([polygon.normal for polygon in bpy.context.object.data.polygons])
+    assert (normals.max(axis=1) > 1 - 1e-6).all(), "the sides of a box"
+
+
+def test_presets_for_buildings_regularise_and_are_exactly_planar():
+    panel = bpy.context.window_manager.isimp
+    for name in ("building", "city"):
+        OPS.preset(name=name)
+        assert panel.regularise_first
+        assert panel.mesh.planar
+        OPS.preset(name="figure")
+        assert not panel.regularise_first
+        assert not panel.mesh.planar
+
+
+def test_every_button_of_the_panel_is_drawn():
+    scan = parted()
+    drawn = []
+
+    class Layout:
+        use_property_split = use_property_decorate = alert = True
+        scale_y = 1.0
+
+        def row(self, **_):
+            return self
+
+        column = row
+
+        def operator(self, name, text="", icon="NONE"):
+            drawn.append((name, text))
+            kinds = getattr(bpy.ops.isimp, name.removeprefix("isimp.")).get_rna_type()
+            return type("Button", (), {"bl_rna": kinds})()
+
+        def prop(self, owner, name, text=None):
+            assert hasattr(owner, name)
+            drawn.append((name, text))
+
+        def label(self, text, icon="NONE"):
+            drawn.append(("", text))
+
+    panel = type("Panel", (), {"layout": Layout(), "prepare": lambda self, context: self.layout})()
+    regularity.ISIMP_PT_regularity.draw(panel, bpy.context)
+    texts = [text for _, text in drawn]
+    for name in ("Level", "Upright", "Parallel", "Perpendicular", "Coplanar", "Free"):
+        assert ("isimp.align", name) in drawn
+    assert ("isimp.regularise", "") in drawn
+    assert {"angle_turn", "length", "up", "regularise_first", "directions"} <= {name for name, _ in drawn}
+    assert any("Planar Exactly" in (text or "") for text in texts)
+    assert scan.name == "Scan"
+
+
+def test_the_hover_text_tells_how_far_a_plane_leans():
+    from isimp.blender.tools import under
+
+    scan = parted()
+    bpy.context.scene.unit_settings.system = "METRIC"
+    ground = under.ground(bpy.context, wait=True)
+    unit, label = bpy.context.scene.unit_settings, scans.regions(scan)
+    top, side = label[face_along(scan, 0, 0, 1)], label[face_along(scan, 1, 0, 0)]
+    assert ground.told(unit, top).endswith("° off level; snapping moves 1.7 cm")
+    assert "1.7° off upright" in ground.told(unit, side)
+    scan.rotation_euler = (0, np.pi / 4, 0)
+    bpy.context.view_layer.update()
+    assert "off" not in under.ground(bpy.context, wait=True).told(unit, top)
+    scan.rotation_euler = (0, 0, 0)
+    bpy.context.view_layer.update()
+    OPS.align(face=face_along(scan, 0, 0, 1), to="level")
+    told = under.ground(bpy.context, wait=True).told(unit, top)
+    assert told.endswith("plane held")
