@@ -50,6 +50,15 @@ def _angle(settings, most: float):
     )
 
 
+def _automatic_length(description: str, first: float):
+    """Whether a length is 0, which stands for the engine's choice. first: the length when it no longer is."""
+
+    def write(self, value: bool) -> None:
+        self.length = 0.0 if value else self.length or first
+
+    return BoolProperty(name="Automatic Limit", description=description, get=lambda self: self.length == 0, set=write)
+
+
 def _set_automatic(self, value: bool) -> None:
     self.noise = -1.0 if value else max(0.0, self.noise)
 
@@ -80,7 +89,18 @@ SHOWN = {
         "chord_percent": _percent(MeshSettings, "chord_tolerance", 10.0, 2.0, 0, "Corners"),
         "join_percent": _percent(MeshSettings, "join_junctions", 10.0, 2.0, 0, "Join Corners"),
     },
-    rcp.Regularise: {"angle_turn": _angle(RegulariseSettings, 45)},
+    rcp.Regularise: {
+        "angle_turn": _angle(RegulariseSettings, 45),
+        "length_automatic": _automatic_length(
+            "How far planes may go off the scan follows from its noise: all together add a tenth to that",
+            0.01,
+        ),
+    },
+    rcp.AlignPlanes: {
+        "length_automatic": _automatic_length(
+            "A plane that is set by hand may go off its region by one percent of the scan's size", 0.05
+        ),
+    },
 }
 
 #: what the panel shows in place of a setting of a step

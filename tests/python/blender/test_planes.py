@@ -279,7 +279,16 @@ def test_every_button_of_the_panel_is_drawn():
     for name in ("Level", "Upright", "Parallel", "Perpendicular", "Coplanar", "Free"):
         assert ("isimp.align", name) in drawn
     assert ("isimp.regularise", "") in drawn
-    assert {"angle_turn", "length", "up", "regularise_first", "directions"} <= {name for name, _ in drawn}
+    names = [name for name, _ in drawn]
+    assert {"angle_turn", "up", "regularise_first", "directions"} <= set(names)
+    assert names.count("length_automatic") == 2
+    assert "length" not in names
+    bpy.context.window_manager.isimp.align.length_automatic = False
+    regularity.ISIMP_PT_regularity.draw(panel, bpy.context)
+    assert ("length", None) in drawn
+    assert bpy.context.window_manager.isimp.align.length == pytest.approx(0.05)
+    bpy.context.window_manager.isimp.align.length_automatic = True
+    assert bpy.context.window_manager.isimp.align.length == 0
     assert any("Planar Exactly" in (text or "") for text in texts)
     assert scan.name == "Scan"
 

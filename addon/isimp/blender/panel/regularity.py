@@ -8,14 +8,6 @@ from .. import settings, store, targets, text
 from .common import SubPanel, draw_lines, side_by_side
 
 _ROWS = (("level", "upright"), ("parallel", "perpendicular"), ("coplanar", "free"))
-_ICONS = {
-    "level": "AXIS_TOP",
-    "upright": "AXIS_FRONT",
-    "parallel": "PAUSE",
-    "perpendicular": "EMPTY_AXIS",
-    "coplanar": "MESH_PLANE",
-    "free": "UNLINKED",
-}
 
 
 class ISIMP_PT_regularity(SubPanel, bpy.types.Panel):
@@ -30,7 +22,8 @@ class ISIMP_PT_regularity(SubPanel, bpy.types.Panel):
         button.scale_y = 1.2
         settings.give(rcp.Regularise, panel.regularise, button.operator("isimp.regularise", icon="SNAP_ON"))
         draw_lines(context, layout, text.planes_line(numbers, unit.system, unit.scale_length), icon="FORWARD")
-        for name in ("angle", "length", "up"):
+        _draw_limit(layout, panel.regularise)
+        for name in ("angle", "up"):
             settings.draw(layout, rcp.Regularise, panel.regularise, name)
         ticks = layout.column(align=True)
         ticks.use_property_split = False  # their names need the whole width
@@ -41,19 +34,26 @@ class ISIMP_PT_regularity(SubPanel, bpy.types.Panel):
         for names in _ROWS:
             row = side_by_side(context, column)
             for name in names:
-                button = align(row, name, icon=_ICONS[name])
-                button.length = panel.align.length
-        layout.prop(panel.align, "length", text="By Hand")
+                align(row, name).length = panel.align.length
+        _draw_limit(layout, panel.align)
         if not panel.mesh.planar:
             draw_lines(
                 context, layout, own("For exactly planar polygons: Planar Exactly in Polygon Options"), icon="INFO"
             )
 
 
-def align(layout, to: str, icon: str = "NONE"):
+def _draw_limit(layout, group) -> None:
+    place = layout.column(align=True)
+    place.use_property_split = False
+    place.prop(group, "length_automatic")
+    if not group.length_automatic:
+        layout.prop(group, "length")
+
+
+def align(layout, to: str):
     """Draws the button that makes planes so."""
     items = bpy.ops.isimp.align.get_rna_type().properties["to"].enum_items
-    button = layout.operator("isimp.align", text=items[to].name, icon=icon)
+    button = layout.operator("isimp.align", text=items[to].name)
     button.to = to
     return button
 

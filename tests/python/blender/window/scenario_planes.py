@@ -4,7 +4,7 @@ import bpy
 import numpy as np
 from scenario_buttons import select
 from scenario_main import same, scan
-from scenario_steps import settings
+from scenario_steps import settings, settled
 from scenario_tools import begin, sketched, tool, undone_and_redone
 
 from isimp.blender import runtime, store
@@ -82,8 +82,8 @@ def run(hand):
 
     before = found()
     settings().regularise.length = 0.5
-    yield from hand.settle()
-    yield 1.0
+    yield 0.3
+    yield from settled()
     same("a changed setting runs it again", found()["length"], 0.5)
     same("and is one step", [step.kind for step in store.load(scan()).steps], ["partition", "regularise"])
     yield from hand.undo()
