@@ -148,12 +148,12 @@ py::tuple state_of(const Partition& partition) {
   const auto& [face_region, region_seed, region_normal, region_sum, error, history, smooth, tolerance, noise, snapped,
                bound, distance_max, region_offset, asked, needed, left_out, area_left_out, guided, locked, held,
                regularity] = partition;
-  const auto& [directions, planes, level, upright, slopes, parallel, free, by_hand, length, rms_before, rms] =
+  const auto& [directions, planes, level, upright, slopes, parallel, free, by_hand, even, length, rms_before, rms] =
       regularity.value_or(Regularity{});
   return py::make_tuple(pack_all(face_region, region_seed, region_normal, region_sum, error, history, smooth, tolerance,
                                  noise, snapped, bound, distance_max, region_offset, asked, needed, left_out,
                                  area_left_out, locked, held, regularity.has_value(), directions, planes, level,
-                                 upright, slopes, parallel, free, by_hand, length, rms_before, rms),
+                                 upright, slopes, parallel, free, by_hand, even, length, rms_before, rms),
                         pack_guided(guided));
 }
 
@@ -164,12 +164,12 @@ Partition partition_from_state(const py::tuple& state) {
          distance_max, region_offset, asked, needed, left_out, area_left_out, guided, locked, held, regularity] =
       partition;
   Regularity found;
-  auto& [directions, planes, level, upright, slopes, parallel, free, by_hand, length, rms_before, rms] = found;
+  auto& [directions, planes, level, upright, slopes, parallel, free, by_hand, even, length, rms_before, rms] = found;
   bool is_regular = false;
   unpack_all(state[0].cast<py::tuple>(), face_region, region_seed, region_normal, region_sum, error, history, smooth,
              tolerance, noise, snapped, bound, distance_max, region_offset, asked, needed, left_out, area_left_out,
-             locked, held, is_regular, directions, planes, level, upright, slopes, parallel, free, by_hand, length,
-             rms_before, rms);
+             locked, held, is_regular, directions, planes, level, upright, slopes, parallel, free, by_hand, even,
+             length, rms_before, rms);
   if (is_regular) regularity = found;
   check(held.empty() || (held.size() == region_seed.size() && region_offset.size() == held.size()));
   const std::size_t faces = face_region.size(), regions = region_seed.size();

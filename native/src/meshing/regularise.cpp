@@ -4,12 +4,14 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "even_spacing.h"
 #include "isimp/core/errors.h"
 #include "region_planes.h"
 
@@ -29,6 +31,7 @@ constexpr double kWider = 3;
 constexpr int kFrames = 3;                              ///< directions of walls, each with those square to it
 constexpr double kVote = 1.5 * std::numbers::pi / 180;  ///< width of a vote for one
 constexpr double kSame = 1e-9;                          ///< of two normals that are one direction
+constexpr double kAnywhere = std::numeric_limits<double>::infinity();
 
 /// What each snapped plane came to be.
 enum class Kind : std::uint8_t { free, level, upright, slope, parallel, by_hand };
@@ -46,7 +49,7 @@ double azimuth_difference(double a, double b) {
 class Regulariser {
  public:
   Regulariser(const Mesh& mesh, const Partition& partition, const RegulariseOptions& options, const Vec3& up)
-      : angle_(options.angle * std::numbers::pi / 180), z_(up) {
+      : angle_(options.angle * std::numbers::pi / 180), is_even_(options.even_spacing), z_(up) {
     for (const RegionPlane& plane : region_planes(mesh, partition)) {
       const std::size_t i = regions_.size();
       Region& r = regions_.emplace_back(Region{plane});
@@ -84,6 +87,7 @@ class Regulariser {
     for (const std::int32_t r : all)
       if (!is_by_hand(r)) regions_[r].offset = regions_[r].snapped.dot(regions_[r].scan.centre);
     align_offsets(all);
+    if (is_even_) space_evenly(all);
     if (has_budget_) release(all);
   }
 
@@ -104,6 +108,7 @@ class Regulariser {
       count(found, r.kind);
     }
     found.length = length_;
+    found.even = even_;
     out.regularity = found;
     return out;
   }
@@ -404,6 +409,52 @@ class Regulariser {
     }
   }
 
+  /// Moves parallel planes to equal distances.
+  void space_evenly(const Some& all) {
+    std::vector<bool> done(regions_.size(), false);
+    for (const std::int32_t lead : all) {
+      if (done[lead] || regions_[lead].kind == Kind::free) continue;
+      const Vec3 axis = regions_[lead].snapped;
+      Some parallel;
+      for (const std::int32_t r : all) {
+        if (done[r] || regions_[r].kind == Kind::free || regions_[r].snapped.cross(axis).norm() > kSame) continue;
+        done[r] = true;
+        parallel.push_back(r);
+      }
+      space_evenly_along(axis, parallel);
+    }
+  }
+
+  void space_evenly_along(const Vec3& axis, const Some& parallel) {
+    std::vector<ParallelPlane> planes;
+    std::vector<std::size_t> plane_of;
+    for (const std::int32_t r : parallel) {
+      const Region& region = regions_[r];
+      const bool along = region.snapped.dot(axis) > 0;
+      const double offset = along ? region.offset : -region.offset, middle = axis.dot(region.scan.centre),
+                   reach = length_ + unsure(region);
+      const auto same = std::find_if(planes.begin(), planes.end(), [&](const ParallelPlane& plane) {
+        return plane.faces_along == along && std::abs(plane.offset - offset) <= kSame * (1 + std::abs(offset));
+      });
+      plane_of.push_back(static_cast<std::size_t>(same - planes.begin()));
+      if (same == planes.end()) planes.push_back({offset, -kAnywhere, kAnywhere, 0, along, false});
+      ParallelPlane& plane = planes[plane_of.back()];
+      plane.area += region.scan.area;
+      plane.low = std::max(plane.low, std::min(offset, middle - reach));
+      plane.high = std::min(plane.high, std::max(offset, middle + reach));
+      if (is_by_hand(r)) plane.is_fixed = true;
+    }
+    for (ParallelPlane& plane : planes)
+      if (plane.is_fixed) plane.low = plane.high = plane.offset;
+    const EvenSpacing found = even_spacing(planes, length_);
+    even_ += found.planes;
+    for (std::size_t k = 0; k < parallel.size(); ++k) {
+      const std::size_t i = plane_of[k];
+      if (found.offset[i] != planes[i].offset)
+        regions_[parallel[k]].offset = planes[i].faces_along ? found.offset[i] : -found.offset[i];
+    }
+  }
+
   /// Releases the planes that add most to the error, until all together add no more than kMostAdded.
   void release(const Some& all) {
     double before = 0, now = 0, area = 0;
@@ -429,6 +480,8 @@ class Regulariser {
   }
 
   const double angle_;
+  const bool is_even_;
+  std::int32_t even_ = 0;    // planes at equal distances
   bool has_budget_ = false;  // else each plane's own length is the only bound
   double length_ = 0, unsure_ = 0;
   double least_ = 0;  // what counts as no distance

@@ -19,6 +19,7 @@ struct RegulariseOptions {
   double angle = 8;
   std::optional<double> length;
   Up up = Up::z;
+  bool even_spacing = false;
 };
 
 constexpr auto fields(const RegulariseOptions*) {
@@ -34,13 +35,20 @@ constexpr auto fields(const RegulariseOptions*) {
           "that add most are released until all together add at most 10 % to that distance of the scan."),
       choice("up", &O::up, {{"x", Up::x}, {"y", Up::y}, {"z", Up::z}, {"none", Up::none}},
              "The axis that is up, for level and upright planes; none: planes are made parallel only."),
+      field(
+          "even_spacing", &O::even_spacing,
+          "Also make distances of parallel planes equal, as of storeys, stairs and rows of windows, and equal the "
+          "sizes "
+          "that three or more pairs of them have in common, as windows have their widths. No plane moves further than "
+          "the length allows."),
   };
 }
 
 /// Snaps the planes of regions: level, upright with right angles between them, equal slopes, parallel, coplanar. Large
 /// regions lead; then the planes of a group are fitted to all of its regions by least squares. Each snap is made only if
-/// the scan stays within `length` of the plane. The labels do not change; `polygonize` keeps to the planes. Planes that
-/// `align_planes` has set stay as they are, and others are snapped to them first.
+/// the scan stays within `length` of the plane. On request distances of parallel planes are made equal. The labels do not
+/// change; `polygonize` keeps to the planes. Planes that `align_planes` has set stay as they are, and others are snapped
+/// to them first.
 ///
 /// \param up_direction  what points up, in place of options.up
 /// \return the partition with region_normal, region_offset, region_held and regularity set
