@@ -65,7 +65,7 @@ class Partition(Step):
     faces: tuple[int, ...] = ()  #: split only these; empty: all
 
     def __post_init__(self) -> None:
-        self._settlecount_faces()
+        self._settle_count()
         check_choice(self.count_by not in COUNTS, "count_by", ", ".join(COUNTS), self.count_by)
         options = engine_options(self, PARTITION)
         must(math.isfinite(options.pop("noise")), "noise", own("a length, or below 0"), self.noise)
@@ -93,7 +93,7 @@ class Partition(Step):
             places = places[:nearest] + places[nearest + 1 :]
         return dataclasses.replace(self, keep_openings=places)
 
-    def _settlecount_faces(self) -> None:
+    def _settle_count(self) -> None:
         given = [name for name in COUNTS if getattr(self, name) is not None]
         if not self.count_by:
             check(
