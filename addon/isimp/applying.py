@@ -196,7 +196,10 @@ def _apply_regularise(step: rcp.Regularise, prepared, before, watch, begin, end)
     before = _needs_regions(before)
     up = _up(step, prepared, before)
     options = engine.RegulariseOptions(
-        angle=step.angle, length=step.length or None, up="z" if up is not None else "none"
+        angle=step.angle,
+        length=step.length or None,
+        up="z" if up is not None else "none",
+        even_spacing=step.even_spacing,
     )
     snap = partial(engine.regularise, up_direction=up)
     args = (prepared.mesh, before.partition, options)

@@ -215,6 +215,10 @@ REGULARISE: dict[str, Option] = {
         default="z",
         choices=("x", "y", "z", "none"),
     ),
+    "even_spacing": Option(
+        kind="bool",
+        default=False,
+    ),
 }
 
 TEXTURE: dict[str, Option] = {

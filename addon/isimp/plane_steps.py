@@ -40,10 +40,11 @@ class Regularise(_Upward):
     """Snap the planes of regions: level, upright with right angles, equal slopes, parallel, coplanar."""
 
     angle: float = REGULARISE["angle"].default  #: by which a plane is turned at most, in degrees
+    even_spacing: bool = REGULARISE["even_spacing"].default  #: also make distances of parallel planes equal
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_options({"angle": self.angle}, REGULARISE)
+        check_options({"angle": self.angle, "even_spacing": self.even_spacing}, REGULARISE)
 
     def describe(self) -> str:
         return "Regularise"

@@ -221,12 +221,14 @@ class RegulariseOptions:
     angle: float
     length: float | None
     up: Literal["x", "y", "z", "none"]
+    even_spacing: bool
     def __init__(
         self,
         *,
         angle: float = ...,
         length: float | None = ...,
         up: Literal["x", "y", "z", "none"] = ...,
+        even_spacing: bool = ...,
     ) -> None: ...
     @staticmethod
     def fields() -> list[dict[str, Any]]: ...

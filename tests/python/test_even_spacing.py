@@ -1,11 +1,14 @@
 """Parallel planes at equal distances: stairs whose treads are not quite so."""
 
 import copy
+import json
+import pathlib
 
 import numpy as np
 import pytest
 
 import isimp_engine as engine
+from isimp_engine.cli import main
 
 DEPTH, WIDTH = 0.3, 1.2
 HEIGHTS = np.array([0.168, 0.176, 0.17, 0.179, 0.167, 0.174])
@@ -73,3 +76,17 @@ def test_steps_of_any_height_stay(seed: int) -> None:
     even = engine.regularise(mesh, part, engine.RegulariseOptions(length=0.002, even_spacing=True))
     plain = engine.regularise(mesh, part, engine.RegulariseOptions(length=0.002))
     assert np.array_equal(treads(even), treads(plain))
+
+
+def test_command(tmp_path: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
+    mesh, _ = stair(HEIGHTS)
+    scan, report = tmp_path / "stair.off", tmp_path / "report.json"
+    lines = ["OFF", f"{len(mesh.vertices)} {len(mesh.triangles)} 0"]
+    lines += [" ".join(map(repr, row)) for row in mesh.vertices.tolist()]
+    lines += [f"3 {a} {b} {c}" for a, b, c in mesh.triangles.tolist()]
+    scan.write_text("\n".join(lines))
+    arguments = ["simplify", str(scan), str(tmp_path / "out.obj"), "--proxies", "16", "--quiet", "--even-spacing"]
+    assert main(arguments) == 2
+    assert "--even-spacing needs --regularise" in capsys.readouterr().err
+    assert main([*arguments, "--regularise", "--report", str(report)]) == 0
+    assert json.loads(report.read_text())["options"]["regularise"]["even_spacing"] is True

@@ -291,6 +291,12 @@ class RegulariseSettings:
         ),
         default=_REGULARISE.up,
     )
+    even_spacing: BoolProperty(
+        name="Even Spacing",
+        description="Make distances of parallel planes equal: of storeys, steps and rows of windows, and the widths "
+        "that three or more windows have in common",
+        default=_REGULARISE.even_spacing,
+    )
 
 
 class AlignSettings:

@@ -28,7 +28,7 @@ from .files import place
 
 EXPECTED = (UsageError, FileError, OSError, MemoryError, InvalidInput, RuntimeError)  #: what wrong input raises
 
-Options = type[CleanOptions] | type[MeshingOptions] | type[PartitionOptions]
+Options = type[CleanOptions] | type[MeshingOptions] | type[PartitionOptions] | type[RegulariseOptions]
 _COUNTS = ("proxies", "detail", "tolerance", "bound")  # at most one of them
 _SHARED = ("threads",)  # one flag for all steps
 
@@ -110,6 +110,7 @@ def simplify_options() -> argparse.ArgumentParser:
     turned = "snap planes: level, upright, parallel, coplanar; each turns by at most ANGLE degrees. Default: %(const)s"
     angle = RegulariseOptions().angle
     command.add_argument("--regularise", type=float, nargs="?", const=angle, metavar="ANGLE", help=turned)
+    add_fields(command, RegulariseOptions, ("even_spacing",))
     command.add_argument(
         "--texture",
         type=texturing.size,
@@ -212,6 +213,8 @@ def settle(arguments: argparse.Namespace) -> None:
         raise UsageError("--ao needs --texture: it is an image of the texture's material")
     if arguments.recipe is not None and arguments.height is None:
         arguments.height = arguments.recipe.height
+    if arguments.even_spacing and arguments.regularise is None:
+        raise UsageError("--even-spacing needs --regularise: it moves planes that are parallel by it")
     if arguments.height and arguments.texture is None:
         raise UsageError("--height needs --texture: it has the places of the texture")
     arguments.options = options_of(arguments, PartitionOptions)

@@ -133,7 +133,9 @@ def make_regions(arguments: argparse.Namespace, source: Input, steps: Steps, cle
     options, recipe = arguments.options, arguments.recipe
     meshing = MeshingOptions(**(recipe.meshing if recipe else {}) | {"threads": options.threads})
     meshing.planar = meshing.planar or bool(arguments.planar)
-    regular = None if arguments.regularise is None else RegulariseOptions(angle=arguments.regularise)
+    regular = None
+    if arguments.regularise is not None:
+        regular = RegulariseOptions(angle=arguments.regularise, even_spacing=bool(arguments.even_spacing))
     closed = None
     with steps("clean") as job:
         keep = closing.kept_places(arguments)

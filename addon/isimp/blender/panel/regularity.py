@@ -27,6 +27,7 @@ class ISIMP_PT_regularity(SubPanel, bpy.types.Panel):
             settings.draw(layout, rcp.Regularise, panel.regularise, name)
         ticks = layout.column(align=True)
         ticks.use_property_split = False  # their names need the whole width
+        ticks.prop(panel.regularise, "even_spacing")
         ticks.prop(panel, "regularise_first")
         ticks.prop(panel, "directions", text="Colour by Direction")
         column = layout.column(align=True)
