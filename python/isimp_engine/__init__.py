@@ -55,7 +55,16 @@ from ._core import (
 )
 from .exporting import write
 from .reading import read, read_polygons
-from .texturing import Texture, TexturedSoup, TextureLayer, corner_sources, read_textured, texture, write_textured
+from .texturing import (
+    Texture,
+    TexturedSoup,
+    TextureLayer,
+    corner_sources,
+    read_textured,
+    texture,
+    uv_islands,
+    write_textured,
+)
 
 __all__ = [
     "Cancelled",
@@ -109,6 +118,7 @@ __all__ = [
     "texture",
     "triangulate",
     "unlock_regions",
+    "uv_islands",
     "write",
     "write_textured",
 ]

@@ -1,342 +1,214 @@
-"""`isimp tiles`: one scan in tiles gives the polygons of one piece, whatever the tiles and the workers."""
+"""Several images: UDIM tiles in and out, and materials that are kept apart."""
 
 import json
-import os
-import signal
-import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import isimp_engine as engine
-import meshfiles
 import shapes
-import tilesets
-from batches import ENVIRONMENT, isimp, wait_for
-from isimp_engine import tiles
+from test_cli import isimp
+from test_texture import SIX, inside, painted_cube, result, sample, write_cube_obj
 
-pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="tiles need fork")
-
-P = 12
+TILES = {1001: (250, 10, 20), 1002: (30, 240, 50), 1011: (60, 70, 230)}
 
 
-@pytest.fixture(scope="module")
-def whole():
-    return tilesets.hilly()
+def write_udim_plane(folder, n=6):
+    """A strip of three squares, each in a tile of its own colour."""
+    vertices, triangles = shapes.plane(n)
+    lines, uvs, faces = ["mtllib strip.mtl"], [], ["usemtl strip"]
+    for k, (tile, colour) in enumerate(TILES.items()):
+        lines += [f"v {x + k} {y} {z}" for x, y, z in vertices]
+        u, v = (tile - 1001) % 10, (tile - 1001) // 10
+        uvs += [f"vt {0.02 + 0.96 * x + u} {0.02 + 0.96 * y + v}" for x, y, _ in vertices]
+        faces += ["f " + " ".join(f"{i}/{i}" for i in t) for t in triangles + 1 + k * len(vertices)]
+        Image.new("RGB", (16, 16), colour).save(folder / f"strip.{tile}.png")
+        Image.new("L", (16, 16), colour[0]).save(folder / f"rough.{tile}.png")
+    (folder / "strip.obj").write_text("\n".join([*lines, *uvs, *faces]) + "\n")
+    (folder / "strip.mtl").write_text("newmtl strip\nmap_Kd strip.<UDIM>.png\nmap_Pr rough.<UDIM>.png\n")
+    return folder / "strip.obj"
 
 
-@pytest.fixture(scope="module")
-def one_piece(whole):
-    return engine.partition(engine.Mesh(*whole), engine.PartitionOptions(proxies=P))
+def squares(soup):
+    return np.floor(soup.vertices[soup.triangles][:, :, 0].mean(axis=1)).astype(int)
 
 
-def error_of(vertices, triangles, label):
-    """The L2,1 error of labels, and the length of the borders between regions."""
-    a, b, c = (vertices[triangles[:, k]] for k in range(3))
-    normal = np.cross(b - a, c - a) / 2
-    count = label.max() + 1
-    sums = np.stack([np.bincount(label, normal[:, k], count) for k in range(3)], 1)
-    area = np.linalg.norm(normal, axis=1)
-    return 2 * (area.sum() - np.linalg.norm(sums, axis=1).sum())
+def test_udim_images_of_obj_files_are_read(tmp_path):
+    soup = engine.read_textured(write_udim_plane(tmp_path))
+    assert len(soup.images) == 3
+    assert {file.name for file in soup.files} >= {"strip.1011.png", "rough.1002.png"}
+    assert soup.uv.min() >= 0
+    assert soup.uv.max() <= 1
+    _, _, poly, made = result(soup, squares(soup), size=64)
+    for q, region in enumerate(poly.polygon_region):
+        colour = list(TILES.values())[region]
+        assert (inside(poly, made, q)[:, :3] == colour).all()
+        assert (inside(poly, replace_image(made, made.layers["roughness"]), q) == colour[0]).all()
 
 
-@pytest.mark.parametrize(("columns", "rows"), [(1, 1), (3, 1), (3, 3)])
-def test_tiles_give_as_many_regions_and_as_small_an_error_as_one_piece(tmp_path, whole, one_piece, columns, rows):
-    parts = tilesets.cut(*whole, columns, rows)
-    folder = tilesets.write(tmp_path / "in", parts)
-    outcome = tiles.run(folder, tmp_path / "out.obj", proxies=P, labels=tmp_path / "labels")
-    label = tilesets.labels_of(tmp_path / "labels", parts, len(whole[1]))
-    assert sorted(set(label.tolist())) == list(range(P))
-    assert tilesets.regions_are_connected(whole[1], label)
-    error = error_of(*whole, label)
-    assert error == pytest.approx(outcome.report["error"], rel=1e-3)
-    assert error < 1.03 * error_of(*whole, one_piece.face_region)
-    out = outcome.report["output"]
-    assert out["manifold"]
-    assert out["polygons"] <= P + 3
-    assert not (tmp_path / ".out.obj.tiles").exists()
-    if columns > 1:
-        assert outcome.report["border_edges"] - outcome.report["unmatched_edges"] >= 2 * 48 * (columns - 1)
+def replace_image(made, image):
+    from dataclasses import replace
+
+    return replace(made, image=image)
 
 
-@pytest.mark.parametrize(("columns", "rows"), [(1, 1), (3, 2)])
-def test_detail_finds_the_planes_that_one_piece_finds(tmp_path, whole, columns, rows):
-    one = engine.partition(engine.clean(*whole), engine.PartitionOptions(detail=0.01))
-    folder = tilesets.write(tmp_path / "in", tilesets.cut(*whole, columns, rows))
-    report = tiles.run(folder, tmp_path / "out.obj", options={"detail": 0.01}).report
-    assert report["tolerance"] == pytest.approx(one.report["tolerance"], rel=1e-6)
-    assert report["noise"] == pytest.approx(one.report["noise"], rel=0.2)
-    assert report["regions"] == pytest.approx(one.region_count, abs=max(1, one.region_count // 10))
+def test_a_missing_tile_is_named(tmp_path):
+    path = write_udim_plane(tmp_path)
+    (tmp_path / "strip.1002.png").unlink()
+    with pytest.raises(engine.InvalidInput, match="UDIM tile 1002, but its image has only 1001, 1011"):
+        engine.read_textured(path)
+    for file in tmp_path.glob("strip.1*.png"):
+        file.unlink()
+    with pytest.raises(engine.FileError, match=r"strip.mtl, line 2: no file has the name .*strip.<UDIM>.png"):
+        engine.read_textured(path)
 
 
-def test_a_tolerance_is_a_length_and_its_number_is_said(tmp_path):
-    parts = tilesets.cut(*shapes.cube(10), 2, 2)
-    folder = tilesets.write(tmp_path / "in", parts)
-    done = isimp("tiles", folder, tmp_path / "a.obj", "--tolerance", 0.02, "--noise", 0)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert "6 regions found at a tolerance of 0.02, noise 0, the number of planes it is made of" in done.stdout
-    by_default = tiles.run(folder, tmp_path / "b.obj").report
-    assert (by_default["regions"], by_default["options"]["detail"]) == (6, 0.005)
+def test_tiles_are_taken_from_python():
+    vertices, triangles = shapes.plane(2)
+    uv = vertices[:, :2] + [1, 0]
+    soup = engine.TexturedSoup(vertices, triangles, uv, images=[{1002: np.full((4, 4, 3), 9, np.uint8)}])
+    assert len(soup.images) == 1
+    assert soup.uv.max() <= 1
+    with pytest.raises(engine.InvalidInput, match="UDIM tile 1001"):
+        engine.TexturedSoup(vertices, triangles, vertices[:, :2], images=[{1002: np.zeros((4, 4, 3), np.uint8)}])
 
 
-def test_no_border_of_regions_follows_a_border_of_tiles(tmp_path, whole):
-    parts = tilesets.cut(*whole, 4, 3)
-    folder = tilesets.write(tmp_path / "in", parts)
-    tiles.run(folder, tmp_path / "out.obj", proxies=P, labels=tmp_path / "labels")
-    label = tilesets.labels_of(tmp_path / "labels", parts, len(whole[1]))
-    tile = np.empty(len(label), int)
-    for k, (_, _, own) in enumerate(parts):
-        tile[own] = k
-    mesh = engine.Mesh(*whole)
-    neighbour = tiles.faces_of(mesh)
-    f = np.repeat(neighbour.mesh_face, 3)
-    g = neighbour.neighbour.ravel()
-    f, g = f[g >= 0], neighbour.mesh_face[g[g >= 0]]
-    crossing = tile[f] != tile[g]
-    cut = label[f] != label[g]
-    assert crossing.sum() > 400
-    assert cut[crossing].mean() < 2 * cut[~crossing].mean() + 0.02
+def coloured_cube(**options):
+    vertices, triangles, side = painted_cube()
+    colors = np.repeat(np.array(SIX, np.uint8)[side][:, None], 3, axis=1)
+    soup = engine.TexturedSoup(vertices, triangles, colors=colors)
+    return soup, result(soup, side, **options)
 
 
-def test_the_open_border_is_complete(tmp_path, whole):
-    parts = tilesets.cut(*whole, 2, 2)
-    outcome = tiles.run(tilesets.write(tmp_path / "in", parts), tmp_path / "out.ply", proxies=P)
-    rim = 4 * 48
-    assert outcome.report["unmatched_edges"] == rim
-    vertices, loops, start = engine.read_polygons(tmp_path / "out.ply")
-    ends = {}
-    for q in np.split(loops, start[1:]):
-        for a, b in zip(q, np.roll(q, -1), strict=True):
-            ends[frozenset((int(a), int(b)))] = ends.get(frozenset((int(a), int(b))), 0) + 1
-    border = [vertices[list(e)] for e, count in ends.items() if count == 1]
-    length = sum(float(np.linalg.norm((b - a)[:2])) for a, b in border)
-    assert length == pytest.approx(4, abs=0.1)
+def shown_colours(soup):
+    """The colour in the middle of each triangle, of whichever image it shows."""
+    found = np.empty((len(soup.triangles), 3), int)
+    for m, image in enumerate(soup.images):
+        of = soup.material == m
+        found[of] = sample(image, soup.uv[of].mean(axis=1))[:, :3]
+    return found
 
 
-def run_bits(folder, out, **options):
-    tiles.run(folder, out, proxies=P, labels=out.with_suffix(".labels"), **options)
-    labels = [np.load(p).tobytes() for p in sorted(out.with_suffix(".labels").iterdir())]
-    return out.read_bytes(), labels
+def sides(soup):
+    corners = soup.vertices[soup.triangles]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    axis = np.abs(normal).argmax(axis=1)
+    return 2 * axis + (np.take_along_axis(normal, axis[:, None], 1)[:, 0] > 0)
 
 
-def test_the_result_is_the_same_bits_for_any_number_of_workers(tmp_path, whole):
-    folder = tilesets.write(tmp_path / "in", tilesets.cut(*whole, 3, 1))
-    assert run_bits(folder, tmp_path / "a.ply", jobs=1) == run_bits(folder, tmp_path / "b.ply", jobs=2)
+@pytest.mark.parametrize("name", ["out.obj", "out.glb"])
+def test_results_of_several_tiles_come_back(tmp_path, name):
+    soup, (_, _, poly, made) = coloured_cube(size=64, tiles=2, occlusion=True)
+    assert made.image.shape == (2, 64, 64, 4)
+    assert made.normal.shape == (2, 64, 64, 3)
+    assert made.layers["occlusion"].shape == (2, 64, 64)
+    assert sorted(np.unique(made.tile)) == [0, 1]
+    assert made.uv.min() >= 0
+    assert made.uv.max() <= 1
+    assert made.report["tiles"] == 2
+    files = engine.write_textured(tmp_path / name, poly, made)
+    if name == "out.obj":
+        wanted = {"out.obj", "out.mtl"}
+        wanted |= {f"out{layer}.{1001 + t}.png" for layer in ("", "_normal", "_occlusion") for t in range(2)}
+        assert {file.name for file in files} == wanted
+        assert "map_Kd out.<UDIM>.png" in (tmp_path / "out.mtl").read_text()
+    back = engine.read_textured(tmp_path / name)
+    before = dict(zip(sides(soup).tolist(), soup.colors[:, 0, :3].tolist(), strict=True))
+    assert len(back.images) == 2
+    for side, colour in zip(sides(back), shown_colours(back), strict=True):
+        assert np.abs(colour - before[side]).max() <= 1
 
 
-@pytest.mark.parametrize("step", ["prepare/000003", "first-01", "thin/000001"])
-def test_a_run_that_was_killed_goes_on_and_gives_the_same_bits(tmp_path, whole, step):
-    folder = tilesets.write(tmp_path / "in", tilesets.cut(*whole, 2, 2))
-    command = [sys.executable, "-m", "isimp_engine", "tiles", folder, tmp_path / "a.ply", "--proxies", P]
-    command += ["--work", tmp_path / "work", "--labels", tmp_path / "a.labels"]
-    process = subprocess.Popen([*map(str, command)], env=ENVIRONMENT, stderr=subprocess.DEVNULL)
-    wait_for((tmp_path / "work" / step).exists)
-    process.kill()
-    process.wait()
-    assert not (tmp_path / "a.ply").exists()
-    done = isimp(*command[3:])
-    assert done.returncode == 0, done.stderr
-    assert done.stderr.startswith("isimp: goes on from an earlier run, which did ")
-    assert len(done.stderr.splitlines()) == 1
-    assert (tmp_path / "a.ply").read_bytes() == run_bits(folder, tmp_path / "b.ply")[0]
-    for path in (tmp_path / "a.labels").iterdir():
-        assert path.read_bytes() == (tmp_path / "b.labels" / path.name).read_bytes()
+def test_tiles_are_denser_and_have_no_untextured_texel():
+    _, (_, _, _, one) = coloured_cube(size=64)
+    _, (_, _, poly, four) = coloured_cube(size=64, tiles=4)
+    assert four.report["texels_per_unit"] > 1.5 * one.report["texels_per_unit"]
+    assert four.report["unknown"] == 0
+    ends = np.append(poly.loop_start, len(poly.loops))
+    for q, region in enumerate(poly.polygon_region):
+        middle = four.uv[ends[q] : ends[q + 1]].mean(axis=0)[None]
+        assert (sample(four.image[four.tile[q]], middle)[0, :3] == SIX[region]).all()
 
 
-def test_other_options_or_other_tiles_begin_anew(tmp_path, whole):
-    parts = tilesets.cut(*whole, 2)
-    folder = tilesets.write(tmp_path / "in", parts)
-    states = []
-    run = {"work": tmp_path / "work", "watch": lambda state: states.append(state.before)}
-    assert tiles.run(folder, tmp_path / "a.obj", proxies=P, **run).report["regions"] == P
-    assert tiles.run(folder, tmp_path / "a.obj", proxies=P - 4, **run).report["regions"] == P - 4
-    assert max(states) == 0
-    tiles.run(folder, tmp_path / "a.obj", proxies=P - 4, **run)
-    assert max(states) > 20
+def test_materials_are_kept_apart(tmp_path):
+    path, _ = write_cube_obj(tmp_path)
+    out, report = tmp_path / "made.obj", tmp_path / "r.json"
+    ran = isimp("simplify", path, out, "--proxies", "6", "--texture", "32", "--keep-materials", "--report", report)
+    assert ran.returncode == 0, ran.stderr
+    assert "6 images of 32 x 32 pixels" in ran.stdout
+    assert json.loads(report.read_text())["texture"]["materials"] == 6
+    text = (tmp_path / "made.mtl").read_text()
+    assert [f"newmtl side{s}" in text for s in range(6)] == [True] * 6
+    soup = engine.read_textured(out)
+    assert len(soup.images) == 6
+    colours = {name: tuple(image[16, 16, :3].tolist()) for name, image in zip(soup.names, soup.images, strict=True)}
+    assert colours == {f"side{s}": tuple(map(int, colour)) for s, colour in enumerate(SIX)}
+    glb = tmp_path / "made.glb"
+    assert isimp("simplify", path, glb, "--proxies", "6", "--texture", "32", "--keep-materials").returncode == 0
+    assert sorted(engine.read_textured(glb).names) == [f"made-side{s}" for s in range(6)]
 
 
-def test_a_work_folder_with_other_files_is_left_alone(tmp_path, whole):
-    folder = tilesets.write(tmp_path / "in", tilesets.cut(*whole, 2))
-    (tmp_path / "work").mkdir()
-    (tmp_path / "work" / "mine.txt").write_text("mine")
-    with pytest.raises(tiles.TilesError, match="is not empty and no work folder of isimp tiles"):
-        tiles.run(folder, tmp_path / "a.obj", proxies=P, work=tmp_path / "work")
-    assert (tmp_path / "work" / "mine.txt").read_text() == "mine"
-
-
-@pytest.mark.parametrize("off", [1e-6, 1e-4, 1e-3])
-def test_borders_that_are_off_are_welded(tmp_path, whole, off):
-    random = np.random.default_rng(1)
-    parts = tilesets.cut(*whole, 2, 2)
-    moved = [(v + random.uniform(-off / 4, off / 4, v.shape), t, f) for v, t, f in parts]
-    folder = tilesets.write(tmp_path / "in", moved)
-    apart = tiles.run(folder, tmp_path / "a.obj", proxies=P).report
-    assert apart["unmatched_share"] == 1
-    report = tiles.run(folder, tmp_path / "b.obj", proxies=P, weld=off, labels=tmp_path / "labels").report
-    assert report["unmatched_edges"] == 4 * 48
-    assert report["regions"] == P
-    label = tilesets.labels_of(tmp_path / "labels", parts, len(whole[1]))
-    assert tilesets.regions_are_connected(whole[1], label)
-
-
-def test_vertices_inside_edges_of_another_tile_are_put_into_them(tmp_path):
-    left, right = shapes.grid(8, (0, 0, 0), (1, 0, 0), (0, 1, 0)), shapes.grid(24, (1, 0, 0), (1, 0, 0.3), (0, 1, 0))
-    folder = tilesets.write(tmp_path / "in", [(*left, None), (*right, None)])
-    report = tiles.run(folder, tmp_path / "a.obj", proxies=2, labels=tmp_path / "labels").report
-    assert report["t_junctions"] == 16
-    assert report["unmatched_edges"] == 3 * 8 + 3 * 24
-    assert len(np.load(tmp_path / "labels" / "tile_00.npy")) == 128
-    assert report["output"]["polygons"] == 2
-    vertices, loops, start = engine.read_polygons(tmp_path / "a.obj")
-    assert len(vertices) == 6, "the two sheets share an edge"
-    assert sorted(np.diff(np.append(start, len(loops)))) == [4, 4]
-
-
-def test_map_coordinates_stay(tmp_path, whole):
-    offset = np.array([512_345.25, 5_043_210.5, 117.0])
-    parts = tilesets.cut(whole[0] * 40, whole[1], 2, 2)
-    folder = tilesets.write(tmp_path / "here", parts)
-    there = tilesets.write(tmp_path / "there", [(v + offset, t, f) for v, t, f in parts])
-    tiles.run(folder, tmp_path / "a.obj", proxies=P)
-    report = tiles.run(there, tmp_path / "b.obj", proxies=P).report
-    assert report["unmatched_edges"] == 4 * 48
-    a, b = engine.read_polygons(tmp_path / "a.obj"), engine.read_polygons(tmp_path / "b.obj")
-    assert b[0].min(0) == pytest.approx(offset + a[0].min(0), abs=0.2)
-    assert report["output"]["manifold"]
-    assert report["output"]["polygons"] <= P + 3
-
-
-@pytest.mark.parametrize("suffix", [".ply", ".obj"])
-def test_a_single_scan_is_cut_into_tiles(tmp_path, whole, suffix):
-    writer = {".ply": meshfiles.ply_binary, ".obj": meshfiles.obj}[suffix]
-    path = tmp_path / f"scan{suffix}"
-    writer(path, whole[0], whole[1].tolist())
-    outcome = tiles.run(path, tmp_path / "a.obj", proxies=P, labels=tmp_path / "labels", tile_faces=900)
-    assert outcome.report["tiles"] >= 5
-    assert outcome.report["unmatched_edges"] == 4 * 48
-    label = np.load(tmp_path / "labels" / "scan.npy")
-    assert sorted(set(label.tolist())) == list(range(P))
-    assert tilesets.regions_are_connected(whole[1], label)
-
-
-def test_a_closed_component_over_several_tiles_gets_its_four_regions(tmp_path):
-    vertices, triangles = shapes.cube(10)
-    parts = tilesets.cut(vertices, triangles, 2, 2)
-    report = tiles.run(tilesets.write(tmp_path / "in", parts), tmp_path / "a.obj", proxies=6).report
-    assert report["regions"] == 6
-    assert report["unmatched_edges"] == 0
-    assert report["error"] < 0.02
-    assert report["output"]["closed"]
-    assert report["output"]["polygons"] == 6
-    assert tiles.run(tmp_path / "in", tmp_path / "a.obj", proxies=1).report["regions"] == 4
-
-
-def test_specks_are_left_out_and_tiles_without_faces_are_tiles(tmp_path):
-    cube, speck = shapes.cube(8), shapes.cube(1)
-    speck = (speck[0] * 0.01 + [3, 0, 0], speck[1])
-    flat = (np.zeros((3, 3)), np.array([[0, 1, 1]]))
-    parts = [(*cube, None), (*speck, None), (*flat, None)]
-    folder = tilesets.write(tmp_path / "in", parts)
-    report = tiles.run(folder, tmp_path / "a.obj", proxies=6, labels=tmp_path / "labels").report
-    assert (report["parts_left_out"], report["regions"]) == (1, 6)
-    assert set(np.load(tmp_path / "labels" / "tile_00.npy")) == set(range(6))
-    assert np.load(tmp_path / "labels" / "tile_01.npy").tolist() == [-1] * 12
-    assert np.load(tmp_path / "labels" / "tile_02.npy").tolist() == [-1]
-
-
-def test_all_kinds_of_files_and_polygons_are_read(tmp_path):
-    """Squares of a cube of three kinds of files, one tile a side."""
-    folder = tmp_path / "in"
-    folder.mkdir()
-    sides = [(meshfiles.ply_ascii, ".ply"), (meshfiles.off, ".off"), (meshfiles.obj, ".obj")]
-    sides += [(meshfiles.stl_ascii, ".stl"), (meshfiles.ply_binary, ".ply"), (meshfiles.ply_big, ".ply")]
-    x, y, z = np.eye(3)
-    frames = [(0 * x, y, x), (z, x, y), (0 * x, x, z), (y, z, x), (0 * x, z, y), (x, y, z)]
-    for k, ((writer, suffix), frame) in enumerate(zip(sides, frames, strict=True)):
-        vertices, triangles = shapes.grid(4, *frame)
-        squares = np.concatenate([triangles[:16], triangles[16:, 2:]], 1)  # (a, b, c) and (a, c, d)
-        writer(folder / f"{k}{suffix}", vertices, (triangles if suffix == ".stl" else squares).tolist())
-    report = tiles.run(folder, tmp_path / "a.ply", proxies=6, labels=tmp_path / "labels").report
-    assert report["unmatched_edges"] == 0
-    assert report["output"]["closed"]
-    assert report["output"]["polygons"] == 6
-    sizes = [len(np.load(tmp_path / "labels" / f"{k}.npy")) for k in range(6)]
-    assert sizes == [16, 16, 16, 32, 16, 16]
-    assert len({tuple(set(np.load(tmp_path / "labels" / f"{k}.npy"))) for k in range(6)}) == 6
-
-
-def test_the_command_writes_results_labels_and_a_report(tmp_path, whole):
-    folder = tilesets.write(tmp_path / "in", tilesets.cut(*whole, 2))
-    report = tmp_path / "r.json"
-    done = isimp("tiles", folder, tmp_path / "a.obj", "--proxies", P, "--labels", tmp_path / "l", "--report", report)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert "4,608 faces in 2 tiles" in done.stdout
-    assert f"of {P} regions" in done.stdout
-    said = json.loads(report.read_text())
-    assert said["regions"] == P
-    assert said["peak_mb"]["relax"] > 10
-    assert said["output"]["path"] == str(tmp_path / "a.obj")
-    assert sorted(p.name for p in (tmp_path / "l").iterdir()) == ["tile_00.npy", "tile_01.npy"]
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.obj", "in", "l", "r.json"]
+def test_the_command_makes_tiles_and_does_not_overwrite_the_scans(tmp_path):
+    path = write_udim_plane(tmp_path)
+    ran = isimp("simplify", path, tmp_path / "made.glb", "--proxies", "3", "--texture", "32", "--tiles", "2")
+    assert ran.returncode == 0, ran.stderr
+    assert "2 images of 32 x 32 pixels" in ran.stdout
+    before = (tmp_path / "strip.1001.png").read_bytes()
+    (tmp_path / "other.mtl").write_text((tmp_path / "strip.mtl").read_text())
+    (tmp_path / "other.obj").write_text(path.read_text().replace("strip.mtl", "other.mtl"))
+    for name in ("strip.obj", "strip.glb"):
+        ran = isimp("simplify", tmp_path / "other.obj", tmp_path / "x" / name, "--texture", "32")
+    ran = isimp("simplify", tmp_path / "other.obj", path, "--proxies", "3", "--texture", "32", "--tiles", "2")
+    assert ran.returncode == 2
+    assert "belongs to the scan and would be overwritten" in ran.stderr
+    assert (tmp_path / "strip.1001.png").read_bytes() == before
 
 
 @pytest.mark.parametrize(
-    ("arguments", "status", "said"),
+    ("arguments", "text"),
     [
-        (("nowhere", "a.obj", "--proxies", 5), 2, "there is no such folder or scan"),
-        (("empty", "a.obj", "--proxies", 5), 2, "there is no scan"),
-        (("in", "a.stl", "--proxies", 5), 2, "OUTPUT must end in one of .obj, .ply"),
-        (("in", "no/a.obj", "--proxies", 5), 2, "there is no folder no to write to"),
-        (("in", "a.obj", "--proxies", 0), 2, "--proxies must be at least 1, got 0"),
-        (("in", "a.obj", "--proxies", 5, "--smooth", 2), 2, "--smooth must be in [0, 1], got 2"),
-        (("in", "a.obj", "--proxies", 5, "--detail", 0.1), 2, "--proxies and --detail contradict each other"),
-        (("in", "a.obj", "--detail", 2), 2, "--detail must be in (0, 1], got 2"),
-        (("in", "a.obj", "--proxies", 5, "--weld", -1), 2, "the length to weld within must be at least 0"),
-        (("in", "a.obj", "--proxies", 5, "--jobs", 0), 2, "the number of jobs must be at least 1"),
-        (("in", "a.obj", "--proxies", 100_000), 2, "100,000 regions of 4,608 faces can't be made"),
-        (("torn", "a.obj", "--proxies", 5), 3, "tile_01.ply: "),
+        (["--tiles", "2"], "--tiles needs --texture"),
+        (["--keep-materials"], "--keep-materials needs --texture"),
+        (["--texture", "32", "--tiles", "0"], "must be a whole number in [1, 100]"),
+        (["--texture", "32", "--tiles", "many"], "must be a whole number in [1, 100]"),
     ],
 )
-def test_what_is_wrong_is_said_in_one_line(tmp_path, whole, arguments, status, said):
-    parts = tilesets.cut(*whole, 2)
-    tilesets.write(tmp_path / "in", parts)
-    tilesets.write(tmp_path / "torn", parts, meshfiles.ply_binary, ".ply")
-    torn = tmp_path / "torn" / "tile_01.ply"
-    torn.write_bytes(torn.read_bytes()[:-100])
-    (tmp_path / "empty").mkdir()
-    done = isimp("tiles", *arguments, cwd=tmp_path)
-    assert (done.returncode, len(done.stderr.splitlines())) == (status, 1), done.stderr
-    assert said in done.stderr
-    assert not (tmp_path / "a.obj").exists()
+def test_the_command_says_what_is_wrong(tmp_path, arguments, text):
+    ran = isimp("simplify", write_udim_plane(tmp_path), tmp_path / "made.obj", *arguments)
+    assert ran.returncode == 2
+    assert text in ran.stderr
 
 
-def test_ctrl_c_ends_it_and_the_next_run_goes_on(tmp_path, whole):
-    folder = tilesets.write(tmp_path / "in", tilesets.cut(*whole, 3, 2))
-    command = [sys.executable, "-m", "isimp_engine", "tiles", folder, tmp_path / "a.obj", "--proxies", P]
-    process = subprocess.Popen([*map(str, command)], env=ENVIRONMENT, stderr=subprocess.PIPE, text=True)
-    wait_for((tmp_path / ".a.obj.tiles" / "join").exists)
-    process.send_signal(signal.SIGINT)
-    said = process.communicate(timeout=20)[1]
-    assert process.returncode == 130
-    assert said.splitlines()[-1].endswith("; the same command goes on from there")
-    done = isimp(*command[3:])
-    assert done.returncode == 0
-    assert "goes on from an earlier run" in done.stderr
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.obj", "in"]
+def transformed_glb(folder, **transform):
+    """A plane with one texture, whose UVs an extension moves."""
+    vertices, triangles = shapes.plane(1)
+    soup = engine.TexturedSoup(vertices, triangles, vertices[:, :2], images=[np.zeros((8, 8, 3), np.uint8)])
+    _, _, poly, made = result(soup, np.zeros(2, int), size=16)
+    path = folder / "plane.glb"
+    engine.write_textured(path, poly, made)
+    before = engine.read_textured(path)
+    data = path.read_bytes()
+    size = int.from_bytes(data[12:16], "little")
+    document = json.loads(data[20 : 20 + size])
+    base = document["materials"][0]["pbrMetallicRoughness"]
+    base["baseColorTexture"]["extensions"] = {"KHR_texture_transform": transform}
+    document["extensionsUsed"] = ["KHR_texture_transform"]
+    text = json.dumps(document).encode()
+    text += b" " * (-len(text) % 4)
+    chunks = len(text).to_bytes(4, "little") + data[16:20] + text + data[20 + size :]
+    path.write_bytes(data[:8] + (12 + len(chunks)).to_bytes(4, "little") + chunks)
+    return before.uv, engine.read_textured(path).uv
 
 
-def test_two_runs_do_not_work_in_one_folder(tmp_path, whole):
-    from isimp_engine.batch.table import Lock
-
-    folder = tilesets.write(tmp_path / "in", tilesets.cut(*whole, 2))
-    with Lock(tmp_path / "work"), pytest.raises(tiles.TilesError, match=rf"process {os.getpid()} on .* works on it"):
-        tiles.run(folder, tmp_path / "a.obj", proxies=P, work=tmp_path / "work")
-
-
-def test_the_package_stays_importable_by_steps_alone():
-    code = "from isimp_engine.tiles import tasks, steps; print(sorted(tasks._STEPS)[0])"
-    done = subprocess.run([sys.executable, "-c", code], env=ENVIRONMENT, capture_output=True, text=True)
-    assert (done.stdout, done.stderr) == ("halo\n", "")
-    assert Path(engine.__file__).with_name("tiles").is_dir()
+def test_texture_transforms_of_gltf_are_obeyed(tmp_path):
+    before, after = transformed_glb(tmp_path, offset=[0.25, 0.5], scale=[2, 3])
+    assert np.allclose(after[..., 0], 0.25 + 2 * before[..., 0], atol=1e-6)
+    assert np.allclose(1 - after[..., 1], 0.5 + 3 * (1 - before[..., 1]), atol=1e-6)
+    # A turn, as Blender's importer has it: u and v upward are turned counter-clockwise.
+    turn, sx, sy, ox, oy = 0.7, 2.0, 0.5, 0.1, 0.3
+    before, after = transformed_glb(tmp_path, offset=[ox, oy], scale=[sx, sy], rotation=turn)
+    c, s = np.cos(turn), np.sin(turn)
+    x, y = sx * before[..., 0], sy * before[..., 1]
+    assert np.allclose(after[..., 0], c * x - s * y + ox + sy * s, atol=1e-6)
+    assert np.allclose(after[..., 1], s * x + c * y + 1 - oy - sy * c, atol=1e-6)

@@ -26,7 +26,8 @@ class ISIMP_OT_mesh(RecipeOperator, settings.MeshSettings, bpy.types.Operator):
         before = pending.recipe_of(context, scan)
         recipe = before.then(settings.to_step(rcp.Mesh, self))
         if self.keep_texture and texture.is_textured(scan):
-            recipe = recipe.then(before.texture() or rcp.Texture())
+            last = texture.last_step(targets.result_of(context.scene, scan))
+            recipe = recipe.then(before.texture() or last or rcp.Texture())
         return recipe
 
     def show(self, context, scan, work, outcome):
