@@ -229,6 +229,17 @@ TEXTURE: dict[str, Option] = {
         least=16.0,
         most=16384.0,
     ),
+    "tiles": Option(
+        kind="int",
+        default=None,
+        words="in [1, 100]",
+        least=1.0,
+        most=100.0,
+    ),
+    "materials": Option(
+        kind="bool",
+        default=False,
+    ),
     "unfold": Option(
         kind="float",
         default=40.0,

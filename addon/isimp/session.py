@@ -42,10 +42,11 @@ class Shown:
 
     uv: np.ndarray  #: (T, 3, 2) of each corner
     material: np.ndarray  #: (T,) which image
-    images: list  #: (H, W, 4) uint8, row 0 at the top
+    images: list  #: (H, W, 4) uint8, row 0 at the top; a dict of them by number for UDIM tiles
     #: what else the materials have: by layer one of each, an image, a number or None; see `engine.TextureLayer`
     layers: dict = field(default_factory=dict)
     strength: float = 1.0  #: of the emission
+    names: tuple = ()  #: of the materials
 
 
 class Session:
@@ -59,6 +60,7 @@ class Session:
         self._outcomes = Cache(budget)
         self._parts = Cache(0)  # the last one alone
         self._fits: tuple = (None, ())  # of the last partition
+        self._textures = Cache(0)  # the same, by scan: what stays of it need not be made again
 
     def replay(self, scan: Scan, recipe: rcp.Recipe, watch: Watch | None = None) -> Outcome:
         """The outcome of the recipe on the scan.
@@ -121,7 +123,10 @@ class Session:
         return np.asarray(triangles), np.asarray(polygon)
 
     def texture(self, scan: Scan, outcome: Outcome, shown: Shown, step: rcp.Texture, watch: Watch | None = None):
-        """UVs and images of an outcome's polygons; see `engine.texture`. Raises ValueError or Stopped."""
+        """UVs and images of an outcome's polygons; see `engine.texture`. Raises ValueError or Stopped.
+
+        Charts stay where the last texture of the scan had them, and only what an edit changed is made again.
+        """
         watch = watch or Watch()
         mesh = self._prepared(scan, outcome, watch).mesh
         layers = {
@@ -129,22 +134,31 @@ class Session:
             for name, images in shown.layers.items()
         }
         arrays = (scan.vertices, scan.triangles, shown.uv, shown.material, shown.images)
-        soup = engine.TexturedSoup(*arrays, layers=layers)
+        soup = engine.TexturedSoup(*arrays, names=shown.names, layers=layers)
         options = engine.TextureOptions(
             size=step.size or None,
+            tiles=step.tiles or None,
+            materials=step.materials,
             height=step.height,
             occlusion=step.occlusion,
             occlusion_distance=step.occlusion_distance or None,
             threads=self.threads,
         )
         args = (mesh, outcome.partition, outcome.polygons, soup, options)
-        return engine_call(watch, 0.0, 1.0, "making the texture", engine.texture, *args)
+        make = partial(engine.texture, previous=self._textures.get(scan.digest))
+        made = engine_call(watch, 0.0, 1.0, "making the texture", make, *args)
+        self._textures.put(scan.digest, made, 1)
+        return made
 
-    def corner_sources(self, scan: Scan, outcome: Outcome) -> tuple[np.ndarray, np.ndarray]:
-        """(L,) triangle of the scan and (L, 3) weights of its corners, for each corner of an outcome's polygons."""
+    def corner_sources(self, scan: Scan, outcome: Outcome, uv=None) -> tuple[np.ndarray, np.ndarray]:
+        """(L,) triangle of the scan and (L, 3) weights of its corners, for each corner of an outcome's polygons.
+
+        uv: (T, 3, 2) of a UV map that is carried over: then each polygon takes places of one island only.
+        """
+        islands = None if uv is None else engine.uv_islands(scan.triangles, uv)
         mesh = self._prepared(scan, outcome).mesh
         args = (mesh, outcome.partition, outcome.polygons, scan.vertices, scan.triangles)
-        triangle, weights = engine.corner_sources(*args, threads=self.threads)
+        triangle, weights = engine.corner_sources(*args, islands=islands, threads=self.threads)
         return np.asarray(triangle), np.asarray(weights)
 
     def region_at(self, scan: Scan, outcome: Outcome, face: int) -> dict:

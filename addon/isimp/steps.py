@@ -357,10 +357,13 @@ class Texture(Step):
     occlusion: bool = False  #: with an image of ambient occlusion
     occlusion_distance: float = 0.0  #: how far away faces may be that keep light off; 0: at any distance
     height: bool = False  #: with a height map
+    tiles: int = 0  #: images of that size, as UDIM tiles; 0: one, or as many as the scan's density needs
+    materials: bool = False  #: with images of its own for each of the scan's materials
 
     def __post_init__(self) -> None:
-        size = TEXTURE["size"]
-        must(self.size == 0 or size.holds(self.size), "size", said("0, or {words}", words=size.words), self.size)
+        for name in ("size", "tiles"):
+            option, value = TEXTURE[name], getattr(self, name)
+            must(value == 0 or option.holds(value), name, said("0, or {words}", words=option.words), value)
         length = TEXTURE["occlusion_distance"]
         fits = self.occlusion_distance == 0 or length.holds(self.occlusion_distance)
         words = said("0, or {words}", words=length.words)

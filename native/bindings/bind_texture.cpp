@@ -1,6 +1,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <optional>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -33,11 +34,19 @@ std::span<const T> span_of(const Contiguous<T>& array) {
   return {array.data(), static_cast<std::size_t>(array.size())};
 }
 
-py::array uv_of(const Atlas& atlas) {
+/// From 0 to 1 in the tile of each corner's polygon.
+py::array uv_of(const PolygonMesh& poly, const Atlas& atlas) {
   Contiguous<double> uv({static_cast<py::ssize_t>(atlas.corner.size()), py::ssize_t{2}});
   double* out = uv.mutable_data();
-  for (const auto& p : atlas.corner)
-    for (const double at : p) *out++ = at / atlas.side;
+  std::size_t i = 0;
+  for (std::size_t q = 0; q < atlas.tile.size(); ++q) {
+    const std::size_t end =
+        q + 1 < atlas.tile.size() ? static_cast<std::size_t>(poly.loop_start[q + 1]) : atlas.corner.size();
+    for (; i < end; ++i) {
+      *out++ = atlas.corner[i][0] / atlas.side;
+      *out++ = atlas.corner[i][1] / atlas.side - atlas.tile[q];
+    }
+  }
   return uv;
 }
 
@@ -66,11 +75,12 @@ Picture picture_of(const py::handle& item, std::size_t i) {
   return picture;
 }
 
+/// (rows, side, channels), without the last axis where there is one channel.
 template <class T, class Allocator>
 py::array pixels(std::vector<T, Allocator>&& values, std::int32_t side, std::int32_t channels) {
   const auto n = static_cast<py::ssize_t>(side);
   const py::array flat = owned(std::move(values));
-  return channels == 1 ? flat.attr("reshape")(n, n) : flat.attr("reshape")(n, n, channels);
+  return channels == 1 ? flat.attr("reshape")(-1, n) : flat.attr("reshape")(-1, n, channels);
 }
 
 /// A layer given as (uv, image, pictures). `kept` holds the arrays that it looks at.
@@ -82,50 +92,95 @@ Appearance layer_of(const py::handle& item, std::vector<py::object>& kept) {
   return look;
 }
 
+/// The parts of an earlier bake, in the order of EarlierBake. It keeps the arrays that it looks at.
+struct Earlier {
+  Contiguous<std::uint8_t> color, normal;
+  std::vector<Contiguous<std::uint8_t>> layers;
+  std::vector<PolygonTexels> texels;
+  std::optional<EarlierBake> bake;
+
+  explicit Earlier(const py::object& given) {
+    if (given.is_none()) return;
+    const auto parts = py::cast<py::tuple>(given);
+    color = py::cast<Contiguous<std::uint8_t>>(parts[3]);
+    if (!parts[4].is_none()) normal = py::cast<Contiguous<std::uint8_t>>(parts[4]);
+    const auto counts = py::cast<Contiguous<std::int64_t>>(parts[6]);
+    for (py::ssize_t i = 0; i + 2 < counts.size(); i += 3)
+      texels.push_back({counts.data()[i], counts.data()[i + 1], counts.data()[i + 2]});
+    bake.emplace(EarlierBake{py::cast<const Partition&>(parts[0]),
+                             py::cast<const PolygonMesh&>(parts[1]),
+                             py::cast<const Atlas&>(parts[2]),
+                             span_of(color),
+                             span_of(normal),
+                             {},
+                             texels});
+    for (const py::handle& layer : py::cast<py::list>(parts[5])) {
+      layers.push_back(py::cast<Contiguous<std::uint8_t>>(layer));
+      bake->layers.push_back(span_of(layers.back()));
+    }
+  }
+};
+
+py::array texels_of(const std::vector<PolygonTexels>& texels) {
+  Contiguous<std::int64_t> counts({static_cast<py::ssize_t>(texels.size()), py::ssize_t{3}});
+  std::int64_t* out = counts.mutable_data();
+  for (const PolygonTexels& polygon : texels)
+    for (const std::int64_t count : {polygon.inside, polygon.searched, polygon.unknown}) *out++ = count;
+  return counts;
+}
+
 py::tuple bake_texture(const KeptMesh& mesh, const Partition& part, const PolygonMesh& poly, const Atlas& atlas,
                        const Contiguous<float>& uv, const Contiguous<std::int32_t>& image,
                        const Contiguous<std::uint8_t>& colors, const Contiguous<std::uint8_t>& known,
                        const py::list& pictures, const py::list& layers, const py::object& relief,
-                       const TextureOptions& options, Job* job) {
+                       const TextureOptions& options, const py::object& before, Job* job) {
   Appearance look{span_of(uv), span_of(image), span_of(colors), span_of(known), {}};
   for (std::size_t i = 0; i < pictures.size(); ++i) look.pictures.push_back(picture_of(pictures[i], i));
   MaterialLayers more;
   std::vector<py::object> kept;
   for (const py::handle& layer : layers) more.images.push_back(layer_of(layer, kept));
   if (!relief.is_none()) more.relief = layer_of(relief, kept);
-  Texture made = call(job, [&, options](Job& j) { return bake(mesh, part, poly, atlas, look, options, j, more); });
+  const Earlier earlier(before);
+  Texture made = call(job, [&, options](Job& j) {
+    return bake(mesh, part, poly, atlas, look, options, j, more, earlier.bake ? &*earlier.bake : nullptr);
+  });
   py::list images;
   for (Array<std::uint8_t>& layer : made.layers) images.append(pixels(std::move(layer), made.side, 4));
   const py::object normal =
       made.normal.empty() ? py::object(py::none()) : py::object(pixels(std::move(made.normal), made.side, 3));
-  return py::make_tuple(pixels(std::move(made.color), made.side, 4), normal, images,
-                        py::dict("texels"_a = made.report.texels, "searched"_a = made.report.searched,
-                                 "unknown"_a = made.report.unknown));
-}
-
-py::array occlusion_texture(const KeptMesh& mesh, const Partition& part, const PolygonMesh& poly, const Atlas& atlas,
-                            const TextureOptions& options, Job* job) {
-  Array<std::uint8_t> grey = call(job, [&, options](Job& j) {
-    BakeMap map;
-    {
-      const Job::Part mapping(j, "baking", 0.35, 0.4);
-      map = bake_map(mesh, part, poly, atlas, options, j);
-    }
-    const Job::Part tracing(j, "occlusion", 0.4, 0.98);
-    return occlusion(mesh, map, options, j);
-  });
-  return pixels(std::move(grey), atlas.side, 1);
+  return py::make_tuple(pixels(std::move(made.color), made.side, 4), normal, images, texels_of(made.texels),
+                        owned(std::move(made.same)));
 }
 
 constexpr double kLeastHeight = 1e-3;  // texels
 
-py::tuple height_texture(const KeptMesh& mesh, const Partition& part, const PolygonMesh& poly, const Atlas& atlas,
-                         const TextureOptions& options, Job* job) {
-  HeightImage image = call(job, [&, options](Job& j) {
-    const Job::Part mapping(j, "baking", options.occlusion ? 0.3 : 0.6, options.occlusion ? 0.35 : 0.98);
-    return height_image(bake_map(mesh, part, poly, atlas, options, j), kLeastHeight / atlas.scale);
+/// The images that are made of one map: occlusion and heights, None where not asked for, and the range of heights.
+/// \param same     as of Texture: polygons that take their occlusion from an earlier one
+/// \param earlier  that image, or None
+py::tuple map_layers(const KeptMesh& mesh, const Partition& part, const PolygonMesh& poly, const Atlas& atlas,
+                     const TextureOptions& options, const Contiguous<std::int32_t>& same, const py::object& earlier,
+                     Job* job) {
+  const auto grey = earlier.is_none() ? Contiguous<std::uint8_t>() : py::cast<Contiguous<std::uint8_t>>(earlier);
+  const EarlierGrey kept{span_of(same), span_of(grey)};
+  const EarlierGrey* before = earlier.is_none() ? nullptr : &kept;
+  HeightImage height;
+  Array<std::uint8_t> dark = call(job, [&, options](Job& j) {
+    BakeMap map;
+    {
+      const Job::Part mapping(j, "baking", options.occlusion ? 0.3 : 0.6, options.occlusion ? 0.4 : 0.98);
+      // Heights are shares of the largest one, so all of them are found.
+      const bool all = before == nullptr || options.height;
+      map = bake_map(mesh, part, poly, atlas, options, j, all ? std::span<const std::int32_t>() : kept.same);
+    }
+    if (options.height) height = height_image(map, kLeastHeight / atlas.scale);
+    if (!options.occlusion) return Array<std::uint8_t>();
+    const Job::Part tracing(j, "occlusion", 0.4, 0.98);
+    return occlusion(mesh, map, options, j, before);
   });
-  return py::make_tuple(pixels(std::move(image.grey), atlas.side, 1), image.range);
+  py::object none = py::none();
+  return py::make_tuple(options.occlusion ? py::object(pixels(std::move(dark), atlas.side, 1)) : none,
+                        options.height ? py::object(pixels(std::move(height.grey), atlas.side, 1)) : none,
+                        height.range);
 }
 
 py::tuple map_texture(const KeptMesh& mesh, const Partition& part, const PolygonMesh& poly, const Atlas& atlas,
@@ -135,9 +190,28 @@ py::tuple map_texture(const KeptMesh& mesh, const Partition& part, const Polygon
                         pixels(std::move(map.barycentric), map.side, 2), pixels(std::move(map.height), map.side, 1));
 }
 
+/// \param group    (Q) of each polygon, or of no length
+/// \param earlier  earlier polygons and their atlas, or None
+Atlas lay_out(const PolygonMesh& poly, const TextureOptions& options, double density,
+              const Contiguous<std::int32_t>& group, const py::object& earlier, Job* job) {
+  check_fields(options);
+  if (group.size() != 0 && group.size() != static_cast<py::ssize_t>(poly.loop_start.size()))
+    throw InvalidInput("there must be a group for each polygon");
+  const AtlasOptions asked{options.size.value_or(0),  density,       options.unfold, options.gutter.value_or(0),
+                           options.tiles.value_or(0), span_of(group)};
+  std::optional<EarlierAtlas> before;
+  if (!earlier.is_none()) {
+    const auto parts = py::cast<py::tuple>(earlier);
+    before.emplace(EarlierAtlas{py::cast<const PolygonMesh&>(parts[0]), py::cast<const Atlas&>(parts[1])});
+  }
+  return call(job, [&](Job& j) { return unwrap(poly, asked, j, before ? &*before : nullptr); });
+}
+
 py::tuple places_of(const KeptMesh& mesh, const Partition& part, const PolygonMesh& poly,
-                    const Contiguous<std::uint8_t>& known, std::int32_t threads, Job* job) {
-  CornerPlaces found = call(job, [&](Job& j) { return closest_places(mesh, part, poly, span_of(known), threads, j); });
+                    const Contiguous<std::uint8_t>& known, const Contiguous<std::int32_t>& group, std::int32_t threads,
+                    Job* job) {
+  CornerPlaces found =
+      call(job, [&](Job& j) { return closest_places(mesh, part, poly, span_of(known), span_of(group), threads, j); });
   const auto corners = static_cast<py::ssize_t>(found.face.size());
   const py::array weight = owned(std::move(found.barycentric));
   return py::make_tuple(owned(std::move(found.face)), weight.attr("reshape")(corners, 2));
@@ -167,29 +241,24 @@ void bind_texture(py::module_& m) {
       .def_readonly("scale", &Atlas::scale)
       .def_readonly("fill", &Atlas::fill)
       .def_readonly("gutter", &Atlas::gutter)
+      .def_readonly("tiles", &Atlas::tiles)
       .def_readonly("chart_count", &Atlas::chart_count)
+      .def_readonly("kept", &Atlas::kept)
       .def_property_readonly("chart", viewer<Atlas>(&Atlas::chart))
-      .def_property_readonly("uv", &uv_of)
+      .def_property_readonly("tile", viewer<Atlas>(&Atlas::tile))
+      .def_property_readonly("tile_group", viewer<Atlas>(&Atlas::tile_group))
       .def_property_readonly("tangent", [](const Atlas& atlas) { return directions(atlas, &ChartFrame::u); })
       .def_property_readonly("normal", [](const Atlas& atlas) { return directions(atlas, &ChartFrame::n); });
-  m.def(
-      "_unwrap",
-      [](const PolygonMesh& poly, const TextureOptions& o, double density, Job* job) {
-        return call(job, [&, o](Job& j) {
-          check_fields(o);
-          return unwrap(poly, o.size.value_or(0), density, o.unfold, o.gutter.value_or(0), j);
-        });
-      },
-      "polygons"_a, "options"_a, "density"_a, "job"_a = py::none());
+  m.def("_unwrap", &lay_out, "polygons"_a, "options"_a, "density"_a, "group"_a = Contiguous<std::int32_t>(),
+        "earlier"_a = py::none(), "job"_a = py::none());
+  m.def("_uv", &uv_of, "polygons"_a, "atlas"_a);
   m.def("_bake", &bake_texture, "mesh"_a, "partition"_a, "polygons"_a, "atlas"_a, "uv"_a, "image"_a, "colors"_a,
-        "known"_a, "pictures"_a, "layers"_a, "relief"_a, "options"_a, "job"_a = py::none());
+        "known"_a, "pictures"_a, "layers"_a, "relief"_a, "options"_a, "earlier"_a = py::none(), "job"_a = py::none());
   m.def("_bake_map", &map_texture, "mesh"_a, "partition"_a, "polygons"_a, "atlas"_a, "options"_a, "job"_a = py::none());
-  m.def("_occlusion", &occlusion_texture, "mesh"_a, "partition"_a, "polygons"_a, "atlas"_a, "options"_a,
-        "job"_a = py::none());
-  m.def("_height", &height_texture, "mesh"_a, "partition"_a, "polygons"_a, "atlas"_a, "options"_a,
-        "job"_a = py::none());
-  m.def("_closest_places", &places_of, "mesh"_a, "partition"_a, "polygons"_a, "known"_a, "threads"_a = 0,
-        "job"_a = py::none());
+  m.def("_map_layers", &map_layers, "mesh"_a, "partition"_a, "polygons"_a, "atlas"_a, "options"_a,
+        "same"_a = Contiguous<std::int32_t>(), "earlier"_a = py::none(), "job"_a = py::none());
+  m.def("_closest_places", &places_of, "mesh"_a, "partition"_a, "polygons"_a, "known"_a,
+        "group"_a = Contiguous<std::int32_t>(), "threads"_a = 0, "job"_a = py::none());
   m.def("_source_corners", &corners_of, "mesh"_a, "vertices"_a, "triangles"_a, "job"_a = py::none());
 }
 

@@ -57,7 +57,16 @@ from ._core import (
 )
 from .exporting import write
 from .reading import read, read_polygons
-from .texturing import Texture, TexturedSoup, TextureLayer, corner_sources, read_textured, texture, write_textured
+from .texturing import (
+    Texture,
+    TexturedSoup,
+    TextureLayer,
+    corner_sources,
+    read_textured,
+    texture,
+    uv_islands,
+    write_textured,
+)
 
 __all__ = [
     "Cancelled",
@@ -113,6 +122,7 @@ __all__ = [
     "texture",
     "triangulate",
     "unlock_regions",
+    "uv_islands",
     "write",
     "write_textured",
 ]

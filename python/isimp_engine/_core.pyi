@@ -352,6 +352,8 @@ _Stretch: Callable[[Job, float, float], AbstractContextManager[None]]
 
 class TextureOptions:
     size: int | None
+    tiles: int | None
+    materials: bool
     unfold: float
     gutter: int | None
     band: int
@@ -365,6 +367,8 @@ class TextureOptions:
         self,
         *,
         size: int | None = ...,
+        tiles: int | None = ...,
+        materials: bool = ...,
         unfold: float = ...,
         gutter: int | None = ...,
         band: int = ...,
@@ -379,10 +383,39 @@ class TextureOptions:
     def fields() -> list[dict[str, Any]]: ...
     def as_dict(self) -> dict[str, Any]: ...
 
-_unwrap: Callable[[PolygonMesh, TextureOptions, float, Job | None], Any]
-_bake: Callable[..., tuple[NDArray[np.uint8], NDArray[np.uint8] | None, list[NDArray[np.uint8]], dict[str, int]]]
-_occlusion: Callable[[Mesh, Partition, PolygonMesh, Any, TextureOptions, Job | None], NDArray[np.uint8]]
-_height: Callable[[Mesh, Partition, PolygonMesh, Any, TextureOptions, Job | None], tuple[NDArray[np.uint16], float]]
+class _Atlas:
+    @property
+    def side(self) -> int: ...
+    @property
+    def tiles(self) -> int: ...
+    @property
+    def scale(self) -> float: ...
+    @property
+    def fill(self) -> float: ...
+    @property
+    def gutter(self) -> float: ...
+    @property
+    def chart_count(self) -> int: ...
+    @property
+    def kept(self) -> int: ...
+    @property
+    def chart(self) -> NDArray[np.int32]: ...
+    @property
+    def tile(self) -> NDArray[np.int32]: ...
+    @property
+    def tile_group(self) -> NDArray[np.int32]: ...
+    @property
+    def tangent(self) -> NDArray[np.float64]: ...
+    @property
+    def normal(self) -> NDArray[np.float64]: ...
+
+_unwrap: Callable[..., _Atlas]
+_uv: Callable[[PolygonMesh, _Atlas], NDArray[np.float64]]
+_bake: Callable[
+    ...,
+    tuple[NDArray[np.uint8], NDArray[np.uint8] | None, list[NDArray[np.uint8]], NDArray[np.int64], NDArray[np.int32]],
+]
+_map_layers: Callable[..., tuple[NDArray[np.uint8] | None, NDArray[np.uint16] | None, float]]
 _closest_places: Callable[..., tuple[NDArray[np.int32], NDArray[np.float32]]]
 _bake_map: Callable[..., tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float32], NDArray[np.float32]]]
 _source_corners: Callable[

@@ -68,6 +68,8 @@ class Recipe:
     texture: int | None = None  #: keep the texture in an image of this size; 0: as dense as the scan's; None: do not
     ao: float | None = None  #: with ambient occlusion by faces up to this distance; 0: by all; None: without
     height: bool = False  #: with a height map
+    tiles: int | None = None  #: images of that size; None: as many as its density needs
+    materials: bool = False  #: with images for each of the scan's materials
 
     @property
     def regular(self) -> Regularise | None:
@@ -111,7 +113,8 @@ def parsed(values: Any) -> Recipe:
     partition: dict[str, Any] | None = None
     meshing: dict[str, Any] = {}
     meshed = False  # whether the step before makes polygons, or their texture
-    angle, edits, closing, texture, ao, height = None, list[tuple[str, float | Regularise]](), True, None, None, False
+    angle, edits, closing = None, list[tuple[str, float | Regularise]](), True
+    textured: dict[str, Any] = {}
     keep: tuple[tuple[float, float, float], ...] = ()
     for number, step in enumerate(values["steps"], 1):
         try:
@@ -125,7 +128,7 @@ def parsed(values: Any) -> Recipe:
             elif kind == "mesh":
                 meshing = _checked(MeshingOptions, settings)
             elif kind == "texture":
-                texture, ao, height = _texture(settings, meshed)
+                textured = _texture(settings, meshed)
             else:
                 edits.append(_edit(kind, settings, partition is None))
         except RecipeError as error:
@@ -133,8 +136,8 @@ def parsed(values: Any) -> Recipe:
     if partition is None:
         raise RecipeError("the recipe has no partition step")
     if not meshed:
-        texture, ao, height = None, None, False
-    return Recipe(values, partition, closing, keep, angle, tuple(edits), meshing, texture, ao, height)
+        textured = {}
+    return Recipe(values, partition, closing, keep, angle, tuple(edits), meshing, **textured)
 
 
 def _settings(step: Any) -> tuple[str, dict[str, Any]]:
@@ -246,27 +249,33 @@ def _direction(value: Any) -> tuple[float, float, float]:
     return x, y, z
 
 
-def _texture(settings: dict[str, Any], meshed: bool) -> tuple[int, float | None, bool]:
-    """The size of the texture, the distance of its occlusion, and whether it has heights."""
+def _texture(settings: dict[str, Any], meshed: bool) -> dict[str, Any]:
+    """The parts of a Recipe that tell of its texture."""
     if not meshed:
         raise RecipeError("there are no polygons yet: a mesh step must come right before")
-    size = settings.pop("size", 0)
-    occlusion, distance = settings.pop("occlusion", False), settings.pop("occlusion_distance", 0.0)
-    height = settings.pop("height", False)
+    size, tiles = _whole(settings, "size"), _whole(settings, "tiles")
+    flags = {name: settings.pop(name, False) for name in ("occlusion", "height", "materials")}
+    distance = settings.pop("occlusion_distance", 0.0)
     if settings:
         raise RecipeError(f"texture has no setting '{next(iter(settings))}'")
-    if isinstance(size, bool) or not isinstance(size, int):
-        raise RecipeError(f"size must be a whole number, got {size!r}")
-    field = next(field for field in TextureOptions.fields() if field["name"] == "size")
-    if size and not field["least"] <= size <= field["most"]:
-        raise RecipeError(f"size must be 0, or {field['range']}, got {size}")
-    if not isinstance(occlusion, bool):
-        raise RecipeError(f"occlusion must be true or false, got {occlusion!r}")
-    if not isinstance(height, bool):
-        raise RecipeError(f"height must be true or false, got {height!r}")
+    for name, flag in flags.items():
+        if not isinstance(flag, bool):
+            raise RecipeError(f"{name} must be true or false, got {flag!r}")
     if isinstance(distance, bool) or not isinstance(distance, (int, float)) or not 0 <= distance < float("inf"):
         raise RecipeError(f"occlusion_distance must be a finite length, at least 0, got {distance!r}")
-    return size, float(distance) if occlusion else None, height
+    ao = float(distance) if flags.pop("occlusion") else None
+    return {"texture": size, "tiles": tiles or None, "ao": ao} | flags
+
+
+def _whole(settings: dict[str, Any], name: str) -> int:
+    """A whole number of TextureOptions; 0: not given."""
+    value: Any = settings.pop(name, 0)
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise RecipeError(f"{name} must be a whole number, got {value!r}")
+    field = next(field for field in TextureOptions.fields() if field["name"] == name)
+    if value and not field["least"] <= value <= field["most"]:
+        raise RecipeError(f"{name} must be 0, or {field['range']}, got {value}")
+    return value
 
 
 def _checked(

@@ -102,7 +102,7 @@ TEST(Unwrap, ChartsAreRigidAndNotMirrored) {
   Job job;
   const Made cube_made = cube(4);
   for (const double angle : {0.0, 40.0}) {
-    const Atlas atlas = unwrap(cube_made.poly, 256, 1, angle, 0, job);
+    const Atlas atlas = unwrap(cube_made.poly, {256, 1, angle, 0}, job);
     for (std::int32_t q = 0; q < cube_made.poly.polygon_count(); ++q) {
       const auto p = outline(cube_made.poly, atlas, q);
       EXPECT_NEAR(area(p), atlas.scale * atlas.scale, 1e-6 * area(p));
@@ -121,12 +121,12 @@ TEST(Unwrap, ChartsAreRigidAndNotMirrored) {
 
 TEST(Unwrap, UnfoldsFlatEdgesOnly) {
   Job job;
-  EXPECT_EQ(unwrap(cube(2).poly, 256, 1, 40, 0, job).chart_count, 6);
+  EXPECT_EQ(unwrap(cube(2).poly, {256, 1, 40, 0}, job).chart_count, 6);
   const Made halves = made(shapes::plane(8), [](const Vec3& middle, const Vec3&) {
     return (middle.x() > 0.5 ? 1 : 0) + (middle.y() > 0.5 ? 2 : 0);
   });
   // A chart takes at most 35 % of the atlas's extent, so that four quarters of a square do not all join.
-  const Atlas apart = unwrap(halves.poly, 256, 1, 0, 0, job);
+  const Atlas apart = unwrap(halves.poly, {256, 1, 0, 0}, job);
   EXPECT_EQ(apart.chart_count, 4);
 }
 
@@ -135,7 +135,7 @@ TEST(Unwrap, UnfoldedPolygonsDoNotOverlap) {
   const Mesh mesh = shapes::mesh(shapes::sphere(3));
   const Partition part = partition(mesh, {.proxies = 150}, job);
   const PolygonMesh poly = polygonize(mesh, part, {}, job);
-  const Atlas atlas = unwrap(poly, 1024, 1, 40, 0, job);
+  const Atlas atlas = unwrap(poly, {1024, 1, 40, 0}, job);
   EXPECT_LT(atlas.chart_count, poly.polygon_count() * 3 / 4);
   const BakeMap map = bake_map(mesh, part, poly, atlas, {}, job);
   std::map<std::int32_t, double> count;
@@ -152,7 +152,7 @@ TEST(Unwrap, FillsMoreThanHalfOfTheAtlas) {
   const Mesh mesh = shapes::mesh(shapes::sphere(4));
   const Partition part = partition(mesh, {.proxies = 1000}, job);
   const PolygonMesh poly = polygonize(mesh, part, {}, job);
-  EXPECT_GE(unwrap(poly, 2048, 1, 40, 4, job).fill, 0.55);
+  EXPECT_GE(unwrap(poly, {2048, 1, 40, 4}, job).fill, 0.55);
 }
 
 TEST(Unwrap, SaysWhichSizeManyChartsNeed) {
@@ -160,7 +160,7 @@ TEST(Unwrap, SaysWhichSizeManyChartsNeed) {
   const Mesh mesh = shapes::mesh(shapes::sphere(3));
   const PolygonMesh poly = polygonize(mesh, partition(mesh, {.proxies = 200}, job), {}, job);
   try {
-    unwrap(poly, 16, 1, 0, 0, job);
+    unwrap(poly, {16, 1, 0, 0}, job);
     FAIL();
   } catch (const InvalidInput& error) {
     EXPECT_NE(std::string(error.what()).find("choose a size of at least"), std::string::npos) << error.what();
@@ -170,7 +170,7 @@ TEST(Unwrap, SaysWhichSizeManyChartsNeed) {
 TEST(Bake, CubeOfSixColoursShowsNoOtherColour) {
   Job job;
   const Made c = cube(6);
-  const Atlas atlas = unwrap(c.poly, 128, 1, 40, 0, job);
+  const Atlas atlas = unwrap(c.poly, {128, 1, 40, 0}, job);
   const Painted painted(c.mesh, [&](std::int32_t f) { return kColours[side_of(normal_of(c.mesh, f))]; });
   const Texture texture = bake(c.mesh, c.part, c.poly, atlas, painted.look, {}, job);
   const BakeMap map = bake_map(c.mesh, c.part, c.poly, atlas, {}, job);
@@ -184,8 +184,8 @@ TEST(Bake, CubeOfSixColoursShowsNoOtherColour) {
       const std::uint8_t* n = texture.normal.data() + 3 * (static_cast<std::size_t>(row) * atlas.side + x);
       EXPECT_GT(n[2], 128);
     }
-  EXPECT_EQ(inside, texture.report.texels);
-  EXPECT_EQ(texture.report.unknown, 0);
+  EXPECT_EQ(inside, texture.total().inside);
+  EXPECT_EQ(texture.total().unknown, 0);
 }
 
 TEST(Bake, NoisyThinPlateKeepsItsSidesApart) {
@@ -203,7 +203,7 @@ TEST(Bake, NoisyThinPlateKeepsItsSidesApart) {
     std::size_t at = 0;
     return made(noisy, [&](const Vec3&, const Vec3&) { return sides[at++]; });
   }();
-  const Atlas atlas = unwrap(m.poly, 512, 1, 40, 0, job);
+  const Atlas atlas = unwrap(m.poly, {512, 1, 40, 0}, job);
   const Painted painted(m.mesh, [&](std::int32_t f) { return kColours[side_of(normal_of(smooth, f))]; });
   const Texture texture = bake(m.mesh, m.part, m.poly, atlas, painted.look, {}, job);
   const BakeMap map = bake_map(m.mesh, m.part, m.poly, atlas, {}, job);
@@ -227,7 +227,7 @@ TEST(Bake, SameBitsForAnyNumberOfThreads) {
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(4), 0.01, 3));
   const Partition part = partition(mesh, {.proxies = 60}, job);
   const PolygonMesh poly = polygonize(mesh, part, {}, job);
-  const Atlas atlas = unwrap(poly, 700, 1, 40, 0, job);
+  const Atlas atlas = unwrap(poly, {700, 1, 40, 0}, job);
   const Painted painted(mesh, [&](std::int32_t f) { return Rgb{static_cast<std::uint8_t>(f % 251), 40, 90}; });
   const Texture one = bake(mesh, part, poly, atlas, painted.look, {.threads = 1}, job);
   const Texture four = bake(mesh, part, poly, atlas, painted.look, {.threads = 4}, job);
@@ -247,7 +247,7 @@ Texture square(const Picture& picture, float times_u, float times_v, std::int32_
     }
   const std::vector<std::int32_t> image(m.mesh.face_count(), 0);
   const Appearance look{uv, image, {}, {}, {picture}};
-  Atlas atlas = unwrap(m.poly, side, 1, 40, 0, job);
+  Atlas atlas = unwrap(m.poly, {side, 1, 40, 0}, job);
   // The square over the whole image, x to the right and y up, so that pixels are known.
   const double s = side;
   atlas.scale = s;
@@ -322,7 +322,7 @@ TEST(Bake, EdgesShowTheClosestPoint) {
   const Made s = made(shapes::noisy(shapes::sphere(4), 0.01, 3), [](const Vec3& middle, const Vec3&) {
     return (middle.x() > 0 ? 1 : 0) + (middle.y() > 0 ? 2 : 0) + (middle.z() > 0 ? 4 : 0);
   });
-  const Atlas atlas = unwrap(s.poly, 64, 1, 40, 0, job);
+  const Atlas atlas = unwrap(s.poly, {64, 1, 40, 0}, job);
   const BakeMap map = bake_map(s.mesh, s.part, s.poly, atlas, {.band = 64}, job);  // 2 texels
   std::int32_t judged = 0;
   for (std::int32_t row = 0; row < atlas.side; ++row)
@@ -357,7 +357,7 @@ TEST(Bake, EdgesShowTheClosestPoint) {
 TEST(Bake, WhatIsNotKnownShowsWhatIsNearest) {
   Job job;
   const Made c = cube(6);
-  const Atlas atlas = unwrap(c.poly, 128, 1, 40, 0, job);
+  const Atlas atlas = unwrap(c.poly, {128, 1, 40, 0}, job);
   const Painted painted(c.mesh, [&](std::int32_t f) { return kColours[side_of(normal_of(c.mesh, f))]; });
   std::vector<std::uint8_t> known(c.mesh.face_count(), 1);
   Appearance look = painted.look;
@@ -369,8 +369,8 @@ TEST(Bake, WhatIsNotKnownShowsWhatIsNearest) {
   ASSERT_GT(hidden, 0);
   look.known = known;
   const Texture texture = bake(c.mesh, c.part, c.poly, atlas, look, {.band = 0}, job);
-  EXPECT_GT(texture.report.searched, 0);
-  EXPECT_EQ(texture.report.unknown, 0);
+  EXPECT_GT(texture.total().searched, 0);
+  EXPECT_EQ(texture.total().unknown, 0);
   const BakeMap map = bake_map(c.mesh, c.part, c.poly, atlas, {}, job);
   for (std::int32_t row = 0; row < atlas.side; ++row)
     for (std::int32_t x = 0; x < atlas.side; ++x) {
@@ -383,13 +383,13 @@ TEST(Bake, WhatIsNotKnownShowsWhatIsNearest) {
 TEST(Bake, NothingKnownAtAllIsGreyAndNotBlack) {
   Job job;
   const Made c = cube(2);
-  const Atlas atlas = unwrap(c.poly, 64, 1, 40, 0, job);
+  const Atlas atlas = unwrap(c.poly, {64, 1, 40, 0}, job);
   const Painted painted(c.mesh, [](std::int32_t) { return Rgb{0, 0, 0}; });
   const std::vector<std::uint8_t> known(c.mesh.face_count(), 0);
   Appearance look = painted.look;
   look.known = known;
   const Texture texture = bake(c.mesh, c.part, c.poly, atlas, look, {}, job);
-  EXPECT_EQ(texture.report.unknown, texture.report.texels);
+  EXPECT_EQ(texture.total().unknown, texture.total().inside);
   EXPECT_EQ(pixel(texture, 10, 10), (Rgb{128, 128, 128}));
 }
 

@@ -81,3 +81,39 @@ def test_parts_must_belong_together_and_it_can_be_cancelled():
     job.cancel()
     with pytest.raises(engine.Cancelled):
         engine.corner_sources(mesh, part, poly, vertices, triangles, job)
+
+
+def seamed_plane(n=10):
+    """A plane whose UVs jump at x = 0.4: two islands."""
+    vertices, triangles = shapes.plane(n)
+    uv = vertices[triangles][:, :, :2].astype(np.float64)
+    right = uv[:, :, 0].mean(axis=1) > 0.4
+    uv[right] += [5, 0]
+    return vertices, triangles, uv, right
+
+
+def test_islands_end_where_uvs_jump():
+    _, triangles, uv, right = seamed_plane()
+    islands = engine.uv_islands(triangles, uv)
+    assert sorted(np.unique(islands)) == [np.flatnonzero(~right)[0], np.flatnonzero(right)[0]]
+    assert len(np.unique(islands[right])) == len(np.unique(islands[~right])) == 1
+    alone = engine.uv_islands(triangles, uv + 10.0 * np.arange(len(uv))[:, None, None])
+    assert np.array_equal(alone, np.arange(len(uv)))
+
+
+def test_a_polygon_across_two_islands_takes_the_larger_one():
+    vertices, triangles, uv, right = seamed_plane()
+    mesh = engine.clean(vertices, triangles)
+    part = engine.partition_from(mesh, np.zeros(len(mesh.triangles), np.int32))
+    poly = engine.polygonize(mesh, part)
+
+    def carried(**options):
+        triangle, weights = engine.corner_sources(mesh, part, poly, vertices, triangles, **options)
+        return np.einsum("lc,lcn->ln", weights, uv[triangle]), triangle
+
+    across, _ = carried()
+    assert np.ptp(across[:, 0]) > 5  # what is wrong without
+    within, triangle = carried(islands=engine.uv_islands(triangles, uv))
+    assert right[triangle].all()
+    assert within[:, 0].min() >= 5.4 - 1e-6
+    assert np.allclose(within[within[:, 0] > 5.99][:, 1], poly.vertices[poly.loops][within[:, 0] > 5.99][:, 1])

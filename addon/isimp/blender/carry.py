@@ -54,8 +54,9 @@ def values_of_keys(result) -> dict:
 def layers(result, scan, arrays, outcome, turn, slid: dict) -> None:
     """Gives the result the scan's colour attributes, its UV maps but for that of the texture, and its shape keys.
 
-    Each corner takes what the closest place of its own region has. A vertex takes the mean of its corners. Nothing is
-    done where modifiers make another mesh than the scan's own, and posed figures get no shape keys.
+    Each corner takes what the closest place of its own region has, in UV maps within one island. A vertex takes the
+    mean of its corners. Nothing is done where modifiers make another mesh than the scan's own, and posed figures get
+    no shape keys.
 
     arrays: those of the scan that the outcome was made from. turn: what `result.fill` returned. slid: values that the
     result's shape keys had before.
@@ -81,8 +82,9 @@ def layers(result, scan, arrays, outcome, turn, slid: dict) -> None:
             "color", (carrier.mean(of_corner) if layer.domain == "POINT" else of_corner[order]).ravel()
         )
     for layer in maps:
+        uv = _read(layer.data, "uv", 2)[loops]
         made = result.data.uv_layers.get(layer.name) or result.data.uv_layers.new(name=layer.name, do_init=False)
-        made.data.foreach_set("uv", carrier(_read(layer.data, "uv", 2)[loops])[order].ravel())
+        made.data.foreach_set("uv", _Carrier(arrays, outcome, uv)(uv)[order].ravel())
     if keys:
         _put_keys(result, scan, keys, carrier, arrays, turn, slid)
 
@@ -90,8 +92,9 @@ def layers(result, scan, arrays, outcome, turn, slid: dict) -> None:
 class _Carrier:
     """Takes values at the corners of the scan's triangles to the corners of polygons."""
 
-    def __init__(self, arrays, outcome):
-        self._triangle, self._weights = runtime.get().session.corner_sources(arrays, outcome)
+    def __init__(self, arrays, outcome, uv=None):
+        """uv: (T, 3, 2) of a UV map; then places are those of the island that most of each region lies in."""
+        self._triangle, self._weights = runtime.get().session.corner_sources(arrays, outcome, uv)
         self._loops = np.asarray(outcome.polygons.loops)
         self._count = np.maximum(np.bincount(self._loops, minlength=len(outcome.polygons.vertices)), 1)
 

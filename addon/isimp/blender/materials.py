@@ -5,7 +5,7 @@ import numpy as np
 
 from ..engine import engine
 from ..language import own, said
-from . import mesh_io
+from . import mesh_io, tiles
 
 _GREY = (0.8, 0.8, 0.8, 1.0)
 _NUMBERS = {"roughness": "Roughness", "metallic": "Metallic"}  # layers and inputs
@@ -42,10 +42,10 @@ def image_name(material) -> str:
     return "" if image is None else image.name
 
 
-def color(material) -> np.ndarray:
+def color(material):
     """(H, W, 4) uint8 of the image at a material's Base Color, row 0 at the top; its colour as one pixel without.
 
-    Raises Unusable.
+    Of an image with UDIM tiles a dict of such arrays by their numbers. Raises Unusable.
     """
     if material is None or nodes_of(material) is None:
         return pixel(_GREY if material is None else material.diffuse_color)
@@ -79,7 +79,11 @@ class Layers:
         emissions = [None if pair is None else self._emission(pair) for pair in shaders]
         to_srgb = engine.texturing.layers.to_srgb
         self.strength = max([1.0, *(e[1] for e in emissions if e is not None)])
-        self._put("emission", [None if e is None else to_srgb(e[0] * (e[1] / self.strength)) for e in emissions])
+
+        def stored(emission):
+            return each(emission[0], lambda linear: to_srgb(linear * (emission[1] / self.strength)))
+
+        self._put("emission", [None if e is None else stored(e) for e in emissions])
         self._put("normal", [None if pair is None else self._normals(pair) for pair in shaders])
 
     def _put(self, layer: str, images: list) -> None:
@@ -104,10 +108,8 @@ class Layers:
             image = image if channel is not None else None
         if image is None:
             return self._left_out(pair, place)
-        values = linear_pixels(image)
-        if channel is None:  # a colour becomes a number by its luminance
-            return values @ np.array([0.2126, 0.7152, 0.0722])
-        return values[:, :, channel]
+        weights = np.array([0.2126, 0.7152, 0.0722])  # a colour becomes a number by its luminance
+        return each(linear_pixels(image), lambda v: v @ weights if channel is None else v[:, :, channel])
 
     def _emission(self, pair):
         """(linear colours (H, W, 3), strength), or None."""
@@ -136,12 +138,21 @@ class Layers:
         if image is None or node.inputs["Strength"].is_linked:
             return self._left_out(pair, "Normal")
         strength = node.inputs["Strength"].default_value
-        normals = linear_pixels(image) * 2 - 1
-        if strength != 1:  # as the node does
-            normals[:, :, :2] *= strength
-            normals[:, :, 2] = 1 + (normals[:, :, 2] - 1) * min(strength, 1)
-            normals /= np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-12)
-        return normals / 2 + 0.5
+        return each(linear_pixels(image), lambda values: _strengthened(values * 2 - 1, strength) / 2 + 0.5)
+
+
+def _strengthened(normals: np.ndarray, strength: float) -> np.ndarray:
+    """As the node does."""
+    if strength == 1:
+        return normals
+    normals[:, :, :2] *= strength
+    normals[:, :, 2] = 1 + (normals[:, :, 2] - 1) * min(strength, 1)
+    return normals / np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-12)
+
+
+def each(image, change):
+    """An image, or each of its tiles, changed."""
+    return engine.texturing.udim.each(image, change)
 
 
 def _linked_image(socket):
@@ -156,18 +167,16 @@ def pixel(linear) -> np.ndarray:
     return np.append(np.round(255 * stored), 255).astype(np.uint8).reshape(1, 1, 4)
 
 
-def linear_pixels(image) -> np.ndarray:
-    """(H, W, 3) from 0 to 1 as shaders see them: numbers as they are, colours without sRGB's curve."""
-    values = pixels(image)[:, :, :3] / 255
-    if image.colorspace_settings.name != "sRGB":
-        return values
-    return engine.texturing.layers.to_linear(values)
+def linear_pixels(image):
+    """(H, W, 3) from 0 to 1 as shaders see them: numbers as they are, colours without sRGB's curve. Also of tiles."""
+    to_linear = engine.texturing.layers.to_linear if image.colorspace_settings.name == "sRGB" else lambda values: values
+    return each(pixels(image), lambda values: to_linear(values[:, :, :3] / 255))
 
 
-def pixels(image) -> np.ndarray:
-    """(H, W, 4) uint8 as stored, row 0 at the top. Raises Unusable."""
+def pixels(image):
+    """(H, W, 4) uint8 as stored, row 0 at the top; a dict of them for UDIM tiles. Raises Unusable."""
     if image.source == "TILED":
-        raise mesh_io.Unusable(said("The image '{name}' has UDIM tiles, which are not supported yet.", name=image.name))
+        return tiles.read(image, pixels)
     width, height = image.size
     if not width or not height or image.channels != 4:
         file = image.filepath or said("no file")

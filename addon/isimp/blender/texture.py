@@ -1,12 +1,16 @@
 """The texture of a scan: read from its materials, and put on its result as one material."""
 
+import json
+
 import bpy
 import numpy as np
 
 from .. import messages
+from ..engine import engine
 from ..language import said
 from ..session import Shown
-from . import materials, mesh_io, runtime
+from ..steps import Texture, step_from_dict
+from . import materials, mesh_io, runtime, tiles
 from .result import corner_order
 
 OWN = "isimp_texture"  #: marks the material and the images that were made here
@@ -20,6 +24,8 @@ _PLACES = {
     "emission": "Emission",
 }
 _ROWS = (*_PLACES, "occlusion", "height")
+_STEP = "isimp_texture_step"  #: of a result: the step of the recipe that its texture was made by
+_OF = "isimp_of"  #: of a material that was made here: which of the scan's it is for
 _RANGE = "isimp_range"  #: of an image of heights: what black to white is, in scene units
 
 
@@ -49,7 +55,17 @@ class Baking:
         """Puts what was made on the result; returns the engine's report. Raises Unusable, and then nothing changes."""
         order = _corners(result, outcome)
         write(result, self._made.uv[order], self._made, self._uv_map)
+        result[_STEP] = json.dumps(self._step.to_dict())
         return self._made.report
+
+
+def last_step(result) -> Texture | None:
+    """How the texture of a result was made, which an edit of the regions takes out of the recipe; None if not known."""
+    try:
+        step = step_from_dict(json.loads(result[_STEP]))
+    except (TypeError, KeyError, ValueError):  # no result, none of this version, or changed by hand
+        return None
+    return step if isinstance(step, Texture) else None
 
 
 def _corners(result, outcome) -> np.ndarray:
@@ -80,7 +96,7 @@ def read(obj) -> tuple[Shown, list[str]]:
     mesh.polygons.foreach_get("material_index", slots)
     slotted = [slot.material for slot in obj.material_slots]
     images = [materials.color(material) for material in slotted]
-    if not images or all(image.size == 4 for image in images):
+    if not any(isinstance(image, dict) or image.size > 4 for image in images):
         raise mesh_io.Unusable(said("'{name}' has no image texture at the Base Color of a material.", name=obj.name))
     if len(mesh.loops) == 3 * len(mesh.polygons):
         corners, faces = np.arange(len(mesh.loops)), np.arange(len(mesh.polygons))
@@ -89,27 +105,79 @@ def read(obj) -> tuple[Shown, list[str]]:
     more = materials.Layers(slotted)
     shown = np.clip(slots, 0, len(images) - 1)[faces]
     of_corners = uv.reshape(-1, 2)[corners.reshape(-1, 3)]
-    return Shown(of_corners, shown, images, more.images, more.strength), more.notes
+    names = tuple("" if material is None else material.name for material in slotted)
+    return Shown(of_corners, shown, images, more.images, more.strength, names), more.notes
 
 
 def write(result, uv: np.ndarray, made, name: str) -> None:
-    """Gives the result a UV map, images that are packed into the file, and one material. uv: (loops, 2)."""
+    """Gives the result a UV map, images that are packed into the file, and a material. uv: (loops, 2).
+
+    There are several materials where those of the scan are kept apart.
+    """
     mesh = result.data
+    sheets = engine.texturing.writing.sheets(made, result.name)
+    of_loop = np.repeat(made.tile, mesh_io.corner_totals(mesh))
+    uv = uv + np.array([(sheet.column, sheet.row) for sheet in sheets])[of_loop]
     layer = mesh.uv_layers.get(name) or mesh.uv_layers.new(name=name, do_init=False)
     name = layer.name
     layer.data.foreach_set("uv", uv.astype(np.float32).ravel())
     layer.active = layer.active_render = True
-    own = next((i for i, material in enumerate(mesh.materials) if material is not None and material.get(OWN)), -1)
-    if own < 0:
-        mesh.materials.append(_new_material(result.name))
-        own = len(mesh.materials) - 1
-    layers = {"color": made.image} | ({} if made.normal is None else {"normal": made.normal}) | made.layers
-    images = {kind: _new_image(f"{result.name} {kind}", stored, kind) for kind, stored in layers.items()}
-    if "height" in images:
-        images["height"][_RANGE] = made.factors["height"]
-    _set_images(mesh.materials[own], name, images, made.factors)
-    mesh.polygons.foreach_set("material_index", np.full(len(mesh.polygons), own, np.int32))
+    groups = {}
+    for sheet in sheets:
+        groups.setdefault(sheet.material if made.materials_apart else "", []).append(sheet)
+    _drop_materials(mesh, groups)
+    index = np.zeros(len(sheets), np.int32)
+    for title, group in groups.items():
+        own = _own_material(mesh, title, result.name)
+        _set_images(mesh.materials[own], name, _images_of(group, result.name, title, made.factors), made.factors)
+        index[[sheets.index(sheet) for sheet in group]] = own
+    mesh.polygons.foreach_set("material_index", index[made.tile])
     mesh.update()
+
+
+def _images_of(group: list, name: str, title: str, factors: dict) -> dict:
+    """The images of one material, by kind."""
+    images = {}
+    kinds = ["color", *([] if group[0].normal is None else ["normal"]), *group[0].layers]
+    for kind in kinds:
+        stored = [
+            {"color": sheet.color, "normal": sheet.normal}[kind] if kind in {"color", "normal"} else sheet.layers[kind]
+            for sheet in group
+        ]
+        full = f"{name} {title} {kind}" if title else f"{name} {kind}"
+        if len(stored) == 1:
+            images[kind] = _new_image(full, stored[0], kind)
+        else:
+            numbers = (1001 + sheet.column + 10 * sheet.row for sheet in group)
+            images[kind] = _new_tiles(full, dict(zip(numbers, stored, strict=True)), kind)
+    if "height" in images:
+        images["height"][_RANGE] = factors["height"]
+    return images
+
+
+def _own_material(mesh, title: str, name: str) -> int:
+    """The number of the material that was made here for one of the scan's, or for all (title ""); a new one if none."""
+    for i, material in enumerate(mesh.materials):
+        if material is not None and material.get(OWN) and material.get(_OF, "") == title:
+            return i
+    mesh.materials.append(_new_material(f"{name} {title}" if title else name))
+    mesh.materials[-1][_OF] = title
+    return len(mesh.materials) - 1
+
+
+def _drop_materials(mesh, wanted) -> None:
+    """Takes off the materials that were made here and are for none of those wanted any more."""
+    for i in reversed(range(len(mesh.materials))):
+        material = mesh.materials[i]
+        if material is None or not material.get(OWN) or material.get(_OF, "") in wanted:
+            continue
+        mesh.materials.pop(index=i)
+        if material.users == 0:
+            old = [node.image for node in material.node_tree.nodes if node.type == "TEX_IMAGE" and node.image]
+            bpy.data.materials.remove(material)
+            for image in old:
+                if image.users == 0 and image.get(OWN):
+                    bpy.data.images.remove(image)
 
 
 def _new_material(name: str):
@@ -222,7 +290,24 @@ def _image_node(tree, image, place):
     return node
 
 
+def _new_tiles(name: str, stored: dict, kind: str):
+    """An image of UDIM tiles."""
+    image = tiles.make(name, stored, lambda title, one: _loose_image(title, one, kind))
+    image[OWN] = kind
+    _name_file(image)
+    return image
+
+
 def _new_image(name: str, stored: np.ndarray, kind: str):
+    image = _loose_image(name, stored, kind)
+    image.pack()
+    image[OWN] = kind
+    _name_file(image)
+    return image
+
+
+def _loose_image(name: str, stored: np.ndarray, kind: str):
+    """An image that is not packed yet."""
     height, width = stored.shape[:2]
     deep = stored.dtype == np.uint16
     image = bpy.data.images.new(name, width, height, alpha=False, float_buffer=deep)
@@ -232,13 +317,11 @@ def _new_image(name: str, stored: np.ndarray, kind: str):
     values[:, :, :3] = (stored[::-1, :, None] if stored.ndim == 2 else stored[::-1, :, :3]) / most
     image.pixels.foreach_set(values.ravel())
     image.update()
-    image.pack()
-    image[OWN] = kind
-    _name_file(image)
     return image
 
 
 def _name_file(image) -> None:
     """Gives a packed image a file name of its own, by which exporters tell images apart. USD wants the image's name."""
     name = image.name.replace("/", "_").replace("\\", "_")
-    image.filepath_raw = f"//{name}.{'exr' if image.is_float else 'png'}"
+    tile = ".<UDIM>" if image.source == "TILED" else ""
+    image.filepath_raw = f"//{name}{tile}.{'exr' if image.is_float else 'png'}"

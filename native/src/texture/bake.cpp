@@ -8,10 +8,10 @@
 #include <string>
 
 #include "flood.h"
-#include "isimp/core/errors.h"
 #include "sampler.h"
 #include "shade.h"
 #include "tile.h"
+#include "unchanged.h"
 
 namespace isimp {
 namespace {
@@ -33,16 +33,12 @@ void for_all(const Scene& scene, const Threads& threads, Job& job, SamplesOf sam
   const auto look = [&](PolygonView& view, std::int32_t q) {
     ChartFrame frame = scene.atlas.frame[q];
     frame.origin -= scene.mesh.origin();
-    view.look(frame,
-              detail::box_of_outline(detail::outline_of(scene.polygons, scene.atlas, q), scene.atlas.gutter,
-                                     scene.atlas.side),
-              scene.polygons.polygon_region[q]);
+    view.look(frame, detail::box_of_outline(scene.polygons, scene.atlas, q), scene.polygons.polygon_region[q]);
   };
   std::vector<std::int32_t> small, large;
   for (std::int32_t q = 0; q < count; ++q) {
-    const TexelBox box = detail::box_of_outline(detail::outline_of(scene.polygons, scene.atlas, q), scene.atlas.gutter,
-                                                scene.atlas.side);
-    if (box.width() <= 0 || box.height() <= 0) continue;
+    const TexelBox box = detail::box_of_outline(scene.polygons, scene.atlas, q);
+    if (box.width() <= 0 || box.height() <= 0 || scene.skipped[q] != 0) continue;
     const bool one_thread_does = std::max(box.width(), box.height()) <= 4 * PolygonView::kTile;
     (one_thread_does ? small : large).push_back(q);
   }
@@ -94,19 +90,57 @@ std::vector<std::int32_t> sample_counts(const Scene& scene, const detail::Sample
   return counts;
 }
 
+/// Gives the texels of polygons that are not baked what they showed before.
+void copy_same(const Scene& scene, const EarlierBake& earlier, const Threads& threads, Job& job, Texture& texture) {
+  for (std::size_t q = 0; q < texture.same.size(); ++q)
+    if (texture.same[q] != kNone) texture.texels[q] = earlier.texels[texture.same[q]];
+  const auto copy = [](std::span<const std::uint8_t> from, Array<std::uint8_t>& to, std::size_t pixel, int channels) {
+    if (!to.empty()) std::copy_n(from.data() + channels * pixel, channels, to.data() + channels * pixel);
+  };
+  threads.blocks(texture.height, 64, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+    job.poll();
+    for (std::int32_t row = begin; row < end; ++row)
+      for (std::int32_t x = 0; x < texture.side; ++x) {
+        const std::int32_t owner = scene.owner_of(x, texture.height - 1 - row);
+        if (owner == kNone || scene.skipped[detail::polygon_of(owner)] == 0) continue;
+        const std::size_t pixel = static_cast<std::size_t>(row) * texture.side + x;
+        copy(earlier.color, texture.color, pixel, 4);
+        copy(earlier.normal, texture.normal, pixel, 3);
+        for (std::size_t l = 0; l < texture.layers.size(); ++l) copy(earlier.layers[l], texture.layers[l], pixel, 4);
+      }
+  });
+}
+
+void flood_all(const Scene& scene, const detail::Canvas& canvas, const Threads& threads, Texture& texture, Job& job) {
+  const auto images = static_cast<std::int32_t>(texture.layers.size()) + 1;
+  const std::int32_t tiles = scene.atlas.tiles;
+  threads.share(images * tiles, [&](const auto& next) {
+    for (std::int32_t i = next(); i < images * tiles; i = next()) {
+      const std::int32_t l = i / tiles - 1;
+      detail::flood(scene.owner, texture.side, i % tiles, l < 0 ? canvas.sampler.mean() : canvas.layers[l].mean(),
+                    l < 0 ? texture.color : texture.layers[l], job);
+    }
+  });
+  if (!texture.normal.empty()) detail::flood_normals(scene.owner, texture.side, texture.normal);
+}
+
 }  // namespace
 
 Texture bake(const Mesh& mesh, const Partition& partition, const PolygonMesh& polygons, const Atlas& atlas,
-             const Appearance& appearance, const TextureOptions& options, Job& job, const MaterialLayers& layers) {
+             const Appearance& appearance, const TextureOptions& options, Job& job, const MaterialLayers& layers,
+             const EarlierBake* earlier) {
   const Threads threads(options.threads);
   const detail::Sampler sampler(mesh, appearance);
-  const Scene scene(mesh, partition, polygons, atlas, appearance.known, options, threads, job);
+  Scene scene(mesh, partition, polygons, atlas, appearance.known, options, threads, job);
   const std::vector<Eigen::Vector3f> normals =
       options.normals ? detail::vertex_normals(mesh) : std::vector<Eigen::Vector3f>();
   Texture texture;
   texture.side = atlas.side;
+  texture.height = atlas.height();
   const std::size_t pixels = scene.owner.size();
   texture.color.resize(4 * pixels);
+  texture.texels.resize(polygons.loop_start.size());
+  texture.same.assign(polygons.loop_start.size(), kNone);
   if (options.normals) texture.normal.resize(3 * pixels);
   detail::Canvas canvas{texture, sampler, normals, {}, {}};
   for (const Appearance& layer : layers.images) {
@@ -114,31 +148,38 @@ Texture bake(const Mesh& mesh, const Partition& partition, const PolygonMesh& po
     texture.layers.emplace_back().resize(4 * pixels);
   }
   if (options.normals && layers.relief) canvas.relief.emplace(mesh, normals, *layers.relief);
+  if (earlier != nullptr) {
+    texture.same = detail::unchanged_polygons(scene, appearance.known, *earlier, texture, threads, job);
+    for (std::size_t q = 0; q < texture.same.size(); ++q) scene.skipped[q] = texture.same[q] != kNone ? 1 : 0;
+    copy_same(scene, *earlier, threads, job, texture);
+  }
   const std::vector<std::int32_t> counts = sample_counts(scene, sampler);
   const Job::Part part(job, "baking", 0, options.occlusion ? 0.3 : options.height ? 0.6 : 0.9);
   for_all(
       scene, threads, job, [&](std::int32_t q) { return counts[q]; },
       [&](const PolygonView& view, std::int32_t q) { return detail::ColourShade(scene, view, q, canvas); });
-  texture.report = {canvas.texels, canvas.searched, canvas.unknown};
-  detail::flood(scene.owner, atlas.side, sampler.mean(), texture.color, job);
-  for (std::size_t l = 0; l < texture.layers.size(); ++l)
-    detail::flood(scene.owner, atlas.side, canvas.layers[l].mean(), texture.layers[l], job);
-  if (options.normals) detail::flood_normals(scene.owner, atlas.side, texture.normal);
+  flood_all(scene, canvas, threads, texture, job);
   return texture;
 }
 
 BakeMap bake_map(const Mesh& mesh, const Partition& partition, const PolygonMesh& polygons, const Atlas& atlas,
-                 const TextureOptions& options, Job& job) {
+                 const TextureOptions& options, Job& job, std::span<const std::int32_t> same) {
   const Threads threads(options.threads);
-  const Scene scene(mesh, partition, polygons, atlas, {}, options, threads, job);
+  Scene scene(mesh, partition, polygons, atlas, {}, options, threads, job);
+  for (std::size_t q = 0; q < same.size(); ++q) scene.skipped[q] = same[q] != kNone ? 1 : 0;
   const std::size_t pixels = scene.owner.size();
   BakeMap map;
   map.side = atlas.side;
+  map.rows = atlas.height();
   map.polygon.resize(pixels);
   map.face.resize(pixels);
   map.barycentric.resize(2 * pixels);
   map.height.resize(pixels);
-  std::fill(map.polygon.begin(), map.polygon.end(), kNone);
+  for (std::int32_t y = 0; y < map.rows; ++y)
+    for (std::int32_t x = 0; x < map.side; ++x) {
+      const std::int32_t owner = scene.owner_of(x, y);
+      map.polygon[static_cast<std::size_t>(map.rows - 1 - y) * map.side + x] = owner >= 0 ? owner : kNone;
+    }
   std::fill(map.face.begin(), map.face.end(), kNone);
   std::fill(map.barycentric.begin(), map.barycentric.end(), 0.0F);
   std::fill(map.height.begin(), map.height.end(), 0.0F);
@@ -150,8 +191,7 @@ BakeMap bake_map(const Mesh& mesh, const Partition& partition, const PolygonMesh
           const std::int32_t index = samples.middle(texel.x - samples.box.x0, texel.y - samples.box.y0);
           const auto x = static_cast<float>(texel.x) + 0.5F, y = static_cast<float>(texel.y) + 0.5F;
           const Hit hit = texel.closest > 0.5F ? texel.hit : index == kNone ? view.closest(x, y) : view.at(index, x, y);
-          const std::size_t pixel = static_cast<std::size_t>(map.side - 1 - texel.y) * map.side + texel.x;
-          if (texel.inside) map.polygon[pixel] = texel.polygon;
+          const std::size_t pixel = static_cast<std::size_t>(map.rows - 1 - texel.y) * map.side + texel.x;
           map.face[pixel] = hit.face;
           map.barycentric[2 * pixel] = hit.b;
           map.barycentric[2 * pixel + 1] = hit.c;

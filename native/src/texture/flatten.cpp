@@ -87,9 +87,13 @@ Eigen::Matrix2d best_turn(const std::vector<Vec2>& points) {
 
 }  // namespace
 
-Layout flatten(const PolygonMesh& polygons) {
+Layout flatten(const PolygonMesh& polygons, const AtlasOptions& options) {
   Layout layout;
   const std::int32_t count = polygons.polygon_count();
+  layout.group.assign(options.group.begin(), options.group.end());
+  layout.group.resize(count, 0);
+  layout.groups = 1 + *std::max_element(layout.group.begin(), layout.group.end());
+  std::vector<double> area(layout.groups, 0.0);
   layout.start.assign(polygons.loop_start.begin(), polygons.loop_start.end());
   layout.start.push_back(static_cast<std::int32_t>(polygons.loops.size()));
   layout.flat.resize(polygons.loops.size());
@@ -104,9 +108,11 @@ Layout flatten(const PolygonMesh& polygons) {
       const Vec3 d = polygons.vertices[polygons.loops[i]] - plane.centre;
       layout.flat[i] = {d.dot(plane.u), d.dot(plane.v)};
     }
-    layout.area += newell(polygons, begin, end).norm() / 2;
+    area[layout.group[q]] += newell(polygons, begin, end).norm() / 2;
     layout.plane.push_back(plane);
   }
+  layout.area = std::accumulate(area.begin(), area.end(), 0.0);
+  layout.tile_area = *std::max_element(area.begin(), area.end()) / std::max(1, options.tiles);
   return layout;
 }
 

@@ -64,8 +64,11 @@ std::vector<Level> reduced(std::span<const std::int32_t> owner, std::int32_t sid
 
 }  // namespace
 
-void flood(std::span<const std::int32_t> owner, std::int32_t side, const Rgba& mean, std::span<std::uint8_t> color,
-           Job& job) {
+void flood(std::span<const std::int32_t> owner, std::int32_t side, std::int32_t tile, const Rgba& mean,
+           std::span<std::uint8_t> color, Job& job) {
+  const std::size_t pixels = static_cast<std::size_t>(side) * side;
+  color = color.last(4 * pixels * (tile + 1)).first(4 * pixels);
+  owner = owner.subspan(pixels * tile, pixels);
   std::vector<Level> levels = reduced(owner, side, color, job);
   Level& top = levels.back();
   if (top.known[0] == 0)
@@ -92,9 +95,10 @@ void flood(std::span<const std::int32_t> owner, std::int32_t side, const Rgba& m
 }
 
 void flood_normals(std::span<const std::int32_t> owner, std::int32_t side, std::span<std::uint8_t> normal) {
-  for (std::int32_t y = 0; y < side; ++y)
+  const auto rows = static_cast<std::int32_t>(owner.size() / side);
+  for (std::int32_t y = 0; y < rows; ++y)
     for (std::int32_t x = 0; x < side; ++x) {
-      if (owner[static_cast<std::size_t>(side - 1 - y) * side + x] != kNone) continue;
+      if (owner[static_cast<std::size_t>(rows - 1 - y) * side + x] != kNone) continue;
       const std::size_t at = 3 * (static_cast<std::size_t>(y) * side + x);
       normal[at] = normal[at + 1] = 128;
       normal[at + 2] = 255;

@@ -9,6 +9,7 @@
 #include "isimp/core/job.h"
 #include "isimp/core/types.h"
 #include "isimp/meshing/polygonize.h"
+#include "isimp/texture/unwrap.h"
 
 namespace isimp::detail {
 
@@ -35,8 +36,11 @@ struct Layout {
   std::vector<Rigid> place;         ///< (Q) from the polygon's plane into its chart
   std::vector<std::int32_t> chart;  ///< (Q)
   std::vector<std::int32_t> start;  ///< (Q + 1) where each polygon's corners begin
+  std::vector<std::int32_t> group;  ///< (Q) polygons of different groups share neither chart nor tile
   std::int32_t chart_count = 0;
-  double area = 0;  ///< of all polygons, scene units squared
+  std::int32_t groups = 1;
+  double area = 0;       ///< of all polygons, scene units squared
+  double tile_area = 0;  ///< of those of the fullest tile, if all of a group's tiles are equally full
 
   [[nodiscard]] std::int32_t polygon_count() const { return static_cast<std::int32_t>(plane.size()); }
   [[nodiscard]] std::int32_t corner_count(std::int32_t q) const { return start[q + 1] - start[q]; }
@@ -44,8 +48,8 @@ struct Layout {
   [[nodiscard]] Vec2 corner(std::int32_t q, std::int32_t i) const { return place[q](flat[i]); }
 };
 
-/// Each polygon in its plane, a chart each.
-Layout flatten(const PolygonMesh& polygons);
+/// Each polygon in its plane, a chart each. `group`, `groups` and `tile_area` are as the options say.
+Layout flatten(const PolygonMesh& polygons, const AtlasOptions& options);
 
 /// Joins the charts of neighbours that meet at less than `angle` degrees, where nothing overlaps.
 void unfold(const PolygonMesh& polygons, double angle, Layout& layout, Job& job);
@@ -56,11 +60,30 @@ void straighten(Layout& layout);
 /// Where the charts of a layout go: texel = turn * (scale * p) + shift for points p of the chart.
 struct Packing {
   double scale = 0;
-  std::vector<Rigid> place;  ///< (charts)
+  std::vector<Rigid> place;        ///< (charts)
+  std::vector<std::int32_t> tile;  ///< (charts)
 };
 
-/// The largest scale at which all charts fit into the side, each at least `grow` texels from its part's border, and
-/// their places. Nothing if they do not fit at any scale.
-std::optional<Packing> pack(const Layout& layout, std::int32_t side, double grow, Job& job);
+/// What charts are packed into: tiles of so many texels a side, for each group as many. Each chart stays at least `grow`
+/// texels from its part's border.
+struct Room {
+  std::int32_t side, tiles;
+  double grow;
+  double used = 1;  ///< the share of the rows that `pack` uses
+};
+
+/// The largest scale at which all charts fit into the room, and their places. Nothing if they do not fit at any scale.
+std::optional<Packing> pack(const Layout& layout, const Room& room, Job& job);
+
+/// An outline that takes room already, texels, and its tile.
+struct Taken {
+  std::vector<Vec2> outline;
+  std::int32_t tile;
+};
+
+/// Places for all charts at this scale, beside what is taken: the lowest that is free, the largest charts first.
+/// Nothing if they do not fit.
+std::optional<Packing> pack_beside(const Layout& layout, const Room& room, double scale, std::span<const Taken> taken,
+                                   Job& job);
 
 }  // namespace isimp::detail

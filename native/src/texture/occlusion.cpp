@@ -99,9 +99,9 @@ class Tracer {
 };
 
 void check(const Mesh& mesh, const BakeMap& map) {
-  const std::size_t pixels = static_cast<std::size_t>(map.side) * map.side;
+  const std::size_t pixels = static_cast<std::size_t>(map.side) * map.rows;
   if (map.polygon.size() != pixels || map.face.size() != pixels || map.barycentric.size() != 2 * pixels)
-    throw InvalidInput("the map has not side x side texels");
+    throw InvalidInput("the map has not side x rows texels");
   for (const std::int32_t f : map.face)
     if (f < kNone || f >= mesh.face_count())
       throw InvalidInput("the map shows face " + std::to_string(f) + ", but the mesh has " +
@@ -113,7 +113,7 @@ void smooth(const BakeMap& map, const Array<float>& open, std::size_t at, std::u
   const auto x = static_cast<std::int32_t>(at % map.side), y = static_cast<std::int32_t>(at / map.side);
   constexpr std::int32_t kReach = kGroup / 2;
   float sum = 0, count = 0;
-  for (std::int32_t j = std::max(0, y - kReach); j <= std::min(map.side - 1, y + kReach); ++j)
+  for (std::int32_t j = std::max(0, y - kReach); j <= std::min(map.rows - 1, y + kReach); ++j)
     for (std::int32_t i = std::max(0, x - kReach); i <= std::min(map.side - 1, x + kReach); ++i) {
       const std::size_t near = static_cast<std::size_t>(j) * map.side + i;
       if (map.polygon[near] != map.polygon[at]) continue;
@@ -127,15 +127,19 @@ void smooth(const BakeMap& map, const Array<float>& open, std::size_t at, std::u
 
 }  // namespace
 
-Array<std::uint8_t> occlusion(const Mesh& mesh, const BakeMap& map, const TextureOptions& options, Job& job) {
+Array<std::uint8_t> occlusion(const Mesh& mesh, const BakeMap& map, const TextureOptions& options, Job& job,
+                              const EarlierGrey* earlier) {
   check_fields(options);
   check(mesh, map);
+  if (earlier != nullptr && earlier->grey.size() != map.polygon.size())
+    throw InvalidInput("the earlier occlusion has another size");
   const Threads threads(options.threads);
   const Tracer tracer(mesh, options, job);
   const std::size_t pixels = map.polygon.size();
+  const auto is_same = [&](std::size_t i) { return earlier != nullptr && earlier->same[map.polygon[i]] != kNone; };
   std::vector<std::size_t> texels;
   for (std::size_t i = 0; i < pixels; ++i)
-    if (map.polygon[i] != kNone) texels.push_back(i);
+    if (map.polygon[i] != kNone && !is_same(i)) texels.push_back(i);
   const auto count = static_cast<std::int32_t>(texels.size());
   Array<float> open(pixels);
   std::atomic<std::int32_t> done{0};
@@ -147,7 +151,7 @@ Array<std::uint8_t> occlusion(const Mesh& mesh, const BakeMap& map, const Textur
         body(texels[i]);
       }
       done += end - begin;
-      if (std::this_thread::get_id() == caller) job.report(done / (2.0 * count));
+      if (std::this_thread::get_id() == caller) job.report(done / (2.0 * std::max(count, 1)));
     });
   };
   each([&](std::size_t at) {
@@ -159,11 +163,17 @@ Array<std::uint8_t> occlusion(const Mesh& mesh, const BakeMap& map, const Textur
   });
   Array<std::uint8_t> rgba(4 * pixels);
   each([&](std::size_t at) { smooth(map, open, at, rgba.data() + 4 * at); });
+  for (std::size_t i = 0; earlier != nullptr && i < pixels; ++i)
+    if (map.polygon[i] != kNone && is_same(i)) {
+      std::fill_n(rgba.data() + 4 * i, 3, earlier->grey[i]);
+      rgba[4 * i + 3] = 255;
+    }
   Array<std::int32_t> owner(pixels);  // rows from the bottom
-  for (std::int32_t y = 0; y < map.side; ++y)
+  for (std::int32_t y = 0; y < map.rows; ++y)
     std::copy_n(map.polygon.begin() + static_cast<std::ptrdiff_t>(y) * map.side, map.side,
-                owner.begin() + static_cast<std::ptrdiff_t>(map.side - 1 - y) * map.side);
-  detail::flood(owner, map.side, detail::Rgba::Constant(255), rgba, job);
+                owner.begin() + static_cast<std::ptrdiff_t>(map.rows - 1 - y) * map.side);
+  for (std::int32_t tile = 0; tile < map.rows / map.side; ++tile)
+    detail::flood(owner, map.side, tile, detail::Rgba::Constant(255), rgba, job);
   Array<std::uint8_t> grey(pixels);
   for (std::size_t i = 0; i < pixels; ++i) grey[i] = rgba[4 * i];
   return grey;

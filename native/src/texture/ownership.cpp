@@ -80,7 +80,7 @@ Outline outline_of(const PolygonMesh& polygons, const Atlas& atlas, std::int32_t
   return Outline(atlas.corner).subspan(begin, end - begin);
 }
 
-TexelBox box_of_outline(Outline outline, double gutter, std::int32_t side) {
+TexelBox box_of_outline(Outline outline, double gutter, std::int32_t side, std::int32_t height) {
   if (outline.empty()) return {};
   std::array<double, 2> low = outline[0], high = outline[0];
   for (const auto& p : outline)
@@ -88,10 +88,12 @@ TexelBox box_of_outline(Outline outline, double gutter, std::int32_t side) {
       low[k] = std::min(low[k], p[k]);
       high[k] = std::max(high[k], p[k]);
     }
-  const auto texel = [&](double at) { return static_cast<std::int32_t>(std::clamp(at, 0.0, double{1.0} * side)); };
+  const auto texel = [](double at, std::int32_t most) {
+    return static_cast<std::int32_t>(std::clamp(at, 0.0, double{1.0} * most));
+  };
   const double more = gutter / 2;
-  return {texel(std::floor(low[0] - more)), texel(std::floor(low[1] - more)), texel(std::ceil(high[0] + more)),
-          texel(std::ceil(high[1] + more))};
+  return {texel(std::floor(low[0] - more), side), texel(std::floor(low[1] - more), height),
+          texel(std::ceil(high[0] + more), side), texel(std::ceil(high[1] + more), height)};
 }
 
 void measure_edges(Outline outline, const TexelBox& box, float reach, std::span<float> distance) {
@@ -103,7 +105,7 @@ void measure_edges(Outline outline, const TexelBox& box, float reach, std::span<
 
 /// The parts of charts do not meet, so threads that take whole charts write to different texels.
 Array<std::int32_t> find_owners(const PolygonMesh& polygons, const Atlas& atlas, const Threads& threads, Job& job) {
-  Array<std::int32_t> owner(static_cast<std::size_t>(atlas.side) * atlas.side);
+  Array<std::int32_t> owner(static_cast<std::size_t>(atlas.side) * atlas.height());
   std::fill(owner.begin(), owner.end(), kNone);
   std::vector<std::vector<std::int32_t>> members(atlas.chart_count);
   for (std::int32_t q = 0; q < polygons.polygon_count(); ++q) members[atlas.chart[q]].push_back(q);
@@ -116,13 +118,13 @@ Array<std::int32_t> find_owners(const PolygonMesh& polygons, const Atlas& atlas,
       job.poll();
       for (const std::int32_t q : members[c]) {
         const Outline outline = outline_of(polygons, atlas, q);
-        fill(outline, box_of_outline(outline, atlas.gutter, atlas.side), cuts, [&](std::int32_t x, std::int32_t y) {
+        fill(outline, box_of_outline(polygons, atlas, q), cuts, [&](std::int32_t x, std::int32_t y) {
           if (at(x, y) == kNone) at(x, y) = q;
         });
       }
       for (const std::int32_t q : members[c]) {
         const Outline outline = outline_of(polygons, atlas, q);
-        along_edges(outline, box_of_outline(outline, atlas.gutter, atlas.side), atlas.gutter / 2 - 0.5,
+        along_edges(outline, box_of_outline(polygons, atlas, q), atlas.gutter / 2 - 0.5,
                     [&](std::int32_t x, std::int32_t y, double) {
                       if (at(x, y) == kNone) at(x, y) = -2 - q;
                     });

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 namespace isimp::detail {
@@ -27,6 +28,7 @@ ColourShade::ColourShade(const Scene& scene, const PolygonView& view, std::int32
       view_(view),
       canvas_(canvas),
       looks_(view.faces().size()),
+      polygon_(q),
       with_normals_(!canvas.texture.normal.empty()),
       with_layers_(!canvas.layers.empty() || canvas.relief) {
   layer_sums_.resize(canvas.layers.size());
@@ -37,9 +39,11 @@ ColourShade::ColourShade(const Scene& scene, const PolygonView& view, std::int32
 }
 
 ColourShade::~ColourShade() {
-  canvas_.texels += texels_;
-  canvas_.searched += searched_;
-  canvas_.unknown += unknown_;
+  // Threads that bake tiles of the same polygon add to the same numbers.
+  PolygonTexels& all = canvas_.texture.texels[polygon_];
+  std::atomic_ref(all.inside) += counts_.inside;
+  std::atomic_ref(all.searched) += counts_.searched;
+  std::atomic_ref(all.unknown) += counts_.unknown;
 }
 
 void ColourShade::operator()(const Texel& texel, const Samples& samples) {
@@ -57,9 +61,9 @@ void ColourShade::operator()(const Texel& texel, const Samples& samples) {
           canvas_.texture.layers[l].data() + 4 * pixel);
   if (with_normals_) take_normal(canvas_.texture.normal.data() + 3 * pixel);
   if (!texel.inside) return;
-  ++texels_;
-  searched_ += searched ? 1 : 0;
-  unknown_ += unknown ? 1 : 0;
+  ++counts_.inside;
+  counts_.searched += searched ? 1 : 0;
+  counts_.unknown += unknown ? 1 : 0;
 }
 
 /// Adds what was drawn; returns whether a place had to be searched for. Samples of one face share their normal.

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -19,10 +18,9 @@ struct Canvas {
   const std::vector<Eigen::Vector3f>& normals;
   std::vector<Sampler> layers;
   std::optional<Relief> relief;
-  std::atomic<std::int64_t> texels{0}, searched{0}, unknown{0};
 
   [[nodiscard]] std::size_t pixel(const Texel& texel) const {
-    return static_cast<std::size_t>(texture.side - 1 - texel.y) * texture.side + texel.x;
+    return static_cast<std::size_t>(texture.height - 1 - texel.y) * texture.side + texel.x;
   }
 };
 
@@ -66,7 +64,8 @@ class ColourShade {
   float weight_ = 0;
   std::int32_t last_ = kNone, last_x_ = kNone,
                last_y_ = kNone;  // the face that a search found last, and for which texel
-  std::int64_t texels_ = 0, searched_ = 0, unknown_ = 0;
+  std::int32_t polygon_;
+  PolygonTexels counts_;
   bool with_normals_, with_layers_;
 };
 

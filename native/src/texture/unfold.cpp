@@ -70,7 +70,7 @@ class Unfolder {
         high_[q] = high_[q].cwiseMax(layout.flat[i]);
       }
     }
-    largest_ = kLargest * std::sqrt(layout.area);
+    largest_ = kLargest * std::sqrt(layout.tile_area);
     slack_ = kSlack * std::sqrt(layout.area / std::max(count, 1));
   }
 
@@ -122,6 +122,7 @@ class Unfolder {
     for (std::size_t k = 0, end = 0; k < edges.size(); k = end) {
       for (end = k; end < edges.size() && edges[end][0] == edges[k][0] && edges[end][1] == edges[k][1];) ++end;
       if (end - k != 2 || edges[k][2] == edges[k + 1][2] || edges[k][4] == edges[k + 1][4]) continue;
+      if (layout_.group[edges[k][2]] != layout_.group[edges[k + 1][2]]) continue;
       const auto [a, b, p, i, rises] = edges[k];
       const std::int32_t q = edges[k + 1][2], j = edges[k + 1][3];
       const double cosine = layout_.plane[p].n.dot(layout_.plane[q].n);

@@ -6,12 +6,18 @@
 
 #include "isimp/core/errors.h"
 #include "layout.h"
+#include "rearrange.h"
 
 namespace isimp {
 namespace {
 
-constexpr std::int32_t kLeastSide = 16, kMostSide = 8192, kMostChosen = 16384;
+using detail::Layout;
+using detail::Packing;
+using detail::Room;
+
+constexpr std::int32_t kLeastSide = 16, kMostSide = 8192, kMostChosen = 16384, kMostTiles = 100;
 constexpr double kUsualFill = 0.55;
+constexpr double kUsedByEdits = 0.93;  // of the rows, where an edit did not fit: the next ones then do
 
 double gutter_of(std::int32_t side, std::int32_t gutter) { return gutter > 0 ? gutter : std::clamp(side / 512, 3, 16); }
 
@@ -26,52 +32,55 @@ std::int32_t side_for(double area, double density) {
   return side;
 }
 
-Atlas atlas_of(const detail::Layout& layout, const detail::Packing& packing, std::int32_t side, std::int32_t gutter) {
-  Atlas atlas;
-  atlas.side = side;
-  atlas.scale = packing.scale;
-  atlas.gutter = 2 * grow_of(side, gutter);
-  atlas.fill = layout.area * packing.scale * packing.scale / (static_cast<double>(side) * side);
-  atlas.chart_count = layout.chart_count;
+/// The options with the number of tiles, where none is given: as many of the largest side as the density needs.
+AtlasOptions with_tiles(const PolygonMesh& polygons, AtlasOptions options) {
+  if (options.tiles > 0) return options;
+  const Layout layout = detail::flatten(polygons, options);
+  const double texels = layout.tile_area * options.density * options.density / kUsualFill;
+  const double tiles = options.side > 0 ? 1 : std::ceil(texels / (double{1.0} * kMostSide * kMostSide));
+  const std::int32_t most = std::max(1, kMostTiles / layout.groups);
+  options.tiles = static_cast<std::int32_t>(std::clamp(tiles, 1.0, double{1.0} * most));
+  return options;
+}
+
+Atlas atlas_of(const Layout& layout, const Packing& packing, const Room& room) {
+  Atlas atlas = detail::empty_atlas(layout, room, packing.scale);
+  for (std::int32_t q = 0; q < layout.polygon_count(); ++q) detail::put(layout, packing, q, atlas, q, layout.start[q]);
   atlas.chart = layout.chart;
-  atlas.corner.resize(layout.flat.size());
-  for (std::int32_t q = 0; q < layout.polygon_count(); ++q) {
-    const detail::Rigid& chart = packing.place[layout.chart[q]];
-    const detail::Plane& plane = layout.plane[q];
-    const auto texel = [&](const detail::Vec2& p) -> detail::Vec2 {
-      return chart.turn * (packing.scale * layout.place[q](p)) + chart.shift;
-    };
-    for (std::int32_t i = layout.start[q]; i < layout.start[q + 1]; ++i) {
-      const detail::Vec2 at = texel(layout.flat[i]);
-      atlas.corner[i] = {at.x(), at.y()};
-    }
-    const Eigen::Matrix2d back = (chart.turn * layout.place[q].turn).transpose() / packing.scale;
-    const detail::Vec2 zero = texel(detail::Vec2::Zero());
-    ChartFrame frame;
-    frame.u = plane.u * back(0, 0) + plane.v * back(1, 0);
-    frame.v = plane.u * back(0, 1) + plane.v * back(1, 1);
-    frame.n = plane.n;
-    frame.origin = plane.centre - frame.u * zero.x() - frame.v * zero.y();
-    atlas.frame.push_back(frame);
-  }
+  atlas.chart_count = layout.chart_count;
   return atlas;
+}
+
+Layout charts_of(const PolygonMesh& polygons, const AtlasOptions& options, Job& job) {
+  Layout layout = detail::flatten(polygons, options);
+  if (options.unfold > 0) detail::unfold(polygons, options.unfold, layout, job);
+  detail::straighten(layout);
+  return layout;
 }
 
 }  // namespace
 
-Atlas unwrap(const PolygonMesh& polygons, std::int32_t side, double density, double unfold, std::int32_t gutter,
-             Job& job) {
-  detail::Layout layout = detail::flatten(polygons);
-  if (unfold > 0) detail::unfold(polygons, unfold, layout, job);
-  detail::straighten(layout);
-  const bool chosen = side > 0;
-  for (side = chosen ? side : side_for(layout.area, density);; side *= 2) {
-    if (const auto packing = detail::pack(layout, side, grow_of(side, gutter), job))
-      return atlas_of(layout, *packing, side, gutter);
+Atlas unwrap(const PolygonMesh& polygons, const AtlasOptions& asked, Job& job, const EarlierAtlas* earlier) {
+  if (polygons.polygon_count() == 0) throw InvalidInput("there are no polygons to lay out");
+  const AtlasOptions options = with_tiles(polygons, asked);
+  const Layout layout = charts_of(polygons, options, job);
+  double used = 1;
+  const auto room_of = [&](std::int32_t side) {
+    return Room{side, options.tiles, grow_of(side, options.gutter), used};
+  };
+  if (earlier != nullptr) {
+    auto atlas = detail::rearrange(polygons, options, layout, *earlier, room_of(earlier->atlas.side), job);
+    if (atlas) return *std::move(atlas);
+    if (detail::has_room_of(options, layout, earlier->atlas, room_of(earlier->atlas.side))) used = kUsedByEdits;
+  }
+  const bool chosen = options.side > 0;
+  std::int32_t side = chosen ? options.side : side_for(layout.tile_area, options.density);
+  for (;; side *= 2) {
+    if (const auto packing = detail::pack(layout, room_of(side), job)) return atlas_of(layout, *packing, room_of(side));
     if (chosen || side >= kMostSide) break;
   }
   std::int32_t fits = side;
-  while (fits <= kMostChosen && !detail::pack(layout, fits, grow_of(fits, gutter), job)) fits *= 2;
+  while (fits <= kMostChosen && !detail::pack(layout, room_of(fits), job)) fits *= 2;
   throw InvalidInput(std::to_string(layout.chart_count) + " charts do not fit into an image of " +
                      std::to_string(side) + " x " + std::to_string(side) + " pixels" +
                      (fits <= kMostChosen ? "; choose a size of at least " + std::to_string(fits) : ""));

@@ -8,6 +8,7 @@ import argparse
 import io
 import sys
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -113,7 +114,7 @@ def simplify_options() -> argparse.ArgumentParser:
     add_fields(command, RegulariseOptions, ("even_spacing",))
     command.add_argument(
         "--texture",
-        type=texturing.size,
+        type=partial(texturing.whole, "size"),
         nargs="?",
         const=texturing.LIKE_THE_SCAN,
         metavar="SIZE",
@@ -135,6 +136,20 @@ def simplify_options() -> argparse.ArgumentParser:
         default=None,
         help="with --texture: OUTPUT_height.png, of 16 bits: how far the scan lies above or below each polygon; the "
         "report has its range",
+    )
+    command.add_argument(
+        "--tiles",
+        type=partial(texturing.whole, "tiles"),
+        metavar="N",
+        help="with --texture: N images of that size, as UDIM tiles (OUTPUT.1001.png ...; in GLB a material for each). "
+        "Default: 1; where no SIZE is given as many of 8,192 pixels as keep the scan's density",
+    )
+    command.add_argument(
+        "--keep-materials",
+        dest="materials",
+        action="store_true",
+        default=None,
+        help="with --texture: images of its own for each of the scan's materials, OUTPUT-MATERIAL.png",
     )
     command.add_argument(
         "--crs",
@@ -217,6 +232,11 @@ def settle(arguments: argparse.Namespace) -> None:
         raise UsageError("--even-spacing needs --regularise: it moves planes that are parallel by it")
     if arguments.height and arguments.texture is None:
         raise UsageError("--height needs --texture: it has the places of the texture")
+    for name, flag in (("tiles", "--tiles"), ("materials", "--keep-materials")):
+        if arguments.recipe is not None and getattr(arguments, name) is None:
+            setattr(arguments, name, getattr(arguments.recipe, name))
+        if getattr(arguments, name) and arguments.texture is None:
+            raise UsageError(f"{flag} needs --texture: it says how many images the texture has")
     arguments.options = options_of(arguments, PartitionOptions)
 
 

@@ -196,7 +196,9 @@ def _make(
             of = {"crs": arguments.crs, "like": arguments.output, "surfaces": surfaces}
             outputs.write(arguments.output, partial(exporting.write, polygons=poly, job=job, **of))
         else:
-            for file, content in files_of(arguments.output, poly, made, job).items():
+            files = files_of(arguments.output, poly, made, job)
+            texturing.check_source(source, list(files))  # names of tiles and materials are known only now
+            for file, content in files.items():
                 outputs.write(file, partial(Path.write_bytes, data=content))
                 written.append(file)
         if arguments.labels:

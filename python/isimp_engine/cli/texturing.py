@@ -17,17 +17,19 @@ LIKE_THE_SCAN = 0
 ANY_DISTANCE = 0.0
 
 
-def size(text: str) -> int:
-    """An argument that gives the size of the image."""
-    field = next(field for field in TextureOptions.fields() if field["name"] == "size")
-    wanted = f"SIZE must be a whole number {field['range']}, got {text!r}; --texture without SIZE goes behind OUTPUT"
+def whole(name: str, text: str) -> int:
+    """An argument that is a whole number of TextureOptions: the size of an image, or how many there are."""
+    field = next(field for field in TextureOptions.fields() if field["name"] == name)
+    wanted = f"must be a whole number {field['range']}, got {text!r}"
+    if name == "size":
+        wanted = f"SIZE {wanted}; --texture without SIZE goes behind OUTPUT"
     try:
-        pixels = int(text)
+        number = int(text)
     except ValueError:
         raise argparse.ArgumentTypeError(wanted) from None
-    if not field["least"] <= pixels <= field["most"]:
+    if not field["least"] <= number <= field["most"]:
         raise argparse.ArgumentTypeError(wanted)
-    return pixels
+    return number
 
 
 def distance(text: str) -> float:
@@ -73,6 +75,8 @@ def make(
     assert source.soup is not None  # read since it was asked for
     options = TextureOptions(
         size=arguments.texture or None,
+        tiles=arguments.tiles,
+        materials=bool(arguments.materials),
         height=bool(arguments.height),
         occlusion=arguments.ao is not None,
         occlusion_distance=arguments.ao or None,
@@ -86,6 +90,8 @@ def make(
 
 def summary(report: dict[str, Any]) -> Iterator[str]:
     pixels, charts = f"{report['size']:,} x {report['size']:,}", words.count(report["charts"], "chart")
+    if report["tiles"] > 1:
+        pixels = f"{report['tiles']} images of {pixels}"
     yield f"  texture: {pixels} pixels, {charts}, {report['fill']:.0%} filled"
     if report["layers"]:
         yield f"  with {', '.join(report['layers'])}"

@@ -1,5 +1,6 @@
 """The scan's texture put on its polygons."""
 
+import hashlib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
@@ -14,11 +15,12 @@ from .._core import (
     Partition,
     PolygonMesh,
     TextureOptions,
+    _Atlas,
     _bake,
-    _height,
-    _occlusion,
+    _map_layers,
     _source_corners,
     _unwrap,
+    _uv,
 )
 from .layers import NEUTRAL, NORMAL, NUMBERS, TextureLayer, constant
 from .soup import TexturedSoup
@@ -37,6 +39,9 @@ class Texture:
     and "occlusion", (H, W) uint16 "height", (H, W, 3) uint8 "emission", stored as colours are. factors: "roughness" and
     "metallic" where they are one number everywhere, what the image of "emission" is multiplied by, and the range of
     "height": the scan lies (value / 65535 - 0.5) * range above the polygon, in scene units.
+    Of several tiles all images have one more axis in front, (N, H, W, ...). tile: (Q,) int32, that of each polygon; its
+    UVs are from 0 to 1 there. tile_material: the source's material of each tile, -1 for none, or if materials are not
+    kept apart.
     """
 
     uv: NDArray[np.float64]
@@ -47,10 +52,35 @@ class Texture:
     report: dict[str, Any]
     layers: dict[str, NDArray[Any]] = field(default_factory=dict, repr=False)
     factors: dict[str, float] = field(default_factory=dict)
+    tile: NDArray[np.int32] | None = field(default=None, repr=False)
+    tile_material: tuple[int, ...] = (-1,)
+    tile_name: tuple[str, ...] = ("",)  #: the name of that material
+    made_of: "_MadeOf | None" = field(default=None, repr=False)  #: for `texture(..., previous=...)`
+
+    @property
+    def materials_apart(self) -> bool:
+        """Whether the source's materials have tiles of their own."""
+        return int(self.report["materials"]) > 0
 
     def __iter__(self) -> Iterator[Any]:
         yield self.uv
         yield self.image
+
+
+@dataclass(frozen=True, eq=False)
+class _MadeOf:
+    """What a texture was made of, as a later one needs it."""
+
+    part: Partition
+    poly: PolygonMesh
+    atlas: _Atlas
+    layout: tuple[Any, ...]  # options that the layout depends on
+    digest: bytes  # of the mesh, the source and the options
+    color: NDArray[np.uint8]  # images as the engine made them, tiles upon each other
+    normal: NDArray[np.uint8] | None
+    layers: list[NDArray[np.uint8]]
+    occlusion: NDArray[np.uint8] | None
+    texels: NDArray[np.int64]  # (Q, 3)
 
 
 def texture(
@@ -60,15 +90,23 @@ def texture(
     source: TexturedSoup,
     options: TextureOptions | None = None,
     job: Job | None = None,
+    previous: Texture | None = None,
 ) -> Texture:
     """Lay the polygons out in an image, and show the scan there.
 
     source: what the mesh was made from: `clean(source.vertices, source.triangles)`.
-    The report: `size`, `charts`, `fill` (area of the polygons over that of the image), `texels_per_unit` and
-    `source_texels_per_unit` (of the result and of the scan, per scene unit), `gutter`, `texels` (in polygons),
-    `searched` (of them those that show the closest face, since none lies above or below), `unknown` (those that show
-    the mean colour), `turned_faces` (faces that repairs changed), `lost_faces` (those without a place on the scan),
-    `layers` (the names of further images) and, with a height map, `height_range` (see `Texture.factors`).
+    previous: a texture of other polygons of the same scan. Polygons whose corners have moved by no more than a pixel
+    (or two, if need be) stay where they were, the others are put into the free room; if they do not fit there, more of
+    them make room, and in the end all are laid out anew. Those that show the same faces at the same pixels take them
+    from there, which gives the same images as baking them. For that a texture keeps what it was made of: 7 bytes a
+    pixel, and 4 for each layer.
+    The report: `size`, `tiles`, `materials` (how many are kept apart, 0: none are), `charts`, `fill` (area of the
+    polygons over that of the image), `texels_per_unit` and `source_texels_per_unit` (of the result and of the scan, per
+    scene unit), `gutter`, `texels` (in polygons), `searched` (of them those that show the closest face, since none lies
+    above or below), `unknown` (those that show the mean colour), `turned_faces` (faces that repairs changed),
+    `lost_faces` (those without a place on the scan), `kept_places` (polygons that lie where the previous
+    texture had them), `kept_pixels` (those that were not baked), `layers` (the names of further images) and, with a
+    height map, `height_range` (see `Texture.factors`).
     Raises InvalidInput (the source is not the mesh's, or shows nothing; charts do not fit into the size) or Cancelled.
     """
     options = options or TextureOptions()
@@ -77,41 +115,107 @@ def texture(
     face, weight, turned, lost = _source_corners(mesh, source.vertices, source.triangles, job)
     look = _look(source, face, weight)
     density = _density(mesh, look)
-    atlas = _unwrap(poly, options, FINER * density, job)
+    group, tile_materials = _groups(mesh, part, poly, source, face) if options.materials else (_NO_GROUP, [-1])
+    layout = (options.size, options.tiles, options.materials, options.unfold, options.gutter, density, tile_materials)
+    digest = _digest(mesh, source, options)
+    before = previous.made_of if previous is not None else None
+    earlier = (before.poly, before.atlas) if before is not None and before.layout == layout else None
+    atlas = _unwrap(poly, options, FINER * density, group, earlier, job)
     wanted, factors = _wanted(source)
     shown = [_layer(source, name, face, weight, look.uv) for name in wanted]
     relief = None
     if options.normals and NORMAL in source.layers:
         relief = _layer(source, NORMAL, face, weight, look.uv)
-    image, normal, images, counts = _bake(
-        mesh,
-        part,
-        poly,
-        atlas,
-        look.uv,
-        look.image,
-        look.colors,
-        look.known,
-        look.pictures,
-        shown,
-        relief,
-        options,
-        job,
-    )
+    known = None
+    if before is not None and atlas.kept and before.digest == digest:
+        known = (before.part, before.poly, before.atlas, before.color, before.normal, before.layers, before.texels)
+    args = (look.uv, look.image, look.colors, look.known, look.pictures, shown, relief)
+    color, normal, images, texels, same = _bake(mesh, part, poly, atlas, *args, options, known, job)
     layers: dict[str, NDArray[Any]] = {
         n: np.ascontiguousarray(i[:, :, :3] if n == "emission" else i[:, :, 0])
         for n, i in zip(wanted, images, strict=True)
     }
-    if options.height:
-        layers["height"], factors["height"] = _height(mesh, part, poly, atlas, options, job)
-    if options.occlusion:  # in place of that of the scan's materials
-        layers["occlusion"] = _occlusion(mesh, part, poly, atlas, options, job)
-    report = {"size": atlas.side, "charts": atlas.chart_count, "fill": atlas.fill, "gutter": atlas.gutter}
-    report |= {"texels_per_unit": atlas.scale, "source_texels_per_unit": density} | counts
+    occlusion = None
+    if options.height or options.occlusion:
+        dark = before.occlusion if before is not None and known is not None else None
+        occlusion, height, span = _map_layers(mesh, part, poly, atlas, options, same, dark, job)
+        if height is not None:
+            layers["height"], factors["height"] = height, span
+        if occlusion is not None:  # in place of that of the scan's materials
+            layers["occlusion"] = occlusion
+    report: dict[str, Any] = {"size": atlas.side, "tiles": atlas.tiles, "charts": atlas.chart_count, "fill": atlas.fill}
+    report |= {"materials": len(tile_materials) if options.materials else 0}
+    report |= {"gutter": atlas.gutter, "texels_per_unit": atlas.scale, "source_texels_per_unit": density}
+    report |= dict(zip(("texels", "searched", "unknown"), texels.sum(axis=0).tolist(), strict=True))
     report |= {"turned_faces": turned, "lost_faces": lost, "layers": list(layers)}
+    report |= {"kept_places": atlas.kept, "kept_pixels": int((same >= 0).sum())}
     if options.height:
         report["height_range"] = factors["height"]
-    return Texture(atlas.uv, image, normal, atlas.normal, atlas.tangent, report, layers, factors)
+    made_of = _MadeOf(part, poly, atlas, layout, digest, color, normal, images, occlusion, texels)
+    return Texture(
+        _uv(poly, atlas),
+        _tiles(color, atlas),
+        None if normal is None else _tiles(normal, atlas),
+        atlas.normal,
+        atlas.tangent,
+        report,
+        {name: _tiles(image, atlas) for name, image in layers.items()},
+        factors,
+        np.array(atlas.tile),
+        tuple(tile_materials[g] for g in atlas.tile_group.tolist()),
+        tuple(source.material_name(tile_materials[g]) for g in atlas.tile_group.tolist()),
+        made_of,
+    )
+
+
+_NO_GROUP = np.zeros(0, dtype=np.int32)
+
+
+def _tiles(image: NDArray[Any], atlas: _Atlas) -> NDArray[Any]:
+    """Images with the last tile at the top as (N, H, W, ...); that of a single tile as it is."""
+    if atlas.tiles == 1:
+        return image
+    return image.reshape(atlas.tiles, atlas.side, *image.shape[1:])[::-1]
+
+
+def _groups(
+    mesh: Mesh, part: Partition, poly: PolygonMesh, source: TexturedSoup, face: NDArray[np.int32]
+) -> tuple[NDArray[np.int32], list[int]]:
+    """(Q,) which of some materials each polygon belongs to, and these: what most of its region's area shows."""
+    corners = mesh.vertices[mesh.triangles]
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    counts = (face >= 0) & (part.face_region >= 0)
+    given = np.append(np.asarray(source.given, dtype=np.int64), -1)  # the last one: no material
+    count = int(given.max()) + 2
+    material = given[source.material[face[counts]]] % count
+    keys = part.face_region[counts].astype(np.int64) * count + material
+    votes = np.bincount(keys, area[counts], part.region_count * count).reshape(-1, count)
+    chosen = votes.argmax(axis=1)[poly.polygon_region]
+    materials, group = np.unique(chosen, return_inverse=True)
+    return group.astype(np.int32), [-1 if m == count - 1 else m for m in materials.tolist()]
+
+
+def _digest(mesh: Mesh, source: TexturedSoup, options: TextureOptions) -> bytes:
+    """Of all that the pixels of a polygon depend on beside its place."""
+    found = hashlib.blake2b(digest_size=16)
+
+    def add(*arrays: Any) -> None:
+        for array in arrays:
+            if array is None:
+                found.update(b"-")
+                continue
+            values = np.ascontiguousarray(array)
+            found.update(repr((values.shape, values.dtype.str)).encode())
+            found.update(values.view(np.uint8).data if values.size else b"")
+
+    wanted = {name: value for name, value in options.as_dict().items() if name not in ("threads", "size")}
+    found.update(repr(sorted(wanted.items())).encode())
+    add(mesh.vertices, mesh.triangles, mesh.source_face, source.vertices, source.triangles, source.uv)
+    add(source.material, source.colors, *source.images)
+    for name, layer in sorted(source.layers.items()):
+        found.update(repr((name, layer.strength)).encode())
+        add(layer.uv, *layer.images)
+    return found.digest()
 
 
 @dataclass(frozen=True)

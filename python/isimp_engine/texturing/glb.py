@@ -79,7 +79,7 @@ def _primitive(file: "_File", primitive: dict[str, Any], matrix: NDArray[np.floa
         raise FileError(f"{file.path}: a triangle uses vertex {triangles.max()}, but there are {len(points)}")
     if np.linalg.det(matrix[:3, :3]) < 0:  # a mirrored object: its triangles are turned to look outward
         triangles = triangles[:, ::-1]
-    uv = file.uv(primitive, file.uv_set(primitive.get("material", -1)))
+    uv = file.uv(primitive, file.color_texture(primitive.get("material", -1)))
     colors = None
     if "COLOR_0" in attributes:
         colors = _stored_colors(file.accessor(attributes["COLOR_0"]))
@@ -223,18 +223,38 @@ class _File:
         base: dict[str, Any] = self._item("materials", material).get("pbrMetallicRoughness", {})
         return base
 
-    def uv_set(self, material: int) -> int:
-        if material < 0:
-            return 0
-        return int(self._base(material).get("baseColorTexture", {}).get("texCoord", 0))
+    def color_texture(self, material: int) -> dict[str, Any] | None:
+        """What a material shows as its base colour, if that is an image."""
+        return None if material < 0 else self._base(material).get("baseColorTexture")
 
-    def uv(self, primitive: dict[str, Any], uv_set: int) -> NDArray[np.float64]:
-        """(V, 2) of a primitive's vertices, v upward; zeros without."""
-        attributes = primitive.get("attributes", {})
+    @staticmethod
+    def placing(texture: dict[str, Any] | None) -> tuple[Any, ...]:
+        """The UV set of a texture and, with KHR_texture_transform, its scale, turn (radians) and offset."""
+        texture = texture or {}
+        moved = texture.get("extensions", {}).get("KHR_texture_transform")
+        uv_set = int(texture.get("texCoord", 0))
+        if moved is None:
+            return (uv_set,)
+        uv_set = int(moved.get("texCoord", uv_set))
+        return (
+            uv_set,
+            tuple(moved.get("scale", (1, 1))),
+            float(moved.get("rotation", 0)),
+            tuple(moved.get("offset", (0, 0))),
+        )
+
+    def uv(self, primitive: dict[str, Any], texture: dict[str, Any] | None) -> NDArray[np.float64]:
+        """(V, 2) at which a primitive's vertices show a texture, v upward; zeros without."""
+        attributes, (uv_set, *placed) = primitive.get("attributes", {}), self.placing(texture)
         if f"TEXCOORD_{uv_set}" not in attributes:
             count = self._item("accessors", attributes["POSITION"])["count"] if "POSITION" in attributes else 0
             return np.zeros((count, 2))
         uv = self.accessor(attributes[f"TEXCOORD_{uv_set}"]).astype(np.float64)
+        if placed:
+            scale, turn, offset = placed
+            row = uv * scale
+            c, s = np.cos(turn), np.sin(turn)
+            uv = np.stack([c * row[:, 0] + s * row[:, 1], c * row[:, 1] - s * row[:, 0]], axis=1) + offset
         uv[:, 1] = 1 - uv[:, 1]
         return uv
 
@@ -309,24 +329,33 @@ class _Writer:
 def glb(
     name: str,
     corners: NDArray[np.float64],
-    triangles: NDArray[np.int32],
+    triangles: list[NDArray[np.int32]],
     uv: NDArray[np.float64],
     normals: NDArray[np.float64],
     tangents: NDArray[np.float64],
-    shown: gltf_layers.Shown,
+    shown: list[gltf_layers.Shown],
 ) -> bytes:
-    """A file with one mesh of one material: everything by corner, v upward."""
+    """A file with one mesh: everything by corner, v upward. triangles, shown: of each material."""
     writer = _Writer()
     middle = (corners.min(0) + corners.max(0)) / 2
     size = float(np.linalg.norm(np.ptp(corners, axis=0)))
     shift = np.where(np.abs(middle) > _FAR * size, np.round(middle), 0.0)
     attributes = {"POSITION": writer.array(corners - shift, "VEC3", bounds=True)}
     attributes["NORMAL"] = writer.array(normals, "VEC3")
-    if shown.normal is not None:  # (x, y, z, 1): the third direction is normal x tangent
+    if any(one.normal is not None for one in shown):  # (x, y, z, 1): the third direction is normal x tangent
         attributes["TANGENT"] = writer.array(np.hstack([tangents, np.ones((len(tangents), 1))]), "VEC4")
     attributes["TEXCOORD_0"] = writer.array(np.stack([uv[:, 0], 1 - uv[:, 1]], axis=1), "VEC2")
-    primitive = {"attributes": attributes, "indices": writer.array(triangles.ravel(), "SCALAR"), "material": 0}
-    material, pictures = shown.material()
+    primitives: list[dict[str, Any]] = []
+    materials: list[dict[str, Any]] = []
+    pictures: list[tuple[str, bytes]] = []
+    for faces, one in zip(triangles, shown, strict=True):
+        if not len(faces):
+            continue
+        index = writer.array(faces.ravel(), "SCALAR")
+        primitives.append({"attributes": attributes, "indices": index, "material": len(materials)})
+        material, own = one.material(len(pictures))
+        materials.append({"name": one.name} | material)
+        pictures += [(one.name + suffix, data) for suffix, data in own]
     node: dict[str, Any] = {"mesh": 0, "name": name}
     if shift.any():
         node["translation"] = shift.tolist()
@@ -335,19 +364,19 @@ def glb(
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         "nodes": [node],
-        "meshes": [{"name": name, "primitives": [primitive]}],
-        "materials": [{"name": name} | material],
+        "meshes": [{"name": name, "primitives": primitives}],
+        "materials": materials,
         "textures": [{"source": i, "sampler": 0} for i in range(len(pictures))],
         "samplers": [{"magFilter": 9729, "minFilter": 9987, "wrapS": 33071, "wrapT": 33071}],
         "images": [
-            {"bufferView": writer.view(data), "mimeType": "image/png", "name": name + suffix}
-            for suffix, data in pictures
+            {"bufferView": writer.view(data), "mimeType": "image/png", "name": title} for title, data in pictures
         ],
         "accessors": writer.accessors,
         "bufferViews": writer.views,
     }
-    if "extensions" in material:
-        document["extensionsUsed"] = sorted(material["extensions"])
+    extensions = {word for material in materials for word in material.get("extensions", ())}
+    if extensions:
+        document["extensionsUsed"] = sorted(extensions)
     writer.data += bytes(-len(writer.data) % 4)
     document["buffers"] = [{"byteLength": len(writer.data)}]
     text = json.dumps(document, separators=(",", ":")).encode()

@@ -71,22 +71,23 @@ def _image(file: "_File", name: str, material: dict[str, Any], strength: float) 
 
 def _uv(file: "_File", name: str, parts: _Parts) -> NDArray[np.float64] | None:
     """(F, 3, 2) if the layer has UVs other than those of the colours."""
-    sets = []
+    pairs = []
     for primitive, _ in parts:
         number = primitive.get("material", -1)
-        colors = file.uv_set(number)
+        colors = file.color_texture(number)
         texture = _texture(name, file.json["materials"][number]) if number >= 0 else None
-        sets.append((colors, colors if texture is None else int(texture.get("texCoord", 0))))
-    if all(colors == own for colors, own in sets):
+        pairs.append((colors, colors if texture is None else texture))
+    if all(file.placing(colors) == file.placing(own) for colors, own in pairs):
         return None
-    pieces = zip(parts, sets, strict=True)
+    pieces = zip(parts, pairs, strict=True)
     return np.concatenate([file.uv(primitive, own)[triangles] for (primitive, triangles), (_, own) in pieces])
 
 
 @dataclass(frozen=True)
 class Shown:
-    """What the one material of a result has: images as PNG files, and numbers."""
+    """What a material of a result has: images as PNG files, and numbers."""
 
+    name: str  #: of its images, which have more behind it
     color: bytes = field(repr=False)
     normal: bytes | None = field(repr=False)
     #: occlusion in red, roughness in green and metallic in blue; None if none of them has an image
@@ -95,15 +96,15 @@ class Shown:
     has: frozenset[str]  #: the layers that have an image
     factors: dict[str, float]
 
-    def material(self) -> tuple[dict[str, Any], list[tuple[str, bytes]]]:
-        """The material, and its images with the ends of their names."""
-        pictures = [("", self.color)]
+    def material(self, first: int) -> tuple[dict[str, Any], list[tuple[str, bytes]]]:
+        """The material, and its images with the ends of their names. first: the number of the first image."""
+        pictures: list[tuple[str, bytes]] = []
 
         def texture(suffix: str, data: bytes) -> dict[str, int]:
             pictures.append((suffix, data))
-            return {"index": len(pictures) - 1}
+            return {"index": first + len(pictures) - 1}
 
-        base: dict[str, Any] = {"baseColorTexture": {"index": 0}}
+        base: dict[str, Any] = {"baseColorTexture": texture("", self.color)}
         for name, neutral in (("metallic", 0.0), ("roughness", 1.0)):
             base[f"{name}Factor"] = 1 if name in self.has else self.factors.get(name, neutral)
         material: dict[str, Any] = {"pbrMetallicRoughness": base}

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core import FileError, InvalidInput
+from . import udim
 
 Image = NDArray[Any]  # (H, W, 4) uint8 or uint16, row 0 at the top
 
@@ -21,8 +22,13 @@ def pillow(name: object) -> Any:
     return PIL.Image
 
 
-def load(path: Path, named_by: str) -> Image:
-    """The image of a file. `named_by` says where its name stands, for the message."""
+def load(path: Path, named_by: str) -> Image | dict[int, Image]:
+    """The image of a file, or those of UDIM tiles by their numbers. `named_by` says where the name stands."""
+    if udim.is_pattern(path):
+        files = udim.files(path)
+        if not files:
+            raise FileError(f"{named_by}: no file has the name {path} with the number of a tile; put them there")
+        return {tile: decode(file, str(file)) for tile, file in files.items()}
     if not path.is_file():
         raise FileError(f"{named_by}: the image {path} does not exist; put it there, or correct the name")
     return decode(path, str(path))

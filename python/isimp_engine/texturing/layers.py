@@ -22,25 +22,23 @@ class TextureLayer:
     """One property of the materials, as images.
 
     images: of each material an array as `TexturedSoup.images` has them, or one number from 0 to 1; None for a material
-    that does not say. Emission is stored as colours are (sRGB), the others as they are; normals are tangent-space ones
-    with green up.
+    that does not say, and a dict of them for UDIM tiles. Emission is stored as colours are (sRGB), the others as they
+    are; normals are tangent-space ones with green up.
     uv: (F, 3, 2) float64: its own, where it does not have those of the colours.
     strength: what the images' 1 stands for; above 1 for bright emission.
     """
 
-    images: Sequence[Image | None] = field(repr=False)
+    images: Sequence[Any] = field(repr=False)
     uv: NDArray[np.float64] | None = field(default=None, repr=False)
     strength: float = 1.0
 
 
-def checked(layers: Mapping[str, TextureLayer], materials: int, faces: int) -> dict[str, TextureLayer]:
+def checked(layers: Mapping[str, TextureLayer], faces: int) -> dict[str, TextureLayer]:
     """The layers with their images as (H, W, 4)."""
     result = {}
     for name, layer in layers.items():
         if name not in (*NEUTRAL, NORMAL):
             raise InvalidInput(f"layers has {name!r}; there are {', '.join(NEUTRAL)} and {NORMAL}")
-        if len(layer.images) != materials:
-            raise InvalidInput(f"layers[{name!r}] has {len(layer.images)} images, but there are {materials} materials")
         uv = None if layer.uv is None else np.asarray(layer.uv, dtype=np.float64)
         if uv is not None and uv.shape != (faces, 3, 2):
             raise InvalidInput(f"the uv of layers[{name!r}] must have the shape ({faces}, 3, 2), got {uv.shape}")

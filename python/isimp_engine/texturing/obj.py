@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core import FileError, Job, read_polygons, triangulate
-from . import images
+from . import images, udim
 from .layers import NORMAL, TextureLayer, channel, scaled_colors, to_srgb
 from .soup import TexturedSoup, corner_places
 
@@ -65,7 +65,8 @@ class _Material:
         self.maps: dict[str, tuple[Path, str]] = {}  # with the places where they are named
 
     def files(self) -> list[Path]:
-        return [file for file in (self.map, *(file for file, _ in self.maps.values())) if file is not None]
+        named = (self.map, *(file for file, _ in self.maps.values()))
+        return [file for path in named if path is not None for file in udim.files(path).values()]
 
     def layer(self, name: str, strength: float) -> Any:
         """The image of a layer, or its number as a pixel; None if the file does not say."""
@@ -75,8 +76,9 @@ class _Material:
             if name == NORMAL:
                 return image
             if name != "emission":
-                return channel(image, 0)
-            return scaled_colors(image, max(1.0, *(numbers or (1.0,))) / strength)
+                return udim.each(image, lambda one: channel(one, 0))
+            factor = max(1.0, *(numbers or (1.0,))) / strength
+            return udim.each(image, lambda one: scaled_colors(one, factor))
         if numbers is None or (name == "emission" and not any(numbers)):
             return None
         if name != "emission":
@@ -249,7 +251,7 @@ def _map_file(folder: Path, text: str, place: str) -> Path:
             raise FileError(f"{place}: the name of the image has an opening quotation mark only") from None
     path = folder / name.replace("\\", "/")
     beside = folder / PureWindowsPath(name).name
-    return beside if beside.is_file() and not path.is_file() else path
+    return beside if udim.exists(beside) and not udim.exists(path) else path
 
 
 def _is_number(word: str) -> bool:

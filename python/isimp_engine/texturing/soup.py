@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core import InvalidInput
-from .images import Image, rgba
+from . import udim
+from .images import rgba
 from .layers import TextureLayer, checked
 
 
@@ -22,7 +23,8 @@ class TexturedSoup:
     the image. (V, 2), one of each vertex, is taken too.
     material: (F,) int32: the image of each face, -1 for none. None: 0 where there are images.
     images: of each material an array of (H, W), (H, W, 3) or (H, W, 4), uint8, uint16 or floating-point numbers from 0
-    to 1, row 0 at the top, kept as (H, W, 4) uint8 or uint16; None for a material that shows the colours.
+    to 1, row 0 at the top, kept as (H, W, 4) uint8 or uint16; None for a material that shows the colours. The UDIM
+    tiles of a material are a dict of such arrays by their numbers from 1001 on; each becomes a material of its own.
     colors: (F, 3, 4) uint8: RGBA of each corner. None: no colours. (V, 3 or 4), (F, 3 or 4) and (F, 3, 3) are taken
     too.
     layers: what else the materials have, by name: "roughness", "metallic", "emission", "occlusion" and "normal".
@@ -32,16 +34,17 @@ class TexturedSoup:
     triangles: NDArray[np.int32]
     uv: NDArray[np.float64] = None  # type: ignore[assignment]  # set below
     material: NDArray[np.int32] = None  # type: ignore[assignment]
-    images: Sequence[Image | None] = field(default=(), repr=False)
+    images: Sequence[Any] = field(default=(), repr=False)
     colors: NDArray[np.uint8] | None = field(default=None, repr=False)
     names: Sequence[str] = ()  #: of the materials, as the file has them
     files: Sequence[Path] = ()  #: that were read beside the scan's own: materials and images
     layers: Mapping[str, TextureLayer] = field(default_factory=dict, repr=False)
+    #: the material that each one was before tiles became materials; `names` are of these
+    given: Sequence[int] = field(default=(), init=False, repr=False)
 
     def __post_init__(self) -> None:
         vertices, triangles = np.asarray(self.vertices), np.asarray(self.triangles)
-        faces = len(triangles)
-        images = [None if image is None else rgba(image, f"images[{i}]") for i, image in enumerate(self.images)]
+        faces, images = len(triangles), list(self.images)
         if self.uv is None:
             uv = np.zeros((faces, 3, 2))
         else:
@@ -59,15 +62,22 @@ class TexturedSoup:
         if faces and (material.min() < -1 or material.max() >= len(images)):
             face = int(np.flatnonzero((material < -1) | (material >= len(images)))[0])
             raise InvalidInput(f"face {face} has material {material[face]}, but there are {len(images)} images")
+        for name, layer in self.layers.items():
+            if len(layer.images) != len(images):
+                there = f"there are {len(images)} materials"
+                raise InvalidInput(f"layers[{name!r}] has {len(layer.images)} images, but {there}")
+        uv, material, images, layers, given = udim.split(uv, material, images, self.layers)
+        images = [None if image is None else rgba(image, f"images[{i}]") for i, image in enumerate(images)]
         values: dict[str, Any] = {
             "vertices": vertices,
             "triangles": triangles,
             "uv": uv,
             "material": material,
             "images": images,
+            "given": given,
         }
         values["colors"] = None if self.colors is None else corner_colors(self.colors, len(vertices), triangles)
-        values["layers"] = checked(self.layers, len(images), faces)
+        values["layers"] = checked(layers, faces)
         for name, value in values.items():
             object.__setattr__(self, name, value)
 
@@ -75,6 +85,12 @@ class TexturedSoup:
     def has_texture(self) -> bool:
         """Whether any face shows an image, or there are colours."""
         return self.colors is not None or any(self.images[m] is not None for m in np.unique(self.material) if m >= 0)
+
+    def material_name(self, material: int) -> str:
+        """What the file calls a material; its number if it does not say, "" for -1."""
+        if material < 0:
+            return ""
+        return self.names[material] if material < len(self.names) else str(material)
 
 
 def corner_colors(colors: Any, vertices: int, triangles: NDArray[np.int32]) -> NDArray[np.uint8]:

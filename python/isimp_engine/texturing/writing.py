@@ -1,8 +1,11 @@
 """Polygons with their texture as files."""
 
+import re
 from collections.abc import Callable
+from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +27,10 @@ _MAPS = {"roughness": "map_Pr", "metallic": "map_Pm", "emission": "map_Ke", "occ
 
 
 def companions(path: Path, height: bool = False) -> list[Path]:
-    """The files that can stand beside an output: OBJ has a material file and images, GLB has no place for heights."""
+    """The files that can stand beside an output: OBJ has a material file and images, GLB has no place for heights.
+
+    Those of a result with tiles or several materials have more in their names.
+    """
     if path.suffix.lower() != ".obj":
         return [_beside(path, HEIGHT)] if height else []
     return [path.with_suffix(".mtl"), path.with_suffix(".png"), *(_beside(path, n) for n in (NORMAL, *_MAPS))]
@@ -34,32 +40,93 @@ def _beside(path: Path, layer: str) -> Path:
     return path.with_name(f"{path.stem}_{layer}.png")
 
 
+@dataclass(frozen=True, eq=False)
+class _Sheet:
+    """One tile of a texture: its images, and what its files and its material are called."""
+
+    material: str  # of the result's material
+    prefix: str  # of the names of its images: the output's, and that of the material
+    udim: str  # ".1001", "" if the material has one tile
+    column: int  # where UDIM puts the tile
+    row: int
+    color: NDArray[np.uint8]
+    normal: NDArray[np.uint8] | None
+    layers: dict[str, NDArray[Any]]
+
+    def name(self, layer: str = "", udim: str | None = None) -> str:
+        return f"{self.prefix}{'_' + layer if layer else ''}{self.udim if udim is None else udim}.png"
+
+    @property
+    def any_udim(self) -> str:
+        """What stands in MTL files for the number of any tile."""
+        return ".<UDIM>" if self.udim else ""
+
+
+def sheets(made: Texture, stem: str) -> list[_Sheet]:
+    """The tiles of a texture, in order."""
+    apart = made.materials_apart
+    if len(made.tile_material) == 1 and not apart:
+        return [_Sheet("texture", stem, "", 0, 0, made.image, made.normal, made.layers)]
+    found: list[_Sheet] = []
+    names = _unique([safe(name) if name else "none" for name in made.tile_name], made.tile_material)
+    for t, of in enumerate(made.tile_material):
+        number = made.tile_material[:t].count(of)
+        alone = made.tile_material.count(of) == 1
+        udim = "" if alone else f".{1001 + number}"
+        prefix = f"{stem}-{names[t]}" if apart else stem
+        single = len(made.tile_material) == 1
+        color, normal, layers = made.image, made.normal, dict(made.layers)
+        if not single:
+            color, normal = color[t], None if normal is None else normal[t]
+            layers = {name: image[t] for name, image in layers.items()}
+        material = names[t] if apart else "texture"
+        found.append(_Sheet(material, prefix, udim, number % 10, number // 10, color, normal, layers))
+    return found
+
+
+def _unique(names: list[str], of: tuple[int, ...]) -> list[str]:
+    """The same names with numbers behind those that several materials have."""
+    owner: dict[str, int] = {}
+    for i, name in enumerate(names):
+        while owner.setdefault(names[i], of[i]) != of[i]:
+            names[i] = f"{name}_{of[i]}"
+    return names
+
+
+def safe(name: str) -> str:
+    """A material's name as a part of a file's name and a word of an MTL file."""
+    return re.sub(r"[^\w.-]+", "_", name).strip("._") or "material"
+
+
 def files_of(path: Path, poly: PolygonMesh, made: Texture, job: Job | None = None) -> dict[Path, bytes]:
     """The contents of all files of an output, by name."""
     kind = path.suffix.lower()
     if kind not in KINDS:
         raise FileError(f"{path}: a texture can be written to {' or '.join(KINDS)} only")
-    image = images.png(made.image, path)
-    normal = None if made.normal is None else images.png(made.normal, path)
+    tiles = sheets(made, path.stem)
+    files = {}
     if kind == ".glb":
-        files = {path: _glb(path, poly, made, image, normal, job)}
-        if HEIGHT in made.layers:
-            files[_beside(path, HEIGHT)] = images.png(made.layers[HEIGHT], path)
+        files[path] = _glb(path, poly, made, tiles, job)
+        for sheet in tiles if HEIGHT in made.layers else ():
+            files[path.with_name(sheet.name(HEIGHT))] = images.png(sheet.layers[HEIGHT], path)
         return files
-    mtl, png, *_ = companions(path)
-    more = {} if normal is None else {NORMAL: normal}
-    more |= {name: images.png(layer, path) for name, layer in made.layers.items()}
-    names = {name: _beside(path, name).name for name in more}
-    texts = {path: _obj(mtl.name, poly, made), mtl: _mtl(png.name, names, made.factors), png: image}
-    return texts | {_beside(path, name): data for name, data in more.items()}
+    mtl = path.with_suffix(".mtl")
+    files[path] = _obj(mtl.name, poly, made, tiles)
+    first = {sheet.material: sheet for sheet in reversed(tiles)}
+    files[mtl] = b"".join(_mtl(first[name], made.factors) for name in dict.fromkeys(s.material for s in tiles))
+    for sheet in tiles:
+        shown = {"": sheet.color} | ({} if sheet.normal is None else {NORMAL: sheet.normal}) | sheet.layers
+        files |= {path.with_name(sheet.name(name)): images.png(image, path) for name, image in shown.items()}
+    return files
 
 
 def write_textured(path: str | PathLike[str], poly: PolygonMesh, made: Texture, job: Job | None = None) -> list[Path]:
     """Write polygons with their texture; returns the files that were written.
 
-    OBJ keeps the n-gons and has an MTL file and PNG images of the same name beside it. GLB has triangles and holds its
-    images; the coordinates are the scan's, though glTF takes y for up. A height map is a file beside it, as glTF has
-    no word for it.
+    OBJ keeps the n-gons and has an MTL file and PNG images of the same name beside it; those of several tiles are UDIM
+    images (`model.1001.png`, in the MTL file `model.<UDIM>.png`), those of materials kept apart have the material's
+    name (`model-red.png`). GLB has triangles, a material for each tile, and holds its images; the coordinates are the
+    scan's, though glTF takes y for up. A height map is a file beside it, as glTF has no word for it.
     Each file is replaced only when all are complete. Raises FileError (another extension, or the place can't be
     written).
     """
@@ -87,48 +154,63 @@ def _ends(poly: PolygonMesh) -> NDArray[np.int64]:
     return np.append(poly.loop_start, len(poly.loops)).astype(np.int64)
 
 
-def _obj(library: str, poly: PolygonMesh, made: Texture) -> bytes:
+def _obj(library: str, poly: PolygonMesh, made: Texture, tiles: list[_Sheet]) -> bytes:
     """A normal for each polygon, so that it is shaded flat: that is what the normal map is made for."""
+    of = np.zeros(len(poly.loop_start), dtype=np.int32) if made.tile is None else made.tile
+    ends = _ends(poly)
+    shift = np.array([(sheet.column, sheet.row) for sheet in tiles])[np.repeat(of, np.diff(ends))]
     lines = [f"mtllib {library}"]
     lines += [f"v {x!r} {y!r} {z!r}" for x, y, z in poly.vertices.tolist()]
-    lines += [f"vt {u:.9g} {v:.9g}" for u, v in made.uv.tolist()]
+    lines += [f"vt {u:.9g} {v:.9g}" for u, v in (made.uv + shift).tolist()]
     lines += [f"vn {x:.7g} {y:.7g} {z:.7g}" for x, y, z in made.polygon_normal.tolist()]
-    lines.append("usemtl texture")
-    loops, ends = poly.loops.tolist(), _ends(poly).tolist()
+    loops, last = poly.loops.tolist(), ""
     for q in range(len(ends) - 1):
+        if (material := tiles[of[q]].material) != last:
+            lines.append(f"usemtl {material}")
+            last = material
         corners = (f"{loops[i] + 1}/{i + 1}/{q + 1}" for i in range(ends[q], ends[q + 1]))
         lines.append("f " + " ".join(corners))
     return ("\n".join(lines) + "\n").encode()
 
 
-def _mtl(image: str, more: dict[str, str], factors: dict[str, float]) -> bytes:
+def _mtl(sheet: _Sheet, factors: dict[str, float]) -> bytes:
+    more = {name: sheet.name(name, sheet.any_udim) for name in sheet.layers}
     ambient = 1 if "occlusion" in more else 0
-    lines = ["newmtl texture", f"Ka {ambient} {ambient} {ambient}", "Kd 1 1 1", "Ks 0 0 0", "illum 1"]
+    lines = [f"newmtl {sheet.material}", f"Ka {ambient} {ambient} {ambient}", "Kd 1 1 1", "Ks 0 0 0", "illum 1"]
     lines += [
         f"{word} {factors[name]:.9g}" for name, word in (("roughness", "Pr"), ("metallic", "Pm")) if name in factors
     ]
     if "emission" in more:
         lines.append("Ke" + f" {factors['emission']:.9g}" * 3)
-    lines.append(f"map_Kd {image}")
-    if NORMAL in more:
-        lines += [f"map_Bump {more[NORMAL]}", f"norm {more[NORMAL]}"]
+    lines.append(f"map_Kd {sheet.name('', sheet.any_udim)}")
+    if sheet.normal is not None:
+        normal = sheet.name(NORMAL, sheet.any_udim)
+        lines += [f"map_Bump {normal}", f"norm {normal}"]
     if HEIGHT in more:
         lines.append(f"# height above the polygon: (value of disp, from 0 to 1, - 0.5) * {factors[HEIGHT]:.9g}")
     lines += [f"{word} {more[name]}" for name, word in _MAPS.items() if name in more]
     return ("\n".join(lines) + "\n").encode()
 
 
-def _glb(path: Path, poly: PolygonMesh, made: Texture, image: bytes, normal: bytes | None, job: Job | None) -> bytes:
+def _glb(path: Path, poly: PolygonMesh, made: Texture, tiles: list[_Sheet], job: Job | None) -> bytes:
     # Every corner is a vertex of its own, since the two sides of an edge have their own normals and UVs.
     each = np.arange(len(poly.loops), dtype=np.int32)
     corners = poly.vertices[poly.loops]
-    triangles, _ = triangulate(corners, each, poly.loop_start, job)
+    triangles, polygon = triangulate(corners, each, poly.loop_start, job)
     of = np.repeat(np.arange(len(poly.loop_start)), np.diff(_ends(poly)))
-    layers, surface = made.layers, None
+    tile = np.zeros(len(triangles), dtype=np.int32) if made.tile is None else made.tile[polygon]
+    faces = [triangles[tile == t] for t in range(len(tiles))]
+    shown = [_shown(path, sheet, made.factors) for sheet in tiles]
+    return glb(path.stem, corners, faces, made.uv, made.polygon_normal[of], made.polygon_tangent[of], shown)
+
+
+def _shown(path: Path, sheet: _Sheet, factors: dict[str, float]) -> Shown:
+    layers, surface = sheet.layers, None
     if layers.keys() & {"occlusion", "roughness", "metallic"}:
-        full = np.full(made.image.shape[:2], 255, dtype=np.uint8)
+        full = np.full(sheet.color.shape[:2], 255, dtype=np.uint8)
         channels = [layers.get(name, full) for name in ("occlusion", "roughness", "metallic")]
         surface = images.png(np.stack(channels, axis=2), path)
     emission = images.png(layers["emission"], path) if "emission" in layers else None
-    shown = Shown(image, normal, surface, emission, frozenset(layers), made.factors)
-    return glb(path.stem, corners, triangles, made.uv, made.polygon_normal[of], made.polygon_tangent[of], shown)
+    normal = None if sheet.normal is None else images.png(sheet.normal, path)
+    name = sheet.prefix + sheet.udim
+    return Shown(name, images.png(sheet.color, path), normal, surface, emission, frozenset(layers), factors)

@@ -33,7 +33,8 @@ class ISIMP_OT_mesh(RecipeOperator, settings.MeshSettings, bpy.types.Operator):
         first = upward.first(context, scan) if self.regularise else None
         recipe = (before if first is None else before.regularised(first)).then(settings.to_step(rcp.Mesh, self))
         if self.keep_texture and texture.is_textured(scan):
-            recipe = recipe.then(before.texture() or rcp.Texture())
+            last = texture.last_step(targets.result_of(context.scene, scan))
+            recipe = recipe.then(before.texture() or last or rcp.Texture())
         return recipe
 
     def show(self, context, scan, work, outcome):

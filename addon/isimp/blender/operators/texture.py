@@ -43,6 +43,20 @@ class ISIMP_OT_texture(RecipeOperator, bpy.types.Operator):
         default=False,
     )
 
+    tiles: bpy.props.IntProperty(
+        name="Tiles",
+        description="How many images of that size, as UDIM tiles; 0: one, or if Size is 0 as many as the density needs",
+        default=0,
+        min=0,
+        max=100,
+    )
+    materials: bpy.props.BoolProperty(
+        name="Keep Materials Apart",
+        description="Make a material with images of its own for each material of the scan. A polygon belongs to the "
+        "one that most of its region shows",
+        default=False,
+    )
+
     @classmethod
     def problem(cls, context, scan):
         return "" if targets.result_of(context.scene, scan) else targets.NO_RESULT
@@ -51,7 +65,8 @@ class ISIMP_OT_texture(RecipeOperator, bpy.types.Operator):
         recipe = store.load(scan)
         if recipe is None or not recipe.ends_in_mesh():
             raise mesh_io.Unusable(said(messages.REGIONS_CHANGED))
-        step = rcp.Texture(self.size, self.occlusion, round(self.occlusion_distance, 6), self.height)
+        distance = round(self.occlusion_distance, 6)
+        step = rcp.Texture(self.size, self.occlusion, distance, self.height, self.tiles, self.materials)
         return recipe.then(step)
 
     def _begin(self, context):

@@ -173,6 +173,7 @@ def _draw_texture(layout, scan) -> None:
     for button in (again, *turned):
         button.size, button.occlusion_distance = step.size, step.occlusion_distance
         button.occlusion, button.height = step.occlusion, step.height
+        button.tiles, button.materials = step.tiles, step.materials
     turned[0].occlusion, turned[1].height = not step.occlusion, not step.height
 
 

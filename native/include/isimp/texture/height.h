@@ -9,7 +9,7 @@ namespace isimp {
 
 /// How far the scan lies above its polygons' planes, as an image.
 struct HeightImage {
-  Array<std::uint16_t> grey;  ///< (side^2) rows from the top
+  Array<std::uint16_t> grey;  ///< (side * rows) rows from the top
   double range = 0;           ///< scene units: a texel lies (grey / 65535 - 0.5) * range above its polygon's plane
 };
 

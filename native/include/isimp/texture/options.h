@@ -11,6 +11,8 @@ namespace isimp {
 /// How to make a texture of polygons. What each field means stands in `fields` below.
 struct TextureOptions {
   std::optional<std::int32_t> size{};
+  std::optional<std::int32_t> tiles{};
+  bool materials = false;
   double unfold = 40;
   std::optional<std::int32_t> gutter{};
   std::int32_t band = 2;
@@ -26,8 +28,15 @@ constexpr auto fields(const TextureOptions*) {
   using O = TextureOptions;
   return std::tuple{
       field("size", &O::size, between(16, 16384), Unit::none,
-            "Width and height of the image, in pixels. Not given: a power of two that keeps the scan's density, at "
+            "Width and height of an image, in pixels. Not given: a power of two that keeps the scan's density, at "
             "most 8,192."),
+      field("tiles", &O::tiles, between(1, 100), Unit::none,
+            "How many images of that size the charts are laid out in, as UDIM tiles. Not given: one; without a size as "
+            "many of 8,192 as keep the scan's density."),
+      field(
+          "materials", &O::materials,
+          "Keeps the scan's materials apart: each gets images of its own, and as many tiles. A polygon belongs to the "
+          "material that most of its region shows."),
       field("unfold", &O::unfold, between(0, 90), Unit::none,
             "Largest angle between neighbouring polygons that share a chart, in degrees. 0: a chart for each polygon."),
       field("gutter", &O::gutter, between(2, 64), Unit::none,

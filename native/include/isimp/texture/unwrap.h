@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "isimp/core/job.h"
@@ -14,18 +15,45 @@ namespace isimp {
 /// u and v are as long as a texel, at right angles, and u x v points where n does. n is a unit vector.
 struct ChartFrame {
   Vec3 origin, u, v, n;
+  bool operator==(const ChartFrame&) const = default;
 };
 
-/// Polygons laid out in a square of texels. x points right, y up, (0, 0) is the lower left corner of the image.
+/// Polygons laid out in squares of texels, the tiles. x points right, y up. (0, 0) is the lower left corner of the first
+/// tile, and each further one lies upon the one before: tile t has the rows from t * side on.
 struct Atlas {
-  std::int32_t side = 0;
-  double scale = 0;   ///< texels per scene unit; the same everywhere
-  double gutter = 0;  ///< least distance of two charts, texels
-  double fill = 0;    ///< area of the polygons over the area of the atlas
+  std::int32_t side = 0;   ///< of a tile
+  std::int32_t tiles = 1;  ///< how many
+  double scale = 0;        ///< texels per scene unit; the same everywhere
+  double gutter = 0;       ///< least distance of two charts, texels
+  double fill = 0;         ///< area of the polygons over the area of the atlas
   std::int32_t chart_count = 0;
+  std::int32_t kept = 0;                      ///< polygons that lie where an earlier atlas had them
   std::vector<std::array<double, 2>> corner;  ///< (L) the texel coordinates of each corner
   std::vector<std::int32_t> chart;            ///< (Q) the chart of each polygon
   std::vector<ChartFrame> frame;              ///< (Q) in the caller's coordinates
+  std::vector<std::int32_t> from;             ///< (Q) the earlier polygon whose place each has; kNone: a new place
+  std::vector<std::int32_t> tile;             ///< (Q) the tile of each polygon
+  std::vector<std::int32_t> tile_group;       ///< (tiles) the group of the polygons that each is for
+
+  /// How many rows of texels there are, one tile upon the other.
+  [[nodiscard]] std::int32_t height() const { return side * tiles; }
+};
+
+/// How polygons are laid out.
+struct AtlasOptions {
+  std::int32_t side = 0;    ///< of a tile; 0: the least power of two that has `density`, at most 8,192
+  double density = 1;       ///< texels per scene unit
+  double unfold = 40;       ///< degrees
+  std::int32_t gutter = 0;  ///< least distance of two charts; 0: side / 512, at least 3 and at most 16
+  std::int32_t tiles = 1;   ///< of each group; 0: one, or if no side is given as many as `density` needs
+  std::span<const std::int32_t>
+      group{};  ///< (Q) polygons of different groups share no tile; from 0 on; empty: one group
+};
+
+/// An atlas of earlier polygons.
+struct EarlierAtlas {
+  const PolygonMesh& polygons;
+  const Atlas& atlas;
 };
 
 /// Lays the polygons out without distortion and without overlap.
@@ -34,14 +62,17 @@ struct Atlas {
 /// shows the same picture. Neighbours that meet at less than `unfold` degrees are unfolded about their edge into one
 /// chart, the longest edges first, where nothing overlaps. Charts fall one after another, in the best of four turns,
 /// onto the profile of those below (Levy, Petitjean, Ray, Maillot 2002, section 4). No chart is mirrored.
-/// The layout depends on the polygons alone.
 ///
-/// \param side    width and height, texels; 0: the smallest power of two that has `density` texels per scene unit
-/// \param gutter  least distance of two charts, texels; 0: side / 512, at least 3 and at most 16
+/// The layout depends on the polygons alone, and on an earlier atlas where one is given: a polygon stays where it was,
+/// with the same texel coordinates and frame, if its corners have moved there by no more than a texel, or two if the
+/// others do not fit else: an edit moves corners far from it a little. The others are unfolded among themselves and fall
+/// into the free room, at the scale of the earlier atlas. Where they do not fit, up to the upper half of the tiles makes
+/// room for them, and then all is laid out anew, with 7 % of the rows left free. So it is, without these rows, where the
+/// earlier atlas has another side, gutter or number of tiles than asked for. `Atlas::kept` says how many stay.
+///
 /// \throws InvalidInput  so many charts do not fit into the size; the message says which size they fit
 /// \throws Cancelled     nothing was made
 /// Cost: 0.1 s for 1,000 polygons.
-Atlas unwrap(const PolygonMesh& polygons, std::int32_t side, double density, double unfold, std::int32_t gutter,
-             Job& job);
+Atlas unwrap(const PolygonMesh& polygons, const AtlasOptions& options, Job& job, const EarlierAtlas* earlier = nullptr);
 
 }  // namespace isimp

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "isimp/meshing/polygonize.h"
+#include "isimp/partition/partition.h"
+#include "isimp/texture/unwrap.h"
+
+namespace isimp {
+
+/// How many texels of a polygon there are, and what they show.
+struct PolygonTexels {
+  std::int64_t inside = 0;    ///< whose centres lie in the polygon
+  std::int64_t searched = 0;  ///< of them those with a place that no face was drawn to: they show the closest face
+  std::int64_t unknown = 0;   ///< of them those that nothing is known of: they show the mean colour
+
+  PolygonTexels& operator+=(const PolygonTexels& other) {
+    inside += other.inside;
+    searched += other.searched;
+    unknown += other.unknown;
+    return *this;
+  }
+};
+
+/// What an earlier bake of the same scan with the same options was made of, and made. Polygons that are baked from the
+/// same faces to the same texels take them from here: the result is the same bits as without.
+struct EarlierBake {
+  const Partition& partition;
+  const PolygonMesh& polygons;
+  const Atlas& atlas;
+  std::span<const std::uint8_t> color;                ///< as of Texture
+  std::span<const std::uint8_t> normal;               ///< the same; empty: none was asked for
+  std::vector<std::span<const std::uint8_t>> layers;  ///< the same
+  std::span<const PolygonTexels> texels;              ///< (earlier Q)
+};
+
+/// Grey images of an earlier bake, and whose texels in them are still right.
+struct EarlierGrey {
+  std::span<const std::int32_t> same;  ///< (Q) the earlier polygon; kNone: one that is baked
+  std::span<const std::uint8_t> grey;  ///< rows from the top
+};
+
+}  // namespace isimp

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "isimp/texture/bake.h"
+#include "tile.h"
+
+namespace isimp::detail {
+
+/// The earlier polygon of each polygon that the same faces are shown on at the same texels; kNone for others.
+///
+/// It has the place of that one in the atlas, and the same texels. Its region has the same faces, and so have the
+/// regions beside it, in the same order: faces of equal depth are shown by that order.
+///
+/// \param texture  what is to be made, for its size and its images
+std::vector<std::int32_t> unchanged_polygons(const Scene& scene, std::span<const std::uint8_t> known,
+                                             const EarlierBake& earlier, const Texture& texture, const Threads& threads,
+                                             Job& job);
+
+}  // namespace isimp::detail
