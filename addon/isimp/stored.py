@@ -151,6 +151,7 @@ def _are_polygons(value: object) -> bool:
 _COUNTS = (
     *("regions", "regions_before", "asked", "left_out", "locked", "barriers", "barriers_inside", "failed"),
     *("polygons", "corners", "vertices", "triangles", "faces", "components", "border_loops", "kept_open"),
+    *("mirrored_regions", "mirrored_corners"),
 )
 _NUMBERS = (
     *("error", "seconds", "diagonal", "planarity_max", "planarity_mean"),
@@ -164,6 +165,7 @@ _FITS = {
     "split": _are_counts,
     "expected": _are_counts,
     "scan": _is_text,
+    "symmetry": lambda value: value in ("X", "Y", "Z", "oblique", "none"),
     "flaws": _are_polygons,
     "reason": _is_text,
 }
@@ -174,6 +176,7 @@ _TOGETHER = {
     "scan_distance": ("scan_distance_allowed",),
     "away_max": ("away_mean",),
     "away_mean": ("away_max",),
+    "mirrored_regions": ("regions",),
     "failed": ("reason",),
 }
 

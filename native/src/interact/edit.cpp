@@ -150,6 +150,7 @@ void Edit::keep_planes() {
       result.region_held[r] = 0;
   }
   result.regularity.reset();
+  if (result.symmetry) result.symmetry->regions = kNone;
 }
 
 Partition Edit::finish() {

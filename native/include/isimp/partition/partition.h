@@ -10,6 +10,7 @@
 #include "isimp/core/job.h"
 #include "isimp/core/types.h"
 #include "isimp/partition/metric.h"
+#include "isimp/partition/mirror.h"
 #include "isimp/partition/options.h"
 #include "isimp/partition/surface.h"
 
@@ -59,6 +60,7 @@ struct Partition {
   /// (R) 1 where the plane of region_normal and region_offset is given, for polygons to keep to; empty: none
   std::vector<std::uint8_t> region_held;
   std::optional<Regularity> regularity;  ///< where it was regularised and not edited since
+  std::optional<Mirror> symmetry;        ///< the plane in which it mirrors, for polygons to do so too; edits keep it
 
   [[nodiscard]] bool is_held(std::int32_t region) const { return !region_held.empty() && region_held[region] != 0; }
   [[nodiscard]] std::int32_t region_count() const { return static_cast<std::int32_t>(region_seed.size()); }
