@@ -24,6 +24,8 @@ from .prepared import (
 )
 from .task import Stopped, Watch
 
+ALONG_AN_AXIS = 0.94  #: cosine of the angle from which a plane's normal is not along an axis: 20 degrees
+
 
 def engine_call(watch: Watch, begin: float, end: float, stage: str, function, *args):
     """Calls the engine with a job of its own, so that its progress shows and it can be stopped."""
@@ -49,7 +51,18 @@ def with_regions(prepared: Prepared, partition, kept: np.ndarray | None, numbers
     known = {"regions": partition.region_count, "error": partition.error, "left_out": int((face_region < 0).sum())}
     known["locked"] = int(np.count_nonzero(partition.region_locked))
     known |= planes_known(partition)
+    known |= _mirror_numbers(partition.symmetry)
     return Outcome(face_region, color, border, partition, numbers=known | numbers, closing=prepared.closing)
+
+
+def _mirror_numbers(symmetry: dict | None) -> dict:
+    """Across which axis a partition mirrors, and how many of its regions do; nothing where it does not."""
+    if symmetry is None:
+        return {}
+    axis = int(np.argmax(np.abs(symmetry["normal"])))
+    along = abs(symmetry["normal"][axis]) > ALONG_AN_AXIS
+    found = {} if symmetry["regions"] is None else {"mirrored_regions": symmetry["regions"]}
+    return {"symmetry": "XYZ"[axis] if along else "oblique"} | found
 
 
 def _apply_add(step: rcp.AddProxy, prepared, before, watch, begin, end) -> Outcome:
@@ -311,24 +324,24 @@ def apply_mesh(step: rcp.Mesh, prepared, before, watch, begin, end, threads: int
 def _mesh_numbers(found, regions: Outcome, away: np.ndarray) -> dict:
     """away: (V,) how far the scan's vertices are from the polygons, NaN where they are in no region."""
     polygons, report = found.polygons, found.report
-    names = ("regions", "error", "left_out")
+    names = ("regions", "error", "left_out", "symmetry")
     more = ("closed", "manifold", "planarity_max", "planarity_mean", "scan_distance", "scan_distance_allowed")
-    numbers = (
-        {name: regions.numbers[name] for name in names}
-        | planes_known(regions.partition)
+    numbers = {name: regions.numbers[name] for name in names if name in regions.numbers}
+    numbers |= planes_known(regions.partition)
+    numbers |= {
+        "polygons": len(polygons.loop_start),
+        "corners": len(polygons.loops),
+        "vertices": len(polygons.vertices),
+        **{name: report[name] for name in more if name in report},
+        "flaws": flaws(report),
+        "split": {name: report[name] for name in report if name.startswith("split_for_")}
         | {
-            "polygons": len(polygons.loop_start),
-            "corners": len(polygons.loops),
-            "vertices": len(polygons.vertices),
-            **{name: report[name] for name in more if name in report},
-            "flaws": flaws(report),
-            "split": {name: report[name] for name in report if name.startswith("split_for_")}
-            | {
-                "cut_to_be_planar": report.get("faces_added", 0),
-                "without_area": regions.numbers["regions"] - report["regions"],
-            },
-        }
-    )
+            "cut_to_be_planar": report.get("faces_added", 0),
+            "without_area": regions.numbers["regions"] - report["regions"],
+        },
+    }
+    if "symmetry" in numbers:
+        numbers["mirrored_corners"] = report["mirrored_corners"]
     known = away[np.isfinite(away)]
     if len(known):
         numbers |= {"away_mean": float(known.mean()), "away_max": float(known.max())}

@@ -128,6 +128,11 @@ PARTITION: dict[str, Option] = {
         least=0.0,
         most=1.0,
     ),
+    "symmetry": Option(
+        kind="str",
+        default="none",
+        choices=("none", "x", "y", "z", "found"),
+    ),
     "leave_out": Option(
         kind="float",
         default=0.001,

@@ -232,6 +232,8 @@ class Session:
         numbers = {"asked": partition.proxies_asked, "expected": self._expected(prepared, partition, watch, end)} | {
             name: partition.report[name] for name in names
         }
+        if step.symmetry != "none" and partition.symmetry is None:
+            numbers["symmetry"] = "none"
         kept = None if before is None or guides.before is None else carried_colors(before, partition)
         barriers = guides.arrays()["barriers"]
         if barriers is not None:

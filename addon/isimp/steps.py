@@ -45,6 +45,7 @@ class Partition(Step):
     bound: float | None = None  #: largest distance of a vertex from its region's plane, scene units
     adaptivity: float = 0.25  #: smaller regions where the scan is rough
     smooth: float = PARTITION["smooth"].default  #: 0: least error; 1: cleanest shapes
+    symmetry: str = PARTITION["symmetry"].default  #: regions mirror across x, y or z, or in a plane that is found
     noise: float = -1.0  #: standard deviation of the scan's noise, scene units; below 0: estimated
     snap: bool = PARTITION["snap"].default  #: take the number of planes if the scan clearly consists of planes
     seed: int = PARTITION["seed"].default

@@ -152,6 +152,7 @@ _COUNTS = (
     *("regions", "regions_before", "asked", "left_out", "locked", "barriers", "barriers_inside", "failed"),
     *("polygons", "corners", "vertices", "triangles", "faces", "components", "border_loops", "kept_open"),
     *("held", "planes", "directions"),
+    *("mirrored_regions", "mirrored_corners"),
 )
 _NUMBERS = (
     *("error", "seconds", "diagonal", "planarity_max", "planarity_mean"),
@@ -165,6 +166,7 @@ _FITS = {
     "split": _are_counts,
     "expected": _are_counts,
     "scan": _is_text,
+    "symmetry": lambda value: value in ("X", "Y", "Z", "oblique", "none"),
     "flaws": _are_polygons,
     "reason": _is_text,
 }
@@ -176,6 +178,7 @@ _TOGETHER = {
     "planes": ("directions", "planes_add", "regions"),
     "away_max": ("away_mean",),
     "away_mean": ("away_max",),
+    "mirrored_regions": ("regions",),
     "failed": ("reason",),
 }
 

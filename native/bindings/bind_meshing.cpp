@@ -49,14 +49,15 @@ py::dict report_of(const MeshingReport& r) {
   py::dict report(
       "polygons"_a = r.polygons, "corners"_a = r.corners, "vertices"_a = r.vertices, "regions"_a = r.regions,
       "regions_split"_a = r.regions_split, "merged_without_area"_a = r.merged_without_area,
-      "joined_junctions"_a = r.joined_junctions, "split_for_unconnected"_a = r.split_for_unconnected,
-      "split_for_holes"_a = r.split_for_holes, "split_for_handles"_a = r.split_for_handles,
-      "split_for_pinches"_a = r.split_for_pinches, "split_for_closed"_a = r.split_for_closed,
-      "split_for_repair"_a = r.split_for_repair, "closed"_a = r.closed, "manifold"_a = r.manifold, "euler"_a = r.euler,
-      "planarity_max"_a = r.planarity_max, "planarity_mean"_a = r.planarity_mean, "distance_max"_a = r.distance_max,
-      "crossing"_a = r.crossing, "flipped"_a = r.flipped, "bent"_a = r.bent, "intersecting"_a = r.intersecting,
-      "excused"_a = r.excused, "excused_at_least"_a = r.excused_at_least, "without_area"_a = r.without_area,
-      "diagonals"_a = r.diagonals, "repair_rounds"_a = r.repair_rounds, "repair_capped"_a = r.repair_capped,
+      "joined_junctions"_a = r.joined_junctions, "mirrored_corners"_a = r.mirrored_corners,
+      "split_for_unconnected"_a = r.split_for_unconnected, "split_for_holes"_a = r.split_for_holes,
+      "split_for_handles"_a = r.split_for_handles, "split_for_pinches"_a = r.split_for_pinches,
+      "split_for_closed"_a = r.split_for_closed, "split_for_repair"_a = r.split_for_repair, "closed"_a = r.closed,
+      "manifold"_a = r.manifold, "euler"_a = r.euler, "planarity_max"_a = r.planarity_max,
+      "planarity_mean"_a = r.planarity_mean, "distance_max"_a = r.distance_max, "crossing"_a = r.crossing,
+      "flipped"_a = r.flipped, "bent"_a = r.bent, "intersecting"_a = r.intersecting, "excused"_a = r.excused,
+      "excused_at_least"_a = r.excused_at_least, "without_area"_a = r.without_area, "diagonals"_a = r.diagonals,
+      "repair_rounds"_a = r.repair_rounds, "repair_capped"_a = r.repair_capped,
       "work"_a = py::dict("faces"_a = r.work.faces, "corners"_a = r.work.corners, "polygons"_a = r.work.polygons),
       "imperfect"_a = imperfections(r), "planar"_a = r.planar.planar);
   if (!r.planar.asked) return report;
@@ -93,7 +94,8 @@ void bind_result(py::module_& m) {
       .def_property_readonly(
           "report", [](const PolygonMesh& poly) { return report_of(poly.report); }, R"(What came out, as a dict.
 
-polygons, corners, vertices, regions; regions_split (those that became more than one polygon) and why; closed, manifold,
+polygons, corners, vertices, regions; regions_split (those that became more than one polygon) and why;
+mirrored_corners: vertices that lie exactly at the mirror image of one, where the partition has a plane (its `symmetry`); closed, manifold,
 euler; planarity_max, planarity_mean (weighted by area) and distance_max (of a corner from its vertex), scene units;
 crossing, flipped, bent: polygons that stayed so; intersecting: pairs of polygons that still intersect, excused: such
 pairs whose regions do so in the scan itself (excused_at_least: there are more, counting stopped); without_area: polygons that are a face of the scan without any; diagonals

@@ -44,6 +44,14 @@ py::object regularity_of(const Partition& part) {
                                             "parallel"_a = r.parallel, "free"_a = r.free, "by_hand"_a = r.by_hand));
 }
 
+py::object symmetry_of(const Partition& part) {
+  if (!part.symmetry) return py::none();
+  const Mirror& m = *part.symmetry;
+  return py::dict("normal"_a = py::make_tuple(m.normal[0], m.normal[1], m.normal[2]), "offset"_a = m.offset,
+                  "mismatch_mean"_a = m.mismatch_mean, "mismatch"_a = m.mismatch,
+                  "regions"_a = m.regions == kNone ? py::object(py::none()) : py::object(py::int_(m.regions)));
+}
+
 py::dict report_of(const Partition& part) {
   py::dict report("regions"_a = part.region_count(), "proxies_asked"_a = part.proxies_asked,
                   "proxies_needed"_a = part.proxies_needed, "parts_left_out"_a = part.parts_left_out,
@@ -51,7 +59,7 @@ py::dict report_of(const Partition& part) {
                   "tolerance"_a = given_or_none(part.tolerance > 0, part.tolerance),
                   "noise"_a = given_or_none(part.tolerance > 0 || is_bounded(part), part.noise),
                   "distance_max"_a = given_or_none(is_bounded(part), part.distance_max), "snapped"_a = part.snapped,
-                  "warnings"_a = warnings(part));
+                  "symmetry"_a = symmetry_of(part), "warnings"_a = warnings(part));
   if (part.regularity) report.attr("update")(regularity_of(part));
   return report;
 }
@@ -110,6 +118,11 @@ void bind_result(py::module_& m) {
       .def_property_readonly(
           "regularity", &regularity_of,
           "What regularise made of the planes, a dict; it is in the report too. None without, or edited since.")
+      .def_property_readonly("symmetry", &symmetry_of, R"(The plane in which it mirrors, a dict; None if there is none.
+
+normal (unit) and offset: the plane is where normal @ x is offset, scene units. mismatch_mean and mismatch: distance of the
+scan from its mirror image, the mean by area, and that within which nine tenths of the area are. regions: how many mirror;
+None where it was edited since. polygonize makes corners mirror in this plane where the regions do.)")
       .def_property_readonly("report", &report_of, "The numbers of this partition as a dict.")
       .def(py::pickle([](const Partition& self) { return state_of(self); }, &partition_from_state))
       .def("__repr__", [](const Partition& part) {

@@ -89,28 +89,28 @@ std::shared_ptr<const GuidedGraph> unpack_guided(const py::object& packed, std::
 
 py::tuple pack_report(const MeshingReport& report) {
   const auto& [polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
-               closed_regions, repair, merged, joined, closed, manifold, euler, planarity_max, planarity_mean,
+               closed_regions, repair, merged, joined, mirrored, closed, manifold, euler, planarity_max, planarity_mean,
                distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect,
                diagonals, rounds, work, capped, planar] = report;
   const auto& [work_faces, work_corners, work_polygons] = work;
   const auto& [asked, is_planar, whole, added, apart, crossed, turned, meeting] = planar;
   return pack_all(polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
-                  closed_regions, repair, merged, joined, closed, manifold, euler, planarity_max, planarity_mean,
-                  distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least, without_area,
-                  imperfect, diagonals, rounds, work_faces, work_corners, work_polygons, capped, asked, is_planar,
-                  whole, added, apart, crossed, turned, meeting);
+                  closed_regions, repair, merged, joined, mirrored, closed, manifold, euler, planarity_max,
+                  planarity_mean, distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least,
+                  without_area, imperfect, diagonals, rounds, work_faces, work_corners, work_polygons, capped, asked,
+                  is_planar, whole, added, apart, crossed, turned, meeting);
 }
 
 MeshingReport unpack_report(const py::tuple& packed) {
   MeshingReport report;
   auto& [polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches, closed_regions,
-         repair, merged, joined, closed, manifold, euler, planarity_max, planarity_mean, distance_max, crossing,
-         flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect, diagonals, rounds, work,
-         capped, planar] = report;
+         repair, merged, joined, mirrored, closed, manifold, euler, planarity_max, planarity_mean, distance_max,
+         crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect, diagonals, rounds,
+         work, capped, planar] = report;
   auto& [work_faces, work_corners, work_polygons] = work;
   auto& [asked, is_planar, whole, added, apart, crossed, turned, meeting] = planar;
   unpack_all(packed, polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
-             closed_regions, repair, merged, joined, closed, manifold, euler, planarity_max, planarity_mean,
+             closed_regions, repair, merged, joined, mirrored, closed, manifold, euler, planarity_max, planarity_mean,
              distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect,
              diagonals, rounds, work_faces, work_corners, work_polygons, capped, asked, is_planar, whole, added, apart,
              crossed, turned, meeting);
@@ -147,30 +147,40 @@ std::shared_ptr<KeptMesh> mesh_from(const py::tuple& state) {
 py::tuple state_of(const Partition& partition) {
   const auto& [face_region, region_seed, region_normal, region_sum, error, history, smooth, tolerance, noise, snapped,
                bound, distance_max, region_offset, asked, needed, left_out, area_left_out, guided, locked, held,
-               regularity] = partition;
+               regularity, symmetry] = partition;
   const auto& [directions, planes, level, upright, slopes, parallel, free, by_hand, even, length, rms_before, rms] =
       regularity.value_or(Regularity{});
-  return py::make_tuple(pack_all(face_region, region_seed, region_normal, region_sum, error, history, smooth, tolerance,
-                                 noise, snapped, bound, distance_max, region_offset, asked, needed, left_out,
-                                 area_left_out, locked, held, regularity.has_value(), directions, planes, level,
-                                 upright, slopes, parallel, free, by_hand, even, length, rms_before, rms),
-                        pack_guided(guided));
+  const auto& [normal, offset, mismatch_mean, mismatch, mirrored] = symmetry.value_or(Mirror{});
+  return py::make_tuple(
+      pack_all(face_region, region_seed, region_normal, region_sum, error, history, smooth, tolerance, noise, snapped,
+               bound, distance_max, region_offset, asked, needed, left_out, area_left_out, locked, held,
+               regularity.has_value(), directions, planes, level, upright, slopes, parallel, free, by_hand, even,
+               length, rms_before, rms, symmetry.has_value(), std::vector<Vec3>{normal}, offset, mismatch_mean,
+               mismatch, mirrored),
+      pack_guided(guided));
 }
 
 Partition partition_from_state(const py::tuple& state) {
   check(state.size() == 2);
   Partition partition;
   auto& [face_region, region_seed, region_normal, region_sum, error, history, smooth, tolerance, noise, snapped, bound,
-         distance_max, region_offset, asked, needed, left_out, area_left_out, guided, locked, held, regularity] =
-      partition;
+         distance_max, region_offset, asked, needed, left_out, area_left_out, guided, locked, held, regularity,
+         symmetry] = partition;
   Regularity found;
+  Mirror plane;
+  std::vector<Vec3> normals;
+  auto& [normal, offset, mismatch_mean, mismatch, mirrored] = plane;
+  bool is_symmetric = false;
   auto& [directions, planes, level, upright, slopes, parallel, free, by_hand, even, length, rms_before, rms] = found;
   bool is_regular = false;
   unpack_all(state[0].cast<py::tuple>(), face_region, region_seed, region_normal, region_sum, error, history, smooth,
              tolerance, noise, snapped, bound, distance_max, region_offset, asked, needed, left_out, area_left_out,
              locked, held, is_regular, directions, planes, level, upright, slopes, parallel, free, by_hand, even,
-             length, rms_before, rms);
+             length, rms_before, rms, is_symmetric, normals, offset, mismatch_mean, mismatch, mirrored);
   if (is_regular) regularity = found;
+  check(normals.size() == 1);
+  normal = normals[0];
+  if (is_symmetric) symmetry = plane;
   check(held.empty() || (held.size() == region_seed.size() && region_offset.size() == held.size()));
   const std::size_t faces = face_region.size(), regions = region_seed.size();
   check(region_normal.size() == regions && region_sum.size() == regions && all_in(region_seed, 0, faces));

@@ -83,6 +83,7 @@ class PartitionOptions:
     snap: bool
     adaptivity: float
     smooth: float
+    symmetry: Literal["none", "x", "y", "z", "found"]
     leave_out: float
     seed: int
     iterations: int
@@ -105,6 +106,7 @@ class PartitionOptions:
         snap: bool = ...,
         adaptivity: float = ...,
         smooth: float = ...,
+        symmetry: Literal["none", "x", "y", "z", "found"] = ...,
         leave_out: float = ...,
         seed: int = ...,
         iterations: int = ...,
@@ -142,6 +144,8 @@ class Partition:
     def noise(self) -> float | None: ...
     @property
     def smooth(self) -> float: ...
+    @property
+    def symmetry(self) -> dict[str, Any] | None: ...
     @property
     def snapped(self) -> bool: ...
     @property

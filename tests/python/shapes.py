@@ -180,3 +180,20 @@ def smoothed(vertices, triangles, rounds):
         np.add.at(total, ends[:, 0], vertices[ends[:, 1]])
         vertices = (vertices + total / np.bincount(ends[:, 0])[:, None]) / 2
     return vertices, triangles
+
+
+def figure(n=24, noise=0.002, lump=0.0):
+    """A bumpy closed figure that mirrors across x but for noise, and but for a lump on one side: 12 n^2 faces.
+
+    Its triangles do not mirror.
+    """
+    vertices, triangles = cube(n)
+    vertices = np.tan((vertices - 0.5) * np.pi / 2)
+    vertices /= np.linalg.norm(vertices, axis=1)[:, None]
+    turn, _ = np.linalg.qr(np.array([[1.0, 2, 3], [-2, 1, 0.5], [0.3, -1, 2]]))
+    vertices = vertices @ (turn * np.sign(np.linalg.det(turn))).T
+    x, y, z = vertices.T
+    bumps = 0.25 * np.sin(5 * y + 1) * np.cos(4 * x) + 0.2 * np.sin(3 * z + 2 * y) * x**2
+    away = ((vertices - [0.7, 0.5, 0.5]) ** 2).sum(axis=1)
+    vertices = vertices * (1 + bumps + lump * np.exp(-8 * away))[:, None] * [1, 1.3, 0.8]
+    return vertices + noise * np.random.default_rng(3).standard_normal(vertices.shape), triangles

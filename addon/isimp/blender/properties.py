@@ -93,6 +93,18 @@ class PartitionSettings:
         default=_PARTITION.smooth,
         **_range(PARTITION["smooth"]),
     )
+    symmetry: EnumProperty(
+        name="Symmetry",
+        description="Regions and corners mirror, as the scan does within its noise",
+        items=(
+            ("none", "None", "Regions do not mirror"),
+            ("x", "X", "Mirror in a plane across the scan's X axis, or nearly so"),
+            ("y", "Y", "Mirror in a plane across the scan's Y axis, or nearly so"),
+            ("z", "Z", "Mirror in a plane across the scan's Z axis, or nearly so"),
+            ("found", "Found", "Mirror in the plane in which the scan mirrors, if there is one"),
+        ),
+        default=_PARTITION.symmetry,
+    )
     close_openings: BoolProperty(
         name="Close Openings",
         description="Close holes and tunnels of a noisy scan that the regions can't show",

@@ -153,6 +153,7 @@ void Edit::keep_planes() {
     if (!is_same && !by_hand) result.region_held[r] = 0;
   }
   result.regularity.reset();
+  if (result.symmetry) result.symmetry->regions = kNone;
 }
 
 Partition Edit::finish() {

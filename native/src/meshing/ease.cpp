@@ -28,6 +28,26 @@ class Easing {
   void run(std::int32_t share, std::int32_t turn) {
     std::vector<std::int32_t> pieces = release_pulls(share, turn);
     if (!drop_bends(share, turn) && pieces.empty()) return;
+    settle(std::move(pieces));
+  }
+
+  /// Drops and adds corners.
+  void turn(std::span<const std::int32_t> vertices) {
+    bool any = false;
+    for (const std::int32_t v : vertices) {
+      if (!s_.complex.is_corner(v)) {
+        s_.complex.add_corner(v);
+        any = true;
+      } else {
+        any = s_.complex.drop_corner(v) || any;
+      }
+    }
+    if (any) settle({});
+  }
+
+ private:
+  /// Brings all up to date, and then makes what became faulty again what it was.
+  void settle(std::vector<std::int32_t> pieces) {
     bring_up_to_date(std::move(pieces), {});
     for (int round = 0; round < kRounds; ++round) {
       job_.poll();
@@ -38,7 +58,6 @@ class Easing {
     }
   }
 
- private:
   /// \return the pieces whose corners have been given their radius back
   std::vector<std::int32_t> release_pulls(std::int32_t share, std::int32_t turn) {
     std::vector<bool> spared(s_.corners.count(), false);
@@ -126,6 +145,10 @@ void ease(State& state, Findings& findings, const Scope& scope, Job& job) {
   Easing(state, findings, scope, job).run(1, 0);
   // Those that were done again for the sake of others get another chance.
   for (std::int32_t turn = 0; turn < kShare; ++turn) Easing(state, findings, scope, job).run(kShare, turn);
+}
+
+void turn_corners(State& state, Findings& findings, std::span<const std::int32_t> vertices, Job& job) {
+  Easing(state, findings, Scope(), job).turn(vertices);
 }
 
 }  // namespace isimp::meshing

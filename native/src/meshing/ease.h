@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "findings.h"
@@ -35,5 +36,11 @@ class Scope {
 /// \param scope  corners of other pieces stay as they are
 /// Cost: some twenty rounds of `State::update` and `Findings::judge`, each for what the one before changed.
 void ease(State& state, Findings& findings, const Scope& scope, Job& job);
+
+/// Makes corners of vertices that are none, and drops those that are, all at once; then the corners of every polygon that
+/// became faulty are made what they were, until there is none.
+/// \param vertices  on boundaries of pieces; corners that have to be stay
+/// Cost: as one turn of `ease`.
+void turn_corners(State& state, Findings& findings, std::span<const std::int32_t> vertices, Job& job);
 
 }  // namespace isimp::meshing

@@ -63,7 +63,7 @@ bool take_back(State& state, const std::vector<bool>& faulty, std::vector<Join>&
   };
   // A join on top of one that goes must go first.
   for (std::size_t i = 0; i < joins.size(); ++i) {
-    goes[i] = std::any_of(joins[i].pieces.begin(), joins[i].pieces.end(), is_faulty);
+    goes[i] = joins[i].alone || std::any_of(joins[i].pieces.begin(), joins[i].pieces.end(), is_faulty);
     vertices(joins[i], [&](std::int32_t v) { goes[i] = goes[i] || labels.vertex_marks.has(v); });
     if (goes[i]) vertices(joins[i], [&](std::int32_t v) { labels.vertex_marks.add(v); });
   }

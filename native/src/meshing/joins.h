@@ -13,6 +13,7 @@ struct Join {
   std::int32_t gone;                 ///< vertex that is no junction any more
   std::vector<std::int32_t> faces;   ///< that went from the one piece to the other
   std::vector<std::int32_t> pieces;  ///< all that meet in the junction
+  bool alone = false;                ///< its image should have been made too, and was not
 };
 
 /// Has the next update look at the pieces of a join.
@@ -26,7 +27,7 @@ std::int32_t face_beside(const Labels& labels, const std::vector<std::int32_t>& 
 /// Cost: O(faces).
 bool may_give(const State& state, std::int32_t giver, std::int32_t taker, const std::vector<std::int32_t>& faces);
 
-/// Takes back the joins at faulty pieces, and those that were made on top of them. `update` must follow.
+/// Takes back the joins at faulty pieces and those that are alone, and those that were made on top of them. `update` must follow.
 /// \param faulty  by piece
 /// \param joins   loses them
 /// \return whether there were any

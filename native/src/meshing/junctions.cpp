@@ -3,12 +3,14 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <utility>
 
+#include "angles.h"
 #include "sorted.h"
+#include "symmetry.h"
 
 namespace isimp::meshing {
 namespace {
@@ -17,29 +19,17 @@ constexpr int kPasses = 2;
 constexpr std::size_t kMostLabels = 5;  ///< pieces that may meet in a vertex
 // How far the planes may miss the vertex: deviations of the scan from them, and of sqrt(area / pieces).
 constexpr double kPlanes = 3.2, kGap = 0.11;
-constexpr double kRounding = 1e-9;                          ///< of the diagonal: planes that are nearer than this meet
-constexpr double kFixed = 0.0625;                           ///< of the largest eigenvalue: below, planes fix no point
-constexpr double kStep = 0.3;                               ///< of sqrt(area / pieces): from the middle to the vertex
-constexpr double kShort = 0.4;                              ///< of the same: a chord that may go for its length alone
-constexpr double kReflex = 190, kSharp = 20, kSharper = 3;  ///< degrees
-constexpr double kExcess = 20;                              ///< degrees that reflex corners may open further in all
-constexpr double kError = 0.02;                             ///< of area / pieces: by how much the error may rise
-constexpr double kOfGiver = 1.0 / 3;                        ///< of its area: what a piece may give
-constexpr double kLongest = 4;                              ///< of sqrt(area / pieces): a path between two junctions
-
-/// What the corners of some polygons are like.
-struct Angles {
-  double least = 360, excess = 0;
-  int reflex = 0;
-  bool faces_away = false;
-
-  void add(const Angles& o) {
-    least = std::min(least, o.least);
-    excess += o.excess;
-    reflex += o.reflex;
-    faces_away |= o.faces_away;
-  }
-};
+constexpr double kRounding = 1e-9;           ///< of the diagonal: planes that are nearer than this meet
+constexpr double kFixed = 0.0625;            ///< of the largest eigenvalue: below, planes fix no point
+constexpr double kStep = 0.3;                ///< of sqrt(area / pieces): from the middle to the vertex
+constexpr double kShort = 0.4;               ///< of the same: a chord that may go for its length alone
+constexpr double kSharp = 20, kSharper = 3;  ///< degrees
+constexpr double kExcess = 20;               ///< degrees that reflex corners may open further in all
+constexpr double kError = 0.02;              ///< of area / pieces: by how much the error may rise
+constexpr double kOther = 0.006;             ///< the same where the way that raises it least is not possible
+constexpr double kOfGiver = 1.0 / 3;         ///< of its area: what a piece may give
+constexpr double kLoose = 3;                 ///< times the gap: at the image of a join
+constexpr double kLongest = 4;               ///< of sqrt(area / pieces): a path between two junctions
 
 /// The pieces round a vertex, counter-clockwise.
 using Round = std::vector<std::int32_t>;
@@ -68,7 +58,10 @@ class Joiner {
     const std::size_t before = joins_.size();
     for (const Candidate& c : candidates()) {
       job_.poll();
-      join(c.a, c.b);
+      if (image_.empty())
+        join(c.a, c.b);
+      else
+        join_both(c.a, c.b);
     }
     for (std::size_t i = before; i < joins_.size(); ++i) touch(s_.labels, joins_[i]);
     return joins_.size() > before;
@@ -107,6 +100,7 @@ class Joiner {
     gap_ = std::min(kPlanes * deviation, kGap * size_) + kRounding * mesh_.diagonal();
     vertex_ = s_.corners.vertex;
     position_ = s_.corners.position;
+    image_ = piece_images(s_);
   }
 
   [[nodiscard]] std::vector<Candidate> candidates() const {
@@ -154,28 +148,9 @@ class Joiner {
     return found;
   }
 
-  [[nodiscard]] Angles angles(const std::vector<std::int32_t>& loop, const Vec3& normal) const {
-    Angles result;
-    const auto n = loop.size();
-    Vec3 area = Vec3::Zero();
-    for (std::size_t i = 0; i < n; ++i) {
-      const Vec3& p = position_[loop[i]];
-      const auto flat = [&](const Vec3& d) { return Vec3(d - normal.dot(d) * normal); };
-      const Vec3 in = flat(p - position_[loop[i > 0 ? i - 1 : n - 1]]),
-                 out = flat(position_[loop[i + 1 < n ? i + 1 : 0]] - p);
-      const double turn = std::atan2(normal.dot(in.cross(out)), in.dot(out));
-      const double angle = 180 - turn * 180 / std::numbers::pi;
-      result.least = std::min(result.least, angle);
-      result.reflex += angle > kReflex;
-      result.excess += std::max(0.0, angle - kReflex);
-      area += p.cross(position_[loop[i + 1 < n ? i + 1 : 0]]);
-    }
-    result.faces_away = !(area.dot(normal) > 0);
-    return result;
-  }
-
   /// Where the planes of some pieces meet, near a point; nothing where they do not.
-  [[nodiscard]] std::optional<Vec3> meeting_point(const Round& pieces, const Vec3& near, double radius) const {
+  [[nodiscard]] std::optional<Vec3> meeting_point(const Round& pieces, const Vec3& near, double radius,
+                                                  double gap) const {
     Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
     Vec3 g = Vec3::Zero();
     for (const std::int32_t l : pieces) {
@@ -190,47 +165,112 @@ class Joiner {
         d += solver.eigenvectors().col(i).dot(g) / solver.eigenvalues()[i] * solver.eigenvectors().col(i);
     if (d.norm() > radius) return {};
     for (const std::int32_t l : pieces)
-      if (std::abs(s_.planes[l].normal.dot(near + d - s_.planes[l].centre)) > gap_) return {};
+      if (std::abs(s_.planes[l].normal.dot(near + d - s_.planes[l].centre)) > gap) return {};
     return near + d;
   }
 
-  void join(std::int32_t a, std::int32_t b) {
-    if (at_[a].empty() || at_[b].empty()) return;
+  /// What it takes to join two junctions.
+  struct Plan {
+    std::int32_t a, b;
+    Vec3 place;
+    std::vector<Gift> gifts;
+    Round all;
+  };
+
+  /// \param loosely  whether the image of a join is planned: it may be a little worse
+  [[nodiscard]] std::optional<Plan> plan(std::int32_t a, std::int32_t b, bool loosely) {
+    if (at_[a].empty() || at_[b].empty()) return {};
     const std::int32_t u = vertex_[a], v = vertex_[b];
     const Round at_u = round_of(u), at_v = round_of(v);
-    if (at_u.size() < 3 || at_v.size() < 3 || at_u.size() + at_v.size() - 2 > kMostLabels) return;
+    if (at_u.size() < 3 || at_v.size() < 3 || at_u.size() + at_v.size() - 2 > kMostLabels) return {};
     Round all = at_u;
     all.insert(all.end(), at_v.begin(), at_v.end());
     sort_unique(all);
-    if (all.size() != at_u.size() + at_v.size() - 2 || all.front() == kNone) return;
+    if (all.size() != at_u.size() + at_v.size() - 2 || all.front() == kNone) return {};
     const std::optional<Chord> chord = trace(u, v);
-    if (!chord) return;
+    if (!chord) return {};
     const double length = (position_[a] - position_[b]).norm();
-    const std::optional<Vec3> place =
-        meeting_point(all, (position_[a] + position_[b]) / 2, std::max(length, kStep * size_));
-    if (!place || !is_better(a, b, *place, length)) return;
-    std::optional<Gift> gift = best_gift(*chord, at_u, at_v);
-    if (!gift || !give(*gift, all)) return;
-    replace(a, b, *place, gift->keeps);
-    joins_.push_back({gift->giver, gift->taker, gift->moves, std::move(gift->faces), std::move(all)});
+    const std::optional<Vec3> place = meeting_point(all, (position_[a] + position_[b]) / 2,
+                                                    std::max(length, kStep * size_), loosely ? kLoose * gap_ : gap_);
+    if (!place || !is_better(a, b, *place, length, loosely)) return {};
+    Plan p{a, b, *place, gifts_of(*chord, at_u, at_v), std::move(all)};
+    return p.gifts.empty() ? std::nullopt : std::optional(std::move(p));
+  }
+
+  bool carry_out(Plan& p) {
+    for (Gift& gift : p.gifts) {
+      if (!give(gift, p.all)) continue;
+      replace(p.a, p.b, p.place, gift.keeps);
+      joins_.push_back({gift.giver, gift.taker, gift.moves, std::move(gift.faces), std::move(p.all)});
+      return true;
+    }
+    return false;
+  }
+
+  void join(std::int32_t a, std::int32_t b) {
+    if (std::optional<Plan> p = plan(a, b, false)) carry_out(*p);
+  }
+
+  /// Joins two junctions and their images, or none of them. Where the images are one junction already, or there are
+  /// none, as elsewhere.
+  void join_both(std::int32_t a, std::int32_t b) {
+    if (at_[a].empty() || at_[b].empty()) return;
+    Round images = at_[a];
+    images.insert(images.end(), at_[b].begin(), at_[b].end());
+    sort_unique(images);
+    bool mirrors = !images.empty();
+    for (std::int32_t& l : images) mirrors = (l = image_[l]) != kNone && mirrors;
+    if (!mirrors) return join(a, b);
+    std::sort(images.begin(), images.end());
+    const auto [c, d] = junctions_among(images);
+    if (c == kNone) return;
+    if (d == kNone || (std::min(a, b) == std::min(c, d) && std::max(a, b) == std::max(c, d))) {
+      if (std::optional<Plan> p = plan(a, b, d == kNone)) carry_out(*p);
+      return;
+    }
+    std::optional<Plan> here = plan(a, b, false), there = plan(c, d, true);
+    if (here && there && carry_out(*here)) {
+      there = plan(c, d, true);
+      if (!there || !carry_out(*there)) joins_.back().alone = true;
+    }
+  }
+
+  /// The junction at which just these pieces meet, or the two beside each other at which they do together.
+  [[nodiscard]] std::array<std::int32_t, 2> junctions_among(const Round& pieces) const {
+    std::array<std::int32_t, 2> found{kNone, kNone};
+    for (const std::int32_t l : pieces) {
+      const auto& loop = loops_[l];
+      for (std::size_t i = 0; i < loop.size(); ++i) {
+        const std::int32_t c = loop[i], d = loop[i + 1 < loop.size() ? i + 1 : 0];
+        if (at_[c] == pieces) return {c, kNone};
+        if (at_[c].size() < 3 || at_[d].size() < 3 || at_[c].size() + at_[d].size() != pieces.size() + 2) continue;
+        Round together = at_[c];
+        together.insert(together.end(), at_[d].begin(), at_[d].end());
+        sort_unique(together);
+        if (together == pieces) found = {c, d};
+      }
+    }
+    return found;
   }
 
   /// Whether polygons are well formed with one corner, at a place, instead of two.
-  bool is_better(std::int32_t a, std::int32_t b, const Vec3& place, double length) {
+  bool is_better(std::int32_t a, std::int32_t b, const Vec3& place, double length, bool loosely) {
     std::vector<std::int32_t> round = at_[a];
     round.insert(round.end(), at_[b].begin(), at_[b].end());
     sort_unique(round);
     Angles before, after;
-    for (const std::int32_t l : round) before.add(angles(loops_[l], s_.planes[l].normal));
+    for (const std::int32_t l : round) before.add(angles_of(loops_[l], position_, s_.planes[l].normal));
     const Vec3 was = std::exchange(position_[a], place);
     bool good = true;
     for (const std::int32_t l : round) {
       const std::vector<std::int32_t> loop = without(loops_[l], a, b);
       good = good && loop.size() >= 3;
-      if (good) after.add(angles(loop, s_.planes[l].normal));
+      if (good) after.add(angles_of(loop, position_, s_.planes[l].normal));
     }
     position_[a] = was;
-    if (!good || after.faces_away || after.least < std::min(before.least - kSharper, kSharp)) return false;
+    const double sharper = loosely ? 4 * kSharper : kSharper;
+    if (!good || after.faces_away || after.least < std::min(before.least - sharper, kSharp)) return false;
+    if (loosely) return true;
     const bool is_short = length < kShort * size_;
     return after.reflex < before.reflex ||
            (is_short && after.reflex == before.reflex && after.excess <= before.excess + kExcess);
@@ -248,23 +288,25 @@ class Joiner {
     return result;
   }
 
-  /// The way to join that raises the error least.
-  [[nodiscard]] std::optional<Gift> best_gift(const Chord& chord, const Round& at_u, const Round& at_v) const {
+  /// The ways to join, first the one that raises the error least. All of them where a join has an image, so that both
+  /// can be made.
+  [[nodiscard]] std::vector<Gift> gifts_of(const Chord& chord, const Round& at_u, const Round& at_v) const {
     const std::int32_t left = s_.labels.label[chord.path[0] / 3], right = s_.labels.across(chord.path[0]);
-    std::optional<Gift> best;
+    std::vector<Gift> gifts;
     const auto consider = [&](const Round& at_end, std::int32_t keeps, std::int32_t moves) {
       if (at_end.size() != 3) return;
       const std::int32_t taker =
           *std::find_if(at_end.begin(), at_end.end(), [&](std::int32_t l) { return l != left && l != right; });
       for (const std::int32_t giver : {left, right}) {
         Gift gift{.giver = giver, .taker = taker, .keeps = keeps, .moves = moves, .faces = {}};
-        if (!fill(gift, chord) || (best && gift.error >= best->error)) continue;
-        best = std::move(gift);
+        if (fill(gift, chord)) gifts.push_back(std::move(gift));
       }
     };
     consider(at_u, chord.v, chord.u);
     consider(at_v, chord.u, chord.v);
-    return best;
+    std::stable_sort(gifts.begin(), gifts.end(), [](const Gift& x, const Gift& y) { return x.error < y.error; });
+    while (image_.empty() && gifts.size() > 1 && gifts.back().error > kOther * size_ * size_) gifts.pop_back();
+    return gifts;
   }
 
   /// Finds the faces to give and what that costs.
@@ -411,6 +453,7 @@ class Joiner {
   std::vector<std::int32_t> vertex_;                   // by corner: where the junction is
   std::vector<Vec3> position_;                         // by corner
   std::vector<Vec3> sums_;                             // by piece: vector area of its faces
+  std::vector<std::int32_t> image_;                    // by piece: see piece_images
 };
 
 }  // namespace

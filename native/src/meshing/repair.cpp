@@ -14,6 +14,7 @@
 #include "planar/planar.h"
 #include "plans.h"
 #include "sorted.h"
+#include "symmetry.h"
 
 namespace isimp::meshing {
 namespace {
@@ -57,11 +58,13 @@ class Repairer {
       coarsen(s_, findings_, usual_, acted_, job_);
       fall_back();
     }
+    mirror_corners(s_, findings_, job_);
     if (s_.options.planar) {
       make_planar();
     } else {
       outcome_.planar.planar = planar::is_planar(s_);
     }
+    outcome_.mirrored = mirrored_corners(s_);
     list_flaws(s_, findings_, outcome_);
     return outcome_;
   }
@@ -81,7 +84,10 @@ class Repairer {
     mend(kRounds);
     may_split_ = true;
     while (true) {
-      const std::vector<bool> faulty = findings_.faulty(kCrossing | kFlipped | kNoArea);
+      std::vector<bool> faulty = findings_.faulty(kCrossing | kFlipped | kNoArea);
+      const std::vector<std::int32_t> image = piece_images(s_);  // with a join goes its image
+      for (std::size_t l = 0; l < image.size(); ++l)
+        if (image[l] != kNone && faulty[l]) faulty[image[l]] = true;
       if (!take_back(s_, faulty, joins)) return;
       for (const std::int32_t l : s_.labels.touched) {
         tries_[l] = 0;

@@ -15,6 +15,7 @@ struct RepairOutcome {
   std::int32_t splits = 0, diagonals = 0, bends = 0, pulls = 0, rounds = 0;
   std::int32_t joined = 0;      ///< pairs of junctions
   std::int32_t taken_back = 0;  ///< polygons that splits and diagonals had made and that were not needed
+  std::int32_t mirrored = 0;    ///< corners that mirror
   MeshingWork work;
   bool capped = false;  ///< something is left, and more splits were wanted than allowed
   PlanarReport planar;

@@ -14,6 +14,7 @@ void take_how_found(Partition& part, const Partition& before) {
   part.tolerance = before.tolerance;
   part.noise = before.noise;
   part.snapped = before.snapped;
+  part.symmetry = before.symmetry;
 }
 
 Partition inherited(Partition part, const Partition& before) {

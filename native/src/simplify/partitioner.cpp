@@ -14,8 +14,10 @@
 #include "hierarchy/hierarchy.h"
 #include "inherited.h"
 #include "isimp/core/errors.h"
+#include "isimp/simplify/mirror.h"
 #include "isimp/thesis/thesis.h"
 #include "methods.h"
+#include "symmetric.h"
 
 namespace isimp {
 
@@ -80,6 +82,31 @@ Partitioner::Prepared Partitioner::prepare(Guides guides, double adaptivity, Job
 }
 
 Partition Partitioner::run(const PartitionOptions& options, const Constraints& constraints, Job& job) const {
+  if (options.symmetry == Symmetry::none) return without_symmetry(options, constraints, job);
+  if (options.bound)
+    throw InvalidInput("symmetry can't be had with a bound: give proxies, detail or tolerance, or no symmetry");
+  PartitionOptions plain = options;
+  plain.symmetry = Symmetry::none;
+  check(*mesh_, plain);
+  const auto mirror = [&] {
+    const Job::Part stage(job, "finding the mirror plane", 0.0, 0.2);
+    return find_mirror(*mesh_, options.symmetry, mirror_allowance(*mesh_, options, job), options.threads, job);
+  }();
+  const Job::Part stage(job, "partitioning", 0.2, 1.0);
+  if (!mirror) return without_symmetry(plain, constraints, job);
+  const bool some = open_faces(*mesh_, constraints, options.proxies.value_or(1), options.leave_out, job).has_value();
+  if (!some) {
+    const Surface surface = prepare(constraints.with_cuts(), options.adaptivity, job).surface;
+    return symmetric_partition(*this, surface, plain, constraints, *mirror, job);
+  }
+  Partition result = without_symmetry(plain, constraints, job);
+  result.symmetry = mirror;
+  result.symmetry->regions = mirrored_regions(*mesh_, result, *mirror);
+  return result;
+}
+
+Partition Partitioner::without_symmetry(const PartitionOptions& options, const Constraints& constraints,
+                                        Job& job) const {
   const auto open = open_faces(*mesh_, constraints, options.proxies.value_or(1), options.leave_out, job);
   Prepared prepared = prepare(constraints.with_cuts(), options.adaptivity, job);
   const Surface& surface = prepared.surface;
@@ -226,7 +253,10 @@ Partition Partitioner::on_part(const Surface& surface, std::span<const std::int3
   const std::int32_t first = *std::ranges::max_element(labels) + 1;
   for (std::size_t k = 0; k < face.size(); ++k) labels[face[k]] = first + split.face_region[k];
   Partition result = partition_from(surface, labels, job);
-  if (constraints.before == nullptr) return result;
+  if (constraints.before == nullptr) {
+    take_how_found(result, split);
+    return result;
+  }
   lock_as(result, *constraints.before);
   hold_as(result, *constraints.before, constraints.faces.has_value());
   return result;

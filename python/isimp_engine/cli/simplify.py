@@ -307,6 +307,8 @@ def _summary(part: Partition, report: dict[str, Any]) -> Iterator[str]:
     if report["partition"]["tolerance"] is not None:
         yield f"  {words.found(report['partition'])}"
     yield from words.more_proxies(part.region_count, part.proxies_asked)
+    wanted, plane = report["options"]["symmetry"], report["partition"]["symmetry"]
+    yield from words.symmetry(wanted, plane, part.region_count, out)
     yield words.polygons(out, out["regions"])
     yield words.flat(out, mesh["diagonal"], sum(report["seconds"].values()))
     if more := words.more_than_regions(out):

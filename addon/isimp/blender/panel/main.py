@@ -191,6 +191,7 @@ class ISIMP_PT_options(Panel, bpy.types.Panel):
         layout, partition = self.prepare(context), context.window_manager.isimp.partition
         for name in ("adaptivity", "smooth"):
             layout.prop(partition, name, slider=True)
+        layout.prop(partition, "symmetry")
         settings.draw(layout, rcp.Partition, partition, "leave_out")
         ticks = layout.column(align=True)
         ticks.use_property_split = False  # their names need the whole width

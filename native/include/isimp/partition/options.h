@@ -34,6 +34,15 @@ enum class Connect {
   flood,   ///< one sequential round of lloyd, the thesis's own
 };
 
+/// In which plane regions are to mirror.
+enum class Symmetry {
+  none,
+  x,  ///< one across the axis x, or nearly so
+  y,
+  z,
+  found,  ///< any in which the surface mirrors; none if there is none
+};
+
 /// How to split a surface into regions. What each field means stands in `fields` below.
 ///
 /// At most one of `proxies`, `detail`, `tolerance` and `bound` is given; none: `detail` at kDefaultDetail.
@@ -46,6 +55,7 @@ struct PartitionOptions {
   bool snap = true;
   double adaptivity = 0.0;
   double smooth = 0.5;
+  Symmetry symmetry = Symmetry::none;
   double leave_out = 0.001;
   std::uint64_t seed = 1;
   std::int32_t iterations = 20;
@@ -89,6 +99,15 @@ constexpr auto fields(const PartitionOptions*) {
       field("smooth", &O::smooth, between(0, 1), Unit::none,
             "How much short, straight borders count beside the error. 0: least error. 1: cleanest shapes. For method "
             "'hierarchy', and for detail and tolerance."),
+      choice("symmetry", &O::symmetry,
+             {{"none", Symmetry::none},
+              {"x", Symmetry::x},
+              {"y", Symmetry::y},
+              {"z", Symmetry::z},
+              {"found", Symmetry::found}},
+             "Regions that mirror, as the surface does. 'x', 'y', 'z': in a plane across that axis, or nearly so; "
+             "refused where the surface does not mirror in it. 'found': in the plane in which the surface mirrors, if "
+             "there is one. Not for a bound."),
       field("leave_out", &O::leave_out, from_below(0, 1), Unit::none,
             "Components below this share of the total area get no region, smallest first, as long as all of them "
             "together stay below ten times it; below twenty times it, where each has less than a tenth of the mean "

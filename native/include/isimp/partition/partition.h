@@ -10,6 +10,7 @@
 #include "isimp/core/job.h"
 #include "isimp/core/types.h"
 #include "isimp/partition/metric.h"
+#include "isimp/partition/mirror.h"
 #include "isimp/partition/options.h"
 #include "isimp/partition/surface.h"
 
@@ -67,6 +68,7 @@ struct Partition {
   /// where they never do, else 0; empty: all 0
   std::vector<std::uint8_t> region_held;
   std::optional<Regularity> regularity;  ///< where it was regularised and not edited since
+  std::optional<Mirror> symmetry;        ///< the plane in which it mirrors, for polygons to do so too; edits keep it
 
   [[nodiscard]] bool is_held(std::int32_t region) const {
     return !region_held.empty() && (region_held[region] == kPlaneSnapped || region_held[region] == kPlaneByHand);

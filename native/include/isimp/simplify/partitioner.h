@@ -56,6 +56,10 @@ class Partitioner {
   ///    Borders to the other faces stay as they are; regions that fall apart by it become several. With locked regions
   ///    and without `faces`, `proxies` counts the locked ones too.
   ///
+  /// With `symmetry` regions mirror as the surface does, and the partition has the plane; see symmetric_partition. Where
+  /// only some faces are split, or regions are locked, it has the plane alone. A few regions more or fewer than
+  /// `proxies` may come of it.
+  ///
   /// \param job     polled at least every 50 ms; reports progress in [0, 1]
   /// \throws InvalidInput  an option out of its range, a weight, barrier or face that can't be used: the message names
   ///                       the range and what was given; open_faces() says what else
@@ -79,6 +83,7 @@ class Partitioner {
   void keep(const Kept& kept) const;
   [[nodiscard]] Prepared prepare(Guides guides, double adaptivity, Job& job) const;
   [[nodiscard]] std::shared_ptr<const OwnPart> own_part(std::span<const std::int32_t> open, Job& job) const;
+  Partition without_symmetry(const PartitionOptions& options, const Constraints& constraints, Job& job) const;
   Partition on_part(const Surface& surface, std::span<const std::int32_t> open, const PartitionOptions& options,
                     const Constraints& constraints, Job& job) const;
   Partition on_surface(const Surface& surface, Kept kept, const PartitionOptions& options, Job& job) const;

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+
+#include "isimp/core/types.h"
+
+namespace isimp::meshing {
+
+constexpr double kReflex = 190;  ///< degrees: from here on a corner counts as reflex
+
+constexpr double kNeedle = 20;  ///< degrees: below, a corner is sharp
+
+/// What the corners of some polygons are like, in degrees.
+struct Angles {
+  double least = 360;
+  double excess = 0, lack = 0;  ///< of all of them together: over kReflex, and up to kNeedle
+  int reflex = 0;
+  bool faces_away = false;  ///< from the normal
+
+  void add(const Angles& o) {
+    least = std::min(least, o.least);
+    excess += o.excess;
+    lack += o.lack;
+    reflex += o.reflex;
+    faces_away |= o.faces_away;
+  }
+};
+
+/// Of a polygon, seen along a normal.
+Angles angles_of(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Vec3& normal);
+
+}  // namespace isimp::meshing

@@ -1,0 +1,425 @@
+#include "symmetric.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "borders/local.h"
+#include "borders/relax.h"
+#include "closest_faces.h"
+#include "density/noise.h"
+#include "inherited.h"
+#include "isimp/core/threads.h"
+#include "isimp/simplify/mirror.h"
+#include "parts.h"
+
+namespace isimp {
+namespace {
+
+constexpr int kTries = 5;              // of numbers of regions of the half
+constexpr int kSweeps = 60;            // of the borders of the whole
+constexpr std::int32_t kBlock = 1024;  // faces that a thread takes at a time
+constexpr double kFar = 0.25;          // of sqrt(area / regions): a face that is farther from its image has none
+constexpr double kOwnRegion = 0.5;     // of area / regions: what has no image and is smaller goes to what is around
+constexpr double kWorth = 1.0;         // of the mean error of a region: what a join at the plane may cost
+constexpr double kPart = 0.25;         // of the largest piece of a region: smaller ones go to what is around
+constexpr std::int32_t kApart = -3;    // the label of a face without image while the other half is labelled
+
+class Symmetriser {
+ public:
+  Symmetriser(const Partitioner& partitioner, const Surface& surface, const PartitionOptions& options,
+              const Constraints& constraints, const Mirror& mirror, Job& job)
+      : partitioner_(partitioner),
+        surface_(surface),
+        mesh_(surface.mesh()),
+        graph_(surface.graph()),
+        options_(options),
+        constraints_(constraints),
+        mirror_(mirror.relative_to(mesh_.origin())),
+        threads_(options.threads),
+        job_(job) {}
+
+  Partition run() {
+    {
+      const Job::Part stage(job_, "halving", 0.0, 0.2);
+      choose_sides();
+      find_images();
+    }
+    {
+      const Job::Part stage(job_, "partitioning", 0.2, 0.8);
+      split_apart();
+      choose_number();
+    }
+    const Job::Part stage(job_, "mirroring", 0.8, 1.0);
+    carry_over();
+    mend();
+    relax();
+    fold_back();
+    carry_over();
+    mend();
+    Partition result = finished();
+    result.symmetry->regions = mirrored_regions(mesh_, result, *result.symmetry);
+    return result;
+  }
+
+ private:
+  [[nodiscard]] Vec3 middle(std::int32_t f) const {
+    const auto& [a, b, c] = mesh_.triangles()[f];
+    return (mesh_.vertices()[a] + mesh_.vertices()[b] + mesh_.vertices()[c]) / 3;
+  }
+  [[nodiscard]] double area(std::int32_t f) const { return graph_.faces[graph_.graph_face[f]].area; }
+  [[nodiscard]] Vec3 normal(std::int32_t f) const {
+    const FaceRecord& r = graph_.faces[graph_.graph_face[f]];
+    return {r.nx, r.ny, r.nz};
+  }
+  [[nodiscard]] std::int32_t wanted() const { return options_.proxies.value_or(0); }
+
+  /// The half with more of the surface is split; the other one follows it.
+  void choose_sides() {
+    const Parts parts = find_parts(mesh_, options_.proxies.value_or(1), options_.leave_out, job_);
+    std::array<double, 2> areas{};
+    std::array<std::vector<std::int32_t>, 2> sides;
+    for (std::int32_t f = 0; f < mesh_.face_count(); ++f) {
+      if (!parts.parts[mesh_.component()[f]].kept) continue;
+      const int side = mirror_.height(middle(f)) < 0 ? 1 : 0;
+      sides[side].push_back(f);
+      areas[side] += area(f);
+    }
+    area_ = areas[0] + areas[1];
+    const int larger = areas[1] > areas[0] || sides[0].empty() ? 1 : 0;
+    half_ = std::move(sides[larger]);
+    other_ = std::move(sides[1 - larger]);
+    is_half_.assign(static_cast<std::size_t>(mesh_.face_count()), 0);
+    for (const std::int32_t f : half_) is_half_[f] = 1;
+    label_.assign(static_cast<std::size_t>(mesh_.face_count()), kNone);
+  }
+
+  /// The faces of the half that are closest to the images of the others.
+  void find_images() {
+    const ClosestFaces faces(mesh_, half_);
+    const double width = std::sqrt(mesh_.graph().area / std::max(wanted(), kFewest));
+    const double most = std::max(kFar * width, 2 * mirror_.mismatch);
+    image_.assign(other_.size(), kNone);
+    threads_.blocks(static_cast<std::int32_t>(other_.size()), kBlock,
+                    [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+                      double guess = 0;
+                      for (std::int32_t i = begin; i < end; ++i) {
+                        if (i % 64 == 0) job_.poll();
+                        const Vec3 place = mirror_.image(middle(other_[i])), facing = mirror_.turned(normal(other_[i]));
+                        const ClosestFace found = faces.find(place, facing, guess, most);
+                        image_[i] = found.face;
+                        guess = found.face == kNone ? 0 : found.distance;
+                      }
+                    });
+  }
+
+  /// Splits the parts of the other half that have no image, where they are large enough for regions of their own.
+  void split_apart() {
+    for (std::size_t i = 0; i < other_.size(); ++i)
+      if (image_[i] == kNone) label_[other_[i]] = kApart;
+    std::vector<std::int32_t> large;
+    double size = 0;
+    const double least = kOwnRegion * area_ / std::max(wanted(), kFewest);
+    for (const std::int32_t start : other_) {
+      if (label_[start] != kApart) continue;
+      const std::vector<std::int32_t> patch = take_out(graph_, labels(), graph_.graph_face[start]);
+      double sum = 0;
+      for (const std::int32_t i : patch) sum += graph_.faces[i].area;
+      if (sum < least) continue;
+      size += sum;
+      for (const std::int32_t i : patch) large.push_back(graph_.mesh_face[i]);
+    }
+    for (const std::int32_t f : other_) label_[f] = kNone;
+    apart_.assign(label_.size(), kNone);
+    if (large.empty()) return;
+    std::sort(large.begin(), large.end());
+    PartitionOptions options = options_;
+    if (options.proxies) options.proxies = std::max(1, static_cast<std::int32_t>(std::lround(size / area_ * wanted())));
+    const Partition split = run_on(large, options);
+    for (const std::int32_t f : large) apart_[f] = split.face_region[f];
+    apart_count_ = split.region_count();
+  }
+
+  [[nodiscard]] Partition run_on(const std::vector<std::int32_t>& faces, const PartitionOptions& options) const {
+    const Constraints constraints{.guides = constraints_.guides, .cuts = constraints_.cuts, .faces = faces};
+    return partitioner_.run(options, constraints, job_);
+  }
+
+  /// Splits the half into so many regions that there are as many as wanted, with their images and joins.
+  void choose_number() {
+    PartitionOptions options = options_;
+    if (!options_.proxies) {
+      if (options.detail || !options.tolerance)
+        options.tolerance = options.detail.value_or(kDefaultDetail) * surface_size(mesh_);
+      options.detail.reset();
+      take_half(run_on(half_, options));
+      return;
+    }
+    const std::int32_t wanted_here = std::max(1, wanted() - apart_count_);
+    const auto most = static_cast<std::int32_t>(half_.size());
+    const std::int32_t fewest = std::clamp((wanted_here + 1) / 2, 1, most);
+    std::int32_t span = 0;  // by which the half may have more, if all that can be joined are
+    std::optional<Partition> best;
+    double least = 0;
+    for (int k = 0; k < kTries; ++k) {
+      const Job::Part stage(job_, "partitioning", static_cast<double>(k) / kTries, (k + 1.0) / kTries);
+      options.proxies = std::min(most, fewest + span * k / (kTries - 1));
+      const bool is_new = k == 0 || *options.proxies != fewest + span * (k - 1) / (kTries - 1);
+      if (!is_new) continue;
+      Partition half = run_on(half_, options);
+      take_half(half);
+      settle_joins(wanted_here);
+      if (k == 0)
+        span = static_cast<std::int32_t>(
+                   std::count_if(cost_.begin(), cost_.end(), [](const auto& c) { return c.has_value(); })) /
+                   2 +
+               1;
+      const std::int32_t missing = std::abs(wanted_here - (2 * regions_ - joined_count()));
+      const double price = price_ + missing;  // errors are below 4
+      if (best && price >= least) continue;
+      least = price;
+      best = std::move(half);
+    }
+    take_half(*best);
+    settle_joins(wanted_here);
+  }
+
+  void take_half(const Partition& half) {
+    how_ = half;
+    regions_ = half.region_count();
+    for (const std::int32_t f : half_) label_[f] = half.face_region[f];
+    find_joins();
+  }
+
+  /// What it costs to make each region one with its image, and where that is worth it.
+  void find_joins() {
+    std::vector<RegionSum> sums(static_cast<std::size_t>(regions_));
+    std::vector<double> between(sums.size(), 0.0);  // length of the border at the plane, scene units
+    std::vector<std::int32_t> image(label_.size(), kNone);
+    for (std::size_t i = 0; i < other_.size(); ++i)
+      if (image_[i] != kNone) image[other_[i]] = label_[image_[i]];
+    for (const std::int32_t f : half_) {
+      const std::int32_t r = label_[f];
+      sums[r].add(graph_.faces[graph_.graph_face[f]]);
+      const auto& beside = graph_.neighbours[graph_.graph_face[f]];
+      for (const std::int32_t j : beside) {
+        if (j == graph_.size()) continue;
+        const std::int32_t g = graph_.mesh_face[j];
+        if (is_half_[g] == 0 && image[g] == r) between[r] += shared_length(f, g);
+      }
+    }
+    error_ = 0;
+    for (const RegionSum& s : sums) error_ += 2 * s.error();
+    const double count = std::max(1, 2 * regions_), width = std::sqrt(mesh_.graph().area / count);
+    const double price = border_price(error_, options_.smooth) * width / mesh_.graph().area;
+    cost_.assign(sums.size(), std::nullopt);
+    joined_.assign(sums.size(), 0);
+    for (std::size_t r = 0; r < sums.size(); ++r) {
+      if (!(between[r] > 0)) continue;
+      const Vec3 s(sums[r].x, sums[r].y, sums[r].z);
+      const Vec3 flat = s - mirror_.normal.dot(s) * mirror_.normal;
+      cost_[r] = 4 * (s.norm() - flat.norm()) - price * between[r];
+      joined_[r] = *cost_[r] <= kWorth * error_ / count + kRounding ? 1 : 0;
+    }
+  }
+
+  /// Length of the edges that two faces share.
+  [[nodiscard]] double shared_length(std::int32_t f, std::int32_t g) const {
+    double length = 0;
+    for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h) {
+      const std::int32_t o = mesh_.opposite(h);
+      if (o != kNone && Mesh::face(o) == g)
+        length += (mesh_.vertices()[mesh_.to(h)] - mesh_.vertices()[mesh_.from(h)]).norm();
+    }
+    return length;
+  }
+
+  [[nodiscard]] std::int32_t joined_count() const {
+    return static_cast<std::int32_t>(std::count(joined_.begin(), joined_.end(), 1));
+  }
+
+  /// Joins as many, cheapest first, that there are as many regions as wanted.
+  void settle_joins(std::int32_t wanted_here) {
+    std::vector<std::int32_t> order;
+    for (std::int32_t r = 0; r < regions_; ++r)
+      if (cost_[r]) order.push_back(r);
+    std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return *cost_[a] < *cost_[b]; });
+    const auto candidates = static_cast<std::int32_t>(order.size());
+    const std::int32_t joins = std::clamp(2 * regions_ - wanted_here, 0, candidates);
+    price_ = error_;
+    for (std::int32_t k = 0; k < candidates; ++k) {
+      joined_[order[k]] = k < joins ? 1 : 0;
+      if (k < joins) price_ += *cost_[order[k]];
+    }
+  }
+
+  [[nodiscard]] MeshLabels labels() { return {label_.data(), &graph_}; }
+  [[nodiscard]] std::int32_t image_of(std::int32_t region) const {
+    return joined_[region] != 0 ? region : region + regions_;
+  }
+
+  /// Labels the other half as the half is. Its regions that are not joined have the numbers from `regions_` on, those
+  /// that are apart the numbers after these.
+  void carry_over() {
+    for (std::size_t i = 0; i < other_.size(); ++i) {
+      const std::int32_t f = other_[i], g = image_[i];
+      const std::int32_t r = g == kNone ? kNone : label_[g];
+      label_[f] = apart_[f] != kNone ? 2 * regions_ + apart_[f] : r == kNone ? kOpen : image_of(r);
+    }
+  }
+
+  /// Of each region the pieces that are much smaller than its largest one are opened, and what is open goes to the
+  /// regions around.
+  void mend() {
+    struct Piece {
+      std::int32_t region, first;
+      double area;
+    };
+    std::vector<Piece> pieces;
+    std::vector<double> largest(static_cast<std::size_t>(2 * regions_ + apart_count_), -1.0);
+    std::vector<std::uint8_t> seen(label_.size(), 0);
+    const auto walk = [&](std::int32_t start, auto visit) {
+      std::vector<std::int32_t> ahead{start};
+      seen[start] ^= 1;
+      for (std::size_t k = 0; k < ahead.size(); ++k) {
+        visit(ahead[k]);
+        for (const std::int32_t j : graph_.neighbours[graph_.graph_face[ahead[k]]]) {
+          if (j == graph_.size()) continue;
+          const std::int32_t g = graph_.mesh_face[j];
+          if (seen[g] != seen[start] && label_[g] == label_[start]) {
+            seen[g] ^= 1;
+            ahead.push_back(g);
+          }
+        }
+      }
+      return ahead;
+    };
+    for (std::int32_t f = 0; f < mesh_.face_count(); ++f) {
+      if (label_[f] < 0 || seen[f] != 0) continue;
+      double sum = 0;
+      (void)walk(f, [&](std::int32_t g) { sum += area(g); });
+      pieces.push_back({label_[f], f, sum});
+      largest[label_[f]] = std::max(largest[label_[f]], sum);
+    }
+    for (const Piece& p : pieces) {
+      const bool across = p.region < regions_ && joined_[p.region] != 0;
+      if (p.area < (across ? kPart : 1.0) * largest[p.region])
+        for (const std::int32_t g : walk(p.first, [](std::int32_t) {})) label_[g] = kOpen;
+    }
+    fill_open();
+  }
+
+  void fill_open() {
+    sum_up();
+    std::vector<std::int32_t> open, touched;
+    for (std::int32_t i = 0; i < graph_.size(); ++i)
+      if (labels().get(i) == kOpen) open.push_back(i);
+    if (!open.empty()) (void)flood_from_around(graph_, labels(), open, sums_, touched);
+    // A part of the surface that nothing reaches is one region.
+    for (const std::int32_t i : open)
+      if (labels().get(i) == kOpen) labels().set(i, static_cast<std::int32_t>(sums_.size()) - 1);
+  }
+
+  /// The sums of all regions, and an empty one.
+  void sum_up() {
+    sums_.assign(static_cast<std::size_t>(2 * regions_ + apart_count_) + 1, {});
+    for (std::int32_t i = 0; i < graph_.size(); ++i)
+      if (const std::int32_t r = labels().get(i); r >= 0) sums_[r].add(graph_.faces[i]);
+  }
+
+  void relax() {
+    sum_up();
+    double error = 0;
+    for (const RegionSum& s : sums_) error += s.error();
+    const std::int64_t regions = 2 * regions_ - joined_count() + apart_count_;
+    Relaxation<MeshLabels> relaxation(graph_, labels(), sums_,
+                                      border_weight(error, how_.smooth, graph_.size(), regions), threads_,
+                                      surface_.relative_weight());
+    for (std::int32_t i = 0; i < graph_.size(); ++i)
+      if (labels().get(i) >= 0) relaxation.push_if_border(i);
+    relaxation.run(kSweeps, job_);
+  }
+
+  /// Gives the half its own numbers back where regions of the other one have come across the plane.
+  void fold_back() {
+    for (const std::int32_t f : half_) {
+      std::int32_t& r = label_[f];
+      if (r >= 2 * regions_)
+        r = kOpen;
+      else if (r >= regions_)
+        r -= regions_;
+    }
+    fill_open();
+  }
+
+  [[nodiscard]] Partition finished() {
+    Partition result = partition_from(surface_, label_, job_);
+    take_how_found(result, how_);
+    if (options_.proxies) result.proxies_asked = *options_.proxies;
+    const Parts parts = find_parts(surface_, options_.proxies.value_or(1), options_.leave_out, job_);
+    result.proxies_needed = parts.needed;
+    result.parts_left_out = parts.left_out;
+    result.area_left_out = parts.area_left_out;
+    result.symmetry = mirror_.relative_to(-mesh_.origin());
+    return result;
+  }
+
+  static constexpr std::int32_t kFewest = 20;  // regions by which sizes are judged where their number is not known
+  static constexpr double kRounding = 1e-7;    // of the area: errors below this are none
+
+  const Partitioner& partitioner_;
+  const Surface& surface_;
+  const Mesh& mesh_;
+  const FaceGraph& graph_;
+  const PartitionOptions& options_;
+  const Constraints& constraints_;
+  const Mirror mirror_;  // relative to the mesh's origin
+  const Threads threads_;
+  Job& job_;
+
+  std::vector<std::int32_t> half_, other_;      // faces
+  std::vector<std::uint8_t> is_half_;           // (F)
+  std::vector<std::int32_t> image_;             // of each of `other_`: a face of the half
+  std::vector<std::int32_t> label_;             // (F)
+  std::vector<std::int32_t> apart_;             // (F) region of what has no image
+  std::int32_t regions_ = 0, apart_count_ = 0;  // of the half; of what has no image
+  double area_ = 0;                             // of both halves, as a share
+  Partition how_;                               // of the half
+  std::vector<std::optional<double>> cost_;     // of joining each region of the half with its image
+  double error_ = 0, price_ = 0;                // of the half and its image; with what joins cost
+  std::vector<std::uint8_t> joined_;            // by region of the half
+  std::vector<RegionSum> sums_;                 // of all regions
+};
+
+}  // namespace
+
+std::int32_t mirrored_regions(const Mesh& mesh, const Partition& partition, const Mirror& mirror) {
+  std::vector<Patch> patches(static_cast<std::size_t>(partition.region_count()));
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    if (partition.face_region[f] == kNone) continue;
+    Patch& p = patches[partition.face_region[f]];
+    const auto& [a, b, c] = mesh.triangles()[f];
+    const auto v = mesh.vertices();
+    const double area = (v[b] - v[a]).cross(v[c] - v[a]).norm() / 2;
+    p.area += area;
+    p.centre += area / 3 * (v[a] + v[b] + v[c]);
+    p.normal += (v[b] - v[a]).cross(v[c] - v[a]) / 2;
+  }
+  for (Patch& p : patches) {
+    if (p.area > 0) p.centre /= p.area;
+    p.normal.normalize();
+  }
+  const std::vector<std::int32_t> image = mirror_images(patches, mirror.relative_to(mesh.origin()));
+  return static_cast<std::int32_t>(std::count_if(image.begin(), image.end(), [](auto i) { return i != kNone; }));
+}
+
+Partition symmetric_partition(const Partitioner& partitioner, const Surface& surface, const PartitionOptions& options,
+                              const Constraints& constraints, const Mirror& mirror, Job& job) {
+  return Symmetriser(partitioner, surface, options, constraints, mirror, job).run();
+}
+
+}  // namespace isimp

@@ -1,0 +1,100 @@
+"""Regions and corners that mirror as the scan does."""
+
+import copy
+import json
+import pickle
+
+import numpy as np
+import pytest
+
+import isimp_engine as engine
+import shapes
+from isimp_engine import cli, recipes
+
+
+@pytest.fixture(scope="module")
+def mesh():
+    return engine.Mesh(*shapes.figure())
+
+
+@pytest.fixture(scope="module")
+def part(mesh):
+    return engine.partition(mesh, engine.PartitionOptions(proxies=100, symmetry="found"))
+
+
+def test_the_report_tells_the_plane(part):
+    plane = part.symmetry
+    assert np.allclose(plane["normal"], [1, 0, 0], atol=0.01)
+    assert plane["offset"] == pytest.approx(0, abs=0.01)
+    assert 0 < plane["mismatch_mean"] < plane["mismatch"] < 0.02
+    assert 0.9 * part.region_count <= plane["regions"] <= part.region_count
+    assert part.report["symmetry"] == plane
+
+
+def test_without_symmetry_there_is_no_plane(mesh):
+    plain = engine.partition(mesh, engine.PartitionOptions(proxies=100))
+    assert plain.symmetry is None
+    assert engine.polygonize(mesh, plain).report["mirrored_corners"] == 0
+
+
+def test_corners_lie_at_the_images_of_others(mesh, part):
+    polygons = engine.polygonize(mesh, part)
+    normal, offset = np.array(part.symmetry["normal"]), part.symmetry["offset"]
+    image = polygons.vertices - 2 * np.outer(polygons.vertices @ normal - offset, normal)
+    distance = np.linalg.norm(image[:, None] - polygons.vertices, axis=2).min(axis=1)
+    exact = int((distance < 1e-9).sum())
+    assert polygons.report["mirrored_corners"] == exact
+    assert exact >= 0.8 * len(polygons.vertices)
+
+
+def test_the_plane_is_kept_by_copies_and_edits(mesh, part):
+    for same in (pickle.loads(pickle.dumps(part)), copy.deepcopy(part)):  # noqa: S301
+        assert same.symmetry == part.symmetry
+    edited = engine.delete_proxy(mesh, part, 50)
+    assert edited.symmetry == part.symmetry | {"regions": None}
+    again = engine.partition_from(mesh, part.face_region, before=part)
+    assert again.symmetry == part.symmetry
+
+
+def test_a_scan_that_does_not_mirror_is_refused(tmp_path, capsys):
+    mesh = engine.Mesh(*shapes.figure(lump=1.2))
+    found = engine.partition(mesh, engine.PartitionOptions(proxies=300, symmetry="found"))
+    assert found.symmetry is None
+    with pytest.raises(engine.InvalidInput, match="does not mirror across z: a tenth of it is more than"):
+        engine.partition(mesh, engine.PartitionOptions(proxies=300, symmetry="z"))
+    scan = tmp_path / "scan.ply"
+    engine.write(scan, engine.polygonize(mesh, found))
+    assert cli.main(["simplify", str(scan), str(tmp_path / "out.ply"), "--symmetry", "z", "--proxies", "20"]) == 2
+    assert "does not mirror across z" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("flag", ["x", "found"])
+def test_the_command_reports_it(tmp_path, capsys, flag):
+    scan, report = tmp_path / "scan.obj", tmp_path / "report.json"
+    vertices, triangles = shapes.figure()
+    rows = [f"v {x} {y} {z}" for x, y, z in vertices] + [f"f {a} {b} {c}" for a, b, c in triangles + 1]
+    scan.write_text("\n".join(rows) + "\n")
+    given = ["simplify", str(scan), str(tmp_path / "out.ply"), "--proxies", "80", "--symmetry", flag]
+    assert cli.main([*given, "--report", str(report)]) == 0
+    told = json.loads(report.read_text())
+    assert told["options"]["symmetry"] == flag
+    assert abs(told["partition"]["symmetry"]["normal"][0]) > 0.99
+    corners, all_ = told["output"]["mirrored_corners"], told["output"]["vertices"]
+    assert f"mirrors across x: {told['partition']['symmetry']['regions']} of 80 regions" in capsys.readouterr().out
+    assert corners >= 0.8 * all_
+
+
+def test_the_command_says_where_no_plane_is_found(tmp_path, capsys):
+    vertices, triangles = shapes.figure(lump=1.2)
+    scan = tmp_path / "scan.obj"
+    rows = [f"v {x} {y} {z}" for x, y, z in vertices] + [f"f {a} {b} {c}" for a, b, c in triangles + 1]
+    scan.write_text("\n".join(rows) + "\n")
+    assert cli.main(["simplify", str(scan), str(tmp_path / "out.ply"), "--proxies", "300", "--symmetry", "found"]) == 0
+    assert "no mirror plane found" in capsys.readouterr().out
+
+
+def test_a_recipe_asks_for_it():
+    steps = [{"step": "partition", "proxies": 80, "symmetry": "y"}]
+    assert recipes.parsed({"isimp_recipe": 1, "steps": steps}).partition["symmetry"] == "y"
+    with pytest.raises(recipes.RecipeError, match="symmetry"):
+        recipes.parsed({"isimp_recipe": 1, "steps": [{"step": "partition", "symmetry": "w"}]})
