@@ -10,7 +10,7 @@ import pytest
 
 import isimp_engine as engine
 from isimp import steps
-from isimp_engine import cli
+from isimp_engine.cli.command import parser
 
 ROOT = Path(__file__).resolve().parents[2]
 HEADERS = ROOT / "native" / "include"
@@ -71,10 +71,10 @@ def test_the_table_makes_stub_flag_and_the_add_ons_copy(crisp, generate, capsys)
     assert "    crispness: float\n" in stub
     assert "        crispness: float = ...,\n" in stub
     assert '    "crispness": Option(\n        kind="float",\n        default=0.5,\n' in generate.data()
-    parsed = cli.parser().parse_args(["simplify", "a.ply", "b.ply", "--crispness", "0.25"])
+    parsed = parser().parse_args(["simplify", "a.ply", "b.ply", "--crispness", "0.25"])
     assert parsed.crispness == 0.25
     with pytest.raises(SystemExit):
-        cli.parser().parse_args(["simplify", "--help"])
+        parser().parse_args(["simplify", "--help"])
     assert ABOUT in capsys.readouterr().out
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from isimp_engine import cli
+from isimp_engine.cli.command import parser
 
 JOB_TYPE = Path(__file__).parents[2] / "examples" / "flamenco" / "isimp.js"
 MANAGER = """
@@ -71,6 +71,6 @@ def test_nothing_to_do_is_refused():
 def test_the_command_takes_what_the_tasks_say():
     for settings in ({"scans": "/in/a.ply;/in"}, {"scans": "/in", "tiles": True}):
         for each in commands(**settings):
-            arguments = cli.parser().parse_args(each["args"])
+            arguments = parser().parse_args(each["args"])
             assert arguments.quiet
             assert arguments.detail == 0.005

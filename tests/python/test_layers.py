@@ -97,6 +97,37 @@ def test_what_is_optional_is_not_imported_before_it_is_asked_for():
     assert (done.stdout, done.stderr) == ("set()\n", "")
 
 
+COMPILED = {"_core", "isimp_engine"}  # no Python files beside these: the engine, and the engine inside the add-on
+
+
+def imported_files(path):
+    """The files of a package that one of them imports, in functions too."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if not isinstance(node, ast.ImportFrom) or not node.level:
+            continue
+        folder = path.parents[node.level - 1]
+        for part in (node.module or "").split("."):
+            folder = folder / part
+        names = [alias.name for alias in node.names if folder.is_dir()] or [""]
+        for name in names:
+            inner = folder / name if name else folder
+            if inner.name not in COMPILED:
+                file = inner.with_suffix(".py")
+                yield file if file.is_file() else (inner if inner.is_dir() else folder) / "__init__.py"
+
+
+@pytest.mark.parametrize("package", [ROOT / "python" / "isimp_engine", ADDON], ids=lambda path: path.name)
+def test_no_file_imports_itself_by_way_of_others(package):
+    if not package.is_dir():
+        pytest.skip("the add-on is not here")
+    left = {path: set(imported_files(path)) - {path} for path in package.rglob("*.py")}
+    assert sum(map(len, left.values())) > 50
+    while free := [path for path, needed in left.items() if not needed & left.keys()]:
+        for path in free:
+            del left[path]
+    assert sorted(str(path.relative_to(package)) for path in left) == []
+
+
 @pytest.mark.skipif(not ADDON.is_dir(), reason="the add-on is not here")
 def test_only_engine_imports_the_engine_and_only_blender_bpy():
     for path in sorted(ADDON.rglob("*.py")):

@@ -13,6 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from .. import CleanOptions, FileError, PartitionOptions, __version__, exporting, recipes
+from ..cli.errors import UsageError
+from ..cli.options import settle, simplify_options
+from ..cli.simplify import output_kinds
 from . import page
 from .clusters import Cluster
 from .errors import BatchError
@@ -323,8 +326,6 @@ def _state(scans: list[Scan], todo: list[Scan], table: Table) -> State:
 
 def _suffix(kind: str, arguments: argparse.Namespace) -> str:
     """The suffix of a format that `isimp simplify` can write with these options."""
-    from ..cli.simplify import output_kinds
-
     kinds = output_kinds(arguments)
     suffix = "." + kind.lower().removeprefix(".")
     if suffix not in kinds:
@@ -341,22 +342,18 @@ def _checked_options(
     options: dict[str, Any], recipe: str | os.PathLike[str] | dict[str, Any] | None
 ) -> argparse.Namespace:
     """Options and recipe as the steps take them. Raises BatchError if they are wrong for any scan."""
-    from .. import cli
-    from ..cli.errors import UsageError
-
-    known = vars(cli.simplify_options().parse_args([]))
+    known = vars(simplify_options().parse_args([]))
     del known["recipe"]
     for name in options:
         if name not in known:
             raise BatchError(f"there is no option '{name}'; there are {', '.join(sorted(known))}")
     arguments = argparse.Namespace(**known | options)
-    arguments.run = None
     try:
         if isinstance(recipe, (str, os.PathLike)):
             arguments.recipe = recipes.read(Path(recipe))
         else:
             arguments.recipe = None if recipe is None else recipes.parsed(recipe)
-        cli.settle(arguments)
+        settle(arguments)
     except (UsageError, recipes.RecipeError, ValueError, TypeError) as error:
         raise BatchError(str(error).splitlines()[0]) from None
     if len(given := [name for name in recipes.COUNTS if options.get(name) is not None]) > 1:

@@ -4,12 +4,14 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from .. import cli, recipes
+from .. import recipes
 from ..cli import simplify as command
+from ..cli.command import EXPECTED, parser, problem
+from ..cli.options import settle
 from . import picture
 from .table import MADE, PICTURE
 
-_DEFAULTS = vars(cli.parser().parse_args(["simplify", "scan.ply", "result.ply"]))
+_DEFAULTS = vars(parser().parse_args(["simplify", "scan.ply", "result.ply"]))
 _FIGURES = ("polygons", "vertices", "corners", "closed", "manifold", "planarity_max", "planarity_mean")
 _MORE = ("scan_distance", "scan_distance_allowed", "crossing", "flipped", "bent", "intersecting")
 
@@ -28,12 +30,12 @@ def simplify(task: dict[str, Any], folder: Path) -> dict[str, Any]:
     if task["recipe"] is not None:
         arguments.recipe = recipes.parsed(task["recipe"])
     try:
-        cli.settle(arguments)
+        settle(arguments)
         done = command.run(arguments)
     except MemoryError:
         raise
-    except cli.EXPECTED as error:
-        return {"why": _plain(cli.problem(error, arguments.input)[0], arguments, task)}
+    except EXPECTED as error:
+        return {"why": _plain(problem(error, arguments.input)[0], arguments, task)}
     if task["picture"]:
         source, polygons = done.source, done.polygons
         scan = (source.vertices, source.triangles)

@@ -19,6 +19,7 @@ from ..batch.clusters import KINDS, checked
 from ..batch.page import NAME, flaws, in_order, totals
 from ..batch.table import NAME as ROWS
 from .errors import INTERRUPTED, OK, SOME_FAILED, TERMINATED, UsageError
+from .options import simplify_options
 from .progress import Screen, wanted
 
 _LINES = 20  # of problems and of results in the summary; the page has all
@@ -106,8 +107,6 @@ def run(arguments: argparse.Namespace) -> int:
 
 def given_options(arguments: argparse.Namespace) -> dict[str, Any]:
     """The options of `isimp simplify` that were given."""
-    from . import simplify_options
-
     defaults = vars(simplify_options().parse_args([]))
     given = {name: getattr(arguments, name) for name in defaults if name != "recipe"}
     return {name: value for name, value in given.items() if value != defaults[name]}

@@ -1,22 +1,20 @@
 """What glTF's materials have beside their colour, read and written."""
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import images, layers
+from .gltf_file import GltfFile
 from .layers import TextureLayer
-
-if TYPE_CHECKING:
-    from .glb import _File
 
 _STRENGTH = "KHR_materials_emissive_strength"
 _Parts = list[tuple[dict[str, Any], NDArray[np.int64]]]  # primitives with their triangles
 
 
-def read(file: "_File", used: list[int], parts: _Parts) -> dict[str, TextureLayer]:
+def read(file: GltfFile, used: list[int], parts: _Parts) -> dict[str, TextureLayer]:
     """The layers that any of the materials in use has. One without a factor and an image says nothing."""
     materials = [file.json["materials"][m] for m in used]
     strength = max([1.0, *(float(max(_emission(m))) for m in materials)])
@@ -46,7 +44,7 @@ def _emission(material: dict[str, Any]) -> NDArray[np.float64]:
     return np.asarray(material.get("emissiveFactor", (0, 0, 0)), dtype=np.float64) * float(strength)
 
 
-def _image(file: "_File", name: str, material: dict[str, Any], strength: float) -> images.Image | None:
+def _image(file: GltfFile, name: str, material: dict[str, Any], strength: float) -> images.Image | None:
     texture = _texture(name, material)
     picture = None if texture is None else file.picture(texture)
     if name in layers.NUMBERS:
@@ -69,7 +67,7 @@ def _image(file: "_File", name: str, material: dict[str, Any], strength: float) 
     return red if share == 1 else images.rgba(1 + share * (layers.shares(red)[:, :, 0] - 1))
 
 
-def _uv(file: "_File", name: str, parts: _Parts) -> NDArray[np.float64] | None:
+def _uv(file: GltfFile, name: str, parts: _Parts) -> NDArray[np.float64] | None:
     """(F, 3, 2) if the layer has UVs other than those of the colours."""
     pairs = []
     for primitive, _ in parts:

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core import InvalidInput
-from . import udim
 from .images import rgba
 from .layers import TextureLayer, checked
+from .tiled_materials import split_tiles
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +66,7 @@ class TexturedSoup:
             if len(layer.images) != len(images):
                 there = f"there are {len(images)} materials"
                 raise InvalidInput(f"layers[{name!r}] has {len(layer.images)} images, but {there}")
-        uv, material, images, layers, given = udim.split(uv, material, images, self.layers)
+        uv, material, images, layers, given = split_tiles(uv, material, images, self.layers)
         images = [None if image is None else rgba(image, f"images[{i}]") for i, image in enumerate(images)]
         values: dict[str, Any] = {
             "vertices": vertices,

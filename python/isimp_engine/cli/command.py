@@ -1,0 +1,114 @@
+"""The command `isimp`: `isimp simplify INPUT OUTPUT`, `isimp batch ...`, `isimp tiles ...` and `isimp info INPUT`.
+
+Exit status: 0; 2 for wrong usage; 3 for input that can't be used, with one line that says what and where; 4 if some
+scans of a batch failed; 130 after Ctrl-C, with nothing half-written.
+"""
+
+import argparse
+import io
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from .. import FileError, InvalidInput, __version__, _process
+from . import batch, guiding, info, lods, simplify, tiles
+from .errors import BAD_INPUT, INTERRUPTED, OK, USAGE, UsageError
+from .files import place
+from .options import settle, simplify_options
+
+EXPECTED = (UsageError, FileError, OSError, MemoryError, InvalidInput, RuntimeError)  #: what wrong input raises
+
+
+def parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="isimp", description="Dense scans into clean, editable n-gon meshes.")
+    parser.add_argument("--version", action="version", version=f"isimp {__version__}")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+
+    shared = [simplify_options()]
+    command = commands.add_parser(
+        "simplify", help="make a polygon mesh of a scan", description=simplify.__doc__, parents=shared
+    )
+    command.set_defaults(run=simplify.run)
+    command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL, OFF or GLB")
+    command.add_argument("output", type=Path, metavar="OUTPUT", help="PLY or OBJ; with --texture OBJ or GLB")
+    command.add_argument(
+        "--lods",
+        type=lods.counts,
+        metavar="N,N,...",
+        help="levels of detail: a result for each number of regions, OUTPUT_LOD0, OUTPUT_LOD1, ...; with --texture "
+        "each image has half the side of the one before",
+    )
+    guiding.add_files(command)
+    command.add_argument(
+        "--labels", type=place, metavar="L.npy", help="one int32 region per face of INPUT, in file order; -1: none"
+    )
+    command.add_argument("--report", type=place, metavar="R.json", help="what was done, in numbers; -: to stdout")
+    command.add_argument("--quiet", action="store_true", help="no progress, no summary")
+
+    command = commands.add_parser(
+        "batch", help="make polygon meshes of many scans", description=batch.__doc__, parents=shared
+    )
+    command.set_defaults(run=batch.run)
+    batch.add_options(command)
+
+    command = commands.add_parser(
+        "tiles", help="make a polygon mesh of a scan in tiles, larger than memory", description=tiles.__doc__
+    )
+    command.set_defaults(run=tiles.run)
+    tiles.add_options(command)
+
+    command = commands.add_parser(
+        "info", help="what a mesh is and what it would become", description=info.__doc__, parents=shared
+    )
+    command.set_defaults(run=info.run)
+    command.add_argument("input", type=Path, metavar="INPUT", help="PLY (ascii or binary), OBJ, STL, OFF or GLB")
+    command.add_argument(
+        "--mesh-only", action="store_true", help="do not count the polygons, which takes the time of a run"
+    )
+    command.add_argument(
+        "--estimate", action="store_true", help="estimate the polygons from the regions, in a fraction of that time"
+    )
+    command.set_defaults(**guiding.NO_FILES)
+    command.add_argument("--json", action="store_true", help="as JSON")
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command; returns its exit status."""
+    parsed = parser().parse_args(arguments)
+    status = None
+    try:
+        _process.expect_interrupts()
+        if isinstance(sys.stdout, io.TextIOWrapper):  # file names may be any bytes: they are written unchanged
+            sys.stdout.reconfigure(errors="surrogateescape")
+        if parsed.run is not tiles.run:
+            settle(parsed)
+        status = parsed.run(parsed)
+        if sys.stdout is not None:
+            sys.stdout.flush()
+    except KeyboardInterrupt:
+        return _say("interrupted, nothing was written", INTERRUPTED)
+    except EXPECTED as error:
+        return _say(*problem(error, parsed.output if parsed.run is batch.run else parsed.input))
+    finally:
+        _process.ignore_interrupts()
+    return status if isinstance(status, int) else OK
+
+
+def problem(error: Exception, path: Path) -> tuple[str, int]:
+    """The line that says what is wrong with an input, and the exit status; `error` is one of EXPECTED."""
+    if isinstance(error, UsageError):
+        return str(error), USAGE
+    if isinstance(error, FileError):  # names the file itself
+        return str(error), BAD_INPUT
+    if isinstance(error, OSError):
+        return f"{error.filename or path}: {error.strerror or error}", BAD_INPUT
+    if isinstance(error, MemoryError):
+        return f"{path}: there is not enough memory for it", BAD_INPUT
+    return f"{path}: {error}", BAD_INPUT
+
+
+def _say(message: str, status: int) -> int:
+    if sys.stderr is not None:  # it is where it was closed: then the status alone says it
+        print("isimp:", " ".join(message.split()), file=sys.stderr)
+    return status

@@ -1,0 +1,161 @@
+"""The options of `isimp simplify`, which batches take too: flags made from the engine's table, and what they mean."""
+
+import argparse
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from .. import CleanOptions, InvalidInput, MeshingOptions, PartitionOptions, RegulariseOptions, recipes
+from . import closing, guiding, texturing
+from .errors import UsageError
+
+Options = type[CleanOptions] | type[MeshingOptions] | type[PartitionOptions] | type[RegulariseOptions]
+_COUNTS = ("proxies", "detail", "tolerance", "bound")  # at most one of them
+_SHARED = ("threads",)  # one flag for all steps
+_OF_RECIPE = ("angle", "texture", "ao", "height", "tiles", "materials")  # taken from the recipe where not given
+_NEEDS = {
+    "ao": ("--ao", "texture", "it is an image of the texture's material"),
+    "height": ("--height", "texture", "it has the places of the texture"),
+    "tiles": ("--tiles", "texture", "it says how many images the texture has"),
+    "materials": ("--keep-materials", "texture", "it says how many images the texture has"),
+    "even_spacing": ("--even-spacing", "regularise", "it moves planes that are parallel by it"),
+}
+
+
+def simplify_options() -> argparse.ArgumentParser:
+    """The options that apply to any scan, for all commands that simplify."""
+    command = argparse.ArgumentParser(add_help=False)
+    add_fields(command.add_mutually_exclusive_group(), PartitionOptions, _COUNTS)
+    add_fields(command, PartitionOptions, names(PartitionOptions, besides=_COUNTS))
+    add_fields(command, CleanOptions, names(CleanOptions, besides=_SHARED))
+    command.add_argument(
+        "--keep-openings",
+        action="store_true",
+        help="keep all holes and handles; else those of a noisy scan that the regions can't show are closed",
+    )
+    command.add_argument(
+        "--keep-opening",
+        type=closing.place,
+        action="append",
+        metavar="X,Y,Z",
+        help="keep the hole or handle at this place open; the report lists the places (may be given several times)",
+    )
+    guiding.add_angle(command)
+    add_fields(command, MeshingOptions, ("planar",))
+    turned = "snap planes: level, upright, parallel, coplanar; each turns by at most ANGLE degrees. Default: %(const)s"
+    angle = RegulariseOptions().angle
+    command.add_argument("--regularise", type=float, nargs="?", const=angle, metavar="ANGLE", help=turned)
+    add_fields(command, RegulariseOptions, ("even_spacing",))
+    command.add_argument(
+        "--texture",
+        type=partial(texturing.whole, "size"),
+        nargs="?",
+        const=texturing.LIKE_THE_SCAN,
+        metavar="SIZE",
+        help="keep the scan's texture in an image of SIZE x SIZE pixels; without SIZE: as dense as the scan's images. "
+        "Beside OUTPUT.obj come OUTPUT.mtl, OUTPUT.png and OUTPUT_normal.png; OUTPUT.glb holds all",
+    )
+    command.add_argument(
+        "--ao",
+        type=texturing.distance,
+        nargs="?",
+        const=texturing.ANY_DISTANCE,
+        metavar="DISTANCE",
+        help="with --texture: an image of ambient occlusion by the scan's faces up to DISTANCE away, in scene units; "
+        "without DISTANCE: by all",
+    )
+    command.add_argument(
+        "--height",
+        action="store_true",
+        default=None,
+        help="with --texture: OUTPUT_height.png, of 16 bits: how far the scan lies above or below each polygon; the "
+        "report has its range",
+    )
+    command.add_argument(
+        "--tiles",
+        type=partial(texturing.whole, "tiles"),
+        metavar="N",
+        help="with --texture: N images of that size, as UDIM tiles (OUTPUT.1001.png ...; in GLB a material for each). "
+        "Default: 1; where no SIZE is given as many of 8,192 pixels as keep the scan's density",
+    )
+    command.add_argument(
+        "--keep-materials",
+        dest="materials",
+        action="store_true",
+        default=None,
+        help="with --texture: images of its own for each of the scan's materials, OUTPUT-MATERIAL.png",
+    )
+    command.add_argument(
+        "--crs",
+        type=int,
+        metavar="EPSG",
+        help="the number of the scan's reference system, written to CityJSON and IFC",
+    )
+    command.add_argument("--recipe", type=Path, metavar="R.json", help="the steps to do, as the add-on exports them")
+    return command
+
+
+def names(options: Options, besides: Sequence[str] = ()) -> list[str]:
+    """The fields of a class of options, in order."""
+    return [field["name"] for field in options.fields() if field["name"] not in besides]
+
+
+def add_fields(command: Any, options: Options, wanted: Sequence[str]) -> None:
+    """A flag for each of these fields, made from the engine's table of them."""
+    for field in options.fields():
+        name, kind, default = field["name"], field["type"].removesuffix(" | None"), field["default"]
+        if name not in wanted:
+            continue
+        about = getattr(options, name).__doc__.replace("%", "%%")
+        flag = name.replace("_", "-")
+        if kind == "bool":
+            if default:
+                flag, about = "no-" + flag, f"Turns off: {about}"
+            action = "store_false" if default else "store_true"
+            command.add_argument("--" + flag, dest=name, action=action, default=None, help=about)
+            continue
+        about += "" if default is None else f" Default: {default}."
+        metavar = "L" if field.get("unit") == "length" else {"int": "N", "float": "X", "str": "NAME"}[kind]
+        parse = {"int": int, "float": float, "str": str}[kind]
+        command.add_argument("--" + flag, dest=name, type=parse, metavar=metavar, help=about)
+
+
+def options_of(arguments: argparse.Namespace, kind: Options) -> Any:
+    """The engine's options of this kind as the command line has them; else the recipe's, else its defaults."""
+    given = {name: getattr(arguments, name) for name in names(kind) if getattr(arguments, name) is not None}
+    options = kind(**_of_recipe(arguments, given)) if kind is PartitionOptions else kind()
+    for name, value in given.items():
+        try:
+            setattr(options, name, value)
+        except InvalidInput as error:
+            flag = "--" + name.replace("_", "-")
+            raise UsageError(str(error).replace(f"{kind.__name__}.{name}", flag)) from None
+    return options
+
+
+def _of_recipe(arguments: argparse.Namespace, given: dict[str, Any]) -> dict[str, Any]:
+    """The recipe's options of a partition, without those that are given, and without its count if one is given."""
+    if arguments.recipe is None:
+        return {}
+    counted = any(name in given for name in _COUNTS)
+    own: dict[str, Any] = arguments.recipe.partition
+    return {name: value for name, value in own.items() if name not in given and not (counted and name in _COUNTS)}
+
+
+def settle(arguments: argparse.Namespace) -> None:
+    """Replace what the command line gave by what the steps take: the recipe and the engine's options."""
+    arguments.clean = options_of(arguments, CleanOptions)
+    if isinstance(arguments.recipe, Path):
+        try:
+            arguments.recipe = recipes.read(arguments.recipe)
+        except recipes.RecipeError as error:
+            raise UsageError(str(error)) from None
+    if arguments.recipe is not None:
+        for name in _OF_RECIPE:
+            if getattr(arguments, name) is None:
+                setattr(arguments, name, getattr(arguments.recipe, name))
+    for name, (flag, needed, reason) in _NEEDS.items():
+        if getattr(arguments, name) not in (None, False) and getattr(arguments, needed) is None:
+            raise UsageError(f"{flag} needs --{needed}: {reason}")
+    arguments.options = options_of(arguments, PartitionOptions)
