@@ -72,21 +72,25 @@ void for_all(const Scene& scene, const Threads& threads, Job& job, SamplesOf sam
   });
 }
 
-/// As many samples a side as the scan's images have pixels a texel, within limits.
-std::vector<std::int32_t> sample_counts(const Scene& scene, const detail::Sampler& sampler) {
-  std::vector<std::int32_t> counts;
-  for (const std::int32_t r : scene.polygons.polygon_region) {
-    double pixels = 0, area = 0;
-    for (std::int32_t i = scene.near.start[r]; i < scene.near.start[r + 1]; ++i) {
-      const Triangle& t = scene.mesh.triangles()[scene.near.faces[i]];
-      const auto v = scene.mesh.vertices();
-      pixels += sampler.pixels(scene.near.faces[i]);
-      area += (v[t[1]] - v[t[0]]).cross(v[t[2]] - v[t[0]]).norm() / 2;
+/// As many samples a side as the scan's images have pixels a texel, within limits. Polygons that are not baked have none.
+std::vector<std::int32_t> sample_counts(const Scene& scene, const detail::Sampler& sampler, const Threads& threads) {
+  std::vector<std::int32_t> counts(scene.skipped.size(), 0);
+  threads.share(static_cast<std::int32_t>(counts.size()), [&](const auto& next) {
+    const auto v = scene.mesh.vertices();
+    for (std::int32_t q = next(); q < static_cast<std::int32_t>(counts.size()); q = next()) {
+      if (scene.skipped[q] != 0) continue;
+      const std::int32_t r = scene.polygons.polygon_region[q];
+      double pixels = 0, area = 0;
+      for (std::int32_t i = scene.near.start[r]; i < scene.near.start[r + 1]; ++i) {
+        const Triangle& t = scene.mesh.triangles()[scene.near.faces[i]];
+        pixels += sampler.pixels(scene.near.faces[i]);
+        area += (v[t[1]] - v[t[0]]).cross(v[t[2]] - v[t[0]]).norm() / 2;
+      }
+      const double texels = area * scene.atlas.scale * scene.atlas.scale;
+      const double ratio = texels > 0 ? std::sqrt(pixels / texels) : 0;
+      counts[q] = static_cast<std::int32_t>(std::clamp(std::ceil(ratio), 1.0 * kLeastSamples, 1.0 * kMostSamples));
     }
-    const double texels = area * scene.atlas.scale * scene.atlas.scale;
-    const double ratio = texels > 0 ? std::sqrt(pixels / texels) : 0;
-    counts.push_back(static_cast<std::int32_t>(std::clamp(std::ceil(ratio), 1.0 * kLeastSamples, 1.0 * kMostSamples)));
-  }
+  });
   return counts;
 }
 
@@ -153,7 +157,7 @@ Texture bake(const Mesh& mesh, const Partition& partition, const PolygonMesh& po
     for (std::size_t q = 0; q < texture.same.size(); ++q) scene.skipped[q] = texture.same[q] != kNone ? 1 : 0;
     copy_same(scene, *earlier, threads, job, texture);
   }
-  const std::vector<std::int32_t> counts = sample_counts(scene, sampler);
+  const std::vector<std::int32_t> counts = sample_counts(scene, sampler, threads);
   const Job::Part part(job, "baking", 0, options.occlusion ? 0.3 : options.height ? 0.6 : 0.9);
   for_all(
       scene, threads, job, [&](std::int32_t q) { return counts[q]; },

@@ -107,7 +107,7 @@ FlatEdges edges_of(const FlatFace& f) {
   return e;
 }
 
-std::array<Hit, 4> PolygonView::closest(const Quad& quad, std::array<std::int32_t, 2> guesses) const {
+std::array<Hit, 4> PolygonView::closest(const Quad& quad, std::array<std::int32_t, 2> guesses, Visited& visited) const {
   std::array<Hit, 4> hits;
   if (quad.wanted == 0 || faces_.empty()) return hits;
   Nearest best;
@@ -119,8 +119,9 @@ std::array<Hit, 4> PolygonView::closest(const Quad& quad, std::array<std::int32_
     best.face[k] = best.item[k] = kNone;
   }
   if (guesses[0] == kNone && guesses[1] == kNone) guesses[0] = closest(quad.x, quad.y).index;
+  visited.begin(faces_.size());
   for (const std::int32_t guess : guesses)
-    if (guess != kNone) take(edges_[guess], faces_[guess].face, guess, x, y, best);
+    if (guess != kNone && visited.first(guess)) take(edges_[guess], faces_[guess].face, guess, x, y, best);
   float least = best.squared.maxCoeff() * kRounding;
   const float reach = std::sqrt(least), right = quad.x + quad.step, above = quad.y + quad.step;
   const std::int32_t i1 = grid_.column(right + reach), j1 = grid_.row(above + reach);
@@ -128,11 +129,14 @@ std::array<Hit, 4> PolygonView::closest(const Quad& quad, std::array<std::int32_
     for (std::int32_t i = grid_.column(quad.x - reach); i <= i1; ++i) {
       const float off = grid_.off(i, j);
       if (grid_.away(i, j, quad.x, right, quad.y, above) + off * off > least) continue;
-      for (const std::int32_t item : grid_.in(i, j)) {
-        const FlatBox& e = boxes_[item];
+      const auto items = grid_.in(i, j);
+      const auto boxes = grid_.boxes_in(i, j);
+      for (std::size_t k = 0; k < items.size(); ++k) {
+        const FlatBox& e = boxes[k];
+        const std::int32_t item = items[k];
         const float over = std::max(std::max(0.0F, e.low_x - right), quad.x - e.high_x);
         const float up = std::max(std::max(0.0F, e.low_y - above), quad.y - e.high_y);
-        if (over * over + up * up + e.off * e.off > least) continue;
+        if (over * over + up * up + e.off * e.off > least || !visited.first(item)) continue;
         if (take(edges_[item], faces_[item].face, item, x, y, best)) least = best.squared.maxCoeff() * kRounding;
       }
     }

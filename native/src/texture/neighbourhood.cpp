@@ -21,16 +21,31 @@ std::vector<std::array<std::int32_t, 2>> beside(const Mesh& mesh, const Partitio
   return pairs;
 }
 
-constexpr std::int32_t kBlock = 32;  // faces
-
 void make_blocks(const Mesh& mesh, Neighbourhood& found) {
+  constexpr std::int32_t kBlock = Neighbourhood::kBlock;
+  std::vector<std::int32_t> place(mesh.vertex_count(), kNone);
+  found.corners.resize(found.faces.size());
   for (std::size_t r = 0; r + 1 < found.start.size(); ++r) {
     found.block_start.push_back(static_cast<std::int32_t>(found.blocks.size()));
     for (std::int32_t begin = found.start[r]; begin < found.start[r + 1]; begin += kBlock) {
-      Neighbourhood::Block block{begin, std::min(begin + kBlock, found.start[r + 1]), Vec3::Zero(), 0};
+      Neighbourhood::Block block{begin,
+                                 std::min(begin + kBlock, found.start[r + 1]),
+                                 static_cast<std::int32_t>(found.vertices.size()),
+                                 0,
+                                 Vec3::Zero(),
+                                 0};
       Box box;
       for (std::int32_t i = block.begin; i < block.end; ++i)
-        for (const std::int32_t v : mesh.triangles()[found.faces[i]]) box.extend(mesh.vertices()[v]);
+        for (std::size_t k = 0; k < 3; ++k) {
+          const std::int32_t v = mesh.triangles()[found.faces[i]][k];
+          if (place[v] == kNone) {
+            place[v] = block.count++;
+            found.vertices.push_back(v);
+            box.extend(mesh.vertices()[v]);
+          }
+          found.corners[i][k] = static_cast<std::uint8_t>(place[v]);
+        }
+      for (std::int32_t i = block.first; i < block.first + block.count; ++i) place[found.vertices[i]] = kNone;
       block.middle = box.center();
       block.radius = box.diagonal().norm() / 2;
       found.blocks.push_back(block);

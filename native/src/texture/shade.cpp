@@ -117,7 +117,8 @@ void ColourShade::add_searched(const Texel& texel, const Samples& samples, float
           quad.wanted |= 1U << k;
       }
       if (quad.wanted == 0) continue;
-      const std::array<Hit, 4> hits = view_.closest(quad, {last_, texel.closest > 0 ? texel.hit.index : kNone});
+      const std::array<Hit, 4> hits =
+          view_.closest(quad, {last_, texel.closest > 0 ? texel.hit.index : kNone}, samples.visited);
       for (std::int32_t k = 0; k < 4; ++k) {
         if ((quad.wanted >> k & 1) == 0) continue;
         add(hits[k], share);

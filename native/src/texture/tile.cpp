@@ -104,7 +104,7 @@ void search_rows(const PolygonView& view, std::int32_t row, Samples& samples) {
       if (drawn == kNone) drawn = samples.middle(i, j);
     }
     if (quad.wanted == 0) continue;
-    const std::array<Hit, 4> hits = view.closest(quad, {last, drawn});
+    const std::array<Hit, 4> hits = view.closest(quad, {last, drawn}, samples.visited);
     for (std::int32_t k = 0; k < 4; ++k) {
       samples.hits[static_cast<std::size_t>(k / 2) * (width + 1) + x + k % 2] = hits[k];
       if ((quad.wanted >> k & 1) != 0) last = hits[k].index;

@@ -39,6 +39,7 @@ struct Samples {
   std::vector<float> closest;  ///< (width by height) share of the closest point in each texel; -1: not the polygon's
   std::vector<Span> wanted;    ///< (height) the texels of each row that lie between the polygon's first and last
   std::vector<Hit> hits;       ///< (2 by width + 1) the closest points of two rows
+  mutable Visited visited;     ///< of searches
   TexelBox box;
   std::int32_t n = 1;
 

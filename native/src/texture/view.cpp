@@ -30,7 +30,7 @@ float double_area(const FlatFace& f) {
 
 }  // namespace
 
-void Bins::build(std::span<const FlatBox> faces, const TexelBox& box, float cell) {
+void Bins::build(std::span<const FlatBox> faces, const TexelBox& box, float cell, bool with_boxes) {
   x0_ = static_cast<float>(box.x0);
   y0_ = static_cast<float>(box.y0);
   cell_ = cell;
@@ -50,8 +50,12 @@ void Bins::build(std::span<const FlatBox> faces, const TexelBox& box, float cell
     });
   for (std::size_t k = 1; k < start_.size(); ++k) start_[k] += start_[k - 1];
   item_.resize(start_.back());
+  box_.resize(with_boxes ? item_.size() : 0);
   for (std::size_t i = 0; i < faces.size(); ++i)
-    for_cells(faces[i], [&](std::size_t k) { item_[start_[k]++] = static_cast<std::int32_t>(i); });
+    for_cells(faces[i], [&](std::size_t k) {
+      if (with_boxes) box_[start_[k]] = faces[i];
+      item_[start_[k]++] = static_cast<std::int32_t>(i);
+    });
   std::copy_backward(start_.begin(), start_.end() - 1, start_.end());
   start_[0] = 0;
 }
@@ -75,10 +79,10 @@ void PolygonView::look(const ChartFrame& frame, const TexelBox& box, std::int32_
   if (faces_.empty()) collect(frame, region, false);  // nothing looks the polygon's way: better that than nothing
   edges_.clear();
   for (const FlatFace& f : faces_) edges_.push_back(edges_of(f));
-  tiles_.build(boxes_, box, static_cast<float>(kTile));
+  tiles_.build(boxes_, box, static_cast<float>(kTile), false);
   const float texels = static_cast<float>(box.width()) * static_cast<float>(box.height());
   const float cells = std::clamp(static_cast<float>(faces_.size()), 1.0F, kMostCells);
-  grid_.build(boxes_, box, std::max(4.0F, std::sqrt(kInCell * texels / cells)));
+  grid_.build(boxes_, box, std::max(4.0F, std::sqrt(kInCell * texels / cells)), true);
 }
 
 namespace {
@@ -93,18 +97,9 @@ struct IntoChart {
     v = frame.v * (scale * scale);
     n = frame.n * scale;
   }
-  [[nodiscard]] FlatFace operator()(const Mesh& mesh, std::int32_t face, bool own) const {
-    FlatFace flat;
-    flat.face = face;
-    flat.own = own;
-    for (int corner = 0; corner < 3; ++corner) {
-      const Vec3 d = mesh.vertices()[mesh.triangles()[face][corner]] - origin;
-      flat.x[corner] = static_cast<float>(d.dot(u));
-      flat.y[corner] = static_cast<float>(d.dot(v));
-      flat.z[corner] = static_cast<float>(d.dot(n));
-    }
-    flat.over = 1 / double_area(flat);
-    return flat;
+  [[nodiscard]] std::array<float, 3> operator()(const Vec3& at) const {
+    const Vec3 d = at - origin;
+    return {static_cast<float>(d.dot(u)), static_cast<float>(d.dot(v)), static_cast<float>(d.dot(n))};
   }
   [[nodiscard]] bool beyond(const Neighbourhood::Block& block, const TexelBox& box, double margin) const {
     const Vec3 d = block.middle - origin;
@@ -122,13 +117,25 @@ void PolygonView::collect(const ChartFrame& frame, std::int32_t region, bool fac
   const float margin = std::max(16.0F, 0.25F * static_cast<float>(box_.width() + box_.height()));
   const float x0 = static_cast<float>(box_.x0) - margin, x1 = static_cast<float>(box_.x1) + margin;
   const float y0 = static_cast<float>(box_.y0) - margin, y1 = static_cast<float>(box_.y1) + margin;
+  std::array<std::array<float, 3>, std::size_t{3} * Neighbourhood::kBlock> places;
   for (std::int32_t k = near_.near_start[region]; k < near_.near_start[region + 1]; ++k) {
     const std::int32_t r = near_.near[k];
     for (std::int32_t at = near_.block_start[r]; at < near_.block_start[r + 1]; ++at) {
       const Neighbourhood::Block& block = near_.blocks[at];
       if (facing && into.beyond(block, box_, margin)) continue;
+      for (std::int32_t i = 0; i < block.count; ++i)
+        places[i] = into(mesh_.vertices()[near_.vertices[block.first + i]]);
       for (std::int32_t i = block.begin; i < block.end; ++i) {
-        const FlatFace flat = into(mesh_, near_.faces[i], r == region);
+        FlatFace flat;
+        flat.face = near_.faces[i];
+        flat.own = r == region;
+        for (std::size_t corner = 0; corner < 3; ++corner) {
+          const auto& [x, y, z] = places[near_.corners[i][corner]];
+          flat.x[corner] = x;
+          flat.y[corner] = y;
+          flat.z[corner] = z;
+        }
+        flat.over = 1 / double_area(flat);
         if (facing && !(flat.over > 0 && flat.over < std::numeric_limits<float>::infinity())) continue;
         const FlatBox e = extent(flat);
         if (facing && (e.high_x < x0 || e.high_y < y0 || e.low_x > x1 || e.low_y > y1)) continue;

@@ -18,14 +18,18 @@ namespace isimp::detail {
 struct Neighbourhood {
   /// Some faces of a region that lie together, and a ball round them.
   struct Block {
-    std::int32_t begin, end;  // of `faces`
+    std::int32_t begin, end;    // of `faces`
+    std::int32_t first, count;  // of `vertices`: those that the faces have, each once
     Vec3 middle;
     double radius;
   };
-  std::vector<std::int32_t> start, faces;  ///< region r has faces[start[r]] to faces[start[r + 1]], in Morton order
-  std::vector<std::int32_t> block_start;   ///< and the blocks block_start[r] to block_start[r + 1]
+  static constexpr std::int32_t kBlock = 32;  ///< faces of a block, at most
+  std::vector<std::int32_t> start, faces;     ///< region r has faces[start[r]] to faces[start[r + 1]], in Morton order
+  std::vector<std::int32_t> block_start;      ///< and the blocks block_start[r] to block_start[r + 1]
   std::vector<Block> blocks;
-  std::vector<std::int32_t> near_start, near;  ///< the same of regions: r itself first, then those beside it
+  std::vector<std::int32_t> vertices;
+  std::vector<std::array<std::uint8_t, 3>> corners;  ///< of `faces`: which of its block's vertices each corner is
+  std::vector<std::int32_t> near_start, near;        ///< the same of regions: r itself first, then those beside it
 };
 
 /// \param known  (F) 0 for faces that have nothing to show, which are left out; empty: all are known. A region none of
@@ -75,8 +79,14 @@ struct FlatBox {
 /// Which of some faces reach into which cell of a grid; those outside lie in the cells at its rim.
 class Bins {
  public:
-  void build(std::span<const FlatBox> faces, const TexelBox& box, float cell);
+  /// \param with_boxes  whether `boxes_in` is called
+  void build(std::span<const FlatBox> faces, const TexelBox& box, float cell, bool with_boxes);
   [[nodiscard]] std::span<const std::int32_t> in(std::int32_t i, std::int32_t j) const;
+  /// What those faces lie in, one after another in memory.
+  [[nodiscard]] std::span<const FlatBox> boxes_in(std::int32_t i, std::int32_t j) const {
+    const std::size_t k = static_cast<std::size_t>(j) * columns_ + i;
+    return std::span(box_).subspan(start_[k], start_[k + 1] - start_[k]);
+  }
   [[nodiscard]] std::int32_t columns() const { return columns_; }
   [[nodiscard]] std::int32_t rows() const { return rows_; }
   [[nodiscard]] float cell() const { return cell_; }
@@ -98,7 +108,27 @@ class Bins {
   float x0_ = 0, y0_ = 0, cell_ = 1;
   std::int32_t columns_ = 1, rows_ = 1;
   std::vector<std::int32_t> start_, item_;
+  std::vector<FlatBox> box_;
   std::vector<float> off_;
+};
+
+/// Which faces a search has looked at: those in several cells are looked at once. One for each thread.
+class Visited {
+ public:
+  void begin(std::size_t faces) {
+    ++now_;
+    if (last_.size() < faces) last_.resize(faces, 0);
+  }
+  /// Whether this is the first time since `begin`.
+  bool first(std::int32_t item) {
+    if (last_[item] == now_) return false;
+    last_[item] = now_;
+    return true;
+  }
+
+ private:
+  std::vector<std::uint32_t> last_;
+  std::uint32_t now_ = 0;
 };
 
 /// The faces that a polygon can show, as seen along its normal.
@@ -128,7 +158,8 @@ class PolygonView {
   [[nodiscard]] Hit closest(float x, float y) const;
   /// The closest places to four points, about four times as fast.
   /// \param guesses  of `faces()` some that are near, so that the search ends soon; kNone: not known
-  [[nodiscard]] std::array<Hit, 4> closest(const Quad& quad, std::array<std::int32_t, 2> guesses) const;
+  [[nodiscard]] std::array<Hit, 4> closest(const Quad& quad, std::array<std::int32_t, 2> guesses,
+                                           Visited& visited) const;
 
  private:
   void collect(const ChartFrame& frame, std::int32_t region, bool facing);

@@ -182,8 +182,7 @@ def _groups(
     mesh: Mesh, part: Partition, poly: PolygonMesh, source: TexturedSoup, face: NDArray[np.int32]
 ) -> tuple[NDArray[np.int32], list[int]]:
     """(Q,) which of some materials each polygon belongs to, and these: what most of its region's area shows."""
-    corners = mesh.vertices[mesh.triangles]
-    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    area = _areas(mesh)
     counts = (face >= 0) & (part.face_region >= 0)
     given = np.append(np.asarray(source.given, dtype=np.int64), -1)  # the last one: no material
     count = int(given.max()) + 2
@@ -253,7 +252,7 @@ def _layer(
     layer: TextureLayer = source.layers[name]
     at = np.maximum(face, 0)
     if layer.uv is not None:
-        uv = np.ascontiguousarray(np.einsum("fkc,fcd->fkd", _shares(weight), layer.uv[at]).astype(np.float32))
+        uv = np.ascontiguousarray(_carried(layer.uv, at, weight).astype(np.float32))
     pictures = [np.ascontiguousarray(image) for image in layer.images if image is not None]
     none = -1
     if name != NORMAL:
@@ -267,13 +266,47 @@ def _layer(
     return uv, image, pictures
 
 
-def _shares(weight: NDArray[np.float32]) -> NDArray[np.float32]:
-    return np.stack([1 - weight[:, :, 0] - weight[:, :, 1], weight[:, :, 0], weight[:, :, 1]], axis=2)
+def _carried(values: NDArray[Any], face: NDArray[np.int32], weight: NDArray[np.float32]) -> NDArray[Any]:
+    """(F, 3, n): values of a source's corners at those of the mesh's faces. Most faces have the corners of their source."""
+    carried = values[face]
+    other = np.flatnonzero((weight != _CORNERS).reshape(len(weight), -1).any(axis=1))
+    w = weight[other]
+    share = np.stack([1 - w[:, :, 0] - w[:, :, 1], w[:, :, 0], w[:, :, 1]], axis=2)
+    carried[other] = np.einsum("fkc,fcd->fkd", share, carried[other])
+    return carried
+
+
+_CORNERS = np.array([[0, 0], [1, 0], [0, 1]], dtype=np.float32)
+
+
+_FACES = 1 << 14  # at once, so that intermediate values stay in a cache
+
+
+def _areas(mesh: Mesh) -> NDArray[np.float64]:
+    """(F,) of the faces."""
+    vertices, triangles = mesh.vertices, mesh.triangles
+    areas = np.empty(len(triangles))
+    for begin in range(0, len(triangles), _FACES):
+        corners = np.ascontiguousarray(vertices[triangles[begin : begin + _FACES]].reshape(-1, 9).T)
+        (ux, uy, uz), (vx, vy, vz) = corners[3:6] - corners[:3], corners[6:] - corners[:3]
+        x, y, z = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+        areas[begin : begin + _FACES] = np.sqrt(x * x + y * y + z * z) / 2
+    return areas
+
+
+def _uv_areas(uv: NDArray[np.float32]) -> NDArray[np.float64]:
+    """(F,) of the triangles in the UV map."""
+    areas = np.empty(len(uv))
+    for begin in range(0, len(uv), _FACES):
+        part = uv[begin : begin + _FACES].reshape(-1, 6).T
+        u0, v0, u1, v1, u2, v2 = np.ascontiguousarray(part, dtype=np.float64)
+        areas[begin : begin + _FACES] = np.abs((u1 - u0) * (v2 - v0) - (v1 - v0) * (u2 - u0)) / 2
+    return areas
 
 
 def _look(source: TexturedSoup, face: NDArray[np.int32], weight: NDArray[np.float32]) -> _Look:
-    share, at = _shares(weight), np.maximum(face, 0)
-    uv = np.einsum("fkc,fcd->fkd", share, source.uv[at]).astype(np.float32)
+    at = np.maximum(face, 0)
+    uv = _carried(source.uv, at, weight).astype(np.float32)
     pictures = [image for image in source.images if image is not None]
     number = np.full(len(source.images) + 1, -1, dtype=np.int32)  # the last one: no material
     shown = [i for i, image in enumerate(source.images) if image is not None]
@@ -282,7 +315,7 @@ def _look(source: TexturedSoup, face: NDArray[np.int32], weight: NDArray[np.floa
     image[face < 0] = -1
     colors = np.zeros((0, 3, 4), dtype=np.uint8)
     if source.colors is not None:
-        colors = np.round(np.einsum("fkc,fcd->fkd", share, source.colors[at].astype(np.float32))).astype(np.uint8)
+        colors = np.round(_carried(source.colors.astype(np.float32), at, weight)).astype(np.uint8)
     known = (face >= 0) & ((image >= 0) | (source.colors is not None))
     pictures = [np.ascontiguousarray(picture) for picture in pictures]
     return _Look(np.ascontiguousarray(uv), image.astype(np.int32), colors, known.astype(np.uint8), pictures)
@@ -290,18 +323,14 @@ def _look(source: TexturedSoup, face: NDArray[np.int32], weight: NDArray[np.floa
 
 def _density(mesh: Mesh, look: _Look) -> float:
     """Pixels of the scan's images per scene unit; a pixel for each vertex where it has colours only."""
-    corners = mesh.vertices[mesh.triangles]
-    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
+    area = _areas(mesh)
     pixels, shown = 0.0, 0.0
     if look.pictures:
         size = np.array([p.shape[1::-1] for p in look.pictures], dtype=np.float64)
-        with_image = look.image >= 0
-        q = look.uv[with_image] * size[look.image[with_image]][:, None]
-        d, e = q[:, 1] - q[:, 0], q[:, 2] - q[:, 0]
-        covered = np.abs(d[:, 0] * e[:, 1] - d[:, 1] * e[:, 0]) / 2
-        large = np.prod(size, axis=1)[look.image[with_image]] > 1  # a single pixel is a colour
-        pixels = float(np.nansum(covered[large]))
-        shown = float(area[with_image][large].sum())
+        of = np.append(np.prod(size, axis=1), 0)[look.image]  # pixels of each face's image
+        large = of > 1  # a single pixel is a colour
+        pixels = float(np.nansum((_uv_areas(look.uv) * of)[large]))
+        shown = float(area[large].sum())
     if pixels > 0 and shown > 0:
         return float(np.sqrt(pixels / shown))
     return float(np.sqrt(len(mesh.vertices) / max(float(area.sum()), 1e-300)))
