@@ -151,7 +151,7 @@ def _are_polygons(value: object) -> bool:
 _COUNTS = (
     *("regions", "regions_before", "asked", "left_out", "locked", "barriers", "barriers_inside", "failed"),
     *("polygons", "corners", "vertices", "triangles", "faces", "components", "border_loops", "kept_open"),
-    *("held", "planes", "directions"),
+    *("held", "planes", "directions", "let_go"),
 )
 _NUMBERS = (
     *("error", "seconds", "diagonal", "planarity_max", "planarity_mean"),
