@@ -88,7 +88,9 @@ def scan_row(path: Path, proxies: int) -> None:
         f"{len(after.loop_start) / len(before.loop_start):.2f}, new faults {faults}, added time {(t1 - t0) / t0:.1f}; "
         f"regularised: directions {free.report['directions']} -> {snapped.report['directions']}, rms "
         f"{snapped.report['rms_added'] / (snapped.report['rms'] - snapped.report['rms_added']):+.1%}, "
-        f"whole {regular.report['whole']:.2f}, time {t2 / t0:.2f}"
+        f"whole {regular.report['whole']:.2f}, faces a polygon {len(regular.loop_start) / len(before.loop_start):.2f}, "
+        f"planes let go {regular.report['planes_let_go']}, new faults "
+        f"{sum(regular.report[f] - before.report[f] for f in FAULTS)}, time {t2 / t0:.2f}"
     )
 
 

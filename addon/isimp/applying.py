@@ -334,6 +334,7 @@ def _mesh_numbers(found, regions: Outcome, away: np.ndarray) -> dict:
         "vertices": len(polygons.vertices),
         **{name: report[name] for name in more if name in report},
         "flaws": flaws(report),
+        "let_go": report.get("planes_let_go", 0),
         "split": {name: report[name] for name in report if name.startswith("split_for_")}
         | {
             "cut_to_be_planar": report.get("faces_added", 0),

@@ -151,8 +151,7 @@ def _are_polygons(value: object) -> bool:
 _COUNTS = (
     *("regions", "regions_before", "asked", "left_out", "locked", "barriers", "barriers_inside", "failed"),
     *("polygons", "corners", "vertices", "triangles", "faces", "components", "border_loops", "kept_open"),
-    *("held", "planes", "directions"),
-    *("mirrored_regions", "mirrored_corners"),
+    *("held", "planes", "directions", "let_go", "mirrored_regions", "mirrored_corners"),
 )
 _NUMBERS = (
     *("error", "seconds", "diagonal", "planarity_max", "planarity_mean"),

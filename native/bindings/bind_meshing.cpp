@@ -63,6 +63,7 @@ py::dict report_of(const MeshingReport& r) {
   if (!r.planar.asked) return report;
   report["whole"] = r.planar.whole;
   report["faces_added"] = r.planar.faces_added;
+  report["planes_let_go"] = r.planar.planes_let_go;
   report["faces_added_for"] =
       py::dict("apart"_a = r.planar.added_for_apart, "crossing"_a = r.planar.added_for_crossing,
                "flipped"_a = r.planar.added_for_flipped, "meeting"_a = r.planar.added_for_meeting);
@@ -102,7 +103,8 @@ pairs whose regions do so in the scan itself (excused_at_least: there are more, 
 that the repair put across regions, repair_rounds, and repair_capped: whether something is left that takes more than options.repair_budget; work: how many faces were walked over, corners placed and polygons judged, the same on every machine; imperfect: all of these by polygon, of each flaw the first 1,000,
 planar: whether every polygon is planar to a millionth of the diagonal. With options.planar also whole, the share of the
 polygons that stayed one; faces_added, as corners were cut off, and faces_added_for, why: apart (planes do not meet within
-reach), crossing, flipped, meeting (it would have become so).
+reach), crossing, flipped, meeting (it would have become so); planes_let_go, the regions whose snapped plane was let go, as to
+hold it takes too many polygons.
 imperfect is a list of dicts with polygon (its index), flaw ("crossing", "no_area", "flipped", "bent", "intersecting" or "excused") and, for
 the last two, other (the polygon it meets; each pair is listed under both; none for a face of the scan without area).)")
       .def(py::pickle([](const PolygonMesh& self) { return state_of(self); }, &polygons_from))

@@ -206,6 +206,44 @@ TEST(AlignPlanes, PolygonsKeepToThem) {
   }
 }
 
+/// A sheet that is folded along x = .5 by a slope of .2, its halves as regions.
+struct Fold {
+  Mesh mesh = made();
+  Partition part = halves(mesh);
+
+  static Mesh made() {
+    shapes::Arrays a = shapes::plane(12);
+    for (Vec3& v : a.vertices) v.z() = 0.2 * std::max(0.0, v.x() - 0.5);
+    return shapes::mesh(a);
+  }
+  static Partition halves(const Mesh& mesh) {
+    std::vector<std::int32_t> label;
+    for (const Triangle& t : mesh.triangles()) {
+      const double x = (mesh.vertices()[t[0]] + mesh.vertices()[t[1]] + mesh.vertices()[t[2]]).x() / 3;
+      label.push_back(x + mesh.origin().x() < 0.5 ? 0 : 1);
+    }
+    Job job;
+    return partition_from(mesh, label, job);
+  }
+};
+
+TEST(AlignPlanes, SnappedPlanesThatDoNotMeetAreLetGoAndThoseSetByHandAreNot) {
+  const Fold fold;
+  Job job;
+  const Partition snapped = regularise(fold.mesh, fold.part, {.angle = 15, .length = 0.04}, job);
+  ASSERT_EQ(snapped.regularity->directions, 1);
+  ASSERT_EQ(snapped.regularity->planes, 2) << "parallel planes with a common edge";
+  const PolygonMesh out = polygonize(fold.mesh, snapped, {.planar = true}, job);
+  EXPECT_EQ(out.polygon_count(), 2);
+  EXPECT_EQ(out.report.planar.whole, 1.0);
+  EXPECT_GE(out.report.planar.planes_let_go, 1);
+  const std::vector<std::int32_t> faces{fold.part.region_seed[0], fold.part.region_seed[1]};
+  const Partition by_hand = align_planes(fold.mesh, fold.part, faces, Align::level, kUp, 0.1, job);
+  const PolygonMesh kept = polygonize(fold.mesh, by_hand, {.planar = true}, job);
+  EXPECT_EQ(kept.report.planar.planes_let_go, 0);
+  EXPECT_TRUE(kept.report.planar.planar);
+}
+
 TEST(AlignPlanes, RegulariseKeepsThemAndLeavesFreedOnesFree) {
   const Leaning cube(0.03, 0.0);
   const std::int32_t top = cube.region(cube.top()), side = cube.region(cube.side());

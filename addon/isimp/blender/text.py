@@ -177,9 +177,13 @@ def planes_line(numbers: dict, system: str, scale: float) -> str:
         held = numbers.get("held", 0)
         text = own("{held} of {regions} keep their planes: press Regularise again") if held else own("As scanned")
         return said(text, held=f"{held:,}", regions=_count(numbers.get("regions", 0), "region"))
+    gone = numbers.get("let_go", 0)
     text = own("{regions} -> {planes} in {directions}, adds {length}")
+    if gone:
+        text = own("{regions} -> {planes} in {directions}, adds {length}; {gone} not held, as they cost polygons")
     return said(
         text,
+        gone=_count(gone, "plane"),
         regions=_count(numbers["regions"], "region"),
         planes=_count(numbers["planes"], "plane"),
         directions=_count(numbers["directions"], "direction"),

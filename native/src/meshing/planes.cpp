@@ -107,6 +107,7 @@ Plane united(const Plane& a, const Plane& b) {
 
 void hold(Plane& plane, const Partition& partition, std::int32_t region) {
   plane.held = partition.is_held(region);
+  plane.snapped = plane.held && partition.region_held[region] == kPlaneSnapped;
   if (!plane.held) return;
   plane.normal = partition.region_normal[region];
   plane.centre += (partition.region_offset[region] - plane.normal.dot(plane.centre)) * plane.normal;

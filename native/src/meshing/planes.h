@@ -18,6 +18,7 @@ struct Plane {
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();  ///< covariance of the surface round the centre
   double area = 0;
   bool held = false;     ///< the plane is given, through `centre`
+  bool snapped = false;  ///< it is, by `regularise`
   double projected = 0;  ///< length of the vector area; 0 where the faces do not tell a direction
 };
 

@@ -47,6 +47,7 @@ struct PlanarReport {
   std::int32_t faces_added = 0;      ///< as corners were cut off; the sum of those below
   std::int32_t added_for_apart = 0;  ///< planes round a corner do not meet within reach
   std::int32_t added_for_crossing = 0, added_for_flipped = 0, added_for_meeting = 0;  ///< else it would have been so
+  std::int32_t planes_let_go = 0;  ///< regions whose plane `regularise` had snapped: to hold it costs too many polygons
   bool operator==(const PlanarReport&) const = default;
 };
 

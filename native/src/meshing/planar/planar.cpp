@@ -17,7 +17,10 @@
 namespace isimp::meshing::planar {
 namespace {
 
-constexpr int kPasses = 3;  ///< fits, all but the first without the corners that did not fit
+constexpr int kPasses = 3;     ///< fits, all but the first without the corners that did not fit
+constexpr int kReleases = 12;  ///< rounds at most in which snapped planes are let go
+constexpr double kTooMany =
+    0.3;  ///< share of a polygon's corners on too few planes above which it is. Source: own trials
 constexpr Schedule kFirst{15, 1, 1e6}, kAgain{6, 1e2, 1e6};
 constexpr int kRings = 5;               ///< round what is stuck, that are solved anew
 constexpr int kGentle = 12;             ///< rounds in which corners that are held back keep half their way
@@ -122,6 +125,7 @@ class Planarizer {
       const Unit& was = known->second;
       u.normal = was.normal;
       u.offset = was.offset;
+      u.held = was.held;
       u.free = was.free;
       u.plain = was.plain;
       u.own = was.own;
@@ -132,43 +136,58 @@ class Planarizer {
   }
 
   void solve() {
+    std::vector<Vec3> at = places_.start;
+    std::vector<std::int32_t> fixed;
+    std::vector<bool> is_new(units_.size(), true), concerns(at.size(), true);
+    if (is_again_) {  // the planes of units that the try before did not know are fitted to those that it did
+      concerns.assign(at.size(), false);
+      for (std::size_t u = 0; u < units_.size(); ++u) {
+        is_new[u] = !memory_.units.contains(units_[u].loop);
+        if (!is_new[u] && !units_[u].held) fixed.push_back(static_cast<std::int32_t>(u));
+        for (const std::int32_t c : units_[u].loop) concerns[c] = concerns[c] || is_new[u];
+      }
+      for (const std::int32_t u : fixed) units_[u].held = true;
+    }
     Kept kept;
     for (const Unit& u : units_) kept.emplace_back(u.loop.size(), 1);
-    std::vector<Vec3> at = places_.start;
-    if (is_again_) {
-      solve_new(at);
-      return;
-    }
-    fit(units_, places_, kept, kFirst, at, job_);
-    for (int pass = 1; pass < kPasses; ++pass) {
+    const auto fit_those = [&](const Schedule& schedule) {
+      for (std::size_t u = 0; is_again_ && u < units_.size(); ++u)
+        for (std::size_t i = 0; i < kept[u].size(); ++i) kept[u][i] = kept[u][i] && concerns[units_[u].loop[i]];
+      fit(units_, places_, kept, schedule, at, job_);
       kept = meet(units_, around_, places_, s_.threads, job_, at_);
-      fit(units_, places_, kept, kAgain, at, job_);
-    }
+    };
+    fit_those(kFirst);
+    for (int k = 0; k < kReleases && release(kept, is_new); ++k) fit_those(kFirst);
+    for (int pass = 1; pass < kPasses; ++pass) fit_those(kAgain);
+    for (const std::int32_t u : fixed) units_[u].held = false;
   }
 
-  /// The planes of units that the try before did not know are fitted to those that it did.
-  void solve_new(std::vector<Vec3>& at) {
-    std::vector<std::int32_t> fixed;
-    std::vector<bool> is_new(units_.size(), false), concerns(at.size(), false);
+  /// Lets go of snapped planes that too many corners can't be on together with the others round them. Of the planes round
+  /// a corner the one of the smallest unit is at fault.
+  /// \param kept  of the corners of those that are let go all are kept again
+  /// \return whether there were any
+  bool release(Kept& kept, const std::vector<bool>& is_new) {
+    std::vector<std::int32_t> faults(units_.size(), 0);
+    for (std::int32_t c = 0; c < static_cast<std::int32_t>(at_.size()); ++c) {
+      bool is_missed = false;
+      std::int32_t least = kNone;
+      for (const auto& [u, place] : around_.of(c)) {
+        const Unit& unit = units_[u];
+        is_missed = is_missed || (!kept[u][place] && unit.loop.size() > 3);
+        if (!unit.held || !unit.scan.snapped || !is_new[u]) continue;
+        if (least == kNone || unit.scan.area < units_[least].scan.area) least = u;
+      }
+      if (is_missed && least != kNone) ++faults[least];
+    }
+    bool any = false;
     for (std::size_t u = 0; u < units_.size(); ++u) {
-      is_new[u] = !memory_.units.contains(units_[u].loop);
-      if (!is_new[u] && !units_[u].held) fixed.push_back(static_cast<std::int32_t>(u));
-      for (const std::int32_t c : units_[u].loop) concerns[c] = concerns[c] || is_new[u];
+      if (faults[u] <= kTooMany * static_cast<double>(units_[u].loop.size())) continue;
+      units_[u].held = false;
+      any = true;
+      for (const std::int32_t c : units_[u].loop)
+        for (const auto& [other, place] : around_.of(c)) kept[other][place] = 1;
     }
-    for (const std::int32_t u : fixed) units_[u].held = true;
-    Kept kept;
-    for (const Unit& u : units_) {
-      auto& of = kept.emplace_back();
-      for (const std::int32_t c : u.loop) of.push_back(concerns[c]);
-    }
-    fit(units_, places_, kept, kFirst, at, job_);
-    for (int pass = 1; pass < kPasses; ++pass) {
-      kept = meet(units_, around_, places_, s_.threads, job_, at_);
-      for (std::size_t u = 0; u < units_.size(); ++u)
-        for (std::size_t i = 0; i < kept[u].size(); ++i) kept[u][i] = kept[u][i] && concerns[units_[u].loop[i]];
-      fit(units_, places_, kept, kAgain, at, job_);
-    }
-    for (const std::int32_t u : fixed) units_[u].held = false;
+    return any;
   }
 
   /// Has a corner, and what is round it, looked at in the next round.
@@ -365,10 +384,12 @@ class Planarizer {
     PlanarReport& r = out.report;
     r.asked = true;
     std::int32_t whole = 0;
+    std::set<std::int32_t> let_go;
     for (std::size_t u = 0; u < units_.size(); ++u) {
       const auto added = static_cast<std::int32_t>(cuts_[u].size());
       whole += added == 0 && !uncut_[u] && !units_[u].left;
       r.faces_added += added;
+      if (units_[u].scan.snapped && !units_[u].held) let_go.insert(s_.labels.pieces[units_[u].piece].region);
       switch (added == 0 ? Cause::none : units_[u].cause) {
         case Cause::none:
         case Cause::apart:
@@ -386,6 +407,7 @@ class Planarizer {
       }
     }
     r.whole = units_.empty() ? 1.0 : whole / static_cast<double>(units_.size());
+    r.planes_let_go = static_cast<std::int32_t>(let_go.size());
     r.planar = is_planar(s_);
     out.stuck = std::move(stuck_);
     remember(out.stuck);
