@@ -2,9 +2,12 @@
 """Measures how well polygons are formed, and what that costs in distance and planarity.
 
     bench/shape.py [--data DIR] [--only bunny,castle] [--proxies 100,300,1000] [--json OUT.json] [--against OLD.json]
+    bench/shape.py --resolution [...]
 
 `isimp_engine` must be importable. A row a mesh and number of regions; with --against, the row of an earlier run stands
-above each, and the summary says which of the limits of `LIMITS` are kept. Times are of the processor.
+above each, and the summary says which of the limits of `LIMITS` are kept. Times are of the processor. With --resolution
+each mesh is also measured with every face split in four, once and twice, so that the same surface has a quarter, once
+and four times as many faces; the summary has the columns of the first and the last over those of the one between.
 
 Columns, of polygons unless said otherwise:
   corners   a polygon, mean
@@ -185,6 +188,17 @@ def run(mesh, proxies, partition_options, meshing_options):
     return {key: float(value) for key, value in row.items()}, part, poly
 
 
+def split_in_four(mesh):
+    """The same surface with every face split in four at the middles of its edges."""
+    vertices, triangles = np.asarray(mesh.vertices), np.asarray(mesh.triangles)
+    ends = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    edges, middle = np.unique(ends, axis=0, return_inverse=True)
+    (a, b, c), (x, y, z) = triangles.T, (len(vertices) + middle.reshape(-1, 3)).T
+    four = [[a, x, z], [x, b, y], [z, y, c], [x, y, z]]
+    faces = np.concatenate([np.stack(face, axis=1) for face in four])
+    return engine.Mesh(np.concatenate([vertices, vertices[edges].mean(axis=1)]), faces)
+
+
 def line(name, proxies, row):
     cells = [f"{row[c]:{max(7, len(c) + 1)}.{DIGITS.get(c, 1)}f}" for c in COLUMNS]
     return f"{name[:14]:14} {proxies:5} {row['polygons']:6.0f} {''.join(cells)}"
@@ -207,6 +221,18 @@ def summary(rows, before):
         print(f"{c}: {len(same) - len(worse)} of {len(same)} not above before; {'; '.join(worse)}")
 
 
+def by_resolution(rows):
+    """How far what is measured depends on the number of faces: the worst of the columns, and the means."""
+    runs = {key.removesuffix(" x4") for key in rows if key.endswith(" x4")}
+    print(f"\nmean ratio to four times the faces of the file, of {len(runs)} runs: as in the file; sixteen times")
+    for c in COLUMNS:
+        both = []
+        for ends in ("", " x16"):
+            ratios = [rows[run + ends][c] / rows[run + " x4"][c] for run in runs if rows[run + " x4"][c] > 0]
+            both.append(np.mean(ratios) if ratios else np.nan)
+        print(f"  {c:8} {both[0]:6.3f} {both[1]:6.3f}")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--data", type=Path, default=ROOT.parent / "shared" / "data")
@@ -214,6 +240,7 @@ def main():
     parser.add_argument("--proxies", default=",".join(map(str, COUNTS)))
     parser.add_argument("--json", type=Path)
     parser.add_argument("--against", type=Path, help="what --json of an earlier run wrote")
+    parser.add_argument("--resolution", action="store_true", help="also with four and sixteen times the faces")
     parser.add_argument("--partition", type=json.loads, default={}, help="fields of PartitionOptions as JSON")
     parser.add_argument("--meshing", type=json.loads, default={}, help="fields of MeshingOptions as JSON")
     given = parser.parse_args()
@@ -225,19 +252,24 @@ def main():
     for path in paths:
         if wanted and not any(w in path.stem for w in wanted):
             continue
-        mesh = engine.clean(*engine.read(path))
-        for proxies in map(int, given.proxies.split(",")):
+        meshes = {"": engine.clean(*engine.read(path))}
+        if given.resolution:
+            meshes[" x4"] = split_in_four(meshes[""])
+            meshes[" x16"] = split_in_four(meshes[" x4"])
+        for (finer, mesh), proxies in itertools.product(meshes.items(), map(int, given.proxies.split(","))):
             if 8 * proxies > len(mesh.triangles):
                 continue
-            key = f"{path.stem} {proxies}"
+            key = f"{path.stem} {proxies}{finer}"
             rows[key], _, _ = run(mesh, proxies, given.partition, given.meshing)
             if key in before:
                 print(line("  before", proxies, before[key]))
-            print(line(path.stem, proxies, rows[key]), flush=True)
+            print(line(path.stem[: 14 - len(finer)] + finer, proxies, rows[key]), flush=True)
     if given.json:
         given.json.write_text(json.dumps(rows, indent=1))
     if before:
         summary(rows, before)
+    if given.resolution:
+        by_resolution(rows)
     return 0
 
 

@@ -1,6 +1,7 @@
 """polygonize: polygons of regions, as callers see them."""
 
 import gc
+import itertools
 
 import numpy as np
 import pytest
@@ -230,3 +231,27 @@ def test_flatness_follows_the_tolerance_that_found_the_regions():
     assert limit < loose.planarity.max() <= 2 * found.tolerance
     assert tight.planarity.max() <= limit
     assert loose.report["polygons"] < tight.report["polygons"]
+
+
+def reflex_sum(poly):
+    """Degrees by which the corners of flat polygons are above 180, all together."""
+    ends, total = np.append(poly.loop_start, len(poly.loops)), 0.0
+    for begin, end in itertools.pairwise(ends):
+        corners = poly.vertices[poly.loops[begin:end], :2]
+        into, out = corners - np.roll(corners, 1, axis=0), np.roll(corners, -1, axis=0) - corners
+        turn = np.arctan2(into[:, 0] * out[:, 1] - into[:, 1] * out[:, 0], (into * out).sum(axis=1))
+        total += np.degrees(np.maximum(0, -turn)).sum()
+    return total
+
+
+def test_a_zigzag_without_shape_becomes_straighter():
+    mesh = engine.Mesh(*shapes.plane(40))
+    x, y, _ = mesh.vertices[mesh.triangles].mean(axis=1).T
+    left = x < 0.5 + 0.08 * np.arcsin(np.sin(6 * np.pi * (y + 0.0625)))
+    part = engine.partition_from(mesh, np.where(left, 0, 1))
+    stays, slides = (
+        engine.polygonize(mesh, part, engine.MeshingOptions(chord_tolerance=0.05, reach=reach)) for reach in (0, 0.2)
+    )
+    assert len(stays.vertices) == len(slides.vertices)
+    assert reflex_sum(stays) > 600
+    assert reflex_sum(slides) < 0.65 * reflex_sum(stays)

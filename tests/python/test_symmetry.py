@@ -6,6 +6,7 @@ import pickle
 
 import numpy as np
 import pytest
+from polygon_judge import judge
 
 import isimp_engine as engine
 import shapes
@@ -14,7 +15,7 @@ from isimp_engine import cli, recipes
 
 @pytest.fixture(scope="module")
 def mesh():
-    return engine.Mesh(*shapes.figure())
+    return engine.Mesh(*shapes.figure(48, noise=0.001))
 
 
 @pytest.fixture(scope="module")
@@ -45,6 +46,25 @@ def test_corners_lie_at_the_images_of_others(mesh, part):
     exact = int((distance < 1e-9).sum())
     assert polygons.report["mirrored_corners"] == exact
     assert exact >= 0.8 * len(polygons.vertices)
+
+
+@pytest.mark.parametrize("proxies", [20, 100, 300])
+def test_an_independent_judge_finds_no_fault(mesh, proxies):
+    part = engine.partition(mesh, engine.PartitionOptions(proxies=proxies, symmetry="x"))
+    polygons = engine.polygonize(mesh, part)
+    verdict, _ = judge(polygons, mesh, part, outlined=True)  # corners within reach of their vertices too
+    assert verdict.sound, vars(verdict)
+
+
+def test_a_part_of_one_region_across_the_plane_keeps_its_polygon():
+    vertices, triangles = shapes.figure()
+    patch, faces = shapes.plane(8)
+    x, y, _ = ((patch - [0.5, 0.5, 0]) * [0.8, 0.3, 0]).T
+    patch = np.stack([x, y, 1.4 + 0.02 * np.sin(9 * y)], axis=1)
+    mesh = engine.Mesh(*shapes.joined((vertices, triangles), (patch, faces)))
+    part = engine.partition(mesh, engine.PartitionOptions(proxies=60, symmetry="x", leave_out=0))
+    polygons = engine.polygonize(mesh, part)
+    assert set(polygons.polygon_region) == set(range(part.region_count))
 
 
 def test_the_plane_is_kept_by_copies_and_edits(mesh, part):

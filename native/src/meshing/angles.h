@@ -28,6 +28,9 @@ struct Angles {
   }
 };
 
+/// The angle at p of a polygon that comes from a point and goes on to another, seen along a normal; degrees.
+double angle_at(const Vec3& from, const Vec3& p, const Vec3& to, const Vec3& normal);
+
 /// Of a polygon, seen along a normal.
 Angles angles_of(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Vec3& normal);
 

@@ -26,7 +26,6 @@ constexpr double kShort = 0.4;               ///< of the same: a chord that may 
 constexpr double kSharp = 20, kSharper = 3;  ///< degrees
 constexpr double kExcess = 20;               ///< degrees that reflex corners may open further in all
 constexpr double kError = 0.02;              ///< of area / pieces: by how much the error may rise
-constexpr double kOther = 0.006;             ///< the same where the way that raises it least is not possible
 constexpr double kOfGiver = 1.0 / 3;         ///< of its area: what a piece may give
 constexpr double kLoose = 3;                 ///< times the gap: at the image of a join
 constexpr double kLongest = 4;               ///< of sqrt(area / pieces): a path between two junctions
@@ -305,7 +304,7 @@ class Joiner {
     consider(at_u, chord.v, chord.u);
     consider(at_v, chord.u, chord.v);
     std::stable_sort(gifts.begin(), gifts.end(), [](const Gift& x, const Gift& y) { return x.error < y.error; });
-    while (image_.empty() && gifts.size() > 1 && gifts.back().error > kOther * size_ * size_) gifts.pop_back();
+    if (image_.empty() && gifts.size() > 1) gifts.erase(gifts.begin() + 1, gifts.end());
     return gifts;
   }
 

@@ -13,6 +13,7 @@
 #include "junctions.h"
 #include "planar/planar.h"
 #include "plans.h"
+#include "slide.h"
 #include "sorted.h"
 #include "symmetry.h"
 
@@ -58,6 +59,7 @@ class Repairer {
       coarsen(s_, findings_, usual_, acted_, job_);
       fall_back();
     }
+    slide_corners(s_, findings_, job_);
     mirror_corners(s_, findings_, job_);
     if (s_.options.planar) {
       make_planar();

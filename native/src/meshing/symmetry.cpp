@@ -103,14 +103,23 @@ class Mirroring {
     for (const bool drop : {true, false}) {
       const Pairs pairs(s_);
       std::vector<std::int32_t> vertices;
+      std::vector<std::size_t> left;  // corners by piece, of which three stay
+      for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l) left.push_back(s_.complex.chords(l).size());
       for (std::int32_t c = 0; c < s_.corners.count(); ++c) {
         if (pairs.of_corner(c) != kNone || s_.polygons.at(c).empty()) continue;
         const std::int32_t v = s_.corners.vertex[c];
         if (s_.complex.boundary_edges(v) != 2 || ends_diagonal(c)) continue;
         const std::vector<std::int32_t> images = pairs.images_round(c);
         if (images.empty()) continue;
-        const std::int32_t other = drop ? v : vertex_near(images, pairs.mirror().image(s_.corners.position[c]), pairs);
-        if (other != kNone) vertices.push_back(other);
+        if (!drop) {
+          const std::int32_t other = vertex_near(images, pairs.mirror().image(s_.corners.position[c]), pairs);
+          if (other != kNone) vertices.push_back(other);
+          continue;
+        }
+        const std::vector<std::int32_t> round = pairs.round(c);
+        if (std::any_of(round.begin(), round.end(), [&](std::int32_t l) { return left[l] <= 3; })) continue;
+        for (const std::int32_t l : round) --left[l];
+        vertices.push_back(v);
       }
       sort_unique(vertices);
       turn_corners(s_, findings_, vertices, job_);
@@ -131,12 +140,15 @@ class Mirroring {
     std::vector<std::int32_t> moved;
     for (std::int32_t c = 0; c < s_.corners.count(); ++c) {
       const std::int32_t other = pairs.of_corner(c);
-      if (other == kNone || pairs.is_exact(c)) continue;
+      if (other < c || pairs.is_exact(c)) continue;  // none, or placed with its image
       const Vec3 image = pairs.mirror().image(before[other]);
-      const bool stays = at != At::mean && other != c && (other > c) == (at == At::first);
-      s_.corners.position[c] = at == At::mean || other == c ? Vec3((before[c] + image) / 2) : stays ? before[c] : image;
-      moved.push_back(c);
+      const Vec3 wanted = at == At::mean ? Vec3((before[c] + image) / 2) : at == At::first ? before[c] : image;
+      if (const auto to = in_reach(c, other, wanted, pairs.mirror())) {
+        put(c, other, *to, pairs.mirror());
+        moved.insert(moved.end(), {c, other});
+      }
     }
+    sort_unique(moved);
     moves.settle(moved, [&](std::int32_t c) { return pairs.of_corner(c); });
   }
 
@@ -148,12 +160,12 @@ class Mirroring {
       if (other < c || pairs.is_exact(c)) continue;  // none, or had its turn
       job_.poll();
       auto& position = s_.corners.position;
-      const Vec3 here = position[c], there = position[other], mean = (here + pairs.mirror().image(there)) / 2;
-      for (const Vec3& to : {mean, here, pairs.mirror().image(there)}) {
+      const Vec3 here = position[c], there = position[other], image = pairs.mirror().image(there);
+      for (const Vec3& wanted : {Vec3((here + image) / 2), here, image}) {
+        const auto to = in_reach(c, other, wanted, pairs.mirror());
+        if (!to) continue;
         Moves moves(s_, findings_, job_);
-        const Vec3 image = pairs.mirror().image(to);
-        position[c] = other == c ? Vec3((to + image) / 2) : to;
-        if (other != c) position[other] = image;
+        put(c, other, *to, pairs.mirror());
         if (moves.is_sound(std::array{c, other})) break;
         position[c] = here;
         position[other] = there;
@@ -163,6 +175,33 @@ class Mirroring {
   }
 
  private:
+  void put(std::int32_t c, std::int32_t other, const Vec3& place, const Mirror& mirror) {
+    s_.corners.position[c] = place;
+    if (other != c) s_.corners.position[other] = mirror.image(place);
+  }
+
+  /// The place near a given one that a corner can have, and another its image, within reach of their vertices; a corner
+  /// that is its own image on the plane. Nothing where there is none.
+  [[nodiscard]] std::optional<Vec3> in_reach(std::int32_t c, std::int32_t other, Vec3 place,
+                                             const Mirror& mirror) const {
+    constexpr int kTurns = 12;
+    const double reach = s_.options.reach * s_.mesh.diagonal() * (1 - 1e-9);
+    const Vec3 &home = s_.mesh.vertices()[s_.corners.vertex[c]],
+               there = mirror.image(s_.mesh.vertices()[s_.corners.vertex[other]]);
+    for (int turn = 0; turn < kTurns; ++turn) {
+      bool settled = true;
+      for (const Vec3& vertex : {home, there}) {
+        const double away = (place - vertex).norm();
+        if (away <= reach) continue;
+        place = vertex + (place - vertex) * (reach / away * (1 - 1e-9));
+        settled = false;
+      }
+      if (other == c) place -= mirror.height(place) * mirror.normal;
+      if (settled) return place;
+    }
+    return {};
+  }
+
   [[nodiscard]] bool ends_diagonal(std::int32_t c) const {
     const std::int32_t v = s_.corners.vertex[c];
     for (const std::int32_t q : s_.polygons.at(c))
