@@ -139,6 +139,44 @@ Arrays sheet(std::int64_t faces) {
   return a;
 }
 
+/// A plate with n x n round holes of 16 sides, a ring of squares round each; 160 faces a hole.
+Arrays perforated(std::int64_t faces) {
+  constexpr int kSides = 16, kFlat = kSides / 4;
+  const auto n = std::max<int>(1, static_cast<int>(std::lround(std::sqrt(static_cast<double>(faces) / 160))));
+  Arrays a;
+  std::map<std::array<std::int64_t, 3>, std::int32_t> index;
+  // Step i round a hole: from its edge to the middle (1) and the outline (2) of its cell.
+  const auto at = [&](int x, int y, int i, int ring, int z) {
+    const int side = i / kFlat % 4;
+    const double along = 2.0 * (i % kFlat) / kFlat - 1, turn = kTurn * (i + kFlat / 2.0) / kSides;
+    const std::array<std::array<double, 2>, 4> square{{{-along, 1}, {-1, -along}, {along, -1}, {1, along}}};
+    const double out = ring / 2.0;
+    const Vec3 p(3 * x + 1.5 * out * square[side][0] + (1 - out) * std::cos(turn),
+                 3 * y + 1.5 * out * square[side][1] + (1 - out) * std::sin(turn), 0.5 * z);
+    const auto [place, fresh] = index.try_emplace({std::llround(p[0] * 1e6), std::llround(p[1] * 1e6), z},
+                                                  static_cast<std::int32_t>(a.vertices.size()));
+    if (fresh) a.vertices.push_back(p);
+    return place->second;
+  };
+  const auto add = [&](const std::array<std::int32_t, 4>& c) {
+    a.triangles.push_back({c[0], c[1], c[2]});
+    a.triangles.push_back({c[0], c[2], c[3]});
+  };
+  for (int x = 0; x < n; ++x)
+    for (int y = 0; y < n; ++y)
+      for (int i = 0; i < kSides; ++i) {
+        for (int ring = 0; ring < 2; ++ring) {
+          add({at(x, y, i, ring, 1), at(x, y, i, ring + 1, 1), at(x, y, i + 1, ring + 1, 1), at(x, y, i + 1, ring, 1)});
+          add({at(x, y, i, ring, 0), at(x, y, i + 1, ring, 0), at(x, y, i + 1, ring + 1, 0), at(x, y, i, ring + 1, 0)});
+        }
+        add({at(x, y, i, 0, 1), at(x, y, i + 1, 0, 1), at(x, y, i + 1, 0, 0), at(x, y, i, 0, 0)});
+        const std::array<bool, 4> is_end{y == n - 1, x == 0, y == 0, x == n - 1};
+        if (is_end[i / kFlat])
+          add({at(x, y, i, 2, 0), at(x, y, i + 1, 2, 0), at(x, y, i + 1, 2, 1), at(x, y, i, 2, 1)});
+      }
+  return a;
+}
+
 /// Menger's sponge: the level with about so many faces.
 Arrays sponge(std::int64_t faces) {
   int n = 3;
@@ -179,10 +217,11 @@ Arrays made(const std::string& name) {
   if (kind == "plane") return plane(faces);
   if (kind == "boxes") return boxes(faces);
   if (kind == "plate") return plate(faces);
+  if (kind == "perforated") return perforated(faces);
   if (kind == "sheet") return sheet(faces);
   if (kind == "sponge") return sponge(faces);
   if (kind == "soup") return soup(faces);
-  throw InvalidInput(name + ": there are torus, slivers, plane, boxes, plate, sheet, sponge and soup");
+  throw InvalidInput(name + ": there are torus, slivers, plane, boxes, plate, perforated, sheet, sponge and soup");
 }
 
 Arrays read(const std::string& path) {

@@ -15,8 +15,8 @@ namespace {
 const char* const kUsage =
     "isimp_bench INPUT [--proxies P] [--rounds N] [--inner N] [--edits N] [--loop N] [--cases A,B] [--scratch DIR]\n"
     "            [--whole-way]\n"
-    "  INPUT        a mesh file, or made:KIND:FACES with KIND torus, slivers, plane, boxes, plate, sheet, sponge, "
-    "soup\n"
+    "  INPUT        a mesh file, or made:KIND:FACES with KIND torus, slivers, plane, boxes, plate, "
+    "perforated, sheet, sponge, soup\n"
     "  --proxies    how many regions (500)\n"
     "  --rounds     how often all cases are run in turn, with another seed each time (3)\n"
     "  --inner      how often a short case is run in each round (3)\n"

@@ -184,7 +184,8 @@ INSTANTIATE_TEST_SUITE_P(Kinds, Made,
                          testing::Values(Kind{"made:torus:20000", 20000, 1, 0, 0},
                                          Kind{"made:slivers:20000", 20000, 1, 0, 0},
                                          Kind{"made:plane:20000", 20000, 1, 1, 1},
-                                         Kind{"made:boxes:1200", 1200, 100, 0, 200}),
+                                         Kind{"made:boxes:1200", 1200, 100, 0, 200},
+                                         Kind{"made:perforated:16000", 16320, 1, 0, -198}),
                          [](const auto& test) { return "of" + std::to_string(test.index); });
 
 TEST(Input, SaysWhatIsWrong) {

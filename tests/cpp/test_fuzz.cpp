@@ -101,6 +101,39 @@ Arrays shape(Dice& dice) {
   }
 }
 
+/// A plate of cells with holes where cells are missing, in rows or anywhere; sometimes its sides are not quite flat.
+Arrays plate(Dice& dice) {
+  const std::int32_t w = dice.number(5, 12), h = dice.number(5, 12), one_in = dice.number(2, 6);
+  const bool in_rows = dice.chance(2);
+  std::vector<bool> solid(static_cast<std::size_t>(w) * h);
+  for (std::int32_t i = 0; i < w * h; ++i)
+    solid[i] = in_rows ? i % w % 3 != 1 || i / w % 3 != 1 || dice.chance(8) : !dice.chance(one_in);
+  const auto is_open = [&](std::int32_t x, std::int32_t y) {
+    return x < 0 || y < 0 || x >= w || y >= h || !solid[y * w + x];
+  };
+  Arrays a;
+  const double thickness = 0.1 + dice.share(), noise = dice.chance(2) ? 0 : 0.05 * dice.share();
+  for (int z = 0; z < 2; ++z)
+    for (std::int32_t y = 0; y <= h; ++y)
+      for (std::int32_t x = 0; x <= w; ++x) a.vertices.push_back(Vec3(x, y, thickness * z) + noise * dice.place());
+  const auto at = [&](std::int32_t x, std::int32_t y, std::int32_t z) { return (z * (h + 1) + y) * (w + 1) + x; };
+  const auto add = [&](std::int32_t p, std::int32_t q, std::int32_t r, std::int32_t s) {
+    a.triangles.push_back({p, q, r});
+    a.triangles.push_back({p, r, s});
+  };
+  for (std::int32_t y = 0; y < h; ++y)
+    for (std::int32_t x = 0; x < w; ++x) {
+      if (is_open(x, y)) continue;
+      add(at(x, y, 1), at(x + 1, y, 1), at(x + 1, y + 1, 1), at(x, y + 1, 1));
+      add(at(x, y, 0), at(x, y + 1, 0), at(x + 1, y + 1, 0), at(x + 1, y, 0));
+      if (is_open(x, y - 1)) add(at(x, y, 0), at(x + 1, y, 0), at(x + 1, y, 1), at(x, y, 1));
+      if (is_open(x, y + 1)) add(at(x + 1, y + 1, 0), at(x, y + 1, 0), at(x, y + 1, 1), at(x + 1, y + 1, 1));
+      if (is_open(x - 1, y)) add(at(x, y + 1, 0), at(x, y, 0), at(x, y, 1), at(x, y + 1, 1));
+      if (is_open(x + 1, y)) add(at(x + 1, y, 0), at(x + 1, y + 1, 0), at(x + 1, y + 1, 1), at(x + 1, y, 1));
+    }
+  return a;
+}
+
 /// Does to a mesh one of the things that happen to meshes.
 void damage(Arrays& a, Dice& dice) {
   const auto any_vertex = [&] { return dice.number(0, static_cast<std::int32_t>(a.vertices.size()) - 1); };
@@ -244,6 +277,10 @@ TEST(Fuzz, Offsets) {
 
 TEST(Fuzz, DamagedShapes) {
   for_each_case([](Dice& dice) { all_the_way(shape(dice), dice, 4); });
+}
+
+TEST(Fuzz, Plates) {
+  for_each_case([](Dice& dice) { all_the_way(plate(dice), dice, 2); });
 }
 
 /// A file of one of the formats, as text or bytes.

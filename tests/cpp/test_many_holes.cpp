@@ -1,6 +1,7 @@
 // Regions of many holes and scans that meet themselves everywhere: what comes out, and how much of it is listed.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <random>
 
@@ -27,7 +28,7 @@ shapes::Arrays perforated(int n) {
 }
 
 TEST(ManyHoles, RowsOfHolesArePartedByRows) {
-  for (const int n : {4, 12, 25}) {
+  for (const int n : {4, 12}) {
     const Mesh mesh = shapes::mesh(perforated(n));
     const Partition one = labelled::single(mesh);
     Job job;
@@ -36,6 +37,21 @@ TEST(ManyHoles, RowsOfHolesArePartedByRows) {
     EXPECT_EQ(p.report.polygons, n + 1);
     EXPECT_EQ(p.report.split_for_holes, n);
     EXPECT_TRUE(p.report.imperfect.empty());
+  }
+}
+
+TEST(ManyHoles, LongRowsArePartedAcross) {
+  for (const int n : {25, 50}) {
+    const Mesh mesh = shapes::mesh(perforated(n));
+    const Partition one = labelled::single(mesh);
+    Job job;
+    const PolygonMesh p = polygonize(mesh, one, {}, job);
+    EXPECT_EQ(judge::faults_against(p, mesh, one), "") << n;
+    std::int32_t most = 0;
+    for (std::int32_t q = 0; q < p.polygon_count(); ++q)
+      most = std::max(most, (q + 1 < p.polygon_count() ? p.loop_start[q + 1] : p.report.corners) - p.loop_start[q]);
+    EXPECT_LE(most, 128) << n;  // however many holes a row has
+    EXPECT_LE(p.report.polygons, (n + 1) * (n / 12 + 1));
   }
 }
 
@@ -91,6 +107,26 @@ TEST(ManyHoles, WallsArePartedFromTheirPlate) {
   EXPECT_EQ(p.report.split_for_repair, 0);
   EXPECT_LE(p.report.planarity_max, 1e-12);
   EXPECT_LE(p.report.polygons, 4 * n * n + 4 + 2 * (n + 1));  // the walls, the sides, rows of both faces
+}
+
+/// Regions that end anywhere: a wall is in two regions, and some of them hold walls of two sides as discs.
+TEST(ManyHoles, WallsAreWholeWhereverRegionsEnd) {
+  const int n = 7;
+  const Mesh mesh = shapes::mesh(plate(n));
+  std::vector<std::int32_t> region;
+  for (const Triangle& t : mesh.triangles()) {
+    const Vec3 &a = mesh.vertices()[t[0]], &b = mesh.vertices()[t[1]], &c = mesh.vertices()[t[2]];
+    const Vec3 normal = (b - a).cross(c - a).normalized();
+    const bool is_rim = normal.x() > 0.9 && (a.x() > 3 * n - 1e-9 || a.y() > 3 * n - 4);
+    region.push_back(is_rim ? 2 : normal.z() < 0 ? 0 : 1);
+  }
+  const Partition three = labelled::by(region);
+  Job job;
+  const PolygonMesh p = polygonize(mesh, three, {}, job);
+  EXPECT_EQ(judge::faults_against(p, mesh, three), "");
+  EXPECT_EQ(p.report.split_for_repair, 0);
+  EXPECT_EQ(p.report.diagonals, 0);
+  EXPECT_LE(p.report.planarity_max, 1e-12);
 }
 
 TEST(ManyHoles, HolesWithoutOrderAreCutToDiscs) {

@@ -19,13 +19,13 @@ constexpr std::size_t kWorthwhile = 300;  ///< a round that tries less than one 
 /// A round of many trials of which less than one in so many is good is the last one too: what is left then is a scan
 /// finer than its polygons, where each trial costs as much as it did and few will do.
 constexpr std::size_t kMany = 64, kPoor = 8;
-constexpr double kSameWay = 0.5;   ///< cosine of the angle to which a hole's wall may be one polygon with another piece
 constexpr double kHopeless = 1.5;  ///< times the bound: no placement will make a polygon so bent flat
 // What a union of two regions may miss more, as shares of what a region misses in the mean. Source: own trials, 15 scans,
 // buildings and nasty meshes at 50 to 1,000 regions.
 constexpr double kError = 1, kSquare = 3;
-constexpr int kRings = 2;      ///< how far from what was tried a fault is looked for at first ...
-constexpr int kMostRings = 5;  ///< ... and before all that was tried is held for the cause
+constexpr std::size_t kLarge = 64;  ///< chords of a piece beyond which not all beside it wait for each other
+constexpr int kRings = 2;           ///< how far from what was tried a fault is looked for at first ...
+constexpr int kMostRings = 5;       ///< ... and before all that was tried is held for the cause
 /// That bound where there is none, of the diagonal: what is bent further meets what is near or not as it is filled.
 constexpr double kFree = 0.05;
 
@@ -118,20 +118,23 @@ class Coarsener {
     if (p.cause != Cause::region && p.cause != Cause::closed) add_unions(l, all);
   }
 
+  /// Whether two parts of a row of holes are long enough each for itself.
+  [[nodiscard]] bool parts_row(std::int32_t a, std::int32_t b) const {
+    const auto is_cut = [&](std::int32_t l) { return s_.labels.pieces[l].cause == Cause::hole; };
+    return s_.cutter.perforated && is_cut(a) && is_cut(b) &&
+           s_.complex.chords(a).size() + s_.complex.chords(b).size() > 2 * kLarge;
+  }
+
   [[nodiscard]] bool may_unite(std::int32_t kept, std::int32_t gone) const {
     return (scope_.has(kept) || scope_.has(gone)) && !tried(Act::split, gone, kept);
   }
 
-  /// Whether one of two pieces was parted from the other's plate since it looks another way.
-  [[nodiscard]] bool is_wall_of(std::int32_t a, std::int32_t b) const {
-    const auto is_wall = [&](std::int32_t l) { return s_.labels.pieces[l].cause == Cause::wall; };
-    return (is_wall(a) || is_wall(b)) && s_.planes[a].normal.dot(s_.planes[b].normal) < kSameWay;
-  }
-
-  /// Whether a larger piece of another region, or the first of two of one size, is near enough to the plane of both.
+  /// Whether a larger piece of another region, or of two of one size that of the first region, is near enough to the
+  /// plane of both.
   [[nodiscard]] bool is_alike(std::int32_t kept, std::int32_t gone) const {
     const Plane &a = s_.planes[kept], &b = s_.planes[gone];
-    if (b.area > a.area || (b.area == a.area && kept > gone)) return false;
+    if (b.area > a.area || (b.area == a.area && s_.labels.pieces[kept].region > s_.labels.pieces[gone].region))
+      return false;
     const Plane both = united(a, b);
     return error_of(both) - error_of(a) - error_of(b) <= kError * usual_.error &&
            square_of(both) - square_of(a) - square_of(b) <= kSquare * usual_.square;
@@ -155,7 +158,7 @@ class Coarsener {
       const SharedBoundary shared = s_.shared_boundary(gone);
       unions_[gone].emplace();
       for (const auto& [k, length] : shared.with)
-        if (!is_wall_of(k, gone))
+        if (!parts_wall(s_, k, gone) && !parts_row(k, gone))
           unions_[gone]->push_back({Act::split, k, gone, shared.all > 0 ? length / shared.all : 0});
       for (const auto& [k, length] : shared.others)
         if (s_.labels.pieces[gone].cause != Cause::unconnected && is_alike(k, gone))
@@ -165,10 +168,19 @@ class Coarsener {
       if (may_unite(c.piece, gone)) all.push_back(c);
   }
 
-  /// The pieces that may change when a candidate is tried, some of them more than once.
+  /// Whether a piece is beside so many that what is tried at its ends can be told apart: what is wrong with it has a
+  /// place. If all that is beside it could be tried only in turn, that would take as many rounds.
+  [[nodiscard]] bool is_large(std::int32_t l) const {
+    return s_.cutter.perforated && s_.complex.chords(l).size() > kLarge;
+  }
+
+  /// The pieces that may change when a candidate is tried, some of them more than once; large ones beside it are left
+  /// out.
   [[nodiscard]] std::vector<std::int32_t> zone_of(const Candidate& c) const {
     std::vector<std::int32_t> zone{c.piece};
-    const auto add = [&](std::int32_t l) { zone.push_back(l); };
+    const auto add = [&](std::int32_t l) {
+      if (!is_large(l)) zone.push_back(l);
+    };
     s_.for_each_neighbour(c.piece, add);
     if (c.act == Act::split) s_.for_each_neighbour(c.other, add);
     return zone;
@@ -276,7 +288,7 @@ class Coarsener {
   /// Whether the piece across a half-edge is hopeless without the corner that it leaves.
   [[nodiscard]] bool spoils_beside(std::int32_t h) const {
     const std::int32_t l = s_.labels.across(h);
-    if (l == kNone || !s_.diagonals[l].empty() || findings_.faults(l) != 0) return false;
+    if (l == kNone || is_large(l) || !s_.diagonals[l].empty() || findings_.faults(l) != 0) return false;
     std::vector<std::int32_t> vertices;
     for (const std::int32_t g : s_.complex.chords(l))
       if (s_.mesh.from(g) != s_.mesh.from(h)) vertices.push_back(s_.mesh.from(g));
@@ -345,27 +357,49 @@ class Coarsener {
     return false;
   }
 
-  /// By piece: whether it is at most so many rings from one that has become faulty, and so held for its cause.
+  /// By piece: whether it is at most so many rings from one that has become faulty, and so held for its cause. Of a
+  /// large one only what is at the places of its faults is, and rings do not go on through it but for the last ones.
   [[nodiscard]] std::vector<bool> near_fresh(int rings, const std::vector<bool>& before,
                                              const std::vector<bool>& after) const {
     std::vector<bool> near(after.size(), false);
     std::vector<std::int32_t> ring, next;
+    const bool through = rings == kMostRings;
+    const auto reach = [&](std::int32_t k) {
+      if (near[k]) return;
+      near[k] = true;
+      next.push_back(k);
+    };
     for (std::size_t l = 0; l < after.size(); ++l)
-      if (after[l] && !before[l]) {
-        near[l] = true;
-        ring.push_back(static_cast<std::int32_t>(l));
-      }
-    for (; rings > 0 && !ring.empty(); --rings) {
-      next.clear();
-      for (const std::int32_t l : ring)
-        s_.for_each_neighbour(l, [&](std::int32_t k) {
-          if (near[k]) return;
-          near[k] = true;
-          next.push_back(k);
-        });
+      if (after[l] && !before[l]) reach(static_cast<std::int32_t>(l));
+    for (; rings > 0 && !next.empty(); --rings) {
       ring.swap(next);
+      next.clear();
+      for (const std::int32_t l : ring) {
+        if (through || !is_large(l)) {
+          s_.for_each_neighbour(l, reach);
+        } else if (after[l] && !before[l]) {
+          for_each_at_fault(l, reach);
+        }
+      }
     }
     return near;
+  }
+
+  /// Calls fn(piece) for those at the places of a piece's faults; for all beside it where a fault has no place.
+  template <class Function>
+  void for_each_at_fault(std::int32_t l, Function fn) const {
+    if ((findings_.faults(l) & ~kCrossing) != 0) return s_.for_each_neighbour(l, fn);
+    const auto around = [&](std::int32_t c) {
+      for (const std::int32_t q : s_.polygons.at(c)) fn(s_.polygons.piece(q));
+    };
+    for (std::int32_t i = 0; i < s_.polygons.count_of(l); ++i) {
+      const auto loop = s_.polygons.of(s_.polygons.first_of(l) + i);
+      for (const std::int32_t e : findings_.of(l).polygons[i].crossing)
+        if (e >= 0)
+          for (const std::size_t k : {e + std::size_t{0}, e + std::size_t{1}}) around(loop[k % loop.size()]);
+    }
+    for (const Hit& h : findings_.hits())
+      if (!h.excused && (h.a == l || h.b == l)) std::for_each(h.corners.begin(), h.corners.end(), around);
   }
 
   State& s_;

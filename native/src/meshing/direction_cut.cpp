@@ -6,14 +6,16 @@
 namespace isimp::meshing {
 namespace {
 
-constexpr double kFlat = 0.03;    ///< roughness up to which a piece has one side
-constexpr double kCurve = 0.035;  ///< roughness of the sides beyond which they are a curve
-constexpr double kGain = 3;       ///< times the roughness of the sides: a piece that is less rough stays whole
-constexpr double kNear = 0.7071;  ///< cosine of 45 degrees: how near to a direction its faces look
-constexpr double kRest = 0.01;    ///< share of the area that needs no direction of its own
-constexpr int kDirections = 10;   ///< at most
-constexpr int kRefinements = 3;   ///< of a direction: each the mean of the faces near the one before
-constexpr int kSmoothings = 2;    ///< rounds in which a face takes the direction of two of its neighbours
+constexpr double kFlat = 0.03;       ///< roughness up to which a piece has one side
+constexpr double kCurve = 0.035;     ///< roughness of the sides beyond which they are a curve
+constexpr double kGain = 3;          ///< times the roughness of the sides: a piece that is less rough stays whole
+constexpr double kNear = 0.7071;     ///< cosine of 45 degrees: how near to a direction its faces look
+constexpr double kStraight = 0.999;  ///< of 2.5 degrees: a face that looks so near to a direction is no speck
+constexpr double kRest = 0.01;       ///< share of the area that needs no direction of its own
+constexpr double kSmall = 0.5;       ///< of the part beside it: a smaller one is no side of its own
+constexpr int kDirections = 10;      ///< at most
+constexpr int kRefinements = 3;      ///< of a direction: each the mean of the faces near the one before
+constexpr int kSmoothings = 2;       ///< rounds in which a face takes the direction of two of its neighbours
 
 /// The faces of one piece and the directions they look in.
 class Looks {
@@ -47,25 +49,31 @@ class Looks {
     const std::vector<Vec3> directions = find();
     std::vector<std::uint8_t> own(looks_.size());
     for (std::size_t i = 0; i < own.size(); ++i) own[i] = nearest(directions, looks_[i].normal);
-    for (int round = 0; round < kSmoothings; ++round) smooth(own);
+    for (int round = 0; round < kSmoothings; ++round) smooth(own, directions);
     return own;
   }
 
-  /// The connected parts of faces of one direction.
+  /// The connected parts of faces of one direction. A small one is part of one beside it that looks about the same way:
+  /// where regions do not end at a corner, they leave a strip of what goes on in the other.
   [[nodiscard]] std::vector<std::vector<std::int32_t>> parts(const std::vector<std::uint8_t>& own) const {
     std::vector<std::vector<std::int32_t>> parts;
-    std::vector<bool> seen(own.size(), false);
-    for (std::size_t i = 0; i < own.size(); ++i) {
-      if (seen[i]) continue;
-      seen[i] = true;
-      std::vector<std::int32_t>& part = parts.emplace_back(1, faces_[i]);
-      for (std::size_t k = 0; k < part.size(); ++k)
-        for_each_beside(part[k], [&](std::int32_t j) {
-          if (seen[j] || own[j] != own[i]) return;
-          seen[j] = true;
-          part.push_back(faces_[j]);
-        });
+    std::vector<std::int32_t> part_of(own.size(), kNone);
+    for (std::size_t i = 0; i < own.size(); ++i)
+      if (part_of[i] == kNone) {
+        parts.emplace_back(1, faces_[i]);
+        flood(own, static_cast<std::int32_t>(parts.size()) - 1, parts.back(), part_of);
+      }
+    std::vector<Vec3> sum(parts.size(), Vec3::Zero());
+    for (std::size_t i = 0; i < own.size(); ++i) sum[part_of[i]] += looks_[i].area * looks_[i].normal;
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      const std::int32_t to = larger_beside(parts[k], part_of, sum);
+      if (to == kNone) continue;
+      for (const std::int32_t f : parts[k]) part_of[place_[f]] = to;
+      parts[to].insert(parts[to].end(), parts[k].begin(), parts[k].end());
+      sum[to] += sum[k];
+      parts[k].clear();
     }
+    std::erase_if(parts, [](const auto& part) { return part.empty(); });
     return parts;
   }
 
@@ -74,6 +82,35 @@ class Looks {
     Vec3 normal;
     double area;
   };
+
+  /// All faces of one direction that hang together with the first one.
+  void flood(const std::vector<std::uint8_t>& own, std::int32_t number, std::vector<std::int32_t>& part,
+             std::vector<std::int32_t>& part_of) const {
+    const std::uint8_t direction = own[place_[part[0]]];
+    part_of[place_[part[0]]] = number;
+    for (std::size_t k = 0; k < part.size(); ++k)
+      for_each_beside(part[k], [&](std::int32_t j) {
+        if (part_of[j] != kNone || own[j] != direction) return;
+        part_of[j] = number;
+        part.push_back(faces_[j]);
+      });
+  }
+
+  /// The largest part beside one that is much larger and looks about the same way; kNone where there is none.
+  [[nodiscard]] std::int32_t larger_beside(std::span<const std::int32_t> part, std::span<const std::int32_t> part_of,
+                                           std::span<const Vec3> sum) const {
+    if (part.empty()) return kNone;
+    const std::int32_t from = part_of[place_[part[0]]];
+    std::int32_t best = kNone;
+    for (const std::int32_t f : part)
+      for_each_beside(f, [&](std::int32_t j) {
+        const std::int32_t k = part_of[j];
+        const double size = sum[from].norm(), other = sum[k].norm();
+        if (k == from || size > kSmall * other || sum[from].dot(sum[k]) < kSameWay * size * other) return;
+        if (best == kNone || other > sum[best].norm()) best = k;
+      });
+    return best;
+  }
 
   static std::uint8_t nearest(std::span<const Vec3> directions, const Vec3& normal) {
     std::size_t best = 0;
@@ -118,10 +155,12 @@ class Looks {
     return sum.norm() > 0 ? Vec3(sum.normalized()) : direction;
   }
 
-  /// Specks take the direction of two neighbours that agree.
-  void smooth(std::vector<std::uint8_t>& own) const {
+  /// Specks take the direction of two neighbours that agree. A face that looks straight in its own is none: it may be
+  /// half of a side.
+  void smooth(std::vector<std::uint8_t>& own, std::span<const Vec3> directions) const {
     const std::vector<std::uint8_t> before = own;
     for (std::size_t i = 0; i < own.size(); ++i) {
+      if (looks_[i].normal.dot(directions[before[i]]) > kStraight) continue;
       std::array<std::int32_t, 3> beside{kNone, kNone, kNone};
       int n = 0;
       for_each_beside(faces_[i], [&](std::int32_t j) { beside[n++] = before[j]; });

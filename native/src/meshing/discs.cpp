@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "sorted.h"
+
 namespace isimp::meshing {
 namespace {
 
@@ -12,6 +14,9 @@ constexpr std::size_t kFewLoops = 8;
 /// hole is a polygon. Other cuts give half to a third as many polygons, but repairing them takes a time that grows with
 /// the square of the holes.
 constexpr std::size_t kManyOpenings = 24;
+/// The same a region of the whole mesh, beyond which all pieces are parted so, for one that is not would not fit those
+/// that are beside it.
+constexpr double kOpeningsARegion = 4;
 /// Cutting round a handle takes time for all faces of its piece. With more handles than this a piece is halved first.
 constexpr std::int32_t kFewHandles = 64;
 
@@ -59,6 +64,22 @@ void cut(Cutter& cutter, std::int32_t piece, const Shape& shape, Job& job) {
 }
 
 }  // namespace
+
+double openings_of(const Mesh& mesh) {
+  const MeshReport& r = mesh.report();
+  const double handles = (2.0 * r.components - r.border_loops - static_cast<double>(r.euler)) / 2;
+  return r.border_loops + std::max(0.0, handles);
+}
+
+bool is_perforated(const Mesh& mesh, std::int32_t regions) { return openings_of(mesh) > kOpeningsARegion * regions; }
+
+void part_walls(Cutter& cutter, std::vector<std::int32_t>& todo) {
+  const std::int32_t before = cutter.labels.piece_count();
+  // What a cut leaves may look in directions that were too few of the whole to be told.
+  for (std::int32_t l = 0; l < cutter.labels.piece_count(); ++l)
+    for (bool is_new = l >= before; cut_by_direction(cutter, l) > 0 || is_new; is_new = false) todo.push_back(l);
+  sort_unique(todo);
+}
 
 void make_discs(Cutter& cutter, std::vector<std::int32_t> todo, std::map<std::int32_t, Disc>& found, Job& job) {
   while (!todo.empty()) {

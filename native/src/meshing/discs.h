@@ -12,6 +12,9 @@
 
 namespace isimp::meshing {
 
+/// Cosine of the angle to which a hole's wall may be one polygon with what is beside it.
+constexpr double kSameWay = 0.5;
+
 /// Shortest paths over vertices; the arrays are kept between searches.
 struct Search {
   explicit Search(std::size_t n)
@@ -46,6 +49,7 @@ struct Cutter {
   explicit Cutter(Labels& l);
 
   Labels& labels;
+  bool perforated = false;  ///< whether the mesh has many more openings than regions
   Search vertices;
   std::unique_ptr<std::int32_t[]> face_place;   ///< valid for the faces of a piece that is cut: which of them each is
   std::unique_ptr<std::int32_t[]> vertex_loop;  ///< valid where vertex_marks: boundary loop of the vertex
@@ -91,6 +95,17 @@ std::int32_t cut_chain(Cutter& cutter, std::int32_t piece, const Shape& shape);
 /// \return how many labels are new, the last ones; 0 if the faces look in one direction or in too many
 /// Cost: O(n) for n faces of the piece.
 std::int32_t cut_by_direction(Cutter& cutter, std::int32_t piece);
+
+/// How many borders and handles a mesh has.
+double openings_of(const Mesh& mesh);
+
+/// Whether a mesh has so many more openings than regions that most of its polygons will be what is round them.
+bool is_perforated(const Mesh& mesh, std::int32_t regions);
+
+/// Parts all pieces in the same way, also those that are discs.
+/// \param todo  gets those that were cut and what came of them
+/// Cost: O(F).
+void part_walls(Cutter& cutter, std::vector<std::int32_t>& todo);
 
 /// Cuts a piece of genus 0 with many boundary loops along chains of paths from loop to loop, each as straight as can
 /// be, so that holes in rows are parted by rows. All paths come from one forest of shortest paths.

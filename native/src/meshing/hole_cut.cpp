@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kTurn = 0.1;      ///< a sharp turn costs as much as a straight link of 1 / kTurn times the length
 constexpr double kAgain = 4;       ///< times its length: what a link to a loop that has been reached costs
+constexpr std::size_t kRow = 12;   ///< holes of a row that one polygon may lie at
 constexpr std::int32_t kMost = 8;  ///< links that are kept between the same two loops
 
 /// The shortest way found between two boundary loops over an edge in the middle.
@@ -26,7 +27,12 @@ struct Link {
 class Ears {
  public:
   Ears(Cutter& cutter, std::int32_t piece, const Shape& shape)
-      : cutter_(cutter), mesh_(cutter.labels.mesh), piece_(piece), shape_(shape), reached_(shape.loops.size(), false) {}
+      : cutter_(cutter),
+        mesh_(cutter.labels.mesh),
+        piece_(piece),
+        shape_(shape),
+        reached_(shape.loops.size(), false),
+        row_(shape.loops.size(), kNone) {}
 
   /// Marks the half-edges of all ears.
   /// \return how many ears there are
@@ -42,6 +48,7 @@ class Ears {
       open_.pop();
       if (!reached_[links_[link].to] && is_free(link)) ears += add_ear(link);
     }
+    if (cutter_.perforated) part_rows();
     return ears;
   }
 
@@ -115,10 +122,13 @@ class Ears {
     }
   }
 
-  [[nodiscard]] bool is_free(std::int32_t link) const {
+  /// \param with_ends  whether it may not begin or end where another path does either
+  [[nodiscard]] bool is_free(std::int32_t link, bool with_ends = true) const {
     bool free = true;
     for (const std::int32_t v : {mesh_.from(links_[link].halfedge), mesh_.to(links_[link].halfedge)})
-      for_each_back(v, [&](std::int32_t w, std::int32_t) { free = free && !cutter_.blocked.has(w); });
+      for_each_back(v, [&](std::int32_t w, std::int32_t h) {
+        free = free && ((h == kNone && !with_ends) || !cutter_.blocked.has(w));
+      });
     return free;
   }
 
@@ -157,15 +167,55 @@ class Ears {
       chain.push_back(next);
       block(next);
     }
-    for (const std::int32_t link : chain) {
-      mark(links_[link].halfedge);
-      for (const std::int32_t v : {mesh_.from(links_[link].halfedge), mesh_.to(links_[link].halfedge)})
-        for_each_back(v, [&](std::int32_t, std::int32_t h) {
-          if (h != kNone) mark(h);
-        });
+    for (const std::int32_t link : chain) mark_path(link);
+    for (const std::int32_t loop : passed) {
+      reach(loop);
+      row_[loop] = static_cast<std::int32_t>(rows_.size());
     }
-    for (const std::int32_t loop : passed) reach(loop);
+    rows_.push_back(std::move(passed));
     return 1;
+  }
+
+  void mark_path(std::int32_t link) {
+    mark(links_[link].halfedge);
+    for (const std::int32_t v : {mesh_.from(links_[link].halfedge), mesh_.to(links_[link].halfedge)})
+      for_each_back(v, [&](std::int32_t, std::int32_t h) {
+        if (h != kNone) mark(h);
+      });
+  }
+
+  /// Cuts between long rows too, so that no polygon has more corners the more holes there are.
+  void part_rows() {
+    for (const std::vector<std::int32_t>& row : rows_) {
+      const std::size_t parts = (row.size() + kRow - 1) / kRow;
+      for (std::size_t k = 1; k < parts; ++k) {
+        // The nearest hole at which there is a way across; ways to either side may begin at different ones.
+        const std::size_t middle = k * row.size() / parts;
+        std::int32_t first = kNone;
+        for (std::size_t i = 0; i < kRow; ++i) {
+          const std::size_t at = middle + (i % 2 == 0 ? i / 2 : row.size() - (i + 1) / 2);
+          const std::int32_t link = shortest_to_earlier_row(row[at % row.size()], first);
+          if (link == kNone) continue;
+          block(link);
+          mark_path(link);
+          if (first != kNone) break;
+          first = link;
+        }
+      }
+    }
+  }
+
+  /// The shortest link from a loop to one of a row before its own, or to the outline, that crosses nothing.
+  /// \param other  a link that this one has to lead away from; kNone: no matter
+  [[nodiscard]] std::int32_t shortest_to_earlier_row(std::int32_t at, std::int32_t other) const {
+    std::int32_t best = kNone;
+    for (std::int32_t i = start_[at]; i < start_[at + 1]; ++i) {
+      const Link& l = links_[i];
+      if (!reached_[l.to] || row_[l.to] >= row_[at] || (best != kNone && l.length >= links_[best].length)) continue;
+      if (other != kNone && direction(i).dot(direction(other)) >= 0) continue;
+      if (is_free(i, false)) best = i;
+    }
+    return best;
   }
 
   [[nodiscard]] std::int32_t best_from(std::int32_t link, std::span<const std::int32_t> passed) const {
@@ -190,6 +240,8 @@ class Ears {
   const std::int32_t piece_;
   const Shape& shape_;
   std::vector<bool> reached_;                                  // by loop
+  std::vector<std::int32_t> row_;                              // by loop: of those that follow, kNone for the outline
+  std::vector<std::vector<std::int32_t>> rows_;                // the loops that each ear goes over
   std::vector<Link> links_;                                    // by loop
   std::vector<std::int32_t> start_;                            // of each loop's links
   std::priority_queue<std::pair<double, std::int32_t>> open_;  // the shortest link from a loop that was reached first

@@ -36,11 +36,16 @@ std::int32_t face_beside(const Labels& labels, const std::vector<std::int32_t>& 
   return last;
 }
 
+bool parts_wall(const State& state, std::int32_t a, std::int32_t b) {
+  const auto is_wall = [&](std::int32_t l) { return state.labels.pieces[l].cause == Cause::wall; };
+  return (is_wall(a) || is_wall(b)) && state.planes[a].normal.dot(state.planes[b].normal) < kSameWay;
+}
+
 bool may_give(const State& state, std::int32_t giver, std::int32_t taker, const std::vector<std::int32_t>& faces) {
   const Partition& part = state.partition;
   const std::int32_t from = state.labels.pieces[giver].region, to = state.labels.pieces[taker].region;
   if (!part.region_locked.empty() && (part.region_locked[from] != 0 || part.region_locked[to] != 0)) return false;
-  if (crosses_barrier(state, taker, faces)) return false;
+  if (parts_wall(state, giver, taker) || crosses_barrier(state, taker, faces)) return false;
   if (!(part.bound > 0) || part.region_offset.empty()) return true;
   return std::all_of(faces.begin(), faces.end(), [&](std::int32_t f) {
     const Triangle& t = state.mesh.triangles()[f];

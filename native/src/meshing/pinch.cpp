@@ -38,8 +38,7 @@ Fan sectors_of(const Labels& labels, std::int32_t vertex) {
 }
 
 struct HandOver {
-  const Sector* sector;
-  std::int32_t to;
+  const Sector *sector, *to;
 };
 
 std::vector<HandOver> hand_overs(const Fan& fan) {
@@ -50,12 +49,28 @@ std::vector<HandOver> hand_overs(const Fan& fan) {
       int j = i + step;
       if (fan.closed) j = (j + n) % n;
       if (j < 0 || j >= n || j == i || fan.sectors[i].faces.size() > kLargestSector) continue;
-      if (fan.sectors[i].label != fan.sectors[j].label) result.push_back({&fan.sectors[i], fan.sectors[j].label});
+      if (fan.sectors[i].label != fan.sectors[j].label) result.push_back({&fan.sectors[i], &fan.sectors[j]});
     }
   std::stable_sort(result.begin(), result.end(), [](const HandOver& a, const HandOver& b) {
     return a.sector->faces.size() < b.sector->faces.size();
   });
   return result;
+}
+
+/// Whether a wall would get faces, or lose some to a piece, that look another way: it was parted since one polygon can't
+/// stand for both.
+bool spoils_wall(const Labels& labels, const HandOver& h) {
+  const auto is_wall = [&](const Sector* s) { return labels.pieces[s->label].cause == Cause::wall; };
+  const auto look = [&](const Sector* s) {
+    const FaceGraph& graph = labels.mesh.graph();
+    Vec3 sum = Vec3::Zero();
+    for (const std::int32_t f : s->faces) {
+      const FaceRecord& r = graph.faces[graph.graph_face[f]];
+      sum += r.area * Vec3(r.nx, r.ny, r.nz);
+    }
+    return sum.normalized();
+  };
+  return (is_wall(h.sector) || is_wall(h.to)) && look(h.sector).dot(look(h.to)) < kSameWay;
 }
 
 /// By how much V - E + F of a piece rises when some faces come to it that are not its own (yet, or any more).
@@ -118,8 +133,10 @@ bool give(Labels& labels, std::span<const std::int32_t> faces, std::int32_t to) 
 std::vector<std::int32_t> hand_over_sector(Cutter& cutter, std::int32_t vertex) {
   Labels& labels = cutter.labels;
   const Fan fan = sectors_of(labels, vertex);
-  for (const auto& [sector, to] : hand_overs(fan)) {
-    const std::int32_t from = sector->label;
+  for (const HandOver& h : hand_overs(fan)) {
+    const auto& sector = h.sector;
+    const std::int32_t from = sector->label, to = h.to->label;
+    if (spoils_wall(labels, h)) continue;
     if (rise_of_euler(labels, to, sector->faces) <= rise_of_euler(labels, from, sector->faces)) continue;
     if (!give(labels, sector->faces, to)) continue;
     labels.touched.insert(labels.touched.end(), {from, to});

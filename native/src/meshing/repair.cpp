@@ -36,7 +36,7 @@ constexpr double kWorthwhile = 0.97;          ///< a pass that leaves more of th
 class Repairer {
  public:
   Repairer(State& state, Job& job) : s_(state), job_(job), findings_(state, bounds_of(state), job) {
-    const double all = s_.labels.piece_count() + kOfOpening * openings(s_.mesh);
+    const double all = s_.labels.piece_count() + kOfOpening * openings_of(s_.mesh);
     most_polygons_ =
         s_.labels.piece_count() + std::max(kLeastBudget, static_cast<std::int32_t>(s_.options.repair_budget * all));
     if (s_.options.planar) findings_.judge_planar();
@@ -72,13 +72,6 @@ class Repairer {
   }
 
  private:
-  /// How many borders and handles the scan has.
-  static double openings(const Mesh& mesh) {
-    const MeshReport& r = mesh.report();
-    const double handles = (2.0 * r.components - r.border_loops - static_cast<double>(r.euler)) / 2;
-    return r.border_loops + std::max(0.0, handles);
-  }
-
   /// Takes back the joins at pieces that moving corners does not mend, since a split would cost more polygons.
   void take_back_joins(std::vector<Join>& joins) {
     if (joins.empty()) return;

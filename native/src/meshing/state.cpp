@@ -54,7 +54,10 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
   job.report(0.02);
   const Outlines outlines = trace_outlines(labels, boundary, job);
   std::map<std::int32_t, Disc> discs;
-  make_discs(cutter, find_defects(labels, outlines, threads, job), discs, job);
+  std::vector<std::int32_t> todo = find_defects(labels, outlines, threads, job);
+  cutter.perforated = is_perforated(m, regions);
+  if (cutter.perforated) part_walls(cutter, todo);
+  make_discs(cutter, std::move(todo), discs, job);
   if (mesh.report().closed_components > 0) split_closed_components(cutter, kLeastClosed, discs, job);
   std::vector<std::vector<std::int32_t>> loops(labels.pieces.size());
   for (std::int32_t l = 0; l < static_cast<std::int32_t>(outlines.loops.size()); ++l)
