@@ -3,19 +3,22 @@
 They are the README's animation and the manual's. Pictures 1 to 6 come from the shots of the window test `bunny`, if it
 was run before.
 
-    scripts/pictures.py [--keep]     --keep: composes the shots that are in out/pictures again
+    scripts/pictures.py [--keep] [--asset]
+        --keep: composes the shots that are in out/pictures again; --asset: only the six steps to a game asset
 
 It needs blender, xvfb and imagemagick of Debian, Pillow, the engine (PYTHONPATH or installed), and the bunny in
-$ISIMP_DATA or ../shared/data.
+$ISIMP_DATA or ../shared/data. The scan of the six steps is made here, by bench/painted_scans.py.
 """
 
 import argparse
 import json
 import os
+import runpy
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 from PIL import Image
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -24,17 +27,18 @@ IMAGES = ROOT / "docs" / "images"
 WINDOW = ROOT / "tests" / "python" / "blender" / "window"
 SIZE = 1150, 780  # pixels of the window
 WIDE = 760  # of the animation
+ASSET = 380, 130, 780, 690  # what the pictures of the six steps show of the window
 STEPS = 979, 655, 1170, 808  # where the section Steps is in the window of that test
 MOST = 3_000_000  # bytes of it
 
 
-def shoot() -> None:
+def shoot(script: str) -> None:
     OUT.mkdir(parents=True, exist_ok=True)
     sites = [str(ROOT / "addon"), str(WINDOW), str(WINDOW.parent), *os.environ.get("PYTHONPATH", "").split(os.pathsep)]
     sites += [path for path in sys.path if path.endswith("-packages")]
     blender = ["blender", "--factory-startup", "--enable-event-simulate", "-p", "0", "0", *map(str, SIZE)]
-    script = ["--python", str(WINDOW / "drive.py"), "--", str(ROOT / "scripts" / "pictures_in_window.py"), str(OUT)]
-    command = ["xvfb-run", "-a", "-s", f"-screen 0 {SIZE[0]}x{SIZE[1]}x24", *blender, *script]
+    driven = ["--python", str(WINDOW / "drive.py"), "--", str(ROOT / "scripts" / script), str(OUT)]
+    command = ["xvfb-run", "-a", "-s", f"-screen 0 {SIZE[0]}x{SIZE[1]}x24", *blender, *driven]
     environment = os.environ | {"ISIMP_SITE": os.pathsep.join(filter(None, sites))}
     subprocess.run(command, env=environment, check=True, timeout=1200)
 
@@ -73,6 +77,25 @@ def compose() -> None:
         whole.save(IMAGES / f"{target}.jpg", quality=88)
 
 
+def make_owl() -> None:
+    """The scan of the six steps, as a file of arrays."""
+    OUT.mkdir(parents=True, exist_ok=True)
+    made = runpy.run_path(str(ROOT / "bench" / "painted_scans.py"))["owl"](60_000)
+    image = made.images["painted"]
+    np.savez(OUT / "owl.npz", vertices=made.vertices, triangles=made.triangles, uv=made.uv, image=image)
+
+
+def compose_asset() -> None:
+    """The six steps, without the parts of the window that do not matter."""
+    left, top, right, bottom = ASSET
+    for number, name in enumerate(("scan", "regions", "clicks", "polygons", "texture", "levels"), 1):
+        shot = Image.open(OUT / f"asset-{number}-{name}.png").convert("RGB")
+        box = (left, top, right, bottom) if name != "levels" else (180, top + 60, 876, bottom - 60)
+        shot = shot.crop(box)
+        shot.thumbnail((560, 440), Image.Resampling.LANCZOS)
+        shot.save(IMAGES / f"asset-{number}-{name}.jpg", quality=84)
+
+
 def compose_bunny() -> None:
     """Pictures 1 to 6 of the manual."""
     for number, name in enumerate(("scan", "partition", "hover", "flatness", "steps", "mesh"), 1):
@@ -89,8 +112,15 @@ def compose_bunny() -> None:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--keep", action="store_true", help="compose the shots that are in out/pictures again")
-    if not parser.parse_args().keep:
-        shoot()
-    animate()
-    compose()
-    compose_bunny()
+    parser.add_argument("--asset", action="store_true", help="only the six steps to a game asset")
+    asked = parser.parse_args()
+    if not asked.keep:
+        make_owl()
+        shoot("asset_in_window.py")
+    compose_asset()
+    if not asked.asset:
+        if not asked.keep:
+            shoot("pictures_in_window.py")
+        animate()
+        compose()
+        compose_bunny()

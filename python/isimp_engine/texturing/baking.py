@@ -267,7 +267,7 @@ def _layer(
 
 
 def _carried(values: NDArray[Any], face: NDArray[np.int32], weight: NDArray[np.float32]) -> NDArray[Any]:
-    """(F, 3, n): values of a source's corners at those of the mesh's faces. Most faces have the corners of their source."""
+    """(F, 3, n): values of a source's corners at those of the mesh's faces, most of which have its corners."""
     carried = values[face]
     other = np.flatnonzero((weight != _CORNERS).reshape(len(weight), -1).any(axis=1))
     w = weight[other]

@@ -1,0 +1,125 @@
+"""What is done in Blender's window for the manual's six steps to a game asset; run as pictures_in_window.py is.
+
+The scan is the owl of bench/painted_scans.py, which scripts/pictures.py has put into a file.
+"""
+
+import bpy
+import numpy as np
+from mathutils import Euler
+from scans import material_of
+from scenario_main import scan
+from scenario_tools import place, sketched, tool
+
+import isimp
+
+LEVELS = (600, 200, 60)  # regions
+
+
+def load(folder):
+    """The owl with its image, 2.2 units high."""
+    stored = np.load(folder / "owl.npz")
+    bpy.ops.object.select_all(action="SELECT")
+    bpy.ops.object.delete()
+    mesh = bpy.data.meshes.new("Scan")
+    mesh.from_pydata(stored["vertices"].tolist(), [], stored["triangles"].tolist())
+    mesh.uv_layers.new(name="UV").data.foreach_set("uv", stored["uv"].astype(np.float32).ravel())
+    height, width = stored["image"].shape[:2]
+    image = bpy.data.images.new("Owl", width, height)
+    pixels = np.ones((height, width, 4), np.float32)
+    pixels[:, :, :3] = stored["image"][::-1] / 255
+    image.pixels.foreach_set(pixels.ravel())
+    image.pack()
+    mesh.materials.append(material_of("Owl", image))
+    obj = bpy.data.objects.new("Scan", mesh)
+    bpy.context.scene.collection.objects.link(obj)
+    bpy.context.view_layer.objects.active = obj
+    obj.select_set(True)
+    bpy.ops.ed.undo_push(message="scan")
+
+
+def view(hand, distance=4.6, across=0.0):
+    space = hand.area.spaces.active
+    space.region_3d.view_rotation = Euler((1.4, 0.0, 0.35)).to_quaternion()
+    space.region_3d.view_perspective = "ORTHO"
+    space.region_3d.view_location = (across, 0.0, 0.1)
+    space.region_3d.view_distance = distance
+    overlay = space.overlay
+    overlay.show_floor = overlay.show_axis_x = overlay.show_axis_y = overlay.show_cursor = False
+    overlay.show_outline_selected = False
+    yield 0.5
+
+
+def shade(hand, textured):
+    shading = hand.area.spaces.active.shading
+    shading.type, shading.light = "SOLID", "FLAT" if textured else "STUDIO"
+    shading.color_type = "TEXTURE" if textured else "MATERIAL"
+
+
+def levels(hand):
+    """Three levels of detail beside one another, with their textures and edges."""
+    shown = scan()
+    for number, regions in enumerate(LEVELS):
+        bpy.context.view_layer.objects.active = shown
+        bpy.ops.isimp.partition(proxies=regions)
+        yield from hand.settle()
+        bpy.ops.isimp.mesh(keep_texture=False)
+        bpy.ops.isimp.texture(size=2048 >> number)
+        yield 0.5
+        result = bpy.context.object
+        level = result.copy()
+        level.data = result.data.copy()
+        for material in range(len(level.data.materials)):  # the next texture takes the place of the images
+            level.data.materials[material] = copied(level.data.materials[material])
+        bpy.context.scene.collection.objects.link(level)
+        level.location.x += 1.75 * number
+        level.show_wire = level.show_all_edges = True
+        result.hide_set(True)
+        shown.hide_set(False)
+    shown.hide_set(True)
+    yield 0.3
+
+
+def copied(material):
+    material = material.copy()
+    for node in material.node_tree.nodes:
+        if node.type == "TEX_IMAGE":
+            node.image = node.image.copy()
+    return material
+
+
+def run(hand):
+    isimp.register()
+    load(hand.out)
+    yield 0.5
+    yield from hand.open_tab()
+    yield from view(hand)
+    panel = bpy.context.window_manager.isimp
+    shade(hand, True)
+    yield from hand.shot("asset-1-scan")
+    shade(hand, False)
+    bpy.ops.isimp.partition(proxies=300)
+    yield from hand.settle()
+    yield from sketched()
+    yield from hand.shot("asset-2-regions")
+    yield from tool(hand, "isimp.region_tool.object")
+    for x, z in ((0.16, 0.38), (-0.2, 0.38), (0.02, 0.3)):  # finer at the eyes and the beak
+        yield from hand.click(*place(hand, x, z))
+        yield from hand.settle()
+    yield from sketched()
+    yield from hand.shot("asset-3-clicks")
+    yield from tool(hand, "builtin.select_box")
+    panel.summary = True
+    bpy.ops.isimp.mesh(keep_texture=False)
+    yield 0.5
+    hand.area.spaces.active.overlay.show_outline_selected = False
+    yield from hand.shot("asset-4-polygons")
+    bpy.ops.isimp.texture(size=1024)
+    yield 0.5
+    shade(hand, True)
+    bpy.context.object.show_wire = False
+    yield from hand.shot("asset-5-texture")
+    bpy.context.object.show_wire = True
+    yield from levels(hand)
+    bpy.ops.object.select_all(action="DESELECT")
+    yield from view(hand, 6.0, 1.75)
+    yield from hand.shot("asset-6-levels")
