@@ -131,8 +131,11 @@ in_blender() {
   echo "$lines"
 }
 
-newest_python() { # 3.13
-  command -v "python$1" || find "${PYENV_ROOT:-$HOME/.pyenv}/versions" -path "*/bin/python$1" 2>/dev/null | sort | tail -n 1
+newest_python() { # 3.13: one that runs, which a shim of pyenv may not
+  local place
+  for place in "$(command -v "python$1")" "${PYENV_ROOT:-$HOME/.pyenv}/versions/$1."*"/bin/python$1"; do
+    if "$place" -c '' 2>/dev/null; then echo "$place" && return; fi
+  done
 }
 
 try_blender() {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cstddef>
 #include <map>
 #include <numeric>
 #include <set>
@@ -13,7 +14,8 @@ std::vector<Loop> polygons_of(const PolygonMesh& mesh) {
   std::vector<Loop> polygons;
   for (std::size_t q = 0; q < mesh.loop_start.size(); ++q) {
     const auto end = q + 1 < mesh.loop_start.size() ? mesh.loop_start[q + 1] : mesh.loops.size();
-    polygons.emplace_back(mesh.loops.begin() + mesh.loop_start[q], mesh.loops.begin() + static_cast<long>(end));
+    polygons.emplace_back(mesh.loops.begin() + mesh.loop_start[q],
+                          mesh.loops.begin() + static_cast<std::ptrdiff_t>(end));
   }
   return polygons;
 }

@@ -12,12 +12,14 @@
 namespace isimp::shapes {
 namespace {
 
+using Place = std::array<long long, 3>;  // in millionths
+
 /// Adds a grid of n by n squares spanned by u and v from `origin`, sharing vertices with equal positions.
-void add_grid(Arrays& a, std::map<std::array<long, 3>, std::int32_t>& known, int n, const Vec3& origin, const Vec3& u,
+void add_grid(Arrays& a, std::map<Place, std::int32_t>& known, int n, const Vec3& origin, const Vec3& u,
               const Vec3& v) {
   const auto at = [&](int i, int j) {
     const Vec3 p = origin + u * (static_cast<double>(i) / n) + v * (static_cast<double>(j) / n);
-    const std::array<long, 3> key{std::lround(p.x() * 1e6), std::lround(p.y() * 1e6), std::lround(p.z() * 1e6)};
+    const Place key{std::llround(p.x() * 1e6), std::llround(p.y() * 1e6), std::llround(p.z() * 1e6)};
     const auto [it, fresh] = known.try_emplace(key, static_cast<std::int32_t>(a.vertices.size()));
     if (fresh) a.vertices.push_back(p);
     return it->second;
@@ -33,7 +35,7 @@ void add_grid(Arrays& a, std::map<std::array<long, 3>, std::int32_t>& known, int
 
 Arrays cube(int n) {
   Arrays a;
-  std::map<std::array<long, 3>, std::int32_t> known;
+  std::map<Place, std::int32_t> known;
   const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ(), o = Vec3::Zero();
   add_grid(a, known, n, o, y, x);
   add_grid(a, known, n, z, x, y);
@@ -46,7 +48,7 @@ Arrays cube(int n) {
 
 Arrays plane(int n) {
   Arrays a;
-  std::map<std::array<long, 3>, std::int32_t> known;
+  std::map<Place, std::int32_t> known;
   add_grid(a, known, n, Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY());
   return a;
 }

@@ -31,9 +31,9 @@ namespace {
 
 using shapes::Arrays;
 
-long setting(const char* name, long otherwise) {
+std::int64_t setting(const char* name, std::int64_t otherwise) {
   const char* text = std::getenv(name);
-  return text ? std::atol(text) : otherwise;
+  return text ? std::atoll(text) : otherwise;
 }
 
 class Dice {
@@ -54,10 +54,11 @@ class Dice {
 
 /// Runs `run(dice)` for every case; the first failure ends it and is named.
 void for_each_case(const std::function<void(Dice&)>& run) {
-  const long first = setting("ISIMP_FUZZ_FIRST", 0), seconds = setting("ISIMP_FUZZ_SECONDS", 0);
-  const long last = seconds > 0 ? std::numeric_limits<long>::max() : first + setting("ISIMP_FUZZ_CASES", 250);
+  const std::int64_t first = setting("ISIMP_FUZZ_FIRST", 0), seconds = setting("ISIMP_FUZZ_SECONDS", 0);
+  const std::int64_t last =
+      seconds > 0 ? std::numeric_limits<std::int64_t>::max() : first + setting("ISIMP_FUZZ_CASES", 250);
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(seconds);
-  long number = first;
+  std::int64_t number = first;
   for (; number < last && (seconds <= 0 || std::chrono::steady_clock::now() < end); ++number) {
     const testing::ScopedTrace trace(__FILE__, __LINE__, "ISIMP_FUZZ_FIRST=" + std::to_string(number));
     Dice dice(static_cast<std::uint32_t>(number));

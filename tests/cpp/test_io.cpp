@@ -405,6 +405,23 @@ TEST_F(Io, WhatIsNoMeshFileIsNamed) {
   EXPECT_THROW(read_polygons(file("a.off", "OFF\n0 0 0\n"), cancelled), Cancelled);
 }
 
+TEST_F(Io, NamesMayHaveAnyLetters) {  // where the system's code page lacks them, path.string() throws
+  const std::u8string stem = u8"Größe \u6f22\u5b57 \U0001F3E0", missing = u8"\u6f22.ply";
+  for (const char* extension : {".ply", ".obj"}) {
+    fs::path path = folder_ / stem;
+    path += extension;
+    save(path, kHouse);
+    expect_same(load(path), kHouse);
+  }
+  EXPECT_EQ(files_in_folder(), 2);
+  try {
+    load(folder_ / missing);
+    ADD_FAILURE() << "a file that is not there was read";
+  } catch (const FileError& e) {
+    EXPECT_NE(std::string(e.what()).find(std::string(missing.begin(), missing.end())), std::string::npos) << e.what();
+  }
+}
+
 TEST_F(Io, EveryFileCutShortIsReadOrNamed) {
   Job job;
   save(folder_ / "whole.ply", kHouse);
