@@ -7,6 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
+from shape import borders, split_in_four
 
 import isimp_engine as engine
 import shapes
@@ -382,3 +383,15 @@ def test_a_speck_is_brought_back_by_add():
     np.testing.assert_array_equal(back.face_region[-2:], [5, 5])
     with pytest.raises(engine.InvalidInput, match="left out"):
         engine.delete_proxy(mesh, part, 801)
+
+
+def test_borders_are_as_long_on_a_finer_scan():
+    mesh = engine.Mesh(*shapes.figure(40, noise=0.004))
+    lengths = []
+    for _ in range(3):
+        part = engine.partition(mesh, engine.PartitionOptions(proxies=200))
+        lengths.append(borders(mesh, np.asarray(part.face_region))[0])
+        mesh = split_in_four(mesh)
+    once, four, sixteen = lengths
+    assert four == pytest.approx(once, rel=0.05)
+    assert sixteen == pytest.approx(four, rel=0.05)

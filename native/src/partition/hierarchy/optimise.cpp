@@ -16,7 +16,9 @@ namespace {
 
 // Regions before the last merging, as a multiple of those wanted: for the least error, and where borders count too.
 constexpr double kSurplus = 1.5, kSmoothSurplus = 2.2;
-constexpr int kTries = 4;  // of teleports that do not pay
+constexpr int kTries = 4;                    // of teleports that do not pay
+constexpr std::int64_t kNodesOfRegion = 30;  // of a level that is relaxed before the patches are
+constexpr std::int32_t kManyRegions = 200;   // from which that is done
 constexpr int kPatchSweeps = 2, kFirstSweeps = 6, kLastSweeps = 60;
 
 /// How far out of line a region must be for teleports to be tried. On a scan of many regions they gain little and cost
@@ -50,8 +52,10 @@ std::int64_t nodes_kept(const MergeGraph& graph, const Parts& parts) {
 }
 
 /// Labels of the patches, from greedy merging of the coarsest level that has enough nodes.
+/// \param relax  is given each level between the two, and the labels of its nodes
+template <class Relax>
 std::vector<std::int32_t> cut(const Hierarchy& h, const Parts& parts, std::int32_t regions, std::int32_t target,
-                              Job& job) {
+                              Relax relax, Job& job) {
   std::size_t level = h.level.size() - 1;
   while (level > 0 && nodes_kept(h.level[level], parts) < nodes_for(regions)) --level;
   const MergeGraph& coarse = h.level[level];
@@ -60,6 +64,7 @@ std::vector<std::int32_t> cut(const Hierarchy& h, const Parts& parts, std::int32
     std::vector<std::int32_t> finer(h.to_next[level].size());
     for (std::size_t u = 0; u < finer.size(); ++u) finer[u] = label[h.to_next[level][u]];
     label = std::move(finer);
+    if (level > 0) relax(h.level[level], label);
   }
   return label;
 }
@@ -93,7 +98,16 @@ class Optimiser {
       Job::Part stage(job, "merging", 0.0, 0.4);
       const double times = smooth_ > 0 ? kSmoothSurplus : kSurplus;
       const auto surplus = static_cast<std::int32_t>(std::min<double>(times * wanted, h_.patches()));
-      patch_label_ = cut(h_, parts_, wanted, std::max(surplus, wanted), job);
+      // On the way down too: faces alone can't straighten a border whose zigzags are many faces wide. Few regions are
+      // far from planar, and straight borders would cost them distance.
+      const auto relax = [&](const MergeGraph& nodes, std::vector<std::int32_t>& label) {
+        if (!(smooth_ > 0) || wanted < kManyRegions ||
+            nodes.size() < kNodesOfRegion * static_cast<std::int64_t>(wanted))
+          return;
+        const std::int32_t count = 1 + *std::max_element(label.begin(), label.end());
+        relax_patches(nodes, label, count, smooth_, kPatchSweeps, threads_, job);
+      };
+      patch_label_ = cut(h_, parts_, wanted, std::max(surplus, wanted), relax, job);
       const std::int32_t regions = 1 + *std::max_element(patch_label_.begin(), patch_label_.end());
       relax_patches(h_.level.front(), patch_label_, regions, smooth_, kPatchSweeps, threads_, job);
       project(regions, job);

@@ -1,0 +1,50 @@
+"""What the add-on tells of a scan that mirrors."""
+
+import numpy as np
+import pytest
+
+import shapes
+from isimp.recipe import AddProxy, Mesh, Partition, Recipe
+from isimp.session import Scan, Session
+from isimp.stored import numbers_from
+
+
+def scan(lump=0.0):
+    vertices, triangles = shapes.figure(lump=lump)
+    count = len(triangles)
+    return Scan(vertices, triangles.astype(np.int32), np.arange(count, dtype=np.int32), count)
+
+
+@pytest.fixture(scope="module")
+def figure():
+    return scan()
+
+
+@pytest.mark.parametrize("symmetry", ["x", "found"])
+def test_the_numbers_tell_the_axis_and_what_mirrors(figure, symmetry):
+    step = Partition(proxies=40, symmetry=symmetry)
+    regions = Session().replay(figure, Recipe((step,))).numbers
+    assert regions["symmetry"] == "X"
+    assert 36 <= regions["mirrored_regions"] <= 40
+    polygons = Session().replay(figure, Recipe((step, Mesh()))).numbers
+    assert polygons["symmetry"] == "X"
+    assert 0 < polygons["mirrored_corners"] <= polygons["vertices"]
+
+
+def test_an_edit_keeps_the_axis_and_not_the_number(figure):
+    steps = Partition(proxies=40, symmetry="x"), AddProxy(100)
+    numbers = Session().replay(figure, Recipe(steps)).numbers
+    assert numbers["symmetry"] == "X"
+    assert "mirrored_regions" not in numbers
+
+
+def test_where_no_plane_is_found_that_is_told():
+    lumpy = scan(lump=1.2)
+    numbers = Session().replay(lumpy, Recipe((Partition(proxies=300, symmetry="found"),))).numbers
+    assert numbers["symmetry"] == "none"
+    assert "symmetry" not in Session().replay(lumpy, Recipe((Partition(proxies=300),))).numbers
+
+
+def test_stored_numbers_name_a_plane_that_is_known():
+    assert numbers_from('{"symmetry": "oblique"}') == {"symmetry": "oblique"}
+    assert numbers_from('{"symmetry": "W", "mirrored_regions": 3}') == {}
