@@ -2,12 +2,13 @@
 
     PYTHONPATH=build-dev/python python bench/atlas_peer.py MESH PROXIES [--size 2048] [--gutter 4]
 
-Python has xatlas (PyPI). Both pack the same charts, first one for each polygon, then the unfolded ones. xatlas chooses width
-and height itself; its fill is that of the image it makes at the scale that comes nearest to the size.
-Seconds are processor time; ours are for flattening, unfolding and packing, those of xatlas for packing alone.
+Python has xatlas (PyPI). Both pack the same charts, first one for each polygon, then the unfolded ones. xatlas chooses
+width and height itself, at our scale; its fill is that of this image. Seconds are processor time; ours are for
+flattening, unfolding and packing, those of xatlas for packing alone.
 """
 
 import argparse
+import itertools
 import json
 import time
 from pathlib import Path
@@ -21,13 +22,13 @@ import isimp_engine as engine
 def polygon_areas(uv, starts):
     ends = np.append(starts, len(uv))
     areas = []
-    for a, b in zip(ends[:-1], ends[1:], strict=True):
+    for a, b in itertools.pairwise(ends):
         x, y = uv[a:b].T
         areas.append(abs((np.roll(x, 1) * y - x * np.roll(y, 1)).sum()) / 2)
     return np.array(areas)
 
 
-def packed(uv, triangles, area, size, gutter):
+def packed(uv, triangles, area, gutter):
     """Width, height and fill of what xatlas makes of charts in texels."""
     atlas = xatlas.Atlas()
     atlas.add_uv_mesh(uv.astype(np.float32), triangles.astype(np.uint32))
@@ -65,9 +66,7 @@ def main():
         else:
             shown = uv
         start = time.process_time()
-        width, height, fill = packed(
-            shown, triangles, polygon_areas(uv, poly.loop_start).sum(), asked.size, asked.gutter
-        )
+        width, height, fill = packed(shown, triangles, polygon_areas(uv, poly.loop_start).sum(), asked.gutter)
         peer = time.process_time() - start
         row = {"mesh": asked.mesh.name, "polygons": len(poly.loop_start), "charts": atlas.chart_count}
         row |= {"fill": round(atlas.fill, 3), "seconds": round(own, 3)}
