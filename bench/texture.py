@@ -4,7 +4,8 @@
 
 Orthographic views of 512 x 512 pixels (2 x 2 samples), drawn here from the colours alone: PSNR where both are seen,
 SSIM where either is. Seam: mean colour difference (0 to 255) of the two sides of edges, 8 points an edge, by
-length. Seconds are processor time.
+length. Tilt: mean angle between the normals of scan and result in these views, of flat polygons and with the normal
+map. Seconds are processor time.
 """
 
 import argparse
@@ -47,8 +48,8 @@ def cameras(count, up):
         yield right, np.cross(eye, right), eye
 
 
-def view(corners, uv, image_of, images, camera, box):
-    """(n, n, 3) colours and (n, n) mask of triangles (F, 3, 3) as seen along a camera's axis."""
+def seen(corners, camera, box):
+    """Of each pixel the triangle seen along a camera's axis, -1 for none, and the weights of its corners 1 and 2."""
     n = PIXELS * OVER
     size = np.linalg.norm(box[1] - box[0]) * 0.8
     p = (corners - (box[0] + box[1]) / 2) / size
@@ -65,18 +66,67 @@ def view(corners, uv, image_of, images, camera, box):
         b, c = (dx * e2y[t] - dy * e2x[t]) / area[t], (e1x[t] * dy - e1y[t] * dx) / area[t]
         d = z[t, 0] + b * (z[t, 1] - z[t, 0]) + c * (z[t, 2] - z[t, 0])
         part = np.s_[low[1, t] : high[1, t], low[0, t] : high[0, t]]
-        seen = (b >= -1e-6) & (c >= -1e-6) & (b + c <= 1 + 1e-6) & (d > depth[part])
-        depth[part][seen], face[part][seen] = d[seen], t
-        place[part][seen] = np.stack([b[seen], c[seen]], axis=1)
+        inside = (b >= -1e-6) & (c >= -1e-6) & (b + c <= 1 + 1e-6) & (d > depth[part])
+        depth[part][inside], face[part][inside] = d[inside], t
+        place[part][inside] = np.stack([b[inside], c[inside]], axis=1)
+    return face, place
+
+
+def at_corners(values, face, place):
+    """(n, k): values (F, 3, k) of corners at the places of faces."""
+    b, c = place.T[:, :, None]
+    return values[face, 0] * (1 - b - c) + values[face, 1] * b + values[face, 2] * c
+
+
+def view(corners, uv, image_of, images, camera, box):
+    """(n, n, 3) colours and (n, n) mask of triangles (F, 3, 3) as seen along a camera's axis."""
+    face, place = seen(corners, camera, box)
     mask = face >= 0
-    f, (b, c) = face[mask], place[mask].T
-    at = uv[f, 0] * (1 - b - c)[:, None] + uv[f, 1] * b[:, None] + uv[f, 2] * c[:, None]
+    f, at = face[mask], at_corners(uv, face[mask], place[mask])
     colours = np.zeros((len(f), 3))
     for m, image in enumerate(images):
         colours[image_of[f] == m] = look_up(image, at[image_of[f] == m])
-    full = np.zeros((n, n, 3))
+    full = np.zeros((*mask.shape, 3))
     full[mask] = colours
     return reduced(full), reduced(mask[:, :, None].astype(float))[:, :, 0]
+
+
+def unit(vectors):
+    return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-12)
+
+
+def vertex_normals(soup):
+    """(F, 3, 3): of each corner the mean normal of the faces at its place, by area."""
+    corners = soup.vertices[soup.triangles]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    sums = np.zeros_like(soup.vertices)
+    for k in range(3):
+        np.add.at(sums, soup.triangles[:, k], normal)
+    return unit(sums)[soup.triangles]
+
+
+def tilts(soup, mesh, part, poly, made, triangles, cameras, box):
+    """Mean angle between the scan's normals and the result's, of flat polygons and with the map. Degrees."""
+    polygon = engine._core._bake_map(mesh, part, poly, made.made_of.atlas, engine.TextureOptions())[0]
+    frame = np.stack(
+        [made.polygon_tangent, np.cross(made.polygon_normal, made.polygon_tangent), made.polygon_normal], axis=1
+    )
+    inside = polygon >= 0
+    bent = np.zeros((*polygon.shape, 3))  # in space; nothing in gutters, which then do not count
+    local = made.normal[inside] / 127.5 - 1
+    bent[inside] = np.einsum("nk,nkd->nd", local, frame[polygon[inside]])
+    corners, of_scan = poly.vertices[poly.loops], vertex_normals(soup)
+    of_corner = np.repeat(np.arange(len(poly.loop_start)), np.diff(np.append(poly.loop_start, len(poly.loops))))
+    found = []
+    for camera in cameras:
+        face, place = seen(soup.vertices[soup.triangles], camera, box)
+        other, at = seen(corners[triangles], camera, box)
+        both = (face >= 0) & (other >= 0)
+        wanted = unit(at_corners(of_scan, face[both], place[both]))
+        flat = made.polygon_normal[of_corner[triangles[other[both], 0]]]
+        mapped = unit(look_up(bent, at_corners(made.uv[triangles], other[both], at[both])))
+        found.append([np.degrees(np.arccos(np.clip((wanted * n).sum(1), -1, 1))).mean() for n in (flat, mapped)])
+    return np.mean(found, axis=0)
 
 
 def reduced(image):
@@ -132,7 +182,7 @@ def main():
     parser.add_argument("--size", type=int)
     parser.add_argument("--views", type=int, default=8)
     parser.add_argument("--up", choices="xyz", default="z")
-    parser.add_argument("--band", type=int, default=[f["default"] for f in engine.TextureOptions.fields()][3])
+    parser.add_argument("--band", type=int, default=engine.TextureOptions().band)
     parser.add_argument("--pictures", type=Path, help="a folder for scan and result side by side")
     asked = parser.parse_args()
     soup = engine.read_textured(asked.scan)
@@ -156,7 +206,10 @@ def main():
             pair = np.hstack([c + (1 - m[:, :, None]) * 255 for c, m in (before, after)])
             Image.fromarray(np.clip(pair, 0, 255).astype(np.uint8)).save(asked.pictures / f"{asked.scan.stem}_{k}.png")
     psnr, ssim = np.mean(found, axis=0)
-    figures |= {"psnr": psnr, "ssim": ssim, "seam": seam(poly, made)} | made.report
+    figures |= {"psnr": psnr, "ssim": ssim, "seam": seam(poly, made)}
+    views = list(cameras(asked.views, "xyz".index(asked.up)))
+    figures["tilt_flat"], figures["tilt_map"] = tilts(soup, mesh, part, poly, made, triangles, views, box)
+    figures |= made.report
     print(json.dumps({key: round(v, 4) if isinstance(v, float) else v for key, v in figures.items()}))
 
 

@@ -95,7 +95,7 @@ def test_a_result_of_several_tiles_is_one_packed_image(tmp_path):
     assert np.abs(np.array([colours[False], colours[True]]) - COLOURS).max() <= 1
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "tiles.blend"))
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "tiles.blend"))
-    image = next(image for image in bpy.data.images if image.name.endswith("color"))
+    image = next(image for image in bpy.data.images if " color" in image.name)
     assert {number: np.array_equal(tile, read[number]) for number, tile in materials.pixels(image).items()} == {
         1001: True,
         1002: True,
