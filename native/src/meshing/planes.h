@@ -18,7 +18,7 @@ struct Plane {
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();  ///< covariance of the surface round the centre
   double area = 0;
   bool held = false;     ///< the plane is given, through `centre`
-  bool snapped = false;  ///< it is, by `regularise`
+  bool snapped = false;  ///< it is by `regularise`, held or not
   double projected = 0;  ///< length of the vector area; 0 where the faces do not tell a direction
 };
 
@@ -31,7 +31,9 @@ std::vector<Plane> planes_of(const Labels& labels, const Threads& threads, const
 Plane plane_of(const Mesh& mesh, std::span<const std::int32_t> faces, std::span<const SurfaceMoments> moments = {});
 
 /// Turns the plane of a piece into the one that the partition holds for its region, if it does.
-void hold(Plane& plane, const Partition& partition, std::int32_t region);
+/// \param snapped_too  else only if it was set by hand: where polygons become planar, snapped planes come in later, and
+///                     those that cost polygons are let go
+void hold(Plane& plane, const Partition& partition, std::int32_t region, bool snapped_too = true);
 
 /// The plane of two pieces together, both with `projected` above 0.
 Plane united(const Plane& a, const Plane& b);

@@ -116,6 +116,7 @@ std::vector<Unit> units_of(State& state) {
       for (const std::int32_t k : chords_of(state, l, u.loop))
         u.beyond.push_back(k == kNone ? Vec3::Zero() : beyond[k]);
       u.scan = state.planes[l];
+      hold(u.scan, state.partition, state.labels.pieces[l].region);
     });
     if (units.size() - first > 1) share_out(state, std::span(units).subspan(first));
     for (std::size_t u = first; u < units.size(); ++u) area += units[u].scan.area;
