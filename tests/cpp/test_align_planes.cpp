@@ -61,11 +61,11 @@ struct Leaning {
   [[nodiscard]] std::int32_t front() const { return face(-Vec3::UnitY()); }
   [[nodiscard]] std::int32_t region(std::int32_t f) const { return part.face_region[f]; }
 
-  [[nodiscard]] Partition aligned(std::vector<std::int32_t> faces, Align to, std::optional<double> length = {},
+  [[nodiscard]] Partition aligned(const std::vector<std::int32_t>& faces, Align to, std::optional<double> length = {},
                                   const Vec3& up = kUp) const {
     return aligned(part, faces, to, length, up);
   }
-  [[nodiscard]] Partition aligned(const Partition& p, std::vector<std::int32_t> faces, Align to,
+  [[nodiscard]] Partition aligned(const Partition& p, const std::vector<std::int32_t>& faces, Align to,
                                   std::optional<double> length = {}, const Vec3& up = kUp) const {
     Job job;
     return align_planes(mesh, p, faces, to, up, length, job);
