@@ -63,5 +63,28 @@ TEST_F(Pieces, WhatIsKnownOfAUnionIsWhatItsFacesTell) {
   EXPECT_EQ(state_.polygons.count(), 2);
 }
 
+/// A side that looks along x, one that looks along y at its far end, and a strip at its near end that is turned by 50
+/// degrees, with a cap. The strip, whose first face is the mesh's, is no side of its own: it goes with the first side.
+TEST(Walls, AStripGoesWithTheSideBesideIt) {
+  const Vec3 a(-0.23, 0.193, 0), up(0, 0, 1);
+  const std::vector<Vec3> vertices{
+      a, a + up, Vec3::Zero(), up, Vec3(0, -4, 0), {0, -4, 1}, Vec3(4, -4, 0), Vec3(4, -4, 1), Vec3(-3, -3, 1)};
+  const std::vector<Triangle> triangles{{1, 3, 2}, {2, 0, 1}, {4, 2, 3}, {4, 3, 5}, {6, 4, 5}, {6, 5, 7}, {3, 1, 8}};
+  const Mesh mesh = shapes::mesh({vertices, triangles});
+  const Partition one = labelled::single(mesh);
+  Labels labels(mesh);
+  Job job;
+  label_pieces(labels, one.face_region, Threads(1), job);
+  Cutter cutter(labels);
+  EXPECT_EQ(cut_by_direction(cutter, 0), 2);
+  EXPECT_EQ(labels.label[0], labels.label[2]);
+  std::size_t faces = 0;
+  for (std::int32_t l = 0; l < labels.piece_count(); ++l) {
+    EXPECT_EQ(labels.label[labels.pieces[l].face], l) << "a piece is named by a face of its own";
+    faces += labels.faces_of(l).size();
+  }
+  EXPECT_EQ(faces, triangles.size());
+}
+
 }  // namespace
 }  // namespace isimp::meshing

@@ -193,7 +193,7 @@ std::int32_t cut_by_direction(Cutter& cutter, std::int32_t piece) {
   const std::vector<std::uint8_t> own = looks.nearest_directions();
   if (const double after = looks.roughness(own); after > kCurve || kGain * after > before) return 0;
   const std::vector<std::vector<std::int32_t>> parts = looks.parts(own);
-  for (std::size_t k = 1; k < parts.size(); ++k) cutter.labels.part(parts[k], faces[0], Cause::wall);
+  for (std::size_t k = 1; k < parts.size(); ++k) cutter.labels.part(parts[k], parts[0][0], Cause::wall);
   return static_cast<std::int32_t>(parts.size()) - 1;
 }
 

@@ -73,11 +73,13 @@ double openings_of(const Mesh& mesh) {
 
 bool is_perforated(const Mesh& mesh, std::int32_t regions) { return openings_of(mesh) > kOpeningsARegion * regions; }
 
-void part_walls(Cutter& cutter, std::vector<std::int32_t>& todo) {
+void part_walls(Cutter& cutter, std::vector<std::int32_t>& todo, const Job& job) {
   const std::int32_t before = cutter.labels.piece_count();
   // What a cut leaves may look in directions that were too few of the whole to be told.
-  for (std::int32_t l = 0; l < cutter.labels.piece_count(); ++l)
+  for (std::int32_t l = 0; l < cutter.labels.piece_count(); ++l) {
+    job.poll();
     for (bool is_new = l >= before; cut_by_direction(cutter, l) > 0 || is_new; is_new = false) todo.push_back(l);
+  }
   sort_unique(todo);
 }
 

@@ -105,7 +105,7 @@ bool is_perforated(const Mesh& mesh, std::int32_t regions);
 /// Parts all pieces in the same way, also those that are discs.
 /// \param todo  gets those that were cut and what came of them
 /// Cost: O(F).
-void part_walls(Cutter& cutter, std::vector<std::int32_t>& todo);
+void part_walls(Cutter& cutter, std::vector<std::int32_t>& todo, const Job& job);
 
 /// Cuts a piece of genus 0 with many boundary loops along chains of paths from loop to loop, each as straight as can
 /// be, so that holes in rows are parted by rows. All paths come from one forest of shortest paths.

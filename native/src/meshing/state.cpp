@@ -56,7 +56,7 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
   std::map<std::int32_t, Disc> discs;
   std::vector<std::int32_t> todo = find_defects(labels, outlines, threads, job);
   cutter.perforated = is_perforated(m, regions);
-  if (cutter.perforated) part_walls(cutter, todo);
+  if (cutter.perforated) part_walls(cutter, todo, job);
   make_discs(cutter, std::move(todo), discs, job);
   if (mesh.report().closed_components > 0) split_closed_components(cutter, kLeastClosed, discs, job);
   std::vector<std::vector<std::int32_t>> loops(labels.pieces.size());
