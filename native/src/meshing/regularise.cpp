@@ -115,26 +115,9 @@ class Regulariser {
 
  private:
   static void count(Regularity& found, Kind kind) {
-    switch (kind) {
-      case Kind::free:
-        ++found.free;
-        break;
-      case Kind::level:
-        ++found.level;
-        break;
-      case Kind::upright:
-        ++found.upright;
-        break;
-      case Kind::slope:
-        ++found.slopes;
-        break;
-      case Kind::parallel:
-        ++found.parallel;
-        break;
-      case Kind::by_hand:
-        ++found.by_hand;
-        break;
-    }
+    std::int32_t* const counts[] = {&found.free,   &found.level,    &found.upright,
+                                    &found.slopes, &found.parallel, &found.by_hand};  // in the order of Kind
+    ++*counts[static_cast<std::size_t>(kind)];
   }
 
   [[nodiscard]] double median_distance() const {
