@@ -218,8 +218,8 @@ TEST(Tiles, GroupsShareNone) {
   const Mesh mesh = shapes::mesh(shapes::sphere(3));
   const Partition part = partition(mesh, {.proxies = 60}, job);
   const PolygonMesh poly = polygonize(mesh, part, {}, job);
-  std::vector<std::int32_t> group;
-  for (std::int32_t q = 0; q < poly.polygon_count(); ++q) group.push_back(q % 2);
+  std::vector<std::int32_t> group(poly.polygon_count());
+  for (std::int32_t q = 0; q < poly.polygon_count(); ++q) group[q] = q % 2;
   const Atlas atlas = unwrap(poly, {256, 1, 40, 0, 2, group}, job);
   EXPECT_EQ(atlas.tile_group, (std::vector<std::int32_t>{0, 0, 1, 1}));
   for (std::int32_t q = 0; q < poly.polygon_count(); ++q) EXPECT_EQ(atlas.tile_group[atlas.tile[q]], group[q]);
