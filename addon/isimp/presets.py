@@ -46,10 +46,9 @@ PRESETS = (
     Preset(
         "city",
         "Drone / city tile",
-        "Roofs, walls and ground from the air: few large triangles, many small loose parts; planes become regular",
+        "Roofs, walls and ground from the air: few large triangles, many small loose parts",
         rcp.Partition(count_by="detail", detail=0.0025, noise=0.0, adaptivity=0.0, leave_out=0.0005),
-        rcp.Mesh(flatten=60, planar=True),
-        rcp.Regularise(),
+        rcp.Mesh(flatten=60),
     ),
     Preset(
         "cad",

@@ -237,13 +237,13 @@ def test_mesh_regularises_first_if_the_panel_says_so():
     assert (normals.max(axis=1) > 1 - 1e-6).all(), "the sides of a box"
 
 
-def test_presets_for_buildings_regularise_and_are_exactly_planar():
+def test_the_preset_for_buildings_regularises_and_is_exactly_planar():
     panel = bpy.context.window_manager.isimp
-    for name in ("building", "city"):
-        OPS.preset(name=name)
+    for other in ("figure", "city"):
+        OPS.preset(name="building")
         assert panel.regularise_first
         assert panel.mesh.planar
-        OPS.preset(name="figure")
+        OPS.preset(name=other)
         assert not panel.regularise_first
         assert not panel.mesh.planar
 
