@@ -56,6 +56,7 @@ class Pairs {
   }
   [[nodiscard]] std::vector<std::int32_t> round(std::int32_t c) const {
     std::vector<std::int32_t> pieces;
+    pieces.reserve(s_.polygons.at(c).size());
     for (const std::int32_t q : s_.polygons.at(c)) pieces.push_back(s_.polygons.piece(q));
     sort_unique(pieces);
     return pieces;
@@ -104,6 +105,7 @@ class Mirroring {
       const Pairs pairs(s_);
       std::vector<std::int32_t> vertices;
       std::vector<std::size_t> left;  // corners by piece, of which three stay
+      left.reserve(s_.labels.pieces.size());
       for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l) left.push_back(s_.complex.chords(l).size());
       for (std::int32_t c = 0; c < s_.corners.count(); ++c) {
         if (pairs.of_corner(c) != kNone || s_.polygons.at(c).empty()) continue;

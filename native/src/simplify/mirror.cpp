@@ -105,6 +105,7 @@ class Finder {
     for (const Sample& s : many_) inertia += (s.place - centre_) * (s.place - centre_).transpose();
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(inertia);
     std::vector<Vec3> directions;
+    directions.reserve(3 + kDirections);
     for (int k = 0; k < 3; ++k) directions.emplace_back(axes.eigenvectors().col(k));
     for (std::size_t k = 0; k < kDirections; ++k) {  // along a spiral
       const double z = (static_cast<double>(k) + 0.5) / kDirections;
@@ -120,6 +121,7 @@ class Finder {
 
   static std::vector<Candidate> across(const std::vector<Vec3>& directions) {
     std::vector<Candidate> all;
+    all.reserve(directions.size());
     for (const Vec3& d : directions) all.push_back({{.normal = settled(d.normalized())}, 0, true});
     return all;
   }
@@ -185,6 +187,7 @@ class Finder {
     Mirror& m = c.mirror;
     const Vec3 u = m.normal.unitOrthogonal(), v = m.normal.cross(u);
     std::vector<double> sorted;
+    sorted.reserve(found.size());
     for (const ClosestFace& f : found) sorted.push_back(capped(f));
     std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
     const double usual = std::max(2 * sorted[sorted.size() / 2], 1e-9 * size_);
@@ -217,6 +220,7 @@ class Finder {
 
   void measure(Candidate& c) const {
     std::vector<double> distance;
+    distance.reserve(many_.size());
     for (const ClosestFace& f : closest(c.mirror, many_)) distance.push_back(capped(f));
     c.mirror.mismatch_mean =
         std::accumulate(distance.begin(), distance.end(), 0.0) / static_cast<double>(distance.size());
