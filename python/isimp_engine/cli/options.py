@@ -156,6 +156,7 @@ def settle(arguments: argparse.Namespace) -> None:
             if getattr(arguments, name) is None:
                 setattr(arguments, name, getattr(arguments.recipe, name))
     for name, (flag, needed, reason) in _NEEDS.items():
-        if getattr(arguments, name) not in (None, False) and getattr(arguments, needed) is None:
+        value = getattr(arguments, name)
+        if value is not None and value is not False and getattr(arguments, needed) is None:  # 0 is a value
             raise UsageError(f"{flag} needs --{needed}: {reason}")
     arguments.options = options_of(arguments, PartitionOptions)
