@@ -111,6 +111,30 @@ Arrays torus(int nu, int nv, double r) {
   return a;
 }
 
+Arrays perforated(int w, int h, double thickness, const std::function<bool(int x, int y)>& is_open) {
+  Arrays a;
+  for (int z = 0; z < 2; ++z)
+    for (int y = 0; y <= h; ++y)
+      for (int x = 0; x <= w; ++x) a.vertices.emplace_back(x, y, thickness * z);
+  const auto at = [&](int x, int y, int z) { return (z * (h + 1) + y) * (w + 1) + x; };
+  const auto add = [&](int p, int q, int r, int s) {
+    a.triangles.push_back({p, q, r});
+    a.triangles.push_back({p, r, s});
+  };
+  const auto is_wall = [&](int x, int y) { return x < 0 || y < 0 || x >= w || y >= h || is_open(x, y); };
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      if (is_open(x, y)) continue;
+      add(at(x, y, 1), at(x + 1, y, 1), at(x + 1, y + 1, 1), at(x, y + 1, 1));
+      add(at(x, y, 0), at(x, y + 1, 0), at(x + 1, y + 1, 0), at(x + 1, y, 0));
+      if (is_wall(x, y - 1)) add(at(x, y, 0), at(x + 1, y, 0), at(x + 1, y, 1), at(x, y, 1));
+      if (is_wall(x, y + 1)) add(at(x + 1, y + 1, 0), at(x, y + 1, 0), at(x, y + 1, 1), at(x + 1, y + 1, 1));
+      if (is_wall(x - 1, y)) add(at(x, y + 1, 0), at(x, y, 0), at(x, y, 1), at(x, y + 1, 1));
+      if (is_wall(x + 1, y)) add(at(x + 1, y, 0), at(x + 1, y + 1, 0), at(x + 1, y + 1, 1), at(x + 1, y, 1));
+    }
+  return a;
+}
+
 Arrays both(const Arrays& a, const Arrays& b, const Vec3& offset) {
   Arrays sum = a;
   const auto shift = static_cast<std::int32_t>(a.vertices.size());

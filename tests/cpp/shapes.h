@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "isimp/mesh/mesh.h"
@@ -21,6 +22,8 @@ Arrays plane(int n = 1);
 Arrays sphere(int levels);
 /// A ring of radius 1 round the z axis with a tube of radius r, nu by nv squares of two triangles, genus 1.
 Arrays torus(int nu, int nv, double r = 0.4);
+/// A closed box of w by h unit cells with holes through those that are open. Corners that no cell has are there too.
+Arrays perforated(int w, int h, double thickness, const std::function<bool(int x, int y)>& is_open);
 /// Two meshes as one, `b` moved by `offset`.
 Arrays both(const Arrays& a, const Arrays& b, const Vec3& offset);
 /// The same surface with its faces in another order, drawn by `seed`.

@@ -109,29 +109,9 @@ Arrays plate(Dice& dice) {
   std::vector<bool> solid(static_cast<std::size_t>(w) * h);
   for (std::int32_t i = 0; i < w * h; ++i)
     solid[i] = in_rows ? i % w % 3 != 1 || i / w % 3 != 1 || dice.chance(8) : !dice.chance(one_in);
-  const auto is_open = [&](std::int32_t x, std::int32_t y) {
-    return x < 0 || y < 0 || x >= w || y >= h || !solid[y * w + x];
-  };
-  Arrays a;
   const double thickness = 0.1 + dice.share(), noise = dice.chance(2) ? 0 : 0.05 * dice.share();
-  for (int z = 0; z < 2; ++z)
-    for (std::int32_t y = 0; y <= h; ++y)
-      for (std::int32_t x = 0; x <= w; ++x) a.vertices.push_back(Vec3(x, y, thickness * z) + noise * dice.place());
-  const auto at = [&](std::int32_t x, std::int32_t y, std::int32_t z) { return (z * (h + 1) + y) * (w + 1) + x; };
-  const auto add = [&](std::int32_t p, std::int32_t q, std::int32_t r, std::int32_t s) {
-    a.triangles.push_back({p, q, r});
-    a.triangles.push_back({p, r, s});
-  };
-  for (std::int32_t y = 0; y < h; ++y)
-    for (std::int32_t x = 0; x < w; ++x) {
-      if (is_open(x, y)) continue;
-      add(at(x, y, 1), at(x + 1, y, 1), at(x + 1, y + 1, 1), at(x, y + 1, 1));
-      add(at(x, y, 0), at(x, y + 1, 0), at(x + 1, y + 1, 0), at(x + 1, y, 0));
-      if (is_open(x, y - 1)) add(at(x, y, 0), at(x + 1, y, 0), at(x + 1, y, 1), at(x, y, 1));
-      if (is_open(x, y + 1)) add(at(x + 1, y + 1, 0), at(x, y + 1, 0), at(x, y + 1, 1), at(x + 1, y + 1, 1));
-      if (is_open(x - 1, y)) add(at(x, y + 1, 0), at(x, y, 0), at(x, y, 1), at(x, y + 1, 1));
-      if (is_open(x + 1, y)) add(at(x + 1, y, 0), at(x + 1, y + 1, 0), at(x + 1, y + 1, 1), at(x + 1, y, 1));
-    }
+  Arrays a = shapes::perforated(w, h, thickness, [&](int x, int y) { return !solid[y * w + x]; });
+  for (Vec3& vertex : a.vertices) vertex += noise * dice.place();
   return a;
 }
 

@@ -64,29 +64,9 @@ TEST(ManyHoles, FewHolesTakeTwoPolygons) {
   EXPECT_EQ(p.report.polygons, 2);
 }
 
-/// A closed box of n by n cells, .2 high, with a square hole through the middle of each cell.
+/// A closed box of n by n cells, .6 high, with a square hole through the middle of each cell.
 shapes::Arrays plate(int n) {
-  const int m = 3 * n, side = m + 1;
-  shapes::Arrays a;
-  for (int z = 0; z < 2; ++z)
-    for (int i = 0; i < side * side; ++i) a.vertices.emplace_back(i % side, i / side, 0.6 * z);
-  const auto at = [&](int x, int y, int z) { return z * side * side + y * side + x; };
-  const auto add = [&](int p, int q, int r, int s) {
-    a.triangles.push_back({p, q, r});
-    a.triangles.push_back({p, r, s});
-  };
-  const auto is_open = [&](int x, int y) { return x < 0 || y < 0 || x >= m || y >= m || (x % 3 == 1 && y % 3 == 1); };
-  for (int y = 0; y < m; ++y)
-    for (int x = 0; x < m; ++x) {
-      if (is_open(x, y)) continue;
-      add(at(x, y, 1), at(x + 1, y, 1), at(x + 1, y + 1, 1), at(x, y + 1, 1));
-      add(at(x, y, 0), at(x, y + 1, 0), at(x + 1, y + 1, 0), at(x + 1, y, 0));
-      if (is_open(x, y - 1)) add(at(x, y, 0), at(x + 1, y, 0), at(x + 1, y, 1), at(x, y, 1));
-      if (is_open(x, y + 1)) add(at(x + 1, y + 1, 0), at(x, y + 1, 0), at(x, y + 1, 1), at(x + 1, y + 1, 1));
-      if (is_open(x - 1, y)) add(at(x, y + 1, 0), at(x, y, 0), at(x, y, 1), at(x, y + 1, 1));
-      if (is_open(x + 1, y)) add(at(x + 1, y, 0), at(x + 1, y + 1, 0), at(x + 1, y + 1, 1), at(x + 1, y, 1));
-    }
-  return a;
+  return shapes::perforated(3 * n, 3 * n, 0.6, [](int x, int y) { return x % 3 == 1 && y % 3 == 1; });
 }
 
 /// A region of a face of the plate with the walls of all holes: no polygon stands for both.
