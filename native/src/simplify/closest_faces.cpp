@@ -1,24 +1,15 @@
 #include "closest_faces.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "density/noise.h"
 #include "isimp/simplify/within.h"
+#include "rounded_box.h"
 
 namespace isimp {
 namespace {
 
 constexpr double kFacing = 0.25;  // cosine of the angle between normals from which a face counts
-
-meshing::Box box_round(const Vec3& low, const Vec3& high) {
-  meshing::Box box;
-  for (int k = 0; k < 3; ++k) {  // rounded away from the middle
-    box.low[k] = std::nextafter(static_cast<float>(low[k]), -std::numeric_limits<float>::infinity());
-    box.high[k] = std::nextafter(static_cast<float>(high[k]), std::numeric_limits<float>::infinity());
-  }
-  return box;
-}
 
 }  // namespace
 
@@ -28,7 +19,7 @@ ClosestFaces::ClosestFaces(const Mesh& mesh, std::span<const std::int32_t> faces
   entries.reserve(faces.size());
   for (const std::int32_t f : faces) {
     const auto [a, b, c] = corners(f);
-    entries.push_back({box_round(a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)), f});
+    entries.push_back({box_between(a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)), f});
   }
   tree_ = meshing::BoxTree(std::move(entries));
 }
@@ -51,7 +42,7 @@ ClosestFace ClosestFaces::find(const Vec3& place, const Vec3& facing, double gue
   for (double reach = std::max(guess, least_);; reach *= 2) {
     reach = std::min(reach, most);
     const Vec3 around = Vec3::Constant(reach);
-    (void)tree_.any(box_round(place - around, place + around), [&](const meshing::Entry& entry) {
+    (void)tree_.any(box_between(place - around, place + around), [&](const meshing::Entry& entry) {
       if (!any_side && normal(entry.index).dot(facing) < kFacing) return false;
       const double distance = distance_to_triangle(place, corners(entry.index));
       if (distance < best.distance || (distance == best.distance && entry.index < best.face))

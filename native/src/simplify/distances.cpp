@@ -13,6 +13,7 @@
 #include "isimp/core/threads.h"
 #include "isimp/mesh/io.h"
 #include "isimp/simplify/within.h"
+#include "rounded_box.h"
 
 namespace isimp {
 namespace {
@@ -79,15 +80,6 @@ struct Targets {
     }
   }
 };
-
-meshing::Box box_between(const Vec3& low, const Vec3& high) {
-  meshing::Box box;
-  for (int k = 0; k < 3; ++k) {  // rounded away from the middle
-    box.low[k] = std::nextafter(static_cast<float>(low[k]), -std::numeric_limits<float>::infinity());
-    box.high[k] = std::nextafter(static_cast<float>(high[k]), std::numeric_limits<float>::infinity());
-  }
-  return box;
-}
 
 /// Boxes of the triangles, relative to the mesh's origin.
 meshing::BoxTree tree_of(const Targets& targets, const Vec3& origin) {
