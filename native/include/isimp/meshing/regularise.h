@@ -35,12 +35,10 @@ constexpr auto fields(const RegulariseOptions*) {
           "that add most are released until all together add at most 10 % to that distance of the scan."),
       choice("up", &O::up, {{"x", Up::x}, {"y", Up::y}, {"z", Up::z}, {"none", Up::none}},
              "The axis that is up, for level and upright planes; none: planes are made parallel only."),
-      field(
-          "even_spacing", &O::even_spacing,
-          "Also make distances of parallel planes equal, as of storeys, stairs and rows of windows, and equal the "
-          "sizes "
-          "that three or more pairs of them have in common, as windows have their widths. No plane moves further than "
-          "the length allows."),
+      field("even_spacing", &O::even_spacing,
+            "Also make distances of parallel planes equal, as of storeys, stairs and rows of windows, and equal the "
+            "sizes that three or more pairs of them have in common, as windows have their widths. No plane moves "
+            "further than the length allows."),
   };
 }
 
