@@ -127,9 +127,10 @@ def owl_distance(p):
     body = joined(parts, 0.12)
     small = [ball(p, (0, -0.5, 0.66), np.array([0.09, 0.14, 0.13]))]
     small += [ball(p, (x, -0.43, 0.8), 0.15) for x in (-0.2, 0.2)]
-    small += [ball(p, (x, -0.42, -0.82), np.array([0.17, 0.22, 0.1])) for x in (-0.24, 0.24)]
-    stand = np.maximum(np.hypot(p[:, 0], p[:, 1]) - 0.72, np.abs(p[:, 2] + 0.98) - 0.12)
-    return joined([body, *small, stand], 0.05)
+    # Feet and stand face the middle everywhere, and are joined smoothly: else rays stretch the faces beneath them.
+    feet = [ball(p, (x, -0.33, -0.7), np.array([0.14, 0.14, 0.12])) for x in (-0.21, 0.21)]
+    stand = np.maximum(np.hypot(p[:, 0], p[:, 1]) - 0.46, np.abs(p[:, 2] + 0.94) - 0.12)
+    return joined([joined([body, *feet, stand], 0.14), *small], 0.05)
 
 
 def owl_surface(d):
@@ -158,10 +159,10 @@ def owl_colour(p):
             colour[front & (away < radius)] = shade
         colour[front & (np.hypot(x - side + 0.03, z - 0.84) < 0.022)] = (250, 250, 250)
     beak = (np.hypot(x / 0.11, (z - 0.64) / 0.16) < 1) & (y < -0.42)
-    feet = (z < -0.66) & (y < -0.34) & (np.abs(np.abs(x) - 0.24) < 0.2)
+    feet = (y < -0.24) & (np.hypot((np.abs(x) - 0.21) / 0.15, (z + 0.72) / 0.14) < 1)
     colour[beak | feet] = mixed((238, 140, 30), (190, 96, 20), 0.5 + clouds(p, 9, 6))[beak | feet]
     wood = mixed((150, 104, 62), (98, 62, 36), 0.5 + 0.5 * np.sin(30 * np.hypot(x, y) + 4 * clouds(p, 3, 7)))
-    colour[z < -0.855] = wood[z < -0.855]
+    colour[z < -0.83] = wood[z < -0.83]
     return colour
 
 

@@ -68,6 +68,14 @@ def last_step(result) -> Texture | None:
     return step if isinstance(step, Texture) else None
 
 
+def image_width(result) -> int:
+    """The width in pixels of the widest image that was made here for a result; 0 without one."""
+    kept = [material for material in result.data.materials if material is not None and material.get(OWN)]
+    trees = [tree for tree in map(materials.nodes_of, kept) if tree is not None]
+    images = [node.image for tree in trees for node in tree.nodes if node.type == "TEX_IMAGE" and node.image]
+    return max((image.size[0] for image in images if image.get(OWN)), default=0)
+
+
 def _corners(result, outcome) -> np.ndarray:
     """Which corner of the outcome's polygons each corner of the result is. Raises Unusable if it was edited."""
     if outcome.polygons is None:

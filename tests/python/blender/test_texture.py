@@ -1,11 +1,14 @@
 """Keep Texture: the scan's images on the result."""
 
+import types
+
 import bpy
 import numpy as np
 import pytest
 import scans
 
-from isimp.blender import store
+from isimp.blender import store, texture
+from isimp.blender.panel import main
 from isimp.recipe import Mesh, Partition, Recipe, Texture
 
 pytestmark = pytest.mark.usefixtures("scene")
@@ -108,6 +111,43 @@ def test_the_recipe_has_the_texture():
     assert tuple(shown(bpy.context.object).size) == (64, 64), "Mesh keeps the size"
     assert bpy.ops.isimp.step_delete(step=2) == {"FINISHED"}
     assert [step.kind for step in steps_of(scan)] == ["partition", "mesh"]
+
+
+class Layout:
+    """Keeps the settings of each button by its text."""
+
+    def __init__(self):
+        self.buttons = {}
+
+    def row(self, **_):
+        return self
+
+    def operator(self, name, text, **_):
+        assert name == "isimp.texture"
+        return self.buttons.setdefault(text, types.SimpleNamespace())
+
+
+def test_the_buttons_of_the_panel_change_one_setting_each():
+    scan = textured_cube()
+    result = simplify()
+    assert texture.image_width(result) == shown(result).size[0]
+
+    def press(label):
+        layout = Layout()
+        main._draw_texture(layout, scan, result)
+        assert bpy.ops.isimp.texture(**vars(layout.buttons[label])) == {"FINISHED"}
+        return steps_of(scan)[-1]
+
+    assert bpy.ops.isimp.texture(size=64, height=True) == {"FINISHED"}
+    step = press("128 px")
+    assert (step.size, step.height, step.materials, texture.image_width(result)) == (128, True, False, 128)
+    assert press("64 px").size == 64
+    step = press("Keep Materials Apart")
+    assert (step.size, step.height, step.materials, len(result.data.materials)) == (64, True, True, 2)
+    step = press("Height Map")
+    assert (step.size, step.height, step.materials) == (64, False, True)
+    assert press("Keep Materials Apart").materials is False
+    assert press("Like the Scan").size == 0
 
 
 def test_a_recipe_with_a_texture_makes_it(tmp_path):

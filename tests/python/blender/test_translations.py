@@ -26,7 +26,7 @@ NO_MESSAGES = (
     *("The iSimp developers", "3D View > Sidebar > iSimp", "Turn dense scans into clean, editable n-gon meshes"),
     *("shown = bpy.context.window_manager.isimp", "texture(image, tint)", "FragColor = color; }"),
     *("{} of {}", "{} color", "{} normal", ", in degrees", "Step {}, {}: {}", "tuple[int, str, str] | None"),
-    *("face {}", "{} faces"),
+    *("face {}", "{} faces", "{} px"),
 )
 #: Begin of patterns of the engine's reasons (messages.reason), and of code for the graphics card
 BEGINS = ("the region of face", "face \\d+", "the regions of .*", "faces? .*", "the line does not cut", "proxies must")

@@ -139,9 +139,9 @@ def _draw_report(context, layout, scan, numbers) -> None:
     if store.kept(scan) is not None:
         layout.operator("isimp.take_back", icon="LOOP_BACK")
     if texture.is_textured(scan) and "regions" in numbers:
-        place = layout.column()
-        place.enabled = targets.result_of(context.scene, scan) is not None
-        _draw_texture(place, scan)
+        place, made = layout.column(), targets.result_of(context.scene, scan)
+        place.enabled = made is not None
+        _draw_texture(place, scan, made)
 
 
 def _draw_counts(context, layout, scan, numbers) -> None:
@@ -161,20 +161,33 @@ def _draw_counts(context, layout, scan, numbers) -> None:
     divided.kind = "DIVIDED"
 
 
-def _draw_texture(layout, scan) -> None:
-    """Draws the button that makes the texture again, and those that say whether it has occlusion and heights."""
+def _draw_texture(layout, scan, shown_on) -> None:
+    """Draws the buttons that make the texture again: as it is, in another size, and with or without each extra."""
     recipe = store.load(scan)
     step = (recipe and recipe.texture()) or rcp.Texture()
-    again = layout.operator("isimp.texture", text="Make Texture Again", icon="TEXTURE")
+
+    def button(place, label: str, icon: str = "NONE", pressed: bool = False, **changed) -> None:
+        made = place.operator("isimp.texture", text=label, icon=icon, depress=pressed)
+        for name in ("size", "occlusion", "occlusion_distance", "height", "tiles", "materials"):
+            setattr(made, name, changed.get(name, getattr(step, name)))
+
+    def turned(place, label: str, name: str) -> None:
+        on = getattr(step, name)
+        button(place, label, "CHECKBOX_HLT" if on else "CHECKBOX_DEHLT", **{name: not on})
+
+    button(layout, "Make Texture Again", "TEXTURE")
+    width = texture.image_width(shown_on) if shown_on is not None else 0
+    if width:
+        row = layout.row(align=True)
+        smaller, larger = max(width // 2, 16), min(2 * width, 16384)
+        button(row, f"{smaller:,} px", size=smaller, tiles=0)
+        button(row, "Like the Scan", pressed=not step.size, size=0, tiles=0)
+        button(row, f"{larger:,} px", size=larger, tiles=0)
     row = layout.row(align=True)
-    turned = []
-    for text_, on in (("Ambient Occlusion", step.occlusion), ("Height Map", step.height)):
-        turned.append(row.operator("isimp.texture", text=text_, icon="CHECKBOX_HLT" if on else "CHECKBOX_DEHLT"))
-    for button in (again, *turned):
-        button.size, button.occlusion_distance = step.size, step.occlusion_distance
-        button.occlusion, button.height = step.occlusion, step.height
-        button.tiles, button.materials = step.tiles, step.materials
-    turned[0].occlusion, turned[1].height = not step.occlusion, not step.height
+    turned(row, "Ambient Occlusion", "occlusion")
+    turned(row, "Height Map", "height")
+    if len(scan.material_slots) > 1:
+        turned(layout, "Keep Materials Apart", "materials")
 
 
 class ISIMP_PT_options(Panel, bpy.types.Panel):
