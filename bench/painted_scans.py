@@ -129,7 +129,7 @@ def owl_distance(p):
     small += [ball(p, (x, -0.43, 0.8), 0.15) for x in (-0.2, 0.2)]
     # Feet and stand face the middle everywhere, and are joined smoothly: else rays stretch the faces beneath them.
     feet = [ball(p, (x, -0.33, -0.7), np.array([0.14, 0.14, 0.12])) for x in (-0.21, 0.21)]
-    stand = np.maximum(np.hypot(p[:, 0], p[:, 1]) - 0.46, np.abs(p[:, 2] + 0.94) - 0.12)
+    stand = np.maximum(np.hypot(p[:, 0], p[:, 1]) - 0.44, np.abs(p[:, 2] + 0.78) - 0.24)
     return joined([joined([body, *feet, stand], 0.14), *small], 0.05)
 
 
