@@ -331,5 +331,7 @@ def _loose_image(name: str, stored: np.ndarray, kind: str):
 def _name_file(image) -> None:
     """Gives a packed image a file name of its own, by which exporters tell images apart. USD wants the image's name."""
     name = image.name.replace("/", "_").replace("\\", "_")
-    tile = ".<UDIM>" if image.source == "TILED" else ""
-    image.filepath_raw = f"//{name}{tile}.{'exr' if image.is_float else 'png'}"
+    suffix = "exr" if image.is_float else "png"
+    image.filepath_raw = f"//{name}.<UDIM>.{suffix}" if image.source == "TILED" else f"//{name}.{suffix}"
+    for packed in image.packed_files if image.source == "TILED" else ():  # USD writes each under its own name
+        packed.filepath = f"//{name}.{packed.tile_number}.{suffix}"

@@ -8,6 +8,7 @@ import pytest
 import scans
 from mathutils import Matrix
 
+from isimp.blender import materials
 from test_texture import simplify, textured_cube
 
 pytestmark = pytest.mark.usefixtures("scene")
@@ -38,6 +39,11 @@ FORMATS = {
     ),
 }
 OPERATORS = {"fbx": ("export_scene", "fbx"), "usdc": ("wm", "usd_export"), "glb": ("export_scene", "gltf")}
+
+
+def has_exporter(kind):
+    group, name = OPERATORS[kind]
+    return name in dir(getattr(bpy.ops, group))
 
 
 def corners(obj):
@@ -72,8 +78,7 @@ def pixels_of(image):
 @pytest.mark.parametrize("kind", FORMATS)
 def test_uvs_images_and_material_come_back(kind, tmp_path):
     write, read, keeps_ngons = FORMATS[kind]
-    group, name = OPERATORS[kind]
-    if name not in dir(getattr(bpy.ops, group)):
+    if not has_exporter(kind):
         pytest.skip(f"this Blender has no exporter of {kind}")
     if kind == "glb" and bpy.app.version < (3, 5, 0) and "bool" not in vars(np):
         pytest.skip("this Blender's importer of glTF does not work with its numpy")
@@ -103,3 +108,48 @@ def test_uvs_images_and_material_come_back(kind, tmp_path):
         assert image is not None, place
         assert image != image_at(material, place)
         assert np.abs(pixels_of(image) - wanted).max() < 1 / 255 + 1e-6, place
+
+
+def sent(kind, tmp_path, result):
+    """A result as it comes back from a file."""
+    write, read, _ = FORMATS[kind]
+    scans.activate(result)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        assert write(str(tmp_path / f"out.{kind}")) == {"FINISHED"}
+        there = set(bpy.data.objects)
+        assert read(str(tmp_path / f"out.{kind}")) == {"FINISHED"}
+    (back,) = (obj for obj in set(bpy.data.objects) - there if obj.type == "MESH")
+    return back
+
+
+@pytest.mark.parametrize("kind", FORMATS)
+def test_materials_that_are_kept_apart_come_back(kind, tmp_path):
+    if not has_exporter(kind) or (kind == "glb" and bpy.app.version < (3, 5, 0) and "bool" not in vars(np)):
+        pytest.skip(f"this Blender does not write and read {kind}")
+    textured_cube()
+    result = simplify()
+    assert bpy.ops.isimp.texture(size=64, materials=True) == {"FINISHED"}
+    wanted = {tuple(pixels_of(image_at(material, "Base Color"))[32, 32]) for material in result.data.materials}
+    assert len(wanted) == 2
+    back = sent(kind, tmp_path, result)
+    found = [pixels_of(image_at(material, "Base Color"))[32, 32] for material in back.data.materials]
+    assert len(found) == 2
+    assert all(min(np.abs(colour - one).max() for one in found) < 1 / 255 + 1e-6 for colour in wanted)
+
+
+def test_tiles_come_back_from_usd(tmp_path):
+    if not has_exporter("usdc") or bpy.app.version < (4, 0, 0):
+        pytest.skip("this Blender does not write and read tiles in USD")
+    textured_cube()
+    result = simplify()
+    assert bpy.ops.isimp.texture(size=64, tiles=2) == {"FINISHED"}
+    before, _ = corners(result)
+    wanted = materials.pixels(image_at(result.data.materials[0], "Base Color"))
+    back = sent("usdc", tmp_path, result)
+    assert np.abs(corners(back)[0][:, 3:] - before[:, 3:]).max() < 1e-6
+    image = image_at(back.data.materials[0], "Base Color")
+    assert image.source == "TILED"
+    found = materials.pixels(image)
+    assert sorted(found) == sorted(wanted) == [1001, 1002]
+    assert all(np.array_equal(found[number], wanted[number]) for number in wanted)
