@@ -33,7 +33,8 @@ void for_all(const Scene& scene, const Threads& threads, Job& job, SamplesOf sam
   const auto look = [&](PolygonView& view, std::int32_t q) {
     ChartFrame frame = scene.atlas.frame[q];
     frame.origin -= scene.mesh.origin();
-    view.look(frame, detail::box_of_outline(scene.polygons, scene.atlas, q), scene.polygons.polygon_region[q]);
+    view.look(frame, detail::box_of_outline(scene.polygons, scene.atlas, q), scene.polygons.polygon_region[q],
+              scene.lean_of(q));
   };
   std::vector<std::int32_t> small, large;
   for (std::int32_t q = 0; q < count; ++q) {

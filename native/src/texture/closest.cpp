@@ -109,7 +109,7 @@ FlatEdges edges_of(const FlatFace& f) {
 
 std::array<Hit, 4> PolygonView::closest(const Quad& quad, std::array<std::int32_t, 2> guesses, Visited& visited) const {
   std::array<Hit, 4> hits;
-  if (quad.wanted == 0 || faces_.empty()) return hits;
+  if (quad.wanted == 0 || upright_.empty()) return hits;
   Nearest best;
   Four x, y;
   for (int k = 0; k < 4; ++k) {
@@ -119,9 +119,9 @@ std::array<Hit, 4> PolygonView::closest(const Quad& quad, std::array<std::int32_
     best.face[k] = best.item[k] = kNone;
   }
   if (guesses[0] == kNone && guesses[1] == kNone) guesses[0] = closest(quad.x, quad.y).index;
-  visited.begin(faces_.size());
+  visited.begin(upright_.size());
   for (const std::int32_t guess : guesses)
-    if (guess != kNone && visited.first(guess)) take(edges_[guess], faces_[guess].face, guess, x, y, best);
+    if (guess != kNone && visited.first(guess)) take(edges_[guess], upright_[guess].face, guess, x, y, best);
   float least = best.squared.maxCoeff() * kRounding;
   const float reach = std::sqrt(least), right = quad.x + quad.step, above = quad.y + quad.step;
   const std::int32_t i1 = grid_.column(right + reach), j1 = grid_.row(above + reach);
@@ -137,11 +137,11 @@ std::array<Hit, 4> PolygonView::closest(const Quad& quad, std::array<std::int32_
         const float over = std::max(std::max(0.0F, e.low_x - right), quad.x - e.high_x);
         const float up = std::max(std::max(0.0F, e.low_y - above), quad.y - e.high_y);
         if (over * over + up * up + e.off * e.off > least || !visited.first(item)) continue;
-        if (take(edges_[item], faces_[item].face, item, x, y, best)) least = best.squared.maxCoeff() * kRounding;
+        if (take(edges_[item], upright_[item].face, item, x, y, best)) least = best.squared.maxCoeff() * kRounding;
       }
     }
   for (int k = 0; k < 4; ++k)
-    if (best.item[k] != kNone) hits[k] = hit_on(faces_[best.item[k]], best.item[k], x[k], y[k]);
+    if (best.item[k] != kNone) hits[k] = hit_on(upright_[best.item[k]], best.item[k], x[k], y[k]);
   return hits;
 }
 
@@ -154,10 +154,10 @@ Hit PolygonView::closest(float x, float y) const {
     const FlatBox& e = boxes_[item];
     const float over = std::max({0.0F, e.low_x - x, x - e.high_x}), up = std::max({0.0F, e.low_y - y, y - e.high_y});
     if (over * over + up * up + e.off * e.off > least * kRounding) return;
-    const FlatFace& f = faces_[item];
+    const FlatFace& f = upright_[item];
     float b = 0, c = 0;
     const float d = closest_on(f, x, y, b, c);
-    if (d > least || (d == least && best != kNone && f.face >= faces_[best].face)) return;
+    if (d > least || (d == least && best != kNone && f.face >= upright_[best].face)) return;
     least = d;
     best = item;
   };
@@ -183,7 +183,7 @@ Hit PolygonView::closest(float x, float y) const {
       look_in(ci + ring, j);
     }
   }
-  return best == kNone ? Hit() : hit_on(faces_[best], best, x, y);
+  return best == kNone ? Hit() : hit_on(upright_[best], best, x, y);
 }
 
 }  // namespace isimp::detail

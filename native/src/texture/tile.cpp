@@ -69,7 +69,13 @@ Scene::Scene(const Mesh& m, const Partition& partition, const PolygonMesh& poly,
   skipped.assign(poly.loop_start.size(), 0);
   near = find_neighbourhood(mesh, partition, known);
   owner = find_owners(polygons, atlas, threads, job);
+  slopes = corner_slopes(polygons, atlas);
   band = static_cast<float>(options.band) * static_cast<float>(atlas.side) / 2048;
+}
+
+Lean Scene::lean_of(std::int32_t q) const {
+  const auto outline = outline_of(polygons, atlas, q);
+  return {outline, std::span(slopes).subspan(polygons.loop_start[q], outline.size())};
 }
 
 bool draw_tile(const Scene& scene, const PolygonView& view, std::int32_t q, std::int32_t t, std::int32_t n,

@@ -20,12 +20,15 @@ struct Scene {
   std::vector<std::uint8_t> skipped;  ///< (Q) 1 for polygons that are not baked
   Neighbourhood near;
   Array<std::int32_t> owner;
-  float band;  ///< texels
+  std::vector<Slope> slopes;  ///< (L)
+  float band;                 ///< texels
 
   /// \throws InvalidInput  parts that do not belong together
   Scene(const Mesh& m, const Partition& partition, const PolygonMesh& poly, const Atlas& a,
         std::span<const std::uint8_t> known, const TextureOptions& options, const Threads& threads, Job& job);
 
+  /// The directions along which a polygon is drawn.
+  [[nodiscard]] Lean lean_of(std::int32_t q) const;
   [[nodiscard]] std::int32_t owner_of(std::int32_t x, std::int32_t y) const {
     return owner[static_cast<std::size_t>(y) * atlas.side + x];
   }

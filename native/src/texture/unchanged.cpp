@@ -32,6 +32,15 @@ bool same_near(const Neighbourhood& now, std::int32_t r, const Neighbourhood& be
                     [&](std::int32_t a, std::int32_t b) { return same[a] == b; });
 }
 
+/// Whether a polygon is drawn along the directions that an earlier one was.
+bool same_directions(const Scene& scene, std::int32_t q, const EarlierBake& earlier, std::span<const Slope> slopes,
+                     std::int32_t p) {
+  const std::size_t count = outline_of(scene.polygons, scene.atlas, q).size();
+  return count == outline_of(earlier.polygons, earlier.atlas, p).size() &&
+         std::equal(&scene.slopes[scene.polygons.loop_start[q]], &scene.slopes[scene.polygons.loop_start[q]] + count,
+                    &slopes[earlier.polygons.loop_start[p]]);
+}
+
 void check(const Scene& scene, const EarlierBake& earlier, const Texture& texture) {
   const auto fits = [](std::span<const std::uint8_t> before, const Array<std::uint8_t>& now) {
     return before.size() == now.size();
@@ -57,9 +66,10 @@ std::vector<std::int32_t> unchanged_polygons(const Scene& scene, std::span<const
   const std::vector<std::int32_t>& found = atlas.from;
   const Neighbourhood before = find_neighbourhood(scene.mesh, earlier.partition, known);
   const std::vector<std::int32_t> regions = same_regions(scene.near, before, earlier.partition);
-  for (std::size_t q = 0; q < same.size(); ++q) {
+  const std::vector<Slope> slopes = corner_slopes(earlier.polygons, old);
+  for (std::int32_t q = 0; q < scene.polygons.polygon_count(); ++q) {
     const std::int32_t p = found[q];
-    if (p == kNone || !(atlas.frame[q] == old.frame[p])) continue;
+    if (p == kNone || !(atlas.frame[q] == old.frame[p]) || !same_directions(scene, q, earlier, slopes, p)) continue;
     const std::int32_t r = scene.polygons.polygon_region[q], s = earlier.polygons.polygon_region[p];
     if (regions[r] == s && same_near(scene.near, r, before, s, regions)) same[q] = p;
   }

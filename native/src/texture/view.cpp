@@ -9,7 +9,8 @@ namespace {
 
 constexpr float kTouch = 2e-3F;  // samples by which a face is wider than it is, so that no gap shows between two
 constexpr float kMostCells = 65536;
-constexpr float kInCell = 2;  // faces in a cell, about
+constexpr float kShifted = 0.2F;  // of the margin round a polygon: what lies further away is not drawn on it
+constexpr float kInCell = 2;      // faces in a cell, about
 
 /// Of a number of at least 0; cheaper than std::ceil.
 std::int32_t ceiling(float x) {
@@ -73,16 +74,16 @@ std::int32_t Bins::row(float y) const {
   return static_cast<std::int32_t>(std::clamp((y - y0_) / cell_, 0.0F, static_cast<float>(rows_ - 1)));
 }
 
-void PolygonView::look(const ChartFrame& frame, const TexelBox& box, std::int32_t region) {
+void PolygonView::look(const ChartFrame& frame, const TexelBox& box, std::int32_t region, const Lean& lean) {
   box_ = box;
-  collect(frame, region, true);
-  if (faces_.empty()) collect(frame, region, false);  // nothing looks the polygon's way: better that than nothing
+  collect(frame, region, lean, true);
+  if (faces_.empty()) collect(frame, region, lean, false);  // nothing looks the polygon's way: better than nothing
   edges_.clear();
-  for (const FlatFace& f : faces_) edges_.push_back(edges_of(f));
+  for (const FlatFace& f : upright_) edges_.push_back(edges_of(f));
   tiles_.build(boxes_, box, static_cast<float>(kTile), false);
   const float texels = static_cast<float>(box.width()) * static_cast<float>(box.height());
   const float cells = std::clamp(static_cast<float>(faces_.size()), 1.0F, kMostCells);
-  grid_.build(boxes_, box, std::max(4.0F, std::sqrt(kInCell * texels / cells)), true);
+  grid_.build(upright_boxes_, box, std::max(4.0F, std::sqrt(kInCell * texels / cells)), true);
 }
 
 namespace {
@@ -110,37 +111,51 @@ struct IntoChart {
 
 }  // namespace
 
-void PolygonView::collect(const ChartFrame& frame, std::int32_t region, bool facing) {
+/// A direction leads from the plane to each corner: the corner is drawn where it leaves the plane. It is taken to be the
+/// direction at the point below the corner, which is near.
+void PolygonView::collect(const ChartFrame& frame, std::int32_t region, const Lean& lean, bool facing) {
   faces_.clear();
+  upright_.clear();
   boxes_.clear();
+  upright_boxes_.clear();
   const IntoChart into(frame);
   const float margin = std::max(16.0F, 0.25F * static_cast<float>(box_.width() + box_.height()));
   const float x0 = static_cast<float>(box_.x0) - margin, x1 = static_cast<float>(box_.x1) + margin;
   const float y0 = static_cast<float>(box_.y0) - margin, y1 = static_cast<float>(box_.y1) + margin;
-  std::array<std::array<float, 3>, std::size_t{3} * Neighbourhood::kBlock> places;
+  std::array<std::array<float, 5>, std::size_t{3} * Neighbourhood::kBlock> places;  // x, y, z, and x, y as drawn
   for (std::int32_t k = near_.near_start[region]; k < near_.near_start[region + 1]; ++k) {
     const std::int32_t r = near_.near[k];
     for (std::int32_t at = near_.block_start[r]; at < near_.block_start[r + 1]; ++at) {
       const Neighbourhood::Block& block = near_.blocks[at];
       if (facing && into.beyond(block, box_, margin)) continue;
-      for (std::int32_t i = 0; i < block.count; ++i)
-        places[i] = into(mesh_.vertices()[near_.vertices[block.first + i]]);
+      const bool straight = lean.straight() || into.beyond(block, box_, kShifted * margin);  // only what is closest
+      for (std::int32_t i = 0; i < block.count; ++i) {
+        const auto [x, y, z] = into(mesh_.vertices()[near_.vertices[block.first + i]]);
+        const auto [right, up] = straight ? Slope{} : lean.at(x, y);
+        places[i] = {x, y, z, x - right * z, y - up * z};
+      }
       for (std::int32_t i = block.begin; i < block.end; ++i) {
         FlatFace flat;
         flat.face = near_.faces[i];
         flat.own = r == region;
+        FlatFace drawn = flat;
         for (std::size_t corner = 0; corner < 3; ++corner) {
-          const auto& [x, y, z] = places[near_.corners[i][corner]];
+          const auto& [x, y, z, shown_x, shown_y] = places[near_.corners[i][corner]];
           flat.x[corner] = x;
           flat.y[corner] = y;
-          flat.z[corner] = z;
+          flat.z[corner] = drawn.z[corner] = z;
+          drawn.x[corner] = shown_x;
+          drawn.y[corner] = shown_y;
         }
         flat.over = 1 / double_area(flat);
+        drawn.over = 1 / double_area(drawn);
         if (facing && !(flat.over > 0 && flat.over < std::numeric_limits<float>::infinity())) continue;
         const FlatBox e = extent(flat);
         if (facing && (e.high_x < x0 || e.high_y < y0 || e.low_x > x1 || e.low_y > y1)) continue;
-        faces_.push_back(flat);
-        boxes_.push_back(e);
+        faces_.push_back(drawn);
+        upright_.push_back(flat);
+        boxes_.push_back(extent(drawn));
+        upright_boxes_.push_back(e);
       }
     }
   }

@@ -10,6 +10,7 @@
 #include "isimp/mesh/mesh.h"
 #include "isimp/partition/partition.h"
 #include "isimp/texture/unwrap.h"
+#include "lean.h"
 #include "ownership.h"
 
 namespace isimp::detail {
@@ -131,7 +132,7 @@ class Visited {
   std::uint32_t now_ = 0;
 };
 
-/// The faces that a polygon can show, as seen along its normal.
+/// The faces that a polygon can show, as seen along its normal and the directions that lean from it.
 class PolygonView {
  public:
   static constexpr std::int32_t kTile = 128;  // texels; samples of a tile fit into a cache
@@ -139,7 +140,7 @@ class PolygonView {
   PolygonView(const Mesh& mesh, const Neighbourhood& near) : mesh_(mesh), near_(near) {}
 
   /// \param frame  in the coordinates of the mesh
-  void look(const ChartFrame& frame, const TexelBox& box, std::int32_t region);
+  void look(const ChartFrame& frame, const TexelBox& box, std::int32_t region, const Lean& lean);
 
   [[nodiscard]] const TexelBox& box() const { return box_; }
   [[nodiscard]] std::int32_t tile_count() const { return tiles_.columns() * tiles_.rows(); }
@@ -151,6 +152,7 @@ class PolygonView {
   void draw(std::int32_t t, std::int32_t n, std::span<const Span> wanted, std::vector<std::int32_t>& index,
             std::vector<float>& depth) const;
 
+  /// The faces as they are drawn.
   [[nodiscard]] std::span<const FlatFace> faces() const { return faces_; }
   /// The place of a face that is seen at a point.
   [[nodiscard]] Hit at(std::int32_t index, float x, float y) const;
@@ -162,14 +164,14 @@ class PolygonView {
                                            Visited& visited) const;
 
  private:
-  void collect(const ChartFrame& frame, std::int32_t region, bool facing);
+  void collect(const ChartFrame& frame, std::int32_t region, const Lean& lean, bool facing);
 
   const Mesh& mesh_;
   const Neighbourhood& near_;
   TexelBox box_;
-  std::vector<FlatFace> faces_;
-  std::vector<FlatEdges> edges_;
-  std::vector<FlatBox> boxes_;
+  std::vector<FlatFace> faces_, upright_;  // as they are drawn, and as they lie above the plane
+  std::vector<FlatEdges> edges_;           // of the latter
+  std::vector<FlatBox> boxes_, upright_boxes_;
   Bins tiles_, grid_;
 };
 

@@ -58,9 +58,10 @@ struct Texture {
 
 /// Shows the scan on its polygons.
 ///
-/// The faces of the polygon's region, and then those of the regions beside it, are drawn along the polygon's normal
-/// into its chart; a face nearer to the plane hides others. There is no distance to choose. Places that no face is drawn
-/// to show the closest face that looks the polygon's way. In a band along the edges the colours change over to those of
+/// The faces of the polygon's region, and then those of the regions beside it, are drawn into its chart along
+/// directions that lean from the polygon's normal, over edges below 78 degrees toward that of the polygon beside it; a
+/// face nearer to the plane hides others. There is no distance to choose. Places that no face is drawn to show the
+/// closest face that looks the polygon's way. In a band along the edges the colours change over to those of
 /// the closest points, which are the same from both sides of an edge. A pixel is the mean of 2 x 2 to 4 x 4 samples,
 /// as many as the density of the scan's images needs; these are bilinear and never from a reduced image, since charts
 /// of scans lie close together. Gutters continue the polygon's plane; the rest is flooded.
@@ -71,7 +72,7 @@ struct Texture {
 /// \throws InvalidInput  arrays that are not of this mesh, or an option out of its range
 /// \throws Cancelled     nothing was made
 /// Cost: about 0.1 us a sample and 0.5 us a face; memory: the images, 4 bytes a pixel, 100 bytes a face, and
-/// while a polygon is baked 250 bytes for each face that it can show.
+/// while a polygon is baked 320 bytes for each face that it can show.
 /// The result does not depend on the number of threads.
 Texture bake(const Mesh& mesh, const Partition& partition, const PolygonMesh& polygons, const Atlas& atlas,
              const Appearance& appearance, const TextureOptions& options, Job& job, const MaterialLayers& layers = {},
