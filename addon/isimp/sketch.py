@@ -153,10 +153,11 @@ def draw(
 
 
 def _direction_colors(session: Session, scan: Scan, made) -> np.ndarray:
-    """(R, 4) those of the regions of an outcome."""
+    """(R, 4) those of the regions of an outcome; a plane that polygons do not keep to counts as free."""
     partition, held = made.partition, made.partition.region_held
     count = partition.region_count
     is_held = (held == 1) | (held == 2) if len(held) else np.zeros(count, bool)
+    is_held[np.asarray(made.polygons.planes_let_go)] = False
     offset = partition.region_offset if len(partition.region_offset) else np.zeros(count)
     area = session.region_fits(scan, made)[3]
     return regularity.direction_colors(np.asarray(partition.region_normal), np.asarray(offset), is_held, area)

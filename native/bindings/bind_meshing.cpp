@@ -59,11 +59,10 @@ py::dict report_of(const MeshingReport& r) {
       "excused_at_least"_a = r.excused_at_least, "without_area"_a = r.without_area, "diagonals"_a = r.diagonals,
       "repair_rounds"_a = r.repair_rounds, "repair_capped"_a = r.repair_capped,
       "work"_a = py::dict("faces"_a = r.work.faces, "corners"_a = r.work.corners, "polygons"_a = r.work.polygons),
-      "imperfect"_a = imperfections(r), "planar"_a = r.planar.planar);
+      "imperfect"_a = imperfections(r), "planes_let_go"_a = r.planes_let_go, "planar"_a = r.planar.planar);
   if (!r.planar.asked) return report;
   report["whole"] = r.planar.whole;
   report["faces_added"] = r.planar.faces_added;
-  report["planes_let_go"] = r.planar.planes_let_go;
   report["faces_added_for"] =
       py::dict("apart"_a = r.planar.added_for_apart, "crossing"_a = r.planar.added_for_crossing,
                "flipped"_a = r.planar.added_for_flipped, "meeting"_a = r.planar.added_for_meeting);
@@ -93,6 +92,10 @@ void bind_result(py::module_& m) {
       .def_property_readonly("source_vertex", viewer<PolygonMesh>(&PolygonMesh::source_vertex),
                              "(W,) int32: the vertex of the mesh each stands for.")
       .def_property_readonly(
+          "planes_let_go", viewer<PolygonMesh>(&PolygonMesh::planes_let_go),
+          "(K,) int32: the regions whose plane `regularise` had snapped and polygons do not keep to, in rising order: a "
+          "polygon would have a fault, or with options.planar, too many faces.")
+      .def_property_readonly(
           "report", [](const PolygonMesh& poly) { return report_of(poly.report); }, R"(What came out, as a dict.
 
 polygons, corners, vertices, regions; regions_split (those that became more than one polygon) and why;
@@ -103,8 +106,7 @@ pairs whose regions do so in the scan itself (excused_at_least: there are more, 
 that the repair put across regions, repair_rounds, and repair_capped: whether something is left that takes more than options.repair_budget; work: how many faces were walked over, corners placed and polygons judged, the same on every machine; imperfect: all of these by polygon, of each flaw the first 1,000,
 planar: whether every polygon is planar to a millionth of the diagonal. With options.planar also whole, the share of the
 polygons that stayed one; faces_added, as corners were cut off, and faces_added_for, why: apart (planes do not meet within
-reach), crossing, flipped, meeting (it would have become so); planes_let_go, the regions whose snapped plane was let go, as to
-hold it takes too many polygons.
+reach), crossing, flipped, meeting (it would have become so). planes_let_go: how many regions' snapped planes were let go.
 imperfect is a list of dicts with polygon (its index), flaw ("crossing", "no_area", "flipped", "bent", "intersecting" or "excused") and, for
 the last two, other (the polygon it meets; each pair is listed under both; none for a face of the scan without area).)")
       .def(py::pickle([](const PolygonMesh& self) { return state_of(self); }, &polygons_from))

@@ -91,9 +91,9 @@ py::tuple pack_report(const MeshingReport& report) {
   const auto& [polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
                closed_regions, repair, merged, joined, mirrored, closed, manifold, euler, planarity_max, planarity_mean,
                distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect,
-               diagonals, rounds, work, capped, planar] = report;
+               diagonals, rounds, work, capped, planar, let_go] = report;
   const auto& [work_faces, work_corners, work_polygons] = work;
-  const auto& [asked, is_planar, whole, added, apart, crossed, turned, meeting, let_go] = planar;
+  const auto& [asked, is_planar, whole, added, apart, crossed, turned, meeting] = planar;
   return pack_all(polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
                   closed_regions, repair, merged, joined, mirrored, closed, manifold, euler, planarity_max,
                   planarity_mean, distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least,
@@ -106,9 +106,9 @@ MeshingReport unpack_report(const py::tuple& packed) {
   auto& [polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches, closed_regions,
          repair, merged, joined, mirrored, closed, manifold, euler, planarity_max, planarity_mean, distance_max,
          crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect, diagonals, rounds,
-         work, capped, planar] = report;
+         work, capped, planar, let_go] = report;
   auto& [work_faces, work_corners, work_polygons] = work;
-  auto& [asked, is_planar, whole, added, apart, crossed, turned, meeting, let_go] = planar;
+  auto& [asked, is_planar, whole, added, apart, crossed, turned, meeting] = planar;
   unpack_all(packed, polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
              closed_regions, repair, merged, joined, mirrored, closed, manifold, euler, planarity_max, planarity_mean,
              distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect,
@@ -191,16 +191,16 @@ Partition partition_from_state(const py::tuple& state) {
 }
 
 py::tuple state_of(const PolygonMesh& mesh) {
-  const auto& [vertices, loops, loop_start, polygon_region, planarity, source_vertex, report] = mesh;
-  return py::make_tuple(pack_all(vertices, loops, loop_start, polygon_region, planarity, source_vertex),
+  const auto& [vertices, loops, loop_start, polygon_region, planarity, source_vertex, let_go, report] = mesh;
+  return py::make_tuple(pack_all(vertices, loops, loop_start, polygon_region, planarity, source_vertex, let_go),
                         pack_report(report));
 }
 
 PolygonMesh polygons_from(const py::tuple& state) {
   check(state.size() == 2);
   PolygonMesh mesh;
-  auto& [vertices, loops, loop_start, polygon_region, planarity, source_vertex, report] = mesh;
-  unpack_all(state[0].cast<py::tuple>(), vertices, loops, loop_start, polygon_region, planarity, source_vertex);
+  auto& [vertices, loops, loop_start, polygon_region, planarity, source_vertex, let_go, report] = mesh;
+  unpack_all(state[0].cast<py::tuple>(), vertices, loops, loop_start, polygon_region, planarity, source_vertex, let_go);
   check(polygon_region.size() == loop_start.size() && planarity.size() == loop_start.size());
   check(source_vertex.size() == vertices.size() && all_in(loops, 0, vertices.size()));
   check(all_in(loop_start, 0, loops.size() + 1) && std::is_sorted(loop_start.begin(), loop_start.end()));

@@ -232,6 +232,23 @@ def test_the_preview_is_what_mesh_will_make_and_has_colours_of_directions(house)
     assert len(np.unique(plain.directions, axis=0)) == 1
 
 
+@pytest.mark.parametrize("planar", [False, True])
+def test_planes_that_polygons_do_not_keep_to_have_the_colour_of_free_ones(session, planar):
+    made = houses.make(0.004, 3, turn=0.0)
+    noisy, few = scan_of(made.vertices, made.triangles), rcp.Recipe((rcp.Partition(proxies=60),))
+    region = session.replay(noisy, few).face_region
+    drawn = sketch.draw(session, noisy, region, few, rcp.Mesh(planar=planar), Watch(), rcp.Regularise())
+    outcome = session.replay(noisy, few.then(rcp.Regularise()).then(rcp.Mesh(planar=planar)))
+    gone = np.asarray(outcome.polygons.planes_let_go)
+    assert len(gone) == outcome.numbers["let_go"] > 0
+    of = np.asarray(outcome.polygons.polygon_region)[session.triangulate(outcome.polygons)[1]]
+    is_free = (drawn.directions[::3] == np.array(regularity.FREE, np.float32)).all(axis=1)
+    held = np.asarray(outcome.partition.region_held) == 1
+    assert held[gone].all()
+    held[gone] = False
+    assert np.array_equal(is_free, ~held[of])
+
+
 def test_a_bound_does_not_cost_the_planes(house, session):
     recipe = rcp.Recipe((rcp.Partition(bound=0.01), rcp.Regularise(), rcp.Mesh()))
     outcome = session.replay(house, recipe)

@@ -180,7 +180,7 @@ def planes_line(numbers: dict, system: str, scale: float) -> str:
     gone = numbers.get("let_go", 0)
     text = own("{regions} -> {planes} in {directions}, adds {length}")
     if gone:
-        text = own("{regions} -> {planes} in {directions}, adds {length}; {gone} not held, as they cost polygons")
+        text = own("{regions} -> {planes} in {directions}, adds {length}; {gone} not held, for better polygons")
     return said(
         text,
         gone=_count(gone, "plane"),

@@ -47,6 +47,21 @@ Vec3 within(const Vec3& p, const Vec3& home, double radius) {
   return length > radius ? Vec3(home + d * (radius / length)) : p;
 }
 
+/// The step of a corner from a place to where the planes round it meet, at most `radius` long.
+/// \param held_only  only those that are held count
+Vec3 step_to(std::span<const Plane> planes, const Polygons& polygons, std::int32_t corner, const Vec3& from,
+             double radius, bool held_only) {
+  Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
+  Vec3 g = Vec3::Zero();
+  for (const std::int32_t q : polygons.at(corner)) {
+    const Plane& p = planes[polygons.piece(q)];
+    if (held_only && !p.held) continue;
+    a += p.normal * p.normal.transpose();
+    g += p.normal * p.normal.dot(p.centre - from);
+  }
+  return trusted_step(a, g, radius);
+}
+
 /// A symmetric matrix, its trace 1.
 struct Spread {
   double xx, xy, xz, yy, yz, zz;
@@ -217,20 +232,24 @@ void set_radii(const Polygons& polygons, const Mesh& mesh, double reach, std::sp
 
 void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
            std::span<const std::int32_t> moving, const Threads& threads, Corners& corners) {
-  const auto place_one = [&](std::int32_t c) {
-    const Vec3& home = mesh.vertices()[corners.vertex[c]];
-    Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
-    Vec3 g = Vec3::Zero();
-    for (const std::int32_t q : polygons.at(c)) {
-      const Plane& p = planes[polygons.piece(q)];
-      a += p.normal * p.normal.transpose();
-      g += p.normal * p.normal.dot(p.centre - home);
-    }
-    corners.position[c] = home + trusted_step(a, g, corners.radius[c]);
-  };
   threads.blocks(static_cast<std::int32_t>(moving.size()), kTogether,
                  [&](std::int32_t, std::int32_t begin, std::int32_t end) {
-                   for (const std::int32_t c : moving.subspan(begin, end - begin)) place_one(c);
+                   for (const std::int32_t c : moving.subspan(begin, end - begin)) {
+                     const Vec3& home = mesh.vertices()[corners.vertex[c]];
+                     corners.position[c] = home + step_to(planes, polygons, c, home, corners.radius[c], false);
+                   }
+                 });
+}
+
+void place_on_held(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
+                   std::span<const std::int32_t> moving, const Threads& threads, Corners& corners) {
+  threads.blocks(static_cast<std::int32_t>(moving.size()), kTogether,
+                 [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+                   for (const std::int32_t c : moving.subspan(begin, end - begin)) {
+                     Vec3& at = corners.position[c];
+                     at = within(at + step_to(planes, polygons, c, at, 2 * corners.radius[c], true),
+                                 mesh.vertices()[corners.vertex[c]], corners.radius[c]);
+                   }
                  });
 }
 

@@ -19,6 +19,11 @@ void set_radii(const Polygons& polygons, const Mesh& mesh, double reach, std::sp
 void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
            std::span<const std::int32_t> moving, const Threads& threads, Corners& corners);
 
+/// Moves the given corners from where they are onto the planes round them that are held, as far as these meet and the
+/// radius allows it.
+void place_on_held(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
+                   std::span<const std::int32_t> moving, const Threads& threads, Corners& corners);
+
 /// Makes the polygons round the given corners flat by turns: a plane for each polygon, then each corner to the mean of
 /// its projections on the planes round it and on beyond, within its radius. Polygons that are flat already do not move.
 void flatten(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,

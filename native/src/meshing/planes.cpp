@@ -105,10 +105,13 @@ Plane united(const Plane& a, const Plane& b) {
   return p;
 }
 
-void hold(Plane& plane, const Partition& partition, std::int32_t region, bool snapped_too) {
-  const bool is_held = partition.is_held(region);
-  plane.snapped = is_held && partition.region_held[region] == kPlaneSnapped;
-  plane.held = is_held && (snapped_too || !plane.snapped);
+void hold_by_hand(Plane& plane, const Partition& partition, std::int32_t region) {
+  if (partition.is_held(region) && partition.region_held[region] != kPlaneSnapped) hold(plane, partition, region);
+}
+
+void hold(Plane& plane, const Partition& partition, std::int32_t region) {
+  plane.held = partition.is_held(region);
+  plane.snapped = plane.held && partition.region_held[region] == kPlaneSnapped;
   if (!plane.held) return;
   plane.normal = partition.region_normal[region];
   plane.centre += (partition.region_offset[region] - plane.normal.dot(plane.centre)) * plane.normal;

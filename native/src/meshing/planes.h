@@ -31,9 +31,10 @@ std::vector<Plane> planes_of(const Labels& labels, const Threads& threads, const
 Plane plane_of(const Mesh& mesh, std::span<const std::int32_t> faces, std::span<const SurfaceMoments> moments = {});
 
 /// Turns the plane of a piece into the one that the partition holds for its region, if it does.
-/// \param snapped_too  else only if it was set by hand: where polygons become planar, snapped planes come in later, and
-///                     those that cost polygons are let go
-void hold(Plane& plane, const Partition& partition, std::int32_t region, bool snapped_too = true);
+void hold(Plane& plane, const Partition& partition, std::int32_t region);
+
+/// The same, if the plane was set by hand. Snapped planes come in when all else is done, since those at fault are let go.
+void hold_by_hand(Plane& plane, const Partition& partition, std::int32_t region);
 
 /// The plane of two pieces together, both with `projected` above 0.
 Plane united(const Plane& a, const Plane& b);

@@ -84,6 +84,7 @@ void report_repair(const RepairOutcome& outcome, std::span<const std::int32_t> p
   report.repair_capped = outcome.capped;
   report.work = outcome.work;
   report.planar = outcome.planar;
+  report.planes_let_go = static_cast<std::int32_t>(outcome.let_go.size());
   report.excused_at_least = outcome.excused_at_least;
   std::vector<Imperfection> list;  // with each pair under its first polygon
   list.reserve(outcome.imperfect.size());
@@ -120,6 +121,7 @@ PolygonMesh polygonize(const Mesh& mesh, const Partition& partition, const Meshi
   std::vector<std::int32_t> place;
   PolygonMesh result = assemble(state, place);
   report_repair(outcome, place, result.report);
+  result.planes_let_go = std::move(outcome.let_go);
   result.report.merged_without_area = state.merged_without_area;
   count_splits(state.labels, partition.region_count(), result.report);
   judge_topology(result);

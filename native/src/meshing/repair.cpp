@@ -11,6 +11,7 @@
 #include "findings.h"
 #include "flaws.h"
 #include "junctions.h"
+#include "keep_planes.h"
 #include "planar/planar.h"
 #include "plans.h"
 #include "slide.h"
@@ -60,6 +61,7 @@ class Repairer {
       fall_back();
     }
     slide_corners(s_, findings_, job_);
+    if (!s_.options.planar) outcome_.let_go = keep_to_planes(s_, findings_, job_);
     mirror_corners(s_, findings_, job_);
     if (s_.options.planar) {
       make_planar();
@@ -162,6 +164,7 @@ class Repairer {
       findings_.keep();
       const planar::Outcome outcome = planar::make_planar(s_, findings_, memory, is_last, job_);
       outcome_.planar = outcome.report;
+      outcome_.let_go = outcome.let_go;
       if (outcome.stuck.empty() || is_last) return;
       std::vector<std::int32_t> changed = outcome.stuck;
       for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l)

@@ -72,7 +72,7 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
   labels.touched.clear();
   job.report(0.07);
   planes = planes_of(labels, threads, job);
-  for (std::size_t l = 0; l < planes.size(); ++l) hold(planes[l], partition, labels.pieces[l].region, !options.planar);
+  for (std::size_t l = 0; l < planes.size(); ++l) hold_by_hand(planes[l], partition, labels.pieces[l].region);
   complex.tolerance = chord_tolerance(mesh, planes, regions, options);
   job.report(0.08);
   complex.refresh(numbers_below(labels.piece_count()), std::move(loops), job);
@@ -206,7 +206,7 @@ Union State::unite(std::int32_t kept, std::int32_t gone, std::vector<std::int32_
   // Most of the area of both is of the same region, so most of what they are together is too.
   if (u.kept_piece.region == u.gone_piece.region && u.kept_plane.projected > 0 && u.gone_plane.projected > 0) {
     planes[kept] = united(u.kept_plane, u.gone_plane);
-    hold(planes[kept], partition, u.kept_piece.region, !options.planar);
+    hold_by_hand(planes[kept], partition, u.kept_piece.region);
     if (planes[kept].projected > kFlat * planes[kept].area) known_[kept] = std::move(loop);
   }
   u.kept_diagonals = std::exchange(diagonals[kept], {});
@@ -265,7 +265,7 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, std::
                      }
                      labels.pieces[l].region = region_of(l, faces);
                      planes[l] = plane_of(mesh, faces, labels.moments);
-                     hold(planes[l], partition, labels.pieces[l].region, !options.planar);
+                     hold_by_hand(planes[l], partition, labels.pieces[l].region);
                    }
                  });
   known_.clear();

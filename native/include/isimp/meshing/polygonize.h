@@ -47,7 +47,6 @@ struct PlanarReport {
   std::int32_t faces_added = 0;      ///< as corners were cut off; the sum of those below
   std::int32_t added_for_apart = 0;  ///< planes round a corner do not meet within reach
   std::int32_t added_for_crossing = 0, added_for_flipped = 0, added_for_meeting = 0;  ///< else it would have been so
-  std::int32_t planes_let_go = 0;  ///< regions whose plane `regularise` had snapped: to hold it costs too many polygons
   bool operator==(const PlanarReport&) const = default;
 };
 
@@ -79,6 +78,7 @@ struct MeshingReport {
   MeshingWork work;
   bool repair_capped = false;  ///< something is left that takes more splits than repair_budget allows
   PlanarReport planar;
+  std::int32_t planes_let_go = 0;  ///< size of PolygonMesh::planes_let_go
   bool operator==(const MeshingReport&) const = default;
 };
 
@@ -90,6 +90,9 @@ struct PolygonMesh {
   std::vector<std::int32_t> polygon_region;  ///< (Q)
   std::vector<double> planarity;             ///< (Q) largest distance of a corner from the polygon's plane, scene units
   std::vector<std::int32_t> source_vertex;   ///< (W) vertex of the mesh each stands for
+  /// Regions whose plane `regularise` had snapped and polygons do not keep to, in rising order: a polygon would have a
+  /// fault, or with MeshingOptions::planar, too many faces.
+  std::vector<std::int32_t> planes_let_go;
   MeshingReport report;
 
   [[nodiscard]] std::int32_t polygon_count() const { return static_cast<std::int32_t>(loop_start.size()); }

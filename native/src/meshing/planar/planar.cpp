@@ -407,7 +407,7 @@ class Planarizer {
       }
     }
     r.whole = units_.empty() ? 1.0 : whole / static_cast<double>(units_.size());
-    r.planes_let_go = static_cast<std::int32_t>(let_go.size());
+    out.let_go.assign(let_go.begin(), let_go.end());
     r.planar = is_planar(s_);
     out.stuck = std::move(stuck_);
     remember(out.stuck);

@@ -23,6 +23,7 @@ struct Memory {
 
 struct Outcome {
   PlanarReport report;
+  std::vector<std::int32_t> let_go;  ///< regions whose snapped planes were let go, in rising order
   std::vector<std::int32_t> stuck;  ///< pieces with a polygon that could not be made planar, or not without a fault
 };
 
