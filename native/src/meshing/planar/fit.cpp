@@ -1,7 +1,7 @@
 #include "planar/fit.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -33,9 +33,15 @@ class Solver {
     for (std::size_t u = 0; u < units.size(); ++u) {
       area += units[u].scan.area;
       if (!units[u].held && !units[u].free) unknown_[u] = count_++;
-      for (std::size_t i = 0; !units[u].free && i < units[u].loop.size(); ++i)
-        if (kept[u][i]) links_.push_back({static_cast<std::int32_t>(u), units[u].loop[i], Vec3::Zero()});
     }
+    std::vector<bool> counts(places.start.size(), false);  // by corner: a plane round it changes
+    for (std::size_t u = 0; u < units.size(); ++u)
+      for (std::size_t i = 0; unknown_[u] != kNone && i < units[u].loop.size(); ++i)
+        if (kept[u][i]) counts[units[u].loop[i]] = true;
+    for (std::size_t u = 0; u < units.size(); ++u)
+      for (std::size_t i = 0; !units[u].free && i < units[u].loop.size(); ++i)
+        if (kept[u][i] && counts[units[u].loop[i]])
+          links_.push_back({static_cast<std::int32_t>(u), units[u].loop[i], Vec3::Zero()});
     mean_area_ = area > 0 ? area / static_cast<double>(units.size()) : 1;
     std::stable_sort(links_.begin(), links_.end(), [](const Link& a, const Link& b) { return a.corner < b.corner; });
     for (const Link& l : links_) ++first_[l.corner + 1];
@@ -116,7 +122,7 @@ class Solver {
       b -= penalty * miss(l) * n;
     }
     Step& s = steps_[c];
-    s.inverse = h.ldlt().solve(Mat3::Identity());
+    s.inverse = h.inverse();
     s.right = b;
     s.penalty = penalty;
     for (const Link& l : at(c)) {

@@ -38,13 +38,15 @@ Vec3 nearest_on(std::span<const Unit* const> planes, const Vec3& from) {
       return from + (miss(planes[0]) * bc + miss(planes[1]) * c.cross(a) + miss(planes[2]) * a.cross(b)) / det;
   }
   const auto n = static_cast<Eigen::Index>(planes.size());
-  Eigen::Matrix<double, Eigen::Dynamic, 3> rows(n, 3);
-  Eigen::VectorXd right(n);
+  constexpr int kMost = kMostPlanes;
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, kMost, 3>;
+  Rows rows(n, 3);
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMost, 1> right(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     rows.row(i) = planes[i]->normal.transpose();
     right[i] = miss(planes[i]);
   }
-  Eigen::JacobiSVD<Eigen::MatrixXd> svd(rows, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  Eigen::JacobiSVD<Rows> svd(rows, Eigen::ComputeThinU | Eigen::ComputeThinV);
   svd.setThreshold(kRank);
   return from + Vec3(svd.solve(right));
 }

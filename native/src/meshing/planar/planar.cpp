@@ -281,11 +281,11 @@ class Planarizer {
     stuck_.clear();
     for (const std::int32_t l : judged_) any = hold_back_piece(l, firmly) || any;
     for (const Hit& h : f_.hits()) {
-      if (met_.contains({h.a, h.b})) continue;
+      if (h.excused || met_.contains({h.a, h.b})) continue;
       const std::span<const std::int32_t> corners(h.corners);
       const bool a = give_up(h.a, h.part_a, corners.first(3), Cause::meeting, firmly);
       const bool b = give_up(h.b, h.part_b, corners.last(3), Cause::meeting, firmly);
-      if (!a && !b && !h.excused) stuck_.insert(stuck_.end(), {h.a, h.b});
+      if (!a && !b) stuck_.insert(stuck_.end(), {h.a, h.b});
       any = any || a || b;
     }
     sort_unique(stuck_);
