@@ -213,10 +213,14 @@ def _apply_regularise(step: rcp.Regularise, prepared, before, watch, begin, end)
         length=step.length or None,
         up="z" if up is not None else "none",
         even_spacing=step.even_spacing,
+        merge_islands=step.merge_islands,
     )
     snap = partial(engine.regularise, up_direction=up)
     args = (prepared.mesh, before.partition, options)
-    return _with_planes(before, engine_call(watch, begin, end, "regularising", snap, *args))
+    partition = engine_call(watch, begin, end, "regularising", snap, *args)
+    if partition.regularity["islands_merged"]:
+        return with_regions(prepared, partition, carried_colors(before, partition), {})
+    return _with_planes(before, partition)
 
 
 def _apply_align(step: rcp.AlignPlanes, prepared, before, watch, begin, end) -> Outcome:

@@ -224,6 +224,12 @@ REGULARISE: dict[str, Option] = {
         kind="bool",
         default=False,
     ),
+    "merge_islands": Option(
+        kind="float",
+        default=0.0,
+        words="a finite length, at least 0",
+        least=0.0,
+    ),
 }
 
 TEXTURE: dict[str, Option] = {

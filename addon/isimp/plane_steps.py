@@ -41,10 +41,13 @@ class Regularise(_Upward):
 
     angle: float = REGULARISE["angle"].default  #: by which a plane is turned at most, in degrees
     even_spacing: bool = REGULARISE["even_spacing"].default  #: also make distances of parallel planes equal
+    #: depth of a rim behind which islands become part of their wall, scene units; 0: none do
+    merge_islands: float = REGULARISE["merge_islands"].default
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_options({"angle": self.angle, "even_spacing": self.even_spacing}, REGULARISE)
+        own = ("angle", "even_spacing", "merge_islands")
+        check_options({name: getattr(self, name) for name in own}, REGULARISE)
 
     def describe(self) -> str:
         return "Regularise"

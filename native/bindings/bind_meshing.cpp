@@ -91,10 +91,10 @@ void bind_result(py::module_& m) {
                              "(Q,) float64: largest distance of a corner from the polygon's plane, scene units.")
       .def_property_readonly("source_vertex", viewer<PolygonMesh>(&PolygonMesh::source_vertex),
                              "(W,) int32: the vertex of the mesh each stands for.")
-      .def_property_readonly(
-          "planes_let_go", viewer<PolygonMesh>(&PolygonMesh::planes_let_go),
-          "(K,) int32: the regions whose plane `regularise` had snapped and polygons do not keep to, in rising order: a "
-          "polygon would have a fault, or with options.planar, too many faces.")
+      .def_property_readonly("planes_let_go", viewer<PolygonMesh>(&PolygonMesh::planes_let_go),
+                             "(K,) int32: the regions whose plane `regularise` had snapped and polygons do not keep "
+                             "to, in rising order: a "
+                             "polygon would have a fault, or with options.planar, too many faces.")
       .def_property_readonly(
           "report", [](const PolygonMesh& poly) { return report_of(poly.report); }, R"(What came out, as a dict.
 

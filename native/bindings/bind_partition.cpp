@@ -40,6 +40,7 @@ py::object regularity_of(const Partition& part) {
   const Regularity& r = *part.regularity;
   return py::dict("directions"_a = r.directions, "planes"_a = r.planes, "rms_added"_a = r.rms - r.rms_before,
                   "rms"_a = r.rms, "length"_a = r.length, "evenly_spaced"_a = r.even,
+                  "islands_merged"_a = r.islands_merged,
                   "snapped_to"_a = py::dict("level"_a = r.level, "upright"_a = r.upright, "slope"_a = r.slopes,
                                             "parallel"_a = r.parallel, "free"_a = r.free, "by_hand"_a = r.by_hand));
 }

@@ -148,14 +148,14 @@ py::tuple state_of(const Partition& partition) {
   const auto& [face_region, region_seed, region_normal, region_sum, error, history, smooth, tolerance, noise, snapped,
                bound, distance_max, region_offset, asked, needed, left_out, area_left_out, guided, locked, held,
                regularity, symmetry] = partition;
-  const auto& [directions, planes, level, upright, slopes, parallel, free, by_hand, even, length, rms_before, rms] =
-      regularity.value_or(Regularity{});
+  const auto& [directions, planes, level, upright, slopes, parallel, free, by_hand, even, islands, length, rms_before,
+               rms] = regularity.value_or(Regularity{});
   const auto& [normal, offset, mismatch_mean, mismatch, mirrored] = symmetry.value_or(Mirror{});
   return py::make_tuple(
       pack_all(face_region, region_seed, region_normal, region_sum, error, history, smooth, tolerance, noise, snapped,
                bound, distance_max, region_offset, asked, needed, left_out, area_left_out, locked, held,
                regularity.has_value(), directions, planes, level, upright, slopes, parallel, free, by_hand, even,
-               length, rms_before, rms, symmetry.has_value(), std::vector<Vec3>{normal}, offset, mismatch_mean,
+               islands, length, rms_before, rms, symmetry.has_value(), std::vector<Vec3>{normal}, offset, mismatch_mean,
                mismatch, mirrored),
       pack_guided(guided));
 }
@@ -171,12 +171,13 @@ Partition partition_from_state(const py::tuple& state) {
   std::vector<Vec3> normals;
   auto& [normal, offset, mismatch_mean, mismatch, mirrored] = plane;
   bool is_symmetric = false;
-  auto& [directions, planes, level, upright, slopes, parallel, free, by_hand, even, length, rms_before, rms] = found;
+  auto& [directions, planes, level, upright, slopes, parallel, free, by_hand, even, islands, length, rms_before, rms] =
+      found;
   bool is_regular = false;
   unpack_all(state[0].cast<py::tuple>(), face_region, region_seed, region_normal, region_sum, error, history, smooth,
              tolerance, noise, snapped, bound, distance_max, region_offset, asked, needed, left_out, area_left_out,
              locked, held, is_regular, directions, planes, level, upright, slopes, parallel, free, by_hand, even,
-             length, rms_before, rms, is_symmetric, normals, offset, mismatch_mean, mismatch, mirrored);
+             islands, length, rms_before, rms, is_symmetric, normals, offset, mismatch_mean, mismatch, mirrored);
   if (is_regular) regularity = found;
   check(normals.size() == 1);
   normal = normals[0];

@@ -226,6 +226,7 @@ class RegulariseOptions:
     length: float | None
     up: Literal["x", "y", "z", "none"]
     even_spacing: bool
+    merge_islands: float
     def __init__(
         self,
         *,
@@ -233,6 +234,7 @@ class RegulariseOptions:
         length: float | None = ...,
         up: Literal["x", "y", "z", "none"] = ...,
         even_spacing: bool = ...,
+        merge_islands: float = ...,
     ) -> None: ...
     @staticmethod
     def fields() -> list[dict[str, Any]]: ...

@@ -7,9 +7,9 @@ import pickle
 import houses
 import numpy as np
 import pytest
-import shapes
 
 import isimp_engine as engine
+import shapes
 from isimp_engine.cli import main
 
 

@@ -309,6 +309,17 @@ class RegulariseSettings:
         "that three or more windows have in common",
         default=_REGULARISE.even_spacing,
     )
+    merge_islands: FloatProperty(
+        name="Merge Islands",
+        description="Window panes that are coplanar with the wall round them become part of it, with rims up to this "
+        "depth. 0: none do",
+        default=_REGULARISE.merge_islands,
+        min=0.0,
+        soft_max=1.0,
+        precision=3,
+        step=1,
+        unit="LENGTH",
+    )
 
 
 class AlignSettings:

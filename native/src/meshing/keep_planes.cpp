@@ -62,8 +62,7 @@ class Keeper {
     }
     std::erase_if(moving, [&](std::int32_t c) {
       const auto around = s_.polygons.at(c);
-      return std::none_of(around.begin(), around.end(),
-                          [&](std::int32_t q) { return is_kept(s_.polygons.piece(q)); });
+      return std::none_of(around.begin(), around.end(), [&](std::int32_t q) { return is_kept(s_.polygons.piece(q)); });
     });
     place_on_held(s_.polygons, s_.mesh, planes_, moving, s_.threads, s_.corners);
     flatten(s_.polygons, s_.mesh, planes_, moving, s_.options.flatten, s_.threads, s_.corners);
@@ -118,9 +117,8 @@ class Keeper {
     }
     if (kept.empty()) return;
     if (!all)
-      kept = {*std::min_element(kept.begin(), kept.end(), [&](std::int32_t a, std::int32_t b) {
-        return planes_[a].area < planes_[b].area;
-      })};
+      kept = {*std::min_element(kept.begin(), kept.end(),
+                                [&](std::int32_t a, std::int32_t b) { return planes_[a].area < planes_[b].area; })};
     for (const std::int32_t l : kept) is_let_go_[region(l)] = true;
   }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "isimp/core/errors.h"
 
@@ -57,6 +58,20 @@ Vec3 unit_up(const Vec3& up) {
 double squared_distance(const RegionPlane& region, const Vec3& normal, double offset) {
   const double d = normal.dot(region.scan.centre) - offset;
   return std::max(0.0, normal.dot(region.scan.spread * normal)) + d * d;
+}
+
+double median_distance(const std::vector<RegionPlane>& regions) {
+  std::vector<std::pair<double, double>> all;  // distance, area
+  double area = 0;
+  for (const RegionPlane& r : regions) {
+    all.emplace_back(std::sqrt(squared_distance(r, r.normal, r.best_offset())), r.scan.area);
+    area += r.scan.area;
+  }
+  std::sort(all.begin(), all.end());
+  double sum = 0;
+  for (const auto& [distance, share] : all)
+    if ((sum += share) >= area / 2) return distance;
+  return 0;
 }
 
 Regularity summary_of(const std::vector<RegionPlane>& regions) {

@@ -30,6 +30,9 @@ Vec3 unit_up(const Vec3& up);
 /// Mean square distance of a region from a plane.
 double squared_distance(const RegionPlane& region, const Vec3& normal, double offset);
 
+/// The distance of regions from their planes of best fit, root mean square, that half of the area has at most.
+double median_distance(const std::vector<RegionPlane>& regions);
+
 /// Directions, planes and distances of the given planes. The counts of kinds are left 0.
 /// Cost: O(R^2).
 Regularity summary_of(const std::vector<RegionPlane>& regions);

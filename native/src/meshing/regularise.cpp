@@ -6,14 +6,15 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "even_spacing.h"
 #include "isimp/core/errors.h"
+#include "islands.h"
 #include "region_planes.h"
+#include "sorted.h"
 
 namespace isimp {
 namespace {
@@ -49,8 +50,14 @@ double azimuth_difference(double a, double b) {
 class Regulariser {
  public:
   Regulariser(const Mesh& mesh, const Partition& partition, const RegulariseOptions& options, const Vec3& up)
-      : angle_(options.angle * std::numbers::pi / 180), is_even_(options.even_spacing), z_(up) {
-    for (const RegionPlane& plane : region_planes(mesh, partition)) {
+      : mesh_(mesh),
+        angle_(options.angle * std::numbers::pi / 180),
+        is_even_(options.even_spacing),
+        depth_(options.merge_islands),
+        z_(up) {
+    const std::vector<RegionPlane> planes = region_planes(mesh, partition);
+    const double noise = median_distance(planes);
+    for (const RegionPlane& plane : planes) {
       const std::size_t i = regions_.size();
       Region& r = regions_.emplace_back(Region{plane});
       if (partition.region_held.empty()) continue;
@@ -60,7 +67,6 @@ class Regulariser {
       r.snapped = partition.region_normal[i];
       r.offset = partition.region_offset[i];
     }
-    const double noise = median_distance();
     least_ = kLeastLength * mesh.diagonal();
     length_ = options.length.value_or(std::max(kOfMedian * noise, least_));
     has_budget_ = !options.length;
@@ -72,8 +78,7 @@ class Regulariser {
   }
 
   void run() {
-    Some left(regions_.size());
-    std::iota(left.begin(), left.end(), 0);
+    Some left = numbers_below(static_cast<std::int32_t>(regions_.size()));
     largest_first(left);
     std::erase_if(left, [&](std::int32_t r) { return regions_[r].scan.area <= 0; });
     const Some all = left;
@@ -91,7 +96,7 @@ class Regulariser {
     if (has_budget_) release(all);
   }
 
-  Partition result(const Partition& partition) const {
+  Partition result(const Partition& partition) {
     Partition out = partition;
     out.region_offset.resize(regions_.size());
     out.region_held.assign(regions_.size(), 0);
@@ -105,8 +110,10 @@ class Regulariser {
                                                      : kPlaneSnapped;
       out.region_offset[i] = r.offset;
       out.region_normal[i] = r.snapped;
-      count(found, r.kind);
     }
+    if (depth_ > 0) merge_islands(out, found);
+    for (const Region& r : regions_)
+      if (r.scan.area > 0) count(found, r.kind);
     found.length = length_;
     found.even = even_;
     out.regularity = found;
@@ -114,24 +121,22 @@ class Regulariser {
   }
 
  private:
+  /// Makes islands and their rims parts of their walls.
+  void merge_islands(Partition& out, Regularity& found) {
+    std::vector<RegionPlane*> planes;
+    for (Region& r : regions_) planes.push_back(&r);
+    std::vector<Region> left;
+    for (const std::int32_t r : meshing::merge_islands(mesh_, out, planes, depth_)) left.push_back(regions_[r]);
+    regions_.swap(left);
+    const double before = std::exchange(found, summary_of({regions_.begin(), regions_.end()})).rms_before;
+    found.rms_before = before;
+    found.islands_merged = static_cast<std::int32_t>(left.size() - regions_.size());
+  }
+
   static void count(Regularity& found, Kind kind) {
     std::int32_t* const counts[] = {&found.free,   &found.level,    &found.upright,
                                     &found.slopes, &found.parallel, &found.by_hand};  // in the order of Kind
     ++*counts[static_cast<std::size_t>(kind)];
-  }
-
-  [[nodiscard]] double median_distance() const {
-    std::vector<std::pair<double, double>> all;  // distance, area
-    double area = 0;
-    for (const Region& r : regions_) {
-      all.emplace_back(std::sqrt(squared_distance(r, r.normal, r.best_offset())), r.scan.area);
-      area += r.scan.area;
-    }
-    std::sort(all.begin(), all.end());
-    double sum = 0;
-    for (const auto& [distance, share] : all)
-      if ((sum += share) >= area / 2) return distance;
-    return 0;
   }
 
   [[nodiscard]] bool has_up() const { return z_.squaredNorm() > 0; }
@@ -462,8 +467,10 @@ class Regulariser {
     }
   }
 
+  const Mesh& mesh_;
   const double angle_;
   const bool is_even_;
+  const double depth_;       // of rims behind which islands become part of their wall; 0: none do
   std::int32_t even_ = 0;    // planes at equal distances
   bool has_budget_ = false;  // else each plane's own length is the only bound
   double length_ = 0, unsure_ = 0;

@@ -20,6 +20,7 @@ _NEEDS = {
     "tiles": ("--tiles", "texture", "it says how many images the texture has"),
     "materials": ("--keep-materials", "texture", "it says how many images the texture has"),
     "even_spacing": ("--even-spacing", "regularise", "it moves planes that are parallel by it"),
+    "merge_islands": ("--merge-islands", "regularise", "islands are found by their planes"),
 }
 
 
@@ -46,7 +47,7 @@ def simplify_options() -> argparse.ArgumentParser:
     turned = "snap planes: level, upright, parallel, coplanar; each turns by at most ANGLE degrees. Default: %(const)s"
     angle = RegulariseOptions().angle
     command.add_argument("--regularise", type=float, nargs="?", const=angle, metavar="ANGLE", help=turned)
-    add_fields(command, RegulariseOptions, ("even_spacing",))
+    add_fields(command, RegulariseOptions, ("even_spacing", "merge_islands"))
     command.add_argument(
         "--texture",
         type=partial(texturing.whole, "size"),

@@ -135,7 +135,11 @@ def make_regions(arguments: argparse.Namespace, source: Input, steps: Steps, cle
     meshing.planar = meshing.planar or bool(arguments.planar)
     regular = None
     if arguments.regularise is not None:
-        regular = RegulariseOptions(angle=arguments.regularise, even_spacing=bool(arguments.even_spacing))
+        regular = RegulariseOptions(
+            angle=arguments.regularise,
+            even_spacing=bool(arguments.even_spacing),
+            merge_islands=arguments.merge_islands or 0.0,
+        )
     closed = None
     with steps("clean") as job:
         keep = closing.kept_places(arguments)

@@ -23,7 +23,7 @@ class ISIMP_PT_regularity(SubPanel, bpy.types.Panel):
         settings.give(rcp.Regularise, panel.regularise, button.operator("isimp.regularise", icon="SNAP_ON"))
         draw_lines(context, layout, text.planes_line(numbers, unit.system, unit.scale_length), icon="FORWARD")
         _draw_limit(layout, panel.regularise)
-        for name in ("angle", "up"):
+        for name in ("angle", "up", "merge_islands"):
             settings.draw(layout, rcp.Regularise, panel.regularise, name)
         ticks = layout.column(align=True)
         ticks.use_property_split = False  # their names need the whole width

@@ -20,6 +20,7 @@ struct RegulariseOptions {
   std::optional<double> length;
   Up up = Up::z;
   bool even_spacing = false;
+  double merge_islands = 0;
 };
 
 constexpr auto fields(const RegulariseOptions*) {
@@ -39,14 +40,19 @@ constexpr auto fields(const RegulariseOptions*) {
             "Also make distances of parallel planes equal, as of storeys, stairs and rows of windows, and equal the "
             "sizes that three or more pairs of them have in common, as windows have their widths. No plane moves "
             "further than the length allows."),
+      field("merge_islands", &O::merge_islands, at_least(0), Unit::length,
+            "Largest depth of a rim behind which islands become part of their wall: window panes that are coplanar "
+            "with the wall round them, which then is one polygon. No part of an island or its rim may be further from "
+            "the wall's plane. 0: none do."),
   };
 }
 
 /// Snaps the planes of regions: level, upright with right angles between them, equal slopes, parallel, coplanar. Large
 /// regions lead; then the planes of a group are fitted to all of its regions by least squares. Each snap is made only if
-/// the scan stays within `length` of the plane. On request distances of parallel planes are made equal. The labels do not
-/// change; `polygonize` keeps to the planes. Planes that `align_planes` has set stay as they are, and others are snapped
-/// to them first.
+/// the scan stays within `length` of the plane. On request distances of parallel planes are made equal, and islands that
+/// are coplanar with the wall round them become part of it; only then labels change, and a bound is no longer kept.
+/// `polygonize` keeps to the planes. Planes that `align_planes` has set stay as they are, and others are snapped to them
+/// first.
 ///
 /// \param up_direction  what points up, in place of options.up
 /// \return the partition with region_normal, region_offset, region_held and regularity set

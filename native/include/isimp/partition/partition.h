@@ -22,7 +22,8 @@ struct Regularity {
   std::int32_t planes = 0;      ///< that differ
   std::int32_t level = 0, upright = 0, slopes = 0, parallel = 0, free = 0;  ///< regions by what they were snapped to
   std::int32_t by_hand = 0;                                                 ///< set by align_planes
-  std::int32_t even = 0;  ///< planes, of those that differ, that are at equal distances
+  std::int32_t even = 0;            ///< planes, of those that differ, that are at equal distances
+  std::int32_t islands_merged = 0;  ///< regions that became part of the wall round them: islands and their rims
   double length = 0;      ///< what a snap may add to the distance of a region from its plane, root mean square
   double rms_before = 0;  ///< distance of the scan from the regions' planes of best fit, root mean square ...
   double rms = 0;         ///< ... and from those snapped
