@@ -1,19 +1,22 @@
 """Exactly planar polygons and snapped planes on generated houses and on scans of buildings.
 
-    PYTHONPATH=build-dev/python python bench/buildings.py [--data DIR] [--seeds N] [--turns N]
+    PYTHONPATH=build-dev/python python bench/buildings.py [--data DIR] [--seeds N] [--turns N] [--ksr]
 
 Houses are those of houses.py, partitioned by their true planes: a row gives the share of houses of which all polygons
 stayed whole, and that of which directions and planes are the true ones. Scans (DIR/building) are partitioned by number.
+`--ksr` adds what CGAL's kinetic surface reconstruction makes of the scans (ksr.py).
 """
 
 import argparse
 import itertools
+import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import houses
+import ksr
 import numpy as np
 
 import isimp_engine as engine
@@ -99,11 +102,24 @@ def main() -> None:
     parser.add_argument("--data", type=Path, help="folder with building/*.ply")
     parser.add_argument("--seeds", type=int, default=10)
     parser.add_argument("--turns", type=int, default=3)
+    parser.add_argument("--ksr", action="store_true", help="also CGAL's kinetic surface reconstruction, with --data")
     arguments = parser.parse_args()
     for noise in (0.0, 0.001, 0.002, 0.003, 0.004):
         house_rows(noise, arguments.seeds, arguments.turns)
     for name, proxies in SCANS if arguments.data else ():
         scan_row(arguments.data / "building" / f"{name}.ply", proxies)
+    if arguments.ksr and arguments.data:
+        peer_rows(arguments.data / "building")
+
+
+def peer_rows(folder: Path) -> None:
+    with tempfile.TemporaryDirectory() as place:
+        program = ksr.compiled(Path(place))
+        if isinstance(program, str):
+            print(f"KSR: skipped, {program}")
+            return
+        for name in dict.fromkeys(name for name, _ in SCANS):
+            print(ksr.row(program, name, engine.clean(*engine.read(folder / f"{name}.ply"))))
 
 
 if __name__ == "__main__":

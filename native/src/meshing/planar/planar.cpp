@@ -23,6 +23,7 @@ constexpr double kTooMany =
     0.3;  ///< share of a polygon's corners on too few planes above which it is. Source: own trials
 constexpr Schedule kFirst{15, 1, 1e6}, kAgain{6, 1e2, 1e6};
 constexpr int kRings = 5;               ///< round what is stuck, that are solved anew
+constexpr int kAround = 4;              ///< the same, round planes that were let go
 constexpr int kGentle = 12;             ///< rounds in which corners that are held back keep half their way
 constexpr std::int32_t kTogether = 64;  ///< corners on one thread
 constexpr std::size_t kFew = 8;         ///< corners of a unit that is rather triangulated than held back
@@ -38,22 +39,6 @@ bool is_flat(std::span<const std::int32_t> polygon, std::span<const Vec3> at, do
     rounded.push_back(rounded_to_float(at[c]));
   }
   return bend_of(order, rounded) <= most;
-}
-
-/// Whether a point is no further than this from a triangle.
-bool is_within(const Vec3& p, const std::array<Vec3, 3>& t, double most) {
-  const Vec3 n = (t[1] - t[0]).cross(t[2] - t[0]);
-  bool inside = n.squaredNorm() > 0;
-  double least = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < 3; ++k) {
-    const Vec3 &a = t[k], &b = t[(k + 1) % 3];
-    const Vec3 side = b - a;
-    const double length = side.squaredNorm();
-    const double share = length > 0 ? std::clamp((p - a).dot(side) / length, 0.0, 1.0) : 0.0;
-    least = std::min(least, (p - a - share * side).squaredNorm());
-    inside = inside && n.dot(side.cross(p - a)) >= 0;
-  }
-  return least <= most * most || (inside && std::abs(n.dot(p - t[0])) <= most * n.norm());
 }
 
 class Planarizer {
@@ -157,7 +142,17 @@ class Planarizer {
       kept = meet(units_, around_, places_, s_.threads, job_, at_);
     };
     fit_those(kFirst);
-    for (int k = 0; k < kReleases && release(kept, is_new); ++k) fit_those(kFirst);
+    for (int k = 0; k < kReleases; ++k) {
+      const std::vector<std::int32_t> gone = release(kept, is_new);
+      if (gone.empty()) break;
+      const std::vector<bool> is_near = near(gone, kAround);
+      std::vector<std::int32_t> far;  // these planes stay where they are for now
+      for (std::size_t u = 0; u < units_.size(); ++u)
+        if (!is_near[u] && !units_[u].held) far.push_back(static_cast<std::int32_t>(u));
+      for (const std::int32_t u : far) units_[u].held = true;
+      fit_those(kFirst);
+      for (const std::int32_t u : far) units_[u].held = false;
+    }
     for (int pass = 1; pass < kPasses; ++pass) fit_those(kAgain);
     for (const std::int32_t u : fixed) units_[u].held = false;
   }
@@ -165,8 +160,8 @@ class Planarizer {
   /// Lets go of snapped planes that too many corners can't be on together with the others round them. Of the planes round
   /// a corner the one of the smallest unit is at fault.
   /// \param kept  of the corners of those that are let go all are kept again
-  /// \return whether there were any
-  bool release(Kept& kept, const std::vector<bool>& is_new) {
+  /// \return their units
+  std::vector<std::int32_t> release(Kept& kept, const std::vector<bool>& is_new) {
     std::vector<std::int32_t> faults(units_.size(), 0);
     for (std::int32_t c = 0; c < static_cast<std::int32_t>(at_.size()); ++c) {
       bool is_missed = false;
@@ -179,15 +174,32 @@ class Planarizer {
       }
       if (is_missed && least != kNone) ++faults[least];
     }
-    bool any = false;
+    std::vector<std::int32_t> gone;
     for (std::size_t u = 0; u < units_.size(); ++u) {
       if (faults[u] <= kTooMany * static_cast<double>(units_[u].loop.size())) continue;
       units_[u].held = false;
-      any = true;
+      gone.push_back(static_cast<std::int32_t>(u));
       for (const std::int32_t c : units_[u].loop)
         for (const auto& [other, place] : around_.of(c)) kept[other][place] = 1;
     }
-    return any;
+    return gone;
+  }
+
+  /// By unit: whether it is at most so many rings less one from some.
+  [[nodiscard]] std::vector<bool> near(std::vector<std::int32_t> rim, int rings) const {
+    std::vector<bool> is_near(units_.size(), false);
+    for (; rings > 0; --rings) {
+      std::vector<std::int32_t> next;
+      for (const std::int32_t u : rim) {
+        is_near[u] = true;
+        for (const std::int32_t c : units_[u].loop)
+          for (const Around::Use& use : around_.of(c))
+            if (!is_near[use.unit]) next.push_back(use.unit);
+      }
+      sort_unique(next);
+      rim = std::move(next);
+    }
+    return is_near;
   }
 
   /// Has a corner, and what is round it, looked at in the next round.
@@ -416,27 +428,17 @@ class Planarizer {
 
   /// Leaves what was found to the next try, but for the surroundings of the pieces that are to change.
   void remember(const std::vector<std::int32_t>& stuck) {
-    std::vector<bool> is_near(units_.size(), false);
-    std::vector<std::int32_t> rim;
+    std::vector<std::int32_t> all;
     for (const std::int32_t l : stuck)
-      for (std::int32_t u = first_[l]; u < first_[l + 1]; ++u) rim.push_back(u);
+      for (std::int32_t u = first_[l]; u < first_[l + 1]; ++u) all.push_back(u);
+    const std::vector<bool> is_near = near(std::move(all), kRings);
     memory_.units.clear();
     memory_.reach = places_.reach;
-    for (int ring = 0; ring < kRings; ++ring) {
-      std::vector<std::int32_t> next;
-      for (const std::int32_t u : rim) {
-        is_near[u] = true;
-        for (const std::int32_t c : units_[u].loop) {
-          memory_.reach[c] = std::numeric_limits<double>::infinity();
-          for (const Around::Use& use : around_.of(c))
-            if (!is_near[use.unit]) next.push_back(use.unit);
-        }
-      }
-      sort_unique(next);
-      rim = std::move(next);
-    }
     for (std::size_t u = 0; u < units_.size(); ++u) {
-      if (is_near[u]) continue;
+      if (is_near[u]) {
+        for (const std::int32_t c : units_[u].loop) memory_.reach[c] = std::numeric_limits<double>::infinity();
+        continue;
+      }
       std::vector<std::int32_t> loop = units_[u].loop;
       memory_.units.emplace(std::move(loop), std::move(units_[u]));
     }

@@ -24,7 +24,7 @@ struct Memory {
 struct Outcome {
   PlanarReport report;
   std::vector<std::int32_t> let_go;  ///< regions whose snapped planes were let go, in rising order
-  std::vector<std::int32_t> stuck;  ///< pieces with a polygon that could not be made planar, or not without a fault
+  std::vector<std::int32_t> stuck;   ///< pieces with a polygon that could not be made planar, or not without a fault
 };
 
 /// Makes every polygon planar: planes and corners are moved together so that corners lie on all planes round them; a

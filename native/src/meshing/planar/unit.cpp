@@ -101,6 +101,21 @@ void find_plane(Unit& unit, std::span<const Vec3> at, double least_area) {
 
 bool Places::allows(std::int32_t corner, const Vec3& x) const { return (x - start[corner]).norm() <= reach[corner]; }
 
+bool is_within(const Vec3& p, const std::array<Vec3, 3>& t, double most) {
+  const Vec3 n = (t[1] - t[0]).cross(t[2] - t[0]);
+  bool inside = n.squaredNorm() > 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 &a = t[k], &b = t[(k + 1) % 3];
+    const Vec3 side = b - a;
+    const double length = side.squaredNorm();
+    const double share = length > 0 ? std::clamp((p - a).dot(side) / length, 0.0, 1.0) : 0.0;
+    least = std::min(least, (p - a - share * side).squaredNorm());
+    inside = inside && n.dot(side.cross(p - a)) >= 0;
+  }
+  return least <= most * most || (inside && std::abs(n.dot(p - t[0])) <= most * n.norm());
+}
+
 std::vector<Unit> units_of(State& state) {
   std::vector<Unit> units;
   double area = 0;

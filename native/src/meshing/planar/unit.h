@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -46,6 +47,9 @@ struct Places {
   /// Whether a corner may be at x.
   [[nodiscard]] bool allows(std::int32_t corner, const Vec3& x) const;
 };
+
+/// Whether a point is no further than this from a triangle.
+bool is_within(const Vec3& p, const std::array<Vec3, 3>& t, double most);
 
 /// The polygons of a state as units, in the order of their pieces. A piece that has several is shared out among them.
 std::vector<Unit> units_of(State& state);
