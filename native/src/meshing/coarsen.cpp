@@ -23,9 +23,9 @@ constexpr double kHopeless = 1.5;  ///< times the bound: no placement will make 
 // What a union of two regions may miss more, as shares of what a region misses in the mean. Source: own trials, 15 scans,
 // buildings and nasty meshes at 50 to 1,000 regions.
 constexpr double kError = 1, kSquare = 3;
-constexpr std::size_t kLarge = 64;  ///< chords of a piece beyond which not all beside it wait for each other
-constexpr int kRings = 2;           ///< how far from what was tried a fault is looked for at first ...
-constexpr int kMostRings = 5;       ///< ... and before all that was tried is held for the cause
+constexpr int kRings = 2;      ///< how far from what was tried a fault is looked for at first ...
+constexpr int kMostRings = 5;  ///< ... and before all that was tried is held for the cause
+constexpr int kThrough = 4;    ///< rings that are looked at after that where they go on through large pieces
 /// That bound where there is none, of the diagonal: what is bent further meets what is near or not as it is filled.
 constexpr double kFree = 0.05;
 
@@ -168,18 +168,13 @@ class Coarsener {
       if (may_unite(c.piece, gone)) all.push_back(c);
   }
 
-  /// Whether a piece is beside so many that what is tried at its ends can be told apart: what is wrong with it has a
-  /// place. If all that is beside it could be tried only in turn, that would take as many rounds.
-  [[nodiscard]] bool is_large(std::int32_t l) const {
-    return s_.cutter.perforated && s_.complex.chords(l).size() > kLarge;
-  }
-
-  /// The pieces that may change when a candidate is tried, some of them more than once; large ones beside it are left
-  /// out.
+  /// The pieces that may change when a candidate is tried, some of them more than once. Large ones beside it are left
+  /// out: what is wrong with one has a place, and if all that is beside it could be tried only in turn, that would take
+  /// as many rounds.
   [[nodiscard]] std::vector<std::int32_t> zone_of(const Candidate& c) const {
     std::vector<std::int32_t> zone{c.piece};
     const auto add = [&](std::int32_t l) {
-      if (!is_large(l)) zone.push_back(l);
+      if (!s_.is_large(l)) zone.push_back(l);
     };
     s_.for_each_neighbour(c.piece, add);
     if (c.act == Act::split) s_.for_each_neighbour(c.other, add);
@@ -215,14 +210,14 @@ class Coarsener {
     const std::vector<Vec3> positions = s_.corners.position;
     findings_.keep();
     bring_up_to_date(trials, {});
+    const int most = kMostRings + (s_.cutter.perforated ? kThrough : 0);
     int rings = kRings;
     std::vector<bool> after = findings_.faulty();
     while (!trials.empty()) {
       std::vector<Trial> good, failed;
       // Where more rings would have to be looked at, all that was tried is held for the cause.
-      const std::vector<bool> near = near_fresh(std::min(rings, kMostRings), before, after);
-      for (Trial& t : trials)
-        (rings > kMostRings || after[t.piece] || near[t.piece] ? failed : good).push_back(std::move(t));
+      const std::vector<bool> near = near_fresh(std::min(rings, most), before, after);
+      for (Trial& t : trials) (rings > most || after[t.piece] || near[t.piece] ? failed : good).push_back(std::move(t));
       trials.swap(good);
       if (failed.empty()) {
         if (!any_fresh(before, after)) break;
@@ -288,7 +283,7 @@ class Coarsener {
   /// Whether the piece across a half-edge is hopeless without the corner that it leaves.
   [[nodiscard]] bool spoils_beside(std::int32_t h) const {
     const std::int32_t l = s_.labels.across(h);
-    if (l == kNone || is_large(l) || !s_.diagonals[l].empty() || findings_.faults(l) != 0) return false;
+    if (l == kNone || s_.is_large(l) || !s_.diagonals[l].empty() || findings_.faults(l) != 0) return false;
     std::vector<std::int32_t> vertices;
     for (const std::int32_t g : s_.complex.chords(l))
       if (s_.mesh.from(g) != s_.mesh.from(h)) vertices.push_back(s_.mesh.from(g));
@@ -358,12 +353,14 @@ class Coarsener {
   }
 
   /// By piece: whether it is at most so many rings from one that has become faulty, and so held for its cause. Of a
-  /// large one only what is at the places of its faults is, and rings do not go on through it but for the last ones.
+  /// large one only what is at the places of its faults is, and rings go on through it only beyond `kMostRings`, from
+  /// the first one on: much is beside it.
   [[nodiscard]] std::vector<bool> near_fresh(int rings, const std::vector<bool>& before,
                                              const std::vector<bool>& after) const {
     std::vector<bool> near(after.size(), false);
     std::vector<std::int32_t> ring, next;
-    const bool through = rings == kMostRings;
+    const bool through = rings > kMostRings;
+    if (through) rings -= kMostRings;
     const auto reach = [&](std::int32_t k) {
       if (near[k]) return;
       near[k] = true;
@@ -375,7 +372,7 @@ class Coarsener {
       ring.swap(next);
       next.clear();
       for (const std::int32_t l : ring) {
-        if (through || !is_large(l)) {
+        if (through || !s_.is_large(l)) {
           s_.for_each_neighbour(l, reach);
         } else if (after[l] && !before[l]) {
           for_each_at_fault(l, reach);
