@@ -2,12 +2,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <random>
+#include <utility>
 
 #include "isimp/mesh/clean.h"
 #include "isimp/mesh/meet.h"
 #include "isimp/meshing/polygonize.h"
+#include "isimp/simplify/partitioner.h"
 #include "labelled.h"
 #include "polygon_judge.h"
 #include "shapes.h"
@@ -64,9 +67,9 @@ TEST(ManyHoles, FewHolesTakeTwoPolygons) {
   EXPECT_EQ(p.report.polygons, 2);
 }
 
-/// A closed box of n by n cells, .6 high, with a square hole through the middle of each cell.
-shapes::Arrays plate(int n) {
-  return shapes::perforated(3 * n, 3 * n, 0.6, [](int x, int y) { return x % 3 == 1 && y % 3 == 1; });
+/// A closed box of n by n cells with a square hole through the middle of each cell.
+shapes::Arrays plate(int n, double height = 0.6) {
+  return shapes::perforated(3 * n, 3 * n, height, [](int x, int y) { return x % 3 == 1 && y % 3 == 1; });
 }
 
 /// A region of a face of the plate with the walls of all holes: no polygon stands for both.
@@ -107,6 +110,78 @@ TEST(ManyHoles, WallsAreWholeWhereverRegionsEnd) {
   EXPECT_EQ(p.report.split_for_repair, 0);
   EXPECT_EQ(p.report.diagonals, 0);
   EXPECT_LE(p.report.planarity_max, 1e-12);
+}
+
+/// How many polygons of a plate stand upright.
+std::int32_t upright(const PolygonMesh& p, double height = 0.6) {
+  std::int32_t count = 0;
+  for (std::int32_t q = 0; q < p.polygon_count(); ++q) {
+    const std::int32_t begin = p.loop_start[q],
+                       end = q + 1 < p.polygon_count() ? p.loop_start[q + 1] : p.report.corners;
+    double low = p.vertices[p.loops[begin]].z(), high = low;
+    for (std::int32_t i = begin; i < end; ++i) {
+      low = std::min(low, p.vertices[p.loops[i]].z());
+      high = std::max(high, p.vertices[p.loops[i]].z());
+    }
+    count += high - low > height / 2 ? 1 : 0;
+  }
+  return count;
+}
+
+/// Six regions of the default method, which end anywhere on the walls and have some faces of other sides: all polygons
+/// are as flat as the sides, and each side of a hole is one of them.
+TEST(ManyHoles, FewFacesOfAnotherSideTiltNoPolygon) {
+  for (const auto& [n, height] : {std::pair(4, 0.2), {5, 0.2}, {6, 0.2}, {8, 0.2}, {10, 0.6}, {20, 0.6}}) {
+    const Mesh mesh = shapes::mesh(plate(n, height));
+    Job job;
+    const Partition six = partition(mesh, {.proxies = 6}, job);
+    const PolygonMesh p = polygonize(mesh, six, {}, job);
+    EXPECT_EQ(judge::faults_against(p, mesh, six), "") << n;
+    EXPECT_LE(p.report.planarity_max, 1e-6 * mesh.diagonal()) << n;
+    EXPECT_EQ(p.report.split_for_repair, 0) << n;
+    EXPECT_GE(upright(p, height), 4 * n * n + 4) << n;
+    EXPECT_LE(upright(p, height), 4 * n * n + 4 + 6) << n;  // a region keeps its first piece
+  }
+}
+
+/// The left and the right half of a plate, which share walls; not where a lock keeps the faces of one.
+TEST(ManyHoles, AWallOfTwoRegionsIsOnePolygonUnlessOneIsLocked) {
+  const int n = 4;
+  const Mesh mesh = shapes::mesh(plate(n));
+  std::vector<std::int32_t> region;
+  for (const Triangle& t : mesh.triangles()) {
+    double x = 0, z = 0;
+    for (const std::int32_t v : t) {
+      x += mesh.vertices()[v].x() / 3;
+      z += mesh.vertices()[v].z() / 3;
+    }
+    region.push_back(x + z < 4.5 ? 0 : 1);
+  }
+  Partition two = labelled::by(region);
+  Job job;
+  const PolygonMesh shared = polygonize(mesh, two, {}, job);
+  EXPECT_EQ(judge::faults_against(shared, mesh, two), "");
+  EXPECT_EQ(upright(shared), 4 * n * n + 4);
+  two.region_locked = {1, 0};
+  EXPECT_GT(upright(polygonize(mesh, two, {}, job)), 4 * n * n + 4);
+}
+
+/// The work a hole does not grow with the holes, neither that of the polygons nor that of the regions.
+TEST(ManyHoles, WorkAHoleStaysTheSame) {
+  const auto work_a_hole = [](int n) {
+    const Mesh mesh = shapes::mesh(plate(n, 0.2));
+    std::int64_t polls = 0;
+    Job job;
+    job.at_poll = [&] { ++polls; };
+    const Partition six = partition(mesh, {.proxies = 6, .threads = 1}, job);
+    const std::int64_t partitioning = polls;
+    const MeshingWork work = polygonize(mesh, six, {}, job).report.work;
+    const double all = static_cast<double>(work.faces + work.corners + work.polygons);
+    return std::array{static_cast<double>(partitioning) / (n * n), all / (n * n)};
+  };
+  const auto few = work_a_hole(20), many = work_a_hole(40);
+  EXPECT_LE(many[0], 1.5 * few[0]);
+  EXPECT_LE(many[1], 1.5 * few[1]);
 }
 
 TEST(ManyHoles, HolesWithoutOrderAreCutToDiscs) {

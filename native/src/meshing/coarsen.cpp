@@ -23,9 +23,8 @@ constexpr double kHopeless = 1.5;  ///< times the bound: no placement will make 
 // What a union of two regions may miss more, as shares of what a region misses in the mean. Source: own trials, 15 scans,
 // buildings and nasty meshes at 50 to 1,000 regions.
 constexpr double kError = 1, kSquare = 3;
-constexpr std::size_t kLarge = 64;  ///< chords of a piece beyond which not all beside it wait for each other
-constexpr int kRings = 2;           ///< how far from what was tried a fault is looked for at first ...
-constexpr int kMostRings = 5;       ///< ... and before all that was tried is held for the cause
+constexpr int kRings = 2;      ///< how far from what was tried a fault is looked for at first ...
+constexpr int kMostRings = 5;  ///< ... and before all that was tried is held for the cause
 /// That bound where there is none, of the diagonal: what is bent further meets what is near or not as it is filled.
 constexpr double kFree = 0.05;
 
@@ -168,18 +167,13 @@ class Coarsener {
       if (may_unite(c.piece, gone)) all.push_back(c);
   }
 
-  /// Whether a piece is beside so many that what is tried at its ends can be told apart: what is wrong with it has a
-  /// place. If all that is beside it could be tried only in turn, that would take as many rounds.
-  [[nodiscard]] bool is_large(std::int32_t l) const {
-    return s_.cutter.perforated && s_.complex.chords(l).size() > kLarge;
-  }
-
-  /// The pieces that may change when a candidate is tried, some of them more than once; large ones beside it are left
-  /// out.
+  /// The pieces that may change when a candidate is tried, some of them more than once. Large ones beside it are left
+  /// out: what is wrong with one has a place, and if all that is beside it could be tried only in turn, that would take
+  /// as many rounds.
   [[nodiscard]] std::vector<std::int32_t> zone_of(const Candidate& c) const {
     std::vector<std::int32_t> zone{c.piece};
     const auto add = [&](std::int32_t l) {
-      if (!is_large(l)) zone.push_back(l);
+      if (!s_.is_large(l)) zone.push_back(l);
     };
     s_.for_each_neighbour(c.piece, add);
     if (c.act == Act::split) s_.for_each_neighbour(c.other, add);
@@ -288,7 +282,7 @@ class Coarsener {
   /// Whether the piece across a half-edge is hopeless without the corner that it leaves.
   [[nodiscard]] bool spoils_beside(std::int32_t h) const {
     const std::int32_t l = s_.labels.across(h);
-    if (l == kNone || is_large(l) || !s_.diagonals[l].empty() || findings_.faults(l) != 0) return false;
+    if (l == kNone || s_.is_large(l) || !s_.diagonals[l].empty() || findings_.faults(l) != 0) return false;
     std::vector<std::int32_t> vertices;
     for (const std::int32_t g : s_.complex.chords(l))
       if (s_.mesh.from(g) != s_.mesh.from(h)) vertices.push_back(s_.mesh.from(g));
@@ -375,7 +369,7 @@ class Coarsener {
       ring.swap(next);
       next.clear();
       for (const std::int32_t l : ring) {
-        if (through || !is_large(l)) {
+        if (through || !s_.is_large(l)) {
           s_.for_each_neighbour(l, reach);
         } else if (after[l] && !before[l]) {
           for_each_at_fault(l, reach);

@@ -7,6 +7,8 @@ namespace isimp::meshing {
 namespace {
 
 constexpr double kFlat = 0.03;       ///< roughness up to which a piece has one side
+constexpr double kExact = 1e-4;      ///< roughness of the sides up to which all of them are planes
+constexpr double kRounding = 1e-6;   ///< roughness that rounding makes
 constexpr double kCurve = 0.035;     ///< roughness of the sides beyond which they are a curve
 constexpr double kGain = 3;          ///< times the roughness of the sides: a piece that is less rough stays whole
 constexpr double kNear = 0.7071;     ///< cosine of 45 degrees: how near to a direction its faces look
@@ -45,8 +47,9 @@ class Looks {
   }
 
   /// By place of the face: which of the directions that most of the area looks in is its own.
-  [[nodiscard]] std::vector<std::uint8_t> nearest_directions() const {
-    const std::vector<Vec3> directions = find();
+  /// \param rest  share of the area that needs no direction of its own
+  [[nodiscard]] std::vector<std::uint8_t> nearest_directions(double rest) const {
+    const std::vector<Vec3> directions = find(rest);
     std::vector<std::uint8_t> own(looks_.size());
     for (std::size_t i = 0; i < own.size(); ++i) own[i] = nearest(directions, looks_[i].normal);
     for (int round = 0; round < kSmoothings; ++round) smooth(own, directions);
@@ -120,10 +123,10 @@ class Looks {
   }
 
   /// The largest area first.
-  [[nodiscard]] std::vector<Vec3> find() const {
+  [[nodiscard]] std::vector<Vec3> find(double share) const {
     std::vector<Vec3> found;
     std::vector<Look> rest = looks_;
-    for (double left = area_; static_cast<int>(found.size()) < kDirections && left > kRest * area_;) {
+    for (double left = area_; static_cast<int>(found.size()) < kDirections && !rest.empty() && left > share * area_;) {
       Vec3 d = fullest(rest);
       for (int i = 0; i < kRefinements; ++i) d = mean_near(rest, d);
       found.push_back(d);
@@ -189,12 +192,26 @@ std::int32_t cut_by_direction(Cutter& cutter, std::int32_t piece) {
   const std::vector<std::int32_t> faces = cutter.labels.faces_of(piece);
   const Looks looks(cutter, faces);
   const double before = looks.roughness();
-  if (before <= kFlat) return 0;
-  const std::vector<std::uint8_t> own = looks.nearest_directions();
-  if (const double after = looks.roughness(own); after > kCurve || kGain * after > before) return 0;
+  // In a plate with holes, few faces of another side would tilt the polygon, and with it those beside it, on and on.
+  // They are told from roughness where all sides are planes.
+  const bool few = before <= kFlat;
+  if (few && (!cutter.perforated || before <= kRounding)) return 0;
+  const std::vector<std::uint8_t> own = looks.nearest_directions(few ? 0 : kRest);
+  const double after = looks.roughness(own);
+  if (after > (few ? kExact : kCurve) || kGain * after > before) return 0;
   const std::vector<std::vector<std::int32_t>> parts = looks.parts(own);
   for (std::size_t k = 1; k < parts.size(); ++k) cutter.labels.part(parts[k], parts[0][0], Cause::wall);
   return static_cast<std::int32_t>(parts.size()) - 1;
+}
+
+bool has_flat_sides(const Cutter& cutter, const Job& job) {
+  for (std::int32_t l = 0; l < cutter.labels.piece_count(); ++l) {
+    job.poll();
+    const std::vector<std::int32_t> faces = cutter.labels.faces_of(l);
+    const Looks looks(cutter, faces);
+    if (looks.roughness() > kRounding && looks.roughness(looks.nearest_directions(0)) > kExact) return false;
+  }
+  return true;
 }
 
 }  // namespace isimp::meshing

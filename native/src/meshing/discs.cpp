@@ -17,6 +17,7 @@ constexpr std::size_t kManyOpenings = 24;
 /// The same a region of the whole mesh, beyond which all pieces are parted so, for one that is not would not fit those
 /// that are beside it.
 constexpr double kOpeningsARegion = 4;
+constexpr double kOfFlat = 2;  ///< the same where all sides are planes, so that it is known which are walls
 /// Cutting round a handle takes time for all faces of its piece. With more handles than this a piece is halved first.
 constexpr std::int32_t kFewHandles = 64;
 
@@ -71,16 +72,19 @@ double openings_of(const Mesh& mesh) {
   return r.border_loops + std::max(0.0, handles);
 }
 
-bool is_perforated(const Mesh& mesh, std::int32_t regions) { return openings_of(mesh) > kOpeningsARegion * regions; }
+bool is_perforated(const Cutter& cutter, std::int32_t regions, const Job& job) {
+  const double openings = openings_of(cutter.labels.mesh);
+  return openings > kOpeningsARegion * regions || (openings > kOfFlat * regions && has_flat_sides(cutter, job));
+}
 
-void part_walls(Cutter& cutter, std::vector<std::int32_t>& todo, const Job& job) {
-  const std::int32_t before = cutter.labels.piece_count();
+void part_walls(Cutter& cutter, const Job& job) {
   // What a cut leaves may look in directions that were too few of the whole to be told.
   for (std::int32_t l = 0; l < cutter.labels.piece_count(); ++l) {
     job.poll();
-    for (bool is_new = l >= before; cut_by_direction(cutter, l) > 0 || is_new; is_new = false) todo.push_back(l);
+    while (cut_by_direction(cutter, l) > 0) {
+    }
   }
-  sort_unique(todo);
+  cutter.labels.touched.clear();
 }
 
 void make_discs(Cutter& cutter, std::vector<std::int32_t> todo, std::map<std::int32_t, Disc>& found, Job& job) {

@@ -99,13 +99,17 @@ std::int32_t cut_by_direction(Cutter& cutter, std::int32_t piece);
 /// How many borders and handles a mesh has.
 double openings_of(const Mesh& mesh);
 
+/// Whether the faces of each piece are sides that are planes, as those of a plate that was drawn.
+/// Cost: O(F).
+bool has_flat_sides(const Cutter& cutter, const Job& job);
+
 /// Whether a mesh has so many more openings than regions that most of its polygons will be what is round them.
-bool is_perforated(const Mesh& mesh, std::int32_t regions);
+/// Cost: O(1), or O(F) if the pieces are looked at.
+bool is_perforated(const Cutter& cutter, std::int32_t regions, const Job& job);
 
 /// Parts all pieces in the same way, also those that are discs.
-/// \param todo  gets those that were cut and what came of them
 /// Cost: O(F).
-void part_walls(Cutter& cutter, std::vector<std::int32_t>& todo, const Job& job);
+void part_walls(Cutter& cutter, const Job& job);
 
 /// Cuts a piece of genus 0 with many boundary loops along chains of paths from loop to loop, each as straight as can
 /// be, so that holes in rows are parted by rows. All paths come from one forest of shortest paths.

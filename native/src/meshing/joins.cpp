@@ -38,7 +38,8 @@ std::int32_t face_beside(const Labels& labels, const std::vector<std::int32_t>& 
 
 bool parts_wall(const State& state, std::int32_t a, std::int32_t b) {
   const auto is_wall = [&](std::int32_t l) { return state.labels.pieces[l].cause == Cause::wall; };
-  return (is_wall(a) || is_wall(b)) && state.planes[a].normal.dot(state.planes[b].normal) < kSameWay;
+  return (state.cutter.perforated || is_wall(a) || is_wall(b)) &&
+         state.planes[a].normal.dot(state.planes[b].normal) < kSameWay;
 }
 
 bool may_give(const State& state, std::int32_t giver, std::int32_t taker, const std::vector<std::int32_t>& faces) {

@@ -312,6 +312,22 @@ double extent_of(Labels& labels, std::int32_t piece) {
 
 }  // namespace
 
+void drop_gone(Labels& labels) {
+  std::vector<std::int32_t> moved(labels.pieces.size());
+  std::int32_t next = 0;
+  for (std::size_t l = 0; l < moved.size(); ++l) moved[l] = labels.pieces[l].face == kNone ? kNone : next++;
+  for (std::int32_t& l : labels.label)
+    if (l != kNone) l = moved[l];
+  std::erase_if(labels.pieces, [](const Piece& p) { return p.face == kNone; });
+}
+
+Bits boundary_of(const Labels& labels) {
+  Bits boundary(3 * labels.label.size());
+  for (std::int32_t h = 0; h < 3 * labels.mesh.face_count(); ++h)
+    if (labels.label[h / 3] != kNone && !labels.inner(h)) boundary.add(h);
+  return boundary;
+}
+
 std::int32_t merge_pieces_without_area(Labels& labels, double thickness, Bits& boundary) {
   const Mesh& mesh = labels.mesh;
   std::vector<double> area(labels.pieces.size(), 0);  // at least as far as it takes to see that there is one
@@ -339,12 +355,7 @@ std::int32_t merge_pieces_without_area(Labels& labels, double thickness, Bits& b
     }
   }
   if (gone == 0) return 0;
-  std::vector<std::int32_t> moved(labels.pieces.size());
-  std::int32_t next = 0;
-  for (std::size_t l = 0; l < moved.size(); ++l) moved[l] = labels.pieces[l].face == kNone ? kNone : next++;
-  for (std::int32_t& l : labels.label)
-    if (l != kNone) l = moved[l];
-  std::erase_if(labels.pieces, [](const Piece& p) { return p.face == kNone; });
+  drop_gone(labels);
   for (std::int64_t h = boundary.next(0); h >= 0; h = boundary.next(h + 1))
     if (labels.inner(static_cast<std::int32_t>(h))) boundary.remove(static_cast<std::int32_t>(h));
   return gone;

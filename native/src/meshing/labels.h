@@ -127,6 +127,14 @@ void for_each_leaving(const Mesh& mesh, std::int32_t v, Function fn) {
 /// Cost: about O(F).
 Bits label_pieces(Labels& labels, std::span<const std::int32_t> face_region, const Threads& threads, const Job& job);
 
+/// Takes out pieces without a face. The labels that are left move down.
+/// Cost: O(F).
+void drop_gone(Labels& labels);
+
+/// The boundary half-edges of all pieces.
+/// Cost: O(F).
+Bits boundary_of(const Labels& labels);
+
 /// Gives pieces without any area, or thinner than `thickness` (scene units), to the neighbour with the longest
 /// boundary, since no polygon can stand for them; a part of the mesh that has no other pieces keeps them. The labels
 /// that are left over move down.

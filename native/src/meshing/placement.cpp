@@ -232,12 +232,19 @@ void set_radii(const Polygons& polygons, const Mesh& mesh, double reach, std::sp
 
 void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
            std::span<const std::int32_t> moving, const Threads& threads, Corners& corners) {
+  const auto is_met = [&](std::int32_t q, const Vec3& home) {
+    const Plane& p = planes[polygons.piece(q)];
+    return std::abs(p.normal.dot(p.centre - home)) < corners.still;
+  };
+  const auto place_one = [&](std::int32_t c) {
+    const Vec3& home = mesh.vertices()[corners.vertex[c]];
+    const auto around = polygons.at(c);
+    const bool stays = std::all_of(around.begin(), around.end(), [&](std::int32_t q) { return is_met(q, home); });
+    corners.position[c] = stays ? home : home + step_to(planes, polygons, c, home, corners.radius[c], false);
+  };
   threads.blocks(static_cast<std::int32_t>(moving.size()), kTogether,
                  [&](std::int32_t, std::int32_t begin, std::int32_t end) {
-                   for (const std::int32_t c : moving.subspan(begin, end - begin)) {
-                     const Vec3& home = mesh.vertices()[corners.vertex[c]];
-                     corners.position[c] = home + step_to(planes, polygons, c, home, corners.radius[c], false);
-                   }
+                   for (const std::int32_t c : moving.subspan(begin, end - begin)) place_one(c);
                  });
 }
 
@@ -256,6 +263,7 @@ void place_on_held(const Polygons& polygons, const Mesh& mesh, std::span<const P
 void flatten(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
              std::span<const std::int32_t> moving, int rounds, const Threads& threads, Corners& corners) {
   std::vector<Group> groups = groups_of(polygons, moving);
+  const double still = corners.still * corners.still;
   // Those that are large first, so that no thread is left with one at the end.
   std::stable_sort(groups.begin(), groups.end(),
                    [](const Group& a, const Group& b) { return a.corners.size() > b.corners.size(); });
@@ -270,6 +278,7 @@ void flatten(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> 
       Vec3& at = corners.position[c];
       Vec3 step = Vec3::Zero();
       for (const std::int32_t k : round) step -= g.fits[k].normal * g.fits[k].normal.dot(at - g.fits[k].centre);
+      if (step.squaredNorm() < still) continue;
       at = within(at + step * (kRelax / static_cast<double>(round.size())), mesh.vertices()[corners.vertex[c]],
                   corners.radius[c]);
     }

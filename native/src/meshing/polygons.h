@@ -21,6 +21,9 @@ struct Corners {
   std::vector<double> pull;             ///< (C) share of its radius that the repair has left the corner
   std::vector<double> radius;           ///< (C) how far it may be from its mesh vertex
   std::vector<Vec3> position;           ///< (C)
+  /// Corners that would move by less stay where they are, bit by bit, so that what is beside them need not be judged
+  /// again.
+  double still = 0;
 };
 
 /// Extra edges across a piece, by the two mesh vertices.

@@ -23,6 +23,7 @@ constexpr double kShort = 0.3;              // of the same: edges shorter than t
 constexpr double kFacing = 0.9;             // cosine of how far a polygon may turn from its piece by a move
 constexpr double kWorth = 1;                // degrees that a move has to gain
 constexpr double kRounding = 1e-9;          // of the diagonal: planes that are nearer than this are met
+constexpr double kTiny = 1e-6;              // of the shortest edge: a corner that can't go further gains nothing
 
 class Slider {
  public:
@@ -75,7 +76,6 @@ class Slider {
       const std::size_t n = loop.size(), i = std::find(loop.begin(), loop.end(), c) - loop.begin();
       const auto at = [&](std::size_t k) { return loop[(i + k) % n]; };
       beside_.push_back({{at(n - 2), at(n - 1)}, {at(1), at(2)}, q, s_.planes[s_.polygons.piece(q)].normal, 0});
-      beside_.back().facing = facing(beside_.back());
     }
   }
 
@@ -144,10 +144,12 @@ class Slider {
     Vec3& place = s_.corners.position[c];
     const Vec3 at = place, home = moves_.before()[c], vertex = s_.mesh.vertices()[s_.corners.vertex[c]];
     find_beside(c);
-    const double now = angles_round(at);
-    if (!(now > 0)) return false;
     const Freedom free = freedom_of(c);
     const double shortest = shortest_round(at);
+    if (free.most[0] + free.most[1] < kTiny * shortest) return false;
+    const double now = angles_round(at);
+    if (!(now > 0)) return false;
+    for (Beside& b : beside_) b.facing = facing(b);
     double least = now + bend_round() - kWorth;
     Vec3 best = at;
     for (const double step : kSteps)

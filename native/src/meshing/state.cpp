@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "coplanar.h"
 #include "judge.h"
 #include "sorted.h"
 
@@ -24,6 +25,7 @@ ChordTolerance chord_tolerance(const Mesh& mesh, std::span<const Plane> planes, 
 }
 
 constexpr std::int32_t kFew = 4;  ///< pieces that are measured on one thread
+constexpr double kStill = 1e-9;   ///< of the diagonal: corners of plates with holes that would move less stay
 constexpr double kFlat = 1e-12;   ///< of the area: with a shorter vector area, faces do not tell a direction
 
 /// A boundary half-edge of a piece, found from one of its faces.
@@ -52,11 +54,17 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
   Bits boundary = label_pieces(labels, partition.face_region, threads, job);
   merged_without_area = merge_pieces_without_area(labels, 2 * kThickness * m.diagonal(), boundary);
   job.report(0.02);
+  cutter.perforated = is_perforated(cutter, regions, job);
+  if (cutter.perforated) {
+    corners.still = kStill * m.diagonal();
+    part_walls(cutter, job);
+    planes = planes_of(labels, threads, job);
+    join_coplanar(*this, job);
+    boundary = boundary_of(labels);
+  }
   const Outlines outlines = trace_outlines(labels, boundary, job);
   std::map<std::int32_t, Disc> discs;
   std::vector<std::int32_t> todo = find_defects(labels, outlines, threads, job);
-  cutter.perforated = is_perforated(m, regions);
-  if (cutter.perforated) part_walls(cutter, todo, job);
   make_discs(cutter, std::move(todo), discs, job);
   if (mesh.report().closed_components > 0) split_closed_components(cutter, kLeastClosed, discs, job);
   std::vector<std::vector<std::int32_t>> loops(labels.pieces.size());

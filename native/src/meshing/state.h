@@ -17,6 +17,7 @@
 namespace isimp::meshing {
 
 constexpr std::int32_t kLeastClosed = 4;  ///< no closed surface has fewer polygons
+constexpr std::size_t kLarge = 64;        ///< chords of a piece beyond which what is at its ends is far apart
 
 /// Two pieces made one, and what it takes to part them again.
 struct Union {
@@ -61,6 +62,10 @@ class State {
   void for_each_neighbour(std::int32_t piece, Function fn) const {
     for (const std::int32_t h : complex.chords(piece))
       if (const std::int32_t l = labels.across(h); l != kNone) fn(l);
+  }
+  /// Whether a piece lies at so many holes that what is done at its ends can be told apart.
+  [[nodiscard]] bool is_large(std::int32_t piece) const {
+    return cutter.perforated && complex.chords(piece).size() > kLarge;
   }
   /// Adds them to some pieces, in rising order then.
   void add_neighbours(std::vector<std::int32_t>& pieces) const;

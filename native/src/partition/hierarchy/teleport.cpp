@@ -19,7 +19,10 @@ constexpr std::int64_t kRenewals = 16;  // faces parted anew, in all, as a multi
 constexpr double kShare = 3e-4;         // of the whole error, times the least ratio: worth parting a region anew
 constexpr double kLeastFall = 1e-4;     // of the error by a round: below it, it is not worth another
 constexpr double kLeastGain = 1e-7;     // of the whole area: less is rounding
-constexpr int kVain = 3;                // neighbours in a row without gain after which a region is left as it is
+/// Faces of regions that were split, in all, as a multiple of the surface's: few regions with the walls of thousands of
+/// holes would take them from each other one by one.
+constexpr std::int64_t kMoves = 24;
+constexpr int kVain = 3;  // neighbours in a row without gain after which a region is left as it is
 
 }  // namespace
 
@@ -57,6 +60,7 @@ void Teleport::push_borders(std::span<const std::int32_t> faces) {
 /// \return by how much the error falls; below 0 if it can't be split
 double Teleport::split(std::int32_t region, std::int32_t fresh, Job& job) {
   faces_ = take_out(graph_, labels_, face_of(region, job));
+  move_work_ -= static_cast<std::int64_t>(faces_.size());
   if (faces_.size() < 2) {
     undo_split(region);
     return -1.0;
@@ -293,6 +297,7 @@ int Teleport::renew(int tries, double least_ratio, Job& job) {
 int Teleport::run(int tries, double least_ratio, Job& job) {
   int moves = 0, rounds = 0;
   renewal_work_ = kRenewals * graph_.size();
+  move_work_ = kMoves * graph_.size();
   for (;;) {
     const Regions before = regions_;
     int made = round(tries, least_ratio, job);
@@ -307,6 +312,7 @@ int Teleport::run(int tries, double least_ratio, Job& job) {
       return moves;
     }
     moves += made;
+    if (move_work_ < 0) return moves;
     job.report(1 - 1 / (1 + 0.2 * ++rounds));  // nobody knows how many rounds there will be
   }
 }

@@ -77,6 +77,7 @@ class Teleport {
   std::vector<Tried> tried_;
   double parted_gain_ = 0;         // by which the error fell when two regions were last parted anew
   std::int64_t renewal_work_ = 0;  // faces that renew() may still touch
+  std::int64_t move_work_ = 0;     // faces of regions that may still be split before the last round
 };
 
 }  // namespace isimp
