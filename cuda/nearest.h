@@ -51,6 +51,7 @@ struct ChooseNear {
     const auto i = static_cast<std::int32_t>(face);
     Candidates near;
     near.found = 0;
+    near.region[0] = 0;  // at least one is found, which compilers can't see
     near.wanted = component == nullptr ? regions : in_part[component[i]];
     if (near.wanted > nearest) near.wanted = nearest;
     if (near.wanted == 0) return;  // its component was left out
