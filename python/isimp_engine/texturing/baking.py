@@ -2,6 +2,7 @@
 
 import hashlib
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -117,7 +118,6 @@ def texture(
     density = _density(mesh, look)
     group, tile_materials = _groups(mesh, part, poly, source, face) if options.materials else (_NO_GROUP, [-1])
     layout = (options.size, options.tiles, options.materials, options.unfold, options.gutter, density, tile_materials)
-    digest = _digest(mesh, source, options)
     before = previous.made_of if previous is not None else None
     earlier = (before.poly, before.atlas) if before is not None and before.layout == layout else None
     atlas = _unwrap(poly, options, FINER * density, group, earlier, job)
@@ -127,10 +127,14 @@ def texture(
     if options.normals and NORMAL in source.layers:
         relief = _layer(source, NORMAL, face, weight, look.uv)
     known = None
-    if before is not None and atlas.kept and before.digest == digest:
-        known = (before.part, before.poly, before.atlas, before.color, before.normal, before.layers, before.texels)
-    args = (look.uv, look.image, look.colors, look.known, look.pictures, shown, relief)
-    color, normal, images, texels, same = _bake(mesh, part, poly, atlas, *args, options, known, job)
+    with ThreadPoolExecutor(1) as beside:
+        digest = beside.submit(_digest, mesh, source, options)
+        if options.threads == 1:
+            digest.result()
+        if before is not None and atlas.kept and before.digest == digest.result():
+            known = (before.part, before.poly, before.atlas, before.color, before.normal, before.layers, before.texels)
+        args = (look.uv, look.image, look.colors, look.known, look.pictures, shown, relief)
+        color, normal, images, texels, same = _bake(mesh, part, poly, atlas, *args, options, known, job)
     layers: dict[str, NDArray[Any]] = {
         n: np.ascontiguousarray(i[:, :, :3] if n == "emission" else i[:, :, 0])
         for n, i in zip(wanted, images, strict=True)
@@ -151,7 +155,7 @@ def texture(
     report |= {"kept_places": atlas.kept, "kept_pixels": int((same >= 0).sum())}
     if options.height:
         report["height_range"] = factors["height"]
-    made_of = _MadeOf(part, poly, atlas, layout, digest, color, normal, images, occlusion, texels)
+    made_of = _MadeOf(part, poly, atlas, layout, digest.result(), color, normal, images, occlusion, texels)
     return Texture(
         _uv(poly, atlas),
         _tiles(color, atlas),
