@@ -125,6 +125,7 @@ template <class T>
 void keep(std::vector<T>& all, const std::vector<std::int32_t>& places) {
   if (all.empty()) return;
   std::vector<T> kept;
+  kept.reserve(places.size());
   for (const std::int32_t p : places) kept.push_back(all[p]);
   all = std::move(kept);
 }
