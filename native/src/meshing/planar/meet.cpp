@@ -39,7 +39,7 @@ Vec3 nearest_on(std::span<const Unit* const> planes, const Vec3& from) {
   }
   const auto n = static_cast<Eigen::Index>(planes.size());
   constexpr int kMost = kMostPlanes;
-  using Rows = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, kMost, 3>;
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMost, 3>;  // thin only without fixed columns
   Rows rows(n, 3);
   Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMost, 1> right(n);
   for (Eigen::Index i = 0; i < n; ++i) {
