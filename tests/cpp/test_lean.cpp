@@ -40,32 +40,33 @@ struct Ball {
     map = bake_map(mesh, part, poly, atlas, {.band = 0}, job);
   }
 
-  /// The place on the ball that the texel under a point of polygon q shows; q moves the point inward by 2 texels.
-  [[nodiscard]] Vec3 shown(std::int32_t q, Eigen::Vector2d at, const Eigen::Vector2d& inward) const {
-    at += 2 * inward;
-    const std::size_t pixel =
-        static_cast<std::size_t>(atlas.side - 1 - static_cast<std::int32_t>(at.y())) * atlas.side +
-        static_cast<std::int32_t>(at.x());
-    EXPECT_EQ(map.polygon[pixel], q);
+  /// The number of the texel (x, y), y upward.
+  [[nodiscard]] std::size_t pixel_at(std::int32_t x, std::int32_t y) const {
+    return static_cast<std::size_t>(atlas.side - 1 - y) * atlas.side + x;
+  }
+
+  /// The place on the ball that a texel shows.
+  [[nodiscard]] Vec3 shown(std::size_t pixel) const {
     const Triangle& t = mesh.triangles()[map.face[pixel]];
     const double b = map.barycentric[2 * pixel], c = map.barycentric[2 * pixel + 1];
     return (1 - b - c) * mesh.vertices()[t[0]] + b * mesh.vertices()[t[1]] + c * mesh.vertices()[t[2]];
   }
 
-  /// Of the middles of all edges: how far apart the places are that the two sides show, over the texel's size.
+  /// Of all edges: how far apart the places are that are shown 2 texels beside their middles, in texels.
   [[nodiscard]] double mean_gap() const {
     std::map<std::pair<std::int32_t, std::int32_t>, std::vector<Vec3>> sides;
     for (std::int32_t q = 0; q < poly.polygon_count(); ++q) {
-      const std::int32_t begin = poly.loop_start[q];
-      const std::int32_t end =
-          q + 1 < poly.polygon_count() ? poly.loop_start[q + 1] : static_cast<std::int32_t>(poly.loops.size());
+      const std::int32_t begin = poly.loop_start[q], end = poly.loop_end(q);
       for (std::int32_t i = begin; i < end; ++i) {
         const std::int32_t next = i + 1 < end ? i + 1 : begin;
         const Eigen::Vector2d a(atlas.corner[i][0], atlas.corner[i][1]),
             b(atlas.corner[next][0], atlas.corner[next][1]);
         const Eigen::Vector2d along = (b - a).normalized(), inward(-along.y(), along.x());
-        const auto edge = std::minmax(poly.loops[i], poly.loops[next]);
-        sides[{edge.first, edge.second}].push_back(shown(q, (a + b) / 2, inward));
+        const Eigen::Vector2d inside = (a + b) / 2 + 2 * inward;
+        const std::size_t pixel =
+            pixel_at(static_cast<std::int32_t>(inside.x()), static_cast<std::int32_t>(inside.y()));
+        EXPECT_EQ(map.polygon[pixel], q);
+        sides[std::minmax({poly.loops[i], poly.loops[next]})].push_back(shown(pixel));
       }
     }
     double sum = 0;
@@ -103,17 +104,13 @@ TEST(Lean, ASharpEdgeBendsNothing) {
   ASSERT_EQ(ball.poly.polygon_count(), 6);
   double most = 0;
   std::int32_t judged = 0;
-  for (std::int32_t row = 0; row < ball.atlas.side; ++row)
+  for (std::int32_t y = 0; y < ball.atlas.side; ++y)
     for (std::int32_t x = 0; x < ball.atlas.side; ++x) {
-      const std::size_t pixel = static_cast<std::size_t>(row) * ball.atlas.side + x;
+      const std::size_t pixel = ball.pixel_at(x, y);
       const std::int32_t q = ball.map.polygon[pixel];
       if (q == kNone || ball.map.face[pixel] == kNone) continue;
       const ChartFrame& frame = ball.atlas.frame[q];
-      const Vec3 point = frame.origin + (x + 0.5) * frame.u + (ball.atlas.side - 1 - row + 0.5) * frame.v;
-      const Triangle& t = ball.mesh.triangles()[ball.map.face[pixel]];
-      const double b = ball.map.barycentric[2 * pixel], c = ball.map.barycentric[2 * pixel + 1];
-      const auto v = ball.mesh.vertices();
-      const Vec3 away = (1 - b - c) * v[t[0]] + b * v[t[1]] + c * v[t[2]] - point;
+      const Vec3 away = ball.shown(pixel) - (frame.origin + (x + 0.5) * frame.u + (y + 0.5) * frame.v);
       most = std::max(most, (away - away.dot(frame.n) * frame.n).norm() * ball.atlas.scale);
       ++judged;
     }

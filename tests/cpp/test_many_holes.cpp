@@ -51,8 +51,7 @@ TEST(ManyHoles, LongRowsArePartedAcross) {
     const PolygonMesh p = polygonize(mesh, one, {}, job);
     EXPECT_EQ(judge::faults_against(p, mesh, one), "") << n;
     std::int32_t most = 0;
-    for (std::int32_t q = 0; q < p.polygon_count(); ++q)
-      most = std::max(most, (q + 1 < p.polygon_count() ? p.loop_start[q + 1] : p.report.corners) - p.loop_start[q]);
+    for (std::int32_t q = 0; q < p.polygon_count(); ++q) most = std::max(most, p.loop_end(q) - p.loop_start[q]);
     EXPECT_LE(most, 128) << n;  // however many holes a row has
     EXPECT_LE(p.report.polygons, (n + 1) * (n / 12 + 1));
   }
@@ -116,10 +115,9 @@ TEST(ManyHoles, WallsAreWholeWhereverRegionsEnd) {
 std::int32_t upright(const PolygonMesh& p, double height = 0.6) {
   std::int32_t count = 0;
   for (std::int32_t q = 0; q < p.polygon_count(); ++q) {
-    const std::int32_t begin = p.loop_start[q],
-                       end = q + 1 < p.polygon_count() ? p.loop_start[q + 1] : p.report.corners;
+    const std::int32_t begin = p.loop_start[q];
     double low = p.vertices[p.loops[begin]].z(), high = low;
-    for (std::int32_t i = begin; i < end; ++i) {
+    for (std::int32_t i = begin; i < p.loop_end(q); ++i) {
       low = std::min(low, p.vertices[p.loops[i]].z());
       high = std::max(high, p.vertices[p.loops[i]].z());
     }

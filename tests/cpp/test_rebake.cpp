@@ -47,9 +47,7 @@ class Rebake : public testing::Test {
 };
 
 std::vector<std::array<double, 2>> outline(const PolygonMesh& poly, const Atlas& atlas, std::int32_t q) {
-  const std::int32_t end =
-      q + 1 < poly.polygon_count() ? poly.loop_start[q + 1] : static_cast<std::int32_t>(poly.loops.size());
-  return {atlas.corner.begin() + poly.loop_start[q], atlas.corner.begin() + end};
+  return {atlas.corner.begin() + poly.loop_start[q], atlas.corner.begin() + poly.loop_end(q)};
 }
 
 TEST_F(Rebake, UnchangedPolygonsStay) {

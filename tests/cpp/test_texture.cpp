@@ -82,9 +82,7 @@ Vec3 normal_of(const Mesh& mesh, std::int32_t f) {
 }
 
 std::vector<std::array<double, 2>> outline(const PolygonMesh& poly, const Atlas& atlas, std::int32_t q) {
-  const std::int32_t end =
-      q + 1 < poly.polygon_count() ? poly.loop_start[q + 1] : static_cast<std::int32_t>(poly.loops.size());
-  return {atlas.corner.begin() + poly.loop_start[q], atlas.corner.begin() + end};
+  return {atlas.corner.begin() + poly.loop_start[q], atlas.corner.begin() + poly.loop_end(q)};
 }
 
 double area(const std::vector<std::array<double, 2>>& p) {

@@ -53,7 +53,7 @@ RegionStatistics measure(const Mesh& mesh, const Partition& partition, const Fac
 
 const FaceGraph& graph_of(const Mesh& mesh, const Partition& partition) {
   check_is_of(mesh, partition);
-  return partition.guided ? partition.guided->graph : mesh.graph();
+  return Surface(mesh, partition.guided).graph();
 }
 
 }  // namespace

@@ -59,8 +59,7 @@ class Joiner {
       const std::int32_t k = labels.across(h);
       if (k != kNone && labels.pieces[k].region != labels.pieces[l].region && is_before(k, l)) pairs.push_back({l, k});
     }
-    std::sort(pairs.begin(), pairs.end());
-    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    sort_unique(pairs);
     for (const auto& [l, k] : pairs)
       if ((onto_[l] == kNone || is_before(k, onto_[l])) && in_one_plane(l, k)) onto_[l] = k;
   }

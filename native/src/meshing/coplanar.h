@@ -5,9 +5,9 @@
 
 namespace isimp::meshing {
 
-/// Makes pieces of different regions one that lie side by side in one plane, as a flat wall does where regions end in
-/// the middle of it. Then nobody need try whether they can be one polygon. A region keeps its first piece. What comes of
-/// it need not be a disc, and the outlines and planes of pieces are out of date.
+/// Unites neighbouring pieces of different regions that lie in one plane, as the parts of a flat wall do where regions
+/// end in the middle of it. This saves the trials whether they can be one polygon. A region keeps its first piece. A
+/// united piece need not be a disc, and the outlines and planes of pieces are out of date.
 /// Cost: O(F).
 void join_coplanar(State& state, const Job& job);
 

@@ -7,16 +7,13 @@
 #include <set>
 #include <utility>
 
+#include "isimp/partition/surface.h"
 #include "sorted.h"
 
 namespace isimp::meshing {
 namespace {
 
 constexpr double kSame = 1e-9;  ///< of two normals that are one direction, and of two offsets that are one
-
-const FaceGraph& graph_of(const Mesh& mesh, const Partition& partition) {
-  return partition.guided ? partition.guided->graph : mesh.graph();
-}
 
 /// The regions of a partition, and which of them are beside each other.
 class Islands {
@@ -31,22 +28,21 @@ class Islands {
         into_(area.size()),
         seen_(area.size(), kNone) {
     std::iota(into_.begin(), into_.end(), 0);
-    const FaceGraph& graph = graph_of(mesh, part_);
+    const auto& region = part_.face_region;
     for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-      const std::int32_t r = part_.face_region[f];
+      const std::int32_t r = region[f];
       if (r == kNone) continue;
       faces_[r].push_back(f);
-      const auto& joined = graph.neighbours[graph.graph_face[f]];
       for (std::int32_t k = 0; k < 3; ++k) {
-        const std::int32_t h = mesh.opposite(3 * f + k), other = h == kNone ? kNone : part_.face_region[h / 3];
-        if (other == r) continue;
-        beside_[r].push_back(other);
-        // A barrier lies between faces that are neighbours in the mesh alone.
-        if (other != kNone && std::find(joined.begin(), joined.end(), graph.graph_face[h / 3]) == joined.end())
-          barred_.insert({r, other});
+        const std::int32_t h = mesh.opposite(3 * f + k), other = h == kNone ? kNone : region[h / 3];
+        if (other != r) beside_[r].push_back(other);
       }
     }
     for (auto& some : beside_) sort_unique(some);
+    for (const auto& [f, g] : separated_faces(Surface(mesh, part_.guided))) {
+      barred_.insert({region[f], region[g]});
+      barred_.insert({region[g], region[f]});
+    }
   }
 
   std::vector<std::int32_t> find() {
@@ -113,11 +109,12 @@ class Islands {
   const Mesh& mesh_;
   const Partition& part_;
   const double depth_;
-  std::vector<double> area_;                       // by region, as they grow
-  std::vector<std::vector<std::int32_t>> beside_;  // by region: others, kNone at borders and what was left out
-  std::vector<std::vector<std::int32_t>> faces_;   // by region
-  std::set<std::array<std::int32_t, 2>> barred_;   // pairs of regions with a barrier between them
-  std::vector<std::int32_t> into_, seen_;          // by region; seen_: in which search it was
+  std::vector<double> area_;  // by region, as they grow
+  std::vector<std::vector<std::int32_t>>
+      beside_;  // by region: its neighbours; kNone for a border or a part that was left out
+  std::vector<std::vector<std::int32_t>> faces_;  // by region
+  std::set<std::array<std::int32_t, 2>> barred_;  // pairs of regions with a barrier between them
+  std::vector<std::int32_t> into_, seen_;         // by region; seen_: in which search it was
   std::int32_t stamps_ = 0;
 };
 
@@ -152,7 +149,8 @@ std::vector<std::int32_t> unite_regions(const Mesh& mesh, Partition& p, std::spa
   keep(p.region_locked, stays);
   keep(p.region_held, stays);
   p.error = 0;
-  for (const RegionSum& s : p.region_sum) p.error += s.error() * graph_of(mesh, p).area;
+  const double area = Surface(mesh, p.guided).graph().area;
+  for (const RegionSum& s : p.region_sum) p.error += s.error() * area;
   p.history.assign(1, p.error);
   p.bound = p.distance_max = 0;  // as after an edit
   if (p.symmetry) p.symmetry->regions = kNone;

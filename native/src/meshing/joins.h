@@ -22,8 +22,8 @@ void touch(Labels& labels, const Join& join);
 /// The last face of a piece that shares an edge with some faces; kNone if there is none.
 std::int32_t face_beside(const Labels& labels, const std::vector<std::int32_t>& faces, std::int32_t piece);
 
-/// Whether two pieces look in different directions and one of them is the wall of a hole, or the mesh has so many holes
-/// that any piece may be.
+/// Whether two pieces face different directions, and one of them is the wall of a hole or, in a perforated mesh, may be
+/// one.
 bool parts_wall(const State& state, std::int32_t a, std::int32_t b);
 
 /// Whether the partition's locks, barriers and bound let faces go from one piece to another, and no wall is lost.

@@ -20,9 +20,7 @@ void judge_topology(PolygonMesh& mesh) {
   std::vector<Edge> edges;
   std::vector<std::int32_t> next(mesh.loops.size());
   for (std::int32_t q = 0; q < mesh.polygon_count(); ++q) {
-    const std::int32_t begin = mesh.loop_start[q];
-    const auto end =
-        q + 1 < mesh.polygon_count() ? mesh.loop_start[q + 1] : static_cast<std::int32_t>(mesh.loops.size());
+    const std::int32_t begin = mesh.loop_start[q], end = mesh.loop_end(q);
     for (std::int32_t i = begin; i < end; ++i) {
       next[i] = i + 1 < end ? i + 1 : begin;
       const std::int32_t a = mesh.loops[i], b = mesh.loops[next[i]];

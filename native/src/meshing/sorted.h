@@ -7,8 +7,9 @@
 
 namespace isimp::meshing {
 
-/// Puts numbers in rising order, each once.
-inline void sort_unique(std::vector<std::int32_t>& v) {
+/// Puts numbers, or pairs of them, in rising order, each once.
+template <class T>
+void sort_unique(std::vector<T>& v) {
   std::sort(v.begin(), v.end());
   v.erase(std::unique(v.begin(), v.end()), v.end());
 }

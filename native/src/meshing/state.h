@@ -63,7 +63,7 @@ class State {
     for (const std::int32_t h : complex.chords(piece))
       if (const std::int32_t l = labels.across(h); l != kNone) fn(l);
   }
-  /// Whether a piece lies at so many holes that what is done at its ends can be told apart.
+  /// Whether a piece borders so many holes that changes at its two ends do not affect each other.
   [[nodiscard]] bool is_large(std::int32_t piece) const {
     return cutter.perforated && complex.chords(piece).size() > kLarge;
   }

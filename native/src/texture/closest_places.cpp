@@ -93,9 +93,7 @@ CornerPlaces closest_places(const Mesh& mesh, const Partition& partition, const 
     for (std::int32_t q = next(); q < polygons.polygon_count(); q = next()) {
       const auto& own = inside[polygons.polygon_region[q]];
       const auto& faces = own.empty() ? all : own;
-      const bool last = q + 1 == polygons.polygon_count();
-      const auto end = last ? static_cast<std::int32_t>(corners) : polygons.loop_start[q + 1];
-      for (std::int32_t i = polygons.loop_start[q]; i < end; ++i) {
+      for (std::int32_t i = polygons.loop_start[q]; i < polygons.loop_end(q); ++i) {
         job.poll();
         const Vec3 p = polygons.vertices[polygons.loops[i]] - mesh.origin();
         Place best;

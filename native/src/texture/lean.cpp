@@ -26,9 +26,6 @@ using Corner = std::array<double, 4>;  // a polygon's angle at a vertex, and its
 
 std::vector<Slope> corner_slopes(const PolygonMesh& polygons, const Atlas& atlas) {
   const std::int32_t count = polygons.polygon_count();
-  const auto end_of = [&](std::int32_t q) {
-    return q + 1 < count ? polygons.loop_start[q + 1] : static_cast<std::int32_t>(polygons.loops.size());
-  };
   std::vector<std::int32_t> start(polygons.vertices.size() + 1, 0);
   for (const std::int32_t v : polygons.loops) ++start[v + 1];
   for (std::size_t v = 1; v < start.size(); ++v) start[v] += start[v - 1];
@@ -55,7 +52,7 @@ std::vector<Slope> corner_slopes(const PolygonMesh& polygons, const Atlas& atlas
   for (std::int32_t q = 0; q < count; ++q) {
     const ChartFrame& frame = atlas.frame[q];
     const Vec3 u = frame.u.normalized(), v = frame.v.normalized();
-    for (std::int32_t i = polygons.loop_start[q]; i < end_of(q); ++i) {
+    for (std::int32_t i = polygons.loop_start[q]; i < polygons.loop_end(q); ++i) {
       Vec3 mean = Vec3::Zero();
       for (std::int32_t c = start[polygons.loops[i]]; c < start[polygons.loops[i] + 1]; ++c) {
         const auto& [angle, x, y, z] = corners[c];

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -16,6 +17,11 @@ using Slope = std::array<float, 2>;
 /// Weights are the polygons' angles; those at sharp edges do not count. So what is drawn from both sides of an edge
 /// nearly meets there.
 std::vector<Slope> corner_slopes(const PolygonMesh& polygons, const Atlas& atlas);
+
+/// Those of the corners of one polygon.
+inline std::span<const Slope> slopes_of(const PolygonMesh& polygons, std::span<const Slope> slopes, std::int32_t q) {
+  return slopes.subspan(polygons.loop_start[q], polygons.loop_end(q) - polygons.loop_start[q]);
+}
 
 /// The directions along which a polygon is drawn: along each edge those of its corners, and a mean of them inside,
 /// weighted by lengths over squared distances.

@@ -75,9 +75,7 @@ void along_edges(Outline outline, const TexelBox& box, double reach, Found found
 
 Outline outline_of(const PolygonMesh& polygons, const Atlas& atlas, std::int32_t q) {
   const std::int32_t begin = polygons.loop_start[q];
-  const std::int32_t end =
-      q + 1 < polygons.polygon_count() ? polygons.loop_start[q + 1] : static_cast<std::int32_t>(polygons.loops.size());
-  return Outline(atlas.corner).subspan(begin, end - begin);
+  return Outline(atlas.corner).subspan(begin, polygons.loop_end(q) - begin);
 }
 
 TexelBox box_of_outline(Outline outline, double gutter, std::int32_t side, std::int32_t height) {

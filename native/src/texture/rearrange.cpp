@@ -22,9 +22,7 @@ constexpr double kTilted = 0.999;  // cosine of the angle by which a polygon may
 
 std::span<const std::int32_t> loop_of(const PolygonMesh& polygons, std::int32_t q) {
   const std::int32_t begin = polygons.loop_start[q];
-  const std::int32_t end =
-      q + 1 < polygons.polygon_count() ? polygons.loop_start[q + 1] : static_cast<std::int32_t>(polygons.loops.size());
-  return std::span(polygons.loops).subspan(begin, end - begin);
+  return std::span(polygons.loops).subspan(begin, polygons.loop_end(q) - begin);
 }
 
 /// An earlier polygon, and which of its corners a polygon's first one is.

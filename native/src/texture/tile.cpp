@@ -73,10 +73,7 @@ Scene::Scene(const Mesh& m, const Partition& partition, const PolygonMesh& poly,
   band = static_cast<float>(options.band) * static_cast<float>(atlas.side) / 2048;
 }
 
-Lean Scene::lean_of(std::int32_t q) const {
-  const auto outline = outline_of(polygons, atlas, q);
-  return {outline, std::span(slopes).subspan(polygons.loop_start[q], outline.size())};
-}
+Lean Scene::lean_of(std::int32_t q) const { return {outline_of(polygons, atlas, q), slopes_of(polygons, slopes, q)}; }
 
 bool draw_tile(const Scene& scene, const PolygonView& view, std::int32_t q, std::int32_t t, std::int32_t n,
                Samples& samples) {

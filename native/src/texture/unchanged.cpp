@@ -35,10 +35,8 @@ bool same_near(const Neighbourhood& now, std::int32_t r, const Neighbourhood& be
 /// Whether a polygon is drawn along the directions that an earlier one was.
 bool same_directions(const Scene& scene, std::int32_t q, const EarlierBake& earlier, std::span<const Slope> slopes,
                      std::int32_t p) {
-  const std::size_t count = outline_of(scene.polygons, scene.atlas, q).size();
-  return count == outline_of(earlier.polygons, earlier.atlas, p).size() &&
-         std::equal(&scene.slopes[scene.polygons.loop_start[q]], &scene.slopes[scene.polygons.loop_start[q]] + count,
-                    &slopes[earlier.polygons.loop_start[p]]);
+  const auto here = slopes_of(scene.polygons, scene.slopes, q), there = slopes_of(earlier.polygons, slopes, p);
+  return std::equal(here.begin(), here.end(), there.begin(), there.end());
 }
 
 void check(const Scene& scene, const EarlierBake& earlier, const Texture& texture) {

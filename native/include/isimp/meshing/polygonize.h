@@ -96,6 +96,10 @@ struct PolygonMesh {
   MeshingReport report;
 
   [[nodiscard]] std::int32_t polygon_count() const { return static_cast<std::int32_t>(loop_start.size()); }
+  /// Where polygon q ends in `loops`.
+  [[nodiscard]] std::int32_t loop_end(std::int32_t q) const {
+    return q + 1 < polygon_count() ? loop_start[q + 1] : static_cast<std::int32_t>(loops.size());
+  }
 };
 
 /// Turns the regions of a partition into polygons that meet edge to edge.

@@ -185,7 +185,7 @@ class Planarizer {
     return gone;
   }
 
-  /// By unit: whether it is at most so many rings less one from some.
+  /// By unit: whether it is one of some units or fewer than `rings` rings away from one.
   [[nodiscard]] std::vector<bool> near(std::vector<std::int32_t> rim, int rings) const {
     std::vector<bool> is_near(units_.size(), false);
     for (; rings > 0; --rings) {

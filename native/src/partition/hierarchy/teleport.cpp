@@ -19,8 +19,8 @@ constexpr std::int64_t kRenewals = 16;  // faces parted anew, in all, as a multi
 constexpr double kShare = 3e-4;         // of the whole error, times the least ratio: worth parting a region anew
 constexpr double kLeastFall = 1e-4;     // of the error by a round: below it, it is not worth another
 constexpr double kLeastGain = 1e-7;     // of the whole area: less is rounding
-/// Faces of regions that were split, in all, as a multiple of the surface's: few regions with the walls of thousands of
-/// holes would take them from each other one by one.
+/// Faces of all regions that were split, as a multiple of the surface's faces: the last round begins below it. Without
+/// it, few regions that share the walls of thousands of holes take these from each other one by one.
 constexpr std::int64_t kMoves = 24;
 constexpr int kVain = 3;  // neighbours in a row without gain after which a region is left as it is
 
