@@ -266,9 +266,9 @@ class MeshSettings:
     )
 
 
-def _length(description: str):
+def _length(description: str, name: str = "Allowed"):
     return FloatProperty(
-        name="Allowed",
+        name=name,
         description=description,
         default=0.0,
         min=0.0,
@@ -309,16 +309,10 @@ class RegulariseSettings:
         "that three or more windows have in common",
         default=_REGULARISE.even_spacing,
     )
-    merge_islands: FloatProperty(
-        name="Merge Islands",
-        description="Window panes that are coplanar with the wall round them become part of it, with rims up to this "
-        "depth. 0: none do",
-        default=_REGULARISE.merge_islands,
-        min=0.0,
-        soft_max=1.0,
-        precision=3,
-        step=1,
-        unit="LENGTH",
+    merge_islands: _length(
+        "Window panes that are coplanar with the wall round them become part of it, with rims up to this depth. "
+        "0: none do",
+        "Merge Islands",
     )
 
 

@@ -332,6 +332,9 @@ def _name_file(image) -> None:
     """Gives a packed image a file name of its own, by which exporters tell images apart. USD wants the image's name."""
     name = image.name.replace("/", "_").replace("\\", "_")
     suffix = "exr" if image.is_float else "png"
-    image.filepath_raw = f"//{name}.<UDIM>.{suffix}" if image.source == "TILED" else f"//{name}.{suffix}"
-    for packed in image.packed_files if image.source == "TILED" else ():  # USD writes each under its own name
+    if image.source != "TILED":
+        image.filepath_raw = f"//{name}.{suffix}"
+        return
+    image.filepath_raw = f"//{name}.<UDIM>.{suffix}"
+    for packed in image.packed_files:  # USD writes each tile under its own name
         packed.filepath = f"//{name}.{packed.tile_number}.{suffix}"

@@ -127,7 +127,7 @@ def texture(
     if options.normals and NORMAL in source.layers:
         relief = _layer(source, NORMAL, face, weight, look.uv)
     known = None
-    with ThreadPoolExecutor(1) as beside:
+    with ThreadPoolExecutor(1) as beside:  # hashing takes a twentieth of the bake, and needs no more than its arrays
         digest = beside.submit(_digest, mesh, source, options)
         if options.threads == 1:
             digest.result()

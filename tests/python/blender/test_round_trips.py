@@ -41,9 +41,27 @@ FORMATS = {
 OPERATORS = {"fbx": ("export_scene", "fbx"), "usdc": ("wm", "usd_export"), "glb": ("export_scene", "gltf")}
 
 
-def has_exporter(kind):
+def need(kind):
+    """Skips a test of a format that this Blender does not write and read."""
     group, name = OPERATORS[kind]
-    return name in dir(getattr(bpy.ops, group))
+    if name not in dir(getattr(bpy.ops, group)):
+        pytest.skip(f"this Blender has no exporter of {kind}")
+    if kind == "glb" and bpy.app.version < (3, 5, 0) and "bool" not in vars(np):
+        pytest.skip("this Blender's importer of glTF does not work with its numpy")
+
+
+def sent(kind, tmp_path, result):
+    """A result as it comes back from a file."""
+    write, read, _ = FORMATS[kind]
+    scans.activate(result)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # Blender's exporters have some
+        assert write(str(tmp_path / f"out.{kind}")) == {"FINISHED"}
+        there = set(bpy.data.objects)
+        assert read(str(tmp_path / f"out.{kind}")) == {"FINISHED"}
+    bpy.context.view_layer.update()
+    (back,) = (obj for obj in set(bpy.data.objects) - there if obj.type == "MESH")
+    return back
 
 
 def corners(obj):
@@ -77,11 +95,7 @@ def pixels_of(image):
 
 @pytest.mark.parametrize("kind", FORMATS)
 def test_uvs_images_and_material_come_back(kind, tmp_path):
-    write, read, keeps_ngons = FORMATS[kind]
-    if not has_exporter(kind):
-        pytest.skip(f"this Blender has no exporter of {kind}")
-    if kind == "glb" and bpy.app.version < (3, 5, 0) and "bool" not in vars(np):
-        pytest.skip("this Blender's importer of glTF does not work with its numpy")
+    need(kind)
     scan = textured_cube()
     scan.matrix_world = Matrix.Translation((1, 2, 3)) @ Matrix.Rotation(0.5, 4, "X")
     result = simplify()
@@ -90,15 +104,9 @@ def test_uvs_images_and_material_come_back(kind, tmp_path):
     (before, sides), (material,) = corners(result), result.data.materials
     images = {place: pixels_of(image_at(material, place)) for place in ("Base Color", "Normal")}
     assert np.abs(images["Base Color"] - images["Normal"]).max() > 0.5
-    scans.activate(result)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # Blender's exporters have some
-        assert write(str(tmp_path / f"out.{kind}")) == {"FINISHED"}
-        there = set(bpy.data.objects)
-        assert read(str(tmp_path / f"out.{kind}")) == {"FINISHED"}
-    bpy.context.view_layer.update()
-    (back,) = (obj for obj in set(bpy.data.objects) - there if obj.type == "MESH")
+    back = sent(kind, tmp_path, result)
     after, sides_after = corners(back)
+    _, _, keeps_ngons = FORMATS[kind]
     assert sides_after == (sides if keeps_ngons else [3] * sum(side - 2 for side in sides))
     for one, other in ((after, before), (before, after)):
         assert np.abs(one[:, None] - other[None]).max(axis=2).min(axis=1).max() < 1e-5
@@ -110,23 +118,9 @@ def test_uvs_images_and_material_come_back(kind, tmp_path):
         assert np.abs(pixels_of(image) - wanted).max() < 1 / 255 + 1e-6, place
 
 
-def sent(kind, tmp_path, result):
-    """A result as it comes back from a file."""
-    write, read, _ = FORMATS[kind]
-    scans.activate(result)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        assert write(str(tmp_path / f"out.{kind}")) == {"FINISHED"}
-        there = set(bpy.data.objects)
-        assert read(str(tmp_path / f"out.{kind}")) == {"FINISHED"}
-    (back,) = (obj for obj in set(bpy.data.objects) - there if obj.type == "MESH")
-    return back
-
-
 @pytest.mark.parametrize("kind", FORMATS)
 def test_materials_that_are_kept_apart_come_back(kind, tmp_path):
-    if not has_exporter(kind) or (kind == "glb" and bpy.app.version < (3, 5, 0) and "bool" not in vars(np)):
-        pytest.skip(f"this Blender does not write and read {kind}")
+    need(kind)
     textured_cube()
     result = simplify()
     assert bpy.ops.isimp.texture(size=64, materials=True) == {"FINISHED"}
@@ -139,7 +133,8 @@ def test_materials_that_are_kept_apart_come_back(kind, tmp_path):
 
 
 def test_tiles_come_back_from_usd(tmp_path):
-    if not has_exporter("usdc") or bpy.app.version < (4, 0, 0):
+    need("usdc")
+    if bpy.app.version < (4, 0, 0):
         pytest.skip("this Blender does not write and read tiles in USD")
     textured_cube()
     result = simplify()

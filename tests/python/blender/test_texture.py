@@ -124,7 +124,7 @@ class Layout:
 
     def operator(self, name, text, **_):
         assert name == "isimp.texture"
-        return self.buttons.setdefault(text, types.SimpleNamespace())
+        return self.buttons.setdefault(text, types.SimpleNamespace(bl_rna=bpy.ops.isimp.texture.get_rna_type()))
 
 
 def test_the_buttons_of_the_panel_change_one_setting_each():
@@ -135,7 +135,8 @@ def test_the_buttons_of_the_panel_change_one_setting_each():
     def press(label):
         layout = Layout()
         main._draw_texture(layout, scan, result)
-        assert bpy.ops.isimp.texture(**vars(layout.buttons[label])) == {"FINISHED"}
+        settings = {name: value for name, value in vars(layout.buttons[label]).items() if name != "bl_rna"}
+        assert bpy.ops.isimp.texture(**settings) == {"FINISHED"}
         return steps_of(scan)[-1]
 
     assert bpy.ops.isimp.texture(size=64, height=True) == {"FINISHED"}

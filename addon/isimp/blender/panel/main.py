@@ -4,6 +4,8 @@ The rows above a button are drawn before and after the button is pressed, so tha
 report holds its room too, as buttons of edits stand below it.
 """
 
+import dataclasses
+
 import bpy
 
 from ... import messages
@@ -162,14 +164,13 @@ def _draw_counts(context, layout, scan, numbers) -> None:
 
 
 def _draw_texture(layout, scan, shown_on) -> None:
-    """Draws the buttons that make the texture again: as it is, in another size, and with or without each extra."""
+    """Draws the buttons that make the texture again: with the same settings, or with one changed."""
     recipe = store.load(scan)
     step = (recipe and recipe.texture()) or rcp.Texture()
 
     def button(place, label: str, icon: str = "NONE", pressed: bool = False, **changed) -> None:
         made = place.operator("isimp.texture", text=label, icon=icon, depress=pressed)
-        for name in ("size", "occlusion", "occlusion_distance", "height", "tiles", "materials"):
-            setattr(made, name, changed.get(name, getattr(step, name)))
+        settings.give(rcp.Texture, dataclasses.replace(step, **changed), made)
 
     def turned(place, label: str, name: str) -> None:
         on = getattr(step, name)
