@@ -14,7 +14,7 @@ BORDER, EDGE = 0.0009, 0.0016  # radii of lines between regions and of polygons'
 
 def render(scan, result, path, up="Z", turn=30.0):
     """Writes the picture. up: which axis of Blender's space goes upwards; turn: degrees round it."""
-    view = _view(up, turn)
+    view = look_from(up, turn)
     left, right = _arrays(scan), _arrays(result)
     middle = left["points"].mean(axis=0)  # far from zero float32 is too coarse for a picture
     for arrays in (left, right):
@@ -25,25 +25,25 @@ def render(scan, result, path, up="Z", turn=30.0):
     shift = (np.ptp(across) + GAP * np.ptp(left["points"] @ view[1])) * view[0]
     thin = np.clip((200 / len(right["start"])) ** 0.25, 0.4, 1.0)  # many polygons want thinner lines
     region_color = _region_colors(scan, left)
-    normals = _vertex_normals(left)[left["corners"]], np.repeat(_face_normals(right), right["total"], axis=0)
+    normals = _vertex_normals(left)[left["corners"]], np.repeat(area_vectors(right), right["total"], axis=0)
     parts = [
-        _surface("Regions", left, region_color[left["region"]], normals[0], view, 0 * shift),
-        _tubes("Borders", left["points"], _borders(left), thin * BORDER * size, 0 * shift),
-        _surface("Polygons", right, _pale(region_color[right["region"]]), normals[1], view, shift),
-        _tubes("Edges", right["points"], right["edges"], thin * EDGE * size, shift),
+        surface("Regions", left, region_color[left["region"]], normals[0], view, 0 * shift),
+        tubes("Borders", left["points"], _borders(left), thin * BORDER * size, 0 * shift),
+        surface("Polygons", right, _pale(region_color[right["region"]]), normals[1], view, shift),
+        tubes("Edges", right["points"], right["edges"], thin * EDGE * size, shift),
     ]
     for part in parts:
         scene.collection.objects.link(part)
-    _frame(scene, np.vstack([left["points"], left["points"] + shift, right["points"] + shift]), view)
-    _settings(scene, path)
+    frame(scene, np.vstack([left["points"], left["points"] + shift, right["points"] + shift]), view)
+    set_up(scene, path)
     bpy.ops.render.render(write_still=True, scene=scene.name)
     for part in parts:
         bpy.data.meshes.remove(part.data)
     bpy.data.scenes.remove(scene)
 
 
-def _view(up, turn):
-    """(3, 3) rows: to the right, upwards, towards the camera; seen from a little above."""
+def look_from(up, turn):
+    """(3, 3) rows: to the right, upwards, towards the camera; seen from a little above. up: X, Y or Z."""
     upward = np.eye(3)["XYZ".index(up)]
     front = np.roll(upward, -2) if up != "Y" else np.array([0.0, 0.0, 1.0])
     front = -front if up == "Z" else front
@@ -100,7 +100,7 @@ def _borders(arrays):
     return arrays["edges"][(low != high) | (uses == 1)]
 
 
-def _face_normals(arrays):
+def area_vectors(arrays):
     """(F, 3) area vectors."""
     following = np.arange(1, len(arrays["corners"]) + 1)
     following[arrays["start"] + arrays["total"] - 1] = arrays["start"]
@@ -110,11 +110,11 @@ def _face_normals(arrays):
 
 def _vertex_normals(arrays):
     normals = np.zeros_like(arrays["points"])
-    np.add.at(normals, arrays["corners"], np.repeat(_face_normals(arrays), arrays["total"], axis=0))
+    np.add.at(normals, arrays["corners"], np.repeat(area_vectors(arrays), arrays["total"], axis=0))
     return normals
 
 
-def _surface(name, arrays, face_color, corner_normal, view, shift):
+def surface(name, arrays, face_color, corner_normal, view, shift):
     """A surface with its light painted on, soft from the upper left: colours stay bright, no side is black."""
     normal = corner_normal / np.maximum(np.linalg.norm(corner_normal, axis=1, keepdims=True), 1e-30)
     color = np.repeat(face_color, arrays["total"], axis=0)
@@ -125,7 +125,7 @@ def _surface(name, arrays, face_color, corner_normal, view, shift):
     return _object(name, arrays["points"] + shift, arrays["corners"], arrays["start"], arrays["total"], color)
 
 
-def _tubes(name, points, edges, radius, shift):
+def tubes(name, points, edges, radius, shift):
     """Thin closed prisms along the edges."""
     a, b = points[edges[:, 0]] + shift, points[edges[:, 1]] + shift
     length = np.linalg.norm(b - a, axis=1)
@@ -163,7 +163,7 @@ def _object(name, points, corners, start, total, corner_color):
     return bpy.data.objects.new(name, mesh)
 
 
-def _frame(scene, points, view):
+def frame(scene, points, view, most_wide=WIDTH, most_high=HEIGHT):
     """An orthographic camera that just holds all points, and a picture of the shape they need."""
     flat = points @ view.T
     low, high = flat.min(axis=0), flat.max(axis=0)
@@ -181,14 +181,14 @@ def _frame(scene, points, view):
     holder.matrix_world = Matrix(matrix.tolist())
     scene.collection.objects.link(holder)
     scene.camera = holder
-    scale = min(WIDTH / width, HEIGHT / height)
+    scale = min(most_wide / width, most_high / height)
     scene.render.resolution_x, scene.render.resolution_y = round(scale * width), round(scale * height)
 
 
-def _settings(scene, path):
+def set_up(scene, path, file_format="PNG"):
     scene.render.engine = "BLENDER_WORKBENCH"
     scene.render.resolution_percentage = 100
-    scene.render.image_settings.file_format = "PNG"
+    scene.render.image_settings.file_format = file_format
     scene.render.filepath = str(path)
     scene.view_settings.view_transform = "Standard"
     scene.display.render_aa = "16"
