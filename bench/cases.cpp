@@ -13,6 +13,7 @@
 #include "isimp/mesh/clean.h"
 #include "isimp/mesh/io.h"
 #include "isimp/meshing/polygonize.h"
+#include "isimp/simplify/openings.h"
 #include "isimp/simplify/partitioner.h"
 
 namespace isimp::bench {
@@ -234,6 +235,11 @@ std::vector<Case> all_cases(const SetupPtr& setup) {
       setup, "mesh", [](Arrays a, Job& job) { return Mesh(std::move(a.vertices), std::move(a.triangles), job); }));
   cases.push_back(mesh_case(setup, "clean", [](Arrays a, Job& job) {
     return clean(std::move(a.vertices), std::move(a.triangles), {}, job);
+  }));
+  cases.push_back(mesh_case(setup, "close", [setup](Arrays a, Job& job) {
+    const OpeningLengths lengths = opening_lengths(*setup->mesh, setup->proxies, job);
+    const CleanOptions options{.fill_holes = lengths.holes, .cut_handles = lengths.handles};
+    return clean(std::move(a.vertices), std::move(a.triangles), options, job);
   }));
   cases.push_back(reference_case(setup));
   cases.push_back(partition_case(setup, "lloyd", Method::lloyd, 1));

@@ -173,6 +173,9 @@ def set_up_rows(where: str, result: Result) -> Iterator[Row]:
         clean = median(per_round(result, "clean"))
         wanted, measured = "<= 1.5 x Mesh + 100 ms", f"{clean / mesh:.2f} x Mesh, {clean - mesh:+.0f} ms"
         yield Row("clean on a sound mesh", where, wanted, measured, clean <= 1.5 * mesh + 100)
+        if "close" in result["cases"]:
+            close = median(per_round(result, "close"))
+            yield Row("the same with small openings closed", where, "", f"{close / unit:.2f} REF rounds", None)
 
 
 def same_polygons(result: Result) -> bool:

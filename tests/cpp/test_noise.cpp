@@ -37,6 +37,16 @@ TEST(Noise, IsFoundOnPlanesAndCurvedSurfaces) {
   EXPECT_NEAR(ratio(shapes::sphere(5), 0.004), 1.0, 0.1);
 }
 
+TEST(Noise, ASampleTellsWhetherThereIsEnough) {
+  Job job;
+  for (const double sigma : {0.0, 0.0005, 0.004, 0.05}) {
+    const Mesh mesh = shapes::mesh(shapes::noisy(shapes::plane(240), sigma, 5));  // 57,600 vertices
+    const double noise = estimate_noise(mesh, job);
+    for (const double share : {0.1, 0.9, 0.999, 1.001, 1.1, 10.0})
+      EXPECT_EQ(is_noisier(mesh, share * std::max(noise, 1e-6), job), noise > share * std::max(noise, 1e-6)) << sigma;
+  }
+}
+
 TEST(Noise, OfASmoothSurfaceIsNone) {
   Job job;
   EXPECT_LT(estimate_noise(shapes::mesh(shapes::sphere(5)), job), 1e-4);

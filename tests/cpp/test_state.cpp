@@ -3,6 +3,8 @@
 
 #include <vector>
 
+#include "joins.h"
+#include "junctions.h"
 #include "labelled.h"
 #include "shapes.h"
 #include "state.h"
@@ -61,6 +63,42 @@ TEST_F(Pieces, WhatIsKnownOfAUnionIsWhatItsFacesTell) {
   state_.update({0, 1});
   EXPECT_EQ(state_.planes[0].normal, before.normal);
   EXPECT_EQ(state_.polygons.count(), 2);
+}
+
+TEST(Handovers, LeavePiecesWhatTheirFacesTell) {
+  const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(6), 0.0005, 3));  // 81,920 faces
+  const Partition part = labelled::voronoi(mesh, 40, 1);
+  Job job;
+  const MeshingOptions options;
+  State state(mesh, part, options, job);
+  state.update({});
+  const std::vector<Plane> before = state.planes;
+  const std::int64_t walked = state.labels.walked;
+  std::vector<Join> joins = join_junctions(state, job);
+  EXPECT_LT(state.labels.walked - walked, mesh.face_count() / 4) << "few faces are looked at again";
+  ASSERT_GE(joins.size(), 5U);
+  const auto check = [&] {
+    const std::vector<Plane> found = planes_of(state.labels, Threads(1), job);
+    for (std::int32_t l = 0; l < state.labels.piece_count(); ++l) {
+      const Plane &a = state.planes[l], &b = found[l];
+      EXPECT_NEAR(a.area, b.area, 1e-12);
+      EXPECT_LE((a.normal - b.normal).norm(), 1e-11);
+      EXPECT_LE((a.centre - b.centre).norm(), 1e-11);
+      EXPECT_LE((a.spread - b.spread).norm(), 1e-12);
+      std::vector<std::int32_t> loop(state.complex.loop(l).begin(), state.complex.loop(l).end());
+      std::vector<std::int32_t> traced = state.labels.loop_from(loop[0]);
+      EXPECT_EQ(loop, traced);
+      for (const std::int32_t h : loop) EXPECT_EQ(state.labels.label[h / 3], l);
+    }
+  };
+  check();
+  std::vector<bool> faulty(state.labels.piece_count(), false);
+  for (const Join& join : joins) faulty[join.taker] = true;
+  ASSERT_TRUE(take_back(state, faulty, joins));
+  EXPECT_TRUE(joins.empty());
+  state.update({});
+  check();
+  for (std::size_t l = 0; l < before.size(); ++l) EXPECT_LE((state.planes[l].centre - before[l].centre).norm(), 1e-11);
 }
 
 /// A side that looks along x, one that looks along y at its far end, and a strip at its near end that is turned by 50

@@ -120,6 +120,20 @@ def test_the_module_tells_and_keeps_openings_and_copies_know_them():
         engine.clean(vertices, triangles, options, keep=np.array([[0, 0, np.nan]]))
 
 
+@pytest.mark.parametrize("tunnels", [3, 4, 8, 16])
+def test_handles_are_found_whatever_the_order_of_vertices_and_faces(tunnels):
+    random, closed = np.random.default_rng(7), 0
+    for noise in 0.004 * np.arange(6):
+        vertices, triangles = (np.asarray(array) for array in shapes.room(tunnels))
+        vertices = vertices + random.normal(0, noise, vertices.shape)
+        order = random.permutation(len(vertices))
+        number = np.empty_like(order)
+        number[order] = np.arange(len(order))
+        faces = number[triangles][random.permutation(len(triangles))]
+        closed += len(engine.clean(vertices[order], faces, engine.CleanOptions(cut_handles=5.5)).openings)
+    assert closed == 6 * tunnels
+
+
 def test_openings_are_where_the_caller_s_coordinates_are():
     vertices, triangles = shapes.room(4)
     far = np.array([448_000.0, 5_411_000.0, 220.0])

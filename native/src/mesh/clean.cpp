@@ -103,29 +103,23 @@ bool is_closing(const CleanOptions& options) { return options.fill_holes > 0 || 
 }  // namespace
 
 Mesh clean(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options, Job& job) {
-  if (is_closing(options)) return clean_keeping(std::move(vertices), std::move(triangles), options, {}, job).mesh;
-  const Threads threads(options.threads);
-  Sound sound = make_sound(std::move(vertices), std::move(triangles), options, threads, job);
-  const Job::Part part(job, "cleaning", 0.5, 1.0);
-  return Mesh(std::move(sound.arrays), std::move(sound.topology), sound.log.take(), threads, job);
+  return clean_keeping(std::move(vertices), std::move(triangles), options, {}, job).mesh;
 }
 
 Cleaned clean_keeping(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options,
                       const std::vector<Vec3>& keep, Job& job) {
   for (const Vec3& place : keep)
     if (!place.allFinite()) throw InvalidInput("a place of an opening to keep has a coordinate that is not finite");
-  if (!is_closing(options)) return {clean(std::move(vertices), std::move(triangles), options, job), {}};
   const Threads threads(options.threads);
   auto [arrays, topology, log] = make_sound(std::move(vertices), std::move(triangles), options, threads, job);
   std::vector<FoundOpening> found;
-  {
+  const bool closing = is_closing(options);
+  if (closing) {
     const Job::Part part(job, "closing holes", 0.5, 0.75);
-    found = close_small(arrays, options, keep, log, threads, job);
+    found = close_small(arrays, topology, options, keep, log, threads, job);
   }
-  const Job::Part part(job, "cleaning", 0.75, 1.0);
-  return {Mesh(std::move(arrays.vertices), std::move(arrays.triangles), std::move(arrays.source_face),
-               std::move(arrays.source_vertex), log.take(), threads, job),
-          std::move(found)};
+  const Job::Part part(job, "cleaning", closing ? 0.75 : 0.5, 1.0);
+  return {Mesh(std::move(arrays), std::move(topology), log.take(), threads, job), std::move(found)};
 }
 
 }  // namespace isimp

@@ -48,7 +48,7 @@ std::vector<Opening> find_holes(const MeshArrays& arrays, const Topology& topolo
     const double round = length(arrays, loop);
     if (round > longest) continue;
     std::reverse(loop.begin(), loop.end());  // a patch runs against its neighbours
-    holes.push_back({RepairKind::filled_holes, {}, {std::move(loop)}, {}, round});
+    holes.push_back({RepairKind::filled_holes, {}, {std::move(loop)}, {}, round, {}});
   }
   return holes;
 }
@@ -56,11 +56,15 @@ std::vector<Opening> find_holes(const MeshArrays& arrays, const Topology& topolo
 /// Covers openings with patches that meet nothing else.
 class Closer {
  public:
-  Closer(MeshArrays& arrays, const Topology& topology, const Components* components, Job& job)
-      : arrays_(arrays), topology_(topology), components_(components), job_(job) {}
+  Closer(MeshArrays& arrays, const Topology& topology, const Components* components, const Threads& threads, Job& job)
+      : arrays_(arrays), topology_(topology), components_(components), threads_(threads), job_(job) {}
 
-  /// Adds patches for those that can be closed, and returns these; the faces to be removed are still there.
+  /// Adds patches for those that can be closed, and returns these; the faces to be removed are still there. May be called
+  /// again for openings apart from those.
   std::vector<Opening> close(std::vector<Opening> openings) {
+    if (openings.empty()) return {};
+    const std::size_t before = closed_.size();
+    find_faces_near(openings);
     for (int plan = 0; plan < kPlans; ++plan) {
       std::vector<Opening> covered, left;
       for (Opening& o : openings) (find_patches(o, plan) ? covered : left).push_back(std::move(o));
@@ -69,14 +73,43 @@ class Closer {
         all = dropped.empty();
         std::move(dropped.begin(), dropped.end(), std::back_inserter(left));
       }
+      const std::size_t faces = arrays_.triangles.size();
       append(covered);
+      for (std::size_t f = faces; f < arrays_.triangles.size(); ++f) near_.push_back(static_cast<std::int32_t>(f));
       std::move(covered.begin(), covered.end(), std::back_inserter(closed_));
       openings = std::move(left);
     }
-    return std::move(closed_);
+    return {closed_.begin() + static_cast<std::ptrdiff_t>(before), closed_.end()};
   }
 
  private:
+  /// Finds the faces that patches of some openings may meet: patches are inside the boxes of their loops. Where openings
+  /// are near those of a call before, only faces found then are looked at.
+  void find_faces_near(const std::vector<Opening>& openings) {
+    std::vector<Eigen::AlignedBox3d> boxes;
+    for (const Opening& o : openings)
+      for (const std::vector<std::int32_t>& loop : o.loops) {
+        Eigen::AlignedBox3d& box = boxes.emplace_back();
+        for (const std::int32_t v : loop) box.extend(arrays_.vertices[v]);
+      }
+    const bool known = std::all_of(boxes.begin(), boxes.end(), [&](const Eigen::AlignedBox3d& box) {
+      return std::any_of(wider_.begin(), wider_.end(), [&](const Eigen::AlignedBox3d& w) { return w.contains(box); });
+    });
+    if (!known) {
+      wider_ = boxes;
+      for (Eigen::AlignedBox3d& box : wider_) {
+        const Vec3 more = Vec3::Constant(kWider * box.diagonal().norm());
+        box = Eigen::AlignedBox3d(box.min() - more, box.max() + more);
+      }
+      among_ = find_near(arrays_, nullptr, wider_, threads_, job_);
+    } else {
+      for (std::size_t f = looked_at_; f < arrays_.triangles.size(); ++f)
+        among_.push_back(static_cast<std::int32_t>(f));
+    }
+    looked_at_ = arrays_.triangles.size();
+    near_ = find_near(arrays_, &among_, boxes, threads_, job_);
+  }
+
   static bool is_removed(const Opening& o, std::int32_t face) {
     return std::binary_search(o.removed.begin(), o.removed.end(), face);
   }
@@ -162,7 +195,9 @@ class Closer {
     for (const std::vector<Opening>* all : {&std::as_const(closed_), &std::as_const(openings)})
       for (const Opening& o : *all)
         for (const std::int32_t f : o.removed) removed[f] = 1;
-    const std::vector<char> crossed = find_crossed(arrays_.vertices, arrays_.triangles, removed, fresh, job_);
+    std::vector<std::int32_t> others = near_;
+    for (std::size_t f = faces; f < faces + fresh; ++f) others.push_back(static_cast<std::int32_t>(f));
+    const std::vector<char> crossed = find_crossed(arrays_, others, removed, fresh, job_);
     arrays_.vertices.resize(vertices);
     arrays_.source_vertex.resize(vertices);
     arrays_.triangles.resize(faces);
@@ -181,16 +216,23 @@ class Closer {
   }
 
   static constexpr double kLargestShare = 0.5;  // of its part that a hole may be
+  static constexpr double kWider = 0.5;         // of a box's diagonal: where another loop of the handle may be
 
   MeshArrays& arrays_;
   const Topology& topology_;
   const Components* components_;  // where holes are told from outlines
+  const Threads& threads_;
   Job& job_;
   std::vector<Opening> closed_;
+  std::vector<std::int32_t> near_;          // faces that patches may meet, those of patches too
+  std::vector<Eigen::AlignedBox3d> wider_;  // of a call before ...
+  std::vector<std::int32_t> among_;         // ... and the faces near these ...
+  std::size_t looked_at_ = 0;               // ... of so many
 };
 
 /// Drops the faces that openings take out, and the vertices that nothing uses any more.
-void drop_removed(MeshArrays& arrays, const std::vector<Opening>& closed) {
+/// \return (V) the vertices' new numbers, kNone of those that went
+std::vector<std::int32_t> drop_removed(MeshArrays& arrays, const std::vector<Opening>& closed) {
   std::vector<char> removed(arrays.triangles.size(), 0), used(arrays.vertices.size(), 0);
   for (const Opening& o : closed)
     for (const std::int32_t f : o.removed) removed[f] = 1;
@@ -215,6 +257,27 @@ void drop_removed(MeshArrays& arrays, const std::vector<Opening>& closed) {
   arrays.source_vertex.resize(kept);
   for (Triangle& t : arrays.triangles)
     for (std::int32_t& v : t) v = renamed[v];
+  return renamed;
+}
+
+/// Where handles may be that are left.
+/// \param renamed  (V) the vertices' new numbers, kNone of those that went
+HandleSearch search_again(const HandleSearch& before, const Handles& found, const std::vector<std::int32_t>& renamed) {
+  HandleSearch search;
+  for (const auto& loop : found.loops) {
+    const auto v = std::find_if(loop.begin(), loop.end(), [&](std::int32_t w) { return renamed[w] != kNone; });
+    if (v != loop.end()) search.near.push_back(renamed[*v]);
+  }
+  search.near = rising(std::move(search.near));
+  const auto keep = [&](const std::vector<std::int32_t>& loop) {
+    std::vector<std::int32_t> vertices(loop.size());
+    std::transform(loop.begin(), loop.end(), vertices.begin(), [&](std::int32_t v) { return renamed[v]; });
+    vertices = rising(std::move(vertices));
+    if (vertices.front() != kNone) search.failed.insert(std::move(vertices));
+  };
+  for (const auto& loop : before.failed) keep(loop);
+  for (const auto& loop : found.failed) keep(loop);
+  return search;
 }
 
 void fill(Array<std::int32_t>& source, std::size_t n) {
@@ -224,11 +287,17 @@ void fill(Array<std::int32_t>& source, std::size_t n) {
 }
 
 Topology topology_of(const MeshArrays& arrays, const Threads& threads, Job& job) {
-  const Job::Part stage(job, "closing holes", 0.0, 0.2);
+  const Job::Part stage(job, "closing holes", 0.8, 1.0);
   return find_topology(arrays.vertices.size(), arrays.triangles, threads, job);
 }
 
 }  // namespace
+
+std::vector<std::int32_t> rising(std::vector<std::int32_t> numbers) {
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  return numbers;
+}
 
 double length(const MeshArrays& arrays, const std::vector<std::int32_t>& loop) {
   double sum = 0;
@@ -237,18 +306,17 @@ double length(const MeshArrays& arrays, const std::vector<std::int32_t>& loop) {
   return sum;
 }
 
-std::vector<FoundOpening> close_small(MeshArrays& arrays, const CleanOptions& options, const std::vector<Vec3>& keep,
-                                      RepairLog& log, const Threads& threads, Job& job) {
+std::vector<FoundOpening> close_small(MeshArrays& arrays, Topology& topology, const CleanOptions& options,
+                                      const std::vector<Vec3>& keep, RepairLog& log, const Threads& threads, Job& job) {
   fill(arrays.source_face, arrays.triangles.size());
   fill(arrays.source_vertex, arrays.vertices.size());
   std::vector<FoundOpening> found;
   const auto tell = [&](const std::vector<Opening>& openings, bool kept) {
     for (const Opening& o : openings) found.push_back(found_opening(arrays, o, kept));
   };
-  if (options.fill_holes > 0) {
-    const Topology topology = topology_of(arrays, threads, job);
+  if (options.fill_holes > 0 && !topology.border.empty()) {
     const Components components(arrays, job);
-    Closer closer(arrays, topology, &components, job);
+    Closer closer(arrays, topology, &components, threads, job);
     std::vector<Opening> holes = find_holes(arrays, topology, options.fill_holes);
     const auto end =
         std::stable_partition(holes.begin(), holes.end(), [&](const Opening& o) { return !is_kept(arrays, o, keep); });
@@ -257,18 +325,21 @@ std::vector<FoundOpening> close_small(MeshArrays& arrays, const CleanOptions& op
     const std::vector<Opening> closed = closer.close(std::move(holes));
     tell(closed, false);
     for (const Opening& o : closed) log.add(o.kind, arrays.source_face[topology.vertex_halfedge[o.loops[0][0]] / 3]);
+    if (!closed.empty()) topology = topology_of(arrays, threads, job);
   }
   // Cutting one handle may leave another that was too near it, so that a few passes are made.
+  HandleSearch search;
   for (int pass = 0; options.cut_handles > 0 && pass < kPasses; ++pass) {
-    const Topology topology = topology_of(arrays, threads, job);
-    Closer closer(arrays, topology, nullptr, job);
-    Handles handles = find_handles(arrays, topology, options.cut_handles, keep, job);
+    Closer closer(arrays, topology, nullptr, threads, job);
+    const Handles handles = close_handles(
+        arrays, topology, options.cut_handles, pass == 0 ? nullptr : &search, keep,
+        [&](std::vector<Opening> openings) { return closer.close(std::move(openings)); }, threads, job);
     if (pass == 0) tell(handles.kept, true);  // further passes find the same again
-    const std::vector<Opening> closed = closer.close(std::move(handles.closed));
-    tell(closed, false);
-    for (const Opening& o : closed) log.add(o.kind, arrays.source_face[o.removed[0]]);
-    drop_removed(arrays, closed);
-    if (closed.empty()) break;
+    tell(handles.closed, false);
+    for (const Opening& o : handles.closed) log.add(o.kind, arrays.source_face[o.removed[0]]);
+    if (handles.closed.empty()) break;
+    search = search_again(search, handles, drop_removed(arrays, handles.closed));
+    topology = topology_of(arrays, threads, job);
   }
   return found;
 }

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <set>
 #include <vector>
 
 #include "isimp/core/job.h"
@@ -26,19 +29,30 @@ struct Opening {
   std::vector<std::vector<std::int32_t>> loops;  ///< vertices in the order in which a patch runs along them
   std::vector<Patch> patches;                    ///< one a loop, once found
   double length = 0;                             ///< of a hole's border, or of the loop round a handle
+  std::vector<std::int32_t> round;               ///< vertices of the loop round a handle
 };
+
+// close.cpp
+/// Some numbers in rising order, each once.
+std::vector<std::int32_t> rising(std::vector<std::int32_t> numbers);
 
 // patch.cpp
 constexpr int kPlans = 2;  ///< ways to cover a loop
-/// Covers a loop without new vertices where `plan` is 0, with one in the middle where it is 1; empty if that can't be.
+/// Covers a loop, inside its box, without new vertices where `plan` is 0, with one in the middle where it is 1; empty if that can't be.
 /// \param beyond  a point of the face on the other side of each edge of the loop, from place i to i + 1
 /// Source: Liepa 2003 (the triangulation of least dihedral angles, then least area), by CGAL.
 Patch cover(const std::vector<Vec3>& loop, const std::vector<Vec3>& beyond, int plan);
 
 // crossings.cpp
-/// For each of the last `fresh` triangles whether it intersects a kept one outside what they share.
+/// The faces whose boxes touch one of some boxes, rising.
+/// \param among  faces to look at; null: all
+/// Cost: O(these).
+std::vector<std::int32_t> find_near(const MeshArrays& arrays, const std::vector<std::int32_t>* among,
+                                    const std::vector<Eigen::AlignedBox3d>& boxes, const Threads& threads, Job& job);
+/// For each of the last `fresh` triangles whether it intersects one of some others outside what they share.
+/// \param others  triangles, may be some of the last ones too
 /// \param removed  (F) marks of triangles to ignore
-std::vector<char> find_crossed(const std::vector<Vec3>& vertices, const std::vector<Triangle>& triangles,
+std::vector<char> find_crossed(const MeshArrays& arrays, const std::vector<std::int32_t>& others,
                                const std::vector<char>& removed, std::size_t fresh, Job& job);
 
 // close.cpp
@@ -52,19 +66,32 @@ FoundOpening found_opening(const MeshArrays& arrays, const Opening& opening, boo
 bool is_kept(const MeshArrays& arrays, const Opening& opening, const std::vector<Vec3>& keep);
 
 // handles.cpp
-/// Handles to close and handles that stay.
+/// Handles that were closed and handles that were to stay.
 struct Handles {
   std::vector<Opening> closed, kept;
+  std::vector<std::vector<std::int32_t>> loops;   ///< vertices of all loops that were found, those left alone too
+  std::vector<std::vector<std::int32_t>> failed;  ///< those of loops that can't be closed
 };
-/// Handles with a loop round them or through them of at most `longest`, no two of them near each other.
+/// Where to search, once it is known.
+struct HandleSearch {
+  std::vector<std::int32_t> near;              ///< vertices near which handles may be
+  std::set<std::vector<std::int32_t>> failed;  ///< loops to leave alone, each as rising vertices
+};
+/// Finds handles with a loop round them or through them of at most `longest`, no two of them near each other, and closes
+/// them. Where one loop of a handle can't be closed, the next one is tried.
+/// \param search  null: everywhere
 /// \param keep  places whose handles are not closed
-Handles find_handles(const MeshArrays& arrays, const Topology& topology, double longest, const std::vector<Vec3>& keep,
-                     Job& job);
+/// \param close  closes openings, and returns those that could be
+/// Cost: that of `find_loops`, and of the patches.
+Handles close_handles(const MeshArrays& arrays, const Topology& topology, double longest, const HandleSearch* search,
+                      const std::vector<Vec3>& keep,
+                      const std::function<std::vector<Opening>(std::vector<Opening>)>& close, const Threads& threads,
+                      Job& job);
 
 // close.cpp
-/// Fills holes and cuts handles as the options say. `arrays` are sound before and after.
+/// Fills holes and cuts handles as the options say. `arrays` are sound, and `topology` is theirs, before and after.
 /// \return the openings that were closed or kept
-std::vector<FoundOpening> close_small(MeshArrays& arrays, const CleanOptions& options, const std::vector<Vec3>& keep,
-                                      RepairLog& log, const Threads& threads, Job& job);
+std::vector<FoundOpening> close_small(MeshArrays& arrays, Topology& topology, const CleanOptions& options,
+                                      const std::vector<Vec3>& keep, RepairLog& log, const Threads& threads, Job& job);
 
 }  // namespace isimp::detail

@@ -1,211 +1,20 @@
 #include <algorithm>
 #include <array>
-#include <limits>
-#include <numeric>
-#include <queue>
-#include <tuple>
+#include <iterator>
+#include <set>
 #include <unordered_map>
 #include <utility>
 
 #include "close.h"
-#include "isimp/core/forest.h"
+#include "handle_loops.h"
 #include "isimp/mesh/mesh.h"
 
-/// A tree over the vertices by distance, and a tree over faces and holes that crosses none of its edges and takes those
-/// first whose loops are long: each edge left over closes a loop over the first tree that does not part the surface,
-/// two a handle. Grown from anywhere they tell where handles are; grown again from there, how short the loops are.
-/// Source: Erickson and Whittlesey 2005.
 namespace isimp::detail {
 namespace {
 
-struct Loop {
-  double length = 0;
-  std::vector<std::int32_t> vertices;
-};
+using Loop = HandleLoop;
 
-class HandleLoops {
- public:
-  HandleLoops(const MeshArrays& arrays, const Topology& topology, Job& job)
-      : arrays_(arrays),
-        topology_(topology),
-        job_(job),
-        distance_(arrays.vertices.size(), kFar),
-        via_(arrays.vertices.size(), kNone) {}
-
-  /// Those of at most `longest`, shortest first.
-  std::vector<Loop> find(double longest) {
-    const Dual all = all_edges();
-    if (!any_handle(all)) return {};
-    for (std::int32_t v = 0; v < static_cast<std::int32_t>(distance_.size()); ++v)
-      if (distance_[v] == kFar && topology_.vertex_halfedge[v] != kNone) grow(v, kFar);
-    const std::vector<std::int32_t> starts = left_over(all);
-    const Dual dual = near_edges(all, starts, longest / 2);
-    std::vector<Loop> loops;
-    for (const std::int32_t h : starts) {
-      forget();
-      grow(from(h), longest / 2);
-      for (const std::int32_t g : left_over(dual))
-        if (Loop loop = loop_of(g); loop.length <= longest) loops.push_back(std::move(loop));
-    }
-    std::stable_sort(loops.begin(), loops.end(), [](const Loop& a, const Loop& b) { return a.length < b.length; });
-    return loops;
-  }
-
- private:
-  static constexpr double kFar = std::numeric_limits<double>::infinity();
-
-  [[nodiscard]] std::int32_t from(std::int32_t h) const { return arrays_.triangles[h / 3][h % 3]; }
-  [[nodiscard]] std::int32_t to(std::int32_t h) const { return from(Mesh::next(h)); }
-  [[nodiscard]] double distance(std::int32_t a, std::int32_t b) const {
-    return (arrays_.vertices[a] - arrays_.vertices[b]).norm();
-  }
-
-  void grow(std::int32_t root, double radius) {
-    using Entry = std::pair<double, std::int32_t>;
-    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-    const auto reach = [&](std::int32_t v, double d, std::int32_t via) {
-      if (d > radius || d >= distance_[v]) return;
-      if (distance_[v] == kFar) reached_.push_back(v);
-      distance_[v] = d;
-      via_[v] = via;
-      queue.emplace(d, v);
-    };
-    reach(root, 0, kNone);
-    for (std::size_t taken = 1; !queue.empty(); ++taken) {
-      if (taken % kPollEvery == 0) job_.poll();
-      const auto [d, v] = queue.top();
-      queue.pop();
-      if (d > distance_[v]) continue;
-      std::int32_t h = topology_.vertex_halfedge[v];
-      const std::int32_t start = h;
-      do {
-        reach(to(h), d + distance(v, to(h)), v);
-        const std::int32_t in = Mesh::prev(h);
-        reach(from(in), d + distance(v, from(in)), v);
-        h = topology_.opposite[in];
-      } while (h != kNone && h != start);
-    }
-  }
-
-  /// Edges, a half-edge each, rising, and the nodes on both sides of each: faces and holes, or what is one for all
-  /// that will be asked.
-  struct Dual {
-    std::vector<std::int32_t> edges;
-    std::vector<std::array<std::int32_t, 2>> sides;
-    std::size_t nodes = 0;
-  };
-
-  /// All edges between faces, then one node for each border loop.
-  [[nodiscard]] Dual all_edges() const {
-    Dual dual;
-    dual.nodes = arrays_.triangles.size();
-    std::unordered_map<std::int32_t, std::int32_t> hole;
-    for (const std::int32_t h : topology_.border) {
-      if (hole.count(h)) continue;
-      const auto node = static_cast<std::int32_t>(dual.nodes++);
-      for (std::int32_t g = h; hole.emplace(g, node).second;) g = topology_.vertex_halfedge[to(g)];
-    }
-    for_each_index(topology_.opposite.size(), job_, [&](std::size_t i) {
-      const auto h = static_cast<std::int32_t>(i);
-      const std::int32_t other = topology_.opposite[h];
-      if (other != kNone && other < h) return;
-      dual.edges.push_back(h);
-      dual.sides.push_back({h / 3, other == kNone ? hole.at(h) : other / 3});
-    });
-    return dual;
-  }
-
-  /// By Euler's formula, holes counted as faces.
-  [[nodiscard]] bool any_handle(const Dual& all) const {
-    Forest forest(all.nodes);
-    std::size_t joins = 0;
-    for (const auto& sides : all.sides) joins += forest.join(sides[0], sides[1]) ? 1 : 0;
-    const std::size_t used = topology_.vertex_halfedge.size() - static_cast<std::size_t>(topology_.unused_vertices);
-    // Over all components, used - edges + nodes = 2 (nodes - joins) without a handle.
-    return used + 2 * joins != all.edges.size() + all.nodes;
-  }
-
-  /// The edges near some half-edges. All others are crossed wherever the first tree grows from one of these, so what
-  /// they join is one node.
-  [[nodiscard]] Dual near_edges(const Dual& all, const std::vector<std::int32_t>& starts, double radius) {
-    std::vector<char> near(distance_.size(), 0);
-    for (const std::int32_t h : starts) {
-      forget();
-      grow(from(h), radius);
-      for (const std::int32_t v : reached_) near[v] = 1;
-    }
-    Forest far(all.nodes);
-    Dual dual;
-    for (std::size_t i = 0; i < all.edges.size(); ++i) {
-      const std::int32_t h = all.edges[i];
-      if (near[from(h)] && near[to(h)]) {
-        dual.edges.push_back(h);
-        dual.sides.push_back(all.sides[i]);
-      } else {
-        far.join(all.sides[i][0], all.sides[i][1]);
-      }
-    }
-    std::unordered_map<std::int32_t, std::int32_t> number;
-    for (auto& sides : dual.sides)
-      for (std::int32_t& node : sides)
-        node = number.emplace(far.root(node), static_cast<std::int32_t>(number.size())).first->second;
-    dual.nodes = number.size();
-    return dual;
-  }
-
-  /// The edges in neither tree, a half-edge each. Edges that the first tree does not reach are all crossed by the
-  /// other.
-  [[nodiscard]] std::vector<std::int32_t> left_over(const Dual& dual) const {
-    struct Edge {
-      double length;
-      std::int32_t h, i;
-    };
-    std::vector<Edge> edges;
-    Forest forest(dual.nodes);
-    const auto join = [&](std::size_t i) { return forest.join(dual.sides[i][0], dual.sides[i][1]); };
-    for_each_index(dual.edges.size(), job_, [&](std::size_t i) {
-      const std::int32_t h = dual.edges[i], a = from(h), b = to(h);
-      if (distance_[a] == kFar || distance_[b] == kFar)
-        join(i);
-      else if (via_[a] != b && via_[b] != a)
-        edges.push_back({distance_[a] + distance_[b] + distance(a, b), h, static_cast<std::int32_t>(i)});
-    });
-    std::sort(edges.begin(), edges.end(),
-              [](const Edge& x, const Edge& y) { return std::tie(y.length, x.h) < std::tie(x.length, y.h); });
-    std::vector<std::int32_t> left;
-    for (const Edge& e : edges)
-      if (!join(e.i)) left.push_back(e.h);
-    return left;
-  }
-
-  /// Leaves nothing reached.
-  void forget() {
-    for (const std::int32_t v : reached_) distance_[v] = kFar;
-    reached_.clear();
-  }
-
-  /// The loop that an edge closes over the tree, without the path that leads there.
-  [[nodiscard]] Loop loop_of(std::int32_t h) const {
-    std::vector<std::int32_t> a, b;
-    for (std::int32_t v = from(h); v != kNone; v = via_[v]) a.push_back(v);
-    for (std::int32_t v = to(h); v != kNone; v = via_[v]) b.push_back(v);
-    while (a.size() > 1 && b.size() > 1 && a[a.size() - 2] == b[b.size() - 2]) {
-      a.pop_back();
-      b.pop_back();
-    }
-    Loop loop;
-    loop.vertices = std::move(a);
-    loop.vertices.insert(loop.vertices.end(), b.rbegin() + 1, b.rend());
-    loop.length = length(arrays_, loop.vertices);
-    return loop;
-  }
-
-  const MeshArrays& arrays_;
-  const Topology& topology_;
-  Job& job_;
-  std::vector<double> distance_;
-  std::vector<std::int32_t> via_, reached_;
-};
+constexpr int kAttempts = 8;  // to close handles where the loops tried before could not be
 
 /// The faces that touch a loop, if they are a ring with two borders and the surface does not fall apart without them
 /// and all that was taken before.
@@ -221,7 +30,15 @@ class Rings {
   /// \return no loops if the faces round the loop are no ring, reach a border of the mesh or one taken before
   Opening take(const Loop& loop) { return take(ring_of(loop)); }
 
-  /// The same, but only where one of the places means it. It counts as gone for those that are taken after it, so that
+  /// Makes an opening that was taken one that was not.
+  void release(const Opening& o) {
+    for (const std::int32_t f : o.removed) {
+      gone_[f] = 0;
+      for (const std::int32_t v : arrays_.triangles[f]) taken_[v] = 0;
+    }
+  }
+
+  /// The same as `take`, but only where one of the places means it. It counts as gone for those that are taken after it, so that
   /// no other loop closes what stays: neither one that crosses it nor one in the same tunnel.
   Opening hold(const Loop& loop, const std::vector<Vec3>& keep) {
     Opening o = ring_of(loop);
@@ -236,6 +53,7 @@ class Rings {
     Opening o;
     o.kind = RepairKind::cut_handles;
     o.length = loop.length;
+    o.round = loop.vertices;
     add_fans(loop.vertices, o.removed);
     if (!free_inside(o.removed) || !find_borders(o, loop)) return {};
     for (int rows = 0; rows < kMostRows && widen(o, loop);) ++rows;
@@ -258,6 +76,7 @@ class Rings {
       Opening wider;
       wider.kind = o.kind;
       wider.length = o.length;
+      wider.round = o.round;
       wider.removed = o.removed;
       add_fans(o.loops[side], wider.removed);
       if (!free_inside(wider.removed) || !find_borders(wider, loop)) continue;
@@ -367,17 +186,39 @@ class Rings {
 
 }  // namespace
 
-Handles find_handles(const MeshArrays& arrays, const Topology& topology, double longest, const std::vector<Vec3>& keep,
-                     Job& job) {
+Handles close_handles(const MeshArrays& arrays, const Topology& topology, double longest, const HandleSearch* search,
+                      const std::vector<Vec3>& keep,
+                      const std::function<std::vector<Opening>(std::vector<Opening>)>& close, const Threads& threads,
+                      Job& job) {
   Handles handles;
+  std::vector<Loop> loops = find_loops(arrays, topology, longest, search, threads, job);
   Rings rings(arrays, topology);
-  const std::vector<Loop> loops = HandleLoops(arrays, topology, job).find(longest);
   for (const Loop& loop : loops) {
     if (keep.empty()) break;
     if (Opening o = rings.hold(loop, keep); !o.loops.empty()) handles.kept.push_back(std::move(o));
   }
-  for (const Loop& loop : loops)
-    if (Opening o = rings.take(loop); !o.loops.empty()) handles.closed.push_back(std::move(o));
+  std::set<std::vector<std::int32_t>> failed;
+  if (search) failed = search->failed;
+  for (const Loop& loop : loops) handles.loops.push_back(loop.vertices);
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    if (!failed.empty()) std::erase_if(loops, [&](const Loop& loop) { return failed.contains(rising(loop.vertices)); });
+    std::vector<Opening> some;
+    for (const Loop& loop : loops)
+      if (Opening o = rings.take(loop); !o.loops.empty()) some.push_back(std::move(o));
+    if (some.empty()) break;
+    std::vector<Opening> closed = close(some);
+    std::set<std::vector<std::int32_t>> done;
+    for (const Opening& o : closed) done.insert(o.round);
+    const bool all = closed.size() == some.size();
+    std::move(closed.begin(), closed.end(), std::back_inserter(handles.closed));
+    if (all) break;
+    for (const Opening& o : some) {
+      if (done.contains(o.round)) continue;
+      rings.release(o);
+      failed.insert(rising(o.round));
+      handles.failed.push_back(o.round);
+    }
+  }
   return handles;
 }
 

@@ -24,10 +24,6 @@ bool crosses_barrier(const State& state, std::int32_t taker, const std::vector<s
 
 }  // namespace
 
-void touch(Labels& labels, const Join& join) {
-  labels.touched.insert(labels.touched.end(), join.pieces.begin(), join.pieces.end());
-}
-
 std::int32_t face_beside(const Labels& labels, const std::vector<std::int32_t>& faces, std::int32_t piece) {
   std::int32_t last = kNone;
   for (const std::int32_t f : faces)
@@ -80,7 +76,7 @@ bool take_back(State& state, const std::vector<bool>& faulty, std::vector<Join>&
     std::int32_t& face = labels.pieces[join.taker].face;
     if (labels.label[face] != join.taker) face = face_beside(labels, join.faces, join.taker);
     state.complex.add_corner(join.gone);
-    touch(labels, join);
+    state.hand_over(join.taker, join.giver, join.faces, join.pieces);
   }
   for (std::size_t i = 0; i < joins.size(); ++i)
     if (!goes[i]) kept.push_back(std::move(joins[i]));

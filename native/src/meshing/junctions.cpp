@@ -62,7 +62,8 @@ class Joiner {
       else
         join_both(c.a, c.b);
     }
-    for (std::size_t i = before; i < joins_.size(); ++i) touch(s_.labels, joins_[i]);
+    for (std::size_t i = before; i < joins_.size(); ++i)
+      s_.hand_over(joins_[i].giver, joins_[i].taker, joins_[i].faces, joins_[i].pieces);
     return joins_.size() > before;
   }
 

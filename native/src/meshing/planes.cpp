@@ -105,6 +105,19 @@ Plane united(const Plane& a, const Plane& b) {
   return p;
 }
 
+Plane without(const Plane& piece, const Plane& part) {
+  Plane p;
+  p.area = piece.area - part.area;
+  const Vec3 normal = piece.projected * piece.normal - part.projected * part.normal;
+  p.projected = normal.norm();
+  p.normal = normal / p.projected;
+  const double share = part.area / piece.area, rest = p.area / piece.area;
+  p.centre = piece.centre + share / rest * (piece.centre - part.centre);
+  const Vec3 between = part.centre - p.centre;
+  p.spread = (piece.spread - share * part.spread - share * rest * between * between.transpose()) / rest;
+  return p;
+}
+
 void hold_by_hand(Plane& plane, const Partition& partition, std::int32_t region) {
   if (partition.is_held(region) && partition.region_held[region] != kPlaneSnapped) hold(plane, partition, region);
 }

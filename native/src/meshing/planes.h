@@ -39,4 +39,7 @@ void hold_by_hand(Plane& plane, const Partition& partition, std::int32_t region)
 /// The plane of two pieces together, both with `projected` above 0.
 Plane united(const Plane& a, const Plane& b);
 
+/// The plane of a piece without a part of it, which has less than all of its area.
+Plane without(const Plane& piece, const Plane& part);
+
 }  // namespace isimp::meshing

@@ -24,9 +24,10 @@ ChordTolerance chord_tolerance(const Mesh& mesh, std::span<const Plane> planes, 
   return t;
 }
 
-constexpr std::int32_t kFew = 4;  ///< pieces that are measured on one thread
-constexpr double kStill = 1e-9;   ///< of the diagonal: corners of plates with holes that would move less stay
-constexpr double kFlat = 1e-12;   ///< of the area: with a shorter vector area, faces do not tell a direction
+constexpr std::int32_t kFew = 4;      ///< pieces that are measured on one thread
+constexpr double kStill = 1e-9;       ///< of the diagonal: corners of plates with holes that would move less stay
+constexpr std::int32_t kMany = 1000;  ///< faces a piece: with fewer it is as quick to look at all of them again
+constexpr double kFlat = 1e-12;       ///< of the area: with a shorter vector area, faces do not tell a direction
 
 /// A boundary half-edge of a piece, found from one of its faces.
 std::int32_t boundary_start(const Labels& labels, std::span<const std::int32_t> faces) {
@@ -241,15 +242,58 @@ void State::part_again(const Union& u) {
   for (const std::int32_t v : u.corners) complex.add_corner(v);
 }
 
+void State::hand_over(std::int32_t giver, std::int32_t taker, std::span<const std::int32_t> faces,
+                      std::span<const std::int32_t> pieces) {
+  labels.touched.insert(labels.touched.end(), pieces.begin(), pieces.end());
+  if (mesh.face_count() / kMany < labels.piece_count()) return;
+  const auto is_simple = [&](std::int32_t l) {  // neither held nor of a region that may change with its faces
+    return labels.pieces[l].cause == Cause::region && !planes[l].held && planes[l].projected > kFlat * planes[l].area;
+  };
+  const Plane part = plane_of(mesh, faces, labels.moments);
+  const bool simple = part.projected > kFlat * part.area && is_simple(giver) && is_simple(taker);
+  if (simple) handovers_.push_back({giver, taker, part});
+  for (const std::int32_t l : pieces)
+    if (simple || (l != giver && l != taker)) handed_.push_back(l);
+}
+
+std::vector<std::int32_t> State::loop_again(std::int32_t piece) const {
+  const auto loop = complex.loop(piece);
+  const auto start = std::find_if(loop.begin(), loop.end(),
+                                  [&](std::int32_t h) { return labels.label[h / 3] == piece && !labels.inner(h); });
+  return start == loop.end() ? std::vector<std::int32_t>() : labels.loop_from(*start);
+}
+
+std::vector<bool> State::settle_handovers() {
+  for (const auto& [giver, taker, part] : handovers_) {
+    planes[giver] = without(planes[giver], part);
+    planes[taker] = united(planes[taker], part);
+  }
+  handovers_.clear();
+  std::sort(handed_.begin(), handed_.end());
+  std::vector<bool> known;
+  auto& touched = labels.touched;
+  std::size_t out = 0;
+  for (std::size_t i = 0; i < touched.size();) {
+    const auto [first, last] = std::equal_range(touched.begin() + i, touched.end(), touched[i]);
+    const auto [from, to] = std::equal_range(handed_.begin(), handed_.end(), touched[i]);
+    known.push_back(last - first == to - from);
+    i = last - touched.begin();
+    touched[out++] = *first;
+  }
+  touched.resize(out);
+  handed_.clear();
+  return known;
+}
+
 std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, std::span<const Vec3> before) {
   job_.poll();
   std::sort(labels.touched.begin(), labels.touched.end());
   // What was known of a piece is out of date if it was touched once more.
   for (std::size_t i = 1; i < labels.touched.size(); ++i)
     if (labels.touched[i] == labels.touched[i - 1]) known_.erase(labels.touched[i]);
-  labels.touched.erase(std::unique(labels.touched.begin(), labels.touched.end()), labels.touched.end());
   // A piece may have been united with another since it was touched.
   std::erase_if(labels.touched, [&](std::int32_t l) { return labels.pieces[l].face == kNone; });
+  const std::vector<bool> handed = settle_handovers();
   planes.resize(labels.pieces.size());
   diagonals.resize(labels.pieces.size());
   std::vector<std::vector<std::int32_t>> loops(labels.touched.size());
@@ -263,6 +307,8 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, std::
                        loops[i] = std::move(known->second);
                        continue;
                      }
+                     if (handed[i]) loops[i] = loop_again(l);
+                     if (!loops[i].empty()) continue;
                      std::vector<std::int32_t> faces;
                      if (const auto disc = discs_.find(l); disc != discs_.end()) {
                        faces = std::move(disc->second.faces);

@@ -83,6 +83,12 @@ class State {
   /// Cost: O(faces of the one that goes + their boundaries).
   Union unite(std::int32_t kept, std::int32_t gone, std::vector<std::int32_t> loop);
   void part_again(const Union& u);
+  /// Tells that some faces have another label now, so that the next update need not look at all faces of these pieces.
+  /// All pieces must still be discs, and that update must come before other changes.
+  /// \param pieces  those whose boundaries, or what is across them, have changed
+  /// Cost: O(faces).
+  void hand_over(std::int32_t giver, std::int32_t taker, std::span<const std::int32_t> faces,
+                 std::span<const std::int32_t> pieces);
   /// Brings polygons and positions up to date after splits, new corners, new diagonals or pulls.
   /// \param changed  pieces whose diagonals or pulls changed; the others are known
   /// \param before  where the corners were, for those to go back to; the others, and all if empty, are placed anew
@@ -105,7 +111,20 @@ class State {
   Polygons polygons;
 
  private:
+  /// Faces that went from one piece to another since the last update, as a plane.
+  struct Handover {
+    std::int32_t giver, taker;
+    Plane part;
+  };
+  /// The boundary of a piece that has changed, from what it was; empty where it was none.
+  [[nodiscard]] std::vector<std::int32_t> loop_again(std::int32_t piece) const;
+  /// Applies the handovers to the planes.
+  /// \return by touched piece, sorted and each once: whether all of it is known but its boundary
+  std::vector<bool> settle_handovers();
+
   const Job& job_;
+  std::vector<Handover> handovers_;
+  std::vector<std::int32_t> handed_;    // pieces that were touched by these alone, each as often as it was
   std::vector<std::int32_t> united_;    // pieces that went into others since the last update
   std::map<std::int32_t, Disc> discs_;  // by piece: what was seen when it was split, until the next update
   /// By piece: its boundary, where all that is asked of its faces is known after a change.

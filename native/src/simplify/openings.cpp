@@ -26,7 +26,7 @@ OpeningLengths opening_lengths(const Mesh& mesh, std::int32_t regions, Job& job)
   if (regions < 1) throw InvalidInput("regions must be at least 1, got " + std::to_string(regions));
   if (!has_openings(mesh)) return {};
   const double edge = mean_edge(mesh);
-  if (!(estimate_noise(mesh, job) > kLeastNoise * edge)) return {};
+  if (!is_noisier(mesh, kLeastNoise * edge, job)) return {};
   const double side = std::sqrt(mesh.graph().area / regions);
   const auto rounded = [&](double length) { return edge * std::exp2(std::floor(2 * std::log2(length / edge)) / 2); };
   const double length = rounded(std::min(kOfRegion * side, kMostEdges * edge));

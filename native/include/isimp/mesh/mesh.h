@@ -14,6 +14,7 @@
 namespace isimp {
 
 struct CleanOptions;
+struct Cleaned;
 namespace detail {
 struct MeshArrays;
 struct Topology;
@@ -86,7 +87,8 @@ class Mesh {
   [[nodiscard]] std::int32_t next_outgoing(std::int32_t h) const { return opposite(prev(h)); }
 
  private:
-  friend Mesh clean(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options, Job& job);
+  friend Cleaned clean_keeping(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options,
+                               const std::vector<Vec3>& keep, Job& job);
   /// From arrays that were found sound.
   Mesh(detail::MeshArrays arrays, detail::Topology topology, RepairReport repairs, const Threads& threads, Job& job);
 

@@ -26,4 +26,8 @@ double mean_edge(const Mesh& mesh);
 /// Cost: O(V + F).
 double estimate_noise(const Mesh& mesh, Job& job);
 
+/// Whether `estimate_noise` is above a length, scene units.
+/// Cost: O(1) where a sample of the vertices tells it clearly, else that of `estimate_noise`.
+bool is_noisier(const Mesh& mesh, double least, Job& job);
+
 }  // namespace isimp

@@ -1,0 +1,309 @@
+#include "handle_loops.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <limits>
+#include <tuple>
+#include <unordered_map>
+#include <utility>
+
+#include "isimp/core/forest.h"
+#include "isimp/core/prefetch.h"
+#include "isimp/mesh/mesh.h"
+
+/// A tree over the vertices by distance, and a tree over faces and holes that crosses none of its edges and takes those
+/// first whose loops are long: each edge left over closes a loop over the first tree that does not part the surface,
+/// two a handle. Grown from anywhere they tell where handles are; grown again from there, how short the loops are.
+/// Source: Erickson and Whittlesey 2005.
+namespace isimp::detail {
+namespace {
+
+using Loop = HandleLoop;
+
+class HandleLoops {
+ public:
+  HandleLoops(const MeshArrays& arrays, const Topology& topology, Job& job)
+      : arrays_(arrays),
+        topology_(topology),
+        job_(job),
+        distance_(arrays.vertices.size(), kFar),
+        via_(arrays.vertices.size(), kNone) {
+    double sum = 0;
+    std::size_t count = 0;
+    for (std::size_t f = 0; f < arrays.triangles.size(); f += kSample, ++count)
+      sum += distance(arrays.triangles[f][0], arrays.triangles[f][1]);
+    per_length_ = sum > 0 ? static_cast<double>(count) / sum : 1;
+    number_holes();
+  }
+
+  /// By Euler's formula, holes counted as faces.
+  [[nodiscard]] bool any_handle() const {
+    Forest forest(nodes_);
+    std::size_t joins = 0, edges = 0;
+    for_each_edge([&](std::int32_t h) {
+      ++edges;
+      joins += forest.join(h / 3, across(h)) ? 1 : 0;
+    });
+    const std::size_t used = topology_.vertex_halfedge.size() - static_cast<std::size_t>(topology_.unused_vertices);
+    // Over all components, used - edges + nodes = 2 (nodes - joins) without a handle.
+    return used + 2 * joins != edges + nodes_;
+  }
+
+  /// Vertices at handles, two a handle.
+  /// \param last  whether to grow from the last vertex of each component in place of the first
+  std::vector<std::int32_t> find_starts(bool last) {
+    const auto count = static_cast<std::int32_t>(distance_.size());
+    for (std::int32_t i = 0; i < count; ++i) {
+      const std::int32_t v = last ? count - 1 - i : i;
+      if (distance_[v] == kFar && topology_.vertex_halfedge[v] != kNone) grow(v, kFar);
+    }
+    std::vector<std::int32_t> starts = left_over(core());
+    for (std::int32_t& h : starts) h = from(h);
+    return starts;
+  }
+
+  /// Those of at most `longest` near some vertices, shortest first.
+  std::vector<Loop> find(const std::vector<std::int32_t>& starts, double longest) {
+    std::vector<Loop> loops;
+    if (starts.empty()) return loops;
+    const Dual dual = near_edges(starts, longest / 2);
+    for (const std::int32_t v : starts) {
+      forget();
+      grow(v, longest / 2);
+      for (const std::int32_t g : left_over(dual))
+        if (Loop loop = loop_of(g); loop.length <= longest) loops.push_back(std::move(loop));
+    }
+    std::stable_sort(loops.begin(), loops.end(), [](const Loop& a, const Loop& b) { return a.length < b.length; });
+    return loops;
+  }
+
+ private:
+  static constexpr double kFar = std::numeric_limits<double>::infinity();
+  static constexpr std::size_t kAhead = 8;          // of the vertex that is taken, what is beside another is fetched
+  static constexpr std::size_t kSample = 16;        // faces from one edge that is measured to the next
+  static constexpr double kMostBuckets = 1U << 16;  // the last one has all that is farther
+
+  [[nodiscard]] std::int32_t from(std::int32_t h) const { return arrays_.triangles[h / 3][h % 3]; }
+  [[nodiscard]] std::int32_t to(std::int32_t h) const { return from(Mesh::next(h)); }
+  [[nodiscard]] double distance(std::int32_t a, std::int32_t b) const {
+    return (arrays_.vertices[a] - arrays_.vertices[b]).norm();
+  }
+
+  /// By buckets of distances, which are taken in order; inside one, vertices are taken again where a shorter way comes.
+  void grow(std::int32_t root, double radius) {
+    std::size_t last = 0;
+    const auto reach = [&](std::int32_t v, double d, std::int32_t via) {
+      if (d > radius || d >= distance_[v]) return;
+      if (distance_[v] == kFar) reached_.push_back(v);
+      distance_[v] = d;
+      via_[v] = via;
+      const std::size_t at = bucket_of(d);
+      if (at >= buckets_.size()) buckets_.resize(at + 1);
+      buckets_[at].push_back(v);
+      last = std::max(last, at);
+    };
+    reach(root, 0, kNone);
+    std::size_t taken = 0;
+    for (std::size_t now = 0; now <= last; ++now) {
+      for (std::size_t i = 0; i < buckets_[now].size(); ++i) {
+        if (++taken % kPollEvery == 0) job_.poll();
+        const std::int32_t v = buckets_[now][i];
+        if (i + kAhead < buckets_[now].size()) prefetch(&topology_.vertex_halfedge[buckets_[now][i + kAhead]]);
+        if (i + kAhead / 2 < buckets_[now].size()) {
+          const std::int32_t h = topology_.vertex_halfedge[buckets_[now][i + kAhead / 2]];
+          prefetch(&arrays_.triangles[h / 3]);
+          prefetch(&topology_.opposite[h]);
+        }
+        const double d = distance_[v];
+        if (bucket_of(d) < now) continue;
+        std::int32_t h = topology_.vertex_halfedge[v];
+        const std::int32_t start = h;
+        do {
+          reach(to(h), d + distance(v, to(h)), v);
+          const std::int32_t in = Mesh::prev(h);
+          if (topology_.opposite[in] == kNone) reach(from(in), d + distance(v, from(in)), v);
+          h = topology_.opposite[in];
+        } while (h != kNone && h != start);
+      }
+      buckets_[now].clear();
+    }
+  }
+  [[nodiscard]] std::size_t bucket_of(double d) const {
+    return static_cast<std::size_t>(std::min(d * per_length_, kMostBuckets));
+  }
+
+  /// Edges, a half-edge each, rising, and the nodes on both sides of each: faces and holes, or what is one for all
+  /// that will be asked.
+  struct Dual {
+    std::vector<std::int32_t> edges;
+    std::vector<std::array<std::int32_t, 2>> sides;
+    std::size_t nodes = 0;
+  };
+
+  /// One node for each border loop, after those of the faces.
+  void number_holes() {
+    nodes_ = arrays_.triangles.size();
+    for (const std::int32_t h : topology_.border) {
+      if (hole_.count(h)) continue;
+      const auto node = static_cast<std::int32_t>(nodes_++);
+      for (std::int32_t g = h; hole_.emplace(g, node).second;) g = topology_.vertex_halfedge[to(g)];
+    }
+  }
+
+  /// The node across a half-edge.
+  [[nodiscard]] std::int32_t across(std::int32_t h) const {
+    const std::int32_t other = topology_.opposite[h];
+    return other == kNone ? hole_.at(h) : other / 3;
+  }
+
+  /// Calls fn(h) for one half-edge of each edge, in rising order.
+  template <class Function>
+  void for_each_edge(Function fn) const {
+    for_each_index(topology_.opposite.size(), job_, [&](std::size_t i) {
+      const auto h = static_cast<std::int32_t>(i);
+      const std::int32_t other = topology_.opposite[h];
+      if (other == kNone || other > h) fn(h);
+    });
+  }
+
+  /// Whether an edge is in the tree over the vertices.
+  [[nodiscard]] bool in_tree(std::int32_t h) const { return via_[from(h)] == to(h) || via_[to(h)] == from(h); }
+
+  /// The edges that the tree over all vertices does not hold, without those that any tree over the faces has to cross:
+  /// a face with one such edge left is taken off, again and again. Few are left, round the handles and between holes.
+  [[nodiscard]] Dual core() const {
+    std::vector<std::uint8_t> open(arrays_.triangles.size(), 0);  // a bit for each such edge of a face
+    std::vector<std::int32_t> ends;
+    for_each_index(open.size(), job_, [&](std::size_t i) {
+      const auto f = static_cast<std::int32_t>(i);
+      for (int k = 0; k < 3; ++k) open[i] |= in_tree(3 * f + k) ? 0 : 1 << k;
+      if (std::has_single_bit(open[i])) ends.push_back(f);
+    });
+    while (!ends.empty()) {
+      const std::int32_t f = ends.back();
+      ends.pop_back();
+      if (!std::has_single_bit(open[f])) continue;  // its last edge went with the other face
+      const std::int32_t other = topology_.opposite[3 * f + std::countr_zero(open[f])];
+      if (other == kNone) continue;
+      open[f] = 0;
+      open[other / 3] &= ~(1 << other % 3);
+      if (std::has_single_bit(open[other / 3])) ends.push_back(other / 3);
+    }
+    Dual dual;
+    dual.nodes = nodes_;
+    for_each_index(open.size(), job_, [&](std::size_t i) {
+      const auto f = static_cast<std::int32_t>(i);
+      for (int k = 0; open[i] != 0 && k < 3; ++k) {
+        const std::int32_t h = 3 * f + k, other = topology_.opposite[h];
+        if ((open[i] >> k & 1) == 0 || (other != kNone && other < h)) continue;
+        dual.edges.push_back(h);
+        dual.sides.push_back({f, across(h)});
+      }
+    });
+    return dual;
+  }
+
+  /// The edges near some vertices. All others are crossed wherever the first tree grows from one of these, so what
+  /// they join is one node.
+  [[nodiscard]] Dual near_edges(const std::vector<std::int32_t>& starts, double radius) {
+    std::vector<char> near(distance_.size(), 0);
+    for (const std::int32_t v : starts) {
+      forget();
+      grow(v, radius);
+      for (const std::int32_t w : reached_) near[w] = 1;
+    }
+    Forest far(nodes_);
+    Dual dual;
+    for_each_edge([&](std::int32_t h) {
+      if (near[from(h)] && near[to(h)]) {
+        dual.edges.push_back(h);
+        dual.sides.push_back({h / 3, across(h)});
+      } else {
+        far.join(h / 3, across(h));
+      }
+    });
+    std::unordered_map<std::int32_t, std::int32_t> number;
+    for (auto& sides : dual.sides)
+      for (std::int32_t& node : sides)
+        node = number.emplace(far.root(node), static_cast<std::int32_t>(number.size())).first->second;
+    dual.nodes = number.size();
+    return dual;
+  }
+
+  /// The edges in neither tree, a half-edge each. Edges that the first tree does not reach are all crossed by the
+  /// other.
+  [[nodiscard]] std::vector<std::int32_t> left_over(const Dual& dual) const {
+    struct Edge {
+      double length;
+      std::int32_t h, i;
+    };
+    std::vector<Edge> edges;
+    Forest forest(dual.nodes);
+    const auto join = [&](std::size_t i) { return forest.join(dual.sides[i][0], dual.sides[i][1]); };
+    for_each_index(dual.edges.size(), job_, [&](std::size_t i) {
+      const std::int32_t h = dual.edges[i], a = from(h), b = to(h);
+      if (distance_[a] == kFar || distance_[b] == kFar)
+        join(i);
+      else if (!in_tree(h))
+        edges.push_back({distance_[a] + distance_[b] + distance(a, b), h, static_cast<std::int32_t>(i)});
+    });
+    std::sort(edges.begin(), edges.end(),
+              [](const Edge& x, const Edge& y) { return std::tie(y.length, x.h) < std::tie(x.length, y.h); });
+    std::vector<std::int32_t> left;
+    for (const Edge& e : edges)
+      if (!join(e.i)) left.push_back(e.h);
+    return left;
+  }
+
+  /// Leaves nothing reached.
+  void forget() {
+    for (const std::int32_t v : reached_) distance_[v] = kFar;
+    reached_.clear();
+  }
+
+  /// The loop that an edge closes over the tree, without the path that leads there.
+  [[nodiscard]] Loop loop_of(std::int32_t h) const {
+    std::vector<std::int32_t> a, b;
+    for (std::int32_t v = from(h); v != kNone; v = via_[v]) a.push_back(v);
+    for (std::int32_t v = to(h); v != kNone; v = via_[v]) b.push_back(v);
+    while (a.size() > 1 && b.size() > 1 && a[a.size() - 2] == b[b.size() - 2]) {
+      a.pop_back();
+      b.pop_back();
+    }
+    Loop loop;
+    loop.vertices = std::move(a);
+    loop.vertices.insert(loop.vertices.end(), b.rbegin() + 1, b.rend());
+    loop.length = length(arrays_, loop.vertices);
+    return loop;
+  }
+
+  const MeshArrays& arrays_;
+  const Topology& topology_;
+  Job& job_;
+  std::vector<double> distance_;
+  std::vector<std::int32_t> via_, reached_;
+  std::vector<std::vector<std::int32_t>> buckets_;       // vertices by distance, empty but while the tree grows
+  double per_length_ = 1;                                // buckets, 1 / scene units
+  std::unordered_map<std::int32_t, std::int32_t> hole_;  // node of each border half-edge
+  std::size_t nodes_ = 0;                                // faces and holes
+};
+
+}  // namespace
+
+std::vector<HandleLoop> find_loops(const MeshArrays& arrays, const Topology& topology, double longest,
+                                   const HandleSearch* search, const Threads& threads, Job& job) {
+  HandleLoops finder(arrays, topology, job);
+  if (search) return finder.find(search->near, longest);
+  if (!finder.any_handle()) return {};
+  // One tree may lead far past a handle, so there are two.
+  HandleLoops other(arrays, topology, job);
+  std::array<std::vector<std::int32_t>, 2> found;
+  threads.blocks(2, 1, [&](std::int32_t k, std::int32_t, std::int32_t) {
+    found[k] = (k == 0 ? finder : other).find_starts(k == 1);
+  });
+  found[0].insert(found[0].end(), found[1].begin(), found[1].end());
+  return finder.find(rising(std::move(found[0])), longest);
+}
+
+}  // namespace isimp::detail

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "close.h"
+#include "isimp/core/threads.h"
+
+namespace isimp::detail {
+
+/// A loop of edges that goes round a handle or through it.
+struct HandleLoop {
+  double length = 0;
+  std::vector<std::int32_t> vertices;
+};
+
+/// Loops of at most `longest`, shortest first; several of each handle.
+/// \param search  null: everywhere
+/// Cost: O(F) but for the two trees of shortest ways over all vertices that a search everywhere takes.
+std::vector<HandleLoop> find_loops(const MeshArrays& arrays, const Topology& topology, double longest,
+                                   const HandleSearch* search, const Threads& threads, Job& job);
+
+}  // namespace isimp::detail
