@@ -16,9 +16,6 @@ struct Join {
   bool alone = false;                ///< its image should have been made too, and was not
 };
 
-/// Has the next update look at the pieces of a join.
-void touch(Labels& labels, const Join& join);
-
 /// The last face of a piece that shares an edge with some faces; kNone if there is none.
 std::int32_t face_beside(const Labels& labels, const std::vector<std::int32_t>& faces, std::int32_t piece);
 
