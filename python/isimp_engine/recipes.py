@@ -222,20 +222,19 @@ def _regularise(settings: dict[str, Any]) -> Regularise:
     length = settings.pop("length", 0)
     direction = _direction(given) if up == "scene" and given != [] else None
     up = "z" if up == "scene" else up
-    for field in RegulariseOptions.fields():
-        value = {"length": length or None, **settings}.get(field["name"])
-        if "least" in field and value is not None and not _is_in(value, field):
-            raise RecipeError(f"{field['name']} must be {field['range']}, got {value!r}")
     options = _checked(RegulariseOptions, settings | {"up": up, "length": None if length == 0 else length})
     return Regularise(RegulariseOptions(**options), direction)
 
 
-def _is_in(value: Any, field: dict[str, Any]) -> bool:
-    """Whether a setting is a number in the range of an option."""
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-        return False
+def _is_in(value: float, field: dict[str, Any]) -> bool:
+    """Whether a number is in the range of an option."""
     least: float = field["least"]
-    return (value > least if field.get("above_least") else value >= least) and value <= field.get("most", math.inf)
+    most: float = field.get("most", math.inf)
+    return (
+        math.isfinite(value)
+        and (value > least if field["above_least"] else value >= least)
+        and (value < most if field.get("below_most") else value <= most)
+    )
 
 
 def _direction(value: Any) -> tuple[float, float, float]:
@@ -290,4 +289,8 @@ def _checked(
         kind(**settings)
     except (ValueError, TypeError) as error:  # InvalidInput is a ValueError
         raise RecipeError(str(error).splitlines()[0]) from None
+    for field in kind.fields():
+        value = settings.get(field["name"])
+        if "least" in field and value is not None and not _is_in(value, field):
+            raise RecipeError(f"{field['name']} must be {field['range']}, got {value!r}")
     return settings

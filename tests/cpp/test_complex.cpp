@@ -15,7 +15,7 @@ class Halves : public testing::Test {
  protected:
   Halves() : mesh_(shapes::mesh(shapes::sphere(3))), labels_(mesh_), complex_(labels_, planes_) {
     label_pieces(labels_, above(mesh_), Threads(1), job_);
-    planes_ = planes_of(labels_, Threads(1), job_);
+    planes_.assign(planes_of(labels_, Threads(1), job_));
     complex_.tolerance = {10, 10, 10, 1};  // no chord is asked to be close
     complex_.refresh(std::vector<std::int32_t>{0, 1}, {loop(0), loop(1)}, job_);
   }
@@ -40,7 +40,7 @@ class Halves : public testing::Test {
   const Job job_;
   const Mesh mesh_;
   Labels labels_;
-  std::vector<Plane> planes_;
+  Logged<Plane> planes_;
   Complex complex_;
 };
 

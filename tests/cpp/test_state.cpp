@@ -8,6 +8,7 @@
 #include "labelled.h"
 #include "shapes.h"
 #include "state.h"
+#include "transaction.h"
 
 namespace isimp::meshing {
 namespace {
@@ -31,7 +32,7 @@ class Pieces : public testing::Test {
 };
 
 TEST_F(Pieces, OneThatWasUnitedAfterItWasTouchedIsNotLookedAt) {
-  state_.labels.touched.push_back(1);
+  state_.touch(std::vector<std::int32_t>{1});
   state_.unite(0, 1, state_.loop_together(0, 1));
   state_.update({});
   EXPECT_EQ(state_.polygons.count_of(1), 0);
@@ -51,7 +52,8 @@ TEST_F(Pieces, AFaceThatStandsAloneIsNotTouchedByShatteringIt) {
 
 TEST_F(Pieces, WhatIsKnownOfAUnionIsWhatItsFacesTell) {
   const Plane before = state_.planes[0];
-  const Union u = state_.unite(0, 1, state_.loop_together(0, 1));
+  Transaction transaction(state_);
+  state_.unite(0, 1, state_.loop_together(0, 1));
   state_.update({});
   const Plane found = plane_of(mesh_, state_.labels.faces_of(0)), known = state_.planes[0];
   EXPECT_NEAR(known.area, found.area, 1e-12);
@@ -59,8 +61,9 @@ TEST_F(Pieces, WhatIsKnownOfAUnionIsWhatItsFacesTell) {
   EXPECT_LE((known.normal - found.normal).norm(), 1e-12);
   EXPECT_LE((known.centre - found.centre).norm(), 1e-12);
   EXPECT_LE((known.spread - found.spread).norm(), 1e-12);
-  state_.part_again(u);
-  state_.update({0, 1});
+  transaction.part_again(0, 1);
+  transaction.update_back({0, 1});
+  transaction.commit();
   EXPECT_EQ(state_.planes[0].normal, before.normal);
   EXPECT_EQ(state_.polygons.count(), 2);
 }

@@ -152,6 +152,13 @@ def test_the_command_and_batches_regularise_as_a_recipe_says(tmp_path):
         ({"isimp_recipe": 1, "steps": [{"step": "partition", "proxies": 3, "detail": 0.1}]}, "detail and proxies each"),
         ({"isimp_recipe": 1, "steps": [{"step": "partition", "colour": 3}]}, "has no setting 'colour'"),
         ({"isimp_recipe": 1, "steps": [{"step": "partition", "method": "magic"}]}, "method"),
+        ({"isimp_recipe": 1, "steps": [{"step": "partition", "smooth": 3}]}, r"smooth must be in \[0, 1\], got 3"),
+        ({"isimp_recipe": 1, "steps": [{"step": "partition", "leave_out": 1}]}, r"must be in \[0, 1\), got 1"),
+        ({"isimp_recipe": 1, "steps": [{"step": "partition", "detail": 0}]}, r"detail must be in \(0, 1\], got 0"),
+        (
+            {"isimp_recipe": 1, "steps": [{"step": "partition"}, {"step": "mesh", "flatten": -1}]},
+            r"step 2: flatten must be in \[0, 10000\], got -1",
+        ),
         ({"isimp_recipe": 1, "steps": [{"step": "partition"}, {"step": "improve", "times": 0}]}, "at least 1, got 0"),
         (
             {"isimp_recipe": 1, "steps": [{"step": "partition"}, {"step": "even_borders", "strength": 2}]},

@@ -8,6 +8,7 @@
 #include "joins.h"
 #include "planes.h"
 #include "sorted.h"
+#include "transaction.h"
 
 namespace isimp::meshing {
 namespace {
@@ -43,12 +44,13 @@ struct Candidate {
 
 using Key = std::array<std::int32_t, 4>;  ///< an act, and what tells it from others of its kind
 
-/// An act that was taken back, and what it takes to do it again.
+/// An act that was taken back.
 struct Trial {
   Act act;
   std::int32_t piece;
-  std::optional<Union> united;
-  std::array<std::int32_t, 2> diagonal{kNone, kNone};
+  std::int32_t gone = kNone;                           ///< split: the piece that went into it ...
+  std::int32_t region = kNone;                         ///< ... and its region
+  std::array<std::int32_t, 2> diagonal{kNone, kNone};  ///< diagonal: its ends
 };
 
 class Coarsener {
@@ -194,6 +196,7 @@ class Coarsener {
   bool try_some() {
     std::vector<bool> busy(s_.labels.pieces.size(), false);
     std::vector<Trial> trials;
+    Transaction transaction(s_);
     for (const Candidate& c : candidates()) {
       if (busy[c.piece] || busy[c.other]) continue;
       const std::vector<std::int32_t> zone = zone_of(c);
@@ -201,22 +204,22 @@ class Coarsener {
       std::optional<Trial> trial = start(c);
       if (!trial) continue;
       for (const std::int32_t l : zone) busy[l] = true;
-      trials.push_back(std::move(*trial));
+      busy[c.other] = true;  // a large one is not in the zone
+      trials.push_back(*trial);
     }
     if (trials.empty()) return false;
     const std::size_t tried = trials.size();
     const std::vector<bool> before = findings_.faulty();
-    const std::vector<Vec3> positions = s_.corners.position;
     findings_.keep();
-    bring_up_to_date(trials, {});
+    judge(trials, s_.update(pieces_in(trials)));
     int rings = kRings;
     std::vector<bool> after = findings_.faulty();
     while (!trials.empty()) {
       std::vector<Trial> good, failed;
       // Where more rings would have to be looked at, all that was tried is held for the cause.
       const std::vector<bool> near = near_fresh(std::min(rings, kMostRings), before, after);
-      for (Trial& t : trials)
-        (rings > kMostRings || after[t.piece] || near[t.piece] ? failed : good).push_back(std::move(t));
+      for (const Trial& t : trials)
+        (rings > kMostRings || after[t.piece] || near[t.piece] ? failed : good).push_back(t);
       trials.swap(good);
       if (failed.empty()) {
         if (!any_fresh(before, after)) break;
@@ -224,12 +227,13 @@ class Coarsener {
         continue;
       }
       for (const Trial& t : failed) {
-        undo(t);
+        undo(t, transaction);
         if (rings > kRings && suspected_.insert(key_of(t)).second) tried_.erase(key_of(t));
       }
-      bring_up_to_date(failed, positions);
+      judge(failed, transaction.update_back(pieces_in(failed)));
       after = findings_.faulty();  // what was done again may spoil what is beside it
     }
+    transaction.commit();
     for (const Trial& t : trials) forget_unions_round(t);
     const bool is_poor = tried >= kMany && trials.size() * kPoor < tried;
     return tried * kWorthwhile >= s_.labels.pieces.size() && !is_poor;
@@ -237,9 +241,9 @@ class Coarsener {
 
   /// Has what the pieces that an act has changed may be united with, and those beside them, found anew.
   void forget_unions_round(const Trial& t) {
-    if (!t.united) return;
+    if (t.gone == kNone) return;
     unions_[t.piece].reset();
-    unions_[t.united->gone].reset();
+    unions_[t.gone].reset();
     s_.for_each_neighbour(t.piece, [&](std::int32_t l) { unions_[l].reset(); });
   }
 
@@ -292,14 +296,15 @@ class Coarsener {
   /// Takes back one act.
   /// \return nothing where it has to stay
   std::optional<Trial> start(const Candidate& c) {
-    Trial trial{c.act, c.piece, {}, {kNone, kNone}};
+    Trial trial{.act = c.act, .piece = c.piece};
     switch (c.act) {
       case Act::diagonal: {
-        auto& all = s_.diagonals[c.piece];
+        std::vector<std::array<std::int32_t, 2>> all = s_.diagonals[c.piece];
         const auto at = all.begin() + static_cast<std::ptrdiff_t>(untried_diagonal(c.piece));
         trial.diagonal = *at;
         mark_tried(Act::diagonal, c.piece, trial.diagonal[0], trial.diagonal[1]);
         all.erase(at);
+        s_.set_diagonals(c.piece, std::move(all));
         break;
       }
       case Act::split: {
@@ -308,10 +313,12 @@ class Coarsener {
         if (left <= kLeastClosed) return {};
         const std::vector<std::int32_t> loop = s_.loop_together(c.piece, c.other);
         if (loop.empty() || is_hopeless(loop, c) || !may_change_region(c)) return {};
-        trial.united = s_.unite(c.piece, c.other, loop);
+        trial.gone = c.other;
+        trial.region = s_.labels.pieces[c.other].region;
+        s_.unite(c.piece, c.other, loop);
         scope_.add(c.piece);
         --left;
-        --pieces_in_[trial.united->gone_piece.region];
+        --pieces_in_[trial.region];
       }
     }
     return trial;
@@ -319,28 +326,35 @@ class Coarsener {
 
   [[nodiscard]] static Key key_of(const Trial& t) {
     const auto act = static_cast<std::int32_t>(t.act);
-    return t.united ? Key{act, t.united->gone, t.piece, kNone} : Key{act, t.piece, t.diagonal[0], t.diagonal[1]};
+    return t.gone != kNone ? Key{act, t.gone, t.piece, kNone} : Key{act, t.piece, t.diagonal[0], t.diagonal[1]};
   }
 
-  void undo(const Trial& t) {
+  void undo(const Trial& t, Transaction& transaction) {
     switch (t.act) {
-      case Act::diagonal:
-        s_.diagonals[t.piece].push_back(t.diagonal);
+      case Act::diagonal: {
+        std::vector<std::array<std::int32_t, 2>> all = s_.diagonals[t.piece];
+        all.push_back(t.diagonal);
+        s_.set_diagonals(t.piece, std::move(all));
         break;
+      }
       case Act::split:
-        s_.part_again(*t.united);
+        transaction.part_again(t.piece, t.gone);
         ++pieces_of_[s_.mesh.component()[s_.labels.pieces[t.piece].face]];
-        ++pieces_in_[t.united->gone_piece.region];
+        ++pieces_in_[t.region];
     }
   }
 
-  void bring_up_to_date(const std::vector<Trial>& trials, std::span<const Vec3> positions) {
+  [[nodiscard]] static std::vector<std::int32_t> pieces_in(const std::vector<Trial>& trials) {
     std::vector<std::int32_t> pieces;
     pieces.reserve(trials.size());
     for (const Trial& t : trials) pieces.push_back(t.piece);
-    std::vector<std::int32_t> changed = s_.update(std::move(pieces), positions);
+    return pieces;
+  }
+
+  /// \param changed  by these trials
+  void judge(const std::vector<Trial>& trials, std::vector<std::int32_t> changed) {
     for (const Trial& t : trials)
-      if (t.united) changed.push_back(t.united->gone);
+      if (t.gone != kNone) changed.push_back(t.gone);
     sort_unique(changed);
     findings_.judge(changed);
   }

@@ -14,7 +14,7 @@ constexpr double kSharpCosine = 0.94;  ///< of 20 degrees: a triangle with a sha
 constexpr double kOfNeedle = 0.2;      ///< ... which may leave out or add this share of its piece's area
 }  // namespace
 
-Complex::Complex(const Labels& labels, const std::vector<Plane>& planes)
+Complex::Complex(const Labels& labels, const Logged<Plane>& planes)
     : labels_(labels),
       mesh_(labels.mesh),
       planes_(planes),
@@ -37,7 +37,7 @@ void Complex::refresh(std::span<const std::int32_t> pieces, std::vector<std::vec
   chords_.resize(labels_.pieces.size());
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     job.poll();
-    loops_[pieces[i]] = std::move(loops[i]);
+    loops_.set(pieces[i], std::move(loops[i]));
     add_anchors(loops_[pieces[i]]);
     seed_ring(pieces[i]);
   }
@@ -123,20 +123,20 @@ void Complex::collect_line(std::span<const std::int32_t> loop, std::size_t at, s
 }
 
 void Complex::add_corner(std::int32_t vertex) {
-  corner_[vertex] = 1;
+  corner_.set(vertex, 1);
   mark_dirty(vertex);
 }
 
 bool Complex::drop_corner(std::int32_t vertex) {
   if (is_anchor(vertex)) return false;
-  corner_[vertex] = 0;
+  corner_.set(vertex, 0);
   mark_dirty(vertex);
   return true;
 }
 
 void Complex::forget(std::int32_t piece) {
-  loops_[piece].clear();
-  chords_[piece].clear();
+  loops_.set(piece, {});
+  chords_.set(piece, {});
 }
 
 void Complex::mark_dirty(std::int32_t vertex) {
@@ -234,9 +234,10 @@ void Complex::keep_shape(std::int32_t piece) {
 void Complex::collect_dirty() {
   sort_unique(dirty_);
   for (const std::int32_t l : dirty_) {
-    chords_[l].clear();
+    std::vector<std::int32_t>& chords = chords_.edit(l);
+    chords.clear();
     for (const std::int32_t h : loops_[l])
-      if (is_corner(mesh_.from(h))) chords_[l].push_back(h);
+      if (is_corner(mesh_.from(h))) chords.push_back(h);
   }
   changed_.insert(changed_.end(), dirty_.begin(), dirty_.end());
   dirty_.clear();
@@ -278,9 +279,7 @@ bool Complex::add_third_corners() {
       most = d;
       best = h;
     }
-    if (best == kNone || !bend(best)) continue;
-    ++counts_.third_corner;
-    any = true;
+    any = (best != kNone && bend(best)) || any;
   }
   return any;
 }
@@ -312,10 +311,7 @@ bool Complex::part_multi_edges(std::span<const std::int32_t> pieces) {
         bent.emplace_back(depth(entries[k].chord), entries[k].chord);
       }
       std::sort(bent.begin(), bent.end());
-      for (std::size_t k = 1; k < bent.size(); ++k) {
-        ++counts_.multi_edge;
-        any = bend(bent[k].second) || any;
-      }
+      for (std::size_t k = 1; k < bent.size(); ++k) any = bend(bent[k].second) || any;
     }
     i = end;
   }
@@ -343,7 +339,6 @@ bool Complex::part_duplicates(std::span<const std::int32_t> pieces) {
     bool done = false;
     for (const std::size_t k : {i, i - 1})
       for (const std::int32_t h : chords_[entries[k].piece]) done = done || bend(h);
-    if (done) ++counts_.duplicate;
     any = any || done;
   }
   return any;

@@ -8,6 +8,7 @@
 
 #include "isimp/core/job.h"
 #include "labels.h"
+#include "logged.h"
 #include "planes.h"
 #include "polyline.h"
 
@@ -21,13 +22,6 @@ struct ChordTolerance {
   double least_sine = 0;      ///< distances count the less, the flatter the two pieces meet, but at least this much
 };
 
-/// Why corners were added that no tolerance asked for.
-struct RegularCounts {
-  std::int32_t third_corner = 0;  ///< a polygon had fewer than three
-  std::int32_t multi_edge = 0;    ///< two chords had the same two ends
-  std::int32_t duplicate = 0;     ///< two polygons had the same corners
-};
-
 /// Which vertices on the boundaries between pieces are corners, and so which polygons there are.
 ///
 /// A chord runs from corner to corner along the boundary of two pieces (or of one and the border); it is named by its
@@ -35,7 +29,7 @@ struct RegularCounts {
 /// needs no more than a flag at its vertex for both sides of a chord to agree.
 class Complex {
  public:
-  Complex(const Labels& labels, const std::vector<Plane>& planes);
+  Complex(const Labels& labels, const Logged<Plane>& planes);
 
   ChordTolerance tolerance;
 
@@ -67,12 +61,33 @@ class Complex {
   /// How many of the edges at a vertex are boundary, those of the mesh included.
   [[nodiscard]] int boundary_edges(std::int32_t vertex) const;
   [[nodiscard]] bool is_corner(std::int32_t vertex) const { return corner_[vertex] != 0; }
-  [[nodiscard]] std::span<const std::uint8_t> corner_flags() const { return corner_; }  ///< (V)
   /// The vertices that `bend` made corners, some of them perhaps more than once or dropped since.
-  [[nodiscard]] std::span<const std::int32_t> bent() const { return bent_; }
+  [[nodiscard]] const std::vector<std::int32_t>& bent() const { return bent_; }
   /// Whether some chord has these two vertices as its ends.
   [[nodiscard]] bool has_chord(std::int32_t a, std::int32_t b) const;
-  [[nodiscard]] const RegularCounts& counts() const { return counts_; }
+
+  // Within a transaction:
+  [[nodiscard]] std::span<const std::int32_t> loop_before(std::int32_t piece) const { return loops_.before(piece); }
+  [[nodiscard]] bool was_corner(std::int32_t vertex) const { return corner_.before(vertex) != 0; }
+  /// Makes a boundary vertex a corner or none, as it was.
+  void restore_corner(std::int32_t vertex) {
+    corner_.restore(vertex);
+    mark_dirty(vertex);
+  }
+  /// Calls fn(array) for each array of a complex that a transaction takes back.
+  template <class Self, class Function>
+  static void for_each_array(Self& self, Function fn) {
+    fn(self.corner_);
+    fn(self.loops_);
+    fn(self.chords_);
+    fn(self.bent_);
+  }
+  /// Whether corners have changed since `make_regular`.
+  [[nodiscard]] bool is_pending() const { return !dirty_.empty() || !changed_.empty(); }
+  void drop_pending() {
+    dirty_.clear();
+    changed_.clear();
+  }
 
  private:
   [[nodiscard]] bool is_anchor(std::int32_t vertex) const { return boundary_edges(vertex) != 2; }
@@ -102,15 +117,14 @@ class Complex {
 
   const Labels& labels_;
   const Mesh& mesh_;
-  const std::vector<Plane>& planes_;
-  std::vector<std::uint8_t> corner_;               ///< (V)
-  std::vector<std::vector<std::int32_t>> loops_;   ///< boundary half-edges of each piece, in order
-  std::vector<std::vector<std::int32_t>> chords_;  ///< those of them that start at a corner
-  std::vector<std::int32_t> dirty_;                ///< pieces whose chords_ are out of date
-  std::vector<std::int32_t> changed_;              ///< pieces whose chords_ were, and were not yet made regular
-  std::vector<std::int32_t> bent_;
-  std::vector<Vec3> line_;  ///< of the chord that is looked at
-  RegularCounts counts_;
+  const Logged<Plane>& planes_;
+  Logged<std::uint8_t> corner_;               ///< (V)
+  Logged<std::vector<std::int32_t>> loops_;   ///< boundary half-edges of each piece, in order
+  Logged<std::vector<std::int32_t>> chords_;  ///< those of them that start at a corner
+  Logged<std::int32_t> bent_;
+  std::vector<std::int32_t> dirty_;    ///< pieces whose chords_ are out of date
+  std::vector<std::int32_t> changed_;  ///< pieces whose chords_ were, and were not yet made regular
+  std::vector<Vec3> line_;             ///< of the chord that is looked at
 };
 
 }  // namespace isimp::meshing

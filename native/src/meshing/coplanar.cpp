@@ -16,8 +16,8 @@ constexpr std::int32_t kStride = 1 << 10;  ///< pieces from one poll to the next
 
 class Joiner {
  public:
-  Joiner(State& state, const Job& job)
-      : s_(state), job_(job), faces_(s_.labels.pieces.size()), onto_(faces_.size(), kNone) {}
+  Joiner(const State& state, Labels& labels, const Job& job)
+      : s_(state), labels_(labels), job_(job), faces_(s_.labels.pieces.size()), onto_(faces_.size(), kNone) {}
 
   void run() {
     find_onto();
@@ -31,8 +31,8 @@ class Joiner {
       if (const std::int32_t l = order[i]; onto_[l] != kNone) give(l, takers);
     }
     sort_unique(takers);
-    for (const std::int32_t l : takers) s_.labels.pieces[l].region = s_.region_of(l, s_.labels.faces_of(l));
-    drop_gone(s_.labels);
+    for (const std::int32_t l : takers) labels_.pieces.edit(l).region = s_.region_of(l, s_.labels.faces_of(l));
+    drop_gone(labels_);
   }
 
  private:
@@ -75,12 +75,13 @@ class Joiner {
     std::int32_t to = onto_[l];
     while (s_.labels.pieces[to].face == kNone) to = onto_[to];
     if (!may_give(s_, l, to, faces_[l])) return;
-    for (const std::int32_t f : faces_[l]) s_.labels.label[f] = to;
-    s_.labels.pieces[l].face = kNone;
+    for (const std::int32_t f : faces_[l]) labels_.label.set(f, to);
+    labels_.pieces.edit(l).face = kNone;
     takers.push_back(to);
   }
 
-  State& s_;
+  const State& s_;
+  Labels& labels_;
   const Job& job_;
   std::vector<std::vector<std::int32_t>> faces_;  // by piece that may go, in rising order
   std::vector<std::int32_t> onto_;                // by piece: the one beside it that it may go to, kNone if it stays
@@ -88,6 +89,6 @@ class Joiner {
 
 }  // namespace
 
-void join_coplanar(State& state, const Job& job) { Joiner(state, job).run(); }
+void join_coplanar(const State& state, Labels& labels, const Job& job) { Joiner(state, labels, job).run(); }
 
 }  // namespace isimp::meshing

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "sorted.h"
+#include "transaction.h"
 
 namespace isimp::meshing {
 namespace {
@@ -14,21 +15,13 @@ constexpr std::int32_t kShare = 6;
 class Easing {
  public:
   Easing(State& state, Findings& findings, const Scope& scope, Job& job)
-      : s_(state),
-        findings_(findings),
-        scope_(scope),
-        job_(job),
-        faulty_(findings.faulty()),
-        corner_(s_.complex.corner_flags().begin(), s_.complex.corner_flags().end()),
-        pull_(s_.corners.pull),
-        position_(s_.corners.position),
-        diagonals_(s_.diagonals) {}
+      : s_(state), findings_(findings), scope_(scope), job_(job), faulty_(findings.faulty()), transaction_(state) {}
 
   /// \param share  of how many a corner is taken, so that in turn all are
   void run(std::int32_t share, std::int32_t turn) {
     std::vector<std::int32_t> pieces = release_pulls(share, turn);
-    if (!drop_bends(share, turn) && pieces.empty()) return;
-    settle(std::move(pieces));
+    if (drop_bends(share, turn) || !pieces.empty()) settle(std::move(pieces));
+    transaction_.commit();
   }
 
   /// Drops and adds corners.
@@ -36,25 +29,26 @@ class Easing {
     bool any = false;
     for (const std::int32_t v : vertices) {
       if (!s_.complex.is_corner(v)) {
-        s_.complex.add_corner(v);
+        s_.add_corner(v);
         any = true;
       } else {
-        any = s_.complex.drop_corner(v) || any;
+        any = s_.drop_corner(v) || any;
       }
     }
     if (any) settle({});
+    transaction_.commit();
   }
 
  private:
   /// Brings all up to date, and then makes what became faulty again what it was.
   void settle(std::vector<std::int32_t> pieces) {
-    bring_up_to_date(std::move(pieces), {});
+    findings_.judge(s_.update(std::move(pieces)));
     for (int round = 0; round < kRounds; ++round) {
       job_.poll();
       pieces = near_faults();
       if (pieces.empty()) return;
-      for (const std::int32_t l : pieces) do_again(l);
-      bring_up_to_date(std::move(pieces), position_);
+      for (const std::int32_t l : pieces) transaction_.restore_corners(l);
+      findings_.judge(transaction_.update_back(std::move(pieces)));
     }
   }
 
@@ -72,7 +66,7 @@ class Easing {
       const auto around = s_.polygons.at(c);
       if (std::none_of(around.begin(), around.end(), [&](auto q) { return scope_.has(s_.polygons.piece(q)); }))
         continue;
-      s_.corners.pull[c] = 1;
+      s_.set_pull(c, 1);
       for (const std::int32_t q : around) pieces.push_back(s_.polygons.piece(q));
     }
     return pieces;
@@ -90,13 +84,9 @@ class Easing {
         spared = spared || faulty_[s_.labels.label[h / 3]];
         asked = asked || scope_.has(s_.labels.label[h / 3]);
       });
-      any = (asked && !spared && s_.complex.drop_corner(v)) || any;
+      any = (asked && !spared && s_.drop_corner(v)) || any;
     }
     return any;
-  }
-
-  void bring_up_to_date(std::vector<std::int32_t> pieces, std::span<const Vec3> positions) {
-    findings_.judge(s_.update(std::move(pieces), positions));
   }
 
   /// The pieces that have become faulty, and those round ones that are so again.
@@ -114,29 +104,13 @@ class Easing {
     return near;
   }
 
-  /// Makes the corners and polygons of a piece what they were.
-  void do_again(std::int32_t l) {
-    s_.diagonals[l] = diagonals_[l];
-    for (const std::int32_t h : s_.complex.loop(l)) {
-      const std::int32_t v = s_.mesh.from(h);
-      if (corner_[v] != 0 && !s_.complex.is_corner(v)) s_.complex.add_corner(v);
-      if (corner_[v] == 0 && s_.complex.is_corner(v)) s_.complex.drop_corner(v);
-      const std::int32_t c = s_.corners.of_vertex[v];
-      if (c != kNone && c < static_cast<std::int32_t>(pull_.size())) s_.corners.pull[c] = pull_[c];
-    }
-  }
-
   State& s_;
   Findings& findings_;
   const Scope& scope_;
   Job& job_;
-  // What was before.
-  const std::vector<bool> faulty_;          // by piece
-  const std::vector<std::uint8_t> corner_;  // by vertex
-  const std::vector<double> pull_;          // by corner
-  const std::vector<Vec3> position_;        // by corner
-  const Diagonals diagonals_;               // by piece
-  std::vector<int> rings_;                  // by piece: how often it was found to be faulty
+  const std::vector<bool> faulty_;  // by piece, before
+  Transaction transaction_;
+  std::vector<int> rings_;  // by piece: how often it was found to be faulty
 };
 
 }  // namespace

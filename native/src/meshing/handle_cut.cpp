@@ -144,17 +144,17 @@ std::vector<std::int32_t> keep_largest_part(Labels& labels, std::int32_t piece, 
   std::vector<std::vector<std::int32_t>> parts;
   for (const std::int32_t f : faces) {
     if (labels.label[f] != piece) continue;
-    labels.pieces[piece].face = f;
+    labels.pieces.edit(piece).face = f;
     parts.push_back(labels.faces_of(piece));
-    for (const std::int32_t g : parts.back()) labels.label[g] = kNone;
+    for (const std::int32_t g : parts.back()) labels.label.set(g, kNone);
   }
   const auto largest =
       std::max_element(parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
   for (auto part = parts.begin(); part != parts.end(); ++part) {
-    for (const std::int32_t f : *part) labels.label[f] = part == largest ? piece : to;
+    for (const std::int32_t f : *part) labels.label.set(f, part == largest ? piece : to);
     if (part != largest) strip.insert(strip.end(), part->begin(), part->end());
   }
-  labels.pieces[piece].face = largest->front();
+  labels.pieces.edit(piece).face = largest->front();
   return std::move(*largest);
 }
 
@@ -196,7 +196,7 @@ class HandleCutter {
         for (const std::int32_t v : labels_.mesh.triangles()[f]) cutter_.blocked.add(v);
       return true;
     }
-    for (const std::int32_t f : strip) labels_.label[f] = piece_;
+    for (const std::int32_t f : strip) labels_.label.set(f, piece_);
     labels_.pieces.pop_back();
     labels_.touched.resize(labels_.touched.size() - 2);
     return false;

@@ -54,7 +54,7 @@ bool may_give(const State& state, std::int32_t giver, std::int32_t taker, const 
 }
 
 bool take_back(State& state, const std::vector<bool>& faulty, std::vector<Join>& joins) {
-  Labels& labels = state.labels;
+  const Labels& labels = state.labels;
   const auto is_faulty = [&](std::int32_t l) { return static_cast<bool>(faulty[l]); };
   std::vector<Join> kept;
   labels.vertex_marks.clear();  // of the faces of those that go
@@ -72,10 +72,10 @@ bool take_back(State& state, const std::vector<bool>& faulty, std::vector<Join>&
   for (std::size_t i = joins.size(); i-- > 0;) {
     const Join& join = joins[i];
     if (!goes[i]) continue;
-    for (const std::int32_t f : join.faces) labels.label[f] = join.giver;
-    std::int32_t& face = labels.pieces[join.taker].face;
-    if (labels.label[face] != join.taker) face = face_beside(labels, join.faces, join.taker);
-    state.complex.add_corner(join.gone);
+    state.relabel(join.faces, join.giver);
+    if (labels.label[labels.pieces[join.taker].face] != join.taker)
+      state.name(join.taker, face_beside(labels, join.faces, join.taker));
+    state.add_corner(join.gone);
     state.hand_over(join.taker, join.giver, join.faces, join.pieces);
   }
   for (std::size_t i = 0; i < joins.size(); ++i)

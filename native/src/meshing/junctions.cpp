@@ -90,7 +90,7 @@ class Joiner {
       square += p.area * p.normal.dot(p.spread * p.normal);
       sums_[l] = p.projected * p.normal;
       for (const std::int32_t h : s_.complex.chords(l)) {
-        const std::int32_t c = s_.corners.at(mesh_.from(h));
+        const std::int32_t c = s_.corner_at(mesh_.from(h));
         loops_[l].push_back(c);
         at_[c].push_back(l);
       }
@@ -345,8 +345,7 @@ class Joiner {
     before.reserve(near.size());
     for (const std::int32_t w : near) before.push_back(round_of(w));
     if (std::any_of(before.begin(), before.end(), [](const Round& r) { return r.empty(); })) return false;
-    auto& label = s_.labels.label;
-    for (const std::int32_t f : gift.faces) label[f] = gift.taker;
+    s_.relabel(gift.faces, gift.taker);
     const std::int32_t face = s_.labels.pieces[gift.giver].face;
     bool good = true;
     for (std::size_t i = 0; i < near.size() && good; ++i)
@@ -357,8 +356,8 @@ class Joiner {
       sums_[gift.taker] += gift.sum;
       return true;
     }
-    for (const std::int32_t f : gift.faces) label[f] = gift.giver;
-    s_.labels.pieces[gift.giver].face = face;
+    s_.relabel(gift.faces, gift.giver);
+    s_.name(gift.giver, face);
     return false;
   }
 
@@ -376,8 +375,7 @@ class Joiner {
   bool stay_discs(const Gift& gift) {
     const std::int32_t kept = face_beside(s_.labels, gift.faces, gift.giver);
     if (kept == kNone) return false;
-    std::int32_t& face = s_.labels.pieces[gift.giver].face;
-    if (s_.labels.label[face] != gift.giver) face = kept;
+    if (s_.labels.label[s_.labels.pieces[gift.giver].face] != gift.giver) s_.name(gift.giver, kept);
     const std::vector<std::int32_t> loop = outline(gift.faces);
     // A disc without a disc along one path of its boundary is a disc, and so are two discs with one common path. That no
     // piece touches itself at a vertex has been seen.
@@ -439,8 +437,8 @@ class Joiner {
     at_[a].insert(at_[a].end(), at_[b].begin(), at_[b].end());
     sort_unique(at_[a]);
     at_[b].clear();
-    s_.complex.drop_corner(gone);
-    s_.complex.add_corner(keeps);
+    s_.drop_corner(gone);
+    s_.add_corner(keeps);
   }
 
   State& s_;

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <set>
 
-#include "placement.h"
 #include "sorted.h"
+#include "transaction.h"
 
 namespace isimp::meshing {
 namespace {
@@ -19,7 +19,7 @@ class Keeper {
       : s_(state),
         findings_(findings),
         job_(job),
-        before_(state.corners.position),
+        transaction_(state),
         planes_(state.planes),
         is_let_go_(state.regions, false) {
     for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l) {
@@ -36,6 +36,7 @@ class Keeper {
       move();
       let_go(round >= kGentle);
     }
+    transaction_.commit();
     std::vector<std::int32_t> regions;
     for (std::int32_t r = 0; r < s_.regions; ++r)
       if (is_let_go_[r]) regions.push_back(r);
@@ -57,15 +58,14 @@ class Keeper {
           l, [&](std::int32_t q) { moving.insert(moving.end(), s_.polygons.of(q).begin(), s_.polygons.of(q).end()); });
     sort_unique(moving);
     for (const std::int32_t c : moving) {
-      s_.corners.position[c] = before_[c];
+      transaction_.restore_place(c);
       for (const std::int32_t q : s_.polygons.at(c)) changed.push_back(s_.polygons.piece(q));
     }
     std::erase_if(moving, [&](std::int32_t c) {
       const auto around = s_.polygons.at(c);
       return std::none_of(around.begin(), around.end(), [&](std::int32_t q) { return is_kept(s_.polygons.piece(q)); });
     });
-    place_on_held(s_.polygons, s_.mesh, planes_, moving, s_.threads, s_.corners);
-    flatten(s_.polygons, s_.mesh, planes_, moving, s_.options.flatten, s_.threads, s_.corners);
+    s_.move_onto(planes_, moving);
     sort_unique(changed);
     findings_.judge(changed);
     asked_.clear();
@@ -135,7 +135,7 @@ class Keeper {
   State& s_;
   Findings& findings_;
   const Job& job_;
-  const std::vector<Vec3> before_;
+  Transaction transaction_;
   std::vector<Plane> planes_;                  // by piece: with those held that are kept
   std::vector<bool> is_let_go_;                // by region
   std::vector<std::uint8_t> faults_;           // by piece: as they were

@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <utility>
 
 #include "isimp/core/check.h"
 #include "isimp/core/errors.h"
@@ -44,12 +45,12 @@ Labels::Labels(const Mesh& m)
       vertex_marks(m.vertex_count()),
       halfedge_marks(3 * static_cast<std::size_t>(m.face_count())) {}
 
-std::vector<std::int32_t> Labels::faces_of(std::int32_t piece) {
+std::vector<std::int32_t> Labels::faces_of(std::int32_t piece) const {
   face_marks.clear();
   return flood(piece);
 }
 
-std::vector<std::int32_t> Labels::flood(std::int32_t piece) {
+std::vector<std::int32_t> Labels::flood(std::int32_t piece) const {
   ISIMP_ASSERT(pieces[piece].face != kNone, "a piece that is flooded has a face");
   std::vector<std::int32_t> faces{pieces[piece].face};
   face_marks.add(faces[0]);
@@ -73,14 +74,14 @@ std::vector<std::int32_t> Labels::loop_from(std::int32_t h) const {
 
 std::int32_t Labels::part(std::span<const std::int32_t> faces, std::int32_t stays, Cause cause) {
   const std::int32_t from = label[faces[0]], to = piece_count();
-  for (const std::int32_t f : faces) label[f] = to;
-  pieces[from].face = stays;
+  for (const std::int32_t f : faces) label.set(f, to);
+  pieces.edit(from).face = stays;
   pieces.push_back({faces[0], pieces[from].region, cause});
   touched.insert(touched.end(), {from, to});
   return to;
 }
 
-Shape Labels::shape(std::span<const std::int32_t> faces, bool check_parts) {
+Shape Labels::shape(std::span<const std::int32_t> faces, bool check_parts) const {
   Shape s;
   vertex_marks.clear();
   halfedge_marks.clear();
@@ -200,10 +201,10 @@ Bits label_pieces(Labels& labels, std::span<const std::int32_t> face_region, con
     const auto [region, on] = faces[f];
     if (region == kNone) continue;
     if (on != f) {
-      labels.label[f] = labels.label[on];
+      labels.label.set(f, labels.label[on]);
       continue;
     }
-    labels.label[f] = labels.piece_count();
+    labels.label.set(f, labels.piece_count());
     if (seen.size() <= static_cast<std::size_t>(region)) seen.resize(region + 1, false);
     labels.pieces.push_back({f, region, seen[region] ? Cause::unconnected : Cause::region});
     seen[region] = true;
@@ -282,7 +283,7 @@ std::vector<std::int32_t> find_defects(Labels& labels, const Outlines& outlines,
 namespace {
 
 /// The piece with an area along most of whose boundary a piece lies, kNone if none touches it.
-std::int32_t neighbour_with_area(Labels& labels, std::int32_t piece, const std::vector<bool>& thin) {
+std::int32_t neighbour_with_area(const Labels& labels, std::int32_t piece, const std::vector<bool>& thin) {
   const Mesh& mesh = labels.mesh;
   std::map<std::int32_t, double> length;
   for (const std::int32_t f : labels.faces_of(piece))
@@ -300,7 +301,7 @@ std::int32_t neighbour_with_area(Labels& labels, std::int32_t piece, const std::
 }
 
 /// Half the diagonal of a piece's bounding box.
-double extent_of(Labels& labels, std::int32_t piece) {
+double extent_of(const Labels& labels, std::int32_t piece) {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::max()), high = -low;
   for (const std::int32_t f : labels.faces_of(piece))
     for (const std::int32_t v : labels.mesh.triangles()[f]) {
@@ -316,9 +317,11 @@ void drop_gone(Labels& labels) {
   std::vector<std::int32_t> moved(labels.pieces.size());
   std::int32_t next = 0;
   for (std::size_t l = 0; l < moved.size(); ++l) moved[l] = labels.pieces[l].face == kNone ? kNone : next++;
-  for (std::int32_t& l : labels.label)
-    if (l != kNone) l = moved[l];
-  std::erase_if(labels.pieces, [](const Piece& p) { return p.face == kNone; });
+  for (std::size_t f = 0; f < labels.label.size(); ++f)
+    if (const std::int32_t l = labels.label[f]; l != kNone) labels.label.set(f, moved[l]);
+  std::vector<Piece> pieces = labels.pieces;
+  std::erase_if(pieces, [](const Piece& p) { return p.face == kNone; });
+  labels.pieces.assign(std::move(pieces));
 }
 
 Bits boundary_of(const Labels& labels) {
@@ -347,8 +350,8 @@ std::int32_t merge_pieces_without_area(Labels& labels, double thickness, Bits& b
     for (std::int32_t& l : empty) {
       const std::int32_t to = l == kNone ? kNone : neighbour_with_area(labels, l, thin);
       if (to == kNone) continue;
-      for (const std::int32_t f : labels.faces_of(l)) labels.label[f] = to;
-      labels.pieces[l].face = kNone;
+      for (const std::int32_t f : labels.faces_of(l)) labels.label.set(f, to);
+      labels.pieces.edit(l).face = kNone;
       l = kNone;
       ++gone;
       any = true;

@@ -9,6 +9,7 @@
 #include "isimp/core/threads.h"
 #include "isimp/mesh/mesh.h"
 #include "isimp/meshing/moments.h"
+#include "logged.h"
 #include "marks.h"
 
 namespace isimp::meshing {
@@ -64,12 +65,12 @@ struct Labels {
   explicit Labels(const Mesh& m);
 
   const Mesh& mesh;
-  std::vector<std::int32_t> label;          ///< (F) kNone where a part was left out
-  std::vector<Piece> pieces;                ///< by label
+  Logged<std::int32_t> label;               ///< (F) kNone where a part was left out
+  Logged<Piece> pieces;                     ///< by label
   std::span<const SurfaceMoments> moments;  ///< (F) of what each face stands for; empty: of the faces themselves
   std::vector<std::int32_t> touched;  ///< pieces that were cut or took or gave faces, for whoever keeps up with them
-  Marks face_marks, vertex_marks, halfedge_marks;
-  std::atomic<std::int64_t> walked{0};  ///< faces that floods have come to so far
+  mutable Marks face_marks, vertex_marks, halfedge_marks;  // of whoever looks at pieces
+  mutable std::atomic<std::int64_t> walked{0};             ///< faces that floods have come to so far
 
   /// Whether h has the same piece on both sides.
   [[nodiscard]] bool inner(std::int32_t h) const {
@@ -100,14 +101,14 @@ struct Labels {
   [[nodiscard]] std::int32_t piece_count() const { return static_cast<std::int32_t>(pieces.size()); }
 
   /// The faces of a piece, by flooding from one of them. Clears and uses face_marks.
-  std::vector<std::int32_t> faces_of(std::int32_t piece);
+  [[nodiscard]] std::vector<std::int32_t> faces_of(std::int32_t piece) const;
   /// The same where no mark of face_marks is on the piece, so that threads may do several at a time.
-  std::vector<std::int32_t> flood(std::int32_t piece);
+  [[nodiscard]] std::vector<std::int32_t> flood(std::int32_t piece) const;
   /// Gives `faces` a new label. Both what goes and what stays must be connected and not empty.
   /// \param stays  a face that keeps its label
   std::int32_t part(std::span<const std::int32_t> faces, std::int32_t stays, Cause cause);
   /// Topology of a piece from its faces; whether they are connected is looked at only if `check_parts`.
-  Shape shape(std::span<const std::int32_t> faces, bool check_parts = false);
+  [[nodiscard]] Shape shape(std::span<const std::int32_t> faces, bool check_parts = false) const;
 };
 
 /// Calls fn(h) for each half-edge that leaves v, counter-clockwise, a border one first.

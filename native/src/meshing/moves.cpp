@@ -15,7 +15,7 @@ void Moves::settle(std::span<const std::int32_t> moved, const std::function<std:
   for (int round = 0; round < kRounds; ++round) {
     job_.poll();
     std::vector<std::int32_t> pieces = worse(), corners;
-    if (pieces.empty()) return;
+    if (pieces.empty()) return transaction_.commit();
     for (int ring = 0; ring < round / kRoundsOfRing; ++ring) s_.add_neighbours(pieces);
     for (const std::int32_t l : pieces)
       s_.polygons.for_each_of(l, [&](std::int32_t q) {
@@ -25,16 +25,22 @@ void Moves::settle(std::span<const std::int32_t> moved, const std::function<std:
         }
       });
     sort_unique(corners);
-    for (const std::int32_t c : corners) s_.corners.position[c] = before_[c];
+    for (const std::int32_t c : corners) transaction_.restore_place(c);
     judge(corners);
   }
-  for (const std::int32_t c : moved) s_.corners.position[c] = before_[c];
+  transaction_.rollback();
   judge(moved);
 }
 
-bool Moves::is_sound(std::span<const std::int32_t> moved) {
+bool Moves::keep_if_sound(std::span<const std::int32_t> moved) {
   judge(moved);
-  return worse().empty();
+  if (worse().empty()) {
+    transaction_.commit();
+    return true;
+  }
+  transaction_.rollback();
+  judge(moved);
+  return false;
 }
 
 std::vector<std::int32_t> Moves::worse() const {

@@ -8,6 +8,7 @@
 #include "findings.h"
 #include "isimp/core/job.h"
 #include "state.h"
+#include "transaction.h"
 
 namespace isimp::meshing {
 
@@ -15,20 +16,18 @@ namespace isimp::meshing {
 class Moves {
  public:
   Moves(State& state, Findings& findings, Job& job)
-      : s_(state),
-        findings_(findings),
-        job_(job),
-        faulty_(findings.faulty()),
-        before_(state.corners.position.begin(), state.corners.position.end()) {}
+      : s_(state), findings_(findings), job_(job), faulty_(findings.faulty()), transaction_(state) {}
 
-  [[nodiscard]] const std::vector<Vec3>& before() const { return before_; }  ///< where the corners were
+  /// Where a corner was.
+  [[nodiscard]] const Vec3& before(std::int32_t corner) const { return transaction_.place_before(corner); }
   /// To be called when corners have been moved: those of polygons that became faulty go back, and of more and more
   /// polygons round them, until none is.
   /// \param with  another corner that goes back with one, kNone for none
   /// Cost: some rounds of `Findings::judge`, each for what the one before changed.
   void settle(std::span<const std::int32_t> moved, const std::function<std::int32_t(std::int32_t)>& with);
-  /// Judges what is round corners that have been moved: whether nothing has become faulty.
-  [[nodiscard]] bool is_sound(std::span<const std::int32_t> moved);
+  /// To be called in its place: where anything has become faulty all that have been moved go back.
+  /// \return whether they stay
+  [[nodiscard]] bool keep_if_sound(std::span<const std::int32_t> moved);
 
  private:
   /// The pieces that have become faulty.
@@ -39,7 +38,7 @@ class Moves {
   Findings& findings_;
   Job& job_;
   const std::vector<bool> faulty_;  // by piece, before
-  const std::vector<Vec3> before_;  // by corner
+  Transaction transaction_;
 };
 
 }  // namespace isimp::meshing

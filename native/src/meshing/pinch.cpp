@@ -116,13 +116,13 @@ bool give(Labels& labels, std::span<const std::int32_t> faces, std::int32_t to) 
   std::vector<std::int32_t> giver;
   if (!is_tip) giver = labels.faces_of(from);
   if (!is_tip && giver.size() <= faces.size()) return false;
-  for (const std::int32_t f : faces) labels.label[f] = to;
+  for (const std::int32_t f : faces) labels.label.set(f, to);
   if (is_tip) return true;
   std::erase_if(giver, [&](std::int32_t f) { return labels.label[f] != from; });
-  labels.pieces[from].face = giver[0];
+  labels.pieces.edit(from).face = giver[0];
   if (labels.faces_of(from).size() == giver.size()) return true;
-  labels.pieces[from].face = face;
-  for (const std::int32_t f : faces) labels.label[f] = from;
+  labels.pieces.edit(from).face = face;
+  for (const std::int32_t f : faces) labels.label.set(f, from);
   return false;
 }
 

@@ -226,12 +226,13 @@ void set_radii(const Polygons& polygons, const Mesh& mesh, double reach, std::sp
       for (const std::size_t k : {i + 1, i + n - 1})
         least = std::min(least, kOfEdge * (home(c) - home(loop[k % n])).norm());
     }
-    corners.radius[c] = least * corners.pull[c];
+    corners.radius.edit(c) = least * corners.pull[c];
   }
 }
 
 void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
            std::span<const std::int32_t> moving, const Threads& threads, Corners& corners) {
+  const std::span<Vec3> position = corners.position.edit_all(moving);
   const auto is_met = [&](std::int32_t q, const Vec3& home) {
     const Plane& p = planes[polygons.piece(q)];
     return std::abs(p.normal.dot(p.centre - home)) < corners.still;
@@ -240,7 +241,7 @@ void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> pl
     const Vec3& home = mesh.vertices()[corners.vertex[c]];
     const auto around = polygons.at(c);
     const bool stays = std::all_of(around.begin(), around.end(), [&](std::int32_t q) { return is_met(q, home); });
-    corners.position[c] = stays ? home : home + step_to(planes, polygons, c, home, corners.radius[c], false);
+    position[c] = stays ? home : home + step_to(planes, polygons, c, home, corners.radius[c], false);
   };
   threads.blocks(static_cast<std::int32_t>(moving.size()), kTogether,
                  [&](std::int32_t, std::int32_t begin, std::int32_t end) {
@@ -250,10 +251,11 @@ void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> pl
 
 void place_on_held(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
                    std::span<const std::int32_t> moving, const Threads& threads, Corners& corners) {
+  const std::span<Vec3> position = corners.position.edit_all(moving);
   threads.blocks(static_cast<std::int32_t>(moving.size()), kTogether,
                  [&](std::int32_t, std::int32_t begin, std::int32_t end) {
                    for (const std::int32_t c : moving.subspan(begin, end - begin)) {
-                     Vec3& at = corners.position[c];
+                     Vec3& at = position[c];
                      at = within(at + step_to(planes, polygons, c, at, 2 * corners.radius[c], true),
                                  mesh.vertices()[corners.vertex[c]], corners.radius[c]);
                    }
@@ -263,19 +265,20 @@ void place_on_held(const Polygons& polygons, const Mesh& mesh, std::span<const P
 void flatten(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
              std::span<const std::int32_t> moving, int rounds, const Threads& threads, Corners& corners) {
   std::vector<Group> groups = groups_of(polygons, moving);
+  const std::span<Vec3> position = corners.position.edit_all(moving);
   const double still = corners.still * corners.still;
   // Those that are large first, so that no thread is left with one at the end.
   std::stable_sort(groups.begin(), groups.end(),
                    [](const Group& a, const Group& b) { return a.corners.size() > b.corners.size(); });
   const auto fit = [&](Group& g, std::int32_t begin, std::int32_t end) {
     for (std::int32_t i = begin; i < end; ++i)
-      g.fits[i].to(polygons.of(g.polygons[i]), corners.position, planes[polygons.piece(g.polygons[i])]);
+      g.fits[i].to(polygons.of(g.polygons[i]), position, planes[polygons.piece(g.polygons[i])]);
   };
   const auto move = [&](Group& g, std::int32_t begin, std::int32_t end) {
     for (std::int32_t i = begin; i < end; ++i) {
       const std::int32_t c = g.corners[i];
       const std::span<const std::int32_t> round = g.round_of(i);
-      Vec3& at = corners.position[c];
+      Vec3& at = position[c];
       Vec3 step = Vec3::Zero();
       for (const std::int32_t k : round) step -= g.fits[k].normal * g.fits[k].normal.dot(at - g.fits[k].centre);
       if (step.squaredNorm() < still) continue;

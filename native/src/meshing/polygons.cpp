@@ -47,29 +47,32 @@ std::vector<Edge> chord_ends(const Complex& complex, const Mesh& mesh, std::span
 }  // namespace
 
 std::int32_t Corners::at(std::int32_t v) {
-  std::int32_t& c = of_vertex[v];
-  if (c == kNone) {
-    c = count();
+  if (of_vertex[v] == kNone) {
+    of_vertex.set(v, count());
     vertex.push_back(v);
     pull.push_back(1);
     radius.push_back(0);
-    position.emplace_back(Vec3::Zero());
+    position.push_back(Vec3::Zero());
   }
-  return c;
+  return of_vertex[v];
+}
+
+std::int32_t Polygons::count() const {
+  std::int32_t count = 0;
+  for (const Row& row : pieces_) count += row.count;
+  return count;
 }
 
 void Polygons::remove(std::int32_t piece) {
   for_each_of(piece, [&](std::int32_t q) {
-    for (const std::int32_t c : of(q)) std::erase(around_[c], q);
-    used_ -= loops_[q].size;
-    loops_[q] = {0, 0, kNone};
-    --count_;
+    for (const std::int32_t c : of(q)) std::erase(around_.edit(c), q);
+    loops_.set(q, {0, 0, kNone});
   });
-  pieces_[piece].count = 0;
+  pieces_.edit(piece).count = 0;
 }
 
 void Polygons::add(std::int32_t piece, std::span<const Cycle> cycles, Corners& corners) {
-  pieces_[piece] = {numbers(), static_cast<std::int32_t>(cycles.size())};
+  pieces_.set(piece, {numbers(), static_cast<std::int32_t>(cycles.size())});
   for (const Cycle& cycle : cycles) {
     const std::int32_t q = numbers();
     loops_.push_back({static_cast<std::int32_t>(corners_.size()), static_cast<std::int32_t>(cycle.size()), piece});
@@ -77,39 +80,38 @@ void Polygons::add(std::int32_t piece, std::span<const Cycle> cycles, Corners& c
       const std::int32_t c = corners.at(v);
       corners_.push_back(c);
       if (static_cast<std::int32_t>(around_.size()) <= c) around_.resize(c + 1);
-      auto& round = around_[c];
+      auto& round = around_.edit(c);
       round.insert(
           std::upper_bound(round.begin(), round.end(), piece, [&](auto l, auto r) { return l < loops_[r].piece; }), q);
     }
-    used_ += cycle.size();
-    ++count_;
   }
 }
 
-/// Numbers and corners close up once more than half of them are out of use.
 void Polygons::close_gaps() {
   constexpr std::size_t kFew = 1024;
-  if (loops_.size() <= 2 * static_cast<std::size_t>(count_) + kFew && corners_.size() <= 2 * used_ + kFew) return;
+  std::size_t used = 0;
+  for (const Loop& loop : loops_) used += loop.size;
+  if (loops_.size() <= 2 * static_cast<std::size_t>(count()) + kFew && corners_.size() <= 2 * used + kFew) return;
   std::vector<Loop> loops;
   std::vector<std::int32_t> left;
-  for (auto& round : around_) round.clear();
+  for (std::size_t c = 0; c < around_.size(); ++c) around_.edit(c).clear();
   for (std::size_t l = 0; l < pieces_.size(); ++l) {
     const std::int32_t first = pieces_[l].first;
-    pieces_[l].first = static_cast<std::int32_t>(loops.size());
+    pieces_.edit(l).first = static_cast<std::int32_t>(loops.size());
     for (std::int32_t q = first; q < first + pieces_[l].count; ++q) {
-      for (const std::int32_t c : of(q)) around_[c].push_back(static_cast<std::int32_t>(loops.size()));
+      for (const std::int32_t c : of(q)) around_.edit(c).push_back(static_cast<std::int32_t>(loops.size()));
       const auto begin = static_cast<std::int32_t>(left.size());
       left.insert(left.end(), of(q).begin(), of(q).end());
       loops.push_back({begin, loops_[q].size, loops_[q].piece});
     }
   }
-  loops_ = std::move(loops);
-  corners_ = std::move(left);
+  loops_.assign(std::move(loops));
+  corners_.assign(std::move(left));
 }
 
 void Polygons::collect(const Complex& complex, const Labels& labels, Diagonals& diagonals, Corners& corners,
                        std::vector<std::int32_t>& changed) {
-  close_gaps();
+  if (!loops_.in_transaction()) close_gaps();
   pieces_.resize(labels.pieces.size());
   diagonals.resize(labels.pieces.size());
   std::vector<bool> fresh(labels.pieces.size(), false);
@@ -135,7 +137,7 @@ void Polygons::collect(const Complex& complex, const Labels& labels, Diagonals& 
     cycles.assign(1, {});
     for (const std::int32_t h : complex.chords(l)) cycles[0].push_back(labels.mesh.from(h));
     const std::size_t had = diagonals[l].size();
-    std::erase_if(diagonals[l], [&](const Edge& d) {
+    std::erase_if(diagonals.edit(l), [&](const Edge& d) {
       return complex.has_chord(d[0], d[1]) || added.contains(edge(d[0], d[1])) || !split_at(cycles, d) ||
              !added.insert(edge(d[0], d[1])).second;
     });

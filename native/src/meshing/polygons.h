@@ -15,19 +15,28 @@ struct Corners {
   /// The corner at a mesh vertex, a new one if there is none.
   std::int32_t at(std::int32_t v);
   [[nodiscard]] std::int32_t count() const { return static_cast<std::int32_t>(vertex.size()); }
+  /// Calls fn(array) for each array of corners that a transaction takes back.
+  template <class Self, class Function>
+  static void for_each_array(Self& self, Function fn) {
+    fn(self.of_vertex);
+    fn(self.vertex);
+    fn(self.pull);
+    fn(self.radius);
+    fn(self.position);
+  }
 
-  std::vector<std::int32_t> of_vertex;  ///< (V) kNone where there is none
-  std::vector<std::int32_t> vertex;     ///< (C) the mesh vertex
-  std::vector<double> pull;             ///< (C) share of its radius that the repair has left the corner
-  std::vector<double> radius;           ///< (C) how far it may be from its mesh vertex
-  std::vector<Vec3> position;           ///< (C)
+  Logged<std::int32_t> of_vertex;  ///< (V) kNone where there is none
+  Logged<std::int32_t> vertex;     ///< (C) the mesh vertex
+  Logged<double> pull;             ///< (C) share of its radius that the repair has left the corner
+  Logged<double> radius;           ///< (C) how far it may be from its mesh vertex
+  Logged<Vec3> position;           ///< (C)
   /// Corners that would move by less stay where they are, bit by bit, so that what is beside them need not be judged
   /// again.
   double still = 0;
 };
 
 /// Extra edges across a piece, by the two mesh vertices.
-using Diagonals = std::vector<std::vector<std::array<std::int32_t, 2>>>;
+using Diagonals = Logged<std::vector<std::array<std::int32_t, 2>>>;
 
 /// The polygons: one a piece, and one more for each of its diagonals. A polygon has a number; those of a piece are in a
 /// row. A number lasts until the piece is collected again.
@@ -35,7 +44,8 @@ class Polygons {
  public:
   /// Numbers that are in use or were.
   [[nodiscard]] std::int32_t numbers() const { return static_cast<std::int32_t>(loops_.size()); }
-  [[nodiscard]] std::int32_t count() const { return count_; }
+  /// Cost: O(pieces).
+  [[nodiscard]] std::int32_t count() const;
   /// How many a piece has; 0 for one that is no more.
   [[nodiscard]] std::int32_t count_of(std::int32_t piece) const {
     return piece < static_cast<std::int32_t>(pieces_.size()) ? pieces_[piece].count : 0;
@@ -45,7 +55,7 @@ class Polygons {
   [[nodiscard]] std::int32_t piece(std::int32_t q) const { return loops_[q].piece; }
   /// The corners of a polygon, in order.
   [[nodiscard]] std::span<const std::int32_t> of(std::int32_t q) const {
-    return std::span(corners_).subspan(loops_[q].begin, loops_[q].size);
+    return {corners_.data() + loops_[q].begin, static_cast<std::size_t>(loops_[q].size)};
   }
   /// The polygons round a corner, in the order of their pieces.
   [[nodiscard]] std::span<const std::int32_t> at(std::int32_t c) const { return around_[c]; }
@@ -62,6 +72,16 @@ class Polygons {
   /// Cost: O(polygons of these + diagonals of all + pieces).
   void collect(const Complex& complex, const Labels& labels, Diagonals& diagonals, Corners& corners,
                std::vector<std::int32_t>& changed);
+  /// Takes out numbers that are out of use, if they are more than half. Not within a transaction.
+  void close_gaps();
+  /// Calls fn(array) for each array of polygons that a transaction takes back.
+  template <class Self, class Function>
+  static void for_each_array(Self& self, Function fn) {
+    fn(self.loops_);
+    fn(self.corners_);
+    fn(self.pieces_);
+    fn(self.around_);
+  }
 
  private:
   struct Loop {
@@ -72,14 +92,11 @@ class Polygons {
   };
   void remove(std::int32_t piece);
   void add(std::int32_t piece, std::span<const std::vector<std::int32_t>> cycles, Corners& corners);
-  void close_gaps();
 
-  std::vector<Loop> loops_;                        // by number
-  std::vector<std::int32_t> corners_;              // of the loops, with gaps where loops were
-  std::vector<Row> pieces_;                        // by piece
-  std::vector<std::vector<std::int32_t>> around_;  // by corner
-  std::int32_t count_ = 0;
-  std::size_t used_ = 0;  // of `corners_`
+  Logged<Loop> loops_;                        // by number
+  Logged<std::int32_t> corners_;              // of the loops, with gaps where loops were
+  Logged<Row> pieces_;                        // by piece
+  Logged<std::vector<std::int32_t>> around_;  // by corner
 };
 
 /// Vector area of a polygon: its direction is the polygon's normal, its length the area.

@@ -17,6 +17,7 @@
 #include "slide.h"
 #include "sorted.h"
 #include "symmetry.h"
+#include "transaction.h"
 
 namespace isimp::meshing {
 namespace {
@@ -88,7 +89,7 @@ class Repairer {
       if (!take_back(s_, faulty, joins)) return;
       for (const std::int32_t l : s_.labels.touched) {
         tries_[l] = 0;
-        for (const std::int32_t c : corners_of(l)) s_.corners.pull[c] = 1;
+        for (const std::int32_t c : corners_of(l)) s_.set_pull(c, 1);
       }
       changed_ = s_.labels.touched;
       bring_up_to_date();
@@ -159,25 +160,23 @@ class Repairer {
     planar::Memory memory;
     bool is_last = false;
     for (int go = 0;; ++go) {
-      const std::vector<Vec3> positions = s_.corners.position;
-      const Diagonals diagonals = s_.diagonals;
+      Transaction transaction(s_);
       findings_.keep();
       const planar::Outcome outcome = planar::make_planar(s_, findings_, memory, is_last, job_);
       outcome_.planar = outcome.report;
       outcome_.let_go = outcome.let_go;
-      if (outcome.stuck.empty() || is_last) return;
-      std::vector<std::int32_t> changed = outcome.stuck;
-      for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l)
-        if (s_.diagonals[l] != diagonals[l]) changed.push_back(l);
-      s_.diagonals = diagonals;
-      s_.corners.position = positions;
+      if (outcome.stuck.empty() || is_last) return transaction.commit();
+      std::vector<std::int32_t> changed = transaction.restore_diagonals();
+      changed.insert(changed.end(), outcome.stuck.begin(), outcome.stuck.end());
+      transaction.restore_places();
       polygons_ = 0;  // these splits are not counted
       find_met();
       bool any = false;
       for (const std::int32_t l : outcome.stuck) any = (go < kSplits ? split(l) || shatter(l) : shatter(l)) || any;
       is_last = !any || go + 1 == kTries;
       sort_unique(changed);
-      s_.update(changed, positions);
+      transaction.update_back(std::move(changed));
+      transaction.commit();
       judge(all_pieces());
       std::fill(tries_.begin(), tries_.end(), 0);
       mend(kRounds);
@@ -351,9 +350,8 @@ class Repairer {
     changed_.push_back(l);
     sort_unique(corners);
     for (const std::int32_t c : corners) {
-      double& share = s_.corners.pull[c];
-      share *= kPull;
-      if (share < kLeastPull) share = 0;
+      const double share = kPull * s_.corners.pull[c];
+      s_.set_pull(c, share < kLeastPull ? 0 : share);
     }
     return true;
   }
@@ -395,7 +393,7 @@ class Repairer {
         most = depth;
         worse = chord;
       }
-      any = (worse != kNone && s_.complex.bend(worse)) || any;
+      any = (worse != kNone && s_.bend(worse)) || any;
     }
     outcome_.bends += any;
     return any;
@@ -424,7 +422,9 @@ class Repairer {
     if (s_.polygons.of(worst).size() > kMostForDiagonal) return false;
     const std::array<std::int32_t, 2> d = best_diagonal(s_, worst, s_.planes[l].normal);
     if (d[0] == kNone || spent()) return false;
-    s_.diagonals[l].push_back(d);
+    std::vector<std::array<std::int32_t, 2>> all = s_.diagonals[l];
+    all.push_back(d);
+    s_.set_diagonals(l, std::move(all));
     ++polygons_;
     changed_.push_back(l);
     ++outcome_.diagonals;

@@ -141,8 +141,7 @@ class Slider {
   }
 
   bool slide(std::int32_t c) {
-    Vec3& place = s_.corners.position[c];
-    const Vec3 at = place, home = moves_.before()[c], vertex = s_.mesh.vertices()[s_.corners.vertex[c]];
+    const Vec3 at = s_.corners.position[c], home = moves_.before(c), vertex = s_.mesh.vertices()[s_.corners.vertex[c]];
     find_beside(c);
     const Freedom free = freedom_of(c);
     const double shortest = shortest_round(at);
@@ -163,13 +162,13 @@ class Slider {
         if ((to - vertex).norm() > s_.corners.radius[c] || shortest_round(to) < shortest) continue;
         const double angles = angles_round(to);
         if (angles >= least) continue;
-        place = to;
+        s_.move(c, to);
         const double cost = angles + bend_round();
         if (cost >= least || turns_away()) continue;
         least = cost;
         best = to;
       }
-    place = best;
+    s_.move(c, best);
     return best != at;
   }
 

@@ -41,50 +41,50 @@ std::int32_t boundary_start(const Labels& labels, std::span<const std::int32_t> 
 
 State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& job,
              std::span<const SurfaceMoments> moments)
-    : mesh(m),
+    : labels_(m),
+      cutter_(labels_),
+      complex_(labels_, planes_),
+      corners_(m.vertex_count()),
+      job_(job),
+      mesh(m),
       partition(p),
       options(o),
       threads(o.threads),
-      regions(partition.region_count()),
-      labels(m),
-      cutter(labels),
-      complex(labels, planes),
-      corners(m.vertex_count()),
-      job_(job) {
-  labels.moments = moments;
-  Bits boundary = label_pieces(labels, partition.face_region, threads, job);
-  merged_without_area = merge_pieces_without_area(labels, 2 * kThickness * m.diagonal(), boundary);
+      regions(partition.region_count()) {
+  labels_.moments = moments;
+  Bits boundary = label_pieces(labels_, partition.face_region, threads, job);
+  merged_without_area_ = merge_pieces_without_area(labels_, 2 * kThickness * m.diagonal(), boundary);
   job.report(0.02);
-  cutter.perforated = is_perforated(cutter, regions, job);
-  if (cutter.perforated) {
-    corners.still = kStill * m.diagonal();
-    part_walls(cutter, job);
-    planes = planes_of(labels, threads, job);
-    join_coplanar(*this, job);
-    boundary = boundary_of(labels);
+  cutter_.perforated = is_perforated(cutter_, regions, job);
+  if (cutter_.perforated) {
+    corners_.still = kStill * m.diagonal();
+    part_walls(cutter_, job);
+    planes_.assign(planes_of(labels_, threads, job));
+    join_coplanar(*this, labels_, job);
+    boundary = boundary_of(labels_);
   }
   const Outlines outlines = trace_outlines(labels, boundary, job);
   std::map<std::int32_t, Disc> discs;
-  std::vector<std::int32_t> todo = find_defects(labels, outlines, threads, job);
-  make_discs(cutter, std::move(todo), discs, job);
-  if (mesh.report().closed_components > 0) split_closed_components(cutter, kLeastClosed, discs, job);
+  std::vector<std::int32_t> todo = find_defects(labels_, outlines, threads, job);
+  make_discs(cutter_, std::move(todo), discs, job);
+  if (mesh.report().closed_components > 0) split_closed_components(cutter_, kLeastClosed, discs, job);
   std::vector<std::vector<std::int32_t>> loops(labels.pieces.size());
   for (std::int32_t l = 0; l < static_cast<std::int32_t>(outlines.loops.size()); ++l)
     loops[l].assign(outlines.of(l).begin(), outlines.of(l).end());
-  sort_unique(labels.touched);
+  sort_unique(labels_.touched);
   for (const std::int32_t l : labels.touched) {
     auto& [faces, loop] = discs.at(l);
-    labels.pieces[l].region = region_of(l, faces);
+    labels_.pieces.edit(l).region = region_of(l, faces);
     std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end()), loop.end());
     loops[l] = std::move(loop);
   }
-  labels.touched.clear();
+  labels_.touched.clear();
   job.report(0.07);
-  planes = planes_of(labels, threads, job);
-  for (std::size_t l = 0; l < planes.size(); ++l) hold_by_hand(planes[l], partition, labels.pieces[l].region);
-  complex.tolerance = chord_tolerance(mesh, planes, regions, options);
+  planes_.assign(planes_of(labels, threads, job));
+  for (std::size_t l = 0; l < planes.size(); ++l) hold_by_hand(planes_.edit(l), partition, labels.pieces[l].region);
+  complex_.tolerance = chord_tolerance(mesh, planes, regions, options);
   job.report(0.08);
-  complex.refresh(numbers_below(labels.piece_count()), std::move(loops), job);
+  complex_.refresh(numbers_below(labels.piece_count()), std::move(loops), job);
   job.report(0.1);
 }
 
@@ -104,15 +104,15 @@ std::int32_t State::region_of(std::int32_t piece, std::span<const std::int32_t> 
 
 Cut State::find_cut(std::int32_t piece, const Vec3* place) {
   const std::vector<std::int32_t> faces = labels.flood(piece);
-  return place ? find_part_near(cutter, faces, *place) : find_halves(cutter, faces);
+  return place ? find_part_near(cutter_, faces, *place) : find_halves(cutter_, faces);
 }
 
 bool State::split(std::int32_t piece, const Cut& cut, Job& job) {
   if (cut.faces.empty()) return false;
-  const std::int32_t fresh = labels.part(cut.faces, cut.stays, Cause::repair);
-  make_discs(cutter, {piece, fresh}, discs_, job);
-  diagonals.resize(labels.pieces.size());
-  for (const std::int32_t l : labels.touched) diagonals[l].clear();
+  const std::int32_t fresh = labels_.part(cut.faces, cut.stays, Cause::repair);
+  make_discs(cutter_, {piece, fresh}, discs_, job);
+  diagonals_.resize(labels.pieces.size());
+  for (const std::int32_t l : labels.touched) diagonals_.set(l, {});
   return true;
 }
 
@@ -120,20 +120,22 @@ bool State::shatter(std::int32_t piece) {
   const std::vector<std::int32_t> faces = labels.faces_of(piece);
   bool any = faces.size() > 1;
   discs_.erase(piece);
-  for (std::size_t i = 1; i < faces.size(); ++i) labels.part(std::span(faces).subspan(i, 1), faces[0], Cause::repair);
+  for (std::size_t i = 1; i < faces.size(); ++i) labels_.part(std::span(faces).subspan(i, 1), faces[0], Cause::repair);
   for (const std::int32_t f : faces)
     for (const std::int32_t v : mesh.triangles()[f]) {
       if (!complex.is_corner(v)) {
-        complex.add_corner(v);
+        add_corner(v);
         any = true;
       }
-      any = std::exchange(corners.pull[corners.at(v)], 0) > 0 || any;
+      const std::int32_t c = corner_at(v);
+      any = corners.pull[c] > 0 || any;
+      set_pull(c, 0);
     }
-  diagonals.resize(labels.pieces.size());
+  diagonals_.resize(labels.pieces.size());
   any = !diagonals[piece].empty() || any;
-  diagonals[piece].clear();
+  set_diagonals(piece, {});
   // Where nothing has changed no update need follow, in which the piece would stop being listed.
-  if (any) labels.touched.push_back(piece);
+  if (any) labels_.touched.push_back(piece);
   return any;
 }
 
@@ -164,7 +166,7 @@ SharedBoundary State::shared_boundary(std::int32_t piece) const {
   return found;
 }
 
-std::vector<std::int32_t> State::loop_together(std::int32_t kept, std::int32_t gone) {
+std::vector<std::int32_t> State::loop_together(std::int32_t kept, std::int32_t gone) const {
   const auto a = complex.loop(kept), b = complex.loop(gone);
   std::vector<std::int32_t> together;
   // Two discs are a disc together if they share one path and no vertex beyond it.
@@ -187,64 +189,41 @@ std::vector<std::int32_t> State::loop_together(std::int32_t kept, std::int32_t g
   return together;
 }
 
-Union State::unite(std::int32_t kept, std::int32_t gone, std::vector<std::int32_t> loop) {
-  Union u{kept,
-          gone,
-          labels.pieces[kept],
-          labels.pieces[gone],
-          labels.faces_of(gone),
-          {},
-          {},
-          {},
-          planes[kept],
-          planes[gone],
-          {},
-          {}};
-  u.kept_loop.assign(complex.loop(kept).begin(), complex.loop(kept).end());
-  u.gone_loop.assign(complex.loop(gone).begin(), complex.loop(gone).end());
+void State::unite(std::int32_t kept, std::int32_t gone, std::vector<std::int32_t> loop) {
+  const Piece kept_piece = labels.pieces[kept], gone_piece = labels.pieces[gone];
   std::vector<std::int32_t> between;
   for (const std::int32_t h : complex.loop(gone))
     if (labels.across(h) == kept) between.insert(between.end(), {mesh.from(h), mesh.to(h)});
-  for (const std::int32_t l : {kept, gone})
-    for (const std::int32_t h : complex.chords(l)) u.corners.push_back(mesh.from(h));
-  for (const std::int32_t f : u.faces) labels.label[f] = kept;
-  if (labels.pieces[kept].cause == Cause::repair) labels.pieces[kept].cause = u.gone_piece.cause;
-  labels.pieces[gone].face = kNone;
-  labels.touched.push_back(kept);
+  relabel(labels.faces_of(gone), kept);
+  if (kept_piece.cause == Cause::repair) labels_.pieces.edit(kept).cause = gone_piece.cause;
+  name(gone, kNone);
+  labels_.touched.push_back(kept);
   discs_.erase(kept);
   // Most of the area of both is of the same region, so most of what they are together is too.
-  if (u.kept_piece.region == u.gone_piece.region && u.kept_plane.projected > 0 && u.gone_plane.projected > 0) {
-    planes[kept] = united(u.kept_plane, u.gone_plane);
-    hold_by_hand(planes[kept], partition, u.kept_piece.region);
-    if (planes[kept].projected > kFlat * planes[kept].area) known_[kept] = std::move(loop);
+  if (kept_piece.region == gone_piece.region && planes[kept].projected > 0 && planes[gone].projected > 0) {
+    Plane& plane = planes_.edit(kept);
+    plane = united(plane, planes[gone]);
+    hold_by_hand(plane, partition, kept_piece.region);
+    if (plane.projected > kFlat * plane.area) known_[kept] = std::move(loop);
   }
-  u.kept_diagonals = std::exchange(diagonals[kept], {});
-  u.gone_diagonals = std::exchange(diagonals[gone], {});
-  complex.forget(gone);
+  set_diagonals(kept, {});
+  set_diagonals(gone, {});
+  complex_.forget(gone);
   united_.push_back(gone);
-  for (const std::int32_t v : between) complex.drop_corner(v);
-  return u;
+  for (const std::int32_t v : between) drop_corner(v);
 }
 
-void State::part_again(const Union& u) {
-  for (const std::int32_t f : u.faces) labels.label[f] = u.gone;
-  labels.pieces[u.kept] = u.kept_piece;
-  labels.pieces[u.gone] = u.gone_piece;
-  diagonals[u.kept] = u.kept_diagonals;
-  diagonals[u.gone] = u.gone_diagonals;
-  labels.touched.insert(labels.touched.end(), {u.kept, u.gone});
-  planes[u.kept] = u.kept_plane;
-  planes[u.gone] = u.gone_plane;
-  known_[u.kept] = u.kept_loop;
-  known_[u.gone] = u.gone_loop;
-  for (const std::int32_t h : complex.loop(u.kept))
-    if (complex.is_corner(mesh.from(h))) complex.drop_corner(mesh.from(h));
-  for (const std::int32_t v : u.corners) complex.add_corner(v);
+void State::relabel(std::span<const std::int32_t> faces, std::int32_t label) {
+  for (const std::int32_t f : faces) labels_.label.set(f, label);
+}
+
+void State::touch(std::span<const std::int32_t> pieces) {
+  labels_.touched.insert(labels_.touched.end(), pieces.begin(), pieces.end());
 }
 
 void State::hand_over(std::int32_t giver, std::int32_t taker, std::span<const std::int32_t> faces,
                       std::span<const std::int32_t> pieces) {
-  labels.touched.insert(labels.touched.end(), pieces.begin(), pieces.end());
+  touch(pieces);
   if (mesh.face_count() / kMany < labels.piece_count()) return;
   const auto is_simple = [&](std::int32_t l) {  // neither held nor of a region that may change with its faces
     return labels.pieces[l].cause == Cause::region && !planes[l].held && planes[l].projected > kFlat * planes[l].area;
@@ -265,13 +244,13 @@ std::vector<std::int32_t> State::loop_again(std::int32_t piece) const {
 
 std::vector<bool> State::settle_handovers() {
   for (const auto& [giver, taker, part] : handovers_) {
-    planes[giver] = without(planes[giver], part);
-    planes[taker] = united(planes[taker], part);
+    planes_.set(giver, without(planes[giver], part));
+    planes_.set(taker, united(planes[taker], part));
   }
   handovers_.clear();
   std::sort(handed_.begin(), handed_.end());
   std::vector<bool> known;
-  auto& touched = labels.touched;
+  std::vector<std::int32_t>& touched = labels_.touched;
   std::size_t out = 0;
   for (std::size_t i = 0; i < touched.size();) {
     const auto [first, last] = std::equal_range(touched.begin() + i, touched.end(), touched[i]);
@@ -285,24 +264,32 @@ std::vector<bool> State::settle_handovers() {
   return known;
 }
 
-std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, std::span<const Vec3> before) {
+void State::move_onto(std::span<const Plane> planes_by_piece, std::span<const std::int32_t> moving) {
+  place_on_held(polygons, mesh, planes_by_piece, moving, threads, corners_);
+  flatten(polygons, mesh, planes_by_piece, moving, options.flatten, threads, corners_);
+}
+
+std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, std::int32_t first) {
   job_.poll();
-  std::sort(labels.touched.begin(), labels.touched.end());
+  std::vector<std::int32_t>& touched = labels_.touched;
+  std::sort(touched.begin(), touched.end());
   // What was known of a piece is out of date if it was touched once more.
-  for (std::size_t i = 1; i < labels.touched.size(); ++i)
-    if (labels.touched[i] == labels.touched[i - 1]) known_.erase(labels.touched[i]);
+  for (std::size_t i = 1; i < touched.size(); ++i)
+    if (touched[i] == touched[i - 1]) known_.erase(touched[i]);
   // A piece may have been united with another since it was touched.
-  std::erase_if(labels.touched, [&](std::int32_t l) { return labels.pieces[l].face == kNone; });
+  std::erase_if(touched, [&](std::int32_t l) { return labels.pieces[l].face == kNone; });
   const std::vector<bool> handed = settle_handovers();
-  planes.resize(labels.pieces.size());
-  diagonals.resize(labels.pieces.size());
-  std::vector<std::vector<std::int32_t>> loops(labels.touched.size());
+  planes_.resize(labels.pieces.size());
+  diagonals_.resize(labels.pieces.size());
+  std::vector<std::vector<std::int32_t>> loops(touched.size());
   labels.face_marks.clear();
+  const std::span<Piece> pieces = labels_.pieces.edit_all(touched);
+  const std::span<Plane> fitted = planes_.edit_all(touched);
   threads.blocks(static_cast<std::int32_t>(loops.size()), kFew,
                  [&](std::int32_t, std::int32_t begin, std::int32_t end) {
                    job_.poll();
                    for (std::int32_t i = begin; i < end; ++i) {
-                     const std::int32_t l = labels.touched[i];
+                     const std::int32_t l = touched[i];
                      if (const auto known = known_.find(l); known != known_.end()) {
                        loops[i] = std::move(known->second);
                        continue;
@@ -317,20 +304,20 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, std::
                        faces = labels.flood(l);
                        loops[i] = labels.loop_from(boundary_start(labels, faces));
                      }
-                     labels.pieces[l].region = region_of(l, faces);
-                     planes[l] = plane_of(mesh, faces, labels.moments);
-                     hold_by_hand(planes[l], partition, labels.pieces[l].region);
+                     pieces[l].region = region_of(l, faces);
+                     fitted[l] = plane_of(mesh, faces, labels.moments);
+                     hold_by_hand(fitted[l], partition, pieces[l].region);
                    }
                  });
   known_.clear();
   discs_.clear();
-  complex.refresh(labels.touched, std::move(loops), job_);
-  labels.touched.clear();
-  const std::vector<std::int32_t> cornered = complex.make_regular();
+  complex_.refresh(touched, std::move(loops), job_);
+  touched.clear();
+  const std::vector<std::int32_t> cornered = complex_.make_regular();
   changed.insert(changed.end(), cornered.begin(), cornered.end());
   changed.insert(changed.end(), united_.begin(), united_.end());
   united_.clear();
-  polygons.collect(complex, labels, diagonals, corners, changed);
+  collect(changed);
   sort_unique(changed);
 
   std::vector<std::int32_t> moving, near;
@@ -338,21 +325,21 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, std::
     polygons.for_each_of(
         l, [&](std::int32_t q) { moving.insert(moving.end(), polygons.of(q).begin(), polygons.of(q).end()); });
   sort_unique(moving);
-  set_radii(polygons, mesh, options.reach * mesh.diagonal(), moving, corners);
+  set_radii(polygons, mesh, options.reach * mesh.diagonal(), moving, corners_);
   // Among faces of the scan alone a corner has its place already.
   for (const std::int32_t c : moving) {
     const auto around = polygons.at(c);
     if (std::all_of(around.begin(), around.end(), [&](std::int32_t q) { return labels.is_face(polygons.piece(q)); }))
-      corners.radius[c] = 0;
+      corners_.radius.set(c, 0);
   }
   const std::vector<std::int32_t> moved = moving;
-  std::erase_if(moving, [&](std::int32_t c) { return c < static_cast<std::int32_t>(before.size()); });
+  std::erase_if(moving, [&](std::int32_t c) { return c < first; });
   for (const std::int32_t c : moved)
-    if (c < static_cast<std::int32_t>(before.size())) corners.position[c] = before[c];
+    if (c < first) corners_.position.restore(c);
   job_.poll();
-  placed += static_cast<std::int64_t>(moving.size());
-  place(polygons, mesh, planes, moving, threads, corners);
-  flatten(polygons, mesh, planes, moving, options.flatten, threads, corners);
+  placed_ += static_cast<std::int64_t>(moving.size());
+  place(polygons, mesh, planes, moving, threads, corners_);
+  flatten(polygons, mesh, planes, moving, options.flatten, threads, corners_);
   for (const std::int32_t c : moved)
     for (const std::int32_t q : polygons.at(c)) near.push_back(polygons.piece(q));
   sort_unique(near);

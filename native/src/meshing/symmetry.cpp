@@ -138,13 +138,14 @@ class Mirroring {
   void place(At at) {
     const Pairs pairs(s_);
     Moves moves(s_, findings_, job_);
-    const std::vector<Vec3>& before = moves.before();
     std::vector<std::int32_t> moved;
     for (std::int32_t c = 0; c < s_.corners.count(); ++c) {
       const std::int32_t other = pairs.of_corner(c);
       if (other < c || pairs.is_exact(c)) continue;  // none, or placed with its image
-      const Vec3 image = pairs.mirror().image(before[other]);
-      const Vec3 wanted = at == At::mean ? Vec3((before[c] + image) / 2) : at == At::first ? before[c] : image;
+      const Vec3 image = pairs.mirror().image(moves.before(other));
+      const Vec3 wanted = at == At::mean    ? Vec3((moves.before(c) + image) / 2)
+                          : at == At::first ? moves.before(c)
+                                            : image;
       if (const auto to = in_reach(c, other, wanted, pairs.mirror())) {
         put(c, other, *to, pairs.mirror());
         moved.insert(moved.end(), {c, other});
@@ -161,25 +162,21 @@ class Mirroring {
       const std::int32_t other = pairs.of_corner(c);
       if (other < c || pairs.is_exact(c)) continue;  // none, or had its turn
       job_.poll();
-      auto& position = s_.corners.position;
-      const Vec3 here = position[c], there = position[other], image = pairs.mirror().image(there);
+      const Vec3 here = s_.corners.position[c], image = pairs.mirror().image(s_.corners.position[other]);
       for (const Vec3& wanted : {Vec3((here + image) / 2), here, image}) {
         const auto to = in_reach(c, other, wanted, pairs.mirror());
         if (!to) continue;
         Moves moves(s_, findings_, job_);
         put(c, other, *to, pairs.mirror());
-        if (moves.is_sound(std::array{c, other})) break;
-        position[c] = here;
-        position[other] = there;
-        (void)moves.is_sound(std::array{c, other});
+        if (moves.keep_if_sound(std::array{c, other})) break;
       }
     }
   }
 
  private:
   void put(std::int32_t c, std::int32_t other, const Vec3& place, const Mirror& mirror) {
-    s_.corners.position[c] = place;
-    if (other != c) s_.corners.position[other] = mirror.image(place);
+    s_.move(c, place);
+    if (other != c) s_.move(other, mirror.image(place));
   }
 
   /// The place near a given one that a corner can have, and another its image, within reach of their vertices; a corner

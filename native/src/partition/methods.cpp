@@ -1,14 +1,17 @@
 #include "methods.h"
 
 #include <algorithm>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "borders/relax.h"
 #include "bound/bound.h"
+#include "density/adaptivity.h"
 #include "density/noise.h"
 #include "hierarchy/optimise.h"
 #include "isimp/core/errors.h"
+#include "isimp/core/options.h"
 #include "isimp/partition/regions.h"
 #include "make_partition.h"
 #include "parts.h"
@@ -18,7 +21,31 @@ namespace {
 
 constexpr int kSmoothSweeps = 60;  // of the borders of regions that the detail gave
 
+/// How many of the ways to choose the number of regions are taken; more than one contradict each other.
+void check_count(const Surface& surface, const PartitionOptions& options) {
+  std::string given;
+  const auto note = [&](bool is, const char* name) {
+    if (is) given += (given.empty() ? "" : " and ") + std::string(name);
+  };
+  note(options.proxies.has_value(), "proxies");
+  note(options.detail.has_value(), "detail");
+  note(options.tolerance.has_value(), "tolerance");
+  note(options.bound.has_value(), "bound");
+  if (given.find(' ') != std::string::npos)
+    throw InvalidInput(given + " are given, but each alone says how many regions there will be: give one of them");
+  if (options.proxies && (*options.proxies < 1 || *options.proxies > surface.face_count()))
+    throw InvalidInput("proxies must be in [1, " + std::to_string(surface.face_count()) + "], got " +
+                       std::to_string(*options.proxies));
+  if (options.bound && options.method != Method::hierarchy)
+    throw InvalidInput("a bound is kept by method hierarchy only");
+}
+
 }  // namespace
+
+void check(const Surface& surface, const PartitionOptions& options) {
+  check_count(surface, options);
+  check_fields(options);
+}
 
 bool needs_hierarchy(const PartitionOptions& options) {
   return options.method == Method::hierarchy ||
@@ -80,6 +107,34 @@ Partition by_detail(const Surface& surface, const DetailTree& tree, const Partit
   result.noise = tree.noise();
   result.snapped = cut.snapped;
   result.smooth = options.smooth;
+  return result;
+}
+
+Surface reweighted(const Surface& surface, const PartitionOptions& options, Job& job) {
+  return surface.weighted(adaptive_weights(surface, options.adaptivity, Threads(options.threads), job));
+}
+
+Partition on_original_weights(const Surface& surface, Partition of_reweighted, const PartitionOptions& options,
+                              Job& job) {
+  const FaceGraph& graph = surface.graph();
+  const Threads threads(options.threads);
+  Regions regions;
+  regions.label.assign(graph.faces.size(), kNone);
+  for (std::int32_t i = 0; i < graph.size(); ++i) regions.label[i] = of_reweighted.face_region[graph.mesh_face[i]];
+  regions.sum.resize(of_reweighted.region_sum.size());
+  sum_regions(graph, regions, job, threads);
+  Parts parts;
+  parts.asked = of_reweighted.proxies_asked;
+  parts.needed = of_reweighted.proxies_needed;
+  parts.left_out = of_reweighted.parts_left_out;
+  parts.area_left_out = of_reweighted.area_left_out;
+  Partition result = make_partition(surface, parts, regions, {regions.error()}, threads, job);
+  if (of_reweighted.bound > 0) {
+    result.region_normal = std::move(of_reweighted.region_normal);
+    result.region_offset = std::move(of_reweighted.region_offset);
+    restate_error(graph, result);
+  }
+  take_how_found(result, of_reweighted);
   return result;
 }
 

@@ -6,9 +6,14 @@
 #include "isimp/partition/partition.h"
 #include "isimp/partition/surface.h"
 
-/// The ways to a partition by Method::hierarchy. Each takes what it needs ready-made and options that `check` has passed;
-/// which one is taken, and what is kept from one call to the next, is decided by the Partitioner.
+/// The check of options, and the ways to a partition by Method::hierarchy or with adaptivity. Each takes what it needs
+/// ready-made and options that `check` has passed; which one is taken, and what is kept from one call to the next, is
+/// decided by the Partitioner.
 namespace isimp {
+
+/// \throws InvalidInput  an option out of its range, or two ways to choose the number of regions: the message names the
+///                       range and what was given
+void check(const Surface& surface, const PartitionOptions& options);
 
 /// Whether the method, or its seeding, begins with a hierarchy.
 bool needs_hierarchy(const PartitionOptions& options);
@@ -26,5 +31,15 @@ DetailSettings detail_settings(const Surface& surface, const PartitionOptions& o
 /// As many regions as the surface shows at a tolerance: Method::hierarchy.
 /// \param tree  with detail_settings(surface, options)
 Partition by_detail(const Surface& surface, const DetailTree& tree, const PartitionOptions& options, Job& job);
+
+/// The surface with the areas that options.adaptivity gives it: a partition of it has denser regions where the original
+/// is rough.
+/// Cost: O(F).
+Surface reweighted(const Surface& surface, const PartitionOptions& options, Job& job);
+
+/// A partition of the reweighted surface as one of the original: sums and errors are those of the original areas.
+/// Cost: O(F).
+Partition on_original_weights(const Surface& surface, Partition of_reweighted, const PartitionOptions& options,
+                              Job& job);
 
 }  // namespace isimp

@@ -50,6 +50,16 @@ void restate_error(const FaceGraph& graph, Partition& part) {
   part.history = {part.error};
 }
 
+void take_how_found(Partition& part, const Partition& before) {
+  part.bound = before.bound;
+  part.distance_max = before.distance_max;
+  part.smooth = before.smooth;
+  part.tolerance = before.tolerance;
+  part.noise = before.noise;
+  part.snapped = before.snapped;
+  part.symmetry = before.symmetry;
+}
+
 void check_is_of(const Mesh& mesh, const Partition& partition) {
   if (partition.face_region.size() != static_cast<std::size_t>(mesh.face_count()))
     throw InvalidInput("the partition has " + std::to_string(partition.face_region.size()) +
@@ -92,6 +102,32 @@ Partition partition_from(const Surface& surface, std::span<const std::int32_t> f
   Parts parts = find_parts(surface, 1, 0.0, job);
   parts.asked = count;
   return make_partition(surface, parts, regions, {regions.error()}, Threads(1), job);
+}
+
+Partition inherited(Partition part, const Partition& before) {
+  if (part.face_region.size() != before.face_region.size())
+    throw InvalidInput("one partition has " + std::to_string(part.face_region.size()) + " faces, the other " +
+                       std::to_string(before.face_region.size()));
+  std::vector<std::int32_t> parent;
+  for (const std::int32_t seed : part.region_seed) parent.push_back(before.face_region[seed]);
+  const auto take = [&](auto& values, const auto& from) {
+    if (from.empty()) return;
+    values.resize(parent.size());
+    for (std::size_t r = 0; r < parent.size(); ++r)
+      if (parent[r] >= 0) values[r] = from[parent[r]];
+  };
+  take(part.region_locked, before.region_locked);
+  take(part.region_held, before.region_held);
+  if (before.bound > 0 || !before.region_held.empty()) {
+    take(part.region_normal, before.region_normal);
+    take(part.region_offset, before.region_offset);
+  }
+  take_how_found(part, before);
+  part.proxies_asked = before.proxies_asked;
+  part.proxies_needed = before.proxies_needed;
+  part.parts_left_out = before.parts_left_out;
+  part.area_left_out = before.area_left_out;
+  return part;
 }
 
 }  // namespace isimp

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "find_edge.h"
+#include "isimp/mesh/find_edge.h"
 #include "isimp/simplify/constraints.h"
 
 namespace isimp {

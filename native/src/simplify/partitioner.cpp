@@ -8,14 +8,12 @@
 #include <utility>
 #include <vector>
 
-#include "check_options.h"
-#include "density/reweighted.h"
 #include "hierarchy/detail_tree.h"
 #include "hierarchy/hierarchy.h"
-#include "inherited.h"
 #include "isimp/core/errors.h"
 #include "isimp/simplify/mirror.h"
 #include "isimp/thesis/thesis.h"
+#include "make_partition.h"
 #include "methods.h"
 #include "symmetric.h"
 

@@ -12,9 +12,9 @@
 #include "borders/relax.h"
 #include "closest_faces.h"
 #include "density/noise.h"
-#include "inherited.h"
 #include "isimp/core/threads.h"
 #include "isimp/simplify/mirror.h"
+#include "make_partition.h"
 #include "parts.h"
 
 namespace isimp {

@@ -230,7 +230,8 @@ class Planarizer {
         places_.reach[c] = go + 1 < kTries ? 0.6 * (to[i] - places_.start[c]).norm() : 0;
         to[i] = meet_at(c, units_, around_, places_, kept_);
       }
-      at_[c] = s_.corners.position[c] = to[i];
+      at_[c] = to[i];
+      s_.move(c, to[i]);
       is_moving_[c] = false;
       for (const auto& [u, place] : around_.of(c)) ask_unit(u);
     }
@@ -276,10 +277,10 @@ class Planarizer {
       for (std::int32_t u = first_[l]; u < first_[l + 1]; ++u)
         for (const auto& [a, b] : cuts_[u]) diagonals.push_back({s_.corners.vertex[a], s_.corners.vertex[b]});
       if (diagonals == s_.diagonals[l]) continue;
-      s_.diagonals[l] = std::move(diagonals);
+      s_.set_diagonals(l, std::move(diagonals));
       changed.push_back(l);
     }
-    s_.polygons.collect(s_.complex, s_.labels, s_.diagonals, s_.corners, changed);
+    s_.collect(changed);
     f_.judge(judged_);
   }
 
@@ -452,7 +453,7 @@ class Planarizer {
   std::vector<Unit> units_;  // in the order of their pieces
   Places places_;
   const Around around_;
-  const Diagonals diagonals_;  // as they were
+  const std::vector<std::vector<std::array<std::int32_t, 2>>> diagonals_;  // as they were
   Edges edges_;
   std::vector<std::vector<Edge>> own_;         // by unit
   std::vector<std::int32_t> first_;            // by piece: its first unit

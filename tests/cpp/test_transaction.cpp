@@ -1,0 +1,355 @@
+// What is taken back of a state of meshing is as it was, bit by bit, whatever was done.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "diagonal.h"
+#include "labelled.h"
+#include "shapes.h"
+#include "transaction.h"
+
+namespace isimp::meshing {
+namespace {
+
+/// FNV-1a of values, one after the other.
+class Digest {
+ public:
+  void add(std::uint64_t value) {
+    for (int byte = 0; byte < 8; ++byte) sum_ = (sum_ ^ ((value >> (8 * byte)) & 0xff)) * 0x100000001b3;
+  }
+  void add(std::int32_t value) { add(std::uint64_t{static_cast<std::uint32_t>(value)}); }
+  void add(std::uint8_t value) { add(std::uint64_t{value}); }
+  void add(double value) { add(std::bit_cast<std::uint64_t>(value)); }
+  void add(const Piece& p) {
+    add(p.face);
+    add(p.region);
+    add(static_cast<std::uint8_t>(p.cause));
+  }
+  void add(const Vec3& p) {
+    for (int k = 0; k < 3; ++k) add(p[k]);
+  }
+  void add(const Plane& p) {
+    add(p.normal);
+    add(p.centre);
+    for (int k = 0; k < 9; ++k) add(p.spread(k / 3, k % 3));
+    add(p.area);
+    add(p.projected);
+    add(std::uint8_t{static_cast<std::uint8_t>(p.held + 2 * p.snapped)});
+  }
+  template <class T>
+  void add(const std::vector<T>& values) {
+    add(std::uint64_t{values.size()});
+    for (const T& value : values) add(value);
+  }
+  template <std::size_t n>
+  void add(const std::array<std::int32_t, n>& values) {
+    for (const std::int32_t value : values) add(value);
+  }
+  /// The private ones of Polygons: whole numbers without gaps.
+  template <class T>
+  void add(const T& value) {
+    static_assert(std::has_unique_object_representations_v<T> && sizeof(T) % sizeof(std::int32_t) == 0);
+    std::array<std::int32_t, sizeof(T) / sizeof(std::int32_t)> words;
+    std::memcpy(words.data(), &value, sizeof(T));
+    add(words);
+  }
+  [[nodiscard]] std::uint64_t sum() const { return sum_; }
+
+ private:
+  std::uint64_t sum_ = 0xcbf29ce484222325;
+};
+
+/// One for each array.
+std::vector<std::uint64_t> digests(const State& state) {
+  std::vector<std::uint64_t> all;
+  state.for_each_array([&](const auto& array) {
+    Digest d;
+    for (const auto& value : array) d.add(value);
+    d.add(std::uint64_t{array.size()});
+    all.push_back(d.sum());
+  });
+  return all;
+}
+
+/// How many places of arrays a transaction has kept so far, and how many there are.
+std::pair<std::size_t, std::size_t> written(const State& state) {
+  std::pair<std::size_t, std::size_t> places{0, 0};
+  state.for_each_array([&](const auto& array) {
+    places.first += array.written().size();
+    places.second += array.size();
+  });
+  return places;
+}
+
+/// Does to a state whatever can be done to it, by chance.
+class Hands {
+ public:
+  Hands(State& state, Job& job, unsigned seed) : s_(state), job_(job), random_(seed) {}
+
+  /// \param transaction  the one that is open, if one is
+  void act(Transaction* transaction = nullptr) {
+    const std::int32_t l = piece();
+    std::vector<std::int32_t> changed;
+    switch (below(9)) {
+      case 0:
+        s_.labels.face_marks.clear();
+        s_.split(l, s_.find_cut(l, nullptr), job_);
+        break;
+      case 1:
+      case 2:
+        unite(l);
+        break;
+      case 3:
+        if (s_.labels.faces_of(l).size() < 12 && s_.shatter(l)) changed.push_back(l);
+        break;
+      case 4:
+        s_.bend(one_of(s_.complex.chords(l)));
+        break;
+      case 5:
+        toggle_corner(s_.mesh.from(one_of(s_.complex.loop(l))));
+        break;
+      case 6:
+        add_diagonal(l);
+        changed.push_back(l);
+        break;
+      case 7:
+        s_.set_pull(one_of(s_.polygons.of(s_.polygons.first_of(l))), 0.25 * below(4));
+        changed.push_back(l);
+        break;
+      default: {
+        const std::int32_t c = one_of(s_.polygons.of(s_.polygons.first_of(l)));
+        s_.move(c, s_.corners.position[c] + Vec3(0.01, 0.02, -0.01));
+        return;
+      }
+    }
+    if (transaction && below(2) == 0)
+      transaction->update_back(std::move(changed));
+    else
+      s_.update(std::move(changed));
+  }
+
+  std::int32_t below(std::int32_t n) { return static_cast<std::int32_t>(random_() % static_cast<unsigned>(n)); }
+
+ private:
+  std::int32_t piece() {
+    while (true)
+      if (const std::int32_t l = below(s_.labels.piece_count()); s_.labels.pieces[l].face != kNone) return l;
+  }
+  std::int32_t one_of(std::span<const std::int32_t> some) {
+    return some[below(static_cast<std::int32_t>(some.size()))];
+  }
+
+  void unite(std::int32_t kept) {
+    const std::vector<std::int32_t> beside = s_.neighbours(kept);
+    if (beside.empty()) return;
+    const std::int32_t gone = one_of(beside);
+    const std::vector<std::int32_t> loop = s_.loop_together(kept, gone);
+    if (!loop.empty() && loop.size() > 3) s_.unite(kept, gone, loop);
+  }
+  void toggle_corner(std::int32_t v) {
+    if (s_.complex.is_corner(v))
+      s_.drop_corner(v);
+    else
+      s_.add_corner(v);
+  }
+  void add_diagonal(std::int32_t l) {
+    const std::array<std::int32_t, 2> d = best_diagonal(s_, s_.polygons.first_of(l), s_.planes[l].normal);
+    if (d[0] == kNone) return;
+    std::vector<std::array<std::int32_t, 2>> all = s_.diagonals[l];
+    all.push_back(d);
+    s_.set_diagonals(l, all);
+  }
+
+  State& s_;
+  Job& job_;
+  std::mt19937 random_;
+};
+
+struct Case {
+  std::string name;
+  Mesh mesh;
+  Partition part;
+};
+
+std::vector<Case> cases() {
+  std::vector<Case> all;
+  const auto add = [&](const std::string& name, const shapes::Arrays& arrays, int regions) {
+    const Mesh mesh = shapes::mesh(arrays);
+    all.push_back({name, mesh, regions > 0 ? labelled::voronoi(mesh, regions, 3) : labelled::planes(mesh)});
+  };
+  add("sphere", shapes::noisy(shapes::sphere(4), 0.01, 1), 40);
+  add("torus", shapes::noisy(shapes::torus(40, 20), 0.005, 2), 12);
+  add("square", shapes::noisy(shapes::plane(16), 0.01, 3), 10);
+  add("plate", shapes::perforated(12, 12, 0.1, [](int x, int y) { return x % 3 == 1 && y % 3 == 1; }), 0);
+  return all;
+}
+
+class Transactions : public testing::TestWithParam<unsigned> {};
+
+TEST_P(Transactions, LeaveWhatWasBehindWhenTheyAreRolledBack) {
+  const MeshingOptions options{.threads = 1};
+  for (const Case& c : cases()) {
+    SCOPED_TRACE(c.name);
+    Job job;
+    State state(c.mesh, c.part, options, job);
+    state.update({});
+    Hands hands(state, job, GetParam());
+    for (int round = 0; round < 6; ++round) {
+      Transaction transaction(state);
+      const std::vector<std::uint64_t> before = digests(state);
+      for (int i = 0; i < 12; ++i) hands.act(&transaction);
+      EXPECT_NE(digests(state), before);
+      transaction.rollback();
+      EXPECT_EQ(digests(state), before);
+      hands.act();  // what follows begins elsewhere
+      state.update({});
+    }
+  }
+}
+
+TEST_P(Transactions, LeaveNothingBehindThatShowsLater) {
+  const MeshingOptions options{.threads = 1};
+  for (const Case& c : cases()) {
+    SCOPED_TRACE(c.name);
+    Job job;
+    State plain(c.mesh, c.part, options, job), tried(c.mesh, c.part, options, job);
+    plain.update({});
+    tried.update({});
+    {
+      Transaction transaction(tried);  // rolls back as it is not committed
+      Hands hands(tried, job, GetParam() + 100);
+      for (int i = 0; i < 15; ++i) hands.act(&transaction);
+    }
+    Hands one(plain, job, GetParam()), other(tried, job, GetParam());
+    for (int i = 0; i < 15; ++i) {
+      one.act();
+      other.act();
+      ASSERT_EQ(digests(plain), digests(tried)) << "after act " << i;
+    }
+  }
+}
+
+TEST_P(Transactions, ThatAreCommittedChangeWhatTheyWouldHaveWithout) {
+  const MeshingOptions options{.threads = 1};
+  for (const Case& c : cases()) {
+    SCOPED_TRACE(c.name);
+    Job job;
+    State plain(c.mesh, c.part, options, job), kept(c.mesh, c.part, options, job);
+    plain.update({});
+    kept.update({});
+    Hands one(plain, job, GetParam()), other(kept, job, GetParam());
+    for (int i = 0; i < 15; ++i) one.act();
+    Transaction transaction(kept);
+    for (int i = 0; i < 15; ++i) other.act();
+    transaction.commit();
+    EXPECT_EQ(digests(plain), digests(kept));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, Transactions, testing::Range(1U, 9U));
+
+TEST(Transaction, KeepsOnlyWhatAUnionChanges) {
+  const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(6), 0.005, 1));
+  const Partition part = labelled::voronoi(mesh, 400, 3);
+  const MeshingOptions options{.threads = 1};
+  Job job;
+  State state(mesh, part, options, job);
+  state.update({});
+  Transaction transaction(state);
+  const std::size_t faces = state.labels.faces_of(1).size();
+  const std::int32_t kept = state.neighbours(1).front();
+  state.unite(kept, 1, state.loop_together(kept, 1));
+  EXPECT_EQ(state.labels.label.written().size(), faces);
+  EXPECT_EQ(state.labels.pieces.written(), std::vector<std::int32_t>{1});
+  state.update({});
+  const auto [places, all] = written(state);
+  EXPECT_GT(places, faces);
+  EXPECT_LT(places, all / 100);
+}
+
+TEST(Transaction, TakesBackOneUnionAndLeavesAnother) {
+  const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(5), 0.005, 1));
+  const Partition part = labelled::voronoi(mesh, 60, 3);
+  const MeshingOptions options{.threads = 1};
+  Job job;
+  State state(mesh, part, options, job);
+  state.update({});
+  const auto find_union = [&](std::int32_t from, const std::vector<std::int32_t>& busy) {
+    for (std::int32_t kept = from; kept < state.labels.piece_count(); ++kept)
+      for (const std::int32_t gone : state.neighbours(kept)) {
+        std::vector<std::int32_t> zone{kept, gone};
+        state.add_neighbours(zone);
+        const bool is_far = std::none_of(zone.begin(), zone.end(), [&](std::int32_t l) {
+          return std::find(busy.begin(), busy.end(), l) != busy.end();
+        });
+        if (is_far && !state.loop_together(kept, gone).empty()) return std::array{kept, gone};
+      }
+    return std::array{kNone, kNone};
+  };
+  const auto [a, b] = find_union(0, {});
+  std::vector<std::int32_t> busy{a, b};
+  state.add_neighbours(busy);
+  state.add_neighbours(busy);
+  const auto [c, d] = find_union(0, busy);
+  ASSERT_NE(d, kNone);
+  const std::vector<std::int32_t> labels = state.labels.label;
+  const Plane plane = state.planes[c];
+  const std::vector<std::int32_t> chords(state.complex.chords(d).begin(), state.complex.chords(d).end());
+  const std::vector<Vec3> places = state.corners.position;
+  Transaction transaction(state);
+  state.unite(a, b, state.loop_together(a, b));
+  state.unite(c, d, state.loop_together(c, d));
+  state.update({});
+  transaction.part_again(c, d);
+  transaction.update_back({c});
+  EXPECT_EQ(state.polygons.count_of(b), 0);
+  EXPECT_EQ(state.polygons.count_of(d), 1);
+  EXPECT_EQ(state.planes[c].normal, plane.normal);
+  EXPECT_EQ(std::vector<std::int32_t>(state.complex.chords(d).begin(), state.complex.chords(d).end()), chords);
+  for (std::size_t f = 0; f < labels.size(); ++f) EXPECT_EQ(state.labels.label[f], labels[f] == b ? a : labels[f]);
+  for (const std::int32_t corner : state.polygons.of(state.polygons.first_of(d)))
+    EXPECT_EQ(state.corners.position[corner], places[corner]);
+  transaction.commit();
+}
+
+TEST(Logged, IsWhatItWasAfterAnyWrites) {
+  std::mt19937 random(7);
+  for (int round = 0; round < 200; ++round) {
+    Logged<std::vector<int>> array(random() % 9, {1});
+    for (std::size_t i = 0; i < array.size(); ++i) array.edit(i).push_back(static_cast<int>(i));
+    for (int go = 0; go < 3; ++go) {
+      const std::vector<std::vector<int>> before = array;
+      array.begin_transaction();
+      for (int act = 0; act < 12; ++act) {
+        const int what = static_cast<int>(random() % 5);
+        const std::size_t i = array.empty() ? 0 : random() % array.size();
+        if (what == 0) {
+          array.push_back({act});
+        } else if (what == 1) {
+          array.resize(random() % 12);
+        } else if (!array.empty() && what == 2) {
+          array.edit(i).push_back(act);
+        } else if (!array.empty() && what == 3) {
+          array.set(i, {act, act});
+        } else if (!array.empty()) {
+          array.pop_back();
+        }
+      }
+      for (std::size_t i = 0; i < std::min(before.size(), array.size()); ++i) {
+        EXPECT_EQ(array.before(i), before[i]);
+        if (random() % 2 == 0) array.restore(i);
+      }
+      array.rollback();
+      EXPECT_EQ(array, before);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace isimp::meshing
