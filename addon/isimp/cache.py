@@ -8,10 +8,10 @@ from typing import Any
 
 
 class Cache:
-    """The values used last, as many as fit into `budget` bytes; the newest one always does."""
+    """The values used last, as many as fit into `budget` bytes; the newest `least` always do."""
 
-    def __init__(self, budget: int):
-        self._budget, self._size = budget, 0
+    def __init__(self, budget: int, least: int = 1):
+        self._budget, self._least, self._size = budget, least, 0
         self._items: OrderedDict[Hashable, tuple[Any, int]] = OrderedDict()
 
     def get(self, key: Hashable) -> Any:
@@ -25,7 +25,7 @@ class Cache:
             self._size -= self._items.pop(key)[1]
         self._items[key] = (value, size)
         self._size += size
-        while self._size > self._budget and len(self._items) > 1:
+        while self._size > self._budget and len(self._items) > self._least:
             self._size -= self._items.popitem(last=False)[1][1]
 
     def __len__(self) -> int:

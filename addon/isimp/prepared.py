@@ -36,7 +36,8 @@ class Prepared:
     face_triangle: np.ndarray  #: (face_count,) the largest face of the mesh in each user's face, -1 if none is left
     layers: dict = field(default_factory=dict, kw_only=True)  #: of the scan as it is now
     closing: Closing = field(default=NONE_CLOSED, kw_only=True)  #: how its openings were closed
-    areas: np.ndarray | None  #: (F',) where a user's face has more than one triangle; None where each has one
+    shared: np.ndarray  #: (K,) faces of the mesh that are of one user's face together with others, rising
+    areas: np.ndarray  #: (K,) of these; 0 of covers
 
     @property
     def face_pairs(self) -> np.ndarray:
@@ -54,13 +55,14 @@ def prepared_of(scan: Scan, mesh) -> Prepared:
     face_triangle = np.full(scan.face_count, -1, np.int32)
     triangle = np.arange(len(mesh_face), dtype=np.int32)
     face_triangle[mesh_face] = triangle
-    if len(scan.triangles) == scan.face_count and np.array_equal(face_triangle[mesh_face], triangle):
-        return Prepared(scan, mesh, mesh_face, face_triangle, None)
-    areas = face_areas(mesh)
-    areas[covers] = 0  # they are no part of the user's face, and do not tell its region
-    order = np.argsort(areas, kind="stable")
+    is_shared = np.zeros(scan.face_count, bool)
+    is_shared[mesh_face[face_triangle[mesh_face] != triangle]] = True
+    shared = np.flatnonzero(is_shared[mesh_face])
+    areas = face_areas(mesh, shared)
+    areas[np.isin(shared, covers)] = 0  # they are no part of the user's face, and do not tell its region
+    order = shared[np.argsort(areas, kind="stable")]
     face_triangle[mesh_face[order]] = order  # the last one written is the largest
-    return Prepared(scan, mesh, mesh_face, face_triangle, areas)
+    return Prepared(scan, mesh, mesh_face, face_triangle, shared, areas)
 
 
 def _faces_beside(triangles: np.ndarray, mesh_face: np.ndarray, covers: np.ndarray) -> np.ndarray:
@@ -86,8 +88,9 @@ def _faces_beside(triangles: np.ndarray, mesh_face: np.ndarray, covers: np.ndarr
     return result[covers]
 
 
-def face_areas(mesh) -> np.ndarray:
-    a, b, c = (mesh.vertices[mesh.triangles[:, k]] for k in range(3))
+def face_areas(mesh, faces: np.ndarray) -> np.ndarray:
+    triangles = np.asarray(mesh.triangles)[faces]
+    a, b, c = (np.asarray(mesh.vertices)[triangles[:, k]] for k in range(3))
     return 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
 
 
@@ -125,17 +128,19 @@ def with_split_faces(prepared: Prepared, partition, faces: np.ndarray, home: np.
     A face is joined to a region at triangles only: made one, such a face joins what is beside it. Those with a locked
     triangle are left out. faces, home: (F,) bool.
     """
-    if prepared.areas is None:  # all triangles
+    if len(prepared.shared) == 0:  # all triangles
         return faces
-    label, count = np.asarray(partition.face_region), prepared.scan.face_count
-    low, high = np.full(count, partition.region_count), np.full(count, -1)
-    np.minimum.at(low, prepared.mesh_face, label)
-    np.maximum.at(high, prepared.mesh_face, label)
-    free = np.ones(count, bool)
-    free[prepared.mesh_face[(label >= 0) & np.append(partition.region_locked, False)[label]]] = False
+    count, face = prepared.scan.face_count, prepared.mesh_face[prepared.shared]
+    label = np.asarray(partition.face_region)[prepared.shared]
+    split = np.zeros(count, bool)
+    one = np.zeros(count, label.dtype)
+    one[face] = label
+    split[face[one[face] != label]] = True
+    split[face[label < 0]] = False
+    split[face[(label >= 0) & np.append(partition.region_locked, False)[label]]] = False
     beside = np.zeros(count, bool)
     beside[pairs[faces[pairs].any(axis=1)].ravel()] = True
-    return faces | (beside & home & (low != high) & (low >= 0) & free)
+    return faces | (beside & home & split)
 
 
 def face_regions(prepared: Prepared, partition) -> np.ndarray:
@@ -146,18 +151,22 @@ def face_regions(prepared: Prepared, partition) -> np.ndarray:
     """
     label = np.asarray(partition.face_region)
     region = np.full(prepared.scan.face_count, -1, np.int32)
-    if prepared.areas is None:
-        for block in blocks(len(label)):
-            region[prepared.mesh_face[block]] = label[block]
+    for block in blocks(len(label)):
+        region[prepared.mesh_face[block]] = label[block]
+    if len(prepared.shared) == 0:
         return region
+    face, label = prepared.mesh_face[prepared.shared], label[prepared.shared]
+    region[face] = -1
     inside = label >= 0
-    key = prepared.mesh_face[inside].astype(np.int64) * partition.region_count + label[inside]
+    key = face[inside].astype(np.int64) * partition.region_count + label[inside]
     keys, where = np.unique(key, return_inverse=True)
     area = np.bincount(where, prepared.areas[inside])
     order = np.lexsort((-keys, area))  # by area, of equal areas the lowest region last
     region[keys[order] // partition.region_count] = keys[order] % partition.region_count
     seed_face = prepared.mesh_face[np.asarray(partition.region_seed)]
-    lost = np.setdiff1d(np.arange(partition.region_count), region)
+    has_face = np.zeros(partition.region_count + 1, bool)  # the last one for faces without region
+    has_face[region] = True
+    lost = np.flatnonzero(~has_face[:-1])
     region[seed_face[lost]] = lost
     return region
 
