@@ -28,7 +28,7 @@ TEST(SurfaceSize, NeitherTurnsNorMoves) {
 TEST(Noise, IsFoundOnPlanesAndCurvedSurfaces) {
   Job job;
   const auto ratio = [&](const shapes::Arrays& shape, double sigma) {
-    return estimate_noise(shapes::mesh(shapes::noisy(shape, sigma, 5)), job) / sigma;
+    return estimate_noise(shapes::mesh(shapes::noisy(shape, sigma, 5)), Threads(2), job) / sigma;
   };
   for (const double sigma : {0.001, 0.004}) {
     EXPECT_NEAR(ratio(shapes::plane(60), sigma), 1.0, 0.1);
@@ -41,7 +41,7 @@ TEST(Noise, ASampleTellsWhetherThereIsEnough) {
   Job job;
   for (const double sigma : {0.0, 0.0005, 0.004, 0.05}) {
     const Mesh mesh = shapes::mesh(shapes::noisy(shapes::plane(240), sigma, 5));  // 57,600 vertices
-    const double noise = estimate_noise(mesh, job);
+    const double noise = estimate_noise(mesh, Threads(2), job);
     for (const double share : {0.1, 0.9, 0.999, 1.001, 1.1, 10.0})
       EXPECT_EQ(is_noisier(mesh, share * std::max(noise, 1e-6), job), noise > share * std::max(noise, 1e-6)) << sigma;
   }
@@ -49,8 +49,8 @@ TEST(Noise, ASampleTellsWhetherThereIsEnough) {
 
 TEST(Noise, OfASmoothSurfaceIsNone) {
   Job job;
-  EXPECT_LT(estimate_noise(shapes::mesh(shapes::sphere(5)), job), 1e-4);
-  EXPECT_EQ(estimate_noise(shapes::mesh(shapes::plane(9)), job), 0.0);
+  EXPECT_LT(estimate_noise(shapes::mesh(shapes::sphere(5)), Threads(2), job), 1e-4);
+  EXPECT_EQ(estimate_noise(shapes::mesh(shapes::plane(9)), Threads(2), job), 0.0);
 }
 
 /// A lump of few triangles of all shapes, as modellers draw and decimation leaves.
@@ -68,19 +68,20 @@ TEST(Noise, OfACoarseCurvedMeshIsMostlyTakenForShape) {
   Job job;
   for (const std::uint32_t seed : {1U, 2U, 3U}) {
     const Mesh mesh = shapes::mesh(coarse(3, seed));
-    EXPECT_LT(estimate_noise(mesh, job), 0.03 * mean_edge(mesh)) << seed;
+    EXPECT_LT(estimate_noise(mesh, Threads(2), job), 0.03 * mean_edge(mesh)) << seed;
   }
 }
 
 TEST(Noise, OfACoarseNoisyScanIsNoise) {
   Job job;
   for (const double sigma : {0.01, 0.02})
-    EXPECT_NEAR(estimate_noise(shapes::mesh(shapes::noisy(shapes::cube(12), sigma, 5)), job) / sigma, 1.0, 0.35);
+    EXPECT_NEAR(estimate_noise(shapes::mesh(shapes::noisy(shapes::cube(12), sigma, 5)), Threads(2), job) / sigma, 1.0,
+                0.35);
 }
 
 TEST(Noise, OfTwelveTrianglesIsTakenForShape) {
   Job job;
-  EXPECT_EQ(estimate_noise(shapes::mesh(shapes::cube(1)), job), 0.0);
+  EXPECT_EQ(estimate_noise(shapes::mesh(shapes::cube(1)), Threads(2), job), 0.0);
 }
 
 TEST(NormalFilter, TakesNoiseAwayAndLeavesCreases) {
@@ -88,7 +89,7 @@ TEST(NormalFilter, TakesNoiseAwayAndLeavesCreases) {
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::cube(20), 0.005, 3));
   FaceGraph graph = mesh.graph();
   const double bend = median_bend(graph);
-  graph.faces = filtered_faces(graph, 8, filter_range(bend), job);
+  graph.faces = filtered_faces(graph, 8, filter_range(bend), Threads(2), job);
   EXPECT_LT(median_bend(graph), bend / 5);
   // Every face of the cube looks along an axis again, also those beside its edges.
   for (std::int32_t i = 0; i < graph.size(); ++i) {

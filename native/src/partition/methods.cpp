@@ -74,7 +74,7 @@ Partition by_bound(const Surface& surface, const PartitionOptions& options, Job&
   Partition result = make_partition(surface, parts, bounded.regions, {bounded.regions.error()}, threads, job);
   result.proxies_asked = result.region_count();
   result.bound = *options.bound;
-  result.noise = options.noise ? *options.noise : estimate_noise(surface.mesh(), job);
+  result.noise = options.noise ? *options.noise : estimate_noise(surface.mesh(), Threads(options.threads), job);
   for (std::size_t r = 0; r < bounded.slab.size(); ++r) {
     const Slab& slab = bounded.slab[r];
     result.region_normal[r] = slab.normal;

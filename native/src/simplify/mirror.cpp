@@ -262,7 +262,7 @@ std::optional<Mirror> find_mirror(const Mesh& mesh, Symmetry wanted, double allo
 }
 
 double mirror_allowance(const Mesh& mesh, const PartitionOptions& options, Job& job) {
-  const double noise = options.noise ? *options.noise : estimate_noise(mesh, job);
+  const double noise = options.noise ? *options.noise : estimate_noise(mesh, Threads(options.threads), job);
   const double size = options.proxies     ? kOfRegion * std::sqrt(mesh.graph().area / *options.proxies)
                       : options.tolerance ? *options.tolerance
                                           : options.detail.value_or(kDefaultDetail) * surface_size(mesh);

@@ -276,7 +276,7 @@ Partition Partitioner::found_by_detail(const Surface& surface, Kept kept, const 
   if (!kept.tree || kept.tree->settings() != settings) {
     done = 0.8;
     const Job::Part stage(job, "merging", 0.0, done);
-    kept.tree = std::make_shared<const DetailTree>(surface, settings, job);
+    kept.tree = std::make_shared<const DetailTree>(surface, settings, job, options.threads);
     keep(kept);
   }
   const Job::Part stage(job, "relaxing", done, 1.0);

@@ -71,7 +71,7 @@ Extent measure(const Mesh& mesh, Job& job) {
     result.spread = std::max(0.0, squares / result.area - first.squaredNorm());
   }
   result.centre = mesh.origin() + near + first;
-  result.noise = estimate_noise(mesh, job);
+  result.noise = estimate_noise(mesh, Threads(1), job);
   return result;
 }
 

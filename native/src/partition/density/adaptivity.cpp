@@ -29,7 +29,8 @@ struct Field {
 
 Field faces_of(const FaceGraph& faces, Job& job) {
   Field field;
-  const Array<FaceRecord> filtered = filtered_faces(faces, kFilterPasses, filter_range(median_bend(faces)), job);
+  const Array<FaceRecord> filtered =
+      filtered_faces(faces, kFilterPasses, filter_range(median_bend(faces)), Threads(1), job);
   const std::int32_t n = faces.size();
   field.graph.sum.resize(static_cast<std::size_t>(n));
   field.graph.first.assign(1, 0);

@@ -15,9 +15,8 @@ constexpr double kTwiceUmbrella = 1.359;    // deviation of what is left of such
 constexpr double kMostNoise = 0.5;          // of an edge's length
 constexpr std::size_t kFewest = 250;        // vertices; a mesh of fewer is no scan
 constexpr std::int32_t kPollEvery = 0xffff;
-constexpr std::int32_t kSample = 20000;    // vertices that tell whether there is noise ...
-constexpr std::size_t kPollSample = 1024;  // ... with a poll every so many ...
-constexpr double kClear = 2;               // ... where the answer is clear by this factor
+constexpr std::int32_t kSample = 20000;  // vertices that tell whether there is noise ...
+constexpr double kClear = 2;             // ... where the answer is clear by this factor
 
 // Of white noise the operator leaves 1.26 times as much the second time as the first. Where it leaves less, the mesh is a
 // coarse one of a curved shape; where more, of a shape with creases between flat parts.
@@ -29,29 +28,7 @@ struct Ring {
   std::int32_t count = 0;
 };
 
-/// Subtracts from each vector the mean over the vertices that half-edges lead to.
-std::vector<Vec3> umbrella(const Mesh& mesh, std::span<const Vec3> values, Job& job) {
-  std::vector<Ring> rings(values.size());
-  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    if ((f & kPollEvery) == 0) job.poll();
-    for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h) {
-      Ring& ring = rings[mesh.from(h)];
-      ring.sum += values[mesh.to(h)];
-      ++ring.count;
-    }
-  }
-  std::vector<Vec3> result(values.size(), Vec3::Zero());
-  for (std::size_t v = 0; v < values.size(); ++v) {
-    if ((v & kPollEvery) == 0) job.poll();
-    if (rings[v].count > 0) result[v] = values[v] - rings[v].sum / rings[v].count;
-  }
-  return result;
-}
-
-/// From 0 to 1 on the way from a to b.
-double ramp(double x, double a, double b) { return std::clamp((x - a) / (b - a), 0.0, 1.0); }
-
-/// The same at one vertex, of values that a function gives.
+/// The value at a vertex that is in use, less the mean over the vertices that half-edges lead to from it.
 template <class Value>
 Vec3 umbrella_at(const Mesh& mesh, std::int32_t v, const Value& value) {
   Ring ring;
@@ -79,17 +56,40 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
-/// The median of the lengths along the normals, of the vertices away from borders; 0 for too few.
-double median_along(const Mesh& mesh, std::span<const Vec3> values, std::span<const Vec3> normals, Job& job) {
-  std::vector<double> left;
-  left.reserve(values.size());
-  for (std::size_t v = 0; v < values.size(); ++v) {
-    if ((v & kPollEvery) == 0) job.poll();
-    const double length = normals[v].norm();
-    if (!is_inner(mesh, v) || !(length > 0)) continue;
-    left.push_back(std::abs(values[v].dot(normals[v])) / length);
+/// From 0 to 1 on the way from a to b.
+double ramp(double x, double a, double b) { return std::clamp((x - a) / (b - a), 0.0, 1.0); }
+
+/// The sum of the vector areas of the faces round a vertex.
+Vec3 normal_at(const Mesh& mesh, std::int32_t v) {
+  const auto vertices = mesh.vertices();
+  Vec3 normal = Vec3::Zero();
+  const std::int32_t start = mesh.vertex_halfedge()[v];
+  for (std::int32_t h = start; h != kNone;) {
+    const Vec3 &a = vertices[v], &b = vertices[mesh.to(h)], &c = vertices[mesh.from(Mesh::prev(h))];
+    normal += (b - a).cross(c - a);
+    h = mesh.next_outgoing(h);
+    if (h == start) break;
   }
-  return median_of(std::move(left));
+  return normal;
+}
+
+/// The median of the lengths along the normals, of every step-th vertex if it is away from borders; 0 for too few.
+/// \param value  value(v) for a vertex
+template <class Value>
+double median_along(const Mesh& mesh, std::int32_t step, const Value& value, const Threads& threads, Job& job) {
+  constexpr double kOut = -1;
+  std::vector<double> lengths(static_cast<std::size_t>((mesh.vertex_count() - 1) / step + 1), kOut);
+  threads.run(static_cast<std::int32_t>(lengths.size()), [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+    for (std::int32_t i = begin; i < end; ++i) {
+      if ((i & kPollEvery) == 0) job.poll();
+      const std::int32_t v = i * step;
+      if (!is_inner(mesh, v)) continue;
+      const Vec3 normal = normal_at(mesh, v);
+      if (const double length = normal.norm(); length > 0) lengths[i] = std::abs(value(v).dot(normal)) / length;
+    }
+  });
+  std::erase(lengths, kOut);
+  return median_of(std::move(lengths));
 }
 
 /// The noise, from what the operator leaves of some vertices in the median when it is applied twice; before the doubt
@@ -119,52 +119,41 @@ double surface_size(const Mesh& mesh) {
 
 double mean_edge(const Mesh& mesh) { return std::sqrt(mesh.graph().area / mesh.face_count() * 4 / std::sqrt(3.0)); }
 
-double estimate_noise(const Mesh& mesh, Job& job) {
+double estimate_noise(const Mesh& mesh, const Threads& threads, Job& job) {
   const auto vertices = mesh.vertices();
-  const std::vector<Vec3> once = umbrella(mesh, vertices, job), twice = umbrella(mesh, once, job);
-  std::vector<Vec3> normals(vertices.size(), Vec3::Zero());
-  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    if ((f & kPollEvery) == 0) job.poll();
-    const Triangle& t = mesh.triangles()[f];
-    const Vec3 cross = (vertices[t[1]] - vertices[t[0]]).cross(vertices[t[2]] - vertices[t[0]]);
-    for (const std::int32_t v : t) normals[v] += cross;
-  }
-  const double of_twice = median_along(mesh, twice, normals, job);
+  const auto place = [&](std::int32_t v) { return vertices[v]; };
+  std::vector<Vec3> once(vertices.size(), Vec3::Zero());
+  threads.run(mesh.vertex_count(), [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+    for (std::int32_t v = begin; v < end; ++v) {
+      if ((v & kPollEvery) == 0) job.poll();
+      if (mesh.vertex_halfedge()[v] != kNone) once[v] = umbrella_at(mesh, v, place);
+    }
+  });
+  const auto of_once = [&](std::int32_t v) { return once[v]; };
+  const auto twice = [&](std::int32_t v) { return umbrella_at(mesh, v, of_once); };
+  const double of_twice = median_along(mesh, 1, twice, threads, job);
   const double edge = mean_edge(mesh), noise = plain_noise(of_twice, edge);
   job.poll();
   if (noise == 0) return 0.0;
   const double doubt = ramp(noise, kFelt * edge, kStrong * edge);
   if (doubt == 0) return noise;
-  const double ratio = of_twice / std::max(median_along(mesh, once, normals, job), 1e-300);
+  const double ratio = of_twice / std::max(median_along(mesh, 1, of_once, threads, job), 1e-300);
   const double trust = ramp(ratio, kShape, kNoise) * (1 - ramp(ratio, kNoiseToo, kShapeToo));
   return noise * (1 - doubt * (1 - trust));
 }
 
 bool is_noisier(const Mesh& mesh, double least, Job& job) {
-  const std::int32_t step = mesh.vertex_count() / kSample;
-  if (step > 1) {
+  const Threads threads(1);
+  if (const std::int32_t step = mesh.vertex_count() / kSample; step > 1) {
     const auto vertices = mesh.vertices();
-    const auto once = [&](std::int32_t v) { return umbrella_at(mesh, v, [&](std::int32_t w) { return vertices[w]; }); };
-    std::vector<double> left;
-    for (std::int32_t v = 0; v < mesh.vertex_count(); v += step) {
-      if (left.size() % kPollSample == 0) job.poll();
-      if (!is_inner(mesh, v)) continue;
-      Vec3 normal = Vec3::Zero();
-      const std::int32_t start = mesh.vertex_halfedge()[v];
-      for (std::int32_t h = start; h != kNone;) {
-        const Vec3 &a = vertices[v], &b = vertices[mesh.to(h)], &c = vertices[mesh.from(Mesh::prev(h))];
-        normal += (b - a).cross(c - a);
-        h = mesh.next_outgoing(h);
-        if (h == start) break;
-      }
-      const double length = normal.norm();
-      if (length > 0) left.push_back(std::abs(umbrella_at(mesh, v, once).dot(normal)) / length);
-    }
-    const double edge = mean_edge(mesh), noise = plain_noise(median_of(std::move(left)), edge);
+    const auto place = [&](std::int32_t v) { return vertices[v]; };
+    const auto once = [&](std::int32_t v) { return umbrella_at(mesh, v, place); };
+    const auto twice = [&](std::int32_t v) { return umbrella_at(mesh, v, once); };
+    const double edge = mean_edge(mesh), noise = plain_noise(median_along(mesh, step, twice, threads, job), edge);
     if (noise > 0 && noise < least / kClear) return false;
     if (noise > least * kClear && noise < kFelt * edge) return true;
   }
-  return estimate_noise(mesh, job) > least;
+  return estimate_noise(mesh, threads, job) > least;
 }
 
 }  // namespace isimp

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "isimp/core/job.h"
+#include "isimp/core/threads.h"
 #include "isimp/mesh/mesh.h"
 
 namespace isimp {
@@ -24,7 +25,7 @@ double mean_edge(const Mesh& mesh);
 /// applied once must fit white noise too. Else it is the shape of a mesh with few faces, and the estimate is lowered.
 /// Above half an edge's length, or of fewer than 50 vertices, it is taken for shape: 0.
 /// Cost: O(V + F).
-double estimate_noise(const Mesh& mesh, Job& job);
+double estimate_noise(const Mesh& mesh, const Threads& threads, Job& job);
 
 /// Whether `estimate_noise` is above a length, scene units.
 /// Cost: O(1) where a sample of the vertices tells it clearly, else that of `estimate_noise`.

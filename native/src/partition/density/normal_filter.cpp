@@ -28,26 +28,28 @@ double median_bend(const FaceGraph& graph) {
   return std::sqrt(static_cast<double>(*middle));
 }
 
-Array<FaceRecord> filtered_faces(const FaceGraph& graph, int passes, double range, Job& job) {
+Array<FaceRecord> filtered_faces(const FaceGraph& graph, int passes, double range, const Threads& threads, Job& job) {
   Array<FaceRecord> now = graph.faces, next = graph.faces;
   const auto sharpness = static_cast<float>(-1 / (2 * range * range));
   const std::int32_t n = graph.size();
   for (int pass = 0; pass < passes; ++pass) {
     job.report(static_cast<double>(pass) / passes);
-    for (std::int32_t i = 0; i < n; ++i) {
-      if ((i & 0xffff) == 0) job.poll();
-      const FaceRecord& f = now[i];
-      float x = f.area * f.nx, y = f.area * f.ny, z = f.area * f.nz;
-      for (const std::int32_t j : graph.neighbours[i]) {  // the sentinel has no area
-        const FaceRecord& g = now[j];
-        const float weight = g.area * std::exp(difference(f, g) * sharpness);
-        x += weight * g.nx;
-        y += weight * g.ny;
-        z += weight * g.nz;
+    threads.run(n, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+      for (std::int32_t i = begin; i < end; ++i) {
+        if ((i & 0xffff) == 0) job.poll();
+        const FaceRecord& f = now[i];
+        float x = f.area * f.nx, y = f.area * f.ny, z = f.area * f.nz;
+        for (const std::int32_t j : graph.neighbours[i]) {  // the sentinel has no area
+          const FaceRecord& g = now[j];
+          const float weight = g.area * std::exp(difference(f, g) * sharpness);
+          x += weight * g.nx;
+          y += weight * g.ny;
+          z += weight * g.nz;
+        }
+        const float length = std::sqrt(x * x + y * y + z * z);
+        next[i] = length > 0 ? FaceRecord{x / length, y / length, z / length, f.area} : f;
       }
-      const float length = std::sqrt(x * x + y * y + z * z);
-      next[i] = length > 0 ? FaceRecord{x / length, y / length, z / length, f.area} : f;
-    }
+    });
     now.swap(next);
   }
   return now;

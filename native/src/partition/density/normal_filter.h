@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "isimp/core/job.h"
+#include "isimp/core/threads.h"
 #include "isimp/mesh/face_graph.h"
 
 namespace isimp {
@@ -18,7 +19,7 @@ double median_bend(const FaceGraph& graph);
 /// \return (n + 1) as graph.faces: areas unchanged
 /// Cost: O(passes * F).
 /// Source: bilateral filtering of normals, as in Zheng, Fu, Au, Tai 2011.
-Array<FaceRecord> filtered_faces(const FaceGraph& graph, int passes, double range, Job& job);
+Array<FaceRecord> filtered_faces(const FaceGraph& graph, int passes, double range, const Threads& threads, Job& job);
 
 inline double filter_range(double bend) { return bend > 0.01 ? 2 * bend : 0.02; }
 

@@ -73,13 +73,15 @@ double usual_price(const MergeGraph& graph) {
 
 /// Where single faces are far below what can be told apart, merging them one pair at a time is a waste: many pairs at
 /// once, in the hierarchy of the smooth surface, do until most merges cost a good part of the limit.
-Start start_from_patches(const Surface& surface, Array<FaceRecord> smooth, double limit, Job& job) {
+Start start_from_patches(const Surface& surface, Array<FaceRecord> smooth, double limit, std::int32_t threads,
+                         Job& job) {
   auto guided = std::make_shared<GuidedGraph>();
   guided->graph = surface.graph();
   guided->graph.faces = std::move(smooth);
   guided->component.assign(surface.component().begin(), surface.component().end());
   guided->component_count = surface.component_count();
-  const Hierarchy h = build_hierarchy(Surface(surface.mesh(), guided), surface.face_count() / kFacesAProxy, job);
+  const Hierarchy h =
+      build_hierarchy(Surface(surface.mesh(), guided), surface.face_count() / kFacesAProxy, job, threads);
   std::size_t level = 0;
   while (level + 1 < h.level.size() && usual_price(h.level[level + 1]) < kFar * limit) ++level;
   const MergeGraph& chosen = h.level[level];
@@ -144,17 +146,17 @@ double finest_for(double detail) {
   return finest;
 }
 
-DetailTree::DetailTree(const Surface& surface, const DetailSettings& settings, Job& job)
+DetailTree::DetailTree(const Surface& surface, const DetailSettings& settings, Job& job, std::int32_t threads)
     : settings_(settings),
       area_(surface.graph().area),
       size_(surface_size(surface.mesh())),
-      noise_(settings.noise ? *settings.noise : estimate_noise(surface.mesh(), job)),
+      noise_(settings.noise ? *settings.noise : estimate_noise(surface.mesh(), Threads(threads), job)),
       bend_(median_bend(surface.graph())),
       parts_(find_parts(surface, 1, settings.leave_out, job)) {
   for (const Part& part : parts_.parts) need_.push_back(part.need);
   {
     Job::Part stage(job, "merging", 0.0, 0.9);
-    make_patches(surface, job);
+    make_patches(surface, threads, job);
   }
   Job::Part stage(job, "merging", 0.9, 1.0);
   const FaceGraph& graph = surface.graph();
@@ -167,7 +169,7 @@ DetailTree::DetailTree(const Surface& surface, const DetailSettings& settings, J
         break;
       }
   }
-  tree_ = merge_all(clusters_of(graph, patches_, part_, borders_, Threads(1)), {.need = need_}, job);
+  tree_ = merge_all(clusters_of(graph, patches_, part_, borders_, Threads(threads)), {.need = need_}, job);
   relax_patches(graph, job);
   falling_ = tree_.cost;
   std::sort(falling_.begin(), falling_.end(), std::greater<>());
@@ -175,19 +177,19 @@ DetailTree::DetailTree(const Surface& surface, const DetailSettings& settings, J
   for (double& cost : falling_) cost *= area_;
 }
 
-void DetailTree::make_patches(const Surface& surface, Job& job) {
+void DetailTree::make_patches(const Surface& surface, std::int32_t thread_count, Job& job) {
   const FaceGraph& graph = surface.graph();
   const std::vector<std::int32_t> part = parts_of_faces(surface);
   {
     const double limit = merge_limit(settings_.finest * size_, noise_, kLeastNoise) / area_;
     Array<FaceRecord> smooth = [&] {
       const Job::Part smoothing(job, "merging", 0.1, 0.7);
-      return filtered_faces(graph, kFilterPasses, filter_range(bend_), job);
+      return filtered_faces(graph, kFilterPasses, filter_range(bend_), Threads(thread_count), job);
     }();
     const Start start = [&] {
       const Job::Part half(job, "merging", 0.7, 0.9);
       return graph.size() < kManyFaces ? start_from_faces(graph, smooth, part)
-                                       : start_from_patches(surface, std::move(smooth), limit, job);
+                                       : start_from_patches(surface, std::move(smooth), limit, thread_count, job);
     }();
     const MergeTree fine = merge_all(start.clusters, {.cost = limit, .need = need_}, job);
     const std::vector<std::int32_t> patch = cut_after(fine, fine.merges());

@@ -35,7 +35,7 @@ double finest_for(double detail);
 /// Cost: O(F log F) to make.
 class DetailTree {
  public:
-  DetailTree(const Surface& surface, const DetailSettings& settings, Job& job);
+  DetailTree(const Surface& surface, const DetailSettings& settings, Job& job, std::int32_t threads = 1);
 
   /// Where to cut for t, scene units.
   /// Cost: O(patches log patches).
@@ -54,7 +54,7 @@ class DetailTree {
 
  private:
   [[nodiscard]] std::int32_t merges(const Cut& cut) const;
-  void make_patches(const Surface& surface, Job& job);
+  void make_patches(const Surface& surface, std::int32_t thread_count, Job& job);
   void relax_patches(const FaceGraph& graph, Job& job);
 
   DetailSettings settings_;
