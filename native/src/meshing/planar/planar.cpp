@@ -22,7 +22,7 @@ constexpr int kPasses = 4;     ///< fits, all but the first without the corners 
 constexpr int kReleases = 12;  ///< rounds at most in which snapped planes are let go
 constexpr double kTooMany =
     0.3;  ///< share of a polygon's corners on too few planes above which it is. Source: own trials
-constexpr Schedule kFirst{15, 1, 1e6}, kAgain{6, 1e2, 1e6};
+constexpr Schedule kFirst{15, 1, 1e6}, kReleased{10, 1, 1e6}, kAgain{6, 1e2, 1e6};
 constexpr int kRings = 5;               ///< round what is stuck, that are solved anew
 constexpr int kAround = 4;              ///< the same, round planes that were let go
 constexpr int kGentle = 12;             ///< rounds in which corners that are held back keep half their way
@@ -155,7 +155,7 @@ class Planarizer {
       for (std::size_t u = 0; u < units_.size(); ++u)
         if (!is_near[u] && !units_[u].held) far.push_back(static_cast<std::int32_t>(u));
       for (const std::int32_t u : far) units_[u].held = true;
-      fit_those(kFirst);
+      fit_those(kReleased);
       for (const std::int32_t u : far) units_[u].held = false;
     }
     for (int pass = 1; pass < kPasses; ++pass) {
