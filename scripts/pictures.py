@@ -3,11 +3,12 @@
 They are the README's animation and the manual's. Pictures 1 to 6 come from the shots of the window test `bunny`, if it
 was run before.
 
-    scripts/pictures.py [--keep] [--asset]
-        --keep: composes the shots that are in out/pictures again; --asset: only the six steps to a game asset
+    scripts/pictures.py [--keep] [--asset | --planes]
+        --keep: composes the shots that are in out/pictures again; --asset: only the six steps to a game asset;
+        --planes: only picture 10
 
-It needs blender, xvfb and imagemagick of Debian, Pillow, the engine (PYTHONPATH or installed), and the bunny in
-$ISIMP_DATA or ../shared/data. The scan of the six steps is made here, by bench/painted_scans.py.
+It needs blender, xvfb and imagemagick of Debian, Pillow, the engine (PYTHONPATH or installed), the bunny and the castle
+in $ISIMP_DATA or ../shared/data. The scan of the six steps is made here, by bench/painted_scans.py.
 """
 
 import argparse
@@ -26,19 +27,20 @@ OUT = ROOT / "out" / "pictures"
 IMAGES = ROOT / "docs" / "images"
 WINDOW = ROOT / "tests" / "python" / "blender" / "window"
 SIZE = 1150, 780  # pixels of the window
+HIGH = 1150, 1000  # the same where the panel is long
 WIDE = 760  # of the animation
 ASSET = 380, 130, 780, 690  # what the pictures of the six steps show of the window
 STEPS = 979, 655, 1170, 808  # where the section Steps is in the window of that test
 MOST = 3_000_000  # bytes of it
 
 
-def shoot(script: str) -> None:
+def shoot(script: str, size: tuple[int, int] = SIZE) -> None:
     OUT.mkdir(parents=True, exist_ok=True)
     sites = [str(ROOT / "addon"), str(WINDOW), str(WINDOW.parent), *os.environ.get("PYTHONPATH", "").split(os.pathsep)]
     sites += [path for path in sys.path if path.endswith("-packages")]
-    blender = ["blender", "--factory-startup", "--enable-event-simulate", "-p", "0", "0", *map(str, SIZE)]
+    blender = ["blender", "--factory-startup", "--enable-event-simulate", "-p", "0", "0", *map(str, size)]
     driven = ["--python", str(WINDOW / "drive.py"), "--", str(ROOT / "scripts" / script), str(OUT)]
-    command = ["xvfb-run", "-a", "-s", f"-screen 0 {SIZE[0]}x{SIZE[1]}x24", *blender, *driven]
+    command = ["xvfb-run", "-a", "-s", f"-screen 0 {size[0]}x{size[1]}x24", *blender, *driven]
     environment = os.environ | {"ISIMP_SITE": os.pathsep.join(filter(None, sites))}
     subprocess.run(command, env=environment, check=True, timeout=1200)
 
@@ -77,6 +79,13 @@ def compose() -> None:
         whole.save(IMAGES / f"{target}.jpg", quality=88)
 
 
+def compose_planes() -> None:
+    """Picture 10 of the manual: the view and the panel."""
+    shot = Image.open(OUT / "picture-10-regularity.png").convert("RGB")
+    shot = shot.crop((shot.width - 785, 70, shot.width, shot.height - 20))
+    shot.save(IMAGES / "manual-10-regularity.jpg", quality=86)
+
+
 def make_owl() -> None:
     """The scan of the six steps, as a file of arrays."""
     OUT.mkdir(parents=True, exist_ok=True)
@@ -112,13 +121,19 @@ def compose_bunny() -> None:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--keep", action="store_true", help="compose the shots that are in out/pictures again")
+    parser.add_argument("--planes", action="store_true", help="only picture 10 of the manual")
     parser.add_argument("--asset", action="store_true", help="only the six steps to a game asset")
     asked = parser.parse_args()
-    if not asked.keep:
-        make_owl()
-        shoot("asset_in_window.py")
-    compose_asset()
     if not asked.asset:
+        if not asked.keep:
+            shoot("planes_in_window.py", HIGH)
+        compose_planes()
+    if not asked.planes:
+        if not asked.keep:
+            make_owl()
+            shoot("asset_in_window.py")
+        compose_asset()
+    if not (asked.asset or asked.planes):
         if not asked.keep:
             shoot("pictures_in_window.py")
         animate()

@@ -11,6 +11,7 @@ import pytest
 import isimp_engine as engine
 import shapes
 from isimp_engine.cli import main
+from isimp_engine.within import scan_distances
 
 
 def bends(poly: engine.PolygonMesh, rounded: bool) -> float:
@@ -44,6 +45,20 @@ def test_houses_stay_whole(noise: float, seed: int) -> None:
     for key in ("crossing", "flipped", "intersecting", "closed", "manifold", "euler"):
         assert poly.report[key] == before.report[key], key
     assert len(poly.polygon_region) == len(poly.loop_start)
+
+
+def test_polygons_of_a_curve_without_noise_stay_as_near_to_it() -> None:
+    vertices, triangles = shapes.plane(60)
+    vertices = np.asarray(vertices, float) / np.ptp(vertices, axis=0).max()
+    vertices[:, 2] = np.sqrt(0.5 - (vertices[:, 0] - 0.5) ** 2)
+    mesh = engine.Mesh(vertices, triangles)
+    part = engine.partition(mesh, engine.PartitionOptions(proxies=100))
+    before = scan_distances(mesh, part, engine.polygonize(mesh, part))
+    poly = engine.polygonize(mesh, part, engine.MeshingOptions(planar=True))
+    after = scan_distances(mesh, part, poly)
+    assert poly.report["planar"] is True
+    assert after.mean() <= 1.05 * before.mean()
+    assert np.quantile(after, 0.99) <= 1.25 * np.quantile(before, 0.99)
 
 
 def test_off_says_nothing_of_it() -> None:

@@ -52,8 +52,8 @@ constexpr auto fields(const MeshingOptions*) {
             "Make every polygon planar to a millionth of the diagonal: planes and corners are moved together, and a "
             "corner that can't be on its polygon's plane is cut off as a triangle."),
       field("planar_reach", &O::planar_reach, between(0, 1), Unit::none,
-            "With planar: distance that a corner may move to be on its planes, as a share of the diagonal. Up to six "
-            "times as far along the scan where its edges are long, less where they are short."),
+            "With planar: distance that a corner may move to be on its planes, as a share of the diagonal. Up to one "
+            "and a half times as far along the scan where its edges are long, less where they are short."),
       threads_field(&O::threads),
   };
 }

@@ -18,6 +18,20 @@ constexpr double kMostShare = 30;  ///< corners of little reach cost at most the
 constexpr double kMostTurn = 0.2;  ///< of a plane in a round, radians
 constexpr double kMostSteps = 6;   ///< of a corner in a round, in units of its reach
 constexpr double kDamping = 1e-9;
+/// The noise, as a share of the reach, below which a plane costs more, the power of that, and how much more at most.
+constexpr double kQuiet = 0.15, kPower = 3, kMostTrust = 1e4;
+constexpr double kTooFar = 4;  ///< times the usual noise: planes that were moved by more cost more
+constexpr double kDearer = 4;  ///< how much more at most in one round
+
+/// The noise of the unit in the middle: one of few faces may be planar by chance.
+double usual_noise(const std::vector<Unit>& units) {
+  std::vector<double> all(units.size());
+  std::transform(units.begin(), units.end(), all.begin(), [](const Unit& u) { return u.noise; });
+  if (all.empty()) return 0;
+  const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
+  std::nth_element(all.begin(), middle, all.end());
+  return *middle;
+}
 
 /// A corner on a plane: how the distance changes with the three unknowns of the plane.
 struct Link {
@@ -65,7 +79,7 @@ class Solver {
   [[nodiscard]] std::span<const Link> at(std::int32_t c) const {
     return std::span(links_).subspan(first_[c], first_[c + 1] - first_[c]);
   }
-  [[nodiscard]] double weight(std::size_t u) const { return units_[u].scan.area / mean_area_; }
+  [[nodiscard]] double weight(std::size_t u) const { return units_[u].trust * units_[u].scan.area / mean_area_; }
 
   /// Pairs of planes that share a corner, in the order in which `eliminate` comes to them.
   [[nodiscard]] std::vector<std::array<std::int32_t, 2>> pairs() const {
@@ -195,6 +209,24 @@ class Solver {
 };
 
 }  // namespace
+
+void weigh(std::vector<Unit>& units, double base) {
+  const double usual = usual_noise(units);
+  for (Unit& u : units) {
+    const double quiet = kQuiet * base / std::max({u.noise, usual, 1e-300});
+    u.trust = std::clamp(std::pow(quiet, kPower), 1.0, kMostTrust);
+  }
+}
+
+void weigh_again(std::vector<Unit>& units) {
+  const double most = kTooFar * std::max(usual_noise(units), 1e-300);
+  for (Unit& u : units) {
+    if (u.held || u.free) continue;
+    const double beyond = u.offset - u.normal.dot(u.scan.centre);
+    const double moved = u.normal.dot(u.scan.spread * u.normal) + beyond * beyond - u.noise * u.noise;
+    u.trust *= std::clamp(moved / (most * most), 1.0, kDearer);
+  }
+}
 
 void fit(std::vector<Unit>& units, const Places& places, const Kept& kept, const Schedule& schedule,
          std::vector<Vec3>& at, const Job& job) {

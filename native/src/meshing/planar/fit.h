@@ -18,6 +18,13 @@ struct Schedule {
   double from = 1, to = 1e6;
 };
 
+/// Sets what it costs to move each plane off its scan: more where the scan is nearer to a plane than corners may move, as
+/// there the scan tells the plane, and what polygons gain is lost in distance.
+/// \param base  the reach that is asked for
+void weigh(std::vector<Unit>& units, double base);
+/// Makes that dearer for the planes that were moved by far more than scans are off their planes.
+void weigh_again(std::vector<Unit>& units);
+
 /// Moves planes and corners together so that corners lie on their planes: the least sum of area * mean square distance
 /// of the scan from each plane and of the square steps of the corners, subject to each kept corner being on its planes.
 /// \param kept  what asks nothing of each other is left out

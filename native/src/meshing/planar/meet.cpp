@@ -14,6 +14,7 @@ constexpr std::size_t kMostPlanes = 7;  ///< round a corner that are tried in al
 constexpr std::int32_t kTogether = 64;  ///< corners on one thread
 constexpr double kRank = 1e-7;          ///< singular values below this share of the largest fix nothing
 constexpr double kOfTriangle = 0.25;    ///< what a triangle's plane weighs: it is planar without it
+constexpr double kOfMissed = 0.5;       ///< what a plane weighs of a polygon that is cut already
 constexpr double kOfArea = 0.5;         ///< what a unit's share of the area round a corner weighs beside being one
 
 struct Candidate {
@@ -59,7 +60,7 @@ class Corner {
     for (const auto& [u, place] : uses) area += units[u].scan.area;
     for (const auto& [u, place] : uses) {
       if (units[u].free) continue;
-      const double one = units[u].loop.size() == 3 ? kOfTriangle : 1;
+      const double one = units[u].loop.size() == 3 ? kOfTriangle : units[u].missed ? kOfMissed : 1;
       all_.push_back({u, place, one * (1 + kOfArea * units[u].scan.area / std::max(area, 1e-300))});
     }
     std::stable_sort(all_.begin(), all_.end(), [](const auto& a, const auto& b) { return a.weight > b.weight; });

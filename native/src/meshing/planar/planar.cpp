@@ -11,22 +11,23 @@
 #include "planar/cut.h"
 #include "planar/fit.h"
 #include "planar/meet.h"
+#include "planar/near.h"
 #include "planar/unit.h"
 #include "sorted.h"
 
 namespace isimp::meshing::planar {
 namespace {
 
-constexpr int kPasses = 3;     ///< fits, all but the first without the corners that did not fit
+constexpr int kPasses = 4;     ///< fits, all but the first without the corners that did not fit
 constexpr int kReleases = 12;  ///< rounds at most in which snapped planes are let go
 constexpr double kTooMany =
     0.3;  ///< share of a polygon's corners on too few planes above which it is. Source: own trials
-constexpr Schedule kFirst{15, 1, 1e6}, kAgain{6, 1e2, 1e6};
+constexpr Schedule kFirst{15, 1, 1e6}, kReleased{10, 1, 1e6}, kAgain{6, 1e2, 1e6};
 constexpr int kRings = 5;               ///< round what is stuck, that are solved anew
 constexpr int kAround = 4;              ///< the same, round planes that were let go
 constexpr int kGentle = 12;             ///< rounds in which corners that are held back keep half their way
 constexpr std::int32_t kTogether = 64;  ///< corners on one thread
-constexpr std::size_t kFew = 8;         ///< corners of a unit that is rather triangulated than held back
+constexpr std::size_t kFew = 12;        ///< corners of a unit that is rather triangulated than held back
 constexpr double kLeast = 1e-3;         ///< of the diagonal: corners held back to less than this stay where they were
 
 bool is_flat(std::span<const std::int32_t> polygon, std::span<const Vec3> at, double most) {
@@ -52,6 +53,7 @@ class Planarizer {
         units_(units_of(state)),
         places_(places_of(state, units_, state.options.planar_reach * state.mesh.diagonal())),
         around_(units_, state.corners.count()),
+        near_(state, findings, units_, around_, places_),
         diagonals_(state.diagonals),
         edges_(state.corners.count()),
         first_(state.labels.pieces.size() + 1, 0),
@@ -69,6 +71,7 @@ class Planarizer {
       for (std::size_t i = 0; i < u.loop.size(); ++i) edges_.add(edge(u.loop[i], u.loop[(i + 1) % u.loop.size()]));
     }
     find_own();
+    weigh(units_, places_.base);
   }
 
   Outcome run() {
@@ -110,6 +113,8 @@ class Planarizer {
       const Unit& was = known->second;
       u.normal = was.normal;
       u.offset = was.offset;
+      u.trust = was.trust;
+      u.missed = was.missed;
       u.held = was.held;
       u.free = was.free;
       u.plain = was.plain;
@@ -150,10 +155,15 @@ class Planarizer {
       for (std::size_t u = 0; u < units_.size(); ++u)
         if (!is_near[u] && !units_[u].held) far.push_back(static_cast<std::int32_t>(u));
       for (const std::int32_t u : far) units_[u].held = true;
-      fit_those(kFirst);
+      fit_those(kReleased);
       for (const std::int32_t u : far) units_[u].held = false;
     }
-    for (int pass = 1; pass < kPasses; ++pass) fit_those(kAgain);
+    for (int pass = 1; pass < kPasses; ++pass) {
+      for (std::size_t u = 0; u < units_.size(); ++u)
+        units_[u].missed = std::find(kept[u].begin(), kept[u].end(), 0) != kept[u].end();
+      weigh_again(units_);
+      fit_those(kAgain);
+    }
     for (const std::int32_t u : fixed) units_[u].held = false;
   }
 
@@ -226,7 +236,7 @@ class Planarizer {
     constexpr int kTries = 4;
     for (std::int32_t i = 0; i < n; ++i) {
       const std::int32_t c = moving_[i];
-      for (int go = 1; go < kTries && !is_near_scan(c, to[i]); ++go) {
+      for (int go = 1; go < kTries && !near_.is_on_scan(c, to[i]); ++go) {
         places_.reach[c] = go + 1 < kTries ? 0.6 * (to[i] - places_.start[c]).norm() : 0;
         to[i] = meet_at(c, units_, around_, places_, kept_);
       }
@@ -236,23 +246,6 @@ class Planarizer {
       for (const auto& [u, place] : around_.of(c)) ask_unit(u);
     }
     moving_.clear();
-  }
-
-  /// Whether a place is no further from the start than the reach, or from the corner's vertex or the scan than it may.
-  [[nodiscard]] bool is_near_scan(std::int32_t c, const Vec3& x) {
-    const Vec3& home = s_.mesh.vertices()[s_.corners.vertex[c]];
-    if ((x - places_.start[c]).norm() <= places_.base || (x - home).norm() <= s_.options.reach * places_.diagonal)
-      return true;
-    for (const Around::Use& use : around_.of(c)) {
-      std::vector<std::int32_t>& faces = faces_[units_[use.unit].piece];
-      if (faces.empty()) faces = s_.labels.faces_of(units_[use.unit].piece);
-      for (const std::int32_t f : faces) {
-        const Triangle& t = s_.mesh.triangles()[f];
-        const auto& v = s_.mesh.vertices();
-        if (is_within(x, {v[t[0]], v[t[1]], v[t[2]]}, places_.base)) return true;
-      }
-    }
-    return false;
   }
 
   /// Cuts the units that have changed, and judges them.
@@ -302,6 +295,22 @@ class Planarizer {
       any = any || a || b;
     }
     sort_unique(stuck_);
+    return hold_back_gaps() || any;
+  }
+
+  /// Corners that slid away from a part of the scan go less far.
+  bool hold_back_gaps() {
+    bool any = false;
+    std::vector<std::int32_t> corners;
+    for (const std::int32_t l : judged_)
+      for (std::int32_t u = first_[l]; u < first_[l + 1]; ++u)
+        corners.insert(corners.end(), units_[u].loop.begin(), units_[u].loop.end());
+    sort_unique(corners);
+    for (const std::int32_t c : corners) {
+      if (near_.is_covered(c)) continue;
+      lower(c, (at_[c] - places_.start[c]).norm() / 2);
+      any = true;
+    }
     return any;
   }
 
@@ -453,6 +462,7 @@ class Planarizer {
   std::vector<Unit> units_;  // in the order of their pieces
   Places places_;
   const Around around_;
+  Near near_;
   const std::vector<std::vector<std::array<std::int32_t, 2>>> diagonals_;  // as they were
   Edges edges_;
   std::vector<std::vector<Edge>> own_;         // by unit
@@ -467,7 +477,6 @@ class Planarizer {
   std::vector<bool> is_dirty_, is_moving_;    // by unit, by corner: listed in ...
   std::vector<std::int32_t> dirty_, moving_;  // ... units to be cut and corners to be placed in the next round
   std::vector<std::int32_t> judged_, stuck_;  // pieces
-  std::map<std::int32_t, std::vector<std::int32_t>> faces_;  // of the scan, by piece: those that were asked for
 };
 
 }  // namespace

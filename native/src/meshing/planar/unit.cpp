@@ -12,7 +12,7 @@ namespace isimp::meshing::planar {
 namespace {
 
 // How far a corner may go, as shares of its shortest edge and of the reach that is asked for. Source: own trials.
-constexpr double kOfEdge = 0.5, kLeast = 0.1, kMost = 6;
+constexpr double kOfEdge = 0.5, kLeast = 0.3, kMost = 1.5;
 /// A spread whose smallest eigenvalue is above this share of the next fixes no plane.
 constexpr double kThin = 0.25;
 /// The cosine between the direction of least spread and that of the outline below which the former is not trusted.
@@ -82,13 +82,14 @@ void find_plane(Unit& unit, std::span<const Vec3> at, double least_area) {
       scan.spread += (at[c] - middle) * (at[c] - middle).transpose() / static_cast<double>(unit.loop.size());
     if (length > 0) scan.normal = outline / length;
   }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scan.spread);
+  unit.noise = std::sqrt(std::max(solver.eigenvalues()[0], 0.0));
   unit.held = scan.held;
   if (scan.held) {
     unit.normal = scan.normal;
     unit.offset = scan.normal.dot(scan.centre);
     return;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scan.spread);
   Vec3 n = solver.eigenvectors().col(0);
   const bool is_thin = !(solver.eigenvalues()[0] <= kThin * solver.eigenvalues()[1]);
   if (is_thin || std::abs(n.dot(outline)) < kAgree * length) n = length > 0 ? Vec3(outline / length) : scan.normal;
@@ -101,7 +102,7 @@ void find_plane(Unit& unit, std::span<const Vec3> at, double least_area) {
 
 bool Places::allows(std::int32_t corner, const Vec3& x) const { return (x - start[corner]).norm() <= reach[corner]; }
 
-bool is_within(const Vec3& p, const std::array<Vec3, 3>& t, double most) {
+double distance_to(const Vec3& p, const std::array<Vec3, 3>& t) {
   const Vec3 n = (t[1] - t[0]).cross(t[2] - t[0]);
   bool inside = n.squaredNorm() > 0;
   double least = std::numeric_limits<double>::infinity();
@@ -113,7 +114,7 @@ bool is_within(const Vec3& p, const std::array<Vec3, 3>& t, double most) {
     least = std::min(least, (p - a - share * side).squaredNorm());
     inside = inside && n.dot(side.cross(p - a)) >= 0;
   }
-  return least <= most * most || (inside && std::abs(n.dot(p - t[0])) <= most * n.norm());
+  return inside ? std::abs(n.dot(p - t[0])) / n.norm() : std::sqrt(least);
 }
 
 std::vector<Unit> units_of(State& state) {

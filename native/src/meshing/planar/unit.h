@@ -29,7 +29,10 @@ struct Unit {
   Plane scan;                      ///< of the faces that it stands for
   Vec3 normal = Vec3::UnitZ();     ///< unit; the plane is where normal * x = offset
   double offset = 0;
+  double noise = 0;           ///< root mean square distance of the scan from the plane that fits it best
+  double trust = 1;           ///< what leaving that plane costs beside the same of other units of this area
   bool held = false;          ///< its plane is given and does not change
+  bool missed = false;        ///< some corner was not on its plane when planes were fitted last
   bool free = false;          ///< given up: it is triangulated, and its plane counts for nothing
   bool plain = false;         ///< its triangles are those of least surface, whichever way they face
   bool own = false;           ///< its triangles are those that the judge saw before anything moved
@@ -48,8 +51,8 @@ struct Places {
   [[nodiscard]] bool allows(std::int32_t corner, const Vec3& x) const;
 };
 
-/// Whether a point is no further than this from a triangle.
-bool is_within(const Vec3& p, const std::array<Vec3, 3>& t, double most);
+/// The distance of a point from a triangle.
+double distance_to(const Vec3& p, const std::array<Vec3, 3>& t);
 
 /// The polygons of a state as units, in the order of their pieces. A piece that has several is shared out among them.
 std::vector<Unit> units_of(State& state);

@@ -10,15 +10,17 @@ from scenario_tools import place, sketched, tool
 
 import isimp
 
-DATA = Path(os.environ.get("ISIMP_DATA", Path(__file__).parents[5] / "shared" / "data")) / "scan" / "bunny_69k.ply"
+FOLDER = Path(os.environ.get("ISIMP_DATA", Path(__file__).parents[5] / "shared" / "data"))
+DATA = FOLDER / "scan" / "bunny_69k.ply"
 
 
-def load():
-    """The bunny as an object, standing on the floor and two units high."""
+def load(path=DATA, upright=False):
+    """The bunny, or another scan, as an object three units long; y goes up in the file where it is not `upright`."""
     from isimp.session import engine
 
-    points, triangles = engine.read(str(DATA))
-    points = np.stack([points[:, 0], -points[:, 2], points[:, 1]], axis=1)
+    points, triangles = engine.read(str(path))
+    if not upright:
+        points = np.stack([points[:, 0], -points[:, 2], points[:, 1]], axis=1)
     low, high = points.min(axis=0), points.max(axis=0)
     points = (points - (low + high) / 2) * 3 / (high - low).max()
     bpy.ops.object.select_all(action="SELECT")

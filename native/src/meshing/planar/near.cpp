@@ -1,0 +1,60 @@
+#include "planar/near.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace isimp::meshing::planar {
+namespace {
+
+// Source: own trials
+constexpr double kOfMost = 0.8;  ///< of the largest gap before: other vertices may be further off than a corner's own
+constexpr double kMore = 0.8;    ///< of the reach that is asked for: so much more than before is noise
+constexpr double kSlid = kMore;  ///< corners that moved less leave no such gap
+
+}  // namespace
+
+Near::Near(State& state, const Findings& findings, const std::vector<Unit>& units, const Around& around,
+           const Places& places)
+    : s_(state), f_(findings), units_(units), around_(around), places_(places) {
+  for (std::int32_t c = 0; c < s_.corners.count(); ++c) {
+    before_.push_back(gap(c));
+    if (std::isfinite(before_[c])) most_gap_ = std::max(most_gap_, before_[c]);
+  }
+}
+
+bool Near::is_on_scan(std::int32_t corner, const Vec3& x) {
+  const auto& v = s_.mesh.vertices();
+  if ((x - places_.start[corner]).norm() <= places_.base ||
+      (x - v[s_.corners.vertex[corner]]).norm() <= s_.options.reach * places_.diagonal)
+    return true;
+  for (const Around::Use& use : around_.of(corner)) {
+    std::vector<std::int32_t>& faces = faces_[units_[use.unit].piece];
+    if (faces.empty()) faces = s_.labels.faces_of(units_[use.unit].piece);
+    for (const std::int32_t f : faces) {
+      const Triangle& t = s_.mesh.triangles()[f];
+      if (distance_to(x, {v[t[0]], v[t[1]], v[t[2]]}) <= places_.base) return true;
+    }
+  }
+  return false;
+}
+
+bool Near::is_covered(std::int32_t corner) const {
+  if ((s_.corners.position[corner] - places_.start[corner]).norm() <= kSlid * places_.base) return true;
+  const double g = gap(corner);
+  return !std::isfinite(g) || g <= std::max(kOfMost * most_gap_, before_[corner] + kMore * places_.base);
+}
+
+/// From a corner's vertex to the triangles that have the corner; infinite where the judge has none of them.
+double Near::gap(std::int32_t corner) const {
+  const Vec3& home = s_.mesh.vertices()[s_.corners.vertex[corner]];
+  const auto& at = s_.corners.position;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Around::Use& use : around_.of(corner))
+    for (const Facet& f : f_.of(units_[use.unit].piece).facets.facets)
+      if (std::find(f.corner.begin(), f.corner.end(), corner) != f.corner.end())
+        least = std::min(least, distance_to(home, {at[f.corner[0]], at[f.corner[1]], at[f.corner[2]]}));
+  return least;
+}
+
+}  // namespace isimp::meshing::planar

@@ -1,0 +1,47 @@
+"""What is done in Blender's window for picture 10 of the manual; run by tests/python/blender/window/drive.py.
+
+The scan is the castle: its polygons in the colours of their directions beside the panel Regularity.
+"""
+
+import bpy
+from mathutils import Euler
+from scenario_bunny import FOLDER, load
+from scenario_planes import open_regularity
+from scenario_tools import sketched
+
+import isimp
+
+REGIONS = 300
+
+
+def view(hand):
+    space = hand.area.spaces.active
+    space.region_3d.view_rotation = Euler((1.0, 0.0, 0.75)).to_quaternion()
+    space.region_3d.view_perspective = "ORTHO"
+    space.region_3d.view_location = (0.1, 0.0, 0.0)
+    space.region_3d.view_distance = 4.3
+    space.overlay.show_floor = space.overlay.show_axis_x = space.overlay.show_axis_y = False
+    space.overlay.show_cursor = space.overlay.show_outline_selected = False
+    yield 0.5
+
+
+def run(hand):
+    open_regularity()
+    isimp.register()
+    load(FOLDER / "building" / "openmvs_castle_175k.ply", upright=True)
+    yield 0.5
+    yield from hand.open_tab()
+    yield from view(hand)
+    panel = bpy.context.window_manager.isimp
+    panel.partition.count_by = "proxies"
+    bpy.ops.isimp.partition(proxies=REGIONS)
+    yield from hand.settle()
+    yield from hand.press("isimp.regularise")
+    yield from hand.settle()
+    panel.directions = panel.summary = True
+    yield from sketched()
+    free = hand.region("WINDOW")
+    yield from hand.move(free.x + 8, free.y + 8)  # so that nothing is told of what is under the mouse
+    hand.area.tag_redraw()
+    yield 0.5
+    yield from hand.shot("picture-10-regularity")
