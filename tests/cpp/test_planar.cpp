@@ -200,6 +200,31 @@ TEST(Regularise, PolygonsKeepToThePlanes) {
   }
 }
 
+/// Two sides lean by 1.7 degrees. Where a large length lets them snap, the corners go further than the reach of corners
+/// whose planes are free.
+TEST(Regularise, CornersGoToPlanesThatAreFurtherOffThanTheirReach) {
+  shapes::Arrays a = shapes::cube(6);
+  for (Vec3& v : a.vertices) {
+    v = 2 * v - Vec3::Ones();
+    if (v.z() > 0.999) v.z() += 0.03 * v.x();
+    if (v.x() > 0.999) v.x() += 0.03 * v.z();
+  }
+  const Mesh mesh = shapes::mesh(a);
+  Job job;
+  const Partition part =
+      regularise(mesh, labelled::planes(shapes::mesh(shapes::cube(6))), {.angle = 8, .length = 0.1}, job);
+  ASSERT_EQ(part.regularity->directions, 3);
+  const PolygonMesh out = polygons(mesh, part);
+  expect_sound(out, mesh, part);
+  EXPECT_EQ(out.report.planar.whole, 1.0);
+  const std::vector<judge::Loop> loops = judge::polygons_of(out);
+  for (std::int32_t q = 0; q < out.polygon_count(); ++q)
+    for (const std::int32_t v : loops[q]) {
+      const std::int32_t r = out.polygon_region[q];
+      EXPECT_NEAR(part.region_normal[r].dot(out.vertices[v] - mesh.origin()), part.region_offset[r], 1e-6);
+    }
+}
+
 TEST(Regularise, AShortLengthSnapsNothingAndOptionsAreChecked) {
   const Box box(0.006);
   const Partition part = regular(box, {.angle = 8, .length = 1e-12});

@@ -42,7 +42,19 @@ bool Near::is_on_scan(std::int32_t corner, const Vec3& x) {
 bool Near::is_covered(std::int32_t corner) const {
   if ((s_.corners.position[corner] - places_.start[corner]).norm() <= kSlid * places_.base) return true;
   const double g = gap(corner);
-  return !std::isfinite(g) || g <= std::max(kOfMost * most_gap_, before_[corner] + kMore * places_.base);
+  const double expected = std::max(before_[corner], from_held(corner));
+  return !std::isfinite(g) || g <= std::max(kOfMost * most_gap_, expected + kMore * places_.base);
+}
+
+/// How far the planes that are given lead away from a corner's vertex.
+double Near::from_held(std::int32_t corner) const {
+  const Vec3& home = s_.mesh.vertices()[s_.corners.vertex[corner]];
+  double most = 0;
+  for (const Around::Use& use : around_.of(corner)) {
+    const Unit& u = units_[use.unit];
+    if (u.held) most = std::max(most, std::abs(u.normal.dot(home) - u.offset));
+  }
+  return most;
 }
 
 /// From a corner's vertex to the triangles that have the corner; infinite where the judge has none of them.

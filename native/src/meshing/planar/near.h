@@ -20,12 +20,13 @@ class Near {
   /// Whether a place is no further from a corner's start than the reach that is asked for, or from the corner's vertex or
   /// the scan round it than it may.
   [[nodiscard]] bool is_on_scan(std::int32_t corner, const Vec3& x);
-  /// Whether the polygons round a corner that slid are about as near to its vertex of the scan as they were, or as polygons
-  /// were anywhere: where they left that vertex, they left a part of the scan. Asks of the polygons as judged last.
+  /// Whether the polygons round a corner that slid are about as near to its vertex of the scan as they were or as given planes
+  /// are, or as polygons were anywhere: where they left that vertex, they left a part of the scan. Asks of the polygons as judged last.
   [[nodiscard]] bool is_covered(std::int32_t corner) const;
 
  private:
   [[nodiscard]] double gap(std::int32_t corner) const;
+  [[nodiscard]] double from_held(std::int32_t corner) const;
 
   State& s_;  // its labels are asked for faces
   const Findings& f_;

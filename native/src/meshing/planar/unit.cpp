@@ -13,6 +13,7 @@ namespace {
 
 // How far a corner may go, as shares of its shortest edge and of the reach that is asked for. Source: own trials.
 constexpr double kOfEdge = 0.5, kLeast = 0.3, kMost = 1.5;
+constexpr double kMostToHeld = 6;  ///< the last one where given planes are further off
 /// A spread whose smallest eigenvalue is above this share of the next fixes no plane.
 constexpr double kThin = 0.25;
 /// The cosine between the direction of least spread and that of the outline below which the former is not trusted.
@@ -155,7 +156,14 @@ Places places_of(const State& state, const std::vector<Unit>& units, double base
       p.reach[a] = std::min(p.reach[a], length);
       p.reach[b] = std::min(p.reach[b], length);
     }
-  for (double& r : p.reach) r = std::clamp(kOfEdge * r, kLeast * base, kMost * base);
+  std::vector<double> to_held(p.start.size(), 0);  // of a corner from the given planes round it, in all
+  for (const Unit& u : units)
+    if (u.held)
+      for (const std::int32_t c : u.loop) to_held[c] += std::abs(u.normal.dot(p.start[c]) - u.offset);
+  for (std::size_t c = 0; c < p.reach.size(); ++c) {
+    const double most = std::max(kMost * base, std::min(to_held[c] + kOfEdge * base, kMostToHeld * base));
+    p.reach[c] = std::clamp(kOfEdge * p.reach[c], kLeast * base, most);
+  }
   return p;
 }
 

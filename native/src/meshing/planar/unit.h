@@ -57,8 +57,8 @@ double distance_to(const Vec3& p, const std::array<Vec3, 3>& t);
 /// The polygons of a state as units, in the order of their pieces. A piece that has several is shared out among them.
 std::vector<Unit> units_of(State& state);
 
-/// How far each corner may go: `base`, more where its edges are long, as it slides along its planes, and less where they
-/// are short.
+/// How far each corner may go: `base`, more where its edges are long, as it slides along its planes, or where given planes
+/// are further off, and less where its edges are short.
 Places places_of(const State& state, const std::vector<Unit>& units, double base);
 
 }  // namespace isimp::meshing::planar
