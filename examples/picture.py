@@ -100,12 +100,30 @@ def _borders(arrays):
     return arrays["edges"][(low != high) | (uses == 1)]
 
 
-def area_vectors(arrays):
-    """(F, 3) area vectors."""
+def arrays_of(points, corners, start):
+    """Polygons as the functions here take them: polygon q has the corners from start[q] on."""
+    corners, start = np.asarray(corners), np.asarray(start)
+    total = np.diff(np.append(start, len(corners)))
+    return {"points": np.asarray(points, np.float64), "corners": corners, "start": start, "total": total}
+
+
+def _next_corners(arrays):
+    """(L,) for each corner the vertex of the next one of its polygon."""
     following = np.arange(1, len(arrays["corners"]) + 1)
     following[arrays["start"] + arrays["total"] - 1] = arrays["start"]
-    place = arrays["points"][arrays["corners"]]
-    return np.add.reduceat(np.cross(place, place[following]), arrays["start"], axis=0)
+    return arrays["corners"][following]
+
+
+def edges_of(arrays):
+    """(E, 2) vertices of the polygons' edges, each once."""
+    ends = np.stack([arrays["corners"], _next_corners(arrays)], axis=1)
+    return np.unique(np.sort(ends, axis=1), axis=0)
+
+
+def area_vectors(arrays):
+    """(F, 3) area vectors."""
+    place, following = arrays["points"][arrays["corners"]], arrays["points"][_next_corners(arrays)]
+    return np.add.reduceat(np.cross(place, following), arrays["start"], axis=0)
 
 
 def _vertex_normals(arrays):

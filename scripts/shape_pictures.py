@@ -51,19 +51,14 @@ def polygons(mesh, partition_options, meshing_options):
 
 def parts_of(made, name, view, shift):
     """A surface and its lines as objects."""
-    corners, start = np.asarray(made.loops), np.asarray(made.loop_start)
-    total = np.diff(np.append(start, len(corners)))
-    following = np.arange(1, len(corners) + 1)
-    following[start + total - 1] = start
-    points = np.asarray(made.vertices)
-    arrays = {"points": points, "corners": corners, "start": start, "total": total}
-    edges = np.unique(np.sort(np.stack([corners, corners[following]], axis=1), axis=1), axis=0)
-    color = np.tile(np.array([*PAPER, 1.0]), (len(start), 1))
+    arrays = picture.arrays_of(made.vertices, made.loops, made.loop_start)
+    points, total = arrays["points"], arrays["total"]
+    color = np.tile(np.array([*PAPER, 1.0]), (len(total), 1))
     normal = np.repeat(picture.area_vectors(arrays), total, axis=0)
     radius = EDGE * np.linalg.norm(np.ptp(points, axis=0))
     return [
         picture.surface(name, arrays, color, normal, view, shift),
-        picture.tubes(f"{name} edges", points, edges, radius, shift),
+        picture.tubes(f"{name} edges", points, picture.edges_of(arrays), radius, shift),
     ]
 
 

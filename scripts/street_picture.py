@@ -40,15 +40,6 @@ def street():
     return np.concatenate(vertices), np.concatenate(triangles)
 
 
-def arrays_of(points, corners, start):
-    return {
-        "points": np.asarray(points, float),
-        "corners": np.asarray(corners),
-        "start": np.asarray(start),
-        "total": np.diff(np.append(start, len(corners))),
-    }
-
-
 def look():
     """As picture.look_from, from higher up."""
     right, _, toward = picture.look_from("Z", 24)
@@ -80,20 +71,18 @@ def main():
     points = np.asarray(mesh.vertices) - middle
     shift = 1.03 * np.ptp(points @ view[0]) * view[0]
     corners = np.asarray(mesh.triangles).ravel()
-    scan = arrays_of(points, corners, np.arange(0, len(corners), 3))
-    result = arrays_of(np.asarray(made.vertices) - middle, made.loops, made.loop_start)
-    following = np.arange(1, len(result["corners"]) + 1)
-    following[result["start"] + result["total"] - 1] = result["start"]
-    edges = np.stack([result["corners"], result["corners"][following]], axis=1)
-    edges = np.unique(np.sort(edges, axis=1), axis=0)
+    scan = picture.arrays_of(points, corners, np.arange(0, len(corners), 3))
+    result = picture.arrays_of(np.asarray(made.vertices) - middle, made.loops, made.loop_start)
     grey = np.tile(np.array([*PAPER, 1.0]), (len(scan["start"]), 1))
     color = direction_colors(regular)[np.asarray(made.polygon_region)]
+    radius = EDGE * np.linalg.norm(np.ptp(points, axis=0))
+    radius = EDGE * np.linalg.norm(np.ptp(points, axis=0))
     normals = [np.repeat(picture.area_vectors(a), a["total"], axis=0) for a in (scan, result)]
     scene = bpy.data.scenes.new("Picture")
     for part in (
         picture.surface("Scan", scan, grey, normals[0], view, 0 * shift),
         picture.surface("Polygons", result, color, normals[1], view, shift),
-        picture.tubes("Edges", result["points"], edges, EDGE * np.linalg.norm(np.ptp(points, axis=0)), shift),
+        picture.tubes("Edges", result["points"], picture.edges_of(result), radius, shift),
     ):
         scene.collection.objects.link(part)
     picture.frame(scene, np.vstack([points, points + shift]), view, *SIZE)

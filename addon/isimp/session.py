@@ -56,7 +56,7 @@ class Session:
         # Neither changes the result:
         self.backend = backend  #: one of backends(), for parallel methods
         self.threads = threads  #: how many may work; 0: as many as there are cores
-        self._meshes = Cache(budget, least=2)  # of a scan as it is, and with its openings closed
+        self._meshes = Cache(budget, least=2)  # one scan: its mesh as it is, and the mesh with closed openings
         self._outcomes = Cache(budget)
         self._parts = Cache(0)  # the last one alone
         self._fits: tuple = (None, ())  # of the last partition

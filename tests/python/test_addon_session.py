@@ -6,10 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-import shapes
 from isimp import recipe as rcp
 from isimp import view
-from isimp.cache import Cache
 from isimp.prepared import face_regions
 from isimp.recipe import AddProxy, DeleteProxy, Mesh, Partition, Recipe
 from isimp.session import Scan, Session, StepFailed, engine
@@ -302,62 +300,6 @@ def test_what_is_known_is_told_without_work(scan):
     assert session.known(scan, recipe) is outcome
     assert session.known(scan, recipe.then(AddProxy(face=200))) is None
     assert session.known(scan, Recipe()) is None
-
-
-def test_the_cache_is_bounded_and_keeps_what_was_used_last():
-    cache = Cache(budget=10)
-    for key in "abc":
-        cache.put(key, key.upper(), 4)
-    assert (cache.get("a"), cache.get("b"), len(cache)) == (None, "B", 2)
-    cache.put("d", "D", 4)
-    assert (cache.get("c"), cache.get("b")) == (None, "B")
-    cache.put("e", "E", 99)
-    assert (cache.get("e"), len(cache)) == ("E", 1)
-    cache.put("e", "e", 2)
-    cache.put("f", "F", 2)
-    assert len(cache) == 2
-
-
-def test_the_cache_keeps_the_newest_ones_however_large_they_are():
-    cache = Cache(budget=10, least=2)
-    for key in "abc":
-        cache.put(key, key.upper(), 99)
-    assert [cache.get(key) for key in "abc"] == [None, "B", "C"]
-
-
-def test_a_scan_larger_than_the_cache_is_repaired_once_with_its_openings_and_once_without(monkeypatch):
-    made, clean = [], engine.clean
-
-    def counted(*args, **named):
-        made.append(args)
-        return clean(*args, **named)
-
-    monkeypatch.setattr(engine, "clean", counted)
-    vertices, triangles = shapes.room(16)
-    scan = Scan(vertices, triangles, np.arange(len(triangles), dtype=np.int32), len(triangles))
-    session = Session(budget=0)
-    recipe = Recipe((Partition(proxies=30),))
-    outcome = session.replay(scan, recipe)
-    assert outcome.closing.handles > 0
-    session.replay(scan, recipe.then(AddProxy(face=7)).then(Mesh()))
-    session.replay(scan, Recipe((Partition(proxies=31),)))
-    assert len(made) == 2
-
-
-def test_faces_with_several_triangles_take_the_region_with_most_of_their_area(scan):
-    random = np.random.default_rng(3)
-    prepared = Session().prepare(scan)
-    face = random.integers(0, scan.face_count // 2, len(prepared.mesh_face)).astype(np.int32)
-    label = random.integers(-1, 40, len(face)).astype(np.int32)
-    triangles, vertices = np.asarray(prepared.mesh.triangles), np.asarray(prepared.mesh.vertices)
-    area = np.linalg.norm(np.cross(*(vertices[triangles[:, k]] - vertices[triangles[:, 0]] for k in (1, 2))), axis=1)
-    shared = np.flatnonzero(np.bincount(face)[face] > 1)
-    prepared = replace(prepared, mesh_face=face, shared=shared, areas=area[shared])
-    found = face_regions(prepared, SimpleNamespace(face_region=label, region_count=40, region_seed=np.zeros(0, int)))
-    for user_face in range(scan.face_count):
-        mine = np.flatnonzero((face == user_face) & (label >= 0))
-        sums = np.bincount(label[mine], area[mine], 40)
-        assert found[user_face] == (-1 if len(mine) == 0 else np.argmax(sums))
 
 
 def test_where_weights_are_higher_there_are_more_regions_while_their_number_stays(scan):

@@ -38,8 +38,8 @@ class Rings {
     }
   }
 
-  /// The same as `take`, but only where one of the places means it. It counts as gone for those that are taken after it, so that
-  /// no other loop closes what stays: neither one that crosses it nor one in the same tunnel.
+  /// The same as `take`, but only where one of the places means it. It counts as gone for those that are taken after it,
+  /// so that no other loop closes what stays: neither one that crosses it nor one in the same tunnel.
   Opening hold(const Loop& loop, const std::vector<Vec3>& keep) {
     Opening o = ring_of(loop);
     return o.loops.empty() || !is_kept(arrays_, o, keep) ? Opening{} : take(std::move(o));
