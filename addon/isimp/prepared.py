@@ -1,4 +1,4 @@
-"""A scan as the engine has it, and the ways between its faces and the user's. numpy only."""
+"""A scan as the engine has it, and the ways between its faces and the user's."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from . import view
+from .engine import engine
 from .language import said
 from .scan import Scan
 from .spare import blocks
@@ -118,7 +119,7 @@ def joined_faces(prepared: Prepared, faces: np.ndarray, start: int) -> np.ndarra
     inside = np.zeros(prepared.scan.face_count, bool)
     inside[faces] = True
     some = np.flatnonzero(inside[prepared.mesh_face])
-    beside, _ = view.shared_edges(np.asarray(prepared.mesh.triangles)[some])
+    beside, _ = engine.guides.shared_edges(np.asarray(prepared.mesh.triangles)[some])
     return view.connected(faces, prepared.mesh_face[some[beside]], start)
 
 

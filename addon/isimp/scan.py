@@ -1,4 +1,4 @@
-"""A user's mesh as arrays. numpy only."""
+"""A user's mesh as arrays."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from . import view
+from .engine import engine
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +60,7 @@ class Scan:
     def edges(self) -> tuple[np.ndarray, np.ndarray]:
         """(E, 2) triangles that share an edge, (E, 2) the vertices of that edge."""
         if "edges" not in self._known:
-            self._known["edges"] = view.shared_edges(self.triangles)
+            self._known["edges"] = engine.guides.shared_edges(self.triangles)
         found: tuple[np.ndarray, np.ndarray] = self._known["edges"]
         return found
 

@@ -220,14 +220,20 @@ class Session:
         own = {name: value for name, value in own.items() if name not in rcp.COUNTS or name == step.count_by}
         options = engine.PartitionOptions(**own, backend=self.backend, threads=self.threads)
         locked = before is not None and before.partition.region_locked.any()
-        if not (locked or step.faces):  # they keep regions that are of the mesh as it was
-            plain = replace(self.prepare(prepared.scan, watch, begin, begin), layers=prepared.layers)
-            closing = self._closing(step, plain, options, watch, begin, begin + 0.3 * (end - begin))
-            prepared = replace(self.prepare(prepared.scan, watch, begin, end, closing), layers=prepared.layers)
-        guides = _guides(step, prepared, before)
-        made = engine.within.Made(options, guides, self._part(prepared, guides, options))
-        args = (prepared.mesh, options, guides, made.part)
-        partition = engine_call(watch, begin, end, "partitioning", _partition_guided, *args)
+        may_close = not (locked or step.faces)  # they keep regions that are of the mesh as it was
+        is_right, count = False, options.proxies
+        while not is_right:
+            lengths = engine.openings.Lengths()
+            if may_close:
+                lengths = self._lengths(step, prepared.scan, options, count, watch, begin, begin + 0.3 * (end - begin))
+                closing = Closing(lengths.handles, lengths.holes, step.keep_openings) if lengths else NONE_CLOSED
+                prepared = replace(self.prepare(prepared.scan, watch, begin, end, closing), layers=prepared.layers)
+            guides = _guides(step, prepared, before)
+            made = engine.within.Made(options, guides, self._part(prepared, guides, options))
+            args = (prepared.mesh, options, guides, made.part)
+            partition = engine_call(watch, begin, end, "partitioning", _partition_guided, *args)
+            count = partition.region_count
+            is_right = lengths.hold_for(count)
         names = ("rounds", "tolerance", "noise", "snapped", "distance_max", "warnings")
         numbers = {"asked": partition.proxies_asked, "expected": self._expected(prepared, partition, watch, end)} | {
             name: partition.report[name] for name in names
@@ -249,16 +255,16 @@ class Session:
         except engine.InvalidInput:
             return {}
 
-    def _closing(self, step: rcp.Partition, plain: Prepared, options, watch, begin, end) -> Closing:
-        """Which openings are closed, since the regions of the step can't show them."""
-        if not step.close_openings or step.count_by == "bound" or engine.opening_length(plain.mesh, 1) == 0:
-            return NONE_CLOSED
-        count = options.proxies
-        if count is None:
-            found = engine_call(watch, begin, end, "counting regions", engine.partition, plain.mesh, options)
-            count = found.region_count
-        holes, handles = engine.opening_lengths(plain.mesh, count)
-        return Closing(handles, holes, step.keep_openings) if handles else NONE_CLOSED
+    def _lengths(self, step: rcp.Partition, scan: Scan, options, count: int | None, watch, begin, end):
+        """Up to which length openings are closed, since the regions of the step can't show them. count: of regions."""
+        plain = self.prepare(scan, watch, begin, begin).mesh
+        if not step.close_openings or step.count_by == "bound":
+            return engine.openings.Lengths()
+
+        def counted() -> int:
+            return engine_call(watch, begin, end, "counting regions", engine.partition, plain, options).region_count
+
+        return engine.openings.lengths_for(plain, options, count, counted)
 
     def _part(self, prepared: Prepared, guides, options):
         """The part of the mesh to split, kept so that another number is quick; None: all of it."""

@@ -34,26 +34,6 @@ COLORS = np.vstack([PALETTE, np.array([NO_REGION], np.float32)])
 PACKED = (255 * COLORS).round().astype(np.uint8).view(np.uint32).ravel()
 
 
-def shared_edges(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of triangles that share an edge, and that edge.
-
-    triangles: (T, 3) int. Returns (E, 2) triangles, each column in one piece, and (E, 2) int32 vertices. An edge with
-    three triangles gives three pairs; of more than three, those next to and next but one to each other in order.
-    Cost: O(T log T).
-    """
-    start = triangles.astype(np.int64)
-    end = np.roll(start, -1, axis=1)
-    key = (np.minimum(start, end) << 32 | np.maximum(start, end)).ravel()
-    order = np.argsort(key, kind="stable")
-    key = key[order]
-    pairs, edges = [], []
-    for step in (1, 2):
-        at = np.flatnonzero(key[:-step] == key[step:])
-        pairs.append(np.stack([order[at], order[at + step]]) // 3)
-        edges.append(np.stack([key[at] >> 32, key[at] & 0xFFFFFFFF], axis=1))
-    return np.concatenate(pairs, axis=1).T, np.concatenate(edges).astype(np.int32)
-
-
 def connected(chosen: np.ndarray, pairs: np.ndarray, start: int) -> np.ndarray:
     """Those of some faces that ways over shared edges lead to from one of them. chosen: in rising order.
 

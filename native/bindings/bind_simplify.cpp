@@ -1,8 +1,12 @@
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
+#include <limits>
 #include <memory>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -10,6 +14,7 @@
 #include "bindings.h"
 #include "call.h"
 #include "isimp/core/errors.h"
+#include "isimp/mesh/shared_edges.h"
 #include "isimp/simplify/constraints.h"
 #include "isimp/simplify/edges.h"
 #include "isimp/simplify/openings.h"
@@ -57,6 +62,21 @@ void bind_edges(py::module_& m) {
         return owned(call_here(job, [&](Job& j) { return marked_edges(mesh, marked, j); }));
       },
       "mesh"_a, "edges"_a, "job"_a = py::none(), "See guides.marked_edges.");
+  m.def(
+      "_shared_edges",
+      [](const py::object& given, Job* job) {
+        const std::vector<Triangle> triangles = read_triangles(given, std::numeric_limits<std::int32_t>::max());
+        std::size_t count = 0;
+        for (std::size_t f = 0; f < triangles.size(); ++f)
+          for (const std::int32_t v : triangles[f]) {
+            if (v < 0) throw InvalidInput("face " + std::to_string(f) + " uses vertex " + std::to_string(v));
+            count = std::max(count, static_cast<std::size_t>(v) + 1);
+          }
+        SharedEdges found = call_here(job, [&](Job& j) { return shared_edges(count, triangles, j); });
+        return py::make_tuple(owned(std::move(found.edges)), owned(std::move(found.face)),
+                              owned(std::move(found.beside)));
+      },
+      "triangles"_a, "job"_a = py::none(), "See guides.shared_edges.");
 }
 
 void bind_openings(py::module_& m) {
@@ -83,6 +103,13 @@ Raises InvalidInput (regions below 1) or Cancelled. Cost: O(V + F).)");
       R"((fill_holes, cut_handles) for CleanOptions, as the command and the add-on use them: see opening_length.
 
 Holes of up to 8 mean edges, as a missing vertex leaves them, are filled up to sqrt(area / regions).)");
+  m.def(
+      "_guess_opening_lengths",
+      [](const KeptMesh& mesh, const PartitionOptions& options, Job* job) {
+        const GuessedLengths found = call_here(job, [&](Job& j) { return guess_opening_lengths(mesh, options, j); });
+        return std::tuple{found.lengths.holes, found.lengths.handles, found.most, found.likely};
+      },
+      "mesh"_a, "options"_a, "job"_a = py::none(), "See openings.lengths_for.");
 }
 
 void bind_constraints(py::module_& m) {

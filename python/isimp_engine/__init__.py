@@ -7,6 +7,7 @@ from . import _carried as _carried  # isort: skip  (before the module whose lack
 from . import exporting as exporting
 from . import guided as guided
 from . import guides as guides
+from . import openings as openings
 from . import within as within
 from ._core import (
     Cancelled,

@@ -334,6 +334,8 @@ def opening_lengths(mesh: Mesh, regions: int, job: Job | None = None) -> tuple[f
 _inner_edges: Callable[[Mesh], tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]]
 _sharp_edges: Callable[[Mesh, float], NDArray[np.int32]]
 _marked_edges: Callable[[Mesh, NDArray[Any]], NDArray[np.int32]]
+_shared_edges: Callable[[NDArray[Any]], tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]]
+_guess_opening_lengths: Callable[[Mesh, PartitionOptions, Job | None], tuple[float, float, int, bool]]
 _partition: Callable[..., Partition]
 _open_faces: Callable[[Mesh, NDArray[Any] | None, Partition | None, int, float], NDArray[np.int32] | None]
 _part_of: Callable[[Mesh, NDArray[Any], Job | None], Mesh]

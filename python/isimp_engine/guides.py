@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._core import InvalidInput, Mesh, _inner_edges, _marked_edges, _sharp_edges
+from ._core import InvalidInput, Mesh, _inner_edges, _marked_edges, _shared_edges, _sharp_edges
 
 Pairs = NDArray[np.int32]
 
@@ -44,6 +44,17 @@ def inner_edges(mesh: Mesh) -> tuple[Pairs, NDArray[np.intp], NDArray[np.intp]]:
     """Each edge between two faces: its vertices, and the two."""
     edges, a, b = _inner_edges(mesh)
     return edges, a.astype(np.intp), b.astype(np.intp)
+
+
+def shared_edges(triangles: NDArray[np.integer[Any]]) -> tuple[NDArray[np.int32], Pairs]:
+    """Pairs of triangles that share an edge, and that edge, of any triangles: no `Mesh` is needed.
+
+    triangles: (T, 3) integers, none negative. Returns (E, 2) triangles, each column in one piece, and (E, 2) vertices.
+    An edge with three triangles gives three pairs; of more than three, those next to and next but one to each other in
+    order. Cost: O(T + largest vertex).
+    """
+    edges, face, beside = _shared_edges(triangles)
+    return np.stack([face, beside]).T, edges
 
 
 def _as_pairs(edges: NDArray[Any]) -> Pairs:

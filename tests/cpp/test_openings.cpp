@@ -48,6 +48,21 @@ TEST(Openings, HolesOfOneVertexAreFilledAsLongAsRegionsAreLarger) {
   EXPECT_EQ(opening_lengths(shapes::mesh(shapes::torus(120, 60)), 100, job).holes, 0) << "drawn";
 }
 
+TEST(Openings, LengthsOfANumberThatIsNotKnownHoldUpToABound) {
+  const Mesh mesh = shapes::mesh(shapes::noisy(shapes::torus(120, 60), 0.001, 1));
+  Job job;
+  const GuessedLengths guessed = guess_opening_lengths(mesh, {.detail = 1.0}, job);
+  ASSERT_GE(guessed.most, 2);
+  EXPECT_TRUE(guessed.likely);
+  for (const std::int32_t regions : {1, guessed.most}) EXPECT_EQ(opening_lengths(mesh, regions, job), guessed.lengths);
+  EXPECT_NE(opening_lengths(mesh, guessed.most + 1, job), guessed.lengths);
+  EXPECT_FALSE(guess_opening_lengths(mesh, {.detail = 0.001}, job).likely) << "many regions";
+  EXPECT_FALSE(guess_opening_lengths(mesh, {.proxies = 2}, job).likely) << "known";
+  const GuessedLengths drawn = guess_opening_lengths(shapes::mesh(shapes::torus(120, 60)), {}, job);
+  EXPECT_TRUE(drawn.likely) << "whatever is found, nothing is closed";
+  EXPECT_EQ(drawn.lengths, OpeningLengths{});
+}
+
 TEST(Openings, OfDrawnModelsStay) {
   EXPECT_EQ(length(shapes::torus(120, 60), 300), 0);
   EXPECT_EQ(length(shapes::plane(40), 300), 0);

@@ -5,6 +5,7 @@ import pytest
 
 from isimp import prepared, view
 from isimp import recipe as rcp
+from isimp.engine import engine
 from isimp.gestures import Cut, Hit, Pointing, Sizing, Stroke, Wish, rings_in
 from isimp.pick import Surface
 from isimp.session import Scan, Session, StepFailed
@@ -59,7 +60,7 @@ def grid():
     at = np.arange(441).reshape(21, 21)
     a, b, c, d = at[:-1, :-1], at[1:, :-1], at[1:, 1:], at[:-1, 1:]
     triangles = np.stack([a, b, c, a, c, d], axis=-1).reshape(-1, 3)
-    return Surface(vertices, triangles), np.repeat(np.arange(400), 2), view.shared_edges(triangles)[0]
+    return Surface(vertices, triangles), np.repeat(np.arange(400), 2), engine.guides.shared_edges(triangles)[0]
 
 
 DOWN = (0, 0, -1)

@@ -100,7 +100,7 @@ def test_colours_stay_with_their_region_and_part_neighbours(scan):
     for step in (AddProxy(face=11), AddProxy(face=200), DeleteProxy(face=400), AddProxy(face=300)):
         recipe = recipe.then(step)
         after = session.replay(scan, recipe)
-        pairs, _ = view.shared_edges(scan.triangles)
+        pairs, _ = engine.guides.shared_edges(scan.triangles)
         color = after.region_color[after.face_region][pairs]
         assert np.array_equal(after.border, view.border_pairs(after.face_region, pairs))
         assert (color[:, 0] != color[:, 1])[after.border].all()

@@ -5,7 +5,7 @@ import pytest
 
 import shapes
 from isimp import recipe as rcp
-from isimp import view
+from isimp.engine import engine
 from isimp.session import Scan, Session
 from isimp.smoothing import reachable, shortened, smoothed
 from isimp.task import Stopped
@@ -71,7 +71,7 @@ def triangles():
     upper = np.stack([corner, corner + SIDE + 2, corner + SIDE + 1], axis=1)
     place = np.stack(np.divmod(np.arange((SIDE + 1) ** 2), SIDE + 1)[::-1], axis=1).astype(float)
     faces = np.concatenate([lower, upper])
-    pairs, ends = view.shared_edges(faces)
+    pairs, ends = engine.guides.shared_edges(faces)
     return pairs, np.linalg.norm(place[ends[:, 0]] - place[ends[:, 1]], axis=1), place[faces].mean(axis=1)
 
 
@@ -116,8 +116,8 @@ def jagged():
     scan = Scan(vertices, triangles, np.arange(len(triangles), dtype=np.int32), len(triangles))
     session, recipe = Session(), rcp.Recipe().then(rcp.Partition(proxies=6))
     label = session.replay(scan, recipe).face_region
-    ends = label[view.shared_edges(triangles)[0]]
-    pairs = view.shared_edges(triangles)[0]
+    ends = label[engine.guides.shared_edges(triangles)[0]]
+    pairs = engine.guides.shared_edges(triangles)[0]
     meet = pairs[(ends[:, 0] == 0) & (ends[:, 1] == 1) | (ends[:, 0] == 1) & (ends[:, 1] == 0)]
     beside = sorted({int(face) for face in meet.ravel() if label[face] == 1})[::2]
     onto = int(meet[0][label[meet[0]] == 0][0])

@@ -89,13 +89,6 @@ def test_where_kept_colours_leave_no_room_all_are_given_anew():
     assert (after[:size] != after[size]).all()
 
 
-def test_shared_edges_of_two_triangles_and_of_a_fin():
-    pairs, edges = view.shared_edges(np.array([[0, 1, 2], [1, 0, 3]], np.int32))
-    assert (pairs.tolist(), edges.tolist()) == ([[0, 1]], [[0, 1]])
-    fin, _ = view.shared_edges(np.array([[0, 1, 2], [1, 0, 3], [0, 1, 4]], np.int32))
-    assert sorted(map(tuple, fin.tolist())) == [(0, 1), (0, 2), (1, 2)]
-
-
 def test_region_pairs_and_borders_leave_out_faces_without_region():
     label = np.array([0, 0, 1, -1], np.int32)
     faces = np.array([[0, 1], [1, 2], [2, 1], [2, 3]])

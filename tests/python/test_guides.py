@@ -112,3 +112,26 @@ def test_labels_from_elsewhere_become_a_partition():
     ):
         with pytest.raises(engine.InvalidInput, match=message):
             engine.partition_from(mesh, labels)
+
+
+def test_shared_edges_of_two_triangles_and_of_a_fin():
+    pairs, edges = guides.shared_edges(np.array([[0, 1, 2], [1, 0, 3]], np.int32))
+    assert (pairs.tolist(), edges.tolist()) == ([[0, 1]], [[0, 1]])
+    fin, _ = guides.shared_edges(np.array([[0, 1, 2], [1, 0, 3], [0, 1, 4]], np.int32))
+    assert fin.tolist() == [[0, 1], [1, 2], [0, 2]]
+
+
+def test_shared_edges_of_a_closed_mesh_are_all_its_edges_in_order():
+    _, triangles = shapes.cube(4)
+    pairs, edges = guides.shared_edges(triangles.astype(np.int64))
+    assert len(pairs) == 3 * len(triangles) // 2
+    assert (pairs[:, 0] < pairs[:, 1]).all()
+    assert edges.tolist() == sorted(edges.tolist())
+    for (a, b), (u, v) in zip(pairs.tolist(), edges.tolist(), strict=True):
+        assert {u, v} == set(triangles[a]) & set(triangles[b])
+
+
+def test_shared_edges_refuse_vertices_below_zero():
+    with pytest.raises(engine.InvalidInput, match="face 1 uses vertex -1"):
+        guides.shared_edges(np.array([[0, 1, 2], [0, -1, 2]]))
+    assert len(guides.shared_edges(np.empty((0, 3), np.int32))[0]) == 0

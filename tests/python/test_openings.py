@@ -12,6 +12,8 @@ from isimp import recipe as rcp
 from isimp.prepared import prepared_of
 from isimp.session import Scan, Session, StepFailed
 from isimp_engine import batch
+from isimp_engine.cli.command import parser, settle
+from isimp_engine.cli.simplify import run
 from test_cli import isimp
 
 REGIONS = 30
@@ -137,6 +139,33 @@ def test_the_add_on_closes_the_same_as_the_command(tmp_path):
     outcome = Session().replay(scan_of(shapes.room(16)), rcp.Recipe((rcp.Partition(proxies=REGIONS),)))
     assert outcome.closing.holes == pytest.approx(report["options"]["clean"]["fill_holes"], rel=1e-5)
     assert outcome.closing.handles == pytest.approx(report["options"]["clean"]["cut_handles"], rel=1e-5)
+
+
+@pytest.mark.parametrize("most", [1, 10**6])
+def test_openings_that_are_closed_before_the_regions_are_counted_are_the_same(monkeypatch, tmp_path, most):
+    """most: regions up to which the guess is said to be right; of one it is wrong."""
+    steps = rcp.Recipe((rcp.Partition(detail=0.1),))
+    counted = Session().replay(scan_of(shapes.room(16)), steps)
+    report, _ = simplified(tmp_path, shapes.room(16), "--detail=0.1")
+    scan = scan_of(shapes.room(16))
+    lengths = engine.opening_lengths(engine.clean(scan.vertices, scan.triangles), report["regions"])
+    asked = []
+
+    def guess(mesh, options, job):
+        asked.append(len(mesh.triangles))
+        return *((9.0, 9.0) if most == 1 else lengths), most, True
+
+    monkeypatch.setattr(engine.openings, "_guess_opening_lengths", guess)
+    guessed = Session().replay(scan_of(shapes.room(16)), steps)
+    assert asked == [len(shapes.room(16)[1])], "on the scan as it is, once"
+    assert guessed.closing == counted.closing
+    assert np.array_equal(guessed.face_region, counted.face_region)
+    arguments = parser().parse_args(["simplify", str(tmp_path / "scan.ply"), str(tmp_path / "p.ply"), "--detail=0.1"])
+    settle(arguments)
+    done = run(arguments)
+    assert len(asked) == 2
+    assert done.report["closed_below"] == report["closed_below"]
+    assert (tmp_path / "p.ply").read_bytes() == (tmp_path / "o.ply").read_bytes()
 
 
 def test_covers_belong_to_the_face_beside_them():

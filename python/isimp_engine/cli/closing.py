@@ -5,7 +5,8 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from .. import CleanOptions, Job, Mesh, PartitionOptions, opening_lengths, partition
+from .. import CleanOptions, Job, Mesh, PartitionOptions, partition
+from ..openings import Lengths, lengths_for
 
 Place = tuple[float, float, float]
 _NEAR = 0.5  #: of an opening's length: a place beyond it means none
@@ -61,17 +62,11 @@ def _at(place: Place) -> str:
     return ",".join(f"{number:.9g}" for number in place)
 
 
-def closing_options(mesh: Mesh, options: PartitionOptions, clean: CleanOptions, job: Job) -> CleanOptions | None:
-    """How to repair the scan once more, so that its small openings are closed; None where it has none.
+def lengths_of(mesh: Mesh, options: PartitionOptions, regions: int | None, job: Job) -> Lengths:
+    """Up to which length openings are closed. regions: the number, where it is known; of none the partition tells."""
+    return lengths_for(mesh, options, regions or None, lambda: partition(mesh, options, job).region_count, job)
 
-    Where the number of regions is to be found, it is found on the scan as it is.
-    """
-    regions = options.proxies
-    if not regions:  # to be found; 0 is refused by the partition
-        if opening_lengths(mesh, 1, job)[1] == 0:
-            return None
-        regions = partition(mesh, options, job).region_count
-    holes, handles = opening_lengths(mesh, regions, job)
-    if handles == 0:
-        return None
-    return CleanOptions(**clean.as_dict() | {"fill_holes": holes, "cut_handles": handles})
+
+def closing_options(clean: CleanOptions, lengths: Lengths) -> CleanOptions:
+    """How to repair the scan so that openings up to these lengths are closed."""
+    return CleanOptions(**clean.as_dict() | {"fill_holes": lengths.holes, "cut_handles": lengths.handles})

@@ -29,6 +29,7 @@ from .. import (
     regularise,
 )
 from ..guided import Guides, partition_guided
+from ..openings import Lengths
 from ..texturing.writing import KINDS as TEXTURED_KINDS
 from ..texturing.writing import files_of
 from ..within import Made, Within, polygonize_within
@@ -140,19 +141,9 @@ def make_regions(arguments: argparse.Namespace, source: Input, steps: Steps, cle
             even_spacing=bool(arguments.even_spacing),
             merge_islands=arguments.merge_islands or 0.0,
         )
-    closed = None
-    with steps("clean") as job:
-        keep = closing.kept_places(arguments)
-        mesh, repaired, repaired_at = cleaned or clean_mesh(source, arguments.clean, job, keep)
-        if closing.is_wanted(arguments):
-            with refused(arguments):
-                closed = closing.closing_options(mesh, options, arguments.clean, job)
-            if closed is not None:
-                mesh, repaired, repaired_at = clean_mesh(source, closed, job, keep)
-    with steps("partition") as job, refused(arguments):
-        guides = guiding.guides_of(arguments, source, mesh, job)
-        part = partition_guided(mesh, options, job, guides)
-        if recipe:
+    (mesh, repaired, repaired_at), closed, guides, part = _partition(arguments, source, steps, cleaned, options.proxies)
+    if recipe:
+        with steps("partition") as job, refused(arguments):
             part = recipe.edited(mesh, part, job, regularised=regular is None)
     if regular is not None:
         with steps("regularise") as job:
@@ -166,6 +157,30 @@ def make_regions(arguments: argparse.Namespace, source: Input, steps: Steps, cle
         expected = expected_polygons(mesh, part, meshing, job)
     steps.say(f"expected: {words.expected(expected)}")
     return Regions(mesh, part, guides, repaired, repaired_at, closed, expected, meshing, regular)
+
+
+def _partition(
+    arguments: argparse.Namespace, source: Input, steps: Steps, cleaned: Cleaned | None, regions: int | None
+) -> tuple[Cleaned, CleanOptions | None, Guides, Partition]:
+    """Repair and partition. regions: the number for which openings are closed, where it is known."""
+    options, lengths, closed = arguments.options, Lengths(), None
+    with steps("clean") as job:
+        keep = closing.kept_places(arguments)
+        cleaned = cleaned or clean_mesh(source, arguments.clean, job, keep)
+        if closing.is_wanted(arguments):
+            with refused(arguments):
+                lengths = closing.lengths_of(cleaned[0], options, regions, job)
+            if lengths:
+                closed = closing.closing_options(arguments.clean, lengths)
+                cleaned = clean_mesh(source, closed, job, keep)
+    with steps("partition") as job, refused(arguments):
+        guides = guiding.guides_of(arguments, source, cleaned[0], job)
+        found = partition_guided(cleaned[0], options, job, guides)
+    if lengths.hold_for(found.region_count):
+        return cleaned, closed, guides, found
+    regions = found.region_count
+    del cleaned, guides, found  # their memory is needed
+    return _partition(arguments, source, steps, None, regions)
 
 
 def make_model(arguments: argparse.Namespace, source: Input, steps: Steps, cleaned: Cleaned | None = None) -> Model:

@@ -3,7 +3,7 @@
 import bpy
 import numpy as np
 
-from isimp import view
+from isimp.engine import engine
 
 
 def cube(name="Scan", cells=6, quads=False):
@@ -119,7 +119,7 @@ def face_pairs(mesh):
     triangles, faces = np.empty(3 * len(mesh.loop_triangles), np.int32), np.empty(len(mesh.loop_triangles), np.int32)
     mesh.loop_triangles.foreach_get("vertices", triangles)
     mesh.loop_triangles.foreach_get("polygon_index", faces)
-    return faces[view.shared_edges(triangles.reshape(-1, 3))[0]]
+    return faces[engine.guides.shared_edges(triangles.reshape(-1, 3))[0]]
 
 
 def select_faces(obj, *faces):

@@ -4,6 +4,7 @@
 
 #include "isimp/core/job.h"
 #include "isimp/mesh/mesh.h"
+#include "isimp/partition/options.h"
 
 namespace isimp {
 
@@ -28,10 +29,24 @@ double opening_length(const Mesh& mesh, std::int32_t regions, Job& job);
 struct OpeningLengths {
   double holes = 0;    ///< for CleanOptions::fill_holes
   double handles = 0;  ///< for CleanOptions::cut_handles: opening_length
+  bool operator==(const OpeningLengths&) const = default;
+};
+
+/// The lengths of few regions, for a number that is not known yet.
+struct GuessedLengths {
+  OpeningLengths lengths;
+  std::int32_t most = 0;  ///< numbers of regions up to this one have these lengths
+  bool likely = false;    ///< whether the number that will be found is most likely one of them
 };
 
 /// The same by kind. Holes of up to 8 mean edges, as a missing vertex leaves them, are filled up to sqrt(area / regions):
 /// filling changes less than cutting.
 OpeningLengths opening_lengths(const Mesh& mesh, std::int32_t regions, Job& job);
+
+/// What `opening_lengths` gives for one region, and up to how many regions it gives the same, which is so since both
+/// lengths have a bound in mean edges: openings of a large scan can be closed before the number of regions is found.
+/// \param options  by which it will be found
+/// Cost: O(V + F).
+GuessedLengths guess_opening_lengths(const Mesh& mesh, const PartitionOptions& options, Job& job);
 
 }  // namespace isimp
