@@ -21,11 +21,9 @@ CGAL::Bbox_3 box_of(const Corners& t) {
 class Cells {
  public:
   explicit Cells(const std::vector<Box>& boxes) : marked_(kSide * kSide * kSide, 0) {
-    CGAL::Bbox_3 reach;
-    for (const Box& b : boxes) reach += b.bbox();
-    low_ = {reach.xmin(), reach.ymin(), reach.zmin()};
+    for (const Box& b : boxes) reach_ += b.bbox();
     for (int k = 0; k < 3; ++k) {
-      const double length = reach.max(k) - reach.min(k);
+      const double length = reach_.max(k) - reach_.min(k);
       per_length_[k] = length > 0 ? kSide / length : 0;
     }
     for (const Box& b : boxes)
@@ -36,19 +34,19 @@ class Cells {
   }
   /// Whether a box may touch one of those.
   [[nodiscard]] bool has(const CGAL::Bbox_3& box) const {
-    return find(box, [&](std::size_t cell) { return marked_[cell] != 0; });
+    return CGAL::do_overlap(box, reach_) && find(box, [&](std::size_t cell) { return marked_[cell] != 0; });
   }
 
  private:
   static constexpr int kSide = 64;
 
-  /// Whether fn(cell) is true of a cell that a box touches. Cells at the sides of the grid go on beyond it.
+  /// Whether fn(cell) is true of a cell that a box touches, which reaches into the grid.
   template <class Function>
   bool find(const CGAL::Bbox_3& box, Function fn) const {
     std::array<std::array<int, 2>, 3> range{};
     for (int k = 0; k < 3; ++k)
       for (int side = 0; side < 2; ++side) {
-        const double at = ((side == 0 ? box.min(k) : box.max(k)) - low_[k]) * per_length_[k];
+        const double at = ((side == 0 ? box.min(k) : box.max(k)) - reach_.min(k)) * per_length_[k];
         range[k][side] = static_cast<int>(std::clamp(at, 0.0, kSide - 1.0));
       }
     for (int x = range[0][0]; x <= range[0][1]; ++x)
@@ -59,7 +57,8 @@ class Cells {
   }
 
   std::vector<char> marked_;
-  std::array<double, 3> low_{}, per_length_{};
+  CGAL::Bbox_3 reach_;
+  std::array<double, 3> per_length_{};
 };
 
 }  // namespace

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <iterator>
 #include <limits>
+#include <span>
 #include <tuple>
 #include <unordered_map>
 #include <utility>
@@ -28,7 +30,8 @@ class HandleLoops {
         topology_(topology),
         job_(job),
         distance_(arrays.vertices.size(), kFar),
-        via_(arrays.vertices.size(), kNone) {
+        via_(arrays.vertices.size(), kNone),
+        edge_(arrays.vertices.size(), kNone) {
     double sum = 0;
     std::size_t count = 0;
     for (std::size_t f = 0; f < arrays.triangles.size(); f += kSample, ++count)
@@ -63,18 +66,51 @@ class HandleLoops {
     return starts;
   }
 
-  /// Those of at most `longest` near some vertices, shortest first.
-  std::vector<Loop> find(const std::vector<std::int32_t>& starts, double longest) {
+  /// Edges, a half-edge each, rising, and the nodes on both sides of each: faces and holes, or what is one for all
+  /// that will be asked.
+  struct Dual {
+    std::vector<std::int32_t> edges;
+    std::vector<std::array<std::int32_t, 2>> sides;
+    std::size_t nodes = 0;
+  };
+
+  /// The edges near some vertices. All others are crossed wherever the first tree grows from one of these, so what
+  /// they join is one node.
+  [[nodiscard]] Dual near_edges(const std::vector<std::int32_t>& starts, double radius) {
+    std::vector<char> near(distance_.size(), 0);
+    for (const std::int32_t v : starts) {
+      forget();
+      grow(v, radius);
+      for (const std::int32_t w : reached_) near[w] = 1;
+    }
+    Forest far(nodes_);
+    Dual dual;
+    for_each_edge([&](std::int32_t h) {
+      if (near[from(h)] && near[to(h)]) {
+        dual.edges.push_back(h);
+        dual.sides.push_back({h / 3, across(h)});
+      } else {
+        far.join(h / 3, across(h));
+      }
+    });
+    std::unordered_map<std::int32_t, std::int32_t> number;
+    for (auto& sides : dual.sides)
+      for (std::int32_t& node : sides)
+        node = number.emplace(far.root(node), static_cast<std::int32_t>(number.size())).first->second;
+    dual.nodes = number.size();
+    return dual;
+  }
+
+  /// Loops of at most `longest` near each of some vertices.
+  /// \param dual  near these at least, within half of that
+  std::vector<Loop> find(std::span<const std::int32_t> starts, const Dual& dual, double longest) {
     std::vector<Loop> loops;
-    if (starts.empty()) return loops;
-    const Dual dual = near_edges(starts, longest / 2);
     for (const std::int32_t v : starts) {
       forget();
       grow(v, longest / 2);
       for (const std::int32_t g : left_over(dual))
         if (Loop loop = loop_of(g); loop.length <= longest) loops.push_back(std::move(loop));
     }
-    std::stable_sort(loops.begin(), loops.end(), [](const Loop& a, const Loop& b) { return a.length < b.length; });
     return loops;
   }
 
@@ -93,17 +129,18 @@ class HandleLoops {
   /// By buckets of distances, which are taken in order; inside one, vertices are taken again where a shorter way comes.
   void grow(std::int32_t root, double radius) {
     std::size_t last = 0;
-    const auto reach = [&](std::int32_t v, double d, std::int32_t via) {
+    const auto reach = [&](std::int32_t v, double d, std::int32_t via, std::int32_t edge) {
       if (d > radius || d >= distance_[v]) return;
       if (distance_[v] == kFar) reached_.push_back(v);
       distance_[v] = d;
       via_[v] = via;
+      edge_[v] = edge;
       const std::size_t at = bucket_of(d);
       if (at >= buckets_.size()) buckets_.resize(at + 1);
       buckets_[at].push_back(v);
       last = std::max(last, at);
     };
-    reach(root, 0, kNone);
+    reach(root, 0, kNone, kNone);
     std::size_t taken = 0;
     for (std::size_t now = 0; now <= last; ++now) {
       for (std::size_t i = 0; i < buckets_[now].size(); ++i) {
@@ -120,9 +157,9 @@ class HandleLoops {
         std::int32_t h = topology_.vertex_halfedge[v];
         const std::int32_t start = h;
         do {
-          reach(to(h), d + distance(v, to(h)), v);
+          reach(to(h), d + distance(v, to(h)), v, h);
           const std::int32_t in = Mesh::prev(h);
-          if (topology_.opposite[in] == kNone) reach(from(in), d + distance(v, from(in)), v);
+          if (topology_.opposite[in] == kNone) reach(from(in), d + distance(v, from(in)), v, in);
           h = topology_.opposite[in];
         } while (h != kNone && h != start);
       }
@@ -132,14 +169,6 @@ class HandleLoops {
   [[nodiscard]] std::size_t bucket_of(double d) const {
     return static_cast<std::size_t>(std::min(d * per_length_, kMostBuckets));
   }
-
-  /// Edges, a half-edge each, rising, and the nodes on both sides of each: faces and holes, or what is one for all
-  /// that will be asked.
-  struct Dual {
-    std::vector<std::int32_t> edges;
-    std::vector<std::array<std::int32_t, 2>> sides;
-    std::size_t nodes = 0;
-  };
 
   /// One node for each border loop, after those of the faces.
   void number_holes() {
@@ -168,17 +197,22 @@ class HandleLoops {
   }
 
   /// Whether an edge is in the tree over the vertices.
-  [[nodiscard]] bool in_tree(std::int32_t h) const { return via_[from(h)] == to(h) || via_[to(h)] == from(h); }
+  [[nodiscard]] bool in_tree(std::int32_t h) const {
+    const std::int32_t other = topology_.opposite[h], a = edge_[from(h)], b = edge_[to(h)];
+    return a == h || b == h || (other != kNone && (a == other || b == other));
+  }
 
   /// The edges that the tree over all vertices does not hold, without those that any tree over the faces has to cross:
   /// a face with one such edge left is taken off, again and again. Few are left, round the handles and between holes.
   [[nodiscard]] Dual core() const {
-    std::vector<std::uint8_t> open(arrays_.triangles.size(), 0);  // a bit for each such edge of a face
+    std::vector<std::uint8_t> open(arrays_.triangles.size(), 7);  // a bit for each such edge of a face
+    for_each_index(edge_.size(), job_, [&](std::size_t v) {
+      for (std::int32_t h = edge_[v], side = 0; h != kNone && side < 2; h = topology_.opposite[h], ++side)
+        open[h / 3] &= ~(1 << h % 3);
+    });
     std::vector<std::int32_t> ends;
     for_each_index(open.size(), job_, [&](std::size_t i) {
-      const auto f = static_cast<std::int32_t>(i);
-      for (int k = 0; k < 3; ++k) open[i] |= in_tree(3 * f + k) ? 0 : 1 << k;
-      if (std::has_single_bit(open[i])) ends.push_back(f);
+      if (std::has_single_bit(open[i])) ends.push_back(static_cast<std::int32_t>(i));
     });
     while (!ends.empty()) {
       const std::int32_t f = ends.back();
@@ -201,33 +235,6 @@ class HandleLoops {
         dual.sides.push_back({f, across(h)});
       }
     });
-    return dual;
-  }
-
-  /// The edges near some vertices. All others are crossed wherever the first tree grows from one of these, so what
-  /// they join is one node.
-  [[nodiscard]] Dual near_edges(const std::vector<std::int32_t>& starts, double radius) {
-    std::vector<char> near(distance_.size(), 0);
-    for (const std::int32_t v : starts) {
-      forget();
-      grow(v, radius);
-      for (const std::int32_t w : reached_) near[w] = 1;
-    }
-    Forest far(nodes_);
-    Dual dual;
-    for_each_edge([&](std::int32_t h) {
-      if (near[from(h)] && near[to(h)]) {
-        dual.edges.push_back(h);
-        dual.sides.push_back({h / 3, across(h)});
-      } else {
-        far.join(h / 3, across(h));
-      }
-    });
-    std::unordered_map<std::int32_t, std::int32_t> number;
-    for (auto& sides : dual.sides)
-      for (std::int32_t& node : sides)
-        node = number.emplace(far.root(node), static_cast<std::int32_t>(number.size())).first->second;
-    dual.nodes = number.size();
     return dual;
   }
 
@@ -282,7 +289,7 @@ class HandleLoops {
   const Topology& topology_;
   Job& job_;
   std::vector<double> distance_;
-  std::vector<std::int32_t> via_, reached_;
+  std::vector<std::int32_t> via_, edge_, reached_;       // edge_: a half-edge of that to via_, either side
   std::vector<std::vector<std::int32_t>> buckets_;       // vertices by distance, empty but while the tree grows
   double per_length_ = 1;                                // buckets, 1 / scene units
   std::unordered_map<std::int32_t, std::int32_t> hole_;  // node of each border half-edge
@@ -294,16 +301,32 @@ class HandleLoops {
 std::vector<HandleLoop> find_loops(const MeshArrays& arrays, const Topology& topology, double longest,
                                    const HandleSearch* search, const Threads& threads, Job& job) {
   HandleLoops finder(arrays, topology, job);
-  if (search) return finder.find(search->near, longest);
-  if (!finder.any_handle()) return {};
-  // One tree may lead far past a handle, so there are two.
+  if (!search && !finder.any_handle()) return {};
   HandleLoops other(arrays, topology, job);
-  std::array<std::vector<std::int32_t>, 2> found;
-  threads.blocks(2, 1, [&](std::int32_t k, std::int32_t, std::int32_t) {
-    found[k] = (k == 0 ? finder : other).find_starts(k == 1);
+  // Two at a time.
+  const auto by_both = [&](auto fn) {
+    threads.blocks(2, 1, [&](std::int32_t k, std::int32_t, std::int32_t) { fn(k == 0 ? finder : other, k); });
+  };
+  std::vector<std::int32_t> starts;
+  if (search) {
+    starts = search->near;
+  } else {  // One tree may lead far past a handle, so there are two.
+    std::array<std::vector<std::int32_t>, 2> found;
+    by_both([&](HandleLoops& each, std::int32_t k) { found[k] = each.find_starts(k == 1); });
+    found[0].insert(found[0].end(), found[1].begin(), found[1].end());
+    starts = rising(std::move(found[0]));
+  }
+  if (starts.empty()) return {};
+  const HandleLoops::Dual dual = finder.near_edges(starts, longest / 2);
+  std::array<std::vector<Loop>, 2> loops;
+  const std::size_t half = starts.size() / 2;
+  by_both([&](HandleLoops& each, std::int32_t k) {
+    const std::span all(starts);
+    loops[k] = each.find(k == 0 ? all.first(half) : all.subspan(half), dual, longest);
   });
-  found[0].insert(found[0].end(), found[1].begin(), found[1].end());
-  return finder.find(rising(std::move(found[0])), longest);
+  std::move(loops[1].begin(), loops[1].end(), std::back_inserter(loops[0]));
+  std::ranges::stable_sort(loops[0], {}, &Loop::length);
+  return std::move(loops[0]);
 }
 
 }  // namespace isimp::detail
