@@ -16,6 +16,7 @@ import shapes
 from batches import ENVIRONMENT, ODD, isimp, rows_by_name, scan, wait_for, whys
 from isimp_engine import batch
 from isimp_engine.batch import table
+from isimp_engine.cli.batch import Terminated, deferrable
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="a batch needs fork")
 
@@ -230,11 +231,30 @@ def test_an_interrupted_command_keeps_its_rows_and_can_go_on(scans, tmp_path, nu
         with (tmp_path / "pipe.ply").open("wb"):  # opens once the child reads
             wait_for(lambda: (out / "results.jsonl").exists() and (out / "results.jsonl").stat().st_size)
             run.send_signal(number)
-            assert run.wait(timeout=30) == status
+            found = run.wait(timeout=30)
+            assert found == status, run.stderr.read()
         assert run.stderr.read() == "isimp: interrupted, 1 of 2 scans are done; the same command does the others\n"
     assert list(rows_by_name(out)) == ["in/a.ply"]
     assert "1 of 1 scan ok" in (out / "results.html").read_text()
     assert sorted(path.name for path in out.iterdir()) == [".isimp-batch", "in", "results.html", "results.jsonl"]
+
+
+@pytest.mark.parametrize(("number", "kind"), [(signal.SIGINT, KeyboardInterrupt), (signal.SIGTERM, Terminated)])
+def test_interrupts_wait_for_the_loop_once_it_runs(number, kind):
+    before = signal.getsignal(number)
+    with deferrable(), pytest.raises(kind):
+        signal.raise_signal(number)
+    with deferrable() as interrupts:
+        interrupts.check()
+        signal.raise_signal(number)
+        with pytest.raises(kind):
+            interrupts.check()
+    with deferrable() as interrupts:
+        interrupts.check()
+        signal.raise_signal(number)
+        with pytest.raises(kind):  # a second one
+            signal.raise_signal(number)
+    assert signal.getsignal(number) is before
 
 
 @pytest.mark.parametrize("whole", [False, True])

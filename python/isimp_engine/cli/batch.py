@@ -7,7 +7,7 @@ OUTPUT_FOLDER/results.jsonl has one row a scan, results.html shows them.
 import argparse
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
@@ -68,11 +68,12 @@ def run(arguments: argparse.Namespace) -> int:
     def watch(now: State) -> None:
         nonlocal state
         state = now
+        interrupts.check()
         if screen is not None:
             screen.draw(lambda: progress(now))
 
     try:
-        with terminable():
+        with deferrable() as interrupts:
             try:
                 outcome = run_batch(
                     arguments.inputs,
@@ -114,21 +115,62 @@ def given_options(arguments: argparse.Namespace) -> dict[str, Any]:
 
 @contextmanager
 def terminable() -> Iterator[None]:
-    """SIGTERM, and the end of the terminal, stop the batch as Ctrl-C does."""
+    """SIGTERM, and the end of the terminal, stop the block as Ctrl-C does."""
+    with _handled(_endings(), _end):
+        yield
 
-    def end(number: int, frame: FrameType | None) -> None:
-        raise Terminated
 
-    numbers = [signal.SIGTERM] + ([signal.SIGHUP] if hasattr(signal, "SIGHUP") else [])
+class Interrupts:
+    """Ctrl-C and SIGTERM, which come at once before the first call of `check`, and from then on when it is called.
+
+    An exception that comes anywhere may be lost in a destructor, or end a step in the middle. A second signal comes at
+    once all the same.
+    """
+
+    def __init__(self) -> None:
+        self._waits = False
+        self._came: int | None = None
+
+    def check(self) -> None:
+        self._waits = True
+        if self._came is not None:
+            _end(self._came, None)
+
+    def handle(self, number: int, frame: FrameType | None) -> None:
+        if not self._waits or self._came is not None:
+            _end(number, frame)
+        self._came = number
+
+
+@contextmanager
+def deferrable() -> Iterator[Interrupts]:
+    """As `terminable`, but signals wait for calls of `Interrupts.check`."""
+    interrupts = Interrupts()
+    is_awaited = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    with _handled(_endings() + [signal.SIGINT] * is_awaited, interrupts.handle):
+        yield interrupts
+
+
+def _endings() -> list[signal.Signals]:
+    """Those that ask a process to end, but for Ctrl-C."""
+    return [signal.SIGTERM] + ([signal.SIGHUP] if hasattr(signal, "SIGHUP") else [])
+
+
+def _end(number: int, frame: FrameType | None) -> None:
+    raise KeyboardInterrupt if number == signal.SIGINT else Terminated
+
+
+@contextmanager
+def _handled(numbers: list[signal.Signals], handler: Callable[[int, FrameType | None], None]) -> Iterator[None]:
     before = {number: signal.getsignal(number) for number in numbers}
     try:
-        for number, handler in before.items():
-            if handler is not signal.SIG_IGN:  # as under nohup
-                signal.signal(number, end)
+        for number, other in before.items():
+            if other is not signal.SIG_IGN:  # as under nohup
+                signal.signal(number, handler)
         yield
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler if handler is not None else signal.SIG_DFL)
+        for number, other in before.items():
+            signal.signal(number, other if other is not None else signal.SIG_DFL)
 
 
 def progress(state: State) -> str:
