@@ -127,6 +127,10 @@ def will_drop(number: int) -> str:
 
 #: An engine's reason, and the words of the person who pointed at the place that it names
 _REASONS = (
+    (
+        "symmetry can't be had with a bound: .*",
+        own("symmetry can't be had with a bound: choose another way to set the number of regions"),
+    ),
     (r"the region of face \d+ is locked: unlock it first", own("this region is locked: press L over it, or Unlock")),
     (
         r"the region of face \d+ is the only one of its part that is not locked: it can't be deleted",
@@ -195,6 +199,15 @@ def reason(told: str, length: Callable[[float], str] = plain) -> str:
     if found:
         needed, allowed = (length(float(number)) for number in found.groups())
         return said("this region needs {needed}, allowed {allowed}", needed=needed, allowed=allowed)
+    number = r"([\d.e+-]+)"
+    found = re.search(f"a tenth of it is more than {number} from its mirror image, and {number} is allowed", told)
+    axis = re.search("the surface does not mirror across ([xyz])", told)
+    if axis and found:
+        far, allowed = (length(float(each)) for each in found.groups())
+        text = own("the scan does not mirror across {axis}: a tenth of it is {far} off, allowed {allowed}")
+        return said(text, axis=axis[1].upper(), far=far, allowed=allowed)
+    if axis:
+        return said("the scan does not mirror across {axis}: choose another axis", axis=axis[1].upper())
     for pattern, words in _REASONS:
         found = re.search(pattern, told)
         if found:

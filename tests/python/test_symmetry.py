@@ -3,6 +3,7 @@
 import copy
 import json
 import pickle
+import re
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from polygon_judge import judge
 
 import isimp_engine as engine
 import shapes
+from isimp import messages
 from isimp_engine import cli, recipes
 
 
@@ -80,8 +82,13 @@ def test_a_scan_that_does_not_mirror_is_refused(tmp_path, capsys):
     mesh = engine.Mesh(*shapes.figure(lump=1.2))
     found = engine.partition(mesh, engine.PartitionOptions(proxies=300, symmetry="found"))
     assert found.symmetry is None
-    with pytest.raises(engine.InvalidInput, match="does not mirror across z: a tenth of it is more than"):
+    with pytest.raises(engine.InvalidInput, match="does not mirror across z: a tenth of it is more than") as refused:
         engine.partition(mesh, engine.PartitionOptions(proxies=300, symmetry="z"))
+    told = messages.reason(str(refused.value), lambda length: f"{100 * length:.0f} cm")
+    assert re.fullmatch(r"the scan does not mirror across Z: a tenth of it is \d+ cm off, allowed \d+ cm", told)
+    with pytest.raises(engine.InvalidInput) as refused:
+        engine.partition(mesh, engine.PartitionOptions(bound=0.1, symmetry="z"))
+    assert messages.reason(str(refused.value)).startswith("symmetry can't be had with a bound: choose another way")
     scan = tmp_path / "scan.ply"
     engine.write(scan, engine.polygonize(mesh, found))
     assert cli.main(["simplify", str(scan), str(tmp_path / "out.ply"), "--symmetry", "z", "--proxies", "20"]) == 2
