@@ -40,13 +40,6 @@ DETAILED = ("scan/bunny_69k", "scan/armadillo_86k", "scan/armadillo_346k_loop", 
 DETAILS = (0.02, 0.01, 0.005, 0.0025, 0.00125)
 
 
-def closed(arrays, regions):
-    """The mesh after its openings are closed that are too small for this number of regions."""
-    mesh = engine.clean(*arrays)
-    holes, handles = engine.opening_lengths(mesh, regions)
-    return engine.clean(*arrays, engine.CleanOptions(fill_holes=holes, cut_handles=handles)) if handles else mesh
-
-
 def made(mesh, **options):
     part = engine.partition(mesh, engine.PartitionOptions(**options))
     return part, engine.polygonize(mesh, part)
@@ -62,7 +55,7 @@ def for_regions(data):
     for name in SCANS:
         arrays = engine.read(data / f"{name}.ply")
         row = []
-        for mesh in (engine.clean(*arrays), closed(arrays, 300)):
+        for mesh in (engine.clean(*arrays), engine.openings.closed_for(engine.clean(*arrays), 300)):
             part, poly = made(mesh, proxies=300)
             away = np.nanmean(scan_distances(mesh, part, poly)) / mesh.report["diagonal"]
             row.append((poly.report["polygons"], 100 * away))
@@ -92,7 +85,7 @@ def foreseen(data):
             if 4 * number > len(arrays[1]):
                 cells.append("")
                 continue
-            mesh = closed(arrays, number)
+            mesh = engine.openings.closed_for(engine.clean(*arrays), number)
             part, poly = made(mesh, proxies=number)
             said, came = engine.expected_polygons(mesh, part)["polygons"], poly.report["polygons"]
             errors.append(abs(said / came - 1))
@@ -135,7 +128,7 @@ def openings():
     print(f"\n| mesh | handles | {' | '.join(f'left for {n}' for n in counts)} |\n|{'---|' * (2 + len(counts))}")
     for name, smooth in meshes.items():
         arrays = noisy(smooth, 0.001)
-        left = [handles(closed(arrays, n)) for n in counts]
+        left = [handles(engine.openings.closed_for(engine.clean(*arrays), n)) for n in counts]
         print(f"| {name} | {handles(engine.clean(*arrays))} | {' | '.join(map(str, left))} |", flush=True)
 
 
@@ -144,9 +137,10 @@ def rooms():
     for tunnels in (16, 32):
         for regions in (30, 60, 120):
             arrays, plain = shapes.room(tunnels), shapes.room(0)
+            scan = engine.clean(*arrays)
             figures = [
                 made(mesh, proxies=regions)[1].report["polygons"]
-                for mesh in (engine.clean(*arrays), closed(arrays, regions), engine.clean(*plain))
+                for mesh in (scan, engine.openings.closed_for(scan, regions), engine.clean(*plain))
             ]
             print(f"| {tunnels} | {regions} | {' | '.join(map(str, figures))} |", flush=True)
 
@@ -159,7 +153,7 @@ def houses():
         arrays, plain = shapes.mvs_house(scale), engine.clean(*shapes.mvs_house(scale, errors=False))
         for asked in ({"proxies": 42}, {"proxies": 100}, {"proxies": 300}, {}):
             regions = asked.get("proxies") or made(engine.clean(*arrays))[0].region_count
-            part, poly = made(closed(arrays, regions), **asked)
+            part, poly = made(engine.openings.closed_for(engine.clean(*arrays), regions), **asked)
             report, clean = poly.report, made(plain, **asked)[1].report
             each = report["polygons"] / report["regions"]
             row = report["regions"], report["polygons"], f"{each:.2f}", report["closed"], part.parts_left_out

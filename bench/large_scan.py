@@ -30,22 +30,22 @@ def closed_first(scan: Arrays, options: engine.PartitionOptions) -> tuple[engine
 
     plain = engine.clean(*scan)
     lengths = lengths_for(plain, options, None, count)
-    found = engine.partition(closed(scan, lengths), options)
+    found = engine.partition(closed(plain, lengths), options)
     if lengths.hold_for(found.region_count):
         return found, "counted" if lengths.most is None else "guessed right"
     lengths = lengths_for(plain, options, found.region_count, count)
-    return engine.partition(closed(scan, lengths), options), "guessed wrong"
+    return engine.partition(closed(plain, lengths), options), "guessed wrong"
 
 
 def counted_first(scan: Arrays, options: engine.PartitionOptions) -> engine.Partition:
     plain = engine.clean(*scan)
     lengths = Lengths(*engine.opening_lengths(plain, engine.partition(plain, options).region_count))
-    return engine.partition(closed(scan, lengths), options)
+    return engine.partition(closed(plain, lengths), options)
 
 
-def closed(scan: Arrays, lengths: Lengths) -> engine.Mesh:
+def closed(plain: engine.Mesh, lengths: Lengths) -> engine.Mesh:
     options = engine.CleanOptions(fill_holes=lengths.holes, cut_handles=lengths.handles)
-    return engine.clean(*scan, options)
+    return engine.close_openings(plain, options)
 
 
 def sorted_pairs(triangles: np.ndarray) -> np.ndarray:

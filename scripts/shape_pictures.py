@@ -37,13 +37,6 @@ PAPER, SIZE = (0.86, 0.86, 0.84), (1400, 760)
 EDGE = 0.0011  # radius of the lines, as a share of the diagonal
 
 
-def closed(arrays):
-    """The mesh without openings too small for this number of regions, as the command and the add-on make it."""
-    mesh = engine.clean(*arrays)
-    holes, handles = engine.opening_lengths(mesh, REGIONS)
-    return engine.clean(*arrays, engine.CleanOptions(fill_holes=holes, cut_handles=handles)) if handles else mesh
-
-
 def polygons(mesh, partition_options, meshing_options):
     regions = engine.partition(mesh, engine.PartitionOptions(proxies=REGIONS, **partition_options))
     return engine.polygonize(mesh, regions, engine.MeshingOptions(**meshing_options))
@@ -63,7 +56,7 @@ def parts_of(made, name, view, shift):
 
 
 def draw(name, file, up, turn, left, right):
-    mesh = closed(engine.read(DATA / file))
+    mesh = engine.openings.closed_for(engine.clean(*engine.read(DATA / file)), REGIONS)
     view = picture.look_from(up, turn)
     before, after = polygons(mesh, *left), polygons(mesh, *right)
     middle = np.asarray(mesh.vertices).mean(axis=0)

@@ -102,7 +102,8 @@ class Session:
         key = (scan.digest, closing)
         prepared = self._meshes.get(key)
         if prepared is None:
-            prepared = _prepare(scan, closing, watch or Watch(), begin, end)
+            plain = None if closing == NONE_CLOSED else self.prepare(scan, watch, begin, begin).mesh
+            prepared = _prepare(scan, plain, closing, watch or Watch(), begin, end)
             # Adjacency, normals and other data of the engine: about 300 bytes a face.
             self._meshes.put(key, prepared, 300 * len(scan.triangles))
         return prepared
@@ -282,13 +283,18 @@ def _keys(scan: Scan, recipe: rcp.Recipe) -> list[tuple]:
     return [(scan.digest, scan.layers_digest, key) for key in recipe.prefix_keys()]
 
 
-def _prepare(scan: Scan, closing: Closing, watch: Watch, begin: float, end: float) -> Prepared:
+def _prepare(scan: Scan, plain, closing: Closing, watch: Watch, begin: float, end: float) -> Prepared:
+    """plain: the scan's mesh before openings are closed, None where none are."""
     if len(scan.triangles) == 0:
         raise ValueError(said("The mesh has no faces: there is nothing to simplify"))
     middle = begin + 0.4 * (end - begin)
-    args = (scan.vertices, scan.triangles, engine.CleanOptions(cut_handles=closing.handles, fill_holes=closing.holes))
-    clean = partial(engine.clean, keep=np.array(closing.kept, np.float64).reshape(-1, 3))
-    mesh = engine_call(watch, begin, middle, "reading the mesh", clean, *args)
+    options = engine.CleanOptions(cut_handles=closing.handles, fill_holes=closing.holes)
+    if plain is None:
+        args = (engine.clean, scan.vertices, scan.triangles, options)
+    else:
+        keep = np.array(closing.kept, np.float64).reshape(-1, 3)
+        args = (partial(engine.close_openings, keep=keep), plain, options)
+    mesh = engine_call(watch, begin, middle, "reading the mesh", *args)
     with watch.part("reading the mesh", middle, end):
         return replace(prepared_of(scan, mesh), closing=closing)
 

@@ -59,6 +59,15 @@ std::shared_ptr<KeptMesh> clean_mesh(const py::object& vertices, const py::objec
   });
 }
 
+std::shared_ptr<KeptMesh> close_mesh(const KeptMesh& mesh, const CleanOptions& options, Job* job,
+                                     const py::object& keep) {
+  const std::vector<Vec3> places = keep.is_none() ? std::vector<Vec3>() : read_points(keep, "keep", "(K, 3)");
+  return call(job, [&, options](Job& j) {
+    Cleaned cleaned = close_openings(mesh, options, places, j);
+    return std::make_shared<KeptMesh>(std::move(cleaned.mesh), std::move(cleaned.openings));
+  });
+}
+
 py::list openings_of(const KeptMesh& mesh) {
   py::list all;
   for (const auto& [handle, kept, center, length, loops] : mesh.openings()) {
@@ -150,6 +159,14 @@ keep: (K, 3) places whose holes and handles stay open, such as the centers in `M
 lies within a quarter of its length of its center.
 Raises InvalidInput (another shape, no faces, an index out of range, a negative length, no face is left) or
 Cancelled. Cost: O(V + F); closing holes or handles adds O((V + F) log F).)");
+  m.def("close_openings", &close_mesh, "mesh"_a, "options"_a, "job"_a = py::none(), py::kw_only(),
+        "keep"_a = py::none(),
+        R"(Close openings of a mesh that is repaired already.
+
+The result is what `clean` makes with these options of the arrays that the mesh was made of; its report tells of both. The
+other repairs are not made again. `fill_holes`, `cut_handles` and `threads` of the options count; `opening_lengths` gives
+lengths. keep: see `clean`.
+Raises InvalidInput (a negative length, a place that is not finite) or Cancelled. Cost: O((V + F) log F).)");
 }
 
 }  // namespace isimp::bindings

@@ -73,6 +73,13 @@ def clean(
     *,
     keep: NDArray[np.floating] | None = None,
 ) -> Mesh: ...
+def close_openings(
+    mesh: Mesh,
+    options: CleanOptions,
+    job: Job | None = None,
+    *,
+    keep: NDArray[np.floating] | None = None,
+) -> Mesh: ...
 
 class PartitionOptions:
     proxies: int | None

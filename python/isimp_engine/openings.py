@@ -3,7 +3,15 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from ._core import Job, Mesh, PartitionOptions, _guess_opening_lengths, opening_lengths
+from ._core import (
+    CleanOptions,
+    Job,
+    Mesh,
+    PartitionOptions,
+    _guess_opening_lengths,
+    close_openings,
+    opening_lengths,
+)
 
 
 @dataclass(frozen=True)
@@ -20,6 +28,17 @@ class Lengths:
     def hold_for(self, regions: int) -> bool:
         """Whether they are those of a partition into so many."""
         return self.most is None or regions <= self.most
+
+
+def closed_for(mesh: Mesh, regions: int, job: Job | None = None, threads: int = 0) -> Mesh:
+    """The repaired scan with the openings closed that so many regions can't show; itself where there are none.
+
+    Raises InvalidInput (regions below 1) or Cancelled. Cost: see `close_openings`.
+    """
+    holes, handles = opening_lengths(mesh, regions, job)
+    if handles == 0:
+        return mesh
+    return close_openings(mesh, CleanOptions(fill_holes=holes, cut_handles=handles, threads=threads), job)
 
 
 def lengths_for(

@@ -168,6 +168,29 @@ def test_openings_that_are_closed_before_the_regions_are_counted_are_the_same(mo
     assert (tmp_path / "p.ply").read_bytes() == (tmp_path / "o.ply").read_bytes()
 
 
+@pytest.mark.parametrize("shift", [0.0, 4.6e6])
+def test_openings_of_a_repaired_mesh_are_closed_as_by_a_repair_of_the_arrays(shift):
+    vertices, triangles = shapes.room(16)
+    vertices = np.append(vertices, vertices[:1], axis=0) + shift  # one vertex that no face uses
+    plain = engine.clean(vertices, np.append(triangles, triangles[:1], axis=0))
+    options = engine.CleanOptions(fill_holes=9.0, cut_handles=9.0)
+    kept = np.array([engine.close_openings(plain, options).openings[0]["center"]])
+    for keep in (None, kept):
+        whole = engine.clean(vertices, np.append(triangles, triangles[:1], axis=0), options, keep=keep)
+        closed = engine.close_openings(plain, options, keep=keep)
+        for name in ("vertices", "triangles", "source_face", "source_vertex"):
+            assert np.array_equal(getattr(closed, name), getattr(whole, name))
+        assert closed.report == whole.report
+        assert closed.report["repairs"]["duplicate_faces"] == 1
+        assert [o["kept"] for o in closed.openings] == [o["kept"] for o in whole.openings]
+        assert any(o["kept"] for o in closed.openings) == (keep is not None)
+    assert plain.report["euler"] == -32, "the mesh that was given stays"
+    with pytest.raises(engine.InvalidInput, match="fill_holes must be a length, at least 0"):
+        engine.close_openings(plain, engine.CleanOptions(fill_holes=-1.0))
+    with pytest.raises(engine.InvalidInput, match="not finite"):
+        engine.close_openings(plain, options, keep=np.full((1, 3), np.nan))
+
+
 def test_covers_belong_to_the_face_beside_them():
     scan = scan_of(shapes.room(4))
     mesh = engine.clean(scan.vertices, scan.triangles, engine.CleanOptions(cut_handles=5.0))

@@ -12,6 +12,20 @@
 #include "soup.h"
 
 namespace isimp {
+namespace detail {
+
+/// Arrays that are sound, before small openings are closed.
+struct Cleaning {
+  MeshArrays arrays;
+  Topology topology;
+  RepairLog log;
+
+  /// Closes what is to be closed, and makes the mesh.
+  Cleaned finish(const CleanOptions& options, const std::vector<Vec3>& keep, const Threads& threads, Job& job) &&;
+};
+
+}  // namespace detail
+
 namespace {
 
 void check(std::size_t vertices, const std::vector<Triangle>& triangles, const CleanOptions& options,
@@ -54,15 +68,8 @@ MeshArrays take_apart(Soup& soup, double tolerance, bool welded, Job& job) {
   return separate(soup, job);
 }
 
-/// Arrays that are sound, before small openings are closed.
-struct Sound {
-  MeshArrays arrays;
-  Topology topology;
-  RepairLog log;
-};
-
-Sound make_sound(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options,
-                 const Threads& threads, Job& job) {
+Cleaning make_sound(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options,
+                    const Threads& threads, Job& job) {
   check(vertices.size(), triangles, options, threads);
   Soup soup;
   soup.vertices = std::move(vertices);
@@ -98,9 +105,39 @@ Sound make_sound(std::vector<Vec3> vertices, std::vector<Triangle> triangles, co
   return {std::move(arrays), std::move(topology), std::move(soup.log)};
 }
 
-bool is_closing(const CleanOptions& options) { return options.fill_holes > 0 || options.cut_handles > 0; }
+/// A mesh as it was before its openings are closed.
+Cleaning sound_of(const Mesh& mesh, const Threads& threads, Job& job) {
+  const Job::Part part(job, "cleaning", 0.0, 0.5);
+  Cleaning sound{.arrays = {}, .topology = {}, .log = RepairLog(mesh.report().repairs)};
+  MeshArrays& arrays = sound.arrays;
+  arrays.vertices.assign(mesh.vertices().begin(), mesh.vertices().end());
+  if (!mesh.origin().isZero(0))
+    for (Vec3& v : arrays.vertices) v += mesh.origin();
+  arrays.triangles.assign(mesh.triangles().begin(), mesh.triangles().end());
+  arrays.source_face.assign(mesh.source_face().begin(), mesh.source_face().end());
+  arrays.source_vertex.assign(mesh.source_vertex().begin(), mesh.source_vertex().end());
+  sound.topology = find_topology(arrays.vertices.size(), arrays.triangles, threads, job);
+  return sound;
+}
+
+void check(const std::vector<Vec3>& keep) {
+  for (const Vec3& place : keep)
+    if (!place.allFinite()) throw InvalidInput("a place of an opening to keep has a coordinate that is not finite");
+}
 
 }  // namespace
+
+Cleaned detail::Cleaning::finish(const CleanOptions& options, const std::vector<Vec3>& keep, const Threads& threads,
+                                 Job& job) && {
+  std::vector<FoundOpening> found;
+  const bool closing = options.fill_holes > 0 || options.cut_handles > 0;
+  if (closing) {
+    const Job::Part part(job, "closing holes", 0.5, 0.75);
+    found = close_small(arrays, topology, options, keep, log, threads, job);
+  }
+  const Job::Part part(job, "cleaning", closing ? 0.75 : 0.5, 1.0);
+  return {Mesh(std::move(arrays), std::move(topology), log.take(), threads, job), std::move(found)};
+}
 
 Mesh clean(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options, Job& job) {
   return clean_keeping(std::move(vertices), std::move(triangles), options, {}, job).mesh;
@@ -108,18 +145,17 @@ Mesh clean(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const Cl
 
 Cleaned clean_keeping(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options,
                       const std::vector<Vec3>& keep, Job& job) {
-  for (const Vec3& place : keep)
-    if (!place.allFinite()) throw InvalidInput("a place of an opening to keep has a coordinate that is not finite");
+  check(keep);
   const Threads threads(options.threads);
-  auto [arrays, topology, log] = make_sound(std::move(vertices), std::move(triangles), options, threads, job);
-  std::vector<FoundOpening> found;
-  const bool closing = is_closing(options);
-  if (closing) {
-    const Job::Part part(job, "closing holes", 0.5, 0.75);
-    found = close_small(arrays, topology, options, keep, log, threads, job);
-  }
-  const Job::Part part(job, "cleaning", closing ? 0.75 : 0.5, 1.0);
-  return {Mesh(std::move(arrays), std::move(topology), log.take(), threads, job), std::move(found)};
+  return make_sound(std::move(vertices), std::move(triangles), options, threads, job)
+      .finish(options, keep, threads, job);
+}
+
+Cleaned close_openings(const Mesh& mesh, const CleanOptions& options, const std::vector<Vec3>& keep, Job& job) {
+  check_fields(options);
+  check(keep);
+  const Threads threads(options.threads);
+  return sound_of(mesh, threads, job).finish(options, keep, threads, job);
 }
 
 }  // namespace isimp

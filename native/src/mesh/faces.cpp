@@ -25,6 +25,10 @@ RepairLog::RepairLog() {
   for (const char* key : kKeys) repairs_.push_back({key, 0, {}});
 }
 
+RepairLog::RepairLog(const RepairReport& before) : RepairLog() {
+  if (!before.empty()) repairs_ = before;
+}
+
 void RepairLog::add(RepairKind what, std::int32_t where) {
   Repair& repair = repairs_[static_cast<std::size_t>(what)];
   if (static_cast<std::size_t>(repair.count++) < kKeptPlaces) repair.where.push_back(where);

@@ -35,6 +35,8 @@ enum class RepairKind {
 class RepairLog {
  public:
   RepairLog();
+  /// What was done before; empty: nothing.
+  explicit RepairLog(const RepairReport& before);
   void add(RepairKind what, std::int32_t where);
   [[nodiscard]] std::int64_t count(RepairKind what) const { return repairs_[static_cast<std::size_t>(what)].count; }
   [[nodiscard]] RepairReport take() { return std::move(repairs_); }

@@ -8,7 +8,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import CleanOptions, Job, Mesh, Partition, TexturedSoup, clean, read_polygons, read_textured, triangulate
+from .. import (
+    CleanOptions,
+    Job,
+    Mesh,
+    Partition,
+    TexturedSoup,
+    clean,
+    close_openings,
+    read_polygons,
+    read_textured,
+    triangulate,
+)
 
 GLTF = (".glb", ".gltf")
 
@@ -54,7 +65,16 @@ Cleaned = tuple[Mesh, dict[str, int], dict[str, list[int]]]
 def clean_mesh(source: Input, options: CleanOptions, job: Job, keep: Places = ()) -> Cleaned:
     """The mesh, how often each repair was made, and where first: faces are the file's. keep: see `clean`."""
     places = np.array(keep, np.float64).reshape(-1, 3)
-    mesh = clean(source.vertices, source.triangles, options, job, keep=places)
+    return _told(source, clean(source.vertices, source.triangles, options, job, keep=places))
+
+
+def close_mesh(source: Input, cleaned: Cleaned, options: CleanOptions, job: Job, keep: Places = ()) -> Cleaned:
+    """The same with openings closed."""
+    places = np.array(keep, np.float64).reshape(-1, 3)
+    return _told(source, close_openings(cleaned[0], options, job, keep=places))
+
+
+def _told(source: Input, mesh: Mesh) -> Cleaned:
     report = mesh.report
     where = {
         key: places if key.endswith("vertices") else [int(p) for p in dict.fromkeys(source.polygon[places])]

@@ -36,7 +36,7 @@ from ..within import Made, Within, polygonize_within
 from . import closing, guiding, lods, texturing, words
 from .errors import UsageError
 from .files import STDOUT, Outputs, check, is_same
-from .loading import Cleaned, Input, clean_mesh, facts, labels, load
+from .loading import Cleaned, Input, clean_mesh, close_mesh, facts, labels, load
 from .progress import Progress, wanted
 
 OUTPUT_KINDS = (".ply", ".obj", *exporting.KINDS)
@@ -172,7 +172,7 @@ def _partition(
                 lengths = closing.lengths_of(cleaned[0], options, regions, job)
             if lengths:
                 closed = closing.closing_options(arguments.clean, lengths)
-                cleaned = clean_mesh(source, closed, job, keep)
+                cleaned = close_mesh(source, cleaned, closed, job, keep)
     with steps("partition") as job, refused(arguments):
         guides = guiding.guides_of(arguments, source, cleaned[0], job)
         found = partition_guided(cleaned[0], options, job, guides)

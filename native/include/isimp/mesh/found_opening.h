@@ -31,4 +31,12 @@ struct Cleaned {
 Cleaned clean_keeping(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options,
                       const std::vector<Vec3>& keep, Job& job);
 
+/// Closes openings of a mesh that is sound already. The result is what `clean_keeping` makes of the arrays that the mesh
+/// was made of, and its report tells of both, but the other repairs are not made again.
+///
+/// \param options  `fill_holes`, `cut_handles` and `threads` count
+/// \throws InvalidInput  a length is negative or not a number; a place is not finite
+/// Cost: O((V + F) log F).
+Cleaned close_openings(const Mesh& mesh, const CleanOptions& options, const std::vector<Vec3>& keep, Job& job);
+
 }  // namespace isimp

@@ -13,9 +13,8 @@
 
 namespace isimp {
 
-struct CleanOptions;
-struct Cleaned;
 namespace detail {
+struct Cleaning;
 struct MeshArrays;
 struct Topology;
 }  // namespace detail
@@ -87,8 +86,7 @@ class Mesh {
   [[nodiscard]] std::int32_t next_outgoing(std::int32_t h) const { return opposite(prev(h)); }
 
  private:
-  friend Cleaned clean_keeping(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options,
-                               const std::vector<Vec3>& keep, Job& job);
+  friend struct detail::Cleaning;
   /// From arrays that were found sound.
   Mesh(detail::MeshArrays arrays, detail::Topology topology, RepairReport repairs, const Threads& threads, Job& job);
 
