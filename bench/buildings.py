@@ -3,8 +3,9 @@
     PYTHONPATH=build-dev/python python bench/buildings.py [--data DIR] [--seeds N] [--turns N] [--ksr]
 
 Houses are those of houses.py, partitioned by their true planes: a row gives the share of houses of which all polygons
-stayed whole, and that of which directions and planes are the true ones. Scans (DIR/building) are partitioned by number;
-distance is that of their vertices from the polygons, mean, 99 % and largest, against `polygonize` without either.
+stayed whole, and that of which directions and planes are the true ones. Scans (those of scanned.py,
+then those of DIR/building) are partitioned by number; distance is that of their vertices from the polygons, mean, 99 %
+and largest, against `polygonize` without either.
 `--ksr` adds what CGAL's kinetic surface reconstruction makes of the scans (ksr.py).
 """
 
@@ -19,6 +20,7 @@ from typing import Any
 import houses
 import ksr
 import numpy as np
+import scanned
 
 import isimp_engine as engine
 from isimp_engine.within import scan_distances
@@ -30,6 +32,7 @@ SCANS = (
     ("cgal_mech_holes_shark_10k", 300),
     ("fandisk_13k", 300),
 )
+GENERATED = 300  # regions of each generated scan
 FAULTS = ("crossing", "flipped", "intersecting")
 
 
@@ -90,8 +93,7 @@ def changes(to: np.ndarray, was: np.ndarray) -> str:
     return " / ".join(f"{change:+.0%}" for change in to / was - 1)
 
 
-def scan_row(path: Path, proxies: int) -> None:
-    mesh = engine.clean(*engine.read(path))
+def scan_row(name: str, mesh: engine.Mesh, proxies: int) -> None:
     part = engine.partition(mesh, engine.PartitionOptions(proxies=proxies))
     before, t0 = timed(engine.polygonize, mesh, part)
     after, t1 = timed(engine.polygonize, mesh, part, engine.MeshingOptions(planar=True))
@@ -101,7 +103,7 @@ def scan_row(path: Path, proxies: int) -> None:
     near, planar, both = off(mesh, part, before), off(mesh, part, after), off(mesh, snapped, regular)
     faults = sum(after.report[f] - before.report[f] for f in FAULTS)
     print(
-        f"{path.stem} {proxies}: planar {after.report['planar']}, whole {after.report['whole']:.2f}, faces a polygon "
+        f"{name} {proxies}: planar {after.report['planar']}, whole {after.report['whole']:.2f}, faces a polygon "
         f"{len(after.loop_start) / len(before.loop_start):.2f}, new faults {faults}, distance {changes(planar, near)}, "
         f"added time {(t1 - t0) / t0:.1f}; "
         f"regularised: directions {free.report['directions']} -> {snapped.report['directions']}, rms "
@@ -122,8 +124,10 @@ def main() -> None:
     arguments = parser.parse_args()
     for noise in (0.0, 0.001, 0.002, 0.003, 0.004):
         house_rows(noise, arguments.seeds, arguments.turns)
+    for seed, noise, rounding in scanned.SCANS:
+        scan_row(f"generated scan {seed}", engine.clean(*scanned.make(seed, noise, rounding)), GENERATED)
     for name, proxies in SCANS if arguments.data else ():
-        scan_row(arguments.data / "building" / f"{name}.ply", proxies)
+        scan_row(name, engine.clean(*engine.read(arguments.data / "building" / f"{name}.ply")), proxies)
     if arguments.ksr and arguments.data:
         peer_rows(arguments.data / "building")
 

@@ -7,6 +7,7 @@ import pickle
 import houses
 import numpy as np
 import pytest
+import scanned
 
 import isimp_engine as engine
 import shapes
@@ -45,6 +46,24 @@ def test_houses_stay_whole(noise: float, seed: int) -> None:
     for key in ("crossing", "flipped", "intersecting", "closed", "manifold", "euler"):
         assert poly.report[key] == before.report[key], key
     assert len(poly.polygon_region) == len(poly.loop_start)
+
+
+@pytest.mark.parametrize(
+    ("seed", "noise", "rounding", "whole", "faces"), [(2, 0.002, 0.8, 0.88, 1.28), (4, 0.004, 1.2, 0.7, 2.1)]
+)
+def test_scans_as_of_photographs_are_cut_little(
+    seed: int, noise: float, rounding: float, whole: float, faces: float
+) -> None:
+    mesh = engine.clean(*scanned.make(seed, noise, rounding))
+    part = engine.partition(mesh, engine.PartitionOptions(proxies=300))
+    before = engine.polygonize(mesh, part)
+    poly = engine.polygonize(mesh, part, engine.MeshingOptions(planar=True))
+    assert poly.report["planar"] is True
+    assert poly.report["whole"] >= whole
+    assert len(poly.loop_start) <= faces * len(before.loop_start)
+    for key in ("crossing", "flipped", "intersecting", "closed", "manifold", "euler"):
+        assert poly.report[key] == before.report[key], key
+    assert scan_distances(mesh, part, poly).mean() <= 1.03 * scan_distances(mesh, part, before).mean()
 
 
 def test_polygons_of_a_curve_without_noise_stay_as_near_to_it() -> None:

@@ -45,24 +45,37 @@ bool Findings::is_given(std::int32_t piece) const {
   return (judge_polygon(std::array{0, 1, 2}, corners, Vec3::Zero(), bounds_).faults & kNoArea) != 0;
 }
 
+PolygonVerdict Findings::judge_one(std::int32_t piece, std::int32_t part, std::span<const Vec3> beyond,
+                                   std::vector<Facet>* facets) const {
+  const auto polygon = s_.polygons.of(s_.polygons.first_of(piece) + part);
+  Bounds bounds = bounds_;
+  Vec3 normal = s_.planes[piece].normal;
+  if (!beyond.empty()) {
+    bounds.facing = kFacingApart;
+    const Vec3 area = vector_area(polygon, s_.corners.position), other = direction_on_scan(s_, piece, polygon, beyond);
+    if (area.dot(other) > area.dot(normal)) normal = other;
+  }
+  return judge_polygon(polygon, s_.corners.position, normal, bounds, {{}, piece, part}, facets);
+}
+
+PolygonVerdict Findings::verdict(std::int32_t piece, std::int32_t part) const {
+  return judge_one(piece, part, areas_beyond(piece), nullptr);
+}
+
+bool Findings::meet_now(std::int32_t a, std::int32_t b) const {
+  const FacetSet some = find(a, source_of(a)).facets;
+  return a == b ? facets_meet(some, some) : facets_meet(some, find(b, source_of(b)).facets);
+}
+
+std::vector<Vec3> Findings::areas_beyond(std::int32_t piece) const {
+  return apart_ && s_.polygons.count_of(piece) > 1 ? areas_beyond_chords(s_, piece) : std::vector<Vec3>{};
+}
+
 Findings::Found Findings::find(std::int32_t piece, Source source) const {
   Found f{std::move(source), {}, {}};
-  const std::int32_t first = s_.polygons.first_of(piece);
-  const bool apart = apart_ && s_.polygons.count_of(piece) > 1;
-  const std::vector<Vec3> beyond = apart ? areas_beyond_chords(s_, piece) : std::vector<Vec3>{};
-  Bounds bounds = bounds_;
-  if (apart) bounds.facing = kFacingApart;
-  for (std::int32_t q = first; q < first + s_.polygons.count_of(piece); ++q) {
-    const auto polygon = s_.polygons.of(q);
-    Vec3 normal = f.source.normal;
-    if (apart) {
-      const Vec3 area = vector_area(polygon, s_.corners.position),
-                 other = direction_on_scan(s_, piece, polygon, beyond);
-      if (area.dot(other) > area.dot(normal)) normal = other;
-    }
-    f.polygons.push_back(
-        judge_polygon(polygon, s_.corners.position, normal, bounds, {{}, piece, q - first}, &f.facets.facets));
-  }
+  const std::vector<Vec3> beyond = areas_beyond(piece);
+  for (std::int32_t part = 0; part < s_.polygons.count_of(piece); ++part)
+    f.polygons.push_back(judge_one(piece, part, beyond, &f.facets.facets));
   f.facets.locate(s_.corners.position);
   if (f.polygons.size() == 1 && f.polygons[0].faults == kNoArea && f.source.is_face && is_given(piece))
     f.polygons[0].faults = kGiven;

@@ -43,6 +43,10 @@ class Findings {
   /// what they were. In place of what was kept before.
   void keep();
   [[nodiscard]] const Found& of(std::int32_t piece) const { return found_[piece]; }
+  /// What is found of one of a piece's polygons with its corners where they are now.
+  [[nodiscard]] PolygonVerdict verdict(std::int32_t piece, std::int32_t part) const;
+  /// Whether polygons of two pieces meet with their corners where they are now.
+  [[nodiscard]] bool meet_now(std::int32_t a, std::int32_t b) const;
   /// All faults of a piece's polygons together.
   [[nodiscard]] std::uint8_t faults(std::int32_t piece) const { return faults_[piece]; }
   /// Pairs of polygons that meet, in rising order; but for those of two faces of the scan at their places.
@@ -66,6 +70,11 @@ class Findings {
   /// Tells which of some hits are of regions that meet in the scan; what was found of a pair of regions is kept.
   void find_excuses(std::span<Hit> hits);
   [[nodiscard]] Found find(std::int32_t piece, Source source) const;
+  /// The areas beyond the chords of a piece of several polygons that are to be planar; of others none.
+  [[nodiscard]] std::vector<Vec3> areas_beyond(std::int32_t piece) const;
+  /// \param beyond  what that says
+  PolygonVerdict judge_one(std::int32_t piece, std::int32_t part, std::span<const Vec3> beyond,
+                           std::vector<Facet>* facets) const;
   /// Whether a piece is a face of the scan that has no area.
   [[nodiscard]] bool is_given(std::int32_t piece) const;
   void sort_faces_by_region();

@@ -227,6 +227,13 @@ std::vector<Hit> find_hits(std::span<const FacetSet* const> pieces, const Around
   return hits;
 }
 
+bool facets_meet(const FacetSet& a, const FacetSet& b) {
+  std::vector<std::int32_t> near;
+  std::vector<Meeting> met;
+  find_meetings(a, b, near, met);
+  return !met.empty();
+}
+
 GivenHits find_given_hits(std::span<const FacetSet* const> pieces, const Arounds& arounds, std::size_t most,
                           std::int64_t most_counted, const Job& job) {
   GivenHits result;

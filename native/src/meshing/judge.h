@@ -104,6 +104,9 @@ std::vector<Hit> find_hits(std::span<const FacetSet* const> pieces, const Around
                            std::span<const Vec3> position, const std::vector<bool>& changed,
                            const std::vector<bool>& known, const Threads& threads, const Job& job);
 
+/// Whether a polygon of a piece meets one of another; of the same piece, where both are one set.
+bool facets_meet(const FacetSet& a, const FacetSet& b);
+
 /// Pairs of faces of the scan, at their places, that meet.
 struct GivenHits {
   std::vector<Hit> first;  ///< some of them, in rising order of the first, then of the second

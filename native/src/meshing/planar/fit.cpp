@@ -1,7 +1,7 @@
 #include "planar/fit.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -16,7 +16,6 @@ using Mat3 = Eigen::Matrix3d;
 constexpr double kStep = 0.7;
 constexpr double kMostShare = 30;  ///< corners of little reach cost at most the square of this times as much
 constexpr double kMostTurn = 0.2;  ///< of a plane in a round, radians
-constexpr double kMostSteps = 6;   ///< of a corner in a round, in units of its reach
 constexpr double kDamping = 1e-9;
 /// The noise, as a share of the reach, below which a plane costs more, the power of that, and how much more at most.
 constexpr double kQuiet = 0.15, kPower = 3, kMostTrust = 1e4;
@@ -36,41 +35,39 @@ double usual_noise(const std::vector<Unit>& units) {
 /// A corner on a plane: how the distance changes with the three unknowns of the plane.
 struct Link {
   std::int32_t unit, corner;
-  Vec3 slope;  ///< for two turns about the middle of its scan, and the offset
+  Vec3 slope;  ///< for two turns about the middle of its scan, and the offset, where the corner is now
 };
 
 class Solver {
  public:
-  Solver(std::vector<Unit>& units, const Places& places, const Kept& kept, std::vector<Vec3>& at)
-      : units_(units), places_(places), at_(at), first_(places.start.size() + 1, 0), unknown_(units.size(), kNone) {
+  Solver(std::vector<Unit>& units, const Places& places, const Kept& kept)
+      : units_(units), places_(places), first_(places.start.size() + 1, 0), unknown_(units.size(), kNone) {
     double area = 0;
     for (std::size_t u = 0; u < units.size(); ++u) {
       area += units[u].scan.area;
-      if (!units[u].held && !units[u].free) unknown_[u] = count_++;
+      if (!units[u].held && units[u].binds()) unknown_[u] = count_++;
     }
     std::vector<bool> counts(places.start.size(), false);  // by corner: a plane round it changes
     for (std::size_t u = 0; u < units.size(); ++u)
       for (std::size_t i = 0; unknown_[u] != kNone && i < units[u].loop.size(); ++i)
         if (kept[u][i]) counts[units[u].loop[i]] = true;
     for (std::size_t u = 0; u < units.size(); ++u)
-      for (std::size_t i = 0; !units[u].free && i < units[u].loop.size(); ++i)
+      for (std::size_t i = 0; units[u].binds() && i < units[u].loop.size(); ++i)
         if (kept[u][i] && counts[units[u].loop[i]])
           links_.push_back({static_cast<std::int32_t>(u), units[u].loop[i], Vec3::Zero()});
     mean_area_ = area > 0 ? area / static_cast<double>(units.size()) : 1;
     std::stable_sort(links_.begin(), links_.end(), [](const Link& a, const Link& b) { return a.corner < b.corner; });
     for (const Link& l : links_) ++first_[l.corner + 1];
     for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
-    steps_.resize(first_.size() - 1);
     axes_.resize(units.size());
     right_.resize(count_);
     system_ = BlockSystem(count_, pairs());
   }
 
   void round(double penalty) {
-    start(penalty);
+    start();
     for (std::int32_t c = 0; c + 1 < static_cast<std::int32_t>(first_.size()); ++c) eliminate(c, penalty);
     const std::vector<Vec3>& turns = system_.solve(right_);
-    for (std::int32_t c = 0; c + 1 < static_cast<std::int32_t>(first_.size()); ++c) move(c, turns);
     for (std::size_t u = 0; u < units_.size(); ++u)
       if (unknown_[u] != kNone) turn(u, turns[unknown_[u]]);
   }
@@ -79,6 +76,7 @@ class Solver {
   [[nodiscard]] std::span<const Link> at(std::int32_t c) const {
     return std::span(links_).subspan(first_[c], first_[c + 1] - first_[c]);
   }
+  [[nodiscard]] const Vec3& normal(const Link& l) const { return units_[l.unit].normal; }
   [[nodiscard]] double weight(std::size_t u) const { return units_[u].trust * units_[u].scan.area / mean_area_; }
 
   /// Pairs of planes that share a corner, in the order in which `eliminate` comes to them.
@@ -93,7 +91,7 @@ class Solver {
   }
 
   /// The terms of the planes alone.
-  void start(double penalty) {
+  void start() {
     system_.clear();
     pair_ = 0;
     for (std::size_t u = 0; u < units_.size(); ++u) {
@@ -109,65 +107,50 @@ class Solver {
       system_.diagonal(unknown_[u]) = weight(u) * h + kDamping * Vec3(size, size, 1).asDiagonal().toDenseMatrix();
       right_[unknown_[u]] = weight(u) * b;
     }
-    for (Link& l : links_) {
-      const std::int32_t k = unknown_[l.unit];
-      if (k == kNone) continue;
-      const Vec3 arm = at_[l.corner] - units_[l.unit].scan.centre;
-      l.slope << axes_[l.unit].transpose() * arm, -1.0;
-      system_.diagonal(k) += penalty * l.slope * l.slope.transpose();
-      right_[k] -= penalty * miss(l) * l.slope;
-    }
   }
 
+  /// How far the place where a corner started is from a plane.
   [[nodiscard]] double miss(const Link& l) const {
-    return units_[l.unit].normal.dot(at_[l.corner]) - units_[l.unit].offset;
+    return normal(l).dot(places_.start[l.corner]) - units_[l.unit].offset;
   }
 
-  /// Puts what a corner would do into the equations of the planes round it.
+  /// Puts what a corner costs into the equations of the planes round it. Where it costs least, that is quadratic in what
+  /// the planes miss its start by, with `form_` between them. Nothing is subtracted there, so nothing cancels where planes
+  /// are nearly parallel or the penalty is high.
   void eliminate(std::int32_t c, double penalty) {
-    if (at(c).empty()) return;
+    const std::span<Link> links = std::span(links_).subspan(first_[c], first_[c + 1] - first_[c]);
+    const auto n = static_cast<Eigen::Index>(links.size());
+    if (n == 0) return;
     const double share = std::min(places_.base / std::max(places_.reach[c], 1e-300), kMostShare);
     const double cost = kStep * share * share;
-    Mat3 h = cost * Mat3::Identity();
-    Vec3 b = -cost * (at_[c] - places_.start[c]);
-    for (const Link& l : at(c)) {
-      const Vec3& n = units_[l.unit].normal;
-      h += penalty * n * n.transpose();
-      b -= penalty * miss(l) * n;
+    form_.resize(n, n);
+    off_.resize(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      off_[i] = miss(links[i]);
+      for (Eigen::Index j = 0; j <= i; ++j) form_(i, j) = form_(j, i) = normal(links[i]).dot(normal(links[j])) / cost;
+      form_(i, i) += 1 / penalty;
     }
-    Step& s = steps_[c];
-    s.inverse = h.inverse();
-    s.right = b;
-    s.penalty = penalty;
-    for (const Link& l : at(c)) {
-      const std::int32_t k = unknown_[l.unit];
+    form_ = form_.llt().solve(Eigen::MatrixXd::Identity(n, n)).eval();
+    const Eigen::VectorXd pull = form_ * off_;
+    Vec3 at = places_.start[c];
+    for (Eigen::Index i = 0; i < n; ++i) at -= pull[i] / cost * normal(links[i]);
+    for (Link& l : links)
+      if (unknown_[l.unit] != kNone) l.slope << axes_[l.unit].transpose() * (at - units_[l.unit].scan.centre), -1.0;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const std::int32_t k = unknown_[links[i].unit];
       if (k == kNone) continue;
-      const Vec3 back = penalty * (s.inverse * units_[l.unit].normal);
-      right_[k] -= l.slope * back.dot(b);
-      for (const Link& m : at(c)) {
-        const std::int32_t j = unknown_[m.unit];
+      right_[k] -= pull[i] * links[i].slope;
+      for (Eigen::Index m = 0; m < n; ++m) {
+        const std::int32_t j = unknown_[links[m].unit];
         if (j == kNone || j > k) continue;
-        const Mat3 block = penalty * back.dot(units_[m.unit].normal) * l.slope * m.slope.transpose();
+        const Mat3 block = form_(i, m) * links[i].slope * links[m].slope.transpose();
         if (j == k) {
-          system_.diagonal(k) -= block;
+          system_.diagonal(k) += block;
         } else {
-          system_.add(pair_++, -block);
+          system_.add(pair_++, block);
         }
       }
     }
-  }
-
-  void move(std::int32_t c, const std::vector<Vec3>& turns) {
-    if (at(c).empty()) return;
-    const Step& s = steps_[c];
-    Vec3 b = s.right;
-    for (const Link& l : at(c))
-      if (const std::int32_t k = unknown_[l.unit]; k != kNone)
-        b -= s.penalty * l.slope.dot(turns[k]) * units_[l.unit].normal;
-    Vec3 step = s.inverse * b;
-    const double length = step.norm(), most = kMostSteps * places_.reach[c];
-    if (length > most) step *= most / length;
-    at_[c] += step;
   }
 
   void turn(std::size_t u, const Vec3& y) {
@@ -188,24 +171,19 @@ class Solver {
     return axes;
   }
 
-  struct Step {
-    Mat3 inverse = Mat3::Zero();
-    Vec3 right = Vec3::Zero();
-    double penalty = 0;
-  };
   std::vector<Unit>& units_;
   const Places& places_;
-  std::vector<Vec3>& at_;
   std::vector<Link> links_;          // by corner
   std::vector<std::int32_t> first_;  // by corner: where its links begin
   std::vector<std::int32_t> unknown_;
   std::int32_t count_ = 0;
   double mean_area_ = 1;
-  std::vector<Step> steps_;
   std::vector<Axes> axes_;   // by unit: the directions in which its plane turns
   std::vector<Vec3> right_;  // by unknown
   std::size_t pair_ = 0;     // of those of `pairs`, the next
   BlockSystem system_;
+  Eigen::MatrixXd form_;  // of the corner at hand
+  Eigen::VectorXd off_;
 };
 
 }  // namespace
@@ -228,9 +206,8 @@ void weigh_again(std::vector<Unit>& units) {
   }
 }
 
-void fit(std::vector<Unit>& units, const Places& places, const Kept& kept, const Schedule& schedule,
-         std::vector<Vec3>& at, const Job& job) {
-  Solver solver(units, places, kept, at);
+void fit(std::vector<Unit>& units, const Places& places, const Kept& kept, const Schedule& schedule, const Job& job) {
+  Solver solver(units, places, kept);
   for (int k = 0; k < schedule.rounds; ++k) {
     job.poll();
     solver.round(schedule.from * std::pow(schedule.to / schedule.from, k / (schedule.rounds - 1.0)));

@@ -25,14 +25,13 @@ void weigh(std::vector<Unit>& units, double base);
 /// Makes that dearer for the planes that were moved by far more than scans are off their planes.
 void weigh_again(std::vector<Unit>& units);
 
-/// Moves planes and corners together so that corners lie on their planes: the least sum of area * mean square distance
-/// of the scan from each plane and of the square steps of the corners, subject to each kept corner being on its planes.
-/// \param kept  what asks nothing of each other is left out
-/// \param at  (C) the corners, from where they are
-/// Source: Gauss-Newton with a quadratic penalty; corners are eliminated as points are in bundle adjustment (Triggs et
-///         al. 2000), so one sparse system in three unknowns a plane is solved in each round.
+/// Moves planes so that corners can lie on all planes round them: the least sum of area * mean square distance of the scan
+/// from each plane and of the square steps of the corners, subject to each kept corner being on its planes.
+/// \param kept  what asks nothing of each other is left out, and so are units that do not bind
+/// Source: Gauss-Newton with a quadratic penalty, in the planes alone: each corner is where it costs least, which is known
+///         for any planes (variable projection, Golub and Pereyra 1973). One sparse system in three unknowns a plane is
+///         solved in each round.
 /// Cost: O(rounds * (corners + n^1.5)) for n planes.
-void fit(std::vector<Unit>& units, const Places& places, const Kept& kept, const Schedule& schedule,
-         std::vector<Vec3>& at, const Job& job);
+void fit(std::vector<Unit>& units, const Places& places, const Kept& kept, const Schedule& schedule, const Job& job);
 
 }  // namespace isimp::meshing::planar

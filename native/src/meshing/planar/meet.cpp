@@ -6,6 +6,9 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <utility>
+
+#include "sorted.h"
 
 namespace isimp::meshing::planar {
 namespace {
@@ -13,7 +16,7 @@ namespace {
 constexpr std::size_t kMostPlanes = 7;  ///< round a corner that are tried in all combinations
 constexpr std::int32_t kTogether = 64;  ///< corners on one thread
 constexpr double kRank = 1e-7;          ///< singular values below this share of the largest fix nothing
-constexpr double kOfTriangle = 0.25;    ///< what a triangle's plane weighs: it is planar without it
+constexpr double kOfTriangle = 0.25;    ///< what the given plane of a triangle weighs: it is planar without it
 constexpr double kOfMissed = 0.5;       ///< what a plane weighs of a polygon that is cut already
 constexpr double kOfArea = 0.5;         ///< what a unit's share of the area round a corner weighs beside being one
 
@@ -59,7 +62,7 @@ class Corner {
     double area = 0;
     for (const auto& [u, place] : uses) area += units[u].scan.area;
     for (const auto& [u, place] : uses) {
-      if (units[u].free) continue;
+      if (!units[u].binds()) continue;
       const double one = units[u].loop.size() == 3 ? kOfTriangle : units[u].missed ? kOfMissed : 1;
       all_.push_back({u, place, one * (1 + kOfArea * units[u].scan.area / std::max(area, 1e-300))});
     }
@@ -142,6 +145,23 @@ Around::Around(const std::vector<Unit>& units, std::int32_t corners) : start_(co
   for (std::size_t u = 0; u < units.size(); ++u)
     for (std::size_t i = 0; i < units[u].loop.size(); ++i)
       uses_[fill[units[u].loop[i]]++] = {static_cast<std::int32_t>(u), static_cast<std::int32_t>(i)};
+}
+
+std::vector<bool> within_rings(const std::vector<Unit>& units, const Around& around, std::vector<std::int32_t> rim,
+                               int rings) {
+  std::vector<bool> is_near(units.size(), false);
+  for (; rings > 0; --rings) {
+    std::vector<std::int32_t> next;
+    for (const std::int32_t u : rim) {
+      is_near[u] = true;
+      for (const std::int32_t c : units[u].loop)
+        for (const Around::Use& use : around.of(c))
+          if (!is_near[use.unit]) next.push_back(use.unit);
+    }
+    sort_unique(next);
+    rim = std::move(next);
+  }
+  return is_near;
 }
 
 Vec3 meet_at(std::int32_t corner, const std::vector<Unit>& units, const Around& around, const Places& places,

@@ -19,17 +19,22 @@ struct Around {
   [[nodiscard]] std::span<const Use> of(std::int32_t corner) const {
     return std::span(uses_).subspan(start_[corner], start_[corner + 1] - start_[corner]);
   }
+  [[nodiscard]] std::int32_t corners() const { return static_cast<std::int32_t>(start_.size()) - 1; }
 
  private:
   std::vector<Use> uses_;
   std::vector<std::int32_t> start_;
 };
 
+/// By unit: whether it is one of some units or fewer than `rings` rings away from one.
+std::vector<bool> within_rings(const std::vector<Unit>& units, const Around& around, std::vector<std::int32_t> rim,
+                               int rings);
+
 /// Largest distance of a corner from a plane that it is said to be on, as a share of the diagonal.
 constexpr double kOnPlane = 1e-7;
 
 /// Puts each corner on the heaviest set of the planes round it that meet in a place where it may be, the nearest such
-/// place to where it started; on none, where that is where it started. Units that are free have no plane.
+/// place to where it started; on none, where that is where it started. Units that do not bind have no plane.
 /// \param at  (C) where the corners are then
 /// \return which corners are on the planes of which units
 /// Cost: O(corners * 2^planes), at most 7 planes of each.

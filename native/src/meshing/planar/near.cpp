@@ -8,9 +8,11 @@ namespace isimp::meshing::planar {
 namespace {
 
 // Source: own trials
-constexpr double kOfMost = 0.8;  ///< of the largest gap before: other vertices may be further off than a corner's own
-constexpr double kMore = 0.8;    ///< of the reach that is asked for: so much more than before is noise
-constexpr double kSlid = kMore;  ///< corners that moved less leave no such gap
+constexpr double kOfMost = 0.8;    ///< of the largest gap before: other vertices may be further off than a corner's own
+constexpr double kAtMost = 1.05;   ///< of the largest gap before
+constexpr double kMore = 0.8;      ///< of the reach that is asked for: so much more than before is noise
+constexpr double kMoreHeld = 0.4;  ///< the same, of the distance of given planes
+constexpr double kSlid = kMore;    ///< corners that moved less leave no such gap
 
 }  // namespace
 
@@ -42,19 +44,21 @@ bool Near::is_on_scan(std::int32_t corner, const Vec3& x) {
 bool Near::is_covered(std::int32_t corner) const {
   if ((s_.corners.position[corner] - places_.start[corner]).norm() <= kSlid * places_.base) return true;
   const double g = gap(corner);
-  const double expected = std::max(before_[corner], from_held(corner));
-  return !std::isfinite(g) || g <= std::max(kOfMost * most_gap_, expected + kMore * places_.base);
+  const double more = kMore * places_.base;
+  const double as_before = std::min(before_[corner] + more, kAtMost * most_gap_);
+  return !std::isfinite(g) ||
+         g <= std::max({kOfMost * most_gap_, as_before, from_held(corner) + kMoreHeld * places_.base});
 }
 
-/// How far the planes that are given lead away from a corner's vertex.
+/// How far the planes that are given lead away from a corner's vertex: to where they meet, if they are perpendicular.
 double Near::from_held(std::int32_t corner) const {
   const Vec3& home = s_.mesh.vertices()[s_.corners.vertex[corner]];
-  double most = 0;
+  double square = 0;
   for (const Around::Use& use : around_.of(corner)) {
     const Unit& u = units_[use.unit];
-    if (u.held) most = std::max(most, std::abs(u.normal.dot(home) - u.offset));
+    if (u.held) square += std::pow(u.normal.dot(home) - u.offset, 2);
   }
-  return most;
+  return std::sqrt(square);
 }
 
 /// From a corner's vertex to the triangles that have the corner; infinite where the judge has none of them.

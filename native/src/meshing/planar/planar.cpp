@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -12,23 +13,23 @@
 #include "planar/fit.h"
 #include "planar/meet.h"
 #include "planar/near.h"
+#include "planar/solve.h"
 #include "planar/unit.h"
 #include "sorted.h"
 
 namespace isimp::meshing::planar {
 namespace {
 
-constexpr int kPasses = 4;     ///< fits, all but the first without the corners that did not fit
-constexpr int kReleases = 12;  ///< rounds at most in which snapped planes are let go
-constexpr double kTooMany =
-    0.3;  ///< share of a polygon's corners on too few planes above which it is. Source: own trials
-constexpr Schedule kFirst{15, 1, 1e6}, kReleased{10, 1, 1e6}, kAgain{6, 1e2, 1e6};
 constexpr int kRings = 5;               ///< round what is stuck, that are solved anew
-constexpr int kAround = 4;              ///< the same, round planes that were let go
 constexpr int kGentle = 12;             ///< rounds in which corners that are held back keep half their way
 constexpr std::int32_t kTogether = 64;  ///< corners on one thread
 constexpr std::size_t kFew = 12;        ///< corners of a unit that is rather triangulated than held back
+constexpr double kStill = 1e-9;         ///< of the diagonal: what moved less did not move
 constexpr double kLeast = 1e-3;         ///< of the diagonal: corners held back to less than this stay where they were
+constexpr std::array kShares{0.95, 0.5, 0.25, 0.0};  ///< of its way, that one corner keeps where that mends a fault
+constexpr double kStay = 0.01;   ///< what that costs beside a polygon that loses a corner, for a corner that stays
+constexpr double kWhole = 1.5;   ///< what the first corner costs that a polygon loses
+constexpr double kOfFace = 0.7;  ///< what a face more costs, of a polygon that is triangulated. Source: own trials
 
 bool is_flat(std::span<const std::int32_t> polygon, std::span<const Vec3> at, double most) {
   if (polygon.size() == 3) return true;
@@ -75,8 +76,11 @@ class Planarizer {
   }
 
   Outcome run() {
+    const bool is_again = !memory_.reach.empty();
     recall();
-    solve();
+    std::vector<bool> is_new(units_.size(), true);
+    for (std::size_t u = 0; is_again && u < units_.size(); ++u) is_new[u] = !memory_.units.contains(units_[u].loop);
+    solve(units_, around_, places_, is_new, s_.threads, job_);
     at_ = places_.start;
     for (std::int32_t c = 0; c < s_.corners.count(); ++c) ask(c);
     for (int round = 0;; ++round) {
@@ -106,7 +110,6 @@ class Planarizer {
 
   /// Takes over what the try before found for the same polygons.
   void recall() {
-    is_again_ = !memory_.reach.empty();
     for (Unit& u : units_) {
       const auto known = memory_.units.find(u.loop);
       if (known == memory_.units.end()) continue;
@@ -123,93 +126,6 @@ class Planarizer {
     }
     for (std::size_t c = 0; c < std::min(memory_.reach.size(), places_.reach.size()); ++c)
       places_.reach[c] = std::min(places_.reach[c], memory_.reach[c]);
-  }
-
-  void solve() {
-    std::vector<Vec3> at = places_.start;
-    std::vector<std::int32_t> fixed;
-    std::vector<bool> is_new(units_.size(), true), concerns(at.size(), true);
-    if (is_again_) {  // the planes of units that the try before did not know are fitted to those that it did
-      concerns.assign(at.size(), false);
-      for (std::size_t u = 0; u < units_.size(); ++u) {
-        is_new[u] = !memory_.units.contains(units_[u].loop);
-        if (!is_new[u] && !units_[u].held) fixed.push_back(static_cast<std::int32_t>(u));
-        for (const std::int32_t c : units_[u].loop) concerns[c] = concerns[c] || is_new[u];
-      }
-      for (const std::int32_t u : fixed) units_[u].held = true;
-    }
-    Kept kept;
-    for (const Unit& u : units_) kept.emplace_back(u.loop.size(), 1);
-    const auto fit_those = [&](const Schedule& schedule) {
-      for (std::size_t u = 0; is_again_ && u < units_.size(); ++u)
-        for (std::size_t i = 0; i < kept[u].size(); ++i) kept[u][i] = kept[u][i] && concerns[units_[u].loop[i]];
-      fit(units_, places_, kept, schedule, at, job_);
-      kept = meet(units_, around_, places_, s_.threads, job_, at_);
-    };
-    fit_those(kFirst);
-    for (int k = 0; k < kReleases; ++k) {
-      const std::vector<std::int32_t> gone = release(kept, is_new);
-      if (gone.empty()) break;
-      const std::vector<bool> is_near = near(gone, kAround);
-      std::vector<std::int32_t> far;  // these planes stay where they are for now
-      for (std::size_t u = 0; u < units_.size(); ++u)
-        if (!is_near[u] && !units_[u].held) far.push_back(static_cast<std::int32_t>(u));
-      for (const std::int32_t u : far) units_[u].held = true;
-      fit_those(kReleased);
-      for (const std::int32_t u : far) units_[u].held = false;
-    }
-    for (int pass = 1; pass < kPasses; ++pass) {
-      for (std::size_t u = 0; u < units_.size(); ++u)
-        units_[u].missed = std::find(kept[u].begin(), kept[u].end(), 0) != kept[u].end();
-      weigh_again(units_);
-      fit_those(kAgain);
-    }
-    for (const std::int32_t u : fixed) units_[u].held = false;
-  }
-
-  /// Lets go of snapped planes that too many corners can't be on together with the others round them. Of the planes round
-  /// a corner the one of the smallest unit is at fault.
-  /// \param kept  of the corners of those that are let go all are kept again
-  /// \return their units
-  std::vector<std::int32_t> release(Kept& kept, const std::vector<bool>& is_new) {
-    std::vector<std::int32_t> faults(units_.size(), 0);
-    for (std::int32_t c = 0; c < static_cast<std::int32_t>(at_.size()); ++c) {
-      bool is_missed = false;
-      std::int32_t least = kNone;
-      for (const auto& [u, place] : around_.of(c)) {
-        const Unit& unit = units_[u];
-        is_missed = is_missed || (!kept[u][place] && unit.loop.size() > 3);
-        if (!unit.held || !unit.scan.snapped || !is_new[u]) continue;
-        if (least == kNone || unit.scan.area < units_[least].scan.area) least = u;
-      }
-      if (is_missed && least != kNone) ++faults[least];
-    }
-    std::vector<std::int32_t> gone;
-    for (std::size_t u = 0; u < units_.size(); ++u) {
-      if (faults[u] <= kTooMany * static_cast<double>(units_[u].loop.size())) continue;
-      units_[u].held = false;
-      gone.push_back(static_cast<std::int32_t>(u));
-      for (const std::int32_t c : units_[u].loop)
-        for (const auto& [other, place] : around_.of(c)) kept[other][place] = 1;
-    }
-    return gone;
-  }
-
-  /// By unit: whether it is one of some units or fewer than `rings` rings away from one.
-  [[nodiscard]] std::vector<bool> near(std::vector<std::int32_t> rim, int rings) const {
-    std::vector<bool> is_near(units_.size(), false);
-    for (; rings > 0; --rings) {
-      std::vector<std::int32_t> next;
-      for (const std::int32_t u : rim) {
-        is_near[u] = true;
-        for (const std::int32_t c : units_[u].loop)
-          for (const Around::Use& use : around_.of(c))
-            if (!is_near[use.unit]) next.push_back(use.unit);
-      }
-      sort_unique(next);
-      rim = std::move(next);
-    }
-    return is_near;
   }
 
   /// Has a corner, and what is round it, looked at in the next round.
@@ -288,6 +204,10 @@ class Planarizer {
     for (const std::int32_t l : judged_) any = hold_back_piece(l, firmly) || any;
     for (const Hit& h : f_.hits()) {
       if (h.excused || met_.contains({h.a, h.b})) continue;
+      if (!firmly && settle(h)) {
+        any = true;
+        continue;
+      }
       const std::span<const std::int32_t> corners(h.corners);
       const bool a = give_up(h.a, h.part_a, corners.first(3), Cause::meeting, firmly);
       const bool b = give_up(h.b, h.part_b, corners.last(3), Cause::meeting, firmly);
@@ -324,13 +244,90 @@ class Planarizer {
       const bool flat = is_flat(loop, at_, most);
       if (faults == 0 && (flat || units_[unit_of(l, part)].left)) continue;
       const Cause cause = faults & (kCrossing | kNoArea) ? Cause::crossing : faults ? Cause::flipped : Cause::apart;
-      if (give_up(l, part, loop, cause, firmly)) {
+      if ((faults != 0 && !firmly && settle(l, part, loop, cause)) || give_up(l, part, loop, cause, firmly)) {
         any = true;
       } else {
         stuck_.push_back(l);
       }
     }
     return any;
+  }
+
+  /// What it costs to have a corner go less far, where that mends a fault.
+  struct Way {
+    double cost = std::numeric_limits<double>::infinity();
+    std::int32_t corner = kNone;
+    double reach = 0;
+  };
+
+  /// Has one corner go less far, if that is enough to mend what is at fault, or triangulates one of the units at fault, if
+  /// that costs less.
+  /// \param is_mended  asks with the corners where they would be
+  /// \return whether there is such a way, or something changes there in this round already
+  template <class Function>
+  bool settle(std::span<const std::int32_t> corners, std::initializer_list<std::int32_t> at_fault, Cause cause,
+              Function is_mended) {
+    if (std::any_of(at_fault.begin(), at_fault.end(), [&](std::int32_t u) { return acted_[u]; }) ||
+        std::any_of(corners.begin(), corners.end(), [&](std::int32_t c) { return is_moving_[c]; }))
+      return true;
+    Way best;
+    for (const std::int32_t c : corners) find_way(c, is_mended, best);
+    std::int32_t freed = kNone;
+    for (const std::int32_t u : at_fault) {
+      const Unit& unit = units_[u];
+      const std::size_t n = unit.loop.size();
+      if (n == 3 || n > kFew || unit.free || unit.held || kOfFace * static_cast<double>(n - 2) >= best.cost) continue;
+      best.cost = kOfFace * static_cast<double>(n - 2);
+      freed = u;
+    }
+    if (freed != kNone) {
+      units_[freed].free = true;
+      return note(freed, cause);
+    }
+    if (best.corner == kNone) return false;
+    lower(best.corner, best.reach);
+    for (const std::int32_t u : at_fault)
+      if (units_[u].cause == Cause::none) units_[u].cause = cause;
+    return true;
+  }
+  bool settle(std::int32_t l, std::int32_t part, std::span<const std::int32_t> loop, Cause cause) {
+    return settle(loop, {unit_of(l, part)}, cause,
+                  [&] { return (f_.verdict(l, part).faults & ~(kBent | kGiven | faults_[l])) == 0; });
+  }
+  bool settle(const Hit& h) {
+    std::vector<std::int32_t> corners(h.corners.begin(), h.corners.end());
+    sort_unique(corners);
+    return settle(corners, {unit_of(h.a, h.part_a), unit_of(h.b, h.part_b)}, Cause::meeting,
+                  [&] { return !f_.meet_now(h.a, h.b); });
+  }
+
+  /// Looks whether a corner that goes less far mends a fault, and costs less than what was found before.
+  template <class Function>
+  void find_way(std::int32_t c, Function is_mended, Way& best) {
+    const Vec3 was = at_[c];
+    const double moved = (was - places_.start[c]).norm(), reach = places_.reach[c], before = worth(c);
+    if (moved <= kStill * places_.diagonal) return;
+    for (const double share : kShares) {
+      places_.reach[c] = share * moved;
+      const Vec3 to = meet_at(c, units_, around_, places_, kept_);
+      const double cost = before - worth(c) + kStay * (1 - share);
+      if (cost >= best.cost || to == was) continue;
+      s_.move(c, to);
+      if (is_mended()) best = {cost, c, share * moved};
+    }
+    s_.move(c, was);
+    places_.reach[c] = reach;
+    meet_at(c, units_, around_, places_, kept_);
+  }
+
+  /// What the polygons round a corner would lose if it were on none of their planes.
+  [[nodiscard]] double worth(std::int32_t c) const {
+    double sum = 0;
+    for (const auto& [u, place] : around_.of(c)) {
+      if (units_[u].free || units_[u].loop.size() == 3 || !kept_[u][place]) continue;
+      sum += std::find(kept_[u].begin(), kept_[u].end(), 0) == kept_[u].end() ? kWhole : 1;
+    }
+    return sum;
   }
 
   /// The unit that a polygon of a piece is cut from.
@@ -352,7 +349,7 @@ class Planarizer {
     if (acted_[u]) return true;
     double most = 0;
     for (const std::int32_t c : corners) most = std::max(most, (at_[c] - places_.start[c]).norm());
-    const bool moved = most > 1e-9 * places_.diagonal;
+    const bool moved = most > kStill * places_.diagonal;
     if (!unit.free && (unit.loop.size() <= kFew || !moved) && !unit.held) {
       unit.free = unit.loop.size() > 3;
       if (unit.free) return note(u, cause);
@@ -441,7 +438,7 @@ class Planarizer {
     std::vector<std::int32_t> all;
     for (const std::int32_t l : stuck)
       for (std::int32_t u = first_[l]; u < first_[l + 1]; ++u) all.push_back(u);
-    const std::vector<bool> is_near = near(std::move(all), kRings);
+    const std::vector<bool> is_near = within_rings(units_, around_, std::move(all), kRings);
     memory_.units.clear();
     memory_.reach = places_.reach;
     for (std::size_t u = 0; u < units_.size(); ++u) {
@@ -469,7 +466,6 @@ class Planarizer {
   std::vector<std::int32_t> first_;            // by piece: its first unit
   std::vector<std::uint8_t> faults_;           // by piece: as they were
   std::set<std::array<std::int32_t, 2>> met_;  // pairs of pieces that met
-  bool is_again_ = false;                      // there was a try before
   std::vector<Vec3> at_;
   Kept kept_;
   std::vector<std::vector<Edge>> cuts_;       // by unit

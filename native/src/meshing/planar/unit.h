@@ -38,6 +38,9 @@ struct Unit {
   bool own = false;           ///< its triangles are those that the judge saw before anything moved
   bool left = false;          ///< it stays as it was, planar or not
   Cause cause = Cause::none;  ///< why it was given up or a corner held back
+
+  /// Whether its plane asks anything of its corners. A triangle has one wherever they are.
+  [[nodiscard]] bool binds() const { return !free && (held || loop.size() > 3); }
 };
 
 /// The corners, and how far each may go.
