@@ -97,7 +97,7 @@ def flaws(report: dict[str, Any]) -> str:
     return " ".join(f"{report[name]} {name}" for name in names if report[name]) or "sound"
 
 
-def pieces(path: Path, proxies: int, counts: list[int]) -> None:
+def pieces(path: Path, proxies: int, counts: list[int], groups: list[int]) -> None:
     mesh = engine.clean(*engine.read(path))
     triangles, vertices = mesh.triangles, mesh.vertices
     begun = time.process_time()
@@ -111,11 +111,12 @@ def pieces(path: Path, proxies: int, counts: list[int]) -> None:
         print(f"{path.stem}: {len(triangles):,} faces, {whole[2]} regions, one piece: {seconds:.1f} s of processor")
         print(f"  error {whole[0]:.5g}, borders {whole[1]:.5g}, mean distance {mean:.4g}, 99 % {most:.4g}", end="")
         print(f", {poly.report['polygons']} polygons, {flaws(poly.report)}")
-        for count in counts:
-            folder, out = Path(place) / f"in{count}", Path(place) / f"{count}.ply"
+        for count, group in [(count, group) for count in counts for group in groups if group < count or not group]:
+            folder, out = Path(place) / f"in{count}-{group}", Path(place) / f"{count}-{group}.ply"
             parts = cut((vertices, triangles), count, folder)
             begun = time.perf_counter()
-            report = tiles.run(folder, out, proxies=proxies, labels=folder.with_suffix(".labels")).report
+            grouped = {"group": group} if group else {}
+            report = tiles.run(folder, out, proxies=proxies, labels=folder.with_suffix(".labels"), **grouped).report
             seconds = time.perf_counter() - begun
             label = np.empty(len(triangles), np.int32)
             for k, faces in enumerate(parts):
@@ -123,15 +124,19 @@ def pieces(path: Path, proxies: int, counts: list[int]) -> None:
             found = judge(mesh, label)
             own = distances(vertices, out)
             print(
-                f"  {count:3d} tiles: error {found[0] / whole[0] - 1:+.1%}, borders {found[1] / whole[1] - 1:+.1%}, "
-                f"{found[2]} regions, mean distance {own[0] / mean - 1:+.1%}, 99 % {own[1] / most - 1:+.1%}, "
+                f"  {count:3d} tiles{named(report['groups'])}: error {found[0] / whole[0] - 1:+.1%}, "
+                f"borders {found[1] / whole[1] - 1:+.1%}, {found[2]} regions, mean distance {own[0] / mean - 1:+.1%}, 99 % {own[1] / most - 1:+.1%}, "
                 f"{report['output']['polygons']} polygons, {flaws(report['output'])}, "
                 f"{len(triangles) / report['thinned_faces']:.1f} x thinned, "
                 f"graph {report['graph_bytes'] / len(triangles):.2f} B a face, {seconds:.1f} s"
             )
 
 
-def detail(path: Path, share: float, counts: list[int]) -> None:
+def named(groups: int) -> str:
+    return f" in {groups} groups" if groups else ""
+
+
+def detail(path: Path, share: float, counts: list[int], groups: list[int]) -> None:
     mesh = engine.clean(*engine.read(path))
     triangles, vertices = mesh.triangles, mesh.vertices
     part = engine.partition(mesh, engine.PartitionOptions(detail=share))
@@ -141,17 +146,20 @@ def detail(path: Path, share: float, counts: list[int]) -> None:
         f"noise {part.report['noise']:.3g}"
     )
     with tempfile.TemporaryDirectory() as place:
-        for count in counts:
-            folder = Path(place) / f"in{count}"
+        for count, group in [(count, group) for count in counts for group in groups if group < count or not group]:
+            folder = Path(place) / f"in{count}-{group}"
             parts = cut((vertices, triangles), count, folder)
             labels = folder.with_suffix(".labels")
-            report = tiles.run(folder, Path(place) / "o.ply", options={"detail": share}, labels=labels).report
+            grouped = {"group": group} if group else {}
+            report = tiles.run(
+                folder, Path(place) / "o.ply", options={"detail": share}, labels=labels, **grouped
+            ).report
             label = np.empty(len(triangles), np.int32)
             for k, faces in enumerate(parts):
                 label[faces] = np.load(labels / f"{k:03d}.npy")
             found = judge(mesh, label)
             print(
-                f"  {count:3d} tiles: {report['regions']} regions, noise {report['noise']:.3g}, "
+                f"  {count:3d} tiles{named(report['groups'])}: {report['regions']} regions, noise {report['noise']:.3g}, "
                 f"error {found[0] / whole[0] - 1:+.1%}, borders {found[1] / whole[1] - 1:+.1%}, "
                 f"graph {report['graph_bytes'] / len(triangles):.2f} B a face"
             )
@@ -260,10 +268,12 @@ def main() -> None:
     command.add_argument("scan", type=Path)
     command.add_argument("proxies", type=int)
     command.add_argument("counts", type=int, nargs="*", default=[1, 4, 16, 64])
+    command.add_argument("--groups", type=int, nargs="*", default=[0], help="tiles of a group; 0: as by default")
     command = what.add_parser("detail")
     command.add_argument("scan", type=Path)
     command.add_argument("share", type=float)
     command.add_argument("counts", type=int, nargs="*", default=[1, 4, 16, 64])
+    command.add_argument("--groups", type=int, nargs="*", default=[0], help="tiles of a group; 0: as by default")
     command = what.add_parser("read")
     command.add_argument("faces", type=int, nargs="?", default=2_000_000)
     command = what.add_parser("city")
@@ -273,9 +283,9 @@ def main() -> None:
     command.add_argument("--jobs", type=int, default=2)
     arguments = parser.parse_args()
     if arguments.what == "pieces":
-        pieces(arguments.scan, arguments.proxies, arguments.counts)
+        pieces(arguments.scan, arguments.proxies, arguments.counts, arguments.groups)
     elif arguments.what == "detail":
-        detail(arguments.scan, arguments.share, arguments.counts)
+        detail(arguments.scan, arguments.share, arguments.counts, arguments.groups)
     elif arguments.what == "read":
         read(arguments.faces)
     else:

@@ -155,6 +155,7 @@ void bind_detail(py::module_& m) {
         return tuple_of(call(job, [&](Job& j) { return tiles::detail_patches(mesh, tolerance, noise, j); }));
       },
       "mesh"_a, "tolerance"_a, "noise"_a, "job"_a = py::none(), "See tiles.detail_patches.");
+  m.def("_tile_least_cost", &tiles::least_cost, "tolerance"_a, "noise"_a, "See tiles.least_cost.");
   m.def(
       "_tile_find_regions",
       [](const Table<double>& sums, const Table<std::int32_t>& pairs, const Table<std::int32_t>& component,
@@ -192,6 +193,21 @@ void bind_merging(py::module_& m) {
       },
       "sums"_a, "pairs"_a, "lengths"_a, "component"_a, "need"_a, "target"_a, "smooth"_a, "error"_a, "proxies"_a,
       "job"_a = py::none(), "See tiles.merge.");
+  m.def(
+      "_tile_merge_inside",
+      [](const Table<double>& sums, const Table<std::int32_t>& pairs, const Table<double>& lengths,
+         const Table<std::int32_t>& component, const Table<std::int32_t>& need, const Table<std::uint8_t>& border,
+         std::int32_t target, double limit, double smooth, double error, std::int32_t proxies, double area, Job* job) {
+        const auto graph = read_graph(sums, pairs, lengths);
+        const tiles::Components c = read_components(component, need);
+        const auto at_border = rows<std::uint8_t>(border, "border");
+        const tiles::BorderPrice price{smooth, error, proxies, area};
+        tiles::GroupMerges made =
+            call(job, [&](Job& j) { return tiles::merge_inside(graph, c, at_border, target, limit, price, j); });
+        return py::make_tuple(owned(std::move(made.merged)), owned(std::move(made.price)));
+      },
+      "sums"_a, "pairs"_a, "lengths"_a, "component"_a, "need"_a, "border"_a, "target"_a, "limit"_a, "smooth"_a,
+      "error"_a, "proxies"_a, "area"_a, "job"_a = py::none(), "See tiles.merge_inside.");
 }
 
 void bind_relaxing(py::module_& m) {

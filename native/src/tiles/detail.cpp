@@ -91,6 +91,11 @@ Patches detail_patches(const Mesh& mesh, double tolerance, double noise, Job& jo
   return patches_of(mesh, std::move(regions.label), std::move(regions.sum));
 }
 
+double least_cost(double tolerance, double noise) {
+  constexpr double kSpread = 1.5;  // of costs below the limit that the cut is chosen among
+  return merge_limit(tolerance, noise, kLeastNoise) / kSpread;
+}
+
 FoundRegions find_regions(const JoinedGraph& graph, const Components& components, double tolerance, double noise,
                           bool snap, std::optional<double> cost, Job& job) {
   check_pairs(graph);

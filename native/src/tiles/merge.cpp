@@ -29,6 +29,19 @@ void check(const JoinedGraph& graph) {
 
 double area_of(const RegionSum& s) { return s.weight / 2; }
 
+double area_of(std::span<const RegionSum> sums) {
+  double area = 0;
+  for (const RegionSum& s : sums) area += area_of(s);
+  return area;
+}
+
+/// Of a unit of length, as a share of the area.
+double price_of_length(const BorderPrice& price, double area) {
+  return price.smooth > 0 && area > 0
+             ? border_price(price.error, price.smooth) / (2 * std::sqrt(std::max(1, price.proxies)) * std::sqrt(area))
+             : 0.0;
+}
+
 /// Compressed rows from pairs; pairs that stand there twice add up.
 MergeGraph rows_of(const JoinedGraph& graph, double price) {
   MergeGraph rows;
@@ -135,11 +148,7 @@ std::vector<std::int32_t> merge(const JoinedGraph& graph, const Components& comp
                                 const BorderPrice& price, Job& job) {
   check(graph);
   check_components(graph, components);
-  double area = 0;
-  for (const RegionSum& s : graph.sum) area += area_of(s);
-  const double each = price.smooth > 0 && area > 0 ? border_price(price.error, price.smooth) /
-                                                         (2 * std::sqrt(std::max(1, price.proxies)) * std::sqrt(area))
-                                                   : 0.0;
+  const double area = area_of(graph.sum), each = price_of_length(price, price.area > 0 ? price.area : area);
   MergeGraph rows = rows_of(graph, each);
   rows.part = components.component;
   std::vector<RegionSum> sums = graph.sum;
@@ -165,6 +174,27 @@ std::vector<std::int32_t> merge(const JoinedGraph& graph, const Components& comp
     label[u] = number[c];
   }
   return label;
+}
+
+GroupMerges merge_inside(const JoinedGraph& graph, const Components& components, std::span<const std::uint8_t> border,
+                         std::int32_t target, double limit, const BorderPrice& price, Job& job) {
+  check(graph);
+  check_components(graph, components);
+  if (border.size() != graph.sum.size()) throw InvalidInput("`border` must have one value for each node");
+  const double area = price.area > 0 ? price.area : area_of(graph.sum);
+  MergeGraph rows = rows_of(graph, area * price_of_length(price, area));
+  rows.part = components.component;
+  std::vector<RegionSum> sums = graph.sum;
+  for (std::size_t u = 0; u < sums.size(); ++u) {
+    if (components.component[u] == kNone) sums[u].faces = 0;  // takes no part
+    rows.part[u] = std::max(rows.part[u], 0);
+  }
+  GroupMerges result;
+  for (const MergeStep& step : isimp::merge_inside(rows, sums, components.need, border, target, limit, job)) {
+    result.merged.push_back({step.into, step.from});
+    result.price.push_back(step.price);
+  }
+  return result;
 }
 
 }  // namespace isimp::tiles

@@ -22,8 +22,10 @@ from ..drafts import whole
 from ..reading import inner
 from . import steps
 from .errors import TileFailed, TilesError
+from .grouped import GROUP, beside, groups_of, limit_of
 from .plan import DETAIL, Plan, options_of, plan_of
 from .store import MADE, load, of_tile, publish, values_of
+from .tasks import SURPLUS
 
 PLAN = "plan.json"
 TILE_FACES = 1_000_000  #: of the tiles that a single scan is cut into
@@ -67,6 +69,7 @@ def run(
     dask: str | None = None,
     cluster: Cluster | None = None,
     tile_faces: int = TILE_FACES,
+    group: int = GROUP,
     options: Mapping[str, Any] | None = None,
     watch: Callable[[State], None] | None = None,
 ) -> Outcome:
@@ -83,6 +86,7 @@ def run(
     jobs: the largest number of tiles at once; None: one a core. Free memory may allow fewer.
     dask: the address of a Dask scheduler, whose workers do the work.
     cluster: a cluster that is started for this run, see batch.Cluster, in place of `dask`.
+    group: more tiles than this are merged by groups of at most so many, so that no process has the graph of all.
     options: detail, tolerance, noise, snap, smooth, leave_out, seed of PartitionOptions, planar of MeshingOptions.
     watch: called after each step of a tile, and some times a second.
 
@@ -92,7 +96,7 @@ def run(
     """
     if not hasattr(os, "fork"):
         raise TilesError("tiles need child processes by fork, which this system does not have")
-    plan = plan_of(Path(source), Path(output), work, options_of(options, proxies, weld), tile_faces)
+    plan = plan_of(Path(source), Path(output), work, options_of(options, proxies, weld) | {"group": group}, tile_faces)
     if jobs is not None and jobs < 1:
         raise TilesError(f"the number of jobs must be at least 1, got {jobs}")
     target = None if labels is None else _label_folder(Path(labels), plan)
@@ -156,6 +160,8 @@ class _Run:
         self._sizes = [path.stat().st_size for _, path in plan.inputs]
         self._tolerance: float | None = None  # scene units; None: the number of regions is given
         self._noise = 0.0
+        self._groups: list[list[int]] = []  # tiles of each; none where there are few tiles
+        self._beside: list[list[int]] = []
         self._peaks: dict[str, float] = {}
         self._seconds: dict[str, float] = {}
 
@@ -172,29 +178,76 @@ class _Run:
         present = [k for k in present if self._faces[k]]
         leave_out = options.get("leave_out", PartitionOptions().leave_out)
         patches = sum(values_of(of_tile(plan.work, "patches", k))["patches"] for k in present)
-        merging = {"present": present, "wanted": self._wanted(), "leave_out": leave_out}
-        join = self._one("join", merging, 4 * patches)
-        first = load(of_tile(plan.work, "join", 0), "first").tolist()
-        own = {k: {"first": first[i], "near": join["near"][str(k)]} for i, k in enumerate(present)}
-        self._map("halo", present, {}, own)
+        left = self._gather(present, patches)
+        merging = {"present": present, "groups": len(self._groups), "wanted": self._wanted(), "leave_out": leave_out}
+        join = self._one("join", merging, 4 * left)
+        self._map("halo", present, {}, self._places(present, join["near"]))
         regions = join["wanted"]
         heavier = _HEAVIER if self._tolerance is None else _LIGHTER
         shared = {"area": join["area"], "faces": sum(whole), "regions": regions, "smooth": heavier * smooth}
         labels, sums = self._rounds("first", present, ("halo", "join"), _FIRST, shared)
-        self._map("touch", present, {"before": labels})
+        self._map("touch", present, {"before": labels, "groups": len(self._groups)})
         merging = {
             "present": present,
+            "groups": len(self._groups),
             "sums": sums,
             "area": join["area"],
             "target": regions,
             "cost": join["cost"],
             "smooth": heavier * smooth,
         }
+        if self._groups:
+            error = steps.error_of(load(of_tile(plan.work, sums, 0), "sums")) / join["area"]
+            share = {"share": regions / join["regions"], "error": error}
+            faces = {k: 40 * join["regions"] // len(self._groups) for k in range(len(self._groups))}
+            self._of_groups("regroup", merging | share, faces)
         merged = self._one("merge", merging, 40 * join["regions"])
         labels, sums = self._rounds("last", present, (labels, "merge"), _LAST, shared, relabel="merge")
         self._map("thin", present, {"before": labels, "labels": self._labels})
         last = self._last(present)
         return Outcome(plan.output, self._report(join, merged, last, sums, present))
+
+    def _gather(self, present: list[int], patches: int) -> int:
+        """Merge inside groups of tiles, where there are many tiles; returns how many patches are left."""
+        if len(present) <= self._plan.options["group"]:
+            return patches
+        work = self._plan.work
+        found = [values_of(of_tile(work, "prepare", k)) for k in present]
+        low, high = (np.array([values[name] for values in found]) for name in ("low", "high"))
+        places = groups_of((low + high) / 2, self._plan.options["group"])
+        off = 2 * self._plan.options["weld"] + 1e-6 * self._diagonal  # vertices on borders have moved
+        near = [beside(low, high, own, off) for own in places]
+        self._groups = [[present[i] for i in own] for own in places]
+        self._beside = [[present[i] for i in own] for own in near]
+        wanted, count = self._wanted(), len(self._groups)
+        limit = limit_of(wanted)
+        target = int(SURPLUS * wanted.get("proxies", 0))
+        shared = {"share": target / patches, "limit": limit}
+        size = {
+            g: 4 * sum(values_of(of_tile(work, "patches", k))["patches"] for k in own)
+            for g, own in enumerate(self._groups)
+        }
+        self._of_groups("group", shared, size)
+        if limit is None:
+            self._one("level", {"groups": count, "nodes": patches, "target": target}, patches)
+        self._of_groups("cut", {} if limit is None else {"limit": limit}, size)
+        return sum(values_of(of_tile(work, "cut", g))["patches"] for g in range(count))
+
+    def _of_groups(self, step: str, task: dict[str, Any], faces: dict[int, int]) -> None:
+        """A step of each group of tiles."""
+        own = {g: {"own": self._groups[g], "beside": self._beside[g]} for g in range(len(self._groups))}
+        self._each(step, list(own), {"step": step} | task, own, lambda g: needed_mb(faces[g], 0))
+
+    def _places(self, present: list[int], near: dict[str, list[int]]) -> dict[int, dict[str, Any]]:
+        """Where each tile finds the regions of its patches, and its neighbours."""
+        first = load(of_tile(self._plan.work, "join", 0), "first").tolist()
+        if not self._groups:
+            return {k: {"first": first[i], "near": near[str(k)]} for i, k in enumerate(present)}
+        own: dict[int, dict[str, Any]] = {}
+        for g, tiles in enumerate(self._groups):
+            at = load(of_tile(self._plan.work, "group", g), "first").tolist()
+            own |= {k: {"first": first[g], "group": g, "at": at[i], "near": near[str(k)]} for i, k in enumerate(tiles)}
+        return own
 
     def _fineness(self) -> dict[str, Any]:
         """What patches are made by."""
@@ -382,6 +435,8 @@ class _Run:
             "welded_vertices": mend["welded"],
             "t_junctions": mend["t_junctions"],
             "patches": join["patches"],
+            "groups": len(self._groups),
+            "regions_joined": merged["joined"],
             "graph_bytes": join["graph_bytes"],
             "thinned_faces": last["thinned_faces"],
             "diagonal": last["diagonal"],

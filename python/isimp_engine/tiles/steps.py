@@ -5,6 +5,7 @@ tiles. Sums are (K, 5) float64: x, y, z of the sum of area * normal, twice the a
 are (E, 2) int32, and `lengths` (E,) float64 says how long the border of each is. Areas and lengths are in scene units.
 """
 
+import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -56,6 +57,13 @@ class Found(NamedTuple):
     regions: int
     cost: float  #: merges up to this were made, scene units squared
     snapped: bool  #: the number is that of the shape's planes
+
+
+class Merges(NamedTuple):
+    """The merges inside a group of tiles, in order."""
+
+    merged: NDArray[np.int32]  #: (M, 2) the second node goes into the first, and is not named again
+    price: NDArray[np.float64]  #: (M,) scene units squared; never falls: the highest so far
 
 
 class Relaxed(NamedTuple):
@@ -138,6 +146,12 @@ def find_regions(
     return Found(*_core._tile_find_regions(*graph, tolerance, noise, snap, cost, job))
 
 
+def least_cost(tolerance: float, noise: float) -> float:
+    """Merges that cost less are made whatever `find_regions` chooses; scene units squared."""
+    cost: float = _core._tile_least_cost(tolerance, noise)
+    return cost
+
+
 def find_components(
     sums: ArrayLike, pairs: ArrayLike, lengths: ArrayLike, open_nodes: ArrayLike, proxies: int, leave_out: float = 0.001
 ) -> Components:
@@ -170,6 +184,78 @@ def merge(
     graph = (sums, pairs, lengths, components.component, components.need)
     labels: NDArray[np.int32] = _core._tile_merge(*graph, target, smooth, error, proxies, job)
     return labels
+
+
+def merge_inside(
+    sums: ArrayLike,
+    pairs: ArrayLike,
+    lengths: ArrayLike,
+    components: Components,
+    border: ArrayLike,
+    target: int,
+    limit: float = math.inf,
+    *,
+    smooth: float = 0.0,
+    error: float = 0.0,
+    proxies: int = 1,
+    area: float = 0.0,
+    job: Job | None = None,
+) -> Merges:
+    """Merge what a group of tiles has of the joined graph, as far as that is safe, so that no process has all of it.
+
+    border: (K,) bool, nodes that have neighbours outside; they do not merge with each other, and what merges with one
+    pays as if it were endless. components: of the group's own graph. It ends at `target` nodes, or before a price above
+    `limit`.
+    smooth, error, proxies as for `merge`; area: of all tiles, where borders have a price.
+    All groups are then cut at the same price, see `common_price`. Raises InvalidInput or Cancelled. Cost: as `merge`.
+    """
+    at_border = np.asarray(border, dtype=np.uint8)
+    graph = (sums, pairs, lengths, components.component, components.need, at_border)
+    merged, price = _core._tile_merge_inside(*graph, target, limit, smooth, error, proxies, area, job)
+    return Merges(merged, np.maximum.accumulate(price))
+
+
+def common_price(prices: Sequence[NDArray[np.float64]], nodes: int, target: int) -> float:
+    """The price below which the merges of all groups leave at least `target` of `nodes`, and hardly more.
+
+    prices: of the groups, as `merge_inside` gives them. Cost: O(M).
+    """
+    every = np.concatenate([np.zeros(0), *prices])
+    count = max(0, nodes - target)
+    return math.inf if count >= len(every) else float(np.partition(every, count)[count])
+
+
+def labels_after(nodes: int, merges: Merges, price: float) -> NDArray[np.int32]:
+    """The cluster (nodes,) of each node after the merges below a price, numbered by first node. Cost: O(nodes)."""
+    above = np.arange(nodes, dtype=np.int32)
+    count = int(np.searchsorted(merges.price, price))
+    above[merges.merged[:count, 1]] = merges.merged[:count, 0]
+    while (above != (up := above[above])).any():
+        above = up
+    first = np.full(nodes, nodes, np.int32)
+    np.minimum.at(first, above, np.arange(nodes, dtype=np.int32))
+    number: NDArray[np.int32] = np.cumsum(first[above] == np.arange(nodes), dtype=np.int32) - 1
+    result: NDArray[np.int32] = number[first[above]]
+    return result
+
+
+def contracted(
+    label: NDArray[np.int32], sums: NDArray[np.float64], pairs: NDArray[np.int32], lengths: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.float64]]:
+    """The graph in which all nodes of a label are one: its sums, its pairs, each once, and their lengths.
+
+    label: (K,) without gaps. Cost: O(K + E log E).
+    """
+    count = int(label.max()) + 1 if len(label) else 0
+    merged = np.empty((count, 5))
+    for k in range(5):
+        merged[:, k] = np.bincount(label, sums[:, k], count)
+    ends = np.sort(label[pairs], axis=1).astype(np.int64)
+    apart = ends[:, 0] != ends[:, 1]
+    key, at = np.unique(ends[apart, 0] * count + ends[apart, 1], return_inverse=True)
+    both = np.stack([key // max(count, 1), key % max(count, 1)], 1).astype(np.int32)
+    total: NDArray[np.float64] = np.bincount(at, lengths[apart], len(key)).astype(np.float64, copy=False)
+    return merged, both, total
 
 
 def relax(

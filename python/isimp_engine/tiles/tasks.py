@@ -19,13 +19,13 @@ from .. import (
     write,
 )
 from ..cli.loading import cut, largest_shares
-from . import borders, steps, tileset
+from . import borders, grouped, steps, tileset
 from .splitting import split_scan
 from .store import MADE, load, of_tile, save, save_values, tile_name
 
 _CLEAN = CleanOptions(threads=1)
 _FINER = 4.0  # by how much patches are finer than the tolerance at which the joined tree is cut
-_SURPLUS = 2.2  # regions before the last merging, as a multiple of those wanted
+SURPLUS = 2.2  # regions before the last merging, as a multiple of those wanted
 _T_JUNCTION = 1e-9  # of the diagonal: how far off an edge a vertex may be that lies on it, where nothing is welded
 
 Task = dict[str, Any]
@@ -207,14 +207,14 @@ def fringe(work: Path, tile: int) -> borders.Fringe:
 
 
 def _join(task: Task, work: Path, made: Path) -> dict[str, Any]:
-    """The graph of all patches, merged to some more regions than are wanted."""
-    tiles = task["present"]
-    folders = [of_tile(work, "patches", tile) for tile in tiles]
+    """The graph of all patches, or of what groups leave of them, merged to some more regions than are wanted."""
+    tiles, groups = task["present"], task["groups"]
+    folders = [of_tile(work, "cut" if groups else "patches", k) for k in (range(groups) if groups else tiles)]
     sums = [load(folder, "sums") for folder in folders]
     first = np.cumsum([0] + [len(each) for each in sums])
     keys = [load(folder, "fringe_edge_keys") for folder in folders]
     patch = np.concatenate([load(f, "edge_patch") + o for f, o in zip(folders, first, strict=False)]).astype(np.int32)
-    edge_tile = np.repeat(np.arange(len(tiles), dtype=np.int32), [len(k) for k in keys])
+    edge_tile = np.repeat(np.arange(len(keys), dtype=np.int32), [len(k) for k in keys])
     matched = borders.match(np.concatenate(keys), edge_tile)
     inner = [load(f, "pairs") + o for f, o in zip(folders, first, strict=False)]
     pairs = np.concatenate([*inner, patch[matched]]).astype(np.int32)
@@ -222,20 +222,18 @@ def _join(task: Task, work: Path, made: Path) -> dict[str, Any]:
     whole = np.concatenate(sums)
     free = np.ones(len(patch), bool)
     free[matched.ravel()] = False
-    open_nodes = np.zeros(len(whole), np.uint8)
+    open_nodes = np.concatenate([load(f, "open") for f in folders]) if groups else np.zeros(len(whole), np.uint8)
     open_nodes[patch[free]] = 1
     asked = task["wanted"].get("proxies")
     found = steps.find_components(whole, pairs, lengths, open_nodes, asked or 1, task["leave_out"])
     needed = int(found.need.sum())
     by_detail = None if asked else steps.find_regions(whole, pairs, found, **task["wanted"])
     wanted = max(asked if by_detail is None else by_detail.regions, needed)
-    label = steps.merge(whole, pairs, lengths, found, max(int(_SURPLUS * wanted), needed))
+    label = steps.merge(whole, pairs, lengths, found, max(int(SURPLUS * wanted), needed))
     region_sums, component = _merged(whole, found.component, label)
     save(made, first=first, label=label, sums=region_sums, component=component, need=found.need)
-    near = borders.neighbours_of(keys)
     return {
         "regions": len(region_sums),
-        "patches": len(whole),
         "wanted": wanted,
         "cost": by_detail and by_detail.cost,
         "snapped": by_detail and by_detail.snapped,
@@ -243,14 +241,18 @@ def _join(task: Task, work: Path, made: Path) -> dict[str, Any]:
         "left_out": found.left_out,
         "area_left_out": found.area_left_out,
         "area": float(whole[:, 3].sum() / 2),
-        "border_edges": len(patch),
-        "matched_edges": 2 * len(matched),
-        "graph_bytes": sum(f.stat().st_size for folder in folders for f in folder.glob("*.npy") if f.stem in _GRAPH),
+    } | (grouped.totals(work, groups) if groups else _totals(tiles, folders, keys, len(whole), len(matched)))
+
+
+def _totals(tiles: list[int], folders: list[Path], keys: list[Any], patches: int, matched: int) -> dict[str, Any]:
+    near = borders.neighbours_of(keys)
+    return {
+        "patches": patches,
+        "border_edges": sum(len(each) for each in keys),
+        "matched_edges": 2 * matched,
+        "graph_bytes": grouped.graph_bytes(folders),
         "near": {str(tiles[k]): [tiles[j] for j in near[k]] for k in range(len(tiles))},
     }
-
-
-_GRAPH = ("sums", "pairs", "edge_patch", "fringe_edge_keys")
 
 
 def _merged(
@@ -274,7 +276,10 @@ def _halo(task: Task, work: Path, made: Path) -> dict[str, Any]:
     own = fringe(work, tile)
     halo = borders.halo_of(tile, load(folder, "neighbour"), own, {k: fringe(work, k) for k in near})
     save(made, **halo._asdict())
-    label = load(join, "label")[task["first"] + load(folder, "label")]
+    label = load(folder, "label")
+    if "group" in task:
+        label = load(of_tile(work, "cut", task["group"]), "label")[task["at"] + label]
+    label = load(join, "label")[task["first"] + label]
     save(made, label=label, fringe_label=label[own.face])
     return {"halo": len(halo.record)}
 
@@ -327,9 +332,12 @@ def _sum(task: Task, work: Path, made: Path) -> dict[str, Any]:
 def _touch(task: Task, work: Path, made: Path) -> dict[str, Any]:
     tile = task["tile"]
     length = load(of_tile(work, "patches", tile), "length")
-    neighbour = load(of_tile(work, "halo", tile), "neighbour")
-    pairs, lengths = steps.touching(neighbour, len(length), _labels(task, work), length)
+    place, label = of_tile(work, "halo", tile), _labels(task, work)
+    pairs, lengths = steps.touching(load(place, "neighbour"), len(length), label, length)
     save(made, pairs=pairs, lengths=lengths)
+    if task["groups"]:
+        halo = borders.Halo(*(load(place, name) for name in borders.Halo._fields))
+        save(made, rim=grouped.rim_of(halo, label, len(length)))
     return {}
 
 
@@ -337,17 +345,32 @@ def _merge(task: Task, work: Path, made: Path) -> dict[str, Any]:
     """The regions merged to as many as are wanted."""
     folders = [of_tile(work, "touch", tile) for tile in task["present"]]
     pairs, lengths = (np.concatenate([load(folder, name) for folder in folders]) for name in ("pairs", "lengths"))
-    sums, join = load(of_tile(work, task["sums"], 0), "sums"), of_tile(work, "join", 0)
-    component = load(join, "component")
-    found = steps.Components(component, load(join, "need"), 0, 0.0)
+    sums, join, groups = load(of_tile(work, task["sums"], 0), "sums"), of_tile(work, "join", 0), task["groups"]
+    whole, component, need = len(sums), load(join, "component"), load(join, "need")
     error = steps.error_of(sums) / task["area"]
     target = task["target"]
+
+    def part(label: NDArray[np.int32]) -> tuple[Any, Any, Any, steps.Components]:
+        joined = steps.contracted(label, sums, pairs, lengths)
+        of = np.empty(len(joined[0]), np.int32)
+        of[label] = component
+        return *joined, steps.Components(of, need, 0, 0.0)
+
+    label = np.arange(whole, dtype=np.int32)
+    rest, near, own_lengths, found = sums, pairs, lengths, steps.Components(component, need, 0, 0.0)
     if task["cost"] is not None:  # once more, now that borders have moved
-        target = steps.find_regions(sums, pairs, found, 0.0, 0.0, cost=task["cost"]).regions
-    label = steps.merge(sums, pairs, lengths, found, target, task["smooth"], error, target)
+        if groups:
+            rest, near, _, found = part(grouped.merged_in_groups(work, groups, whole, task["cost"] / 2, plain=True))
+        target = steps.find_regions(rest, near, found, 0.0, 0.0, cost=task["cost"]).regions
+    if groups:
+        price = grouped.price_of_regions(work, groups, whole, target)
+        label = grouped.merged_in_groups(work, groups, whole, price)
+        rest, near, own_lengths, found = part(label)
+    joined = len(rest)
+    label = steps.merge(rest, near, own_lengths, found, target, task["smooth"], error, target)[label]
     merged, of = _merged(sums, component, label)
     save(made, label=label, sums=merged, component=of)
-    return {"regions": len(merged)}
+    return {"regions": len(merged), "joined": joined}
 
 
 def _thin(task: Task, work: Path, made: Path) -> dict[str, Any]:
@@ -420,11 +443,15 @@ _STEPS: dict[str, Callable[[Task, Path, Path], dict[str, Any]]] = {
     "prepare": _prepare,
     "mend": _mend,
     "patches": _patches,
+    "group": grouped.group,
+    "level": grouped.level,
+    "cut": grouped.cut,
     "join": _join,
     "halo": _halo,
     "relax": _relax,
     "sum": _sum,
     "touch": _touch,
+    "regroup": grouped.regroup,
     "merge": _merge,
     "thin": _thin,
     "mesh": _mesh,

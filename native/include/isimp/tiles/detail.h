@@ -38,6 +38,9 @@ struct FoundRegions {
   bool snapped = false;  ///< the number is that of the shape's planes; see hierarchy/choose_cut.h
 };
 
+/// Merges that cost less are made wherever the joined graph is cut at this tolerance, scene units squared.
+double least_cost(double tolerance, double noise);
+
 /// Merges the joined graph to one tree and cuts it at a tolerance, as a partition of one piece does.
 ///
 /// \param noise  of the whole scan, scene units

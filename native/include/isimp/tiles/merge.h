@@ -38,6 +38,7 @@ struct BorderPrice {
   double smooth = 0.0;       ///< as PartitionOptions::smooth; 0: borders cost nothing
   double error = 0.0;        ///< of the present regions, as a share of the area
   std::int32_t proxies = 1;  ///< how many regions there will be
+  double area = 0.0;         ///< of all tiles, scene units squared; 0: that of the graph
 };
 
 /// Merges neighbours one pair at a time, cheapest first, by exact prices, until `target` are left.
@@ -49,5 +50,25 @@ struct BorderPrice {
 /// Cost: O(K log K) where nodes have few neighbours; some 270 bytes a node.
 std::vector<std::int32_t> merge(const JoinedGraph& graph, const Components& components, std::int32_t target,
                                 const BorderPrice& price, Job& job);
+
+/// Merges inside a group of tiles, in order: the second node of a pair goes into the first, and is not named again.
+struct GroupMerges {
+  std::vector<std::array<std::int32_t, 2>> merged;  ///< (M)
+  std::vector<double> price;                        ///< (M) half of what the error rose by, less that of the border
+};
+
+/// Merges the part of the joined graph that a group of tiles has, as far as that is safe: nodes with neighbours in other
+/// groups do not merge with each other, and what merges with one pays as if it were endless. All groups are then cut at
+/// the same price.
+///
+/// \param components  of the group's own graph; needs are those of whole components
+/// \param border      (K) 1 where a node has neighbours that are not in this graph
+/// \param target      merging ends where so many nodes are left
+/// \param limit       merging ends before a price above it, scene units squared
+/// \throws InvalidInput  as above
+/// \throws Cancelled     nothing was made
+/// Cost: as merge.
+GroupMerges merge_inside(const JoinedGraph& graph, const Components& components, std::span<const std::uint8_t> border,
+                         std::int32_t target, double limit, const BorderPrice& price, Job& job);
 
 }  // namespace isimp::tiles

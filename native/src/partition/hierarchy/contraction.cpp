@@ -219,9 +219,12 @@ namespace {
 /// After a merge the partners of the clusters around may be out of date. Where the new cluster is cheaper than what one
 /// has, it is taken over at once. Else what one has was cheaper than anything that is left, so that its old price is a
 /// lower bound: it may stay in the heap, and is looked up anew when it comes out.
+/// \tparam kInside  whether nodes at the border of the graph count as parts of larger ones
+template <bool kInside>
 class Greedy {
  public:
-  Greedy(const MergeGraph& graph, std::span<const RegionSum> sums, std::span<const std::int32_t> need)
+  Greedy(const MergeGraph& graph, std::span<const RegionSum> sums, std::span<const std::int32_t> need,
+         std::span<const std::uint8_t> border = {})
       : need_(need),
         row_(graph.neighbour),
         border_(graph.border),
@@ -240,6 +243,7 @@ class Greedy {
       node.last = graph.first[u + 1];
       node.part = need.size() == 1 ? 0 : graph.part_of(u);
       node.live = sums[u].faces > 0;
+      node.goes_on = kInside && border[u] != 0;
       if (!node.live) continue;
       ++clusters_;
       ++left_[node.part];
@@ -250,7 +254,9 @@ class Greedy {
     std::make_heap(heap_.begin(), heap_.end(), std::greater<>());
   }
 
-  void run(std::int32_t target, Job& job) {
+  /// \param limit  merging ends before a price above it
+  /// \param steps  if given, gets what was merged
+  void run(std::int32_t target, double limit, std::vector<MergeStep>* steps, Job& job) {
     std::uint32_t polled = 0;
     while (clusters_ > target && !heap_.empty()) {
       if ((++polled & 0x3ff) == 0) job.poll();
@@ -259,9 +265,12 @@ class Greedy {
       heap_.pop_back();
       const Node& node = node_[u];
       if (!node.live || price != node.price) continue;  // merged, or another entry has taken its place
+      if (price > limit) break;
       if (left_[node.part] <= need_[node.part]) continue;
       const std::int32_t v = node.partner;
       if (node_[v].live && node_[v].version == node.partner_version) {
+        if (kInside && node.goes_on && node_[v].goes_on) continue;  // waits until something cheaper comes
+        if (steps != nullptr) steps->push_back({u, v, price});
         merge(u, v);
       } else if (find_partner(u)) {
         push(u);
@@ -289,13 +298,21 @@ class Greedy {
     std::int32_t first = 0, last = 0;  // its neighbours in row_; may name clusters that have merged since
     std::int32_t parent = 0, part = 0;
     bool live = false;
+    bool goes_on = false;  // beyond the border of the graph
   };
   using Entry = std::pair<double, std::int32_t>;  // price, cluster
 
   [[nodiscard]] static double price_of(const Node& a, const Node& b) {
+    if constexpr (kInside)
+      if (a.goes_on != b.goes_on) return a.goes_on ? price_beside(a, b) : price_beside(b, a);
     const double x = a.x + b.x, y = a.y + b.y, z = a.z + b.z, lengths = a.length + b.length;
     // The second term lets small clusters merge first where all is flat.
     return lengths - std::sqrt(x * x + y * y + z * z) + 1e-12 * lengths;
+  }
+  /// As price_of, with a node of which only a part is known: as if the rest were endless, and in the same plane.
+  [[nodiscard]] static double price_beside(const Node& part, const Node& b) {
+    if (!(part.length > 0)) return b.length;
+    return b.length - (part.x * b.x + part.y * b.y + part.z * b.z) / part.length + 1e-12 * (part.length + b.length);
   }
   std::int32_t find(std::int32_t u) {
     while (node_[u].parent != u) u = node_[u].parent = node_[node_[u].parent].parent;
@@ -358,6 +375,7 @@ class Greedy {
     into.length = std::sqrt(into.x * into.x + into.y * into.y + into.z * into.z);
     from.parent = u;
     from.live = false;
+    into.goes_on = into.goes_on || from.goes_on;
     ++into.version;
     --clusters_;
     --left_[into.part];
@@ -428,9 +446,18 @@ class Greedy {
 
 std::vector<std::int32_t> merge_greedily(const MergeGraph& graph, std::span<const RegionSum> sums,
                                          std::span<const std::int32_t> need, std::int32_t target, Job& job) {
-  Greedy greedy(graph, sums, need);
-  greedy.run(target, job);
+  Greedy<false> greedy(graph, sums, need);
+  greedy.run(target, std::numeric_limits<double>::infinity(), nullptr, job);
   return greedy.clusters();
+}
+
+std::vector<MergeStep> merge_inside(const MergeGraph& graph, std::span<const RegionSum> sums,
+                                    std::span<const std::int32_t> need, std::span<const std::uint8_t> border,
+                                    std::int32_t target, double limit, Job& job) {
+  Greedy<true> greedy(graph, sums, need, border);
+  std::vector<MergeStep> steps;
+  greedy.run(target, limit, &steps, job);
+  return steps;
 }
 
 MergeGraph contract(const MergeGraph& graph, const std::vector<std::int32_t>& map, std::int32_t clusters,
