@@ -11,6 +11,7 @@
 #include "bindings.h"
 #include "call.h"
 #include "isimp/core/errors.h"
+#include "isimp/meshing/part.h"
 #include "isimp/meshing/polygonize.h"
 #include "isimp/tiles/detail.h"
 #include "isimp/tiles/merge.h"
@@ -262,6 +263,36 @@ void bind_thinning(py::module_& m) {
         return call(job, [&](Job& j) { return polygonize(mesh, part, options, j, given); });
       },
       "mesh"_a, "partition"_a, "options"_a, "moments"_a, "job"_a = py::none(), "See tiles.polygonize_thinned.");
+  m.def(
+      "_tile_polygonize_part",
+      [](const KeptMesh& mesh, const Partition& part, MeshingOptions options, const Table<double>& moments,
+         const Table<std::uint8_t>& fixed, Job* job) {
+        const std::vector<SurfaceMoments> given = read_moments(moments, mesh.origin());
+        const auto flags = rows<std::uint8_t>(fixed, "fixed");
+        std::vector<Fixed> of_vertex;
+        for (const std::uint8_t flag : flags) {
+          if (flag > static_cast<std::uint8_t>(Fixed::corner)) throw InvalidInput("`fixed` must be 0, 1 or 2");
+          of_vertex.push_back(static_cast<Fixed>(flag));
+        }
+        PolygonPart made = call(job, [&](Job& j) { return polygonize_part(mesh, part, options, given, of_vertex, j); });
+        return py::make_tuple(std::move(made.polygons), owned(std::move(made.face_polygon)));
+      },
+      "mesh"_a, "partition"_a, "options"_a, "moments"_a, "fixed"_a, "job"_a = py::none(), "See tiles.polygonize_part.");
+  m.def(
+      "_tile_judge_together",
+      [](const py::object& vertices, const Table<std::int32_t>& loops, const Table<std::int32_t>& starts,
+         const Table<std::int32_t>& regions, const Table<std::int32_t>& parts, Job* job) {
+        PolygonMesh poly;
+        poly.vertices = read_points(vertices, "vertices", "(W, 3)");
+        const auto corners = rows<std::int32_t>(loops, "loops"), begins = rows<std::int32_t>(starts, "starts"),
+                   of = rows<std::int32_t>(regions, "regions");
+        poly.loops.assign(corners.begin(), corners.end());
+        poly.loop_start.assign(begins.begin(), begins.end());
+        poly.polygon_region.assign(of.begin(), of.end());
+        const auto part = rows<std::int32_t>(parts, "parts");
+        return call(job, [&](Job& j) { return judge_together(std::move(poly), part, j); });
+      },
+      "vertices"_a, "loops"_a, "starts"_a, "regions"_a, "parts"_a, "job"_a = py::none(), "See tiles.judge_together.");
 }
 
 void bind_welding(py::module_& m) {

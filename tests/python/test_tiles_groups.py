@@ -7,6 +7,7 @@ import sys
 import numpy as np
 import pytest
 
+import isimp_engine as engine
 import shapes
 import tilesets
 from batches import ENVIRONMENT, wait_for
@@ -188,3 +189,119 @@ def test_what_does_not_fit_is_refused():
         tiles.merge_inside(sums, pairs, np.zeros(2), found, [0, 0], 1)
     with pytest.raises(ValueError, match="pair 0 names node 7"):
         tiles.merge_inside(sums, pairs + 7, np.zeros(2), found, [0, 0, 0], 1)
+
+
+def polygons_of(path):
+    vertices, loops, start = engine.read_polygons(path)
+    return vertices, [loop.tolist() for loop in np.split(loops, start[1:])]
+
+
+@pytest.mark.parametrize(("columns", "rows", "group"), [(4, 3, 3), (4, 4, 1)])
+def test_polygons_by_groups_are_sound_and_as_near_as_those_of_one_process(tmp_path, whole, columns, rows, group):
+    folder = tilesets.write(tmp_path / "in", tilesets.cut(*whole, columns, rows))
+    one = tiles.run(folder, tmp_path / "one.ply", proxies=P, group=group).report
+    report = tiles.run(folder, tmp_path / "by.ply", proxies=P, group=group, mesh_faces=0).report
+    assert one["rest_faces"] is None
+    assert 0 < report["rest_faces"]
+    out, other = report["output"], one["output"]
+    assert out["regions"] == P
+    assert (out["manifold"], out["closed"], out["euler"]) == (True, other["closed"], other["euler"])
+    flaws = {"crossing": 0, "flipped": 0, "bent": 0, "intersecting": 0}
+    assert {name: out[name] for name in flaws} == flaws
+    assert out["polygons"] <= other["polygons"] + P // 4
+    assert out["planarity_mean"] < 2 * other["planarity_mean"] + 1e-3
+    vertices, loops = polygons_of(tmp_path / "by.ply")
+    count = {}
+    for loop in loops:
+        assert len(set(loop)) == len(loop) >= 3
+        for a, b in zip(loop, loop[1:] + loop[:1], strict=True):
+            assert count.setdefault((a, b), 0) == 0, "each side of an edge has one polygon"
+            count[a, b] = 1
+    rim = [vertices[[a, b]] for a, b in count if (b, a) not in count]
+    assert sum(float(np.linalg.norm((b - a)[:2])) for a, b in rim) == pytest.approx(4, abs=0.15)
+
+
+def test_a_cube_by_groups_has_its_six_sides(tmp_path):
+    folder = tilesets.write(tmp_path / "in", tilesets.cut(*shapes.cube(12), 3, 2))
+    report = tiles.run(folder, tmp_path / "a.ply", proxies=6, group=2, mesh_faces=0).report
+    vertices, loops = polygons_of(tmp_path / "a.ply")
+    assert report["output"]["closed"]
+    assert len(loops) == 6
+    corners = vertices[np.unique(np.concatenate(loops))]
+    assert np.abs(corners - np.round(corners)).max() < 1e-6
+
+
+def test_polygons_by_groups_are_the_same_bits_after_a_kill_and_for_any_number_of_workers(tmp_path, folder):
+    code = "import sys; from isimp_engine import tiles; "
+    code += f"tiles.run(sys.argv[1], sys.argv[2], proxies={P}, group=3, mesh_faces=0, work=sys.argv[3])"
+    command = [sys.executable, "-c", code, str(folder), str(tmp_path / "a.ply"), str(tmp_path / "work")]
+    process = subprocess.Popen(command, env=ENVIRONMENT)
+    wait_for((tmp_path / "work" / "mesh-group" / "000001").exists)
+    process.kill()
+    process.wait()
+    run = {"proxies": P, "group": 3, "mesh_faces": 0}
+    tiles.run(folder, tmp_path / "a.ply", work=tmp_path / "work", jobs=2, **run)
+    tiles.run(folder, tmp_path / "b.ply", jobs=1, **run)
+    assert (tmp_path / "a.ply").read_bytes() == (tmp_path / "b.ply").read_bytes()
+
+
+def test_planar_polygons_are_made_in_one_process(tmp_path, folder):
+    run = {"proxies": P, "group": 3, "mesh_faces": 0, "options": {"planar": True}}
+    report = tiles.run(folder, tmp_path / "a.ply", **run).report
+    assert report["rest_faces"] is None
+    assert report["output"]["planar"]
+
+
+def test_moments_of_groups_are_those_of_all_their_faces():
+    random = np.random.default_rng(2)
+    points = random.normal(size=(40, 3)) + [5e5, 5e6, 100]
+    each = np.concatenate([np.full((40, 1), 0.25), points, np.zeros((40, 6))], 1)
+    group = random.integers(0, 3, 40).astype(np.int32)
+    found = tiles.moments_of(group, each, 4)
+    for k in range(3):
+        own = points[group == k]
+        assert found[k, 0] == 0.25 * len(own)
+        assert found[k, 1:4] == pytest.approx(own.mean(0), abs=1e-8)
+        spread = 0.25 * (own - own.mean(0)).T @ (own - own.mean(0))
+        assert found[k, 4:] == pytest.approx(spread[[0, 1, 1, 2, 2, 2], [0, 0, 1, 0, 1, 2]], abs=1e-6)
+    assert not found[3].any()
+
+
+def test_fixed_corners_stay_and_others_beside_them_lie_where_they_were_put():
+    vertices, triangles = shapes.plane(8)
+    mesh = engine.clean(vertices, triangles)
+    label = (mesh.vertices[mesh.triangles].mean(1)[:, 0] > 0.5).astype(np.int32)
+    fixed = np.zeros(len(mesh.vertices), np.uint8)
+    chosen = int(np.flatnonzero((np.abs(mesh.vertices - [0, 0.375, 0]) < 1e-9).all(1))[0])
+    fixed[chosen] = 2
+    options = engine.MeshingOptions()
+    every = np.zeros((len(mesh.triangles), 10))
+    a, b, c = (mesh.vertices[mesh.triangles[:, k]] for k in range(3))
+    every[:, 0] = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+    every[:, 1:4] = (a + b + c) / 3
+    part = engine.partition_from(mesh, label)
+    free, _ = tiles.polygonize_part(mesh, part, options, every, np.zeros(len(fixed), np.uint8))
+    held, face_polygon = tiles.polygonize_part(mesh, part, options, every, fixed)
+    assert chosen not in free.source_vertex
+    assert held.vertices[held.source_vertex == chosen].tolist() == [mesh.vertices[chosen].tolist()]
+    assert held.polygon_region[face_polygon].tolist() == part.face_region.tolist()
+    with pytest.raises(ValueError, match="`fixed` must have one value for each vertex"):
+        tiles.polygonize_part(mesh, part, options, every, fixed[:-1])
+    with pytest.raises(ValueError, match="must be 0, 1 or 2"):
+        tiles.polygonize_part(mesh, part, options, every, fixed + 1)
+    with pytest.raises(ValueError, match="planar polygons can't be made of a part"):
+        tiles.polygonize_part(mesh, part, engine.MeshingOptions(planar=True), every, fixed)
+
+
+def test_polygons_of_different_parts_that_meet_are_found():
+    square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]])
+    wall = np.array([[0.5, 0.2, -1], [0.5, 0.8, -1], [0.5, 0.8, 1], [0.5, 0.2, 1]])
+    both = np.concatenate([square, wall])
+    apart = tiles.judge_together(both, np.arange(8), [0, 4], [0, 1], [0, 1]).report
+    assert (apart["intersecting"], apart["polygons"], apart["crossing"]) == (1, 2, 0)
+    assert [each["other"] for each in apart["imperfect"]] == [1, 0]
+    assert tiles.judge_together(both, np.arange(8), [0, 4], [0, 1], [0, 0]).report["intersecting"] == 0
+    crossed = tiles.judge_together(square, [0, 2, 1, 3], [0], [0], [0]).report
+    assert (crossed["crossing"], crossed["manifold"]) == (1, True)
+    with pytest.raises(ValueError, match="a corner names vertex 9"):
+        tiles.judge_together(both, np.arange(8) + 2, [0, 4], [0, 1], [0, 1])

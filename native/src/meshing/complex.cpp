@@ -14,10 +14,11 @@ constexpr double kSharpCosine = 0.94;  ///< of 20 degrees: a triangle with a sha
 constexpr double kOfNeedle = 0.2;      ///< ... which may leave out or add this share of its piece's area
 }  // namespace
 
-Complex::Complex(const Labels& labels, const Logged<Plane>& planes)
+Complex::Complex(const Labels& labels, const Logged<Plane>& planes, std::span<const Fixed> fixed)
     : labels_(labels),
       mesh_(labels.mesh),
       planes_(planes),
+      fixed_(fixed),
       corner_(static_cast<std::size_t>(labels.mesh.vertex_count()), 0) {}
 
 int Complex::boundary_edges(std::int32_t vertex) const {
@@ -59,7 +60,7 @@ void Complex::add_anchors(std::span<const std::int32_t> loop) {
   std::int32_t last = labels_.across(loop.back());
   for (const std::int32_t h : loop) {
     const std::int32_t across = labels_.across(h);
-    if (across != last && !is_corner(mesh_.from(h))) add_corner(mesh_.from(h));
+    if ((across != last || is_fixed(mesh_.from(h))) && !is_corner(mesh_.from(h))) add_corner(mesh_.from(h));
     last = across;
   }
 }

@@ -9,6 +9,7 @@
 
 #include "check_input.h"
 #include "isimp/core/errors.h"
+#include "isimp/meshing/part.h"
 #include "judge.h"
 #include "repair.h"
 #include "state.h"
@@ -103,28 +104,57 @@ void report_repair(const RepairOutcome& outcome, std::span<const std::int32_t> p
   std::sort(report.imperfect.begin(), report.imperfect.end());
 }
 
-}  // namespace
-
-PolygonMesh polygonize(const Mesh& mesh, const Partition& partition, const MeshingOptions& options, Job& job,
-                       std::span<const SurfaceMoments> moments) {
-  check_input(mesh, partition, options);
-  if (!moments.empty() && moments.size() != static_cast<std::size_t>(mesh.face_count()))
-    throw InvalidInput("there are moments of " + std::to_string(moments.size()) + " faces, but the mesh has " +
-                       std::to_string(mesh.face_count()));
-  Job::Part whole(job, "meshing", 0.0, 1.0);
-  State state(mesh, partition, options, job, moments);
+/// \param place  as of assemble
+PolygonMesh polygons_of(State& state, std::vector<std::int32_t>& place, Job& job) {
   RepairOutcome outcome;
   {
     Job::Part part(job, "repairing", 0.1, 0.98);
     outcome = repair(state, job);
   }
-  std::vector<std::int32_t> place;
   PolygonMesh result = assemble(state, place);
   report_repair(outcome, place, result.report);
   result.planes_let_go = std::move(outcome.let_go);
   result.report.merged_without_area = state.merged_without_area;
-  count_splits(state.labels, partition.region_count(), result.report);
+  count_splits(state.labels, state.regions, result.report);
   judge_topology(result);
+  return result;
+}
+
+void check_moments(const Mesh& mesh, std::span<const SurfaceMoments> moments) {
+  if (!moments.empty() && moments.size() != static_cast<std::size_t>(mesh.face_count()))
+    throw InvalidInput("there are moments of " + std::to_string(moments.size()) + " faces, but the mesh has " +
+                       std::to_string(mesh.face_count()));
+}
+
+}  // namespace
+
+PolygonMesh polygonize(const Mesh& mesh, const Partition& partition, const MeshingOptions& options, Job& job,
+                       std::span<const SurfaceMoments> moments) {
+  check_input(mesh, partition, options);
+  check_moments(mesh, moments);
+  Job::Part whole(job, "meshing", 0.0, 1.0);
+  State state(mesh, partition, options, job, moments);
+  std::vector<std::int32_t> place;
+  return polygons_of(state, place, job);
+}
+
+PolygonPart polygonize_part(const Mesh& mesh, const Partition& partition, const MeshingOptions& options,
+                            std::span<const SurfaceMoments> moments, std::span<const Fixed> fixed, Job& job) {
+  check_input(mesh, partition, options);
+  check_moments(mesh, moments);
+  if (options.planar) throw InvalidInput("planar polygons can't be made of a part: all corners move for them");
+  if (!fixed.empty() && fixed.size() != static_cast<std::size_t>(mesh.vertex_count()))
+    throw InvalidInput("`fixed` must have one value for each vertex");
+  Job::Part whole(job, "meshing", 0.0, 1.0);
+  State state(mesh, partition, options, job, moments, fixed);
+  std::vector<std::int32_t> place;
+  PolygonPart result{polygons_of(state, place, job), {}};
+  result.face_polygon.reserve(static_cast<std::size_t>(mesh.face_count()));
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+    const std::int32_t l = state.labels.label[f];
+    const bool has = l != kNone && state.polygons.count_of(l) > 0;
+    result.face_polygon.push_back(has ? place[state.polygons.first_of(l)] : kNone);
+  }
   return result;
 }
 

@@ -28,14 +28,20 @@ _WORDS = {  # what a step does
     "prepare": "reading",
     "mend": "fitting borders",
     "patches": "patches",
+    "group": "joining",
+    "level": "joining",
+    "cut": "joining",
     "join": "joining",
     "halo": "halos",
     "relax": "relaxing",
     "sum": "relaxing",
     "touch": "merging",
+    "regroup": "merging",
     "merge": "merging",
     "thin": "thinning",
     "mesh": "meshing",
+    "mesh-group": "meshing",
+    "mesh-rest": "meshing",
 }
 
 

@@ -29,6 +29,7 @@ from .tasks import SURPLUS
 
 PLAN = "plan.json"
 TILE_FACES = 1_000_000  #: of the tiles that a single scan is cut into
+MESH_FACES = 20_000_000  #: thinned faces up to which polygons are made in one process: some 10 GB
 _PATCH, _PATCHES_A_REGION = 100, 6  # faces of a patch at most; patches a region at least
 _FIRST = (3, 3)  # rounds and sweeps of each, before that
 _LAST = (10, 8)  # and after it, at most
@@ -70,6 +71,7 @@ def run(
     cluster: Cluster | None = None,
     tile_faces: int = TILE_FACES,
     group: int = GROUP,
+    mesh_faces: int = MESH_FACES,
     options: Mapping[str, Any] | None = None,
     watch: Callable[[State], None] | None = None,
 ) -> Outcome:
@@ -87,6 +89,7 @@ def run(
     dask: the address of a Dask scheduler, whose workers do the work.
     cluster: a cluster that is started for this run, see batch.Cluster, in place of `dask`.
     group: more tiles than this are merged by groups of at most so many, so that no process has the graph of all.
+    mesh_faces: more thinned faces than this are meshed by groups too, if there are groups.
     options: detail, tolerance, noise, snap, smooth, leave_out, seed of PartitionOptions, planar of MeshingOptions.
     watch: called after each step of a tile, and some times a second.
 
@@ -96,7 +99,13 @@ def run(
     """
     if not hasattr(os, "fork"):
         raise TilesError("tiles need child processes by fork, which this system does not have")
-    plan = plan_of(Path(source), Path(output), work, options_of(options, proxies, weld) | {"group": group}, tile_faces)
+    plan = plan_of(
+        Path(source),
+        Path(output),
+        work,
+        options_of(options, proxies, weld) | {"group": group, "mesh_faces": mesh_faces},
+        tile_faces,
+    )
     if jobs is not None and jobs < 1:
         raise TilesError(f"the number of jobs must be at least 1, got {jobs}")
     target = None if labels is None else _label_folder(Path(labels), plan)
@@ -203,8 +212,8 @@ class _Run:
             self._of_groups("regroup", merging | share, faces)
         merged = self._one("merge", merging, 40 * join["regions"])
         labels, sums = self._rounds("last", present, (labels, "merge"), _LAST, shared, relabel="merge")
-        self._map("thin", present, {"before": labels, "labels": self._labels})
-        last = self._last(present)
+        self._map("thin", present, {"before": labels, "labels": self._labels, "groups": len(self._groups)})
+        last = self._last(present, join)
         return Outcome(plan.output, self._report(join, merged, last, sums, present))
 
     def _gather(self, present: list[int], patches: int) -> int:
@@ -340,11 +349,20 @@ class _Run:
                 break
         return labels, sums
 
-    def _last(self, present: list[int]) -> dict[str, Any]:
+    def _last(self, present: list[int], join: dict[str, Any]) -> dict[str, Any]:
         options, name = self._plan.options, f"result{self._plan.output.suffix.lower()}"
-        thinned = sum(values_of(of_tile(self._plan.work, "thin", k))["faces"] for k in present)
+        thinned = {k: values_of(of_tile(self._plan.work, "thin", k))["faces"] for k in present}
         meshing = {"planar": options.get("planar", False), "threads": 0}
-        return self._one("mesh", {"present": present, "output": name, "meshing": meshing, "threads": 0}, 3 * thinned)
+        task = {"present": present, "output": name, "meshing": meshing, "threads": 0}
+        if not self._groups or meshing["planar"] or sum(thinned.values()) <= options["mesh_faces"]:
+            return self._one("mesh", task, 3 * sum(thinned.values()))
+        task["groups"] = len(self._groups)
+        task["whole"] = {"diagonal": self._diagonal, "area": join["area"], "regions": join["wanted"]}
+        faces = {g: 3 * sum(thinned[k] for k in own) for g, own in enumerate(self._groups)}
+        alone = task | {"meshing": meshing | {"threads": 1}}
+        self._of_groups("mesh-group", alone, faces)
+        rest = sum(values_of(of_tile(self._plan.work, "mesh-group", g))["rest"] for g in faces)
+        return self._one("mesh-rest", task, 3 * rest)
 
     def _one(self, step: str, task: dict[str, Any], faces: int, mb: float = 0.0) -> dict[str, Any]:
         """A step of all tiles together."""
@@ -438,6 +456,9 @@ class _Run:
             "groups": len(self._groups),
             "regions_joined": merged["joined"],
             "graph_bytes": join["graph_bytes"],
+            "rest_faces": last.get("rest_faces"),
+            "seam_intersections": last.get("seam_intersections"),
+            "made_again": last.get("made_again"),
             "thinned_faces": last["thinned_faces"],
             "diagonal": last["diagonal"],
             "output": {"path": str(self._plan.output)} | last["output"],
@@ -476,7 +497,8 @@ def _save_label(folder: Path, name: str, label: Any, plan: Plan) -> None:
 
 def _deliver(plan: Plan) -> None:
     """The result to its place, over an older one."""
-    made = of_tile(plan.work, "mesh", 0) / f"result{plan.output.suffix.lower()}"
+    step = "mesh" if (plan.work / "mesh").exists() else "mesh-rest"
+    made = of_tile(plan.work, step, 0) / f"result{plan.output.suffix.lower()}"
     with whole(plan.output) as draft:
         shutil.copyfile(made, draft)
     sync_folder(plan.output.parent)

@@ -307,6 +307,28 @@ def thin(mesh: Mesh, label: ArrayLike, moments: ArrayLike | None = None, job: Jo
     return Thinned(*_core._tile_thin(mesh, label, moments, job))
 
 
+def moments_of(group: NDArray[np.integer[Any]], moments: NDArray[np.float64], count: int) -> NDArray[np.float64]:
+    """The moments (count, 10) of groups of surfaces, whose numbers are `group`, from those of each. Cost: O(N)."""
+
+    def total(values: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.bincount(group, values, count).astype(np.float64, copy=False)
+
+    result = np.zeros((count, 10))
+    area = moments[:, 0]
+    result[:, 0] = total(area)
+    first = np.full(count, -1)
+    first[group[::-1]] = np.arange(len(group))[::-1]
+    near = np.where((first >= 0)[:, None], moments[first, 1:4], 0.0)  # so that no digits are lost
+    apart = moments[:, 1:4] - near[group]
+    whole = np.maximum(result[:, 0], 1e-300)
+    for k in range(3):
+        result[:, 1 + k] = near[:, k] + total(area * apart[:, k]) / whole
+    apart = moments[:, 1:4] - result[group, 1:4]
+    for k, (i, j) in enumerate(((0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2))):
+        result[:, 4 + k] = total(moments[:, 4 + k] + area * apart[:, i] * apart[:, j])
+    return result
+
+
 def polygonize_thinned(
     mesh: Mesh, partition: Partition, options: MeshingOptions, moments: ArrayLike, job: Job | None = None
 ) -> PolygonMesh:
@@ -315,6 +337,43 @@ def polygonize_thinned(
     moments: (F, 10) as `thin` gives them. Raises InvalidInput or Cancelled.
     """
     polygons: PolygonMesh = _core._tile_polygonize(mesh, partition, options, moments, job)
+    return polygons
+
+
+def polygonize_part(
+    mesh: Mesh,
+    partition: Partition,
+    options: MeshingOptions,
+    moments: ArrayLike,
+    fixed: ArrayLike,
+    job: Job | None = None,
+) -> tuple[PolygonMesh, NDArray[np.int32]]:
+    """As `polygonize_thinned`, of a part of a surface whose other parts have their polygons already.
+
+    fixed: (V,) uint8 of each vertex: 0, free; 1, where it becomes a corner it stays at its place; 2, it is a corner,
+    at its place. Also returns for each face (F,) int32 the first polygon of the piece that it is in, whose polygons
+    stand in a row; -1 where it is in none. Raises InvalidInput, also with `planar`, or Cancelled.
+    """
+    flags = np.asarray(fixed, dtype=np.uint8)
+    polygons, face_polygon = _core._tile_polygonize_part(mesh, partition, options, moments, flags, job)
+    return polygons, face_polygon
+
+
+def judge_together(
+    vertices: ArrayLike,
+    loops: ArrayLike,
+    starts: ArrayLike,
+    regions: ArrayLike,
+    parts: ArrayLike,
+    job: Job | None = None,
+) -> PolygonMesh:
+    """The polygons of all parts as one mesh, with what no part could see: pairs from different parts that intersect.
+
+    vertices: (W, 3). loops, starts: as of PolygonMesh. regions, parts: (Q,) of each polygon. The report has the counts,
+    planarity and topology; its flaws are `crossing` and, between parts, `intersecting`. Raises InvalidInput.
+    Cost: O(corners log corners), without a look at the scan.
+    """
+    polygons: PolygonMesh = _core._tile_judge_together(vertices, loops, starts, regions, parts, job)
     return polygons
 
 

@@ -12,14 +12,11 @@ from .. import (
     FileError,
     InvalidInput,
     Mesh,
-    MeshingOptions,
     clean,
-    partition_from,
     read_polygons,
-    write,
 )
 from ..cli.loading import cut, largest_shares
-from . import borders, grouped, steps, tileset
+from . import borders, grouped, meshing, steps, tileset
 from .splitting import split_scan
 from .store import MADE, load, of_tile, save, save_values, tile_name
 
@@ -388,6 +385,9 @@ def _thin(task: Task, work: Path, made: Path) -> dict[str, Any]:
         save(made, face=np.unique(polygon), region=_file_labels(polygon, region, area))
     thinned = steps.thin(mesh, region)
     save(made, **thinned._asdict())
+    if task["groups"]:
+        regions, local = np.unique(thinned.label, return_inverse=True)
+        save(made, regions=regions, of_regions=steps.moments_of(local, thinned.moments, len(regions)))
     length = load(folder, "length")
     neighbour = load(of_tile(work, "halo", tile), "neighbour")
     borders_length = float(steps.touching(neighbour, len(length), _labels(task, work), length)[1].sum())
@@ -408,36 +408,6 @@ def _file_labels(polygon: NDArray[np.int32], region: NDArray[np.int32], area: ND
     return result
 
 
-def _mesh(task: Task, work: Path, made: Path) -> dict[str, Any]:
-    """The polygons of all tiles."""
-    folders = [of_tile(work, "thin", tile) for tile in task["present"]]
-    options = CleanOptions(threads=task["threads"])
-
-    def joined(name: str) -> NDArray[Any]:
-        return np.concatenate([load(folder, name) for folder in folders])
-
-    sizes = [len(np.load(folder / "vertices.npy", mmap_mode="r")) for folder in folders]
-    first = np.cumsum([0] + sizes)
-    triangles = np.concatenate([load(f, "triangles") + int(o) for f, o in zip(folders, first, strict=False)])
-    mesh = clean(joined("vertices"), triangles.astype(np.int32, copy=False), options)
-    del triangles
-    # Moments take more than the mesh, so there is one copy of them at a time.
-    label, moments = joined("label")[mesh.source_face], joined("moments")[mesh.source_face]
-    again = steps.thin(mesh, label, moments)  # over what were borders of tiles
-    del label, moments
-    mesh = clean(again.vertices, again.triangles, options)
-    source = mesh.source_face
-    part = partition_from(mesh, again.label[source])
-    moments = again.moments[source]
-    del again
-    poly = steps.polygonize_thinned(mesh, part, MeshingOptions(**task["meshing"]), moments)
-    output = made / task["output"]
-    write(output, poly)
-    report = {key: value for key, value in poly.report.items() if key not in ("imperfect", "work")}
-    diagonal = mesh.report["diagonal"]
-    return {"thinned_faces": len(mesh.triangles), "pieces": part.region_count, "diagonal": diagonal, "output": report}
-
-
 _STEPS: dict[str, Callable[[Task, Path, Path], dict[str, Any]]] = {
     "split": _split,
     "prepare": _prepare,
@@ -454,5 +424,7 @@ _STEPS: dict[str, Callable[[Task, Path, Path], dict[str, Any]]] = {
     "regroup": grouped.regroup,
     "merge": _merge,
     "thin": _thin,
-    "mesh": _mesh,
+    "mesh": meshing.mesh_all,
+    "mesh-group": meshing.mesh_group,
+    "mesh-rest": meshing.mesh_rest,
 }
