@@ -17,6 +17,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -97,7 +98,7 @@ def flaws(report: dict[str, Any]) -> str:
     return " ".join(f"{report[name]} {name}" for name in names if report[name]) or "sound"
 
 
-def pieces(path: Path, proxies: int, counts: list[int], groups: list[int]) -> None:
+def pieces(path: Path, proxies: int, counts: list[int], groups: list[int], by_groups: bool) -> None:
     mesh = engine.clean(*engine.read(path))
     triangles, vertices = mesh.triangles, mesh.vertices
     begun = time.process_time()
@@ -111,11 +112,11 @@ def pieces(path: Path, proxies: int, counts: list[int], groups: list[int]) -> No
         print(f"{path.stem}: {len(triangles):,} faces, {whole[2]} regions, one piece: {seconds:.1f} s of processor")
         print(f"  error {whole[0]:.5g}, borders {whole[1]:.5g}, mean distance {mean:.4g}, 99 % {most:.4g}", end="")
         print(f", {poly.report['polygons']} polygons, {flaws(poly.report)}")
-        for count, group in [(count, group) for count in counts for group in groups if group < count or not group]:
+        for count, group in product(counts, groups):
             folder, out = Path(place) / f"in{count}-{group}", Path(place) / f"{count}-{group}.ply"
             parts = cut((vertices, triangles), count, folder)
             begun = time.perf_counter()
-            grouped = {"group": group} if group else {}
+            grouped = ({"group": group} if group else {}) | ({"mesh_faces": 0} if by_groups else {})
             report = tiles.run(folder, out, proxies=proxies, labels=folder.with_suffix(".labels"), **grouped).report
             seconds = time.perf_counter() - begun
             label = np.empty(len(triangles), np.int32)
@@ -125,8 +126,10 @@ def pieces(path: Path, proxies: int, counts: list[int], groups: list[int]) -> No
             own = distances(vertices, out)
             print(
                 f"  {count:3d} tiles{named(report['groups'])}: error {found[0] / whole[0] - 1:+.1%}, "
-                f"borders {found[1] / whole[1] - 1:+.1%}, {found[2]} regions, mean distance {own[0] / mean - 1:+.1%}, 99 % {own[1] / most - 1:+.1%}, "
+                f"borders {found[1] / whole[1] - 1:+.1%}, {found[2]} regions, "
+                f"mean distance {own[0] / mean - 1:+.1%}, 99 % {own[1] / most - 1:+.1%}, "
                 f"{report['output']['polygons']} polygons, {flaws(report['output'])}, "
+                f"{100 * (report['rest_faces'] or 0) / report['thinned_faces']:.0f} % of faces between groups, "
                 f"{len(triangles) / report['thinned_faces']:.1f} x thinned, "
                 f"graph {report['graph_bytes'] / len(triangles):.2f} B a face, {seconds:.1f} s"
             )
@@ -146,7 +149,7 @@ def detail(path: Path, share: float, counts: list[int], groups: list[int]) -> No
         f"noise {part.report['noise']:.3g}"
     )
     with tempfile.TemporaryDirectory() as place:
-        for count, group in [(count, group) for count in counts for group in groups if group < count or not group]:
+        for count, group in product(counts, groups):
             folder = Path(place) / f"in{count}-{group}"
             parts = cut((vertices, triangles), count, folder)
             labels = folder.with_suffix(".labels")
@@ -159,9 +162,9 @@ def detail(path: Path, share: float, counts: list[int], groups: list[int]) -> No
                 label[faces] = np.load(labels / f"{k:03d}.npy")
             found = judge(mesh, label)
             print(
-                f"  {count:3d} tiles{named(report['groups'])}: {report['regions']} regions, noise {report['noise']:.3g}, "
-                f"error {found[0] / whole[0] - 1:+.1%}, borders {found[1] / whole[1] - 1:+.1%}, "
-                f"graph {report['graph_bytes'] / len(triangles):.2f} B a face"
+                f"  {count:3d} tiles{named(report['groups'])}: {report['regions']} regions, "
+                f"noise {report['noise']:.3g}, error {found[0] / whole[0] - 1:+.1%}, "
+                f"borders {found[1] / whole[1] - 1:+.1%}, graph {report['graph_bytes'] / len(triangles):.2f} B a face"
             )
 
 
@@ -229,7 +232,7 @@ def make_city(folder: Path, faces: int, tile_faces: int = 720_000) -> int:
     return side * side * len(triangles)
 
 
-def city(faces: int, proxies: int, kill: bool, jobs: int) -> None:
+def city(faces: int, proxies: int, kill: bool, jobs: int, group: int, by_groups: bool) -> None:
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place) / "city"
         faces = make_city(folder, faces)
@@ -237,13 +240,20 @@ def city(faces: int, proxies: int, kill: bool, jobs: int) -> None:
         options = ["--proxies", str(proxies), "--jobs", str(jobs), "--quiet"]
         environment = {**os.environ, "PYTHONPATH": str(Path(engine.__file__).parents[1])}
         begun = time.perf_counter()
-        report = tiles.run(folder, Path(place) / "a.ply", proxies=proxies, jobs=jobs).report
+        grouped = ({"group": group} if group else {}) | ({"mesh_faces": 0} if by_groups else {})
+        report = tiles.run(folder, Path(place) / "a.ply", proxies=proxies, jobs=jobs, **grouped).report
         seconds = time.perf_counter() - begun
         tile = report["largest_tile"]
         print(f"{faces:,} faces in {report['tiles']} tiles, {report['regions']:,} regions: {seconds:.0f} s with {jobs}")
         print(f"  error {report['error']:.6g}, {report['output']['polygons']:,} polygons, {flaws(report['output'])}")
         print(f"  borders: {report['border_edges']:,} edges, {report['unmatched_edges']:,} without a partner")
         print(f"  graph {report['graph_bytes'] / faces:.2f} B a face, {report['thinned_faces']:,} faces meshed")
+        if report["groups"]:
+            print(
+                f"  {report['groups']} groups leave {report['regions_joined']:,} regions to be merged, and of the",
+                end="",
+            )
+            print(f" faces {report['rest_faces'] or report['thinned_faces']:,}")
         for step, peak in report["peak_mb"].items():
             print(f"  {step:8} peak {peak:6.0f} MB, {peak * 2**20 / tile:5.0f} B a face of a tile")
         print("  seconds:", report["seconds"])
@@ -269,6 +279,7 @@ def main() -> None:
     command.add_argument("proxies", type=int)
     command.add_argument("counts", type=int, nargs="*", default=[1, 4, 16, 64])
     command.add_argument("--groups", type=int, nargs="*", default=[0], help="tiles of a group; 0: as by default")
+    command.add_argument("--by-groups", action="store_true", help="make polygons by groups too")
     command = what.add_parser("detail")
     command.add_argument("scan", type=Path)
     command.add_argument("share", type=float)
@@ -281,15 +292,17 @@ def main() -> None:
     command.add_argument("proxies", type=int)
     command.add_argument("--kill", action="store_true")
     command.add_argument("--jobs", type=int, default=2)
+    command.add_argument("--group", type=int, default=0, help="tiles of a group; 0: as by default")
+    command.add_argument("--by-groups", action="store_true", help="make polygons by groups too")
     arguments = parser.parse_args()
     if arguments.what == "pieces":
-        pieces(arguments.scan, arguments.proxies, arguments.counts, arguments.groups)
+        pieces(arguments.scan, arguments.proxies, arguments.counts, arguments.groups, arguments.by_groups)
     elif arguments.what == "detail":
         detail(arguments.scan, arguments.share, arguments.counts, arguments.groups)
     elif arguments.what == "read":
         read(arguments.faces)
     else:
-        city(arguments.faces, arguments.proxies, arguments.kill, arguments.jobs)
+        city(*(getattr(arguments, name) for name in ("faces", "proxies", "kill", "jobs", "group", "by_groups")))
 
 
 if __name__ == "__main__":

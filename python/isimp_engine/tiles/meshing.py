@@ -241,11 +241,13 @@ def _chains(group: _Group, kept: NDArray[np.bool_], stays: NDArray[np.bool_]) ->
     fixed: dict[int, tuple[int, NDArray[np.float64]]] = {}
     added: list[tuple[int, int, int]] = []
     number = np.cumsum(kept) - 1
-    of_piece = pieces[np.maximum(np.searchsorted(pieces, np.arange(len(kept)), "right") - 1, 0)].tolist()
+    chosen = np.flatnonzero(kept).tolist()
+    starts = np.append(np.zeros(0 if len(pieces) else 1, np.int32), pieces)
+    of_piece = starts[np.maximum(np.searchsorted(starts, np.arange(len(kept)), "right") - 1, 0)].tolist()
     corners: dict[int, set[int]] = {}
-    for q, loop in enumerate(found.polygons):
+    for q, loop in enumerate(found.polygons if chosen else []):
         corners.setdefault(of_piece[q], set()).update(found.source[loop].tolist())
-    for q in np.flatnonzero(kept).tolist():
+    for q in chosen:
         own = of_piece[q]
         loop = found.polygons[q]
         ends = found.source[loop].tolist()

@@ -314,6 +314,8 @@ def moments_of(group: NDArray[np.integer[Any]], moments: NDArray[np.float64], co
         return np.bincount(group, values, count).astype(np.float64, copy=False)
 
     result = np.zeros((count, 10))
+    if not len(group):
+        return result
     area = moments[:, 0]
     result[:, 0] = total(area)
     first = np.full(count, -1)
