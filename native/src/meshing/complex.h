@@ -31,7 +31,7 @@ struct ChordTolerance {
 class Complex {
  public:
   /// \param fixed  as in polygonize_part
-  Complex(const Labels& labels, const Logged<Plane>& planes, std::span<const Fixed> fixed);
+  Complex(const Labels& labels, const Logged<Plane>& planes, std::span<const Fixed> fixed = {});
 
   ChordTolerance tolerance;
 

@@ -68,6 +68,7 @@ PolygonMesh judge_together(PolygonMesh mesh, std::span<const std::int32_t> part,
   mesh.report.planarity_mean = area > 0 ? bent / area : 0.0;
   arounds.settle();
   std::vector<const FacetSet*> by_polygon;
+  by_polygon.reserve(sets.size());
   for (const FacetSet& set : sets) by_polygon.push_back(&set);
   const std::vector<bool> all(sets.size(), true), none(sets.size(), false);
   std::vector<std::pair<std::int32_t, std::int32_t>> pairs;
