@@ -338,5 +338,5 @@ def test_two_runs_do_not_work_in_one_folder(tmp_path, whole):
 def test_the_package_stays_importable_by_steps_alone():
     code = "from isimp_engine.tiles import tasks, steps; print(sorted(tasks._STEPS)[0])"
     done = subprocess.run([sys.executable, "-c", code], env=ENVIRONMENT, capture_output=True, text=True)
-    assert (done.stdout, done.stderr) == ("halo\n", "")
+    assert (done.stdout, done.stderr) == ("cut\n", "")
     assert Path(engine.__file__).with_name("tiles").is_dir()

@@ -24,10 +24,10 @@ ChordTolerance chord_tolerance(const Mesh& mesh, std::span<const Plane> planes, 
   return t;
 }
 
-constexpr std::int32_t kFew = 4;      ///< pieces that are measured on one thread
-constexpr double kStill = 1e-9;       ///< of the diagonal: corners of plates with holes that would move less stay
+constexpr std::int32_t kFew = 4;    ///< pieces that are measured on one thread
+constexpr double kStill = 1e-9;     ///< of the diagonal: corners of plates with holes that would move less stay
 constexpr std::int32_t kMany = 60;  ///< faces a piece: with fewer it is as quick to look at all of them again
-constexpr double kFlat = 1e-12;       ///< of the area: with a shorter vector area, faces do not tell a direction
+constexpr double kFlat = 1e-12;     ///< of the area: with a shorter vector area, faces do not tell a direction
 
 /// A boundary half-edge of a piece, found from one of its faces.
 std::int32_t boundary_start(const Labels& labels, std::span<const std::int32_t> faces) {
