@@ -18,12 +18,11 @@ from ..batch.nursery import Ending, Limits
 from ..batch.run import Workers, check_one, workers_of
 from ..batch.scans import estimated_faces, needed_mb
 from ..batch.table import WORK, Lock, sync_folder
-from ..drafts import whole
-from ..reading import inner
 from . import steps
 from .errors import TileFailed, TilesError
 from .grouped import GROUP, beside, groups_of, limit_of
 from .plan import DETAIL, Plan, options_of, plan_of
+from .results import deliver, write_labels
 from .store import MADE, load, of_tile, publish, values_of
 from .tasks import SURPLUS
 
@@ -122,8 +121,8 @@ def run(
             with workers_of(parts, Limits(), f"{__package__}.tasks:run", jobs, dask, cluster, 1) as workers:
                 outcome = _Run(plan, workers, watch, before, target is not None).run()
             if target is not None:
-                outcome.report["labels"] = _write_labels(plan, target)
-            _deliver(plan)
+                outcome.report["labels"] = write_labels(plan, target)
+            deliver(plan)
     except BatchError as error:
         raise TilesError(str(error).replace("OUTPUT_FOLDER", "the work folder")) from None
     if work is None:
@@ -465,40 +464,3 @@ class _Run:
             "peak_mb": self._peaks,
             "seconds": {name: round(seconds, 3) for name, seconds in self._seconds.items()},
         }
-
-
-def _write_labels(plan: Plan, folder: Path) -> int:
-    """The labels of each file's faces; returns how many files."""
-    if plan.is_single:
-        faces = values_of(of_tile(plan.work, "split", 0))["faces"]
-        label = np.full(faces, -1, np.int32)
-        for part in sorted((plan.work / "thin").iterdir()):
-            label[load(part, "face")] = load(part, "region")
-        _save_label(folder, plan.inputs[0][0], label, plan)
-        return 1
-    for tile, (name, _) in enumerate(plan.inputs):
-        label = np.full(values_of(of_tile(plan.work, "prepare", tile))["file_faces"], -1, np.int32)
-        thin = of_tile(plan.work, "thin", tile)
-        if thin.exists():
-            label[load(thin, "face")] = load(thin, "region")
-        _save_label(folder, name, label, plan)
-    return len(plan.inputs)
-
-
-def _save_label(folder: Path, name: str, label: Any, plan: Plan) -> None:
-    """As NAME.npy, or NAME.SUFFIX.npy where two tiles differ only in their suffix."""
-    stems = [str(inner(other).with_suffix("")) for other, _ in plan.inputs]
-    own = str(inner(name).with_suffix(""))
-    path = folder / f"{name if stems.count(own) > 1 else own}.npy"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with whole(path) as draft, draft.open("wb") as file:
-        np.save(file, label)
-
-
-def _deliver(plan: Plan) -> None:
-    """The result to its place, over an older one."""
-    step = "mesh" if (plan.work / "mesh").exists() else "mesh-rest"
-    made = of_tile(plan.work, step, 0) / f"result{plan.output.suffix.lower()}"
-    with whole(plan.output) as draft:
-        shutil.copyfile(made, draft)
-    sync_folder(plan.output.parent)

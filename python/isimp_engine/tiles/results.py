@@ -1,0 +1,50 @@
+"""What a run leaves: the polygons and the labels, at their places."""
+
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..batch.table import sync_folder
+from ..drafts import whole
+from ..reading import inner
+from .plan import Plan
+from .store import load, of_tile, values_of
+
+
+def write_labels(plan: Plan, folder: Path) -> int:
+    """The labels of each file's faces; returns how many files."""
+    if plan.is_single:
+        faces = values_of(of_tile(plan.work, "split", 0))["faces"]
+        label = np.full(faces, -1, np.int32)
+        for part in sorted((plan.work / "thin").iterdir()):
+            label[load(part, "face")] = load(part, "region")
+        _save_label(folder, plan.inputs[0][0], label, plan)
+        return 1
+    for tile, (name, _) in enumerate(plan.inputs):
+        label = np.full(values_of(of_tile(plan.work, "prepare", tile))["file_faces"], -1, np.int32)
+        thin = of_tile(plan.work, "thin", tile)
+        if thin.exists():
+            label[load(thin, "face")] = load(thin, "region")
+        _save_label(folder, name, label, plan)
+    return len(plan.inputs)
+
+
+def _save_label(folder: Path, name: str, label: Any, plan: Plan) -> None:
+    """As NAME.npy, or NAME.SUFFIX.npy where two tiles differ only in their suffix."""
+    stems = [str(inner(other).with_suffix("")) for other, _ in plan.inputs]
+    own = str(inner(name).with_suffix(""))
+    path = folder / f"{name if stems.count(own) > 1 else own}.npy"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with whole(path) as draft, draft.open("wb") as file:
+        np.save(file, label)
+
+
+def deliver(plan: Plan) -> None:
+    """The result to its place, over an older one."""
+    step = "mesh" if (plan.work / "mesh").exists() else "mesh-rest"
+    made = of_tile(plan.work, step, 0) / f"result{plan.output.suffix.lower()}"
+    with whole(plan.output) as draft:
+        shutil.copyfile(made, draft)
+    sync_folder(plan.output.parent)
