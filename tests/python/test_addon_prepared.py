@@ -38,14 +38,20 @@ def test_the_cache_keeps_the_newest_ones_however_large_they_are():
     assert [cache.get(key) for key in "abc"] == [None, "B", "C"]
 
 
-def test_a_scan_larger_than_the_cache_is_repaired_once_with_its_openings_and_once_without(monkeypatch):
-    made, clean = [], engine.clean
+def test_a_scan_larger_than_the_cache_is_repaired_once_and_its_openings_are_closed_once(monkeypatch):
+    made = []
 
-    def counted(*args, **named):
-        made.append(args)
-        return clean(*args, **named)
+    def count(name):
+        function = getattr(engine, name)
 
-    monkeypatch.setattr(engine, "clean", counted)
+        def counted(*args, **named):
+            made.append(name)
+            return function(*args, **named)
+
+        monkeypatch.setattr(engine, name, counted)
+
+    count("clean")
+    count("close_openings")
     scan = scan_of(shapes.room(16))
     session = Session(budget=0)
     recipe = Recipe((Partition(proxies=30),))
@@ -53,7 +59,7 @@ def test_a_scan_larger_than_the_cache_is_repaired_once_with_its_openings_and_onc
     assert outcome.closing.handles > 0
     session.replay(scan, recipe.then(AddProxy(face=7)).then(Mesh()))
     session.replay(scan, Recipe((Partition(proxies=31),)))
-    assert len(made) == 2
+    assert made == ["clean", "close_openings"]
 
 
 def test_faces_with_several_triangles_take_the_region_with_most_of_their_area():
