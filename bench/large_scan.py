@@ -16,36 +16,31 @@ from typing import Any
 import numpy as np
 
 import isimp_engine as engine
-from isimp_engine.openings import Lengths, lengths_for
+from isimp_engine.openings import closed_for, lengths_for
 
 Arrays = tuple[np.ndarray, np.ndarray]
 ROUNDS = 3
 
 
 def closed_first(scan: Arrays, options: engine.PartitionOptions) -> tuple[engine.Partition, str]:
-    """The partition, and what came of the guess."""
+    """The partition, and whether the guess was right."""
 
     def count() -> int:
         return engine.partition(plain, options).region_count
 
     plain = engine.clean(*scan)
     lengths = lengths_for(plain, options, None, count)
-    found = engine.partition(closed(plain, lengths), options)
+    found = engine.partition(lengths.closed(plain), options)
     if lengths.hold_for(found.region_count):
         return found, "counted" if lengths.most is None else "guessed right"
     lengths = lengths_for(plain, options, found.region_count, count)
-    return engine.partition(closed(plain, lengths), options), "guessed wrong"
+    return engine.partition(lengths.closed(plain), options), "guessed wrong"
 
 
 def counted_first(scan: Arrays, options: engine.PartitionOptions) -> engine.Partition:
     plain = engine.clean(*scan)
-    lengths = Lengths(*engine.opening_lengths(plain, engine.partition(plain, options).region_count))
-    return engine.partition(closed(plain, lengths), options)
-
-
-def closed(plain: engine.Mesh, lengths: Lengths) -> engine.Mesh:
-    options = engine.CleanOptions(fill_holes=lengths.holes, cut_handles=lengths.handles)
-    return engine.close_openings(plain, options)
+    regions = engine.partition(plain, options).region_count
+    return engine.partition(closed_for(plain, regions), options)
 
 
 def sorted_pairs(triangles: np.ndarray) -> np.ndarray:

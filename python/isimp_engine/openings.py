@@ -16,29 +16,33 @@ from ._core import (
 
 @dataclass(frozen=True)
 class Lengths:
-    """Loops of openings up to these lengths are closed, scene units. For CleanOptions."""
+    """The largest lengths of openings that are closed, scene units. For CleanOptions."""
 
     holes: float = 0.0
     handles: float = 0.0
-    most: int | None = None  #: a guess, right for up to so many regions; None: made for a number that is known
+    most: int | None = None  #: the largest number of regions that they are right for; None: of a number that is known
 
     def __bool__(self) -> bool:
         return self.handles > 0
 
     def hold_for(self, regions: int) -> bool:
-        """Whether they are those of a partition into so many."""
+        """Whether they are right for this number of regions."""
         return self.most is None or regions <= self.most
+
+    def closed(self, mesh: Mesh, job: Job | None = None, threads: int = 0) -> Mesh:
+        """The repaired scan without these openings; the mesh itself where the lengths are 0. See `close_openings`."""
+        if not self:
+            return mesh
+        options = CleanOptions(fill_holes=self.holes, cut_handles=self.handles, threads=threads)
+        return close_openings(mesh, options, job)
 
 
 def closed_for(mesh: Mesh, regions: int, job: Job | None = None, threads: int = 0) -> Mesh:
-    """The repaired scan with the openings closed that so many regions can't show; itself where there are none.
+    """The repaired scan without the openings that this number of regions can't show; the mesh itself if it has none.
 
     Raises InvalidInput (regions below 1) or Cancelled. Cost: see `close_openings`.
     """
-    holes, handles = opening_lengths(mesh, regions, job)
-    if handles == 0:
-        return mesh
-    return close_openings(mesh, CleanOptions(fill_holes=holes, cut_handles=handles, threads=threads), job)
+    return Lengths(*opening_lengths(mesh, regions, job)).closed(mesh, job, threads)
 
 
 def lengths_for(

@@ -20,7 +20,7 @@ struct Cleaning {
   Topology topology;
   RepairLog log;
 
-  /// Closes what is to be closed, and makes the mesh.
+  /// Closes the openings that the options name, and makes the mesh.
   Cleaned finish(const CleanOptions& options, const std::vector<Vec3>& keep, const Threads& threads, Job& job) &&;
 };
 
@@ -105,7 +105,7 @@ Cleaning make_sound(std::vector<Vec3> vertices, std::vector<Triangle> triangles,
   return {std::move(arrays), std::move(topology), std::move(soup.log)};
 }
 
-/// A mesh as it was before its openings are closed.
+/// The arrays of a mesh, so that its openings can be closed.
 Cleaning sound_of(const Mesh& mesh, const Threads& threads, Job& job) {
   const Job::Part part(job, "cleaning", 0.0, 0.5);
   Cleaning sound{.arrays = {}, .topology = {}, .log = RepairLog(mesh.report().repairs)};

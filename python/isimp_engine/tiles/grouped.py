@@ -1,7 +1,8 @@
 """Merging by groups of tiles: steps of one group, and what all groups have in common.
 
-Of many tiles no process holds the graph of all patches. Adjacent tiles are groups. In each the patches merge that have
-no neighbour in another group, cheapest first; the prices tell at which all groups are cut; what is left is joined.
+Of many tiles no process holds the graph of all patches. Adjacent tiles form groups. Each group merges its patches, the
+cheapest pair first; two patches with neighbours in other groups do not merge. All groups are cut at one price, which
+follows from the prices of their merges. Then the clusters of all groups are joined.
 """
 
 import math

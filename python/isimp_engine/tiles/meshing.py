@@ -120,7 +120,7 @@ def _flaws(report: dict[str, Any], kept: NDArray[np.bool_]) -> dict[str, int]:
 
 
 def mesh_group(task: Task, work: Path, made: Path) -> dict[str, Any]:
-    """The polygons of the regions inside a group, and what is left to the last part."""
+    """The polygons of the regions inside a group, and the regions of the last part."""
     surface = thinned([of_tile(work, "thin", tile) for tile in task["own"]], 1)
     mesh, label, moments = surface
     keys, triangles = place_keys(mesh.vertices), mesh.triangles
@@ -377,7 +377,7 @@ def _read(folder: Path, number: int) -> _Part:
 
 
 def _joined(parts: list[_Part], fixed: NDArray[np.uint64], place: NDArray[np.float64]) -> Any:
-    """The polygons of all parts, and which part each is of; vertices on chains are one."""
+    """The polygons of all parts as one mesh, and the part of each. Parts share the vertices of common chains."""
     on_chain = {key: n for n, key in enumerate(fixed.tolist())}
     last = parts[-1] if parts[-1].added == {} else None
     corners = set() if last is None else {k for k in last.keys.tolist() if k in on_chain}

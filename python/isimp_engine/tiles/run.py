@@ -87,7 +87,7 @@ def run(
     jobs: the largest number of tiles at once; None: one a core. Free memory may allow fewer.
     dask: the address of a Dask scheduler, whose workers do the work.
     cluster: a cluster that is started for this run, see batch.Cluster, in place of `dask`.
-    group: more tiles than this are merged by groups of at most so many, so that no process has the graph of all.
+    group: largest number of tiles in a group. A scan of more tiles is merged by groups: no process has the whole graph.
     mesh_faces: more thinned faces than this are meshed by groups too, if there are groups.
     options: detail, tolerance, noise, snap, smooth, leave_out, seed of PartitionOptions, planar of MeshingOptions.
     watch: called after each step of a tile, and some times a second.

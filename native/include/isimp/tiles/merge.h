@@ -63,7 +63,7 @@ struct GroupMerges {
 ///
 /// \param components  of the group's own graph; needs are those of whole components
 /// \param border      (K) 1 where a node has neighbours that are not in this graph
-/// \param target      merging ends where so many nodes are left
+/// \param target      the number of nodes at which merging ends
 /// \param limit       merging ends before a price above it, scene units squared
 /// \throws InvalidInput  as above
 /// \throws Cancelled     nothing was made
