@@ -7,6 +7,7 @@
 #include <numeric>
 #include <queue>
 #include <unordered_set>
+#include <utility>
 
 namespace isimp {
 namespace {
@@ -15,8 +16,9 @@ constexpr double kFlatAngle = 1e-5;  // radians; normals that differ by less are
 
 class Merging {
  public:
-  Merging(const ClusterGraph& graph, const MergeLimits& limits) : limits_(limits), sum_(graph.sum), part_(graph.part) {
-    const std::size_t n = graph.sum.size();
+  Merging(ClusterGraph graph, const MergeLimits& limits)
+      : limits_(limits), sum_(std::move(graph.sum)), part_(std::move(graph.part)) {
+    const std::size_t n = sum_.size();
     tree_.leaves = static_cast<std::int32_t>(n);
     sum_.reserve(2 * n);
     links_.resize(n);
@@ -214,8 +216,9 @@ ClusterGraph region_clusters(const FaceGraph& graph, const Regions& regions, Job
   return result;
 }
 
-MergeTree merge_all(const ClusterGraph& graph, const MergeLimits& limits, Job& job) {
-  return Merging(graph, limits).run(job);
+MergeTree merge_all(ClusterGraph graph, const MergeLimits& limits, Job& job) {
+  Merging merging(std::move(graph), limits);  // what is left of the graph is gone when it runs
+  return merging.run(job);
 }
 
 std::vector<std::int32_t> cut_after(const MergeTree& tree, std::size_t merges) {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <memory>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -73,15 +72,9 @@ double usual_price(const MergeGraph& graph) {
 
 /// Where single faces are far below what can be told apart, merging them one pair at a time is a waste: many pairs at
 /// once, in the hierarchy of the smooth surface, do until most merges cost a good part of the limit.
-Start start_from_patches(const Surface& surface, Array<FaceRecord> smooth, double limit, std::int32_t threads,
+Start start_from_patches(const Surface& surface, std::span<const FaceRecord> smooth, double limit, std::int32_t threads,
                          Job& job) {
-  auto guided = std::make_shared<GuidedGraph>();
-  guided->graph = surface.graph();
-  guided->graph.faces = std::move(smooth);
-  guided->component.assign(surface.component().begin(), surface.component().end());
-  guided->component_count = surface.component_count();
-  const Hierarchy h =
-      build_hierarchy(Surface(surface.mesh(), guided), surface.face_count() / kFacesAProxy, job, threads);
+  const Hierarchy h = build_hierarchy(surface, surface.face_count() / kFacesAProxy, job, threads, 0, smooth);
   std::size_t level = 0;
   while (level + 1 < h.level.size() && usual_price(h.level[level + 1]) < kFar * limit) ++level;
   const MergeGraph& chosen = h.level[level];
@@ -182,16 +175,16 @@ void DetailTree::make_patches(const Surface& surface, std::int32_t thread_count,
   const std::vector<std::int32_t> part = parts_of_faces(surface);
   {
     const double limit = merge_limit(settings_.finest * size_, noise_, kLeastNoise) / area_;
-    Array<FaceRecord> smooth = [&] {
+    const Array<FaceRecord> smooth = [&] {
       const Job::Part smoothing(job, "merging", 0.1, 0.7);
       return filtered_faces(graph, kFilterPasses, filter_range(bend_), Threads(thread_count), job);
     }();
-    const Start start = [&] {
+    Start start = [&] {
       const Job::Part half(job, "merging", 0.7, 0.9);
       return graph.size() < kManyFaces ? start_from_faces(graph, smooth, part)
-                                       : start_from_patches(surface, std::move(smooth), limit, thread_count, job);
+                                       : start_from_patches(surface, smooth, limit, thread_count, job);
     }();
-    const MergeTree fine = merge_all(start.clusters, {.cost = limit, .need = need_}, job);
+    const MergeTree fine = merge_all(std::move(start.clusters), {.cost = limit, .need = need_}, job);
     const std::vector<std::int32_t> patch = cut_after(fine, fine.merges());
     patches_.label.resize(start.cluster.size());
     for (std::size_t i = 0; i < start.cluster.size(); ++i) patches_.label[i] = patch[start.cluster[i]];

@@ -28,16 +28,16 @@ std::int32_t patch_size_for(std::int32_t faces, std::int32_t proxies) {
 /// Patches within one tile, by sets of faces as bits of a word.
 class Tile {
  public:
-  void read(const FaceGraph& graph, std::int32_t begin, std::int32_t count) {
+  void read(const FaceGraph& graph, std::span<const FaceRecord> faces, std::int32_t begin, std::int32_t count) {
     for (std::int32_t i = 0; i < count; ++i) {
-      const FaceRecord& f = graph.faces[begin + i];
+      const FaceRecord& f = faces[begin + i];
       std::uint64_t joined = 0;
       for (const std::int32_t j : graph.neighbours[begin + i]) {
         // By masks, as no processor guesses well what lies in the tile; the face itself stands in for what does not.
         const auto at = static_cast<std::uint32_t>(j - begin), own = static_cast<std::uint32_t>(i);
         const std::uint32_t outside = 0U - static_cast<std::uint32_t>(at >= static_cast<std::uint32_t>(count));
         const std::uint32_t inside = at ^ ((at ^ own) & outside);
-        const FaceRecord& g = graph.faces[begin + static_cast<std::int32_t>(inside)];
+        const FaceRecord& g = faces[begin + static_cast<std::int32_t>(inside)];
         joined |= static_cast<std::uint64_t>(f.nx * g.nx + f.ny * g.ny + f.nz * g.nz >= kCrease) << inside;
       }
       joined_[i] = joined;
@@ -75,7 +75,8 @@ struct Patches {
 };
 
 /// The patches of the tiles from `begin` to `end`, numbered from 0.
-Patches patches_between(const FaceGraph& graph, Hierarchy& h, std::int32_t begin, std::int32_t end, Job& job) {
+Patches patches_between(const FaceGraph& graph, std::span<const FaceRecord> faces, Hierarchy& h, std::int32_t begin,
+                        std::int32_t end, Job& job) {
   const std::int32_t n = graph.size();
   Patches patches;
   Tile tile;
@@ -83,7 +84,7 @@ Patches patches_between(const FaceGraph& graph, Hierarchy& h, std::int32_t begin
   for (std::int32_t t = begin; t < end; ++t) {
     if ((t & 0xff) == 0) job.poll();
     const std::int32_t base = t * kTile;
-    tile.read(graph, base, std::min(kTile, n - base));
+    tile.read(graph, faces, base, std::min(kTile, n - base));
     while (!tile.empty()) {
       const auto id = static_cast<std::int32_t>(patches.first.size());
       patches.first.push_back(out);
@@ -91,7 +92,7 @@ Patches patches_between(const FaceGraph& graph, Hierarchy& h, std::int32_t begin
       RegionSum sum;
       bool open = false;
       tile.take(h.patch_size, [&](int i) {
-        const FaceRecord& f = graph.faces[base + i];
+        const FaceRecord& f = faces[base + i];
         const auto& around = graph.neighbours[base + i];
         s.x += f.area * f.nx;
         s.y += f.area * f.ny;
@@ -115,14 +116,15 @@ void append(std::vector<T>& to, const std::vector<T>& from) {
   to.insert(to.end(), from.begin(), from.end());
 }
 
-Patches make_patches(const FaceGraph& graph, Hierarchy& h, const Threads& threads, Job& job) {
+Patches make_patches(const FaceGraph& graph, std::span<const FaceRecord> faces, Hierarchy& h, const Threads& threads,
+                     Job& job) {
   const std::int32_t n = graph.size(), tiles = (n + kTile - 1) / kTile;
   h.patch.resize(static_cast<std::size_t>(n));
   h.patch_face.resize(static_cast<std::size_t>(n));
   const std::int32_t pieces = threads.pieces(n);
   std::vector<Patches> found(static_cast<std::size_t>(pieces));
   threads.run(tiles, pieces, [&](std::int32_t k, std::int32_t begin, std::int32_t end) {
-    found[k] = patches_between(graph, h, begin, end, job);
+    found[k] = patches_between(graph, faces, h, begin, end, job);
   });
   Patches all = std::move(found[0]);
   for (std::int32_t k = 1; k < pieces; ++k) {
@@ -213,12 +215,12 @@ bool Hierarchy::serves(const Surface& surface, std::int32_t proxies) const {
 }
 
 Hierarchy build_hierarchy(const Surface& surface, std::int32_t proxies, Job& job, std::int32_t thread_count,
-                          std::int64_t coarsest) {
+                          std::int64_t coarsest, std::span<const FaceRecord> faces) {
   const Threads threads(thread_count);
   Job::Part stage(job, "merging", 0.0, 1.0);
   Hierarchy h;
   h.patch_size = patch_size_for(surface.face_count(), proxies);
-  Patches patches = make_patches(surface.graph(), h, threads, job);
+  Patches patches = make_patches(surface.graph(), faces.empty() ? surface.graph().faces : faces, h, threads, job);
 
   job.report(0.3);
   h.level.push_back(graph_of_patches(surface, h, std::move(patches.node), threads, job));

@@ -42,10 +42,11 @@ struct Hierarchy {
 /// \param threads   0: as many as there are cores
 /// \param coarsest  nodes of a level from which no coarser one is made: 0 for a hierarchy that is kept and may be asked
 ///                  for any smaller number of regions, nodes_for(proxies) for one that is not
+/// \param faces     (n + 1) in place of those of the surface's graph, as filtered ones; empty: those
 /// Cost: O(F), about 45 ms for a million faces.
 /// Source: the merging follows reciprocal nearest neighbours, Murtagh 1983, with the error of L2,1.
 Hierarchy build_hierarchy(const Surface& surface, std::int32_t proxies, Job& job, std::int32_t threads = 1,
-                          std::int64_t coarsest = 0);
+                          std::int64_t coarsest = 0, std::span<const FaceRecord> faces = {});
 
 /// Nodes that a level must have for so many regions to be merged from them, one pair at a time.
 inline std::int64_t nodes_for(std::int32_t regions) { return (std::int64_t{12} * regions + 4) / 5; }
