@@ -20,8 +20,8 @@ from .errors import BatchError
 
 SIMPLIFY = f"{__package__}.work:simplify"  #: the work of a batch, unless another is given
 _RESULT, _SAID = "result.json", "stderr.txt"
-# Large arrays go back to the system when they are freed, in pages of 2 MB. By default glibc keeps arrays of up to 32 MB,
-# and the peak of a child is a tenth to a fifth higher. Other C libraries do not read this variable.
+# Large arrays go back to the system when they are freed, and come in pages of 2 MB. By default glibc keeps arrays of up
+# to 32 MB, and the peak of a child is a tenth higher. Other C libraries do not read this variable.
 _ALLOCATOR = "glibc.malloc.mmap_threshold=4194304:glibc.malloc.hugetlb=1"
 
 
