@@ -1,8 +1,16 @@
-"""Beyond one scan: `isimp batch` on many small scans, some of which fail, with a driver that is killed twice.
+"""Beyond one scan and one machine.
 
-    bench/scale.py batch                  1,000 scans; minutes
+    bench/scale.py batch                  `isimp batch` on 1,000 small scans, some of which fail, with a driver that is
+                                          killed twice; minutes
     bench/scale.py batch --scans 100
     bench/scale.py overhead               time a scan beside `isimp simplify`
+    bench/scale.py hub                    merging where a region has most of the others around it, at 1, 4 and 16 times
+                                          the size
+    bench/scale.py cluster --faces 10000000 --proxies 10500
+                                          `isimp tiles` on this machine alone, and on a Dask cluster of two workers of
+                                          which one is killed half-way: whether the bits are the same
+
+The tiles against one piece, and their peaks: bench/tiles.py.
 
 Run it with a Python that has isimp_engine: installed, or by PYTHONPATH=build-dev/python. The peaks are the kernel's.
 """
@@ -12,7 +20,9 @@ from __future__ import annotations
 import argparse
 import collections
 import contextlib
+import json
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -22,8 +32,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from tiles import make_city
 
-from isimp_engine import batch
+import isimp_engine as engine
+from isimp_engine import batch, tiles
 from isimp_engine.batch import work
 
 ODD = {  # name of a scan: what its row must say
@@ -141,6 +153,95 @@ def run_overhead(count: int) -> int:
         return 0
 
 
+def graph_of(faces: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Patches of a city in one piece: sums, pairs and lengths."""
+    n = max(2, round((faces / 2) ** 0.5))
+    with tempfile.TemporaryDirectory() as place:
+        make_city(Path(place) / "city", 2 * n * n, 2 * n * n)
+        mesh = engine.Mesh(*engine.read(next((Path(place) / "city").iterdir())))
+    found = tiles.patches(mesh, 100)
+    return found.sums, found.pairs, found.lengths
+
+
+def run_hub(faces: int) -> int:
+    before: dict[str, float] = {}
+    for times in (1, 4, 16):
+        sums, pairs, lengths = graph_of(times * faces)
+        count = len(sums)
+        around = int(np.bincount(pairs.ravel()).max())
+        found = tiles.find_components(sums, pairs, lengths, np.ones(count, np.uint8), count // 10, 0.0)
+        none = np.zeros(count, np.uint8)
+        print(f"{count:,} patches to {count // 10:,}; at first the largest has {around} around it")
+        for name, smooth in (("without borders", 0.0), ("with borders", 0.5)):
+            begun = time.process_time()
+            price = {"smooth": smooth, "error": 0.05, "proxies": count // 10, "area": sums[:, 3].sum() / 2}
+            tiles.merge_inside(sums, pairs, lengths, found, none, count // 10, **price)
+            seconds = time.process_time() - begun
+            ratio = f", {seconds / before[name]:.1f} times the one before" if name in before else ""
+            print(f"  {name}: {seconds:.3f} s, {1e6 * seconds / count:.1f} us a patch{ratio}", flush=True)
+            before[name] = seconds
+    return 0
+
+
+@contextlib.contextmanager
+def cluster_of(workers: int, place: Path):
+    """The address of a Dask scheduler, and its workers; all are processes."""
+    file = place / "scheduler.json"
+    options = ["--scheduler-file", str(file), "--no-dashboard", "--host", "127.0.0.1"]
+    here = {**os.environ, "PYTHONPATH": str(Path(engine.__file__).parents[1])}
+    lines = [["dask_scheduler", "--port", "0", *options]]
+    lines += [["dask_worker", "--no-nanny", "--nthreads", "1", "--local-directory", str(place), *options]] * workers
+    processes = []
+    try:
+        for name, *more in lines:
+            command = [sys.executable, "-m", f"distributed.cli.{name}", *more]
+            processes.append(subprocess.Popen(command, env=here, stderr=subprocess.DEVNULL))
+        while not file.exists():
+            time.sleep(0.05)
+        yield json.loads(file.read_text(encoding="utf-8"))["address"], processes[1:]
+    finally:
+        for process in processes:
+            process.kill()
+            process.wait()
+
+
+def processor_seconds() -> float:
+    """Of all child processes that have ended."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
+
+
+def run_cluster(faces: int, proxies: int) -> int:
+    """The result of two workers of a cluster, of which one is killed half-way, beside that of this machine alone."""
+    with tempfile.TemporaryDirectory() as folder:
+        place = Path(folder)
+        count = make_city(place / "city", faces)
+        begun, used = time.perf_counter(), processor_seconds()
+        report = tiles.run(place / "city", place / "a.ply", proxies=proxies, jobs=2).report
+        seconds, used = time.perf_counter() - begun, processor_seconds() - used
+        peaks = report["peak_mb"]
+        print(f"{count:,} faces in {report['tiles']} tiles, {report['groups']} groups: {report['regions']:,} regions")
+        print(f"  {seconds:.0f} s, {used:.0f} s of processor, {1e6 * used / count:.1f} us a face", flush=True)
+        print(f"  peaks, MB: {', '.join(f'{step} {peak:.0f}' for step, peak in peaks.items())}")
+        print(f"  seconds: {report['seconds']}")
+        flaws = {name: report["output"][name] for name in ("crossing", "flipped", "bent", "intersecting")}
+        print(f"  {report['output']['polygons']:,} polygons, {flaws}", flush=True)
+        with cluster_of(2, place) as (address, workers):
+            done = []
+
+            def kill(state: tiles.State) -> None:
+                if not done and (place / "work" / "join").exists():
+                    workers[1].kill()
+                    done.append(state)
+
+            begun = time.perf_counter()
+            tiles.run(place / "city", place / "b.ply", proxies=proxies, dask=address, work=place / "work", watch=kill)
+            print(f"  two workers, one killed after `join`: {time.perf_counter() - begun:.0f} s")
+        same = (place / "a.ply").read_bytes() == (place / "b.ply").read_bytes()
+        print(f"  killed: {bool(done)}, same bits: {same}")
+        return int(not (done and same))
+
+
 @contextlib.contextmanager
 def timed(times: dict[str, float], name: str):
     begun = time.perf_counter()
@@ -150,10 +251,17 @@ def timed(times: dict[str, float], name: str):
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("what", choices=["batch", "overhead", "drive"])
+    parser.add_argument("what", choices=["batch", "overhead", "hub", "cluster", "drive"])
     parser.add_argument("places", nargs="*", help=argparse.SUPPRESS)
     parser.add_argument("--scans", type=int, help="default 1,000; 40 for overhead")
+    parser.add_argument("--faces", type=int, help="default 720,000 for hub, 10,000,000 for cluster")
+    parser.add_argument("--proxies", type=int, help="of a cluster; default: one for 1,000 faces")
     arguments = parser.parse_args()
+    if arguments.what == "hub":
+        return run_hub(arguments.faces or 720_000)
+    if arguments.what == "cluster":
+        faces = arguments.faces or 10_000_000
+        return run_cluster(faces, arguments.proxies or faces // 1000)
     if arguments.what == "drive":
         drive(*arguments.places)
         return 0

@@ -12,6 +12,7 @@
 #include "borders/relax.h"
 #include "graphs.h"
 #include "hierarchy/contraction.h"
+#include "hierarchy/greedy.h"
 #include "hierarchy/hierarchy.h"
 #include "hierarchy/patch_relax.h"
 #include "hierarchy/region_graph.h"

@@ -8,7 +8,7 @@
 
 #include "borders/relax.h"
 #include "checks.h"
-#include "hierarchy/contraction.h"
+#include "hierarchy/greedy.h"
 #include "isimp/core/errors.h"
 #include "isimp/core/forest.h"
 #include "parts.h"

@@ -49,30 +49,4 @@ MergeGraph merge_round(const MergeGraph& graph, bool satellites, std::int32_t le
 MergeGraph contract(const MergeGraph& graph, const std::vector<std::int32_t>& map, std::int32_t clusters,
                     const Threads& threads, Job& job);
 
-/// Merges neighbours one pair at a time, cheapest first, until `target` clusters are left. The price is that of
-/// merge_round less what the border between the two costs.
-///
-/// \param sums   (N) exact sums of the nodes; a node without faces takes no part and gets kNone
-/// \param need   (C) least number of clusters of each component; its length is 1 where there is one component
-/// \return (N) cluster of each node, numbered by first node; more than `target` where components or needs forbid it
-std::vector<std::int32_t> merge_greedily(const MergeGraph& graph, std::span<const RegionSum> sums,
-                                         std::span<const std::int32_t> need, std::int32_t target, Job& job);
-
-/// A merge: cluster `from` went into `into`, both named by one of their nodes. No cluster is named by `from` again.
-struct MergeStep {
-  std::int32_t into, from;
-  double price;
-};
-
-/// As merge_greedily, of a graph that is a part of a larger one: some nodes have neighbours elsewhere. These do not merge
-/// with each other, and what merges with one of them pays as if it were endless: less, and a small part of a large plane
-/// would be taken for a small plane.
-///
-/// \param border  (N) 1 for a node with neighbours elsewhere
-/// \param limit   merging ends before the first merge with a higher price
-/// \return the merges in order; prices may fall in between
-std::vector<MergeStep> merge_inside(const MergeGraph& graph, std::span<const RegionSum> sums,
-                                    std::span<const std::int32_t> need, std::span<const std::uint8_t> border,
-                                    std::int32_t target, double limit, Job& job);
-
 }  // namespace isimp

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "borders/relax.h"
+#include "hierarchy/greedy.h"
 #include "hierarchy/patch_relax.h"
 #include "hierarchy/region_graph.h"
 #include "hierarchy/teleport.h"

@@ -1,0 +1,456 @@
+#include "hierarchy/greedy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <utility>
+
+#include "isimp/core/types.h"
+
+namespace isimp {
+namespace {
+
+constexpr std::int32_t kAlone = -1;
+constexpr std::int32_t kUnsure = -1;  // version of a partner whose price is only a lower bound
+// Clusters around one, from which on it is a hub. Of 32 to 1024 all are about as fast; a scan without such
+// clusters merges as if there were none.
+constexpr std::int32_t kManyAround = 256;
+constexpr double kMargin = 0.125;    // of the price, by which a lower bound is below it
+constexpr double kRounding = 4e-16;  // of the lengths in a price
+
+/// Greedy merging. Every cluster keeps its cheapest partner, and a heap holds one live entry a cluster.
+///
+/// After a merge the partners of the clusters around may be out of date. Where the new cluster is cheaper than what one
+/// has, it is taken over at once. Else what one has was cheaper than anything that is left, so that its old price is a
+/// lower bound: it may stay in the heap, and is looked up anew when it comes out.
+///
+/// A cluster with many others around it is a hub. To look at all of them at each of its merges would take the square of
+/// their number. But the price of a small cluster at a hub falls only as far as the hub turns, and a hub hardly turns.
+/// So each cluster at a hub has a watch: the angle at which its price could be below the one that it has. Prices at a
+/// hub stand in the heap with a margin, so that they need not be right at once. A hub's own row names other hubs only;
+/// its other pairs are in the rows, and among the prices, of the clusters around it.
+/// \tparam kInside  whether nodes at the border of the graph count as parts of larger ones
+template <bool kInside>
+class Greedy {
+ public:
+  Greedy(const MergeGraph& graph, std::span<const RegionSum> sums, std::span<const std::int32_t> need,
+         std::span<const std::uint8_t> border = {})
+      : need_(need),
+        row_(graph.neighbour),
+        border_(graph.border),
+        node_(sums.size()),
+        seen_(sums.size(), kAlone),
+        place_(sums.size(), 0),
+        left_(need.size(), 0) {
+    border_.resize(row_.size(), 0.0);
+    room_ = 4 * row_.size();
+    const std::int32_t n = graph.size();
+    for (std::int32_t u = 0; u < n; ++u) {
+      Node& node = node_[u];
+      node = {sums[u].x, sums[u].y, sums[u].z, sums[u].length()};
+      node.parent = u;
+      node.first = graph.first[u];
+      node.last = graph.first[u + 1];
+      node.part = need.size() == 1 ? 0 : graph.part_of(u);
+      node.live = sums[u].faces > 0;
+      node.goes_on = kInside && border[u] != 0;
+      if (!node.live) continue;
+      ++clusters_;
+      ++left_[node.part];
+    }
+    heap_.reserve(2 * static_cast<std::size_t>(n));
+    for (std::int32_t u = 0; u < n; ++u)
+      if (node_[u].live && find_partner(u)) heap_.push_back({node_[u].price, u});
+    std::make_heap(heap_.begin(), heap_.end(), std::greater<>());
+    for (std::int32_t u = 0; u < n; ++u)
+      if (node_[u].live && node_[u].around() > kManyAround) make_hub(u);
+  }
+
+  /// \param limit  merging ends before a price above it
+  /// \param steps  if given, gets what was merged
+  void run(std::int32_t target, double limit, std::vector<MergeStep>* steps, Job& job) {
+    std::uint32_t polled = 0;
+    while (clusters_ > target && !heap_.empty()) {
+      if ((++polled & 0x3ff) == 0) job.poll();
+      std::pop_heap(heap_.begin(), heap_.end(), std::greater<>());
+      const auto [price, u] = heap_.back();
+      heap_.pop_back();
+      const Node& node = node_[u];
+      if (!node.live || price != node.price) continue;  // merged, or another entry has taken its place
+      if (price > limit) break;
+      if (left_[node.part] <= need_[node.part]) continue;
+      std::int32_t into = u, from = node.partner;
+      if (node_[from].live && node_[from].version == node.partner_version) {
+        if (kInside && node.goes_on && node_[from].goes_on) continue;  // waits until something cheaper comes
+        if (is_hub(from)) std::swap(into, from);
+        if (steps != nullptr) steps->push_back({into, from, price});
+        merge(into, from);
+      } else if (find_partner(u)) {
+        push(u);
+      }
+    }
+  }
+
+  std::vector<std::int32_t> clusters() {
+    std::vector<std::int32_t> number(node_.size(), kNone), result(node_.size(), kNone);
+    std::int32_t count = 0;
+    for (std::size_t u = 0; u < node_.size(); ++u) {
+      const std::int32_t root = find(static_cast<std::int32_t>(u));
+      if (!node_[root].live) continue;
+      if (number[root] == kNone) number[root] = count++;
+      result[u] = number[root];
+    }
+    return result;
+  }
+
+ private:
+  struct Node {
+    double x, y, z, length;
+    double price = 0;
+    std::int32_t partner = kAlone, partner_version = 0, version = 0;
+    std::int32_t first = 0, last = 0;  // its neighbours in row_; may name clusters that have merged since
+    std::int32_t parent = 0, part = 0;
+    std::int32_t hub = kAlone;  // in hubs_
+    std::int32_t watched = 0;   // the number of its newest watches
+    bool live = false;
+    bool goes_on = false;  // beyond the border of the graph
+    [[nodiscard]] std::int32_t around() const { return last - first; }
+    [[nodiscard]] Vec3 sum() const { return {x, y, z}; }
+  };
+  using Entry = std::pair<double, std::int32_t>;  // price, cluster
+  struct Watch {
+    double turned;  // of the hub: when it has turned so far, the price is looked at
+    std::int32_t node, number;
+    bool operator>(const Watch& o) const { return turned != o.turned ? turned > o.turned : node > o.node; }
+  };
+  struct Hub {
+    double turned = 0;         // the angles of all its turns, radians
+    std::vector<Watch> watch;  // a heap
+    std::size_t room = 1024;   // watches from which on those that are out of date are dropped
+  };
+
+  [[nodiscard]] bool is_hub(std::int32_t u) const { return node_[u].hub != kAlone; }
+
+  [[nodiscard]] static double price_of(const Node& a, const Node& b) {
+    if constexpr (kInside)
+      if (a.goes_on != b.goes_on) return a.goes_on ? price_beside(a, b) : price_beside(b, a);
+    const double x = a.x + b.x, y = a.y + b.y, z = a.z + b.z, lengths = a.length + b.length;
+    // The second term lets small clusters merge first where all is flat.
+    return lengths - std::sqrt(x * x + y * y + z * z) + 1e-12 * lengths;
+  }
+  /// As price_of, with a node of which only a part is known: as if the rest were endless, and in the same plane.
+  [[nodiscard]] static double price_beside(const Node& part, const Node& b) {
+    if (!(part.length > 0)) return b.length;
+    return b.length - (part.x * b.x + part.y * b.y + part.z * b.z) / part.length + 1e-12 * (part.length + b.length);
+  }
+  std::int32_t find(std::int32_t u) {
+    while (node_[u].parent != u) u = node_[u].parent = node_[node_[u].parent].parent;
+    return u;
+  }
+  void push(std::int32_t u) {
+    heap_.emplace_back(node_[u].price, u);
+    std::push_heap(heap_.begin(), heap_.end(), std::greater<>());
+  }
+  void take_partner(std::int32_t u, std::int32_t v, double price) {
+    node_[u].price = price;
+    node_[u].partner = v;
+    node_[u].partner_version = node_[v].version;
+  }
+  /// The cheapest partner of a cluster, ties to the lower number; false if it has no neighbour.
+  bool find_partner(std::int32_t u) {
+    Node& node = node_[u];
+    double least = std::numeric_limits<double>::infinity();
+    std::int32_t partner = kAlone;
+    bool beside_hub = false;
+    tidy(u);
+    for (std::int32_t k = node.first; k < node.last; ++k) {
+      const std::int32_t v = row_[k];
+      beside_hub |= is_hub(v);
+      const double price = price_of(node, node_[v]) - border_[k];
+      if (price > least || (price == least && v >= partner)) continue;
+      least = price;
+      partner = v;
+    }
+    if (partner == kAlone) return false;
+    settle(u, partner, least, beside_hub);
+    return true;
+  }
+  /// Takes a partner, the cheapest one; at a hub with a margin below its price, and with watches.
+  void settle(std::int32_t u, std::int32_t partner, double price, bool beside_hub) {
+    take_partner(u, partner, price);
+    if (is_hub(u)) return;
+    if (is_hub(partner)) leave_margin(u);
+    if (beside_hub) watch(u);
+  }
+  /// Turns the price of a cluster at a hub into a lower bound, unless it is the next one that will merge.
+  void leave_margin(std::int32_t u) {
+    Node& node = node_[u];
+    const double above = heap_.empty() ? 0.0 : node.price - heap_.front().first;
+    const double margin = std::min(kMargin * std::abs(node.price), above / 2);
+    if (!(margin > kRounding * (node.length + node_[node.partner].length))) return;
+    node.price -= margin;
+    node.partner_version = kUnsure;
+  }
+  /// By which angle a hub can turn before its price for a node falls by `slack`.
+  ///
+  /// The price is |h| + |b| - |h + b| for the sums h of the hub and b of the node. It does not fall while |h| grows. While
+  /// the hub turns by an angle a, it falls by at most |h| / |h + b| (across a + |b| a^2 / 2), where `across` is the part of
+  /// b at right angles to h; the first factor is at most 2 where |b| is at most half of |h|.
+  [[nodiscard]] static double turn_for(const Node& hub, const Node& b, double slack) {
+    slack -= kRounding * (hub.length + b.length);
+    if (!(slack > 0) || b.length > hub.length / 2) return 0;
+    if (kInside && b.goes_on && !hub.goes_on) return 0;  // then it falls by up to |h| a
+    const double across = hub.sum().cross(b.sum()).norm() / hub.length;
+    const double sum = across + std::sqrt(across * across + b.length * slack);
+    return sum > 0 ? slack / sum : std::numeric_limits<double>::infinity();
+  }
+  /// Sets watches at the hubs beside a node, whose row is tidy. The older ones no longer count.
+  void watch(std::int32_t u) {
+    Node& node = node_[u];
+    ++node.watched;
+    for (std::int32_t k = node.first; k < node.last; ++k) {
+      const Node& beside = node_[row_[k]];
+      if (beside.hub == kAlone) continue;
+      Hub& hub = hubs_[beside.hub];
+      const double slack = price_of(node, beside) - border_[k] - node.price;
+      hub.watch.push_back({hub.turned + turn_for(beside, node, slack), u, node.watched});
+      std::push_heap(hub.watch.begin(), hub.watch.end(), std::greater<>());
+      if (hub.watch.size() > hub.room) drop_old_watches(hub);
+    }
+  }
+  [[nodiscard]] bool counts(const Watch& w) const {
+    return node_[w.node].live && !is_hub(w.node) && node_[w.node].watched == w.number;
+  }
+  void drop_old_watches(Hub& hub) {
+    std::erase_if(hub.watch, [&](const Watch& w) { return !counts(w); });
+    std::make_heap(hub.watch.begin(), hub.watch.end(), std::greater<>());
+    hub.room = std::max(hub.room, 2 * hub.watch.size());
+  }
+  /// Takes over a hub that has become cheaper than what a node has, and sets its watches anew.
+  void look_again(std::int32_t u) {
+    Node& node = node_[u];
+    tidy(u);
+    bool cheaper = false;
+    for (std::int32_t k = node.first; k < node.last; ++k) {
+      const std::int32_t v = row_[k];
+      if (!is_hub(v)) continue;
+      const double price = price_of(node, node_[v]) - border_[k];
+      if (price >= node.price) continue;
+      take_partner(u, v, price);
+      cheaper = true;
+    }
+    if (cheaper) {
+      leave_margin(u);
+      push(u);
+    }
+    watch(u);
+  }
+  /// \pre the row of u is tidy
+  void make_hub(std::int32_t u) {
+    node_[u].hub = static_cast<std::int32_t>(hubs_.size());
+    hubs_.emplace_back();
+    std::int32_t out = node_[u].first;
+    for (std::int32_t k = node_[u].first; k < node_[u].last; ++k) {
+      const std::int32_t v = row_[k];
+      const double border = border_[k];
+      if (is_hub(v)) {
+        add_to_row(v, u, border);
+        row_[out] = v;
+        border_[out++] = border;
+      } else if (node_[v].partner == u && find_partner(v)) {
+        push(v);
+      } else {
+        tidy(v);
+        watch(v);
+      }
+    }
+    node_[u].last = out;
+    offer_hub(u);
+  }
+  void add_to_row(std::int32_t u, std::int32_t v, double border) {
+    const auto begin = static_cast<std::int32_t>(row_.size());
+    ++stamp_;
+    append(node_[u], u);
+    row_.push_back(v);
+    border_.push_back(border);
+    node_[u].first = begin;
+    node_[u].last = static_cast<std::int32_t>(row_.size());
+  }
+  /// Puts a hub's cheapest pair with another hub into the heap, and lets these hubs know of it.
+  void offer_hub(std::int32_t u) {
+    if (!find_partner(u)) {
+      node_[u].price = std::numeric_limits<double>::infinity();
+      return;
+    }
+    push(u);
+    for (std::int32_t k = node_[u].first; k < node_[u].last; ++k) {
+      const std::int32_t v = row_[k];
+      const double price = price_of(node_[u], node_[v]) - border_[k];
+      if (price >= node_[v].price) continue;
+      take_partner(v, u, price);
+      push(v);
+    }
+  }
+  /// Has each neighbour that lives stand in a row once.
+  void tidy(std::int32_t u) {
+    Node& node = node_[u];
+    ++stamp_;
+    std::int32_t out = node.first;
+    for (std::int32_t k = node.first; k < node.last; ++k) out += put(k, u, out) ? 1 : 0;
+    node.last = out;
+  }
+  /// Writes entry k of a row to another place, unless its cluster stands there already or is u itself.
+  /// \return whether it did
+  bool put(std::int32_t k, std::int32_t u, std::int32_t place) {
+    const std::int32_t v = find(row_[k]);
+    if (v == u || !node_[v].live) return false;
+    if (seen_[v] == stamp_) {
+      border_[place_[v]] += border_[k];
+      return false;
+    }
+    seen_[v] = stamp_;
+    place_[v] = place;
+    row_[place] = v;
+    border_[place] = border_[k];
+    return true;
+  }
+  void merge(std::int32_t u, std::int32_t v) {
+    Node &into = node_[u], &from = node_[v];
+    const Vec3 before = into.sum();
+    const bool went_on = into.goes_on;
+    into.x += from.x;
+    into.y += from.y;
+    into.z += from.z;
+    into.length = std::sqrt(into.x * into.x + into.y * into.y + into.z * into.z);
+    from.parent = u;
+    from.live = false;
+    into.goes_on = into.goes_on || from.goes_on;
+    ++into.version;
+    --clusters_;
+    --left_[into.part];
+    if (row_.size() > room_) compact();
+    if (is_hub(u)) {
+      merge_hub(u, v, before, went_on);
+      return;
+    }
+    ++stamp_;
+    const auto begin = static_cast<std::int32_t>(row_.size());
+    append(into, u);
+    append(from, u);
+    from.first = from.last = 0;
+    into.first = begin;
+    into.last = static_cast<std::int32_t>(row_.size());
+    double least = std::numeric_limits<double>::infinity();
+    std::int32_t partner = kAlone;
+    bool beside_hub = false;
+    for (std::int32_t k = into.first; k < into.last; ++k) {
+      const std::int32_t w = row_[k];
+      const double price = price_of(into, node_[w]) - border_[k];
+      if (price < least || (price == least && w < partner)) {
+        least = price;
+        partner = w;
+      }
+      beside_hub |= is_hub(w);
+      if (is_hub(w) || price >= node_[w].price) continue;
+      take_partner(w, u, price);
+      push(w);
+    }
+    if (partner == kAlone) return;
+    settle(u, partner, least, beside_hub);
+    push(u);
+    if (into.around() > kManyAround) make_hub(u);
+  }
+  /// What follows when a node has gone into a hub.
+  /// \param before, went_on  of the hub before that
+  void merge_hub(std::int32_t u, std::int32_t v, const Vec3& before, bool went_on) {
+    tidy(v);
+    std::vector<std::int32_t> near;  // nodes to be looked at
+    const std::vector<std::int32_t> row(row_.begin() + node_[v].first, row_.begin() + node_[v].last);
+    const std::vector<double> border(border_.begin() + node_[v].first, border_.begin() + node_[v].last);
+    for (std::size_t k = 0; k < row.size(); ++k)
+      if (row[k] == u) {
+        continue;
+      } else if (!is_hub(row[k])) {
+        near.push_back(row[k]);
+      } else {
+        add_to_row(u, row[k], border[k]);
+        if (!is_hub(v)) add_to_row(row[k], u, border[k]);
+      }
+    node_[v].first = node_[v].last = 0;
+    Hub& hub = hubs_[node_[u].hub];
+    const Vec3 now = node_[u].sum();
+    const double turn = std::atan2(before.cross(now).norm(), before.dot(now));
+    hub.turned += turn;
+    const bool all = is_hub(v) || now.norm() < before.norm() || node_[u].goes_on != went_on;
+    while (!hub.watch.empty() && (all || hub.watch.front().turned <= hub.turned)) {
+      std::pop_heap(hub.watch.begin(), hub.watch.end(), std::greater<>());
+      if (counts(hub.watch.back())) near.push_back(hub.watch.back().node);
+      hub.watch.pop_back();
+    }
+    if (is_hub(v)) {
+      for (const Watch& w : hubs_[node_[v].hub].watch)
+        if (counts(w)) near.push_back(w.node);
+      hubs_[node_[v].hub].watch = {};
+    }
+    for (const std::int32_t w : near) look_again(w);
+    offer_hub(u);
+  }
+  /// Drops rows of clusters that have merged. A cluster with many neighbours leaves a long one each time it merges, so
+  /// that without this the memory would grow with the square of their number.
+  void compact() {
+    std::vector<std::int32_t> row;
+    std::vector<double> border;
+    for (Node& node : node_) {
+      const auto first = static_cast<std::int32_t>(row.size());
+      if (node.first < node.last) {
+        row.insert(row.end(), row_.begin() + node.first, row_.begin() + node.last);
+        border.insert(border.end(), border_.begin() + node.first, border_.begin() + node.last);
+      }
+      node.first = first;
+      node.last = static_cast<std::int32_t>(row.size());
+    }
+    row_ = std::move(row);
+    border_ = std::move(border);
+    room_ = std::max(room_, 2 * row_.size());
+  }
+  void append(const Node& node, std::int32_t u) {
+    for (std::int32_t k = node.first; k < node.last; ++k) {
+      row_.push_back(kAlone);
+      border_.push_back(0);
+      if (put(k, u, static_cast<std::int32_t>(row_.size()) - 1)) continue;
+      row_.pop_back();
+      border_.pop_back();
+    }
+  }
+
+  std::span<const std::int32_t> need_;
+  std::vector<std::int32_t> row_;
+  std::vector<double> border_;  // as row_
+  std::vector<Node> node_;
+  std::vector<Hub> hubs_;
+  std::vector<std::int32_t> seen_, place_, left_;
+  std::vector<Entry> heap_;
+  std::int32_t clusters_ = 0, stamp_ = 0;
+  std::size_t room_ = 0;  // length of `row_` from which it is compacted
+};
+
+}  // namespace
+
+std::vector<std::int32_t> merge_greedily(const MergeGraph& graph, std::span<const RegionSum> sums,
+                                         std::span<const std::int32_t> need, std::int32_t target, Job& job) {
+  Greedy<false> greedy(graph, sums, need);
+  greedy.run(target, std::numeric_limits<double>::infinity(), nullptr, job);
+  return greedy.clusters();
+}
+
+std::vector<MergeStep> merge_inside(const MergeGraph& graph, std::span<const RegionSum> sums,
+                                    std::span<const std::int32_t> need, std::span<const std::uint8_t> border,
+                                    std::int32_t target, double limit, Job& job) {
+  Greedy<true> greedy(graph, sums, need, border);
+  std::vector<MergeStep> steps;
+  greedy.run(target, limit, &steps, job);
+  return steps;
+}
+
+}  // namespace isimp
