@@ -8,12 +8,8 @@ import pytest
 import shapes
 from isimp import messages
 from isimp import recipe as rcp
-from isimp.session import Scan, Session
-
-
-def scan_of(vertices, triangles):
-    count = len(triangles)
-    return Scan(vertices.astype(np.float32), triangles.astype(np.int32), np.arange(count, dtype=np.int32), count)
+from isimp.session import Session
+from scans import scan_of
 
 
 def meshed(vertices, triangles, **partition):

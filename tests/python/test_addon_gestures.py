@@ -8,7 +8,8 @@ from isimp import recipe as rcp
 from isimp.engine import engine
 from isimp.gestures import Cut, Hit, Pointing, Sizing, Stroke, Wish, rings_in
 from isimp.pick import Surface
-from isimp.session import Scan, Session, StepFailed
+from isimp.session import Session, StepFailed
+from scans import scan_of
 
 A, A2, B, NONE = Hit(1, 0), Hit(2, 0), Hit(9, 1), Hit(20, -1)
 NEAR, FAR = (2.0, 1.0), (60.0, 0.0)
@@ -202,7 +203,7 @@ def test_a_stroke_over_a_flat_face_keeps_to_the_edges_of_the_mended_mesh():
     """The engine turns an edge of the face 1, which has no area: then 1 is beside 2, but 3 is not beside 1."""
     vertices = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [1, 1, 0], [0.5, -1, 0], [1.5, -1, 0]], float)
     triangles = np.array([[0, 2, 3], [0, 1, 2], [0, 4, 1], [1, 5, 2]], np.int32)
-    scan, session = Scan(vertices, triangles, np.arange(4, dtype=np.int32), 4), Session()
+    scan, session = scan_of(vertices, triangles), Session()
     stroke = np.array([1, 2, 3])
     assert view.connected(stroke, scan.edges[0], 2).tolist() == [1, 2, 3]
     regions = rcp.Recipe((rcp.Partition(proxies=1, close_openings=False),))

@@ -9,12 +9,8 @@ import pytest
 import shapes
 from isimp import applying, messages
 from isimp import recipe as rcp
-from isimp.session import Scan, Session, StepFailed
-
-
-def scan_of(vertices, triangles):
-    count = len(triangles)
-    return Scan(vertices.astype(np.float32), triangles.astype(np.int32), np.arange(count, dtype=np.int32), count)
+from isimp.session import Session, StepFailed
+from scans import scan_of
 
 
 def failure(*steps):

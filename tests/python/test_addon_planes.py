@@ -9,15 +9,11 @@ import pytest
 import shapes
 from isimp import messages, regularity, sketch
 from isimp import recipe as rcp
-from isimp.session import Scan, Session, StepFailed, engine
+from isimp.session import Session, StepFailed, engine
 from isimp.task import Watch
+from scans import scan_of
 
 BEGIN = rcp.Recipe((rcp.Partition(proxies=112),))
-
-
-def scan_of(vertices, triangles):
-    count = len(triangles)
-    return Scan(vertices, triangles.astype(np.int32), np.arange(count, dtype=np.int32), count)
 
 
 @pytest.fixture(scope="module")

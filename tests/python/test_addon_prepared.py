@@ -9,12 +9,8 @@ import shapes
 from isimp.cache import Cache
 from isimp.prepared import face_regions
 from isimp.recipe import AddProxy, Mesh, Partition, Recipe
-from isimp.session import Scan, Session, engine
-
-
-def scan_of(arrays):
-    vertices, triangles = arrays
-    return Scan(vertices, triangles, np.arange(len(triangles), dtype=np.int32), len(triangles))
+from isimp.session import Session, engine
+from scans import scan_of
 
 
 def test_the_cache_is_bounded_and_keeps_what_was_used_last():
@@ -52,7 +48,7 @@ def test_a_scan_larger_than_the_cache_is_repaired_once_and_its_openings_are_clos
 
     count("clean")
     count("close_openings")
-    scan = scan_of(shapes.room(16))
+    scan = scan_of(*shapes.room(16))
     session = Session(budget=0)
     recipe = Recipe((Partition(proxies=30),))
     outcome = session.replay(scan, recipe)
@@ -64,7 +60,7 @@ def test_a_scan_larger_than_the_cache_is_repaired_once_and_its_openings_are_clos
 
 def test_faces_with_several_triangles_take_the_region_with_most_of_their_area():
     random = np.random.default_rng(3)
-    scan = scan_of(shapes.room(4))
+    scan = scan_of(*shapes.room(4))
     prepared = Session().prepare(scan)
     face = random.integers(0, scan.face_count // 2, len(prepared.mesh_face)).astype(np.int32)
     label = random.integers(-1, 40, len(face)).astype(np.int32)

@@ -1,16 +1,12 @@
 """The presets: recipes that can be saved, and that do what they are for."""
 
-import numpy as np
 import pytest
 
 import shapes
 from isimp.presets import BY_NAME, PRESETS
 from isimp.recipe import Recipe
-from isimp.session import Scan, Session
-
-
-def scan_of(vertices, triangles):
-    return Scan(vertices, triangles, np.arange(len(triangles), dtype=np.int32), len(triangles))
+from isimp.session import Session
+from scans import scan_of
 
 
 def test_there_are_five_with_names_of_their_own():

@@ -12,6 +12,7 @@ from isimp.prepared import face_regions
 from isimp.recipe import AddProxy, DeleteProxy, Mesh, Partition, Recipe
 from isimp.session import Scan, Session, StepFailed, engine
 from isimp.task import Stopped, Watch
+from scans import scan_of
 
 SIDES = Recipe((Partition(proxies=6),))
 
@@ -37,8 +38,7 @@ def bumpy_sphere(rows=16, columns=24):
 
 
 def each_triangle(scan):
-    count = len(scan.triangles)
-    return Scan(scan.vertices, scan.triangles, np.arange(count, dtype=np.int32), count)
+    return scan_of(scan.vertices, scan.triangles)
 
 
 @pytest.fixture(scope="module")
@@ -276,7 +276,7 @@ def test_no_steps_and_no_faces_are_said(scan):
 
 def test_a_face_that_was_dropped_is_named(scan):
     triangles = np.concatenate([scan.triangles, scan.triangles[:1]])
-    twice = Scan(scan.vertices, triangles, np.arange(len(triangles), dtype=np.int32), len(triangles))
+    twice = scan_of(scan.vertices, triangles)
     outcome = Session().replay(twice, SIDES)
     assert outcome.face_region[-1] == -1
     with pytest.raises(StepFailed, match="was left out by the repair of the mesh"):
@@ -374,7 +374,7 @@ def test_an_angle_keeps_sharp_edges():
         for y in range(3):
             a = 4 * x + y
             triangles += [(a, a + 4, a + 5), (a, a + 5, a + 1)]
-    roof = each_triangle(Scan(vertices, np.array(triangles, np.int32), np.arange(12), 12))
+    roof = scan_of(vertices, triangles)
     one = Session().replay(roof, Recipe((Partition(proxies=1, leave_out=0.0),)))
     assert one.numbers["regions"] == 1
     two = Session().replay(roof, Recipe((Partition(proxies=1, angle=45.0, leave_out=0.0),)))

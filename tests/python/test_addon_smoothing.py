@@ -6,9 +6,10 @@ import pytest
 import shapes
 from isimp import recipe as rcp
 from isimp.engine import engine
-from isimp.session import Scan, Session
+from isimp.session import Session
 from isimp.smoothing import reachable, shortened, smoothed
 from isimp.task import Stopped
+from scans import scan_of
 
 SIDE = 30
 
@@ -113,7 +114,7 @@ def test_what_no_way_leads_to_is_not_reached():
 def jagged():
     """(session, scan, recipe, faces): a cube in its six sides, and a comb painted from one side into the next."""
     vertices, triangles = shapes.cube(10)
-    scan = Scan(vertices, triangles, np.arange(len(triangles), dtype=np.int32), len(triangles))
+    scan = scan_of(vertices, triangles)
     session, recipe = Session(), rcp.Recipe().then(rcp.Partition(proxies=6))
     label = session.replay(scan, recipe).face_region
     ends = label[engine.guides.shared_edges(triangles)[0]]

@@ -1,18 +1,16 @@
 """What the add-on tells of a scan that mirrors."""
 
-import numpy as np
 import pytest
 
 import shapes
 from isimp.recipe import AddProxy, Mesh, Partition, Recipe
-from isimp.session import Scan, Session
+from isimp.session import Session
 from isimp.stored import numbers_from
+from scans import scan_of
 
 
 def scan(lump=0.0):
-    vertices, triangles = shapes.figure(lump=lump)
-    count = len(triangles)
-    return Scan(vertices, triangles.astype(np.int32), np.arange(count, dtype=np.int32), count)
+    return scan_of(*shapes.figure(lump=lump))
 
 
 @pytest.fixture(scope="module")

@@ -11,8 +11,8 @@ import shapes
 from isimp import messages, stored
 from isimp import recipe as rcp
 from isimp.session import Session
+from scans import scan_of
 from test_cli import isimp
-from test_openings import scan_of
 
 REASONS = ("unconnected", "pinches", "holes", "handles", "closed", "repair")
 
@@ -67,7 +67,7 @@ def test_the_report_has_it_and_info_can_leave_the_meshing_out(tmp_path):
 
 
 def test_the_panel_says_it_until_the_polygons_are_there():
-    session, scan = Session(), scan_of(shapes.room(16))
+    session, scan = Session(), scan_of(*shapes.room(16))
     steps = rcp.Recipe((rcp.Partition(proxies=30, close_openings=False),))
     numbers = session.replay(scan, steps).numbers
     said = messages.expected(numbers)

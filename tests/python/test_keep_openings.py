@@ -12,7 +12,8 @@ from isimp import messages, openings
 from isimp import recipe as rcp
 from isimp.session import Session
 from isimp_engine import recipes
-from test_openings import REGIONS, scan_of, simplified
+from scans import scan_of
+from test_openings import REGIONS, simplified
 
 
 def spot(report):
@@ -146,7 +147,7 @@ def test_openings_are_where_the_caller_s_coordinates_are():
 
 
 def test_the_add_on_keeps_what_was_clicked():
-    scan, session = scan_of(shapes.room(16)), Session()
+    scan, session = scan_of(*shapes.room(16)), Session()
     step = rcp.Partition(proxies=REGIONS)
     outcome = session.replay(scan, rcp.Recipe((step,)))
     found = session.openings(scan, outcome)

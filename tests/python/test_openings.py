@@ -10,10 +10,11 @@ import meshfiles
 import shapes
 from isimp import recipe as rcp
 from isimp.prepared import prepared_of
-from isimp.session import Scan, Session, StepFailed
+from isimp.session import Session, StepFailed
 from isimp_engine import batch
 from isimp_engine.cli.command import parser, settle
 from isimp_engine.cli.simplify import run
+from scans import scan_of
 from test_cli import isimp
 
 REGIONS = 30
@@ -105,14 +106,8 @@ def test_the_length_needs_a_region():
     assert engine.opening_length(mesh, 30) > engine.opening_length(mesh, 3000) > 0
 
 
-def scan_of(arrays):
-    vertices, triangles = arrays
-    count = len(triangles)
-    return Scan(vertices.astype(np.float32), triangles.astype(np.int32), np.arange(count, dtype=np.int32), count)
-
-
 def test_the_add_on_closes_them_too_and_edits_what_is_closed():
-    scan, session = scan_of(shapes.room(16)), Session()
+    scan, session = scan_of(*shapes.room(16)), Session()
     steps = rcp.Recipe((rcp.Partition(proxies=REGIONS),))
     outcome = session.replay(scan, steps)
     assert outcome.closing.handles > 4
@@ -123,7 +118,7 @@ def test_the_add_on_closes_them_too_and_edits_what_is_closed():
     assert kept.closing.handles == 0
     assert (kept.face_region >= 0).all()
     made = session.replay(scan, steps.then(rcp.Mesh()))
-    whole = session.replay(scan_of(shapes.room(0)), steps.then(rcp.Mesh()))
+    whole = session.replay(scan_of(*shapes.room(0)), steps.then(rcp.Mesh()))
     assert made.numbers["polygons"] <= 1.1 * whole.numbers["polygons"]
     face = int(np.flatnonzero(~gone)[0])
     edited = session.replay(scan, steps.then(rcp.AddProxy(face=face)))
@@ -136,7 +131,7 @@ def test_the_add_on_closes_them_too_and_edits_what_is_closed():
 
 def test_the_add_on_closes_the_same_as_the_command(tmp_path):
     report, _ = simplified(tmp_path, shapes.room(16), f"--proxies={REGIONS}")
-    outcome = Session().replay(scan_of(shapes.room(16)), rcp.Recipe((rcp.Partition(proxies=REGIONS),)))
+    outcome = Session().replay(scan_of(*shapes.room(16)), rcp.Recipe((rcp.Partition(proxies=REGIONS),)))
     assert outcome.closing.holes == pytest.approx(report["options"]["clean"]["fill_holes"], rel=1e-5)
     assert outcome.closing.handles == pytest.approx(report["options"]["clean"]["cut_handles"], rel=1e-5)
 
@@ -145,9 +140,9 @@ def test_the_add_on_closes_the_same_as_the_command(tmp_path):
 def test_openings_that_are_closed_before_the_regions_are_counted_are_the_same(monkeypatch, tmp_path, most):
     """most: regions up to which the guess is said to be right; of one it is wrong."""
     steps = rcp.Recipe((rcp.Partition(detail=0.1),))
-    counted = Session().replay(scan_of(shapes.room(16)), steps)
+    counted = Session().replay(scan_of(*shapes.room(16)), steps)
     report, _ = simplified(tmp_path, shapes.room(16), "--detail=0.1")
-    scan = scan_of(shapes.room(16))
+    scan = scan_of(*shapes.room(16))
     lengths = engine.opening_lengths(engine.clean(scan.vertices, scan.triangles), report["regions"])
     asked = []
 
@@ -156,7 +151,7 @@ def test_openings_that_are_closed_before_the_regions_are_counted_are_the_same(mo
         return *((9.0, 9.0) if most == 1 else lengths), most, True
 
     monkeypatch.setattr(engine.openings, "_guess_opening_lengths", guess)
-    guessed = Session().replay(scan_of(shapes.room(16)), steps)
+    guessed = Session().replay(scan_of(*shapes.room(16)), steps)
     assert asked == [len(shapes.room(16)[1])], "on the scan as it is, once"
     assert guessed.closing == counted.closing
     assert np.array_equal(guessed.face_region, counted.face_region)
@@ -192,7 +187,7 @@ def test_openings_of_a_repaired_mesh_are_closed_as_by_a_repair_of_the_arrays(shi
 
 
 def test_covers_belong_to_the_face_beside_them():
-    scan = scan_of(shapes.room(4))
+    scan = scan_of(*shapes.room(4))
     mesh = engine.clean(scan.vertices, scan.triangles, engine.CleanOptions(cut_handles=5.0))
     covers = np.flatnonzero(mesh.source_face < 0)
     assert len(covers) > 0

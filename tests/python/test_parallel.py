@@ -6,7 +6,8 @@ import pytest
 import isimp_engine as engine
 from isimp import session
 from isimp.recipe import METHODS, Partition, Recipe
-from isimp.session import Scan, Session, StepFailed, backends
+from isimp.session import Session, StepFailed, backends
+from scans import scan_of
 from shapes import cube as cube_arrays
 
 PARALLEL = ("naive", "queued")
@@ -88,7 +89,7 @@ def test_a_device_that_fails_stops_the_recipe_with_its_reason(mesh, monkeypatch)
         raise RuntimeError("ran out of memory; back end 'cpu' can do the same")
 
     monkeypatch.setattr(session, "_partition_guided", fail)
-    scan = Scan(mesh.vertices, mesh.triangles, np.arange(len(mesh.triangles), dtype=np.int32), len(mesh.triangles))
+    scan = scan_of(mesh.vertices, mesh.triangles)
     with pytest.raises(StepFailed, match=r"^Step 1, .*: ran out of memory; back end 'cpu' can do the same"):
         Session().replay(scan, Recipe((Partition(proxies=12, method="queued"),)))
 
@@ -97,7 +98,7 @@ def test_the_recipe_knows_every_method_of_the_engine_and_a_session_the_back_ends
     for method in METHODS:
         engine.PartitionOptions(method=method)
     assert backends() == engine.backends()
-    scan = Scan(mesh.vertices, mesh.triangles, np.arange(len(mesh.triangles), dtype=np.int32), len(mesh.triangles))
+    scan = scan_of(mesh.vertices, mesh.triangles)
     recipe = Recipe((Partition(proxies=12, method="queued"),))
     outcome = Session(backend=backends()[-1]).replay(scan, recipe)
     assert np.array_equal(outcome.face_region, Session().replay(scan, recipe).face_region)
