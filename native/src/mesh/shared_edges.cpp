@@ -8,6 +8,16 @@
 
 namespace isimp {
 
+namespace {
+
+void append(SharedEdges& to, const SharedEdges& from) {
+  to.edges.insert(to.edges.end(), from.edges.begin(), from.edges.end());
+  to.face.insert(to.face.end(), from.face.begin(), from.face.end());
+  to.beside.insert(to.beside.end(), from.beside.begin(), from.beside.end());
+}
+
+}  // namespace
+
 SharedEdges shared_edges(std::size_t vertex_count, std::span<const Triangle> triangles, Job& job) {
   const detail::EdgeGroups groups(vertex_count, triangles, job);
   SharedEdges found, next_but_one;
@@ -26,9 +36,7 @@ SharedEdges shared_edges(std::size_t vertex_count, std::span<const Triangle> tri
     for (std::size_t i = 1; i < group.size(); ++i) pair(found, i - 1, i);
     for (std::size_t i = 2; i < group.size(); ++i) pair(next_but_one, i - 2, i);
   });
-  found.edges.insert(found.edges.end(), next_but_one.edges.begin(), next_but_one.edges.end());
-  found.face.insert(found.face.end(), next_but_one.face.begin(), next_but_one.face.end());
-  found.beside.insert(found.beside.end(), next_but_one.beside.begin(), next_but_one.beside.end());
+  append(found, next_but_one);
   return found;
 }
 

@@ -111,17 +111,6 @@ struct Labels {
   [[nodiscard]] Shape shape(std::span<const std::int32_t> faces, bool check_parts = false) const;
 };
 
-/// Calls fn(h) for each half-edge that leaves v, counter-clockwise, a border one first.
-template <class Function>
-void for_each_leaving(const Mesh& mesh, std::int32_t v, Function fn) {
-  const std::int32_t start = mesh.vertex_halfedge()[v];
-  for (std::int32_t h = start; h != kNone;) {
-    fn(h);
-    h = mesh.next_outgoing(h);
-    if (h == start) break;
-  }
-}
-
 /// Labels the faces: one label for each connected piece of a region.
 /// \param face_region  (F) in [-1, R)
 /// \return the boundary half-edges

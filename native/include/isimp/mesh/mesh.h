@@ -103,4 +103,15 @@ class Mesh {
   MeshReport report_;
 };
 
+/// Calls fn(h) for each half-edge that leaves v, counter-clockwise, a border one first.
+template <class Function>
+void for_each_leaving(const Mesh& mesh, std::int32_t v, Function fn) {
+  const std::int32_t start = mesh.vertex_halfedge()[v];
+  for (std::int32_t h = start; h != kNone;) {
+    fn(h);
+    h = mesh.next_outgoing(h);
+    if (h == start) break;
+  }
+}
+
 }  // namespace isimp

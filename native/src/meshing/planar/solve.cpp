@@ -9,8 +9,8 @@ namespace {
 
 constexpr int kPasses = 4;     ///< fits, all but the first without the corners that did not fit
 constexpr int kReleases = 12;  ///< rounds at most in which snapped planes are let go
-constexpr double kTooMany =
-    0.3;  ///< share of a polygon's corners on too few planes above which it is. Source: own trials
+/// Share of a polygon's corners on too few planes, above which its plane is let go. Source: own trials.
+constexpr double kTooMany = 0.3;
 constexpr Schedule kFirst{20, 1, 1e6}, kReleased{10, 1, 1e6}, kAgain{8, 10, 1e6};
 constexpr int kAround = 4;  ///< rings round planes that were let go, that are solved anew
 

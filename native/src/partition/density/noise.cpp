@@ -32,13 +32,10 @@ struct Ring {
 template <class Value>
 Vec3 umbrella_at(const Mesh& mesh, std::int32_t v, const Value& value) {
   Ring ring;
-  const std::int32_t start = mesh.vertex_halfedge()[v];
-  for (std::int32_t h = start; h != kNone;) {
+  for_each_leaving(mesh, v, [&](std::int32_t h) {
     ring.sum += value(mesh.to(h));
     ++ring.count;
-    h = mesh.next_outgoing(h);
-    if (h == start) break;
-  }
+  });
   return value(v) - ring.sum / ring.count;
 }
 
@@ -63,13 +60,10 @@ double ramp(double x, double a, double b) { return std::clamp((x - a) / (b - a),
 Vec3 normal_at(const Mesh& mesh, std::int32_t v) {
   const auto vertices = mesh.vertices();
   Vec3 normal = Vec3::Zero();
-  const std::int32_t start = mesh.vertex_halfedge()[v];
-  for (std::int32_t h = start; h != kNone;) {
+  for_each_leaving(mesh, v, [&](std::int32_t h) {
     const Vec3 &a = vertices[v], &b = vertices[mesh.to(h)], &c = vertices[mesh.from(Mesh::prev(h))];
     normal += (b - a).cross(c - a);
-    h = mesh.next_outgoing(h);
-    if (h == start) break;
-  }
+  });
   return normal;
 }
 
