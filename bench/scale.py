@@ -8,7 +8,8 @@
                                           the size
     bench/scale.py cluster --faces 10000000 --proxies 10500
                                           `isimp tiles` on this machine alone, and on a Dask cluster of two workers of
-                                          which one is killed half-way: whether the bits are the same
+                                          which one is killed half-way: whether the bits are the same. With --apart
+                                          the workers share nothing but files
 
 The tiles against one piece, and their peaks: bench/tiles.py.
 
@@ -183,26 +184,64 @@ def run_hub(faces: int) -> int:
     return 0
 
 
+NETWORK, BRIDGE = "10.93.7", "isimpbr"
+
+
 @contextlib.contextmanager
-def cluster_of(workers: int, place: Path):
-    """The address of a Dask scheduler, and its workers; all are processes."""
-    file = place / "scheduler.json"
-    options = ["--scheduler-file", str(file), "--no-dashboard", "--host", "127.0.0.1"]
-    here = {**os.environ, "PYTHONPATH": str(Path(engine.__file__).parents[1])}
-    lines = [["dask_scheduler", "--port", "0", *options]]
-    lines += [["dask_worker", "--no-nanny", "--nthreads", "1", "--local-directory", str(place), *options]] * workers
-    processes = []
+def namespaces(count: int):
+    """For each worker the command that puts it into namespaces of its own, and its host; the scheduler's host is .1."""
+
+    def ip(words: str) -> None:
+        subprocess.run(["ip", *words.split()], check=True)
+
+    ip(f"link add {BRIDGE} type bridge")
     try:
-        for name, *more in lines:
-            command = [sys.executable, "-m", f"distributed.cli.{name}", *more]
-            processes.append(subprocess.Popen(command, env=here, stderr=subprocess.DEVNULL))
-        while not file.exists():
-            time.sleep(0.05)
-        yield json.loads(file.read_text(encoding="utf-8"))["address"], processes[1:]
+        ip(f"addr add {NETWORK}.1/24 dev {BRIDGE}")
+        ip(f"link set {BRIDGE} up")
+        places = []
+        for k in range(count):
+            ip(f"netns add {BRIDGE}{k}")
+            ip(f"link add {BRIDGE}a{k} type veth peer name {BRIDGE}b{k}")
+            ip(f"link set {BRIDGE}a{k} master {BRIDGE} up")
+            ip(f"link set {BRIDGE}b{k} netns {BRIDGE}{k}")
+            ip(f"-n {BRIDGE}{k} addr add {NETWORK}.{10 + k}/24 dev {BRIDGE}b{k}")
+            ip(f"-n {BRIDGE}{k} link set {BRIDGE}b{k} up")
+            enter = f"ip netns exec {BRIDGE}{k} unshare --ipc --pid --fork --kill-child --mount-proc"
+            places.append((enter.split(), f"{NETWORK}.{10 + k}"))
+        yield places
     finally:
-        for process in processes:
-            process.kill()
-            process.wait()
+        for k in range(count):
+            subprocess.run(["ip", "netns", "delete", f"{BRIDGE}{k}"], check=False)
+        ip(f"link delete {BRIDGE}")
+
+
+@contextlib.contextmanager
+def cluster_of(workers: int, place: Path, apart: bool):
+    """The address of a Dask scheduler, and its workers; all are processes.
+
+    apart: each worker has a network, shared memory and process numbers of its own; only files are shared.
+    """
+    file = place / "scheduler.json"
+    options = ["--scheduler-file", str(file), "--no-dashboard"]
+    here = {**os.environ, "PYTHONPATH": str(Path(engine.__file__).parents[1])}
+    processes = []
+    with namespaces(workers) if apart else contextlib.nullcontext([([], "127.0.0.1")] * workers) as places:
+        own = f"{NETWORK}.1" if apart else "127.0.0.1"
+        lines = [([], ["dask_scheduler", "--port", "0", "--host", own])]
+        for enter, host in places:
+            lines.append((enter, ["dask_worker", "--no-nanny", "--nthreads", "1", "--host", host]))
+            lines[-1][1].extend(["--local-directory", str(place)])
+        try:
+            for enter, (name, *more) in lines:
+                command = [*enter, sys.executable, "-m", f"distributed.cli.{name}", *more, *options]
+                processes.append(subprocess.Popen(command, env=here, stderr=subprocess.DEVNULL))
+                while not file.exists():
+                    time.sleep(0.05)
+            yield json.loads(file.read_text(encoding="utf-8"))["address"], processes[1:]
+        finally:
+            for process in processes:
+                process.kill()
+                process.wait()
 
 
 def processor_seconds() -> float:
@@ -211,7 +250,7 @@ def processor_seconds() -> float:
     return usage.ru_utime + usage.ru_stime
 
 
-def run_cluster(faces: int, proxies: int) -> int:
+def run_cluster(faces: int, proxies: int, apart: bool) -> int:
     """The result of two workers of a cluster, of which one is killed half-way, beside that of this machine alone."""
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder)
@@ -226,7 +265,7 @@ def run_cluster(faces: int, proxies: int) -> int:
         print(f"  seconds: {report['seconds']}")
         flaws = {name: report["output"][name] for name in ("crossing", "flipped", "bent", "intersecting")}
         print(f"  {report['output']['polygons']:,} polygons, {flaws}", flush=True)
-        with cluster_of(2, place) as (address, workers):
+        with cluster_of(2, place, apart) as (address, workers):
             done = []
 
             def kill(state: tiles.State) -> None:
@@ -256,12 +295,13 @@ def main() -> int:
     parser.add_argument("--scans", type=int, help="default 1,000; 40 for overhead")
     parser.add_argument("--faces", type=int, help="default 720,000 for hub, 10,000,000 for cluster")
     parser.add_argument("--proxies", type=int, help="of a cluster; default: one for 1,000 faces")
+    parser.add_argument("--apart", action="store_true", help="workers of a cluster in namespaces of their own; as root")
     arguments = parser.parse_args()
     if arguments.what == "hub":
         return run_hub(arguments.faces or 720_000)
     if arguments.what == "cluster":
         faces = arguments.faces or 10_000_000
-        return run_cluster(faces, arguments.proxies or faces // 1000)
+        return run_cluster(faces, arguments.proxies or faces // 1000, arguments.apart)
     if arguments.what == "drive":
         drive(*arguments.places)
         return 0
