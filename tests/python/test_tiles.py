@@ -32,14 +32,23 @@ def one_piece(whole):
     return engine.partition(engine.Mesh(*whole), engine.PartitionOptions(proxies=P))
 
 
-def error_of(vertices, triangles, label):
+def judged(vertices, triangles, label):
     """The L2,1 error of labels, and the length of the borders between regions."""
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
     normal = np.cross(b - a, c - a) / 2
     count = label.max() + 1
     sums = np.stack([np.bincount(label, normal[:, k], count) for k in range(3)], 1)
     area = np.linalg.norm(normal, axis=1)
-    return 2 * (area.sum() - np.linalg.norm(sums, axis=1).sum())
+    ends = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    order = np.lexsort(ends.T)
+    edge, side = ends[order], np.repeat(label, 3)[order]
+    between = (edge[1:] == edge[:-1]).all(1) & (side[1:] != side[:-1])
+    length = np.linalg.norm(vertices[edge[1:][between, 0]] - vertices[edge[1:][between, 1]], axis=1).sum()
+    return 2 * (area.sum() - np.linalg.norm(sums, axis=1).sum()), length
+
+
+def error_of(vertices, triangles, label):
+    return judged(vertices, triangles, label)[0]
 
 
 @pytest.mark.parametrize(("columns", "rows"), [(1, 1), (3, 1), (3, 3)])
@@ -59,6 +68,42 @@ def test_tiles_give_as_many_regions_and_as_small_an_error_as_one_piece(tmp_path,
     assert not (tmp_path / ".out.obj.tiles").exists()
     if columns > 1:
         assert outcome.report["border_edges"] - outcome.report["unmatched_edges"] >= 2 * 48 * (columns - 1)
+
+
+@pytest.mark.parametrize(("columns", "rows"), [(1, 1), (2, 2), (4, 2)])
+def test_error_and_borders_of_a_town_are_those_of_one_piece(tmp_path, columns, rows):
+    town = tilesets.town()
+    one = judged(*town, engine.partition(engine.Mesh(*town), engine.PartitionOptions(proxies=60)).face_region)
+    parts = tilesets.cut(*town, columns, rows)
+    folder = tilesets.write(tmp_path / "in", parts)
+    tiles.run(folder, tmp_path / "out.obj", proxies=60, labels=tmp_path / "labels")
+    error, borders = judged(*town, tilesets.labels_of(tmp_path / "labels", parts, len(town[1])))
+    assert error < 1.01 * one[0]
+    assert borders == pytest.approx(one[1], rel=0.05)
+
+
+def test_detail_weighs_borders_as_one_piece_does(tmp_path, data):
+    mesh = engine.clean(*engine.read(data / "scan" / "bunny_69k.ply"))
+    bunny = mesh.vertices, mesh.triangles
+    part = engine.partition(mesh, engine.PartitionOptions(detail=0.005))
+    one = judged(*bunny, part.face_region)
+    parts = tilesets.cut(*bunny, 2, 1)
+    folder = tilesets.write(tmp_path / "in", parts)
+    report = tiles.run(folder, tmp_path / "out.obj", options={"detail": 0.005}, labels=tmp_path / "labels").report
+    error, borders = judged(*bunny, tilesets.labels_of(tmp_path / "labels", parts, len(bunny[1])))
+    assert report["regions"] == pytest.approx(part.region_count, rel=0.1)
+    assert error < 1.02 * one[0]
+    assert borders == pytest.approx(one[1], rel=0.05)
+
+
+def test_merging_takes_the_cheapest_pair_at_any_number_of_nodes():
+    tilt = np.random.default_rng(2).normal(scale=0.1, size=400)
+    sums = np.stack([np.sin(tilt), 0 * tilt, np.cos(tilt), np.full(400, 2.0), np.full(400, 9.0)], 1)
+    pairs = np.stack([np.arange(399), np.arange(1, 400)], 1).astype(np.int32)
+    found = tiles.Components(np.zeros(400, np.int32), np.array([1], np.int32), 0, 0.0)
+    merges = tiles.merge_inside(sums, pairs, np.zeros(399), found, np.zeros(400), 40)
+    one_by_one = tiles.labels_after(400, merges, np.inf)
+    assert (tiles.merge(sums, pairs, np.zeros(399), found, 40) == one_by_one).all()
 
 
 @pytest.mark.parametrize(("columns", "rows"), [(1, 1), (3, 2)])

@@ -17,6 +17,20 @@ def hilly(n=48):
     return vertices, triangles
 
 
+def town(blocks=4, n=24):
+    """A rough sheet of 2 (blocks n)^2 faces with a house on each block: many planes round a ground that all touch."""
+    side = np.arange(blocks * n + 1.0)
+    x, y = np.meshgrid(side, side, indexing="ij")
+    u, v, key = x % n, y % n, (7 * (x // n) + 3 * (y // n)) % 5
+    rough = np.sin(x * 12.9898 + y * 78.233) * 43758.5453
+    inside = (u > 4) & (u < 20) & (v > 3) & (v < 19)
+    z = np.where(inside, 4 + key + 0.6 * (8 - np.abs(u - 12)), 0.02 * x) + 0.15 * (rough - np.floor(rough) - 0.5)
+    a = (np.arange(blocks * n)[:, None] * len(side) + np.arange(blocks * n)).ravel()
+    b = a + len(side)
+    triangles = np.concatenate([np.stack([a, b, b + 1], 1), np.stack([a, b + 1, a + 1], 1)]).astype(np.int32)
+    return np.stack([x, y, z], -1).reshape(-1, 3), triangles
+
+
 def cut(vertices, triangles, columns, rows=1):
     """Tiles by the middles of faces: (vertices, triangles, faces of the whole) of each."""
     middle = vertices[triangles].mean(1)

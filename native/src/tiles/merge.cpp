@@ -16,10 +16,6 @@
 namespace isimp::tiles {
 namespace {
 
-constexpr double kManyTimes = 1.3;        // nodes, of those wanted, down to which rounds merge
-constexpr double kLeastTimes = 1.05;      // that rounds leave, for the last merges to be made from exact prices
-constexpr std::int32_t kLeastOfPart = 8;  // nodes of a component, below which rounds leave it alone
-
 void check(const JoinedGraph& graph) {
   if (graph.length.size() != graph.pair.size())
     throw InvalidInput("there are " + std::to_string(graph.pair.size()) + " pairs, but " +
@@ -66,27 +62,6 @@ MergeGraph rows_of(const JoinedGraph& graph, double price) {
     }
   }
   return rows;
-}
-
-/// Merges by rounds, many pairs at once, as long as there are many more nodes than wanted: one pair at a time takes long
-/// where a cluster has many neighbours, as the ground of a city has.
-/// \return (K) node of the graph that is left
-std::vector<std::int32_t> merge_in_rounds(MergeGraph& graph, std::span<const RegionSum> sums, std::int32_t target,
-                                          Job& job) {
-  for (std::size_t u = 0; u < sums.size(); ++u)
-    graph.sum[u] = {static_cast<float>(sums[u].x), static_cast<float>(sums[u].y), static_cast<float>(sums[u].z),
-                    static_cast<float>(sums[u].length())};
-  std::vector<std::int32_t> to(sums.size()), map;
-  std::iota(to.begin(), to.end(), 0);
-  const Threads threads(1);
-  const auto out = std::count_if(sums.begin(), sums.end(), [](const RegionSum& s) { return s.faces == 0; });
-  while (graph.size() > kManyTimes * target) {
-    MergeGraph next = merge_round(graph, false, kLeastOfPart, map, threads, job);
-    if (next.size() == graph.size() || next.size() < kLeastTimes * target + static_cast<double>(out)) break;
-    for (std::int32_t& u : to) u = map[u];
-    graph = std::move(next);
-  }
-  return to;
 }
 
 }  // namespace
@@ -160,20 +135,7 @@ std::vector<std::int32_t> merge(const JoinedGraph& graph, const Components& comp
     if (components.component[u] == kNone) sums[u].faces = 0;  // takes no part
     rows.part[u] = std::max(rows.part[u], 0);
   }
-  if (each > 0 || rows.size() <= kManyTimes * target) return merge_greedily(rows, sums, components.need, target, job);
-  const std::vector<std::int32_t> to = merge_in_rounds(rows, sums, target, job);
-  std::vector<RegionSum> merged(static_cast<std::size_t>(rows.size()));
-  for (std::size_t u = 0; u < to.size(); ++u) merged[to[u]].add(sums[u]);
-  const std::vector<std::int32_t> cluster = merge_greedily(rows, merged, components.need, target, job);
-  std::vector<std::int32_t> label(to.size(), kNone), number(cluster.size(), kNone);
-  std::int32_t count = 0;
-  for (std::size_t u = 0; u < to.size(); ++u) {
-    const std::int32_t c = cluster[to[u]];
-    if (c == kNone) continue;
-    if (number[c] == kNone) number[c] = count++;
-    label[u] = number[c];
-  }
-  return label;
+  return merge_greedily(rows, sums, components.need, target, job);
 }
 
 GroupMerges merge_inside(const JoinedGraph& graph, const Components& components, std::span<const std::uint8_t> border,

@@ -165,11 +165,10 @@ def regroup(task: Task, work: Path, made: Path) -> dict[str, Any]:
     target = int(_EARLY * task["share"] * len(region))
     price = {"smooth": task["smooth"], "error": task["error"], "proxies": task["target"], "area": task["area"]}
     graph = (sums, local.reshape(-1, 2).astype(np.int32), lengths, found, border)
-    merges = steps.merge_inside(*graph, target, **price)
+    # Where the number was found, up to the cost at which it is counted once more.
+    limit = math.inf if task["cost"] is None else task["cost"] / 2
+    merges = steps.merge_inside(*graph, target, limit, **price)
     save(made, merged=region[merges.merged].reshape(-1, 2), price=merges.price)
-    if task["cost"] is not None:  # merges by the error alone, to count once more how many there are at this cost
-        plain = steps.merge_inside(*graph, target, task["cost"] / 2)
-        save(made, plain_merged=region[plain.merged].reshape(-1, 2), plain_price=plain.price)
     return {"regions": len(region), "border": int(border.sum())}
 
 
@@ -178,12 +177,11 @@ def price_of_regions(work: Path, groups: int, nodes: int, target: int) -> float:
     return _price(work, "regroup", groups, nodes, target)
 
 
-def merged_in_groups(work: Path, groups: int, nodes: int, price: float, plain: bool = False) -> NDArray[np.int32]:
+def merged_in_groups(work: Path, groups: int, nodes: int, price: float) -> NDArray[np.int32]:
     """The region of each region after the merges below a price of all groups."""
-    name = "plain_" if plain else ""
     folders = [of_tile(work, "regroup", k) for k in range(groups)]
-    pairs = np.concatenate([load(folder, f"{name}merged") for folder in folders])
-    prices = np.concatenate([load(folder, f"{name}price") for folder in folders])
+    pairs = np.concatenate([load(folder, "merged") for folder in folders])
+    prices = np.concatenate([load(folder, "price") for folder in folders])
     order = np.argsort(prices, kind="stable")  # groups have no node in common, and none merges before its own turn
     return steps.labels_after(nodes, steps.Merges(pairs[order], prices[order]), price)
 

@@ -30,10 +30,11 @@ PLAN = "plan.json"
 TILE_FACES = 1_000_000  #: of the tiles that a single scan is cut into
 MESH_FACES = 20_000_000  #: thinned faces up to which polygons are made in one process: some 10 GB
 _PATCH, _PATCHES_A_REGION = 100, 6  # faces of a patch at most; patches a region at least
-_FIRST = (3, 3)  # rounds and sweeps of each, before that
-_LAST = (10, 8)  # and after it, at most
-_HEAVIER = 1.5  # weight of borders against one piece's: merging starts from better patches, and would leave longer ones
-_LIGHTER = 0.75  # where the number is found: there one piece has longer borders too
+_FIRST = (3, 3)  # rounds before the last merging, and sweeps of each, at most
+_FIRST_BY_DETAIL = (4, 8)  # the same where the number is found
+_LAST = (10, 8)  # and after it
+_OF_ONE_PIECE = 2.0  # its error before the last merging against that of tiles, which merge from better patches
+_LIGHT = 0.5  # of the error, for what borders weigh in the first rounds where the number is found
 _FEW = 2e-5  # of all faces: rounds end where fewer move
 _TICK = 0.2  # seconds
 
@@ -191,9 +192,10 @@ class _Run:
         join = self._one("join", merging, 4 * left)
         self._map("halo", present, {}, self._places(present, join["near"]))
         regions = join["wanted"]
-        heavier = _HEAVIER if self._tolerance is None else _LIGHTER
-        shared = {"area": join["area"], "faces": sum(whole), "regions": regions, "smooth": heavier * smooth}
-        labels, sums = self._rounds("first", present, ("halo", "join"), _FIRST, shared)
+        shared = {"area": join["area"], "faces": sum(whole), "regions": regions}
+        light, price, weight = self._borders(smooth, join["area"])
+        first = _FIRST if self._tolerance is None else _FIRST_BY_DETAIL
+        labels, sums = self._rounds("first", present, ("halo", "join"), first, shared | light)
         self._map("touch", present, {"before": labels, "groups": len(self._groups)})
         merging = {
             "present": present,
@@ -202,15 +204,13 @@ class _Run:
             "area": join["area"],
             "target": regions,
             "cost": join["cost"],
-            "smooth": heavier * smooth,
-        }
+        } | price
         if self._groups:
-            error = steps.error_of(load(of_tile(plan.work, sums, 0), "sums")) / join["area"]
-            share = {"share": regions / join["regions"], "error": error}
+            share = {"share": regions / join["regions"]}
             faces = {k: 40 * join["regions"] // len(self._groups) for k in range(len(self._groups))}
             self._of_groups("regroup", merging | share, faces)
         merged = self._one("merge", merging, 40 * join["regions"])
-        labels, sums = self._rounds("last", present, (labels, "merge"), _LAST, shared, relabel="merge")
+        labels, sums = self._rounds("last", present, (labels, "merge"), _LAST, shared | weight, relabel="merge")
         self._map("thin", present, {"before": labels, "labels": self._labels, "groups": len(self._groups)})
         last = self._last(present, join)
         return Outcome(plan.output, self._report(join, merged, last, sums, present))
@@ -262,6 +262,19 @@ class _Run:
         if self._tolerance is not None:
             return {"tolerance": self._tolerance, "noise": self._noise}
         return {"size": max(1, min(_PATCH, sum(self._faces) // (_PATCHES_A_REGION * self._plan.options["proxies"])))}
+
+    def _borders(self, smooth: float, area: float) -> tuple[dict[str, float], dict[str, float], dict[str, float]]:
+        """What borders weigh in the first rounds, in the last merging and in the rounds after it, as in one piece.
+
+        One piece weighs them by the error of its regions before the last merging. Where it finds the number, it weighs
+        them lightly at first, and merges by the error alone.
+        """
+        error = steps.error_of(load(of_tile(self._plan.work, "join", 0), "sums")) / area
+        if self._tolerance is None:
+            each = {"smooth": smooth, "error": _OF_ONE_PIECE * error}
+            return each, each, each
+        plain = {"smooth": 0.0, "error": _LIGHT * error}
+        return plain, plain, {"smooth": smooth, "error": error}
 
     def _wanted(self) -> dict[str, Any]:
         """What tells the number of regions."""
@@ -333,9 +346,8 @@ class _Run:
             if number + 1 < extent[0] and (self._plan.work / f"{name}-{number + 1:02d}-sums").exists():
                 labels, sums = step, added  # done, and its labels are gone or on the way out
                 continue
-            error = steps.error_of(load(of_tile(self._plan.work, sums, 0), "sums")) / shared["area"]
             task = {"step": "relax", "before": labels, "sums": sums, "round": number + 100 * len(name)}
-            task["whole"] = shared | {"error": error, "sweeps": extent[1]}
+            task["whole"] = shared | {"sweeps": extent[1]}
             if relabel is not None and number == 0:
                 task["relabel"] = relabel
             self._map(step, present, task)

@@ -22,7 +22,7 @@ from .store import MADE, load, of_tile, save, save_values, tile_name
 
 _CLEAN = CleanOptions(threads=1)
 _FINER = 4.0  # by how much patches are finer than the tolerance at which the joined tree is cut
-SURPLUS = 2.2  # regions before the last merging, as a multiple of those wanted
+SURPLUS = 2.2  # regions before the last merging, as a multiple of a number that is given
 _T_JUNCTION = 1e-9  # of the diagonal: how far off an edge a vertex may be that lies on it, where nothing is welded
 
 Task = dict[str, Any]
@@ -204,7 +204,7 @@ def fringe(work: Path, tile: int) -> borders.Fringe:
 
 
 def _join(task: Task, work: Path, made: Path) -> dict[str, Any]:
-    """The graph of all patches, or of what groups leave of them, merged to some more regions than are wanted."""
+    """The graph of all patches, or of what groups leave, merged to the number found or to some more than that given."""
     tiles, groups = task["present"], task["groups"]
     folders = [of_tile(work, "cut" if groups else "patches", k) for k in (range(groups) if groups else tiles)]
     sums = [load(folder, "sums") for folder in folders]
@@ -226,7 +226,8 @@ def _join(task: Task, work: Path, made: Path) -> dict[str, Any]:
     needed = int(found.need.sum())
     by_detail = None if asked else steps.find_regions(whole, pairs, found, **task["wanted"])
     wanted = max(asked if by_detail is None else by_detail.regions, needed)
-    label = steps.merge(whole, pairs, lengths, found, max(int(SURPLUS * wanted), needed))
+    target = int(SURPLUS * wanted) if asked else wanted
+    label = steps.merge(whole, pairs, lengths, found, max(target, needed))
     region_sums, component = _merged(whole, found.component, label)
     save(made, first=first, label=label, sums=region_sums, component=component, need=found.need)
     return {
@@ -344,8 +345,7 @@ def _merge(task: Task, work: Path, made: Path) -> dict[str, Any]:
     pairs, lengths = (np.concatenate([load(folder, name) for folder in folders]) for name in ("pairs", "lengths"))
     sums, join, groups = load(of_tile(work, task["sums"], 0), "sums"), of_tile(work, "join", 0), task["groups"]
     whole, component, need = len(sums), load(join, "component"), load(join, "need")
-    error = steps.error_of(sums) / task["area"]
-    target = task["target"]
+    target, cost = task["target"], task["cost"]
 
     def part(label: NDArray[np.int32]) -> tuple[Any, Any, Any, steps.Components]:
         joined = steps.contracted(label, sums, pairs, lengths)
@@ -355,16 +355,14 @@ def _merge(task: Task, work: Path, made: Path) -> dict[str, Any]:
 
     label = np.arange(whole, dtype=np.int32)
     rest, near, own_lengths, found = sums, pairs, lengths, steps.Components(component, need, 0, 0.0)
-    if task["cost"] is not None:  # once more, now that borders have moved
-        if groups:
-            rest, near, _, found = part(grouped.merged_in_groups(work, groups, whole, task["cost"] / 2, plain=True))
-        target = steps.find_regions(rest, near, found, 0.0, 0.0, cost=task["cost"]).regions
     if groups:
-        price = grouped.price_of_regions(work, groups, whole, target)
+        price = grouped.price_of_regions(work, groups, whole, target) if cost is None else cost / 2
         label = grouped.merged_in_groups(work, groups, whole, price)
         rest, near, own_lengths, found = part(label)
+    if cost is not None:  # once more, now that borders have moved: some regions have become like others beside them
+        target = min(target, steps.find_regions(rest, near, found, 0.0, 0.0, cost=cost).regions)
     joined = len(rest)
-    label = steps.merge(rest, near, own_lengths, found, target, task["smooth"], error, target)[label]
+    label = steps.merge(rest, near, own_lengths, found, target, task["smooth"], task["error"], target)[label]
     merged, of = _merged(sums, component, label)
     save(made, label=label, sums=merged, component=of)
     return {"regions": len(merged), "joined": joined}

@@ -47,7 +47,7 @@ struct BorderPrice {
 ///         where the components need them
 /// \throws InvalidInput  as above
 /// \throws Cancelled     nothing was made
-/// Cost: O(K log K) where nodes have few neighbours; some 270 bytes a node.
+/// Cost: O(K log K), also beside a node with many neighbours; some 270 bytes a node.
 std::vector<std::int32_t> merge(const JoinedGraph& graph, const Components& components, std::int32_t target,
                                 const BorderPrice& price, Job& job);
 
