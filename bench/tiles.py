@@ -1,6 +1,7 @@
 """Measures `isimp tiles`: how good its results are, how much time and memory it takes, and how fast files are read.
 
-    bench/tiles.py pieces SCAN PROXIES [1 4 16 64]    compares tiles with one piece: error, borders, distance, flaws
+    bench/tiles.py pieces SCAN PROXIES [1 4 16 64]    compares tiles with one piece: error, borders, distance, flaws;
+                                                      SCAN is a file, or city:FACES
     bench/tiles.py detail SCAN DETAIL [1 4 16 64]     compares the numbers of regions that are found
     bench/tiles.py city FACES PROXIES                 runs a generated city and prints time and memory of each step
     bench/tiles.py city FACES PROXIES --kill          kills the command twice, and compares the results bit by bit
@@ -98,8 +99,18 @@ def flaws(report: dict[str, Any]) -> str:
     return " ".join(f"{report[name]} {name}" for name in names if report[name]) or "sound"
 
 
+def scan_of(path: Path) -> engine.Mesh:
+    """A file's mesh, or that of a generated city: city:FACES."""
+    if not path.name.startswith("city:"):
+        return engine.clean(*engine.read(path))
+    faces = int(path.name.removeprefix("city:"))
+    with tempfile.TemporaryDirectory() as place:
+        make_city(Path(place) / "city", faces, faces)
+        return engine.clean(*engine.read(next((Path(place) / "city").iterdir())))
+
+
 def pieces(path: Path, proxies: int, counts: list[int], groups: list[int], by_groups: bool) -> None:
-    mesh = engine.clean(*engine.read(path))
+    mesh = scan_of(path)
     triangles, vertices = mesh.triangles, mesh.vertices
     begun = time.process_time()
     part = engine.partition(mesh, engine.PartitionOptions(proxies=proxies, threads=1))
@@ -140,7 +151,7 @@ def named(groups: int) -> str:
 
 
 def detail(path: Path, share: float, counts: list[int], groups: list[int]) -> None:
-    mesh = engine.clean(*engine.read(path))
+    mesh = scan_of(path)
     triangles, vertices = mesh.triangles, mesh.vertices
     part = engine.partition(mesh, engine.PartitionOptions(detail=share))
     whole = judge(mesh, part.face_region)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from . import borders, steps
 from .store import load, of_tile, save, values_of
 
-GROUP = 4  #: tiles of a group at most; so few tiles have none. Merging round a hub takes its square
+GROUP = 4  #: tiles of a group at most; so few tiles have none
 _EARLY = 0.25  # merging in a group ends at this share of the nodes that it would have on average
 _SPARE = 1.02  # nodes that groups leave, as a multiple of what the last merging is to leave
 _WAITING = 1.0  # nodes that merge later than elsewhere since a border of groups is near, for each node at it
