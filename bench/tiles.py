@@ -3,11 +3,12 @@
     bench/tiles.py pieces SCAN PROXIES [1 4 16 64]    compares tiles with one piece: error, borders, distance, flaws;
                                                       SCAN is a file, or city:FACES
     bench/tiles.py detail SCAN DETAIL [1 4 16 64]     compares the numbers of regions that are found
+    bench/tiles.py seams SCAN|FACES PROXIES           compares polygons by groups with those of one process, same labels
     bench/tiles.py city FACES PROXIES                 runs a generated city and prints time and memory of each step
     bench/tiles.py city FACES PROXIES --kill          kills the command twice, and compares the results bit by bit
     bench/tiles.py read [FACES]                       reads a binary PLY, a text PLY and an OBJ file
 
-Run it with a Python that has isimp_engine; `pieces` needs scipy. The peaks of memory are the kernel's.
+Run it with a Python that has isimp_engine; `pieces` and `seams` need scipy. The peaks of memory are the kernel's.
 """
 
 from __future__ import annotations
@@ -144,6 +145,39 @@ def pieces(path: Path, proxies: int, counts: list[int], groups: list[int], by_gr
                 f"{len(triangles) / report['thinned_faces']:.1f} x thinned, "
                 f"graph {report['graph_bytes'] / len(triangles):.2f} B a face, {seconds:.1f} s"
             )
+
+
+def seams(source: str, proxies: int, count: int, group: int) -> None:
+    """source: a scan, or the number of faces of a city."""
+    with tempfile.TemporaryDirectory() as place:
+        folder, points = Path(place) / "in", np.zeros((0, 3))
+        if source.isdigit():
+            make_city(folder, int(source))
+        else:
+            mesh = engine.clean(*engine.read(source))
+            points = mesh.vertices
+            cut((points, mesh.triangles), count, folder)
+        found = []
+        for name, most in (("one.ply", 2**40), ("by.ply", 0)):
+            report = tiles.run(folder, Path(place) / name, proxies=proxies, group=group, mesh_faces=most, jobs=1).report
+            mean = distances(points, Path(place) / name) if len(points) else (1.0, 1.0)
+            found.append((report, mean))
+        (one, near), (by, other) = found
+        was, now = one["output"], by["output"]
+        print(
+            f"{source}: {by['groups']} groups, {by['rest_faces'] / by['thinned_faces']:.0%} of faces between them, "
+            f"mean planarity {now['planarity_mean'] / was['planarity_mean'] - 1:+.1%}, "
+            f"largest {now['planarity_max'] / was['planarity_max'] - 1:+.1%}, "
+            f"mean distance {other[0] / near[0] - 1:+.1%}, 99 % {other[1] / near[1] - 1:+.1%}, "
+            f"corners {now['corners'] / was['corners'] - 1:+.1%}, {flaws(was)} and {flaws(now)}, "
+            f"{by['made_again']} regions made again"
+        )
+        seconds, peak = by["seconds"], by["peak_mb"]
+        print(
+            f"  mesh {one['seconds']['mesh']:.2f} s, {one['peak_mb']['mesh']:.0f} MB; all of mesh-group "
+            f"{seconds['mesh-group']:.2f} s, at most {peak['mesh-group']:.0f} MB; mesh-rest "
+            f"{seconds['mesh-rest']:.2f} s, {peak['mesh-rest']:.0f} MB"
+        )
 
 
 def named(groups: int) -> str:
@@ -296,6 +330,11 @@ def main() -> None:
     command.add_argument("share", type=float)
     command.add_argument("counts", type=int, nargs="*", default=[1, 4, 16, 64])
     command.add_argument("--groups", type=int, nargs="*", default=[0], help="tiles of a group; 0: as by default")
+    command = what.add_parser("seams")
+    command.add_argument("source", help="a scan, or the number of faces of a generated city")
+    command.add_argument("proxies", type=int)
+    command.add_argument("--tiles", type=int, default=16)
+    command.add_argument("--group", type=int, default=4, help="tiles of a group")
     command = what.add_parser("read")
     command.add_argument("faces", type=int, nargs="?", default=2_000_000)
     command = what.add_parser("city")
@@ -310,6 +349,8 @@ def main() -> None:
         pieces(arguments.scan, arguments.proxies, arguments.counts, arguments.groups, arguments.by_groups)
     elif arguments.what == "detail":
         detail(arguments.scan, arguments.share, arguments.counts, arguments.groups)
+    elif arguments.what == "seams":
+        seams(arguments.source, arguments.proxies, arguments.tiles, arguments.group)
     elif arguments.what == "read":
         read(arguments.faces)
     else:

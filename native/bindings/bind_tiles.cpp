@@ -81,6 +81,18 @@ std::vector<SurfaceMoments> read_moments(const std::optional<Table<double>>& tab
   return moments;
 }
 
+PolygonMesh read_polygons(const py::object& vertices, const Table<std::int32_t>& loops,
+                          const Table<std::int32_t>& starts, const Table<std::int32_t>& regions) {
+  PolygonMesh poly;
+  poly.vertices = read_points(vertices, "vertices", "(W, 3)");
+  const auto corners = rows<std::int32_t>(loops, "loops"), begins = rows<std::int32_t>(starts, "starts"),
+             of = rows<std::int32_t>(regions, "regions");
+  poly.loops.assign(corners.begin(), corners.end());
+  poly.loop_start.assign(begins.begin(), begins.end());
+  poly.polygon_region.assign(of.begin(), of.end());
+  return poly;
+}
+
 void put_moments(const SurfaceMoments& m, double* at) {
   at[0] = m.area;
   for (int k = 0; k < 3; ++k) at[1 + k] = m.centre[k];
@@ -282,17 +294,30 @@ void bind_thinning(py::module_& m) {
       "_tile_judge_together",
       [](const py::object& vertices, const Table<std::int32_t>& loops, const Table<std::int32_t>& starts,
          const Table<std::int32_t>& regions, const Table<std::int32_t>& parts, Job* job) {
-        PolygonMesh poly;
-        poly.vertices = read_points(vertices, "vertices", "(W, 3)");
-        const auto corners = rows<std::int32_t>(loops, "loops"), begins = rows<std::int32_t>(starts, "starts"),
-                   of = rows<std::int32_t>(regions, "regions");
-        poly.loops.assign(corners.begin(), corners.end());
-        poly.loop_start.assign(begins.begin(), begins.end());
-        poly.polygon_region.assign(of.begin(), of.end());
+        PolygonMesh poly = read_polygons(vertices, loops, starts, regions);
         const auto part = rows<std::int32_t>(parts, "parts");
         return call(job, [&](Job& j) { return judge_together(std::move(poly), part, j); });
       },
       "vertices"_a, "loops"_a, "starts"_a, "regions"_a, "parts"_a, "job"_a = py::none(), "See tiles.judge_together.");
+  m.def(
+      "_tile_settle_seams",
+      [](const py::object& vertices, const Table<std::int32_t>& loops, const Table<std::int32_t>& starts,
+         const Table<std::int32_t>& regions, const Table<std::int32_t>& parts, const py::object& home,
+         const Table<double>& vector_area, const Table<double>& moments, double diagonal, std::int32_t region_count,
+         MeshingOptions options, Job* job) {
+        PolygonMesh poly = read_polygons(vertices, loops, starts, regions);
+        const auto part = rows<std::int32_t>(parts, "parts");
+        const std::vector<Vec3> homes = read_points(home, "home", "(W, 3)");
+        const auto areas = rows<std::array<double, 3>>(vector_area, "vector_area");
+        std::vector<Vec3> across;
+        across.reserve(areas.size());
+        for (const auto& [x, y, z] : areas) across.emplace_back(x, y, z);
+        const std::vector<SurfaceMoments> given = read_moments(moments, Vec3::Zero());
+        const SeamPlaces places{homes, across, given, diagonal, region_count};
+        return call(job, [&](Job& j) { return settle_seams(std::move(poly), part, places, options, j); });
+      },
+      "vertices"_a, "loops"_a, "starts"_a, "regions"_a, "parts"_a, "home"_a, "vector_area"_a, "moments"_a, "diagonal"_a,
+      "region_count"_a, "options"_a, "job"_a = py::none(), "See tiles.settle_seams.");
 }
 
 void bind_welding(py::module_& m) {

@@ -368,6 +368,7 @@ _tile_least_cost: Callable[[float, float], float]
 _tile_merge_inside: Callable[..., tuple[NDArray[np.int32], NDArray[np.float64]]]
 _tile_polygonize_part: Callable[..., tuple[PolygonMesh, NDArray[np.int32]]]
 _tile_judge_together: Callable[..., PolygonMesh]
+_tile_settle_seams: Callable[..., PolygonMesh]
 _BoundSearch: Callable[[float, bool], Any]
 _Stretch: Callable[[Job, float, float], AbstractContextManager[None]]
 

@@ -8,13 +8,12 @@
 #include "isimp/meshing/part.h"
 #include "judge.h"
 #include "polygons.h"
+#include "together.h"
 
 namespace isimp {
-namespace {
+namespace meshing {
 
-using namespace meshing;
-
-void check(const PolygonMesh& mesh, std::span<const std::int32_t> part) {
+void check_parts(const PolygonMesh& mesh, std::span<const std::int32_t> part) {
   const auto polygons = static_cast<std::size_t>(mesh.polygon_count());
   if (part.size() != polygons || mesh.polygon_region.size() != polygons)
     throw InvalidInput("there must be one part and one region for each of " + std::to_string(polygons) + " polygons");
@@ -28,29 +27,30 @@ void check(const PolygonMesh& mesh, std::span<const std::int32_t> part) {
                          std::to_string(mesh.vertices.size()));
 }
 
-/// Relative to one of them, so that rounding to float32 loses little far from zero.
-std::vector<Vec3> near_zero(const std::vector<Vec3>& vertices) {
-  std::vector<Vec3> result = vertices;
-  for (Vec3& p : result) p -= vertices.front();
+std::vector<Vec3> near_zero(const PolygonMesh& mesh, std::span<const Vec3> places) {
+  std::vector<Vec3> result(places.begin(), places.end());
+  for (Vec3& p : result) p -= mesh.vertices.front();
   return result;
 }
 
-}  // namespace
+}  // namespace meshing
+
+using namespace meshing;
 
 PolygonMesh judge_together(PolygonMesh mesh, std::span<const std::int32_t> part, const Job& job) {
-  check(mesh, part);
+  check_parts(mesh, part);
   mesh.report = {};
   mesh.report.polygons = mesh.polygon_count();
   mesh.report.corners = static_cast<std::int32_t>(mesh.loops.size());
   mesh.report.vertices = static_cast<std::int32_t>(mesh.vertices.size());
   mesh.planarity.clear();
-  const std::vector<Vec3> position = near_zero(mesh.vertices);
+  const std::vector<Vec3> position = near_zero(mesh, mesh.vertices);
   std::vector<FacetSet> sets(mesh.loop_start.size());
   Arounds arounds;
   double area = 0, bent = 0;
   for (std::int32_t q = 0; q < mesh.polygon_count(); ++q) {
     job.poll();
-    const auto loop = std::span(mesh.loops).subspan(mesh.loop_start[q], mesh.loop_end(q) - mesh.loop_start[q]);
+    const auto loop = loop_of(mesh, q);
     const Vec3 across = vector_area(loop, position);
     const PolygonVerdict verdict =
         judge_polygon(loop, position, across.normalized(), {}, Facet{{}, q, 0}, &sets[q].facets);

@@ -3,17 +3,14 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "flat_fit.h"
 
 namespace isimp::meshing {
 namespace {
 
 /// Eigenvalues below this share of the largest do not fix a point.
 constexpr double kTruncate = 0.2;
-/// How much further than to the mean of its projections a corner goes in a turn; from 2 on it would not settle.
-constexpr double kRelax = 1.7;
-/// A corner may move by this times the length of its shortest edge.
-constexpr double kOfEdge = 1.5;
 // What one thread does at a time, worth waking another:
 constexpr std::int32_t kTogether = 64;  ///< corners that are placed
 constexpr std::int32_t kFitted = 192,
@@ -41,12 +38,6 @@ Vec3 trusted_step(const Eigen::Matrix3d& a, const Vec3& g, double radius) {
   return damped.norm() <= radius ? damped : Vec3(damped * (radius / damped.norm()));
 }
 
-Vec3 within(const Vec3& p, const Vec3& home, double radius) {
-  const Vec3 d = p - home;
-  const double length = d.norm();
-  return length > radius ? Vec3(home + d * (radius / length)) : p;
-}
-
 /// The step of a corner from a place to where the planes round it meet, at most `radius` long.
 /// \param held_only  only those that are held count
 Vec3 step_to(std::span<const Plane> planes, const Polygons& polygons, std::int32_t corner, const Vec3& from,
@@ -60,110 +51,6 @@ Vec3 step_to(std::span<const Plane> planes, const Polygons& polygons, std::int32
     g += p.normal * p.normal.dot(p.centre - from);
   }
   return trusted_step(a, g, radius);
-}
-
-/// A symmetric matrix, its trace 1.
-struct Spread {
-  double xx, xy, xz, yy, yz, zz;
-
-  [[nodiscard]] Vec3 times(const Vec3& n) const {
-    return {xx * n[0] + xy * n[1] + xz * n[2], xy * n[0] + yy * n[1] + yz * n[2], xz * n[0] + yz * n[1] + zz * n[2]};
-  }
-  /// The sum of the products of two eigenvalues each.
-  [[nodiscard]] double minors() const { return xx * yy - xy * xy + xx * zz - xz * xz + yy * zz - yz * yz; }
-  /// The adjugate of this less a multiple of one, times n.
-  [[nodiscard]] Vec3 adjugate_times(double less, const Vec3& n) const {
-    const double a = xx - less, b = yy - less, c = zz - less;
-    return Spread{b * c - yz * yz, xz * yz - xy * c, xy * yz - b * xz,
-                  a * c - xz * xz, xy * xz - a * yz, a * b - xy * xy}
-        .times(n);
-  }
-};
-
-/// Of the largest eigenvalue: with the two smaller ones below it, a spread is a line, on which no plane is fixed.
-constexpr double kLine = 1e-4;
-
-/// Turns a unit vector that is near the direction of the smallest eigenvalue into that direction, unless the spread is
-/// a line. Each step takes an error to about its third power.
-/// \return whether it could; else it may be another's direction
-/// Source: the Rayleigh quotient iteration.
-bool refine(const Spread& k, Vec3& n) {
-  constexpr int kSteps = 3;
-  constexpr double kSmall = 1e-6;  // squared, of a step: the one after it would change nothing that counts
-  double turned = 1;
-  for (int step = 0; step < kSteps && turned > kSmall; ++step) {
-    const Vec3 next = k.adjugate_times(n.dot(k.times(n)), n);
-    const double length = next.norm();
-    if (!(length > 1e-12)) return false;
-    turned = (next / length - n).squaredNorm();
-    n = next / length;
-  }
-  // Of the other two the sum and the product.
-  const double least = n.dot(k.times(n)), sum = 1 - least, product = k.minors() - least * sum;
-  const bool is_least = 2 * least < sum && product - least * sum + least * least > 0;
-  return turned <= kSmall && is_least && product >= kLine * sum * sum;
-}
-
-/// A plane fitted to the corners of a polygon, held near that of the piece: flat polygons could else settle anywhere,
-/// and those of a bulge would drift inwards. Where the corners do not fix a plane, that of the piece.
-struct Fit {
-  Vec3 normal, centre;
-  bool fixed = false;
-
-  void to(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Plane& plane);
-
- private:
-  bool find_normal(const Spread& k, const Vec3& of_piece);
-};
-
-/// In the turns after the first the normal is near the one before.
-bool Fit::find_normal(const Spread& k, const Vec3& of_piece) {
-  if (!fixed || !refine(k, normal)) {
-    Eigen::Matrix3d full;
-    full << k.xx, k.xy, k.xz, k.xy, k.yy, k.yz, k.xz, k.yz, k.zz;
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-    solver.computeDirect(full);
-    if (solver.eigenvalues()[1] < kLine * solver.eigenvalues()[2]) return false;
-    normal = solver.eigenvectors().col(0);
-  }
-  const double same = normal.dot(of_piece);
-  if (same < 0) normal = -normal;
-  return std::abs(same) >= 0.3;
-}
-
-void Fit::to(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Plane& plane) {
-  if (plane.held) {
-    normal = plane.normal;
-    centre = plane.centre;
-    return;
-  }
-  constexpr double kOfSpread = 0.05;  // how much the piece's own spread counts beside the corners'
-  constexpr double kOfPlane = 0.1;    // how far towards the plane of the piece that of the corners is shifted
-  const double share = 1 / static_cast<double>(polygon.size());
-  centre = Vec3::Zero();
-  for (const std::int32_t c : polygon) centre += position[c];
-  centre *= share;
-  double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
-  for (const std::int32_t c : polygon) {
-    const Vec3 d = position[c] - centre;
-    xx += d[0] * d[0];
-    xy += d[0] * d[1];
-    xz += d[0] * d[2];
-    yy += d[1] * d[1];
-    yz += d[1] * d[2];
-    zz += d[2] * d[2];
-  }
-  const double trace = (xx + yy + zz) * share + kOfSpread * plane.spread.trace();
-  const double a = share / trace, b = kOfSpread / trace;
-  const auto& s = plane.spread;
-  fixed = xx + yy + zz > 0 && find_normal({a * xx + b * s(0, 0), a * xy + b * s(0, 1), a * xz + b * s(0, 2),
-                                           a * yy + b * s(1, 1), a * yz + b * s(1, 2), a * zz + b * s(2, 2)},
-                                          plane.normal);
-  if (!fixed) {
-    normal = plane.normal;
-    return;
-  }
-  centre += kOfPlane * normal.dot(plane.centre - centre) * normal;
 }
 
 /// Corners of which each may follow others in the turns of flattening, and the polygons round them.

@@ -480,12 +480,13 @@ class Repairer {
 
 }  // namespace
 
-Bounds bounds_of(const State& s) {
-  const double fewer = std::max(1.0, static_cast<double>(s.options.flatness_from) / std::max(s.regions, 1));
-  const double bend = s.options.flatness * std::pow(fewer, 4) * s.mesh.diagonal();
-  return {.bend = bend > 0 ? std::max(bend, kOfTolerance * s.partition.tolerance) : 0,
-          .thickness = kThickness * s.mesh.diagonal()};
+Bounds bounds_of(const MeshingOptions& options, std::int32_t regions, double tolerance, double diagonal) {
+  const double fewer = std::max(1.0, static_cast<double>(options.flatness_from) / std::max(regions, 1));
+  const double bend = options.flatness * std::pow(fewer, 4) * diagonal;
+  return {.bend = bend > 0 ? std::max(bend, kOfTolerance * tolerance) : 0, .thickness = kThickness * diagonal};
 }
+
+Bounds bounds_of(const State& s) { return bounds_of(s.options, s.regions, s.partition.tolerance, s.mesh.diagonal()); }
 
 RepairOutcome repair(State& state, Job& job) { return Repairer(state, job).run(); }
 

@@ -30,6 +30,9 @@ constexpr std::int64_t kMostCounted = 1'000'000;  ///< pairs of the scan's own f
 /// What a polygon may be. Fewer regions than `flatness_from` may miss their planes by more, so that no number of regions
 /// gives many more polygons than the one before. The bound on planarity is at least twice the tolerance of the partition.
 Bounds bounds_of(const State& state);
+/// \param regions, tolerance  of the partition
+/// \param diagonal  of the scan
+Bounds bounds_of(const MeshingOptions& options, std::int32_t regions, double tolerance, double diagonal);
 
 /// Looks for polygons that cross themselves, are flipped, are bent or intersect, and changes them and what is round
 /// them until none is left or nothing helps: pulls corners back to the mesh, adds corners, adds diagonals, splits

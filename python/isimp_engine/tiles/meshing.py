@@ -3,7 +3,8 @@
 By groups: regions inside a group become polygons together with what its tiles have of the regions that reach, or touch,
 another group. Of the latter only the planes count; their polygons are dropped. At last these regions become polygons in
 one piece. On the chains between the two, corners and places are those that the groups chose, so both sides agree; a
-corner that the last part adds lies on the chord, and goes into the polygon on the other side too.
+corner that the last part adds lies on the chord, and goes into the polygon on the other side too. Then these corners
+settle where the planes of all regions round them would have them.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 from .. import CleanOptions, Mesh, MeshingOptions, PolygonMesh, clean, partition_from, write
 from . import steps
 from .borders import place_keys
+from .parts import Added, Joined, Part, found_in, joined
 from .store import load, of_tile, save, save_values, values_of
 
 _FREE, _PLACE, _CORNER = 0, 1, 2  # as Fixed in meshing/part.h
@@ -86,6 +88,25 @@ def _options(task: Task, surface: Surface, regions: int) -> MeshingOptions:
     )
 
 
+class Pieces(NamedTuple):
+    """What polygons stand for; a piece of a region may have several of them."""
+
+    of: NDArray[np.int32]  #: (Q,) the piece of each polygon
+    first: NDArray[np.int32]  #: (L,) the first polygon of each piece, in rising order
+    vector_area: NDArray[np.float64]  #: (L, 3)
+    moments: NDArray[np.float64]  #: (L, 10)
+
+
+def _pieces(surface: Surface, face_polygon: NDArray[np.int32], polygons: int) -> Pieces:
+    own = face_polygon >= 0
+    first, piece = np.unique(face_polygon[own], return_inverse=True)
+    a, b, c = (surface.mesh.vertices[surface.mesh.triangles[own, k]] for k in range(3))
+    across = np.cross(b - a, c - a) / 2
+    area = np.stack([np.bincount(piece, across[:, k], len(first)) for k in range(3)], 1).astype(np.float64, copy=False)
+    of = (np.searchsorted(first, np.arange(polygons), "right") - 1).astype(np.int32)
+    return Pieces(of, first, area, steps.moments_of(piece, surface.moments[own], len(first)))
+
+
 class Made(NamedTuple):
     """Polygons of a part, and of what they were made."""
 
@@ -95,18 +116,21 @@ class Made(NamedTuple):
     region: NDArray[np.int32]  #: (Q,)
     face_polygon: NDArray[np.int32]  #: (F,)
     source: NDArray[np.int32]  #: (W,) vertices of the mesh
+    pieces: Pieces
     report: dict[str, Any]
 
 
-def _polygons(surface: Surface, keys: NDArray[np.uint64], fixed: NDArray[np.uint8], task: Task) -> Made:
-    part = partition_from(surface.mesh, surface.label)
+def _polygons(surface: Surface, keys: NDArray[np.uint64], fixed: NDArray[np.uint8], mesh: Mesh, task: Task) -> Made:
+    """The polygons of a part. mesh: that of `surface`, with its vertices where `fixed` ones are to be."""
+    part = partition_from(mesh, surface.label)
     options = _options(task, surface, len(np.unique(surface.label)))
-    poly, face_polygon = steps.polygonize_part(surface.mesh, part, options, surface.moments, fixed)
+    poly, face_polygon = steps.polygonize_part(mesh, part, options, surface.moments, fixed)
     named = np.full(part.region_count, -1, np.int32)
     named[part.face_region] = surface.label
     loops = np.split(poly.loops, poly.loop_start[1:])
     source = poly.source_vertex
-    return Made(poly.vertices, keys[source], loops, named[poly.polygon_region], face_polygon, source, poly.report)
+    pieces, region = _pieces(surface, face_polygon, len(loops)), named[poly.polygon_region]
+    return Made(poly.vertices, keys[source], loops, region, face_polygon, source, pieces, poly.report)
 
 
 def _flaws(report: dict[str, Any], kept: NDArray[np.bool_]) -> dict[str, int]:
@@ -130,7 +154,7 @@ def mesh_group(task: Task, work: Path, made: Path) -> dict[str, Any]:
     at_border: NDArray[np.bool_] = np.any((outer | alike)[triangles], axis=1)
     between = np.unique(label[at_border])
     seen = Surface(mesh, label, _with_outside(task, work, label, at_border, moments))
-    found = _polygons(seen, keys, np.zeros(len(keys), np.uint8), task)
+    found = _polygons(seen, keys, np.zeros(len(keys), np.uint8), mesh, task)
     final = np.where(found.face_polygon >= 0, found.region[found.face_polygon], -1).astype(np.int32)
     between = np.union1d(between, final[at_border])  # a face at the border may have gone to a region inside
     group = _Group(mesh.vertices, triangles, final, moments, found, _across(mesh))
@@ -180,7 +204,7 @@ def _part(made: Path, group: _Group, between: NDArray[np.int32]) -> dict[str, An
     found = group.found
     kept = ~np.isin(found.region, between)
     stays = np.isin(group.label, between)
-    _save_polygons(made, found, kept)
+    save(made / "polygons", **_parted(found, group.vertices[found.source], kept)._asdict())
     save(made, **_chains(group, kept, stays), between=between)
     used, local = np.unique(group.triangles[stays], return_inverse=True)
     corners = local.reshape(-1, 3).astype(np.int32)
@@ -197,6 +221,7 @@ def _save_group(folder: Path, group: _Group) -> None:
     sizes = np.array([len(loop) for loop in found.polygons], np.int32)
     save(folder, places=found.vertices, keys=found.keys, loops=np.concatenate(found.polygons), sizes=sizes)
     save(folder, region=found.region, face_polygon=found.face_polygon, source=found.source)
+    save(folder, **{f"piece_{name}": array for name, array in found.pieces._asdict().items()})
     save_values(folder, {name: found.report[name] for name in (*_COUNTS, *_SPLITS, "imperfect", "repair_rounds")})
 
 
@@ -204,16 +229,19 @@ def _load_group(folder: Path) -> _Group:
     loops = np.split(load(folder, "loops"), np.cumsum(load(folder, "sizes"))[:-1])
     region, face_polygon, source = (load(folder, name) for name in ("region", "face_polygon", "source"))
     report = values_of(folder)
-    found = Made(load(folder, "places"), load(folder, "keys"), loops, region, face_polygon, source, report)
+    pieces = Pieces(*(load(folder, f"piece_{name}") for name in Pieces._fields))
+    found = Made(load(folder, "places"), load(folder, "keys"), loops, region, face_polygon, source, pieces, report)
     vertices, triangles, label, moments = (load(folder, n) for n in ("vertices", "triangles", "label", "moments"))
     return _Group(vertices, triangles, label, moments, found, load(folder, "across"))
 
 
-def _save_polygons(made: Path, found: Made, kept: NDArray[np.bool_]) -> None:
+def _parted(found: Made, home: NDArray[np.float64], kept: NDArray[np.bool_]) -> Part:
+    """The polygons of a part that are kept."""
     chosen = [found.polygons[q] for q in np.flatnonzero(kept)]
-    sizes = np.array([len(loop) for loop in chosen], np.int32)
-    loops = np.concatenate([np.zeros(0, np.int32), *chosen])
-    save(made, vertices=found.vertices, keys=found.keys, loops=loops, sizes=sizes, region=found.region[kept])
+    sizes, loops = np.array([len(loop) for loop in chosen], np.int32), np.concatenate([np.zeros(0, np.int32), *chosen])
+    piece = found.pieces.of[kept]
+    areas, moments = found.pieces.vector_area[piece], found.pieces.moments[piece]
+    return Part(found.vertices, home, found.keys, loops, sizes, found.region[kept], areas, moments)
 
 
 def _chains(group: _Group, kept: NDArray[np.bool_], stays: NDArray[np.bool_]) -> dict[str, NDArray[Any]]:
@@ -222,63 +250,101 @@ def _chains(group: _Group, kept: NDArray[np.bool_], stays: NDArray[np.bool_]) ->
     fixed_key, fixed_flag, fixed_place: of each vertex. added_key, added_polygon, added_after: vertices inside chords,
     in order along each, and behind which corner of which kept polygon they would stand.
     """
-    found, triangles, across, vertices = group.found, group.triangles, group.across, group.vertices
-    left = ~stays & (found.face_polygon >= 0)
-    seam = left[:, None] & (across >= 0) & stays[across]
-    face, corner = np.nonzero(seam)
-    piece = found.face_polygon[face]
-    leads = {
-        (p, a): b
-        for p, a, b in zip(
-            piece.tolist(),
-            triangles[face, corner].tolist(),
-            triangles[face, (corner + 1) % 3].tolist(),
-            strict=True,
-        )
-    }
-    pieces = np.unique(found.face_polygon[left])
+    found, vertices = group.found, group.vertices
+    chord = _chords(found, kept)
+    walk = _walked(group, stays, chord)
+    place, flag = np.empty((len(vertices), 3)), np.zeros(len(vertices), np.uint8)
+    # Vertices inside a chain are spread along its chord.
+    rows, chain = walk.vertex, walk.chord
+    before = np.where(np.append(True, chain[1:] != chain[:-1])[: len(chain)], chord.begin[chain], np.roll(rows, 1))
+    length = np.linalg.norm(vertices[rows] - vertices[before], axis=1)
+    total = np.bincount(chain, length, len(chord.begin))
+    run = np.cumsum(length) - (np.cumsum(total) - total)[chain]
+    inside = rows != chord.end[chain]
+    first, last = found.vertices[chord.first[chain]], found.vertices[chord.last[chain]]
+    share = (run / np.maximum(total[chain], 1e-300))[:, None]
+    place[rows[inside]], flag[rows[inside]] = (first + share * (last - first))[inside], _PLACE
+    for ends, corners in ((chord.begin, chord.first), (chord.end, chord.last)):
+        place[ends[walk.is_whole]], flag[ends[walk.is_whole]] = found.vertices[corners[walk.is_whole]], _CORNER
+    fixed = np.flatnonzero(flag)
     keys = place_keys(vertices)
-    fixed: dict[int, tuple[int, NDArray[np.float64]]] = {}
-    added: list[tuple[int, int, int]] = []
-    number = np.cumsum(kept) - 1
-    chosen = np.flatnonzero(kept).tolist()
-    starts = np.append(np.zeros(0 if len(pieces) else 1, np.int32), pieces)
-    of_piece = starts[np.maximum(np.searchsorted(starts, np.arange(len(kept)), "right") - 1, 0)].tolist()
-    corners: dict[int, set[int]] = {}
-    for q, loop in enumerate(found.polygons if chosen else []):
-        corners.setdefault(of_piece[q], set()).update(found.source[loop].tolist())
-    for q in chosen:
-        own = of_piece[q]
-        loop = found.polygons[q]
-        ends = found.source[loop].tolist()
-        for at, (a, b) in enumerate(zip(ends, ends[1:] + ends[:1], strict=True)):
-            chain = [a]
-            while (own, chain[-1]) in leads and (len(chain) == 1 or chain[-1] not in corners[own]):
-                chain.append(leads[own, chain[-1]])
-            if len(chain) == 1 or chain[-1] != b:  # no chain, or a diagonal beside one
-                continue
-            first, last = found.vertices[loop[at]], found.vertices[loop[(at + 1) % len(loop)]]
-            fixed[a], fixed[b] = (_CORNER, first), (_CORNER, last)
-            length = np.cumsum(np.linalg.norm(np.diff(vertices[chain], axis=0), axis=1))
-            for v, share in zip(chain[1:-1], (length[:-1] / length[-1]).tolist(), strict=True):
-                fixed[v] = (_PLACE, first + share * (last - first))
-                added.append((v, int(number[q]), at))
-    order = sorted(fixed)
-    rows = np.array(added, np.int64).reshape(-1, 3)
     return {
-        "fixed_key": keys[order],
-        "fixed_flag": np.array([fixed[v][0] for v in order], np.uint8),
-        "fixed_place": np.array([fixed[v][1] for v in order]).reshape(-1, 3),
-        "added_key": keys[rows[:, 0]],
-        "added_polygon": rows[:, 1],
-        "added_after": rows[:, 2],
+        "fixed_key": keys[fixed],
+        "fixed_flag": flag[fixed],
+        "fixed_place": place[fixed],
+        "added_key": keys[rows[inside]],
+        "added_polygon": chord.polygon[chain[inside]],
+        "added_after": chord.after[chain[inside]],
     }
+
+
+class _Chords(NamedTuple):
+    """The edges of polygons that are kept, in the order of these."""
+
+    piece: NDArray[np.int64]  #: (N,)
+    begin: NDArray[np.int64]  #: (N,) vertices of the mesh at its ends
+    end: NDArray[np.int64]
+    first: NDArray[np.int64]  #: (N,) vertices of the polygons there
+    last: NDArray[np.int64]
+    polygon: NDArray[np.int64]  #: (N,) which of those kept
+    after: NDArray[np.int64]  #: (N,) which of its corners begins it
+
+
+def _chords(found: Made, kept: NDArray[np.bool_]) -> _Chords:
+    sizes = np.array([len(loop) for loop in found.polygons], np.int64)[kept]
+    first = np.concatenate([np.zeros(0, np.int32), *(found.polygons[q] for q in np.flatnonzero(kept))]).astype(np.int64)
+    starts = np.cumsum(sizes) - sizes
+    polygon = np.repeat(np.arange(len(sizes)), sizes)
+    at = np.arange(len(first))
+    last = first[np.where(at + 1 == (starts + sizes)[polygon], starts[polygon], at + 1)]
+    source, piece = found.source.astype(np.int64), found.pieces.of[kept].astype(np.int64)
+    return _Chords(piece[polygon], source[first], source[last], first, last, polygon, at - starts[polygon])
+
+
+class _Walked(NamedTuple):
+    """The vertices of chains after the first of each, in order along each; only of chains that join a chord's ends."""
+
+    chord: NDArray[np.int64]  #: (M,) rising
+    vertex: NDArray[np.int64]  #: (M,)
+    is_whole: NDArray[np.bool_]  #: (N,) of each chord whether it has one
+
+
+def _walked(group: _Group, stays: NDArray[np.bool_], chord: _Chords) -> _Walked:
+    """Walk along the boundaries between kept pieces and faces that stay, of all chords a step at a time."""
+    found, across, count = group.found, group.across, np.int64(len(group.vertices))
+    left = ~stays & (found.face_polygon >= 0)
+    face, corner = np.nonzero(left[:, None] & (across >= 0) & stays[across])
+    piece = found.pieces.of[found.face_polygon[face]]
+    name = piece * count + group.triangles[face, corner]
+    order = np.argsort(name, kind="stable")
+    name, to = name[order], group.triangles[face, (corner + 1) % 3].astype(np.int64)[order]
+    loops = np.concatenate([np.zeros(0, np.int32), *found.polygons])
+    of = np.repeat(found.pieces.of, [len(loop) for loop in found.polygons])
+    is_end = np.isin(piece[order] * count + to, of * count + found.source[loops])
+    after, has_after = found_in(name, piece[order] * count + to)
+    after = np.where(has_after & ~is_end, after, -1)
+    at, begins = found_in(name, chord.piece * count + chord.begin)
+    chains = np.flatnonzero(begins)
+    at = at[chains]
+    steps_of, vertices_of = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)]
+    end = np.full(len(chord.begin), -1, np.int64)
+    while len(chains):
+        steps_of.append(chains)
+        vertices_of.append(to[at])
+        end[chains] = to[at]
+        at = after[at]
+        chains, at = chains[at >= 0], at[at >= 0]
+    whole: NDArray[np.bool_] = end == chord.end
+    walked, vertex = np.concatenate(steps_of), np.concatenate(vertices_of)
+    rank = np.argsort(walked, kind="stable")
+    rank = rank[whole[walked[rank]]]
+    return _Walked(walked[rank], vertex[rank], whole)
 
 
 def mesh_rest(task: Task, work: Path, made: Path) -> dict[str, Any]:
     """The polygons of the regions between groups, and all polygons together.
 
-    Where polygons of the two meet, those of groups are dropped, and their regions made again with the others.
+    Where polygons of the two still meet, those of groups are dropped, and their regions made again with the others.
     """
     folders = [of_tile(work, "mesh-group", k) for k in range(task["groups"])]
     values = [values_of(folder) for folder in folders]
@@ -300,7 +366,7 @@ def mesh_rest(task: Task, work: Path, made: Path) -> dict[str, Any]:
     return _report(task, poly, values, last) | {"made_again": again}
 
 
-def _faulty(poly: PolygonMesh, of: _Origin, last: dict[str, Any] | None, groups: int) -> dict[int, list[int]]:
+def _faulty(poly: PolygonMesh, of: Joined, last: dict[str, Any] | None, groups: int) -> dict[int, list[int]]:
     """By group, the regions whose polygons are at fault, or beside one of the last part that is.
 
     At fault are polygons that cross themselves or are turned over, that meet another one, or that share an edge with
@@ -329,95 +395,42 @@ def _faulty(poly: PolygonMesh, of: _Origin, last: dict[str, Any] | None, groups:
     return {k: sorted(found[k]) for k in sorted(found)}
 
 
-def _together(folders: list[Path], task: Task) -> tuple[PolygonMesh, _Origin, dict[str, Any] | None]:
-    """The polygons of all parts, where each is from, and the report of the last one."""
+def _together(folders: list[Path], task: Task) -> tuple[PolygonMesh, Joined, dict[str, Any] | None]:
+    """The polygons of all parts, settled where they meet; where each is from, and the report of the last part."""
     keys, flag, place = (np.concatenate([load(f, f"fixed_{n}") for f in folders]) for n in ("key", "flag", "place"))
-    order = np.argsort(keys, kind="stable")
-    keys, flag, place = keys[order], flag[order], place[order]
-    parts = [_read(folder, k) for k, folder in enumerate(folders)]
+    keys, one = np.unique(keys, return_index=True)
+    flag, place = flag[one], place[one]
+    parts = [Part(*(load(folder / "polygons", name) for name in Part._fields)) for folder in folders]
+    added = [Added(*(load(folder, f"added_{name}") for name in Added._fields)) for folder in folders]
     last = None
     if any(len(np.load(folder / "rest" / "label.npy", mmap_mode="r")) for folder in folders):
         surface = thinned([folder / "rest" for folder in folders], task["threads"])
-        own = place_keys(surface.mesh.vertices)
+        home = surface.mesh.vertices
+        own = place_keys(home)
         at = np.minimum(np.searchsorted(keys, own), max(0, len(keys) - 1))
         known = keys[at] == own if len(keys) else np.zeros(len(own), bool)
-        fixed, vertices = np.zeros(len(own), np.uint8), surface.mesh.vertices.copy()
+        fixed, vertices = np.zeros(len(own), np.uint8), home.copy()
         fixed[known], vertices[known] = flag[at[known]], place[at[known]]
-        moved = Surface(Mesh(vertices, surface.mesh.triangles, threads=1), surface.label, surface.moments)
-        found = _polygons(moved, own, fixed, task)
-        parts.append(_Part(found.vertices, found.keys, found.polygons, found.region, {}, len(folders)))
-        last = found.report | {"faces": len(moved.label)}
-    return *_joined(parts, keys, place), last
-
-
-class _Origin(NamedTuple):
-    """Where polygons are from."""
-
-    part: NDArray[np.int32]  #: (Q,) the group; the number of groups for the last part
-    polygon: NDArray[np.int32]  #: (Q,) which of its polygons
-
-
-class _Part(NamedTuple):
-    vertices: NDArray[np.float64]
-    keys: NDArray[np.uint64]
-    polygons: list[NDArray[np.int32]]
-    region: NDArray[np.int32]
-    added: dict[tuple[int, int], list[int]]  # by polygon and corner: names of places that may come after it
-    number: int
-
-
-def _read(folder: Path, number: int) -> _Part:
-    sizes = load(folder, "sizes")
-    loops = np.split(load(folder, "loops"), np.cumsum(sizes)[:-1]) if len(sizes) else []
-    added: dict[tuple[int, int], list[int]] = {}
-    names = ("added_key", "added_polygon", "added_after")
-    for key, q, at in zip(*(load(folder, name).tolist() for name in names), strict=True):
-        added.setdefault((q, at), []).append(key)
-    return _Part(load(folder, "vertices"), load(folder, "keys"), loops, load(folder, "region"), added, number)
-
-
-def _joined(parts: list[_Part], fixed: NDArray[np.uint64], place: NDArray[np.float64]) -> Any:
-    """The polygons of all parts as one mesh, and the part of each. Parts share the vertices of common chains."""
-    on_chain = {key: n for n, key in enumerate(fixed.tolist())}
-    last = parts[-1] if parts[-1].added == {} else None
-    corners = set() if last is None else {k for k in last.keys.tolist() if k in on_chain}
-    vertices: list[NDArray[np.float64]] = []
-    shared: dict[int, int] = {}
-    loops: list[list[int]] = []
-    region: list[int] = []
-    of: list[int] = []
-    places: list[int] = []
-
-    def name(key: int) -> int:
-        if key not in shared:
-            shared[key] = len(vertices)
-            vertices.append(place[on_chain[key]])
-        return shared[key]
-
-    for part in parts:
-        keys = part.keys.tolist()
-        number: dict[int, int] = {}
-        for q, loop in enumerate(part.polygons):
-            row: list[int] = []
-            for at, v in enumerate(loop.tolist()):
-                if keys[v] in on_chain:
-                    row.append(name(keys[v]))
-                else:
-                    if v not in number:
-                        number[v] = len(vertices)
-                        vertices.append(part.vertices[v])
-                    row.append(number[v])
-                row += [name(key) for key in part.added.get((q, at), ()) if key in corners]
-            loops.append(row)
-            region.append(int(part.region[q]))
-            of.append(part.number)
-            places.append(q)
-    order = np.argsort(np.array(region), kind="stable")
-    starts = np.cumsum([0] + [len(loops[q]) for q in order.tolist()])[:-1]
-    flat = np.array([v for q in order.tolist() for v in loops[q]], np.int32)
-    origin = _Origin(*(np.array(each, np.int32)[order] for each in (of, places)))
-    regions = np.array(region, np.int32)[order]
-    return steps.judge_together(np.array(vertices).reshape(-1, 3), flat, starts, regions, origin.part), origin
+        moved = Mesh(vertices, surface.mesh.triangles, threads=1)
+        found = _polygons(surface, own, fixed, moved, task)
+        parts.append(_parted(found, home[found.source], np.ones(len(found.polygons), bool)))
+        last = found.report | {"faces": len(surface.label)}
+    all_parts = joined(parts, added, keys, place)
+    whole = task["whole"]
+    poly = steps.settle_seams(
+        all_parts.vertices,
+        all_parts.loops,
+        all_parts.starts,
+        all_parts.region,
+        all_parts.part,
+        home=all_parts.home,
+        vector_area=all_parts.vector_area,
+        moments=all_parts.moments,
+        diagonal=whole["diagonal"],
+        region_count=whole["regions"],
+        options=MeshingOptions(**task["meshing"]),
+    )
+    return poly, all_parts, last
 
 
 def _report(task: Task, poly: PolygonMesh, groups: list[dict[str, Any]], last: dict[str, Any] | None) -> dict[str, Any]:
@@ -430,7 +443,9 @@ def _report(task: Task, poly: PolygonMesh, groups: list[dict[str, Any]], last: d
     for name in (*_COUNTS, *_SPLITS):
         report[name] = (last or {}).get(name, 0) + sum(each["counts"][name] for each in groups)
     sums = {name: sum(each[name] for each in found) for name in _FLAWS}
-    report |= {name: sums[name] for name in ("flipped", "bent", "excused")}
+    report["excused"] = sums["excused"]
+    for name in ("flipped", "bent"):
+        report[name] += sums[name]
     report["crossing"] = max(report["crossing"], sums["crossing"] + sums["no_area"])
     report["intersecting"] += sums["intersecting"]
     report["repair_rounds"] = max([(last or {}).get("repair_rounds", 0), *(each["rounds"] for each in groups)])

@@ -379,6 +379,35 @@ def judge_together(
     return polygons
 
 
+def settle_seams(
+    vertices: ArrayLike,
+    loops: ArrayLike,
+    starts: ArrayLike,
+    regions: ArrayLike,
+    parts: ArrayLike,
+    *,
+    home: ArrayLike,
+    vector_area: ArrayLike,
+    moments: ArrayLike,
+    diagonal: float,
+    region_count: int,
+    options: MeshingOptions,
+    job: Job | None = None,
+) -> PolygonMesh:
+    """As `judge_together`, after vertices that different parts share were put where all planes round them meet.
+
+    home: (W, 3) where the scan's vertex lies that each vertex stands for. vector_area (Q, 3) and moments (Q, 10): of
+    the piece of surface that each polygon stands for. diagonal, region_count: of the whole scan. The polygons round
+    these vertices are made flat. Where that makes one faulty its vertices go back, and where polygons of different
+    parts meet, towards the scan. The report also has polygons that are at fault and were not so before. Raises
+    InvalidInput or Cancelled. Cost: as `judge_together`, and options.flatten rounds over the polygons at seams.
+    """
+    polygons: PolygonMesh = _core._tile_settle_seams(
+        vertices, loops, starts, regions, parts, home, vector_area, moments, diagonal, region_count, options, job
+    )
+    return polygons
+
+
 def weld(points: ArrayLike, tile: ArrayLike, length: float, job: Job | None = None) -> NDArray[np.int32]:
     """Which vertices on borders of tiles are one: the index (N,) of the point whose place each takes.
 

@@ -45,4 +45,24 @@ PolygonPart polygonize_part(const Mesh& mesh, const Partition& partition, const 
 /// Cost: O(corners log corners); no scan.
 PolygonMesh judge_together(PolygonMesh polygons, std::span<const std::int32_t> part, const Job& job);
 
+/// What tells where vertices lie that polygons of different parts share.
+struct SeamPlaces {
+  std::span<const Vec3> home;               ///< (W) where the scan's vertex lies that each vertex stands for
+  std::span<const Vec3> vector_area;        ///< (Q) of the piece of surface that each polygon stands for
+  std::span<const SurfaceMoments> moments;  ///< (Q) of it
+  double diagonal = 0;                      ///< of the whole scan
+  std::int32_t regions = 1;                 ///< of the whole scan
+};
+
+/// Puts the vertices that polygons of different parts share where the planes of all pieces round them meet, and makes
+/// the polygons round them flat together with their other vertices, as `polygonize` does with all. Where that makes a
+/// polygon faulty its vertices go back; where polygons of different parts meet, towards the scan.
+///
+/// \param polygons  as of judge_together
+/// \return as of judge_together; in its report `flipped` and `bent` are polygons that were not so before
+/// \throws InvalidInput  as judge_together; a place for a vertex or a polygon is missing; an option out of its range
+/// Cost: O(polygons log polygons + corners round seams * rounds of flattening); no scan.
+PolygonMesh settle_seams(PolygonMesh polygons, std::span<const std::int32_t> part, const SeamPlaces& places,
+                         const MeshingOptions& options, const Job& job);
+
 }  // namespace isimp
