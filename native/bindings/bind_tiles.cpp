@@ -71,7 +71,9 @@ std::vector<RegionSum> read_sums(const Table<double>& table) {
 std::vector<SurfaceMoments> read_moments(const std::optional<Table<double>>& table, const Vec3& origin) {
   std::vector<SurfaceMoments> moments;
   if (!table) return moments;
-  for (const auto& row : rows<std::array<double, kMomentColumns>>(*table, "moments")) {
+  const auto given = rows<std::array<double, kMomentColumns>>(*table, "moments");
+  moments.reserve(given.size());
+  for (const auto& row : given) {
     SurfaceMoments m;
     m.area = row[0];
     m.centre = Vec3(row[1], row[2], row[3]) - origin;
@@ -261,8 +263,9 @@ void bind_thinning(py::module_& m) {
       [](const KeptMesh& mesh, const Table<std::int32_t>& label, const std::optional<Table<double>>& moments,
          Job* job) {
         const auto labels = rows<std::int32_t>(label, "labels");
-        const std::vector<SurfaceMoments> given = read_moments(moments, Vec3::Zero());
+        std::vector<SurfaceMoments> given = read_moments(moments, Vec3::Zero());
         tiles::Thinned t = call(job, [&](Job& j) { return tiles::thin(mesh, labels, given, j); });
+        std::vector<SurfaceMoments>().swap(given);  // before there is one more copy
         py::array of_faces = table_of(t.moments, kMomentColumns, put_moments);
         return py::make_tuple(owned(std::move(t.vertices)), owned(std::move(t.triangles)), owned(std::move(t.label)),
                               of_faces);
@@ -282,6 +285,7 @@ void bind_thinning(py::module_& m) {
         const std::vector<SurfaceMoments> given = read_moments(moments, mesh.origin());
         const auto flags = rows<std::uint8_t>(fixed, "fixed");
         std::vector<Fixed> of_vertex;
+        of_vertex.reserve(flags.size());
         for (const std::uint8_t flag : flags) {
           if (flag > static_cast<std::uint8_t>(Fixed::corner)) throw InvalidInput("`fixed` must be 0, 1 or 2");
           of_vertex.push_back(static_cast<Fixed>(flag));

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -61,14 +62,8 @@ class Thinner {
   }
 
   [[nodiscard]] bool lives(std::int32_t f) const { return heir_[f] == kNone && label_[f] != kNone; }
-  /// The face that stands for a face.
-  std::int32_t stands_for(std::int32_t f) {
-    while (heir_[f] != kNone) {
-      if (heir_[heir_[f]] != kNone) heir_[f] = heir_[heir_[f]];
-      f = heir_[f];
-    }
-    return f;
-  }
+  /// What is left of it in the end: of each face the one that stands for it; kNone: it lives.
+  std::vector<std::int32_t> take_heirs() { return std::move(heir_); }
   [[nodiscard]] const Triangle& triangle(std::int32_t f) const { return triangle_[f]; }
 
  private:
@@ -196,6 +191,15 @@ class Thinner {
   std::int32_t stamp_ = 0;
 };
 
+/// The face that stands for a face.
+std::int32_t stands_for(std::vector<std::int32_t>& heir, std::int32_t f) {
+  while (heir[f] != kNone) {
+    if (heir[heir[f]] != kNone) heir[f] = heir[heir[f]];
+    f = heir[f];
+  }
+  return f;
+}
+
 SurfaceMoments moments_of_face(const Mesh& mesh, std::int32_t f) {
   const Triangle& t = mesh.triangles()[f];
   SurfaceMoments m = moments_of(mesh.vertices()[t[0]], mesh.vertices()[t[1]], mesh.vertices()[t[2]]);
@@ -210,14 +214,14 @@ Thinned thin(const Mesh& mesh, std::span<const std::int32_t> label, std::span<co
   if (label.size() != faces || (!moments.empty() && moments.size() != faces))
     throw InvalidInput("the mesh has " + std::to_string(faces) +
                        " faces; give one label, and one row of moments or none, for each");
-  Thinner thinner(mesh, label);
-  thinner.run(job);
+  auto thinner = std::make_unique<Thinner>(mesh, label);
+  thinner->run(job);
   Thinned result;
   std::vector<std::int32_t> vertex(static_cast<std::size_t>(mesh.vertex_count()), kNone), place(faces, kNone);
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    if (!thinner.lives(f)) continue;
+    if (!thinner->lives(f)) continue;
     place[f] = static_cast<std::int32_t>(result.triangles.size());
-    Triangle t = thinner.triangle(f);
+    Triangle t = thinner->triangle(f);
     for (std::int32_t& v : t) {
       if (vertex[v] == kNone) {
         vertex[v] = static_cast<std::int32_t>(result.vertices.size());
@@ -228,11 +232,13 @@ Thinned thin(const Mesh& mesh, std::span<const std::int32_t> label, std::span<co
     result.triangles.push_back(t);
     result.label.push_back(label[f]);
   }
+  std::vector<std::int32_t> heir = thinner->take_heirs();
+  thinner.reset();  // before the moments, which take most
   result.moments.resize(result.triangles.size());
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
     if ((f & kPollEvery) == 0) job.poll();
     if (label[f] != kNone)
-      result.moments[place[thinner.stands_for(f)]].add(moments.empty() ? moments_of_face(mesh, f) : moments[f]);
+      result.moments[place[stands_for(heir, f)]].add(moments.empty() ? moments_of_face(mesh, f) : moments[f]);
   }
   return result;
 }

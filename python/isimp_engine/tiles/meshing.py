@@ -25,6 +25,7 @@ from .store import load, of_tile, save, save_values, values_of
 _FREE, _PLACE, _CORNER = 0, 1, 2  # as Fixed in meshing/part.h
 _MENDED = ("crossing", "no_area", "flipped", "intersecting")
 _ROUNDS = 5  # of making polygons again that meet those of another part
+_LARGE = 100  # corners of a polygon, above which what is beside it is not made again for its sake
 _FLAWS = ("crossing", "no_area", "flipped", "bent", "intersecting", "excused")
 _COUNTS = ("regions_split", "merged_without_area", "joined_junctions", "diagonals", "planes_let_go", "without_area")
 _SPLITS = tuple(f"split_for_{why}" for why in ("unconnected", "holes", "handles", "pinches", "closed", "repair"))
@@ -65,6 +66,7 @@ def mesh_all(task: Task, work: Path, made: Path) -> dict[str, Any]:
     """The polygons of all tiles."""
     mesh, label, moments = thinned([of_tile(work, "thin", tile) for tile in task["present"]], task["threads"])
     part = partition_from(mesh, label)
+    del label
     poly = steps.polygonize_thinned(mesh, part, MeshingOptions(**task["meshing"]), moments)
     write(made / task["output"], poly)
     report = {key: value for key, value in poly.report.items() if key not in ("imperfect", "work")}
@@ -367,7 +369,7 @@ def mesh_rest(task: Task, work: Path, made: Path) -> dict[str, Any]:
 
 
 def _faulty(poly: PolygonMesh, of: Joined, last: dict[str, Any] | None, groups: int) -> dict[int, list[int]]:
-    """By group, the regions whose polygons are at fault, or beside one of the last part that is.
+    """By group, the regions whose polygons are at fault, or beside one of the last part that is, if it is not large.
 
     At fault are polygons that cross themselves or are turned over, that meet another one, or that share an edge with
     more than one other, since another part has a chord with the same ends.
@@ -386,7 +388,8 @@ def _faulty(poly: PolygonMesh, of: Joined, last: dict[str, Any] | None, groups: 
     _, edge, often = np.unique(low * len(poly.vertices) + high, return_inverse=True, return_counts=True)
     bad[owner[often[edge] > 2]] = True
     near = np.zeros(len(poly.vertices), bool)
-    near[poly.loops[bad[owner] & (of.part[owner] == groups)]] = True
+    small = size <= _LARGE  # beside the ground of a city are most polygons of all groups
+    near[poly.loops[(bad & small)[owner] & (of.part[owner] == groups)]] = True
     bad[owner[near[poly.loops]]] = True
     chosen = np.flatnonzero(bad & (of.part < groups))
     found: dict[int, set[int]] = {}

@@ -28,7 +28,7 @@ from .tasks import SURPLUS
 
 PLAN = "plan.json"
 TILE_FACES = 1_000_000  #: of the tiles that a single scan is cut into
-MESH_FACES = 4_000_000  #: thinned faces up to which polygons are made in one process: some 2 GB
+MESH_FACES = 20_000_000  #: thinned faces up to which polygons are made in one process: some 10 GB
 _PATCH, _PATCHES_A_REGION = 100, 6  # faces of a patch at most; patches a region at least
 _FIRST = (3, 3)  # rounds before the last merging, and sweeps of each, at most
 _FIRST_BY_DETAIL = (4, 8)  # the same where the number is found
