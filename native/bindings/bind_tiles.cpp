@@ -83,6 +83,11 @@ std::vector<SurfaceMoments> read_moments(const std::optional<Table<double>>& tab
   return moments;
 }
 
+/// So that the caller need not keep an array of its own too.
+struct KeptMoments {
+  std::vector<SurfaceMoments> of_face;
+};
+
 PolygonMesh read_polygons(const py::object& vertices, const Table<std::int32_t>& loops,
                           const Table<std::int32_t>& starts, const Table<std::int32_t>& regions) {
   PolygonMesh poly;
@@ -271,11 +276,17 @@ void bind_thinning(py::module_& m) {
                               of_faces);
       },
       "mesh"_a, "labels"_a, "moments"_a = py::none(), "job"_a = py::none(), "See tiles.thin.");
+  py::class_<KeptMoments>(m, "_Moments", "Moments of the faces of a mesh, as polygonize_thinned takes them.");
+  m.def(
+      "_tile_keep_moments",
+      [](const KeptMesh& mesh, const Table<double>& moments) {
+        return KeptMoments{read_moments(moments, mesh.origin())};
+      },
+      "mesh"_a, "moments"_a, "See tiles.kept_moments.");
   m.def(
       "_tile_polygonize",
-      [](const KeptMesh& mesh, const Partition& part, MeshingOptions options, const Table<double>& moments, Job* job) {
-        const std::vector<SurfaceMoments> given = read_moments(moments, mesh.origin());
-        return call(job, [&](Job& j) { return polygonize(mesh, part, options, j, given); });
+      [](const KeptMesh& mesh, const Partition& part, MeshingOptions options, const KeptMoments& moments, Job* job) {
+        return call(job, [&](Job& j) { return polygonize(mesh, part, options, j, moments.of_face); });
       },
       "mesh"_a, "partition"_a, "options"_a, "moments"_a, "job"_a = py::none(), "See tiles.polygonize_thinned.");
   m.def(

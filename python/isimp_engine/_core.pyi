@@ -361,6 +361,10 @@ _tile_merge: Callable[..., NDArray[np.int32]]
 _tile_relax: Callable[..., tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.float64], int]]
 _tile_touching: Callable[..., tuple[NDArray[np.int32], NDArray[np.float64]]]
 _tile_thin: Callable[..., tuple[NDArray[Any], ...]]
+
+class _Moments: ...
+
+_tile_keep_moments: Callable[[Mesh, ArrayLike], _Moments]
 _tile_polygonize: Callable[..., PolygonMesh]
 _tile_weld: Callable[..., NDArray[np.int32]]
 _tile_points_on_edges: Callable[..., NDArray[np.int32]]

@@ -66,8 +66,9 @@ def mesh_all(task: Task, work: Path, made: Path) -> dict[str, Any]:
     """The polygons of all tiles."""
     mesh, label, moments = thinned([of_tile(work, "thin", tile) for tile in task["present"]], task["threads"])
     part = partition_from(mesh, label)
-    del label
-    poly = steps.polygonize_thinned(mesh, part, MeshingOptions(**task["meshing"]), moments)
+    kept = steps.kept_moments(mesh, moments)
+    del label, moments
+    poly = steps.polygonize_thinned(mesh, part, MeshingOptions(**task["meshing"]), kept)
     write(made / task["output"], poly)
     report = {key: value for key, value in poly.report.items() if key not in ("imperfect", "work")}
     diagonal = mesh.report["diagonal"]
