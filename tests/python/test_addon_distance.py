@@ -9,7 +9,7 @@ import shapes
 from isimp import messages
 from isimp import recipe as rcp
 from isimp.session import Session
-from scans import scan_of
+from session_scans import scan_of
 
 
 def meshed(vertices, triangles, **partition):

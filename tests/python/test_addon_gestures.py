@@ -9,7 +9,7 @@ from isimp.engine import engine
 from isimp.gestures import Cut, Hit, Pointing, Sizing, Stroke, Wish, rings_in
 from isimp.pick import Surface
 from isimp.session import Session, StepFailed
-from scans import scan_of
+from session_scans import scan_of
 
 A, A2, B, NONE = Hit(1, 0), Hit(2, 0), Hit(9, 1), Hit(20, -1)
 NEAR, FAR = (2.0, 1.0), (60.0, 0.0)

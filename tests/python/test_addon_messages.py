@@ -10,7 +10,7 @@ import shapes
 from isimp import applying, messages
 from isimp import recipe as rcp
 from isimp.session import Session, StepFailed
-from scans import scan_of
+from session_scans import scan_of
 
 
 def failure(*steps):

@@ -11,7 +11,7 @@ from isimp import messages, regularity, sketch
 from isimp import recipe as rcp
 from isimp.session import Session, StepFailed, engine
 from isimp.task import Watch
-from scans import scan_of
+from session_scans import scan_of
 
 BEGIN = rcp.Recipe((rcp.Partition(proxies=112),))
 

@@ -10,7 +10,7 @@ from isimp.cache import Cache
 from isimp.prepared import face_regions
 from isimp.recipe import AddProxy, Mesh, Partition, Recipe
 from isimp.session import Session, engine
-from scans import scan_of
+from session_scans import scan_of
 
 
 def test_the_cache_is_bounded_and_keeps_what_was_used_last():

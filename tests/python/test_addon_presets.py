@@ -6,7 +6,7 @@ import shapes
 from isimp.presets import BY_NAME, PRESETS
 from isimp.recipe import Recipe
 from isimp.session import Session
-from scans import scan_of
+from session_scans import scan_of
 
 
 def test_there_are_five_with_names_of_their_own():

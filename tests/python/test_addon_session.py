@@ -12,7 +12,7 @@ from isimp.prepared import face_regions
 from isimp.recipe import AddProxy, DeleteProxy, Mesh, Partition, Recipe
 from isimp.session import Scan, Session, StepFailed, engine
 from isimp.task import Stopped, Watch
-from scans import scan_of
+from session_scans import scan_of
 
 SIDES = Recipe((Partition(proxies=6),))
 

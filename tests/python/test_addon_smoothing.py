@@ -9,7 +9,7 @@ from isimp.engine import engine
 from isimp.session import Session
 from isimp.smoothing import reachable, shortened, smoothed
 from isimp.task import Stopped
-from scans import scan_of
+from session_scans import scan_of
 
 SIDE = 30
 

@@ -6,7 +6,7 @@ import shapes
 from isimp.recipe import AddProxy, Mesh, Partition, Recipe
 from isimp.session import Session
 from isimp.stored import numbers_from
-from scans import scan_of
+from session_scans import scan_of
 
 
 def scan(lump=0.0):

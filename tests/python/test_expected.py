@@ -11,7 +11,7 @@ import shapes
 from isimp import messages, stored
 from isimp import recipe as rcp
 from isimp.session import Session
-from scans import scan_of
+from session_scans import scan_of
 from test_cli import isimp
 
 REASONS = ("unconnected", "pinches", "holes", "handles", "closed", "repair")

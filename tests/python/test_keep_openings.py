@@ -12,7 +12,7 @@ from isimp import messages, openings
 from isimp import recipe as rcp
 from isimp.session import Session
 from isimp_engine import recipes
-from scans import scan_of
+from session_scans import scan_of
 from test_openings import REGIONS, simplified
 
 

@@ -14,7 +14,7 @@ from isimp.session import Session, StepFailed
 from isimp_engine import batch
 from isimp_engine.cli.command import parser, settle
 from isimp_engine.cli.simplify import run
-from scans import scan_of
+from session_scans import scan_of
 from test_cli import isimp
 
 REGIONS = 30

@@ -7,7 +7,7 @@ import isimp_engine as engine
 from isimp import session
 from isimp.recipe import METHODS, Partition, Recipe
 from isimp.session import Session, StepFailed, backends
-from scans import scan_of
+from session_scans import scan_of
 from shapes import cube as cube_arrays
 
 PARALLEL = ("naive", "queued")
