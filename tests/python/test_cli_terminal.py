@@ -1,18 +1,21 @@
 """The command on a terminal: progress and Ctrl-C."""
 
+import contextlib
+import dis
+import io
 import os
 import signal
 import subprocess
 import sys
 import threading
 import time
-from contextlib import contextmanager
 
 import numpy as np
 import pytest
 
 import shapes
 from batches import ENVIRONMENT, scan
+from isimp_engine.cli import progress
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs a terminal and signals as POSIX has them")
 
@@ -30,7 +33,7 @@ def big_scan(tmp_path_factory):
     return path
 
 
-@contextmanager
+@contextlib.contextmanager
 def on_a_terminal(*arguments):
     """The command with a terminal as its stderr: the process, and the terminal's two ends."""
     import pty
@@ -73,6 +76,47 @@ def test_ctrl_c_is_130_with_nothing_half_written(big_scan, tmp_path, stage):
     assert rest.splitlines()[-1].endswith("isimp: interrupted, nothing was written")
     assert "Traceback" not in rest
     assert list(tmp_path.iterdir()) == []
+
+
+def interrupting(number):
+    """A tracer that raises KeyboardInterrupt after the given call of the code that shows progress, as Ctrl-C does."""
+    left, before = number, {}
+
+    def trace(frame, event, argument):
+        nonlocal left
+        if frame.f_code.co_filename not in (progress.__file__, contextlib.__file__):
+            return None
+        frame.f_trace_lines, frame.f_trace_opcodes = False, True
+        if event != "opcode":
+            return trace
+        names = {i.offset: i.opname for i in dis.get_instructions(frame.f_code)}
+        was_call = names.get(before.get(frame), "").startswith("CALL")
+        before[frame] = frame.f_lasti
+        left -= was_call
+        if left < 0:
+            raise KeyboardInterrupt
+        return trace
+
+    return trace
+
+
+def test_nothing_is_drawn_after_an_interrupt_at_any_time(monkeypatch):
+    monkeypatch.setattr(progress, "_REDRAW", 0.001)
+    for number in range(1000):
+        monkeypatch.setattr(sys, "stderr", io.StringIO())
+        sys.settrace(interrupting(number))
+        try:
+            with progress.Steps(show=True)("read"):
+                pass
+            break
+        except KeyboardInterrupt:
+            sys.stderr.write("interrupted")
+        finally:
+            sys.settrace(None)
+        time.sleep(0.01)
+        assert sys.stderr.getvalue().endswith("interrupted"), number
+    assert number > 5
+    assert sys.stderr.getvalue().endswith("\r\x1b[K")
 
 
 def test_progress_is_shown_and_cleared(tmp_path):

@@ -9,6 +9,7 @@ from .. import Job
 from . import closing, simplify, words
 from .errors import UsageError
 from .loading import Cleaned, Input, clean_mesh, facts, load
+from .progress import Steps
 
 
 def run(arguments: argparse.Namespace) -> None:
@@ -28,7 +29,7 @@ def run(arguments: argparse.Namespace) -> None:
 
 def result(arguments: argparse.Namespace, source: Input, cleaned: Cleaned) -> dict[str, Any]:
     """How many polygons `isimp simplify` would make with these options, and why; or why it would refuse."""
-    steps = simplify.Steps(show=False)
+    steps = Steps(show=False)
     try:
         if arguments.estimate:
             regions = simplify.make_regions(arguments, source, steps, cleaned)

@@ -14,42 +14,71 @@ _BAR = 30
 _REDRAW = 0.1  # seconds
 
 
-class Progress:
-    """Shows what `job` is doing on one line of a terminal, and clears the line at the end.
+class Steps:
+    """The steps of one run, each with a job of its own, shown while it lasts, and the seconds each took."""
+
+    def __init__(self, show: bool) -> None:
+        self.seconds: dict[str, float] = {}
+        self._show = show
+
+    def __call__(self, name: str) -> "_Step":
+        return _Step(name, self.seconds, sys.stderr if self._show else None)
+
+    def say(self, line: str) -> None:
+        """A line between two steps, where they are shown."""
+        if self._show:
+            print(line, file=sys.stderr)
+
+
+class _Step:
+    """Gives a job, shows what it is doing on one line of a terminal, and clears the line at the end.
 
     The line is redrawn by a thread of its own, since the engine's calls wait on the main thread, where Ctrl-C arrives.
+    This is a class because a Ctrl-C that arrives as a generator's context is entered would leave the context open.
     """
 
-    def __init__(self, name: str, job: Job, stream: TextIO) -> None:
-        self._name, self._job, self._stream = name, job, stream
-        self._done = threading.Event()
-        self._thread = threading.Thread(target=self._redraw, daemon=True)
+    def __init__(self, name: str, seconds: dict[str, float], stream: TextIO | None) -> None:
+        self._name, self._seconds, self._stream = name, seconds, stream
+        self._job, self._start = Job(), time.perf_counter()
+        self._done, self._drawing = threading.Event(), threading.Lock()
 
-    def __enter__(self) -> None:
-        try:
-            self._thread.start()
-        except KeyboardInterrupt:  # waiting for the thread, which may have drawn already
-            self._stop()
-            raise
+    def __enter__(self) -> Job:
+        if self._stream is not None:
+            try:
+                threading.Thread(target=self._redraw, args=[self._stream], daemon=True).start()
+            except KeyboardInterrupt:  # while this waited for the thread, which may have drawn already
+                self._clear(self._stream)
+                raise
+        return self._job
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._stop()
+        if self._stream is not None:
+            try:
+                self._clear(self._stream)
+            except KeyboardInterrupt:
+                self._clear(self._stream)
+                raise
+        if kind is None:
+            spent = time.perf_counter() - self._start
+            self._seconds[self._name] = round(self._seconds.get(self._name, 0.0) + spent, 6)
 
-    def _stop(self) -> None:
+    def _clear(self, stream: TextIO) -> None:
+        """Clear the line; nothing is drawn after that."""
         self._done.set()
-        if self._thread.is_alive():
-            self._thread.join()
-        self._stream.write("\r\x1b[K")
-        self._stream.flush()
+        with self._drawing:
+            stream.write("\r\x1b[K")
+            stream.flush()
 
-    def _redraw(self) -> None:
+    def _redraw(self, stream: TextIO) -> None:
         while True:
-            self._stream.write("\r\x1b[K" + line(self._name, self._job))
-            self._stream.flush()
-            if self._done.wait(_REDRAW):
-                return
+            with self._drawing:
+                if self._done.is_set():
+                    return
+                stream.write("\r\x1b[K" + line(self._name, self._job))
+                stream.flush()
+            self._done.wait(_REDRAW)
 
 
 def line(name: str, job: Job) -> str:

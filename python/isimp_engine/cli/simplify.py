@@ -3,9 +3,8 @@
 import argparse
 import json
 import sys
-import time
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -17,7 +16,6 @@ from .. import (
     CleanOptions,
     FileError,
     InvalidInput,
-    Job,
     Mesh,
     MeshingOptions,
     Partition,
@@ -37,29 +35,9 @@ from . import closing, guiding, lods, texturing, words
 from .errors import UsageError
 from .files import STDOUT, Outputs, check, is_same
 from .loading import Cleaned, Input, clean_mesh, close_mesh, facts, labels, load
-from .progress import Progress, wanted
+from .progress import Steps, wanted
 
 OUTPUT_KINDS = (".ply", ".obj", *exporting.KINDS)
-
-
-class Steps:
-    """The steps of one run, each with a job of its own, shown while it lasts, and the seconds each took."""
-
-    def __init__(self, show: bool) -> None:
-        self.seconds: dict[str, float] = {}
-        self._show = show
-
-    @contextmanager
-    def __call__(self, name: str) -> Iterator[Job]:
-        job, start = Job(), time.perf_counter()
-        with Progress(name, job, sys.stderr) if self._show else nullcontext():
-            yield job
-        self.seconds[name] = round(self.seconds.get(name, 0.0) + time.perf_counter() - start, 6)
-
-    def say(self, line: str) -> None:
-        """A line between two steps, where they are shown."""
-        if self._show:
-            print(line, file=sys.stderr)
 
 
 @dataclass(frozen=True)
