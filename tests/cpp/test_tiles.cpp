@@ -301,6 +301,23 @@ TEST(Thinning, KeepsNormalsMomentsAndOrientationOfNoisySurfaces) {
   }
 }
 
+TEST(Thinning, KeepsWhatStandsInsideARegion) {
+  Job job;
+  constexpr int kSquares = 40;
+  shapes::Arrays ground = shapes::plane(kSquares);
+  for (Vec3& p : ground.vertices)
+    if (std::abs(p.x() - 0.5) < 0.21 && std::abs(p.y() - 0.5) < 0.21) p.z() += 0.3;
+  const Mesh mesh = shapes::mesh(shapes::noisy(ground, 0.001, 2));
+  const tiles::Thinned thinned = tiles::thin(mesh, std::vector<std::int32_t>(mesh.face_count(), 0), {}, job);
+  EXPECT_LT(thinned.triangles.size(), static_cast<std::size_t>(mesh.face_count()) / 6);
+  double before = 0, after = 0;
+  const std::vector<Vec3> p(mesh.vertices().begin(), mesh.vertices().end());
+  for (const Triangle& t : mesh.triangles()) before += vector_area(p, t).norm();
+  for (const Triangle& t : thinned.triangles) after += vector_area(thinned.vertices, t).norm();
+  EXPECT_GT(before, 1.4);
+  EXPECT_NEAR(after, before, 0.03 * before) << "the walls of the block are thinned away";
+}
+
 TEST(Thinning, DropsFacesOfNoRegionAndKeepsRims) {
   Job job;
   const shapes::Arrays both = shapes::both(shapes::plane(8), shapes::plane(2), {3, 0, 0});
