@@ -11,8 +11,8 @@
 namespace isimp::tiles {
 namespace {
 
-// Between a face and the mean direction of what it stands for. What stands inside a region is kept, as houses that are of
-// one region with the ground: it is cut by the directions of its sides, where they are rough by up to 0.035
+// Between a face and the mean direction of what it stands for. What stands inside a region is kept, as houses that are
+// of one region with the ground: it is cut by the directions of its sides, where they are rough by up to 0.035
 // (meshing/direction_cut.cpp). Source: own trials; at 0.95 the sides are lost in some tilings of a city.
 constexpr double kLeastCosine = 0.97;
 constexpr double kLeastSine = 0.02;  // of two edges of a new face; far above rounding, so signs are certain

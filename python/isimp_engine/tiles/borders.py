@@ -1,7 +1,7 @@
 """Where tiles meet: border edges that are one, halos, and T-junctions."""
 
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -140,16 +140,22 @@ def halo_of(number: int, neighbour: NDArray[np.int32], own: Fringe, others: dict
     return Halo(record, whole, _joined(tiles), _joined([p[2] for p in parts]), _joined(touch_face), _joined(touch_tile))
 
 
+def found_in(names: NDArray[Any], wanted: NDArray[Any]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """Positions of values in a rising list, each with whether the value is in the list; 0 where the list is empty."""
+    if not len(names):
+        return np.zeros(wanted.shape, np.int64), np.zeros(wanted.shape, bool)
+    at = np.minimum(np.searchsorted(names, wanted), len(names) - 1)
+    return at, names[at] == wanted
+
+
 def _joined(parts: list[NDArray[np.int32]]) -> NDArray[np.int32]:
     return np.concatenate([np.zeros(0, np.int32), *parts])
 
 
 def _places(faces: NDArray[np.int32], among: NDArray[np.int32], base: int) -> NDArray[np.int32]:
     """Where faces stand in a rising list, from `base` on; -1 where they are not in it."""
-    if not len(among):
-        return np.full(faces.shape, -1, np.int32)
-    at = np.minimum(np.searchsorted(among, faces), len(among) - 1)
-    return np.where(among[at] == faces, base + at, -1).astype(np.int32)
+    at, known = found_in(among, faces)
+    return np.where(known, base + at, -1).astype(np.int32)
 
 
 def frozen_of(halo: Halo, own: int, number: int, rank: NDArray[np.int64]) -> NDArray[np.uint8]:

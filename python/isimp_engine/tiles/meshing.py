@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from .. import CleanOptions, Mesh, MeshingOptions, PolygonMesh, clean, partition_from, write
 from . import steps
-from .borders import place_keys
-from .parts import Added, Joined, Part, found_in, joined
+from .borders import found_in, place_keys
+from .parts import Added, Joined, Part, joined
 from .store import load, of_tile, save, save_values, values_of
 
 _FREE, _PLACE, _CORNER = 0, 1, 2  # as Fixed in meshing/part.h
@@ -411,8 +411,7 @@ def _together(folders: list[Path], task: Task) -> tuple[PolygonMesh, Joined, dic
         surface = thinned([folder / "rest" for folder in folders], task["threads"])
         home = surface.mesh.vertices
         own = place_keys(home)
-        at = np.minimum(np.searchsorted(keys, own), max(0, len(keys) - 1))
-        known = keys[at] == own if len(keys) else np.zeros(len(own), bool)
+        at, known = found_in(keys, own)
         fixed, vertices = np.zeros(len(own), np.uint8), home.copy()
         fixed[known], vertices[known] = flag[at[known]], place[at[known]]
         moved = Mesh(vertices, surface.mesh.triangles, threads=1)

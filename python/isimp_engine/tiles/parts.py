@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+from .borders import found_in
 
 
 class Part(NamedTuple):
@@ -39,8 +41,8 @@ class Joined(NamedTuple):
     region: NDArray[np.int32]  #: (Q,)
     vector_area: NDArray[np.float64]  #: (Q, 3)
     moments: NDArray[np.float64]  #: (Q, 10)
-    part: NDArray[np.int32]  #: (Q,) which part each is of
-    polygon: NDArray[np.int32]  #: (Q,) which of its polygons
+    part: NDArray[np.int32]  #: (Q,) the part of each polygon
+    polygon: NDArray[np.int32]  #: (Q,) its number in that part
 
 
 def joined(parts: list[Part], added: list[Added], chain: NDArray[np.uint64], place: NDArray[np.float64]) -> Joined:
@@ -77,14 +79,6 @@ def joined(parts: list[Part], added: list[Added], chain: NDArray[np.uint64], pla
         of[order],
         polygon[order],
     )
-
-
-def found_in(chain: NDArray[Any], keys: NDArray[Any]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    """Where names stand in a rising list, and whether they do."""
-    if not len(chain):
-        return np.zeros(len(keys), np.int64), np.zeros(len(keys), bool)
-    at = np.minimum(np.searchsorted(chain, keys), len(chain) - 1)
-    return at, chain[at] == keys
 
 
 def _with_added(

@@ -22,8 +22,8 @@ struct Thinned {
 /// so that tiles still fit and each region keeps its boundary, and by that its mean normal.
 ///
 /// A vertex goes only where the surface stays a manifold and no face turns over: the sign of each new face's area, seen
-/// along the old face's normal, is certain in spite of rounding. Each face looks within 14 degrees of the mean direction of
-/// what it stands for: what stands inside a region is kept, as polygons may be cut by it.
+/// along the old face's normal, is certain in spite of rounding. Each face looks within 14 degrees of the mean
+/// direction of what it stands for: what stands inside a region is kept, as polygons may be cut by it.
 /// \param label    (F) region of each face; faces with kNone are dropped
 /// \param moments  (F) of the scan's faces that each face stands for; empty: of the faces themselves. Sums over regions
 ///                 stay the same
