@@ -136,13 +136,24 @@ TEST(MergeRound, PairsUpWhatIsMutuallyCheapest) {
   g.sum = {{1, 0, 0, 1}, {1, 0, 0, 1}, {0, 1, 0, 1}, {0, 1, 0, 1}};
   std::vector<std::int32_t> map;
   Job job;
-  const MergeGraph next = merge_round(g, true, 1, map, Threads(1), job);
+  const MergeGraph next = merge_round(g, {.satellites = true}, map, Threads(1), job);
   EXPECT_EQ(map, (std::vector<std::int32_t>{0, 0, 1, 1}));
   ASSERT_EQ(next.size(), 2);
   EXPECT_EQ(next.neighbour, (std::vector<std::int32_t>{1, 0}));
   EXPECT_EQ(next.sum[0].x, 2.0F);
-  EXPECT_EQ(merge_round(g, true, 4, map, Threads(1), job).size(), 4)
+  EXPECT_EQ(merge_round(g, {.satellites = true, .least = 4}, map, Threads(1), job).size(), 4)
       << "a part of no more than `least` nodes is left alone";
+}
+
+TEST(MergeRound, MakesNoMergeAboveTheMost) {
+  MergeGraph g = chain(5);
+  g.sum = {{1, 0, 0, 1}, {1, 0, 0, 1}, {0, 1, 0, 1}, {0, 0, 1, 1}, {0, 0, 1, 1}};  // node 2 adds 1.17 to the error
+  std::vector<std::int32_t> map;
+  Job job;
+  EXPECT_EQ(merge_round(g, {.satellites = true, .most = 2.0}, map, Threads(1), job).size(), 2);
+  EXPECT_EQ(merge_round(g, {.satellites = true, .most = 1.0}, map, Threads(1), job).size(), 3);
+  EXPECT_EQ(map, (std::vector<std::int32_t>{0, 0, 1, 2, 2}));
+  EXPECT_EQ(merge_round(g, {.satellites = true}, map, Threads(1), job).size(), 3) << "far above the usual price";
 }
 
 TEST(PatchRelaxation, MovesAStrayPatchHome) {

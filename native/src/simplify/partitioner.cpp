@@ -298,8 +298,8 @@ Partition Partitioner::by_known_number(const Surface& surface, Kept kept, const 
     done = 0.4;
     const Job::Part stage(job, "merging", 0.0, done);
     const std::int64_t coarsest = keep_ == Keep::nothing ? nodes_for(proxies) : 0;
-    kept.hierarchy =
-        std::make_shared<const Hierarchy>(build_hierarchy(surface, proxies, job, options.threads, coarsest));
+    kept.hierarchy = std::make_shared<const Hierarchy>(
+        build_hierarchy(surface, proxies, job, {.threads = options.threads, .coarsest = coarsest}));
     keep(kept);
   }
   const Job::Part stage(job, "relaxing", done, 1.0);

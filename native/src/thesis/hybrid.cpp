@@ -194,9 +194,10 @@ Partition hybrid(const Surface& surface, const Decimated& all, const PartitionOp
   {
     const Job::Part rounds(job, "flooding", 0.0, 0.9);
     const Surface coarse_surface(coarse.mesh, coarse.guides, job);
-    const Hierarchy hierarchy = needs_hierarchy(plain) ? build_hierarchy(coarse_surface, *plain.proxies, job,
-                                                                         plain.threads, nodes_for(*plain.proxies))
-                                                       : Hierarchy{};
+    const Hierarchy hierarchy = needs_hierarchy(plain)
+                                    ? build_hierarchy(coarse_surface, *plain.proxies, job,
+                                                      {.threads = plain.threads, .coarsest = nodes_for(*plain.proxies)})
+                                    : Hierarchy{};
     carrier.carry(coarse, faithful ? in_rounds(coarse_surface, hierarchy, nullptr, plain, job)
                                    : by_number(coarse_surface, hierarchy, plain, job));
   }

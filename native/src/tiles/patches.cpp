@@ -53,7 +53,7 @@ Patches patches(const Mesh& mesh, std::int32_t size, double smooth, Job& job) {
   const Threads threads(1);
   Regions regions;
   {
-    const Hierarchy hierarchy = build_hierarchy(surface, count, job, 1, nodes_for(count));
+    const Hierarchy hierarchy = build_hierarchy(surface, count, job, {.coarsest = nodes_for(count)});
     const Parts parts = find_parts(surface, count, 0.0, job, hierarchy.parts);
     regions = optimise(surface, hierarchy, parts, smooth, threads, job, Finish::plain);
   }

@@ -270,7 +270,7 @@ void tighten(const Corners& corners, double width, bool is_end, BoundedRegions& 
 }  // namespace
 
 Hierarchy hierarchy_for_bound(const Surface& surface, Job& job, std::int32_t threads) {
-  return build_hierarchy(surface, std::max(1, surface.face_count() / kFacesAProxy), job, threads);
+  return build_hierarchy(surface, std::max(1, surface.face_count() / kFacesAProxy), job, {.threads = threads});
 }
 
 BoundedRegions bounded_regions(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts, double bound,

@@ -13,7 +13,8 @@ namespace isimp {
 namespace {
 
 constexpr float kGate = 0.7F;
-constexpr float kTie = 1e-6F;  // of the lengths
+constexpr float kWideGate = 64;  // times the gate: what merges at no higher price when satellites join
+constexpr float kTie = 1e-6F;    // of the lengths
 constexpr std::int32_t kAlone = -1;
 constexpr std::int32_t kWorthAThread = 1 << 12;  // nodes
 
@@ -33,8 +34,9 @@ float tie_break(std::int32_t u, std::int32_t v, float lengths) {
 }
 
 /// \param takes_part  by part: whether its nodes merge
-Best find_partners(const MergeGraph& graph, const std::vector<std::uint8_t>& takes_part, const Threads& threads,
-                   Job& job) {
+/// \param most        the highest price of a merge
+Best find_partners(const MergeGraph& graph, const std::vector<std::uint8_t>& takes_part, float most,
+                   const Threads& threads, Job& job) {
   const std::int32_t n = graph.size();
   Best best{std::vector<std::int32_t>(n, kAlone), std::vector<float>(n, std::numeric_limits<float>::infinity())};
   threads.run(n, threads.pieces(n, kWorthAThread), [&](std::int32_t, std::int32_t begin, std::int32_t end) {
@@ -52,6 +54,7 @@ Best find_partners(const MergeGraph& graph, const std::vector<std::uint8_t>& tak
         partner = price < least ? v : partner;
         least = price < least ? price : least;
       }
+      if (least > most) continue;
       best.partner[u] = partner;
       best.price[u] = least;
     }
@@ -204,11 +207,19 @@ MergeGraph contract_lists(const MergeGraph& graph, const std::vector<std::int32_
 
 }  // namespace
 
-MergeGraph merge_round(const MergeGraph& graph, bool satellites, std::int32_t least, std::vector<std::int32_t>& map,
+MergeGraph merge_round(const MergeGraph& graph, const MergeRules& rules, std::vector<std::int32_t>& map,
                        const Threads& threads, Job& job) {
-  const Best best = find_partners(graph, parts_above(graph, satellites ? 3 * least : 2 * least), threads, job);
-  const float limit = satellites ? std::numeric_limits<float>::infinity() : gate(best);
-  const Lists lists = number_clusters(best, pair_up(best, limit, threads), satellites, map);
+  const std::int32_t left_alone = (rules.satellites ? 3 : 2) * rules.least;
+  Best best = find_partners(graph, parts_above(graph, left_alone), static_cast<float>(rules.most / 2), threads, job);
+  float limit = std::numeric_limits<float>::infinity();
+  if (!rules.satellites) {
+    limit = gate(best);
+  } else if (rules.most == std::numeric_limits<double>::infinity()) {
+    limit = kWideGate * gate(best);
+    for (std::size_t u = 0; u < best.partner.size(); ++u)
+      if (best.price[u] > limit) best.partner[u] = kAlone;  // neither as a satellite
+  }
+  const Lists lists = number_clusters(best, pair_up(best, limit, threads), rules.satellites, map);
   return contract_lists(graph, map, lists, threads, job);
 }
 

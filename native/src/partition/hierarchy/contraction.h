@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -31,17 +32,25 @@ struct MergeGraph {
   }
 };
 
+/// The rules of a round of merges.
+struct MergeRules {
+  /// Nodes whose cheapest partner is in a pair join that pair: coarser, but twice as quick. Such a round has a wide gate.
+  bool satellites = false;
+  std::int32_t least = 1;  ///< nodes: components of up to 2 (with satellites 3) times this number do not merge
+  /// No merge adds more to the error. A finite one replaces the wide gate.
+  double most = std::numeric_limits<double>::infinity();
+};
+
 /// One round of reciprocal-nearest-neighbour merging: two nodes that are each other's cheapest partner become one, all
 /// such pairs at once.
 ///
 /// The price is |S_u| + |S_v| - |S_u + S_v|, half of what merging adds to the error. Only pairs below the .7 quantile
 /// of all nodes' best prices merge: without that gate big clusters merge where a graph is coarse already, while small
-/// ones queue up before one hub elsewhere. Parts of up to 2 `least` nodes are left alone, with satellites 3, so that
-/// about `least` are left of any other.
-/// \param satellites  nodes whose cheapest partner is in a pair join it too: coarser, but twice as quick
-/// \param map         (N) is set to the new node of each node
+/// ones queue up before one hub elsewhere. With satellites the gate is 64 times as high: it stops only merges around
+/// corners of the shape, which no later step takes apart.
+/// \param map  (N) is set to the new node of each node
 /// \return the contracted graph, of the same size if nothing merged
-MergeGraph merge_round(const MergeGraph& graph, bool satellites, std::int32_t least, std::vector<std::int32_t>& map,
+MergeGraph merge_round(const MergeGraph& graph, const MergeRules& rules, std::vector<std::int32_t>& map,
                        const Threads& threads, Job& job);
 
 /// The graph in which all nodes of a cluster are one.

@@ -74,7 +74,8 @@ double usual_price(const MergeGraph& graph) {
 /// once, in the hierarchy of the smooth surface, do until most merges cost a good part of the limit.
 Start start_from_patches(const Surface& surface, std::span<const FaceRecord> smooth, double limit, std::int32_t threads,
                          Job& job) {
-  const Hierarchy h = build_hierarchy(surface, surface.face_count() / kFacesAProxy, job, threads, 0, smooth);
+  const Hierarchy h = build_hierarchy(surface, surface.face_count() / kFacesAProxy, job,
+                                      {.threads = threads, .faces = smooth, .most = limit});
   std::size_t level = 0;
   while (level + 1 < h.level.size() && usual_price(h.level[level + 1]) < kFar * limit) ++level;
   const MergeGraph& chosen = h.level[level];

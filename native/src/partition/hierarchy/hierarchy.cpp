@@ -214,9 +214,9 @@ bool Hierarchy::serves(const Surface& surface, std::int32_t proxies) const {
          patch_size == patch_size_for(surface.face_count(), proxies);
 }
 
-Hierarchy build_hierarchy(const Surface& surface, std::int32_t proxies, Job& job, std::int32_t thread_count,
-                          std::int64_t coarsest, std::span<const FaceRecord> faces) {
-  const Threads threads(thread_count);
+Hierarchy build_hierarchy(const Surface& surface, std::int32_t proxies, Job& job, const HierarchyOptions& options) {
+  const Threads threads(options.threads);
+  const std::span<const FaceRecord> faces = options.faces;
   Job::Part stage(job, "merging", 0.0, 1.0);
   Hierarchy h;
   h.patch_size = patch_size_for(surface.face_count(), proxies);
@@ -227,11 +227,11 @@ Hierarchy build_hierarchy(const Surface& surface, std::int32_t proxies, Job& job
   h.parts = parts_of(surface, h, patches);
 
   job.report(0.6);
-  while (h.level.back().size() > std::max<std::int64_t>(coarsest, kCoarsest)) {
-    const bool satellites = h.level.size() <= 2;
+  while (h.level.back().size() > std::max<std::int64_t>(options.coarsest, kCoarsest)) {
+    const MergeRules rules{.satellites = h.level.size() <= 2, .least = kLeastOfPart, .most = options.most};
     std::vector<std::int32_t> map;
-    MergeGraph next = merge_round(h.level.back(), satellites, kLeastOfPart, map, threads, job);
-    // The gate lets at least a few pairs pass, unless every component is down to its least.
+    MergeGraph next = merge_round(h.level.back(), rules, map, threads, job);
+    // The gate lets at least a few pairs pass, unless every component is down to its least or all merges cost too much.
     if (next.size() == h.level.back().size()) break;
     h.to_next.push_back(std::move(map));
     h.level.push_back(std::move(next));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -37,16 +38,21 @@ struct Hierarchy {
   [[nodiscard]] bool serves(const Surface& surface, std::int32_t proxies) const;
 };
 
+struct HierarchyOptions {
+  std::int32_t threads = 1;  ///< 0: as many as there are cores
+  /// Nodes of a level from which no coarser one is made: 0 for a hierarchy that is kept and may be asked for any smaller
+  /// number of regions, nodes_for(proxies) for one that is not.
+  std::int64_t coarsest = 0;
+  /// (n + 1) Records used in place of those of the surface's graph, as filtered ones; empty: those of the graph.
+  std::span<const FaceRecord> faces = {};
+  double most = std::numeric_limits<double>::infinity();  ///< no merge of a level adds more to the error
+};
+
 /// Makes the hierarchy that serves `proxies` regions: the patches shrink where there are few faces a region.
 /// Counts of up to F / 240 are all served by the same one. It is the same on any number of threads.
-/// \param threads   0: as many as there are cores
-/// \param coarsest  nodes of a level from which no coarser one is made: 0 for a hierarchy that is kept and may be asked
-///                  for any smaller number of regions, nodes_for(proxies) for one that is not
-/// \param faces     (n + 1) in place of those of the surface's graph, as filtered ones; empty: those
 /// Cost: O(F), about 45 ms for a million faces.
 /// Source: the merging follows reciprocal nearest neighbours, Murtagh 1983, with the error of L2,1.
-Hierarchy build_hierarchy(const Surface& surface, std::int32_t proxies, Job& job, std::int32_t threads = 1,
-                          std::int64_t coarsest = 0, std::span<const FaceRecord> faces = {});
+Hierarchy build_hierarchy(const Surface& surface, std::int32_t proxies, Job& job, const HierarchyOptions& options = {});
 
 /// Nodes that a level must have for so many regions to be merged from them, one pair at a time.
 inline std::int64_t nodes_for(std::int32_t regions) { return (std::int64_t{12} * regions + 4) / 5; }
