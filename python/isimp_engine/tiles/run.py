@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -17,16 +18,18 @@ from ..batch.errors import BatchError
 from ..batch.nursery import Ending, Limits
 from ..batch.run import Workers, check_one, workers_of
 from ..batch.scans import estimated_faces, needed_mb
-from ..batch.table import WORK, Lock, sync_folder
+from ..batch.table import Lock, sync_folder
+from ..folders import NotOwn, Own, discard
 from . import steps
 from .errors import TileFailed, TilesError
 from .grouped import GROUP, beside, groups_of, limit_of
 from .plan import DETAIL, Plan, options_of, plan_of
 from .results import deliver, write_labels
 from .store import MADE, load, of_tile, publish, values_of
-from .tasks import SURPLUS
+from .tasks import FOLDERS, SURPLUS
 
 PLAN = "plan.json"
+_OWN = rf"plan\.json(\.part)?|parts|running-\w+|{FOLDERS}"  # what is in a work folder
 TILE_FACES = 1_000_000  #: of the tiles that a single scan is cut into
 MESH_FACES = 20_000_000  #: thinned faces up to which polygons are made in one process: some 10 GB
 _PATCH, _PATCHES_A_REGION = 100, 6  # faces of a patch at most; patches a region at least
@@ -109,25 +112,30 @@ def run(
     if jobs is not None and jobs < 1:
         raise TilesError(f"the number of jobs must be at least 1, got {jobs}")
     target = None if labels is None else _label_folder(Path(labels), plan)
+    own = Own(plan.work, _OWN)
     try:
         check_one(dask, cluster)
-        plan.work.mkdir(parents=True, exist_ok=True)
-        with Lock(plan.work):
-            before = _begin(plan)
+        own.take(unmarked=work is None or _key_of(plan.work) is not None)
+        with Lock(plan.work) as lock:
+            own.take(unmarked=True)  # a run that has just ended may have removed the mark meanwhile
+            before = _begin(plan, own)
             for path in plan.work.glob("running-*"):  # of a run on a cluster that was killed
                 path.unlink()
             parts = plan.work / "parts"
-            shutil.rmtree(parts, ignore_errors=True)
+            discard(parts)
             parts.mkdir()
             with workers_of(parts, Limits(), f"{__package__}.tasks:run", jobs, dask, cluster, 1) as workers:
                 outcome = _Run(plan, workers, watch, before, target is not None).run()
             if target is not None:
                 outcome.report["labels"] = write_labels(plan, target)
             deliver(plan)
-    except BatchError as error:
+            if work is None:
+                own.clear(PLAN)
+                lock.remove()
+    except (BatchError, NotOwn) as error:
         raise TilesError(str(error).replace("OUTPUT_FOLDER", "the work folder")) from None
     if work is None:
-        shutil.rmtree(plan.work, ignore_errors=True)
+        own.remove()
     return outcome
 
 
@@ -137,22 +145,30 @@ def _label_folder(folder: Path, plan: Plan) -> Path:
     return folder
 
 
-def _begin(plan: Plan) -> int:
+def _begin(plan: Plan, own: Own) -> int:
     """Make the work folder ready; returns how many steps of tiles an earlier run of the same plan did."""
     note, key = plan.work / PLAN, plan.key()
-    others = [path for path in plan.work.iterdir() if path.name != WORK]
-    if note.exists():
-        if json.loads(note.read_text(encoding="utf-8")).get("key") == key:
-            return sum(1 for _ in plan.work.glob("*/*/values.json"))
-        for path in others:
-            shutil.rmtree(path) if path.is_dir() else path.unlink()
-    elif others:
-        raise TilesError(f"{plan.work}: is not empty and no work folder of isimp tiles; give another one")
+    if _key_of(plan.work) == key:
+        return sum(1 for _ in plan.work.glob("*/*/values.json"))
+    own.clear(PLAN)
     part = plan.work / f"{PLAN}.part"
-    part.write_text(json.dumps({"key": key, "isimp": __version__}), encoding="utf-8")
+    with part.open("w", encoding="utf-8") as file:
+        json.dump({"key": key, "isimp": __version__}, file)
+        file.flush()
+        os.fsync(file.fileno())
     part.replace(note)
     sync_folder(plan.work)
     return 0
+
+
+def _key_of(work: Path) -> str | None:
+    """The key of the plan that a work folder is for; None where it has none that can be read."""
+    try:
+        said = json.loads((work / PLAN).read_bytes())
+    except (OSError, ValueError, RecursionError):
+        return None
+    key = said.get("key") if isinstance(said, dict) and "isimp" in said else None
+    return key if isinstance(key, str) and re.fullmatch("[0-9a-f]{64}", key) else None
 
 
 class _Run:
@@ -353,7 +369,7 @@ class _Run:
             self._map(step, present, task)
             self._one(added, {"step": "sum", "present": present, "after": step, "sums": sums}, 0)
             if number > 0:
-                shutil.rmtree(self._plan.work / labels, ignore_errors=True)
+                discard(self._plan.work / labels)
             labels, sums = step, added
             moves = sum(values_of(of_tile(self._plan.work, step, k))["moves"] for k in present)
             if moves <= _FEW * shared["faces"]:

@@ -2,7 +2,6 @@
 
 import json
 import os
-import shutil
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..batch.table import sync_folder
+from ..folders import discard
 
 VALUES = "values.json"
 MADE = "made"  #: in the folder of a child: what its step made
@@ -46,7 +46,7 @@ def publish(made: Path, place: Path) -> None:
     """Give a folder its final name; from then on its step is done."""
     place.parent.mkdir(parents=True, exist_ok=True)
     if place.exists():  # of a run that was ended before it could use it
-        shutil.rmtree(place)
+        discard(place)
     made.replace(place)
     sync_folder(place.parent)
 

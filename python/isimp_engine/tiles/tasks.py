@@ -426,3 +426,5 @@ _STEPS: dict[str, Callable[[Task, Path, Path], dict[str, Any]]] = {
     "mesh-group": meshing.mesh_group,
     "mesh-rest": meshing.mesh_rest,
 }
+#: the folders of steps in a work folder, as a regular expression; rounds of relaxing have a number
+FOLDERS = "|".join([*(step for step in _STEPS if step not in ("relax", "sum")), r"(first|last)-\d+(-sums)?"])
