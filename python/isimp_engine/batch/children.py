@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from . import machine
+from .. import machine
 from .nursery import _RESULT, _SAID
 
 Work = Callable[[dict[str, Any], Path], dict[str, Any]]
