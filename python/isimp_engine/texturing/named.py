@@ -7,7 +7,7 @@ from pathlib import Path, PureWindowsPath
 from .._core import FileError
 from . import udim
 
-_ADDRESS = re.compile(r"[A-Za-z][\w+.-]+:|//")  # a letter and a colon are a drive of Windows
+_ADDRESS = re.compile(r"[A-Za-z][\w+.-]+:/|//")  # one letter and a colon are a drive of Windows
 
 
 def folder_of(scan: Path) -> Path:

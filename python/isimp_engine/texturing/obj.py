@@ -1,6 +1,7 @@
 """Texture coordinates, materials and colours of OBJ files."""
 
 import math
+import os
 import shlex
 from pathlib import Path
 from typing import Any
@@ -267,6 +268,12 @@ def map_name(text: str, place: str = "") -> str:
         except ValueError:
             raise FileError(f"{place}: the name of the image has an opening quotation mark only") from None
     return name
+
+
+def is_nameable(name: str) -> bool:
+    """Whether a file of this name is found again where OBJ and MTL files name it."""
+    line = b"map_Kd " + os.fsencode(name)
+    return [line] == line.splitlines() and map_name(_text(line.split(None, 1)[-1])) == name and "\\" not in name
 
 
 def _is_number(word: str) -> bool:

@@ -5,14 +5,15 @@ import os
 import re
 import shutil
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from .. import PartitionOptions, __version__
+from .. import FileError, PartitionOptions, __version__
 from ..batch.clusters import Cluster
 from ..batch.errors import BatchError
 from ..batch.nursery import Ending, Limits
@@ -25,7 +26,7 @@ from .errors import TileFailed, TilesError
 from .grouped import GROUP, beside, groups_of, limit_of
 from .plan import DETAIL, Plan, options_of, plan_of
 from .results import deliver, write_labels
-from .store import MADE, load, of_tile, publish, values_of
+from .store import DAMAGED, MADE, load, of_tile, publish, values_of
 from .tasks import FOLDERS, SURPLUS
 
 PLAN = "plan.json"
@@ -124,7 +125,10 @@ def run(
             parts = plan.work / "parts"
             discard(parts)
             parts.mkdir()
-            with workers_of(parts, Limits(), f"{__package__}.tasks:run", jobs, dask, cluster, 1) as workers:
+            with (
+                _damage_forgotten(plan.work),
+                workers_of(parts, Limits(), f"{__package__}.tasks:run", jobs, dask, cluster, 1) as workers,
+            ):
                 outcome = _Run(plan, workers, watch, before, target is not None).run()
             if target is not None:
                 outcome.report["labels"] = write_labels(plan, target)
@@ -159,6 +163,17 @@ def _begin(plan: Plan, own: Own) -> int:
     part.replace(note)
     sync_folder(plan.work)
     return 0
+
+
+@contextmanager
+def _damage_forgotten(work: Path) -> Iterator[None]:
+    """Where a file of the work folder is damaged, the plan goes, so that the next run does not end there too."""
+    try:
+        yield
+    except (FileError, TileFailed) as error:
+        if DAMAGED in str(error):
+            (work / PLAN).unlink(missing_ok=True)
+        raise TileFailed(str(error)) from None
 
 
 def _key_of(work: Path) -> str | None:
@@ -206,6 +221,8 @@ class _Run:
         left = self._gather(present, patches)
         merging = {"present": present, "groups": len(self._groups), "wanted": self._wanted(), "leave_out": leave_out}
         join = self._one("join", merging, 4 * left)
+        if not join["area"] > 0:
+            raise TileFailed("no tile has a face with an area")
         self._map("halo", present, {}, self._places(present, join["near"]))
         regions = join["wanted"]
         shared = {"area": join["area"], "faces": sum(whole), "regions": regions}
@@ -434,7 +451,8 @@ class _Run:
 
     def _keep(self, step: str, tile: int, folder: Path, ending: Ending) -> None:
         if ending.why:
-            raise TileFailed(f"{self._name(step, tile)}: {ending.why}")
+            before = f"{self._name(step, tile)}: "
+            raise TileFailed(before + ending.why.removeprefix(before))
         if ending.peak_mb is not None:
             name = self._state.step
             self._peaks[name] = max(self._peaks.get(name, 0.0), ending.peak_mb)
