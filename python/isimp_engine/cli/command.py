@@ -94,7 +94,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return _say("interrupted, nothing was written", INTERRUPTED)
     except EXPECTED as error:
-        return _say(*problem(error, parsed.output if parsed.run is batch.run else parsed.input))
+        return _say(*problem(error, parsed.output if parsed.run in (batch.run, tiles.run) else parsed.input))
     finally:
         _process.ignore_interrupts()
     return status if isinstance(status, int) else OK
