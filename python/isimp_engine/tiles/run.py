@@ -1,36 +1,32 @@
 """A scan given as tiles, larger than memory: a tile at a time in each of some child processes."""
 
-import json
 import os
-import re
 import shutil
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from .. import FileError, PartitionOptions, __version__
+from .. import PartitionOptions
 from ..batch.clusters import Cluster
 from ..batch.errors import BatchError
 from ..batch.nursery import Ending, Limits
 from ..batch.run import Workers, check_one, workers_of
 from ..batch.scans import estimated_faces, needed_mb
-from ..batch.table import Lock, sync_folder
+from ..batch.table import Lock
 from ..folders import NotOwn, Own, discard
 from . import steps
 from .errors import TileFailed, TilesError
 from .grouped import GROUP, beside, groups_of, limit_of
 from .plan import DETAIL, Plan, options_of, plan_of
 from .results import deliver, write_labels
-from .store import DAMAGED, MADE, load, of_tile, publish, values_of
-from .tasks import FOLDERS, SURPLUS
+from .store import MADE, load, of_tile, publish, values_of
+from .tasks import SURPLUS
+from .work_folder import NAMES, PLAN, begin, damage_forgotten, key_of
 
-PLAN = "plan.json"
-_OWN = rf"plan\.json(\.part)?|parts|running-\w+|{FOLDERS}"  # what is in a work folder
 TILE_FACES = 1_000_000  #: of the tiles that a single scan is cut into
 MESH_FACES = 20_000_000  #: thinned faces up to which polygons are made in one process: some 10 GB
 _PATCH, _PATCHES_A_REGION = 100, 6  # faces of a patch at most; patches a region at least
@@ -113,20 +109,20 @@ def run(
     if jobs is not None and jobs < 1:
         raise TilesError(f"the number of jobs must be at least 1, got {jobs}")
     target = None if labels is None else _label_folder(Path(labels), plan)
-    own = Own(plan.work, _OWN)
+    own = Own(plan.work, NAMES)
     try:
         check_one(dask, cluster)
-        own.take(unmarked=work is None or _key_of(plan.work) is not None)
+        own.take(unmarked=work is None or key_of(plan.work) is not None)
         with Lock(plan.work) as lock:
             own.take(unmarked=True)  # a run that has just ended may have removed the mark meanwhile
-            before = _begin(plan, own)
+            before = begin(plan, own)
             for path in plan.work.glob("running-*"):  # of a run on a cluster that was killed
                 path.unlink()
             parts = plan.work / "parts"
             discard(parts)
             parts.mkdir()
             with (
-                _damage_forgotten(plan.work),
+                damage_forgotten(plan.work),
                 workers_of(parts, Limits(), f"{__package__}.tasks:run", jobs, dask, cluster, 1) as workers,
             ):
                 outcome = _Run(plan, workers, watch, before, target is not None).run()
@@ -147,43 +143,6 @@ def _label_folder(folder: Path, plan: Plan) -> Path:
     if folder.exists() and not folder.is_dir():
         raise TilesError(f"{folder}: is a file; the labels need a folder, with a file for each tile")
     return folder
-
-
-def _begin(plan: Plan, own: Own) -> int:
-    """Make the work folder ready; returns how many steps of tiles an earlier run of the same plan did."""
-    note, key = plan.work / PLAN, plan.key()
-    if _key_of(plan.work) == key:
-        return sum(1 for _ in plan.work.glob("*/*/values.json"))
-    own.clear(PLAN)
-    part = plan.work / f"{PLAN}.part"
-    with part.open("w", encoding="utf-8") as file:
-        json.dump({"key": key, "isimp": __version__}, file)
-        file.flush()
-        os.fsync(file.fileno())
-    part.replace(note)
-    sync_folder(plan.work)
-    return 0
-
-
-@contextmanager
-def _damage_forgotten(work: Path) -> Iterator[None]:
-    """Where a file of the work folder is damaged, the plan goes, so that the next run does not end there too."""
-    try:
-        yield
-    except (FileError, TileFailed) as error:
-        if DAMAGED in str(error):
-            (work / PLAN).unlink(missing_ok=True)
-        raise TileFailed(str(error)) from None
-
-
-def _key_of(work: Path) -> str | None:
-    """The key of the plan that a work folder is for; None where it has none that can be read."""
-    try:
-        said = json.loads((work / PLAN).read_bytes())
-    except (OSError, ValueError, RecursionError):
-        return None
-    key = said.get("key") if isinstance(said, dict) and "isimp" in said else None
-    return key if isinstance(key, str) and re.fullmatch("[0-9a-f]{64}", key) else None
 
 
 class _Run:
