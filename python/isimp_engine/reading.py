@@ -53,7 +53,7 @@ COMPRESSED = (".gz", ".zst")  #: what may follow the kind of a file: scan.ply.gz
 _BLOCK = 1 << 20
 _PIECE = 1 << 11  # bytes of .zst that are decompressed at once: 64 MB come out of them at most
 _ANY, _RATIO = 1 << 28, 200  # bytes that every file may become, and the multiple of its size that a larger one may
-_FREE = 0.05  # of a disk that stays free
+_FREE = 1 << 30  # bytes of a disk that stay free, or a twentieth of a small one
 
 
 def inner(path: str | PathLike[str]) -> Path:
@@ -135,7 +135,7 @@ def _limited(path: Path, place: Path) -> Iterator[bytes]:
             raise FileError(f"{path}: becomes {much}; if it is one all the same, decompress it first")
         if made - looked > _BLOCK << 6:
             looked, disk = made, shutil.disk_usage(place)
-            if disk.free < _FREE * disk.total:
+            if disk.free < min(_FREE, disk.total // 20):
                 raise FileError(f"{path}: can't be decompressed, since the disk of {place} is nearly full")
         yield block
 
