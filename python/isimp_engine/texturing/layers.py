@@ -12,6 +12,7 @@ from .images import Image, by_rows, rgba, settled
 
 #: The layers that are numbers and colours, and what a material has that does not say.
 NEUTRAL = {"roughness": 1.0, "metallic": 0.0, "emission": 0.0, "occlusion": 1.0}
+LARGEST_UV = 1e30  #: UVs of any use are below, and single precision holds them
 NORMAL = "normal"
 HEIGHT = "height"  #: made here, never read
 NUMBERS = ("roughness", "metallic")  #: of one value everywhere these are a number of the result, and no image
@@ -42,6 +43,8 @@ def checked(layers: Mapping[str, TextureLayer], faces: int) -> dict[str, Texture
         uv = None if layer.uv is None else np.asarray(layer.uv, dtype=np.float64)
         if uv is not None and uv.shape != (faces, 3, 2):
             raise InvalidInput(f"the uv of layers[{name!r}] must have the shape ({faces}, 3, 2), got {uv.shape}")
+        if uv is not None:
+            uv = np.where(np.abs(uv) < LARGEST_UV, uv, 0.0)
         if not layer.strength >= 0 or not np.isfinite(layer.strength):
             raise InvalidInput(f"the strength of layers[{name!r}] must be at least 0, got {layer.strength}")
         images = [

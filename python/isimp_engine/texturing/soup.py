@@ -10,10 +10,8 @@ from numpy.typing import NDArray
 
 from .._core import InvalidInput
 from .images import rgba
-from .layers import TextureLayer, checked
+from .layers import LARGEST_UV, TextureLayer, checked
 from .tiled_materials import split_tiles
-
-_LARGEST = 1e30  # UVs are below
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +96,7 @@ class TexturedSoup:
 
 def _without_unknown(uv: NDArray[np.float64], material: NDArray[np.int32]) -> tuple[Any, Any]:
     """UVs that single precision can hold; faces that have others show no image."""
-    unknown = np.logical_not((np.abs(uv) < _LARGEST).all(axis=(1, 2)))
+    unknown = np.logical_not((np.abs(uv) < LARGEST_UV).all(axis=(1, 2)))
     if not unknown.any():
         return uv, material
     return np.where(unknown[:, None, None], 0.0, uv), np.where(unknown, -1, material).astype(np.int32)
