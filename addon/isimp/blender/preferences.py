@@ -74,7 +74,7 @@ def _draw_keys(context, layout) -> None:
     for keymap in tool_keymaps(keys):
         layout.label(text=keymap.name.removeprefix("3D View Tool: "))
         for item in keymap.keymap_items:
-            if item.idname != "isimp.hover":
+            if item.idname not in ("isimp.hover", "isimp.turn"):
                 rna_keymap_ui.draw_kmi([], keys, keymap, item, layout, 0)
 
 
