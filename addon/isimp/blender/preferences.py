@@ -80,7 +80,8 @@ def _draw_keys(context, layout) -> None:
 
 def tool_keymaps(keys) -> list:
     """The key maps of the tools in a key configuration."""
-    return [keymap for keymap in keys.keymaps if any(i.idname.startswith("isimp.") for i in keymap.keymap_items)]
+    tools = (keymap for keymap in keys.keymaps if keymap.name.startswith("3D View Tool: "))
+    return [keymap for keymap in tools if any(i.idname.startswith("isimp.") for i in keymap.keymap_items)]
 
 
 # Where there is one back end only, there is nothing to choose.

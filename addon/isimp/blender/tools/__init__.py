@@ -166,6 +166,7 @@ def register() -> None:
     for tools in _TOOLS:
         for number, tool in enumerate(tools):
             bpy.utils.register_tool(tool, separator=number == 0)
+    point.register()
 
 
 def unregister() -> None:

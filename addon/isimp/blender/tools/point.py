@@ -56,6 +56,23 @@ def nothing_here(problem: str = "") -> str:
     return said("{why} (sidebar: N, tab iSimp).", why=said(problem or own("There are no regions here")))
 
 
+class ISIMP_OT_leave(bpy.types.Operator):
+    """Show no region as under the mouse while the mouse is in a sidebar or in another editor"""
+
+    bl_idname = "isimp.leave"
+    bl_label = "Leave the View"
+    bl_options = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, context):
+        return runtime.get() is not None and runtime.get().hover is not None and not in_viewport(context)
+
+    def invoke(self, context, event):
+        runtime.get().hover = None
+        overlay.redraw()
+        return {"PASS_THROUGH"}
+
+
 class ISIMP_OT_turn(bpy.types.Operator):
     """Turn the view by a drag where a tool has nothing to work on. A click does nothing"""
 
@@ -219,4 +236,12 @@ class ISIMP_OT_point(ModalTool, bpy.types.Operator):
             do(_VERBS[wish.verb], face=wish.faces[0])
 
 
-CLASSES = (ISIMP_OT_turn, ISIMP_OT_hover, ISIMP_OT_lock_here, ISIMP_OT_point)
+CLASSES = (ISIMP_OT_leave, ISIMP_OT_turn, ISIMP_OT_hover, ISIMP_OT_lock_here, ISIMP_OT_point)
+
+
+def register() -> None:
+    keys = bpy.context.window_manager.keyconfigs.addon
+    if keys is not None:
+        keymap = keys.keymaps.new("Screen")  # of all that no other one takes; that of a tool is of the view alone
+        item = keymap.keymap_items.new("isimp.leave", "MOUSEMOVE", "ANY", any=True)
+        runtime.get().keys.append((keymap, item))

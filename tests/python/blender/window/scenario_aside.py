@@ -3,7 +3,7 @@
 import bpy
 import numpy as np
 from scenario_main import regions, same, scan, show_edits
-from scenario_tools import begin, drag, last, place, sketched, state, steps, tool
+from scenario_tools import begin, labels, last, place, sketched, state, steps, tool
 
 TOOLS = ("region", "paint", "cut", "grow", "opening")
 BESIDE, FURTHER = (-1.12, 1.12), (-1.0, 1.16)  # of the scan
@@ -15,29 +15,42 @@ def seen(hand):
     return tuple(scan().matrix_basis.translation), scan().select_get(), len(steps()), tuple(turned)
 
 
+def pulled(hand, begin, end, **held):
+    """As `drag`, in few moves."""
+    yield from hand.move(*place(hand, *begin))
+    hand.event("LEFTMOUSE", "PRESS", **held)
+    yield
+    for x, z in (np.mean([begin, end], axis=0), end):
+        yield from hand.move(*place(hand, x, z))
+    hand.event("LEFTMOUSE", "RELEASE", **held)
+    yield 0.1
+
+
 def beside(hand):
+    view = hand.area.spaces.active.region_3d
+    front = view.view_rotation.copy()
     for name in TOOLS:
         yield from tool(hand, f"isimp.{name}_tool.object")
         before = seen(hand)
         yield from hand.click(*place(hand, *BESIDE))
         yield from hand.settle()
         same(f"{name}: a click does nothing", seen(hand), before)
-        for held in ({}, {"ctrl": True}, {"alt": True, "shift": True}):
+        for held in ({}, {"ctrl": True}):
             before = seen(hand)
-            yield from drag(hand, BESIDE, FURTHER, **held)
+            yield from pulled(hand, BESIDE, FURTHER, **held)
             after = seen(hand)
             same(f"{name}: a drag moves nothing", after[:3], before[:3])
             same(f"{name}: it turns the view", after[3] != before[3], name != "cut" or bool(held))
-            yield from hand.move(*place(hand, *BESIDE))
+            yield from hand.move(*place(hand, 0.0, 0.0))
             same(f"{name}: until the release", seen(hand), after)
-            with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
-                bpy.ops.view3d.view_axis(type="FRONT")
-                bpy.ops.view3d.view_selected()
-            yield 0.5
+            view.view_rotation, view.view_perspective = front, "ORTHO"
+            yield
 
 
 def chosen(hand):
     """The faces that an importer has left selected are none that the buttons act on."""
+    from isimp.blender import pointed
+
     yield from tool(hand, "isimp.region_tool.object")
     scan().data.polygons.foreach_set("select", np.ones(len(scan().data.polygons), bool))
     before = regions()
@@ -46,12 +59,14 @@ def chosen(hand):
     yield from hand.click(*place(hand, 0.0, 0.0), alt=True)
     yield from hand.settle()
     scan().data.polygons.foreach_set("select", np.ones(len(scan().data.polygons), bool))
+    face = pointed.face(scan())
+    same("in the region in the middle", labels()[face] == labels()[middle()], True)
     yield from hand.move(*place(hand, *BESIDE))
     yield from hand.shot("aside-1-chosen")
     yield from hand.press("isimp.split")
-    same("the region clicked last", (regions(), last(), steps()[-1].face), (before + 1, "SplitRegion", middle()))
+    same("the region clicked last", (regions(), last(), steps()[-1].face), (before + 1, "SplitRegion", face))
     yield from hand.press("isimp.lock")
-    same("locked, and no other", (last(), steps()[-1].faces), ("LockRegions", (middle(),)))
+    same("locked, and no other", (last(), steps()[-1].faces), ("LockRegions", (face,)))
     yield from hand.undo()
     yield from hand.undo()
     yield from hand.click(*place(hand, *BESIDE))
@@ -83,10 +98,13 @@ def kept(hand):
         same("old report", overlay.reported(bpy.context, scan()), (edited.sketch.numbers, False))
     yield from hand.shot("aside-2-kept")
     overlay._tick = tick
-    overlay.redraw()
-    yield from sketched()
-    with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
-        same("new polygons", overlay._former(bpy.context, scan()), None)
+    for _ in range(200):
+        overlay.redraw()
+        yield 0.1
+        with bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("WINDOW")):
+            if overlay._former(bpy.context, scan()) is None:
+                return
+    raise AssertionError("no new polygons")
 
 
 def on_the_result(hand):
@@ -95,7 +113,7 @@ def on_the_result(hand):
     result = bpy.context.object
     for name in TOOLS:
         yield from tool(hand, f"isimp.{name}_tool.object")
-        yield from drag(hand, (0.0, 0.0), (0.4, 0.3))
+        yield from pulled(hand, (0.0, 0.0), (0.4, 0.3))
         same(f"{name}: on the result", tuple(result.matrix_basis.translation), (0.0, 0.0, 0.0))
     bpy.ops.isimp.swap()
     yield 0.3
