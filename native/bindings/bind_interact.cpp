@@ -159,7 +159,7 @@ Raises InvalidInput (no such face, a locked region, no neighbour, no face would 
 
 void bind_heuristics(py::module_& m) {
   bind_times(m, "add_worst", &add_worst,
-             R"(Add a proxy at the worst face of the worst region, `times` times. Returns a new Partition.
+             R"(Split the region whose split lowers the error most, `times` times. Returns a new Partition.
 
 Locked regions are not chosen. Raises InvalidInput (no region left that can be split) or Cancelled.
 Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.5.)");

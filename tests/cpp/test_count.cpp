@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <set>
 
@@ -50,6 +51,16 @@ TEST(CutRule, MovesIntoASignificantGap) {
   EXPECT_GT(cut.cost, costs[49]);
   EXPECT_FALSE(choose_cut(costs, 1, 1e-12, 0.0025, 0.001, 0, false).snapped);
   EXPECT_FALSE(choose_cut(costs, 1, 1e-12, 0.02, 0.001, 0, true).snapped);  // the gap is finer than what is asked
+}
+
+TEST(CutRule, AGapCountsBeyondTheWindow) {
+  // A box whose sides bulge: the six sides merge at t = .1, and none of their parts above .0178. The window ends at .02.
+  std::vector<double> costs(5, 16 * 0.1 * 0.1);
+  for (int regions = 6; regions < 400; ++regions) costs.push_back(16 * std::pow(0.0178 * 6 / regions, 2));
+  const Cut cut = choose_cut(costs, 1, 1e-12, 0.005, 0.001, 0, true);
+  EXPECT_TRUE(cut.snapped);
+  EXPECT_LT(cut.cost, costs[4]);
+  EXPECT_GT(cut.cost, costs[5]);
 }
 
 TEST(CutRule, NoiseCountsAsToleranceButDoesNotAddToIt) {

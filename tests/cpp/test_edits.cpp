@@ -334,6 +334,30 @@ TEST(Heuristics, AddAtTheWorstAndDeleteTheLeast) {
   }
 }
 
+TEST(Heuristics, AddWhereASplitPaysNotWhereNoiseIsLarge) {
+  // A rough ground of 400 times the area of a cube's side has the largest error, but no split lowers it. Two sides of
+  // the cube are one region.
+  Job job;
+  shapes::Arrays ground = shapes::noisy(shapes::plane(60), 0.002, 1);
+  for (Vec3& p : ground.vertices) p *= 20;
+  const Mesh mesh = shapes::mesh(shapes::both(ground, shapes::cube(8), {5, 5, 3}));
+  constexpr std::int32_t kOfGround = 7200, kOfSide = 128;
+  std::vector<std::int32_t> label(static_cast<std::size_t>(mesh.face_count()), 0);
+  for (std::int32_t f = kOfGround; f < mesh.face_count(); ++f) {
+    const Triangle& t = mesh.triangles()[f];
+    const auto& v = mesh.vertices();
+    const Vec3 n = (v[t[1]] - v[t[0]]).cross(v[t[2]] - v[t[0]]).normalized();
+    label[f] = n.x() > 0.5 || n.y() > 0.5 ? 1 : n.x() < -0.5 ? 2 : n.y() < -0.5 ? 3 : n.z() > 0.5 ? 4 : 5;
+  }
+  const Partition before = partition_from(mesh, label, job);
+  ASSERT_GT(before.region_sum[0].error(), before.region_sum[1].error());
+  const Partition after = add_worst(mesh, before, 1, job);
+  std::vector<std::int32_t> faces;
+  for (const RegionSum& s : after.region_sum) faces.push_back(s.faces);
+  std::ranges::sort(faces);
+  EXPECT_EQ(faces, (std::vector<std::int32_t>{kOfSide, kOfSide, kOfSide, kOfSide, kOfSide, kOfSide, kOfGround}));
+}
+
 TEST(Heuristics, MergeWhatCostsNothingFirst) {
   Job job;
   const Mesh mesh = shapes::mesh(shapes::cube(6));

@@ -52,6 +52,16 @@ def test_a_module_includes_only_what_it_declares_and_what_comes_before(module):
                 assert include.split("/")[1] in allowed, f"{path} includes {include}"
 
 
+def test_the_modules_of_the_documentation_are_those_of_cmake():
+    text = (ROOT / "docs" / "architecture.md").read_text()
+    block = text.partition("compares this list with")[2].split("```")[1]
+    listed = {}
+    for line in block.strip().splitlines():
+        name, _, used = line.partition("->")
+        listed[name.strip()] = {other.strip() for other in used.split("   ")[0].split(",")} - {""}
+    assert listed == modules()
+
+
 def test_modules_come_in_the_agreed_order():
     for module, uses in modules().items():
         for other in uses:

@@ -1,6 +1,7 @@
 #include "isimp/interact/heuristics.h"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <string>
 #include <tuple>
@@ -10,7 +11,6 @@
 #include "dissolve.h"
 #include "edit.h"
 #include "isimp/core/errors.h"
-#include "isimp/interact/interact.h"
 #include "isimp/interact/merge.h"
 
 namespace isimp {
@@ -27,33 +27,58 @@ void check_times(std::int32_t times) {
                      " can be done: no region is left that could be " + what);
 }
 
-/// The face of a region with the largest error, by the mesh.
-std::int32_t worst_face(Edit& edit, std::int32_t region) {
+/// By how much the best split of a region lowers the error. Less than 0: its faces can't be split.
+double gain_of_split(Edit& edit, std::int32_t region) {
   const FaceGraph& graph = edit.graph;
-  const NormalMetric::Proxy proxy = NormalMetric::fit(edit.result.region_sum[region]);
-  std::int32_t worst = kNone;
-  float most = -1.0F;
-  for (const std::int32_t i : take_out(graph, edit.labels, graph.graph_face[edit.result.region_seed[region]])) {
-    const float error = graph.faces[i].area * NormalMetric::error(graph.faces[i], proxy);
-    if (error <= most) continue;
-    most = error;
-    worst = i;
-  }
-  return graph.mesh_face[worst];
+  const std::vector<std::int32_t> faces =
+      take_out(graph, edit.labels, graph.graph_face[edit.result.region_seed[region]]);
+  const RegionSum& sum = edit.result.region_sum[region];
+  const double gain =
+      faces.size() < 2
+          ? -1.0
+          : split_gain(sum, split_in_two(graph, edit.labels, faces, sum, {region, edit.result.region_count()}));
+  for (const std::int32_t i : faces) edit.labels.set(i, region);
+  return gain;
 }
 
-std::int32_t worst_region(const Edit& edit) {
-  using Rank = std::tuple<double, std::int32_t, std::int32_t>;
-  Rank worst(-1.0, 0, kNone);
-  for (std::int32_t r = 0; r < edit.result.region_count(); ++r) {
-    const RegionSum& s = edit.result.region_sum[r];
-    if (edit.locked(r) || s.faces < 2) continue;
-    const Rank rank(s.error() > kFlat ? s.error() : 0.0, s.faces, r);
-    if (std::pair(std::get<0>(rank), std::get<1>(rank)) > std::pair(std::get<0>(worst), std::get<1>(worst)))
-      worst = rank;
+/// Finds the region whose split lowers the error most.
+class Splits {
+ public:
+  /// \return the region; where no split lowers the error the one with most faces; kNone if none can be split
+  std::int32_t best(Edit& edit, Job& job) {
+    std::vector<std::int32_t> order;  // by error, since no split gains more
+    for (std::int32_t r = 0; r < edit.result.region_count(); ++r)
+      if (!edit.locked(r) && edit.result.region_sum[r].faces > 1) order.push_back(r);
+    const auto& sums = edit.result.region_sum;
+    std::ranges::stable_sort(order, std::greater<>(), [&](std::int32_t r) { return sums[r].error(); });
+    double most = kFlat;
+    std::int32_t best = kNone;
+    for (const std::int32_t r : order) {
+      if (sums[r].error() <= most) break;
+      job.poll();
+      const double gain = gain_of(edit, r);
+      if (gain > most || (gain == most && r < best)) best = r;
+      most = std::max(most, gain);
+    }
+    if (best != kNone || order.empty()) return best;
+    return *std::ranges::max_element(order, {}, [&](std::int32_t r) { return std::pair(sums[r].faces, -r); });
   }
-  return std::get<2>(worst);
-}
+
+ private:
+  struct Known {
+    double error = -1.0, gain = 0.0;
+  };
+
+  /// A gain holds as long as the error of its region does.
+  double gain_of(Edit& edit, std::int32_t region) {
+    known_.resize(edit.result.region_sum.size());
+    const double error = edit.result.region_sum[region].error();
+    if (known_[region].error != error) known_[region] = {error, gain_of_split(edit, region)};
+    return known_[region].gain;
+  }
+
+  std::vector<Known> known_;
+};
 
 struct Pair {
   double cost;
@@ -104,12 +129,16 @@ class Borders {
 Partition add_worst(const Mesh& mesh, const Partition& partition, std::int32_t times, Job& job) {
   check_times(times);
   Partition result = partition;
+  Splits splits;
   for (std::int32_t k = 0; k < times; ++k) {
     Job::Part stage(job, "adding", static_cast<double>(k) / times, static_cast<double>(k + 1) / times);
-    Edit edit(mesh, result);
-    const std::int32_t region = worst_region(edit);
+    std::int32_t region = kNone;
+    {
+      Edit edit(mesh, result);
+      region = splits.best(edit, job);
+    }
     if (region == kNone) out_of_regions("split", k, times);
-    result = add_proxy(mesh, result, worst_face(edit, region), job);
+    result = split_region(mesh, result, result.region_seed[region], job);
   }
   return result;
 }

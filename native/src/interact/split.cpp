@@ -124,9 +124,7 @@ Partition split_region(const Mesh& mesh, const Partition& partition, std::int32_
   const std::int32_t region = splittable(edit, face), start = edit.at(face), fresh = edit.add_region();
   Job::Part stage(job, "splitting", 0.0, 1.0);
   const std::vector<std::int32_t> faces = take_out(graph, edit.labels, start);
-  Halves halves = two_sides(graph, faces, edit.result.region_sum[region]);
-  halves.region = {region, fresh};
-  flood_halves(graph, edit.labels, faces, halves, kSplitRounds, false);
+  Halves halves = split_in_two(graph, edit.labels, faces, edit.result.region_sum[region], {region, fresh});
   if (edit.labels.get(start) == fresh) {
     for (const std::int32_t i : faces) edit.labels.set(i, edit.labels.get(i) == fresh ? region : fresh);
     std::swap(halves.sum[0], halves.sum[1]);

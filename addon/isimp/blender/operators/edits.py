@@ -192,7 +192,7 @@ class _Times(_ByError):
 
 
 class ISIMP_OT_add_worst(_Times, bpy.types.Operator):
-    """Add N regions, each at the face with the largest error"""
+    """Add N regions, each where a split lowers the error most"""
 
     bl_idname = "isimp.add_worst"
     bl_label = "Add at Worst"

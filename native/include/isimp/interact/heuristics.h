@@ -9,11 +9,11 @@
 /// Locked regions are neither chosen nor changed. Ties go to the region of the lower number.
 namespace isimp {
 
-/// Adds a proxy `times` times, each at the worst face of the region that is then worst. A region's error is what
-/// counts, a face's with its area; where all regions are flat the one with most faces is the worst.
+/// Splits `times` times the region whose split lowers the error most, as split_region does. Noise on a large wall adds
+/// to its error, but no split removes it. Where no split lowers the error, the region with most faces is split.
 /// \throws InvalidInput  times below 1; no region left that is not locked and has two faces: nothing was changed
 /// \throws Cancelled  nothing was changed
-/// Cost: that of as many add_proxy.
+/// Cost: O(F log F) at most for the first one, then that of a split_region each.
 Partition add_worst(const Mesh& mesh, const Partition& partition, std::int32_t times, Job& job);
 
 /// Deletes the region whose loss costs least, `times` times: that which merged with one of its neighbours would raise

@@ -199,6 +199,23 @@ void flood_halves(const FaceGraph& graph, Labels labels, std::span<const std::in
   }
 }
 
+/// Splits a region in its labels: its open faces get the label of their half.
+/// \param faces  connected, all kOpen, at least two
+/// \param sum    of the faces
+/// \return the halves; the split lowers the error by split_gain(sum, halves)
+template <class Labels>
+Halves split_in_two(const FaceGraph& graph, Labels labels, std::span<const std::int32_t> faces, const RegionSum& sum,
+                    std::array<std::int32_t, 2> region) {
+  Halves halves = two_sides(graph, faces, sum);
+  halves.region = region;
+  flood_halves(graph, labels, faces, halves, kSplitRounds, false);
+  return halves;
+}
+
+inline double split_gain(const RegionSum& sum, const Halves& halves) {
+  return sum.error() - halves.sum[0].error() - halves.sum[1].error();
+}
+
 /// Floods open faces from the regions around them, whose sums grow; their proxies stay fixed meanwhile.
 /// \param touched  the regions that grew are appended, each once
 /// \return false if there is no region around: the faces then are still open

@@ -8,7 +8,7 @@ namespace isimp {
 namespace {
 
 constexpr double kWindow = 4.0;    // gaps are looked for from t to this times t
-constexpr double kSlack = 4.0;     // a gap counts no further than this factor of cost beyond the window
+constexpr double kSlack = 16.0;    // a gap counts no further than this factor of cost beyond the window
 constexpr double kRatio = 2.0;     // least ratio of costs
 constexpr double kSurprise = 4.0;  // above what the largest of W + 1 exponential draws is about
 constexpr double kSpread = 1.2;    // the number of regions is a mean over tolerances from t / kSpread to t kSpread

@@ -65,12 +65,10 @@ double Teleport::split(std::int32_t region, std::int32_t fresh, Job& job) {
     undo_split(region);
     return -1.0;
   }
-  Halves halves = two_sides(graph_, faces_, regions_.sum[region]);
-  halves.region = {region, fresh};
-  flood_halves(graph_, labels_, faces_, halves, kSplitRounds, false);
+  const Halves halves = split_in_two(graph_, labels_, faces_, regions_.sum[region], {region, fresh});
   halves_[0] = halves.sum[0];
   halves_[1] = halves.sum[1];
-  return regions_.sum[region].error() - halves_[0].error() - halves_[1].error();
+  return split_gain(regions_.sum[region], halves);
 }
 
 void Teleport::undo_split(std::int32_t region) {
