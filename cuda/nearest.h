@@ -111,8 +111,9 @@ struct ChooseNear {
  public:
   /// The same on the host, where the grid is made.
   ISIMP_KERNEL static std::int32_t cell_of(float x, std::int32_t side) {
-    const auto cell = static_cast<std::int32_t>(x * static_cast<float>(side));
-    return cell < 0 ? 0 : cell >= side ? side - 1 : cell;
+    const float cell = x * static_cast<float>(side);
+    if (!(cell > 0)) return 0;  // what is no number too: its conversion is undefined
+    return cell < static_cast<float>(side) ? static_cast<std::int32_t>(cell) : side - 1;
   }
 };
 

@@ -160,19 +160,6 @@ void bind_constraints(py::module_& m) {
       "mesh"_a, "partition"_a, "cuts"_a, "job"_a = py::none(), "See guided.parted_at.");
 }
 
-/// A Job::Part as a `with` statement has it.
-class Stretch {
- public:
-  Stretch(Job& job, double begin, double end) : job_(job), begin_(begin), end_(end) {}
-  void enter() { part_.emplace(job_, "meshing", begin_, end_); }
-  void exit() { part_.reset(); }
-
- private:
-  Job& job_;
-  double begin_, end_;
-  std::optional<Job::Part> part_;
-};
-
 void bind_search(py::module_& m) {
   py::class_<BoundSearch> search(m, "_BoundSearch", py::module_local(), "See BoundSearch in simplify/within.h.");
   py::class_<BoundSearch::Step>(search, "Step", py::module_local())

@@ -36,6 +36,8 @@ std::span<const T> span_of(const Contiguous<T>& array) {
 
 /// From 0 to 1 in the tile of each corner's polygon.
 py::array uv_of(const PolygonMesh& poly, const Atlas& atlas) {
+  if (atlas.corner.size() != poly.loops.size() || atlas.tile.size() != poly.loop_start.size())
+    throw InvalidInput("the atlas is not of these polygons");
   Contiguous<double> uv({static_cast<py::ssize_t>(atlas.corner.size()), py::ssize_t{2}});
   double* out = uv.mutable_data();
   std::size_t i = 0;

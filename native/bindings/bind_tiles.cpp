@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstring>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "bindings.h"
 #include "call.h"
 #include "isimp/core/errors.h"
+#include "isimp/core/to_integer.h"
 #include "isimp/meshing/part.h"
 #include "isimp/meshing/polygonize.h"
 #include "isimp/tiles/detail.h"
@@ -32,6 +34,7 @@ namespace {
 template <class T>
 using Table = py::array_t<T, py::array::c_style | py::array::forcecast>;
 constexpr py::ssize_t kSumColumns = 5, kMomentColumns = 10;
+constexpr std::int32_t kMostFaces = std::numeric_limits<std::int32_t>::max();
 
 /// The rows of a table without a copy, as a struct of its numbers.
 template <class Row, class T>
@@ -64,7 +67,7 @@ void put(const RegionSum& s, double* at) {
 std::vector<RegionSum> read_sums(const Table<double>& table) {
   std::vector<RegionSum> sums;
   for (const auto& row : rows<std::array<double, kSumColumns>>(table, "sums"))
-    sums.push_back({row[0], row[1], row[2], row[3], static_cast<std::int32_t>(row[4])});
+    sums.push_back({row[0], row[1], row[2], row[3], isimp::to_integer(row[4], 0, kMostFaces)});
   return sums;
 }
 
@@ -82,11 +85,6 @@ std::vector<SurfaceMoments> read_moments(const std::optional<Table<double>>& tab
   }
   return moments;
 }
-
-/// So that the caller need not keep an array of its own too.
-struct KeptMoments {
-  std::vector<SurfaceMoments> of_face;
-};
 
 PolygonMesh read_polygons(const py::object& vertices, const Table<std::int32_t>& loops,
                           const Table<std::int32_t>& starts, const Table<std::int32_t>& regions) {

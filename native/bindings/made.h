@@ -8,8 +8,14 @@
 #include "isimp/core/job.h"
 #include "isimp/mesh/clean.h"
 #include "isimp/meshing/polygonize.h"
+#include "isimp/meshing/regularise.h"
 #include "isimp/partition/partition.h"
+#include "isimp/simplify/within.h"
+#include "isimp/texture/options.h"
+#include "isimp/texture/unwrap.h"
 #include "kept_mesh.h"
+#include "kept_moments.h"
+#include "stretch.h"
 
 namespace isimp::bindings {
 
@@ -46,6 +52,20 @@ template <>
 struct type_caster<isimp::PartitionOptions> : isimp::bindings::Made<isimp::PartitionOptions> {};
 template <>
 struct type_caster<isimp::MeshingOptions> : isimp::bindings::Made<isimp::MeshingOptions> {};
+template <>
+struct type_caster<isimp::RegulariseOptions> : isimp::bindings::Made<isimp::RegulariseOptions> {};
+template <>
+struct type_caster<isimp::TextureOptions> : isimp::bindings::Made<isimp::TextureOptions> {};
+template <>
+struct type_caster<isimp::Atlas> : isimp::bindings::Made<isimp::Atlas> {};
+template <>
+struct type_caster<isimp::BoundSearch> : isimp::bindings::Made<isimp::BoundSearch> {};
+template <>
+struct type_caster<isimp::BoundSearch::Step> : isimp::bindings::Made<isimp::BoundSearch::Step> {};
+template <>
+struct type_caster<isimp::bindings::Stretch> : isimp::bindings::Made<isimp::bindings::Stretch> {};
+template <>
+struct type_caster<isimp::bindings::KeptMoments> : isimp::bindings::Made<isimp::bindings::KeptMoments> {};
 template <>
 struct type_caster<isimp::bindings::KeptMesh> : isimp::bindings::Made<isimp::bindings::KeptMesh> {};
 template <>

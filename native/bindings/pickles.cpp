@@ -1,6 +1,8 @@
 #include "pickles.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 #include "call.h"
@@ -18,6 +20,35 @@ template <class Integers>
 bool all_in(const Integers& items, std::int32_t low, std::size_t end) {
   return std::all_of(items.begin(), items.end(),
                      [&](std::int32_t i) { return i >= low && i < static_cast<std::int64_t>(end); });
+}
+
+constexpr std::size_t kAny = std::numeric_limits<std::uint32_t>::max();  // a bound of what another array is asked for
+
+bool is_unit(const Vec3& v) {
+  constexpr double kRounding = 1e-6;
+  return std::abs(v.norm() - 1) < kRounding;
+}
+
+template <class... Numbers>
+bool all_finite(Numbers... numbers) {
+  return (std::isfinite(numbers) && ...);
+}
+
+bool all_finite(const std::vector<double>& numbers) {
+  return std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
+}
+
+/// Whether labels, seeds, sums and normals of the regions fit together.
+void check_regions(const Partition& p) {
+  std::vector<std::int32_t> faces(p.region_seed.size(), 0);
+  for (const std::int32_t r : p.face_region)
+    if (r != kNone) ++faces[r];
+  for (std::size_t r = 0; r < faces.size(); ++r) {
+    const RegionSum& s = p.region_sum[r];
+    check(faces[r] > 0 && s.faces == faces[r] && all_finite(s.x, s.y, s.z, s.weight) && s.weight >= 0);
+    check(p.face_region[p.region_seed[r]] == static_cast<std::int32_t>(r));
+    check(p.region_normal[r].isZero(0) || is_unit(p.region_normal[r]));
+  }
 }
 
 py::tuple pack_repairs(const RepairReport& repairs) {
@@ -84,6 +115,10 @@ std::shared_ptr<const GuidedGraph> unpack_guided(const py::object& packed, std::
         all_in(component, 0, static_cast<std::size_t>(component_count)));
   for (const auto& three : neighbours)
     for (const std::int32_t i : three) check(i >= 0 && i <= static_cast<std::int64_t>(n));
+  for (std::size_t i = 0; i < n; ++i) check(graph_face[mesh_face[i]] == static_cast<std::int32_t>(i));
+  for (const FaceRecord& f : faces) check(all_finite(f.nx, f.ny, f.nz, f.area) && f.area >= 0);
+  check(std::all_of(weight.begin(), weight.end(), [](float w) { return std::isfinite(w) && w >= 0; }));
+  check(std::isfinite(area) && component_count <= static_cast<std::int64_t>(n));
   return guided;
 }
 
@@ -135,6 +170,7 @@ std::shared_ptr<KeptMesh> mesh_from(const py::tuple& state) {
   Array<std::int32_t> source_face, source_vertex;
   unpack_all(py::make_tuple(state[0], state[1], state[2], state[3]), vertices, triangles, source_face, source_vertex);
   check(source_face.size() == triangles.size() && source_vertex.size() == vertices.size());
+  check(all_in(source_face, kNone, kAny) && all_in(source_vertex, kNone, kAny));
   RepairReport repairs = unpack_repairs(state[4].cast<py::tuple>());
   std::vector<FoundOpening> openings = unpack_openings(state[5].cast<py::tuple>());
   return call(nullptr, [&](Job& job) {
@@ -187,6 +223,9 @@ Partition partition_from_state(const py::tuple& state) {
   check(region_normal.size() == regions && region_sum.size() == regions && all_in(region_seed, 0, faces));
   check((region_offset.empty() || region_offset.size() == regions) && (locked.empty() || locked.size() == regions));
   check(all_in(face_region, kNone, regions));
+  check_regions(partition);
+  check(all_finite(error, smooth, tolerance, noise, bound, distance_max, area_left_out) && all_finite(history) &&
+        all_finite(region_offset) && (!is_symmetric || (is_unit(normal) && std::isfinite(offset))));
   guided = unpack_guided(state[1], faces);
   return partition;
 }
@@ -204,7 +243,10 @@ PolygonMesh polygons_from(const py::tuple& state) {
   unpack_all(state[0].cast<py::tuple>(), vertices, loops, loop_start, polygon_region, planarity, source_vertex, let_go);
   check(polygon_region.size() == loop_start.size() && planarity.size() == loop_start.size());
   check(source_vertex.size() == vertices.size() && all_in(loops, 0, vertices.size()));
+  check(all_in(source_vertex, kNone, kAny) && all_in(polygon_region, 0, kAny) && all_in(let_go, 0, kAny));
   check(all_in(loop_start, 0, loops.size() + 1) && std::is_sorted(loop_start.begin(), loop_start.end()));
+  check(loop_start.empty() ? loops.empty() : loop_start.front() == 0);
+  check(std::all_of(vertices.begin(), vertices.end(), [](const Vec3& v) { return v.allFinite(); }));
   report = unpack_report(state[1].cast<py::tuple>());
   return mesh;
 }

@@ -247,3 +247,14 @@ def test_interrupts_while_a_path_or_a_number_is_read_are_passed_on():
         engine.PartitionOptions(proxies=Interrupted())
     with pytest.raises(KeyboardInterrupt):
         engine.TextureOptions(gutter=Interrupted())
+
+
+def test_a_link_where_the_draft_would_be_is_not_followed(tmp_path, poly):
+    place, elsewhere = tmp_path / "o.ply", tmp_path / "elsewhere.txt"
+    for draft in ("o.ply.part", "o.ply.part2"):
+        (tmp_path / draft).symlink_to(elsewhere)  # to nowhere
+    engine.write(place, poly)
+    assert not elsewhere.exists()
+    assert not place.is_symlink()
+    np.testing.assert_array_equal(engine.read_polygons(place)[1], poly.loops)
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["o.ply", "o.ply.part", "o.ply.part2"]

@@ -10,6 +10,7 @@ import pytest
 
 import isimp_engine as engine
 import shapes
+from isimp_engine import _core
 
 CLASSES = [
     engine.Mesh,
@@ -19,6 +20,8 @@ CLASSES = [
     engine.CleanOptions,
     engine.PartitionOptions,
     engine.MeshingOptions,
+    engine.RegulariseOptions,
+    engine.TextureOptions,
 ]
 
 
@@ -89,6 +92,43 @@ def test_a_damaged_pickle_gives_no_object():
         part.__new__(type(part)).__setstate__((outside, guided))
 
 
+def changed(state, at, k, value):
+    """A state with number k of its array `at` replaced."""
+    numbers = list(state)
+    array = np.frombuffer(numbers[at], type(value)).copy()
+    array[k] = value
+    numbers[at] = array.tobytes()
+    return tuple(numbers)
+
+
+def refuses(thing, state):
+    with pytest.raises(engine.InvalidInput, match="pickle is damaged"):
+        type(thing).__new__(type(thing)).__setstate__(state)
+
+
+def test_a_pickle_whose_numbers_do_not_fit_together_gives_no_object():
+    mesh, part, polygons = made()[:3]
+    refuses(mesh, changed(mesh.__getstate__(), 2, 0, np.int32(-2)))  # source_face
+    refuses(mesh, changed(mesh.__getstate__(), 3, 0, np.int32(-2)))  # source_vertex
+    numbers, guided = part.__getstate__()
+    for at, k, value in [
+        (0, 3, np.int32(part.face_region[3] ^ 1)),  # a region has another number of faces than its sum says
+        (1, 1, np.int32(part.region_seed[0])),  # a seed outside its region
+        (2, 0, np.float64(3.0)),  # a normal that is not unit
+        (2, 0, np.float64(np.nan)),
+        (12, 0, np.float64(np.inf)),  # an offset
+    ]:
+        refuses(part, (changed(numbers, at, k, value), guided))
+    refuses(part, ((*numbers[:8], float("nan"), *numbers[9:]), guided))  # noise
+    # labels, neighbours, and the two orders of faces of the guided graph
+    refuses(part, (numbers, changed(guided, 5, 0, np.int32(np.frombuffer(guided[5], np.int32)[1]))))
+    refuses(part, (numbers, changed(guided, 3, 3, np.float32(np.nan))))
+    arrays, report = polygons.__getstate__()
+    refuses(polygons, (changed(arrays, 0, 0, np.float64(np.inf)), report))
+    refuses(polygons, (changed(arrays, 2, 0, np.int32(1)), report))
+    refuses(polygons, (changed(arrays, 3, 0, np.int32(-1)), report))
+
+
 @pytest.mark.parametrize("kind", CLASSES, ids=lambda kind: kind.__name__)
 def test_an_object_that_was_never_made_raises(kind):
     class Own(kind):
@@ -113,3 +153,33 @@ def test_an_object_that_was_never_made_is_no_argument():
         engine.partition(empty)
     with pytest.raises(TypeError, match="never made"):
         engine.partition(engine.Mesh(*shapes.cube()), engine.PartitionOptions.__new__(engine.PartitionOptions))
+
+
+def test_nor_is_one_of_a_private_class():
+    mesh, part, polygons = made()[:3]
+    search = _core._BoundSearch
+    for kind, use in [
+        (_core._Atlas, lambda empty: _core._uv(polygons, empty)),
+        (_core._Atlas, lambda empty: empty.side),
+        (_core._Moments, lambda empty: _core._tile_polygonize(mesh, part, engine.MeshingOptions(), empty)),
+        (search, lambda empty: empty.next()),
+        (search.Step, lambda empty: empty.share),
+        (_core._Stretch, lambda empty: empty.__enter__()),
+    ]:
+        with pytest.raises(TypeError, match="never made"):
+            use(kind.__new__(kind))
+
+
+def test_what_is_of_other_polygons_is_refused():
+    mesh, part, polygons = made()[:3]
+    others = engine.polygonize(mesh, engine.partition(mesh, engine.PartitionOptions(proxies=5)))
+    options = engine.TextureOptions(size=64, occlusion=True)
+    atlas = _core._unwrap(others, options, 10.0)
+    with pytest.raises(engine.InvalidInput, match="atlas is not of these polygons"):
+        _core._uv(polygons, atlas)
+    own = _core._unwrap(polygons, options, 10.0)
+    grey = np.zeros((64, 64), np.uint8)
+    for count in (1, len(polygons.loop_start) + 1, 10**6):
+        same = np.zeros(count, np.int32)
+        with pytest.raises(engine.InvalidInput, match="earlier"):
+            _core._map_layers(mesh, part, polygons, own, options, same, grey)

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "close.h"
+#include "isimp/core/to_integer.h"
 #include "isimp/mesh/meet.h"
 
 namespace isimp::detail {
@@ -47,7 +48,7 @@ class Cells {
     for (int k = 0; k < 3; ++k)
       for (int side = 0; side < 2; ++side) {
         const double at = ((side == 0 ? box.min(k) : box.max(k)) - reach_.min(k)) * per_length_[k];
-        range[k][side] = static_cast<int>(std::clamp(at, 0.0, kSide - 1.0));
+        range[k][side] = to_integer(at, 0, kSide - 1);
       }
     for (int x = range[0][0]; x <= range[0][1]; ++x)
       for (int y = range[1][0]; y <= range[1][1]; ++y)

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "isimp/core/prefetch.h"
+#include "isimp/core/to_integer.h"
 #include "parallel_loops.h"
 
 namespace isimp {
@@ -48,7 +49,7 @@ class Curve {
   [[nodiscard]] std::uint64_t place(const Vec3& p) const {
     const Vec3 cell = (p - low_) * scale_;
     const auto axis = [&](int k) {
-      return static_cast<std::uint64_t>(kSpread[std::clamp(static_cast<int>(cell[k]), 0, (1 << kAxisBits) - 1)]);
+      return static_cast<std::uint64_t>(kSpread[to_integer(cell[k], 0, (1 << kAxisBits) - 1)]);
     };
     return axis(0) | axis(1) << 1 | axis(2) << 2;
   }

@@ -12,6 +12,7 @@
 
 #include "isimp/core/forest.h"
 #include "isimp/core/prefetch.h"
+#include "isimp/core/to_integer.h"
 #include "isimp/mesh/mesh.h"
 
 /// A tree over the vertices by distance, and a tree over faces and holes that crosses none of its edges and takes those
@@ -116,9 +117,9 @@ class HandleLoops {
 
  private:
   static constexpr double kFar = std::numeric_limits<double>::infinity();
-  static constexpr std::size_t kAhead = 8;          // of the vertex that is taken, what is beside another is fetched
-  static constexpr std::size_t kSample = 16;        // faces from one edge that is measured to the next
-  static constexpr double kMostBuckets = 1U << 16;  // the last one has all that is farther
+  static constexpr std::size_t kAhead = 8;    // of the vertex that is taken, what is beside another is fetched
+  static constexpr std::size_t kSample = 16;  // faces from one edge that is measured to the next
+  static constexpr std::size_t kMostBuckets = 1U << 16;  // the last one has all that is farther
 
   [[nodiscard]] std::int32_t from(std::int32_t h) const { return arrays_.triangles[h / 3][h % 3]; }
   [[nodiscard]] std::int32_t to(std::int32_t h) const { return from(Mesh::next(h)); }
@@ -167,7 +168,7 @@ class HandleLoops {
     }
   }
   [[nodiscard]] std::size_t bucket_of(double d) const {
-    return static_cast<std::size_t>(std::min(d * per_length_, kMostBuckets));
+    return to_integer(d * per_length_, std::size_t{0}, kMostBuckets);
   }
 
   /// One node for each border loop, after those of the faces.

@@ -1,5 +1,7 @@
 #include "output_file.h"
 
+#include <cerrno>
+#include <cstdio>
 #include <system_error>
 
 #include "file_text.h"
@@ -14,7 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostLinks = 40;  // in a row; more are a circle
+constexpr int kMostDrafts = 1000;  // that others have left beside a place
+constexpr int kMostLinks = 40;     // in a row; more are a circle
 
 /// Where a chain of links ends, also if nothing is there.
 fs::path end_of_links(fs::path place) {
@@ -22,6 +25,18 @@ fs::path end_of_links(fs::path place) {
   for (int i = 0; i < kMostLinks && fs::is_symlink(place, error); ++i)
     place = place.parent_path() / fs::read_symlink(place, error);
   return place;
+}
+
+/// Makes an empty file where nothing is, not even a link to nowhere, which would be followed.
+/// \return false if it can't be made; errno is EEXIST where something is there
+bool make_new(const fs::path& place) {
+  errno = 0;
+#ifdef _WIN32
+  std::FILE* file = ::_wfopen(place.c_str(), L"wbx");
+#else
+  std::FILE* file = std::fopen(place.c_str(), "wbx");
+#endif
+  return file != nullptr && std::fclose(file) == 0;
 }
 
 bool is_read_only([[maybe_unused]] const fs::path& place, const fs::file_status& status) {
@@ -49,9 +64,14 @@ OutputFile::OutputFile(const fs::path& path, Job& job) : name_(utf8(path)), plac
 
 void OutputFile::open_draft(const fs::file_status& before) {
   if (fs::exists(before) && is_read_only(place_, before)) fail("it is read-only, so it is not replaced");
-  draft_ = place_;
-  draft_ += ".part";  // beside its place, so that the move stays within one file system
-  for (int i = 2; fs::exists(draft_); ++i) draft_.replace_extension(".part" + std::to_string(i));
+  fs::path draft = place_;
+  draft += ".part";  // beside its place, so that the move stays within one file system
+  for (int i = 2; !make_new(draft); ++i) {
+    if (errno != EEXIST || i > kMostDrafts)
+      fail("it can't be written; check that its folder exists and that you may write there");
+    draft.replace_extension(".part" + std::to_string(i));
+  }
+  draft_ = draft;
   out_.open(draft_, std::ios::binary);
   if (!out_) fail("it can't be written; check that its folder exists and that you may write there");
   std::error_code ignored;  // a file system without permissions has none to keep
@@ -59,7 +79,7 @@ void OutputFile::open_draft(const fs::file_status& before) {
 }
 
 OutputFile::~OutputFile() {
-  if (kept_ || stream_) return;
+  if (kept_ || stream_ || draft_.empty()) return;
   out_.close();
   std::error_code ignored;
   fs::remove(draft_, ignored);

@@ -1,8 +1,12 @@
 #include "ply_rows.h"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
+#include <type_traits>
 #include <vector>
+
+#include "isimp/core/to_integer.h"
 
 namespace isimp::detail {
 namespace {
@@ -52,8 +56,18 @@ struct Lists {
   bool swap = false;
 };
 
+/// A number of a list; one that is no index where it is not even an integer of 64 bits.
+template <class T>
+std::int64_t load_integer(const char* p, bool swap) {
+  const T value = load_number<T>(p, swap);
+  if constexpr (std::is_floating_point_v<T>)
+    return isimp::to_integer(value, std::int64_t{-1}, std::numeric_limits<std::int64_t>::max());
+  else
+    return static_cast<std::int64_t>(value);
+}
+
 std::int64_t load_count(const char* p, PlyScalar type, bool swap) {
-  return with_type(type, [&](auto zero) { return static_cast<std::int64_t>(load_number<decltype(zero)>(p, swap)); });
+  return with_type(type, [&](auto zero) { return load_integer<decltype(zero)>(p, swap); });
 }
 
 /// How many rows there are before the first one whose list has another count.
@@ -70,9 +84,7 @@ std::size_t rows_with_count(const Lists& lists, PlyScalar type, const char* bloc
 
 template <class T>
 void copy_corners(const Lists& lists, const char* block, std::size_t rows, std::int32_t* to) {
-  const auto corner = [&](const char* p) {
-    return SoupBuilder::corner(static_cast<std::int64_t>(load_number<T>(p, lists.swap)));
-  };
+  const auto corner = [&](const char* p) { return SoupBuilder::corner(load_integer<T>(p, lists.swap)); };
   const char* p = block + lists.offset + lists.count_bytes;
   if (lists.corners == 3) {  // nearly always: the loop below takes twice as long
     for (std::size_t row = 0; row < rows; ++row, to += 3, p += lists.row_bytes) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "isimp/core/to_integer.h"
 #include "parallel_loops.h"
 
 namespace isimp::detail {
@@ -23,8 +24,7 @@ std::uint64_t spread_bits(std::uint64_t x) {
 
 /// The cell of a coordinate; any for what is no number.
 std::uint64_t cell(double x, double low, double scale) {
-  const double at = (x - low) * scale;
-  return at > 0 ? static_cast<std::uint64_t>(std::min(at, 65535.0)) : 0;
+  return to_integer((x - low) * scale, std::uint64_t{0}, std::uint64_t{65535});
 }
 
 /// Sorts by the upper half of each key.

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -10,6 +11,7 @@
 #include "diagonal.h"
 #include "findings.h"
 #include "flaws.h"
+#include "isimp/core/to_integer.h"
 #include "junctions.h"
 #include "keep_planes.h"
 #include "planar/planar.h"
@@ -38,9 +40,10 @@ constexpr double kWorthwhile = 0.97;          ///< a pass that leaves more of th
 class Repairer {
  public:
   Repairer(State& state, Job& job) : s_(state), job_(job), findings_(state, bounds_of(state), job) {
-    const double all = s_.labels.piece_count() + kOfOpening * openings_of(s_.mesh);
-    most_polygons_ =
-        s_.labels.piece_count() + std::max(kLeastBudget, static_cast<std::int32_t>(s_.options.repair_budget * all));
+    const std::int32_t pieces = s_.labels.piece_count();
+    const double all = pieces + kOfOpening * openings_of(s_.mesh);
+    most_polygons_ = pieces + to_integer(s_.options.repair_budget * all, kLeastBudget,
+                                         std::numeric_limits<std::int32_t>::max() - pieces);
     if (s_.options.planar) findings_.judge_planar();
   }
 

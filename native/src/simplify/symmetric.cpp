@@ -263,7 +263,10 @@ class Symmetriser {
   /// Labels there may be: the regions of the half, their images, those that are apart, and one for what nothing reaches.
   [[nodiscard]] std::size_t label_count() const { return static_cast<std::size_t>(2 * regions_ + apart_count_) + 1; }
   [[nodiscard]] MeshLabels labels() { return {label_.data(), &graph_}; }
+  /// The label of the image of a region of the half, or of one that has come across the plane; kOpen where it has none.
   [[nodiscard]] std::int32_t image_of(std::int32_t region) const {
+    if (region < 0 || region >= 2 * regions_) return kOpen;
+    if (region >= regions_) return region - regions_;
     return joined_[region] != 0 ? region : region + regions_;
   }
 
@@ -272,8 +275,7 @@ class Symmetriser {
   void carry_over() {
     for (std::size_t i = 0; i < other_.size(); ++i) {
       const std::int32_t f = other_[i], g = image_[i];
-      const std::int32_t r = g == kNone ? kNone : label_[g];
-      label_[f] = apart_[f] != kNone ? 2 * regions_ + apart_[f] : r == kNone ? kOpen : image_of(r);
+      label_[f] = apart_[f] != kNone ? 2 * regions_ + apart_[f] : g == kNone ? kOpen : image_of(label_[g]);
     }
   }
 

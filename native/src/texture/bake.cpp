@@ -8,6 +8,7 @@
 #include <string>
 
 #include "flood.h"
+#include "isimp/core/to_integer.h"
 #include "sampler.h"
 #include "shade.h"
 #include "tile.h"
@@ -89,7 +90,7 @@ std::vector<std::int32_t> sample_counts(const Scene& scene, const detail::Sample
       }
       const double texels = area * scene.atlas.scale * scene.atlas.scale;
       const double ratio = texels > 0 ? std::sqrt(pixels / texels) : 0;
-      counts[q] = static_cast<std::int32_t>(std::clamp(std::ceil(ratio), 1.0 * kLeastSamples, 1.0 * kMostSamples));
+      counts[q] = to_integer(std::ceil(ratio), kLeastSamples, kMostSamples);
     }
   });
   return counts;
@@ -171,6 +172,9 @@ BakeMap bake_map(const Mesh& mesh, const Partition& partition, const PolygonMesh
                  const TextureOptions& options, Job& job, std::span<const std::int32_t> same) {
   const Threads threads(options.threads);
   Scene scene(mesh, partition, polygons, atlas, {}, options, threads, job);
+  if (!same.empty() && same.size() != scene.skipped.size())
+    throw InvalidInput("there must be an earlier polygon or none for each of the " +
+                       std::to_string(scene.skipped.size()) + " polygons, got " + std::to_string(same.size()));
   for (std::size_t q = 0; q < same.size(); ++q) scene.skipped[q] = same[q] != kNone ? 1 : 0;
   const std::size_t pixels = scene.owner.size();
   BakeMap map;

@@ -62,7 +62,7 @@ class Finder {
       if (f % kPoll == 0) job.poll();
       const std::int32_t source = mesh_.source_face()[f];
       if (source == kNone) continue;
-      if (source >= static_cast<std::int32_t>(triangles_.size())) other_arrays(f);
+      if (source < 0 || source >= static_cast<std::int32_t>(triangles_.size())) other_arrays(f);
       if (same_corners(f, source, found)) continue;
       ++found.turned;
       if (!nearest(f, found)) ++found.lost;
@@ -106,7 +106,7 @@ class Finder {
       std::int32_t h = start;
       do {
         const std::int32_t source = mesh_.source_face()[Mesh::face(h)];
-        if (source != kNone && source < static_cast<std::int32_t>(triangles_.size()) &&
+        if (source >= 0 && source < static_cast<std::int32_t>(triangles_.size()) &&
             std::find(candidates_.begin(), candidates_.end(), source) == candidates_.end())
           candidates_.push_back(source);
         h = mesh_.next_outgoing(h);

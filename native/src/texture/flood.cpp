@@ -4,6 +4,8 @@
 #include <array>
 #include <vector>
 
+#include "isimp/core/to_integer.h"
+
 namespace isimp::detail {
 namespace {
 
@@ -72,7 +74,7 @@ void flood(std::span<const std::int32_t> owner, std::int32_t side, std::int32_t 
   std::vector<Level> levels = reduced(owner, side, color, job);
   Level& top = levels.back();
   if (top.known[0] == 0)
-    for (int k = 0; k < 4; ++k) top.pixel[0][k] = static_cast<std::uint8_t>(std::clamp(mean[k] + 0.5F, 0.0F, 255.0F));
+    for (int k = 0; k < 4; ++k) top.pixel[0][k] = to_integer(mean[k] + 0.5F, std::uint8_t{0}, std::uint8_t{255});
   for (std::size_t l = levels.size() - 1; l-- > 0;) {
     Level& fine = levels[l];
     const Level& coarse = levels[l + 1];

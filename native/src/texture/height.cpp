@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "isimp/core/to_integer.h"
 #include "isimp/core/types.h"
 
 namespace isimp {
@@ -16,10 +17,10 @@ HeightImage height_image(const BakeMap& map, double least) {
   const bool flat = !(most > least);
   image.range = flat ? 0.0 : 2.0 * most;
   image.grey.resize(map.height.size());
-  constexpr double kMost = std::numeric_limits<std::uint16_t>::max();
+  constexpr std::uint16_t kMost = std::numeric_limits<std::uint16_t>::max();
   for (std::size_t i = 0; i < map.height.size(); ++i) {
     const double height = !flat && map.face[i] != kNone ? map.height[i] / image.range : 0.0;
-    image.grey[i] = static_cast<std::uint16_t>(std::lround(std::clamp(height + 0.5, 0.0, 1.0) * kMost));
+    image.grey[i] = to_integer(std::round((height + 0.5) * kMost), std::uint16_t{0}, kMost);
   }
   return image;
 }

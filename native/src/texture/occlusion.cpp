@@ -13,6 +13,7 @@
 #include "flood.h"
 #include "isimp/core/errors.h"
 #include "isimp/core/threads.h"
+#include "isimp/core/to_integer.h"
 #include "ray_tree.h"
 #include "relief.h"
 
@@ -120,7 +121,7 @@ void smooth(const BakeMap& map, const Array<float>& open, std::size_t at, std::u
       sum += open[near];
       ++count;
     }
-  const auto value = static_cast<std::uint8_t>(std::lround(sum / count * 255));
+  const auto value = to_integer(std::round(sum / count * 255), std::uint8_t{0}, std::uint8_t{255});
   rgba[0] = rgba[1] = rgba[2] = value;
   rgba[3] = 255;
 }
@@ -133,6 +134,10 @@ Array<std::uint8_t> occlusion(const Mesh& mesh, const BakeMap& map, const Textur
   check(mesh, map);
   if (earlier != nullptr && earlier->grey.size() != map.polygon.size())
     throw InvalidInput("the earlier occlusion has another size");
+  if (earlier != nullptr && !map.polygon.empty() &&
+      *std::max_element(map.polygon.begin(), map.polygon.end()) >= static_cast<std::int64_t>(earlier->same.size()))
+    throw InvalidInput("the earlier occlusion is of " + std::to_string(earlier->same.size()) +
+                       " polygons, and the map has more");
   const Threads threads(options.threads);
   const Tracer tracer(mesh, options, job);
   const std::size_t pixels = map.polygon.size();

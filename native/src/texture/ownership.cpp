@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "isimp/core/to_integer.h"
+
 namespace isimp::detail {
 namespace {
 
@@ -22,8 +24,8 @@ void fill(Outline outline, const TexelBox& box, std::vector<double>& cuts, Found
     }
     std::sort(cuts.begin(), cuts.end());
     for (std::size_t k = 0; k + 1 < cuts.size(); k += 2) {
-      const auto from = std::max(box.x0, static_cast<std::int32_t>(std::ceil(cuts[k] - 0.5)));
-      const auto to = std::min(box.x1 - 1, static_cast<std::int32_t>(std::floor(cuts[k + 1] - 0.5)));
+      const std::int32_t from = to_integer(std::ceil(cuts[k] - 0.5), box.x0, box.x1);
+      const std::int32_t to = to_integer(std::floor(cuts[k + 1] - 0.5), box.x0 - 1, box.x1 - 1);
       for (std::int32_t x = from; x <= to; ++x) found(x, row);
     }
   }
@@ -57,12 +59,12 @@ template <class Found>
 void along_edges(Outline outline, const TexelBox& box, double reach, Found found) {
   for (std::size_t i = 0, h = outline.size() - 1; i < outline.size(); h = i++) {
     const auto &a = outline[h], &b = outline[i];
-    const auto low = std::max(box.y0, static_cast<std::int32_t>(std::floor(std::min(a[1], b[1]) - reach)));
-    const auto high = std::min(box.y1 - 1, static_cast<std::int32_t>(std::ceil(std::max(a[1], b[1]) + reach)));
+    const std::int32_t low = to_integer(std::floor(std::min(a[1], b[1]) - reach), box.y0, box.y1);
+    const std::int32_t high = to_integer(std::ceil(std::max(a[1], b[1]) + reach), box.y0 - 1, box.y1 - 1);
     for (std::int32_t row = low; row <= high; ++row) {
       const Stretch stretch = near_in_row(a, b, row + 0.5, reach);
-      const auto from = std::max(box.x0, static_cast<std::int32_t>(std::floor(stretch.from - 0.5)));
-      const auto to = std::min(box.x1 - 1, static_cast<std::int32_t>(std::ceil(stretch.to - 0.5)));
+      const std::int32_t from = to_integer(std::floor(stretch.from - 0.5), box.x0, box.x1);
+      const std::int32_t to = to_integer(std::ceil(stretch.to - 0.5), box.x0 - 1, box.x1 - 1);
       for (std::int32_t x = from; x <= to; ++x) {
         const double squared = squared_distance(a, b, x + 0.5, row + 0.5);
         if (squared <= reach * reach) found(x, row, squared);
@@ -86,9 +88,7 @@ TexelBox box_of_outline(Outline outline, double gutter, std::int32_t side, std::
       low[k] = std::min(low[k], p[k]);
       high[k] = std::max(high[k], p[k]);
     }
-  const auto texel = [](double at, std::int32_t most) {
-    return static_cast<std::int32_t>(std::clamp(at, 0.0, double{1.0} * most));
-  };
+  const auto texel = [](double at, std::int32_t most) { return to_integer(at, 0, most); };
   const double more = gutter / 2;
   return {texel(std::floor(low[0] - more), side), texel(std::floor(low[1] - more), height),
           texel(std::ceil(high[0] + more), side), texel(std::ceil(high[1] + more), height)};

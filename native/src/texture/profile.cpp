@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "isimp/core/to_integer.h"
+
 namespace isimp::detail {
 namespace {
 
@@ -66,17 +68,17 @@ Profile empty_profile(std::int32_t width, std::int32_t height) {
 
 void add_edge(Vec2 a, Vec2 b, double grow, Profile& profile) {
   if (a.x() > b.x()) std::swap(a, b);
-  const auto from = std::max(0, static_cast<std::int32_t>(std::floor(a.x() - grow)));
-  const auto to = std::min(profile.width() - 1, static_cast<std::int32_t>(std::floor(b.x() + grow)));
+  const std::int32_t from = to_integer(a.x() - grow, 0, profile.width());
+  const std::int32_t to = to_integer(std::floor(b.x() + grow), -1, profile.width() - 1);
   const double run = b.x() - a.x();
   for (std::int32_t k = from; k <= to; ++k) {
     const double s = run > 0 ? std::clamp((k - grow - a.x()) / run, 0.0, 1.0) : 0;
     const double t = run > 0 ? std::clamp((k + 1 + grow - a.x()) / run, 0.0, 1.0) : 1;
     const double ya = a.y() + s * (b.y() - a.y()), yb = a.y() + t * (b.y() - a.y());
-    const auto low = static_cast<std::int32_t>(std::floor(std::min(ya, yb) - grow));
-    const auto high = static_cast<std::int32_t>(std::floor(std::max(ya, yb) + grow));
-    profile.low[k] = std::min(profile.low[k], static_cast<Cell>(std::clamp(low, 0, profile.height - 1)));
-    profile.high[k] = std::max(profile.high[k], static_cast<Cell>(std::clamp(high, 0, profile.height - 1)));
+    const std::int32_t low = to_integer(std::min(ya, yb) - grow, 0, profile.height - 1);
+    const std::int32_t high = to_integer(std::max(ya, yb) + grow, 0, profile.height - 1);
+    profile.low[k] = std::min(profile.low[k], static_cast<Cell>(low));
+    profile.high[k] = std::max(profile.high[k], static_cast<Cell>(high));
   }
 }
 
@@ -103,8 +105,8 @@ bool Cells::shape(std::int32_t chart, double scale, std::array<Profile, 4>& prof
   const double s = scale / size_;  // cells per scene unit
   const Vec2 box = (s * extent_[chart]).array() + 2 * grow_;
   if (!(box.maxCoeff() <= count_)) return false;
-  const auto width = std::max(1, static_cast<std::int32_t>(std::ceil(box.x())));
-  const auto height = std::max(1, static_cast<std::int32_t>(std::ceil(box.y())));
+  const std::int32_t width = to_integer(std::ceil(box.x()), 1, count_);
+  const std::int32_t height = to_integer(std::ceil(box.y()), 1, count_);
   profile[0] = empty_profile(width, height);
   profile[1] = empty_profile(height, width);
   const Rigid turned = quarter(1, width, height);

@@ -8,11 +8,13 @@
 #include <span>
 #include <vector>
 
+#include "isimp/core/to_integer.h"
 #include "ownership.h"
 
 namespace isimp::detail {
 namespace {
 
+constexpr std::int64_t kFarthest = std::int64_t{1} << 53;  // cell: further away doubles know no single cells
 constexpr double kMoved = 1;  // texels by which corners may have moved in their chart since it was laid out
 constexpr double kMost = 2;   // and if the others do not fit then
 /// The share of a tile's height in which polygons stay, if they still do not: what is above makes room.
@@ -74,7 +76,7 @@ class Matcher {
   /// So large that corners that belong together lie in neighbouring ones.
   [[nodiscard]] Cell cell(const Vec3& p) const {
     const double over = earlier_.atlas.scale / kReach;
-    const auto at = [&](double x) { return static_cast<std::int64_t>(std::floor(x * over)); };
+    const auto at = [&](double x) { return to_integer(std::floor(x * over), -kFarthest, kFarthest); };
     return {at(p.x()), at(p.y()), at(p.z())};
   }
 

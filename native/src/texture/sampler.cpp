@@ -127,8 +127,10 @@ Rgba Sampler::in(const Picture& picture, float x, float y, bool repeat) {
 
 Rgba Sampler::at_pixel(std::int32_t image, float x, float y) const {
   const Picture& picture = look_.pictures[image];
-  return in(picture, std::clamp(x, -0.5F, static_cast<float>(picture.width) - 0.5F),
-            std::clamp(y, -0.5F, static_cast<float>(picture.height) - 0.5F), false);
+  const auto within = [](float at, std::int32_t size) {  // any pixel for what is no number
+    return at > -0.5F ? std::min(at, static_cast<float>(size) - 0.5F) : -0.5F;
+  };
+  return in(picture, within(x, picture.width), within(y, picture.height), false);
 }
 
 std::optional<std::array<Eigen::Vector2f, 3>> Sampler::corner_pixels(std::int32_t face) const {

@@ -5,6 +5,8 @@
 #include <atomic>
 #include <cmath>
 
+#include "isimp/core/to_integer.h"
+
 namespace isimp::detail {
 namespace {
 
@@ -18,7 +20,7 @@ float width_of(const FlatFace& f) {
 }
 
 void store(const Rgba& colour, std::uint8_t* rgba) {
-  for (int k = 0; k < 4; ++k) rgba[k] = static_cast<std::uint8_t>(std::clamp(colour[k] + 0.5F, 0.0F, 255.0F));
+  for (int k = 0; k < 4; ++k) rgba[k] = to_integer(colour[k] + 0.5F, std::uint8_t{0}, std::uint8_t{255});
 }
 
 }  // namespace

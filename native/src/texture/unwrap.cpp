@@ -5,6 +5,7 @@
 #include <string>
 
 #include "isimp/core/errors.h"
+#include "isimp/core/to_integer.h"
 #include "layout.h"
 #include "rearrange.h"
 
@@ -39,7 +40,7 @@ AtlasOptions with_tiles(const PolygonMesh& polygons, AtlasOptions options) {
   const double texels = layout.tile_area * options.density * options.density / kUsualFill;
   const double tiles = options.side > 0 ? 1 : std::ceil(texels / (double{1.0} * kMostSide * kMostSide));
   const std::int32_t most = std::max(1, kMostTiles / layout.groups);
-  options.tiles = static_cast<std::int32_t>(std::clamp(tiles, 1.0, double{1.0} * most));
+  options.tiles = to_integer(tiles, 1, most);
   return options;
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "isimp/core/to_integer.h"
+
 namespace isimp::detail {
 namespace {
 
@@ -66,13 +68,9 @@ std::span<const std::int32_t> Bins::in(std::int32_t i, std::int32_t j) const {
   return std::span(item_).subspan(start_[k], start_[k + 1] - start_[k]);
 }
 
-std::int32_t Bins::column(float x) const {
-  return static_cast<std::int32_t>(std::clamp((x - x0_) / cell_, 0.0F, static_cast<float>(columns_ - 1)));
-}
+std::int32_t Bins::column(float x) const { return to_integer((x - x0_) / cell_, 0, columns_ - 1); }
 
-std::int32_t Bins::row(float y) const {
-  return static_cast<std::int32_t>(std::clamp((y - y0_) / cell_, 0.0F, static_cast<float>(rows_ - 1)));
-}
+std::int32_t Bins::row(float y) const { return to_integer((y - y0_) / cell_, 0, rows_ - 1); }
 
 void PolygonView::look(const ChartFrame& frame, const TexelBox& box, std::int32_t region, const Lean& lean) {
   box_ = box;
@@ -190,8 +188,8 @@ void PolygonView::draw(std::int32_t t, std::int32_t n, std::span<const Span> wan
       y[k] = (f.y[k] - y0) * s - 0.5F;
     }
     const auto [low, high] = std::minmax({y[0], y[1], y[2]});
-    const auto j0 = static_cast<std::int32_t>(std::ceil(std::clamp(low - kTouch, 0.0F, static_cast<float>(h))));
-    const auto j1 = static_cast<std::int32_t>(std::floor(std::clamp(high + kTouch, -1.0F, static_cast<float>(h - 1))));
+    const auto j0 = to_integer(std::ceil(low - kTouch), 0, h);
+    const auto j1 = to_integer(std::floor(high + kTouch), -1, h - 1);
     const float zx = ((f.z[1] - f.z[0]) * (y[2] - y[0]) - (f.z[2] - f.z[0]) * (y[1] - y[0])) / area;
     const float zy = ((f.z[2] - f.z[0]) * (x[1] - x[0]) - (f.z[1] - f.z[0]) * (x[2] - x[0])) / area;
     for (std::int32_t j = j0; j <= j1; ++j) {

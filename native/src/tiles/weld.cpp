@@ -8,9 +8,12 @@
 #include <utility>
 
 #include "isimp/core/errors.h"
+#include "isimp/core/to_integer.h"
 
 namespace isimp::tiles {
 namespace {
+
+constexpr std::int64_t kFarthest = std::int64_t{1} << 53;  // cell: further away doubles know no single cells
 
 /// Points by the cube of space that they are in.
 class Grid {
@@ -34,7 +37,7 @@ class Grid {
   using Cell = std::array<std::int64_t, 3>;
   [[nodiscard]] Cell cell(const Vec3& p) const {
     Cell c;
-    for (int k = 0; k < 3; ++k) c[k] = static_cast<std::int64_t>(std::floor((p[k] - origin_[k]) / size_));
+    for (int k = 0; k < 3; ++k) c[k] = to_integer(std::floor((p[k] - origin_[k]) / size_), -kFarthest, kFarthest);
     return c;
   }
   /// Cells of one key are taken for one: whoever asks measures all distances.
@@ -124,7 +127,7 @@ std::vector<OnEdge> points_on_edges(std::span<const Vec3> ends, std::span<const 
     const double size = d.norm();
     if (!(size > 0)) continue;
     found.clear();
-    const auto steps = static_cast<std::int32_t>(std::ceil(size / step)) + 1;
+    const std::int32_t steps = to_integer(std::ceil(size / step), 0, edges + 1) + 1;
     for (std::int32_t s = 0; s <= steps; ++s)
       grid.near(a + static_cast<double>(s) / steps * d, [&](std::int32_t i) { found.push_back(i); });
     std::sort(found.begin(), found.end());

@@ -8,6 +8,7 @@
 
 #include "borders/border_moves.h"
 #include "isimp/core/prefetch.h"
+#include "isimp/core/to_integer.h"
 
 namespace isimp {
 namespace {
@@ -19,8 +20,9 @@ std::int32_t entry(const MergeGraph& graph, std::int32_t region, std::int32_t ne
          static_cast<std::int32_t>(std::lower_bound(row.begin(), row.end(), neighbour) - row.begin());
 }
 
-constexpr std::size_t kAhead = 8;          // faces, for the memory to be there in time
-constexpr std::size_t kBorderOfPair = 16;  // border faces for each pair of regions, if there are few
+constexpr std::int64_t kMostLength = std::int64_t{1} << 60;  // and of sums: edges of what has no area are all longer
+constexpr std::size_t kAhead = 8;                            // faces, for the memory to be there in time
+constexpr std::size_t kBorderOfPair = 16;                    // border faces for each pair of regions, if there are few
 
 using Pairs = std::vector<std::pair<std::int32_t, std::int32_t>>;
 
@@ -142,6 +144,7 @@ std::vector<double> border_lengths(const Surface& surface, const std::vector<std
                                    std::span<const std::int32_t> faces, const MergeGraph& touching,
                                    const Threads& threads) {
   constexpr double kUnit = 0x1p40;  // sums of integers do not depend on the number of threads
+  const auto add_up = [](std::int64_t& sum, std::int64_t more) { sum = std::min(kMostLength, sum + more); };
   const FaceGraph& graph = surface.graph();
   const Mesh& mesh = surface.mesh();
   const RelativeWeight weight = surface.relative_weight();
@@ -162,7 +165,8 @@ std::vector<double> border_lengths(const Surface& surface, const std::vector<std
         const Triangle& t = mesh.triangles()[graph.mesh_face[faces[i]]];
         const double length = (mesh.vertices()[t[(k + 1) % 3]] - mesh.vertices()[t[k]]).norm();
         if (const float w = weight.of(faces[i]); w > 0)
-          sum[entry(touching, own, other)] += std::llrint(share * length * worth_of(w));
+          add_up(sum[entry(touching, own, other)],
+                 to_integer(std::rint(share * length * worth_of(w)), std::int64_t{0}, kMostLength));
       }
     }
   });
@@ -172,7 +176,7 @@ std::vector<double> border_lengths(const Surface& surface, const std::vector<std
       const std::int32_t other = touching.neighbour[at];
       if (other < own) continue;
       std::int64_t all = 0;
-      for (const auto& sum : sums) all += sum.empty() ? 0 : sum[at];
+      for (const auto& sum : sums) add_up(all, sum.empty() ? 0 : sum[at]);
       result[at] = result[entry(touching, other, own)] = static_cast<double>(all) / kUnit;
     }
   return result;
