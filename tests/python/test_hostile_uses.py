@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -193,6 +194,23 @@ def test_a_signal_between_two_outputs_is_too_late(tmp_path, monkeypatch):
     assert sorted(os.listdir(tmp_path)) == ["a", "b"]
     with pytest.raises(Terminated), terminable():
         signal.raise_signal(signal.SIGTERM)
+
+
+@posix
+@pytest.mark.parametrize(("number", "kind"), [(signal.SIGTERM, Terminated), (signal.SIGINT, KeyboardInterrupt)])
+def test_a_signal_that_comes_in_a_destructor_is_not_lost(number, kind, capfd):
+    class Last:
+        def __del__(self):
+            signal.raise_signal(number)
+
+    def work():
+        with terminable():
+            Last()
+            time.sleep(10)
+
+    with pytest.raises(kind):
+        work()
+    assert capfd.readouterr().err == ""
 
 
 # Folders of scans and tiles
