@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ from isimp_engine.cli.ending import Terminated, terminable
 from isimp_engine.cli.files import Outputs
 from isimp_engine.texturing.obj import is_nameable
 from isimp_engine.texturing.writing import refusal
+from isimp_engine.tiles import store
 from test_texture import ramp, result, write_plane_obj
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="needs signals, pipes and devices as POSIX has them")
@@ -195,6 +197,23 @@ def test_a_signal_between_two_outputs_is_too_late(tmp_path, monkeypatch):
         signal.raise_signal(signal.SIGTERM)
 
 
+@posix
+@pytest.mark.parametrize(("number", "kind"), [(signal.SIGTERM, Terminated), (signal.SIGINT, KeyboardInterrupt)])
+def test_a_signal_that_comes_in_a_destructor_is_not_lost(number, kind, capfd):
+    class Last:
+        def __del__(self):
+            signal.raise_signal(number)
+
+    def work():
+        with terminable():
+            Last()
+            time.sleep(10)
+
+    with pytest.raises(kind):
+        work()
+    assert capfd.readouterr().err == ""
+
+
 # Folders of scans and tiles
 
 
@@ -246,12 +265,22 @@ def test_tiles_without_an_area_or_with_huge_numbers_are_said(tmp_path, tile):
         tiles.run(tile, tmp_path / "o.obj", proxies=6)
 
 
+@pytest.mark.parametrize("content", [b"", b"noise" * 30, b"\x93NUMPY", b"PK\x03\x04" + bytes(30)])
+def test_damaged_arrays_of_a_work_folder_are_named(tmp_path, content):
+    (tmp_path / "a.npy").write_bytes(content)
+    for mapped in (False, True):
+        with pytest.raises(engine.FileError, match=r"a\.npy: is damaged; the next run begins with") as caught:
+            store.load(tmp_path, "a", mapped=mapped)
+        assert "pickle" not in str(caught.value)
+
+
 @needs_fork
-@pytest.mark.parametrize(("name", "content"), [("values.json", b""), ("sums.npy", b"\x93NUMPY")])
+@pytest.mark.parametrize(("name", "content"), [("values.json", b""), ("sums.npy", None)])
 def test_a_damaged_work_folder_is_said_once_and_then_made_again(tmp_path, tile, name, content):
     work, command = tmp_path / "work", ["tiles", tile, tmp_path / "o.obj", "--proxies", 6, "--quiet", "--work"]
     assert isimp(*command, work).returncode == 0
-    (work / "join" / "000000" / name).write_bytes(content)
+    damaged = work / "join" / "000000" / name
+    damaged.unlink() if content is None else damaged.write_bytes(content)
     for path in work.glob("mesh*"):
         (path / "000000" / "values.json").unlink()
     done = isimp(*command, work)

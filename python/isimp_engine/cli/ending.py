@@ -1,9 +1,14 @@
 """Signals that ask the command to end."""
 
 import signal
+import sys
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
+from typing import Any
+
+_MOMENT = 0.02  # seconds
 
 
 class Terminated(KeyboardInterrupt):
@@ -13,8 +18,31 @@ class Terminated(KeyboardInterrupt):
 @contextmanager
 def terminable() -> Iterator[None]:
     """SIGTERM, and the end of the terminal, stop the block as Ctrl-C does."""
-    with _handled(_endings(), _end):
+    with _handled(_endings(), _end), _not_lost():
         yield
+
+
+@contextmanager
+def _not_lost() -> Iterator[None]:
+    """An exception that comes in a destructor ends there: its signal comes once more, a moment later."""
+    before, timers = sys.unraisablehook, list[threading.Timer]()
+
+    def hook(lost: Any) -> None:
+        if not isinstance(lost.exc_value, KeyboardInterrupt):
+            before(lost)
+            return
+        number = signal.SIGTERM if isinstance(lost.exc_value, Terminated) else signal.SIGINT
+        timers.append(threading.Timer(_MOMENT, signal.raise_signal, (number,)))
+        timers[-1].daemon = True
+        timers[-1].start()
+
+    sys.unraisablehook = hook
+    try:
+        yield
+    finally:
+        sys.unraisablehook = before
+        for timer in timers:
+            timer.cancel()
 
 
 class Interrupts:

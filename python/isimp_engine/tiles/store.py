@@ -2,6 +2,8 @@
 
 import json
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -29,12 +31,23 @@ def save(folder: Path, **arrays: NDArray[Any]) -> None:
 def load(folder: Path, name: str, mapped: bool = False) -> NDArray[Any]:
     """An array; mapped: of a large file, to read parts of it. Raises FileError."""
     path = folder / f"{name}.npy"
-    with reader(path, DAMAGED):
-        array: NDArray[Any] = np.load(path, mmap_mode="r" if mapped else None)
-        if not isinstance(array, np.ndarray):
-            raise TypeError("it is an archive")
-        return array
+    with _ours(path):
+        if mapped:
+            return np.lib.format.open_memmap(path, mode="r")
+        with path.open("rb") as file:
+            array: NDArray[Any] = np.lib.format.read_array(file, allow_pickle=False)
+            return array
     raise AssertionError
+
+
+@contextmanager
+def _ours(path: Path) -> Iterator[None]:
+    """Where a file of the work folder can't be read or is gone, say so."""
+    with reader(path, DAMAGED):
+        try:
+            yield
+        except FileNotFoundError:
+            raise EOFError("it is gone") from None
 
 
 def save_values(folder: Path, values: dict[str, Any]) -> None:
@@ -54,7 +67,7 @@ def save_values(folder: Path, values: dict[str, Any]) -> None:
 def values_of(folder: Path) -> dict[str, Any]:
     """Raises FileError."""
     path = folder / VALUES
-    with reader(path, DAMAGED):
+    with _ours(path):
         values: dict[str, Any] = json.loads(path.read_bytes())
         return values
     raise AssertionError
