@@ -19,7 +19,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 WINDOW = ROOT / "tests" / "python" / "blender" / "window"
-SIZE = 1000, 1100
+SIZE = 640, 800  # little to draw
 TOOLS = ("region", "paint", "cut", "grow", "opening")
 #: keys, and those held with them; none that ends Blender, deletes or moves objects
 KEYS = (
@@ -189,7 +189,8 @@ def main() -> int:
         log.seek(0)
         print(log.read()[-3000:])
     if code:
-        last = (options.out / "events.log").read_text().splitlines()[-1:]
+        events = options.out / "events.log"
+        last = events.read_text().splitlines()[-1:] if events.exists() else ["none"]
         print(f"ended with {code}; the last event: {''.join(last)}")
     return 1 if code else 0
 

@@ -98,6 +98,19 @@ def test_hand_edits_are_those_that_a_partition_drops():
     )
 
 
+def test_what_mesh_does_again_is_no_edit_by_hand():
+    recipe = rcp.Recipe((SPLIT, rcp.AddProxy(face=1), rcp.Regularise(), rcp.Mesh()))
+    assert messages.hand_edits(recipe, regularises=True) == 1
+    assert messages.hand_edits(recipe, regularises=False) == 2
+
+
+def test_the_estimate_tells_that_planar_polygons_are_more():
+    numbers = {"regions": 4, "expected": {"polygons": 5, "regions": 4}}
+    assert messages.expected(numbers).startswith("Mesh will make about 5 polygons, 1 more than regions")
+    assert messages.expected(numbers, snaps=True).startswith("Mesh will make about 5 polygons, more to be planar")
+    assert messages.expected(numbers, {"polygons": 7, "regions": 4}, snaps=True).startswith("Mesh will make 7 polygons")
+
+
 def test_more_polygons_than_regions_are_explained():
     numbers = {
         "polygons": 558,

@@ -48,6 +48,19 @@ def test_far_from_zero_all_is_drawn_relative_to_a_place_near_it(cube):
     assert drawn(moved).origin == made.origin
 
 
+def test_what_is_known_is_drawn_at_once(cube):
+    session, recipe = Session(), SIDES.then(LockRegions(faces=(0,)))
+    assert sketch.at_once(session, cube, recipe) is None, "it would take time"
+    region = session.replay(cube, recipe).face_region
+    made = sketch.at_once(session, cube, recipe.then(Mesh()))
+    wanted = sketch.draw(session, cube, region, recipe, None, Watch())
+    assert len(made.borders) > 0 < len(made.locked)
+    assert segments(made.borders) == segments(wanted.borders)
+    assert np.array_equal(made.locked, wanted.locked)
+    side = sketch.borders_of(cube, session.known(cube, recipe).border, region, int(region[0]))
+    assert len(segments(side)) == 8  # four edges of two pieces
+
+
 def segments(points):
     """The set of lines, each as its sorted ends."""
     return {tuple(sorted(map(tuple, line))) for line in points.reshape(-1, 2, 3).round(6).tolist()}

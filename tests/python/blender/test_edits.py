@@ -90,6 +90,28 @@ def test_only_one_region_selected_can_not_be_merged(parted):
     assert (count(), len(steps())) == (6, 1)
 
 
+def test_all_faces_selected_as_importers_leave_them_are_no_edit_of_each_region():
+    obj = scans.dimple(scans.cube())
+    bpy.ops.isimp.partition(proxies=24)
+    before = count()
+    scans.select_faces(obj, *range(len(obj.data.polygons)))
+    for name in ("split", "add_proxy", "delete_proxy", "grow", "merge", "paint_faces"):
+        with pytest.raises(RuntimeError, match=r"All 432 faces are selected: select a few|at most 100"):
+            getattr(bpy.ops.isimp, name)()
+    assert (count(), len(steps())) == (before, 1)
+    assert bpy.ops.isimp.lock() == {"FINISHED"}, "all regions can be meant"
+
+
+def test_a_refusal_names_the_region_where_several_are_selected(parted):
+    label = scans.regions(scan())
+    bpy.ops.isimp.lock(face=120)
+    scans.select_faces(scan(), 3, 120)
+    with pytest.raises(RuntimeError, match=f"Region {label[120]}: [Tt]his region is locked"):
+        bpy.ops.isimp.split()
+    with pytest.raises(RuntimeError, match=r"^Error: This region is locked"):
+        bpy.ops.isimp.split(face=120)
+
+
 def test_a_locked_region_stays(parted):
     side = scans.regions(scan()) == scans.regions(scan())[0]
     bpy.ops.isimp.lock(face=0)

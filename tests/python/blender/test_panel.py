@@ -10,7 +10,7 @@ import ui_strings
 
 from isimp import messages
 from isimp import recipe as rcp
-from isimp.blender import pending, presets, runtime, settings, store, targets, text
+from isimp.blender import clipping, pending, presets, runtime, settings, store, targets, text
 from isimp.blender import result as results
 from isimp.blender.panel import main
 
@@ -316,3 +316,21 @@ def test_the_manual_names_everything_as_the_panel_does():
     bold -= {name.strip(",.") for name in NO_TEXT}
     assert len(bold) > 50
     assert bold <= ui_strings.all_strings(), bold - ui_strings.all_strings()
+
+
+@pytest.mark.parametrize("size", [1.0, 3000.0, 1e-4])
+def test_a_view_that_clips_the_scan_can_show_all_of_it(size):
+    scan = scans.cube()
+    scan.scale = (size,) * 3
+    bpy.context.view_layer.update()
+    window = bpy.context.window_manager.windows[0]
+    area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
+    space = area.spaces.active
+    space.clip_start, space.clip_end = 0.01, 1000.0
+    assert clipping.hides(space, scan) == (size != 1.0)
+    with bpy.context.temp_override(window=window, area=area):
+        assert bpy.ops.isimp.show_all() == {"FINISHED"}
+    assert not clipping.hides(space, scan)
+    assert space.clip_end >= 1000
+    assert (space.clip_start == pytest.approx(0.01)) == (size == 1.0)
+    assert not clipping.hides(None, scan)

@@ -44,6 +44,14 @@ def test_a_preset_sets_what_makes_its_kind_of_scan_and_no_more(preset):
     assert presets.title(bpy.context) == "Presets"
 
 
+def test_no_preset_is_named_before_one_is_chosen():
+    for cls in (rcp.Partition, rcp.Mesh):
+        settings.copy(cls, cls(), settings.group(bpy.context, cls))
+    assert presets.title(bpy.context) == "No preset (defaults)"
+    bpy.ops.isimp.preset(name="figure")
+    assert presets.title(bpy.context) == "Photogrammetry figure"
+
+
 def test_a_preset_is_what_partition_does():
     scans.cube(cells=10)
     bpy.ops.isimp.preset(name="cad")

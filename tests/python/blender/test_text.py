@@ -50,3 +50,10 @@ def test_a_number_is_parted_from_its_word_only_where_it_must_be():
     line = "5,120\N{NO-BREAK SPACE}triangles · 1\N{NO-BREAK SPACE}part"
     assert text.wrapped(line, 20) == ["5,120\N{NO-BREAK SPACE}triangles ·", "1\N{NO-BREAK SPACE}part"]
     assert text.wrapped(line, 10) == ["5,120", "triangles", "· 1\N{NO-BREAK SPACE}part"]
+
+
+def test_planes_that_are_not_held_are_in_the_report():
+    away = {"away_mean": 0.01, "away_max": 0.02, "planarity_mean": 0.0, "planarity_max": 0.0}
+    numbers = away | {"regions": 4, "polygons": 4, "closed": True, "manifold": True, "diagonal": 1.0, "let_go": 3}
+    assert ("3 planes not held, for better polygons", True) in text.report_lines(numbers, "METRIC", 1.0)
+    assert len(text.report_lines(numbers | {"let_go": 0}, "METRIC", 1.0)) == 3

@@ -55,6 +55,28 @@ def press(hand, name, **settings):
         getattr(bpy.ops.isimp, name)("INVOKE_DEFAULT", True, **settings)
 
 
+def changed(hand):
+    """A setting that is changed on the result makes it again, with its texture; Esc restores the setting."""
+    partition, result = bpy.context.window_manager.isimp.partition, bpy.context.object
+    partition.proxies = 24
+    for _ in range(300):
+        yield 0.1
+        if len(result.data.polygons) >= 24 and not running():
+            break
+    same("a changed setting", (len(result.data.polygons) >= 24, red(), bpy.context.object), (True, 255, result))
+    count, DELAY[0] = len(result.data.polygons), 300.0
+    partition.proxies = 30
+    for _ in range(300):
+        yield 0.1
+        if running():
+            break
+    yield from hand.into_view()
+    yield from hand.key("ESC")
+    yield from ended(hand)
+    yield 1.0
+    same("after Esc", (partition.proxies, len(result.data.polygons), running()), (24, count, False))
+
+
 def run(hand):
     isimp.register()
     make_scan(4)
@@ -77,6 +99,8 @@ def run(hand):
     yield from ended(hand)
     yield 0.3
     same("made", red(), 255)
+
+    yield from changed(hand)
 
     paint((0.0, 0.0, 1.0))
     DELAY[0] = 300.0
