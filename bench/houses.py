@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 EAVE, RIDGE = 30, 4  # in cells
+ROW, APART, ACROSS = 5, 19.0, 24.0  # houses at each side of a street, and metres between their corners
 
 
 @dataclass(frozen=True)
@@ -89,3 +90,20 @@ def make(noise: float = 0.0, seed: int = 1, turn: float = 17.0, at: tuple[float,
     triangles = corners[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3).astype(np.int32)
     label = np.repeat([number[key] for key in keys], 2)
     return House(moved + np.asarray(at, float), triangles, label, clean + np.asarray(at, float))
+
+
+def street(count: int = 10, noise: float = 0.001) -> House:
+    """Houses at both sides of a street, each with noise of its own and turned a little."""
+    made, labels, points = [], 0, 0
+    for number in range(count):
+        place = (APART * (number % ROW), ACROSS * (number // ROW), 0.0)
+        house = make(noise, number + 1, turn=3.0 * (number % ROW) - 6.0, at=place)
+        made.append(House(house.vertices, house.triangles + points, house.label + labels, house.clean))
+        points += len(house.vertices)
+        labels += int(house.label.max()) + 1
+    return House(
+        np.concatenate([h.vertices for h in made]),
+        np.concatenate([h.triangles for h in made]),
+        np.concatenate([h.label for h in made]),
+        np.concatenate([h.clean for h in made]),
+    )

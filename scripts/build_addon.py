@@ -143,17 +143,20 @@ def pack_legacy(target: Path, wheel: Path) -> None:
 
 
 def pack_extension(target: Path, wheel: Path, website: str | None) -> None:
-    """Everything at the top, the wheel named in the manifest."""
+    """Everything under isimp/, which Blender takes off, the wheel named in the manifest.
+
+    A Blender before 4.2 unpacks the zip as it is: without that folder it would strew the files among other add-ons.
+    """
     site = f'website = "{website}"\n' if website else ""
     with zipfile.ZipFile(target, "w") as archive:
         for name, data in addon_files().items():
             if name == "blender_manifest.toml":
                 named = f'{site}platforms = ["{platform_of(wheel)}"]\nwheels = ["./wheels/{wheel.name}"]\n'.encode()
                 head, tables, rest = data.partition(b"\n[")  # a table ends the part that these belong to
-                add(archive, name, head + b"\n" + named + tables + rest)
+                add(archive, f"isimp/{name}", head + b"\n" + named + tables + rest)
             else:
-                add(archive, name, data)
-        add(archive, f"wheels/{wheel.name}", wheel.read_bytes())
+                add(archive, f"isimp/{name}", data)
+        add(archive, f"isimp/wheels/{wheel.name}", wheel.read_bytes())
 
 
 def main(argv: list[str] | None = None) -> None:

@@ -19,25 +19,11 @@ import picture  # noqa: E402
 
 import isimp_engine as engine  # noqa: E402
 
-NOISE = 0.001  # of a house's diagonal
 DETAIL = 0.0005  # of the whole street: windows are a two-hundredth of it deep
 REACH = 0.001  # of the whole street
-ROWS, APART, ACROSS = 5, 19.0, 24.0  # houses at each side, and metres between their corners
 HEIGHT = 34.0  # degrees from which the street is seen
 PAPER, EDGE = (0.86, 0.86, 0.84), 0.00025
 SIZE = 1500, 800
-
-
-def street():
-    """Vertices and triangles of ten houses, each with noise of its own, turned a little like houses of a street."""
-    vertices, triangles, count = [], [], 0
-    for number in range(2 * ROWS):
-        place = (APART * (number % ROWS), ACROSS * (number // ROWS), 0.0)
-        house = houses.make(NOISE, number + 1, turn=3.0 * (number % ROWS) - 6.0, at=place)
-        triangles.append(house.triangles + count)
-        vertices.append(house.vertices)
-        count += len(house.vertices)
-    return np.concatenate(vertices), np.concatenate(triangles)
 
 
 def look():
@@ -61,7 +47,8 @@ def direction_colors(regular):
 
 
 def main():
-    mesh = engine.Mesh(*street())
+    street = houses.street()
+    mesh = engine.Mesh(street.vertices, street.triangles)
     regular = engine.regularise(mesh, engine.partition(mesh, engine.PartitionOptions(detail=DETAIL)))
     made = engine.polygonize(mesh, regular, engine.MeshingOptions(planar=True, planar_reach=REACH))
     print(f"{len(mesh.triangles)} faces, {len(regular.region_seed)} regions, {len(made.loop_start)} polygons:", end=" ")
@@ -75,7 +62,6 @@ def main():
     result = picture.arrays_of(np.asarray(made.vertices) - middle, made.loops, made.loop_start)
     grey = np.tile(np.array([*PAPER, 1.0]), (len(scan["start"]), 1))
     color = direction_colors(regular)[np.asarray(made.polygon_region)]
-    radius = EDGE * np.linalg.norm(np.ptp(points, axis=0))
     radius = EDGE * np.linalg.norm(np.ptp(points, axis=0))
     normals = [np.repeat(picture.area_vectors(a), a["total"], axis=0) for a in (scan, result)]
     scene = bpy.data.scenes.new("Picture")

@@ -15,7 +15,7 @@ _DRAG = 8.0  # pixels before a press is a drag
 _MIN_RING, _MOST_RINGS = 0.05, 1000  # pixels; faces
 
 
-def _is_far(begin, at) -> bool:
+def is_far(begin, at) -> bool:
     """Whether the mouse has gone from one place to another."""
     return (at[0] - begin[0]) ** 2 + (at[1] - begin[1]) ** 2 > _DRAG**2
 
@@ -53,7 +53,7 @@ class Pointing:
 
     def move(self, hit: Hit | None, at=(0.0, 0.0)) -> None:
         self.over = hit
-        self._dragged = self._dragged or _is_far(self._from, at)
+        self._dragged = self._dragged or is_far(self._from, at)
 
     @property
     def merging(self) -> bool:
@@ -149,7 +149,7 @@ class Cut:
     def move(self, hit: Hit | None, at=(0.0, 0.0)) -> None:
         """A place along the line."""
         self._hits.append(hit)
-        self.dragged = self.dragged or _is_far(self._from, at)
+        self.dragged = self.dragged or is_far(self._from, at)
 
     @property
     def target(self) -> Hit | None:
@@ -181,7 +181,7 @@ class Sizing:
         self._rings, self._dragged = 0, False
 
     def move(self, at) -> None:
-        self._dragged = self._dragged or _is_far(self._from, at)
+        self._dragged = self._dragged or is_far(self._from, at)
         away = at[0] - self._from[0]
         self._rings = 0 if abs(away) <= _DRAG else rings_in(abs(away), self._ring) * (1 if away > 0 else -1)
 

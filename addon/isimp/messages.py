@@ -14,7 +14,6 @@ from . import recipe as rcp
 from .language import count, own, said
 from .outcome import StepFailed
 
-EDITED = own("This result was edited by hand: changed settings do not change it, and Mesh makes a new object beside it")
 SCAN_EDITED = own("The scan was edited since Partition: its regions were found again, and may differ")
 COMPARE_KEYS = own("Drag: move the line   C: plain, regions or texture   Middle mouse: turn the view   Esc: end")
 REGIONS_CHANGED = own("The regions have changed since Mesh: press Mesh again, then Keep Texture.")
@@ -31,10 +30,12 @@ def partitioned(numbers: dict[str, Any]) -> str:
     return said(text, triangles=triangles, regions=regions, more=f"{more:,}")
 
 
-def meshed(numbers: dict[str, Any]) -> str:
+def meshed(numbers: dict[str, Any], width: int = 0) -> str:
+    """width: of the widest image of the result's texture, in pixels; 0 without one."""
     triangles, polygons = count(numbers["triangles"], "triangle"), count(numbers["polygons"], "polygon")
     text = own("{triangles} -> {polygons}, closed") if numbers["closed"] else own("{triangles} -> {polygons}, open")
-    return said(text, triangles=triangles, polygons=polygons)
+    told = said(text, triangles=triangles, polygons=polygons)
+    return said("{made}, texture of {width} px", made=told, width=f"{width:,}") if width else told
 
 
 def changed(before: dict[str, Any], numbers: dict[str, Any]) -> str:
@@ -97,21 +98,34 @@ def locked(numbers: dict[str, Any]) -> str:
     return said("{regions} locked", regions=count(number, "region")) if number else said("No region is locked")
 
 
-def kept(edited: str, made: str) -> str:
-    """Mesh was pressed again after the result was edited by hand."""
-    text = own("'{edited}' was edited by hand and is kept, hidden. The new polygons are '{made}'")
-    return said(text, edited=edited, made=made)
+def is_kept(why: str) -> str:
+    """A result that changed settings and Mesh leave alone. why: what its user has done with it, as in `kept`."""
+    text = own("This result was {why}: changed settings do not change it, and Mesh makes its polygons another object")
+    return said(text, why=said(why))
 
 
-def hand_edits(recipe: rcp.Recipe | None) -> int:
-    """How many edits by hand a partition of the whole scan would drop."""
+def kept(name: str, why: str, is_hidden: bool, made: str) -> str:
+    """Mesh was pressed again after the result was edited by hand, or copied."""
+    text = own("'{name}' was {why} and is kept. The new polygons are '{made}'")
+    if is_hidden:
+        text = own("'{name}' was {why} and is kept, hidden. The new polygons are '{made}'")
+    return said(text, name=name, why=said(why), made=made)
+
+
+def hand_edits(recipe: rcp.Recipe | None, regularises: bool = False) -> int:
+    """How many edits by hand a partition of the whole scan would drop. regularises: whether Mesh does so first."""
     if recipe is None or not recipe.steps:
         return 0
     steps = recipe.without_mesh().steps
-    left = recipe.then(rcp.Partition()).steps[:-1]
-    return sum(
-        1 for step in steps[len(left) :] if step.enabled and not (isinstance(step, rcp.Partition) and not step.faces)
-    )
+    dropped = steps[len(recipe.then(rcp.Partition()).steps) - 1 :]
+    return sum(1 for step in dropped if step.enabled and not _comes_again(step, regularises))
+
+
+def _comes_again(step: rcp.Step, regularises: bool) -> bool:
+    """Whether Partition or Mesh makes a step like this one again."""
+    if isinstance(step, rcp.Regularise):
+        return regularises
+    return isinstance(step, rcp.Partition) and not step.faces
 
 
 def dropped(number: int) -> str:
@@ -391,11 +405,17 @@ def why_more(numbers: dict[str, Any], most: int | None = None) -> str:
     return said("{more} more than regions: {causes}", more=f"{more:,}", causes=told)
 
 
-def expected(numbers: dict[str, Any], previewed: dict[str, Any] | None = None, causes: int | None = None) -> str:
+def expected(
+    numbers: dict[str, Any],
+    previewed: dict[str, Any] | None = None,
+    causes: int | None = None,
+    snaps: bool = False,
+) -> str:
     """How many polygons Mesh will make, and why; empty where that is not known or they are there.
 
     previewed: the numbers of their preview once it is there, which is what Mesh will make; before, it is an estimate.
-    causes: how many of the causes are named; None for all.
+    causes: how many of the causes are named; None for all. snaps: whether polygons become exactly planar or planes are
+    snapped, which the estimate knows nothing of.
     """
     if "polygons" in numbers:
         return ""
@@ -405,7 +425,12 @@ def expected(numbers: dict[str, Any], previewed: dict[str, Any] | None = None, c
         told, why = said("Mesh will make {polygons}", polygons=polygons), why_more(previewed, causes)
     elif {"polygons", "regions"} <= counts.keys():
         why = why_more({"polygons": counts["polygons"], "regions": counts["regions"], "split": counts}, causes)
-        told = said("Mesh will make about {polygons}", polygons=count(counts["polygons"], "polygon"))
+        text = (
+            own("Mesh will make about {polygons}, more to be planar")
+            if snaps
+            else own("Mesh will make about {polygons}")
+        )
+        told = said(text, polygons=count(counts["polygons"], "polygon"))
     else:
         return ""
     return f"{told}, {why}" if why else told

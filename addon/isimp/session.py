@@ -192,6 +192,10 @@ class Session:
         done, outcome = self._longest_known(keys)
         return outcome if done == len(keys) else None
 
+    def is_prepared(self, scan: Scan) -> bool:
+        """Whether `prepare` of the scan takes no time."""
+        return self._meshes.get((scan.digest, NONE_CLOSED)) is not None
+
     def _longest_known(self, keys: list) -> tuple[int, Outcome | None]:
         for number in range(len(keys), 0, -1):
             outcome = self._outcomes.get(keys[number - 1])

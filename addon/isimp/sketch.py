@@ -106,6 +106,23 @@ def heat_colors(share: np.ndarray) -> np.ndarray:
     return np.stack([red, 0.8 * green, 0.1 + 0 * share, 0.6 + 0 * share], axis=1).astype(np.float32)
 
 
+def at_once(session: Session, scan: Scan, recipe: rcp.Recipe) -> Sketch | None:
+    """The sketch of regions that are known already, without polygons; None where it would take time."""
+    outcome = session.known(scan, recipe.without_mesh()) if session.is_prepared(scan) else None
+    if outcome is None:
+        return None
+    prepared = session.prepare(scan)
+    origin, locked = prepared.mesh.origin, np.flatnonzero(outcome.partition.region_locked)
+    lines = borders(prepared.scan, outcome.border, origin)
+    return Sketch(lines, locked=triangles_of(scan, outcome.face_region, locked, origin), origin=origin)
+
+
+def borders_of(scan: Scan, border: np.ndarray, face_region: np.ndarray, region: int) -> np.ndarray:
+    """(2 B, 3) float32 those of the edges where regions meet at which one of them ends."""
+    ends = border[(face_region[scan.face_edges[0][border]] == region).any(axis=1)]
+    return borders(scan, ends)
+
+
 def draw(
     session: Session,
     scan: Scan,

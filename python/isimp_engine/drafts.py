@@ -5,6 +5,12 @@ import stat
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+_LONGEST = 150  # bytes: of 255, as others put something before and behind it
 
 
 def draft_of(path: Path) -> tuple[Path, Path]:
@@ -15,7 +21,28 @@ def draft_of(path: Path) -> tuple[Path, Path]:
     if path.exists() and not path.is_file():
         return path, path
     place = Path(os.path.realpath(path))
-    return place.with_name(f".{place.stem}.{os.getpid()}{place.suffix}"), place
+    name, number = f".{_short(place.stem)}.{os.getpid()}", 0
+    while os.path.lexists(draft := place.with_name(f"{name}{f'-{number}' if number else ''}{place.suffix}")):
+        number += 1  # of an earlier process, or a link that leads elsewhere
+    return draft, place
+
+
+def _short(stem: str) -> str:
+    """The beginning of a name, so that a longer one still is a name. What is cut off of a letter is not kept."""
+    return os.fsencode(stem)[:_LONGEST].decode("utf-8", "ignore")
+
+
+def save_array(path: Path, values: Any, *, synced: bool = False) -> None:
+    """Write an array as a .npy file. numpy's own way to a file says nothing of a disk that is full.
+
+    synced: on disk when this returns.
+    """
+    with path.open("wb") as file:
+        target: Any = SimpleNamespace(write=file.write)
+        np.lib.format.write_array(target, np.asanyarray(values), allow_pickle=False)
+        if synced:
+            file.flush()
+            os.fsync(file.fileno())
 
 
 def deliver(draft: Path, place: Path) -> None:

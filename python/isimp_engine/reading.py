@@ -3,6 +3,7 @@
 import gzip
 import importlib
 import os
+import shutil
 import tempfile
 import zlib
 from collections.abc import Iterator
@@ -16,10 +17,43 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
-from ._core import FileError, Job
+from ._core import FileError, InvalidInput, Job
+
+
+@contextmanager
+def reader(path: object, wrong: str) -> Iterator[None]:
+    """The one door for what a file may hold: whatever goes wrong in the block is a FileError that names the file.
+
+    wrong: what to say of a file that holds something else than it should, such as "is damaged". Numbers that are not
+    finite give no warnings in the block: who reads them checks them.
+    """
+    try:
+        with np.errstate(all="ignore"):
+            yield
+    except (FileError, _core.Cancelled, MemoryError):
+        raise
+    except InvalidInput as error:
+        raise FileError(f"{path}: {error}") from None
+    except OSError as error:
+        other = f"{error.filename}: " if error.filename is not None and str(error.filename) != str(path) else ""
+        raise FileError(f"{path}: {other}{error.strerror or f'{wrong} ({_said(error)})'}") from None
+    except RecursionError:
+        raise FileError(f"{path}: {wrong} (it is nested too deep)") from None
+    except Exception as error:  # noqa: BLE001  (a file may hold anything, and each reader fails in its own way)
+        raise FileError(f"{path}: {wrong} ({_said(error)})") from None
+
+
+def _said(error: Exception) -> str:
+    if isinstance(error, KeyError):
+        return f"it lacks {error}"
+    return " ".join(str(error).split())[:200] or type(error).__name__
+
 
 COMPRESSED = (".gz", ".zst")  #: what may follow the kind of a file: scan.ply.gz
 _BLOCK = 1 << 20
+_PIECE = 1 << 11  # bytes of .zst that are decompressed at once: 64 MB come out of them at most
+_ANY, _RATIO = 1 << 28, 200  # bytes that every file may become, and the multiple of its size that a larger one may
+_FREE = 1 << 30  # bytes of a disk that stay free, or a twentieth of a small one
 
 
 def inner(path: str | PathLike[str]) -> Path:
@@ -74,11 +108,13 @@ def _blocks(path: Path) -> Iterator[bytes]:
     with path.open("rb") as file:
         begun = False
         while data := file.read(_BLOCK):
-            while data:
+            at = 0
+            while at < len(data):
                 if frame.eof:
                     frame = module.ZstdDecompressor().decompressobj()
-                yield frame.decompress(data)
-                data, begun = frame.unused_data if frame.eof else b"", True
+                piece = data[at : at + _PIECE]
+                yield frame.decompress(piece)
+                at, begun = at + len(piece) - len(frame.unused_data if frame.eof else b""), True
     if begun and not frame.eof:
         raise EOFError("it ends within a frame")
 
@@ -87,6 +123,21 @@ def _damage() -> tuple[type[Exception], ...]:
     """What the modules raise where a file is damaged."""
     module = _zstd()
     return (EOFError, zlib.error, gzip.BadGzipFile) + (() if module is None else (module.ZstdError,))
+
+
+def _limited(path: Path, place: Path) -> Iterator[bytes]:
+    """The same, as far as a file of this size may grow, and as the disk of `place` has room."""
+    most, made, looked = max(_ANY, _RATIO * path.stat().st_size), 0, 0
+    for block in _blocks(path):
+        made += len(block)
+        if made > most:
+            much = f"more than {_RATIO} times its size, as no scan does"
+            raise FileError(f"{path}: becomes {much}; if it is one all the same, decompress it first")
+        if made - looked > _BLOCK << 6:
+            looked, disk = made, shutil.disk_usage(place)
+            if disk.free < min(_FREE, disk.total // 20):
+                raise FileError(f"{path}: can't be decompressed, since the disk of {place} is nearly full")
+        yield block
 
 
 @contextmanager
@@ -102,7 +153,7 @@ def plain(path: Path, folder: Path | None = None, job: Job | None = None) -> Ite
         copy = Path(place) / inner(path).name
         try:
             with copy.open("wb") as target:
-                for block in _blocks(path):
+                for block in _limited(path, Path(place)):
                     target.write(block)
                     if job is not None and job.cancelled:
                         raise _core.Cancelled("cancelled")
@@ -111,7 +162,7 @@ def plain(path: Path, folder: Path | None = None, job: Job | None = None) -> Ite
         except FileNotFoundError:
             raise FileError(f"{path}: there is no such file") from None
         except OSError as error:
-            raise FileError(f"{path}: can't be decompressed: {error.strerror or error}") from None
+            raise FileError(f"{path}: can't be decompressed to {place}: {error.strerror or error}") from None
         try:
             yield copy
         except FileError as error:

@@ -29,6 +29,7 @@ from ._core import (
     regularise,
 )
 
+_MOST_TIMES = 1 << 31  # that an edit may be made
 VERSION = 1  #: of recipes, as the add-on writes them
 COUNTS = ("detail", "tolerance", "bound", "proxies")  #: at most one of them gives the number of regions
 
@@ -180,8 +181,8 @@ def _partition(settings: dict[str, Any]) -> tuple[dict[str, Any], float | None]:
             raise RecipeError(f"'{name}' needs marks of an object in Blender, which files do not have; clear it")
     settings.pop("influence", None)  # of the weights
     angle = settings.pop("angle", 180.0)
-    if isinstance(angle, bool) or not isinstance(angle, (int, float)) or not 0 <= angle <= 180:
-        raise RecipeError(f"angle must be in [0, 180] degrees, got {angle!r}")
+    if not _is_finite(angle) or not 0 <= angle <= 180:
+        raise RecipeError(f"angle must be in [0, 180] degrees, got {reprlib.repr(angle)}")
     given = [name for name in COUNTS if settings.get(name) is not None]
     by = settings.pop("count_by", "")
     if not by and len(given) > 1:
@@ -203,13 +204,13 @@ def _edit(kind: str, settings: dict[str, Any], is_first: bool) -> tuple[str, flo
     if kind not in ("improve", "even_borders") and kind not in _EDITS:
         raise RecipeError(f"'{kind}' names faces of one scan, which other scans do not have; switch it off")
     strength = settings.pop("strength", 1.0) if kind == "even_borders" else 1.0
-    if isinstance(strength, bool) or not isinstance(strength, (int, float)) or not 0 <= strength <= 1:
-        raise RecipeError(f"strength must be in [0, 1], got {strength!r}")
+    if not _is_finite(strength) or not 0 <= strength <= 1:
+        raise RecipeError(f"strength must be in [0, 1], got {reprlib.repr(strength)}")
     times = settings.pop("times", 1)
     if settings:
         raise RecipeError(f"{kind} has no setting '{next(iter(settings))}'")
-    if isinstance(times, bool) or not isinstance(times, int) or times < 1:
-        raise RecipeError(f"times must be a whole number, at least 1, got {times!r}")
+    if isinstance(times, bool) or not isinstance(times, int) or not 1 <= times < _MOST_TIMES:
+        raise RecipeError(f"times must be a whole number, at least 1, got {reprlib.repr(times)}")
     return kind, float(strength) if kind == "even_borders" else times
 
 
@@ -226,12 +227,20 @@ def _regularise(settings: dict[str, Any]) -> Regularise:
     return Regularise(RegulariseOptions(**options), direction)
 
 
-def _is_in(value: float, field: dict[str, Any]) -> bool:
+def _is_finite(value: Any) -> bool:
+    """Whether a value is a number that double precision can hold."""
+    try:
+        return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+    except OverflowError:
+        return False
+
+
+def _is_in(value: Any, field: dict[str, Any]) -> bool:
     """Whether a number is in the range of an option."""
     least: float = field["least"]
     most: float = field.get("most", math.inf)
     return (
-        math.isfinite(value)
+        _is_finite(value)
         and (value > least if field["above_least"] else value >= least)
         and (value < most if field.get("below_most") else value <= most)
     )
@@ -260,8 +269,8 @@ def _texture(settings: dict[str, Any], meshed: bool) -> dict[str, Any]:
     for name, flag in flags.items():
         if not isinstance(flag, bool):
             raise RecipeError(f"{name} must be true or false, got {flag!r}")
-    if isinstance(distance, bool) or not isinstance(distance, (int, float)) or not 0 <= distance < float("inf"):
-        raise RecipeError(f"occlusion_distance must be a finite length, at least 0, got {distance!r}")
+    if not _is_finite(distance) or distance < 0:
+        raise RecipeError(f"occlusion_distance must be a finite length, at least 0, got {reprlib.repr(distance)}")
     ao = float(distance) if flags.pop("occlusion") else None
     return {"texture": size, "tiles": tiles or None, "ao": ao} | flags
 
@@ -292,5 +301,5 @@ def _checked(
     for field in kind.fields():
         value = settings.get(field["name"])
         if "least" in field and value is not None and not _is_in(value, field):
-            raise RecipeError(f"{field['name']} must be {field['range']}, got {value!r}")
+            raise RecipeError(f"{field['name']} must be {field['range']}, got {reprlib.repr(value)}")
     return settings

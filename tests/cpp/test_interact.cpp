@@ -5,7 +5,10 @@
 #include <utility>
 #include <vector>
 
+#include "isimp/interact/heuristics.h"
 #include "isimp/interact/interact.h"
+#include "isimp/interact/merge.h"
+#include "isimp/interact/paint.h"
 #include "isimp/meshing/polygonize.h"
 #include "partition_checks.h"
 #include "polygon_judge.h"
@@ -198,6 +201,37 @@ TEST(Interact, WhatCannotBeDoneIsNamed) {
   const Partition left_out = run(both, {.proxies = 6});
   EXPECT_EQ(message_of([&] { remove(both, left_out, both.face_count() - 1); }),
             "face 203 lies in a part that was left out");
+}
+
+/// A partition from elsewhere may have a region with a stray face: edits at either of its pieces would leave the other.
+TEST(Interact, ARegionInSeveralPiecesIsRefused) {
+  const Mesh mesh = shapes::mesh(shapes::cube(6));
+  Partition p = run(mesh, {.proxies = 6, .seeding = Seeding::farthest});
+  const auto inside = [&](std::int32_t f) {
+    const auto in_one = [&](std::int32_t h) { return p.face_region[mesh.opposite(h) / 3] == 1; };
+    return p.face_region[f] == 1 && in_one(3 * f) && in_one(3 * f + 1) && in_one(3 * f + 2);
+  };
+  std::int32_t stray = 0;
+  while (!inside(stray)) ++stray;
+  const std::int32_t from = 1, rest = p.region_seed[0];
+  p.region_sum[from].remove(mesh.graph().faces[mesh.graph().graph_face[stray]]);
+  p.region_sum[0].add(mesh.graph().faces[mesh.graph().graph_face[stray]]);
+  p.face_region[stray] = 0;
+  Job job;
+  const std::string what =
+      " is in several pieces: 1 of its 73 faces hang together with that face; only connected regions can be edited";
+  const std::string named = "the region of face " + std::to_string(stray) + what;
+  EXPECT_EQ(message_of([&] { (void)split_region(mesh, p, stray, job); }), named);
+  EXPECT_EQ(message_of([&] { (void)add_proxy(mesh, p, stray, job); }), named);
+  EXPECT_EQ(message_of([&] { (void)delete_proxy(mesh, p, stray, job); }), named);
+  EXPECT_EQ(message_of([&] { (void)grow_region(mesh, p, stray, 1, job); }), named);
+  EXPECT_EQ(message_of([&] { (void)shrink_region(mesh, p, stray, 1, job); }), named);
+  const Vec3 line[] = {Vec3(-1, 0.5, 0.5), Vec3(2, 0.5, 0.5)};
+  EXPECT_EQ(message_of([&] { (void)split_along(mesh, p, stray, line, Vec3::Zero(), job); }), named);
+  EXPECT_NE(message_of([&] { (void)split_region(mesh, p, rest, job); }).find("72 of its 73 faces"), std::string::npos);
+  EXPECT_EQ(message_of([&] { (void)improve(mesh, p, job); }),
+            "region 0 is in several pieces: only connected regions can be improved");
+  EXPECT_NE(message_of([&] { (void)merge_regions(mesh, p, p.region_seed[2], rest, job); }), "no error");
 }
 
 TEST(Interact, ACancelledJobStopsIt) {

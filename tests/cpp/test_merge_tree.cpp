@@ -5,6 +5,7 @@
 #include <set>
 
 #include "hierarchy/dendrogram.h"
+#include "hierarchy/strays.h"
 #include "isimp/core/errors.h"
 #include "shapes.h"
 
@@ -93,6 +94,37 @@ TEST(MergeTree, CanBeCancelled) {
   const Mesh mesh = shapes::mesh(shapes::sphere(3));
   job.cancel();
   EXPECT_THROW(merge_all(faces_of(mesh), {}, job), Cancelled);
+}
+
+/// Patches in a row, all of area 1 and one normal but the last two.
+MergeGraph row(std::int32_t n, std::vector<RegionSum>& sum) {
+  MergeGraph graph;
+  graph.sum.resize(static_cast<std::size_t>(n));
+  graph.first.push_back(0);
+  for (std::int32_t u = 0; u < n; ++u) {
+    for (const std::int32_t v : {u - 1, u + 1})
+      if (v >= 0 && v < n) graph.neighbour.push_back(v);
+    graph.first.push_back(static_cast<std::int32_t>(graph.neighbour.size()));
+    sum.push_back(u + 2 < n ? RegionSum{0, 0, 1, 2, 1} : RegionSum{1, 0, 0, 2, 1});
+  }
+  return graph;
+}
+
+TEST(Strays, JoinWhatIsAroundThem) {
+  std::vector<RegionSum> sum;
+  const MergeGraph graph = row(7, sum);
+  std::vector<std::int32_t> cluster{0, 0, 1, 0, 1, 1, 2};  // patches 2 and 3 are loose
+  EXPECT_EQ(join_strays(graph, sum, 3, cluster), 2);
+  EXPECT_EQ(cluster, (std::vector<std::int32_t>{0, 0, 0, 0, 1, 1, 2}));
+  EXPECT_EQ(join_strays(graph, sum, 3, cluster), 0);
+}
+
+TEST(Strays, ThatTouchOnlyStraysWait) {
+  std::vector<RegionSum> sum;
+  const MergeGraph graph = row(6, sum);
+  std::vector<std::int32_t> cluster{1, 0, 1, 1, 0, 0};  // patch 0 touches patch 1 alone, which is a stray itself
+  EXPECT_EQ(join_strays(graph, sum, 2, cluster), 2);
+  EXPECT_EQ(cluster, (std::vector<std::int32_t>{1, 1, 1, 1, 0, 0}));
 }
 
 }  // namespace

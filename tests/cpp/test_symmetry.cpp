@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -11,6 +12,7 @@
 #include "isimp/interact/interact.h"
 #include "isimp/interact/lock.h"
 #include "isimp/meshing/polygonize.h"
+#include "isimp/partition/soundness.h"
 #include "isimp/simplify/mirror.h"
 #include "isimp/simplify/partitioner.h"
 #include "partition_checks.h"
@@ -48,6 +50,27 @@ Partition split(const Mesh& mesh, const PartitionOptions& options) {
 PolygonMesh meshed(const Mesh& mesh, const Partition& partition, std::int32_t threads = 1) {
   Job job;
   return polygonize(mesh, partition, {.threads = threads}, job);
+}
+
+/// What has no area, or two sides in one place: none of it may end the program.
+TEST(Symmetry, FlatAndDegenerateShapes) {
+  const shapes::Arrays ball = shapes::sphere(2);
+  for (const Vec3& by :
+       {Vec3(1, 1, 0), Vec3(1, 0, 0), Vec3(0, 0, 0), Vec3(1, 1e-9, 1e-9), Vec3(1e-200, 1e-200, 1e-200)}) {
+    shapes::Arrays flat = ball;
+    for (Vec3& v : flat.vertices) v = v.cwiseProduct(by);
+    const Mesh mesh = shapes::mesh(flat);
+    for (int k = 0; k < 8; ++k) {
+      const auto symmetry = static_cast<Symmetry>(1 + k % 4);
+      try {
+        const Partition p = split(mesh, {.proxies = k < 4 ? 10 : 1, .symmetry = symmetry});
+        EXPECT_EQ(broken_promise(mesh, p), "");
+        EXPECT_EQ(std::ranges::count(p.face_region, kNone), 0);
+      } catch (const InvalidInput& e) {
+        EXPECT_NE(symmetry, Symmetry::found) << e.what();
+      }
+    }
+  }
 }
 
 TEST(Symmetry, FindsAnObliquePlane) {

@@ -1,5 +1,6 @@
 """Work for a batch that crashes, hangs or takes too much, as the name of the scan says; else it simplifies."""
 
+import errno
 import os
 import signal
 import time
@@ -25,6 +26,13 @@ def run(task, folder):
         os._exit(9)
     if name.startswith("raise"):
         raise KeyError("a mistake in the work")
+    if name.startswith("full"):  # from now on the disk is
+
+        def write_text(*_, **__):
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+        Path.write_text = write_text
+        return {"faces": 1}
     if name.startswith("slow"):
         time.sleep(0.4)
     return work.simplify(task, folder)

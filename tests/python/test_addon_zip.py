@@ -34,8 +34,8 @@ def test_both_zips_state_the_version_of_the_project(tmp_path):
     with zipfile.ZipFile(tmp_path / f"isimp-{project}-legacy-linux-x64.zip") as archive:
         legacy = bl_info(archive.read("isimp/__init__.py"))["version"]
     with zipfile.ZipFile(tmp_path / f"isimp-{project}-extension-linux-x64.zip") as archive:
-        extension = bl_info(archive.read("__init__.py"))["version"]
-        manifest = tomllib.loads(archive.read("blender_manifest.toml").decode())["version"]
+        extension = bl_info(archive.read("isimp/__init__.py"))["version"]
+        manifest = tomllib.loads(archive.read("isimp/blender_manifest.toml").decode())["version"]
     assert [".".join(map(str, legacy)), ".".join(map(str, extension)), manifest] == [project] * 3
     sources = {path: path.read_text() for path in (ROOT / "addon" / "isimp").iterdir() if path.is_file()}
     assert [path for path, text in sources.items() if project in text] == []  # it is written once
@@ -85,7 +85,7 @@ def test_the_zip_for_older_blenders_holds_the_engine(tmp_path, monkeypatch):
 
 def extension_manifest(path):
     with zipfile.ZipFile(path) as archive:
-        return tomllib.loads(archive.read("blender_manifest.toml").decode()), set(archive.namelist())
+        return tomllib.loads(archive.read("isimp/blender_manifest.toml").decode()), set(archive.namelist())
 
 
 def test_each_platform_has_an_extension_with_its_wheel(tmp_path):
@@ -96,7 +96,8 @@ def test_each_platform_has_an_extension_with_its_wheel(tmp_path):
         name = f"isimp-{build_addon.version()}-extension-{platform}.zip"
         manifest, names = extension_manifest(tmp_path / name)
         assert manifest["wheels"] == [f"./wheels/{wheel.name}"]
-        assert {entry for entry in names if entry.startswith("wheels/")} == {f"wheels/{wheel.name}"}
+        assert {entry for entry in names if "wheels/" in entry} == {f"isimp/wheels/{wheel.name}"}
+        assert all(entry.startswith("isimp/") for entry in names), "an older Blender unpacks it into one folder"
         assert manifest["platforms"] == [platform]
         assert manifest["license"] == ["SPDX:GPL-3.0-or-later"]
         assert manifest["website"] == "https://example.org"

@@ -233,6 +233,28 @@ def test_flatness_follows_the_tolerance_that_found_the_regions():
     assert loose.report["polygons"] < tight.report["polygons"]
 
 
+def test_a_small_window_is_no_triangle():
+    """The largest triangle in a rectangle leaves out half of it, which is less than other polygons may.
+
+    Where two of its sides are one region, the window has fewer than four neighbours.
+    """
+    solid = np.ones((40, 40, 4), bool)
+    solid[19:21, 19:21, 3] = False
+    vertices, triangles = shapes.voxels(solid)
+    mesh = engine.Mesh(vertices, triangles)
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    normal, face = np.cross(b - a, c - a), np.arange(len(triangles))
+    axis = np.abs(normal).argmax(axis=1)
+    plane = np.stack([axis, a[face, axis], normal[face, axis] > 0], 1)
+    label = np.unique(plane, axis=0, return_inverse=True)[1].ravel()
+    window = np.flatnonzero(np.bincount(label) < 20)
+    assert len(window) == 5
+    for first, second in itertools.combinations(window, 2):
+        region = np.unique(np.where(label == second, first, label), return_inverse=True)[1]
+        poly = engine.polygonize(mesh, engine.partition_from(mesh, region.astype(np.int32)))
+        assert min(len(corners) for corners in polygons(poly)) >= 4
+
+
 def reflex_sum(poly):
     """Degrees by which the corners of flat polygons are above 180, all together."""
     ends, total = np.append(poly.loop_start, len(poly.loops)), 0.0

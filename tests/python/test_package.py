@@ -346,9 +346,9 @@ def test_the_next_version_of_a_zip_has_its_own_version_everywhere(tmp_path):
         assert after.name == archive.name.replace(build.version(), "0.1.999")
         names = contents(after)
         if kind == "extension":
-            assert b'version = "0.1.999"' in names["blender_manifest.toml"]
+            assert b'version = "0.1.999"' in names["isimp/blender_manifest.toml"]
             (inner,) = [name for name in names if name.endswith(".whl")]
-            assert inner in f"wheels/{wheel.name}".replace("0.1.0", "0.1.999")
+            assert inner in f"isimp/wheels/{wheel.name}".replace("0.1.0", "0.1.999")
             (tmp_path / "inner.whl").write_bytes(names[inner])
             assert installed.MARK in contents(tmp_path / "inner.whl")
         else:

@@ -395,3 +395,11 @@ def test_borders_are_as_long_on_a_finer_scan():
     once, four, sixteen = lengths
     assert four == pytest.approx(once, rel=0.05)
     assert sixteen == pytest.approx(four, rel=0.05)
+
+
+def test_faces_that_are_scattered_over_a_large_place_end_the_search_for_details():
+    corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0)], float)
+    vertices = (corners + 10.0 * np.arange(300)[:, None, None] * (1, 0, 0)).reshape(-1, 3)
+    mesh = engine.Mesh(vertices, np.arange(900, dtype=np.int32).reshape(-1, 3))
+    options = engine.PartitionOptions(proxies=300, adaptivity=0.5, leave_out=0)
+    assert engine.partition(mesh, options).region_count == 300

@@ -126,7 +126,7 @@ def test_a_mirroring_transform_turns_triangles(tmp_path):
         (tile("not.glb"), "the tile not.glb is not there"),
         (tile("a.pnts"), "a.pnts must end in one of .b3dm"),
         (tile("tileset.json"), "nested more than 64 times"),
-        (tile("a.glb", transform=[1, 2]), "is no tileset of 3D Tiles, or damaged"),
+        (tile("a.glb", transform=[1, 2]), "a tile: transform must be 16 finite numbers"),
         (["no", "tile"], "is no tileset of 3D Tiles, or damaged"),
     ],
 )

@@ -1,71 +1,10 @@
-"""Everything that touches Blender."""
+"""Everything that touches Blender. Without numpy this is a panel that names the remedy."""
 
-import bpy
+from . import without_numpy
 
-from . import (
-    command,
-    comparison,
-    display,
-    live,
-    menus,
-    operators,
-    overlay,
-    panel,
-    preferences,
-    presets,
-    runtime,
-    settings,
-    start,
-    store,
-    tools,
-    translations,
-)
+if without_numpy.is_missing():
+    from .without_numpy import register, unregister
+else:
+    from .everything import _CLASSES, register, unregister
 
-_CLASSES = (
-    *store.CLASSES,
-    *settings.CLASSES,
-    *operators.CLASSES,
-    *live.CLASSES,
-    *tools.CLASSES,
-    *presets.CLASSES,
-    *preferences.CLASSES,
-    *panel.CLASSES,
-    *menus.CLASSES,
-    *start.CLASSES,
-)
-for _cls in _CLASSES:
-    if issubclass(_cls, (bpy.types.Operator, bpy.types.Menu, bpy.types.Panel)):
-        _cls.bl_translation_context = translations.CONTEXT
-
-
-def register():
-    runtime.start()
-    translations.register()
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-    store.register()
-    settings.register()
-    display.register()
-    live.register()
-    overlay.register()
-    tools.register()
-    menus.register()
-    start.register()
-    command.register()
-
-
-def unregister():
-    command.unregister()
-    start.unregister()
-    menus.unregister()
-    tools.unregister()
-    comparison.stop()
-    overlay.unregister()
-    live.unregister()
-    display.unregister()
-    settings.unregister()
-    store.unregister()
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
-    translations.unregister()
-    runtime.stop()
+    __all__ = ["_CLASSES", "register", "unregister"]

@@ -5,7 +5,7 @@ from contextlib import suppress
 import bpy
 from idprop.types import IDPropertyGroup
 
-from . import mesh_io, runtime
+from . import mesh_io, runtime, targets, texture
 
 _KEPT = "isimp_color_type"  # on the screen, so that a file saved meanwhile can restore it
 
@@ -25,25 +25,39 @@ def _is_ours(screen) -> bool:
 
 
 def _kept(screen) -> dict:
-    """The colour type of each viewport of a screen as it was before."""
+    """The colour type of each viewport of a screen as it was before; by its place and ".set", what was set since."""
     kept = screen.get(_KEPT)
     return kept.to_dict() if isinstance(kept, IDPropertyGroup) else {}
 
 
-def show(context) -> None:
-    """Lets Solid shading show the regions' colours in all viewports."""
+def show(context, kind: str = "VERTEX") -> None:
+    """Lets Solid shading show the regions' colours in all viewports, or "TEXTURE": the images of materials."""
     for screen, place, space in _viewports(context):
-        if space.shading.color_type != "VERTEX":
+        if space.shading.color_type != kind:
             if _is_ours(screen):
-                screen[_KEPT] = _kept(screen) | {place: space.shading.color_type}
-            space.shading.color_type = "VERTEX"
+                kept = _kept(screen)
+                before = kept[place] if _is_set(kept, place, space) else space.shading.color_type
+                screen[_KEPT] = kept | {place: before, f"{place}.set": kind}
+            space.shading.color_type = kind
+
+
+def _is_set(kept: dict, place: str, space) -> bool:
+    """Whether a viewport has the colour type that the add-on gave it, and not one that its user chose since."""
+    return place in kept and space.shading.color_type == kept.get(f"{place}.set", "VERTEX")
+
+
+def show_result(context, result) -> None:
+    """Shows the image of a result that has one of the add-on's; else each viewport gets back what it had."""
+    give_back(context)
+    if texture.image_width(result):
+        show(context, "TEXTURE")
 
 
 def give_back(context) -> None:
     """Gives each viewport the colour type that it had before, unless its user chose another one meanwhile."""
     for screen, place, space in _viewports(context):
         kept = _kept(screen)
-        if place in kept and space.shading.color_type == "VERTEX":
+        if _is_set(kept, place, space):
             with suppress(TypeError):  # no colour type of this version
                 space.shading.color_type = kept[place]
     for window in context.window_manager.windows:
@@ -52,7 +66,9 @@ def give_back(context) -> None:
 
 
 def is_shown(context) -> bool:
-    return any(space.shading.color_type == "VERTEX" for _, _, space in _viewports(context))
+    """Whether the regions' colours are seen in a viewport; other kinds of shading than Solid show none."""
+    shadings = (space.shading for _, _, space in _viewports(context))
+    return any(shading.type == "SOLID" and shading.color_type == "VERTEX" for shading in shadings)
 
 
 def follow_undo(context) -> None:
@@ -65,6 +81,8 @@ def follow_undo(context) -> None:
         return
     if mesh_io.state_of(obj) and not obj.hide_get():
         show(context)
+    elif targets.scan_of(obj) is not None:
+        show_result(context, obj)
     else:
         give_back(context)
     for window in context.window_manager.windows:

@@ -27,7 +27,7 @@ def _find(context):
     if not (context.window_manager.isimp.live and live.pending) or runtime.get().running is not None:
         return None
     scan, problem = targets.find(context)
-    if problem or scan.name != live.scan or targets.needs_regions(scan) or result.is_edited_here(context, scan):
+    if problem or scan.name != live.scan or targets.needs_regions(scan) or result.why_kept_here(context, scan):
         return None
     return scan
 
@@ -139,9 +139,17 @@ class ISIMP_OT_settle(modal.RecipeOperator, bpy.types.Operator):
         return self._settle(context)
 
     def _settle(self, context):
-        """Writes the preview on the scan; in Edit Mode it is written already."""
+        """Writes the preview on the scan; in Edit Mode it is written already. A result with a texture has none."""
         runtime.get().live.held = False
+        if runtime.get().live.shown is None:
+            return super()._settle(context)
         return {"FINISHED"} if pending.write_shown(context) else {"CANCELLED"}
+
+    def _refuse(self, context, work, error):
+        """The settings return to those of the recipe, as the timer would try these again and again."""
+        if not isinstance(error, StepFailed):
+            pending.follow(context)
+        return super()._refuse(context, work, error)
 
 
 @bpy.app.handlers.persistent

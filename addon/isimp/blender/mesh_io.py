@@ -264,6 +264,12 @@ def read_regions(obj) -> np.ndarray:
     return _possible(regions)
 
 
+def region_of(obj, face: int) -> int:
+    """The region of one face in Object Mode, as last written; -1 where there is none."""
+    layer = own_layer(obj.data, REGION)
+    return layer.data[face].value if layer is not None and face < len(layer.data) else -1
+
+
 def _possible(regions: np.ndarray) -> np.ndarray:
     """Regions without numbers that none can have, which take work or memory without end where they are counted."""
     regions[(regions < 0) | (regions >= len(regions))] = -1

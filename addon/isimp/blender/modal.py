@@ -360,7 +360,7 @@ class RecipeOperator:
         if obj is None:
             return {"CANCELLED"}
         before = store.numbers(obj) if self._before is None else self._before
-        self.show(context, obj, work, outcome)
+        kept = self.show(context, obj, work, outcome) or []
         pending.follow(context)
         self._done = [*self._done, context.view_layer.objects.active.name]
         self.report({"INFO"}, self.told(before, outcome.numbers))
@@ -370,6 +370,9 @@ class RecipeOperator:
             self.report({"WARNING"}, said(messages.SCAN_EDITED))
         if work.untextured:
             self.report({"WARNING"}, said("The result has no texture: {why}", why=work.untextured))
+        for name, why in kept:
+            hidden = bpy.data.objects[name].hide_get()
+            self.report({"WARNING"}, messages.kept(name, why, hidden, context.view_layer.objects.active.name))
         for warning in self.warnings(context, obj, before):
             self.report({"WARNING"}, warning)
         return {"FINISHED"}

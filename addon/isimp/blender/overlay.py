@@ -18,11 +18,13 @@ from .. import messages, sketch
 from .. import recipe as rcp
 from ..language import said
 from ..task import Status, Task
-from . import mesh_io, preferences, reading, runtime, settings, shaders, store, targets, text, upward, words
+from . import mesh_io, pointed, preferences, reading, runtime, settings, shaders, store, targets, text, upward, words
 
 _KEPT = 8  # sketches
 _GROUPS = 8  # of lines of similar length
 _LEAST_DOT = 0.5  # strength below which corners are not drawn
+_OLD = 0.4  # strength of the polygons of before, until the new ones are there
+_MARK = (1.0, 0.55, 0.05, 0.8)
 _TICK = 0.1
 # How much nearer to the eye than they are lines are drawn, of the scan's size, so that the faces they lie on don't hide
 # them; those of the polygons more, as the scan bulges over them.
@@ -75,7 +77,28 @@ def _drawing(context, scan):
         return drawings[key]
     if not bpy.app.timers.is_registered(_tick):
         bpy.app.timers.register(_tick, first_interval=_TICK)
-    return next((drawings[other] for other in reversed(drawings) if other[:3] == key[:3]), None)
+    same = next((drawings[other] for other in reversed(drawings) if other[:3] == key[:3]), None)
+    if same is None and runtime.get().live.shown_of(scan) is None:
+        made = _at_once(scan)
+        same = None if made is None else _store(_without_polygons(key), made)
+    return same
+
+
+def _at_once(scan):
+    """A sketch without polygons, where everything for it is in memory; else None."""
+    known, recipe = runtime.get().scans.get(scan.name), store.load(scan)
+    if known is None or recipe.layers():
+        return None
+    return sketch.at_once(runtime.get().session, known.scan, recipe)
+
+
+def _former(context, scan):
+    """The drawing with the polygons of before, while there are none of the regions seen; else None."""
+    drawings, key = runtime.get().drawings, _key(context, scan)
+    if key[3] is None or any(other[:3] == key[:3] and other[3] is not None for other in drawings):
+        return None
+    same = (drawings[other] for other in reversed(drawings) if (other[0], other[2]) == (key[0], key[2]))
+    return next((drawing for drawing in same if len(drawing.sketch.outline)), None)
 
 
 def _missing(context, scan):
@@ -137,12 +160,17 @@ def _seen(context, scan):
 
 
 def _keep(key, made) -> None:
+    _store(key, made)
+    redraw()
+
+
+def _store(key, made):
     drawings = runtime.get().drawings
     drawings.pop(_without_polygons(key), None)
     drawings[key] = Drawing(made)
     while len(drawings) > _KEPT:
         drawings.popitem(last=False)
-    redraw()
+    return drawings[key]
 
 
 def redraw() -> None:
@@ -192,15 +220,50 @@ def _draw():
             _draw_lines_over(context, space, scan, shown)
         if (hover := hover_shown(context)) is not None:
             _draw_hover(hover)
+        elif lines_too and shown is None and context.mode == "OBJECT":
+            lines(_marked(scan), _MARK, 2.5)
 
 
 def _draw_lines_over(context, space, scan, shown) -> None:
-    wish, drawing = preferences.get(context), _drawing(context, scan)
+    wish, drawing, former = preferences.get(context), _drawing(context, scan), _former(context, scan)
     if drawing is not None:
         with space.at(drawing.sketch.origin):
             _draw_sketch(context, space, drawing)
-    elif shown is not None and len(shown.work.borders):
+    if former is not None and context.window_manager.isimp.outline:
+        with space.at(former.sketch.origin):
+            space.nearer(_OVER)
+            _draw_outline(former, space.pixels(context), wish, _OLD)
+            space.nearer(ON)
+    if drawing is not None:
+        return
+    if shown is not None and len(shown.work.borders):
         shown.draw_borders(_line_shader(wish.border_color, wish.line_width))
+
+
+def _marked(scan) -> np.ndarray:
+    """(2 B, 3) the lines round the region that was clicked last; none where they would take time."""
+    current, face = runtime.get(), pointed.face(scan)
+    key = (scan.name, mesh_io.state_of(scan), face)
+    if current.marked[0] != key:
+        known, recipe = current.scans.get(scan.name), store.load(scan)
+        outcome = None
+        if face >= 0 and known is not None and not recipe.layers() and current.session.is_prepared(known.scan):
+            outcome = current.session.known(known.scan, recipe.without_mesh())
+        if outcome is None:
+            return np.empty((0, 3), np.float32)
+        arrays, region = current.session.prepare(known.scan).scan, outcome.face_region[face]
+        current.marked = key, sketch.borders_of(arrays, outcome.border, outcome.face_region, region)
+    return current.marked[1]
+
+
+def reported(context, scan) -> tuple:
+    """(numbers of the polygons that are drawn over a scan, whether they are of its regions and not of those before)."""
+    made, current = previewed(context, scan), runtime.get()
+    if made:
+        current.report = scan.name, made
+        return made, True
+    name, former = current.report
+    return (former if name == scan.name else {}), False
 
 
 def previewed(context, scan) -> dict:
@@ -337,8 +400,11 @@ def _faded(color, share: float) -> tuple:
     return (*color[:3], color[3] * share)
 
 
-def _draw_outline(drawing, pixels: float, wish) -> None:
-    """Lines and corners in groups of similar length: the shorter they are on the screen, the fainter and thinner."""
+def _draw_outline(drawing, pixels: float, wish, most: float = 1.0) -> None:
+    """Lines and corners in groups of similar length: the shorter they are on the screen, the fainter and thinner.
+
+    most: the strength of the longest.
+    """
     made = drawing.sketch
     edges = np.linalg.norm(made.outline[::2] - made.outline[1::2], axis=1)
     for name, points, length, each in (
@@ -347,7 +413,7 @@ def _draw_outline(drawing, pixels: float, wish) -> None:
     ):
         ends = np.linspace(0, len(length), min(_GROUPS, len(length)) + 1).astype(int)
         for group, (begin, end) in enumerate(pairwise(ends.tolist())):
-            share = sketch.strength(pixels * float(length[(begin + end) // 2]))
+            share = most * sketch.strength(pixels * float(length[(begin + end) // 2]))
             color, part = _faded(wish.outline_color, share), slice(each * begin, each * end)
             if each == 2:
                 shader = _line_shader(color, wish.line_width * (0.5 + 0.5 * share))

@@ -74,13 +74,14 @@ def _draw_keys(context, layout) -> None:
     for keymap in tool_keymaps(keys):
         layout.label(text=keymap.name.removeprefix("3D View Tool: "))
         for item in keymap.keymap_items:
-            if item.idname != "isimp.hover":
+            if item.idname not in ("isimp.hover", "isimp.turn"):
                 rna_keymap_ui.draw_kmi([], keys, keymap, item, layout, 0)
 
 
 def tool_keymaps(keys) -> list:
     """The key maps of the tools in a key configuration."""
-    return [keymap for keymap in keys.keymaps if any(i.idname.startswith("isimp.") for i in keymap.keymap_items)]
+    tools = (keymap for keymap in keys.keymaps if keymap.name.startswith("3D View Tool: "))
+    return [keymap for keymap in tools if any(i.idname.startswith("isimp.") for i in keymap.keymap_items)]
 
 
 # Where there is one back end only, there is nothing to choose.

@@ -10,9 +10,9 @@ from ..language import own, said
 from . import settings
 
 _FOLDER = "isimp"
-_TITLE = "Presets"
+_TITLE, _DEFAULTS = "Presets", own("No preset (defaults)")
 # Titles of the menu that are no preset of the user's.
-_OURS = {_TITLE, *(preset.label for preset in presets.PRESETS)}
+_OURS = {_TITLE, _DEFAULTS, *(preset.label for preset in presets.PRESETS)}
 _SHORT = {"Photogrammetry figure": own("Figure"), "Photogrammetry building": own("Building")}  # as the panel is narrow
 # Settings of one scan, not of a kind of scans: lengths in its units, a count, its weights.
 _LEFT = frozenset({"proxies", "tolerance", "bound", "weights", "influence", "borders", "length"})
@@ -81,11 +81,12 @@ class ISIMP_OT_preset_add(AddPresetBase, bpy.types.Operator):
 
 def title(context) -> str:
     """The title of the menu: the add-on's preset with these settings, else the preset chosen last."""
+    chosen = ISIMP_MT_presets.bl_label
     for preset in presets.PRESETS:
         snaps = context.window_manager.isimp.regularise_first == (preset.regularise is not None)
         if snaps and all(_is_shown(context, step) for step in (preset.partition, preset.mesh)):
-            return preset.label
-    chosen = ISIMP_MT_presets.bl_label
+            are_defaults = (preset.partition, preset.mesh, preset.regularise) == (rcp.Partition(), rcp.Mesh(), None)
+            return _DEFAULTS if are_defaults and chosen != preset.label else preset.label
     return _TITLE if chosen in _OURS else chosen
 
 

@@ -8,7 +8,7 @@ from idprop.types import IDPropertyGroup
 
 _NAME = "isimp"
 KEPT = f"{_NAME}.kept"  #: custom properties with foreign values that were in the place of the add-on's own
-_TEXTS = frozenset({"user_color", "key", "scan_key", "scan_name", "made", "placed"})
+_TEXTS = frozenset({"user_color", "key", "scan_key", "scan_name", "made", "named", "placed", "unrendered"})
 
 
 def _home(block):

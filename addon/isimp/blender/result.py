@@ -7,9 +7,11 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
+from ..language import own
 from . import mesh_io, raw, targets
 
 _PLACE = ("location", "rotation_euler", "rotation_quaternion", "rotation_axis_angle", "scale")
+COPIED = own("copied")
 _DELTA = ("delta_location", "delta_rotation_euler", "delta_rotation_quaternion", "delta_scale")
 
 
@@ -47,29 +49,49 @@ def is_edited(obj) -> bool:
     return raw.text(obj, "made") != digest(obj)
 
 
-def is_edited_here(context, scan) -> bool:
-    """Whether the active object is a result of the scan and was edited by hand, or is in Edit Mode for that."""
+def why_kept(obj) -> str:
+    """What its user has done with a result, which Mesh then leaves alone; empty if nothing."""
+    named = raw.text(obj, "named")  # empty in files of earlier versions
+    if is_edited(obj):
+        return own("edited by hand")
+    if obj.data.users - obj.data.use_fake_user > 1:
+        return COPIED
+    if obj.asset_data is not None or obj.data.asset_data is not None:
+        return own("marked as an asset")
+    if named in ("", obj.name):
+        return ""
+    return COPIED if targets.is_copy(obj) else own("renamed")
+
+
+def why_kept_here(context, scan) -> str:
+    """As `why_kept` of the active object, if that is a result of the scan; one in Edit Mode is edited by hand."""
     active = context.view_layer.objects.active
-    return active is not None and active != scan and (active.mode == "EDIT" or is_edited(active))
+    if active is None or active == scan:
+        return ""
+    return own("edited by hand") if active.mode == "EDIT" else why_kept(active)
 
 
 def sign(obj) -> None:
     """Notes that a result is now as Mesh made it."""
-    obj.isimp.made = digest(obj)
+    obj.isimp.made, obj.isimp.named = digest(obj), obj.name
 
 
 def to_fill(context, scan) -> tuple:
-    """(the object to fill with polygons, the edited result that is kept, or None)."""
-    result = targets.result_of(context.scene, scan)
-    if result is None or not is_edited(result):
-        return result or _new(scan, context), None
-    raw.make_way(result)
-    result.isimp.made = targets.KEPT
-    return _new(scan, context), result
+    """(the object to fill with polygons, [(result that is kept from now on, why)])."""
+    result, kept = None, []
+    for made in targets.results_of(context.scene, scan):
+        why = why_kept(made) if result is None else COPIED
+        if why:
+            kept.append((made, why))
+            raw.make_way(made)
+            made.isimp.made = targets.KEPT
+        else:
+            result = made
+    return result or _new(scan, context), kept
 
 
 def _new(scan, context):
-    name = f"{scan.name[:52]}.simplified"  # a name holds 63 bytes
+    name = f"{scan.name.encode()[:52].decode(errors='ignore')}.simplified"  # a name holds 63 bytes
     result = bpy.data.objects.new(name, bpy.data.meshes.new(name))
     for collection in scan.users_collection or (context.scene.collection,):
         collection.objects.link(result)

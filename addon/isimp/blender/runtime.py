@@ -65,10 +65,13 @@ class Runtime:
         self.keys = []  #: (key map, item) of the add-on's own shortcuts
         self.start = None  #: the draw handler of the quick start
         self.handles = ()  #: of the draw handlers
+        self.report = ("", {})  #: (object's name, numbers of the polygons that were drawn over it last)
         self.sketching = None  #: (key, Task) of the next overlay
         self.comparison = None  #: what is compared in the viewports; see comparison.py
         self.status = ""  #: a tool's text in the status bar
         self.hover = None  #: the highlight under the mouse; see tools/under.py
+        self.pointed = None  #: (object's name, face) that was clicked last; see pointed.py
+        self.marked = ((), ())  #: (object's name, state, face) and the lines round the region of that face
         self.openings = None  #: ((object's name, state), openings) of the scan pointed at; see tools/opening.py
         self.ground = None  #: the scan pointed at
         self.surface = None  #: (Scan, pick.Surface) of the scan pointed at

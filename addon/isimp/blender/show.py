@@ -44,7 +44,7 @@ def show_regions(context, scan, work, outcome) -> None:
 def show_polygons(context, scan, work, outcome):
     """Makes or refreshes the result beside the scan, which is hidden, and brings it to the front.
 
-    A result that was edited by hand is kept, and returned; else None.
+    Returns [(name, why)] of results that their user has edited or copied, and that are kept.
     """
     if context.mode != "OBJECT":  # the scan's, or that of its result
         bpy.ops.object.mode_set(mode="OBJECT")
@@ -65,11 +65,12 @@ def show_polygons(context, scan, work, outcome):
         work.baking.put(made, outcome)
     result.sign(made)
     mesh_io.give_color_back(scan.data)
-    if kept is not None and kept.name in context.view_layer.objects:
-        kept.hide_set(True)
+    for old, why in kept:
+        if why != result.COPIED or old.matrix_world == made.matrix_world:  # a copy may stand beside it
+            hide(context, old)
     bring_to_front(context, made, scan)
-    display.give_back(context)
-    return kept
+    display.show_result(context, made)
+    return [(old.name, why) for old, why in kept]
 
 
 def _color(work, outcome):
@@ -92,9 +93,9 @@ def writing(scan, work, outcome):
     yield from mesh_io.writing(scan, outcome.face_region, _color(work, outcome), state)
 
 
-def show_outcome(context, scan, work, outcome) -> None:
-    """Shows the outcome of a recipe: polygons if it ends in Mesh, else regions."""
-    (show_regions if outcome.polygons is None else show_polygons)(context, scan, work, outcome)
+def show_outcome(context, scan, work, outcome):
+    """Shows the outcome of a recipe: polygons if it ends in Mesh, else regions. Returns what `show_polygons` does."""
+    return (show_regions if outcome.polygons is None else show_polygons)(context, scan, work, outcome)
 
 
 def show_failed(context, scan, work, error) -> None:
@@ -112,10 +113,21 @@ def bring_to_front(context, shown, hidden) -> None:
     """Shows and selects one object, alone and active, and hides another (which may be None)."""
     for other in context.selected_objects:
         other.select_set(False)
-    if hidden is not None and hidden.name in context.view_layer.objects:
-        hidden.hide_set(True)
+    if hidden is not None:
+        hide(context, hidden)
+    if raw.text(shown, "unrendered"):
+        shown.hide_render, shown.isimp.unrendered = False, ""
     if shown.name in context.view_layer.objects:
         shown.hide_viewport = False
         shown.hide_set(False)
         shown.select_set(True)
         context.view_layer.objects.active = shown
+
+
+def hide(context, obj) -> None:
+    """Hides an object in viewports and renders; `bring_to_front` shows it again in those that it was seen in."""
+    if not obj.hide_render:
+        raw.make_way(obj)
+        obj.hide_render, obj.isimp.unrendered = True, "yes"
+    if obj.name in context.view_layer.objects:
+        obj.hide_set(True)

@@ -50,7 +50,9 @@ class IsimpObject(bpy.types.PropertyGroup):
     scan_key: StringProperty()
     scan_name: StringProperty()
     made: StringProperty()  # of a result: its digest as Mesh made it; see result.py
+    named: StringProperty()  # and the name that it had then
     placed: StringProperty()  # and the transform that Mesh gave it, as JSON
+    unrendered: StringProperty()  # not empty: hidden in renders by the add-on, and not by its user
 
 
 def load(obj):

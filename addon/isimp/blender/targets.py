@@ -37,16 +37,28 @@ def scan_of(obj):
 
 
 def result_of(scene, scan):
-    """The result made from a scan, if it is still in the scene; else None.
+    """The result made from a scan, if it is still in the scene; else None."""
+    return next(iter(results_of(scene, scan)), None)
+
+
+def results_of(scene, scan) -> list:
+    """The results made from a scan: that of Mesh first, then copies of it by the user.
 
     Never one with the scan's mesh, nor one that was edited by hand and kept.
     """
     key = raw.text(scan, "key")
     if not key:
-        return None
+        return []
     made = (obj for obj in scene.objects if raw.text(obj, "scan_key") == key and obj.type == "MESH")
     made = (obj for obj in made if raw.text(obj, "made") != KEPT)
-    return next((obj for obj in made if obj.data != scan.data and scan_of(obj) == scan), None)
+    made = [obj for obj in made if obj.data != scan.data and scan_of(obj) == scan]
+    return sorted(made, key=is_copy)
+
+
+def is_copy(result) -> bool:
+    """Whether a result is the copy of another one, as its name tells."""
+    named = raw.text(result, "named")
+    return named not in ("", result.name) and named in bpy.data.objects
 
 
 def find(context):
@@ -103,7 +115,7 @@ def seen(context):
 def _no_engine() -> str:
     if session.ENGINE_PROBLEM:
         text = own("The iSimp engine does not load: install the zip for this system ({why})")
-        return said(text, why=session.ENGINE_PROBLEM)
+        return said(text, why=said(session.ENGINE_PROBLEM))
     return ""
 
 

@@ -12,7 +12,7 @@ from ..language import noun, own, said
 from . import mesh_io
 
 _STAY = "\N{NO-BREAK SPACE}"
-_REPORT = 165  # letters of a report, its lines filled up
+_REPORT = 200  # letters of a report, its lines filled up
 _LEAST_ROWS = 5
 _CAUSES = (None, 2, 1, 0)  # told of why there are more polygons than regions: all, or so many
 
@@ -120,7 +120,9 @@ def describes(mesh, numbers: dict) -> bool:
     return "components" in numbers and numbers.get("faces") == len(mesh.polygons)
 
 
-def report_rows(numbers: dict, system: str, scale: float, previewed: dict | None, width: int) -> list:
+def report_rows(
+    numbers: dict, system: str, scale: float, previewed: dict | None, width: int, snaps: bool = False
+) -> list:
     """(row, icon, whether it is a warning) of `report_lines`, in rows of `width` letters.
 
     There are always as many rows as a report has in general, so that what is below it stays where it is: rows are
@@ -130,24 +132,29 @@ def report_rows(numbers: dict, system: str, scale: float, previewed: dict | None
     rows: list = []
     for causes in _CAUSES:
         rows = []
-        for line, alert in report_lines(numbers, system, scale, previewed, causes):
+        for line, alert in report_lines(numbers, system, scale, previewed, causes, snaps):
             icons = ["ERROR" if alert else "CHECKMARK"]
             for part in wrapped(line, width):
                 rows.append((part, icons.pop() if icons else "BLANK1", alert))
-        if len(rows) <= room:
+        if sum(not alert for _, _, alert in rows) <= room:
             break
     return rows + [("", "BLANK1", False)] * (room - len(rows))
 
 
 def report_lines(
-    numbers: dict, system: str, scale: float, previewed: dict | None = None, causes: int | None = None
+    numbers: dict,
+    system: str,
+    scale: float,
+    previewed: dict | None = None,
+    causes: int | None = None,
+    snaps: bool = False,
 ) -> list:
     """(line, whether it is a warning) for the report of Mesh; before it, how many polygons it will make.
 
-    causes: how many are told of why there are more polygons than regions; None for all.
+    causes: how many are told of why there are more polygons than regions; None for all. snaps: see `messages.expected`.
     """
     if "polygons" not in numbers:
-        return [(line, False) for line in [messages.expected(numbers, previewed, causes)] if line]
+        return [(line, False) for line in [messages.expected(numbers, previewed, causes, snaps)] if line]
     flat, worst = (amount(numbers, name, system, scale) for name in ("planarity_mean", "planarity_max"))
     made = _count(numbers["polygons"], "polygon")
     lines = [(f"{made} · {said('closed')}" if numbers["closed"] and numbers["manifold"] else made, False)]
@@ -156,6 +163,9 @@ def report_lines(
         mean, most = (amount(numbers, name, system, scale) for name in ("away_mean", "away_max"))
         lines.append((said("{mean} off the scan, at most {most}", mean=mean, most=most), False))
     lines.append((said("Flat to {flat}, worst {worst}", flat=flat, worst=worst), False))
+    if numbers.get("let_go"):
+        gone = _count(numbers["let_go"], "plane")
+        lines.append((said("{gone} not held, for better polygons", gone=gone), True))
     if not numbers["manifold"]:
         lines.append((said("Non-manifold: polygons share an edge or vertex that they should not"), True))
     elif not numbers["closed"]:

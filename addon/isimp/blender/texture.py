@@ -90,7 +90,18 @@ def _corners(result, outcome) -> np.ndarray:
 
 def read(obj) -> tuple[Shown, list[str]]:
     """What each triangle shows, in the order of `mesh_io.read`, and a line for each input left out. Raises Unusable."""
-    mesh = obj.data
+    if not mesh_io.is_edited(obj):
+        return _read(obj, obj.data)
+    obj.update_from_editmode()
+    copy = obj.data.copy()  # in Edit Mode the layers of a mesh itself are empty
+    try:
+        return _read(obj, copy)
+    finally:
+        bpy.data.meshes.remove(copy)
+
+
+def _read(obj, mesh) -> tuple[Shown, list[str]]:
+    """As `read`, by the object's mesh or a copy of it."""
     if mesh_io.has_modifiers(obj):
         raise mesh_io.Unusable(
             said("'{name}' has modifiers: apply them first, since they may move its UVs.", name=obj.name)
@@ -167,6 +178,8 @@ def _own_material(mesh, title: str, name: str) -> int:
     """The number of the material that was made here for one of the scan's, or for all (title ""); a new one if none."""
     for i, material in enumerate(mesh.materials):
         if material is not None and material.get(OWN) and material.get(_OF, "") == title:
+            if material.users - material.use_fake_user > 1:  # a copy of the result shows the images of before
+                mesh.materials[i] = material.copy()
             return i
     mesh.materials.append(_new_material(f"{name} {title}" if title else name))
     mesh.materials[-1][_OF] = title

@@ -6,7 +6,7 @@
 namespace isimp {
 
 bool dissolve(Edit& edit, std::int32_t region, std::int32_t face, Job& job) {
-  std::vector<std::int32_t> faces = take_out(edit.graph, edit.labels, face);
+  std::vector<std::int32_t> faces = edit.take_region(face);
   std::vector<std::int32_t> touched;
   if (!flood_from_around(edit.graph, edit.labels, faces, edit.result.region_sum, touched)) return false;
   job.report(0.5);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "borders/relax.h"
+#include "isimp/core/check.h"
 #include "isimp/core/errors.h"
 #include "pieces.h"
 
@@ -47,6 +48,17 @@ std::int32_t Edit::region_at(std::int32_t face) const {
   if (region == kNone) throw InvalidInput("face " + std::to_string(face) + " lies in a part that was left out");
   if (locked(region)) throw InvalidInput("the region of face " + std::to_string(face) + " is locked: unlock it first");
   return region;
+}
+
+std::vector<std::int32_t> Edit::take_region(std::int32_t i) {
+  ISIMP_ASSERT(labels.get(i) >= 0, "a region that is taken out is neither held nor left out");
+  const std::int32_t all = result.region_sum[labels.get(i)].faces;
+  std::vector<std::int32_t> faces = take_out(graph, labels, i);
+  if (static_cast<std::int64_t>(faces.size()) != all)
+    throw InvalidInput("the region of face " + std::to_string(graph.mesh_face[i]) +
+                       " is in several pieces: " + std::to_string(faces.size()) + " of its " + std::to_string(all) +
+                       " faces hang together with that face; only connected regions can be edited");
+  return faces;
 }
 
 void Edit::restart(const Partition& partition) {

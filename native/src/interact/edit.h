@@ -42,6 +42,12 @@ struct Edit {
     return !result.region_locked.empty() && result.region_locked[region] != 0;
   }
 
+  /// Takes the region of a face out of the labels; see take_out.
+  /// \param i  by graph index
+  /// \throws InvalidInput  the region is in several pieces, as regions of partitions from elsewhere may be: their sums
+  ///                       are of all pieces together
+  [[nodiscard]] std::vector<std::int32_t> take_region(std::int32_t i);
+
   /// Starts over from another partition of the same surface.
   void restart(const Partition& partition);
 

@@ -1,10 +1,13 @@
 #include <numeric>
+#include <string>
 #include <utility>
 
 #include "edit.h"
 #include "hierarchy/teleport.h"
+#include "isimp/core/errors.h"
 #include "isimp/interact/heuristics.h"
 #include "isimp/partition/regions.h"
+#include "isimp/partition/soundness.h"
 
 namespace isimp {
 namespace {
@@ -35,6 +38,10 @@ Partition improve(const Mesh& mesh, const Partition& partition, Job& job) {
   const FaceGraph& graph = edit.graph;
   Job::Part stage(job, "improving", 0.0, 1.0);
   std::vector<std::int32_t> region_of, part;
+  if (const std::int32_t loose = find_unconnected(edit.surface, partition.face_region, partition.region_count());
+      loose != kNone)
+    throw InvalidInput("region " + std::to_string(loose) +
+                       " is in several pieces: only connected regions can be improved");
   Regions regions = free_regions(edit, region_of);
   if (region_of.empty()) return partition;
   const Parts parts = find_parts(edit.surface, partition.region_count(), 0.0, job);

@@ -33,8 +33,9 @@ void bring_back(Edit& edit, std::int32_t face, Job& job) {
 /// Parts the region of a face in two, one of which keeps the face, and relaxes their borders.
 void split_at(Edit& edit, const Partition& before, std::int32_t start, Job& job) {
   const FaceGraph& graph = edit.graph;
-  const std::int32_t old = edit.labels.get(start), fresh = edit.add_region();
-  const std::vector<std::int32_t> faces = take_out(graph, edit.labels, start);
+  const std::int32_t old = edit.labels.get(start);
+  const std::vector<std::int32_t> faces = edit.take_region(start);
+  const std::int32_t fresh = edit.add_region();
   Halves halves;
   halves.region = {old, fresh};
   halves.proxy = {NormalMetric::fit(before.region_sum[old]), NormalMetric::proxy_of(graph.faces[start])};

@@ -20,7 +20,7 @@ Partition merge_regions(const Mesh& mesh, const Partition& partition, std::int32
   const std::int32_t into = edit.region_at(face), gone = edit.region_at(other);
   if (into == gone) throw InvalidInput(named(face, other) + " are in one region: there is nothing to merge");
   job.poll();
-  edit.hints = take_out(edit.graph, edit.labels, edit.at(other));
+  edit.hints = edit.take_region(edit.at(other));
   bool beside = false;
   for (const std::int32_t i : edit.hints)
     for (const std::int32_t j : edit.graph.neighbours[i]) beside |= edit.labels.get(j) == into;

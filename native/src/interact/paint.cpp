@@ -71,9 +71,9 @@ void open_face(Edit& edit, std::int32_t i) {
 }
 
 /// The faces of a region, and then what makes them part of it again.
-std::vector<std::int32_t> faces_of(const Edit& edit, std::int32_t face) {
+std::vector<std::int32_t> faces_of(Edit& edit, std::int32_t face) {
   const std::int32_t region = edit.labels.get(face);
-  std::vector<std::int32_t> faces = take_out(edit.graph, edit.labels, face);
+  std::vector<std::int32_t> faces = edit.take_region(face);
   for (const std::int32_t i : faces) edit.labels.set(i, region);
   return faces;
 }

@@ -121,9 +121,10 @@ void settle(Edit& edit, std::span<const std::int32_t> faces, std::int32_t region
 Partition split_region(const Mesh& mesh, const Partition& partition, std::int32_t face, Job& job) {
   Edit edit(mesh, partition);
   const FaceGraph& graph = edit.graph;
-  const std::int32_t region = splittable(edit, face), start = edit.at(face), fresh = edit.add_region();
+  const std::int32_t region = splittable(edit, face), start = edit.at(face);
   Job::Part stage(job, "splitting", 0.0, 1.0);
-  const std::vector<std::int32_t> faces = take_out(graph, edit.labels, start);
+  const std::vector<std::int32_t> faces = edit.take_region(start);
+  const std::int32_t fresh = edit.add_region();
   Halves halves = split_in_two(graph, edit.labels, faces, edit.result.region_sum[region], {region, fresh});
   if (edit.labels.get(start) == fresh) {
     for (const std::int32_t i : faces) edit.labels.set(i, edit.labels.get(i) == fresh ? region : fresh);
@@ -152,7 +153,7 @@ Partition split_along(const Mesh& mesh, const Partition& partition, std::int32_t
   std::vector<Vec3> local(line.begin(), line.end());
   for (Vec3& p : local) p -= mesh.origin();
   Curtain curtain(local, along, middle);
-  const std::vector<std::int32_t> faces = take_out(graph, edit.labels, start);
+  const std::vector<std::int32_t> faces = edit.take_region(start);
   job.poll();
   double reach = 0.0;
   for (const std::int32_t i : faces) reach = std::max(reach, (middle_of(mesh, graph.mesh_face[i]) - middle).norm());

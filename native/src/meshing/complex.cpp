@@ -10,8 +10,10 @@
 
 namespace isimp::meshing {
 namespace {
-constexpr double kSharpCosine = 0.94;  ///< of 20 degrees: a triangle with a sharper corner is a needle ...
-constexpr double kOfNeedle = 0.2;      ///< ... which may leave out or add this share of its piece's area
+constexpr double kSharpCosine = 0.94;  ///< of 20 degrees: a triangle with a sharper corner is a needle
+// Of its piece's area, what a triangle may leave out or add, also one between three junctions that is no needle. The
+// largest triangle in a rectangle leaves out half of it.
+constexpr double kOfTriangle = 0.2, kOfThree = 0.4;
 }  // namespace
 
 Complex::Complex(const Labels& labels, const Logged<Plane>& planes, std::span<const Fixed> fixed)
@@ -188,8 +190,8 @@ bool Complex::is_sharp(std::span<const std::int32_t> loop, const std::array<std:
   return false;
 }
 
-/// Adds corners to a piece whose polygon is too different from it, however small it is. A strip or a window that would
-/// become a needle, a triangle with a sharp corner, gets a fourth corner sooner.
+/// Adds corners to a piece whose polygon is too different from it, however small it is. One that would become a triangle,
+/// as a window or a strip, gets a fourth corner sooner.
 void Complex::keep_shape(std::int32_t piece) {
   struct Part {
     std::size_t at;  // where its chord begins in the loop
@@ -209,7 +211,8 @@ void Complex::keep_shape(std::int32_t piece) {
     if (is_corner(mesh_.from(loop[i]))) parts.push_back(part_at(i));
   const double allowed = tolerance.of_area * planes_[piece].area;
   while (true) {
-    const bool is_needle = parts.size() == 3 && is_sharp(loop, {parts[0].at, parts[1].at, parts[2].at});
+    const bool is_triangle = parts.size() == 3;
+    const bool is_needle = is_triangle && is_sharp(loop, {parts[0].at, parts[1].at, parts[2].at});
     const auto left_out = [&](const Part& p) { return is_needle ? p.plain : p.area; };
     double sum = 0, most = 0;
     auto worst = parts.end();
@@ -219,7 +222,11 @@ void Complex::keep_shape(std::int32_t piece) {
       most = std::abs(left_out(*p));
       worst = p;
     }
-    const double limit = is_needle ? kOfNeedle * planes_[piece].area : allowed;
+    const bool has_three = is_triangle && !is_needle && std::all_of(parts.begin(), parts.end(), [&](const Part& p) {
+                             return is_anchor(mesh_.from(loop[p.at]));
+                           });
+    const double of_triangle = (has_three ? kOfThree : kOfTriangle) * planes_[piece].area;
+    const double limit = is_triangle ? std::min(of_triangle, allowed) : allowed;
     if (std::abs(sum) <= limit || worst == parts.end()) return;
     collect_line(loop, worst->at, line_);
     take_out_zigzag(line_);

@@ -58,6 +58,7 @@ void cut(Cutter& cutter, std::int32_t piece, const Shape& shape, Job& job) {
   }
   const std::size_t openings = shape.loops.size() + 2 * static_cast<std::size_t>(shape.genus);
   if (openings > kManyOpenings && cut_by_direction(cutter, piece) > 0) return;
+  if (shape.genus == 0 && shape.loops.size() > 1 && cut_wall(cutter, piece, shape, job) > 0) return;
   if (shape.genus == 0 && shape.loops.size() > kFewLoops && cut_holes(cutter, piece, shape, job) > 0) return;
   if (shape.genus == 0 && shape.loops.size() > 1 && cut_chain(cutter, piece, shape) != kNone) return;
   if (shape.genus > 0 && shape.genus <= kFewHandles && cut_handles(cutter, piece, shape, job) > 0) return;

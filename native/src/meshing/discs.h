@@ -117,6 +117,19 @@ void part_walls(Cutter& cutter, const Job& job);
 /// Cost: O(n log n) for n faces of the piece.
 std::int32_t cut_holes(Cutter& cutter, std::int32_t piece, const Shape& shape, Job& job);
 
+/// Cuts a flat piece of genus 0 with holes along its main directions, which are those of the longest edges of its
+/// boundary: from the outline over its holes, or where they are many over those of one row, and back to the outline.
+/// \return how many labels are new, the last ones; 0 for a piece that is bent, has no main directions or has no such
+///         cuts. Pieces may have holes left.
+/// Cost: O(n log n) for n faces of the piece, and O(corners of the holes * edges of its boundary).
+std::int32_t cut_wall(Cutter& cutter, std::int32_t piece, const Shape& shape, const Job& job);
+
+/// Parts some connected faces along the half-edges in `halfedge_marks`; each part but the one with the first face gets a
+/// label.
+/// \return how many labels are new, the last ones
+/// Cost: O(faces).
+std::int32_t part_along_marks(Cutter& cutter, std::span<const std::int32_t> faces);
+
 /// Parts the faces along short loops round handles from the rest, so that genus falls with each. The loops are found
 /// once; those that an earlier one crosses are left to another call.
 /// Source: Erickson, Whittlesey 2005 (tree and cotree); each boundary loop counts as one face.

@@ -249,10 +249,8 @@ class Ears {
 
 }  // namespace
 
-std::int32_t cut_holes(Cutter& cutter, std::int32_t piece, const Shape& shape, Job& job) {
+std::int32_t part_along_marks(Cutter& cutter, std::span<const std::int32_t> faces) {
   Labels& labels = cutter.labels;
-  if (Ears(cutter, piece, shape).find(job) == 0) return 0;
-  const std::vector<std::int32_t> faces = labels.faces_of(piece);
   std::vector<std::vector<std::int32_t>> parts;
   cutter.face_marks.clear();
   for (const std::int32_t start : faces) {
@@ -265,6 +263,11 @@ std::int32_t cut_holes(Cutter& cutter, std::int32_t piece, const Shape& shape, J
   }
   for (std::size_t k = 1; k < parts.size(); ++k) labels.part(parts[k], faces[0], Cause::hole);
   return static_cast<std::int32_t>(parts.size()) - 1;
+}
+
+std::int32_t cut_holes(Cutter& cutter, std::int32_t piece, const Shape& shape, Job& job) {
+  if (Ears(cutter, piece, shape).find(job) == 0) return 0;
+  return part_along_marks(cutter, cutter.labels.faces_of(piece));
 }
 
 }  // namespace isimp::meshing

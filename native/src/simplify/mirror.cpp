@@ -82,6 +82,9 @@ class Finder {
     for (const Sample& s : many_) centre_ += s.place / static_cast<double>(many_.size());
   }
 
+  /// Whether the surface has an area, without which nothing can be said of it.
+  [[nodiscard]] bool any() const { return !few_.empty() && !some_.empty() && !many_.empty(); }
+
   /// The best plane of those that the candidates are fitted to.
   Candidate best(std::vector<Candidate> all) {
     for (Candidate& c : all) {
@@ -247,6 +250,10 @@ std::optional<Mirror> find_mirror(const Mesh& mesh, Symmetry wanted, double allo
   job.poll();
   Finder finder(mesh, threads, job);
   const bool anywhere = wanted == Symmetry::found;
+  if (!finder.any()) {
+    if (anywhere) return std::nullopt;
+    throw InvalidInput("the surface has no area, so it has no plane in which it mirrors; choose no symmetry");
+  }
   const Candidate found = finder.best(anywhere ? finder.everywhere() : Finder::across({axis_of(wanted)}));
   const bool along = anywhere || found.mirror.normal.dot(axis_of(wanted)) > kTurned;
   if (along && found.mirror.mismatch <= allowed) return found.mirror.relative_to(-mesh.origin());

@@ -10,7 +10,9 @@
 
 #include "hierarchy/detail_tree.h"
 #include "hierarchy/hierarchy.h"
+#include "isimp/core/check.h"
 #include "isimp/core/errors.h"
+#include "isimp/partition/soundness.h"
 #include "isimp/simplify/mirror.h"
 #include "isimp/thesis/thesis.h"
 #include "make_partition.h"
@@ -80,7 +82,13 @@ Partitioner::Prepared Partitioner::prepare(Guides guides, double adaptivity, Job
 }
 
 Partition Partitioner::run(const PartitionOptions& options, const Constraints& constraints, Job& job) const {
-  if (options.symmetry == Symmetry::none) return without_symmetry(options, constraints, job);
+  const bool plain = options.symmetry == Symmetry::none;
+  Partition result = plain ? without_symmetry(options, constraints, job) : with_symmetry(options, constraints, job);
+  ISIMP_ASSERT(broken_promise(Surface(*mesh_, result.guided), result) == "", "a partition keeps its promises");
+  return result;
+}
+
+Partition Partitioner::with_symmetry(const PartitionOptions& options, const Constraints& constraints, Job& job) const {
   if (options.bound)
     throw InvalidInput("symmetry can't be had with a bound: give proxies, detail or tolerance, or no symmetry");
   PartitionOptions plain = options;
@@ -124,7 +132,9 @@ Partition Partitioner::without_symmetry(const PartitionOptions& options, const C
 }
 
 Partition partition(const Surface& surface, const PartitionOptions& options, Job& job) {
-  return Partitioner(surface.mesh(), Partitioner::Keep::nothing).on_surface(surface, {}, options, job);
+  Partition result = Partitioner(surface.mesh(), Partitioner::Keep::nothing).on_surface(surface, {}, options, job);
+  ISIMP_ASSERT(broken_promise(surface, result) == "", "a partition keeps its promises");
+  return result;
 }
 
 Partition Partitioner::on_surface(const Surface& surface, Kept kept, const PartitionOptions& options, Job& job) const {

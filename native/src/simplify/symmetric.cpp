@@ -12,7 +12,9 @@
 #include "borders/relax.h"
 #include "closest_faces.h"
 #include "density/noise.h"
+#include "isimp/core/check.h"
 #include "isimp/core/threads.h"
+#include "isimp/core/to_integer.h"
 #include "isimp/simplify/mirror.h"
 #include "make_partition.h"
 #include "parts.h"
@@ -138,7 +140,7 @@ class Symmetriser {
     if (large.empty()) return;
     std::sort(large.begin(), large.end());
     PartitionOptions options = options_;
-    if (options.proxies) options.proxies = std::max(1, static_cast<std::int32_t>(std::lround(size / area_ * wanted())));
+    if (options.proxies) options.proxies = to_integer(std::round(size / area_ * wanted()), 1, mesh_.face_count());
     const Partition split = run_on(large, options);
     for (const std::int32_t f : large) apart_[f] = split.face_region[f];
     apart_count_ = split.region_count();
@@ -204,6 +206,7 @@ class Symmetriser {
       if (image_[i] != kNone) image[other_[i]] = label_[image_[i]];
     for (const std::int32_t f : half_) {
       const std::int32_t r = label_[f];
+      ISIMP_ASSERT(r >= 0 && r < regions_, "every face of the half is in a region");
       sums[r].add(graph_.faces[graph_.graph_face[f]]);
       const auto& beside = graph_.neighbours[graph_.graph_face[f]];
       for (const std::int32_t j : beside) {
@@ -257,6 +260,8 @@ class Symmetriser {
     }
   }
 
+  /// Labels there may be: the regions of the half, their images, those that are apart, and one for what nothing reaches.
+  [[nodiscard]] std::size_t label_count() const { return static_cast<std::size_t>(2 * regions_ + apart_count_) + 1; }
   [[nodiscard]] MeshLabels labels() { return {label_.data(), &graph_}; }
   [[nodiscard]] std::int32_t image_of(std::int32_t region) const {
     return joined_[region] != 0 ? region : region + regions_;
@@ -280,7 +285,7 @@ class Symmetriser {
       double area;
     };
     std::vector<Piece> pieces;
-    std::vector<double> largest(static_cast<std::size_t>(2 * regions_ + apart_count_), -1.0);
+    std::vector<double> largest(label_count(), -1.0);
     std::vector<std::uint8_t> seen(label_.size(), 0);
     const auto walk = [&](std::int32_t start, auto visit) {
       std::vector<std::int32_t> ahead{start};
@@ -326,9 +331,12 @@ class Symmetriser {
 
   /// The sums of all regions, and an empty one.
   void sum_up() {
-    sums_.assign(static_cast<std::size_t>(2 * regions_ + apart_count_) + 1, {});
+    sums_.assign(label_count(), {});
     for (std::int32_t i = 0; i < graph_.size(); ++i)
-      if (const std::int32_t r = labels().get(i); r >= 0) sums_[r].add(graph_.faces[i]);
+      if (const std::int32_t r = labels().get(i); r >= 0) {
+        ISIMP_ASSERT(static_cast<std::size_t>(r) < sums_.size(), "labels are below label_count()");
+        sums_[r].add(graph_.faces[i]);
+      }
   }
 
   void relax() {

@@ -5,6 +5,7 @@ It reads requests from stdin and writes endings to stdout, as JSON lines. When s
 
 import contextlib
 import ctypes
+import errno
 import gc
 import importlib
 import json
@@ -20,8 +21,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from . import machine
-from .nursery import _RESULT, _SAID
+from .. import machine
+from .nursery import _RESULT, _SAID, NO_RESULT, NO_SPACE
 
 Work = Callable[[dict[str, Any], Path], dict[str, Any]]
 
@@ -185,8 +186,11 @@ def _be_child(request: dict[str, Any], parent: int, work: Work, handles: tuple[i
         values = {"why": "MemoryError"}
     limit_memory(None)
     part = folder / f"{_RESULT}.part"
-    part.write_text(json.dumps(values, allow_nan=False), encoding="utf-8")
-    part.replace(folder / _RESULT)
+    try:
+        part.write_text(json.dumps(values, allow_nan=False), encoding="utf-8")
+        part.replace(folder / _RESULT)
+    except OSError as error:  # with nothing on disk, the status alone says it
+        os._exit(NO_SPACE if error.errno in (errno.ENOSPC, errno.EDQUOT) else NO_RESULT)
     os._exit(0)  # the engine's memory need not be given back piece by piece
 
 

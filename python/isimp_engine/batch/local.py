@@ -7,7 +7,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from . import machine
+from .. import machine
 from .nursery import Ending, Limits, Nursery, NurseryEnded
 
 _SHARE = 0.9  # of the free memory

@@ -20,6 +20,10 @@ from .errors import BatchError
 
 SIMPLIFY = f"{__package__}.work:simplify"  #: the work of a batch, unless another is given
 _RESULT, _SAID = "result.json", "stderr.txt"
+NO_SPACE, NO_RESULT = (
+    74,
+    73,
+)  # exit statuses of a child that can't write its result: the disk is full, or another reason
 # Large arrays go back to the system when they are freed, and come in pages of 2 MB. By default glibc keeps arrays of up
 # to 32 MB, and the peak of a child is a tenth higher. Other C libraries do not read this variable.
 _ALLOCATOR = "glibc.malloc.mmap_threshold=4194304:glibc.malloc.hugetlb=1"
@@ -145,14 +149,14 @@ class Nursery:
         values: dict[str, Any] = {}
         with contextlib.suppress(OSError, ValueError):  # it may not have come so far
             values = json.loads((folder / _RESULT).read_bytes())
-        why = _why(said, values, _last_line(folder / _SAID), limits)
+        why = _why(said, values, folder, limits)
         values.pop("why", None)
         return number, Ending(why, {} if why else values, said["seconds"], said["peak_mb"])
 
 
-def _why(said: dict[str, Any], values: dict[str, Any], last_line: str, limits: Limits) -> str:
+def _why(said: dict[str, Any], values: dict[str, Any], folder: Path, limits: Limits) -> str:
     """What went wrong with a child; empty: nothing."""
-    number, why = said["signal"], values.get("why", "")
+    number, why, last_line = said["signal"], values.get("why", ""), _last_line(folder / _SAID)
     lacks = why == "MemoryError" or ((number or said["code"]) and "bad_alloc" in last_line)
     if said["stopped"] == "seconds":
         return f"over the time limit of {limits.seconds:g} s"
@@ -163,6 +167,10 @@ def _why(said: dict[str, Any], values: dict[str, Any], last_line: str, limits: L
     if lacks:
         return "there is not enough memory for it"
     more = f": {last_line}" if last_line else ""
+    if said["code"] == NO_SPACE and not values:
+        return f"no space is left on the disk of {folder.parent}"
+    if said["code"] == NO_RESULT and not values:
+        return f"its result can't be written to {folder.parent}"
     if number == signal.SIGKILL:
         return "ended by signal 9, as the system does when memory runs out"
     if number:

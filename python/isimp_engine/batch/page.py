@@ -7,7 +7,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from urllib.parse import quote
 
-from .table import WORK, Row
+from ..folders import WORK
+from .table import Row
 
 NAME = "results.html"
 _PICTURES = 1000  # on the page at most: some 10 KB each

@@ -16,6 +16,7 @@ from .. import CleanOptions, FileError, PartitionOptions, __version__, exporting
 from ..cli.errors import UsageError
 from ..cli.options import settle, simplify_options
 from ..cli.simplify import output_kinds
+from ..folders import WORK, discard
 from . import page
 from .clusters import Cluster
 from .errors import BatchError
@@ -23,7 +24,7 @@ from .local import Local
 from .nursery import SIMPLIFY, Ending, Limits
 from .on_dask import OnDask, on_cluster
 from .scans import Scan, estimated_faces, find_scans, fixed_part, needed_mb
-from .table import MADE, PICTURE, WORK, Lock, Row, Table, sync_folder
+from .table import MADE, PICTURE, Lock, Row, Table, sync_folder
 
 _TICK = 0.2  # seconds between two calls of `watch`, at most
 _FACES_OF_A_START = 20_000  # that take as long as a scan without any
@@ -169,7 +170,7 @@ def _tidy_folders(plan: Plan) -> None:
     """Make the work folder, without what a run left there that was killed."""
     for file in list((plan.output / WORK).glob("running-*")):
         file.unlink(missing_ok=True)
-    shutil.rmtree(plan.parts, ignore_errors=True)
+    discard(plan.parts)
     for folder in (plan.parts, plan.pictures_folder):
         folder.mkdir(parents=True, exist_ok=True)
 
@@ -207,7 +208,7 @@ def _finished(outcome: Outcome, scans: list[Scan], plan: Plan, table: Table, sta
         table.tidy()
         outcome.rows.extend(table.rows[scan.name] for scan in scans if scan.name in table.rows)
         page.write(plan.output, outcome.rows, plan.pictures_folder)
-        shutil.rmtree(plan.parts, ignore_errors=True)
+        discard(plan.parts)
 
 
 class _Run:

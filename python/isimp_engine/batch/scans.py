@@ -159,10 +159,18 @@ def _in_folder(folder: Path, besides: Path | None) -> Iterator[Path]:
         for entry in entries:
             if entry.name.startswith("."):
                 continue
-            if entry.is_dir():
+            if _is_folder(entry):
                 waiting.append(Path(entry.path))
             elif kind_of(entry.name) in READABLE:  # a pipe or a broken link too: its row says why
                 yield Path(entry.path)
+
+
+def _is_folder(entry: os.DirEntry[str]) -> bool:
+    """Whether an entry is a folder, or a link to one; not a link that leads to itself."""
+    try:
+        return entry.is_dir()
+    except OSError:
+        return False
 
 
 def _in_list(path: Path) -> Iterator[tuple[str, Path]]:

@@ -2,19 +2,23 @@
 
 import json
 import os
+import re
 import socket
+from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
 from typing import IO, Any
 
+from ..folders import WORK, NotOwn, Own
 from .errors import BatchError
 
 Row = dict[str, Any]
 
 NAME = "results.jsonl"
-WORK = ".isimp-batch"  #: folder in the output folder for what is being made
 MADE = "made"  #: in the folder of a child: the result and what belongs to it, by their final names
 PICTURE = "picture.png"  #: in the folder of a child
+_LARGEST = 1e300  # numbers of rows are below
+_NAMES = r"lock|results\.jsonl|results\.html|parts|pictures|running-\w+"  # what is in WORK
 
 
 def read_rows(folder: str | os.PathLike[str]) -> list[Row]:
@@ -35,11 +39,49 @@ def read_rows(folder: str | os.PathLike[str]) -> list[Row]:
 
 
 def _row(line: bytes) -> Row | None:
+    """The row of a line; None where it is none. What a row can't hold is left out of it, whoever wrote it there."""
     try:
         row = json.loads(line)
-    except ValueError:
+    except (ValueError, RecursionError):
         return None
-    return row if isinstance(row, dict) and isinstance(row.get("name"), str) and "status" in row else None
+    if not isinstance(row, dict) or not _is_text(row.get("name")) or row.get("status") not in ("ok", "failed"):
+        return None
+    told = {name: value for name, value in row.items() if name not in _KINDS or _KINDS[name](value)}
+    return told | {name: value for name, value in _MISSING.items() if name not in told}
+
+
+def _is_text(value: Any) -> bool:
+    """Whether a value is a text that can be shown; any name of a file can."""
+    try:
+        return isinstance(value, str) and os.fsencode(value) is not None
+    except UnicodeError:
+        return False
+
+
+def _is_number(value: Any) -> bool:
+    is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    return is_number and abs(value) < _LARGEST
+
+
+def _is_key(value: Any) -> bool:
+    """Keys name the files of pictures, which are removed by them."""
+    return isinstance(value, str) and re.fullmatch("[0-9a-f]{32}", value) is not None
+
+
+def _or_none(fits: Callable[[Any], bool]) -> Callable[[Any], bool]:
+    return lambda value: value is None or fits(value)
+
+
+_COUNTS = ("faces", "repaired", "regions", "polygons", "vertices", "corners", "crossing", "flipped", "bent")
+_LENGTHS = ("error", "planarity_max", "planarity_mean", "diagonal", "scan_distance", "scan_distance_allowed")
+_KINDS: dict[str, Callable[[Any], bool]] = {  # which values the keys of rows that are used here may have
+    "key": _is_key,
+    "warnings": lambda value: isinstance(value, list) and all(map(_is_text, value)),
+    **dict.fromkeys((*_COUNTS, "intersecting", "seconds"), _is_number),
+    **dict.fromkeys((*_LENGTHS, "peak_mb"), _or_none(_is_number)),
+    **dict.fromkeys(("input", "why", "output", "isimp", "ended"), _or_none(_is_text)),
+}
+_MISSING: Row = {"why": None, "output": None, "seconds": 0.0, "peak_mb": None, "key": ""}
 
 
 class Table:
@@ -47,6 +89,8 @@ class Table:
 
     def __init__(self, folder: Path) -> None:
         self.path = folder / NAME
+        if self.path.is_symlink():
+            raise BatchError(f"{self.path}: is a link, and rows are written to this file; remove the link")
         self.cut_short = 0  #: 1 if the last line was cut short by the end of an earlier process
         data = self.path.read_bytes() if self.path.exists() else b""
         self.rows: dict[str, Row] = {row["name"]: row for row in read_rows(folder)}
@@ -132,14 +176,17 @@ class Lock:
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
+        self._own = Own(folder / WORK, _NAMES)
         self._file: IO[str] | None = None
 
     def __enter__(self) -> "Lock":
         import fcntl  # not on Windows
 
-        work = self._folder / WORK
-        work.mkdir(parents=True, exist_ok=True)
-        self._file = (work / "lock").open("a+")
+        try:
+            self._own.take(unmarked=True)
+        except NotOwn as error:
+            raise BatchError(str(error)) from None
+        self._file = (self._own.path / "lock").open("a+")
         try:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
@@ -160,3 +207,7 @@ class Lock:
     ) -> None:
         if self._file is not None:
             self._file.close()
+
+    def remove(self) -> None:
+        """Remove the folder of the lock, while it is held."""
+        self._own.remove()

@@ -1,7 +1,7 @@
 """The command `isimp`: `isimp simplify INPUT OUTPUT`, `isimp batch ...`, `isimp tiles ...` and `isimp info INPUT`.
 
 Exit status: 0; 2 for wrong usage; 3 for input that can't be used, with one line that says what and where; 4 if some
-scans of a batch failed; 130 after Ctrl-C, with nothing half-written.
+scans of a batch failed; 130 after Ctrl-C and 143 after SIGTERM, with nothing half-written.
 """
 
 from collections.abc import Sequence

@@ -5,12 +5,9 @@ OUTPUT_FOLDER/results.jsonl has one row a scan, results.html shows them.
 """
 
 import argparse
-import signal
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator
 from pathlib import Path
-from types import FrameType
 from typing import Any
 
 from ..batch import BatchError, Outcome, State
@@ -18,15 +15,13 @@ from ..batch import run as run_batch
 from ..batch.clusters import KINDS, checked
 from ..batch.page import NAME, flaws, in_order, totals
 from ..batch.table import NAME as ROWS
+from .ending import Terminated, deferrable
 from .errors import INTERRUPTED, OK, SOME_FAILED, TERMINATED, UsageError
+from .files import show
 from .options import simplify_options
 from .progress import Screen, wanted
 
 _LINES = 20  # of problems and of results in the summary; the page has all
-
-
-class Terminated(KeyboardInterrupt):
-    """SIGTERM came."""
 
 
 def add_options(command: argparse.ArgumentParser) -> None:
@@ -101,8 +96,8 @@ def run(arguments: argparse.Namespace) -> int:
         done = f"{state.before + state.done:,} of {state.scans:,} scans are done"
         print(f"isimp: interrupted, {done}; the same command does the others", file=sys.stderr)
         return TERMINATED if isinstance(error, Terminated) else INTERRUPTED
-    if not arguments.quiet and sys.stdout is not None:
-        print("\n".join(summary(outcome, arguments)))
+    if not arguments.quiet:
+        show("\n".join(summary(outcome, arguments)))
     return SOME_FAILED if outcome.failed else OK
 
 
@@ -111,66 +106,6 @@ def given_options(arguments: argparse.Namespace) -> dict[str, Any]:
     defaults = vars(simplify_options().parse_args([]))
     given = {name: getattr(arguments, name) for name in defaults if name != "recipe"}
     return {name: value for name, value in given.items() if value != defaults[name]}
-
-
-@contextmanager
-def terminable() -> Iterator[None]:
-    """SIGTERM, and the end of the terminal, stop the block as Ctrl-C does."""
-    with _handled(_endings(), _end):
-        yield
-
-
-class Interrupts:
-    """Ctrl-C and SIGTERM, which come at once before the first call of `check`, and from then on when it is called.
-
-    An exception that comes anywhere may be lost in a destructor, or end a step in the middle. A second signal comes at
-    once all the same.
-    """
-
-    def __init__(self) -> None:
-        self._waits = False
-        self._came: int | None = None
-
-    def check(self) -> None:
-        self._waits = True
-        if self._came is not None:
-            _end(self._came, None)
-
-    def handle(self, number: int, frame: FrameType | None) -> None:
-        if not self._waits or self._came is not None:
-            _end(number, frame)
-        self._came = number
-
-
-@contextmanager
-def deferrable() -> Iterator[Interrupts]:
-    """As `terminable`, but signals wait for calls of `Interrupts.check`."""
-    interrupts = Interrupts()
-    is_awaited = signal.getsignal(signal.SIGINT) is signal.default_int_handler
-    with _handled(_endings() + [signal.SIGINT] * is_awaited, interrupts.handle):
-        yield interrupts
-
-
-def _endings() -> list[signal.Signals]:
-    """Those that ask a process to end, but for Ctrl-C."""
-    return [signal.SIGTERM] + ([signal.SIGHUP] if hasattr(signal, "SIGHUP") else [])
-
-
-def _end(number: int, frame: FrameType | None) -> None:
-    raise KeyboardInterrupt if number == signal.SIGINT else Terminated
-
-
-@contextmanager
-def _handled(numbers: list[signal.Signals], handler: Callable[[int, FrameType | None], None]) -> Iterator[None]:
-    before = {number: signal.getsignal(number) for number in numbers}
-    try:
-        for number, other in before.items():
-            if other is not signal.SIG_IGN:  # as under nohup
-                signal.signal(number, handler)
-        yield
-    finally:
-        for number, other in before.items():
-            signal.signal(number, other if other is not None else signal.SIG_DFL)
 
 
 def progress(state: State) -> str:

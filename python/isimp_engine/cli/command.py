@@ -1,18 +1,20 @@
 """The command `isimp`: `isimp simplify INPUT OUTPUT`, `isimp batch ...`, `isimp tiles ...` and `isimp info INPUT`.
 
 Exit status: 0; 2 for wrong usage; 3 for input that can't be used, with one line that says what and where; 4 if some
-scans of a batch failed; 130 after Ctrl-C, with nothing half-written.
+scans of a batch failed; 130 after Ctrl-C and 143 after SIGTERM, with nothing half-written.
 """
 
 import argparse
 import io
 import sys
 from collections.abc import Sequence
+from contextlib import nullcontext
 from pathlib import Path
 
 from .. import FileError, InvalidInput, __version__, _process
 from . import batch, guiding, info, lods, simplify, tiles
-from .errors import BAD_INPUT, INTERRUPTED, OK, USAGE, UsageError
+from .ending import Terminated, terminable
+from .errors import BAD_INPUT, INTERRUPTED, OK, TERMINATED, USAGE, UsageError
 from .files import place
 from .options import settle, simplify_options
 
@@ -83,13 +85,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
             sys.stdout.reconfigure(errors="surrogateescape")
         if parsed.run is not tiles.run:
             settle(parsed)
-        status = parsed.run(parsed)
+        with terminable() if parsed.run in (simplify.run, info.run) else nullcontext():  # the others have their own
+            status = parsed.run(parsed)
         if sys.stdout is not None:
             sys.stdout.flush()
+    except Terminated:
+        return _say("terminated, nothing was written", TERMINATED)
     except KeyboardInterrupt:
         return _say("interrupted, nothing was written", INTERRUPTED)
     except EXPECTED as error:
-        return _say(*problem(error, parsed.output if parsed.run is batch.run else parsed.input))
+        return _say(*problem(error, parsed.output if parsed.run in (batch.run, tiles.run) else parsed.input))
     finally:
         _process.ignore_interrupts()
     return status if isinstance(status, int) else OK

@@ -8,6 +8,7 @@ from types import TracebackType
 
 from .. import FileError
 from ..drafts import deliver, draft_of
+from .ending import too_late
 from .errors import UsageError
 
 STDOUT = "-"
@@ -26,6 +27,17 @@ def check(path: Path) -> None:
         raise UsageError(f"{path}: is a folder; give the name of a file")
     if path.is_file() and not (path.stat().st_mode & 0o222 and os.access(path, os.W_OK)):
         raise UsageError(f"{path}: is read-only, so it is not replaced")
+
+
+def show(text: str, beside: bool = False) -> None:
+    """Print a text. beside: to stderr, since stdout has another one. What is wrong with stdout is not the input's."""
+    stream = sys.stderr if beside else sys.stdout
+    if stream is None:
+        return
+    try:
+        print(text, file=stream, flush=True)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, "stderr" if beside else "stdout") from None
 
 
 def is_same(path: Path, other: Path) -> bool:
@@ -54,8 +66,8 @@ class Outputs:
     def write_text(self, path: Path | str, text: str) -> None:
         if isinstance(path, Path):
             self.write(path, lambda part: part.write_text(text, encoding="utf-8"))
-        elif sys.stdout is not None:
-            print(text, end="", flush=True)
+        else:
+            show(text.removesuffix("\n"))
 
     def write(self, path: Path, write: Callable[[Path], object]) -> None:
         """Call `write` with the path to write to for now; a device or pipe is written to as it is."""
@@ -67,9 +79,10 @@ class Outputs:
         except FileError as error:
             raise FileError(str(error).replace(str(part), str(path))) from None
         except OSError as error:
-            raise OSError(error.errno, error.strerror, str(path)) from None
+            raise OSError(error.errno, error.strerror or str(error), str(path)) from None
 
     def commit(self) -> None:
-        while self._moves:
-            deliver(*self._moves[0])
-            self._moves.pop(0)
+        with too_late():
+            while self._moves:
+                deliver(*self._moves[0])
+                self._moves.pop(0)

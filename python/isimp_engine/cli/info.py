@@ -8,6 +8,7 @@ from typing import Any
 from .. import Job
 from . import closing, simplify, words
 from .errors import UsageError
+from .files import show
 from .loading import Cleaned, Input, clean_mesh, facts, load
 from .progress import Steps
 
@@ -24,7 +25,7 @@ def run(arguments: argparse.Namespace) -> None:
         "mesh": facts(mesh) | {"box": [low.tolist(), high.tolist()]},
         "result": None if arguments.mesh_only else result(arguments, source, (mesh, repaired, repaired_at)),
     }
-    print(json.dumps(report, indent=2, allow_nan=False) if arguments.json else "\n".join(lines(report)))
+    show(json.dumps(report, indent=2, allow_nan=False) if arguments.json else "\n".join(lines(report)))
 
 
 def result(arguments: argparse.Namespace, source: Input, cleaned: Cleaned) -> dict[str, Any]:

@@ -10,8 +10,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from .. import (
     CleanOptions,
     FileError,
@@ -26,6 +24,7 @@ from .. import (
     exporting,
     regularise,
 )
+from ..drafts import save_array
 from ..guided import Guides, partition_guided
 from ..openings import Lengths
 from ..texturing.writing import KINDS as TEXTURED_KINDS
@@ -33,7 +32,7 @@ from ..texturing.writing import files_of
 from ..within import Made, Within, polygonize_within
 from . import closing, guiding, lods, texturing, words
 from .errors import UsageError
-from .files import STDOUT, Outputs, check, is_same
+from .files import STDOUT, Outputs, check, is_same, show
 from .loading import Cleaned, Input, clean_mesh, close_mesh, facts, labels, load
 from .progress import Steps, wanted
 
@@ -76,9 +75,7 @@ def run(arguments: argparse.Namespace) -> Done:
             outputs.write_text(arguments.report, json.dumps(report, indent=2, allow_nan=False) + "\n")
         outputs.commit()
     if not arguments.quiet:  # where the report is on stdout, it is alone there
-        stream = sys.stderr if arguments.report == STDOUT else sys.stdout
-        if stream is not None:
-            print("\n".join(summary(source, done)), file=stream)
+        show("\n".join(summary(source, done)), beside=arguments.report == STDOUT)
     return done[0]
 
 
@@ -199,7 +196,7 @@ def _make(
                 outputs.write(file, partial(Path.write_bytes, data=content))
                 written.append(file)
         if arguments.labels:
-            outputs.write(arguments.labels, lambda path: save_labels(path, labels(source, mesh, part)))
+            outputs.write(arguments.labels, lambda path: save_array(path, labels(source, mesh, part)))
     report = {
         "isimp": __version__,
         "input": {"path": str(source.path), "vertices": len(source.vertices), "faces": source.faces}
@@ -267,11 +264,6 @@ def check_places(arguments: argparse.Namespace) -> list[Path]:
             raise UsageError(f"{path}: is named twice; INPUT and all outputs must be different files")
         taken.append(path)
     return beside
-
-
-def save_labels(path: Path, values: np.ndarray) -> None:
-    with path.open("wb") as file:  # numpy would add .npy to a bare path
-        np.save(file, values)
 
 
 def peak_mb() -> float | None:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import InvalidInput, Job, Mesh, Partition, PolygonMesh, Texture, TextureOptions, texture
-from ..texturing.writing import companions
+from ..texturing.writing import companions, refusal
 from . import words
 from .errors import UsageError
 from .files import check, is_same
@@ -48,6 +48,8 @@ def check_output(arguments: argparse.Namespace) -> list[Path]:
     """The files that can come beside the output; refuses those that can't be written."""
     if arguments.texture is None:
         return []
+    if why := refusal(arguments.output):
+        raise UsageError(why)
     beside = companions(arguments.output, bool(arguments.height))
     for path in beside:
         check(path)

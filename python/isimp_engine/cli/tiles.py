@@ -18,9 +18,10 @@ from ..tiles import run as run_tiles
 from ..tiles.plan import DETAIL
 from ..tiles.run import TILE_FACES
 from . import words
-from .batch import Terminated, add_workers, terminable
+from .batch import add_workers
+from .ending import Terminated, terminable
 from .errors import BAD_INPUT, INTERRUPTED, OK, TERMINATED, UsageError
-from .files import STDOUT, Outputs, check, place
+from .files import STDOUT, Outputs, check, place, show
 from .progress import Screen, wanted
 
 _WORDS = {  # what a step does
@@ -136,9 +137,7 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"isimp: {said}", file=sys.stderr)
         return TERMINATED if isinstance(error, Terminated) else INTERRUPTED
     if not arguments.quiet:
-        stream = sys.stderr if arguments.report == STDOUT else sys.stdout
-        if stream is not None:
-            print("\n".join(summary(outcome, arguments)), file=stream)
+        show("\n".join(summary(outcome, arguments)), beside=arguments.report == STDOUT)
     return OK
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from .. import _core
 from .._core import FileError, Job, PolygonMesh
 from ..drafts import whole
+from ..reading import reader
 from . import cityjson, dxf, ifc
 from .surfaces import Surfaces, surfaces_of
 
@@ -22,10 +23,14 @@ def kind_of(path: str | PathLike[str]) -> str | None:
 
 
 def require(path: str | PathLike[str]) -> None:
-    """Refuse a file for which a package is missing. Raises FileError, which names it."""
+    """Refuse a file for which a package is missing, or can't be loaded. Raises FileError, which names it."""
     package, extra = _NEEDS.get(kind_of(path) or "", (None, None))
-    if package is not None and importlib.util.find_spec(package) is None:
+    if package is None:
+        return
+    if importlib.util.find_spec(package) is None:
         raise FileError(f"{path}: to write it the package {package} is needed: pip install 'isimp[{extra}]'")
+    with reader(path, f"the package {package}, which is needed to write it, can't be loaded"):
+        importlib.import_module(package)
 
 
 def write(
@@ -69,8 +74,9 @@ def write(
 
 def _whole(place: Path, put: Callable[[Path], object]) -> None:
     """Write beside the place, then move there."""
-    try:
-        with whole(place) as draft:
-            put(draft)
-    except OSError as error:
-        raise FileError(f"{place}: can't be written: {error.strerror or error}") from None
+    with reader(place, "can't be written"):
+        try:
+            with whole(place) as draft:
+                put(draft)
+        except OSError as error:
+            raise FileError(f"{place}: can't be written: {error.strerror or error}") from None

@@ -1,7 +1,7 @@
 """The scan's texture put on its polygons."""
 
 import hashlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
@@ -214,10 +214,10 @@ def _digest(mesh: Mesh, source: TexturedSoup, options: TextureOptions) -> bytes:
     wanted = {name: value for name, value in options.as_dict().items() if name not in ("threads", "size")}
     found.update(repr(sorted(wanted.items())).encode())
     add(mesh.vertices, mesh.triangles, mesh.source_face, source.vertices, source.triangles, source.uv)
-    add(source.material, source.colors, *source.images)
+    add(source.material, source.colors, *_distinct(source.images))
     for name, layer in sorted(source.layers.items()):
         found.update(repr((name, layer.strength)).encode())
-        add(layer.uv, *layer.images)
+        add(layer.uv, *_distinct(layer.images))
     return found.digest()
 
 
@@ -257,15 +257,12 @@ def _layer(
     at = np.maximum(face, 0)
     if layer.uv is not None:
         uv = np.ascontiguousarray(_carried(layer.uv, at, weight).astype(np.float32))
-    pictures = [np.ascontiguousarray(image) for image in layer.images if image is not None]
+    number, *pictures = _distinct(layer.images)
     none = -1
     if name != NORMAL:
         none = len(pictures)
         pictures.append(np.full((1, 1, 4), round(255 * NEUTRAL[name]), dtype=np.uint8))
-    number = np.full(len(layer.images) + 1, none, dtype=np.int32)
-    given = [i for i, image in enumerate(layer.images) if image is not None]
-    number[given] = np.arange(len(given), dtype=np.int32)
-    image = number[source.material[at]]
+    image = np.where(number < 0, np.int32(none), number)[source.material[at]]
     image[face < 0] = none
     return uv, image, pictures
 
@@ -308,20 +305,24 @@ def _uv_areas(uv: NDArray[np.float32]) -> NDArray[np.float64]:
     return areas
 
 
+def _distinct(images: Sequence[Any]) -> tuple[Any, ...]:
+    """Which of the arrays that follow each image is, -1 for none, with one more -1 at the end; and these arrays."""
+    place: dict[int, int] = {}
+    number = [-1 if image is None else place.setdefault(id(image), len(place)) for image in images]
+    each = {id(image): image for image in images if image is not None}
+    return np.array([*number, -1], dtype=np.int32), *map(np.ascontiguousarray, each.values())
+
+
 def _look(source: TexturedSoup, face: NDArray[np.int32], weight: NDArray[np.float32]) -> _Look:
     at = np.maximum(face, 0)
     uv = _carried(source.uv, at, weight).astype(np.float32)
-    pictures = [image for image in source.images if image is not None]
-    number = np.full(len(source.images) + 1, -1, dtype=np.int32)  # the last one: no material
-    shown = [i for i, image in enumerate(source.images) if image is not None]
-    number[shown] = np.arange(len(shown), dtype=np.int32)
+    number, *pictures = _distinct(source.images)
     image = number[source.material[at]]
     image[face < 0] = -1
     colors = np.zeros((0, 3, 4), dtype=np.uint8)
     if source.colors is not None:
         colors = np.round(_carried(source.colors.astype(np.float32), at, weight)).astype(np.uint8)
     known = (face >= 0) & ((image >= 0) | (source.colors is not None))
-    pictures = [np.ascontiguousarray(picture) for picture in pictures]
     return _Look(np.ascontiguousarray(uv), image.astype(np.int32), colors, known.astype(np.uint8), pictures)
 
 

@@ -2,15 +2,18 @@
 
 import json
 import struct
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import machine
 from .._core import FileError
 from . import gltf_layers
 from .gltf_file import BINARY, JSON, MAGIC, GltfFile
+from .gltf_values import Item
 from .layers import to_srgb
 from .soup import TexturedSoup
 
@@ -21,90 +24,142 @@ _FAR = 1e3  # coordinates this many times the size are given by the node, which 
 def read(path: Path) -> TexturedSoup:
     """The triangles of the default scene of a .glb or .gltf, placed by their nodes."""
     file = GltfFile(path)
-    parts = [_primitive(file, p, m) for mesh, m in file.instances() for p in mesh.get("primitives", ())]
-    parts = [part for part in parts if len(part["triangles"])]
+    parts = [part for part in _parts(file) if len(part.triangles)]
     if not parts:
         raise FileError(f"{path}: has no triangles")
-    offset, triangles = 0, []
-    for part in parts:
-        triangles.append(part["triangles"] + offset)
-        offset += len(part["vertices"])
-    used = list(dict.fromkeys(int(part["material"]) for part in parts if part["material"] >= 0))
+    used = list(dict.fromkeys(part.material for part in parts if part.material >= 0))
     number = {m: i for i, m in enumerate(used)} | {-1: -1}
-    has_colors = any(part["colors"] is not None for part in parts)
-    colors = None
-    if has_colors:
-        white = np.full((1, 4), 255, dtype=np.uint8)
-        colors = np.concatenate(
-            [np.broadcast_to(white, (len(p["vertices"]), 4)) if p["colors"] is None else p["colors"] for p in parts]
-        )
+    has_colors = any(part.shape.colors is not None for part in parts)
     pictures = [file.base_color(m, plain=not has_colors) for m in used]
-    vertices, uv = np.concatenate([p["vertices"] for p in parts]), np.concatenate([p["uv"] for p in parts])
-    faces = np.concatenate(triangles).astype(np.int32)
-    material = np.concatenate([np.full(len(p["triangles"]), number[p["material"]]) for p in parts])
-    names = [str(file.json["materials"][m].get("name", m)) for m in used]
-    corner_colors = None if colors is None else colors[faces]
-    layers = gltf_layers.read(file, used, [(part["primitive"], part["triangles"]) for part in parts])
+    vertices, faces = _together(parts)
+    uv = np.concatenate([part.shape.uv for part in parts])
+    material = np.concatenate([np.full(len(part.triangles), number[part.material], np.int32) for part in parts])
+    names = [file.item("materials", m).text("name", str(m)) for m in used]
+    corner_colors = np.concatenate([part.colors for part in parts])[faces] if has_colors else None
+    layers = gltf_layers.read(file, used, [(part.shape.primitive, part.triangles) for part in parts])
     return TexturedSoup(vertices, faces, uv[faces], material, pictures, corner_colors, names, file.linked, layers)
 
 
 def geometry(path: Path, data: bytes) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.float64]]:
     """Vertices (V, 3) and triangles (F, 3) of a glTF file's contents, and the centre that they are relative to."""
-    file = GltfFile(path, data)
-    parts = [_primitive(file, p, m) for mesh, m in file.instances() for p in mesh.get("primitives", ())]
-    first = np.cumsum([0] + [len(part["vertices"]) for part in parts])
-    vertices = np.concatenate([np.zeros((0, 3)), *(part["vertices"] for part in parts)])
-    rows = [part["triangles"] + base for part, base in zip(parts, first, strict=False)]
-    centre = file.json.get("extensions", {}).get("CESIUM_RTC", {}).get("center", (0.0, 0.0, 0.0))
-    triangles = np.concatenate([np.zeros((0, 3), np.int64), *rows]).astype(np.int32)
-    return vertices, triangles, np.array(centre, dtype=np.float64).reshape(3)
+    file = GltfFile(path, data, shape_only=True)
+    return *_together(_parts(file)), file.json.extension("CESIUM_RTC").numbers("center", 3, (0.0, 0.0, 0.0))
 
 
-def _primitive(file: GltfFile, primitive: dict[str, Any], matrix: NDArray[np.float64]) -> dict[str, Any]:
-    """Vertices, triangles, UVs (v upward) and colours of a primitive."""
-    if "KHR_draco_mesh_compression" in primitive.get("extensions", {}):
+@dataclass(frozen=True, eq=False)
+class _Shape:
+    """What a primitive has, wherever it stands."""
+
+    primitive: Item
+    points: NDArray[np.float64]  # (V, 3)
+    triangles: NDArray[np.int32]  # (F, 3)
+    uv: NDArray[np.float64]  # (V, 2), v upward
+    colors: NDArray[np.uint8] | None  # (V, 4)
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """A primitive at one of its places."""
+
+    shape: _Shape
+    matrix: NDArray[np.float64]
+
+    @property
+    def material(self) -> int:
+        return self.shape.primitive.whole("material") if "material" in self.shape.primitive else -1
+
+    @property
+    def vertices(self) -> NDArray[np.float64]:
+        return np.asarray(self.shape.points @ self.matrix[:3, :3].T + self.matrix[:3, 3])
+
+    @property
+    def triangles(self) -> NDArray[np.int32]:
+        """Those of a mirrored object are turned to look outward."""
+        mirrored = np.linalg.det(self.matrix[:3, :3]) < 0
+        return self.shape.triangles[:, ::-1] if mirrored else self.shape.triangles
+
+    @property
+    def colors(self) -> NDArray[np.uint8]:
+        """White where it has none."""
+        white = np.full((1, 4), 255, dtype=np.uint8)
+        found = self.shape.colors
+        return np.broadcast_to(white, (len(self.shape.points), 4)) if found is None else found
+
+
+_BYTES = 24, 120  # of memory that a vertex takes, and a triangle with its corners
+
+
+def _parts(file: GltfFile) -> list[_Part]:
+    """The primitives of the scene, each read once. Raises FileError where memory has no room for all their places."""
+    shapes: dict[str, list[_Shape]] = {}
+    parts, need, free = list[_Part](), 0.0, machine.memory_mb()
+    for mesh, matrix in file.instances():
+        if mesh.place not in shapes:
+            shapes[mesh.place] = [_shape(file, primitive) for primitive in mesh.items("primitives")]
+        for shape in shapes[mesh.place]:
+            parts.append(_Part(shape, matrix))
+            need += (_BYTES[0] * len(shape.points) + _BYTES[1] * len(shape.triangles)) / 2**20
+        if need > free:
+            raise FileError(f"{file.path}: its nodes have so many triangles that they need more than {free:,.0f} MB")
+    return parts
+
+
+def _together(parts: list[_Part]) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """The vertices and triangles of all parts."""
+    first = np.cumsum([0] + [len(part.shape.points) for part in parts])
+    if first[-1] > np.iinfo(np.int32).max:
+        raise ValueError(f"{first[-1]:,} vertices are too many")
+    vertices = np.concatenate([np.zeros((0, 3)), *(part.vertices for part in parts)])
+    rows = [part.triangles + np.int32(base) for part, base in zip(parts, first, strict=False)]
+    return vertices, np.concatenate([np.zeros((0, 3), np.int32), *rows])
+
+
+def _shape(file: GltfFile, primitive: Item) -> _Shape:
+    if "KHR_draco_mesh_compression" in primitive.item("extensions"):
         raise FileError(f"{file.path}: is compressed by Draco, which is not supported; export it without compression")
-    attributes = primitive.get("attributes", {})
-    points = file.accessor(attributes["POSITION"]).astype(np.float64) if "POSITION" in attributes else np.zeros((0, 3))
+    attributes = primitive.item("attributes")
+    points = np.zeros((0, 3))
+    if "POSITION" in attributes:
+        points = file.accessor(attributes.whole("POSITION")).astype(np.float64)
+        if points.shape[1] != 3:
+            raise FileError(f"{primitive.place}: POSITION must be of type VEC3")
     if "indices" in primitive:
-        index = file.accessor(primitive["indices"]).astype(np.int64).ravel()
+        index = file.accessor(primitive.whole("indices")).ravel()
+        if index.dtype.kind != "u":
+            raise FileError(f"{primitive.place}: indices must be unsigned whole numbers")
     else:
-        index = np.arange(len(points))
-    triangles = _triangles(index, primitive.get("mode", 4))
+        index = np.arange(len(points), dtype=np.uint32)
+    triangles = _triangles(index, primitive.whole("mode", 4))
     if len(triangles) and triangles.max() >= len(points):
-        raise FileError(f"{file.path}: a triangle uses vertex {triangles.max()}, but there are {len(points)}")
-    if np.linalg.det(matrix[:3, :3]) < 0:  # a mirrored object: its triangles are turned to look outward
-        triangles = triangles[:, ::-1]
-    uv = file.uv(primitive, file.color_texture(primitive.get("material", -1)))
-    colors = None
-    if "COLOR_0" in attributes:
-        colors = _stored_colors(file.accessor(attributes["COLOR_0"]))
-    vertices = points @ matrix[:3, :3].T + matrix[:3, 3]
-    return {"vertices": vertices, "triangles": triangles, "uv": uv, "colors": colors} | {
-        "material": primitive.get("material", -1),
-        "primitive": primitive,
-    }
+        raise FileError(f"{primitive.place}: a triangle uses vertex {triangles.max()}, but there are {len(points)}")
+    material = primitive.whole("material") if "material" in primitive else -1
+    uv = file.uv(primitive, file.color_texture(material))
+    colors = _stored_colors(file.accessor(attributes.whole("COLOR_0"))) if "COLOR_0" in attributes else None
+    for name, values in (("TEXCOORD", uv), ("COLOR_0", points if colors is None else colors)):
+        if len(values) != len(points):
+            raise FileError(f"{primitive.place}: {name} has {len(values)} elements, but POSITION {len(points)}")
+    return _Shape(primitive, points, triangles.astype(np.int32), uv, colors)
 
 
-def _triangles(index: NDArray[np.int64], mode: int) -> NDArray[np.int64]:
+def _triangles(index: NDArray[Any], mode: int) -> NDArray[Any]:
     if mode == 4:
         return index[: len(index) // 3 * 3].reshape(-1, 3)
-    if mode == 5:  # a strip: every second one is wound the other way
-        strip = np.stack([index[:-2], index[1:-1], index[2:]], axis=1)
-        strip[1::2] = strip[1::2, [1, 0, 2]]
-        return strip
-    if mode == 6:
-        return np.stack([np.full(max(len(index) - 2, 0), index[0]), index[1:-1], index[2:]], axis=1)
-    return np.zeros((0, 3), dtype=np.int64)  # points and lines
+    if mode in (5, 6) and len(index) >= 3:
+        first = index[:-2] if mode == 5 else np.full(len(index) - 2, index[0])  # a strip or a fan
+        found = np.stack([first, index[1:-1], index[2:]], axis=1)
+        if mode == 5:  # every second one is wound the other way
+            found[1::2] = found[1::2, [1, 0, 2]]
+        return found
+    return np.zeros((0, 3), dtype=index.dtype)  # points and lines
 
 
 def _stored_colors(linear: NDArray[Any]) -> NDArray[np.uint8]:
     """glTF's colours of vertices are linear; stored ones are those of sRGB, as images have them."""
-    if linear.dtype == np.uint8:
-        linear = linear / 255
-    elif linear.dtype == np.uint16:
-        linear = linear / 65535
-    linear = np.clip(linear.astype(np.float64), 0, 1)
+    if linear.dtype.kind == "u":
+        linear = linear / np.iinfo(linear.dtype).max
+    linear = np.clip(np.nan_to_num(linear.astype(np.float64)), 0, 1)
+    if linear.shape[1] not in (3, 4):
+        raise ValueError("colours must be of type VEC3 or VEC4")
     if linear.shape[1] == 3:
         linear = np.hstack([linear, np.ones((len(linear), 1))])
     linear[:, :3] = to_srgb(linear[:, :3])

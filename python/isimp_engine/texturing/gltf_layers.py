@@ -6,17 +6,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .._core import FileError
 from . import images, layers
-from .gltf_file import GltfFile
+from .gltf_file import GltfFile, texture_of
+from .gltf_values import Item
 from .layers import TextureLayer
 
 _STRENGTH = "KHR_materials_emissive_strength"
-_Parts = list[tuple[dict[str, Any], NDArray[np.int64]]]  # primitives with their triangles
+_LARGEST = 1e30  # of emission
+_Parts = list[tuple[Item, NDArray[np.int32]]]  # primitives with their triangles
 
 
 def read(file: GltfFile, used: list[int], parts: _Parts) -> dict[str, TextureLayer]:
     """The layers that any of the materials in use has. One without a factor and an image says nothing."""
-    materials = [file.json["materials"][m] for m in used]
+    materials = [file.item("materials", m) for m in used]
     strength = max([1.0, *(float(max(_emission(m))) for m in materials)])
     found = {}
     for name in (*layers.NEUTRAL, layers.NORMAL):
@@ -27,53 +30,63 @@ def read(file: GltfFile, used: list[int], parts: _Parts) -> dict[str, TextureLay
     return found
 
 
-def _base(material: dict[str, Any]) -> dict[str, Any]:
-    base: dict[str, Any] = material.get("pbrMetallicRoughness", {})
-    return base
+def _base(material: Item) -> Item:
+    return material.item("pbrMetallicRoughness")
 
 
-def _texture(name: str, material: dict[str, Any]) -> dict[str, Any] | None:
+def _texture(name: str, material: Item) -> Item | None:
     if name in layers.NUMBERS:
-        return _base(material).get("metallicRoughnessTexture")
-    return material.get({"emission": "emissiveTexture"}.get(name, f"{name}Texture"))
+        return texture_of(_base(material), "metallicRoughnessTexture")
+    return texture_of(material, {"emission": "emissiveTexture"}.get(name, f"{name}Texture"))
 
 
-def _emission(material: dict[str, Any]) -> NDArray[np.float64]:
+def _emission(material: Item) -> NDArray[np.float64]:
     """Linear."""
-    strength = material.get("extensions", {}).get(_STRENGTH, {}).get("emissiveStrength", 1.0)
-    return np.asarray(material.get("emissiveFactor", (0, 0, 0)), dtype=np.float64) * float(strength)
+    strength = material.extension(_STRENGTH).number("emissiveStrength", 1.0)
+    found = material.numbers("emissiveFactor", 3, (0, 0, 0)) * strength
+    if not (np.abs(found) <= _LARGEST).all():
+        raise FileError(f"{material.place}: its emission is above {_LARGEST:g}")
+    return found
 
 
-def _image(file: GltfFile, name: str, material: dict[str, Any], strength: float) -> images.Image | None:
+def _image(file: GltfFile, name: str, material: Item, strength: float) -> images.Image | None:
     texture = _texture(name, material)
     picture = None if texture is None else file.picture(texture)
+    changed = file.pictures.changed
     if name in layers.NUMBERS:
-        factor = _base(material).get(f"{name}Factor")
+        given = f"{name}Factor" in _base(material)
+        factor = _base(material).number(f"{name}Factor", 1.0)
         if picture is not None:
-            return layers.channel(picture, 1 if name == "roughness" else 2, 1.0 if factor is None else float(factor))
-        return None if factor is None else images.rgba(layers.number(float(factor)))
+            k = 1 if name == "roughness" else 2
+            return changed(picture, (k, factor), lambda image: layers.channel(image, k, factor))
+        return images.rgba(layers.number(factor)) if given else None
     if name == "emission":
         factors = _emission(material) / strength
         if not factors.any():
             return None
-        return layers.scaled_colors(np.full((1, 1, 4), 255, np.uint8) if picture is None else picture, factors)
+        if picture is None:
+            return layers.scaled_colors(np.full((1, 1, 4), 255, np.uint8), factors)
+        return changed(picture, tuple(factors), lambda image: layers.scaled_colors(image, factors))
     if picture is None:
         return None
     assert texture is not None
     if name == layers.NORMAL:
-        return layers.scaled_normals(picture, float(texture.get("scale", 1)))
-    share = float(texture.get("strength", 1))  # of occlusion: 1 + strength * (image - 1)
-    red = layers.channel(picture, 0)
-    return red if share == 1 else images.rgba(1 + share * (layers.shares(red)[:, :, 0] - 1))
+        scale = texture.number("scale", 1)
+        return changed(picture, ("normal", scale), lambda image: layers.scaled_normals(image, scale))
+    share = texture.number("strength", 1)  # of occlusion: 1 + strength * (image - 1)
+    dark = lambda rows: 1 + share * (layers.shares(rows)[:, :, 0] - 1)  # noqa: E731
+    if share == 1:
+        return changed(picture, (0, 1.0), lambda image: layers.channel(image, 0))
+    return changed(picture, ("dark", share), lambda image: images.by_rows(image, dark))
 
 
 def _uv(file: GltfFile, name: str, parts: _Parts) -> NDArray[np.float64] | None:
     """(F, 3, 2) if the layer has UVs other than those of the colours."""
     pairs = []
     for primitive, _ in parts:
-        number = primitive.get("material", -1)
+        number = primitive.whole("material") if "material" in primitive else -1
         colors = file.color_texture(number)
-        texture = _texture(name, file.json["materials"][number]) if number >= 0 else None
+        texture = _texture(name, file.item("materials", number)) if number >= 0 else None
         pairs.append((colors, colors if texture is None else texture))
     if all(file.placing(colors) == file.placing(own) for colors, own in pairs):
         return None

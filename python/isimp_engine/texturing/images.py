@@ -1,16 +1,28 @@
 """Image files, by way of Pillow."""
 
 import io
+import os
+import struct
+import threading
+import warnings
+from collections.abc import Callable, Hashable
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import machine
 from .._core import FileError, InvalidInput
+from ..reading import reader
 from . import udim
 
 Image = NDArray[Any]  # (H, W, 4) uint8 or uint16, row 0 at the top
+
+#: What is read, by its contents. Pillow knows more, as PostScript, which it runs. TGA has no mark, so it comes last.
+FORMATS = ("PNG", "JPEG", "TIFF", "BMP", "WEBP", "GIF", "PPM", "JPEG2000", "DDS", "SGI", "PCX", "AVIF", "TGA")
+_BLOCK = 1 << 22  # pixels that are worked on at once, so that intermediate values are small
+_WARNINGS = threading.Lock()  # filters of warnings are the process's
 
 
 def pillow(name: object) -> Any:
@@ -22,35 +34,112 @@ def pillow(name: object) -> Any:
     return PIL.Image
 
 
-def load(path: Path, named_by: str) -> Image | dict[int, Image]:
-    """The image of a file, or those of UDIM tiles by their numbers. `named_by` says where the name stands."""
-    if udim.is_pattern(path):
-        files = udim.files(path)
-        if not files:
-            raise FileError(f"{named_by}: no file has the name {path} with the number of a tile; put them there")
-        return {tile: decode(file, str(file)) for tile, file in files.items()}
-    if not path.is_file():
-        raise FileError(f"{named_by}: the image {path} does not exist; put it there, or correct the name")
-    return decode(path, str(path))
+class Pictures:
+    """The images of one scan. Each file is decoded once, whatever its names and however many materials show it."""
+
+    def __init__(self) -> None:
+        self._made: dict[Hashable, Image] = {}
+
+    def load(self, path: Path, named_by: str) -> Image | dict[int, Image]:
+        """The image of a file, or those of UDIM tiles by their numbers. `named_by` says where the name stands."""
+        if udim.is_pattern(path):
+            files = udim.files(path)
+            if not files:
+                raise FileError(f"{named_by}: no file has the name {path} with the number of a tile; put them there")
+            return {tile: self._file(file) for tile, file in files.items()}
+        if not path.is_file():
+            raise FileError(f"{named_by}: the image {path} does not exist; put it there, or correct the name")
+        return self._file(path)
+
+    def once(self, key: Hashable, make: Callable[[], Image]) -> Image:
+        """What `make` gives, made once for each key."""
+        if key not in self._made:
+            self._made[key] = make()
+        return self._made[key]
+
+    def changed(self, image: Image, key: Hashable, change: Callable[[Image], Image]) -> Image:
+        """An image of these after a change, which `key` names."""
+        return self.once((id(image), key), lambda: change(image))
+
+    def _file(self, path: Path) -> Image:
+        return self.once(os.path.realpath(path), lambda: decode(path, str(path)))
 
 
 def decode(source: Path | bytes, name: str) -> Image:
-    """The image of a file or of the bytes of one."""
+    """The image of a file or of the bytes of one. Raises FileError."""
     module = pillow(name)
-    try:
-        with module.open(io.BytesIO(source) if isinstance(source, bytes) else source) as image:
+    with reader(name, "is not an image that can be read"), _WARNINGS, warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        with io.BytesIO(source) if isinstance(source, bytes) else source.open("rb") as file:
+            image = _opened(module, file)
+            _check_room(image, name)
             return _pixels(image)
-    except (OSError, ValueError, SyntaxError, module.DecompressionBombError) as error:
-        raise FileError(f"{name}: is not an image that can be read: {error}") from None
+
+
+def _opened(module: Any, file: IO[bytes]) -> Any:
+    """As Image.open does it, but with the kinds above alone, and without its limit on pixels."""
+    start, tried = file.read(16), set[str]()
+    for load in (module.preinit, module.init):  # few kinds, then all
+        load()
+        for kind in FORMATS:
+            if kind in tried or kind not in module.OPEN:
+                continue
+            tried.add(kind)
+            factory, accepts = module.OPEN[kind]
+            if accepts is not None and accepts(start) is not True:  # it may be a text that says why not
+                continue
+            file.seek(0)
+            try:
+                return factory(file, "")
+            except (SyntaxError, IndexError, TypeError, struct.error):  # of another kind after all
+                continue
+    raise ValueError(f"it is none of {', '.join(FORMATS)}")
+
+
+def _check_room(image: Any, name: str) -> None:
+    """Refuse an image that memory has no room for, by its header; images that were read before have theirs."""
+    width, height = image.size
+    need = width * height * (4 + 4 * _numbers(image).itemsize) / 2**20  # Pillow's, and ours
+    free = machine.memory_mb()
+    if need > free:
+        pixels = f"{width:,} x {height:,} pixels"
+        raise FileError(f"{name}: has {pixels}, which take {need:,.0f} MB of memory, and {free:,.0f} MB are free")
+
+
+def _numbers(image: Any) -> np.dtype[Any]:
+    return np.dtype(np.uint16 if image.mode.startswith(("I", "F")) else np.uint8)
 
 
 def _pixels(image: Any) -> Image:
     """8 or 16 bits as the image has them; palettes, grey and other spaces as RGBA."""
-    if image.mode.startswith("I"):  # 16 bits of grey
-        return rgba(np.clip(np.asarray(image), 0, 0xFFFF).astype(np.uint16))
-    if image.mode == "F":
-        return rgba(np.asarray(image))
-    return np.ascontiguousarray(image.convert("RGBA"))
+    image.load()
+    width, height = image.size
+    pixels = np.empty((height, width, 4), _numbers(image))
+    rows = max(1, _BLOCK // max(width, 1))
+    for top in range(0, height, rows):
+        part = image.crop((0, top, width, min(top + rows, height)))
+        if image.mode.startswith("I"):  # 16 bits of grey
+            pixels[top : top + rows] = rgba(np.clip(np.asarray(part), 0, 0xFFFF).astype(np.uint16))
+        elif image.mode == "F":
+            pixels[top : top + rows] = rgba(np.asarray(part))
+        else:
+            pixels[top : top + rows] = np.asarray(part.convert("RGBA"))
+    return settled(pixels)
+
+
+def settled(pixels: Image) -> Image:
+    """An image that nobody changes any more, so that it need not be copied."""
+    pixels.flags.writeable = False
+    return pixels
+
+
+def by_rows(image: Image, change: Callable[[Image], NDArray[np.float64]]) -> Image:
+    """An image of numbers from 0 to 1 that `change` makes of some rows at a time."""
+    made = np.empty(image.shape[:2] + (4,), np.uint16)
+    rows = max(1, _BLOCK // max(image.shape[1], 1))
+    for top in range(0, len(image), rows):
+        made[top : top + rows] = rgba(change(image[top : top + rows]))
+    return settled(made)
 
 
 def rgba(pixels: Any, name: str = "image") -> Image:
@@ -70,6 +159,8 @@ def rgba(pixels: Any, name: str = "image") -> Image:
     elif array.dtype not in (np.uint8, np.uint16):
         raise InvalidInput(f"{name} must hold uint8, uint16 or floating-point numbers, got {array.dtype}")
     channels = array.shape[2]
+    if channels == 4 and array.flags.c_contiguous and not array.flags.writeable:
+        return array
     full = np.full(array.shape[:2] + (4,), np.iinfo(array.dtype).max, dtype=array.dtype)
     full[:, :, :3] = array[:, :, :3] if channels >= 3 else array[:, :, :1]
     if channels in (2, 4):

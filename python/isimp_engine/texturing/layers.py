@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core import InvalidInput
-from .images import Image, rgba
+from .images import Image, by_rows, rgba, settled
 
 #: The layers that are numbers and colours, and what a material has that does not say.
 NEUTRAL = {"roughness": 1.0, "metallic": 0.0, "emission": 0.0, "occlusion": 1.0}
+LARGEST_UV = 1e30  #: UVs of any use are below, and single precision holds them
 NORMAL = "normal"
 HEIGHT = "height"  #: made here, never read
 NUMBERS = ("roughness", "metallic")  #: of one value everywhere these are a number of the result, and no image
@@ -42,6 +43,8 @@ def checked(layers: Mapping[str, TextureLayer], faces: int) -> dict[str, Texture
         uv = None if layer.uv is None else np.asarray(layer.uv, dtype=np.float64)
         if uv is not None and uv.shape != (faces, 3, 2):
             raise InvalidInput(f"the uv of layers[{name!r}] must have the shape ({faces}, 3, 2), got {uv.shape}")
+        if uv is not None:
+            uv = np.where(np.abs(uv) < LARGEST_UV, uv, 0.0)
         if not layer.strength >= 0 or not np.isfinite(layer.strength):
             raise InvalidInput(f"the strength of layers[{name!r}] must be at least 0, got {layer.strength}")
         images = [
@@ -88,8 +91,9 @@ def shares(image: Image) -> NDArray[np.float64]:
 
 def channel(image: Image, k: int, factor: float = 1.0) -> Image:
     """One channel of an image as a grey one, times a factor."""
-    grey = image[:, :, k]
-    return rgba(grey) if factor == 1 else rgba(shares(grey) * factor)
+    if factor == 1:
+        return settled(rgba(image[:, :, k]))
+    return by_rows(image, lambda rows: shares(rows[:, :, k]) * factor)
 
 
 def scaled_colors(image: Image, factors: Any) -> Image:
@@ -97,14 +101,18 @@ def scaled_colors(image: Image, factors: Any) -> Image:
     wanted = np.asarray(factors, dtype=np.float64)
     if (wanted == 1).all():
         return image
-    return rgba(to_srgb(to_linear(shares(image[:, :, :3])) * wanted))
+    return by_rows(image, lambda rows: to_srgb(to_linear(shares(rows[:, :, :3])) * wanted))
 
 
 def scaled_normals(image: Image, scale: float) -> Image:
     """A tangent-space normal map whose slopes are multiplied."""
     if scale == 1:
         return image
-    normals = shares(image[:, :, :3]) * 2 - 1
-    normals[:, :, :2] *= scale
-    normals /= np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-12)
-    return rgba(normals / 2 + 0.5)
+
+    def scaled(rows: Image) -> NDArray[np.float64]:
+        normals = shares(rows[:, :, :3]) * 2 - 1
+        normals[:, :, :2] *= scale
+        normals /= np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-12)
+        return normals / 2 + 0.5
+
+    return by_rows(image, scaled)

@@ -1,14 +1,16 @@
 """Texture coordinates, materials and colours of OBJ files."""
 
+import math
+import os
 import shlex
-from pathlib import Path, PureWindowsPath
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .._core import FileError, Job, read_polygons, triangulate
-from . import images, udim
+from . import images, named, udim
 from .layers import NORMAL, TextureLayer, channel, scaled_colors, to_srgb
 from .soup import TexturedSoup, corner_places
 
@@ -19,40 +21,51 @@ _UP_TO_THREE = ("-o", "-s", "-t")
 # Numbers and maps beside the colour. A map counts alone, without its number, but for emission above 1.
 _NUMBERS = {"Pr": "roughness", "Pm": "metallic", "Ke": "emission"}
 _MAPS = {f"map_{word}": name for word, name in _NUMBERS.items()} | {"norm": NORMAL}
+_LARGEST = 1e30  # of such numbers
+_LARGEST_NUMBER = 1 << 62  # of corners
 
 
 def read(path: Path, job: Job | None, threads: int) -> TexturedSoup:
     vertices, loops, loop_start = read_polygons(path, job, threads=threads)
     triangles, polygon = triangulate(vertices, loops, loop_start, job)
     places = corner_places(loops, loop_start, triangles, polygon)
-    text = path.read_text(encoding="utf-8", errors="surrogateescape").replace("\\\n", " ").replace("\\\r\n", " ")
-    rows = _Rows(path, text)
+    rows = _Rows(path)
     corner_uv = rows.corner_uv(len(loops))
     materials = rows.materials()
     material = np.asarray(rows.material_of(materials), dtype=np.int32)
     colors = rows.colors(len(vertices))
-    pictures: list[Any] = []
+    pictures, shown = images.Pictures(), list[Any]()
     for m in materials.values():
         if m.map is not None:
-            pictures.append(m.image())
+            shown.append(pictures.load(m.map, m.place))
         else:
-            pictures.append(None if colors is not None else m.plain())
-    names, layers = list(materials), _layers(materials)
+            shown.append(None if colors is not None else m.plain())
+    names, layers = list(materials), _layers(materials, pictures)
     files = [*rows.library_files(), *(file for m in materials.values() for file in m.files())]
-    return TexturedSoup(
-        vertices, triangles, corner_uv[places], material[polygon], pictures, colors, names, files, layers
-    )
+    return TexturedSoup(vertices, triangles, corner_uv[places], material[polygon], shown, colors, names, files, layers)
 
 
-def _layers(materials: dict[str, "_Material"]) -> dict[str, TextureLayer]:
+def _layers(materials: dict[str, "_Material"], pictures: images.Pictures) -> dict[str, TextureLayer]:
     """What any of the materials has beside its colour."""
     strength = max([1.0, *(max(m.numbers["emission"]) for m in materials.values() if "emission" in m.numbers)])
     found = {}
     for name in _MAPS.values():
-        pictures = [m.layer(name, strength) for m in materials.values()]
-        if any(picture is not None for picture in pictures):
-            found[name] = TextureLayer(pictures, strength=strength if name == "emission" else 1.0)
+        shown = [m.layer(name, strength, pictures) for m in materials.values()]
+        if any(picture is not None for picture in shown):
+            found[name] = TextureLayer(shown, strength=strength if name == "emission" else 1.0)
     return found
+
+
+def _lines(path: Path, joined: bool = False) -> list[bytes]:
+    """The lines of a text file, as the engine's readers have them. joined: a line goes on after a backslash."""
+    data = path.read_bytes().removeprefix(b"\xef\xbb\xbf")
+    for end in (b"\r\n", b"\n", b"\r") if joined else ():
+        data = data.replace(b"\\" + end, b" ")
+    return data.splitlines()  # of bytes: no other character ends a line
+
+
+def _text(word: bytes) -> str:
+    return word.strip().decode("utf-8", "surrogateescape")
 
 
 class _Material:
@@ -68,25 +81,23 @@ class _Material:
         named = (self.map, *(file for file, _ in self.maps.values()))
         return [file for path in named if path is not None for file in udim.files(path).values()]
 
-    def layer(self, name: str, strength: float) -> Any:
+    def layer(self, name: str, strength: float, pictures: images.Pictures) -> Any:
         """The image of a layer, or its number as a pixel; None if the file does not say."""
         numbers = self.numbers.get(name)
         if name in self.maps:
-            image = images.load(*self.maps[name])
+            image = pictures.load(*self.maps[name])
             if name == NORMAL:
                 return image
             if name != "emission":
-                return udim.each(image, lambda one: channel(one, 0))
+                return udim.each(image, lambda one: pictures.changed(one, 0, lambda one: channel(one, 0)))
             factor = max(1.0, *(numbers or (1.0,))) / strength
-            return udim.each(image, lambda one: scaled_colors(one, factor))
+            change = lambda one: scaled_colors(one, factor)  # noqa: E731
+            return udim.each(image, lambda one: pictures.changed(one, ("colors", factor), change))
         if numbers is None or (name == "emission" and not any(numbers)):
             return None
         if name != "emission":
             return images.rgba(np.full((1, 1), numbers[0]))
         return images.rgba(to_srgb(np.reshape(np.divide(numbers, strength), (1, 1, 3))))
-
-    def image(self) -> Any:
-        return images.load(self.map, self.place) if self.map is not None else None
 
     def plain(self) -> NDArray[np.uint8]:
         """A pixel of the diffuse colour. Colours of OBJ files are stored values, as those of images are."""
@@ -97,29 +108,29 @@ class _Material:
 class _Rows:
     """The lines of an OBJ file that say what it shows."""
 
-    def __init__(self, path: Path, text: str) -> None:
+    def __init__(self, path: Path) -> None:
         self.path = path
-        self.faces: list[str] = []
+        self.faces: list[bytes] = []
         self.uv_before: list[int] = []  # texture coordinates before each face: what negative numbers count back from
         self.uses: list[tuple[int, str]] = []  # the face from which on a material is used
         self.libraries: list[str] = []
-        uv: list[list[str]] = []
-        self.vertices: list[str] = []
-        for line in text.splitlines():
-            word, _, rest = line.lstrip().replace("\t", " ").partition(" ")
-            if word in ("f", "fo"):
-                self.faces.append(rest.partition("#")[0])
+        uv: list[list[bytes]] = []
+        self.vertices: list[bytes] = []
+        for line in _lines(path, joined=True):
+            word, rest = (*line.split(None, 1), b"", b"")[:2]
+            if word in (b"f", b"fo"):
+                self.faces.append(rest.partition(b"#")[0])
                 self.uv_before.append(len(uv))
-            elif word == "vt":
+            elif word == b"vt":
                 uv.append(rest.split()[:2])
-            elif word == "v":
+            elif word == b"v":
                 self.vertices.append(rest)
-            elif word == "usemtl":
-                self.uses.append((len(self.faces), rest.strip()))
-            elif word == "mtllib":
-                self.libraries.append(rest.strip())
+            elif word == b"usemtl":
+                self.uses.append((len(self.faces), _text(rest)))
+            elif word == b"mtllib":
+                self.libraries.append(_text(rest))
         try:
-            self.uv = np.array([(*pair, "0")[:2] for pair in uv], dtype=np.float64).reshape(-1, 2)
+            self.uv = np.array([(*pair, b"0")[:2] for pair in uv], dtype=np.float64).reshape(-1, 2)
         except ValueError:
             raise FileError(f'{path}: a line that begins with "vt" does not have two numbers') from None
 
@@ -137,24 +148,27 @@ class _Rows:
 
     def _uv_numbers(self) -> NDArray[np.int64]:
         """(L,) the number of the texture coordinate of each corner, 0 for none."""
-        words = " ".join(self.faces).split()
+        words = b" ".join(self.faces).split()
         if not words:
             return np.zeros(0, dtype=np.int64)
-        slashes = words[0].count("/")
-        joined = " ".join(words)
-        if slashes and "//" not in joined and "-" not in joined and all(w.count("/") == slashes for w in words):
+        slashes = words[0].count(b"/")
+        joined = b" ".join(words)
+        if slashes and b"//" not in joined and b"-" not in joined and all(w.count(b"/") == slashes for w in words):
             try:
-                return np.array(joined.replace("/", " ").split(), dtype=np.int64).reshape(-1, slashes + 1)[:, 1]
-            except ValueError:
+                return np.array(joined.replace(b"/", b" ").split(), dtype=np.int64).reshape(-1, slashes + 1)[:, 1]
+            except (ValueError, OverflowError):
                 raise FileError(f"{self.path}: a face has a corner that is not made of whole numbers") from None
         numbers: list[int] = []
         for face, before in zip(self.faces, self.uv_before, strict=True):
             for word in face.split():
-                parts = word.split("/")
+                parts = word.split(b"/")
                 try:
                     number = int(parts[1]) if len(parts) > 1 and parts[1] else 0
                 except ValueError:
-                    raise FileError(f"{self.path}: a face has the corner {word!r}, which is no number") from None
+                    number = _LARGEST_NUMBER
+                if abs(number) >= _LARGEST_NUMBER:
+                    shown = repr(_text(word[:40]))
+                    raise FileError(f"{self.path}: a face has the corner {shown}, which is no number")
                 numbers.append(number if number >= 0 else before + 1 + number)
         return np.array(numbers, dtype=np.int64)
 
@@ -179,7 +193,7 @@ class _Rows:
         if not self.uses:  # without a material no image is shown
             return {}
         for file in self.library_files():
-            known |= read_mtl(file)
+            known |= read_mtl(file, named.root_of(self.path))
         used = dict.fromkeys(name for (face, name) in self.uses if face < len(self.faces))
         for name in used:
             if name not in known and self.libraries:
@@ -188,10 +202,10 @@ class _Rows:
 
     def library_files(self) -> list[Path]:
         """The material files, if any face has a material."""
-        files: list[Path] = []
+        root, files = named.root_of(self.path), list[Path]()
         for names in self.libraries if self.uses else ():
-            whole = self.path.parent / names
-            files += [whole] if whole.is_file() else [self.path.parent / name for name in names.split()]
+            whole = [names] if (self.path.parent / names).is_file() else names.split()
+            files += [named.file(name, self.path.parent, root, str(self.path)) for name in whole]
         for file in files:
             if not file.is_file():
                 raise FileError(f"{self.path}: its material file {file} does not exist; put it there")
@@ -200,41 +214,45 @@ class _Rows:
     def material_of(self, materials: dict[str, _Material]) -> NDArray[np.int64]:
         """(Q,) of each face, -1 before the first is named."""
         number = {name: i for i, name in enumerate(materials)}
-        result = np.full(len(self.faces), -1)
-        for face, name in self.uses:
-            result[face:] = number.get(name, -1)
-        return result
+        begin = [0, *(face for face, _ in self.uses), len(self.faces)]
+        return np.repeat([-1, *(number.get(name, -1) for _, name in self.uses)], np.diff(begin))
 
 
-def read_mtl(path: Path) -> dict[str, _Material]:
-    """The materials of an MTL file by name."""
+def read_mtl(path: Path, root: Path) -> dict[str, _Material]:
+    """The materials of an MTL file by name. root: see `named`."""
     found: dict[str, _Material] = {}
     material = _Material(str(path))
-    text = path.read_text(encoding="utf-8", errors="surrogateescape")
-    for row, line in enumerate(text.splitlines(), start=1):
-        word, _, rest = line.strip().replace("\t", " ").partition(" ")
+    for row, line in enumerate(_lines(path), start=1):
+        word, rest = (*map(_text, line.split(None, 1)), "", "")[:2]
         place = f"{path}, line {row}"
         if word == "newmtl":
-            material = found[rest.strip()] = _Material(place)
+            material = found[rest] = _Material(place)
         elif word == "Kd" or word in _NUMBERS:
-            try:
-                red, green, blue = (float(x) for x in (rest.split() * 3)[:3])
-            except ValueError:
-                raise FileError(f"{place}: expected three numbers after {word}, got {rest!r}") from None
+            numbers = _three_numbers(word, rest, place)
             if word == "Kd":
-                material.diffuse = (red, green, blue)
+                material.diffuse = numbers
             else:
-                material.numbers[_NUMBERS[word]] = (red, green, blue)
-        elif word in _MAPS and rest.strip():
-            material.maps[_MAPS[word]] = _map_file(path.parent, rest.strip(), place), place
-        elif word == "map_Kd" and rest.strip():
-            material.map, material.place = _map_file(path.parent, rest.strip(), place), place
+                material.numbers[_NUMBERS[word]] = numbers
+        elif word in _MAPS and rest:
+            material.maps[_MAPS[word]] = named.image(map_name(rest, place), path.parent, root, place), place
+        elif word == "map_Kd" and rest:
+            material.map, material.place = named.image(map_name(rest, place), path.parent, root, place), place
     return found
 
 
-def _map_file(folder: Path, text: str, place: str) -> Path:
-    """The file of a texture map, past the map's options. A name from another machine is looked for here too."""
-    words = text.split(" ")
+def _three_numbers(word: str, text: str, place: str) -> tuple[float, float, float]:
+    try:
+        red, green, blue = (float(x) for x in (text.split() * 3)[:3])
+    except ValueError:
+        red = green = blue = math.inf
+    if not all(abs(x) <= _LARGEST for x in (red, green, blue)):
+        raise FileError(f"{place}: expected three numbers after {word}, got {text[:40]!r}")
+    return red, green, blue
+
+
+def map_name(text: str, place: str = "") -> str:
+    """The name of the file of a texture map, past the map's options."""
+    words = text.replace("\t", " ").split(" ")
     while words and words[0] in (*_MAP_OPTIONS, *_UP_TO_THREE):
         option, count = words.pop(0), 3
         if option in _MAP_OPTIONS:
@@ -249,9 +267,13 @@ def _map_file(folder: Path, text: str, place: str) -> Path:
             name = shlex.split(name)[0]
         except ValueError:
             raise FileError(f"{place}: the name of the image has an opening quotation mark only") from None
-    path = folder / name.replace("\\", "/")
-    beside = folder / PureWindowsPath(name).name
-    return beside if udim.exists(beside) and not udim.exists(path) else path
+    return name
+
+
+def is_nameable(name: str) -> bool:
+    """Whether a file of this name is found again where OBJ and MTL files name it."""
+    line = b"map_Kd " + os.fsencode(name)
+    return [line] == line.splitlines() and map_name(_text(line.split(None, 1)[-1])) == name and "\\" not in name
 
 
 def _is_number(word: str) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core import FileError, Job, read_polygons, triangulate
-from . import images
+from . import images, named
 from .soup import TexturedSoup, corner_places
 
 _KINDS = {"char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2"}
@@ -45,8 +45,11 @@ def read(path: Path, job: Job | None, threads: int) -> TexturedSoup:
     if len(face) and len(next(iter(face.values()))) != len(loop_start):
         face = {}  # strips: nothing is said of their triangles
     uv, has_uv = _corner_uv(path, vertex, face, loops, loop_start)
-    files = [path.parent / name.replace("\\", "/") for name in textures]
-    pictures = [images.load(file, str(path)) for file in files] if has_uv else []
+    root, loader = named.root_of(path), images.Pictures()
+    files = [path.parent / name for name in textures]
+    if has_uv:
+        files = [named.image(name, path.parent, root, str(path)) for name in textures]
+    pictures = [loader.load(file, str(path)) for file in files] if has_uv else []
     material = np.full(len(loop_start), 0 if pictures else -1, dtype=np.int32)
     if pictures and "texnumber" in face:
         material = face["texnumber"].astype(np.int32)
@@ -105,7 +108,7 @@ def _read_columns(path: Path) -> tuple[list[str], dict[str, Columns]]:
     """The texture files that comments name, and the properties of each element."""
     data = path.read_bytes()
     end = data.find(b"end_header")
-    head = data[: max(end, 0)].decode("utf-8", errors="surrogateescape").splitlines()
+    head = [line.decode("utf-8", errors="surrogateescape") for line in data[: max(end, 0)].splitlines()]
     begin = data.find(b"\n", end) + 1 if end >= 0 else 0
     textures, elements, kind = [], [], "ascii"
     for line in head:

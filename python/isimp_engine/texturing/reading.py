@@ -4,7 +4,7 @@ from os import PathLike
 from pathlib import Path
 
 from .._core import FileError, Job, read
-from ..reading import COMPRESSED
+from ..reading import COMPRESSED, reader
 from . import glb, obj, ply
 from .soup import TexturedSoup
 
@@ -26,17 +26,12 @@ def read_textured(path: str | PathLike[str], job: Job | None = None, *, threads:
         raise FileError(f"{place}: is compressed; decompress it first, as its images are looked for beside it")
     if kind not in KINDS:
         raise FileError(f"{place}: is of a kind that can't be read; it must end in one of {', '.join(KINDS)}")
-    if kind in (".stl", ".off"):
-        return TexturedSoup(*read(place, job, threads=threads))
-    if kind == ".obj":
-        return obj.read(place, job, threads)
-    if kind == ".ply":
-        return ply.read(place, job, threads)
-    try:
+    with reader(place, "is damaged" if kind not in (".glb", ".gltf") else "is damaged, or not glTF 2.0"):
+        if kind in (".stl", ".off"):
+            return TexturedSoup(*read(place, job, threads=threads))
+        if kind == ".obj":
+            return obj.read(place, job, threads)
+        if kind == ".ply":
+            return ply.read(place, job, threads)
         return glb.read(place)
-    except (KeyError, TypeError, IndexError, ValueError) as error:
-        if isinstance(error, FileError):
-            raise
-        raise FileError(f"{place}: is damaged, or not glTF 2.0: {error!r}") from None
-    except OSError as error:
-        raise FileError(f"{place}: {error.strerror or error}") from None
+    raise AssertionError

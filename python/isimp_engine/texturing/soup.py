@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .._core import InvalidInput
 from .images import rgba
-from .layers import TextureLayer, checked
+from .layers import LARGEST_UV, TextureLayer, checked
 from .tiled_materials import split_tiles
 
 
@@ -20,7 +20,7 @@ class TexturedSoup:
 
     vertices: (V, 3) float64. triangles: (F, 3) int32: what `clean` takes.
     uv: (F, 3, 2) float64: of each corner; v = 1 is the upper edge of an image. None: zeros. UVs outside 0 to 1 repeat
-    the image. (V, 2), one of each vertex, is taken too.
+    the image. (V, 2), one of each vertex, is taken too. A face with a UV that is not finite shows no image.
     material: (F,) int32: the image of each face, -1 for none. None: 0 where there are images.
     images: of each material an array of (H, W), (H, W, 3) or (H, W, 4), uint8, uint16 or floating-point numbers from 0
     to 1, row 0 at the top, kept as (H, W, 4) uint8 or uint16; None for a material that shows the colours. The UDIM
@@ -62,6 +62,7 @@ class TexturedSoup:
         if faces and (material.min() < -1 or material.max() >= len(images)):
             face = int(np.flatnonzero((material < -1) | (material >= len(images)))[0])
             raise InvalidInput(f"face {face} has material {material[face]}, but there are {len(images)} images")
+        uv, material = _without_unknown(uv, material)
         for name, layer in self.layers.items():
             if len(layer.images) != len(images):
                 there = f"there are {len(images)} materials"
@@ -91,6 +92,14 @@ class TexturedSoup:
         if material < 0:
             return ""
         return self.names[material] if material < len(self.names) else str(material)
+
+
+def _without_unknown(uv: NDArray[np.float64], material: NDArray[np.int32]) -> tuple[Any, Any]:
+    """UVs that single precision can hold; faces that have others show no image."""
+    unknown = np.logical_not((np.abs(uv) < LARGEST_UV).all(axis=(1, 2)))
+    if not unknown.any():
+        return uv, material
+    return np.where(unknown[:, None, None], 0.0, uv), np.where(unknown, -1, material).astype(np.int32)
 
 
 def corner_colors(colors: Any, vertices: int, triangles: NDArray[np.int32]) -> NDArray[np.uint8]:

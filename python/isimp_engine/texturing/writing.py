@@ -1,5 +1,6 @@
 """Polygons with their texture as files."""
 
+import os
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 
 from .._core import FileError, Job, PolygonMesh, triangulate
 from ..drafts import deliver, draft_of
-from . import images
+from . import images, obj
 from .baking import Texture
 from .glb import glb
 from .gltf_layers import Shown
@@ -34,6 +35,13 @@ def companions(path: Path, height: bool = False) -> list[Path]:
     if path.suffix.lower() != ".obj":
         return [_beside(path, HEIGHT)] if height else []
     return [path.with_suffix(".mtl"), path.with_suffix(".png"), *(_beside(path, n) for n in (NORMAL, *_MAPS))]
+
+
+def refusal(path: Path) -> str:
+    """Why an output can't be named so; empty: it can. An OBJ file names its companions."""
+    if path.suffix.lower() != ".obj" or all(obj.is_nameable(file.name) for file in companions(path)):
+        return ""
+    return f"{path}: OBJ files can't name files so; choose a name without line breaks, tabs, quotes and backslashes"
 
 
 def _beside(path: Path, layer: str) -> Path:
@@ -103,6 +111,8 @@ def files_of(path: Path, poly: PolygonMesh, made: Texture, job: Job | None = Non
     kind = path.suffix.lower()
     if kind not in KINDS:
         raise FileError(f"{path}: a texture can be written to {' or '.join(KINDS)} only")
+    if why := refusal(path):
+        raise FileError(why)
     tiles = sheets(made, path.stem)
     files = {}
     if kind == ".glb":
@@ -170,7 +180,7 @@ def _obj(library: str, poly: PolygonMesh, made: Texture, tiles: list[_Sheet]) ->
             last = material
         corners = (f"{loops[i] + 1}/{i + 1}/{q + 1}" for i in range(ends[q], ends[q + 1]))
         lines.append("f " + " ".join(corners))
-    return ("\n".join(lines) + "\n").encode()
+    return os.fsencode("\n".join(lines) + "\n")
 
 
 def _mtl(sheet: _Sheet, factors: dict[str, float]) -> bytes:
@@ -189,7 +199,7 @@ def _mtl(sheet: _Sheet, factors: dict[str, float]) -> bytes:
     if HEIGHT in more:
         lines.append(f"# height above the polygon: (value of disp, from 0 to 1, - 0.5) * {factors[HEIGHT]:.9g}")
     lines += [f"{word} {more[name]}" for name, word in _MAPS.items() if name in more]
-    return ("\n".join(lines) + "\n").encode()
+    return os.fsencode("\n".join(lines) + "\n")
 
 
 def _glb(path: Path, poly: PolygonMesh, made: Texture, tiles: list[_Sheet], job: Job | None) -> bytes:

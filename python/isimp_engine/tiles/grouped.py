@@ -157,7 +157,7 @@ def regroup(task: Task, work: Path, made: Path) -> dict[str, Any]:
     outside = np.unique(rim[~np.isin(rim[:, 1], task["own"]), 0])
     pairs, lengths = (np.concatenate([load(folder, name) for folder in folders]) for name in ("pairs", "lengths"))
     region, local = np.unique(pairs, return_inverse=True)
-    sums = np.load(of_tile(work, task["sums"], 0) / "sums.npy", mmap_mode="r")[region]
+    sums = load(of_tile(work, task["sums"], 0), "sums", mapped=True)[region]
     join = of_tile(work, "join", 0)
     component, number = np.unique(load(join, "component")[region], return_inverse=True)
     found = steps.Components(number.astype(np.int32), load(join, "need")[component], 0, 0.0)

@@ -48,7 +48,7 @@ def thinned(parts: list[Path], threads: int) -> Surface:
     def joined(name: str) -> NDArray[Any]:
         return np.concatenate([load(part, name) for part in parts])
 
-    sizes = [len(np.load(part / "vertices.npy", mmap_mode="r")) for part in parts]
+    sizes = [len(load(part, "vertices", mapped=True)) for part in parts]
     first = np.cumsum([0] + sizes)
     triangles = np.concatenate([load(p, "triangles") + int(o) for p, o in zip(parts, first, strict=False)])
     mesh = clean(joined("vertices"), triangles.astype(np.int32, copy=False), options)
@@ -407,7 +407,7 @@ def _together(folders: list[Path], task: Task) -> tuple[PolygonMesh, Joined, dic
     parts = [Part(*(load(folder / "polygons", name) for name in Part._fields)) for folder in folders]
     added = [Added(*(load(folder, f"added_{name}") for name in Added._fields)) for folder in folders]
     last = None
-    if any(len(np.load(folder / "rest" / "label.npy", mmap_mode="r")) for folder in folders):
+    if any(len(load(folder / "rest", "label", mapped=True)) for folder in folders):
         surface = thinned([folder / "rest" for folder in folders], task["threads"])
         home = surface.mesh.vertices
         own = place_keys(home)

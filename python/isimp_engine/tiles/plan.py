@@ -72,6 +72,9 @@ def plan_of(source: Path, output: Path, work: Any, options: dict[str, Any], tile
     inputs = [(name, path) for name, path in inputs if path.resolve() != place.resolve()]
     if not inputs:
         raise TilesError(f"{source}: there is no tile in this folder")
+    for _, path in inputs:
+        if not path.is_file():  # a pipe would be waited for, and a device has no end
+            raise TileFailed(f"{path}: is no file" if path.exists() else f"{path}: there is no such file")
     if tile_faces < 1:
         raise TilesError(f"the number of faces of a tile must be at least 1, got {tile_faces}")
     single = source.is_file() and kind_of(source) in READABLE  # another file is a list of tiles

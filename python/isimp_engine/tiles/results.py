@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..batch.table import sync_folder
-from ..drafts import whole
+from ..drafts import save_array, whole
 from ..reading import inner
 from .plan import Plan
 from .store import load, of_tile, values_of
@@ -37,8 +37,8 @@ def _save_label(folder: Path, name: str, label: Any, plan: Plan) -> None:
     own = str(inner(name).with_suffix(""))
     path = folder / f"{name if stems.count(own) > 1 else own}.npy"
     path.parent.mkdir(parents=True, exist_ok=True)
-    with whole(path) as draft, draft.open("wb") as file:
-        np.save(file, label)
+    with whole(path) as draft:
+        save_array(draft, label)
 
 
 def deliver(plan: Plan) -> None:

@@ -1,6 +1,5 @@
 """A scan given as tiles, larger than memory: a tile at a time in each of some child processes."""
 
-import json
 import os
 import shutil
 import time
@@ -11,13 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from .. import PartitionOptions, __version__
+from .. import PartitionOptions
 from ..batch.clusters import Cluster
 from ..batch.errors import BatchError
 from ..batch.nursery import Ending, Limits
 from ..batch.run import Workers, check_one, workers_of
 from ..batch.scans import estimated_faces, needed_mb
-from ..batch.table import WORK, Lock, sync_folder
+from ..batch.table import Lock
+from ..folders import NotOwn, Own, discard
 from . import steps
 from .errors import TileFailed, TilesError
 from .grouped import GROUP, beside, groups_of, limit_of
@@ -25,8 +25,8 @@ from .plan import DETAIL, Plan, options_of, plan_of
 from .results import deliver, write_labels
 from .store import MADE, load, of_tile, publish, values_of
 from .tasks import SURPLUS
+from .work_folder import NAMES, PLAN, begin, damage_forgotten, key_of
 
-PLAN = "plan.json"
 TILE_FACES = 1_000_000  #: of the tiles that a single scan is cut into
 MESH_FACES = 20_000_000  #: thinned faces up to which polygons are made in one process: some 10 GB
 _PATCH, _PATCHES_A_REGION = 100, 6  # faces of a patch at most; patches a region at least
@@ -109,25 +109,33 @@ def run(
     if jobs is not None and jobs < 1:
         raise TilesError(f"the number of jobs must be at least 1, got {jobs}")
     target = None if labels is None else _label_folder(Path(labels), plan)
+    own = Own(plan.work, NAMES)
     try:
         check_one(dask, cluster)
-        plan.work.mkdir(parents=True, exist_ok=True)
-        with Lock(plan.work):
-            before = _begin(plan)
+        own.take(unmarked=work is None or key_of(plan.work) is not None)
+        with Lock(plan.work) as lock:
+            own.take(unmarked=True)  # a run that has just ended may have removed the mark meanwhile
+            before = begin(plan, own)
             for path in plan.work.glob("running-*"):  # of a run on a cluster that was killed
                 path.unlink()
             parts = plan.work / "parts"
-            shutil.rmtree(parts, ignore_errors=True)
+            discard(parts)
             parts.mkdir()
-            with workers_of(parts, Limits(), f"{__package__}.tasks:run", jobs, dask, cluster, 1) as workers:
+            with (
+                damage_forgotten(plan.work),
+                workers_of(parts, Limits(), f"{__package__}.tasks:run", jobs, dask, cluster, 1) as workers,
+            ):
                 outcome = _Run(plan, workers, watch, before, target is not None).run()
             if target is not None:
                 outcome.report["labels"] = write_labels(plan, target)
             deliver(plan)
-    except BatchError as error:
+            if work is None:
+                own.clear(PLAN)
+                lock.remove()
+    except (BatchError, NotOwn) as error:
         raise TilesError(str(error).replace("OUTPUT_FOLDER", "the work folder")) from None
     if work is None:
-        shutil.rmtree(plan.work, ignore_errors=True)
+        own.remove()
     return outcome
 
 
@@ -135,24 +143,6 @@ def _label_folder(folder: Path, plan: Plan) -> Path:
     if folder.exists() and not folder.is_dir():
         raise TilesError(f"{folder}: is a file; the labels need a folder, with a file for each tile")
     return folder
-
-
-def _begin(plan: Plan) -> int:
-    """Make the work folder ready; returns how many steps of tiles an earlier run of the same plan did."""
-    note, key = plan.work / PLAN, plan.key()
-    others = [path for path in plan.work.iterdir() if path.name != WORK]
-    if note.exists():
-        if json.loads(note.read_text(encoding="utf-8")).get("key") == key:
-            return sum(1 for _ in plan.work.glob("*/*/values.json"))
-        for path in others:
-            shutil.rmtree(path) if path.is_dir() else path.unlink()
-    elif others:
-        raise TilesError(f"{plan.work}: is not empty and no work folder of isimp tiles; give another one")
-    part = plan.work / f"{PLAN}.part"
-    part.write_text(json.dumps({"key": key, "isimp": __version__}), encoding="utf-8")
-    part.replace(note)
-    sync_folder(plan.work)
-    return 0
 
 
 class _Run:
@@ -190,6 +180,8 @@ class _Run:
         left = self._gather(present, patches)
         merging = {"present": present, "groups": len(self._groups), "wanted": self._wanted(), "leave_out": leave_out}
         join = self._one("join", merging, 4 * left)
+        if not join["area"] > 0:
+            raise TileFailed("no tile has a face with an area")
         self._map("halo", present, {}, self._places(present, join["near"]))
         regions = join["wanted"]
         shared = {"area": join["area"], "faces": sum(whole), "regions": regions}
@@ -353,7 +345,7 @@ class _Run:
             self._map(step, present, task)
             self._one(added, {"step": "sum", "present": present, "after": step, "sums": sums}, 0)
             if number > 0:
-                shutil.rmtree(self._plan.work / labels, ignore_errors=True)
+                discard(self._plan.work / labels)
             labels, sums = step, added
             moves = sum(values_of(of_tile(self._plan.work, step, k))["moves"] for k in present)
             if moves <= _FEW * shared["faces"]:
@@ -418,7 +410,8 @@ class _Run:
 
     def _keep(self, step: str, tile: int, folder: Path, ending: Ending) -> None:
         if ending.why:
-            raise TileFailed(f"{self._name(step, tile)}: {ending.why}")
+            before = f"{self._name(step, tile)}: "
+            raise TileFailed(before + ending.why.removeprefix(before))
         if ending.peak_mb is not None:
             name = self._state.step
             self._peaks[name] = max(self._peaks.get(name, 0.0), ending.peak_mb)

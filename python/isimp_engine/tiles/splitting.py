@@ -160,7 +160,7 @@ def _split(source: Source, folder: Path, tile_faces: int) -> dict[str, int]:
                 chosen = order[ends[k] : ends[k + 1]]
                 row = np.empty(len(chosen), rows)
                 row["v"], row["polygon"] = triangles[chosen], polygon[chosen]
-                row.tofile(file)
+                file.write(row.tobytes())
     finally:
         for file in files:
             file.close()

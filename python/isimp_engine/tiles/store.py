@@ -2,16 +2,20 @@
 
 import json
 import os
-import shutil
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import InvalidInput
 from ..batch.table import sync_folder
+from ..drafts import save_array
+from ..folders import discard
+from ..reading import reader
 
 VALUES = "values.json"
+DAMAGED = "is damaged; the next run begins with an empty work folder"
 MADE = "made"  #: in the folder of a child: what its step made
 
 
@@ -19,34 +23,48 @@ def save(folder: Path, **arrays: NDArray[Any]) -> None:
     """Write arrays to a folder, each as NAME.npy."""
     folder.mkdir(parents=True, exist_ok=True)
     for name, array in arrays.items():
-        with (folder / f"{name}.npy").open("wb") as file:
-            np.save(file, array)
-            file.flush()
-            os.fsync(file.fileno())
+        save_array(folder / f"{name}.npy", array, synced=True)
 
 
-def load(folder: Path, name: str) -> NDArray[Any]:
-    array: NDArray[Any] = np.load(folder / f"{name}.npy")
-    return array
+def load(folder: Path, name: str, mapped: bool = False) -> NDArray[Any]:
+    """An array; mapped: of a large file, to read parts of it. Raises FileError."""
+    path = folder / f"{name}.npy"
+    with reader(path, DAMAGED):
+        array: NDArray[Any] = np.load(path, mmap_mode="r" if mapped else None)
+        if not isinstance(array, np.ndarray):
+            raise TypeError("it is an archive")
+        return array
+    raise AssertionError
 
 
 def save_values(folder: Path, values: dict[str, Any]) -> None:
+    """Raises InvalidInput for numbers that are not finite."""
+    try:
+        text = json.dumps(values, allow_nan=False)
+    except ValueError:
+        raise InvalidInput(
+            "its numbers are not finite, since coordinates or a length that was given are huge"
+        ) from None
     with (folder / VALUES).open("w", encoding="utf-8") as file:
-        json.dump(values, file, allow_nan=False)
+        file.write(text)
         file.flush()
         os.fsync(file.fileno())
 
 
 def values_of(folder: Path) -> dict[str, Any]:
-    values: dict[str, Any] = json.loads((folder / VALUES).read_bytes())
-    return values
+    """Raises FileError."""
+    path = folder / VALUES
+    with reader(path, DAMAGED):
+        values: dict[str, Any] = json.loads(path.read_bytes())
+        return values
+    raise AssertionError
 
 
 def publish(made: Path, place: Path) -> None:
     """Give a folder its final name; from then on its step is done."""
     place.parent.mkdir(parents=True, exist_ok=True)
     if place.exists():  # of a run that was ended before it could use it
-        shutil.rmtree(place)
+        discard(place)
     made.replace(place)
     sync_folder(place.parent)
 

@@ -34,10 +34,11 @@ def run(task: Task, folder: Path) -> dict[str, Any]:
     made.mkdir()
     work = Path(task["work"])
     try:
-        values = _STEPS[task["step"]](task, work, made)
-    except (FileError, InvalidInput, OSError) as error:
+        save_values(made, _STEPS[task["step"]](task, work, made))
+    except (FileError, InvalidInput) as error:
         return {"why": str(error)}
-    save_values(made, values)
+    except OSError as error:
+        return {"why": f"{error.filename or made}: {error.strerror or error}"}
     return {"done": True}
 
 
@@ -97,7 +98,7 @@ def _mend(task: Task, work: Path, made: Path) -> dict[str, Any]:
     folders = [of_tile(work, "prepare", tile) for tile in tiles]
     ends = [load(folder, "ends") for folder in folders]
     vertex = [np.unique(each) for each in ends]
-    points = [np.load(folder / "vertices.npy", mmap_mode="r")[v] for folder, v in zip(folders, vertex, strict=True)]
+    points = [load(folder, "vertices", mapped=True)[v] for folder, v in zip(folders, vertex, strict=True)]
     tile_of = np.repeat(np.arange(len(vertex), dtype=np.int32), [len(v) for v in vertex])
     place = np.concatenate([np.zeros((0, 3)), *points])
     moved = np.zeros(0, np.int64)
@@ -426,3 +427,5 @@ _STEPS: dict[str, Callable[[Task, Path, Path], dict[str, Any]]] = {
     "mesh-group": meshing.mesh_group,
     "mesh-rest": meshing.mesh_rest,
 }
+#: the folders of steps in a work folder, as a regular expression; rounds of relaxing have a number
+FOLDERS = "|".join([*(step for step in _STEPS if step not in ("relax", "sum")), r"(first|last)-\d+(-sums)?"])

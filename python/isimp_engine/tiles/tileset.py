@@ -11,10 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core import FileError
-from ..texturing import glb
+from ..reading import reader
+from ..texturing import glb, named
+from ..texturing.gltf_values import Item
 
 CONTENTS = (".b3dm", ".cmpt", ".glb", ".gltf")  #: files of leaves that hold meshes
 _DEEPEST = 64  # tilesets within tilesets
+_AGAIN = 100_000  # tiles that may come from files which were read before
 _B3DM, _CMPT = 28, 16  # bytes of their headers
 _POINTS = {b"pnts": "points", b"i3dm": "instances of a model"}
 _UP: dict[str, NDArray[np.float64]] = {  # from the axes of glTF to z upward
@@ -43,70 +46,90 @@ def tileset_of(path: Path) -> Path | None:
 
 def leaves(path: Path) -> list[Leaf]:
     """The files of a tileset's finest level, in its order. Raises FileError, which names what can't be used."""
-    return list(_of_file(path, np.eye(4), 0))
+    walk = _Walk(path)
+    walk.into(path, np.eye(4), 0)
+    return walk.found
 
 
-def _of_file(path: Path, place: NDArray[np.float64], depth: int) -> Iterator[Leaf]:
-    if depth > _DEEPEST:
-        raise FileError(f"{path}: tilesets are nested more than {_DEEPEST} times; one of them names itself")
-    try:
+class _File:
+    """A tileset, which other ones may name."""
+
+    def __init__(self, path: Path) -> None:
+        self.path, self.is_known = path, False
         content = json.loads(path.read_bytes())
         axis = str(content.get("asset", {}).get("gltfUpAxis", "Y")).upper()
-        yield from _of_tile(path, content["root"], place, "REPLACE", axis if axis in _UP else "Y", depth)
-    except OSError as error:
-        raise FileError(f"{path}: {error.strerror or error}") from None
-    except (KeyError, TypeError, AttributeError, ValueError) as error:
-        if isinstance(error, FileError):
-            raise
-        raise FileError(f"{path}: is no tileset of 3D Tiles, or damaged: {error!r}") from None
+        self.root, self.up = content["root"], axis if axis in _UP else "Y"
 
 
-def _of_tile(
-    path: Path, tile: dict[str, Any], place: NDArray[np.float64], refine: str, up: str, depth: int
-) -> Iterator[Leaf]:
-    if "implicitTiling" in tile or "3DTILES_implicit_tiling" in tile.get("extensions", {}):
-        raise FileError(f"{path}: has implicit tiling, which is not supported; convert it to explicit tiles")
-    if "transform" in tile:
-        own = np.array(tile["transform"], dtype=np.float64).reshape(4, 4).T
-        if not np.isfinite(own).all():
-            raise FileError(f"{path}: the transform of a tile is not finite")
-        place = place @ own
-    refine = str(tile.get("refine", refine)).upper()
-    finer = [leaf for child in tile.get("children", ()) for leaf in _of_tile(path, child, place, refine, up, depth)]
-    if refine == "ADD" or not finer:  # with REPLACE what is finer stands for all of it
+class _Walk:
+    """A way through all tilesets that one names."""
+
+    def __init__(self, path: Path) -> None:
+        self.found: list[Leaf] = []
+        self._root = named.root_of(path)
+        self._files: dict[Path, _File] = {}
+        self._places: dict[tuple[Path, str], Path] = {}  # what tiles name
+        self._again = 0  # tiles of files that were gone through before
+
+    def into(self, path: Path, place: NDArray[np.float64], depth: int) -> None:
+        """Find the leaves of a tileset at a place."""
+        if depth > _DEEPEST:
+            raise FileError(f"{path}: tilesets are nested more than {_DEEPEST} times; one of them names itself")
+        with reader(path, "is no tileset of 3D Tiles, or damaged"):
+            if path not in self._files:
+                self._files[path] = _File(path)
+            file = self._files[path]
+            self._tile(file, file.root, place, "REPLACE", depth)
+            file.is_known = True
+
+    def _tile(self, file: _File, tile: dict[str, Any], place: NDArray[np.float64], refine: str, depth: int) -> None:
+        self._again += file.is_known
+        if self._again > _AGAIN:
+            raise FileError(f"{file.path}: is named so often that {_AGAIN:,} tiles come again, where each comes once")
+        if "implicitTiling" in tile or "3DTILES_implicit_tiling" in tile.get("extensions", {}):
+            raise FileError(f"{file.path}: has implicit tiling, which is not supported; convert it to explicit tiles")
+        if "transform" in tile:
+            place = place @ Item(tile, f"{file.path}: a tile").numbers("transform", 16).reshape(4, 4).T
+            if not np.isfinite(place).all():
+                raise FileError(f"{file.path}: the transforms of a tile are so large that they are not finite")
+        refine, count = str(tile.get("refine", refine)).upper(), len(self.found)
         contents = tile.get("contents", [tile["content"]] if "content" in tile else [])
-        for content in contents:
-            yield from _of_content(path, content, place, up, depth)
-    yield from finer
+        for content in contents if refine == "ADD" else ():
+            self._content(file, content, place, depth)
+        for child in tile.get("children", ()):
+            self._tile(file, child, place, refine, depth)
+        if refine != "ADD" and len(self.found) == count:  # else what is finer stands for all of it
+            for content in contents:
+                self._content(file, content, place, depth)
 
+    def _content(self, file: _File, content: dict[str, Any], place: NDArray[np.float64], depth: int) -> None:
+        key = (file.path, str(content.get("uri", content.get("url"))))
+        if key not in self._places:
+            self._places[key] = self._named(*key)
+        found = self._places[key]
+        if found.suffix.lower() == ".json":
+            self.into(found, place, depth + 1)
+        else:
+            self.found.append(Leaf(found, place.ravel().tolist(), file.up))
 
-def _of_content(path: Path, content: dict[str, Any], place: NDArray[np.float64], up: str, depth: int) -> Iterator[Leaf]:
-    uri = str(content.get("uri", content.get("url")))
-    parts = urlsplit(uri)
-    if parts.scheme and len(parts.scheme) > 1:
-        raise FileError(f"{path}: the tile {uri} is not a file of this machine; fetch the tileset first")
-    file = path.parent / unquote(parts.path)
-    if file.suffix.lower() == ".json":
-        yield from _of_file(file, place, depth + 1)
-        return
-    if file.suffix.lower() not in CONTENTS:
-        raise FileError(f"{path}: the tile {uri} must end in one of {', '.join(CONTENTS)}")
-    if not file.is_file():
-        raise FileError(f"{path}: the tile {uri} is not there")
-    yield Leaf(file, place.ravel().tolist(), up)
+    def _named(self, path: Path, uri: str) -> Path:
+        """The file that a tile of a tileset names."""
+        parts = urlsplit(uri)
+        if len(parts.scheme) > 1 or parts.netloc:
+            raise FileError(f"{path}: the tile {uri} is not a file of this machine; fetch the tileset first")
+        found = named.file(unquote(parts.path), path.parent, self._root, str(path))
+        if found.suffix.lower() not in (".json", *CONTENTS):
+            raise FileError(f"{path}: the tile {uri} must end in one of {', '.join(CONTENTS)}")
+        if found.suffix.lower() != ".json" and not found.is_file():
+            raise FileError(f"{path}: the tile {uri} is not there")
+        return found
 
 
 def read(leaf: Leaf) -> Mesh:
     """The vertices (V, 3) and triangles (F, 3) of a leaf, in the tileset's coordinates. Raises FileError."""
     path, place = leaf.path, np.array(leaf.place).reshape(4, 4)
-    try:
+    with reader(path, "is damaged, or not of 3D Tiles"):
         parts = list(_meshes(path, path.read_bytes(), place, _UP[leaf.up]))
-    except OSError as error:
-        raise FileError(f"{path}: {error.strerror or error}") from None
-    except (KeyError, TypeError, IndexError, ValueError, struct.error) as error:
-        if isinstance(error, FileError):
-            raise
-        raise FileError(f"{path}: is damaged, or not of 3D Tiles: {error!r}") from None
     first = np.cumsum([0] + [len(vertices) for vertices, _ in parts])
     vertices = np.concatenate([np.zeros((0, 3)), *(part[0] for part in parts)])
     rows = [triangles + base for (_, triangles), base in zip(parts, first, strict=False)]
@@ -150,5 +173,8 @@ def _unpacked(path: Path, data: bytes) -> tuple[NDArray[np.float64], bytes]:
     table = json.loads(data[_B3DM : _B3DM + text] or b"{}") if text else {}
     centre = table.get("RTC_CENTER", [0.0, 0.0, 0.0])
     if isinstance(centre, dict):
-        centre = struct.unpack_from("<3f", data, _B3DM + text + int(centre["byteOffset"]))
-    return np.array(centre, dtype=np.float64).reshape(3), data[_B3DM + text + binary + batch_text + batch_binary : size]
+        at = Item(centre, f"{path}: RTC_CENTER").whole("byteOffset")
+        centre = struct.unpack_from("<3f", data, _B3DM + text + at)
+    return Item({"RTC_CENTER": centre}, f"{path}").numbers("RTC_CENTER", 3), data[
+        _B3DM + text + binary + batch_text + batch_binary : size
+    ]

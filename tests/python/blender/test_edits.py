@@ -83,7 +83,7 @@ def test_edits_at_what_is_selected(parted):
 
 def test_only_one_region_selected_can_not_be_merged(parted):
     scans.select_faces(scan(), 3, 7)
-    with pytest.raises(RuntimeError, match="Only one region is selected"):
+    with pytest.raises(RuntimeError, match="Only one region is chosen"):
         bpy.ops.isimp.merge()
     with pytest.raises(RuntimeError, match="is not a list of strokes"):
         bpy.ops.isimp.paint_faces(painted="all of them")

@@ -245,15 +245,15 @@ def test_settings_leave_a_result_alone_that_was_edited_by_hand():
     bpy.ops.isimp.partition(proxies=12)
     bpy.ops.isimp.mesh()
     result = bpy.context.object
-    assert not results.is_edited_here(bpy.context, scan)
+    assert not results.why_kept_here(bpy.context, scan)
     scans.mode("EDIT")
-    assert results.is_edited_here(bpy.context, scan)
+    assert results.why_kept_here(bpy.context, scan)
     scans.mode("OBJECT")
-    assert not results.is_edited_here(bpy.context, scan)
+    assert not results.why_kept_here(bpy.context, scan)
     result.data.vertices[0].co.x += 1
-    assert results.is_edited_here(bpy.context, scan)
+    assert results.why_kept_here(bpy.context, scan)
     scans.activate(scan)
-    assert not results.is_edited_here(bpy.context, scan)
+    assert not results.why_kept_here(bpy.context, scan)
 
 
 def test_the_presets_menu_draws_in_a_fresh_configuration(monkeypatch, tmp_path):

@@ -61,6 +61,67 @@ def test_mesh_again_keeps_a_result_that_was_edited_by_hand(edit):
     assert bpy.context.object == second, "one that nobody has edited is refreshed"
 
 
+def rename(result):
+    result.name = "Figure_LOD0"
+
+
+def link_copy(result):
+    bpy.ops.object.duplicate(linked=True)
+
+
+def mark(result):
+    result.asset_mark()
+
+
+@pytest.mark.parametrize(("do", "why"), [(rename, "renamed"), (link_copy, "copied"), (mark, "marked as an asset")])
+def test_a_result_that_its_user_has_put_to_use_is_kept(do, why, capfd):
+    scan, first = simplified()
+    do(first)
+    scans.activate(scan)
+    before = results.digest(first)
+    bpy.ops.isimp.partition(proxies=8)
+    assert bpy.ops.isimp.mesh() == {"FINISHED"}
+    second = bpy.context.object
+    assert second != first
+    assert results.digest(first) == before
+    assert (
+        f"'{first.name}' was {why} and is kept, hidden. The new polygons are '{second.name}'" in capfd.readouterr().out
+    )
+    assert bpy.ops.isimp.mesh() == {"FINISHED"}
+    assert bpy.context.object == second
+
+
+@pytest.mark.parametrize("away", [0.0, 3.0])
+def test_a_copy_of_a_result_is_kept_and_the_result_is_refreshed(away, capfd):
+    scan, first = simplified()
+    bpy.ops.object.duplicate()
+    copy = bpy.context.object
+    copy.location.x += away
+    before = results.digest(copy)
+    assert results.why_kept_here(bpy.context, scan) == "copied", "changed settings leave it alone"
+    bpy.ops.isimp.partition(proxies=8)
+    assert bpy.ops.isimp.mesh() == {"FINISHED"}
+    assert bpy.context.object == first
+    assert results.digest(copy) == before != results.digest(first)
+    assert copy.hide_get() == (away == 0), "one at the same place would hide the new polygons"
+    assert f"'{copy.name}' was copied and is kept" in capfd.readouterr().out
+    scans.activate(scan)
+    bpy.ops.isimp.mesh()
+    assert "is kept" not in capfd.readouterr().out, "it is said once"
+
+
+def test_what_is_hidden_is_not_rendered_either():
+    scan, result = simplified()
+    assert (scan.hide_render, result.hide_render) == (True, False)
+    bpy.ops.isimp.swap()
+    assert (scan.hide_render, result.hide_render) == (False, True)
+    result.hide_render, result.isimp.unrendered = True, ""  # as its user may wish
+    bpy.ops.isimp.swap()
+    assert (scan.hide_render, result.hide_render) == (True, True)
+    bpy.ops.isimp.partition(proxies=7)
+    assert scan.hide_render is False
+
+
 def test_it_is_said_which_is_which(capfd):
     _, first = simplified()
     move_vertex(first)

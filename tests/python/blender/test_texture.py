@@ -101,6 +101,58 @@ def test_mesh_keeps_the_texture_by_default_and_again():
     assert sum(bool(image.get("isimp_texture")) for image in bpy.data.images) == 2
 
 
+def test_a_copy_of_the_result_keeps_its_images():
+    scan = textured_cube()
+    result = simplify()
+    before = shown(result), list(result.data.materials)
+    bpy.ops.object.duplicate()
+    copy = bpy.context.object
+    scans.activate(scan)
+    assert bpy.ops.isimp.partition(proxies=9) == {"FINISHED"}
+    assert bpy.ops.isimp.mesh() == {"FINISHED"}
+    assert bpy.context.object == result
+    assert (shown(copy), list(copy.data.materials)) == before
+    assert shown(result) != shown(copy)
+    assert result.data.materials[0] != copy.data.materials[0]
+    assert shown(copy).packed_file is not None
+
+
+def test_the_texture_is_shown_until_the_scan_is():
+    textured_cube()
+    simplify()
+    screens = [window.screen for window in bpy.context.window_manager.windows]
+    views = [a.spaces.active.shading for s in screens for a in s.areas if a.type == "VIEW_3D"]
+    assert {view.color_type for view in views} == {"TEXTURE"}
+    bpy.ops.isimp.swap()
+    assert {view.color_type for view in views} == {"VERTEX"}
+    bpy.ops.isimp.swap()
+    assert {view.color_type for view in views} == {"TEXTURE"}
+    simplify(keep_texture=False)
+    assert {view.color_type for view in views} == {"TEXTURE"}, "the result has its texture still"
+    bpy.context.object.data.materials.clear()
+    bpy.ops.isimp.swap()
+    bpy.ops.isimp.swap()
+    assert {view.color_type for view in views} == {"MATERIAL"}, "what was there before"
+    for view in views:
+        view.color_type = "SINGLE"
+    bpy.ops.isimp.swap()
+    bpy.ops.isimp.swap()
+    assert {view.color_type for view in views} == {"SINGLE"}
+
+
+def test_mesh_in_edit_mode_of_the_scan_keeps_the_texture():
+    """There the layers of the mesh are empty."""
+    textured_cube()
+    image = shown(simplify())
+    wanted = image.pixels[:]
+    bpy.ops.isimp.swap()
+    scans.mode("EDIT")
+    meshes = len(bpy.data.meshes)
+    assert bpy.ops.isimp.mesh() == {"FINISHED"}
+    assert shown(bpy.context.object).pixels[:] == wanted
+    assert len(bpy.data.meshes) == meshes
+
+
 def test_the_recipe_has_the_texture():
     scan = textured_cube()
     simplify()

@@ -101,6 +101,7 @@ USES = [
     ("a wrong setting", scans.cube, lambda: OPS.replay(recipe=recipe(step="mesh", speed=3)), "speed"),
     ("a recipe's face", scans.cube, lambda: strict(recipe(step="add_proxy", face=999)), "there is no face 999"),
     ("a recipe of no file", scans.cube, lambda: OPS.recipe_import(filepath="//none.json"), "can't be read"),
+    ("no name of a file", parted, lambda: OPS.recipe_export(), "No file is named"),
     ("no such folder", parted, lambda: OPS.recipe_export(filepath="/no/such/folder/a.json"), "can't be written"),
     ("no such step", parted, lambda: OPS.step_delete(step=7), "There is no step 8: the recipe has 1"),
     ("the first step further up", parted, lambda: OPS.step_move(step=0), "first already"),

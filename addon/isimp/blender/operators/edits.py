@@ -41,7 +41,12 @@ class ISIMP_OT_merge(_Edit, bpy.types.Operator):
     def wanted(self, context, scan):
         faces = [self.face, self.other] if self.other >= 0 else self.each(scan)
         if len(faces) < 2:
-            raise mesh_io.Unusable(said("Only one region is selected: select faces of two neighbouring regions."))
+            raise mesh_io.Unusable(
+                said(
+                    "Only one region is chosen: drag from one to the other with the Region tool, or select faces of "
+                    "both in Edit Mode."
+                )
+            )
         recipe = pending.recipe_of(context, scan)
         for other in faces[1:]:
             recipe = recipe.then(rcp.MergeRegions(face=faces[0], other=other))
@@ -66,6 +71,8 @@ class ISIMP_OT_lock(_Edit, bpy.types.Operator):
 
     bl_idname = "isimp.lock"
     bl_label = "Lock Regions"
+
+    may_be_all = True
 
     unlock: BoolProperty(name="Unlock", description="Remove the protection", options={"SKIP_SAVE"})
 
@@ -144,6 +151,8 @@ class ISIMP_OT_paint_faces(AtFaces, bpy.types.Operator):
 
     def strokes(self, scan) -> list:
         if not self.painted:
+            if self._pressed_on:  # a region that was clicked is one already
+                raise mesh_io.Unusable(said(messages.NO_FACE))
             return [(-1, tuple(self.faces(scan)))]
         try:
             parts = [stroke.split(":") for stroke in self.painted.split(";")]

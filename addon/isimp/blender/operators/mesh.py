@@ -38,18 +38,16 @@ class ISIMP_OT_mesh(RecipeOperator, settings.MeshSettings, bpy.types.Operator):
         return recipe
 
     def show(self, context, scan, work, outcome):
-        self._kept = show_polygons(context, scan, work, outcome)
         self._notes = [] if work.baking is None else work.baking.notes
+        kept = show_polygons(context, scan, work, outcome)
+        self._width = texture.image_width(targets.result_of(context.scene, scan)) if work.baking is not None else 0
+        return kept
 
     def told(self, before, numbers):
-        return messages.meshed(numbers)
+        return messages.meshed(numbers, self._width)
 
     def warnings(self, context, scan, before):
-        lines = list(self._notes)
-        if self._kept is not None:
-            made = targets.result_of(context.scene, scan)
-            lines.append(messages.kept(self._kept.name, made.name))
-        return lines
+        return list(self._notes)
 
 
 CLASSES = (ISIMP_OT_mesh,)

@@ -1,12 +1,13 @@
 import dataclasses
 
 import bpy
+import numpy as np
 from bpy.props import BoolProperty
 
 from ... import messages
 from ... import recipe as rcp
 from ...language import said
-from .. import mesh_io, settings, store, targets, text
+from .. import mesh_io, pointed, settings, store, targets, text
 from ..modal import RecipeOperator
 from ..show import show_regions
 
@@ -23,6 +24,8 @@ class ISIMP_OT_partition(RecipeOperator, settings.PartitionSettings, bpy.types.O
         options={"SKIP_SAVE"},
     )
 
+    _is_pressed = False  # by a button in Object Mode
+
     @property
     def does_all(self):
         return not self.part
@@ -32,14 +35,14 @@ class ISIMP_OT_partition(RecipeOperator, settings.PartitionSettings, bpy.types.O
         if properties.part:
             return said("Partition the selected faces only, with the settings above; all others stay in their regions")
         scan, problem = targets.find(context)
-        gone = 0 if problem else messages.hand_edits(store.load(scan))
+        gone = 0 if problem else messages.hand_edits(store.load(scan), context.window_manager.isimp.regularise_first)
         usual = said(cls.__doc__)
         return f"{usual}. {messages.will_drop(gone)}" if gone else usual
 
     def wanted(self, context, scan):
         step = settings.to_step(rcp.Partition, self)
         if self.part:
-            faces = mesh_io.selected_faces(scan)
+            faces = self._faces(scan)
             if not len(faces):
                 raise mesh_io.Unusable(
                     said("No face is selected: select the faces to partition in Edit Mode (Tab, then 3).")
@@ -49,10 +52,24 @@ class ISIMP_OT_partition(RecipeOperator, settings.PartitionSettings, bpy.types.O
         if len(given) == 1 and not self.properties.is_property_set("count_by"):
             step = dataclasses.replace(step, count_by=given[0])
         before = rcp.Recipe() if targets.needs_regions(scan) else store.load(scan)
-        self._dropped = 0 if self.part else messages.hand_edits(before)
+        regularises = context.window_manager.isimp.regularise_first
+        self._dropped = 0 if self.part else messages.hand_edits(before, regularises)
         if (last := before.whole()[1]) is not None and not self.part:  # openings that the user kept open stay open
             step = dataclasses.replace(step, keep_openings=last.keep_openings)
         return before.then(step)  # keeps the steps before locked regions
+
+    def invoke(self, context, event):
+        self._is_pressed = context.mode == "OBJECT" and not bpy.app.background
+        return super().invoke(context, event)
+
+    def _faces(self, scan) -> np.ndarray:
+        """The selected faces; by a button in Object Mode, where these are not seen, the region clicked last."""
+        if not self._is_pressed:
+            return mesh_io.selected_faces(scan)
+        region = pointed.region(scan)
+        if region < 0:
+            raise mesh_io.Unusable(f"{said(pointed.NONE)}.")
+        return np.flatnonzero(mesh_io.read_regions(scan) == region)
 
     show = staticmethod(show_regions)
 

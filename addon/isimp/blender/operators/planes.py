@@ -54,6 +54,10 @@ class ISIMP_OT_align(_Planes, bpy.types.Operator):
     bl_idname = "isimp.align"
     bl_label = "Align Planes"
 
+    @property
+    def may_be_all(self):
+        return self.to == "free"
+
     to: EnumProperty(**_TO)
     length: FloatProperty(**AlignSettings.__annotations__["length"].keywords)
 

@@ -3,7 +3,7 @@ import numpy as np
 
 from ... import messages
 from ...language import own, said
-from .. import display, mesh_io, show, targets
+from .. import display, mesh_io, show, store, targets
 
 
 class ISIMP_OT_show_problems(bpy.types.Operator):
@@ -25,7 +25,11 @@ class ISIMP_OT_show_problems(bpy.types.Operator):
     @classmethod
     def description(cls, context, properties):
         if properties.kind == "DIVIDED":
-            return said("Select the polygons of regions that became more than one polygon, in Edit Mode of the result")
+            what = said("Select the polygons of regions that became more than one polygon, in Edit Mode of the result")
+            scan, problem = targets.seen(context)
+            numbers = {} if problem else store.numbers(scan)
+            why = messages.why_more(numbers) if {"polygons", "regions"} <= numbers.keys() else ""
+            return f"{what}. {why}" if why else what
         return said("Select the defective polygons in Edit Mode of the result")
 
     @classmethod
@@ -41,7 +45,7 @@ class ISIMP_OT_show_problems(bpy.types.Operator):
             bpy.ops.object.mode_set(mode="OBJECT")
         chosen = _chosen(result.data, self.kind)
         show.bring_to_front(context, result, scan)
-        display.give_back(context)
+        display.show_result(context, result)
         mesh_io.select_polygons(result, chosen)
         if not chosen.any():
             none = own("No polygon has a defect.") if self.kind == "DEFECTIVE" else own("Each region is one polygon.")

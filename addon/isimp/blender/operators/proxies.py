@@ -1,14 +1,18 @@
+import re
+
 import bpy
+import numpy as np
 from bpy.props import IntProperty
 
 from ... import messages
 from ... import recipe as rcp
 from ...language import own, said
-from .. import mesh_io, pending, targets
+from .. import mesh_io, pending, pointed, targets
 from ..modal import RecipeOperator
 from ..show import show_regions
 
 _MOST_FACES = 100
+_MOST_REGIONS = 20  # that are edited where all faces are selected
 
 
 class AtFaces(RecipeOperator):
@@ -22,6 +26,11 @@ class AtFaces(RecipeOperator):
         options={"SKIP_SAVE"},
     )
 
+    #: Whether the edit makes sense of all faces of the scan
+    may_be_all = False
+
+    _pressed_on = ""  #: the name of the scan, if a button was pressed in Object Mode
+
     @classmethod
     def problem(cls, context, scan):
         missing = targets.needs_regions(scan)
@@ -29,14 +38,36 @@ class AtFaces(RecipeOperator):
             missing = own("No face is selected: click one in face select mode (press 3)")
         return missing
 
+    def invoke(self, context, event):
+        scan, problem = targets.find(context)
+        if self.face < 0 and not problem and scan.mode == "OBJECT" and not bpy.app.background:
+            self.face, self._pressed_on = pointed.face(scan), scan.name
+        return super().invoke(context, event)
+
     def faces(self, scan) -> list:
-        """The faces to edit. Raises Unusable if there are none."""
+        """The faces to edit. Raises Unusable if there are none, or all where these can hardly be meant."""
+        if self._pressed_on and (self.face < 0 or self._pressed_on != scan.name):
+            raise mesh_io.Unusable(f"{said(pointed.NONE)}.")
         if self.face >= 0:
             return [self.face]
         faces = mesh_io.selected_faces(scan).tolist()
         if not faces:
             raise mesh_io.Unusable(said(messages.NO_FACE))
+        is_all = len(faces) == len(scan.data.polygons) and not self.may_be_all  # as importers leave them
+        if is_all and len(np.unique(mesh_io.read_regions(scan))) > _MOST_REGIONS:
+            text = own("All {faces} are selected: select a few.")
+            raise mesh_io.Unusable(said(text, faces=messages.count(len(faces), "face")))
         return faces
+
+    def _reason(self, work, error):
+        """Names the region where its user has not just clicked it."""
+        told, scan = super()._reason(work, error), work.target()
+        found = re.search("face ([0-9]+)", error.reason)
+        if found is None or scan is None or not (self.face < 0 or self._pressed_on):
+            return told
+        regions, face = mesh_io.read_regions(scan), int(found[1])
+        number = int(regions[face]) if face < len(regions) else -1
+        return said("Region {number}: {why}", number=number, why=told) if number >= 0 else told
 
     show = staticmethod(show_regions)
 

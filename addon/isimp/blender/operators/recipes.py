@@ -139,7 +139,11 @@ class ISIMP_OT_recipe_export(_HasRecipe, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def execute(self, context):
-        path = Path(bpy.path.abspath(self.filepath)).with_suffix(".json")
+        path = Path(bpy.path.abspath(self.filepath))
+        if not path.name:
+            self.report({"ERROR"}, said("No file is named: give the recipe a name."))
+            return {"CANCELLED"}
+        path = path.with_suffix(".json")
         try:
             path.write_text(self.text(context), encoding="utf-8")
         except OSError as error:

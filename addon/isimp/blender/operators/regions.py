@@ -4,7 +4,7 @@ from bpy.props import BoolProperty, IntProperty
 
 from ... import messages
 from ...language import said
-from .. import display, mesh_io, runtime, show, targets
+from .. import display, mesh_io, pointed, runtime, show, targets
 from ..selecting import SelectOperator
 
 
@@ -37,7 +37,7 @@ class ISIMP_OT_swap(bpy.types.Operator):
         scan, result, _ = targets.find_result(context)
         if context.view_layer.objects.active == scan:
             show.bring_to_front(context, result, scan)
-            display.give_back(context)
+            display.show_result(context, result)
         else:
             show.bring_to_front(context, scan, result)
             if mesh_io.state_of(scan):
@@ -64,6 +64,15 @@ class ISIMP_OT_select_region(SelectOperator, bpy.types.Operator):
     @classmethod
     def poll(cls, context):
         return targets.allows(cls, context, targets.needs_regions)
+
+    def invoke(self, context, event):
+        scan, problem = targets.find(context)
+        if self.face < 0 and not problem and scan.mode == "OBJECT" and not bpy.app.background:
+            self.face = pointed.face(scan)
+            if self.face < 0:
+                self.report({"ERROR"}, f"{said(pointed.NONE)}.")
+                return {"CANCELLED"}
+        return super().invoke(context, event)
 
     def wanted(self, context):
         scan, _ = targets.find(context)

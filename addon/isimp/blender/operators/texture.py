@@ -3,7 +3,7 @@ import bpy
 from ... import messages
 from ... import recipe as rcp
 from ...language import said
-from .. import mesh_io, pending, show, store, targets
+from .. import display, mesh_io, pending, show, store, targets
 from ..modal import RecipeOperator
 
 
@@ -96,6 +96,7 @@ class ISIMP_OT_texture(RecipeOperator, bpy.types.Operator):
         for note in work.baking.notes:
             self.report({"WARNING"}, note)
         show.bring_to_front(context, made, scan)
+        display.show_result(context, made)
         self.report({"INFO"}, messages.textured(report))
         return {"FINISHED"}
 

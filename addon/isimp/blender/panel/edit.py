@@ -4,7 +4,8 @@ import bpy
 
 from ... import messages
 from ... import recipe as rcp
-from .. import settings, store, targets
+from ...language import said
+from .. import pointed, settings, store, targets
 from .common import SubPanel, side_by_side
 
 
@@ -15,6 +16,7 @@ class ISIMP_PT_regions(SubPanel, bpy.types.Panel):
 
     def draw(self, context):
         layout, panel = self.prepare(context), context.window_manager.isimp
+        layout.label(text=_chosen(targets.seen(context)[0]), icon="RESTRICT_SELECT_OFF")
         column = layout.column(align=True)
         _row(context, column, ("isimp.add_proxy", "Add", "ADD"), ("isimp.delete_proxy", "Delete", "REMOVE"))
         _row(context, column, ("isimp.split", "Split", "MOD_BOOLEAN"), ("isimp.merge", "Merge", "AUTOMERGE_ON"))
@@ -36,6 +38,14 @@ class ISIMP_PT_regions(SubPanel, bpy.types.Panel):
         column.label(text=messages.locked({"locked": locked}), icon="LOCKED" if locked else "UNLOCKED")
         locks = _row(context, column, ("isimp.lock", "Lock", "LOCKED"), ("isimp.lock", "Unlock", "UNLOCKED"))
         locks[1].unlock = True
+
+
+def _chosen(scan) -> str:
+    """What the buttons act on."""
+    if scan.mode == "EDIT":
+        return said("{faces} selected", faces=messages.count(scan.data.total_face_sel, "face"))
+    number = pointed.region(scan)
+    return said("Region {number}, clicked last", number=number) if number >= 0 else said("Click a region (tools: T)")
 
 
 class ISIMP_PT_heuristics(SubPanel, bpy.types.Panel):

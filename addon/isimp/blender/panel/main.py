@@ -11,7 +11,7 @@ import bpy
 from ... import messages
 from ... import recipe as rcp
 from ...language import said
-from .. import overlay, presets, result, runtime, settings, store, targets, text, texture, translations
+from .. import clipping, overlay, presets, result, runtime, settings, store, targets, text, texture, translations
 from .common import Panel, draw_lines, is_narrow, letters
 
 
@@ -40,6 +40,9 @@ def _draw_head(context, layout, scan, numbers) -> None:
     column.label(text=scan.name if active == scan else said("{name} (its result)", name=scan.name), icon="MESH_DATA")
     for line in text.scan_lines(scan.data, numbers):
         column.label(text=line, icon="BLANK1")
+    if clipping.hides(context.space_data, scan):
+        end = text.in_scene(context.space_data.clip_end)
+        column.operator("isimp.show_all", text=said("The view ends at {length}: show all", length=end), icon="ERROR")
 
 
 def _draw_count(context, layout, panel) -> None:
@@ -60,7 +63,7 @@ def _draw_partition(context, layout, scan, numbers, panel) -> None:
     if running is not None and not running.recipe.ends_in_mesh():
         _draw_progress(place, running)
         return
-    edits = messages.hand_edits(store.load(scan))
+    edits = messages.hand_edits(store.load(scan), panel.regularise_first)
     button = place.row(align=True)
     button.scale_y = 1.4
     operator = button.operator(
@@ -124,8 +127,9 @@ def _draw_report(context, layout, scan, numbers) -> None:
     defects = text.problems(numbers)
     if defects:
         layout.operator("isimp.show_problems", text=defects, icon="ERROR").kind = "DEFECTIVE"
-    if runtime.get().running is None and result.is_edited_here(context, scan):
-        draw_lines(context, layout, said(messages.EDITED), icon="INFO")
+    why = "" if runtime.get().running is not None else result.why_kept_here(context, scan)
+    if why:
+        draw_lines(context, layout, messages.is_kept(why), icon="INFO")
     if not text.describes(scan.data, numbers):
         numbers = {}
     for line in text.repair_lines(numbers, unit.system, unit.scale_length):
@@ -140,10 +144,9 @@ def _draw_report(context, layout, scan, numbers) -> None:
         draw_lines(context, layout, warning, icon="ERROR")
     if store.kept(scan) is not None:
         layout.operator("isimp.take_back", icon="LOOP_BACK")
-    if texture.is_textured(scan) and "regions" in numbers:
-        place, made = layout.column(), targets.result_of(context.scene, scan)
-        place.enabled = made is not None
-        _draw_texture(place, scan, made)
+    made = targets.result_of(context.scene, scan) if texture.is_textured(scan) else None
+    if made is not None:
+        _draw_texture(layout.column(), scan, made)
 
 
 def _draw_counts(context, layout, scan, numbers) -> None:
@@ -152,8 +155,13 @@ def _draw_counts(context, layout, scan, numbers) -> None:
         return
     unit, width = context.scene.unit_settings, letters(context)
     column = layout.column(align=True)
-    made = overlay.previewed(context, scan)
-    for line, icon, alert in text.report_rows(numbers, unit.system, unit.scale_length, made, width):
+    made, is_new = overlay.reported(context, scan)
+    if not is_new and ("polygons" in numbers or "expected" in numbers):
+        made, is_new = {}, True
+    column.active = is_new
+    panel = context.window_manager.isimp
+    snaps = panel.mesh.planar or panel.regularise_first
+    for line, icon, alert in text.report_rows(numbers, unit.system, unit.scale_length, made, width, snaps):
         row = column.row(align=True)
         row.alert = alert
         row.label(text=line, icon=icon)

@@ -1,6 +1,9 @@
 """The tools in the toolbar and their key maps; the other modules of this package implement them."""
 
+from itertools import combinations
+
 import bpy
+from gpu_extras.presets import draw_circle_2d
 
 from . import opening, paint, point, size
 
@@ -21,6 +24,19 @@ def _turn(wheel, shrink):
     return "isimp.size_here", {"type": wheel, "value": "PRESS", "ctrl": True}, {"properties": [("shrink", shrink)]}
 
 
+_HELD = ("ctrl", "shift", "alt")
+
+
+def _with_rest(*items) -> tuple:
+    """A key map, with all presses that it has not: Blender would select objects, and move the scan by a drag.
+
+    One for each, as Blender does not keep their order.
+    """
+    bound = [{key for key in _HELD if how.get(key)} for _, how, _ in items if how["type"] == "LEFTMOUSE"]
+    wanted = [set(keys) for count in range(len(_HELD) + 1) for keys in combinations(_HELD, count)]
+    return (*items, *(_press("isimp.turn", **dict.fromkeys(keys, True)) for keys in wanted if keys not in bound))
+
+
 _WHEEL = (_turn("WHEELUPMOUSE", False), _turn("WHEELDOWNMOUSE", True))
 
 
@@ -35,7 +51,7 @@ class _Region(_Tool):
         "• Ctrl-wheel: grow or shrink it\n• L: lock or unlock it"
     )
     bl_icon = "ops.generic.select_lasso"
-    bl_keymap = (
+    bl_keymap = _with_rest(
         _hover(
             "Click: add region · Ctrl: delete · Alt: select · Drag: merge · Shift: split, drag: cut · "
             "Ctrl-wheel: grow, shrink · L: lock"
@@ -61,7 +77,7 @@ class _Paint(_Tool):
         "• Shift: smooth borders\n• Ctrl and Shift: erase from the region\n• F: radius\n• X: mirror"
     )
     bl_icon = "brush.sculpt.draw_face_sets"
-    bl_keymap = (
+    bl_keymap = _with_rest(
         _hover(
             "Drag: extend this region · Ctrl: new region · Shift: smooth · Ctrl-Shift: erase · F: radius · X: mirror"
         ),
@@ -72,6 +88,11 @@ class _Paint(_Tool):
         ("isimp.brush", {"type": "F", "value": "PRESS"}, None),
         ("wm.context_toggle_enum", {"type": "X", "value": "PRESS"}, {"properties": _MIRRORED}),
     )
+
+    @staticmethod
+    def draw_cursor(context, tool, at):
+        """The brush, before a stroke begins: at the mouse, without a redraw of the view."""
+        draw_circle_2d(at, (1.0, 1.0, 1.0, 0.9), context.window_manager.isimp.brush, segments=48)
 
     @staticmethod
     def draw_settings(context, layout, tool):
@@ -90,7 +111,7 @@ class _Cut(_Tool):
         "• Click: split it where its halves differ most"
     )
     bl_icon = "ops.mesh.knife_tool"
-    bl_keymap = (_hover("Drag a line over a region: cut it · Click: split it in two"), _press("isimp.cut"))
+    bl_keymap = _with_rest(_hover("Drag a line over a region: cut it · Click: split it in two"), _press("isimp.cut"))
 
 
 class _Grow(_Tool):
@@ -102,7 +123,7 @@ class _Grow(_Tool):
         "• Click: grow by one ring of faces; ctrl-click: shrink by one\n• Ctrl-wheel: a little"
     )
     bl_icon = "ops.transform.shrink_fatten"
-    bl_keymap = (
+    bl_keymap = _with_rest(
         _hover("Drag right: grow · Drag left: shrink · Click: grow one ring · Ctrl: shrink one · Ctrl-wheel: a little"),
         _press("isimp.size"),
         _press("isimp.size", ctrl=True),
@@ -117,7 +138,7 @@ class _Openings(_Tool):
         "Show the holes and tunnels that Partition closed.\n• Click one: keep it open\n• Click it again: close it"
     )
     bl_icon = "ops.mesh.loopcut_slide"
-    bl_keymap = (
+    bl_keymap = _with_rest(
         (
             "isimp.hover_opening",
             {"type": "MOUSEMOVE", "value": "ANY", "any": True},
@@ -140,12 +161,17 @@ CLASSES = (*opening.CLASSES, *point.CLASSES, *paint.CLASSES, *size.CLASSES)
 
 
 def register() -> None:
+    if bpy.app.background:  # where there are no key maps, and no toolbar
+        return
     for tools in _TOOLS:
         for number, tool in enumerate(tools):
             bpy.utils.register_tool(tool, separator=number == 0)
+    point.register()
 
 
 def unregister() -> None:
+    if bpy.app.background:
+        return
     for tools in _TOOLS:
         for tool in reversed(tools):
             bpy.utils.unregister_tool(tool)

@@ -101,7 +101,7 @@ class ISIMP_OT_toggle_opening(bpy.types.Operator):
         all_found = found(context, scan, wait=True) or []
         chosen = under_mouse(context, scan, all_found, (event.mouse_region_x, event.mouse_region_y))
         if chosen is None:
-            return {"PASS_THROUGH"}
+            return point.miss()
         opening = all_found[chosen]
         point.do("isimp.keep_opening", place=opening["center"], close=opening["kept"])
         return {"FINISHED"}

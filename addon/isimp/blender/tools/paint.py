@@ -5,9 +5,9 @@ import numpy as np
 
 from ...gestures import Cut, Stroke
 from ...language import own, said
-from .. import overlay, runtime
+from .. import overlay, pointed, runtime
 from . import under
-from .point import ModalTool, do
+from .point import ModalTool, do, miss
 
 _CUT = (1.0, 0.85, 0.2, 1.0)
 _COLORS = {
@@ -31,7 +31,7 @@ class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
         ground, panel = self._ground, context.window_manager.isimp
         hit = ground.hit(self.ray(event))
         if hit is None:
-            return {"PASS_THROUGH"}
+            return miss()
         radius = panel.brush * ground.pixel(self._region, self._view, self.place(event), hit.place)
         axis = _AXES[panel.mirror]
         sides = [np.ones(3)] if axis is None else [np.ones(3), np.where(np.arange(3) == axis, -1.0, 1.0)]
@@ -85,6 +85,7 @@ class ISIMP_OT_paint(ModalTool, bpy.types.Operator):
                 onto = -1 if wish.into is None else wish.into
                 strokes.append(f"{onto}:{','.join(map(str, faces))}")
         if strokes:
+            pointed.note(bpy.context.view_layer.objects.active, wishes[0].faces[0])
             verb = wishes[0].verb
             more = {verb: True} if verb in {"erase", "smooth"} else {"lock": self._lock}
             do("isimp.paint_faces", painted=";".join(strokes), **more)

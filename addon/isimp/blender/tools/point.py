@@ -6,9 +6,9 @@ import bpy
 from bpy.props import StringProperty
 
 from ... import messages
-from ...gestures import Pointing
+from ...gestures import Pointing, is_far
 from ...language import own, said
-from .. import overlay, reading, runtime, store, targets
+from .. import overlay, pointed, reading, runtime, store, targets
 from . import under
 
 _LIGHT = (1.0, 0.75, 0.4, 0.35)
@@ -39,6 +39,8 @@ def show_hover(context, ground, hit, at, joined=None) -> None:
 
 def do(operator: str, **settings) -> None:
     """Runs a step as its button would; the operator reports for itself."""
+    if settings.get("face", -1) >= 0:
+        pointed.note(bpy.context.view_layer.objects.active, settings["face"])
     group, name = operator.split(".")
     with suppress(RuntimeError):  # reported by the operator
         getattr(getattr(bpy.ops, group), name)("INVOKE_DEFAULT", True, **settings)
@@ -52,6 +54,56 @@ def in_viewport(context) -> bool:
 def nothing_here(problem: str = "") -> str:
     """Why there is nothing to point at, and where to begin."""
     return said("{why} (sidebar: N, tab iSimp).", why=said(problem or own("There are no regions here")))
+
+
+class ISIMP_OT_leave(bpy.types.Operator):
+    """Show no region as under the mouse while the mouse is in a sidebar or in another editor"""
+
+    bl_idname = "isimp.leave"
+    bl_label = "Leave the View"
+    bl_options = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, context):
+        return runtime.get() is not None and runtime.get().hover is not None and not in_viewport(context)
+
+    def invoke(self, context, event):
+        runtime.get().hover = None
+        overlay.redraw()
+        return {"PASS_THROUGH"}
+
+
+class ISIMP_OT_turn(bpy.types.Operator):
+    """Turn the view by a drag where a tool has nothing to work on. A click does nothing"""
+
+    bl_idname = "isimp.turn"
+    bl_label = "Turn the View"
+    bl_options = {"INTERNAL"}
+
+    def invoke(self, context, event):
+        self._from = event.mouse_x, event.mouse_y
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        if event.type == "MOUSEMOVE" and is_far(self._from, (event.mouse_x, event.mouse_y)):
+            with suppress(RuntimeError):  # a view that can't be turned
+                bpy.ops.view3d.rotate("INVOKE_DEFAULT")
+            return {"FINISHED"}
+        if event.type in {"LEFTMOUSE", "ESC", "RIGHTMOUSE"}:
+            return {"FINISHED"}
+        return {"RUNNING_MODAL"}
+
+
+def miss():
+    """The end of a tool that was pressed beside all that it works on.
+
+    The press must not reach Blender, which would select other objects, and move the scan by a drag.
+    """
+    runtime.get().pointed = None
+    overlay.redraw()
+    bpy.ops.isimp.turn("INVOKE_DEFAULT")
+    return {"CANCELLED"}
 
 
 class ModalTool:
@@ -155,7 +207,7 @@ class ISIMP_OT_point(ModalTool, bpy.types.Operator):
             return {"CANCELLED"}
         hit = self._ground.hit(self.ray(event))
         if hit is None:
-            return {"PASS_THROUGH"}
+            return miss()
         self._gesture = Pointing()
         self._gesture.press(hit, self.place(event), ctrl=event.ctrl, alt=event.alt)
         return self.go(context, own("Drag to another region: merge both · Release: apply · Esc: cancel"))
@@ -184,4 +236,12 @@ class ISIMP_OT_point(ModalTool, bpy.types.Operator):
             do(_VERBS[wish.verb], face=wish.faces[0])
 
 
-CLASSES = (ISIMP_OT_hover, ISIMP_OT_lock_here, ISIMP_OT_point)
+CLASSES = (ISIMP_OT_leave, ISIMP_OT_turn, ISIMP_OT_hover, ISIMP_OT_lock_here, ISIMP_OT_point)
+
+
+def register() -> None:
+    keys = bpy.context.window_manager.keyconfigs.addon
+    if keys is not None:
+        keymap = keys.keymaps.new("Screen")  # of all that no other one takes; that of a tool is of the view alone
+        item = keymap.keymap_items.new("isimp.leave", "MOUSEMOVE", "ANY", any=True)
+        runtime.get().keys.append((keymap, item))

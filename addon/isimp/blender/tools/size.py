@@ -11,7 +11,7 @@ from ...task import Status
 from .. import overlay, pending, preview, runtime, targets
 from ..operators.edits import ISIMP_OT_grow
 from . import under
-from .point import ModalTool, do
+from .point import ModalTool, do, miss
 
 _TICK = 0.02
 _NOTCH = 8.0  # pixels that the wheel moves a border by
@@ -29,7 +29,7 @@ class ISIMP_OT_size(ModalTool, bpy.types.Operator):
             return {"CANCELLED"}
         hit = self._ground.hit(self.ray(event))
         if hit is None:
-            return {"PASS_THROUGH"}
+            return miss()
         self._gesture = Sizing(self._ground.ring(self._region, self._view, self.place(event), hit))
         self._gesture.press(hit, self.place(event), ctrl=event.ctrl)
         self._scan, _ = targets.find(context)
@@ -111,7 +111,7 @@ class ISIMP_OT_size_here(ModalTool, bpy.types.Operator):
     def invoke(self, context, event):
         hit = self._ground.hit(self.ray(event)) if self.begin(context, event) else None
         if hit is None:
-            return {"PASS_THROUGH"}
+            return {"CANCELLED"}
         ring = self._ground.ring(self._region, self._view, self.place(event), hit)
         do("isimp.grow", face=hit.face, rings=rings_in(_NOTCH, ring), shrink=self.shrink)
         return {"FINISHED"}

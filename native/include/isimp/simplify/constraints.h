@@ -36,8 +36,8 @@ struct Constraints {
 std::optional<std::vector<std::int32_t>> open_faces(const Mesh& mesh, const Constraints& constraints,
                                                     std::int32_t proxies, double leave_out, Job& job);
 
-/// Some faces of a mesh, cut off from the others, as a mesh of their own. Its source_face counts in `faces`, its
-/// source_vertex names vertices of the whole mesh.
+/// Some faces of a mesh, cut off from the others, as a mesh of their own: all of them, and no others become neighbours.
+/// Its source_face counts in `faces`, its source_vertex names vertices of the whole mesh.
 /// \throws InvalidInput  no faces, or one out of range (named)
 Mesh part_of(const Mesh& mesh, std::span<const std::int32_t> faces, Job& job);
 

@@ -83,6 +83,7 @@ class Partitioner {
   void keep(const Kept& kept) const;
   [[nodiscard]] Prepared prepare(Guides guides, double adaptivity, Job& job) const;
   [[nodiscard]] std::shared_ptr<const OwnPart> own_part(std::span<const std::int32_t> open, Job& job) const;
+  Partition with_symmetry(const PartitionOptions& options, const Constraints& constraints, Job& job) const;
   Partition without_symmetry(const PartitionOptions& options, const Constraints& constraints, Job& job) const;
   Partition on_part(const Surface& surface, std::span<const std::int32_t> open, const PartitionOptions& options,
                     const Constraints& constraints, Job& job) const;

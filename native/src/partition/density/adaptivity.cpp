@@ -119,7 +119,11 @@ std::vector<float> adaptive_weights(const Surface& surface, double adaptivity, c
   const double edges = kRadius * surface_size(mesh) / std::max(mean_edge(mesh), 1e-300);
   double steps = std::clamp(kStepsARadius * edges * edges, 3.0, 4000.0);
   const double all = field.graph.size();
-  while (steps * kClusterSteps * field.graph.size() / all > 2 * kFewestSteps) join_pairs(field, threads, job);
+  while (steps * kClusterSteps * field.graph.size() / all > 2 * kFewestSteps) {
+    const std::int32_t before = field.graph.size();
+    join_pairs(field, threads, job);
+    if (field.graph.size() == before) break;  // each loose part is one cluster already
+  }
   if (field.graph.size() < all) steps *= kClusterSteps * field.graph.size() / all;
 
   const Job::Part spreading(job, "finding details", 0.7, 0.9);

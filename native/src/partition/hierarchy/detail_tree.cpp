@@ -13,6 +13,7 @@
 #include "density/normal_filter.h"
 #include "hierarchy/hierarchy.h"
 #include "hierarchy/region_graph.h"
+#include "hierarchy/strays.h"
 
 namespace isimp {
 namespace {
@@ -165,6 +166,7 @@ DetailTree::DetailTree(const Surface& surface, const DetailSettings& settings, J
   }
   tree_ = merge_all(clusters_of(graph, patches_, part_, borders_, Threads(threads)), {.need = need_}, job);
   relax_patches(graph, job);
+  touching_ = graph_of_regions(graph, patches_.label, patches_.sum.size(), {}, borders_, Threads(threads));
   falling_ = tree_.cost;
   std::sort(falling_.begin(), falling_.end(), std::greater<>());
   falling_.resize(std::min(falling_.size(), kMostCosts));
@@ -235,17 +237,19 @@ Regions DetailTree::regions(const Surface& surface, const Cut& cut, const Thread
   const FaceGraph& graph = surface.graph();
   Regions result = patches_;
   std::vector<std::int32_t> part = part_;
-  const auto become = [&](const MergeTree& tree, std::size_t merges) {
-    const std::size_t before = result.sum.size();
-    const std::vector<std::int32_t> becomes = cut_after(tree, merges);
-    relabel(result, becomes, result.sum.size() - merges, threads);
-    for (std::size_t r = 0; r < part.size(); ++r) part[becomes[r]] = part[r];  // becomes[r] is never above r
-    if (!part.empty()) part.resize(result.sum.size());
-    std::vector<std::uint8_t> of_several(result.sum.size(), 0), seen(result.sum.size(), 0);
-    for (std::size_t r = 0; r < before; ++r) of_several[becomes[r]] |= std::exchange(seen[becomes[r]], 1);
+  const auto become = [&](const std::vector<std::int32_t>& becomes, std::size_t count) {
+    std::vector<std::int32_t> part_after(part.empty() ? 0 : count);
+    for (std::size_t r = 0; r < part.size(); ++r) part_after[becomes[r]] = part[r];
+    part = std::move(part_after);
+    std::vector<std::uint8_t> of_several(count, 0), seen(count, 0);
+    for (const std::int32_t r : becomes) of_several[r] |= std::exchange(seen[r], 1);
+    relabel(result, becomes, count, threads);
     return of_several;
   };
-  become(tree_, static_cast<std::size_t>(merges(cut)));
+  const std::int32_t count = this->count(cut);
+  std::vector<std::int32_t> becomes = cut_after(tree_, static_cast<std::size_t>(merges(cut)));
+  join_strays(touching_, patches_.sum, count, becomes);
+  become(becomes, static_cast<std::size_t>(count));
   const BorderWeight border = border_weight_of(bend_);
   std::vector<std::int32_t> near = borders_;  // where borders are, or were
   std::vector<std::uint8_t> changed(result.sum.size(), 1);
@@ -257,7 +261,7 @@ Regions DetailTree::regions(const Surface& surface, const Cut& cut, const Thread
     const MergeTree more =
         merge_all(clusters_of(graph, result, part, near, threads), {.cost = cut.cost / area_, .need = need_}, job);
     if (more.merges() == 0) break;
-    changed = become(more, more.merges());
+    changed = become(cut_after(more, more.merges()), result.sum.size() - more.merges());
   }
   return result;
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "hierarchy/choose_cut.h"
+#include "hierarchy/contraction.h"
 #include "hierarchy/dendrogram.h"
 #include "isimp/core/job.h"
 #include "isimp/core/threads.h"
@@ -64,7 +65,8 @@ class DetailTree {
   std::vector<std::int32_t> part_;     // component of each patch; empty if there is one
   Regions patches_;                    // their borders relaxed
   std::vector<std::int32_t> borders_;  // faces beside another patch
-  MergeTree tree_;                     // over the patches
+  MergeTree tree_;                     // over the patches, as they were before their borders were relaxed
+  MergeGraph touching_;                // which patches share an edge since then
   std::vector<double> falling_;        // what its dearest merges cost, scene units squared
 };
 

@@ -81,6 +81,37 @@ def test_without_an_engine_the_addon_says_so(installed, tmp_path):
     assert "The iSimp engine does not load: install the zip for this system" in done.stdout + done.stderr
 
 
+def test_without_numpy_the_addon_names_the_remedy(installed):
+    hide = "import sys; sys.modules['numpy'] = None"
+    script = (
+        "import bpy; print('panel', bpy.types.ISIMP_PT_without_numpy.bl_category);"
+        "import addon_utils; addon_utils.disable('isimp'); print('off', hasattr(bpy.types, 'ISIMP_PT_without_numpy'))"
+    )
+    done = blender("--python-expr", hide, "--addons", "isimp", "--python-expr", script, scripts=installed)
+    said = done.stdout + done.stderr
+    assert "Traceback" not in said, said
+    assert "Blender's Python has no numpy: install python3-numpy and start Blender again" in said
+    assert "panel iSimp\n" in said
+    assert "off False\n" in said
+
+
+def test_switched_on_in_saved_preferences_it_is_there_in_the_background(installed, tmp_path):
+    """Blender registers it while it starts, when there are no key maps yet; then everything is there."""
+    environment = os.environ | {"BLENDER_USER_SCRIPTS": str(installed), "BLENDER_USER_CONFIG": str(tmp_path)}
+    environment.pop("PYTHONPATH", None)
+    keep = "import bpy; bpy.ops.preferences.addon_enable(module='isimp'); bpy.ops.wm.save_userpref()"
+    look = "import bpy; from isimp import blender; print('all', all(cls.is_registered for cls in blender._CLASSES))"
+    menu = "print('menu', any('isimp' in f.__module__ for f in bpy.types.VIEW3D_MT_object.draw._draw_funcs))"
+    off = "import addon_utils; addon_utils.disable('isimp')"
+    for script in (keep, f"{look}; {menu}; {off}"):
+        command = ["blender", "-b", "--python-exit-code", "1", "--python-expr", script]
+        done = subprocess.run(command, env=environment, capture_output=True, text=True)
+        assert done.returncode == 0, done.stdout + done.stderr
+        assert "Traceback" not in done.stdout + done.stderr, done.stdout + done.stderr
+    assert "all True\n" in done.stdout
+    assert "menu True\n" in done.stdout
+
+
 OFF = "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n"
 
 

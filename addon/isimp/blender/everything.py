@@ -1,0 +1,73 @@
+"""All classes of the add-on and all that it adds to Blender, in the order of registration."""
+
+import bpy
+
+from . import (
+    clipping,
+    command,
+    comparison,
+    display,
+    live,
+    menus,
+    operators,
+    overlay,
+    panel,
+    preferences,
+    presets,
+    runtime,
+    settings,
+    start,
+    store,
+    tools,
+    translations,
+)
+
+_CLASSES = (
+    *store.CLASSES,
+    *settings.CLASSES,
+    *operators.CLASSES,
+    *clipping.CLASSES,
+    *live.CLASSES,
+    *tools.CLASSES,
+    *presets.CLASSES,
+    *preferences.CLASSES,
+    *panel.CLASSES,
+    *menus.CLASSES,
+    *start.CLASSES,
+)
+for _cls in _CLASSES:
+    if issubclass(_cls, (bpy.types.Operator, bpy.types.Menu, bpy.types.Panel)):
+        _cls.bl_translation_context = translations.CONTEXT
+
+
+def register():
+    runtime.start()
+    translations.register()
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
+    store.register()
+    settings.register()
+    display.register()
+    live.register()
+    overlay.register()
+    tools.register()
+    menus.register()
+    start.register()
+    command.register()
+
+
+def unregister():
+    command.unregister()
+    start.unregister()
+    menus.unregister()
+    tools.unregister()
+    comparison.stop()
+    overlay.unregister()
+    live.unregister()
+    display.unregister()
+    settings.unregister()
+    store.unregister()
+    for cls in reversed(_CLASSES):
+        bpy.utils.unregister_class(cls)
+    translations.unregister()
+    runtime.stop()

@@ -1,0 +1,77 @@
+"""Signals that ask the command to end."""
+
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+
+class Terminated(KeyboardInterrupt):
+    """SIGTERM came."""
+
+
+@contextmanager
+def terminable() -> Iterator[None]:
+    """SIGTERM, and the end of the terminal, stop the block as Ctrl-C does."""
+    with _handled(_endings(), _end):
+        yield
+
+
+class Interrupts:
+    """Ctrl-C and SIGTERM, which come at once before the first call of `check`, and from then on when it is called.
+
+    An exception that comes anywhere may be lost in a destructor, or end a step in the middle. A second signal comes at
+    once all the same.
+    """
+
+    def __init__(self) -> None:
+        self._waits = False
+        self._came: int | None = None
+
+    def check(self) -> None:
+        self._waits = True
+        if self._came is not None:
+            _end(self._came, None)
+
+    def handle(self, number: int, frame: FrameType | None) -> None:
+        if not self._waits or self._came is not None:
+            _end(number, frame)
+        self._came = number
+
+
+@contextmanager
+def deferrable() -> Iterator[Interrupts]:
+    """As `terminable`, but signals wait for calls of `Interrupts.check`."""
+    interrupts = Interrupts()
+    is_awaited = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    with _handled(_endings() + [signal.SIGINT] * is_awaited, interrupts.handle):
+        yield interrupts
+
+
+def _endings() -> list[signal.Signals]:
+    """Those that ask a process to end, but for Ctrl-C."""
+    return [signal.SIGTERM] + ([signal.SIGHUP] if hasattr(signal, "SIGHUP") else [])
+
+
+def _end(number: int, frame: FrameType | None) -> None:
+    raise KeyboardInterrupt if number == signal.SIGINT else Terminated
+
+
+@contextmanager
+def _handled(numbers: list[signal.Signals], handler: Callable[[int, FrameType | None], None]) -> Iterator[None]:
+    before = {number: signal.getsignal(number) for number in numbers}
+    try:
+        for number, other in before.items():
+            if other is not signal.SIG_IGN:  # as under nohup
+                signal.signal(number, handler)
+        yield
+    finally:
+        for number, other in before.items():
+            signal.signal(number, other if other is not None else signal.SIG_DFL)
+
+
+@contextmanager
+def too_late() -> Iterator[None]:
+    """Signals that come in the block change nothing: what it does is short, and must not be done in part."""
+    with _handled([*_endings(), signal.SIGINT], lambda number, frame: None):
+        yield

@@ -1,0 +1,45 @@
+"""Which files a scan may name: those in its folder, in the folders below, and beside it (`../textures/wall.png`)."""
+
+import os
+import re
+from pathlib import Path, PureWindowsPath
+
+from .._core import FileError
+from . import udim
+
+_ADDRESS = re.compile(r"[A-Za-z][\w+.-]+:/|//")  # one letter and a colon are a drive of Windows
+
+
+def folder_of(scan: Path) -> Path:
+    return _absolute(scan).parent
+
+
+def root_of(scan: Path) -> Path:
+    """The folder in which all files are that a scan names: the one above its own."""
+    folder = folder_of(scan)
+    above = folder.parent
+    return folder if above == above.parent else above  # never all of the machine
+
+
+def file(name: str, folder: Path, root: Path, place: str) -> Path:
+    """The file of a name in a file of this folder. Raises FileError, which begins with `place`."""
+    if _ADDRESS.match(name):
+        raise FileError(f"{place}: {name} is not a file of this machine; fetch it, and correct the name")
+    path = Path(os.path.normpath(folder / name))
+    if not _absolute(path).is_relative_to(root):
+        raise FileError(f"{place}: {name} is outside of {root}; put the file there, and correct the name")
+    return path
+
+
+def image(name: str, folder: Path, root: Path, place: str) -> Path:
+    """The same for an image. A name from another machine is looked for beside the file that has it."""
+    beside = folder / PureWindowsPath(name).name
+    plain = name.replace("\\", "/")
+    inside = not _ADDRESS.match(plain) and _absolute(folder / plain).is_relative_to(root)
+    if udim.exists(beside) and not (inside and udim.exists(folder / plain)):
+        return beside
+    return file(plain, folder, root, place)
+
+
+def _absolute(path: Path) -> Path:
+    return Path(os.path.abspath(path))  # noqa: PTH100  (links stay as they are)

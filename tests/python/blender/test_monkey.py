@@ -1,0 +1,41 @@
+"""Every operator pressed at random, with random settings: a small share of what bench/addon_monkey.py does by hand."""
+
+import importlib.util
+import sys
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.usefixtures("scene")
+BENCH = Path(__file__).parents[3] / "bench"
+
+
+@pytest.fixture
+def monkey(monkeypatch):
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    spec = importlib.util.spec_from_file_location("addon_monkey", BENCH / "addon_monkey.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_nothing_breaks_whatever_is_pressed(monkey, tmp_path):
+    one = monkey.Monkey(7, tmp_path / "log")
+    assert one.run(400) == []
+    assert one.refused < 300, "most presses do something"
+    assert len((tmp_path / "log").read_text().splitlines()) >= 400
+
+
+def test_a_changed_scan_and_a_traceback_are_found(monkey, tmp_path, monkeypatch):
+    one = monkey.Monkey(7, tmp_path / "log")
+    one.begin()
+    one.check()
+    mesh = next(obj.data for obj in monkey.bpy.data.objects if obj.type == "MESH")
+    mesh.vertices[0].co.x += 1
+    with pytest.raises(monkey.Broken, match="has changed"):
+        one.check()
+    one.begin()
+    one.errors.write("Traceback (most recent call last)")
+    with pytest.raises(monkey.Broken, match="Traceback"):
+        one.check()
+    assert "ZeroDivisionError" in one._tried(lambda: 1 / 0)

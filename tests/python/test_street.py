@@ -1,0 +1,38 @@
+"""Windows and walls of a generated street: a cheap share of bench/street.py."""
+
+import houses
+import numpy as np
+import pytest
+import street as bench
+
+import isimp_engine as engine
+
+
+@pytest.fixture(scope="module")
+def rows():
+    """Of three houses, 65,760 faces: as they are, and with snapped planes and planar polygons."""
+    return bench.Judge(houses.street(3)).rows()
+
+
+def test_windows_of_a_street_are_quads(rows):
+    for row in rows:
+        assert row["window_quads"] >= 0.94 * row["windows"]
+        assert row["reveal_quads"] == row["reveals"]
+        assert row["triangles"] == 0
+        assert row["faults"] == 0
+
+
+def test_planes_of_a_street_stay_and_its_polygons_whole(rows):
+    _, planar = rows
+    assert planar["whole"] >= 0.995
+    assert planar["let_go"] == 0
+    assert planar["polygons"] <= 1.04 * planar["regions"]
+
+
+def test_true_faces_of_a_street_are_told_apart():
+    judge = bench.Judge(houses.street(1))
+    assert judge.part.max() + 1 == 114
+    part = engine.partition_from(judge.mesh, judge.part.astype(np.int32))
+    found = judge.rectangles(np.asarray(part.face_region), engine.polygonize(judge.mesh, part))
+    assert found["windows"][0] == 77
+    assert found["reveals"][0] == 29
