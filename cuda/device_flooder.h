@@ -1,7 +1,11 @@
 #pragma once
 
+#include <thrust/functional.h>
+#include <thrust/system_error.h>
+
 #include <algorithm>
 #include <bit>
+#include <cuda/std/bit>
 #include <memory>
 #include <string>
 #include <utility>
@@ -15,7 +19,7 @@
 #include "pieces.h"
 #include "summing.h"
 
-namespace isimp::parallel {
+namespace isimp::parallel::ISIMP_DEVICE {
 
 /// Does some work on the device; its failures become the engine's, in words.
 template <class Work>
@@ -275,4 +279,4 @@ inline std::unique_ptr<Flooder> load_flooder(const FloodSurface& surface, std::s
   return std::make_unique<DeviceFlooder>(surface, most);
 }
 
-}  // namespace isimp::parallel
+}  // namespace isimp::parallel::ISIMP_DEVICE

@@ -1,7 +1,7 @@
 #pragma once
 
+#include <thrust/iterator/counting_iterator.h>
 #include <thrust/iterator/transform_iterator.h>
-#include <thrust/scan.h>
 
 #include <algorithm>
 #include <limits>
@@ -9,7 +9,7 @@
 #include "device.h"
 
 /// The kernels of queued flooding and of the repair, and the queue they share.
-namespace isimp::parallel {
+namespace isimp::parallel::ISIMP_DEVICE {
 
 inline constexpr float kNoOffer = std::numeric_limits<float>::infinity();
 
@@ -257,9 +257,7 @@ class Queue {
       grow(offset_, candidates + 1);
       const auto bits = thrust::make_transform_iterator(thrust::counting_iterator<std::int64_t>(0),
                                                         CountBits{claims_.data(), candidates});
-      with_policy(memory_, candidates, [&](const auto& policy) {
-        thrust::exclusive_scan(policy, bits, bits + candidates + 1, offset_.data());
-      });
+      scan_all(memory_, bits, candidates + 1, offset_.data());
       device_copy(&found, offset_.data() + candidates, sizeof found);
       grow(next_, found);
       grow(chosen_, found);
@@ -275,4 +273,4 @@ class Queue {
   bool once_ = false;
 };
 
-}  // namespace isimp::parallel
+}  // namespace isimp::parallel::ISIMP_DEVICE

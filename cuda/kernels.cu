@@ -7,6 +7,7 @@
 #include "summing.h"
 
 namespace isimp::parallel {
+namespace ISIMP_DEVICE {
 namespace {
 
 void check_lengths(std::size_t faces, std::size_t labels, std::int32_t regions, std::int32_t threads) {
@@ -54,16 +55,20 @@ class DeviceKernels final : public Kernels {
 
 }  // namespace
 
+const Kernels& device_kernels() {
+  static const DeviceKernels kernels;
+  return kernels;
+}
+
+}  // namespace ISIMP_DEVICE
+
 #ifdef __CUDACC__
 
 namespace {
 __global__ void do_nothing() {}
 }  // namespace
 
-const Kernels& cuda_kernels() {
-  static const DeviceKernels kernels;
-  return kernels;
-}
+const Kernels& cuda_kernels() { return on_cuda::device_kernels(); }
 
 std::string cuda_obstacle() {
   int version = 0, devices = 0;
@@ -73,13 +78,6 @@ std::string cuda_obstacle() {
   cudaFuncAttributes attributes;  // fails where this build has no code for the device
   if (error == cudaSuccess) error = cudaFuncGetAttributes(&attributes, do_nothing);
   return error == cudaSuccess ? "" : cudaGetErrorString(error);
-}
-
-#else
-
-const Kernels& cpu_kernels() {
-  static const DeviceKernels kernels;
-  return kernels;
 }
 
 #endif

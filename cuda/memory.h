@@ -1,20 +1,22 @@
 #pragma once
 
-#include <thrust/system_error.h>
-
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <new>
 #include <utility>
 #include <vector>
 
+/// A namespace for each back end: the same names mean other code there, and one program has several.
+#ifndef ISIMP_DEVICE
 #ifdef __CUDACC__
-#include <thrust/system/cuda/error.h>
+#define ISIMP_DEVICE on_cuda
+#else
+#define ISIMP_DEVICE on_cpu
+#endif
 #endif
 
 /// Memory of the device: in place of what Thrust has, which asks the device for every vector and every sum anew.
-namespace isimp::parallel {
+namespace isimp::parallel::ISIMP_DEVICE {
 
 /// The device has too little memory left.
 struct OutOfMemory final : std::bad_alloc {
@@ -22,30 +24,12 @@ struct OutOfMemory final : std::bad_alloc {
   std::size_t wanted, held;  ///< bytes asked for, and bytes held already
 };
 
-#ifdef __CUDACC__
-inline void check(cudaError_t error) {
-  if (error == cudaSuccess) return;
-  (void)cudaGetLastError();  // or whoever asks next is told of it too
-  throw thrust::system_error(error, thrust::cuda_category());
-}
-inline void* device_new(std::size_t bytes) {
-  void* block = nullptr;
-  const cudaError_t error = cudaMalloc(&block, bytes);
-  if (error != cudaErrorMemoryAllocation) check(error);
-  (void)cudaGetLastError();
-  return block;
-}
-inline void device_delete(void* block) noexcept { (void)cudaFree(block); }
-inline void device_copy(void* to, const void* from, std::size_t bytes) {
-  if (bytes > 0) check(cudaMemcpy(to, from, bytes, cudaMemcpyDefault));
-}
-#else
-inline void* device_new(std::size_t bytes) { return ::operator new(bytes, std::nothrow); }
-inline void device_delete(void* block) noexcept { ::operator delete(block); }
-inline void device_copy(void* to, const void* from, std::size_t bytes) {
-  if (bytes > 0) std::memcpy(to, from, bytes);
-}
-#endif
+// The back end's header defines these three.
+/// \return null if the device has too little memory
+inline void* device_new(std::size_t bytes);
+inline void device_delete(void* block) noexcept;
+/// Copies between host and device, in any direction, before later kernels run and after earlier ones.
+inline void device_copy(void* to, const void* from, std::size_t bytes);
 
 /// Blocks of the device's memory. What is given back is kept for whoever asks next, until it is wanted in other sizes
 /// or the whole goes: a CUDA device stands still while it makes room. For one thread at a time.
@@ -156,14 +140,4 @@ class Array {
   std::size_t size_ = 0;
 };
 
-#ifdef __CUDACC__
-/// Hands Thrust what it wants for a sum or a scan.
-struct Scratch {
-  using value_type = char;
-  Memory* memory;
-  char* allocate(std::ptrdiff_t bytes) { return static_cast<char*>(memory->take(static_cast<std::size_t>(bytes))); }
-  void deallocate(char* block, std::size_t /*bytes*/) { memory->give(block); }
-};
-#endif
-
-}  // namespace isimp::parallel
+}  // namespace isimp::parallel::ISIMP_DEVICE

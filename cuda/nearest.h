@@ -8,7 +8,7 @@
 #include "flooding.h"
 
 /// Naive flooding: every face looks at the regions nearest to it.
-namespace isimp::parallel {
+namespace isimp::parallel::ISIMP_DEVICE {
 
 /// The regions' centres in a grid of cells over the unit cube.
 struct Grid {
@@ -139,4 +139,4 @@ struct HostGrid {
   }
 };
 
-}  // namespace isimp::parallel
+}  // namespace isimp::parallel::ISIMP_DEVICE

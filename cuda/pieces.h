@@ -7,7 +7,7 @@
 
 /// The pieces in which regions lie: faces of one label that hang together. A piece goes by its first face, so that no
 /// order of joining changes a name.
-namespace isimp::parallel {
+namespace isimp::parallel::ISIMP_DEVICE {
 
 /// Every face a piece of its own.
 struct Alone {
@@ -106,4 +106,4 @@ struct FreeOthers {
   }
 };
 
-}  // namespace isimp::parallel
+}  // namespace isimp::parallel::ISIMP_DEVICE

@@ -9,7 +9,7 @@
 #include "isimp/parallel/sums.h"
 
 /// Sums over the faces of each region, of integers, so that the order of adding is of no matter.
-namespace isimp::parallel {
+namespace isimp::parallel::ISIMP_DEVICE {
 
 using Integer = long long;  // what CUDA has an atomic addition for
 
@@ -117,4 +117,4 @@ std::vector<double> sum_up(Memory& memory, const float* faces, const float* cent
   return result;
 }
 
-}  // namespace isimp::parallel
+}  // namespace isimp::parallel::ISIMP_DEVICE

@@ -104,7 +104,8 @@ stage_cuda() { # the CUDA part: compiled with nvcc, the machine's or PyPI's, and
   cmake -S . -B build-cuda -G Ninja -DISIMP_TESTS=ON -DISIMP_PYTHON=ON -DISIMP_WERROR=ON -DISIMP_CUDA=ON \
     -Dpybind11_DIR="$("$tests_venv/bin/python" -m pybind11 --cmakedir)" -DPython_EXECUTABLE="$tools/bin/python"
   local tests=(test_parallel test_parallel_lloyd test_device_memory) test
-  ninja -C build-cuda -j2 isimp_python "${tests[@]}"
+  ninja -C build-cuda -j2 isimp_python test_stand_in "${tests[@]}"
+  build-cuda/cuda/test_stand_in --gtest_output=xml:"$results/test_stand_in.xml"
   for test in "${tests[@]}"; do "build-cuda/tests/cpp/$test" --gtest_output=xml:"$results/$test.xml"; done
   ISIMP_CUDA_BUILD=$root/build-cuda PYTHONPATH=$root/build-cuda/python "$tests_venv/bin/python" -m pytest \
     tests/cuda tests/python/test_parallel.py --junitxml "$results/pytest.xml"

@@ -64,6 +64,21 @@ def test_the_module_asks_for_no_library_of_cuda():
     assert not re.search(r"NEEDED.*(cuda|cudart|nvrtc|nvidia)", needed)
 
 
+def defined(path: Path) -> set[str]:
+    """The engine's functions that an object file defines and a linker may replace by another file's."""
+    lines = subprocess.run(["nm", "-C", "--defined-only", path], capture_output=True, text=True, check=True).stdout
+    symbols = re.findall(r"^\w+ [WVu] (.*)$", lines, re.MULTILINE)
+    return {
+        name for name in symbols if re.match(r"(?!std::|typeinfo).*isimp::parallel::", name) and "RegionSum" not in name
+    }
+
+
+def test_no_function_of_one_back_end_can_stand_for_that_of_the_other():
+    cpu, cuda = (defined(next(BUILD.rglob(name))) for name in ("cpu_kernels.cpp.o", "kernels.cu.o"))
+    assert min(len(cpu), len(cuda)) > 20
+    assert not cpu & cuda
+
+
 def test_there_is_code_for_every_architecture_up_to_9_0_and_for_later_ones():
     nvcc = compile_command()[0]
     known = subprocess.run([nvcc, "--list-gpu-arch"], capture_output=True, text=True, check=True).stdout
