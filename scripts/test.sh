@@ -162,7 +162,7 @@ stage_quick() { # what a change is tried with many times an hour
 use_tests_venv() {
   local requirements=()
   [ -e pyproject.toml ] && mapfile -t requirements < <(build_requirements)
-  venv "$tests_venv" pytest pytest-xdist hypothesis mypy ruff==0.14.* numpy pillow distributed \
+  venv "$tests_venv" pytest pytest-xdist hypothesis mypy ruff==0.14.* numpy pillow distributed nvidia-cuda-cuobjdump==13.* \
     check-jsonschema mkdocs-material "${requirements[@]}"
 }
 

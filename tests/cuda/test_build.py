@@ -4,8 +4,10 @@ import json
 import os
 import re
 import shlex
+import shutil
 import struct
 import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -45,6 +47,11 @@ def fat_binary(path: Path) -> set[tuple[int, int]]:
     return found
 
 
+def _paths_of_toolkits() -> list[str]:
+    """Where PyPI's packages put the programs of CUDA."""
+    return [f"{path}/nvidia/cu13/bin" for path in sys.path]
+
+
 def test_the_module_is_the_one_with_cuda_and_loads_without_a_driver():
     assert Path(_core.__file__).is_relative_to(BUILD)
     assert engine.backends()[0] == "cpu"
@@ -64,28 +71,27 @@ def test_the_module_asks_for_no_library_of_cuda():
     assert not re.search(r"NEEDED.*(cuda|cudart|nvrtc|nvidia)", needed)
 
 
-def defined(path: Path) -> set[str]:
-    """The engine's functions that an object file defines and a linker may replace by another file's."""
+def replaceable(path: Path) -> set[str]:
+    """The functions of an object file that a linker may replace by another file's."""
     lines = subprocess.run(["nm", "-C", "--defined-only", path], capture_output=True, text=True, check=True).stdout
-    symbols = re.findall(r"^\w+ [WVu] (.*)$", lines, re.MULTILINE)
-    return {
-        name for name in symbols if re.match(r"(?!std::|typeinfo).*isimp::parallel::", name) and "RegionSum" not in name
-    }
+    return set(re.findall(r"^\w+ [WVu] (.*isimp::parallel::.*)$", lines, re.MULTILINE))
 
 
 def test_no_function_of_one_back_end_can_stand_for_that_of_the_other():
-    cpu, cuda = (defined(next(BUILD.rglob(name))) for name in ("cpu_kernels.cpp.o", "kernels.cu.o"))
+    """Both may define those of the types that they share, which are in public headers."""
+    cpu, cuda = (replaceable(next(BUILD.rglob(name))) for name in ("cpu_kernels.cpp.o", "kernels.cu.o"))
     assert min(len(cpu), len(cuda)) > 20
-    assert not cpu & cuda
+    own = re.compile(r"isimp::parallel::(?!(?:Flooder|Kernels|Proxies|RegionSum|FloodSurface)\b)\w")
+    assert [name for name in sorted(cpu & cuda) if own.search(name)] == []
 
 
-def test_there_is_code_for_every_architecture_up_to_9_0_and_for_later_ones():
+def test_there_is_code_for_every_architecture_up_to_12_0_and_for_later_ones():
     nvcc = compile_command()[0]
-    known = subprocess.run([nvcc, "--list-gpu-arch"], capture_output=True, text=True, check=True).stdout
-    wanted = {a for a in (60, 70, 75, 80, 86, 89, 90) if f"compute_{a}" in known}
+    known = subprocess.run([nvcc, "--list-gpu-arch"], capture_output=True, text=True, check=True).stdout.split()
+    wanted = {a for a in (60, 70, 75, 80, 86, 89, 90, 100, 120) if f"compute_{a}" in known}
     code = fat_binary(Path(_core.__file__))
     assert {a for kind, a in code if kind == MACHINE} >= wanted
-    assert 90 in {a for kind, a in code if kind == PTX}
+    assert max(wanted) in {a for kind, a in code if kind == PTX}
 
 
 def test_arithmetic_is_rounded_as_on_the_processor(tmp_path):
@@ -100,3 +106,19 @@ def test_arithmetic_is_rounded_as_on_the_processor(tmp_path):
     assert len(re.findall(r"\b(?:add|sub|mul)\.rn\.f32\b", code)) > 20
     wrong = r"\bfma\.\S*f(?:32|64)|\.ftz|\.approx|\.full|\b(?:add|sub|mul|div|sqrt)\.f(?:32|64)"
     assert not re.findall(wrong, code)
+
+
+def test_no_kernel_needs_memory_of_its_own_or_too_many_registers():
+    """Except ChooseNear, which keeps its candidates there: 2 x 32 numbers."""
+    dump = shutil.which("cuobjdump", path=os.pathsep.join([*_paths_of_toolkits(), os.environ["PATH"]]))
+    if dump is None:
+        pytest.skip("no cuobjdump is here: pip install nvidia-cuda-cuobjdump")
+    used = subprocess.run(
+        [dump, "-res-usage", next(BUILD.rglob("kernels.cu.o"))], capture_output=True, text=True, check=True
+    ).stdout
+    kernels = re.findall(r"Function (\S*run_kernel\S*):\s+REG:(\d+) STACK:(\d+) SHARED:\d+ LOCAL:(\d+)", used)
+    assert len(kernels) >= 19
+    for name, registers, stack, local in kernels:
+        most = 264 if "ChooseNear" in name else 0
+        assert int(registers) <= 64, name
+        assert int(stack) + int(local) <= most, name
