@@ -1,0 +1,105 @@
+#!/usr/bin/env bash
+# Brings the CUDA part to a machine that has a device but no compiler and no network, and tries it there.
+#   scripts/device.sh prepare FOLDER [SCAN...]   makes FOLDER and FOLDER.tar.xz: the engine with CUDA, numpy, tests,
+#                                                benchmarks, scans
+#   FOLDER/device.sh run                         on the other machine; FOLDER/results gets what it finds
+#
+# `run` has a time limit for each step and ends after 12 minutes at most. Without a device it does all that needs none and
+# says so.
+# ISIMP_PYTHONS: the Pythons to build for, as commands; without it Debian's and, where pyenv has it, 3.12.
+set -uo pipefail
+
+prepare() { # FOLDER SCAN...
+  # shellcheck source=scripts/common.sh
+  . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+  set -e
+  local folder=$1 build=$root/build-device place version entries="" library scan
+  shift
+  apt_install "${build_packages[@]}" libgtest-dev
+  mapfile -t requirements < <(build_requirements)
+  venv "$root/.venv-device" numpy "${requirements[@]}"
+  mkdir -p "$folder"/{python,numpy,lib,tests,bench,scans}
+  rm -f "$folder"/numpy/*
+  for place in ${ISIMP_PYTHONS:-"$python" "$HOME"/.pyenv/versions/3.12.*/bin/python3}; do
+    version=$("$place" -c 'import sys; print("%d.%d" % sys.version_info[:2])') || continue
+    "$root/.venv-device/bin/pip" download -q --no-deps --only-binary=:all: --python-version "$version" -d "$folder/numpy" numpy
+    entries+=$(python_entry "$place")\;
+  done
+  entries=$(tr ';' '\n' <<<"$entries" | grep -v "^$(python_entry "$python" | cut -d= -f1)=" | paste -sd';')
+  cmake -S . -B "$build" -G Ninja -DISIMP_TESTS=ON -DISIMP_PYTHON=ON -DISIMP_CUDA=ON "-DISIMP_OTHER_PYTHONS=${entries%;}" \
+    -DPython_EXECUTABLE="$root/.venv-device/bin/python" \
+    -Dpybind11_DIR="$("$root/.venv-device/bin/python" -m pybind11 --cmakedir)" >/dev/null
+  local tests=(test_parallel test_parallel_lloyd test_device_memory)
+  ninja -C "$build" -j2 native/bindings/all "${tests[@]}"
+  cp -RLf "$build"/python/. "$folder/python"
+  for place in "${tests[@]}"; do cp "$build/tests/cpp/$place" "$folder/tests"; done
+  for library in $(ldd "$folder"/python/isimp_engine/_core*.so "$folder"/tests/* | sed -n 's/.*=> \(.*\/lib\(OpenMesh\|gomp\).*\) (.*/\1/p' | sort -u); do
+    cp -L "$library" "$folder/lib"
+  done
+  cp bench/gpu.py bench/thesis.py bench/thesis_findings.py "$folder/bench"
+  for scan; do cp "$scan" "$folder/scans"; done
+  strip "$folder"/python/isimp_engine/_core*.so "$folder"/tests/*
+  cp scripts/device.sh "$folder"
+  tar -C "$(dirname "$folder")" -c --use-compress-program="xz -T2 -3" -f "$folder.tar.xz" "$(basename "$folder")"
+  du -m "$folder.tar.xz" | awk '{ print $2 ", " $1 " MB" }'
+}
+
+# python_entry PYTHON: SUFFIX=FOLDER of its headers.
+python_entry() {
+  "$1" -c 'import sysconfig; print(sysconfig.get_config_var("EXT_SUFFIX") + "=" + sysconfig.get_path("include"))'
+}
+
+# step NAME SECONDS COMMAND...: runs it with a time limit, its output to results/NAME.txt.
+step() {
+  local name=$1 limit=$2 started=$SECONDS code
+  shift 2
+  timeout "$limit" "$@" >"results/$name.txt" 2>&1 </dev/null
+  code=$?
+  [ $code = 0 ] || failed=1
+  echo "$name: exit status $code after $((SECONDS - started)) s; $(tail -n 1 "results/$name.txt" | cut -c1-200)"
+}
+
+run() {
+  cd "$(dirname "${BASH_SOURCE[0]}")" || exit 1
+  mkdir -p results
+  local python="" place version failed=0
+  for place in python3 python3.1{4,3,2,1,0}; do
+    version=$("$place" -c 'import sys; print("cp%d%d" % sys.version_info[:2])' 2>/dev/null) || continue
+    if compgen -G "numpy/*-$version-*" >/dev/null; then python=$place && break; fi
+  done
+  [ -n "$python" ] || { echo "no Python here is one of those in numpy/: $(echo numpy/*)"; exit 1; }
+  "$python" -m zipfile -e numpy/*-"$version"-*.whl "unpacked/$version"
+  export PYTHONPATH=$PWD/python:$PWD/unpacked/$version LD_LIBRARY_PATH=$PWD/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
+  step machine 20 bash -c 'uname -a; nproc; nvidia-smi; true'
+  step import 60 "$python" -c 'import isimp_engine as e; print(e.__version__, e.backends())'
+  step tests_lloyd 60 tests/test_parallel_lloyd
+  step tests_memory 30 tests/test_device_memory
+  step tests 30 tests/test_parallel
+  if ! grep -q cuda results/import.txt; then
+    echo "no device here: $("$python" -c '
+import isimp_engine as e, numpy as n
+try: e.partition(e.Mesh(n.eye(3), n.array([[0, 1, 2]])), e.PartitionOptions(proxies=1, method="queued", backend="cuda"))
+except e.InvalidInput as error: print(error)')"
+    exit $failed
+  fi
+  if command -v compute-sanitizer >/dev/null; then
+    step memcheck 90 compute-sanitizer --tool memcheck --error-exitcode 9 tests/test_parallel
+    step racecheck 60 compute-sanitizer --tool racecheck --error-exitcode 9 tests/test_parallel --gtest_filter='Parallel.*Exact*'
+  fi
+  step small 60 "$python" bench/gpu.py --faces 100000 --counts 100,1000 --out results/small
+  step large 150 "$python" bench/gpu.py --faces 1000000,3500000 --counts 500,2000 --repeat 1 --out results/large
+  for place in scans/*; do
+    [ ! -e "$place" ] || step "thesis_$(basename "$place" .ply)" 50 "$python" bench/thesis.py --csv-only --data scans --scans "$(basename "$place")" --counts 500 --out "results/thesis"
+  done
+  cat results/small.txt results/large.txt
+  exit $failed
+}
+
+case ${1:-} in
+  prepare) prepare "${@:2}" ;;
+  run) run ;;
+  *)
+    sed -n '2,10s/^# \{0,1\}//p' "$0"
+    exit 2
+    ;;
+esac
