@@ -29,8 +29,10 @@ def pillow(name: object) -> Any:
     """Pillow's module of images; it is loaded only where an image file is read or written."""
     try:
         import PIL.Image
-    except ImportError:
+    except ModuleNotFoundError:
         raise FileError(f"{name}: reading and writing images needs Pillow; install it: pip install pillow") from None
+    except ImportError as error:  # there is too little memory, for one
+        raise FileError(f"{name}: reading and writing images needs Pillow, which can't be loaded ({error})") from None
     return PIL.Image
 
 
