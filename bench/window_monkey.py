@@ -122,6 +122,14 @@ class Monkey:
             yield 0.1
 
 
+def scan_there():
+    """The scan, if it is there and seen."""
+    import bpy
+
+    scan = bpy.data.objects.get("Scan")
+    return scan if scan is not None and scan.visible_get() else None
+
+
 def run(hand):
     """The scenario that drive.py runs in Blender."""
     sys.path[:0] = [str(WINDOW), str(WINDOW.parent)]
@@ -134,14 +142,17 @@ def run(hand):
 
     for cls in blender._CLASSES:
         if issubclass(cls, bpy.types.Panel):
-            cls.bl_options = set()
+            cls.bl_options = set() if hasattr(cls, "bl_parent_id") else {"HIDE_HEADER"}
     isimp.register()
     seed, seconds = int(os.environ["ISIMP_MONKEY_SEED"]), float(os.environ["ISIMP_MONKEY_SECONDS"])
     make_scan(4)
-    scan = bpy.context.object
+    bpy.ops.isimp.partition("EXEC_DEFAULT", True, proxies=14)
+    path = str(hand.out / "scan.blend")  # opened, so that no undo goes back before it
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.open_mainfile(filepath=path, load_ui=False)
     yield 0.5
     yield from hand.open_tab()
-    bpy.ops.isimp.partition("EXEC_DEFAULT", True, proxies=14)
+    scan = bpy.data.objects["Scan"]
     monkey, mesh = Monkey(hand, seed), scan.data.name
     before, place = scans.geometry(scan.data), scan.matrix_world.copy()
     told, sys.stderr = sys.stderr, io.StringIO()
@@ -153,6 +164,8 @@ def run(hand):
         if monkey.count % 20:
             continue
         yield from monkey.rest()
+        if bpy.context.view_layer.objects.active is None and scan_there():
+            bpy.context.view_layer.objects.active = scan_there()
         found = [obj for obj in bpy.data.objects if obj.type == "MESH" and obj.data.name == mesh]
         for obj in found:
             obj.update_from_editmode()

@@ -4,6 +4,7 @@ import gzip
 import json
 import math
 import struct
+import sys
 import zlib
 
 import numpy as np
@@ -49,6 +50,20 @@ def test_an_image_is_no_program(tmp_path, monkeypatch, name):
         with pytest.raises(engine.FileError, match="is not an image that can be read"):
             decode(source, "a")
     assert not ran
+
+
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [("ModuleNotFoundError('PIL')", "install it: pip"), ("ImportError('no memory')", r"can't be loaded \(no memory\)")],
+)
+def test_a_pillow_that_can_not_be_loaded_is_said(tmp_path, monkeypatch, error, said):
+    (tmp_path / "PIL").mkdir()
+    (tmp_path / "PIL" / "__init__.py").write_text(f"raise {error}\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    for name in [name for name in sys.modules if name.split(".")[0] == "PIL"]:
+        monkeypatch.delitem(sys.modules, name)
+    with pytest.raises(engine.FileError, match=rf"^a: reading and writing images needs Pillow.*{said}"):
+        decode(png(4, 4), "a")
 
 
 def test_all_kinds_that_are_named_are_read(tmp_path):

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -124,10 +125,10 @@ def test_a_draft_follows_no_link_and_takes_no_file_of_before(tmp_path):
     assert (tmp_path / f".a.{os.getpid()}-1.txt").read_text() == "old"
 
 
-@posix
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is full")
 def test_a_full_disk_is_said_with_the_file(tmp_path):
     with pytest.raises(OSError, match="No space left") as caught:
-        drafts.save_array(drafts.Path("/dev/full"), np.arange(10))
+        drafts.save_array(Path("/dev/full"), np.arange(10))
     assert caught.value.errno == errno.ENOSPC
     values = np.arange(12.0).reshape(3, 4).T
     drafts.save_array(tmp_path / "a.npy", values)

@@ -48,7 +48,7 @@ def _tick():
             live.work.read_on(context, _TICK)
             return _TICK
         work, live.work = live.work, None
-        if not _take_up(context, work):
+        if not _take_up(context, work) or runtime.get().running is not None:  # a texture is on its way
             return None
     try:
         kept, changed = store.load(scan), pending.recipe_of(context, scan)

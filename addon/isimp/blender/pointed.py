@@ -3,7 +3,7 @@
 from ..language import own
 from . import mesh_io, runtime
 
-NONE = own("No region is chosen: click one with a tool (T), or select faces in Edit Mode (Tab, then 3)")
+NONE = own("No region is chosen: alt-click one with the Region tool (T), or select faces in Edit Mode (Tab, then 3)")
 
 
 def note(scan, face: int) -> None:

@@ -26,6 +26,18 @@ const Partition& checked(const Mesh& mesh, const Partition& partition) {
   return partition;
 }
 
+/// Whether the sums have as many faces as the labels name, at least one each.
+[[maybe_unused]] bool fits(const Partition& p) {
+  std::vector<std::int32_t> faces(p.region_sum.size(), 0);
+  for (const std::int32_t r : p.face_region) {
+    if (r < kNone || r >= static_cast<std::int32_t>(faces.size())) return false;
+    if (r != kNone) ++faces[r];
+  }
+  for (std::size_t r = 0; r < faces.size(); ++r)
+    if (faces[r] == 0 || faces[r] != p.region_sum[r].faces) return false;
+  return p.region_seed.size() == faces.size();
+}
+
 }  // namespace
 
 Edit::Edit(const Mesh& mesh, const Partition& partition)
@@ -95,6 +107,8 @@ std::int32_t Edit::add_region() {
 }
 
 void Edit::remove_region(std::int32_t region) {
+  ISIMP_ASSERT(std::find(result.face_region.begin(), result.face_region.end(), region) == result.face_region.end(),
+               "a region that is taken away has no faces");
   const auto at = static_cast<std::ptrdiff_t>(region);
   result.region_sum.erase(result.region_sum.begin() + at);
   result.region_seed.erase(result.region_seed.begin() + at);
@@ -110,6 +124,7 @@ void Edit::remove_region(std::int32_t region) {
 }
 
 void Edit::move(std::int32_t i, std::int32_t to) {
+  ISIMP_ASSERT(labels.get(i) >= 0 && labels.get(i) != to, "a face moves from a region that is not held to another one");
   result.region_sum[labels.get(i)].remove(graph.faces[i]);
   result.region_sum[to].add(graph.faces[i]);
   labels.set(i, to);
@@ -146,6 +161,8 @@ void Edit::reconnect(std::span<const std::int32_t> changed) {
   for (const std::int32_t face : loose) labels.set(face, kOpen);
   std::vector<std::int32_t> touched;
   if (!loose.empty()) flood_from_around(graph, labels, loose, result.region_sum, touched);
+  ISIMP_ASSERT(std::all_of(loose.begin(), loose.end(), [&](std::int32_t face) { return labels.get(face) >= 0; }),
+               "what is cut off is beside the region that cut it off");
   hints.insert(hints.end(), loose.begin(), loose.end());
 }
 
@@ -170,6 +187,7 @@ void Edit::keep_planes() {
 
 Partition Edit::finish() {
   const auto regions = static_cast<std::int32_t>(result.region_sum.size());
+  ISIMP_ASSERT(fits(result), "labels are of regions, with as many faces as their sums have");
   hold({});
   keep_planes();
   result.region_normal.resize(result.region_sum.size());

@@ -1,6 +1,9 @@
 #include "pieces.h"
 
+#include <algorithm>
 #include <utility>
+
+#include "isimp/core/check.h"
 
 namespace isimp {
 namespace {
@@ -96,6 +99,10 @@ class Walks {
 }  // namespace
 
 std::vector<std::int32_t> cut_off(const FaceGraph& graph, EditLabels labels, std::span<const std::int32_t> starts) {
+  ISIMP_ASSERT(
+      std::all_of(starts.begin(), starts.end(),
+                  [&](std::int32_t i) { return labels.get(i) >= 0 && labels.get(i) == labels.get(starts[0]); }),
+      "walks begin in one region");
   Walks walks(graph, labels, labels.get(starts.front()));
   for (const std::int32_t face : starts) walks.start(face);
   walks.run();

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "isimp/core/check.h"
 #include "polyline.h"
 #include "sorted.h"
 
@@ -36,10 +37,18 @@ int Complex::boundary_edges(std::int32_t vertex) const {
 
 void Complex::refresh(std::span<const std::int32_t> pieces, std::vector<std::vector<std::int32_t>> loops,
                       const Job& job) {
+  ISIMP_ASSERT(pieces.size() == loops.size() && std::is_sorted(pieces.begin(), pieces.end()),
+               "there is a loop for each piece, in rising order");
   loops_.resize(labels_.pieces.size());
   chords_.resize(labels_.pieces.size());
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     job.poll();
+    ISIMP_ASSERT(!loops[i].empty(), "a piece is a disc, with a boundary");
+    ISIMP_ASSERT(std::all_of(loops[i].begin(), loops[i].end(),
+                             [&](std::int32_t h) {
+                               return labels_.label[h / 3] == pieces[i] && labels_.across(h) != pieces[i];
+                             }),
+                 "a loop is of boundary half-edges of its piece");
     loops_.set(pieces[i], std::move(loops[i]));
     add_anchors(loops_[pieces[i]]);
     seed_ring(pieces[i]);
@@ -110,7 +119,9 @@ bool Complex::has_chord(std::int32_t a, std::int32_t b) const {
 
 std::size_t Complex::place_of(std::int32_t chord) const {
   const auto& loop = loops_[labels_.label[chord / 3]];
-  return std::find(loop.begin(), loop.end(), chord) - loop.begin();
+  const auto at = std::find(loop.begin(), loop.end(), chord);
+  ISIMP_ASSERT(at != loop.end(), "a chord is in the loop of its piece");
+  return at - loop.begin();
 }
 
 void Complex::collect_line(std::span<const std::int32_t> loop, std::size_t at, std::vector<Vec3>& line) const {
@@ -126,6 +137,7 @@ void Complex::collect_line(std::span<const std::int32_t> loop, std::size_t at, s
 }
 
 void Complex::add_corner(std::int32_t vertex) {
+  ISIMP_ASSERT(boundary_edges(vertex) > 0, "a corner is on a boundary");
   corner_.set(vertex, 1);
   mark_dirty(vertex);
 }
@@ -247,6 +259,9 @@ void Complex::collect_dirty() {
     for (const std::int32_t h : loops_[l])
       if (is_corner(mesh_.from(h))) chords.push_back(h);
   }
+  ISIMP_ASSERT(
+      std::all_of(dirty_.begin(), dirty_.end(), [&](std::int32_t l) { return chords_[l].size() <= loops_[l].size(); }),
+      "chords begin at half-edges of the loop");
   changed_.insert(changed_.end(), dirty_.begin(), dirty_.end());
   dirty_.clear();
 }
@@ -260,6 +275,7 @@ std::vector<std::int32_t> Complex::make_regular() {
     const std::vector<std::int32_t> near = with_neighbours(changed_);
     any = part_multi_edges(near) || part_duplicates(near);
   }
+  ISIMP_ASSERT(dirty_.empty(), "all chords are up to date");
   return std::exchange(changed_, {});
 }
 

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "isimp/core/check.h"
 #include "outline.h"
 #include "sorted.h"
 
@@ -88,6 +89,8 @@ Findings::Found Findings::find(std::int32_t piece, Source source) const {
 }
 
 void Findings::set(std::int32_t piece, Found found) {
+  ISIMP_ASSERT(found.polygons.size() == static_cast<std::size_t>(s_.polygons.count_of(piece)),
+               "every polygon of a piece has a verdict");
   found_[piece] = std::move(found);
   around_.set(piece, found_[piece].facets);
   faults_[piece] = 0;
@@ -96,6 +99,7 @@ void Findings::set(std::int32_t piece, Found found) {
 
 void Findings::judge(std::span<const std::int32_t> pieces) {
   const std::size_t count = s_.labels.pieces.size();
+  ISIMP_ASSERT(found_.size() <= count, "pieces keep their numbers");
   found_.resize(count);
   kept_.resize(count);
   faults_.resize(count, 0);
@@ -136,6 +140,9 @@ void Findings::judge(std::span<const std::int32_t> pieces) {
   hits_.insert(hits_.end(), found.begin(), found.end());
   find_excuses(std::span(hits_).subspan(known));
   std::sort(hits_.begin(), hits_.end(), [](const Hit& x, const Hit& y) { return x.key() < y.key(); });
+  ISIMP_ASSERT(std::adjacent_find(hits_.begin(), hits_.end(),
+                                  [](const Hit& x, const Hit& y) { return !(x.key() < y.key()); }) == hits_.end(),
+               "each pair of polygons that meet is there once");
 }
 
 void Findings::keep() {

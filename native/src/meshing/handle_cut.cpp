@@ -186,7 +186,10 @@ class HandleCutter {
   bool cut_along(const Loop& loop) {
     std::vector<std::int32_t> strip = strip_along(cutter_, piece_, loop);
     if (strip.size() >= faces_.size()) return false;
-    labels_.part(strip, faces_[0], Cause::handle);
+    cutter_.face_marks.clear();
+    for (const std::int32_t f : strip) cutter_.face_marks.add(f);
+    const auto stays = std::find_if(faces_.begin(), faces_.end(), [&](auto f) { return !cutter_.face_marks.has(f); });
+    labels_.part(strip, *stays, Cause::handle);
     std::vector<std::int32_t> rest = keep_largest_part(labels_, piece_, faces_, strip);
     const Shape a = labels_.shape(rest), b = labels_.shape(strip, true);
     if (b.parts == 1 && a.genus + b.genus < genus_) {

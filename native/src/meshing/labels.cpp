@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <unordered_set>
 #include <utility>
 
 #include "isimp/core/check.h"
@@ -16,6 +17,27 @@ namespace {
 
 constexpr std::int32_t kStride = 1 << 13;  ///< faces or vertices from one poll to the next
 constexpr std::int32_t kAhead = 12;        ///< of the face that is looked at, what is beside another is fetched
+
+/// Whether faces of one label can be reached from each other by way of each other. Uses no marks, which callers may.
+[[maybe_unused]] bool hang_together(const Labels& labels, std::span<const std::int32_t> faces) {
+  std::unordered_set<std::int32_t> left(faces.begin(), faces.end());
+  std::vector<std::int32_t> stack{faces.front()};
+  left.erase(faces.front());
+  while (!stack.empty()) {
+    const std::int32_t f = stack.back();
+    stack.pop_back();
+    for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
+      if (labels.inner(h) && left.erase(labels.mesh.opposite(h) / 3) > 0) stack.push_back(labels.mesh.opposite(h) / 3);
+  }
+  return left.empty();
+}
+
+/// Whether every piece that is there has a face with its label.
+[[maybe_unused]] bool have_faces(const Labels& labels) {
+  for (std::int32_t l = 0; l < labels.piece_count(); ++l)
+    if (const std::int32_t f = labels.pieces[l].face; f != kNone && labels.label[f] != l) return false;
+  return true;
+}
 
 }  // namespace
 
@@ -52,6 +74,7 @@ std::vector<std::int32_t> Labels::faces_of(std::int32_t piece) const {
 
 std::vector<std::int32_t> Labels::flood(std::int32_t piece) const {
   ISIMP_ASSERT(pieces[piece].face != kNone, "a piece that is flooded has a face");
+  ISIMP_ASSERT(label[pieces[piece].face] == piece, "the face of a piece has its label");
   std::vector<std::int32_t> faces{pieces[piece].face};
   face_marks.add(faces[0]);
   for (std::size_t i = 0; i < faces.size(); ++i)
@@ -62,6 +85,7 @@ std::vector<std::int32_t> Labels::flood(std::int32_t piece) const {
 }
 
 std::vector<std::int32_t> Labels::loop_from(std::int32_t h) const {
+  ISIMP_ASSERT(!inner(h), "a loop begins on the boundary");
   std::vector<std::int32_t> loop;
   std::int32_t g = h;
   do {
@@ -73,8 +97,13 @@ std::vector<std::int32_t> Labels::loop_from(std::int32_t h) const {
 }
 
 std::int32_t Labels::part(std::span<const std::int32_t> faces, std::int32_t stays, Cause cause) {
+  ISIMP_ASSERT(!faces.empty(), "what goes is not empty");
   const std::int32_t from = label[faces[0]], to = piece_count();
+  ISIMP_ASSERT(std::all_of(faces.begin(), faces.end(), [&](std::int32_t f) { return label[f] == from; }),
+               "what goes is of one piece");
   for (const std::int32_t f : faces) label.set(f, to);
+  ISIMP_ASSERT(label[stays] == from, "what stays is not empty");
+  ISIMP_ASSERT(cause == Cause::handle || hang_together(*this, faces), "what goes is connected");
   pieces.edit(from).face = stays;
   pieces.push_back({faces[0], pieces[from].region, cause});
   touched.insert(touched.end(), {from, to});
@@ -209,6 +238,7 @@ Bits label_pieces(Labels& labels, std::span<const std::int32_t> face_region, con
     labels.pieces.push_back({f, region, seen[region] ? Cause::unconnected : Cause::region});
     seen[region] = true;
   }
+  ISIMP_ASSERT(have_faces(labels), "every piece has a face with its label");
   return between;
 }
 
@@ -322,6 +352,7 @@ void drop_gone(Labels& labels) {
   std::vector<Piece> pieces = labels.pieces;
   std::erase_if(pieces, [](const Piece& p) { return p.face == kNone; });
   labels.pieces.assign(std::move(pieces));
+  ISIMP_ASSERT(have_faces(labels), "the labels that are left move down with their pieces");
 }
 
 Bits boundary_of(const Labels& labels) {

@@ -104,7 +104,7 @@ struct Labels {
   [[nodiscard]] std::vector<std::int32_t> faces_of(std::int32_t piece) const;
   /// The same where no mark of face_marks is on the piece, so that threads may do several at a time.
   [[nodiscard]] std::vector<std::int32_t> flood(std::int32_t piece) const;
-  /// Gives `faces` a new label. Both what goes and what stays must be connected and not empty.
+  /// Gives `faces` a new label. What goes (but for a strip round a handle) and what stays are connected and not empty.
   /// \param stays  a face that keeps its label
   std::int32_t part(std::span<const std::int32_t> faces, std::int32_t stays, Cause cause);
   /// Topology of a piece from its faces; whether they are connected is looked at only if `check_parts`.

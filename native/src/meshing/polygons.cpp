@@ -6,6 +6,8 @@
 #include <set>
 #include <utility>
 
+#include "isimp/core/check.h"
+
 namespace isimp::meshing {
 namespace {
 
@@ -44,6 +46,17 @@ std::vector<Edge> chord_ends(const Complex& complex, const Mesh& mesh, std::span
   return ends;
 }
 
+/// Whether the polygons of a piece are among those round each of their corners.
+[[maybe_unused]] bool is_listed(const Polygons& polygons, std::int32_t piece) {
+  bool all = true;
+  polygons.for_each_of(piece, [&](std::int32_t q) {
+    all = all && polygons.piece(q) == piece && !polygons.of(q).empty();
+    for (const std::int32_t c : polygons.of(q))
+      all = all && std::find(polygons.at(c).begin(), polygons.at(c).end(), q) != polygons.at(c).end();
+  });
+  return all;
+}
+
 }  // namespace
 
 std::int32_t Corners::at(std::int32_t v) {
@@ -54,6 +67,9 @@ std::int32_t Corners::at(std::int32_t v) {
     radius.push_back(0);
     position.push_back(Vec3::Zero());
   }
+  ISIMP_ASSERT(vertex[of_vertex[v]] == v, "a corner stands for its vertex");
+  ISIMP_ASSERT(pull.size() == vertex.size() && radius.size() == vertex.size() && position.size() == vertex.size(),
+               "every corner has a share, a radius and a place");
   return of_vertex[v];
 }
 
@@ -88,6 +104,7 @@ void Polygons::add(std::int32_t piece, std::span<const Cycle> cycles, Corners& c
 }
 
 void Polygons::close_gaps() {
+  ISIMP_ASSERT(!loops_.in_transaction(), "numbers last as long as a transaction");
   constexpr std::size_t kFew = 1024;
   std::size_t used = 0;
   for (const Loop& loop : loops_) used += loop.size;
@@ -145,6 +162,8 @@ void Polygons::collect(const Complex& complex, const Labels& labels, Diagonals& 
     add(l, cycles, corners);
   }
   around_.resize(corners.count());
+  ISIMP_ASSERT(std::all_of(changed.begin(), changed.end(), [&](std::int32_t l) { return is_listed(*this, l); }),
+               "a polygon is among those round each of its corners");
 }
 
 Vec3 vector_area(std::span<const std::int32_t> polygon, std::span<const Vec3> position) {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "coplanar.h"
+#include "isimp/core/check.h"
 #include "judge.h"
 #include "sorted.h"
 
@@ -90,6 +91,7 @@ State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& jo
 }
 
 std::int32_t State::region_of(std::int32_t piece, std::span<const std::int32_t> faces) const {
+  ISIMP_ASSERT(!faces.empty(), "a piece has faces");
   std::map<std::int32_t, double> area;
   auto at = area.end();
   for (const std::int32_t f : faces) {
@@ -110,6 +112,7 @@ Cut State::find_cut(std::int32_t piece, const Vec3* place) {
 
 bool State::split(std::int32_t piece, const Cut& cut, Job& job) {
   if (cut.faces.empty()) return false;
+  ISIMP_ASSERT(labels.label[cut.faces[0]] == piece && labels.label[cut.stays] == piece, "a cut is of the piece");
   const std::int32_t fresh = labels_.part(cut.faces, cut.stays, Cause::repair);
   make_discs(cutter_, {piece, fresh}, discs_, job);
   diagonals_.resize(labels.pieces.size());
@@ -191,6 +194,9 @@ std::vector<std::int32_t> State::loop_together(std::int32_t kept, std::int32_t g
 }
 
 void State::unite(std::int32_t kept, std::int32_t gone, std::vector<std::int32_t> loop) {
+  ISIMP_ASSERT(kept != gone && labels.pieces[kept].face != kNone && labels.pieces[gone].face != kNone,
+               "two pieces that are there become one");
+  ISIMP_ASSERT(!loop.empty(), "two pieces are a disc together");
   const Piece kept_piece = labels.pieces[kept], gone_piece = labels.pieces[gone];
   std::vector<std::int32_t> between;
   for (const std::int32_t h : complex.loop(gone))
@@ -224,6 +230,9 @@ void State::touch(std::span<const std::int32_t> pieces) {
 
 void State::hand_over(std::int32_t giver, std::int32_t taker, std::span<const std::int32_t> faces,
                       std::span<const std::int32_t> pieces) {
+  ISIMP_ASSERT(giver != taker &&
+                   std::all_of(faces.begin(), faces.end(), [&](std::int32_t f) { return labels.label[f] == taker; }),
+               "faces that are handed over have the label of who takes them");
   touch(pieces);
   if (mesh.face_count() / kMany < labels.piece_count()) return;
   const auto is_simple = [&](std::int32_t l) {  // neither held nor of a region that may change with its faces
@@ -312,6 +321,8 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, std::
                  });
   known_.clear();
   discs_.clear();
+  ISIMP_ASSERT(planes.size() == labels.pieces.size() && diagonals.size() == labels.pieces.size(),
+               "every piece has a plane and diagonals");
   complex_.refresh(touched, std::move(loops), job_);
   touched.clear();
   const std::vector<std::int32_t> cornered = complex_.make_regular();
@@ -342,6 +353,9 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, std::
   placed_ += static_cast<std::int64_t>(moving.size());
   place(polygons, mesh, planes, moving, threads, corners_);
   flatten(polygons, mesh, planes, moving, options.flatten, threads, corners_);
+  ISIMP_ASSERT(std::all_of(moved.begin(), moved.end(), [&](std::int32_t c) { return corners.position[c].allFinite(); }),
+               "corners have places");
+  ISIMP_ASSERT(!complex.is_pending(), "corners are up to date");
   for (const std::int32_t c : moved)
     for (const std::int32_t q : polygons.at(c)) near.push_back(polygons.piece(q));
   sort_unique(near);

@@ -18,11 +18,13 @@ Transaction::~Transaction() {
 }
 
 void Transaction::commit() {
+  ISIMP_ASSERT(is_open_, "a transaction ends once");
   State::for_each_array(s_, [](auto& array) { array.commit(); });
   is_open_ = false;
 }
 
 void Transaction::rollback() {
+  ISIMP_ASSERT(is_open_, "a transaction ends once");
   State::for_each_array(s_, [](auto& array) { array.rollback(); });
   s_.labels_.touched.clear();
   s_.complex_.drop_pending();
@@ -40,13 +42,19 @@ std::int32_t Transaction::corners_before() const {
 
 const Vec3& Transaction::place_before(std::int32_t corner) const { return s_.corners.position.before(corner); }
 
-void Transaction::restore_place(std::int32_t corner) { s_.corners_.position.restore(corner); }
+void Transaction::restore_place(std::int32_t corner) {
+  ISIMP_ASSERT(is_open_, "what is taken back is of a transaction that has not ended");
+  s_.corners_.position.restore(corner);
+}
 
 void Transaction::restore_places() {
   for (const std::int32_t c : s_.corners.position.written()) restore_place(c);
 }
 
-void Transaction::restore_diagonals(std::int32_t piece) { s_.diagonals_.restore(piece); }
+void Transaction::restore_diagonals(std::int32_t piece) {
+  ISIMP_ASSERT(is_open_, "what is taken back is of a transaction that has not ended");
+  s_.diagonals_.restore(piece);
+}
 
 std::vector<std::int32_t> Transaction::restore_diagonals() {
   std::vector<std::int32_t> others;
@@ -79,6 +87,9 @@ std::vector<std::int32_t> Transaction::faces_before(std::int32_t piece) const {
 }
 
 void Transaction::part_again(std::int32_t kept, std::int32_t gone) {
+  ISIMP_ASSERT(is_open_ && s_.labels.pieces[kept].face != kNone && s_.labels.pieces[gone].face == kNone &&
+                   s_.labels.pieces.before(gone).face != kNone,
+               "a piece that is parted again went into another one within the transaction");
   for (const std::int32_t f : faces_before(gone)) s_.labels_.label.restore(f);
   for (const std::int32_t l : {kept, gone}) {
     s_.labels_.pieces.restore(l);
@@ -96,6 +107,7 @@ void Transaction::part_again(std::int32_t kept, std::int32_t gone) {
 }
 
 std::vector<std::int32_t> Transaction::update_back(std::vector<std::int32_t> changed) {
+  ISIMP_ASSERT(is_open_, "what is taken back is of a transaction that has not ended");
   return s_.update(std::move(changed), corners_before());
 }
 

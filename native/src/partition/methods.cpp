@@ -10,6 +10,7 @@
 #include "density/adaptivity.h"
 #include "density/noise.h"
 #include "hierarchy/optimise.h"
+#include "isimp/core/check.h"
 #include "isimp/core/errors.h"
 #include "isimp/core/options.h"
 #include "isimp/partition/regions.h"
@@ -81,6 +82,7 @@ Partition by_bound(const Surface& surface, const PartitionOptions& options, Job&
     result.region_offset.push_back(slab.middle());
     result.distance_max = std::max(result.distance_max, slab.width() / 2);
   }
+  ISIMP_ASSERT(result.distance_max <= *options.bound * (1 + 1e-6), "every vertex is within the bound");
   restate_error(surface.graph(), result);
   return result;
 }

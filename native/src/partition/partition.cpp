@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "isimp/core/check.h"
 #include "isimp/core/errors.h"
 #include "isimp/core/threads.h"
 #include "isimp/partition/regions.h"
@@ -24,6 +25,8 @@ Partition make_partition(const Surface& surface, const Parts& parts, const Regio
     }
   });
   result.region_seed = nearest_faces(graph, regions, job, threads);
+  ISIMP_ASSERT(std::find(result.region_seed.begin(), result.region_seed.end(), kNone) == result.region_seed.end(),
+               "no region is empty");
   for (std::int32_t& seed : result.region_seed) seed = graph.mesh_face[seed];
   result.region_normal.reserve(regions.sum.size());
   for (const RegionSum& s : regions.sum) result.region_normal.push_back(s.normal());

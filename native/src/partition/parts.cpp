@@ -5,6 +5,8 @@
 #include <numeric>
 #include <utility>
 
+#include "isimp/core/check.h"
+
 namespace isimp {
 namespace {
 
@@ -159,6 +161,7 @@ std::vector<std::int32_t> share_out(const Parts& all) {
       ++share[c];
       ++given;
     }
+  ISIMP_ASSERT(std::accumulate(share.begin(), share.end(), 0) == std::max(given, target), "all regions are shared out");
   return share;
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "isimp/core/check.h"
+
 namespace isimp {
 namespace {
 
@@ -22,6 +24,7 @@ void sum_between(const FaceGraph& graph, const std::vector<std::int32_t>& label,
   for (std::int32_t i = begin; i < end; ++i) {
     if ((i & kPollEvery) == 0) job.poll();
     const std::int32_t r = label[i];
+    ISIMP_ASSERT(r >= kNone && r < static_cast<std::int32_t>(sums.size()), "labels are of regions");
     if (r != of_run) {
       close();
       of_run = r;

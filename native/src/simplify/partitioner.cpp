@@ -252,6 +252,7 @@ Partition Partitioner::on_part(const Surface& surface, std::span<const std::int3
     part = &own->partitioner;
   }
   const std::vector<std::int32_t> face = whole_faces(part->mesh(), open);
+  ISIMP_ASSERT(constraints.part != nullptr || face.size() == open.size(), "a part has all faces that are split");
   const Constraints inner{.guides = guides_of_part(constraints.with_cuts(), part->mesh(), face, job)};
   const Partition split = [&] {
     const Job::Part stage(job, "partitioning", done, 0.95);

@@ -29,8 +29,10 @@ def pillow(name: object) -> Any:
     """Pillow's module of images; it is loaded only where an image file is read or written."""
     try:
         import PIL.Image
-    except ImportError:
+    except ModuleNotFoundError:
         raise FileError(f"{name}: reading and writing images needs Pillow; install it: pip install pillow") from None
+    except ImportError as error:  # there is too little memory, for one
+        raise FileError(f"{name}: reading and writing images needs Pillow, which can't be loaded ({error})") from None
     return PIL.Image
 
 
@@ -86,11 +88,11 @@ def _opened(module: Any, file: IO[bytes]) -> Any:
                 continue
             tried.add(kind)
             factory, accepts = module.OPEN[kind]
-            if accepts is not None and accepts(start) is not True:  # it may be a text that says why not
-                continue
-            file.seek(0)
             try:
-                return factory(file, "")
+                fits = accepts is None or accepts(start)
+                if fits and not isinstance(fits, str):  # a text says why it can't be read
+                    file.seek(0)
+                    return factory(file, "")
             except (SyntaxError, IndexError, TypeError, struct.error):  # of another kind after all
                 continue
     raise ValueError(f"it is none of {', '.join(FORMATS)}")

@@ -45,7 +45,7 @@ def _chosen(scan) -> str:
     if scan.mode == "EDIT":
         return said("{faces} selected", faces=messages.count(scan.data.total_face_sel, "face"))
     number = pointed.region(scan)
-    return said("Region {number}, clicked last", number=number) if number >= 0 else said("Click a region (tools: T)")
+    return said("Region {number}, clicked last", number=number) if number >= 0 else said("Alt-click a region (tool: T)")
 
 
 class ISIMP_PT_heuristics(SubPanel, bpy.types.Panel):

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "borders/relax.h"
+#include "isimp/core/check.h"
 #include "isimp/mesh/face_graph.h"
 #include "isimp/partition/metric.h"
 
@@ -139,6 +140,7 @@ inline constexpr int kSplitRounds = 3;  // of fitting the halves of a split
 
 /// First proxies and seeds for splitting a region: the two sides of its most unlike normals, or of its length if flat.
 inline Halves two_sides(const FaceGraph& graph, std::span<const std::int32_t> faces, const RegionSum& sum) {
+  ISIMP_ASSERT(faces.size() >= 2, "what is split has two faces");
   const auto farthest_from = [&](const NormalMetric::Proxy& proxy) {
     std::int32_t farthest = faces[0];
     float most = -1.0F;

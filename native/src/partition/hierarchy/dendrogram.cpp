@@ -9,6 +9,8 @@
 #include <unordered_set>
 #include <utility>
 
+#include "isimp/core/check.h"
+
 namespace isimp {
 namespace {
 
@@ -137,6 +139,8 @@ class Merging {
   }
 
   void merge(std::int32_t u, std::int32_t v, double cost) {
+    ISIMP_ASSERT(u != v && into_[u] == kNone && into_[v] == kNone && part_of(u) == part_of(v),
+                 "two nodes of one component that have not merged yet merge");
     const auto w = static_cast<std::int32_t>(sum_.size());
     tree_.merged.push_back({u, v});
     tree_.cost.push_back(cost);

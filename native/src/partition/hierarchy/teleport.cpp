@@ -8,6 +8,7 @@
 
 #include "borders/local.h"
 #include "hierarchy/region_graph.h"
+#include "isimp/core/check.h"
 
 namespace isimp {
 namespace {
@@ -83,6 +84,7 @@ void Teleport::accept_split(std::int32_t region, std::int32_t fresh) {
   } else if (!part_.empty()) {
     part_[fresh] = part_[region];
   }
+  ISIMP_ASSERT(halves_[0].faces > 0 && halves_[1].faces > 0, "both halves have faces");
   ++count_[part_of(region)];
   regions_.sum[region] = halves_[0];
   regions_.sum[fresh] = halves_[1];
