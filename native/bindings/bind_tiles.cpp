@@ -274,7 +274,8 @@ void bind_thinning(py::module_& m) {
                               of_faces);
       },
       "mesh"_a, "labels"_a, "moments"_a = py::none(), "job"_a = py::none(), "See tiles.thin.");
-  py::class_<KeptMoments>(m, "_Moments", "Moments of the faces of a mesh, as polygonize_thinned takes them.");
+  py::class_<KeptMoments>(m, "_Moments", py::module_local(),
+                          "Moments of the faces of a mesh, as polygonize_thinned takes them.");
   m.def(
       "_tile_keep_moments",
       [](const KeptMesh& mesh, const Table<double>& moments) {

@@ -186,6 +186,13 @@ PartitionOptions partition_options(Dice& dice, std::int32_t faces) {
   options.method = static_cast<Method>(dice.number(0, static_cast<int>(Method::queued)));
   options.connect = static_cast<Connect>(dice.number(0, 1));
   options.threads = dice.number(1, 2);
+  options.smooth = dice.chance(2) ? 0.5 : dice.share();
+  if (dice.chance(3)) {
+    options.proxies.reset();
+    options.detail = 0.001 * std::pow(10.0, 2 * dice.share());
+    if (dice.chance(3)) options.adaptivity = 0.25;
+  }
+  if (dice.chance(5)) options.symmetry = static_cast<Symmetry>(dice.number(1, 4));
   return options;
 }
 
