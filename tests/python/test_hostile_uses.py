@@ -146,8 +146,9 @@ def test_a_full_disk_is_said_with_the_file(tmp_path):
 @posix
 def test_a_child_on_a_full_disk_is_a_row_that_says_so(tmp_path):
     scan(tmp_path / "in" / "full.ply")
-    outcome = batch.run(tmp_path / "in", tmp_path / "out", work=ODD)
-    assert whys(outcome) == {"full.ply": f"no space is left on the disk of {tmp_path}/out/.isimp-batch/parts"}
+    for pictures in (False, True):
+        outcome = batch.run(tmp_path / "in", tmp_path / "out", work=ODD, pictures=pictures, retry_failed=True)
+        assert whys(outcome) == {"full.ply": f"no space is left on the disk of {tmp_path}/out/.isimp-batch/parts"}
 
 
 # Signals

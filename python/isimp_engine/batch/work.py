@@ -32,15 +32,15 @@ def simplify(task: dict[str, Any], folder: Path) -> dict[str, Any]:
     try:
         settle(arguments)
         done = command.run(arguments)
+        if task["picture"]:
+            source, polygons = done.source, done.polygons
+            scan = (source.vertices, source.triangles)
+            model = (polygons.vertices, polygons.loops, polygons.loop_start, polygons.polygon_region)
+            (folder / PICTURE).write_bytes(picture.beside(scan, model))
     except MemoryError:
         raise
     except EXPECTED as error:
         return {"why": _plain(problem(error, arguments.input)[0], arguments, task)}
-    if task["picture"]:
-        source, polygons = done.source, done.polygons
-        scan = (source.vertices, source.triangles)
-        model = (polygons.vertices, polygons.loops, polygons.loop_start, polygons.polygon_region)
-        (folder / PICTURE).write_bytes(picture.beside(scan, model))
     return figures(done.report)
 
 
