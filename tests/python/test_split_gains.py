@@ -1,9 +1,8 @@
 """No region may hide two: a split of it would lower the error by little."""
 
-import numpy as np
+import houses
 import pytest
 
-import houses
 import isimp_engine as engine
 
 DATA = (
@@ -17,12 +16,10 @@ DATA = (
 MOST = 4  # times the cost up to which regions merge
 
 
-def street(count, noise=0.001):
-    """Houses in a row as one mesh; above 50,000 faces merging begins with patches of faces."""
-    row = [houses.make(noise, seed=k + 1, turn=3.0 * k - 6.0, at=(19.0 * k, 0, 0)) for k in range(count)]
-    first = np.cumsum([0, *(len(house.vertices) for house in row)])
-    triangles = [house.triangles + start for house, start in zip(row, first)]
-    return engine.Mesh(np.concatenate([house.vertices for house in row]), np.concatenate(triangles))
+def street(count):
+    """Above 50,000 faces merging begins with patches of faces."""
+    made = houses.street(count)
+    return engine.Mesh(made.vertices, made.triangles)
 
 
 def largest_gain(mesh, part):
