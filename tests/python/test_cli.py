@@ -254,6 +254,8 @@ def test_a_full_disk_is_3_and_leaves_nothing(scan, tmp_path):
     if not Path("/dev/full").exists():
         pytest.skip("no /dev/full here")
     check_line(isimp("simplify", scan, tmp_path / "o.ply", "--proxies=9", "--report", "/dev/full"), 3, "/dev/full")
+    labels = isimp("simplify", scan, tmp_path / "o.ply", "--proxies=9", "--labels", "/dev/full")
+    check_line(labels, 3, "/dev/full", "No space left")
     assert os.listdir(tmp_path) == [scan.name]
 
 
