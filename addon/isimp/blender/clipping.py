@@ -2,16 +2,29 @@
 
 import bpy
 
+from ..language import own, said
 from . import targets
+from .text import in_scene
 
 _ROOM = 2.5  # sizes of the scan that a view of all of it is deep
 _NEAR = 0.002  # of the size: the nearest that a view of it needs to show
 
 
-def hides(space, scan) -> bool:
-    """Whether a 3D view that shows all of a scan would clip it."""
+def hides(space, scan) -> str:
+    """How a 3D view of all of a scan would clip it: a text with a place for the length; empty if it does not."""
     size = scan.dimensions.length
-    return space is not None and size > 0 and (_ROOM * size > space.clip_end or size < space.clip_start)
+    if space is None or size <= 0:
+        return ""
+    if _ROOM * size > space.clip_end:
+        return own("Clips at {length}: show all")
+    return own("Clips below {length}: show all") if size < space.clip_start else ""
+
+
+def told(space, scan) -> str:
+    """The same with the length in the scene's units."""
+    text = hides(space, scan)
+    length = space.clip_end if _ROOM * scan.dimensions.length > space.clip_end else space.clip_start
+    return said(text, length=in_scene(length))
 
 
 class ISIMP_OT_show_all(bpy.types.Operator):

@@ -41,8 +41,7 @@ def _draw_head(context, layout, scan, numbers) -> None:
     for line in text.scan_lines(scan.data, numbers):
         column.label(text=line, icon="BLANK1")
     if clipping.hides(context.space_data, scan):
-        end = text.in_scene(context.space_data.clip_end)
-        column.operator("isimp.show_all", text=said("The view ends at {length}: show all", length=end), icon="ERROR")
+        column.operator("isimp.show_all", text=clipping.told(context.space_data, scan), icon="ERROR")
 
 
 def _draw_count(context, layout, panel) -> None:
