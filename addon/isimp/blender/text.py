@@ -156,6 +156,9 @@ def report_lines(
         mean, most = (amount(numbers, name, system, scale) for name in ("away_mean", "away_max"))
         lines.append((said("{mean} off the scan, at most {most}", mean=mean, most=most), False))
     lines.append((said("Flat to {flat}, worst {worst}", flat=flat, worst=worst), False))
+    if "cut_if_planar" in numbers:
+        share = f"{100 * numbers['cut_if_planar']:.0f} %"
+        lines.append((said("Planar Exactly left off: it would cut {share} of the polygons", share=share), False))
     if not numbers["manifold"]:
         lines.append((said("Non-manifold: polygons share an edge or vertex that they should not"), True))
     elif not numbers["closed"]:
