@@ -345,6 +345,8 @@ def _mesh_numbers(found, regions: Outcome, away: np.ndarray) -> dict:
             "without_area": regions.numbers["regions"] - report["regions"],
         },
     }
+    if report.get("left_off"):
+        numbers["cut_if_planar"] = 1 - report["whole"]
     if "symmetry" in numbers:
         numbers["mirrored_corners"] = report["mirrored_corners"]
     known = away[np.isfinite(away)]

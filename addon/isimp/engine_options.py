@@ -67,6 +67,13 @@ MESHING: dict[str, Option] = {
         least=0.0,
         most=1.0,
     ),
+    "planar_most": Option(
+        kind="float",
+        default=1.0,
+        words="in [0, 1]",
+        least=0.0,
+        most=1.0,
+    ),
     "threads": Option(
         kind="int",
         default=0,

@@ -40,7 +40,7 @@ PRESETS = (
         "Photogrammetry building",
         "One building or room: large planes with straight edges and noise; planes become regular",
         rcp.Partition(count_by="detail", detail=0.0025, adaptivity=0.0),
-        rcp.Mesh(flatten=60, planar=True),
+        rcp.Mesh(flatten=60, planar=True, planar_most=0.1),
         rcp.Regularise(),
     ),
     Preset(

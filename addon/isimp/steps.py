@@ -341,6 +341,7 @@ class Mesh(Step):
     join_junctions: float = MESHING["join_junctions"].default
     flatten: int = MESHING["flatten"].default
     planar: bool = MESHING["planar"].default
+    planar_most: float = MESHING["planar_most"].default
 
     def __post_init__(self) -> None:
         check_options(engine_options(self, MESHING), MESHING)

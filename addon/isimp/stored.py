@@ -155,7 +155,7 @@ _COUNTS = (
 )
 _NUMBERS = (
     *("error", "seconds", "diagonal", "planarity_max", "planarity_mean"),
-    *("scan_distance", "scan_distance_allowed", "away_mean", "away_max", "closed_below", "planes_add"),
+    *("scan_distance", "scan_distance_allowed", "away_mean", "away_max", "closed_below", "planes_add", "cut_if_planar"),
 )
 _FITS = {
     **dict.fromkeys(_COUNTS, _is_count),

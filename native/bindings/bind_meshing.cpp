@@ -62,6 +62,7 @@ py::dict report_of(const MeshingReport& r) {
       "imperfect"_a = imperfections(r), "planes_let_go"_a = r.planes_let_go, "planar"_a = r.planar.planar);
   if (!r.planar.asked) return report;
   report["whole"] = r.planar.whole;
+  report["left_off"] = r.planar.left_off;
   report["faces_added"] = r.planar.faces_added;
   report["faces_added_for"] =
       py::dict("apart"_a = r.planar.added_for_apart, "crossing"_a = r.planar.added_for_crossing,
@@ -105,7 +106,8 @@ crossing, flipped, bent: polygons that stayed so; intersecting: pairs of polygon
 pairs whose regions do so in the scan itself (excused_at_least: there are more, counting stopped); without_area: polygons that are a face of the scan without any; diagonals
 that the repair put across regions, repair_rounds, and repair_capped: whether something is left that takes more than options.repair_budget; work: how many faces were walked over, corners placed and polygons judged, the same on every machine; imperfect: all of these by polygon, of each flaw the first 1,000,
 planar: whether every polygon is planar to a millionth of the diagonal. With options.planar also whole, the share of the
-polygons that stayed one; faces_added, as corners were cut off, and faces_added_for, why: apart (planes do not meet within
+polygons that stayed one; left_off: whether fewer would have than options.planar_most allows, so that none was made planar;
+faces_added, as corners were cut off, and faces_added_for, why: apart (planes do not meet within
 reach), crossing, flipped, meeting (it would have become so). planes_let_go: how many regions' snapped planes were let go.
 imperfect is a list of dicts with polygon (its index), flaw ("crossing", "no_area", "flipped", "bent", "intersecting" or "excused") and, for
 the last two, other (the polygon it meets; each pair is listed under both; none for a face of the scan without area).)")

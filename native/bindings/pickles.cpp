@@ -128,12 +128,12 @@ py::tuple pack_report(const MeshingReport& report) {
                distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect,
                diagonals, rounds, work, capped, planar, let_go] = report;
   const auto& [work_faces, work_corners, work_polygons] = work;
-  const auto& [asked, is_planar, whole, added, apart, crossed, turned, meeting] = planar;
+  const auto& [asked, is_planar, whole, added, apart, crossed, turned, meeting, left_off] = planar;
   return pack_all(polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
                   closed_regions, repair, merged, joined, mirrored, closed, manifold, euler, planarity_max,
                   planarity_mean, distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least,
                   without_area, imperfect, diagonals, rounds, work_faces, work_corners, work_polygons, capped, asked,
-                  is_planar, whole, added, apart, crossed, turned, meeting, let_go);
+                  is_planar, whole, added, apart, crossed, turned, meeting, left_off, let_go);
 }
 
 MeshingReport unpack_report(const py::tuple& packed) {
@@ -143,12 +143,12 @@ MeshingReport unpack_report(const py::tuple& packed) {
          crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect, diagonals, rounds,
          work, capped, planar, let_go] = report;
   auto& [work_faces, work_corners, work_polygons] = work;
-  auto& [asked, is_planar, whole, added, apart, crossed, turned, meeting] = planar;
+  auto& [asked, is_planar, whole, added, apart, crossed, turned, meeting, left_off] = planar;
   unpack_all(packed, polygons, corners, vertices, regions, regions_split, unconnected, holes, handles, pinches,
              closed_regions, repair, merged, joined, mirrored, closed, manifold, euler, planarity_max, planarity_mean,
              distance_max, crossing, flipped, bent, intersecting, excused, excused_at_least, without_area, imperfect,
              diagonals, rounds, work_faces, work_corners, work_polygons, capped, asked, is_planar, whole, added, apart,
-             crossed, turned, meeting, let_go);
+             crossed, turned, meeting, left_off, let_go);
   for (const Imperfection& i : imperfect) check(i.flaw <= Flaw::excused);
   return report;
 }

@@ -258,6 +258,7 @@ class MeshingOptions:
     repair_budget: float
     planar: bool
     planar_reach: float
+    planar_most: float
     threads: int
     def __init__(
         self,
@@ -272,6 +273,7 @@ class MeshingOptions:
         repair_budget: float = ...,
         planar: bool = ...,
         planar_reach: float = ...,
+        planar_most: float = ...,
         threads: int = ...,
     ) -> None: ...
     @staticmethod

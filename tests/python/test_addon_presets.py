@@ -1,6 +1,8 @@
 """The presets: recipes that can be saved, and that do what they are for."""
 
+import houses
 import pytest
+import scanned
 
 import shapes
 from isimp.presets import BY_NAME, PRESETS
@@ -32,6 +34,18 @@ def test_each_is_a_recipe_that_makes_a_closed_mesh(preset):
 @pytest.mark.parametrize("preset", [p for p in PRESETS if p.partition.adaptivity == 0], ids=lambda p: p.name)
 def test_those_for_planes_find_the_sides_of_a_cube(preset):
     assert Session().replay(scan_of(*shapes.cube(10)), preset.recipe).numbers["regions"] == 6
+
+
+def test_a_building_is_planar_unless_that_would_cut_more_than_a_tenth():
+    clean, noisy = houses.make(0.001, 2), scanned.make(4, 0.004, 1.2)
+    recipe = BY_NAME["building"].recipe
+    house = Session().replay(scan_of(clean.vertices, clean.triangles), recipe)
+    assert house.polygons.report["planar"]
+    assert "cut_if_planar" not in house.numbers
+    scan = Session().replay(scan_of(*noisy), recipe)
+    assert not scan.polygons.report["planar"]
+    assert 0.1 < scan.numbers["cut_if_planar"] < 1
+    assert scan.numbers["polygons"] < 1.15 * scan.numbers["regions"]
 
 
 def test_a_low_poly_figure_has_fewer_polygons_than_a_figure():

@@ -86,6 +86,27 @@ def test_off_says_nothing_of_it() -> None:
     assert "whole" not in report
 
 
+def test_it_is_left_off_where_it_would_cut_more_than_is_allowed() -> None:
+    mesh = engine.clean(*scanned.make(4, 0.004, 1.2))
+    snapped = engine.regularise(mesh, engine.partition(mesh, engine.PartitionOptions(proxies=150)))
+    exact, without = (engine.polygonize(mesh, snapped, engine.MeshingOptions(planar=on)) for on in (True, False))
+    cut = 1 - exact.report["whole"]
+    assert cut > 0.1
+    assert exact.report["planar"] is True
+    assert exact.report["left_off"] is False
+    left = engine.polygonize(mesh, snapped, engine.MeshingOptions(planar=True, planar_most=0.1))
+    assert left.report["left_off"] is True
+    assert left.report["planar"] is False
+    assert 1 - left.report["whole"] == cut
+    assert left.report["faces_added"] == 0
+    for name in ("vertices", "loops", "loop_start", "polygon_region"):
+        assert np.array_equal(getattr(left, name), getattr(without, name)), name
+    assert pickle.loads(pickle.dumps(left)).report == left.report  # noqa: S301
+    allowed = engine.polygonize(mesh, snapped, engine.MeshingOptions(planar=True, planar_most=cut))
+    assert allowed.report["left_off"] is False
+    assert np.array_equal(allowed.vertices, exact.vertices)
+
+
 def test_far_from_zero() -> None:
     house = houses.make(0.002, at=(450000.0, 5500000.0, 100.0))
     mesh, part = made(house)

@@ -264,6 +264,14 @@ class MeshSettings:
         "off as triangles",
         default=_MESH.planar,
     )
+    planar_most: FloatProperty(
+        name="Cut at Most",
+        description="Largest share of the polygons that Planar Exactly may cut. If more would be cut, polygons stay "
+        "whole and are not exactly planar, and the report says so",
+        default=_MESH.planar_most,
+        subtype="FACTOR",
+        **_range(MESHING["planar_most"]),
+    )
 
 
 def _length(description: str, name: str = "Allowed"):

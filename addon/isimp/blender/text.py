@@ -166,6 +166,9 @@ def report_lines(
     if numbers.get("let_go"):
         gone = _count(numbers["let_go"], "plane")
         lines.append((said("{gone} not held, for better polygons", gone=gone), True))
+    if "cut_if_planar" in numbers:
+        share = f"{100 * numbers['cut_if_planar']:.0f} %"
+        lines.append((said("Planar Exactly left off: it would cut {share} of the polygons", share=share), False))
     if not numbers["manifold"]:
         lines.append((said("Non-manifold: polygons share an edge or vertex that they should not"), True))
     elif not numbers["closed"]:

@@ -19,6 +19,8 @@ namespace {
 
 using namespace meshing;
 
+constexpr double kOfPlanar = 0.6;  ///< of the progress, where planar polygons may be left off
+
 void count_splits(const Labels& labels, std::int32_t regions, MeshingReport& report) {
   std::vector<std::int32_t> pieces(regions, 0);
   for (const Piece& p : labels.pieces) {
@@ -132,10 +134,22 @@ PolygonMesh polygonize(const Mesh& mesh, const Partition& partition, const Meshi
                        std::span<const SurfaceMoments> moments) {
   check_input(mesh, partition, options);
   check_moments(mesh, moments);
-  Job::Part whole(job, "meshing", 0.0, 1.0);
-  State state(mesh, partition, options, job, moments);
-  std::vector<std::int32_t> place;
-  return polygons_of(state, place, job);
+  const auto make = [&](const MeshingOptions& o, double from, double to) {
+    Job::Part part(job, "meshing", from, to);
+    State state(mesh, partition, o, job, moments);
+    std::vector<std::int32_t> place;
+    return polygons_of(state, place, job);
+  };
+  const bool may_be_left_off = options.planar && options.planar_most < 1;
+  PolygonMesh result = make(options, 0.0, may_be_left_off ? kOfPlanar : 1.0);
+  const double whole = result.report.planar.whole;
+  if (!may_be_left_off || 1 - whole <= options.planar_most) return result;
+  MeshingOptions plain = options;
+  plain.planar = false;
+  result = make(plain, kOfPlanar, 1.0);
+  result.report.planar.asked = result.report.planar.left_off = true;
+  result.report.planar.whole = whole;
+  return result;
 }
 
 PolygonPart polygonize_part(const Mesh& mesh, const Partition& partition, const MeshingOptions& options,

@@ -307,7 +307,7 @@ def tube():
 
 
 def test_every_setting_of_mesh_is_drawn():
-    drawn = {"chord_tolerance", "join_junctions", "flatten", "planar"}
+    drawn = {"chord_tolerance", "join_junctions", "flatten", "planar", "planar_most"}
     assert set(settings.names(rcp.Mesh)) == drawn, "draw a new one in panel/result.py"
 
 

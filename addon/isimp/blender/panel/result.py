@@ -37,6 +37,9 @@ class ISIMP_PT_result(SubPanel, bpy.types.Panel):
         ticks = layout.column(align=True)
         ticks.use_property_split = False  # its name needs the whole width
         ticks.prop(meshing, "planar")
+        most = layout.column()
+        most.active = meshing.planar
+        settings.draw(most, rcp.Mesh, meshing, "planar_most")
 
 
 class ISIMP_PT_numbers(SubPanel, bpy.types.Panel):

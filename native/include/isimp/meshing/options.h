@@ -19,6 +19,7 @@ struct MeshingOptions {
   double repair_budget = 4;
   bool planar = false;
   double planar_reach = 0.005;
+  double planar_most = 1;
   std::int32_t threads = 0;
 };
 
@@ -54,6 +55,9 @@ constexpr auto fields(const MeshingOptions*) {
       field("planar_reach", &O::planar_reach, between(0, 1), Unit::none,
             "With planar: distance that a corner may move to be on its planes, as a share of the diagonal. Up to one "
             "and a half times as far along the scan where its edges are long, less where they are short."),
+      field("planar_most", &O::planar_most, between(0, 1), Unit::none,
+            "With planar: largest share of the polygons that may be cut to be planar. If more would be, none is made "
+            "planar, and the report says so (left_off)."),
       threads_field(&O::threads),
   };
 }

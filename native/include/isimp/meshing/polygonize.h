@@ -43,10 +43,11 @@ struct MeshingWork {
 struct PlanarReport {
   bool asked = false;
   bool planar = false;               ///< every polygon is planar to a millionth of the diagonal, rounded to float32 too
-  double whole = 0;                  ///< share of the polygons that stayed one
+  double whole = 0;                  ///< share of the polygons that stayed one, or would have
   std::int32_t faces_added = 0;      ///< as corners were cut off; the sum of those below
   std::int32_t added_for_apart = 0;  ///< planes round a corner do not meet within reach
   std::int32_t added_for_crossing = 0, added_for_flipped = 0, added_for_meeting = 0;  ///< else it would have been so
+  bool left_off = false;  ///< more than MeshingOptions::planar_most would have been cut: polygons are as without planar
   bool operator==(const PlanarReport&) const = default;
 };
 
