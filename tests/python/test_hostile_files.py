@@ -4,6 +4,7 @@ import gzip
 import json
 import math
 import struct
+import subprocess
 import sys
 import zlib
 
@@ -14,6 +15,7 @@ from PIL import Image
 import isimp_engine as engine
 import meshfiles
 import shapes
+from batches import ENVIRONMENT
 from isimp_engine import machine, reading
 from isimp_engine.texturing import images
 from isimp_engine.texturing.gltf_file import GltfFile
@@ -97,6 +99,26 @@ def test_an_image_that_memory_has_no_room_for_is_refused_by_its_header(monkeypat
         engine.FileError, match="has 60,000 x 60,000 pixels, which take 27,466 MB of memory, and 20,000"
     ):
         decode(data, "a")
+
+
+def test_an_image_that_ends_in_a_lack_of_memory_is_named(monkeypatch):
+    def lacking(image):
+        raise MemoryError
+
+    monkeypatch.setattr(images, "_pixels", lacking)
+    with pytest.raises(engine.FileError, match=r"^a\.png: there is not enough memory for this image, or it is damaged"):
+        decode(png(4, 4), "a.png")
+
+
+def test_nothing_that_pillow_logs_is_on_stderr():
+    code = """
+import logging
+from isimp_engine.texturing import images
+images.pillow("a")
+logging.getLogger("PIL.TiffImagePlugin").error("More samples per pixel than can be decoded")
+"""
+    done = subprocess.run([sys.executable, "-c", code], env=ENVIRONMENT, capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_each_file_is_decoded_once_and_held_once(tmp_path, monkeypatch):

@@ -1,6 +1,7 @@
 """Image files, by way of Pillow."""
 
 import io
+import logging
 import os
 import struct
 import threading
@@ -33,6 +34,9 @@ def pillow(name: object) -> Any:
         raise FileError(f"{name}: reading and writing images needs Pillow; install it: pip install pillow") from None
     except ImportError as error:  # there is too little memory, for one
         raise FileError(f"{name}: reading and writing images needs Pillow, which can't be loaded ({error})") from None
+    log = logging.getLogger("PIL")
+    if not log.handlers:  # else Python writes to stderr what it says of damaged files
+        log.addHandler(logging.NullHandler())
     return PIL.Image
 
 
@@ -75,7 +79,10 @@ def decode(source: Path | bytes, name: str) -> Image:
         with io.BytesIO(source) if isinstance(source, bytes) else source.open("rb") as file:
             image = _opened(module, file)
             _check_room(image, name)
-            return _pixels(image)
+            try:
+                return _pixels(image)
+            except MemoryError:  # damaged ones end so too
+                raise FileError(f"{name}: there is not enough memory for this image, or it is damaged") from None
 
 
 def _opened(module: Any, file: IO[bytes]) -> Any:
