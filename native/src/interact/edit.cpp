@@ -83,7 +83,7 @@ void Edit::restart(const Partition& partition) {
 void Edit::hold(std::vector<std::uint8_t> regions) {
   held_ = std::move(regions);
   if (!held_.empty()) held_.resize(result.region_sum.size(), 0);
-  labels.held = held_.empty() ? nullptr : held_.data();
+  labels.held = held_;
 }
 
 void Edit::hold_all_but(std::span<const std::int32_t> regions) {

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
+#include "isimp/core/check.h"
 #include "isimp/mesh/face_graph.h"
 
 namespace isimp {
@@ -13,12 +15,13 @@ inline constexpr std::int32_t kHeld = -3;
 struct EditLabels {
   std::int32_t* region;
   const FaceGraph* graph;
-  const std::uint8_t* held = nullptr;  ///< by region; null: none is held
+  std::span<const std::uint8_t> held = {};  ///< by region; empty: none is held
 
   [[nodiscard]] std::int32_t get(std::int32_t i) const {
     if (i == graph->size()) return kNone;
     const std::int32_t r = region[graph->mesh_face[i]];
-    return held != nullptr && r >= 0 && held[r] != 0 ? kHeld : r;
+    ISIMP_ASSERT(held.empty() || r < static_cast<std::int32_t>(held.size()), "labels are of regions");
+    return !held.empty() && r >= 0 && held[r] != 0 ? kHeld : r;
   }
   void set(std::int32_t i, std::int32_t r) const { region[graph->mesh_face[i]] = r; }
 };
