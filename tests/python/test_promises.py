@@ -185,12 +185,19 @@ def test_families_come_out_sound(name, proxies):
         assert verdict.sound, vars(verdict)
 
 
-# Without joins: 14, 13, 96. The plate keeps the four walls of each hole, and rows of both faces.
-@pytest.mark.parametrize(("name", "most"), [("genus 3", 6), ("genus 2, noisy", 7), ("plate of sixteen holes", 75)])
-def test_what_was_split_beyond_need_is_taken_back(name, most):
-    verdict, poly, _ = judged(SOUND[name][0](), 4)
-    assert verdict.sound
-    assert poly.report["polygons"] <= most
+# Without joins 14, 13 and 96 for 4 regions. The plate keeps the four walls of each hole, and rows of both faces. Which
+# regions noise gives decides over a polygon or two, so the noisy shape is tried with several numbers.
+@pytest.mark.parametrize(
+    ("name", "regions", "most"),
+    [("genus 3", (4,), 6), ("genus 2, noisy", (4, 6, 8), 32), ("plate of sixteen holes", (4,), 75)],
+)
+def test_what_was_split_beyond_need_is_taken_back(name, regions, most):
+    polygons = 0
+    for proxies in regions:
+        verdict, poly, _ = judged(SOUND[name][0](), proxies)
+        assert verdict.sound
+        polygons += poly.report["polygons"]
+    assert polygons <= most
 
 
 @pytest.mark.parametrize("proxies", [1, 20, 100_000])

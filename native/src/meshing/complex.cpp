@@ -14,7 +14,7 @@ namespace {
 constexpr double kSharpCosine = 0.94;  ///< of 20 degrees: a triangle with a sharper corner is a needle
 // Of its piece's area, what a triangle may leave out or add, also one between three junctions that is no needle. The
 // largest triangle in a rectangle leaves out half of it.
-constexpr double kOfTriangle = 0.2, kOfThree = 0.42;
+constexpr double kOfTriangle = 0.2, kOfThree = 0.45;
 }  // namespace
 
 Complex::Complex(const Labels& labels, const Logged<Plane>& planes, std::span<const Fixed> fixed)

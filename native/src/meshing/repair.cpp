@@ -30,7 +30,6 @@ constexpr double kPull = 0.5;                 ///< what a pull leaves of a corne
 constexpr double kLeastPull = 0.1;            ///< ... down to this share of it; then it goes back to its vertex
 constexpr std::size_t kShard = 16;            ///< faces of a piece that falls apart into them where nothing else helped
 constexpr std::size_t kMostForDiagonal = 64;  ///< corners of a polygon beyond which it is split at once
-constexpr double kOfTolerance = 2;            ///< by which a polygon may miss its plane where no less is asked for
 constexpr std::int32_t kLeastBudget = 100;    ///< splits that are always allowed
 constexpr double kOfOpening = 4;              ///< polygons that a border or handle of the scan may take
 constexpr int kPasses = 4;                    ///< of joining what was split
@@ -486,7 +485,7 @@ class Repairer {
 Bounds bounds_of(const MeshingOptions& options, std::int32_t regions, double tolerance, double diagonal) {
   const double fewer = std::max(1.0, static_cast<double>(options.flatness_from) / std::max(regions, 1));
   const double bend = options.flatness * std::pow(fewer, 4) * diagonal;
-  return {.bend = bend > 0 ? std::max(bend, kOfTolerance * tolerance) : 0, .thickness = kThickness * diagonal};
+  return {.bend = bend > 0 ? std::max(bend, tolerance) : 0, .thickness = kThickness * diagonal};
 }
 
 Bounds bounds_of(const State& s) { return bounds_of(s.options, s.regions, s.partition.tolerance, s.mesh.diagonal()); }

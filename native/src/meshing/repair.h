@@ -28,7 +28,7 @@ constexpr std::size_t kMostListed = 1000;         ///< flaws of a kind that a re
 constexpr std::int64_t kMostCounted = 1'000'000;  ///< pairs of the scan's own faces that are counted
 
 /// What a polygon may be. Fewer regions than `flatness_from` may miss their planes by more, so that no number of regions
-/// gives many more polygons than the one before. The bound on planarity is at least twice the tolerance of the partition.
+/// gives many more polygons than the one before. The bound on planarity is at least the tolerance of the partition.
 Bounds bounds_of(const State& state);
 /// \param regions, tolerance  of the partition
 /// \param diagonal  of the scan

@@ -44,7 +44,7 @@ constexpr auto fields(const MeshingOptions*) {
             "(flatness_from / regions)^4, since these are not planar themselves."),
       field("flatness", &O::flatness, between(0, 100), Unit::none,
             "Largest distance of a corner from its polygon's plane, as a share of the diagonal; polygons beyond it "
-            "are split. Where a tolerance found the number of regions, twice the tolerance if that is more. 0: no "
+            "are split. Where a tolerance found the number of regions, the tolerance if that is more. 0: no "
             "limit."),
       field("repair_budget", &O::repair_budget, between(0, 1000), Unit::none,
             "Largest number of splits and diagonals of the repair, as a multiple of the number of polygons; a border "
