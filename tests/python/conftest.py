@@ -12,8 +12,10 @@ import shapes
 
 ROOT = Path(__file__).resolve().parents[2]
 
-# Where the tests were started in the background Ctrl-C is ignored, in the commands they run too; some test just that.
+# In the background Ctrl-C is ignored, and under nohup the end of a terminal, in the commands that tests run too.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+if hasattr(signal, "SIGHUP"):
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
 def script(name):
