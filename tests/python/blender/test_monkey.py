@@ -23,7 +23,8 @@ def test_nothing_breaks_whatever_is_pressed(monkey, tmp_path):
     one = monkey.Monkey(7, tmp_path / "log")
     assert one.run(400) == []
     assert one.refused < 300, "most presses do something"
-    assert len((tmp_path / "log").read_text().splitlines()) >= 400
+    noted = (tmp_path / "log").read_text().splitlines()
+    assert len(noted) == sum(one.done.values()) > 350, "few actions find nothing to do"
 
 
 def test_a_changed_scan_and_a_traceback_are_found(monkey, tmp_path, monkeypatch):
