@@ -84,7 +84,7 @@ Partitioner::Prepared Partitioner::prepare(Guides guides, double adaptivity, Job
 Partition Partitioner::run(const PartitionOptions& options, const Constraints& constraints, Job& job) const {
   const bool plain = options.symmetry == Symmetry::none;
   Partition result = plain ? without_symmetry(options, constraints, job) : with_symmetry(options, constraints, job);
-  ISIMP_ASSERT(broken_promise(Surface(*mesh_, result.guided), result) == "", "a partition keeps its promises");
+  ISIMP_ASSERT(broken_promise(Surface(*mesh_, result.guided), result).empty(), "a partition keeps its promises");
   return result;
 }
 
@@ -133,7 +133,7 @@ Partition Partitioner::without_symmetry(const PartitionOptions& options, const C
 
 Partition partition(const Surface& surface, const PartitionOptions& options, Job& job) {
   Partition result = Partitioner(surface.mesh(), Partitioner::Keep::nothing).on_surface(surface, {}, options, job);
-  ISIMP_ASSERT(broken_promise(surface, result) == "", "a partition keeps its promises");
+  ISIMP_ASSERT(broken_promise(surface, result).empty(), "a partition keeps its promises");
   return result;
 }
 
