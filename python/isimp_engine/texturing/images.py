@@ -3,7 +3,6 @@
 import io
 import logging
 import os
-import struct
 import threading
 import warnings
 from collections.abc import Callable, Hashable
@@ -23,7 +22,7 @@ Image = NDArray[Any]  # (H, W, 4) uint8 or uint16, row 0 at the top
 #: What is read, by its contents. Pillow knows more, as PostScript, which it runs. TGA has no mark, so it comes last.
 FORMATS = ("PNG", "JPEG", "TIFF", "BMP", "WEBP", "GIF", "PPM", "JPEG2000", "DDS", "SGI", "PCX", "AVIF", "TGA")
 _BLOCK = 1 << 22  # pixels that are worked on at once, so that intermediate values are small
-_WARNINGS = threading.Lock()  # filters of warnings are the process's
+_PILLOW = threading.Lock()  # its limit and the filters of warnings are those of the process
 
 
 def pillow(name: object) -> Any:
@@ -74,7 +73,7 @@ class Pictures:
 def decode(source: Path | bytes, name: str) -> Image:
     """The image of a file or of the bytes of one. Raises FileError."""
     module = pillow(name)
-    with reader(name, "is not an image that can be read"), _WARNINGS, warnings.catch_warnings():
+    with reader(name, "is not an image that can be read"), _PILLOW, warnings.catch_warnings():
         warnings.simplefilter("ignore")
         with io.BytesIO(source) if isinstance(source, bytes) else source.open("rb") as file:
             image = _opened(module, file)
@@ -86,23 +85,14 @@ def decode(source: Path | bytes, name: str) -> Image:
 
 
 def _opened(module: Any, file: IO[bytes]) -> Any:
-    """As Image.open does it, but with the kinds above alone, and without its limit on pixels."""
-    start, tried = file.read(16), set[str]()
-    for load in (module.preinit, module.init):  # few kinds, then all
-        load()
-        for kind in FORMATS:
-            if kind in tried or kind not in module.OPEN:
-                continue
-            tried.add(kind)
-            factory, accepts = module.OPEN[kind]
-            try:
-                fits = accepts is None or accepts(start)
-                if fits and not isinstance(fits, str):  # a text says why it can't be read
-                    file.seek(0)
-                    return factory(file, "")
-            except (SyntaxError, IndexError, TypeError, struct.error):  # of another kind after all
-                continue
-    raise ValueError(f"it is none of {', '.join(FORMATS)}")
+    """The image of a file, without Pillow's limit on pixels; `_check_room` has another one."""
+    limit, module.MAX_IMAGE_PIXELS = module.MAX_IMAGE_PIXELS, None
+    try:
+        return module.open(file, formats=FORMATS)
+    except module.UnidentifiedImageError:
+        raise ValueError(f"it is none of {', '.join(FORMATS)}") from None
+    finally:
+        module.MAX_IMAGE_PIXELS = limit
 
 
 def _check_room(image: Any, name: str) -> None:
