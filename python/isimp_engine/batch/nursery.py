@@ -20,10 +20,7 @@ from .errors import BatchError
 
 SIMPLIFY = f"{__package__}.work:simplify"  #: the work of a batch, unless another is given
 _RESULT, _SAID = "result.json", "stderr.txt"
-NO_SPACE, NO_RESULT = (
-    74,
-    73,
-)  # exit statuses of a child that can't write its result: the disk is full, or another reason
+NO_SPACE, NO_RESULT = 74, 73  # exit statuses of a child that can't write its result: full disk, or another reason
 # Large arrays go back to the system when they are freed, and come in pages of 2 MB. By default glibc keeps arrays of up
 # to 32 MB, and the peak of a child is a tenth higher. Other C libraries do not read this variable.
 _ALLOCATOR = "glibc.malloc.mmap_threshold=4194304:glibc.malloc.hugetlb=1"

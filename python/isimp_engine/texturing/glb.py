@@ -27,13 +27,13 @@ def read(path: Path) -> TexturedSoup:
     parts = [part for part in _parts(file) if len(part.triangles)]
     if not parts:
         raise FileError(f"{path}: has no triangles")
-    used = list(dict.fromkeys(part.material for part in parts if part.material >= 0))
+    used = list(dict.fromkeys(part.shape.material for part in parts if part.shape.material >= 0))
     number = {m: i for i, m in enumerate(used)} | {-1: -1}
     has_colors = any(part.shape.colors is not None for part in parts)
     pictures = [file.base_color(m, plain=not has_colors) for m in used]
     vertices, faces = _together(parts)
     uv = np.concatenate([part.shape.uv for part in parts])
-    material = np.concatenate([np.full(len(part.triangles), number[part.material], np.int32) for part in parts])
+    material = np.concatenate([np.full(len(part.triangles), number[part.shape.material], np.int32) for part in parts])
     names = [file.item("materials", m).text("name", str(m)) for m in used]
     corner_colors = np.concatenate([part.colors for part in parts])[faces] if has_colors else None
     layers = gltf_layers.read(file, used, [(part.shape.primitive, part.triangles) for part in parts])
@@ -55,6 +55,7 @@ class _Shape:
     triangles: NDArray[np.int32]  # (F, 3)
     uv: NDArray[np.float64]  # (V, 2), v upward
     colors: NDArray[np.uint8] | None  # (V, 4)
+    material: int  # -1: none
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,10 +64,6 @@ class _Part:
 
     shape: _Shape
     matrix: NDArray[np.float64]
-
-    @property
-    def material(self) -> int:
-        return self.shape.primitive.whole("material") if "material" in self.shape.primitive else -1
 
     @property
     def vertices(self) -> NDArray[np.float64]:
@@ -138,7 +135,7 @@ def _shape(file: GltfFile, primitive: Item) -> _Shape:
     for name, values in (("TEXCOORD", uv), ("COLOR_0", points if colors is None else colors)):
         if len(values) != len(points):
             raise FileError(f"{primitive.place}: {name} has {len(values)} elements, but POSITION {len(points)}")
-    return _Shape(primitive, points, triangles.astype(np.int32), uv, colors)
+    return _Shape(primitive, points, triangles.astype(np.int32), uv, colors, material)
 
 
 def _triangles(index: NDArray[Any], mode: int) -> NDArray[Any]:
