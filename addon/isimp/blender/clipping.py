@@ -6,25 +6,27 @@ from ..language import own, said
 from . import targets
 from .text import in_scene
 
-_ROOM = 2.5  # sizes of the scan that a view of all of it is deep
+_ROOM = 2.5  # depth of a view of all of the scan, in sizes of the scan
 _NEAR = 0.002  # of the size: the nearest that a view of it needs to show
 
 
+_TEXTS = {"clip_end": own("Clips at {length}: show all"), "clip_start": own("Clips below {length}: show all")}
+
+
 def hides(space, scan) -> str:
-    """How a 3D view of all of a scan would clip it: a text with a place for the length; empty if it does not."""
+    """The limit of a 3D view that clips a view of all of a scan: "clip_end" or "clip_start"; empty if none does."""
     size = scan.dimensions.length
     if space is None or size <= 0:
         return ""
     if _ROOM * size > space.clip_end:
-        return own("Clips at {length}: show all")
-    return own("Clips below {length}: show all") if size < space.clip_start else ""
+        return "clip_end"
+    return "clip_start" if size < space.clip_start else ""
 
 
 def told(space, scan) -> str:
-    """The same with the length in the scene's units."""
-    text = hides(space, scan)
-    length = space.clip_end if _ROOM * scan.dimensions.length > space.clip_end else space.clip_start
-    return said(text, length=in_scene(length))
+    """The text of the button that mends it, with the limit in the scene's units."""
+    limit = hides(space, scan)
+    return said(_TEXTS[limit], length=in_scene(getattr(space, limit)))
 
 
 class ISIMP_OT_show_all(bpy.types.Operator):
@@ -40,10 +42,11 @@ class ISIMP_OT_show_all(bpy.types.Operator):
     def execute(self, context):
         scan, _ = targets.find(context)
         space, size = context.space_data, scan.dimensions.length
-        if _ROOM * size > space.clip_end:
+        limit = hides(space, scan)
+        if limit == "clip_end":
             space.clip_end = 4 * _ROOM * size
             space.clip_start = max(space.clip_start, _NEAR * size)
-        elif size < space.clip_start:
+        elif limit == "clip_start":
             space.clip_start = _NEAR * size
         region = next((region for region in context.area.regions if region.type == "WINDOW"), None)
         if region is not None and not bpy.app.background and scan.visible_get():

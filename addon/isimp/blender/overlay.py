@@ -221,7 +221,7 @@ def _draw():
         if (hover := hover_shown(context)) is not None:
             _draw_hover(hover)
         elif lines_too and shown is None and context.mode == "OBJECT":
-            lines(_marked(scan), _MARK, 2.5)
+            lines(pointed.outline(scan), _MARK, 2.5)
 
 
 def _draw_lines_over(context, space, scan, shown) -> None:
@@ -238,22 +238,6 @@ def _draw_lines_over(context, space, scan, shown) -> None:
         return
     if shown is not None and len(shown.work.borders):
         shown.draw_borders(_line_shader(wish.border_color, wish.line_width))
-
-
-def _marked(scan) -> np.ndarray:
-    """(2 B, 3) the lines round the region that was clicked last; none where they would take time."""
-    current, face = runtime.get(), pointed.face(scan)
-    key = (scan.name, mesh_io.state_of(scan), face)
-    if current.marked[0] != key:
-        known, recipe = current.scans.get(scan.name), store.load(scan)
-        outcome = None
-        if face >= 0 and known is not None and not recipe.layers() and current.session.is_prepared(known.scan):
-            outcome = current.session.known(known.scan, recipe.without_mesh())
-        if outcome is None:
-            return np.empty((0, 3), np.float32)
-        arrays, region = current.session.prepare(known.scan).scan, outcome.face_region[face]
-        current.marked = key, sketch.borders_of(arrays, outcome.border, outcome.face_region, region)
-    return current.marked[1]
 
 
 def reported(context, scan) -> tuple:
