@@ -9,7 +9,6 @@
 
 #include <cstdint>
 #include <cuda/atomic>
-#include <span>
 
 #include "launch.h"
 #include "memory.h"
@@ -39,18 +38,8 @@ inline void device_copy(void* to, const void* from, std::size_t bytes) {
   if (bytes > 0) check(cudaMemcpy(to, from, bytes, cudaMemcpyDefault));
 }
 
-/// A copy on the device.
 template <class T>
-class Readable {
- public:
-  Readable(Memory& memory, std::span<const T> numbers) : numbers_(memory) {
-    numbers_.assign(numbers.data(), numbers.size());
-  }
-  [[nodiscard]] const T* data() const { return numbers_.data(); }
-
- private:
-  Array<T> numbers_;
-};
+using Readable = Copied<T>;
 
 /// Hands Thrust what it wants for a sum or a scan.
 struct Scratch {

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <new>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -138,6 +139,19 @@ class Array {
   Memory* memory_;
   T* data_ = nullptr;
   std::size_t size_ = 0;
+};
+
+/// The caller's numbers, copied to the device.
+template <class T>
+class Copied {
+ public:
+  Copied(Memory& memory, std::span<const T> numbers) : numbers_(memory) {
+    numbers_.assign(numbers.data(), numbers.size());
+  }
+  [[nodiscard]] const T* data() const { return numbers_.data(); }
+
+ private:
+  Array<T> numbers_;
 };
 
 }  // namespace isimp::parallel::ISIMP_DEVICE

@@ -33,8 +33,8 @@ double gain_of_split(Edit& edit, std::int32_t region) {
   const std::vector<std::int32_t> faces =
       take_out(graph, edit.labels, graph.graph_face[edit.result.region_seed[region]]);
   const RegionSum& sum = edit.result.region_sum[region];
-  const EditLabels labels{edit.result.face_region.data(),
-                          &graph};  // the new label is of no region yet that may be held
+  // Without held regions, as there is no region yet for the new label.
+  const EditLabels labels{edit.result.face_region.data(), &graph};
   const double gain =
       faces.size() < 2 ? -1.0
                        : split_gain(sum, split_in_two(graph, labels, faces, sum, {region, edit.result.region_count()}));

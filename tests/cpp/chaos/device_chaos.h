@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -23,18 +22,8 @@ inline void device_copy(void* to, const void* from, std::size_t bytes) {
   if (bytes > 0) std::memcpy(to, from, bytes);
 }
 
-/// A copy, as on a device.
 template <class T>
-class Readable {
- public:
-  Readable(Memory& memory, std::span<const T> numbers) : numbers_(memory) {
-    numbers_.assign(numbers.data(), numbers.size());
-  }
-  [[nodiscard]] const T* data() const { return numbers_.data(); }
-
- private:
-  Array<T> numbers_;
-};
+using Readable = Copied<T>;
 
 template <class Kernel>
 void for_all(std::int64_t begin, std::int64_t end, Kernel kernel) {
