@@ -1,4 +1,4 @@
-"""Presses every operator of the add-on at random, and looks after each whether something broke.
+"""Presses the operators of the add-on at random and checks the add-on after each.
 
     blender -b --factory-startup --python-exit-code 1 --python bench/addon_monkey.py -- --actions 10000 --seed 1
     python bench/addon_monkey.py --actions 1000        where bpy is installed from PyPI
@@ -8,10 +8,10 @@ settings, a change of mode, selection, active object or of a setting of the pane
 file. Each is written to the log before it is done, so that the last line names the one that ended Blender. After each:
 
 - no Python exception, other than an operator's own report of an error;
-- the geometry of all scans is the same, bit for bit;
+- the geometry of each scan is unchanged, bit for bit;
 - all panels can be drawn.
 
-It ends with 1 if something broke, and tells what. The same seed gives the same actions.
+The exit status is 1 if a check failed, and the output names it. The same seed gives the same actions.
 """
 
 from __future__ import annotations
@@ -136,7 +136,7 @@ class Monkey:
         self.panels = [cls for cls in isimp.blender._CLASSES if issubclass(cls, (bpy.types.Panel, bpy.types.Menu))]
         self._last = ""
 
-    # What is there
+    # State of the file
 
     def begin(self) -> None:
         """An empty file with one scan, at times with two."""
@@ -221,7 +221,7 @@ class Monkey:
         if "Traceback" in written:
             raise Broken(written)
 
-    # What is done
+    # Actions
 
     def face(self) -> int:
         obj = bpy.context.view_layer.objects.active
@@ -268,7 +268,7 @@ class Monkey:
         return found.to_json() if found else GARBAGE[-1]
 
     def press(self) -> None:
-        """Any operator with any settings; those of every day more often."""
+        """Runs any operator with any settings; common operators come more often."""
         usual = (
             "partition",
             "mesh",
@@ -418,7 +418,7 @@ class Monkey:
         bpy.ops.wm.open_mainfile(filepath=path)
         bpy.ops.ed.undo_push(message="reopened")
 
-    def anew(self) -> None:
+    def restart(self) -> None:
         self.note("begin", None)
         self.begin()
 
@@ -429,10 +429,10 @@ class Monkey:
             log.write(f"{self._last}\n")
 
     def run(self, actions: int, limit: int = 5) -> list:
-        """[(number, action, what broke)]; ends after `limit` of them."""
+        """[(number, action, what broke)]; stops after `limit` of them."""
         broken = []
         verbs = {self.press: 60, self.mode: 6, self.select: 8, self.turn_to: 5, self.objects: 5, self.set: 8}
-        verbs |= {self.undo: 6, self.redo: 3, self.reopen: 0.5, self.anew: 1.5}
+        verbs |= {self.undo: 6, self.redo: 3, self.reopen: 0.5, self.restart: 1.5}
         self.begin()
         kept, sys.stderr = sys.stderr, self.errors
         try:

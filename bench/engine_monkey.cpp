@@ -19,13 +19,13 @@ namespace {
 constexpr double kDetails[] = {0.04, 0.02, 0.01, 0.007, 0.005, 0.0035, 0.0025, 0.00125};
 const char* const kUsage =
     "engine_monkey [--seconds S] [--seed N] [--regions N] [--faces N] [--most FACES] [--polygons 0] [FILE...]\n"
-    "  FILE       mesh files; without any, those of the data folder (ISIMP_DATA)\n"
-    "  --seconds  a partition, after which the next one begins (20)\n"
-    "  --seed     of what is drawn (1)\n"
-    "  --regions  of each partition whose faces are edited, 4 faces each (50)\n"
-    "  --faces    drawn of all (200)\n"
-    "  --most     faces of a scan; larger ones are left out (200000)\n"
-    "  --polygons  0: make none of the partitions, which takes most of the time (1)\n";
+    "  FILE       mesh files (default: all of the data folder, ISIMP_DATA)\n"
+    "  --seconds  spent on each partition (20)\n"
+    "  --seed     of the random numbers (1)\n"
+    "  --regions  of each partition that are edited, at 4 faces each (50)\n"
+    "  --faces    drawn from all faces (200)\n"
+    "  --most     faces of a scan; larger scans are skipped (200000)\n"
+    "  --polygons 0: skip the meshing, which takes most of the time (1)\n";
 
 std::vector<std::string> files_of(const std::string& folder) {
   std::vector<std::string> files;

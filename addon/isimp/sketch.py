@@ -107,7 +107,7 @@ def heat_colors(share: np.ndarray) -> np.ndarray:
 
 
 def at_once(session: Session, scan: Scan, recipe: rcp.Recipe) -> Sketch | None:
-    """The sketch of regions that are known already, without polygons; None where it would take time."""
+    """The sketch of a partition in the session's cache, without polygons; None if it must be computed first."""
     outcome = session.known(scan, recipe.without_mesh()) if session.is_prepared(scan) else None
     if outcome is None:
         return None
@@ -118,7 +118,7 @@ def at_once(session: Session, scan: Scan, recipe: rcp.Recipe) -> Sketch | None:
 
 
 def borders_of(scan: Scan, border: np.ndarray, face_region: np.ndarray, region: int) -> np.ndarray:
-    """(2 B, 3) float32 those of the edges where regions meet at which one of them ends."""
+    """(2 B, 3) float32 the end points of the border edges of one region."""
     ends = border[(face_region[scan.face_edges[0][border]] == region).any(axis=1)]
     return borders(scan, ends)
 

@@ -24,7 +24,7 @@ def hides(space, scan) -> str:
 
 
 def told(space, scan) -> str:
-    """The text of the button that mends it, with the limit in the scene's units."""
+    """The text of the button that widens the limit, with the limit in the scene's units."""
     limit = hides(space, scan)
     return said(_TEXTS[limit], length=in_scene(getattr(space, limit)))
 

@@ -25,7 +25,7 @@ def _is_ours(screen) -> bool:
 
 
 def _kept(screen) -> dict:
-    """The colour type of each viewport of a screen as it was before; by its place and ".set", what was set since."""
+    """The former colour type of each viewport of a screen; under its place and ".set", the type that the add-on set."""
     kept = screen.get(_KEPT)
     return kept.to_dict() if isinstance(kept, IDPropertyGroup) else {}
 
@@ -47,7 +47,7 @@ def _is_set(kept: dict, place: str, space) -> bool:
 
 
 def show_result(context, result) -> None:
-    """Shows the image of a result that has one of the add-on's; else each viewport gets back what it had."""
+    """Shows the texture of a result that has one; otherwise restores the colour type of each viewport."""
     give_back(context)
     if texture.image_width(result):
         show(context, "TEXTURE")

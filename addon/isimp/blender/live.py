@@ -146,7 +146,7 @@ class ISIMP_OT_settle(modal.RecipeOperator, bpy.types.Operator):
         return {"FINISHED"} if pending.write_shown(context) else {"CANCELLED"}
 
     def _refuse(self, context, work, error):
-        """The settings return to those of the recipe, as the timer would try these again and again."""
+        """Restores the settings of the recipe, because the timer would repeat the refused ones."""
         if not isinstance(error, StepFailed):
             pending.follow(context)
         return super()._refuse(context, work, error)

@@ -125,7 +125,7 @@ def bring_to_front(context, shown, hidden) -> None:
 
 
 def hide(context, obj) -> None:
-    """Hides an object in viewports and renders; `bring_to_front` shows it again in those that it was seen in."""
+    """Hides an object in viewports and renders; `bring_to_front` shows it again where `hide` hid it."""
     if not obj.hide_render:
         raw.make_way(obj)
         obj.hide_render, obj.isimp.unrendered = True, "yes"

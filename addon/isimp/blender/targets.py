@@ -42,9 +42,9 @@ def result_of(scene, scan):
 
 
 def results_of(scene, scan) -> list:
-    """The results made from a scan: that of Mesh first, then copies of it by the user.
+    """The results made from a scan: first the result of Mesh, then the user's copies of it.
 
-    Never one with the scan's mesh, nor one that was edited by hand and kept.
+    Excludes objects that share the scan's mesh, and results that were edited by hand and kept.
     """
     key = raw.text(scan, "key")
     if not key:

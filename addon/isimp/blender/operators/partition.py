@@ -35,9 +35,9 @@ class ISIMP_OT_partition(RecipeOperator, settings.PartitionSettings, bpy.types.O
         if properties.part:
             return said("Partition the selected faces only, with the settings above; all others stay in their regions")
         scan, problem = targets.find(context)
-        gone = 0 if problem else messages.hand_edits(store.load(scan), context.window_manager.isimp.regularise_first)
+        edits = 0 if problem else messages.hand_edits(store.load(scan), context.window_manager.isimp.regularise_first)
         usual = said(cls.__doc__)
-        return f"{usual}. {messages.will_drop(gone)}" if gone else usual
+        return f"{usual}. {messages.will_drop(edits)}" if edits else usual
 
     def wanted(self, context, scan):
         step = settings.to_step(rcp.Partition, self)

@@ -26,7 +26,7 @@ class AtFaces(RecipeOperator):
         options={"SKIP_SAVE"},
     )
 
-    #: Whether the edit makes sense of all faces of the scan
+    #: Whether the edit can take all faces of the scan
     may_be_all = False
 
     _pressed_on = ""  #: the name of the scan, if a button was pressed in Object Mode

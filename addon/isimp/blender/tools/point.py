@@ -242,6 +242,6 @@ CLASSES = (ISIMP_OT_leave, ISIMP_OT_turn, ISIMP_OT_hover, ISIMP_OT_lock_here, IS
 def register() -> None:
     keys = bpy.context.window_manager.keyconfigs.addon
     if keys is not None:
-        keymap = keys.keymaps.new("Screen")  # of all that no other one takes; that of a tool is of the view alone
+        keymap = keys.keymaps.new("Screen")  # receives every event that no other keymap takes
         item = keymap.keymap_items.new("isimp.leave", "MOUSEMOVE", "ANY", any=True)
         runtime.get().keys.append((keymap, item))
