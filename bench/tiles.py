@@ -3,12 +3,11 @@
     bench/tiles.py pieces SCAN PROXIES [1 4 16 64]    compares tiles with one piece: error, borders, distance, flaws;
                                                       SCAN is a file, or city:FACES
     bench/tiles.py detail SCAN DETAIL [1 4 16 64]     compares the numbers of regions that are found
-    bench/tiles.py seams SCAN|FACES PROXIES           compares polygons by groups with those of one process, same labels
     bench/tiles.py city FACES PROXIES                 runs a generated city and prints time and memory of each step
     bench/tiles.py city FACES PROXIES --kill          kills the command twice, and compares the results bit by bit
     bench/tiles.py read [FACES]                       reads a binary PLY, a text PLY and an OBJ file
 
-Run it with a Python that has isimp_engine; `pieces` and `seams` need scipy. The peaks of memory are the kernel's.
+Run it with a Python that has isimp_engine; `pieces` needs scipy. The peaks of memory are the kernel's.
 """
 
 from __future__ import annotations
@@ -110,7 +109,7 @@ def scan_of(path: Path) -> engine.Mesh:
         return engine.clean(*engine.read(next((Path(place) / "city").iterdir())))
 
 
-def pieces(path: Path, proxies: int, counts: list[int], groups: list[int], by_groups: bool) -> None:
+def pieces(path: Path, proxies: int, counts: list[int], groups: list[int]) -> None:
     mesh = scan_of(path)
     triangles, vertices = mesh.triangles, mesh.vertices
     begun = time.process_time()
@@ -128,7 +127,7 @@ def pieces(path: Path, proxies: int, counts: list[int], groups: list[int], by_gr
             folder, out = Path(place) / f"in{count}-{group}", Path(place) / f"{count}-{group}.ply"
             parts = cut((vertices, triangles), count, folder)
             begun = time.perf_counter()
-            grouped = ({"group": group} if group else {}) | ({"mesh_faces": 0} if by_groups else {})
+            grouped = {"group": group} if group else {}
             report = tiles.run(folder, out, proxies=proxies, labels=folder.with_suffix(".labels"), **grouped).report
             seconds = time.perf_counter() - begun
             label = np.empty(len(triangles), np.int32)
@@ -141,43 +140,9 @@ def pieces(path: Path, proxies: int, counts: list[int], groups: list[int], by_gr
                 f"borders {found[1] / whole[1] - 1:+.1%}, {found[2]} regions, "
                 f"mean distance {own[0] / mean - 1:+.1%}, 99 % {own[1] / most - 1:+.1%}, "
                 f"{report['output']['polygons']} polygons, {flaws(report['output'])}, "
-                f"{100 * (report['rest_faces'] or 0) / report['thinned_faces']:.0f} % of faces between groups, "
                 f"{len(triangles) / report['thinned_faces']:.1f} x thinned, "
                 f"graph {report['graph_bytes'] / len(triangles):.2f} B a face, {seconds:.1f} s"
             )
-
-
-def seams(source: str, proxies: int, count: int, group: int) -> None:
-    """source: a scan, or the number of faces of a city."""
-    with tempfile.TemporaryDirectory() as place:
-        folder, points = Path(place) / "in", np.zeros((0, 3))
-        if source.isdigit():
-            make_city(folder, int(source))
-        else:
-            mesh = engine.clean(*engine.read(source))
-            points = mesh.vertices
-            cut((points, mesh.triangles), count, folder)
-        found = []
-        for name, most in (("one.ply", 2**40), ("by.ply", 0)):
-            report = tiles.run(folder, Path(place) / name, proxies=proxies, group=group, mesh_faces=most, jobs=1).report
-            mean = distances(points, Path(place) / name) if len(points) else (1.0, 1.0)
-            found.append((report, mean))
-        (one, near), (by, other) = found
-        was, now = one["output"], by["output"]
-        print(
-            f"{source}: {by['groups']} groups, {by['rest_faces'] / by['thinned_faces']:.0%} of faces between them, "
-            f"mean planarity {now['planarity_mean'] / was['planarity_mean'] - 1:+.1%}, "
-            f"largest {now['planarity_max'] / was['planarity_max'] - 1:+.1%}, "
-            f"mean distance {other[0] / near[0] - 1:+.1%}, 99 % {other[1] / near[1] - 1:+.1%}, "
-            f"corners {now['corners'] / was['corners'] - 1:+.1%}, {flaws(was)} and {flaws(now)}, "
-            f"{by['made_again']} regions made again"
-        )
-        seconds, peak = by["seconds"], by["peak_mb"]
-        print(
-            f"  mesh {one['seconds']['mesh']:.2f} s, {one['peak_mb']['mesh']:.0f} MB; all of mesh-group "
-            f"{seconds['mesh-group']:.2f} s, at most {peak['mesh-group']:.0f} MB; mesh-rest "
-            f"{seconds['mesh-rest']:.2f} s, {peak['mesh-rest']:.0f} MB"
-        )
 
 
 def named(groups: int) -> str:
@@ -277,7 +242,7 @@ def make_city(folder: Path, faces: int, tile_faces: int = 720_000) -> int:
     return side * side * len(triangles)
 
 
-def city(faces: int, proxies: int, kill: bool, jobs: int, group: int, by_groups: bool) -> None:
+def city(faces: int, proxies: int, kill: bool, jobs: int, group: int) -> None:
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place) / "city"
         faces = make_city(folder, faces)
@@ -285,7 +250,7 @@ def city(faces: int, proxies: int, kill: bool, jobs: int, group: int, by_groups:
         options = ["--proxies", str(proxies), "--jobs", str(jobs), "--quiet"]
         environment = {**os.environ, "PYTHONPATH": str(Path(engine.__file__).parents[1])}
         begun = time.perf_counter()
-        grouped = ({"group": group} if group else {}) | ({"mesh_faces": 0} if by_groups else {})
+        grouped = {"group": group} if group else {}
         report = tiles.run(folder, Path(place) / "a.ply", proxies=proxies, jobs=jobs, **grouped).report
         seconds = time.perf_counter() - begun
         tile = report["largest_tile"]
@@ -294,11 +259,7 @@ def city(faces: int, proxies: int, kill: bool, jobs: int, group: int, by_groups:
         print(f"  borders: {report['border_edges']:,} edges, {report['unmatched_edges']:,} without a partner")
         print(f"  graph {report['graph_bytes'] / faces:.2f} B a face, {report['thinned_faces']:,} faces meshed")
         if report["groups"]:
-            print(
-                f"  {report['groups']} groups leave {report['regions_joined']:,} regions to be merged, and of the",
-                end="",
-            )
-            print(f" faces {report['rest_faces'] or report['thinned_faces']:,}")
+            print(f"  {report['groups']} groups leave {report['regions_joined']:,} regions to be merged")
         for step, peak in report["peak_mb"].items():
             print(f"  {step:8} peak {peak:6.0f} MB, {peak * 2**20 / tile:5.0f} B a face of a tile")
         print("  seconds:", report["seconds"])
@@ -324,17 +285,11 @@ def main() -> None:
     command.add_argument("proxies", type=int)
     command.add_argument("counts", type=int, nargs="*", default=[1, 4, 16, 64])
     command.add_argument("--groups", type=int, nargs="*", default=[0], help="tiles of a group; 0: as by default")
-    command.add_argument("--by-groups", action="store_true", help="make polygons by groups too")
     command = what.add_parser("detail")
     command.add_argument("scan", type=Path)
     command.add_argument("share", type=float)
     command.add_argument("counts", type=int, nargs="*", default=[1, 4, 16, 64])
     command.add_argument("--groups", type=int, nargs="*", default=[0], help="tiles of a group; 0: as by default")
-    command = what.add_parser("seams")
-    command.add_argument("source", help="a scan, or the number of faces of a generated city")
-    command.add_argument("proxies", type=int)
-    command.add_argument("--tiles", type=int, default=16)
-    command.add_argument("--group", type=int, default=4, help="tiles of a group")
     command = what.add_parser("read")
     command.add_argument("faces", type=int, nargs="?", default=2_000_000)
     command = what.add_parser("city")
@@ -343,18 +298,15 @@ def main() -> None:
     command.add_argument("--kill", action="store_true")
     command.add_argument("--jobs", type=int, default=2)
     command.add_argument("--group", type=int, default=0, help="tiles of a group; 0: as by default")
-    command.add_argument("--by-groups", action="store_true", help="make polygons by groups too")
     arguments = parser.parse_args()
     if arguments.what == "pieces":
-        pieces(arguments.scan, arguments.proxies, arguments.counts, arguments.groups, arguments.by_groups)
+        pieces(arguments.scan, arguments.proxies, arguments.counts, arguments.groups)
     elif arguments.what == "detail":
         detail(arguments.scan, arguments.share, arguments.counts, arguments.groups)
-    elif arguments.what == "seams":
-        seams(arguments.source, arguments.proxies, arguments.tiles, arguments.group)
     elif arguments.what == "read":
         read(arguments.faces)
     else:
-        city(*(getattr(arguments, name) for name in ("faces", "proxies", "kill", "jobs", "group", "by_groups")))
+        city(*(getattr(arguments, name) for name in ("faces", "proxies", "kill", "jobs", "group")))
 
 
 if __name__ == "__main__":

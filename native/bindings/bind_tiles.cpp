@@ -13,7 +13,6 @@
 #include "call.h"
 #include "isimp/core/errors.h"
 #include "isimp/core/to_integer.h"
-#include "isimp/meshing/part.h"
 #include "isimp/meshing/polygonize.h"
 #include "isimp/tiles/detail.h"
 #include "isimp/tiles/merge.h"
@@ -84,18 +83,6 @@ std::vector<SurfaceMoments> read_moments(const std::optional<Table<double>>& tab
     moments.push_back(m);
   }
   return moments;
-}
-
-PolygonMesh read_polygons(const py::object& vertices, const Table<std::int32_t>& loops,
-                          const Table<std::int32_t>& starts, const Table<std::int32_t>& regions) {
-  PolygonMesh poly;
-  poly.vertices = read_points(vertices, "vertices", "(W, 3)");
-  const auto corners = rows<std::int32_t>(loops, "loops"), begins = rows<std::int32_t>(starts, "starts"),
-             of = rows<std::int32_t>(regions, "regions");
-  poly.loops.assign(corners.begin(), corners.end());
-  poly.loop_start.assign(begins.begin(), begins.end());
-  poly.polygon_region.assign(of.begin(), of.end());
-  return poly;
 }
 
 void put_moments(const SurfaceMoments& m, double* at) {
@@ -288,50 +275,6 @@ void bind_thinning(py::module_& m) {
         return call(job, [&](Job& j) { return polygonize(mesh, part, options, j, moments.of_face); });
       },
       "mesh"_a, "partition"_a, "options"_a, "moments"_a, "job"_a = py::none(), "See tiles.polygonize_thinned.");
-  m.def(
-      "_tile_polygonize_part",
-      [](const KeptMesh& mesh, const Partition& part, MeshingOptions options, const Table<double>& moments,
-         const Table<std::uint8_t>& fixed, Job* job) {
-        const std::vector<SurfaceMoments> given = read_moments(moments, mesh.origin());
-        const auto flags = rows<std::uint8_t>(fixed, "fixed");
-        std::vector<Fixed> of_vertex;
-        of_vertex.reserve(flags.size());
-        for (const std::uint8_t flag : flags) {
-          if (flag > static_cast<std::uint8_t>(Fixed::corner)) throw InvalidInput("`fixed` must be 0, 1 or 2");
-          of_vertex.push_back(static_cast<Fixed>(flag));
-        }
-        PolygonPart made = call(job, [&](Job& j) { return polygonize_part(mesh, part, options, given, of_vertex, j); });
-        return py::make_tuple(std::move(made.polygons), owned(std::move(made.face_polygon)));
-      },
-      "mesh"_a, "partition"_a, "options"_a, "moments"_a, "fixed"_a, "job"_a = py::none(), "See tiles.polygonize_part.");
-  m.def(
-      "_tile_judge_together",
-      [](const py::object& vertices, const Table<std::int32_t>& loops, const Table<std::int32_t>& starts,
-         const Table<std::int32_t>& regions, const Table<std::int32_t>& parts, Job* job) {
-        PolygonMesh poly = read_polygons(vertices, loops, starts, regions);
-        const auto part = rows<std::int32_t>(parts, "parts");
-        return call(job, [&](Job& j) { return judge_together(std::move(poly), part, j); });
-      },
-      "vertices"_a, "loops"_a, "starts"_a, "regions"_a, "parts"_a, "job"_a = py::none(), "See tiles.judge_together.");
-  m.def(
-      "_tile_settle_seams",
-      [](const py::object& vertices, const Table<std::int32_t>& loops, const Table<std::int32_t>& starts,
-         const Table<std::int32_t>& regions, const Table<std::int32_t>& parts, const py::object& home,
-         const Table<double>& vector_area, const Table<double>& moments, double diagonal, std::int32_t region_count,
-         MeshingOptions options, Job* job) {
-        PolygonMesh poly = read_polygons(vertices, loops, starts, regions);
-        const auto part = rows<std::int32_t>(parts, "parts");
-        const std::vector<Vec3> homes = read_points(home, "home", "(W, 3)");
-        const auto areas = rows<std::array<double, 3>>(vector_area, "vector_area");
-        std::vector<Vec3> across;
-        across.reserve(areas.size());
-        for (const auto& [x, y, z] : areas) across.emplace_back(x, y, z);
-        const std::vector<SurfaceMoments> given = read_moments(moments, Vec3::Zero());
-        const SeamPlaces places{homes, across, given, diagonal, region_count};
-        return call(job, [&](Job& j) { return settle_seams(std::move(poly), part, places, options, j); });
-      },
-      "vertices"_a, "loops"_a, "starts"_a, "regions"_a, "parts"_a, "home"_a, "vector_area"_a, "moments"_a, "diagonal"_a,
-      "region_count"_a, "options"_a, "job"_a = py::none(), "See tiles.settle_seams.");
 }
 
 void bind_welding(py::module_& m) {

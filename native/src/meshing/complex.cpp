@@ -17,11 +17,10 @@ constexpr double kSharpCosine = 0.94;  ///< of 20 degrees: a triangle with a sha
 constexpr double kOfTriangle = 0.2, kOfThree = 0.45;
 }  // namespace
 
-Complex::Complex(const Labels& labels, const Logged<Plane>& planes, std::span<const Fixed> fixed)
+Complex::Complex(const Labels& labels, const Logged<Plane>& planes)
     : labels_(labels),
       mesh_(labels.mesh),
       planes_(planes),
-      fixed_(fixed),
       corner_(static_cast<std::size_t>(labels.mesh.vertex_count()), 0) {}
 
 int Complex::boundary_edges(std::int32_t vertex) const {
@@ -71,7 +70,7 @@ void Complex::add_anchors(std::span<const std::int32_t> loop) {
   std::int32_t last = labels_.across(loop.back());
   for (const std::int32_t h : loop) {
     const std::int32_t across = labels_.across(h);
-    if ((across != last || is_fixed(mesh_.from(h))) && !is_corner(mesh_.from(h))) add_corner(mesh_.from(h));
+    if (across != last && !is_corner(mesh_.from(h))) add_corner(mesh_.from(h));
     last = across;
   }
 }

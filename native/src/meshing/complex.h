@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "isimp/core/job.h"
-#include "isimp/meshing/part.h"
 #include "labels.h"
 #include "logged.h"
 #include "planes.h"
@@ -30,8 +29,7 @@ struct ChordTolerance {
 /// needs no more than a flag at its vertex for both sides of a chord to agree.
 class Complex {
  public:
-  /// \param fixed  as in polygonize_part
-  Complex(const Labels& labels, const Logged<Plane>& planes, std::span<const Fixed> fixed = {});
+  Complex(const Labels& labels, const Logged<Plane>& planes);
 
   ChordTolerance tolerance;
 
@@ -92,8 +90,7 @@ class Complex {
   }
 
  private:
-  [[nodiscard]] bool is_fixed(std::int32_t vertex) const { return !fixed_.empty() && fixed_[vertex] == Fixed::corner; }
-  [[nodiscard]] bool is_anchor(std::int32_t vertex) const { return is_fixed(vertex) || boundary_edges(vertex) != 2; }
+  [[nodiscard]] bool is_anchor(std::int32_t vertex) const { return boundary_edges(vertex) != 2; }
   /// Whether the triangle of three places in a loop has a sharp corner.
   [[nodiscard]] bool is_sharp(std::span<const std::int32_t> loop, const std::array<std::size_t, 3>& at) const;
   /// Where a chord begins in the loop of its piece.
@@ -121,7 +118,6 @@ class Complex {
   const Labels& labels_;
   const Mesh& mesh_;
   const Logged<Plane>& planes_;
-  std::span<const Fixed> fixed_;
   Logged<std::uint8_t> corner_;               ///< (V)
   Logged<std::vector<std::int32_t>> loops_;   ///< boundary half-edges of each piece, in order
   Logged<std::vector<std::int32_t>> chords_;  ///< those of them that start at a corner

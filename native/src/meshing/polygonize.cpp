@@ -9,7 +9,6 @@
 
 #include "check_input.h"
 #include "isimp/core/errors.h"
-#include "isimp/meshing/part.h"
 #include "judge.h"
 #include "repair.h"
 #include "state.h"
@@ -106,13 +105,13 @@ void report_repair(const RepairOutcome& outcome, std::span<const std::int32_t> p
   std::sort(report.imperfect.begin(), report.imperfect.end());
 }
 
-/// \param place  as of assemble
-PolygonMesh polygons_of(State& state, std::vector<std::int32_t>& place, Job& job) {
+PolygonMesh polygons_of(State& state, Job& job) {
   RepairOutcome outcome;
   {
     Job::Part part(job, "repairing", 0.1, 0.98);
     outcome = repair(state, job);
   }
+  std::vector<std::int32_t> place;
   PolygonMesh result = assemble(state, place);
   report_repair(outcome, place, result.report);
   result.planes_let_go = std::move(outcome.let_go);
@@ -137,8 +136,7 @@ PolygonMesh polygonize(const Mesh& mesh, const Partition& partition, const Meshi
   const auto make = [&](const MeshingOptions& o, double from, double to) {
     Job::Part part(job, "meshing", from, to);
     State state(mesh, partition, o, job, moments);
-    std::vector<std::int32_t> place;
-    return polygons_of(state, place, job);
+    return polygons_of(state, job);
   };
   const bool may_be_left_off = options.planar && options.planar_most < 1;
   PolygonMesh result = make(options, 0.0, may_be_left_off ? kOfPlanar : 1.0);
@@ -149,26 +147,6 @@ PolygonMesh polygonize(const Mesh& mesh, const Partition& partition, const Meshi
   result = make(plain, kOfPlanar, 1.0);
   result.report.planar.asked = result.report.planar.left_off = true;
   result.report.planar.whole = whole;
-  return result;
-}
-
-PolygonPart polygonize_part(const Mesh& mesh, const Partition& partition, const MeshingOptions& options,
-                            std::span<const SurfaceMoments> moments, std::span<const Fixed> fixed, Job& job) {
-  check_input(mesh, partition, options);
-  check_moments(mesh, moments);
-  if (options.planar) throw InvalidInput("planar polygons can't be made of a part: all corners move for them");
-  if (!fixed.empty() && fixed.size() != static_cast<std::size_t>(mesh.vertex_count()))
-    throw InvalidInput("`fixed` must have one value for each vertex");
-  Job::Part whole(job, "meshing", 0.0, 1.0);
-  State state(mesh, partition, options, job, moments, fixed);
-  std::vector<std::int32_t> place;
-  PolygonPart result{polygons_of(state, place, job), {}};
-  result.face_polygon.reserve(static_cast<std::size_t>(mesh.face_count()));
-  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    const std::int32_t l = state.labels.label[f];
-    const bool has = l != kNone && state.polygons.count_of(l) > 0;
-    result.face_polygon.push_back(has ? place[state.polygons.first_of(l)] : kNone);
-  }
   return result;
 }
 

@@ -41,11 +41,10 @@ std::int32_t boundary_start(const Labels& labels, std::span<const std::int32_t> 
 }  // namespace
 
 State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& job,
-             std::span<const SurfaceMoments> moments, std::span<const Fixed> fixed)
-    : fixed_(fixed),
-      labels_(m),
+             std::span<const SurfaceMoments> moments)
+    : labels_(m),
       cutter_(labels_),
-      complex_(labels_, planes_, fixed),
+      complex_(labels_, planes_),
       corners_(m.vertex_count()),
       job_(job),
       mesh(m),
@@ -341,8 +340,7 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, std::
   // Among faces of the scan alone a corner has its place already.
   for (const std::int32_t c : moving) {
     const auto around = polygons.at(c);
-    if ((!fixed_.empty() && fixed_[corners.vertex[c]] != Fixed::no) ||
-        std::all_of(around.begin(), around.end(), [&](std::int32_t q) { return labels.is_face(polygons.piece(q)); }))
+    if (std::all_of(around.begin(), around.end(), [&](std::int32_t q) { return labels.is_face(polygons.piece(q)); }))
       corners_.radius.set(c, 0);
   }
   const std::vector<std::int32_t> moved = moving;

@@ -37,9 +37,8 @@ class State {
  public:
   /// \param job  polled by `update` too
   /// \param moments  as of Labels
-  /// \param fixed  as in polygonize_part
   State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& job,
-        std::span<const SurfaceMoments> moments = {}, std::span<const Fixed> fixed = {});
+        std::span<const SurfaceMoments> moments = {});
 
   /// Where a piece would be split: in halves, or near a place. Threads may ask for several pieces at a time after the
   /// face marks of labels have been cleared.
@@ -149,7 +148,6 @@ class State {
     Polygons::for_each_array(self.polygons_, fn);
   }
 
-  std::span<const Fixed> fixed_;
   Labels labels_;
   Cutter cutter_;
   Logged<Plane> planes_;

@@ -41,8 +41,6 @@ _WORDS = {  # what a step does
     "merge": "merging",
     "thin": "thinning",
     "mesh": "meshing",
-    "mesh-group": "meshing",
-    "mesh-rest": "meshing",
 }
 
 

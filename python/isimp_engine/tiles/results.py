@@ -43,8 +43,7 @@ def _save_label(folder: Path, name: str, label: Any, plan: Plan) -> None:
 
 def deliver(plan: Plan) -> None:
     """The result to its place, over an older one."""
-    step = "mesh" if (plan.work / "mesh").exists() else "mesh-rest"
-    made = of_tile(plan.work, step, 0) / f"result{plan.output.suffix.lower()}"
+    made = of_tile(plan.work, "mesh", 0) / f"result{plan.output.suffix.lower()}"
     with whole(plan.output) as draft:
         shutil.copyfile(made, draft)
     sync_folder(plan.output.parent)

@@ -28,7 +28,6 @@ from .tasks import SURPLUS
 from .work_folder import NAMES, PLAN, begin, damage_forgotten, key_of
 
 TILE_FACES = 1_000_000  #: of the tiles that a single scan is cut into
-MESH_FACES = 20_000_000  #: thinned faces up to which polygons are made in one process: some 10 GB
 _PATCH, _PATCHES_A_REGION = 100, 6  # faces of a patch at most; patches a region at least
 _FIRST = (3, 3)  # rounds before the last merging, and sweeps of each, at most
 _FIRST_BY_DETAIL = (4, 8)  # the same where the number is found
@@ -71,7 +70,6 @@ def run(
     cluster: Cluster | None = None,
     tile_faces: int = TILE_FACES,
     group: int = GROUP,
-    mesh_faces: int = MESH_FACES,
     options: Mapping[str, Any] | None = None,
     watch: Callable[[State], None] | None = None,
 ) -> Outcome:
@@ -89,7 +87,6 @@ def run(
     dask: the address of a Dask scheduler, whose workers do the work.
     cluster: a cluster that is started for this run, see batch.Cluster, in place of `dask`.
     group: largest number of tiles in a group. A scan of more tiles is merged by groups: no process has the whole graph.
-    mesh_faces: more thinned faces than this are meshed by groups too, if there are groups.
     options: detail, tolerance, noise, snap, smooth, leave_out, seed of PartitionOptions, planar of MeshingOptions.
     watch: called after each step of a tile, and some times a second.
 
@@ -103,7 +100,7 @@ def run(
         Path(source),
         Path(output),
         work,
-        options_of(options, proxies, weld) | {"group": group, "mesh_faces": mesh_faces},
+        options_of(options, proxies, weld) | {"group": group},
         tile_faces,
     )
     if jobs is not None and jobs < 1:
@@ -203,8 +200,8 @@ class _Run:
             self._of_groups("regroup", merging | share, faces)
         merged = self._one("merge", merging, 40 * join["regions"])
         labels, sums = self._rounds("last", present, (labels, "merge"), _LAST, shared | weight, relabel="merge")
-        self._map("thin", present, {"before": labels, "labels": self._labels, "groups": len(self._groups)})
-        last = self._last(present, join)
+        self._map("thin", present, {"before": labels, "labels": self._labels})
+        last = self._last(present)
         return Outcome(plan.output, self._report(join, merged, last, sums, present))
 
     def _gather(self, present: list[int], patches: int) -> int:
@@ -352,20 +349,12 @@ class _Run:
                 break
         return labels, sums
 
-    def _last(self, present: list[int], join: dict[str, Any]) -> dict[str, Any]:
+    def _last(self, present: list[int]) -> dict[str, Any]:
         options, name = self._plan.options, f"result{self._plan.output.suffix.lower()}"
         thinned = {k: values_of(of_tile(self._plan.work, "thin", k))["faces"] for k in present}
         meshing = {"planar": options.get("planar", False), "threads": 0}
         task = {"present": present, "output": name, "meshing": meshing, "threads": 0}
-        if not self._groups or meshing["planar"] or sum(thinned.values()) <= options["mesh_faces"]:
-            return self._one("mesh", task, 3 * sum(thinned.values()))
-        task["groups"] = len(self._groups)
-        task["whole"] = {"diagonal": self._diagonal, "area": join["area"], "regions": join["wanted"]}
-        faces = {g: 3 * sum(thinned[k] for k in own) for g, own in enumerate(self._groups)}
-        alone = task | {"meshing": meshing | {"threads": 1}}
-        self._of_groups("mesh-group", alone, faces)
-        rest = sum(values_of(of_tile(self._plan.work, "mesh-group", g))["rest"] for g in faces)
-        return self._one("mesh-rest", task, 3 * rest)
+        return self._one("mesh", task, 3 * sum(thinned.values()))
 
     def _one(self, step: str, task: dict[str, Any], faces: int, mb: float = 0.0) -> dict[str, Any]:
         """A step of all tiles together."""
@@ -460,9 +449,6 @@ class _Run:
             "groups": len(self._groups),
             "regions_joined": merged["joined"],
             "graph_bytes": join["graph_bytes"],
-            "rest_faces": last.get("rest_faces"),
-            "seam_intersections": last.get("seam_intersections"),
-            "made_again": last.get("made_again"),
             "thinned_faces": last["thinned_faces"],
             "diagonal": last["diagonal"],
             "output": {"path": str(self._plan.output)} | last["output"],

@@ -308,30 +308,6 @@ def thin(mesh: Mesh, label: ArrayLike, moments: ArrayLike | None = None, job: Jo
     return Thinned(*_core._tile_thin(mesh, label, moments, job))
 
 
-def moments_of(group: NDArray[np.integer[Any]], moments: NDArray[np.float64], count: int) -> NDArray[np.float64]:
-    """The moments (count, 10) of groups of surfaces, whose numbers are `group`, from those of each. Cost: O(N)."""
-
-    def total(values: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.bincount(group, values, count).astype(np.float64, copy=False)
-
-    result = np.zeros((count, 10))
-    if not len(group):
-        return result
-    area = moments[:, 0]
-    result[:, 0] = total(area)
-    first = np.full(count, -1)
-    first[group[::-1]] = np.arange(len(group))[::-1]
-    near = np.where((first >= 0)[:, None], moments[first, 1:4], 0.0)  # so that no digits are lost
-    apart = moments[:, 1:4] - near[group]
-    whole = np.maximum(result[:, 0], 1e-300)
-    for k in range(3):
-        result[:, 1 + k] = near[:, k] + total(area * apart[:, k]) / whole
-    apart = moments[:, 1:4] - result[group, 1:4]
-    for k, (i, j) in enumerate(((0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2))):
-        result[:, 4 + k] = total(moments[:, 4 + k] + area * apart[:, i] * apart[:, j])
-    return result
-
-
 def kept_moments(mesh: Mesh, moments: ArrayLike) -> _core._Moments:
     """The moments (F, 10) of a thinned mesh as `polygonize_thinned` keeps them; then the array may go.
 
@@ -353,72 +329,6 @@ def polygonize_thinned(
     """
     kept = moments if isinstance(moments, _core._Moments) else kept_moments(mesh, moments)
     polygons: PolygonMesh = _core._tile_polygonize(mesh, partition, options, kept, job)
-    return polygons
-
-
-def polygonize_part(
-    mesh: Mesh,
-    partition: Partition,
-    options: MeshingOptions,
-    moments: ArrayLike,
-    fixed: ArrayLike,
-    job: Job | None = None,
-) -> tuple[PolygonMesh, NDArray[np.int32]]:
-    """As `polygonize_thinned`, of a part of a surface whose other parts have their polygons already.
-
-    fixed: (V,) uint8 of each vertex: 0, free; 1, where it becomes a corner it stays at its place; 2, it is a corner,
-    at its place. Also returns for each face (F,) int32 the first polygon of the piece that it is in, whose polygons
-    stand in a row; -1 where it is in none. Raises InvalidInput, also with `planar`, or Cancelled.
-    """
-    flags = np.asarray(fixed, dtype=np.uint8)
-    polygons, face_polygon = _core._tile_polygonize_part(mesh, partition, options, moments, flags, job)
-    return polygons, face_polygon
-
-
-def judge_together(
-    vertices: ArrayLike,
-    loops: ArrayLike,
-    starts: ArrayLike,
-    regions: ArrayLike,
-    parts: ArrayLike,
-    job: Job | None = None,
-) -> PolygonMesh:
-    """The polygons of all parts as one mesh, with what no part could see: pairs from different parts that intersect.
-
-    vertices: (W, 3). loops, starts: as of PolygonMesh. regions, parts: (Q,) of each polygon. The report has the counts,
-    planarity and topology; its flaws are `crossing` and, between parts, `intersecting`. Raises InvalidInput.
-    Cost: O(corners log corners), without a look at the scan.
-    """
-    polygons: PolygonMesh = _core._tile_judge_together(vertices, loops, starts, regions, parts, job)
-    return polygons
-
-
-def settle_seams(
-    vertices: ArrayLike,
-    loops: ArrayLike,
-    starts: ArrayLike,
-    regions: ArrayLike,
-    parts: ArrayLike,
-    *,
-    home: ArrayLike,
-    vector_area: ArrayLike,
-    moments: ArrayLike,
-    diagonal: float,
-    region_count: int,
-    options: MeshingOptions,
-    job: Job | None = None,
-) -> PolygonMesh:
-    """As `judge_together`, after vertices that different parts share were put where all planes round them meet.
-
-    home: (W, 3) where the scan's vertex lies that each vertex stands for. vector_area (Q, 3) and moments (Q, 10): of
-    the piece of surface that each polygon stands for. diagonal, region_count: of the whole scan. The polygons round
-    these vertices are made flat. Where that makes one faulty its vertices go back, and where polygons of different
-    parts meet, towards the scan. The report also has polygons that are at fault and were not so before. Raises
-    InvalidInput or Cancelled. Cost: as `judge_together`, and options.flatten rounds over the polygons at seams.
-    """
-    polygons: PolygonMesh = _core._tile_settle_seams(
-        vertices, loops, starts, regions, parts, home, vector_area, moments, diagonal, region_count, options, job
-    )
     return polygons
 
 

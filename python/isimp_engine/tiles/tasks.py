@@ -384,9 +384,6 @@ def _thin(task: Task, work: Path, made: Path) -> dict[str, Any]:
         save(made, face=np.unique(polygon), region=_file_labels(polygon, region, area))
     thinned = steps.thin(mesh, region)
     save(made, **thinned._asdict())
-    if task["groups"]:
-        regions, local = np.unique(thinned.label, return_inverse=True)
-        save(made, regions=regions, of_regions=steps.moments_of(local, thinned.moments, len(regions)))
     length = load(folder, "length")
     neighbour = load(of_tile(work, "halo", tile), "neighbour")
     borders_length = float(steps.touching(neighbour, len(length), _labels(task, work), length)[1].sum())
@@ -424,8 +421,6 @@ _STEPS: dict[str, Callable[[Task, Path, Path], dict[str, Any]]] = {
     "merge": _merge,
     "thin": _thin,
     "mesh": meshing.mesh_all,
-    "mesh-group": meshing.mesh_group,
-    "mesh-rest": meshing.mesh_rest,
 }
 #: the folders of steps in a work folder, as a regular expression; rounds of relaxing have a number
 FOLDERS = "|".join([*(step for step in _STEPS if step not in ("relax", "sum")), r"(first|last)-\d+(-sums)?"])
