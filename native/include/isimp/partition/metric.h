@@ -2,25 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <concepts>
 #include <cstdint>
 
 #include "isimp/mesh/face_graph.h"
 
 namespace isimp {
-
-/// What a metric must offer: the error of a face under a proxy, per-region sums, and the proxy that fits them best.
-/// Errors must not be negative. This is the only place that knows what a proxy is.
-template <class M>
-concept Metric = requires(const FaceRecord& face, const typename M::Proxy& proxy, typename M::Sum& sum,
-                          const typename M::Sum& all) {
-  { M::error(face, proxy) } -> std::same_as<float>;
-  { M::proxy_of(face) } -> std::same_as<typename M::Proxy>;
-  { M::fit(all) } -> std::same_as<typename M::Proxy>;
-  { all.error() } -> std::same_as<double>;
-  sum.add(face);
-  sum.remove(face);
-};
 
 /// What the faces of a region add up to: enough for its normal, its error, and the exact change when a face moves.
 ///
@@ -61,10 +47,19 @@ struct RegionSum {
   }
 };
 
-/// By how much the error grows when two regions become one.
+/// Half of the growth of the error when two regions are merged: the length that their sums of area * normal lose.
+///
+/// \param a, b     have members x, y, z: the sums
+/// \param lengths  |a| + |b|, in the precision of the result
+template <class A, class B, class T>
+T lost_length(const A& a, const B& b, T lengths) {
+  const T x = a.x + b.x, y = a.y + b.y, z = a.z + b.z;
+  return lengths - std::sqrt(x * x + y * y + z * z);
+}
+
+/// Growth of the error when two regions are merged.
 inline double merge_cost(const RegionSum& a, const RegionSum& b) {
-  const double x = a.x + b.x, y = a.y + b.y, z = a.z + b.z;
-  return 2 * (a.length() + b.length() - std::sqrt(x * x + y * y + z * z));
+  return 2 * lost_length(a, b, a.length() + b.length());
 }
 
 /// L2,1: the squared difference of the normals. The area weighs in the fit and the total, not in the order of the
@@ -85,6 +80,5 @@ struct NormalMetric {
     return {static_cast<float>(normal.x()), static_cast<float>(normal.y()), static_cast<float>(normal.z())};
   }
 };
-static_assert(Metric<NormalMetric>);
 
 }  // namespace isimp

@@ -48,9 +48,8 @@ Best find_partners(const MergeGraph& graph, const std::vector<std::uint8_t>& tak
       std::int32_t partner = kAlone;
       for (const std::int32_t v : graph.around(u)) {
         const NodeSum b = graph.sum[v];
-        const float x = a.x + b.x, y = a.y + b.y, z = a.z + b.z;
         const float lengths = a.length + b.length;
-        const float price = lengths - std::sqrt(x * x + y * y + z * z) + tie_break(u, v, lengths);
+        const float price = lost_length(a, b, lengths) + tie_break(u, v, lengths);
         partner = price < least ? v : partner;
         least = price < least ? price : least;
       }

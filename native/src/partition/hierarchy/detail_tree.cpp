@@ -60,8 +60,7 @@ double usual_price(const MergeGraph& graph) {
     float least = std::numeric_limits<float>::infinity();
     for (const std::int32_t v : graph.around(u)) {
       const NodeSum& b = graph.sum[v];
-      const float x = a.x + b.x, y = a.y + b.y, z = a.z + b.z;
-      least = std::min(least, a.length + b.length - std::sqrt(x * x + y * y + z * z));
+      least = std::min(least, lost_length(a, b, a.length + b.length));
     }
     if (least < std::numeric_limits<float>::infinity()) best.push_back(least);
   }

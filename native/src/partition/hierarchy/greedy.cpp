@@ -135,9 +135,9 @@ class Greedy {
   [[nodiscard]] static double price_of(const Node& a, const Node& b) {
     if constexpr (kInside)
       if (a.goes_on != b.goes_on) return a.goes_on ? price_beside(a, b) : price_beside(b, a);
-    const double x = a.x + b.x, y = a.y + b.y, z = a.z + b.z, lengths = a.length + b.length;
+    const double lengths = a.length + b.length;
     // The second term lets small clusters merge first where all is flat.
-    return lengths - std::sqrt(x * x + y * y + z * z) + 1e-12 * lengths;
+    return lost_length(a, b, lengths) + 1e-12 * lengths;
   }
   /// As price_of, with a node of which only a part is known: as if the rest were endless, and in the same plane.
   [[nodiscard]] static double price_beside(const Node& part, const Node& b) {
