@@ -14,8 +14,8 @@
 #include "isimp/interact/paint.h"
 #include "isimp/interact/statistics.h"
 #include "isimp/meshing/polygonize.h"
-#include "isimp/meshing/regularise.h"
 #include "isimp/partition/soundness.h"
+#include "isimp/regular/regularise.h"
 #include "isimp/simplify/partitioner.h"
 #include "polygon_judge.h"
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <random>
 
-#include "boxes.h"
+#include "judge/boxes.h"
 
 namespace isimp::meshing {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "complex.h"
+#include "complex/complex.h"
 #include "shapes.h"
 
 namespace isimp::meshing {

@@ -10,9 +10,9 @@
 
 namespace {
 
-using isimp::meshing::even_spacing;
-using isimp::meshing::EvenSpacing;
-using isimp::meshing::ParallelPlane;
+using isimp::regular::even_spacing;
+using isimp::regular::EvenSpacing;
+using isimp::regular::ParallelPlane;
 
 constexpr double kTolerance = 0.01;
 

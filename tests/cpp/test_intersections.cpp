@@ -10,7 +10,7 @@
 
 #include "isimp/mesh/clean.h"
 #include "isimp/mesh/meet.h"
-#include "judge.h"
+#include "judge/judge.h"
 
 namespace isimp::meshing {
 namespace {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "isimp/meshing/polygonize.h"
-#include "junctions.h"
 #include "labelled.h"
+#include "repair/junctions.h"
 #include "shapes.h"
 
 namespace isimp::meshing {

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <random>
 
-#include "judge.h"
+#include "judge/judge.h"
 
 namespace isimp::meshing {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "isimp/core/errors.h"
 #include "isimp/meshing/polygonize.h"
-#include "isimp/meshing/regularise.h"
+#include "isimp/regular/regularise.h"
 #include "labelled.h"
 #include "polygon_judge.h"
 #include "shapes.h"

@@ -3,12 +3,12 @@
 
 #include <vector>
 
-#include "joins.h"
-#include "junctions.h"
+#include "complex/joins.h"
+#include "complex/state.h"
+#include "complex/transaction.h"
 #include "labelled.h"
+#include "repair/junctions.h"
 #include "shapes.h"
-#include "state.h"
-#include "transaction.h"
 
 namespace isimp::meshing {
 namespace {

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "diagonal.h"
+#include "complex/diagonal.h"
+#include "complex/transaction.h"
 #include "labelled.h"
 #include "shapes.h"
-#include "transaction.h"
 
 namespace isimp::meshing {
 namespace {

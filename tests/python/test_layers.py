@@ -14,9 +14,11 @@ import isimp_engine
 ROOT = Path(__file__).resolve().parents[2]
 NATIVE = ROOT / "native"
 ADDON = ROOT / "addon" / "isimp"
-ORDER = ["core", "mesh", "partition", "interact", "meshing", "texture", "thesis", "simplify", "tiles"]
+ORDER = ["core", "mesh", "partition", "interact", "meshing", "regular", "texture", "thesis", "simplify", "tiles"]
 #: each may know those before it
 UNRELATED = {("interact", "meshing"), ("meshing", "interact")}
+#: folders of a module whose files include those of folders before them; the module's own folder comes last
+ROOMS = {"meshing": ["discs", "complex", "judge", "place", "planar", "repair", ""]}
 PRIVATE = {"CGAL": {"mesh", "meshing"}, "OpenMesh": {"thesis"}, "thrust": {"parallel"}}
 
 
@@ -72,12 +74,28 @@ def test_modules_come_in_the_agreed_order():
                 assert other in ("core", "parallel"), f"{module} uses {other}"
 
 
+@pytest.mark.parametrize("module", sorted(ROOMS))
+def test_a_file_includes_only_files_of_its_folder_and_of_folders_before(module):
+    rooms = ROOMS[module]
+    folder = NATIVE / "src" / module
+    assert {p.name for p in folder.iterdir() if p.is_dir()} == set(rooms) - {""}
+    for path in sources(module):
+        if not path.is_relative_to(folder):
+            continue
+        level = rooms.index(path.relative_to(folder).parent.as_posix().replace(".", ""))
+        for include in includes(path):
+            if (folder / include).is_file():
+                room = Path(include).parent.as_posix().replace(".", "")
+                assert rooms.index(room) <= level, f"{path} includes {include}"
+
+
 @pytest.mark.parametrize("library", sorted(PRIVATE))
 def test_a_foreign_library_stays_private_to_the_sources_of_its_modules(library):
     for path in sorted(NATIVE.rglob("*")):
         if path.suffix in {".h", ".cpp"} and any(i.split("/")[0] == library for i in includes(path)):
-            assert path.parts[-3] == "src", f"{path} includes {library}"
-            assert path.parts[-2] in PRIVATE[library], f"{path} includes {library}"
+            inside = path.relative_to(NATIVE).parts
+            assert inside[0] == "src", f"{path} includes {library}"
+            assert inside[1] in PRIVATE[library], f"{path} includes {library}"
 
 
 def imports(path):

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "check_input.h"
-#include "findings.h"
-#include "repair.h"
-#include "sorted.h"
-#include "state.h"
+#include "complex/state.h"
+#include "isimp/core/sorted.h"
+#include "judge/bounds.h"
+#include "judge/findings.h"
 
 namespace isimp {
 namespace {

@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "check_input.h"
+#include "complex/state.h"
 #include "isimp/core/errors.h"
-#include "judge.h"
-#include "repair.h"
-#include "state.h"
+#include "judge/judge.h"
+#include "repair/repair.h"
 
 namespace isimp {
 namespace {

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "boxes.h"
 #include "isimp/mesh/mesh.h"
+#include "judge/boxes.h"
 
 namespace isimp {
 

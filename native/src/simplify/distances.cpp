@@ -7,12 +7,12 @@
 #include <tuple>
 #include <utility>
 
-#include "boxes.h"
 #include "exact_sums.h"
 #include "isimp/core/errors.h"
 #include "isimp/core/threads.h"
 #include "isimp/mesh/io.h"
 #include "isimp/simplify/within.h"
+#include "judge/boxes.h"
 #include "rounded_box.h"
 
 namespace isimp {

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <limits>
 
-#include "boxes.h"
 #include "isimp/core/types.h"
+#include "judge/boxes.h"
 
 namespace isimp {
 

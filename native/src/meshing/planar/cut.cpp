@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "judge.h"
+#include "judge/judge.h"
 
 namespace isimp::meshing::planar {
 namespace {

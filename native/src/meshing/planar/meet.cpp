@@ -8,7 +8,7 @@
 #include <limits>
 #include <utility>
 
-#include "sorted.h"
+#include "isimp/core/sorted.h"
 
 namespace isimp::meshing::planar {
 namespace {

@@ -4,10 +4,10 @@
 #include <map>
 #include <vector>
 
-#include "findings.h"
+#include "complex/state.h"
+#include "judge/findings.h"
 #include "planar/meet.h"
 #include "planar/unit.h"
-#include "state.h"
 
 namespace isimp::meshing::planar {
 

@@ -9,13 +9,13 @@
 #include <set>
 #include <utility>
 
+#include "isimp/core/sorted.h"
 #include "planar/cut.h"
 #include "planar/fit.h"
 #include "planar/meet.h"
 #include "planar/near.h"
 #include "planar/solve.h"
 #include "planar/unit.h"
-#include "sorted.h"
 
 namespace isimp::meshing::planar {
 namespace {

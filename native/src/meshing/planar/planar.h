@@ -4,11 +4,11 @@
 #include <map>
 #include <vector>
 
-#include "findings.h"
+#include "complex/state.h"
 #include "isimp/core/job.h"
 #include "isimp/meshing/polygonize.h"
+#include "judge/findings.h"
 #include "planar/unit.h"
-#include "state.h"
 
 namespace isimp::meshing::planar {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "outline.h"
+#include "complex/outline.h"
 
 namespace isimp::meshing::planar {
 namespace {

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "planes.h"
-#include "state.h"
+#include "complex/planes.h"
+#include "complex/state.h"
 
 namespace isimp::meshing::planar {
 

@@ -1,0 +1,104 @@
+#include "complex/flat_fit.h"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+namespace isimp::meshing {
+namespace {
+
+/// Of the largest eigenvalue: with the two smaller ones below it, a spread is a line, on which no plane is fixed.
+constexpr double kLine = 1e-4;
+
+}  // namespace
+
+/// A symmetric matrix, its trace 1.
+struct Fit::Spread {
+  double xx, xy, xz, yy, yz, zz;
+
+  [[nodiscard]] Vec3 times(const Vec3& n) const {
+    return {xx * n[0] + xy * n[1] + xz * n[2], xy * n[0] + yy * n[1] + yz * n[2], xz * n[0] + yz * n[1] + zz * n[2]};
+  }
+  /// The sum of the products of two eigenvalues each.
+  [[nodiscard]] double minors() const { return xx * yy - xy * xy + xx * zz - xz * xz + yy * zz - yz * yz; }
+  /// The adjugate of this less a multiple of one, times n.
+  [[nodiscard]] Vec3 adjugate_times(double less, const Vec3& n) const {
+    const double a = xx - less, b = yy - less, c = zz - less;
+    return Spread{b * c - yz * yz, xz * yz - xy * c, xy * yz - b * xz,
+                  a * c - xz * xz, xy * xz - a * yz, a * b - xy * xy}
+        .times(n);
+  }
+};
+
+/// Turns the normal, which is near the direction of the smallest eigenvalue, into that direction, unless the spread is
+/// a line. Each step takes an error to about its third power.
+/// \return whether it could; else it may be another's direction
+/// Source: the Rayleigh quotient iteration.
+bool Fit::refine(const Spread& k) {
+  Vec3& n = normal;
+  constexpr int kSteps = 3;
+  constexpr double kSmall = 1e-6;  // squared, of a step: the one after it would change nothing that counts
+  double turned = 1;
+  for (int step = 0; step < kSteps && turned > kSmall; ++step) {
+    const Vec3 next = k.adjugate_times(n.dot(k.times(n)), n);
+    const double length = next.norm();
+    if (!(length > 1e-12)) return false;
+    turned = (next / length - n).squaredNorm();
+    n = next / length;
+  }
+  // Of the other two the sum and the product.
+  const double least = n.dot(k.times(n)), sum = 1 - least, product = k.minors() - least * sum;
+  const bool is_least = 2 * least < sum && product - least * sum + least * least > 0;
+  return turned <= kSmall && is_least && product >= kLine * sum * sum;
+}
+
+/// In the turns after the first the normal is near the one before.
+bool Fit::find_normal(const Spread& k, const Vec3& of_piece) {
+  if (!fixed || !refine(k)) {
+    Eigen::Matrix3d full;
+    full << k.xx, k.xy, k.xz, k.xy, k.yy, k.yz, k.xz, k.yz, k.zz;
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+    solver.computeDirect(full);
+    if (solver.eigenvalues()[1] < kLine * solver.eigenvalues()[2]) return false;
+    normal = solver.eigenvectors().col(0);
+  }
+  const double same = normal.dot(of_piece);
+  if (same < 0) normal = -normal;
+  return std::abs(same) >= 0.3;
+}
+
+void Fit::to(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Plane& plane) {
+  if (plane.held) {
+    normal = plane.normal;
+    centre = plane.centre;
+    return;
+  }
+  constexpr double kOfSpread = 0.05;  // how much the piece's own spread counts beside the corners'
+  constexpr double kOfPlane = 0.1;    // how far towards the plane of the piece that of the corners is shifted
+  const double share = 1 / static_cast<double>(polygon.size());
+  centre = Vec3::Zero();
+  for (const std::int32_t c : polygon) centre += position[c];
+  centre *= share;
+  double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+  for (const std::int32_t c : polygon) {
+    const Vec3 d = position[c] - centre;
+    xx += d[0] * d[0];
+    xy += d[0] * d[1];
+    xz += d[0] * d[2];
+    yy += d[1] * d[1];
+    yz += d[1] * d[2];
+    zz += d[2] * d[2];
+  }
+  const double trace = (xx + yy + zz) * share + kOfSpread * plane.spread.trace();
+  const double a = share / trace, b = kOfSpread / trace;
+  const auto& s = plane.spread;
+  fixed = xx + yy + zz > 0 && find_normal({a * xx + b * s(0, 0), a * xy + b * s(0, 1), a * xz + b * s(0, 2),
+                                           a * yy + b * s(1, 1), a * yz + b * s(1, 2), a * zz + b * s(2, 2)},
+                                          plane.normal);
+  if (!fixed) {
+    normal = plane.normal;
+    return;
+  }
+  centre += kOfPlane * normal.dot(plane.centre - centre) * normal;
+}
+
+}  // namespace isimp::meshing

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+
+#include "complex/planes.h"
+
+namespace isimp::meshing {
+
+/// How much further than to the mean of its projections a corner goes in a turn; from 2 on it would not settle.
+constexpr double kRelax = 1.7;
+/// A corner may move by this times the length of its shortest edge.
+constexpr double kOfEdge = 1.5;
+
+/// The place nearest to `p` at most `radius` from `home`.
+inline Vec3 within(const Vec3& p, const Vec3& home, double radius) {
+  const Vec3 d = p - home;
+  const double length = d.norm();
+  return length > radius ? Vec3(home + d * (radius / length)) : p;
+}
+
+/// A plane fitted to the corners of a polygon, held near that of the piece: flat polygons could else settle anywhere,
+/// and those of a bulge would drift inwards. Where the corners do not fix a plane, that of the piece.
+struct Fit {
+  Vec3 normal, centre;
+  bool fixed = false;
+
+  void to(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Plane& plane);
+
+ private:
+  struct Spread;
+  bool find_normal(const Spread& k, const Vec3& of_piece);
+  bool refine(const Spread& k);
+};
+
+}  // namespace isimp::meshing

@@ -1,0 +1,88 @@
+#include "complex/joins.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace isimp::meshing {
+namespace {
+
+/// Whether a barrier of the partition lies between faces that would be in one piece.
+bool crosses_barrier(const State& state, std::int32_t taker, const std::vector<std::int32_t>& faces) {
+  if (!state.partition.guided) return false;
+  const Mesh& mesh = state.mesh;
+  const FaceGraph& graph = state.partition.guided->graph;
+  for (const std::int32_t f : faces)
+    for (std::int32_t k = 0; k < 3; ++k) {
+      if (graph.neighbours[graph.graph_face[f]][k] != graph.size()) continue;
+      const std::int32_t o = mesh.opposite(3 * f + k);
+      if (o == kNone) continue;
+      if (state.labels.label[o / 3] == taker || std::binary_search(faces.begin(), faces.end(), o / 3)) return true;
+    }
+  return false;
+}
+
+}  // namespace
+
+std::int32_t face_beside(const Labels& labels, const std::vector<std::int32_t>& faces, std::int32_t piece) {
+  std::int32_t last = kNone;
+  for (const std::int32_t f : faces)
+    for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
+      if (labels.across(h) == piece) last = labels.mesh.opposite(h) / 3;
+  return last;
+}
+
+bool parts_wall(const State& state, std::int32_t a, std::int32_t b) {
+  const auto is_wall = [&](std::int32_t l) { return state.labels.pieces[l].cause == Cause::wall; };
+  return (state.cutter.perforated || is_wall(a) || is_wall(b)) &&
+         state.planes[a].normal.dot(state.planes[b].normal) < kSameWay;
+}
+
+bool may_give(const State& state, std::int32_t giver, std::int32_t taker, const std::vector<std::int32_t>& faces) {
+  const Partition& part = state.partition;
+  const std::int32_t from = state.labels.pieces[giver].region, to = state.labels.pieces[taker].region;
+  if (!part.region_locked.empty() && (part.region_locked[from] != 0 || part.region_locked[to] != 0)) return false;
+  if (parts_wall(state, giver, taker) || crosses_barrier(state, taker, faces)) return false;
+  if (!(part.bound > 0) || part.region_offset.empty()) return true;
+  return std::all_of(faces.begin(), faces.end(), [&](std::int32_t f) {
+    const Triangle& t = state.mesh.triangles()[f];
+    return std::all_of(t.begin(), t.end(), [&](std::int32_t v) {
+      const double off = part.region_normal[to].dot(state.mesh.vertices()[v]) - part.region_offset[to];
+      return std::abs(off) <= part.bound;
+    });
+  });
+}
+
+bool take_back(State& state, const std::vector<bool>& faulty, std::vector<Join>& joins) {
+  const Labels& labels = state.labels;
+  const auto is_faulty = [&](std::int32_t l) { return static_cast<bool>(faulty[l]); };
+  std::vector<Join> kept;
+  labels.vertex_marks.clear();  // of the faces of those that go
+  std::vector<bool> goes(joins.size(), false);
+  const auto vertices = [&](const Join& join, auto fn) {
+    for (const std::int32_t f : join.faces)
+      for (const std::int32_t v : state.mesh.triangles()[f]) fn(v);
+  };
+  // A join on top of one that goes must go first.
+  for (std::size_t i = 0; i < joins.size(); ++i) {
+    goes[i] = joins[i].alone || std::any_of(joins[i].pieces.begin(), joins[i].pieces.end(), is_faulty);
+    vertices(joins[i], [&](std::int32_t v) { goes[i] = goes[i] || labels.vertex_marks.has(v); });
+    if (goes[i]) vertices(joins[i], [&](std::int32_t v) { labels.vertex_marks.add(v); });
+  }
+  for (std::size_t i = joins.size(); i-- > 0;) {
+    const Join& join = joins[i];
+    if (!goes[i]) continue;
+    state.relabel(join.faces, join.giver);
+    if (labels.label[labels.pieces[join.taker].face] != join.taker)
+      state.name(join.taker, face_beside(labels, join.faces, join.taker));
+    state.add_corner(join.gone);
+    state.hand_over(join.taker, join.giver, join.faces, join.pieces);
+  }
+  for (std::size_t i = 0; i < joins.size(); ++i)
+    if (!goes[i]) kept.push_back(std::move(joins[i]));
+  const bool any = kept.size() < joins.size();
+  joins = std::move(kept);
+  return any;
+}
+
+}  // namespace isimp::meshing

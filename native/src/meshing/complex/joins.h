@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "complex/state.h"
+
+namespace isimp::meshing {
+
+/// Two junctions that were made one.
+struct Join {
+  std::int32_t giver, taker;         ///< pieces
+  std::int32_t gone;                 ///< vertex that is no junction any more
+  std::vector<std::int32_t> faces;   ///< that went from the one piece to the other
+  std::vector<std::int32_t> pieces;  ///< all that meet in the junction
+  bool alone = false;                ///< its image should have been made too, and was not
+};
+
+/// The last face of a piece that shares an edge with some faces; kNone if there is none.
+std::int32_t face_beside(const Labels& labels, const std::vector<std::int32_t>& faces, std::int32_t piece);
+
+/// Whether two pieces face different directions, and one of them is the wall of a hole or, in a perforated mesh, may be
+/// one.
+bool parts_wall(const State& state, std::int32_t a, std::int32_t b);
+
+/// Whether the partition's locks, barriers and bound let faces go from one piece to another, and no wall is lost.
+/// \param faces  in ascending order
+/// Cost: O(faces).
+bool may_give(const State& state, std::int32_t giver, std::int32_t taker, const std::vector<std::int32_t>& faces);
+
+/// Takes back the joins at faulty pieces and those that are alone, and those that were made on top of them. `update` must follow.
+/// \param faulty  by piece
+/// \param joins   loses them
+/// \return whether there were any
+/// Cost: O(faces that the joins moved).
+bool take_back(State& state, const std::vector<bool>& faulty, std::vector<Join>& joins);
+
+}  // namespace isimp::meshing

@@ -1,0 +1,198 @@
+#include "complex/placement.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "complex/flat_fit.h"
+
+namespace isimp::meshing {
+namespace {
+
+/// Eigenvalues below this share of the largest do not fix a point.
+constexpr double kTruncate = 0.2;
+// What one thread does at a time, worth waking another:
+constexpr std::int32_t kTogether = 64;  ///< corners that are placed
+constexpr std::int32_t kFitted = 192,
+                       kMoved = 384;  ///< in a turn, polygons that are fitted and corners that are moved
+
+/// The step d, |d| <= radius, that best meets `a` d = `g` in the directions that `a` fixes.
+Vec3 trusted_step(const Eigen::Matrix3d& a, const Vec3& g, double radius) {
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(a);
+  const Vec3 lambda = solver.eigenvalues();
+  const Vec3 along = solver.eigenvectors().transpose() * g;
+  const auto step = [&](double damping) {
+    Vec3 d = Vec3::Zero();
+    for (int i = 0; i < 3; ++i)
+      if (lambda[i] > kTruncate * lambda[2]) d += along[i] / (lambda[i] + damping) * solver.eigenvectors().col(i);
+    return d;
+  };
+  Vec3 free = step(0);
+  if (free.norm() <= radius) return free;
+  double low = 0, high = lambda[2] * 1e3;
+  for (int i = 0; i < 40; ++i) {
+    const double middle = (low + high) / 2;
+    (step(middle).norm() > radius ? low : high) = middle;
+  }
+  const Vec3 damped = step(high);
+  return damped.norm() <= radius ? damped : Vec3(damped * (radius / damped.norm()));
+}
+
+/// The step of a corner from a place to where the planes round it meet, at most `radius` long.
+/// \param held_only  only those that are held count
+Vec3 step_to(std::span<const Plane> planes, const Polygons& polygons, std::int32_t corner, const Vec3& from,
+             double radius, bool held_only) {
+  Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
+  Vec3 g = Vec3::Zero();
+  for (const std::int32_t q : polygons.at(corner)) {
+    const Plane& p = planes[polygons.piece(q)];
+    if (held_only && !p.held) continue;
+    a += p.normal * p.normal.transpose();
+    g += p.normal * p.normal.dot(p.centre - from);
+  }
+  return trusted_step(a, g, radius);
+}
+
+/// Corners of which each may follow others in the turns of flattening, and the polygons round them.
+struct Group {
+  std::vector<std::int32_t> corners, polygons;
+  std::vector<std::int32_t> round, round_start{0};  ///< by corner: the polygons round it, by their places here
+  std::vector<Fit> fits;                            ///< by polygon
+
+  [[nodiscard]] std::span<const std::int32_t> round_of(std::int32_t i) const {
+    return std::span(round).subspan(round_start[i], round_start[i + 1] - round_start[i]);
+  }
+};
+
+std::vector<Group> groups_of(const Polygons& polygons, std::span<const std::int32_t> moving) {
+  // Polygons that have a moving corner in common hang together, each on a lower one down to the lowest.
+  std::vector<std::int32_t> on(polygons.numbers(), kNone);
+  const auto lowest = [&](std::int32_t q) {
+    while (on[q] != q) q = on[q] = on[on[q]];
+    return q;
+  };
+  for (const std::int32_t c : moving) {
+    std::int32_t low = kNone;
+    for (const std::int32_t q : polygons.at(c)) {
+      if (on[q] == kNone) on[q] = q;
+      const std::int32_t other = lowest(q);
+      if (low != kNone) on[std::max(low, other)] = std::min(low, other);
+      low = low == kNone ? other : std::min(low, other);
+    }
+  }
+  std::vector<Group> groups;
+  std::vector<std::int32_t> group(polygons.numbers()), place(polygons.numbers());
+  for (std::int32_t q = 0; q < polygons.numbers(); ++q) {
+    if (on[q] == kNone) continue;
+    const std::int32_t low = lowest(q);
+    if (low == q) groups.emplace_back();
+    group[q] = low == q ? static_cast<std::int32_t>(groups.size()) - 1 : group[low];
+    place[q] = static_cast<std::int32_t>(groups[group[q]].polygons.size());
+    groups[group[q]].polygons.push_back(q);
+  }
+  for (const std::int32_t c : moving) {
+    Group& g = groups[group[polygons.at(c)[0]]];
+    g.corners.push_back(c);
+    for (const std::int32_t q : polygons.at(c)) g.round.push_back(place[q]);
+    g.round_start.push_back(static_cast<std::int32_t>(g.round.size()));
+  }
+  for (Group& g : groups) g.fits.resize(g.polygons.size());
+  return groups;
+}
+
+}  // namespace
+
+void set_radii(const Polygons& polygons, const Mesh& mesh, double reach, std::span<const std::int32_t> moving,
+               Corners& corners) {
+  const auto home = [&](std::int32_t c) -> const Vec3& { return mesh.vertices()[corners.vertex[c]]; };
+  for (const std::int32_t c : moving) {
+    double least = reach;
+    for (const std::int32_t q : polygons.at(c)) {
+      const auto loop = polygons.of(q);
+      const std::size_t n = loop.size(), i = std::find(loop.begin(), loop.end(), c) - loop.begin();
+      for (const std::size_t k : {i + 1, i + n - 1})
+        least = std::min(least, kOfEdge * (home(c) - home(loop[k % n])).norm());
+    }
+    corners.radius.edit(c) = least * corners.pull[c];
+  }
+}
+
+void place(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
+           std::span<const std::int32_t> moving, const Threads& threads, Corners& corners) {
+  const std::span<Vec3> position = corners.position.edit_all(moving);
+  const auto is_met = [&](std::int32_t q, const Vec3& home) {
+    const Plane& p = planes[polygons.piece(q)];
+    return std::abs(p.normal.dot(p.centre - home)) < corners.still;
+  };
+  const auto place_one = [&](std::int32_t c) {
+    const Vec3& home = mesh.vertices()[corners.vertex[c]];
+    const auto around = polygons.at(c);
+    const bool stays = std::all_of(around.begin(), around.end(), [&](std::int32_t q) { return is_met(q, home); });
+    position[c] = stays ? home : home + step_to(planes, polygons, c, home, corners.radius[c], false);
+  };
+  threads.blocks(static_cast<std::int32_t>(moving.size()), kTogether,
+                 [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+                   for (const std::int32_t c : moving.subspan(begin, end - begin)) place_one(c);
+                 });
+}
+
+void place_on_held(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
+                   std::span<const std::int32_t> moving, const Threads& threads, Corners& corners) {
+  const std::span<Vec3> position = corners.position.edit_all(moving);
+  threads.blocks(static_cast<std::int32_t>(moving.size()), kTogether,
+                 [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+                   for (const std::int32_t c : moving.subspan(begin, end - begin)) {
+                     Vec3& at = position[c];
+                     at = within(at + step_to(planes, polygons, c, at, 2 * corners.radius[c], true),
+                                 mesh.vertices()[corners.vertex[c]], corners.radius[c]);
+                   }
+                 });
+}
+
+void flatten(const Polygons& polygons, const Mesh& mesh, std::span<const Plane> planes,
+             std::span<const std::int32_t> moving, int rounds, const Threads& threads, Corners& corners) {
+  std::vector<Group> groups = groups_of(polygons, moving);
+  const std::span<Vec3> position = corners.position.edit_all(moving);
+  const double still = corners.still * corners.still;
+  // Those that are large first, so that no thread is left with one at the end.
+  std::stable_sort(groups.begin(), groups.end(),
+                   [](const Group& a, const Group& b) { return a.corners.size() > b.corners.size(); });
+  const auto fit = [&](Group& g, std::int32_t begin, std::int32_t end) {
+    for (std::int32_t i = begin; i < end; ++i)
+      g.fits[i].to(polygons.of(g.polygons[i]), position, planes[polygons.piece(g.polygons[i])]);
+  };
+  const auto move = [&](Group& g, std::int32_t begin, std::int32_t end) {
+    for (std::int32_t i = begin; i < end; ++i) {
+      const std::int32_t c = g.corners[i];
+      const std::span<const std::int32_t> round = g.round_of(i);
+      Vec3& at = position[c];
+      Vec3 step = Vec3::Zero();
+      for (const std::int32_t k : round) step -= g.fits[k].normal * g.fits[k].normal.dot(at - g.fits[k].centre);
+      if (step.squaredNorm() < still) continue;
+      at = within(at + step * (kRelax / static_cast<double>(round.size())), mesh.vertices()[corners.vertex[c]],
+                  corners.radius[c]);
+    }
+  };
+  // A large one is shared in each turn, of the others each is done by one thread.
+  std::int32_t large = 0;
+  for (Group& g : groups) {
+    const auto fits = static_cast<std::int32_t>(g.fits.size()), moves = static_cast<std::int32_t>(g.corners.size());
+    if (fits < 2 * kFitted) break;
+    ++large;
+    for (int turn = 0; turn < rounds; ++turn) {
+      threads.blocks(fits, kFitted, [&](std::int32_t, std::int32_t begin, std::int32_t end) { fit(g, begin, end); });
+      threads.blocks(moves, kMoved, [&](std::int32_t, std::int32_t begin, std::int32_t end) { move(g, begin, end); });
+    }
+  }
+  const auto small = static_cast<std::int32_t>(groups.size()) - large;
+  const std::int32_t together = moving.size() < kTogether ? std::max(small, 1) : 1;
+  threads.blocks(small, together, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+    for (std::int32_t i = large + begin; i < large + end; ++i)
+      for (int turn = 0; turn < rounds; ++turn) {
+        fit(groups[i], 0, static_cast<std::int32_t>(groups[i].fits.size()));
+        move(groups[i], 0, static_cast<std::int32_t>(groups[i].corners.size()));
+      }
+  });
+}
+
+}  // namespace isimp::meshing

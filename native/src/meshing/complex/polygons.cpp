@@ -1,0 +1,189 @@
+#include "complex/polygons.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "isimp/core/check.h"
+
+namespace isimp::meshing {
+namespace {
+
+using Cycle = std::vector<std::int32_t>;  // mesh vertices
+using Edge = std::array<std::int32_t, 2>;
+
+Edge edge(std::int32_t a, std::int32_t b) { return {std::min(a, b), std::max(a, b)}; }
+
+/// Splits the one of `cycles` that has both ends and not as neighbours.
+/// \return whether there is one
+bool split_at(std::vector<Cycle>& cycles, const Edge& diagonal) {
+  for (std::size_t k = 0; k < cycles.size(); ++k) {
+    const Cycle& c = cycles[k];
+    auto i = std::find(c.begin(), c.end(), diagonal[0]), j = std::find(c.begin(), c.end(), diagonal[1]);
+    if (i == c.end() || j == c.end()) continue;
+    if (i > j) std::swap(i, j);
+    if (j - i < 2 || (i == c.begin() && j == c.end() - 1)) return false;
+    Cycle a(i, j + 1), b(j, c.end());
+    b.insert(b.end(), c.begin(), i + 1);
+    cycles[k] = std::move(a);
+    cycles.push_back(std::move(b));
+    return true;
+  }
+  return false;
+}
+
+/// The ends of all chords of some pieces, in order.
+std::vector<Edge> chord_ends(const Complex& complex, const Mesh& mesh, std::span<const std::int32_t> pieces) {
+  std::vector<Edge> ends;
+  for (const std::int32_t l : pieces) {
+    const auto chords = complex.chords(l);
+    for (std::size_t i = 0; i < chords.size(); ++i)
+      ends.push_back(edge(mesh.from(chords[i]), mesh.from(chords[i + 1 < chords.size() ? i + 1 : 0])));
+  }
+  std::sort(ends.begin(), ends.end());
+  return ends;
+}
+
+/// Whether the polygons of a piece are among those round each of their corners.
+[[maybe_unused]] bool is_listed(const Polygons& polygons, std::int32_t piece) {
+  bool all = true;
+  polygons.for_each_of(piece, [&](std::int32_t q) {
+    all = all && polygons.piece(q) == piece && !polygons.of(q).empty();
+    for (const std::int32_t c : polygons.of(q))
+      all = all && std::find(polygons.at(c).begin(), polygons.at(c).end(), q) != polygons.at(c).end();
+  });
+  return all;
+}
+
+}  // namespace
+
+std::int32_t Corners::at(std::int32_t v) {
+  if (of_vertex[v] == kNone) {
+    of_vertex.set(v, count());
+    vertex.push_back(v);
+    pull.push_back(1);
+    radius.push_back(0);
+    position.push_back(Vec3::Zero());
+  }
+  ISIMP_ASSERT(vertex[of_vertex[v]] == v, "a corner stands for its vertex");
+  ISIMP_ASSERT(pull.size() == vertex.size() && radius.size() == vertex.size() && position.size() == vertex.size(),
+               "every corner has a share, a radius and a place");
+  return of_vertex[v];
+}
+
+std::int32_t Polygons::count() const {
+  std::int32_t count = 0;
+  for (const Row& row : pieces_) count += row.count;
+  return count;
+}
+
+void Polygons::remove(std::int32_t piece) {
+  for_each_of(piece, [&](std::int32_t q) {
+    for (const std::int32_t c : of(q)) std::erase(around_.edit(c), q);
+    loops_.set(q, {0, 0, kNone});
+  });
+  pieces_.edit(piece).count = 0;
+}
+
+void Polygons::add(std::int32_t piece, std::span<const Cycle> cycles, Corners& corners) {
+  pieces_.set(piece, {numbers(), static_cast<std::int32_t>(cycles.size())});
+  for (const Cycle& cycle : cycles) {
+    const std::int32_t q = numbers();
+    loops_.push_back({static_cast<std::int32_t>(corners_.size()), static_cast<std::int32_t>(cycle.size()), piece});
+    for (const std::int32_t v : cycle) {
+      const std::int32_t c = corners.at(v);
+      corners_.push_back(c);
+      if (static_cast<std::int32_t>(around_.size()) <= c) around_.resize(c + 1);
+      auto& round = around_.edit(c);
+      round.insert(
+          std::upper_bound(round.begin(), round.end(), piece, [&](auto l, auto r) { return l < loops_[r].piece; }), q);
+    }
+  }
+}
+
+void Polygons::close_gaps() {
+  ISIMP_ASSERT(!loops_.in_transaction(), "numbers last as long as a transaction");
+  constexpr std::size_t kFew = 1024;
+  std::size_t used = 0;
+  for (const Loop& loop : loops_) used += loop.size;
+  if (loops_.size() <= 2 * static_cast<std::size_t>(count()) + kFew && corners_.size() <= 2 * used + kFew) return;
+  std::vector<Loop> loops;
+  std::vector<std::int32_t> left;
+  for (std::size_t c = 0; c < around_.size(); ++c) around_.edit(c).clear();
+  for (std::size_t l = 0; l < pieces_.size(); ++l) {
+    const std::int32_t first = pieces_[l].first;
+    pieces_.edit(l).first = static_cast<std::int32_t>(loops.size());
+    for (std::int32_t q = first; q < first + pieces_[l].count; ++q) {
+      for (const std::int32_t c : of(q)) around_.edit(c).push_back(static_cast<std::int32_t>(loops.size()));
+      const auto begin = static_cast<std::int32_t>(left.size());
+      left.insert(left.end(), of(q).begin(), of(q).end());
+      loops.push_back({begin, loops_[q].size, loops_[q].piece});
+    }
+  }
+  loops_.assign(std::move(loops));
+  corners_.assign(std::move(left));
+}
+
+void Polygons::collect(const Complex& complex, const Labels& labels, Diagonals& diagonals, Corners& corners,
+                       std::vector<std::int32_t>& changed) {
+  if (!loops_.in_transaction()) close_gaps();
+  pieces_.resize(labels.pieces.size());
+  diagonals.resize(labels.pieces.size());
+  std::vector<bool> fresh(labels.pieces.size(), false);
+  for (const std::int32_t l : changed) fresh[l] = true;
+  const bool any = std::any_of(diagonals.begin(), diagonals.end(), [](const auto& d) { return !d.empty(); });
+  const std::vector<Edge> ends = any ? chord_ends(complex, labels.mesh, changed) : std::vector<Edge>{};
+  std::set<Edge> added;
+  std::vector<Cycle> cycles;
+  for (std::int32_t l = 0; l < labels.piece_count(); ++l) {
+    if (!fresh[l] && diagonals[l].empty()) continue;
+    if (!fresh[l]) {  // whose chords are the same: only others can have taken the place of a diagonal
+      const auto is_taken = [&](const auto& d) {
+        const Edge e = edge(d[0], d[1]);
+        return std::binary_search(ends.begin(), ends.end(), e) || added.contains(e);
+      };
+      if (std::none_of(diagonals[l].begin(), diagonals[l].end(), is_taken)) {
+        for (const auto& d : diagonals[l]) added.insert(edge(d[0], d[1]));
+        continue;
+      }
+    }
+    remove(l);
+    if (complex.chords(l).empty()) continue;  // no more
+    cycles.assign(1, {});
+    for (const std::int32_t h : complex.chords(l)) cycles[0].push_back(labels.mesh.from(h));
+    const std::size_t had = diagonals[l].size();
+    std::erase_if(diagonals.edit(l), [&](const Edge& d) {
+      return complex.has_chord(d[0], d[1]) || added.contains(edge(d[0], d[1])) || !split_at(cycles, d) ||
+             !added.insert(edge(d[0], d[1])).second;
+    });
+    if (diagonals[l].size() < had) changed.push_back(l);
+    add(l, cycles, corners);
+  }
+  around_.resize(corners.count());
+  ISIMP_ASSERT(std::all_of(changed.begin(), changed.end(), [&](std::int32_t l) { return is_listed(*this, l); }),
+               "a polygon is among those round each of its corners");
+}
+
+Vec3 vector_area(std::span<const std::int32_t> polygon, std::span<const Vec3> position) {
+  Vec3 sum = Vec3::Zero();
+  const Vec3& origin = position[polygon[0]];
+  for (std::size_t i = 1; i + 1 < polygon.size(); ++i)
+    sum += (position[polygon[i]] - origin).cross(position[polygon[i + 1]] - origin);
+  return sum / 2;
+}
+
+double bend_of(std::span<const std::int32_t> polygon, std::span<const Vec3> position) {
+  const Vec3 area = vector_area(polygon, position);
+  const double length = area.norm();
+  if (length == 0) return 0;
+  Vec3 centre = Vec3::Zero();
+  for (const std::int32_t c : polygon) centre += position[c];
+  centre /= static_cast<double>(polygon.size());
+  double most = 0;
+  for (const std::int32_t c : polygon) most = std::max(most, std::abs((position[c] - centre).dot(area)) / length);
+  return most;
+}
+
+}  // namespace isimp::meshing

@@ -1,0 +1,109 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "complex/complex.h"
+
+namespace isimp::meshing {
+
+/// The mesh vertices that have become corners. A corner keeps its number, also when no polygon uses it any more.
+struct Corners {
+  explicit Corners(std::int32_t vertices) : of_vertex(vertices, kNone) {}
+  /// The corner at a mesh vertex, a new one if there is none.
+  std::int32_t at(std::int32_t v);
+  [[nodiscard]] std::int32_t count() const { return static_cast<std::int32_t>(vertex.size()); }
+  /// Calls fn(array) for each array of corners that a transaction takes back.
+  template <class Self, class Function>
+  static void for_each_array(Self& self, Function fn) {
+    fn(self.of_vertex);
+    fn(self.vertex);
+    fn(self.pull);
+    fn(self.radius);
+    fn(self.position);
+  }
+
+  Logged<std::int32_t> of_vertex;  ///< (V) kNone where there is none
+  Logged<std::int32_t> vertex;     ///< (C) the mesh vertex
+  Logged<double> pull;             ///< (C) share of its radius that the repair has left the corner
+  Logged<double> radius;           ///< (C) how far it may be from its mesh vertex
+  Logged<Vec3> position;           ///< (C)
+  /// Corners that would move by less stay where they are, bit by bit, so that what is beside them need not be judged
+  /// again.
+  double still = 0;
+};
+
+/// Extra edges across a piece, by the two mesh vertices.
+using Diagonals = Logged<std::vector<std::array<std::int32_t, 2>>>;
+
+/// The polygons: one a piece, and one more for each of its diagonals. A polygon has a number; those of a piece are in a
+/// row. A number lasts until the piece is collected again.
+class Polygons {
+ public:
+  /// Numbers that are in use or were.
+  [[nodiscard]] std::int32_t numbers() const { return static_cast<std::int32_t>(loops_.size()); }
+  /// Cost: O(pieces).
+  [[nodiscard]] std::int32_t count() const;
+  /// How many a piece has; 0 for one that is no more.
+  [[nodiscard]] std::int32_t count_of(std::int32_t piece) const {
+    return piece < static_cast<std::int32_t>(pieces_.size()) ? pieces_[piece].count : 0;
+  }
+  /// The first of a piece's.
+  [[nodiscard]] std::int32_t first_of(std::int32_t piece) const { return pieces_[piece].first; }
+  [[nodiscard]] std::int32_t piece(std::int32_t q) const { return loops_[q].piece; }
+  /// The corners of a polygon, in order.
+  [[nodiscard]] std::span<const std::int32_t> of(std::int32_t q) const {
+    return {corners_.data() + loops_[q].begin, static_cast<std::size_t>(loops_[q].size)};
+  }
+  /// The polygons round a corner, in the order of their pieces.
+  [[nodiscard]] std::span<const std::int32_t> at(std::int32_t c) const { return around_[c]; }
+  /// Calls fn(q) for each polygon of a piece.
+  template <class Function>
+  void for_each_of(std::int32_t piece, Function fn) const {
+    const std::int32_t count = count_of(piece);
+    for (std::int32_t i = 0; i < count; ++i) fn(pieces_[piece].first + i);
+  }
+
+  /// Makes those of changed pieces anew. A diagonal that a chord or another diagonal has taken the place of is dropped.
+  /// \param changed  pieces whose chords or diagonals changed, or that are no more; those that lost a diagonal are
+  ///                 added
+  /// Cost: O(polygons of these + diagonals of all + pieces).
+  void collect(const Complex& complex, const Labels& labels, Diagonals& diagonals, Corners& corners,
+               std::vector<std::int32_t>& changed);
+  /// Takes out numbers that are out of use, if they are more than half. Not within a transaction.
+  void close_gaps();
+  /// Calls fn(array) for each array of polygons that a transaction takes back.
+  template <class Self, class Function>
+  static void for_each_array(Self& self, Function fn) {
+    fn(self.loops_);
+    fn(self.corners_);
+    fn(self.pieces_);
+    fn(self.around_);
+  }
+
+ private:
+  struct Loop {
+    std::int32_t begin, size, piece;
+  };
+  struct Row {
+    std::int32_t first = 0, count = 0;
+  };
+  void remove(std::int32_t piece);
+  void add(std::int32_t piece, std::span<const std::vector<std::int32_t>> cycles, Corners& corners);
+
+  Logged<Loop> loops_;                        // by number
+  Logged<std::int32_t> corners_;              // of the loops, with gaps where loops were
+  Logged<Row> pieces_;                        // by piece
+  Logged<std::vector<std::int32_t>> around_;  // by corner
+};
+
+/// Vector area of a polygon: its direction is the polygon's normal, its length the area.
+/// Source: Newell's method.
+Vec3 vector_area(std::span<const std::int32_t> polygon, std::span<const Vec3> position);
+
+/// The largest distance of a corner from the plane through the corners' mean with Newell's normal.
+double bend_of(std::span<const std::int32_t> polygon, std::span<const Vec3> position);
+
+}  // namespace isimp::meshing

@@ -1,0 +1,362 @@
+#include "complex/state.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "complex/coplanar.h"
+#include "isimp/core/check.h"
+#include "isimp/core/sorted.h"
+
+namespace isimp::meshing {
+namespace {
+
+ChordTolerance chord_tolerance(const Mesh& mesh, std::span<const Plane> planes, std::int32_t regions,
+                               const MeshingOptions& options) {
+  double area = 0;
+  for (const Plane& p : planes) area += p.area;
+  const double tolerance = options.chord_tolerance * std::sqrt(area / std::max(regions, 1));
+  ChordTolerance t;
+  t.most = std::min(tolerance, 0.03 * mesh.diagonal());
+  t.most_on_border = std::min(tolerance, 0.01 * mesh.diagonal());
+  t.of_area = options.chord_area;
+  t.least_sine = 0.15;
+  return t;
+}
+
+constexpr std::int32_t kFew = 4;    ///< pieces that are measured on one thread
+constexpr double kStill = 1e-9;     ///< of the diagonal: corners of plates with holes that would move less stay
+constexpr std::int32_t kMany = 60;  ///< faces a piece: with fewer it is as quick to look at all of them again
+constexpr double kFlat = 1e-12;     ///< of the area: with a shorter vector area, faces do not tell a direction
+
+/// A boundary half-edge of a piece, found from one of its faces.
+std::int32_t boundary_start(const Labels& labels, std::span<const std::int32_t> faces) {
+  for (const std::int32_t f : faces)
+    for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
+      if (!labels.inner(h)) return h;
+  return kNone;
+}
+
+}  // namespace
+
+State::State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& job,
+             std::span<const SurfaceMoments> moments)
+    : labels_(m),
+      cutter_(labels_),
+      complex_(labels_, planes_),
+      corners_(m.vertex_count()),
+      job_(job),
+      mesh(m),
+      partition(p),
+      options(o),
+      threads(o.threads),
+      regions(partition.region_count()) {
+  labels_.moments = moments;
+  Bits boundary = label_pieces(labels_, partition.face_region, threads, job);
+  merged_without_area_ = merge_pieces_without_area(labels_, 2 * kThickness * m.diagonal(), boundary);
+  job.report(0.02);
+  cutter_.perforated = is_perforated(cutter_, regions, job);
+  if (cutter_.perforated) {
+    corners_.still = kStill * m.diagonal();
+    part_walls(cutter_, job);
+    planes_.assign(planes_of(labels_, threads, job));
+    join_coplanar(*this, labels_, job);
+    boundary = boundary_of(labels_);
+  }
+  const Outlines outlines = trace_outlines(labels, boundary, job);
+  std::map<std::int32_t, Disc> discs;
+  std::vector<std::int32_t> todo = find_defects(labels_, outlines, threads, job);
+  make_discs(cutter_, std::move(todo), discs, job);
+  if (mesh.report().closed_components > 0) split_closed_components(cutter_, kLeastClosed, discs, job);
+  std::vector<std::vector<std::int32_t>> loops(labels.pieces.size());
+  for (std::int32_t l = 0; l < static_cast<std::int32_t>(outlines.loops.size()); ++l)
+    loops[l].assign(outlines.of(l).begin(), outlines.of(l).end());
+  sort_unique(labels_.touched);
+  for (const std::int32_t l : labels.touched) {
+    auto& [faces, loop] = discs.at(l);
+    labels_.pieces.edit(l).region = region_of(l, faces);
+    std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end()), loop.end());
+    loops[l] = std::move(loop);
+  }
+  labels_.touched.clear();
+  job.report(0.07);
+  planes_.assign(planes_of(labels, threads, job));
+  for (std::size_t l = 0; l < planes.size(); ++l) hold_by_hand(planes_.edit(l), partition, labels.pieces[l].region);
+  complex_.tolerance = chord_tolerance(mesh, planes, regions, options);
+  job.report(0.08);
+  complex_.refresh(numbers_below(labels.piece_count()), std::move(loops), job);
+  job.report(0.1);
+}
+
+std::int32_t State::region_of(std::int32_t piece, std::span<const std::int32_t> faces) const {
+  ISIMP_ASSERT(!faces.empty(), "a piece has faces");
+  std::map<std::int32_t, double> area;
+  auto at = area.end();
+  for (const std::int32_t f : faces) {
+    const std::int32_t region = partition.face_region[f];
+    if (at == area.end() || at->first != region) at = area.try_emplace(region, 0).first;
+    at->second += mesh.graph().faces[mesh.graph().graph_face[f]].area;
+  }
+  const Piece& p = labels.pieces[piece];
+  if (p.cause == Cause::region && area.contains(p.region)) return p.region;
+  return std::max_element(area.begin(), area.end(), [](const auto& a, const auto& b) { return a.second < b.second; })
+      ->first;
+}
+
+Cut State::find_cut(std::int32_t piece, const Vec3* place) {
+  const std::vector<std::int32_t> faces = labels.flood(piece);
+  return place ? find_part_near(cutter_, faces, *place) : find_halves(cutter_, faces);
+}
+
+bool State::split(std::int32_t piece, const Cut& cut, Job& job) {
+  if (cut.faces.empty()) return false;
+  ISIMP_ASSERT(labels.label[cut.faces[0]] == piece && labels.label[cut.stays] == piece, "a cut is of the piece");
+  const std::int32_t fresh = labels_.part(cut.faces, cut.stays, Cause::repair);
+  make_discs(cutter_, {piece, fresh}, discs_, job);
+  diagonals_.resize(labels.pieces.size());
+  for (const std::int32_t l : labels.touched) diagonals_.set(l, {});
+  return true;
+}
+
+bool State::shatter(std::int32_t piece) {
+  const std::vector<std::int32_t> faces = labels.faces_of(piece);
+  bool any = faces.size() > 1;
+  discs_.erase(piece);
+  for (std::size_t i = 1; i < faces.size(); ++i) labels_.part(std::span(faces).subspan(i, 1), faces[0], Cause::repair);
+  for (const std::int32_t f : faces)
+    for (const std::int32_t v : mesh.triangles()[f]) {
+      if (!complex.is_corner(v)) {
+        add_corner(v);
+        any = true;
+      }
+      const std::int32_t c = corner_at(v);
+      any = corners.pull[c] > 0 || any;
+      set_pull(c, 0);
+    }
+  diagonals_.resize(labels.pieces.size());
+  any = !diagonals[piece].empty() || any;
+  set_diagonals(piece, {});
+  // Where nothing has changed no update need follow, in which the piece would stop being listed.
+  if (any) labels_.touched.push_back(piece);
+  return any;
+}
+
+std::vector<std::int32_t> State::neighbours(std::int32_t piece) const {
+  std::vector<std::int32_t> some;
+  for_each_neighbour(piece, [&](std::int32_t l) { some.push_back(l); });
+  sort_unique(some);
+  return some;
+}
+
+void State::add_neighbours(std::vector<std::int32_t>& pieces) const {
+  for (std::size_t i = 0, n = pieces.size(); i < n; ++i) {
+    const std::vector<std::int32_t> beside = neighbours(pieces[i]);
+    pieces.insert(pieces.end(), beside.begin(), beside.end());
+  }
+  sort_unique(pieces);
+}
+
+SharedBoundary State::shared_boundary(std::int32_t piece) const {
+  SharedBoundary found;
+  for (const std::int32_t h : complex.loop(piece)) {
+    const double length = (mesh.vertices()[mesh.to(h)] - mesh.vertices()[mesh.from(h)]).norm();
+    found.all += length;
+    const std::int32_t k = labels.across(h);
+    if (k == kNone || k == piece) continue;
+    (labels.pieces[k].region == labels.pieces[piece].region ? found.with : found.others)[k] += length;
+  }
+  return found;
+}
+
+std::vector<std::int32_t> State::loop_together(std::int32_t kept, std::int32_t gone) const {
+  const auto a = complex.loop(kept), b = complex.loop(gone);
+  std::vector<std::int32_t> together;
+  // Two discs are a disc together if they share one path and no vertex beyond it.
+  std::size_t shared = 0, common = 0;
+  labels.vertex_marks.clear();
+  for (const std::int32_t h : a) {
+    shared += labels.across(h) == gone;
+    labels.vertex_marks.add(mesh.from(h));
+  }
+  for (const std::int32_t h : b) common += labels.vertex_marks.has(mesh.from(h));
+  if (shared == 0 || shared == a.size() || shared == b.size() || common != shared + 1) return together;
+  const auto add_rest = [&](std::span<const std::int32_t> loop, std::int32_t other) {
+    std::size_t i = 0;  // after the path
+    const auto n = loop.size();
+    while (labels.across(loop[i]) == other || labels.across(loop[(i + n - 1) % n]) != other) ++i;
+    for (; labels.across(loop[i % n]) != other; ++i) together.push_back(loop[i % n]);
+  };
+  add_rest(a, gone);
+  add_rest(b, kept);
+  return together;
+}
+
+void State::unite(std::int32_t kept, std::int32_t gone, std::vector<std::int32_t> loop) {
+  ISIMP_ASSERT(kept != gone && labels.pieces[kept].face != kNone && labels.pieces[gone].face != kNone,
+               "two pieces that are there become one");
+  ISIMP_ASSERT(!loop.empty(), "two pieces are a disc together");
+  const Piece kept_piece = labels.pieces[kept], gone_piece = labels.pieces[gone];
+  std::vector<std::int32_t> between;
+  for (const std::int32_t h : complex.loop(gone))
+    if (labels.across(h) == kept) between.insert(between.end(), {mesh.from(h), mesh.to(h)});
+  relabel(labels.faces_of(gone), kept);
+  if (kept_piece.cause == Cause::repair) labels_.pieces.edit(kept).cause = gone_piece.cause;
+  name(gone, kNone);
+  labels_.touched.push_back(kept);
+  discs_.erase(kept);
+  // Most of the area of both is of the same region, so most of what they are together is too.
+  if (kept_piece.region == gone_piece.region && planes[kept].projected > 0 && planes[gone].projected > 0) {
+    Plane& plane = planes_.edit(kept);
+    plane = united(plane, planes[gone]);
+    hold_by_hand(plane, partition, kept_piece.region);
+    if (plane.projected > kFlat * plane.area) known_[kept] = std::move(loop);
+  }
+  set_diagonals(kept, {});
+  set_diagonals(gone, {});
+  complex_.forget(gone);
+  united_.push_back(gone);
+  for (const std::int32_t v : between) drop_corner(v);
+}
+
+void State::relabel(std::span<const std::int32_t> faces, std::int32_t label) {
+  for (const std::int32_t f : faces) labels_.label.set(f, label);
+}
+
+void State::touch(std::span<const std::int32_t> pieces) {
+  labels_.touched.insert(labels_.touched.end(), pieces.begin(), pieces.end());
+}
+
+void State::hand_over(std::int32_t giver, std::int32_t taker, std::span<const std::int32_t> faces,
+                      std::span<const std::int32_t> pieces) {
+  ISIMP_ASSERT(giver != taker &&
+                   std::all_of(faces.begin(), faces.end(), [&](std::int32_t f) { return labels.label[f] == taker; }),
+               "faces that are handed over have the label of who takes them");
+  touch(pieces);
+  if (mesh.face_count() / kMany < labels.piece_count()) return;
+  const auto is_simple = [&](std::int32_t l) {  // neither held nor of a region that may change with its faces
+    return labels.pieces[l].cause == Cause::region && !planes[l].held && planes[l].projected > kFlat * planes[l].area;
+  };
+  const Plane part = plane_of(mesh, faces, labels.moments);
+  const bool simple = part.projected > kFlat * part.area && is_simple(giver) && is_simple(taker);
+  if (simple) handovers_.push_back({giver, taker, part});
+  for (const std::int32_t l : pieces)
+    if (simple || (l != giver && l != taker)) handed_.push_back(l);
+}
+
+std::vector<std::int32_t> State::loop_again(std::int32_t piece) const {
+  const auto loop = complex.loop(piece);
+  const auto start = std::find_if(loop.begin(), loop.end(),
+                                  [&](std::int32_t h) { return labels.label[h / 3] == piece && !labels.inner(h); });
+  return start == loop.end() ? std::vector<std::int32_t>() : labels.loop_from(*start);
+}
+
+std::vector<bool> State::settle_handovers() {
+  for (const auto& [giver, taker, part] : handovers_) {
+    planes_.set(giver, without(planes[giver], part));
+    planes_.set(taker, united(planes[taker], part));
+  }
+  handovers_.clear();
+  std::sort(handed_.begin(), handed_.end());
+  std::vector<bool> known;
+  std::vector<std::int32_t>& touched = labels_.touched;
+  std::size_t out = 0;
+  for (std::size_t i = 0; i < touched.size();) {
+    const auto [first, last] = std::equal_range(touched.begin() + i, touched.end(), touched[i]);
+    const auto [from, to] = std::equal_range(handed_.begin(), handed_.end(), touched[i]);
+    known.push_back(last - first == to - from);
+    i = last - touched.begin();
+    touched[out++] = *first;
+  }
+  touched.resize(out);
+  handed_.clear();
+  return known;
+}
+
+void State::move_onto(std::span<const Plane> planes_by_piece, std::span<const std::int32_t> moving) {
+  place_on_held(polygons, mesh, planes_by_piece, moving, threads, corners_);
+  flatten(polygons, mesh, planes_by_piece, moving, options.flatten, threads, corners_);
+}
+
+std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, std::int32_t first) {
+  job_.poll();
+  std::vector<std::int32_t>& touched = labels_.touched;
+  std::sort(touched.begin(), touched.end());
+  // What was known of a piece is out of date if it was touched once more.
+  for (std::size_t i = 1; i < touched.size(); ++i)
+    if (touched[i] == touched[i - 1]) known_.erase(touched[i]);
+  // A piece may have been united with another since it was touched.
+  std::erase_if(touched, [&](std::int32_t l) { return labels.pieces[l].face == kNone; });
+  const std::vector<bool> handed = settle_handovers();
+  planes_.resize(labels.pieces.size());
+  diagonals_.resize(labels.pieces.size());
+  std::vector<std::vector<std::int32_t>> loops(touched.size());
+  labels.face_marks.clear();
+  const std::span<Piece> pieces = labels_.pieces.edit_all(touched);
+  const std::span<Plane> fitted = planes_.edit_all(touched);
+  threads.blocks(static_cast<std::int32_t>(loops.size()), kFew,
+                 [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+                   job_.poll();
+                   for (std::int32_t i = begin; i < end; ++i) {
+                     const std::int32_t l = touched[i];
+                     if (const auto known = known_.find(l); known != known_.end()) {
+                       loops[i] = std::move(known->second);
+                       continue;
+                     }
+                     if (handed[i]) loops[i] = loop_again(l);
+                     if (!loops[i].empty()) continue;
+                     std::vector<std::int32_t> faces;
+                     if (const auto disc = discs_.find(l); disc != discs_.end()) {
+                       faces = std::move(disc->second.faces);
+                       loops[i] = std::move(disc->second.loop);
+                     } else {
+                       faces = labels.flood(l);
+                       loops[i] = labels.loop_from(boundary_start(labels, faces));
+                     }
+                     pieces[l].region = region_of(l, faces);
+                     fitted[l] = plane_of(mesh, faces, labels.moments);
+                     hold_by_hand(fitted[l], partition, pieces[l].region);
+                   }
+                 });
+  known_.clear();
+  discs_.clear();
+  ISIMP_ASSERT(planes.size() == labels.pieces.size() && diagonals.size() == labels.pieces.size(),
+               "every piece has a plane and diagonals");
+  complex_.refresh(touched, std::move(loops), job_);
+  touched.clear();
+  const std::vector<std::int32_t> cornered = complex_.make_regular();
+  changed.insert(changed.end(), cornered.begin(), cornered.end());
+  changed.insert(changed.end(), united_.begin(), united_.end());
+  united_.clear();
+  collect(changed);
+  sort_unique(changed);
+
+  std::vector<std::int32_t> moving, near;
+  for (const std::int32_t l : changed)
+    polygons.for_each_of(
+        l, [&](std::int32_t q) { moving.insert(moving.end(), polygons.of(q).begin(), polygons.of(q).end()); });
+  sort_unique(moving);
+  set_radii(polygons, mesh, options.reach * mesh.diagonal(), moving, corners_);
+  // Among faces of the scan alone a corner has its place already.
+  for (const std::int32_t c : moving) {
+    const auto around = polygons.at(c);
+    if (std::all_of(around.begin(), around.end(), [&](std::int32_t q) { return labels.is_face(polygons.piece(q)); }))
+      corners_.radius.set(c, 0);
+  }
+  const std::vector<std::int32_t> moved = moving;
+  std::erase_if(moving, [&](std::int32_t c) { return c < first; });
+  for (const std::int32_t c : moved)
+    if (c < first) corners_.position.restore(c);
+  job_.poll();
+  placed_ += static_cast<std::int64_t>(moving.size());
+  place(polygons, mesh, planes, moving, threads, corners_);
+  flatten(polygons, mesh, planes, moving, options.flatten, threads, corners_);
+  ISIMP_ASSERT(std::all_of(moved.begin(), moved.end(), [&](std::int32_t c) { return corners.position[c].allFinite(); }),
+               "corners have places");
+  ISIMP_ASSERT(!complex.is_pending(), "corners are up to date");
+  for (const std::int32_t c : moved)
+    for (const std::int32_t q : polygons.at(c)) near.push_back(polygons.piece(q));
+  sort_unique(near);
+  return near;
+}
+
+}  // namespace isimp::meshing

@@ -1,0 +1,186 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "complex/complex.h"
+#include "complex/placement.h"
+#include "complex/polygons.h"
+#include "discs/discs.h"
+#include "discs/logged.h"
+#include "isimp/core/threads.h"
+#include "isimp/meshing/polygonize.h"
+
+namespace isimp::meshing {
+
+constexpr std::int32_t kLeastClosed = 4;  ///< no closed surface has fewer polygons
+constexpr std::size_t kLarge = 64;        ///< chords of a piece beyond which what is at its ends is far apart
+
+/// How long the boundary of a piece is, and the part of it that each other piece is across of.
+struct SharedBoundary {
+  std::map<std::int32_t, double> with;    ///< pieces of its region
+  std::map<std::int32_t, double> others;  ///< pieces of other regions
+  double all = 0;
+};
+
+/// All that is known while a mesh is turned into polygons, from labels to positions, and how to bring it up to date
+/// after a local change. Whoever changes something asks a function of this class to; all else can only be read.
+///
+/// A change of labels, corners, diagonals or shares is followed by `update`, which makes polygons and positions of it.
+/// Several changes may come before one `update`. What comes of them can be taken back: see `Transaction`.
+class State {
+ public:
+  /// \param job  polled by `update` too
+  /// \param moments  as of Labels
+  State(const Mesh& m, const Partition& p, const MeshingOptions& o, Job& job,
+        std::span<const SurfaceMoments> moments = {});
+
+  /// Where a piece would be split: in halves, or near a place. Threads may ask for several pieces at a time after the
+  /// face marks of labels have been cleared.
+  [[nodiscard]] Cut find_cut(std::int32_t piece, const Vec3* place);
+  /// The pieces across the chords of one, in rising order.
+  [[nodiscard]] std::vector<std::int32_t> neighbours(std::int32_t piece) const;
+  /// Calls fn(piece) for each of them, once for each chord.
+  template <class Function>
+  void for_each_neighbour(std::int32_t piece, Function fn) const {
+    for (const std::int32_t h : complex.chords(piece))
+      if (const std::int32_t l = labels.across(h); l != kNone) fn(l);
+  }
+  /// Whether a piece borders so many holes that changes at its two ends do not affect each other.
+  [[nodiscard]] bool is_large(std::int32_t piece) const {
+    return cutter.perforated && complex.chords(piece).size() > kLarge;
+  }
+  /// Adds them to some pieces, in rising order then.
+  void add_neighbours(std::vector<std::int32_t>& pieces) const;
+  /// The region of a piece with these faces. The first piece of a region stays its piece while it has a face of it, so
+  /// that every region keeps a polygon; other pieces are of the region that has most of their area. That may be another
+  /// one than before: joining junctions and mending pinches hand faces over to a neighbour.
+  [[nodiscard]] std::int32_t region_of(std::int32_t piece, std::span<const std::int32_t> faces) const;
+  [[nodiscard]] SharedBoundary shared_boundary(std::int32_t piece) const;
+  /// The boundary that two pieces would have together, as half-edges in order; empty where that would be no disc.
+  /// Cost: O(their boundaries), of which the complex must be up to date.
+  [[nodiscard]] std::vector<std::int32_t> loop_together(std::int32_t kept, std::int32_t gone) const;
+
+  // Changes of labels.
+  /// Splits a piece in two (and on, until all of it is discs).
+  /// \return whether it could be
+  bool split(std::int32_t piece, const Cut& cut, Job& job);
+  /// Makes each face of a piece a piece of its own, all corners of which stay on the mesh.
+  /// \return whether that is new
+  bool shatter(std::int32_t piece);
+  /// Makes two pieces one, which must be a disc.
+  /// \param loop  what `loop_together` gave for them
+  /// Cost: O(faces of the one that goes + their boundaries).
+  void unite(std::int32_t kept, std::int32_t gone, std::vector<std::int32_t> loop);
+  /// Gives faces another label. All pieces must be discs when `update` is called, and those that changed touched.
+  void relabel(std::span<const std::int32_t> faces, std::int32_t label);
+  /// Names a piece by another one of its faces; kNone where it is no more.
+  void name(std::int32_t piece, std::int32_t face) { labels_.pieces.edit(piece).face = face; }
+  /// Has the next `update` look at the faces of some pieces.
+  void touch(std::span<const std::int32_t> pieces);
+  /// Tells that some faces have another label now, so that the next update need not look at all faces of these pieces.
+  /// All pieces must still be discs, and that update must come before other changes.
+  /// \param pieces  those whose boundaries, or what is across them, have changed
+  /// Cost: O(faces).
+  void hand_over(std::int32_t giver, std::int32_t taker, std::span<const std::int32_t> faces,
+                 std::span<const std::int32_t> pieces);
+
+  // Changes of polygons, as in Complex and Corners. Of diagonals and shares `update` has to be told.
+  void add_corner(std::int32_t vertex) { complex_.add_corner(vertex); }
+  bool drop_corner(std::int32_t vertex) { return complex_.drop_corner(vertex); }
+  bool bend(std::int32_t chord) { return complex_.bend(chord); }
+  /// The corner at a vertex, a new one if there is none.
+  std::int32_t corner_at(std::int32_t vertex) { return corners_.at(vertex); }
+  void set_pull(std::int32_t corner, double share) { corners_.pull.set(corner, share); }
+  void set_diagonals(std::int32_t piece, std::vector<std::array<std::int32_t, 2>> all) {
+    diagonals_.set(piece, std::move(all));
+  }
+  /// Makes the polygons of changed pieces anew, with corners where they are; as Polygons::collect.
+  void collect(std::vector<std::int32_t>& changed) {
+    polygons_.collect(complex_, labels_, diagonals_, corners_, changed);
+  }
+
+  // Changes of positions, which `update` takes no notice of.
+  void move(std::int32_t corner, const Vec3& place) { corners_.position.set(corner, place); }
+  /// Moves corners from where they are onto those of the given planes that are held, and makes the polygons flat.
+  void move_onto(std::span<const Plane> planes_by_piece, std::span<const std::int32_t> moving);
+
+  /// Brings polygons and positions up to date after splits, new corners, new diagonals or pulls. Corners of polygons
+  /// that have changed are placed anew.
+  /// \param changed  pieces whose diagonals or pulls changed; the others are known
+  /// \return the pieces of which a polygon may have changed its place, in rising order
+  std::vector<std::int32_t> update(std::vector<std::int32_t> changed) { return update(std::move(changed), 0); }
+  /// Calls fn(array) for each array that a transaction takes back.
+  template <class Function>
+  void for_each_array(Function fn) const {
+    for_each_array(*this, fn);
+  }
+
+ private:
+  /// Faces that went from one piece to another since the last update, as a plane.
+  struct Handover {
+    std::int32_t giver, taker;
+    Plane part;
+  };
+  /// The boundary of a piece that has changed, from what it was; empty where it was none.
+  [[nodiscard]] std::vector<std::int32_t> loop_again(std::int32_t piece) const;
+  /// Applies the handovers to the planes.
+  /// \return by touched piece, sorted and each once: whether all of it is known but its boundary
+  std::vector<bool> settle_handovers();
+
+  friend class Transaction;
+
+  /// \param first  corners before this one go back to where they were when the transaction began
+  std::vector<std::int32_t> update(std::vector<std::int32_t> changed, std::int32_t first);
+  template <class Self, class Function>
+  static void for_each_array(Self& self, Function fn) {
+    fn(self.labels_.label);
+    fn(self.labels_.pieces);
+    fn(self.planes_);
+    fn(self.diagonals_);
+    Complex::for_each_array(self.complex_, fn);
+    Corners::for_each_array(self.corners_, fn);
+    Polygons::for_each_array(self.polygons_, fn);
+  }
+
+  Labels labels_;
+  Cutter cutter_;
+  Logged<Plane> planes_;
+  Complex complex_;
+  Diagonals diagonals_;
+  Corners corners_;
+  Polygons polygons_;
+  const Job& job_;
+  std::int32_t merged_without_area_ = 0;
+  std::int64_t placed_ = 0;
+  std::vector<std::int32_t> united_;    // pieces that went into others since the last update
+  std::map<std::int32_t, Disc> discs_;  // by piece: what was seen when it was split, until the next update
+  /// By piece: its boundary, where all that is asked of its faces is known after a change.
+  std::map<std::int32_t, std::vector<std::int32_t>> known_;
+  std::vector<Handover> handovers_;   // since the last update
+  std::vector<std::int32_t> handed_;  // pieces that were touched by these alone, each as often as it was
+
+ public:
+  const Mesh& mesh;
+  const Partition& partition;
+  const MeshingOptions& options;
+  const Threads threads;
+  const std::int32_t regions;  ///< of the partition
+  // What is private, to be read.
+  const std::int32_t& merged_without_area = merged_without_area_;  ///< pieces given to a neighbour, for lack of area
+  const std::int64_t& placed = placed_;  ///< corners that were placed, each as often as it was
+  const Labels& labels = labels_;
+  const Cutter& cutter = cutter_;
+  const Logged<Plane>& planes = planes_;  ///< by piece
+  const Complex& complex = complex_;
+  const Diagonals& diagonals = diagonals_;  ///< by piece
+  const Corners& corners = corners_;
+  const Polygons& polygons = polygons_;
+};
+
+}  // namespace isimp::meshing

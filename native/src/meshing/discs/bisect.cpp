@@ -1,0 +1,167 @@
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "discs/discs.h"
+
+namespace isimp::meshing {
+namespace {
+
+/// The faces of a piece, and shortest paths over them from middle to middle. Touches nothing of the cutter that belongs
+/// to other pieces.
+class Ground {
+ public:
+  Ground(const Cutter& cutter, std::span<const std::int32_t> faces)
+      : faces_(faces), least_(1e-9 * cutter.labels.mesh.diagonal()), place_(cutter.face_place.get()) {
+    const Labels& labels = cutter.labels;
+    const Mesh& mesh = labels.mesh;
+    for (std::size_t i = 0; i < faces.size(); ++i) place_[faces[i]] = static_cast<std::int32_t>(i);
+    steps_.reserve(faces.size());
+    for (const std::int32_t f : faces) {
+      const Triangle& t = mesh.triangles()[f];
+      Step& s = steps_.emplace_back();
+      s.centre = (mesh.vertices()[t[0]] + mesh.vertices()[t[1]] + mesh.vertices()[t[2]]) / 3;
+      for (int k = 0; k < 3; ++k) s.beside[k] = labels.inner(3 * f + k) ? place_[mesh.opposite(3 * f + k) / 3] : kNone;
+    }
+  }
+
+  /// Reaches all faces from one or some of them.
+  /// \return the farthest
+  /// \param lag  by how much the first seed comes later than the others
+  std::int32_t grow(std::span<const std::int32_t> seeds, double lag = 0) {
+    for (Step& s : steps_) s.distance = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < seeds.size(); ++i)
+      reach(place_[seeds[i]], i == 0 ? lag : 0, static_cast<std::int32_t>(i));
+    std::int32_t last = seeds[0];
+    while (!queue_.empty()) {
+      const Entry nearest = queue_.front();
+      std::pop_heap(queue_.begin(), queue_.end());
+      queue_.pop_back();
+      const Step& from = steps_[nearest.place];
+      if (nearest.distance != from.distance) continue;
+      last = nearest.face;
+      for (const std::int32_t k : from.beside)
+        if (k != kNone) reach(k, from.distance + (steps_[k].centre - from.centre).norm() + least_, from.seed);
+    }
+    return last;
+  }
+
+  [[nodiscard]] std::span<const std::int32_t> faces() const { return faces_; }
+  /// By the place of a face in `faces`, when all are reached: which of the seeds is nearest to it.
+  [[nodiscard]] std::int32_t seed(std::size_t i) const { return steps_[i].seed; }
+  [[nodiscard]] const Vec3& centre(std::size_t i) const { return steps_[i].centre; }
+  [[nodiscard]] double distance_of(std::int32_t face) const { return steps_[place_[face]].distance; }
+  /// The faces that are nearest to a seed.
+  [[nodiscard]] std::vector<std::int32_t> nearest_to(std::int32_t seed) const {
+    std::vector<std::int32_t> some;
+    for (std::size_t i = 0; i < faces_.size(); ++i)
+      if (steps_[i].seed == seed) some.push_back(faces_[i]);
+    return some;
+  }
+
+ private:
+  struct Step {
+    Vec3 centre;
+    double distance = 0;
+    std::int32_t seed = 0;
+    std::array<std::int32_t, 3> beside{};  // places, kNone across the boundary
+  };
+  struct Entry {
+    double distance;
+    std::int32_t face, place;
+    bool operator<(const Entry& other) const {  // std::push_heap puts the largest first; ties by face
+      return distance > other.distance || (distance == other.distance && face > other.face);
+    }
+  };
+
+  void reach(std::int32_t place, double distance, std::int32_t seed) {
+    Step& s = steps_[place];
+    if (distance >= s.distance) return;
+    s.distance = distance;
+    s.seed = seed;
+    queue_.push_back({distance, faces_[place], place});
+    std::push_heap(queue_.begin(), queue_.end());
+  }
+
+  std::span<const std::int32_t> faces_;
+  double least_;         // keeps distances rising where faces have no size
+  std::int32_t* place_;  // by face of the mesh, valid for those of the piece
+  std::vector<Step> steps_;
+  std::vector<Entry> queue_;
+};
+
+/// The face of each seed's part that is nearest to the part's middle.
+std::vector<std::int32_t> middles(const Ground& ground, std::size_t parts) {
+  const auto faces = ground.faces();
+  std::vector<Vec3> sum(parts, Vec3::Zero());
+  std::vector<double> count(parts, 0);
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    sum[ground.seed(i)] += ground.centre(i);
+    ++count[ground.seed(i)];
+  }
+  std::vector<std::int32_t> nearest(parts, kNone);
+  std::vector<double> least(parts, std::numeric_limits<double>::max());
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const std::int32_t k = ground.seed(i);
+    const double d = (ground.centre(i) - sum[k] / count[k]).squaredNorm();
+    if (d >= least[k]) continue;
+    least[k] = d;
+    nearest[k] = faces[i];
+  }
+  return nearest;
+}
+
+}  // namespace
+
+std::int32_t split_evenly(Cutter& cutter, std::int32_t piece, std::int32_t parts, Cause cause) {
+  constexpr int kRounds = 6;
+  const std::vector<std::int32_t> faces = cutter.labels.faces_of(piece);
+  Ground ground(cutter, faces);
+  const std::size_t n = std::min<std::size_t>(parts, faces.size());
+  std::vector<std::int32_t> seeds{ground.grow(std::array{faces[0]})};
+  while (seeds.size() < n) seeds.push_back(ground.grow(seeds));
+  for (int round = 0; round < kRounds; ++round) {
+    ground.grow(seeds);
+    seeds = middles(ground, n);
+  }
+  ground.grow(seeds);
+  const std::int32_t stays = ground.nearest_to(0)[0];
+  for (std::size_t k = 1; k < n; ++k) cutter.labels.part(ground.nearest_to(static_cast<std::int32_t>(k)), stays, cause);
+  return static_cast<std::int32_t>(n) - 1;
+}
+
+Cut find_part_near(const Cutter& cutter, std::span<const std::int32_t> faces, const Vec3& place) {
+  constexpr double kLag = 0.5;  // leaves the near part about a quarter of the way to the farthest face
+  if (faces.size() < 2) return {};
+  Ground ground(cutter, faces);
+  std::int32_t near = faces[0];
+  double least = std::numeric_limits<double>::max();
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const double d = (ground.centre(i) - place).squaredNorm();
+    if (d > least || (d == least && faces[i] > near)) continue;
+    least = d;
+    near = faces[i];
+  }
+  const std::int32_t far = ground.grow(std::array{near});
+  ground.grow(std::array{near, far}, kLag * ground.distance_of(far));
+  return {ground.nearest_to(0), far};
+}
+
+Cut find_halves(const Cutter& cutter, std::span<const std::int32_t> faces, std::array<std::int32_t, 2> seeds) {
+  if (faces.size() < 2) return {};
+  Ground ground(cutter, faces);
+  if (seeds[0] == kNone) {
+    const std::int32_t a = ground.grow(std::array{faces[0]});
+    const std::int32_t b = ground.grow(std::array{a});
+    seeds = {b, ground.grow(std::array{b})};
+  }
+  ground.grow(seeds);
+  return {ground.nearest_to(1), seeds[0]};
+}
+
+std::int32_t bisect(Cutter& cutter, std::int32_t piece, Cause cause, std::array<std::int32_t, 2> seeds) {
+  const Cut cut = find_halves(cutter, cutter.labels.faces_of(piece), seeds);
+  return cut.faces.empty() ? kNone : cutter.labels.part(cut.faces, cut.stays, cause);
+}
+
+}  // namespace isimp::meshing

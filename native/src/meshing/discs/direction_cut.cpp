@@ -1,0 +1,217 @@
+#include <algorithm>
+#include <utility>
+
+#include "discs/discs.h"
+
+namespace isimp::meshing {
+namespace {
+
+constexpr double kFlat = 0.03;       ///< roughness up to which a piece has one side
+constexpr double kExact = 1e-4;      ///< roughness of the sides up to which all of them are planes
+constexpr double kRounding = 1e-6;   ///< roughness that rounding makes
+constexpr double kCurve = 0.035;     ///< roughness of the sides beyond which they are a curve
+constexpr double kGain = 3;          ///< times the roughness of the sides: a piece that is less rough stays whole
+constexpr double kNear = 0.7071;     ///< cosine of 45 degrees: how near to a direction its faces look
+constexpr double kStraight = 0.999;  ///< of 2.5 degrees: a face that looks so near to a direction is no speck
+constexpr double kRest = 0.01;       ///< share of the area that needs no direction of its own
+constexpr double kSmall = 0.5;       ///< of the part beside it: a smaller one is no side of its own
+constexpr int kDirections = 10;      ///< at most
+constexpr int kRefinements = 3;      ///< of a direction: each the mean of the faces near the one before
+constexpr int kSmoothings = 2;       ///< rounds in which a face takes the direction of two of its neighbours
+
+/// The faces of one piece and the directions they look in.
+class Looks {
+ public:
+  Looks(const Cutter& cutter, std::span<const std::int32_t> faces)
+      : labels_(cutter.labels), faces_(faces), place_(cutter.face_place.get()) {
+    const FaceGraph& graph = labels_.mesh.graph();
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+      place_[faces[i]] = static_cast<std::int32_t>(i);
+      const FaceRecord& r = graph.faces[graph.graph_face[faces[i]]];
+      looks_.push_back({Vec3(r.nx, r.ny, r.nz), r.area});
+      area_ += r.area;
+    }
+  }
+
+  /// 1 less the vector area over the area: 0 where all faces look in one direction.
+  [[nodiscard]] double roughness() const { return roughness(std::vector<std::uint8_t>(looks_.size(), 0)); }
+
+  /// The same of the sides: for each direction, the vector area of its faces.
+  [[nodiscard]] double roughness(const std::vector<std::uint8_t>& own) const {
+    std::array<Vec3, kDirections> sums;
+    sums.fill(Vec3::Zero());
+    for (std::size_t i = 0; i < own.size(); ++i) sums[own[i]] += looks_[i].area * looks_[i].normal;
+    double length = 0;
+    for (const Vec3& s : sums) length += s.norm();
+    return area_ > 0 ? 1 - length / area_ : 0;
+  }
+
+  /// By place of the face: which of the directions that most of the area looks in is its own.
+  /// \param rest  share of the area that needs no direction of its own
+  [[nodiscard]] std::vector<std::uint8_t> nearest_directions(double rest) const {
+    const std::vector<Vec3> directions = find(rest);
+    std::vector<std::uint8_t> own(looks_.size());
+    for (std::size_t i = 0; i < own.size(); ++i) own[i] = nearest(directions, looks_[i].normal);
+    for (int round = 0; round < kSmoothings; ++round) smooth(own, directions);
+    return own;
+  }
+
+  /// The connected parts of faces of one direction. A small one is part of one beside it that looks about the same way:
+  /// where regions do not end at a corner, they leave a strip of what goes on in the other.
+  [[nodiscard]] std::vector<std::vector<std::int32_t>> parts(const std::vector<std::uint8_t>& own) const {
+    std::vector<std::vector<std::int32_t>> parts;
+    std::vector<std::int32_t> part_of(own.size(), kNone);
+    for (std::size_t i = 0; i < own.size(); ++i)
+      if (part_of[i] == kNone) {
+        parts.emplace_back(1, faces_[i]);
+        flood(own, static_cast<std::int32_t>(parts.size()) - 1, parts.back(), part_of);
+      }
+    std::vector<Vec3> sum(parts.size(), Vec3::Zero());
+    for (std::size_t i = 0; i < own.size(); ++i) sum[part_of[i]] += looks_[i].area * looks_[i].normal;
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      const std::int32_t to = larger_beside(parts[k], part_of, sum);
+      if (to == kNone) continue;
+      for (const std::int32_t f : parts[k]) part_of[place_[f]] = to;
+      parts[to].insert(parts[to].end(), parts[k].begin(), parts[k].end());
+      sum[to] += sum[k];
+      parts[k].clear();
+    }
+    std::erase_if(parts, [](const auto& part) { return part.empty(); });
+    return parts;
+  }
+
+ private:
+  struct Look {
+    Vec3 normal;
+    double area;
+  };
+
+  /// All faces of one direction that hang together with the first one.
+  void flood(const std::vector<std::uint8_t>& own, std::int32_t number, std::vector<std::int32_t>& part,
+             std::vector<std::int32_t>& part_of) const {
+    const std::uint8_t direction = own[place_[part[0]]];
+    part_of[place_[part[0]]] = number;
+    for (std::size_t k = 0; k < part.size(); ++k)
+      for_each_beside(part[k], [&](std::int32_t j) {
+        if (part_of[j] != kNone || own[j] != direction) return;
+        part_of[j] = number;
+        part.push_back(faces_[j]);
+      });
+  }
+
+  /// The largest part beside one that is much larger and looks about the same way; kNone where there is none.
+  [[nodiscard]] std::int32_t larger_beside(std::span<const std::int32_t> part, std::span<const std::int32_t> part_of,
+                                           std::span<const Vec3> sum) const {
+    if (part.empty()) return kNone;
+    const std::int32_t from = part_of[place_[part[0]]];
+    std::int32_t best = kNone;
+    for (const std::int32_t f : part)
+      for_each_beside(f, [&](std::int32_t j) {
+        const std::int32_t k = part_of[j];
+        const double size = sum[from].norm(), other = sum[k].norm();
+        if (k == from || size > kSmall * other || sum[from].dot(sum[k]) < kSameWay * size * other) return;
+        if (best == kNone || other > sum[best].norm()) best = k;
+      });
+    return best;
+  }
+
+  static std::uint8_t nearest(std::span<const Vec3> directions, const Vec3& normal) {
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < directions.size(); ++i)
+      if (directions[i].dot(normal) > directions[best].dot(normal)) best = i;
+    return static_cast<std::uint8_t>(best);
+  }
+
+  /// The largest area first.
+  [[nodiscard]] std::vector<Vec3> find(double share) const {
+    std::vector<Vec3> found;
+    std::vector<Look> rest = looks_;
+    for (double left = area_; static_cast<int>(found.size()) < kDirections && !rest.empty() && left > share * area_;) {
+      Vec3 d = fullest(rest);
+      for (int i = 0; i < kRefinements; ++i) d = mean_near(rest, d);
+      found.push_back(d);
+      const auto gone =
+          std::partition(rest.begin(), rest.end(), [&](const Look& l) { return l.normal.dot(d) < kNear; });
+      if (gone == rest.end()) break;
+      for (auto l = gone; l != rest.end(); ++l) left -= l->area;
+      rest.erase(gone, rest.end());
+    }
+    return found;
+  }
+
+  /// Of the 26 directions from a cell of a grid to those round it, the nearest one to most of the area.
+  static Vec3 fullest(std::span<const Look> looks) {
+    std::vector<Vec3> directions;
+    for (int x = -1; x <= 1; ++x)
+      for (int y = -1; y <= 1; ++y)
+        for (int z = -1; z <= 1; ++z)
+          if (x != 0 || y != 0 || z != 0) directions.push_back(Vec3(x, y, z).normalized());
+    std::vector<double> area(directions.size(), 0);
+    for (const Look& l : looks) area[nearest(directions, l.normal)] += l.area;
+    return directions[std::max_element(area.begin(), area.end()) - area.begin()];
+  }
+
+  static Vec3 mean_near(std::span<const Look> looks, const Vec3& direction) {
+    Vec3 sum = Vec3::Zero();
+    for (const Look& l : looks)
+      if (l.normal.dot(direction) >= kNear) sum += l.area * l.normal;
+    return sum.norm() > 0 ? Vec3(sum.normalized()) : direction;
+  }
+
+  /// Specks take the direction of two neighbours that agree. A face that looks straight in its own is none: it may be
+  /// half of a side.
+  void smooth(std::vector<std::uint8_t>& own, std::span<const Vec3> directions) const {
+    const std::vector<std::uint8_t> before = own;
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      if (looks_[i].normal.dot(directions[before[i]]) > kStraight) continue;
+      std::array<std::int32_t, 3> beside{kNone, kNone, kNone};
+      int n = 0;
+      for_each_beside(faces_[i], [&](std::int32_t j) { beside[n++] = before[j]; });
+      for (int a = 0; a < n; ++a)
+        for (int b = 0; b < a; ++b)
+          if (beside[a] == beside[b]) own[i] = static_cast<std::uint8_t>(beside[a]);
+    }
+  }
+
+  template <class Function>
+  void for_each_beside(std::int32_t f, Function fn) const {
+    for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
+      if (labels_.inner(h)) fn(place_[labels_.mesh.opposite(h) / 3]);
+  }
+
+  const Labels& labels_;
+  std::span<const std::int32_t> faces_;
+  std::int32_t* place_;  // by face of the mesh, valid for those of the piece
+  std::vector<Look> looks_;
+  double area_ = 0;
+};
+
+}  // namespace
+
+std::int32_t cut_by_direction(Cutter& cutter, std::int32_t piece) {
+  const std::vector<std::int32_t> faces = cutter.labels.faces_of(piece);
+  const Looks looks(cutter, faces);
+  const double before = looks.roughness();
+  // In a plate with holes, few faces of another side would tilt the polygon, and with it those beside it, on and on.
+  // They are told from roughness where all sides are planes.
+  const bool few = before <= kFlat;
+  if (few && (!cutter.perforated || before <= kRounding)) return 0;
+  const std::vector<std::uint8_t> own = looks.nearest_directions(few ? 0 : kRest);
+  const double after = looks.roughness(own);
+  if (after > (few ? kExact : kCurve) || kGain * after > before) return 0;
+  const std::vector<std::vector<std::int32_t>> parts = looks.parts(own);
+  for (std::size_t k = 1; k < parts.size(); ++k) cutter.labels.part(parts[k], parts[0][0], Cause::wall);
+  return static_cast<std::int32_t>(parts.size()) - 1;
+}
+
+bool has_flat_sides(const Cutter& cutter, const Job& job) {
+  for (std::int32_t l = 0; l < cutter.labels.piece_count(); ++l) {
+    job.poll();
+    const std::vector<std::int32_t> faces = cutter.labels.faces_of(l);
+    const Looks looks(cutter, faces);
+    if (looks.roughness() > kRounding && looks.roughness(looks.nearest_directions(0)) > kExact) return false;
+  }
+  return true;
+}
+
+}  // namespace isimp::meshing

@@ -1,0 +1,154 @@
+#include "discs/discs.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "isimp/core/sorted.h"
+
+namespace isimp::meshing {
+namespace {
+
+/// Up to so many boundary loops one chain makes two discs. The polygons of more would have too many corners.
+constexpr std::size_t kFewLoops = 8;
+/// Loops, and two for a handle, beyond which a piece is parted by the directions its faces look in. Then each wall of a
+/// hole is a polygon. Other cuts give half to a third as many polygons, but repairing them takes a time that grows with
+/// the square of the holes.
+constexpr std::size_t kManyOpenings = 24;
+/// The same a region of the whole mesh, beyond which all pieces are parted so, for one that is not would not fit those
+/// that are beside it.
+constexpr double kOpeningsARegion = 4;
+constexpr double kOfFlat = 2;  ///< the same where all sides are planes, so that it is known which are walls
+/// Cutting round a handle takes time for all faces of its piece. With more handles than this a piece is halved first.
+constexpr std::int32_t kFewHandles = 64;
+
+/// Tries to mend one vertex where the piece touches itself by a hand-over.
+/// \return the pieces to look at again
+std::vector<std::int32_t> mend_pinch(Cutter& cutter, std::int32_t piece, const Shape& shape) {
+  const Mesh& mesh = cutter.labels.mesh;
+  std::vector<std::int32_t> seen, twice;
+  for (const auto& loop : shape.loops)
+    for (const std::int32_t h : loop) seen.push_back(mesh.from(h));
+  std::sort(seen.begin(), seen.end());
+  for (std::size_t i = 1; i < seen.size(); ++i)
+    if (seen[i] == seen[i - 1] && (twice.empty() || twice.back() != seen[i])) twice.push_back(seen[i]);
+  for (const std::int32_t v : twice) {
+    std::vector<std::int32_t> changed = hand_over_sector(cutter, v);
+    if (changed.empty()) continue;
+    if (std::find(changed.begin(), changed.end(), piece) == changed.end()) changed.push_back(piece);
+    return changed;
+  }
+  return {};
+}
+
+/// Two faces of the piece in different sectors of a vertex where it touches itself.
+std::array<std::int32_t, 2> faces_at_pinch(const Labels& labels, std::int32_t piece, std::int32_t vertex) {
+  std::vector<std::int32_t> first;
+  for_each_leaving(labels.mesh, vertex, [&](std::int32_t h) {
+    if (labels.label[h / 3] == piece && !labels.inner(h)) first.push_back(h / 3);
+  });
+  if (first.size() < 2 || first[0] == first[1]) return {kNone, kNone};
+  return {first[0], first[1]};
+}
+
+/// Cuts a piece that is no disc. What is new has the last labels.
+void cut(Cutter& cutter, std::int32_t piece, const Shape& shape, Job& job) {
+  if (shape.pinches > 0) {
+    bisect(cutter, piece, Cause::pinch, faces_at_pinch(cutter.labels, piece, shape.pinch_vertex));
+    return;
+  }
+  const std::size_t openings = shape.loops.size() + 2 * static_cast<std::size_t>(shape.genus);
+  if (openings > kManyOpenings && cut_by_direction(cutter, piece) > 0) return;
+  if (shape.genus == 0 && shape.loops.size() > 1 && cut_wall(cutter, piece, shape, job) > 0) return;
+  if (shape.genus == 0 && shape.loops.size() > kFewLoops && cut_holes(cutter, piece, shape, job) > 0) return;
+  if (shape.genus == 0 && shape.loops.size() > 1 && cut_chain(cutter, piece, shape) != kNone) return;
+  if (shape.genus > 0 && shape.genus <= kFewHandles && cut_handles(cutter, piece, shape, job) > 0) return;
+  bisect(cutter, piece, shape.genus > 0 ? Cause::handle : shape.loops.empty() ? Cause::closed : Cause::hole);
+}
+
+}  // namespace
+
+double openings_of(const Mesh& mesh) {
+  const MeshReport& r = mesh.report();
+  const double handles = (2.0 * r.components - r.border_loops - static_cast<double>(r.euler)) / 2;
+  return r.border_loops + std::max(0.0, handles);
+}
+
+bool is_perforated(const Cutter& cutter, std::int32_t regions, const Job& job) {
+  const double openings = openings_of(cutter.labels.mesh);
+  return openings > kOpeningsARegion * regions || (openings > kOfFlat * regions && has_flat_sides(cutter, job));
+}
+
+void part_walls(Cutter& cutter, const Job& job) {
+  // What a cut leaves may look in directions that were too few of the whole to be told.
+  for (std::int32_t l = 0; l < cutter.labels.piece_count(); ++l) {
+    job.poll();
+    while (cut_by_direction(cutter, l) > 0) {
+    }
+  }
+  cutter.labels.touched.clear();
+}
+
+void make_discs(Cutter& cutter, std::vector<std::int32_t> todo, std::map<std::int32_t, Disc>& found, Job& job) {
+  while (!todo.empty()) {
+    job.poll();
+    const std::int32_t piece = todo.back();
+    todo.pop_back();
+    std::vector<std::int32_t> faces = cutter.labels.faces_of(piece);
+    Shape shape = cutter.labels.shape(faces);
+    if (shape.defect() == 0) {
+      found[piece] = {std::move(faces), std::move(shape.loops[0])};
+      continue;
+    }
+    if (shape.pinches > 0) {
+      const std::vector<std::int32_t> changed = mend_pinch(cutter, piece, shape);
+      todo.insert(todo.end(), changed.begin(), changed.end());
+      if (!changed.empty()) continue;
+    }
+    const std::int32_t before = cutter.labels.piece_count();
+    cut(cutter, piece, shape, job);
+    todo.push_back(piece);
+    for (std::int32_t l = before; l < cutter.labels.piece_count(); ++l) todo.push_back(l);
+  }
+}
+
+namespace {
+
+/// The piece with the most faces, kNone if none has two.
+std::int32_t largest_of(Labels& labels, std::span<const std::int32_t> pieces) {
+  std::int32_t largest = kNone;
+  std::size_t most = 1;
+  for (const std::int32_t l : pieces) {
+    const std::size_t faces = labels.faces_of(l).size();
+    if (faces <= most) continue;
+    most = faces;
+    largest = l;
+  }
+  return largest;
+}
+
+}  // namespace
+
+void split_closed_components(Cutter& cutter, std::int32_t least, std::map<std::int32_t, Disc>& found, Job& job) {
+  Labels& labels = cutter.labels;
+  const Mesh& mesh = labels.mesh;
+  std::vector<bool> open(mesh.component_count(), false);
+  for (std::int32_t h = 0; h < 3 * mesh.face_count(); ++h)
+    if (mesh.opposite(h) == kNone) open[mesh.component()[h / 3]] = true;
+  std::vector<std::vector<std::int32_t>> of(mesh.component_count());
+  for (std::int32_t l = 0; l < labels.piece_count(); ++l) of[mesh.component()[labels.pieces[l].face]].push_back(l);
+  for (std::size_t c = 0; c < of.size(); ++c) {
+    while (!open[c] && !of[c].empty() && static_cast<std::int32_t>(of[c].size()) < least) {
+      const std::int32_t largest = largest_of(labels, of[c]);
+      if (largest == kNone) break;
+      const std::int32_t before = labels.piece_count();
+      const auto missing = least - static_cast<std::int32_t>(of[c].size());
+      split_evenly(cutter, largest, of[c].size() == 1 ? missing + 1 : 2, Cause::closed);
+      std::vector<std::int32_t> changed{largest};
+      for (std::int32_t l = before; l < labels.piece_count(); ++l) changed.push_back(l);
+      make_discs(cutter, changed, found, job);
+      for (std::int32_t l = before; l < labels.piece_count(); ++l) of[c].push_back(l);
+    }
+  }
+}
+
+}  // namespace isimp::meshing

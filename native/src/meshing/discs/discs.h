@@ -1,0 +1,153 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "discs/labels.h"
+#include "isimp/core/job.h"
+
+namespace isimp::meshing {
+
+/// Cosine of the angle to which a hole's wall may be one polygon with what is beside it.
+constexpr double kSameWay = 0.5;
+
+/// Shortest paths over vertices; the arrays are kept between searches.
+struct Search {
+  explicit Search(std::size_t n)
+      : distance(std::make_unique_for_overwrite<double[]>(n)),
+        via(std::make_unique_for_overwrite<std::int32_t[]>(n)),
+        reached(n) {}
+  /// Clears what was reached.
+  void start();
+  /// Reaches i over `from_via` if that is nearer than before.
+  /// \return whether it was
+  bool reach(std::int32_t i, double d, std::int32_t from_via);
+  /// The nearest one not yet taken, kNone if there is none.
+  std::int32_t take();
+
+  std::unique_ptr<double[]> distance;   ///< valid where reached
+  std::unique_ptr<std::int32_t[]> via;  ///< what each was reached over
+  Marks reached;
+
+ private:
+  struct Entry {
+    double distance;
+    std::int32_t index;
+    bool operator<(const Entry& other) const {  // std::push_heap puts the largest first; ties by index
+      return distance > other.distance || (distance == other.distance && index > other.index);
+    }
+  };
+  std::vector<Entry> queue_;
+};
+
+/// What the cuts share: labels, and arrays of the mesh's size that are made once.
+struct Cutter {
+  explicit Cutter(Labels& l);
+
+  Labels& labels;
+  bool perforated = false;  ///< whether the mesh has many more openings than regions
+  Search vertices;
+  std::unique_ptr<std::int32_t[]> face_place;   ///< valid for the faces of a piece that is cut: which of them each is
+  std::unique_ptr<std::int32_t[]> vertex_loop;  ///< valid where vertex_marks: boundary loop of the vertex
+  Marks vertex_marks, blocked, halfedge_marks, face_marks;
+};
+
+/// What of a piece a cut parts from the rest, both connected.
+struct Cut {
+  std::vector<std::int32_t> faces;  ///< none for a piece of a single face
+  std::int32_t stays = kNone;       ///< a face of the rest
+};
+
+/// Where a piece is cut in two halves, each face to the nearer of two faces over the surface: the given ones or, where
+/// there are none, two that are far apart.
+/// \param faces  all of the piece; threads may look at several pieces at a time
+Cut find_halves(const Cutter& cutter, std::span<const std::int32_t> faces,
+                std::array<std::int32_t, 2> seeds = {kNone, kNone});
+
+/// The same for the faces near a place and the rest.
+Cut find_part_near(const Cutter& cutter, std::span<const std::int32_t> faces, const Vec3& place);
+
+/// Parts a piece in two halves.
+/// \return the new label, kNone for a single face
+std::int32_t bisect(Cutter& cutter, std::int32_t piece, Cause cause,
+                    std::array<std::int32_t, 2> seeds = {kNone, kNone});
+
+/// Parts a piece in up to `parts` connected pieces of about the same size and round shape.
+/// \return how many labels are new, the last ones
+/// Source: farthest point seeds and rounds of Lloyd's method over the surface.
+std::int32_t split_evenly(Cutter& cutter, std::int32_t piece, std::int32_t parts, Cause cause);
+
+/// Hands one sector of faces at a vertex to the piece beside it, if that brings both pieces nearer to discs.
+/// \return the two pieces that changed, none if no hand-over helps
+std::vector<std::int32_t> hand_over_sector(Cutter& cutter, std::int32_t vertex);
+
+/// Cuts a piece of genus 0 with several boundary loops along one chain of paths: from the longest loop to a near one,
+/// on to the next, ..., and back. If the chain reaches all loops, both parts are discs.
+/// \return the new label, kNone if there is no such chain
+std::int32_t cut_chain(Cutter& cutter, std::int32_t piece, const Shape& shape);
+
+/// Parts a piece with many loops or handles by the directions its faces look in: the walls of holes from the plate that
+/// they go through. No polygon can stand for both, and cuts from hole to hole would not part them.
+/// \return how many labels are new, the last ones; 0 if the faces look in one direction or in too many
+/// Cost: O(n) for n faces of the piece.
+std::int32_t cut_by_direction(Cutter& cutter, std::int32_t piece);
+
+/// How many borders and handles a mesh has.
+double openings_of(const Mesh& mesh);
+
+/// Whether the faces of each piece are sides that are planes, as those of a plate that was drawn.
+/// Cost: O(F).
+bool has_flat_sides(const Cutter& cutter, const Job& job);
+
+/// Whether a mesh has so many more openings than regions that most of its polygons will be what is round them.
+/// Cost: O(1), or O(F) if the pieces are looked at.
+bool is_perforated(const Cutter& cutter, std::int32_t regions, const Job& job);
+
+/// Parts all pieces in the same way, also those that are discs.
+/// Cost: O(F).
+void part_walls(Cutter& cutter, const Job& job);
+
+/// Cuts a piece of genus 0 with many boundary loops along chains of paths from loop to loop, each as straight as can
+/// be, so that holes in rows are parted by rows. All paths come from one forest of shortest paths.
+/// \return how many labels are new, the last ones; 0 if there is no such chain. Pieces may have holes left.
+/// Cost: O(n log n) for n faces of the piece.
+std::int32_t cut_holes(Cutter& cutter, std::int32_t piece, const Shape& shape, Job& job);
+
+/// Cuts a flat piece of genus 0 with holes along its main directions, which are those of the longest edges of its
+/// boundary: from the outline over its holes, or where they are many over those of one row, and back to the outline.
+/// \return how many labels are new, the last ones; 0 for a piece that is bent, has no main directions or has no such
+///         cuts. Pieces may have holes left.
+/// Cost: O(n log n) for n faces of the piece, and O(corners of the holes * edges of its boundary).
+std::int32_t cut_wall(Cutter& cutter, std::int32_t piece, const Shape& shape, const Job& job);
+
+/// Parts some connected faces along the half-edges in `halfedge_marks`; each part but the one with the first face gets a
+/// label.
+/// \return how many labels are new, the last ones
+/// Cost: O(faces).
+std::int32_t part_along_marks(Cutter& cutter, std::span<const std::int32_t> faces);
+
+/// Parts the faces along short loops round handles from the rest, so that genus falls with each. The loops are found
+/// once; those that an earlier one crosses are left to another call.
+/// Source: Erickson, Whittlesey 2005 (tree and cotree); each boundary loop counts as one face.
+/// \return how many labels are new, the last ones; 0 if none of the loops will do
+/// Cost: O(n log n) for n faces of the piece, and O(n) a loop.
+std::int32_t cut_handles(Cutter& cutter, std::int32_t piece, const Shape& shape, Job& job);
+
+/// A piece that is a disc: its faces as they are flooded, and its boundary from the first of them with one on.
+struct Disc {
+  std::vector<std::int32_t> faces, loop;
+};
+
+/// Splits or changes pieces until each of `todo`, and what comes of it, is a disc.
+/// \param found  gets these, by piece
+void make_discs(Cutter& cutter, std::vector<std::int32_t> todo, std::map<std::int32_t, Disc>& found, Job& job);
+
+/// Splits the pieces of closed components until each has `least` (or one a face).
+/// \param found  gets the discs that they become, by piece
+void split_closed_components(Cutter& cutter, std::int32_t least, std::map<std::int32_t, Disc>& found, Job& job);
+
+}  // namespace isimp::meshing

@@ -1,0 +1,398 @@
+#include "discs/labels.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <unordered_set>
+#include <utility>
+
+#include "isimp/core/check.h"
+#include "isimp/core/errors.h"
+#include "isimp/core/prefetch.h"
+
+namespace isimp::meshing {
+namespace {
+
+constexpr std::int32_t kStride = 1 << 13;  ///< faces or vertices from one poll to the next
+constexpr std::int32_t kAhead = 12;        ///< of the face that is looked at, what is beside another is fetched
+
+/// Whether faces of one label can be reached from each other by way of each other. Uses no marks, which callers may.
+[[maybe_unused]] bool hang_together(const Labels& labels, std::span<const std::int32_t> faces) {
+  std::unordered_set<std::int32_t> left(faces.begin(), faces.end());
+  std::vector<std::int32_t> stack{faces.front()};
+  left.erase(faces.front());
+  while (!stack.empty()) {
+    const std::int32_t f = stack.back();
+    stack.pop_back();
+    for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
+      if (labels.inner(h) && left.erase(labels.mesh.opposite(h) / 3) > 0) stack.push_back(labels.mesh.opposite(h) / 3);
+  }
+  return left.empty();
+}
+
+/// Whether every piece that is there has a face with its label.
+[[maybe_unused]] bool have_faces(const Labels& labels) {
+  for (std::int32_t l = 0; l < labels.piece_count(); ++l)
+    if (const std::int32_t f = labels.pieces[l].face; f != kNone && labels.label[f] != l) return false;
+  return true;
+}
+
+}  // namespace
+
+std::int32_t Shape::defect() const {
+  const auto loop_count = static_cast<std::int32_t>(loops.size());
+  return (parts - 1) * 1000 + std::abs(loop_count - 1) + 2 * genus + pinches;
+}
+
+std::int32_t Shape::longest_loop(const Mesh& mesh) const {
+  std::int32_t longest = 0;
+  double most = -1;
+  for (std::size_t i = 0; i < loops.size(); ++i) {
+    double length = 0;
+    for (const std::int32_t h : loops[i])
+      length += (mesh.vertices()[mesh.to(h)] - mesh.vertices()[mesh.from(h)]).norm();
+    if (length <= most) continue;
+    most = length;
+    longest = static_cast<std::int32_t>(i);
+  }
+  return longest;
+}
+
+Labels::Labels(const Mesh& m)
+    : mesh(m),
+      label(static_cast<std::size_t>(m.face_count()), kNone),
+      face_marks(m.face_count()),
+      vertex_marks(m.vertex_count()),
+      halfedge_marks(3 * static_cast<std::size_t>(m.face_count())) {}
+
+std::vector<std::int32_t> Labels::faces_of(std::int32_t piece) const {
+  face_marks.clear();
+  return flood(piece);
+}
+
+std::vector<std::int32_t> Labels::flood(std::int32_t piece) const {
+  ISIMP_ASSERT(pieces[piece].face != kNone, "a piece that is flooded has a face");
+  ISIMP_ASSERT(label[pieces[piece].face] == piece, "the face of a piece has its label");
+  std::vector<std::int32_t> faces{pieces[piece].face};
+  face_marks.add(faces[0]);
+  for (std::size_t i = 0; i < faces.size(); ++i)
+    for (std::int32_t h = 3 * faces[i], end = h + 3; h < end; ++h)
+      if (inner(h) && face_marks.add(mesh.opposite(h) / 3)) faces.push_back(mesh.opposite(h) / 3);
+  walked.fetch_add(static_cast<std::int64_t>(faces.size()), std::memory_order_relaxed);
+  return faces;
+}
+
+std::vector<std::int32_t> Labels::loop_from(std::int32_t h) const {
+  ISIMP_ASSERT(!inner(h), "a loop begins on the boundary");
+  std::vector<std::int32_t> loop;
+  std::int32_t g = h;
+  do {
+    if (loop.size() == 3 * label.size()) throw Error("a boundary of polygons does not close; please report this mesh");
+    loop.push_back(g);
+    g = next_on_boundary(g);
+  } while (g != h);
+  return loop;
+}
+
+std::int32_t Labels::part(std::span<const std::int32_t> faces, std::int32_t stays, Cause cause) {
+  ISIMP_ASSERT(!faces.empty(), "what goes is not empty");
+  const std::int32_t from = label[faces[0]], to = piece_count();
+  ISIMP_ASSERT(std::all_of(faces.begin(), faces.end(), [&](std::int32_t f) { return label[f] == from; }),
+               "what goes is of one piece");
+  for (const std::int32_t f : faces) label.set(f, to);
+  ISIMP_ASSERT(label[stays] == from, "what stays is not empty");
+  ISIMP_ASSERT(cause == Cause::handle || hang_together(*this, faces), "what goes is connected");
+  pieces.edit(from).face = stays;
+  pieces.push_back({faces[0], pieces[from].region, cause});
+  touched.insert(touched.end(), {from, to});
+  return to;
+}
+
+Shape Labels::shape(std::span<const std::int32_t> faces, bool check_parts) const {
+  Shape s;
+  vertex_marks.clear();
+  halfedge_marks.clear();
+  std::int64_t boundary = 0, inside = 0;
+  for (const std::int32_t f : faces)
+    for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h) {
+      if (inner(h) || halfedge_marks.has(h)) continue;
+      auto& loop = s.loops.emplace_back();
+      for (std::int32_t g = h; halfedge_marks.add(g); g = next_on_boundary(g)) {
+        loop.push_back(g);
+        if (vertex_marks.add(mesh.from(g))) continue;
+        ++s.pinches;
+        s.pinch_vertex = mesh.from(g);
+      }
+      boundary += static_cast<std::int64_t>(loop.size());
+    }
+  for (const std::int32_t f : faces)
+    for (const std::int32_t v : mesh.triangles()[f]) inside += vertex_marks.add(v);
+  if (check_parts) {
+    s.parts = 0;
+    face_marks.clear();
+    std::vector<std::int32_t> stack;
+    for (const std::int32_t start : faces) {
+      if (!face_marks.add(start)) continue;
+      ++s.parts;
+      stack.push_back(start);
+      while (!stack.empty()) {
+        const std::int32_t f = stack.back();
+        stack.pop_back();
+        for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
+          if (inner(h) && face_marks.add(mesh.opposite(h) / 3)) stack.push_back(mesh.opposite(h) / 3);
+      }
+    }
+  }
+  // A pinch counts as two vertices, so 2 chi = 2 V - 2 E + 2 F with V = inside + boundary, 2 E = 3 F + boundary.
+  const std::int64_t chi = (2 * inside + boundary - static_cast<std::int64_t>(faces.size())) / 2;
+  s.genus = static_cast<std::int32_t>((2 * s.parts - static_cast<std::int64_t>(s.loops.size()) - chi) / 2);
+  return s;
+}
+
+namespace {
+
+/// A face while pieces are looked for: of each piece the faces hang on lower ones, down to its lowest.
+struct Hung {
+  std::int32_t region, on;
+};
+
+std::int32_t lowest(std::vector<Hung>& faces, std::int32_t f) {
+  while (faces[f].on != f) f = faces[f].on = faces[faces[f].on].on;
+  return f;
+}
+
+/// Notes whether half-edge h, with a lower face g across it, is a boundary; where it is not, the two faces hang
+/// together.
+/// \param root  the lowest known of those that the face of h hangs on
+void join(std::int32_t h, std::int32_t o, std::int32_t& root, std::vector<Hung>& faces, Bits& between) {
+  const std::int32_t f = h / 3, g = o / 3;
+  if (faces[g].region != faces[f].region) {
+    between.add(h);
+    between.add(o);
+  } else if (faces[g].on != root) {
+    const std::int32_t other = lowest(faces, g);
+    faces[std::max(root, other)].on = std::min(root, other);
+    root = std::min(root, other);
+  }
+}
+
+/// Hangs faces first ... last - 1 on each other.
+/// \return the half-edges with a face before the first one across
+std::vector<std::int32_t> hang(const Mesh& mesh, std::span<const std::int32_t> face_region, std::int32_t first,
+                               std::int32_t last, std::vector<Hung>& faces, Bits& between, const Job& job) {
+  std::vector<std::int32_t> outside;
+  for (std::int32_t f = first; f < last; ++f) {
+    if (f % kStride == 0) job.poll();
+    if (f + kAhead < last)
+      for (std::int32_t h = 3 * (f + kAhead), end = h + 3; h < end; ++h)
+        if (mesh.opposite(h) < h) prefetch(&faces[std::max(mesh.opposite(h), 0) / 3]);
+    faces[f] = {face_region[f], f};
+    if (face_region[f] == kNone) continue;
+    std::int32_t root = f;
+    for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h) {
+      const std::int32_t o = mesh.opposite(h), g = o / 3;
+      if (o == kNone) {
+        between.add(h);
+      } else if (g < first) {
+        outside.push_back(h);
+      } else if (g < f) {
+        join(h, o, root, faces, between);
+      }
+    }
+    faces[f].on = root;
+  }
+  return outside;
+}
+
+}  // namespace
+
+Bits label_pieces(Labels& labels, std::span<const std::int32_t> face_region, const Threads& threads, const Job& job) {
+  const Mesh& mesh = labels.mesh;
+  const std::int32_t count = mesh.face_count();
+  Bits between(3 * static_cast<std::size_t>(count));
+  std::vector<Hung> faces(count);
+  // Parts of the faces whose half-edges begin with a word of the bits.
+  constexpr std::int32_t kAligned = 64;
+  const std::int32_t parts = threads.pieces(count);
+  std::vector<std::vector<std::int32_t>> outside(parts);
+  threads.run(count / kAligned + 1, parts, [&](std::int32_t part, std::int32_t begin, std::int32_t end) {
+    outside[part] = hang(mesh, face_region, kAligned * begin, std::min(kAligned * end, count), faces, between, job);
+  });
+  for (const std::vector<std::int32_t>& some : outside)
+    for (const std::int32_t h : some) {
+      std::int32_t root = lowest(faces, h / 3);
+      join(h, mesh.opposite(h), root, faces, between);
+    }
+  std::vector<bool> seen;
+  for (std::int32_t f = 0; f < count; ++f) {
+    const auto [region, on] = faces[f];
+    if (region == kNone) continue;
+    if (on != f) {
+      labels.label.set(f, labels.label[on]);
+      continue;
+    }
+    labels.label.set(f, labels.piece_count());
+    if (seen.size() <= static_cast<std::size_t>(region)) seen.resize(region + 1, false);
+    labels.pieces.push_back({f, region, seen[region] ? Cause::unconnected : Cause::region});
+    seen[region] = true;
+  }
+  ISIMP_ASSERT(have_faces(labels), "every piece has a face with its label");
+  return between;
+}
+
+Outlines trace_outlines(const Labels& labels, const Bits& boundary, const Job& job) {
+  const Mesh& mesh = labels.mesh;
+  std::vector<std::int32_t> walked, loop_start;
+  Bits left = boundary;
+  for (std::int64_t first = left.next(0); first >= 0; first = left.next(first)) {
+    job.poll();
+    loop_start.push_back(static_cast<std::int32_t>(walked.size()));
+    for (auto h = static_cast<std::int32_t>(first); left.has(h);) {
+      left.remove(h);
+      walked.push_back(h);
+      h = Mesh::next(h);
+      while (!boundary.has(h)) h = Mesh::next(mesh.opposite(h));
+    }
+  }
+  loop_start.push_back(static_cast<std::int32_t>(walked.size()));
+  // The same by piece.
+  Outlines o{std::vector<std::int32_t>(walked.size()), {}, {}};
+  o.start.assign(labels.pieces.size() + 1, 0);
+  o.loops.assign(labels.pieces.size(), 0);
+  const auto piece = [&](std::size_t loop) { return labels.label[walked[loop_start[loop]] / 3]; };
+  for (std::size_t i = 0; i + 1 < loop_start.size(); ++i) {
+    ++o.loops[piece(i)];
+    o.start[piece(i) + 1] += loop_start[i + 1] - loop_start[i];
+  }
+  std::partial_sum(o.start.begin(), o.start.end(), o.start.begin());
+  std::vector<std::int32_t> fill(o.start.begin(), o.start.end() - 1);
+  for (std::size_t i = 0; i + 1 < loop_start.size(); ++i) {
+    std::copy(walked.begin() + loop_start[i], walked.begin() + loop_start[i + 1], o.halfedges.begin() + fill[piece(i)]);
+    fill[piece(i)] += loop_start[i + 1] - loop_start[i];
+  }
+  return o;
+}
+
+std::vector<std::int32_t> find_defects(Labels& labels, const Outlines& outlines, const Threads& threads,
+                                       const Job& job) {
+  const Mesh& mesh = labels.mesh;
+  labels.vertex_marks.clear();
+  for (const std::int32_t h : outlines.halfedges) labels.vertex_marks.add(mesh.from(h));
+  // 2 V_inside - F of each piece, by part of the mesh; one part where pieces are so many that adding up takes longer.
+  const bool is_fine = labels.piece_count() > mesh.face_count() / 16;
+  const std::int32_t parts = is_fine ? 1 : threads.pieces(mesh.face_count());
+  std::vector<std::vector<std::int32_t>> inside(parts, std::vector<std::int32_t>(labels.pieces.size(), 0));
+  threads.run(mesh.face_count(), parts, [&](std::int32_t part, std::int32_t begin, std::int32_t end) {
+    for (std::int32_t f = begin; f < end; ++f)
+      if (const std::int32_t l = labels.label[f]; l != kNone) --inside[part][l];
+  });
+  threads.run(mesh.vertex_count(), parts, [&](std::int32_t part, std::int32_t begin, std::int32_t end) {
+    for (std::int32_t v = begin; v < end; ++v) {
+      if (v % kStride == 0) job.poll();
+      const std::int32_t h = mesh.vertex_halfedge()[v];
+      if (h == kNone || labels.label[h / 3] == kNone || labels.vertex_marks.has(v)) continue;
+      inside[part][labels.label[h / 3]] += 2;
+    }
+  });
+  std::vector<std::int32_t> defects;
+  for (std::int32_t l = 0; l < labels.piece_count(); ++l) {
+    const auto outline = outlines.of(l);
+    bool pinched = false;
+    labels.vertex_marks.clear();
+    for (const std::int32_t h : outline) pinched = !labels.vertex_marks.add(mesh.from(h)) || pinched;
+    std::int64_t chi2 = static_cast<std::int64_t>(outline.size());
+    for (const std::vector<std::int32_t>& some : inside) chi2 += some[l];
+    const std::int64_t chi = chi2 / 2;
+    if (outlines.loops[l] != 1 || chi != 1 || pinched) defects.push_back(l);
+  }
+  return defects;
+}
+
+namespace {
+
+/// The piece with an area along most of whose boundary a piece lies, kNone if none touches it.
+std::int32_t neighbour_with_area(const Labels& labels, std::int32_t piece, const std::vector<bool>& thin) {
+  const Mesh& mesh = labels.mesh;
+  std::map<std::int32_t, double> length;
+  for (const std::int32_t f : labels.faces_of(piece))
+    for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h)
+      if (const std::int32_t l = labels.across(h); l != kNone && l != piece && !thin[l])
+        length[l] += (mesh.vertices()[mesh.to(h)] - mesh.vertices()[mesh.from(h)]).norm();
+  std::int32_t best = kNone;
+  double longest = -1;
+  for (const auto& [l, x] : length)
+    if (x > longest) {
+      longest = x;
+      best = l;
+    }
+  return best;
+}
+
+/// Half the diagonal of a piece's bounding box.
+double extent_of(const Labels& labels, std::int32_t piece) {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::max()), high = -low;
+  for (const std::int32_t f : labels.faces_of(piece))
+    for (const std::int32_t v : labels.mesh.triangles()[f]) {
+      low = low.cwiseMin(labels.mesh.vertices()[v]);
+      high = high.cwiseMax(labels.mesh.vertices()[v]);
+    }
+  return (high - low).norm() / 2;
+}
+
+}  // namespace
+
+void drop_gone(Labels& labels) {
+  std::vector<std::int32_t> moved(labels.pieces.size());
+  std::int32_t next = 0;
+  for (std::size_t l = 0; l < moved.size(); ++l) moved[l] = labels.pieces[l].face == kNone ? kNone : next++;
+  for (std::size_t f = 0; f < labels.label.size(); ++f)
+    if (const std::int32_t l = labels.label[f]; l != kNone) labels.label.set(f, moved[l]);
+  std::vector<Piece> pieces = labels.pieces;
+  std::erase_if(pieces, [](const Piece& p) { return p.face == kNone; });
+  labels.pieces.assign(std::move(pieces));
+  ISIMP_ASSERT(have_faces(labels), "the labels that are left move down with their pieces");
+}
+
+Bits boundary_of(const Labels& labels) {
+  Bits boundary(3 * labels.label.size());
+  for (std::int32_t h = 0; h < 3 * labels.mesh.face_count(); ++h)
+    if (labels.label[h / 3] != kNone && !labels.inner(h)) boundary.add(h);
+  return boundary;
+}
+
+std::int32_t merge_pieces_without_area(Labels& labels, double thickness, Bits& boundary) {
+  const Mesh& mesh = labels.mesh;
+  std::vector<double> area(labels.pieces.size(), 0);  // at least as far as it takes to see that there is one
+  for (std::int32_t f = 0; f < mesh.face_count(); ++f)
+    if (const std::int32_t l = labels.label[f]; l != kNone && area[l] <= thickness * mesh.diagonal())
+      area[l] += mesh.graph().area * mesh.graph().faces[mesh.graph().graph_face[f]].area;
+  std::vector<std::int32_t> empty;
+  std::vector<bool> thin(labels.pieces.size(), false);
+  for (std::int32_t l = 0; l < labels.piece_count(); ++l) {
+    if (area[l] > thickness * mesh.diagonal()) continue;
+    thin[l] = area[l] <= thickness * extent_of(labels, l);
+    if (thin[l]) empty.push_back(l);
+  }
+  std::int32_t gone = 0;
+  for (bool any = true; any;) {  // a piece among others without area has to wait until one of them has gone
+    any = false;
+    for (std::int32_t& l : empty) {
+      const std::int32_t to = l == kNone ? kNone : neighbour_with_area(labels, l, thin);
+      if (to == kNone) continue;
+      for (const std::int32_t f : labels.faces_of(l)) labels.label.set(f, to);
+      labels.pieces.edit(l).face = kNone;
+      l = kNone;
+      ++gone;
+      any = true;
+    }
+  }
+  if (gone == 0) return 0;
+  drop_gone(labels);
+  for (std::int64_t h = boundary.next(0); h >= 0; h = boundary.next(h + 1))
+    if (labels.inner(static_cast<std::int32_t>(h))) boundary.remove(static_cast<std::int32_t>(h));
+  return gone;
+}
+
+}  // namespace isimp::meshing

@@ -1,0 +1,158 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "discs/logged.h"
+#include "discs/marks.h"
+#include "isimp/core/job.h"
+#include "isimp/core/threads.h"
+#include "isimp/mesh/mesh.h"
+#include "isimp/meshing/moments.h"
+
+namespace isimp::meshing {
+
+/// Of the diagonal: about what float32 can tell apart. A thinner polygon has no area.
+constexpr double kThickness = 1e-6;
+
+/// Why a piece is there.
+enum class Cause : std::uint8_t { region, unconnected, pinch, hole, wall, handle, closed, repair };  ///< wall: of holes
+
+/// The counter of a report that a piece of this cause adds to; null for the first piece of a region.
+template <class Report>
+std::int32_t* counter_of(Report& report, Cause cause) {
+  switch (cause) {
+    case Cause::unconnected:
+      return &report.split_for_unconnected;
+    case Cause::pinch:
+      return &report.split_for_pinches;
+    case Cause::hole:
+    case Cause::wall:
+      return &report.split_for_holes;
+    case Cause::handle:
+      return &report.split_for_handles;
+    case Cause::closed:
+      return &report.split_for_closed;
+    case Cause::repair:
+      return &report.split_for_repair;
+    case Cause::region:
+      break;
+  }
+  return nullptr;
+}
+
+/// A connected set of faces that is to become one polygon.
+struct Piece {
+  std::int32_t face = kNone;    ///< one of its faces
+  std::int32_t region = kNone;  ///< the region of the partition it is a part of
+  Cause cause = Cause::region;  ///< why it was parted from the rest of its region
+};
+
+/// How far a piece is from being a disc.
+struct Shape {
+  std::vector<std::vector<std::int32_t>> loops;  ///< boundary half-edges in order, the piece on their left
+  std::int32_t parts = 1;                        ///< connected components
+  std::int32_t genus = 0;
+  std::int32_t pinches = 0;                   ///< visits of a boundary vertex beyond its first
+  std::int32_t pinch_vertex = kNone;          ///< one that is visited more than once
+  [[nodiscard]] std::int32_t defect() const;  ///< 0 for a disc
+  /// Which loop is taken for the outer one: the first of the longest.
+  [[nodiscard]] std::int32_t longest_loop(const Mesh& mesh) const;
+};
+
+/// The mesh's faces under labels; label l is a connected piece. Every step of meshing up to the corners is a change of
+/// labels, so what comes out is homeomorphic to the mesh whatever the steps do.
+struct Labels {
+  explicit Labels(const Mesh& m);
+
+  const Mesh& mesh;
+  Logged<std::int32_t> label;               ///< (F) kNone where a part was left out
+  Logged<Piece> pieces;                     ///< by label
+  std::span<const SurfaceMoments> moments;  ///< (F) of what each face stands for; empty: of the faces themselves
+  std::vector<std::int32_t> touched;  ///< pieces that were cut or took or gave faces, for whoever keeps up with them
+  mutable Marks face_marks, vertex_marks, halfedge_marks;  // of whoever looks at pieces
+  mutable std::atomic<std::int64_t> walked{0};             ///< faces that floods have come to so far
+
+  /// Whether h has the same piece on both sides.
+  [[nodiscard]] bool inner(std::int32_t h) const {
+    const std::int32_t o = mesh.opposite(h);
+    return o != kNone && label[o / 3] == label[h / 3];
+  }
+  /// The label across h, kNone on the border.
+  [[nodiscard]] std::int32_t across(std::int32_t h) const {
+    const std::int32_t o = mesh.opposite(h);
+    return o == kNone ? kNone : label[o / 3];
+  }
+  /// Whether h stands for its boundary edge: of the two sides one does, always the same.
+  [[nodiscard]] bool owns(std::int32_t h) const { return across(h) < label[h / 3]; }
+  /// The boundary half-edge after boundary half-edge h, turning inside the piece, so that a vertex where the piece
+  /// touches itself is passed as two.
+  [[nodiscard]] std::int32_t next_on_boundary(std::int32_t h) const {
+    std::int32_t g = Mesh::next(h);
+    while (inner(g)) g = Mesh::next(mesh.opposite(g));
+    return g;
+  }
+  /// Whether a piece is a single face.
+  [[nodiscard]] bool is_face(std::int32_t piece) const {
+    const std::int32_t f = pieces[piece].face;
+    return f != kNone && !inner(3 * f) && !inner(3 * f + 1) && !inner(3 * f + 2);
+  }
+  /// The boundary loop of half-edge h, from there on.
+  [[nodiscard]] std::vector<std::int32_t> loop_from(std::int32_t h) const;
+  [[nodiscard]] std::int32_t piece_count() const { return static_cast<std::int32_t>(pieces.size()); }
+
+  /// The faces of a piece, by flooding from one of them. Clears and uses face_marks.
+  [[nodiscard]] std::vector<std::int32_t> faces_of(std::int32_t piece) const;
+  /// The same where no mark of face_marks is on the piece, so that threads may do several at a time.
+  [[nodiscard]] std::vector<std::int32_t> flood(std::int32_t piece) const;
+  /// Gives `faces` a new label. What goes (but for a strip round a handle) and what stays are connected and not empty.
+  /// \param stays  a face that keeps its label
+  std::int32_t part(std::span<const std::int32_t> faces, std::int32_t stays, Cause cause);
+  /// Topology of a piece from its faces; whether they are connected is looked at only if `check_parts`.
+  [[nodiscard]] Shape shape(std::span<const std::int32_t> faces, bool check_parts = false) const;
+};
+
+/// Labels the faces: one label for each connected piece of a region.
+/// \param face_region  (F) in [-1, R)
+/// \return the boundary half-edges
+/// Cost: about O(F).
+Bits label_pieces(Labels& labels, std::span<const std::int32_t> face_region, const Threads& threads, const Job& job);
+
+/// Takes out pieces without a face. The labels that are left move down.
+/// Cost: O(F).
+void drop_gone(Labels& labels);
+
+/// The boundary half-edges of all pieces.
+/// Cost: O(F).
+Bits boundary_of(const Labels& labels);
+
+/// Gives pieces without any area, or thinner than `thickness` (scene units), to the neighbour with the longest
+/// boundary, since no polygon can stand for them; a part of the mesh that has no other pieces keeps them. The labels
+/// that are left over move down.
+/// \param boundary  loses the half-edges that are so no more
+/// \return how many went
+/// Cost: O(F).
+std::int32_t merge_pieces_without_area(Labels& labels, double thickness, Bits& boundary);
+
+/// The boundary half-edges by piece: those of piece l are halfedges[start[l]] ... halfedges[start[l + 1] - 1], one loop
+/// after the other in order, the first one from the lowest half-edge.
+struct Outlines {
+  std::vector<std::int32_t> halfedges, start;
+  std::vector<std::int32_t> loops;  ///< how many of each piece
+  [[nodiscard]] std::span<const std::int32_t> of(std::int32_t piece) const {
+    return std::span(halfedges).subspan(start[piece], start[piece + 1] - start[piece]);
+  }
+};
+
+/// \param boundary  all boundary half-edges
+/// Cost: O(these).
+Outlines trace_outlines(const Labels& labels, const Bits& boundary, const Job& job);
+
+/// The labels of pieces that are not discs, in rising order.
+/// Cost: O(F).
+std::vector<std::int32_t> find_defects(Labels& labels, const Outlines& outlines, const Threads& threads,
+                                       const Job& job);
+
+}  // namespace isimp::meshing

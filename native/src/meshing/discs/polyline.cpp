@@ -1,0 +1,120 @@
+#include "discs/polyline.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace isimp::meshing {
+namespace {
+
+double squared_distance(const Vec3& p, const Vec3& a, const Vec3& b) {
+  const Vec3 d = b - a;
+  const double l = d.squaredNorm();
+  const double t = l > 0 ? std::clamp((p - a).dot(d) / l, 0.0, 1.0) : 0.0;
+  return (p - a - t * d).squaredNorm();
+}
+
+void split(std::span<const Vec3> line, std::size_t offset, double reach, bool always, std::vector<std::size_t>& kept) {
+  if (line.size() < 3) return;
+  const auto [distance, where] = farthest(line);
+  if (distance <= reach && !always) return;
+  split(line.first(where + 1), offset, reach, false, kept);
+  kept.push_back(offset + where);
+  split(line.subspan(where), offset + where, reach, false, kept);
+}
+
+/// Sum of the squared distances of points first ... last from the segment between these two.
+double misfit(std::span<const Vec3> line, std::size_t first, std::size_t last) {
+  double sum = 0;
+  for (std::size_t i = first + 1; i < last; ++i) sum += squared_distance(line[i], line[first], line[last]);
+  return sum;
+}
+
+bool fits(std::span<const Vec3> line, std::size_t first, std::size_t last, double reach) {
+  for (std::size_t i = first + 1; i < last; ++i)
+    if (squared_distance(line[i], line[first], line[last]) > reach * reach) return false;
+  return true;
+}
+
+void drop_needless(std::span<const Vec3> line, double reach, std::vector<std::size_t>& kept) {
+  std::size_t before = 0, out = 0;
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    const std::size_t after = i + 1 < kept.size() ? kept[i + 1] : line.size() - 1;
+    if (fits(line, before, after, reach)) continue;
+    before = kept[out++] = kept[i];
+  }
+  kept.resize(out);
+}
+
+/// Moves each kept point to where the two chords that meet there fit best, while both stay within reach.
+void slide(std::span<const Vec3> line, double reach, std::vector<std::size_t>& kept) {
+  constexpr std::size_t kFar = 8;  // points looked at on each side
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    const std::size_t before = i > 0 ? kept[i - 1] : 0, after = i + 1 < kept.size() ? kept[i + 1] : line.size() - 1;
+    const std::size_t low = std::max(before + 1, kept[i] > kFar ? kept[i] - kFar : 0),
+                      high = std::min(after - 1, kept[i] + kFar);
+    double least = misfit(line, before, kept[i]) + misfit(line, kept[i], after);
+    const std::size_t old = kept[i];
+    for (std::size_t k = low; k <= high; ++k) {
+      if (k == old) continue;
+      const double m = misfit(line, before, k) + misfit(line, k, after);
+      if (m >= least * (1 - 1e-9) || !fits(line, before, k, reach) || !fits(line, k, after, reach)) continue;
+      least = m;
+      kept[i] = k;
+    }
+  }
+}
+
+}  // namespace
+
+Farthest farthest(std::span<const Vec3> line) {
+  const Vec3 &a = line.front(), &b = line.back();
+  double most = -1;
+  for (std::size_t i = 1; i + 1 < line.size(); ++i) most = std::max(most, squared_distance(line[i], a, b));
+  if (most < 0) return {-1, 0};
+  std::size_t where = line.size() / 2;
+  double size = 0;
+  for (const Vec3& p : line) size = std::max(size, (p - a).squaredNorm());
+  if (most <= 1e-18 * size) return {std::sqrt(most), where};
+  double longest = -1;
+  for (std::size_t i = 1; i + 1 < line.size(); ++i) {
+    if (squared_distance(line[i], a, b) < 0.96 * most) continue;
+    const double way = (line[i] - a).norm() + (line[i] - b).norm();
+    if (way <= longest * (1 + 1e-12)) continue;
+    longest = way;
+    where = i;
+  }
+  return {std::sqrt(most), where};
+}
+
+void take_out_zigzag(std::span<Vec3> line) {
+  const std::size_t n = line.size();
+  const auto turn_at = [&](std::size_t i) -> Vec3 { return line[i - 1] - 2 * line[i] + line[i + 1]; };
+  if (n < 4) return;
+  Vec3 before = Vec3::Zero(), turn = turn_at(1);
+  for (std::size_t i = 1; i + 1 < n; ++i) {
+    const Vec3 after = i + 2 < n ? turn_at(i + 1) : Vec3(Vec3::Zero());
+    // How much the neighbours turn the other way.
+    const double against = std::max({0.0, -before.dot(turn), -after.dot(turn)});
+    if (against > 0) line[i] += turn / 4 * std::min(1.0, against / turn.squaredNorm());
+    before = turn;
+    turn = after;
+  }
+}
+
+Vec3 area_left_out(std::span<const Vec3> line) {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = 1; i + 1 < line.size(); ++i) sum += (line[i] - line[0]).cross(line[i + 1] - line[0]);
+  return sum / 2;
+}
+
+std::vector<std::size_t> simplify(std::span<const Vec3> line, double reach) {
+  std::vector<std::size_t> kept;
+  const bool closed = line.front() == line.back();
+  split(line, 0, reach, closed, kept);
+  if (!closed) drop_needless(line, reach, kept);
+  slide(line, reach, kept);
+  return kept;
+}
+
+}  // namespace isimp::meshing

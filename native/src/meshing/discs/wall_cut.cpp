@@ -1,0 +1,236 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "discs/wall_links.h"
+#include "isimp/core/sorted.h"
+
+namespace isimp::meshing {
+namespace {
+
+constexpr std::int32_t kTogether = 8;   ///< holes that one chain goes to in the best order; of more, those of one row
+constexpr std::size_t kMostLoops = 64;  ///< of more, cuts take too long to choose
+constexpr double kThrough = 0.1;        ///< what the way across a hole costs beside a cut of that length
+constexpr double kLeftOut = 0.3;        ///< of sqrt(area): what a hole costs that the chain does not go to
+constexpr double kOverlap = 0.5;        ///< of the smaller of two holes: those of a row face each other by so much
+constexpr double kWide = 0.2;           ///< of its length: how far a path may leave its straight cut ...
+constexpr double kEdges = 3;            ///< ... and at least so many edges of the mesh
+constexpr double kOff = 3;              ///< what a path costs more that is off it, times how far
+constexpr int kTries = 4;               ///< chains that are tried, each without the cuts that the mesh has no path for
+
+/// A chain of cuts from the outline over holes back to it, as the two ends of each.
+using Chain = std::vector<std::array<LoopPlace, 2>>;
+
+/// The cheapest chain over some holes, without those that would cost more than another chain.
+class Chains {
+ public:
+  explicit Chains(const Wall& wall) : wall_(wall) {
+    for (std::int32_t i = 0; i < wall.holes(); ++i) {
+      auto& out = out_.emplace_back();
+      for (const LoopPlace& p : wall.corners(i)) out.push_back(wall.way_out(p));
+    }
+  }
+
+  /// Has a cut that can't be made left out.
+  void forbid(const std::array<LoopPlace, 2>& cut) {
+    forbidden_.insert({cut[0].vertex, cut[1].vertex});
+    forbidden_.insert({cut[1].vertex, cut[0].vertex});
+  }
+
+  /// In whatever order is cheapest: all orders of subsets are looked at.
+  [[nodiscard]] Chain over_all(std::span<const std::int32_t> holes) { return search(holes, false); }
+  /// In the given order.
+  [[nodiscard]] Chain in_order(std::span<const std::int32_t> holes) { return search(holes, true); }
+
+ private:
+  struct State {
+    double price = std::numeric_limits<double>::infinity();
+    std::int32_t before = kNone;  ///< the state before, and the corner at which that hole is left
+    std::int32_t left_at = kNone;
+  };
+
+  [[nodiscard]] double out_price(std::int32_t hole, std::size_t corner) const {
+    const Wall::Way& way = out_[hole][corner];
+    const bool is_forbidden = forbidden_.contains({wall_.corners(hole)[corner].vertex, way.end.vertex});
+    return is_forbidden ? std::numeric_limits<double>::infinity() : way.price;
+  }
+
+  [[nodiscard]] double link_price(const LoopPlace& a, const LoopPlace& b) {
+    if (forbidden_.contains({a.vertex, b.vertex})) return std::numeric_limits<double>::infinity();
+    const auto key = std::pair(std::min(a.vertex, b.vertex), std::max(a.vertex, b.vertex));
+    const auto known = prices_.find(key);
+    if (known != prices_.end()) return known->second;
+    return prices_[key] = wall_.price(a, b);
+  }
+
+  /// Source: Held, Karp 1962, over the corners of the holes.
+  [[nodiscard]] Chain search(std::span<const std::int32_t> holes, bool in_order) {
+    const std::size_t n = holes.size(), most = Wall::kMostCorners;
+    const std::size_t sets = in_order ? n + 1 : std::size_t{1} << n;
+    const auto index = [&](std::size_t set, std::size_t i, std::size_t c) { return (set * n + i) * most + c; };
+    const auto with = [&](std::size_t set, std::size_t i) { return in_order ? set + 1 : set | std::size_t{1} << i; };
+    const auto may_follow = [&](std::size_t set, std::size_t i) { return in_order ? set == i : !(set >> i & 1); };
+    std::vector<State> states(sets * n * most);
+    const double left_out = kLeftOut * wall_.size();
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t c = 0; c < wall_.corners(holes[i]).size(); ++c)
+        states[index(with(in_order ? i : 0, i), i, c)].price =
+            out_price(holes[i], c) + left_out * static_cast<double>(n - 1);
+    State last;
+    for (std::size_t set = 1; set < sets; ++set)
+      for (std::size_t i = 0; i < n; ++i) {
+        const auto corners = wall_.corners(holes[i]);
+        for (std::size_t c = 0; c < corners.size(); ++c) {
+          const std::size_t at = index(set, i, c);
+          if (!std::isfinite(states[at].price)) continue;
+          for (std::size_t d = 0; d < corners.size(); ++d) {
+            if (d == c) continue;
+            const double so_far = states[at].price + kThrough * (corners[c].at - corners[d].at).norm();
+            const auto improve = [&](State& to, double price) {
+              if (price < to.price) to = {price, static_cast<std::int32_t>(at), static_cast<std::int32_t>(d)};
+            };
+            improve(last, so_far + out_price(holes[i], d));
+            for (std::size_t j = 0; j < n; ++j) {
+              if (!may_follow(set, j)) continue;
+              const auto next = wall_.corners(holes[j]);
+              for (std::size_t e = 0; e < next.size(); ++e)
+                improve(states[index(with(set, j), j, e)], so_far + link_price(corners[d], next[e]) - left_out);
+            }
+          }
+        }
+      }
+    return trace(holes, states, last);
+  }
+
+  [[nodiscard]] Chain trace(std::span<const std::int32_t> holes, const std::vector<State>& states, State last) const {
+    Chain chain;
+    if (!std::isfinite(last.price)) return chain;
+    LoopPlace to{kNone, Vec2::Zero()};
+    while (true) {
+      const std::size_t most = Wall::kMostCorners, n = holes.size();
+      const auto at = static_cast<std::size_t>(last.before);
+      const std::int32_t hole = holes[at / most % n];
+      const auto corners = wall_.corners(hole);
+      const auto left_at = static_cast<std::size_t>(last.left_at);
+      if (to.vertex == kNone) to = out_[hole][left_at].end;
+      chain.push_back({corners[left_at], to});
+      to = corners[at % most];
+      last = states[at];
+      if (last.before != kNone) continue;
+      chain.push_back({out_[hole][at % most].end, to});
+      return chain;
+    }
+  }
+
+  const Wall& wall_;
+  std::vector<std::vector<Wall::Way>> out_;                         // by hole and corner
+  std::set<std::pair<std::int32_t, std::int32_t>> forbidden_;       // pairs of vertices
+  std::map<std::pair<std::int32_t, std::int32_t>, double> prices_;  // of cuts that were asked for
+};
+
+/// The holes of the fullest row: those that face each other along one of the main directions, in order.
+std::vector<std::int32_t> fullest_row(const Wall& wall) {
+  std::vector<std::int32_t> best;
+  for (const int axis : {0, 1})
+    for (std::int32_t i = 0; i < wall.holes(); ++i) {
+      std::vector<std::int32_t> row;
+      for (std::int32_t j = 0; j < wall.holes(); ++j) {
+        const auto &a = wall.box(i), &b = wall.box(j);
+        const double both = std::min(a[1][1 - axis], b[1][1 - axis]) - std::max(a[0][1 - axis], b[0][1 - axis]);
+        const double smaller = std::min(a[1][1 - axis] - a[0][1 - axis], b[1][1 - axis] - b[0][1 - axis]);
+        if (both >= kOverlap * smaller) row.push_back(j);
+      }
+      std::stable_sort(row.begin(), row.end(),
+                       [&](auto a, auto b) { return wall.box(a)[0][axis] < wall.box(b)[0][axis]; });
+      if (row.size() > best.size()) best = std::move(row);
+    }
+  return best;
+}
+
+/// Paths of mesh edges for straight cuts, that touch no boundary and no other path.
+class Paths {
+ public:
+  Paths(Cutter& cutter, std::int32_t piece, const Shape& shape)
+      : cutter_(cutter), mesh_(cutter.labels.mesh), piece_(piece) {
+    cutter_.vertex_marks.clear();
+    for (const auto& loop : shape.loops)
+      for (const std::int32_t h : loop) cutter_.vertex_marks.add(mesh_.from(h));
+  }
+
+  void clear() {
+    cutter_.blocked.clear();
+    cutter_.halfedge_marks.clear();
+  }
+
+  /// Marks the half-edges of a path.
+  /// \return whether there is one
+  bool add(std::int32_t from, std::int32_t to) {
+    if (cutter_.blocked.has(from) || cutter_.blocked.has(to)) return false;
+    Search& search = cutter_.vertices;
+    const Vec3 &a = mesh_.vertices()[from], d = mesh_.vertices()[to] - a;
+    const double length = d.norm();
+    const auto off = [&](std::int32_t v) {
+      const Vec3 p = mesh_.vertices()[v] - a;
+      return (p - std::clamp(p.dot(d) / (length * length), 0.0, 1.0) * d).norm();
+    };
+    search.start();
+    search.reach(from, 0, kNone);
+    for (std::int32_t v = search.take(); v != kNone; v = search.take()) {
+      if (v == to) break;
+      for_each_leaving(mesh_, v, [&](std::int32_t h) {
+        const std::int32_t w = mesh_.to(h);
+        if (cutter_.labels.label[h / 3] != piece_ || !cutter_.labels.inner(h) || cutter_.blocked.has(w)) return;
+        if (w != to && cutter_.vertex_marks.has(w)) return;
+        const double edge = (mesh_.vertices()[w] - mesh_.vertices()[v]).norm(), away = off(w);
+        if (away > std::max(kWide * length, kEdges * edge)) return;
+        search.reach(w, search.distance[v] + edge + kOff * away, h);
+      });
+    }
+    if (!search.reached.has(to)) return false;
+    for (std::int32_t v = to;;) {
+      cutter_.blocked.add(v);
+      const std::int32_t h = search.via[v];
+      if (h == kNone) return true;
+      cutter_.halfedge_marks.add(h);
+      cutter_.halfedge_marks.add(mesh_.opposite(h));
+      v = mesh_.from(h);
+    }
+  }
+
+ private:
+  Cutter& cutter_;
+  const Mesh& mesh_;
+  const std::int32_t piece_;
+};
+
+}  // namespace
+
+std::int32_t cut_wall(Cutter& cutter, std::int32_t piece, const Shape& shape, const Job& job) {
+  if (cutter.perforated || shape.loops.size() > kMostLoops) return 0;
+  const std::vector<std::int32_t> faces = cutter.labels.faces_of(piece);
+  const std::optional<Wall> wall = Wall::find(cutter.labels, faces, shape);
+  if (!wall) return 0;
+  const bool few = wall->holes() <= kTogether;
+  const std::vector<std::int32_t> row = few ? numbers_below(wall->holes()) : fullest_row(*wall);
+  if (!few && row.size() < 2) return 0;
+  Chains chains(*wall);
+  Paths paths(cutter, piece, shape);
+  for (int go = 0; go < kTries; ++go) {
+    job.poll();
+    const Chain chain = few ? chains.over_all(row) : chains.in_order(row);
+    if (chain.empty()) return 0;
+    paths.clear();
+    const auto failed = std::find_if(chain.begin(), chain.end(),
+                                     [&](const auto& cut) { return !paths.add(cut[0].vertex, cut[1].vertex); });
+    if (failed == chain.end()) return part_along_marks(cutter, faces);
+    chains.forbid(*failed);
+  }
+  return 0;
+}
+
+}  // namespace isimp::meshing

@@ -1,0 +1,218 @@
+#include "judge/findings.h"
+
+#include <algorithm>
+#include <iterator>
+#include <numeric>
+#include <utility>
+
+#include "complex/outline.h"
+#include "isimp/core/check.h"
+#include "isimp/core/sorted.h"
+
+namespace isimp::meshing {
+
+namespace {
+constexpr std::int32_t kFew = 4;  ///< pieces that are judged on one thread
+}
+
+Findings::Source Findings::source_of(std::int32_t piece) const {
+  Source s{{}, {}, s_.planes[piece].normal, s_.labels.is_face(piece)};
+  s_.polygons.for_each_of(piece, [&](std::int32_t q) {
+    for (const std::int32_t c : s_.polygons.of(q)) {
+      s.loops.push_back(c);
+      s.places.push_back(s_.corners.position[c]);
+    }
+    s.loops.push_back(kNone);
+  });
+  return s;
+}
+
+bool Findings::is_source(const Source& s, std::int32_t piece) const {
+  auto loop = s.loops.begin();
+  auto place = s.places.begin();
+  const std::int32_t first = s_.polygons.first_of(piece);
+  for (std::int32_t q = first; q < first + s_.polygons.count_of(piece); ++q) {
+    for (const std::int32_t c : s_.polygons.of(q))
+      if (loop == s.loops.end() || *loop++ != c || *place++ != s_.corners.position[c]) return false;
+    if (loop == s.loops.end() || *loop++ != kNone) return false;
+  }
+  return loop == s.loops.end() && s.normal == s_.planes[piece].normal && s.is_face == s_.labels.is_face(piece);
+}
+
+bool Findings::is_given(std::int32_t piece) const {
+  std::vector<Vec3> corners;
+  for (const std::int32_t v : s_.mesh.triangles()[s_.labels.pieces[piece].face])
+    corners.push_back(s_.mesh.vertices()[v]);
+  return (judge_polygon(std::array{0, 1, 2}, corners, Vec3::Zero(), bounds_).faults & kNoArea) != 0;
+}
+
+PolygonVerdict Findings::judge_one(std::int32_t piece, std::int32_t part, std::span<const Vec3> beyond,
+                                   std::vector<Facet>* facets) const {
+  const auto polygon = s_.polygons.of(s_.polygons.first_of(piece) + part);
+  Bounds bounds = bounds_;
+  Vec3 normal = s_.planes[piece].normal;
+  if (!beyond.empty()) {
+    bounds.facing = kFacingApart;
+    const Vec3 area = vector_area(polygon, s_.corners.position), other = direction_on_scan(s_, piece, polygon, beyond);
+    if (area.dot(other) > area.dot(normal)) normal = other;
+  }
+  return judge_polygon(polygon, s_.corners.position, normal, bounds, {{}, piece, part}, facets);
+}
+
+PolygonVerdict Findings::verdict(std::int32_t piece, std::int32_t part) const {
+  return judge_one(piece, part, areas_beyond(piece), nullptr);
+}
+
+bool Findings::meet_now(std::int32_t a, std::int32_t b) const {
+  const FacetSet some = find(a, source_of(a)).facets;
+  return a == b ? facets_meet(some, some) : facets_meet(some, find(b, source_of(b)).facets);
+}
+
+std::vector<Vec3> Findings::areas_beyond(std::int32_t piece) const {
+  return apart_ && s_.polygons.count_of(piece) > 1 ? areas_beyond_chords(s_, piece) : std::vector<Vec3>{};
+}
+
+Findings::Found Findings::find(std::int32_t piece, Source source) const {
+  Found f{std::move(source), {}, {}};
+  const std::vector<Vec3> beyond = areas_beyond(piece);
+  for (std::int32_t part = 0; part < s_.polygons.count_of(piece); ++part)
+    f.polygons.push_back(judge_one(piece, part, beyond, &f.facets.facets));
+  f.facets.locate(s_.corners.position);
+  if (f.polygons.size() == 1 && f.polygons[0].faults == kNoArea && f.source.is_face && is_given(piece))
+    f.polygons[0].faults = kGiven;
+  const auto is_home = [&](std::int32_t c) {
+    return s_.corners.position[c] == s_.mesh.vertices()[s_.corners.vertex[c]];
+  };
+  const auto& loops = f.source.loops;  // three corners and what ends them
+  f.facets.given = f.source.is_face && loops.size() == 4 && std::all_of(loops.begin(), loops.begin() + 3, is_home);
+  return f;
+}
+
+void Findings::set(std::int32_t piece, Found found) {
+  ISIMP_ASSERT(found.polygons.size() == static_cast<std::size_t>(s_.polygons.count_of(piece)),
+               "every polygon of a piece has a verdict");
+  found_[piece] = std::move(found);
+  around_.set(piece, found_[piece].facets);
+  faults_[piece] = 0;
+  for (const PolygonVerdict& v : found_[piece].polygons) faults_[piece] |= v.faults & ~kGiven;
+}
+
+void Findings::judge(std::span<const std::int32_t> pieces) {
+  const std::size_t count = s_.labels.pieces.size();
+  ISIMP_ASSERT(found_.size() <= count, "pieces keep their numbers");
+  found_.resize(count);
+  kept_.resize(count);
+  faults_.resize(count, 0);
+  std::vector<bool> changed(count, false);
+  std::vector<Was> was(pieces.size(), Was::same);
+  std::vector<Found> fresh(pieces.size());
+  const auto n = static_cast<std::int32_t>(pieces.size());
+  s_.threads.blocks(n, kFew, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
+    job_.poll();
+    for (std::int32_t i = begin; i < end; ++i) {
+      const std::int32_t l = pieces[i];
+      if (is_source(found_[l].source, l)) continue;
+      was[i] = kept_[l] && is_source(kept_[l]->source, l) ? Was::kept : Was::other;
+      if (was[i] == Was::other) fresh[i] = find(l, source_of(l));
+    }
+  });
+  for (std::int32_t i = 0; i < n; ++i) {
+    const std::int32_t l = pieces[i];
+    if (was[i] == Was::same || changed[l]) continue;
+    changed[l] = true;
+    judged_ += static_cast<std::int64_t>(fresh[i].polygons.size());
+    std::unique_ptr<Found>& kept = kept_[l];
+    if (!kept) kept = std::make_unique<Found>(std::move(found_[l]));
+    set(l, was[i] == Was::kept ? std::move(*kept) : std::move(fresh[i]));
+    if (was[i] == Was::kept) kept.reset();
+  }
+  around_.settle();
+  std::vector<bool> same(count);  // as what was kept
+  for (std::size_t l = 0; l < count; ++l) same[l] = !kept_[l];
+  std::vector<const FacetSet*> facets;
+  facets.reserve(count);
+  for (const Found& f : found_) facets.push_back(&f.facets);
+  std::erase_if(hits_, [&](const Hit& h) { return changed[h.a] || changed[h.b]; });
+  std::copy_if(kept_hits_.begin(), kept_hits_.end(), std::back_inserter(hits_),
+               [&](const Hit& h) { return (changed[h.a] || changed[h.b]) && same[h.a] && same[h.b]; });
+  const auto known = static_cast<std::ptrdiff_t>(hits_.size());
+  const std::vector<Hit> found = find_hits(facets, around_, s_.corners.position, changed, same, s_.threads, job_);
+  hits_.insert(hits_.end(), found.begin(), found.end());
+  find_excuses(std::span(hits_).subspan(known));
+  std::sort(hits_.begin(), hits_.end(), [](const Hit& x, const Hit& y) { return x.key() < y.key(); });
+  ISIMP_ASSERT(std::adjacent_find(hits_.begin(), hits_.end(),
+                                  [](const Hit& x, const Hit& y) { return !(x.key() < y.key()); }) == hits_.end(),
+               "each pair of polygons that meet is there once");
+}
+
+void Findings::keep() {
+  for (auto& kept : kept_) kept.reset();
+  kept_hits_ = hits_;
+}
+
+std::array<std::int32_t, 2> Findings::regions_of(const Hit& h) const {
+  std::array<std::int32_t, 2> regions{s_.labels.pieces[h.a].region, s_.labels.pieces[h.b].region};
+  std::sort(regions.begin(), regions.end());
+  return regions;
+}
+
+void Findings::find_excuses(std::span<Hit> hits) {
+  struct Pair {
+    std::int32_t a, b;
+    bool* meet;
+  };
+  std::vector<Pair> pairs;
+  std::vector<std::int32_t> wanted;  // regions that are not known yet
+  for (const Hit& h : hits) {
+    const std::array<std::int32_t, 2> regions = regions_of(h);
+    const auto [at, fresh] = excuses_.try_emplace(regions, false);
+    if (!fresh) continue;
+    pairs.push_back({regions[0], regions[1], &at->second});
+    scan_parts_.resize(s_.regions);
+    for (const std::int32_t r : regions)
+      if (!scan_parts_[r]) wanted.push_back(r);
+  }
+  sort_unique(wanted);
+  if (!wanted.empty()) sort_faces_by_region();
+  s_.threads.blocks(static_cast<std::int32_t>(wanted.size()), 1, [&](std::int32_t i, std::int32_t, std::int32_t) {
+    job_.poll();
+    const std::int32_t r = wanted[i];
+    const auto faces = std::span(region_faces_).subspan(region_start_[r], region_start_[r + 1] - region_start_[r]);
+    scan_parts_[r] = std::make_unique<ScanPart>(s_.mesh, faces);
+  });
+  s_.threads.blocks(static_cast<std::int32_t>(pairs.size()), 1, [&](std::int32_t i, std::int32_t, std::int32_t) {
+    job_.poll();
+    *pairs[i].meet = scan_intersects(s_.mesh, *scan_parts_[pairs[i].a], *scan_parts_[pairs[i].b]);
+  });
+  for (Hit& h : hits) h.excused = excuses_.at(regions_of(h));
+}
+
+GivenHits Findings::given_hits(std::size_t most, std::int64_t most_counted) const {
+  std::vector<const FacetSet*> facets;
+  facets.reserve(found_.size());
+  for (const Found& f : found_) facets.push_back(&f.facets);
+  return find_given_hits(facets, around_, most, most_counted, job_);
+}
+
+std::vector<bool> Findings::faulty(std::uint8_t which) const {
+  std::vector<bool> faulty(found_.size());
+  for (std::size_t l = 0; l < found_.size(); ++l) faulty[l] = (faults_[l] & which) != 0;
+  for (const Hit& h : hits_)
+    if (!h.excused) faulty[h.a] = faulty[h.b] = true;
+  return faulty;
+}
+
+void Findings::sort_faces_by_region() {
+  if (!region_start_.empty()) return;
+  const auto& of = s_.partition.face_region;
+  region_start_.assign(s_.regions + 1, 0);
+  for (const std::int32_t r : of)
+    if (r != kNone) ++region_start_[r + 1];
+  std::partial_sum(region_start_.begin(), region_start_.end(), region_start_.begin());
+  region_faces_.resize(region_start_.back());
+  std::vector<std::int32_t> fill(region_start_.begin(), region_start_.end() - 1);
+  for (std::int32_t f = 0; f < s_.mesh.face_count(); ++f)
+    if (of[f] != kNone) region_faces_[fill[of[f]]++] = f;
+}
+
+}  // namespace isimp::meshing

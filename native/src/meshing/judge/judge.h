@@ -1,0 +1,136 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "discs/labels.h"
+#include "isimp/core/job.h"
+#include "isimp/core/threads.h"
+#include "isimp/meshing/polygonize.h"
+#include "judge/boxes.h"
+
+namespace isimp::meshing {
+
+/// What can be wrong with a polygon on its own.
+enum Fault : std::uint8_t { kCrossing = 1, kFlipped = 2, kNoArea = 4, kBent = 8 };
+/// In the place of kNoArea, where the polygon is a face of the scan that has no area itself: that is no fault.
+constexpr std::uint8_t kGiven = 16;
+
+/// A triangle of a polygon's triangulation, by corners.
+struct Facet {
+  std::array<std::int32_t, 3> corner;
+  std::int32_t piece;
+  std::int32_t part;  ///< which of the piece's polygons
+};
+
+/// What is wrong with a polygon, and its triangulation where it is simple. All tests are exact on coordinates rounded
+/// to float32, as they will be stored.
+struct PolygonVerdict {
+  std::uint8_t faults = 0;
+  double bend = 0;                               ///< largest distance of a corner from the plane
+  std::array<std::int32_t, 2> crossing{-1, -1};  ///< two edges that meet, by the index of their first corner
+};
+
+/// The cosine between a polygon and its piece up to which it counts as flipped; the second for polygons that planar
+/// ones were cut into, which may be steep where the bent one was.
+constexpr double kFacingPiece = 0.2, kFacingApart = 0.02;
+
+struct Bounds {
+  double bend = 0;       ///< scene units; no bound if not above 0
+  double thickness = 0;  ///< scene units; a polygon thinner than this has no area
+  /// Polygons are planar, so any triangulation will do: triangles that are about as thin are avoided, as the long side
+  /// of one would run through a corner that lies on it.
+  bool no_slivers = false;
+  double facing = kFacingPiece;  ///< the cosine up to which a polygon counts as flipped
+};
+
+/// \param normal  that of the piece: a polygon that faces away from it is flipped
+/// \param facets  the triangulation is added here, marked as `like`; null where nobody asks for it
+PolygonVerdict judge_polygon(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Vec3& normal,
+                             const Bounds& bounds, Facet like = {}, std::vector<Facet>* facets = nullptr);
+
+/// The plane through a triangle, to tell quickly that something lies to one side of it.
+struct Facing {
+  Vec3 normal;   ///< its length is twice the area
+  double slack;  ///< times how far a point is along an axis: by how much rounding may have changed its side
+};
+
+/// The facets of a piece's polygons where they can be looked for.
+struct FacetSet {
+  std::vector<Facet> facets;
+  std::vector<std::array<Vec3, 3>> solids;  ///< where the corners of each lie, rounded to float32
+  std::vector<Facing> facings;              ///< of each
+  std::vector<Box> boxes;                   ///< of each
+  std::vector<std::int32_t> solid;          ///< which facets have area: the others meet nothing
+  Box around = Box::nowhere();              ///< all of these
+  bool given = false;                       ///< one face of the scan, its corners at their vertices
+
+  void clear() { facets.clear(); }
+  /// Makes all but the facets from these. To be called again when a corner has moved.
+  void locate(std::span<const Vec3> position);
+};
+
+/// The boxes of all pieces: those of `given` ones apart, as pairs of two such are not looked for.
+struct Arounds {
+  MovingBoxes free, given;
+  void set(std::int32_t piece, const FacetSet& facets);
+  /// To be called after pieces were set, before a search.
+  void settle();
+};
+
+/// Two polygons that meet elsewhere than in what they share.
+struct Hit {
+  std::int32_t a, part_a, b, part_b;    ///< pieces, a <= b, and which of their polygons
+  Vec3 where;                           ///< a place where they do
+  std::array<std::int32_t, 6> corners;  ///< of the two facets that meet there
+  bool excused = false;                 ///< whether their regions meet in the scan itself
+  [[nodiscard]] std::array<std::int32_t, 4> key() const { return {a, b, part_a, part_b}; }
+};
+
+/// All pairs of polygons that intersect and of which one at least is of a `changed` piece, in rising order. Pairs of
+/// two `given` pieces are left out.
+/// \param pieces  their facets, by piece
+/// \param arounds  by piece, their boxes
+/// \param known  by piece: pairs of two such are left out
+/// Cost: O(c log(pieces) + pairs of boxes) for c changed pieces.
+std::vector<Hit> find_hits(std::span<const FacetSet* const> pieces, const Arounds& arounds,
+                           std::span<const Vec3> position, const std::vector<bool>& changed,
+                           const std::vector<bool>& known, const Threads& threads, const Job& job);
+
+/// Whether a polygon of a piece meets one of another; of the same piece, where both are one set.
+bool facets_meet(const FacetSet& a, const FacetSet& b);
+
+/// Pairs of faces of the scan, at their places, that meet.
+struct GivenHits {
+  std::vector<Hit> first;  ///< some of them, in rising order of the first, then of the second
+  std::int64_t count = 0;  ///< of all, as far as they were counted
+  bool is_all = true;      ///< whether all were
+};
+
+/// The pairs of `given` pieces that meet.
+/// \param most  pairs that are listed
+/// \param most_counted  pairs after which no more are looked for
+GivenHits find_given_hits(std::span<const FacetSet* const> pieces, const Arounds& arounds, std::size_t most,
+                          std::int64_t most_counted, const Job& job);
+
+/// Some faces of the scan, where they can be looked for.
+/// Cost: O(n log n) to make.
+struct ScanPart {
+  ScanPart() = default;
+  ScanPart(const Mesh& mesh, std::span<const std::int32_t> faces);
+  BoxTree tree;  ///< the boxes of those that have area
+};
+
+/// Whether one of some faces of the scan meets one of some others elsewhere than in the vertices they share. Vertices
+/// at one place that were not welded, or were parted where the scan is not manifold, are not shared. Exact on
+/// coordinates rounded as above.
+bool scan_intersects(const Mesh& mesh, const ScanPart& some, const ScanPart& others);
+
+/// Fills in what the report says of edges and fans: closed, manifold, euler.
+void judge_topology(PolygonMesh& mesh);
+
+}  // namespace isimp::meshing

@@ -1,0 +1,301 @@
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "judge/judge.h"
+
+namespace isimp::meshing {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Point = Kernel::Point_2;
+
+/// The polygon seen along its normal, turned counter-clockwise.
+struct Flat {
+  std::vector<Point> points;
+  Vec3 normal = Vec3::Zero();   ///< its length is the area
+  double bend = 0, extent = 0;  ///< largest distance from the plane, and from the middle
+};
+
+Flat flat(std::span<const std::int32_t> polygon, std::span<const Vec3> position) {
+  Flat f;
+  std::vector<Vec3> p;
+  p.reserve(polygon.size());
+  Vec3 centre = Vec3::Zero();
+  for (const std::int32_t c : polygon) {
+    p.push_back(rounded_to_float(position[c]));
+    centre += p.back();
+  }
+  centre /= static_cast<double>(p.size());
+  for (Vec3& x : p) {
+    x -= centre;
+    f.extent = std::max(f.extent, x.norm());
+  }
+  for (std::size_t i = 0; i < p.size(); ++i) f.normal += p[i].cross(p[i + 1 < p.size() ? i + 1 : 0]) / 2;
+  const double area = f.normal.norm();
+  if (area == 0) return f;
+  const Vec3 n = f.normal / area;
+  int axis = 0;
+  n.cwiseAbs().minCoeff(&axis);
+  const Vec3 u = n.cross(Vec3::Unit(axis)).normalized(), v = n.cross(u);
+  for (const Vec3& x : p) {
+    f.points.emplace_back(x.dot(u), x.dot(v));
+    f.bend = std::max(f.bend, std::abs(x.dot(n)));
+  }
+  return f;
+}
+
+inline bool boxes_apart(const Point& a, const Point& b, const Point& c, const Point& d) {
+  return std::max(a.x(), b.x()) < std::min(c.x(), d.x()) || std::max(c.x(), d.x()) < std::min(a.x(), b.x()) ||
+         std::max(a.y(), b.y()) < std::min(c.y(), d.y()) || std::max(c.y(), d.y()) < std::min(a.y(), b.y());
+}
+
+/// Whether the polygon turns left at every corner and goes round but once. Such a polygon is simple, and all between
+/// two of its corners lies inside.
+/// Cost: O(n).
+bool is_convex(const std::vector<Point>& p) {
+  const std::size_t n = p.size();
+  const auto rises = [&](std::size_t i) {  // edge i, of the half of all directions from 0 to 180 degrees
+    const Point &a = p[i], &b = p[(i + 1) % n];
+    return b.y() > a.y() || (b.y() == a.y() && b.x() > a.x());
+  };
+  int rounds = 0;
+  bool before = rises(n - 1);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (CGAL::orientation(p[i], p[(i + 1) % n], p[(i + 2) % n]) != CGAL::LEFT_TURN) return false;
+    const bool here = rises(i);
+    rounds += here && !before;
+    before = here;
+  }
+  return rounds == 1;
+}
+
+/// Whether edge i touches edge j, j > i, elsewhere than where they follow each other.
+bool touch(const std::vector<Point>& p, std::size_t i, std::size_t j) {
+  const std::size_t n = p.size();
+  const Point &a = p[i], &b = p[i + 1], &c = p[j], &d = p[(j + 1) % n];
+  if (j == i + 1) return CGAL::collinear(a, b, d) && !CGAL::collinear_are_strictly_ordered_along_line(a, b, d);
+  if (i == 0 && j == n - 1)
+    return CGAL::collinear(c, a, b) && !CGAL::collinear_are_strictly_ordered_along_line(c, a, b);
+  if (boxes_apart(a, b, c, d)) return false;
+  return CGAL::do_intersect(Kernel::Segment_2(a, b), Kernel::Segment_2(c, d));
+}
+
+constexpr std::size_t kSwept = 32;  ///< edges from which on those that may touch are looked for in order
+
+/// The same two edges as `find_crossing`, for many edges: they are taken in the order of their low ends along the
+/// longer side of the polygon, and compared with those that begin before they end.
+/// Cost: about O(n log n) for n short edges.
+std::array<std::int32_t, 2> sweep_for_crossing(const std::vector<Point>& p) {
+  const auto n = p.size();
+  double low[2] = {p[0].x(), p[0].y()}, high[2] = {low[0], low[1]};
+  for (const Point& q : p)
+    for (int k = 0; k < 2; ++k) {
+      low[k] = std::min(low[k], q[k]);
+      high[k] = std::max(high[k], q[k]);
+    }
+  const int axis = high[0] - low[0] >= high[1] - low[1] ? 0 : 1;
+  struct Edge {
+    double from, to;
+    std::size_t index;
+  };
+  std::vector<Edge> edges(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double a = p[i][axis], b = p[i + 1 < n ? i + 1 : 0][axis];
+    edges[i] = {std::min(a, b), std::max(a, b), i};
+  }
+  std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.from < b.from; });
+  std::array<std::size_t, 2> first{n, n};
+  for (std::size_t a = 0; a < n; ++a)
+    for (std::size_t b = a + 1; b < n && edges[b].from <= edges[a].to; ++b) {
+      const auto [i, j] = std::minmax(edges[a].index, edges[b].index);
+      if (std::array{i, j} < first && touch(p, i, j)) first = {i, j};
+    }
+  if (first[0] == n) return {-1, -1};
+  return {static_cast<std::int32_t>(first[0]), static_cast<std::int32_t>(first[1])};
+}
+
+/// The first two edges of the polygon that touch, {-1, -1} if it is simple.
+/// Cost: O(n^2) for few.
+std::array<std::int32_t, 2> find_crossing(const std::vector<Point>& p) {
+  if (p.size() >= kSwept) return sweep_for_crossing(p);
+  for (std::size_t i = 0; i + 1 < p.size(); ++i)
+    for (std::size_t j = i + 1; j < p.size(); ++j)
+      if (touch(p, i, j)) return {static_cast<std::int32_t>(i), static_cast<std::int32_t>(j)};
+  return {-1, -1};
+}
+
+/// Cuts ears off a simple polygon, the one with the shortest diagonal first (the first one, where corners are many).
+class Ears {
+ public:
+  Ears(const std::vector<Point>& points, std::span<const std::int32_t> polygon) : p_(points), polygon_(polygon) {
+    for (std::size_t i = 0; i < p_.size(); ++i) left_.push_back(i);
+  }
+
+  void cut(const Facet& like, std::vector<Facet>& facets) {
+    while (left_.size() > 3) {
+      const std::size_t ear = find();
+      if (ear == left_.size()) return;  // only where rounding made it not simple
+      add(ear, like, facets);
+      left_.erase(left_.begin() + static_cast<std::ptrdiff_t>(ear));
+    }
+    add(1, like, facets);
+  }
+
+ private:
+  static constexpr std::size_t kMany = 48;
+  [[nodiscard]] std::size_t before(std::size_t i) const { return left_[i > 0 ? i - 1 : left_.size() - 1]; }
+  [[nodiscard]] std::size_t after(std::size_t i) const { return left_[i + 1 < left_.size() ? i + 1 : 0]; }
+
+  void add(std::size_t i, Facet like, std::vector<Facet>& facets) const {
+    like.corner = {polygon_[before(i)], polygon_[left_[i]], polygon_[after(i)]};
+    facets.push_back(like);
+  }
+
+  [[nodiscard]] std::size_t find() const {
+    std::size_t best = left_.size();
+    double shortest = 0;
+    for (std::size_t i = 0; i < left_.size(); ++i) {
+      const double diagonal = CGAL::squared_distance(p_[before(i)], p_[after(i)]);
+      if ((best < left_.size() && diagonal >= shortest) || !is_ear(i)) continue;
+      best = i;
+      shortest = diagonal;
+      if (left_.size() > kMany) break;
+    }
+    return best;
+  }
+
+  [[nodiscard]] bool is_ear(std::size_t i) const {
+    const Point &a = p_[before(i)], &b = p_[left_[i]], &c = p_[after(i)];
+    if (CGAL::orientation(a, b, c) != CGAL::LEFT_TURN) return false;
+    const auto [left, right] = std::minmax({a.x(), b.x(), c.x()});
+    const auto [low, high] = std::minmax({a.y(), b.y(), c.y()});
+    for (const std::size_t k : left_) {
+      const Point& q = p_[k];
+      if (q.x() < left || q.x() > right || q.y() < low || q.y() > high) continue;
+      if (k == before(i) || k == left_[i] || k == after(i)) continue;
+      if (CGAL::orientation(a, b, q) != CGAL::RIGHT_TURN && CGAL::orientation(b, c, q) != CGAL::RIGHT_TURN &&
+          CGAL::orientation(c, a, q) != CGAL::RIGHT_TURN)
+        return false;
+    }
+    return true;
+  }
+
+  const std::vector<Point>& p_;
+  std::span<const std::int32_t> polygon_;
+  std::vector<std::size_t> left_;
+};
+
+/// The triangulation of a simple bent polygon with the least surface, out of those that do not fold over along the
+/// normal.
+/// Source: Gilbert 1979.
+/// Cost: O(n^3).
+class LeastSurface {
+ public:
+  /// \param thin  triangles thinner than this only where there is no other way; 0: no matter
+  LeastSurface(const std::vector<Point>& points, bool convex, std::span<const std::int32_t> polygon,
+               std::span<const Vec3> position, double thin)
+      : p_(points),
+        convex_(convex),
+        thin_(thin),
+        polygon_(polygon),
+        position_(position),
+        n_(points.size()),
+        cost_(n_ * n_, 0),
+        via_(n_ * n_, 0) {}
+
+  /// \return whether there is one
+  bool cut(const Facet& like, std::vector<Facet>& facets) {
+    for (std::size_t gap = 2; gap < n_; ++gap)
+      for (std::size_t i = 0; i + gap < n_; ++i) best(i, i + gap);
+    if (cost_[n_ - 1] >= kNever) return false;
+    collect(0, n_ - 1, like, facets);
+    return true;
+  }
+
+ private:
+  static constexpr double kNever = 1e300;
+  static constexpr double kSliver = 1e18;  ///< what one costs: more than any surface, in squares of `thin`
+
+  static double longest(const Vec3& a, const Vec3& b, const Vec3& c) {
+    return std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
+  }
+
+  void best(std::size_t i, std::size_t j) {
+    double& least = cost_[i * n_ + j];
+    least = kNever;
+    if (!convex_ && j - i < n_ - 1 && !inside(i, j)) return;
+    for (std::size_t k = i + 1; k < j; ++k) {
+      const double rest = cost_[i * n_ + k] + cost_[k * n_ + j];
+      if (rest >= least) continue;
+      if (!convex_ && CGAL::orientation(p_[i], p_[k], p_[j]) != CGAL::LEFT_TURN) continue;
+      const Vec3 &a = position_[polygon_[i]], &b = position_[polygon_[k]], &c = position_[polygon_[j]];
+      double sum = rest + (b - a).cross(c - a).norm();
+      if (thin_ > 0 && (b - a).cross(c - a).norm() <= thin_ * longest(a, b, c)) sum += kSliver * thin_ * thin_;
+      if (sum >= least) continue;
+      least = sum;
+      via_[i * n_ + j] = k;
+    }
+  }
+
+  /// Whether the segment from corner i to corner j touches no edge but at its ends.
+  [[nodiscard]] bool inside(std::size_t i, std::size_t j) const {
+    const Kernel::Segment_2 s(p_[i], p_[j]);
+    for (std::size_t k = 0; k < n_; ++k) {
+      const std::size_t m = k + 1 < n_ ? k + 1 : 0;
+      if (k == i || k == j || m == i || m == j) continue;
+      if (!boxes_apart(p_[i], p_[j], p_[k], p_[m]) && CGAL::do_intersect(s, Kernel::Segment_2(p_[k], p_[m])))
+        return false;
+    }
+    return true;
+  }
+
+  void collect(std::size_t i, std::size_t j, Facet like, std::vector<Facet>& facets) const {
+    if (j - i < 2) return;
+    const std::size_t k = via_[i * n_ + j];
+    like.corner = {polygon_[i], polygon_[k], polygon_[j]};
+    facets.push_back(like);
+    collect(i, k, like, facets);
+    collect(k, j, like, facets);
+  }
+
+  const std::vector<Point>& p_;
+  const bool convex_;
+  const double thin_;
+  std::span<const std::int32_t> polygon_;
+  std::span<const Vec3> position_;
+  std::size_t n_;
+  std::vector<double> cost_;
+  std::vector<std::size_t> via_;
+};
+
+}  // namespace
+
+PolygonVerdict judge_polygon(std::span<const std::int32_t> polygon, std::span<const Vec3> position, const Vec3& normal,
+                             const Bounds& bounds, Facet like, std::vector<Facet>* facets) {
+  PolygonVerdict verdict;
+  const Flat f = flat(polygon, position);
+  verdict.bend = f.bend;
+  if (f.points.empty() || f.normal.norm() <= bounds.thickness * f.extent) {
+    verdict.faults = kNoArea;
+    return verdict;
+  }
+  if (f.normal.dot(normal) <= bounds.facing * f.normal.norm()) verdict.faults |= kFlipped;
+  if (bounds.bend > 0 && f.bend > bounds.bend) verdict.faults |= kBent;
+  const bool convex = is_convex(f.points);
+  if (!convex) verdict.crossing = find_crossing(f.points);
+  if (verdict.crossing[0] >= 0) {
+    verdict.faults |= kCrossing;
+  } else if (facets) {
+    constexpr std::size_t kFew = 64;
+    if (polygon.size() == 3 || polygon.size() > kFew ||
+        !LeastSurface(f.points, convex, polygon, position, bounds.no_slivers ? 4 * bounds.thickness : 0)
+             .cut(like, *facets))
+      Ears(f.points, polygon).cut(like, *facets);
+  }
+  return verdict;
+}
+
+}  // namespace isimp::meshing

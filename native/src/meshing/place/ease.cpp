@@ -1,0 +1,128 @@
+#include "place/ease.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "complex/transaction.h"
+#include "isimp/core/sorted.h"
+
+namespace isimp::meshing {
+namespace {
+
+constexpr int kRounds = 20;
+constexpr std::int32_t kShare = 6;
+
+class Easing {
+ public:
+  Easing(State& state, Findings& findings, const Scope& scope, Job& job)
+      : s_(state), findings_(findings), scope_(scope), job_(job), faulty_(findings.faulty()), transaction_(state) {}
+
+  /// \param share  of how many a corner is taken, so that in turn all are
+  void run(std::int32_t share, std::int32_t turn) {
+    std::vector<std::int32_t> pieces = release_pulls(share, turn);
+    if (drop_bends(share, turn) || !pieces.empty()) settle(std::move(pieces));
+    transaction_.commit();
+  }
+
+  /// Drops and adds corners.
+  void turn(std::span<const std::int32_t> vertices) {
+    bool any = false;
+    for (const std::int32_t v : vertices) {
+      if (!s_.complex.is_corner(v)) {
+        s_.add_corner(v);
+        any = true;
+      } else {
+        any = s_.drop_corner(v) || any;
+      }
+    }
+    if (any) settle({});
+    transaction_.commit();
+  }
+
+ private:
+  /// Brings all up to date, and then makes what became faulty again what it was.
+  void settle(std::vector<std::int32_t> pieces) {
+    findings_.judge(s_.update(std::move(pieces)));
+    for (int round = 0; round < kRounds; ++round) {
+      job_.poll();
+      pieces = near_faults();
+      if (pieces.empty()) return;
+      for (const std::int32_t l : pieces) transaction_.restore_corners(l);
+      findings_.judge(transaction_.update_back(std::move(pieces)));
+    }
+  }
+
+  /// \return the pieces whose corners have been given their radius back
+  std::vector<std::int32_t> release_pulls(std::int32_t share, std::int32_t turn) {
+    std::vector<bool> spared(s_.corners.count(), false);
+    std::vector<std::int32_t> pieces;
+    for (std::size_t l = 0; l < faulty_.size(); ++l)
+      if (faulty_[l])
+        s_.polygons.for_each_of(static_cast<std::int32_t>(l), [&](std::int32_t q) {
+          for (const std::int32_t c : s_.polygons.of(q)) spared[c] = true;
+        });
+    for (std::int32_t c = 0; c < s_.corners.count(); ++c) {
+      if (c % share != turn || spared[c] || s_.corners.pull[c] >= 1) continue;
+      const auto around = s_.polygons.at(c);
+      if (std::none_of(around.begin(), around.end(), [&](auto q) { return scope_.has(s_.polygons.piece(q)); }))
+        continue;
+      s_.set_pull(c, 1);
+      for (const std::int32_t q : around) pieces.push_back(s_.polygons.piece(q));
+    }
+    return pieces;
+  }
+
+  /// \return whether there is any that could be dropped
+  bool drop_bends(std::int32_t share, std::int32_t turn) {
+    std::vector<std::int32_t> bent(s_.complex.bent().begin(), s_.complex.bent().end());
+    sort_unique(bent);
+    bool any = false;
+    for (const std::int32_t v : bent) {
+      if (v % share != turn || !s_.complex.is_corner(v)) continue;
+      bool spared = false, asked = false;
+      for_each_leaving(s_.mesh, v, [&](std::int32_t h) {
+        spared = spared || faulty_[s_.labels.label[h / 3]];
+        asked = asked || scope_.has(s_.labels.label[h / 3]);
+      });
+      any = (asked && !spared && s_.drop_corner(v)) || any;
+    }
+    return any;
+  }
+
+  /// The pieces that have become faulty, and those round ones that are so again.
+  std::vector<std::int32_t> near_faults() {
+    const std::vector<bool> now = findings_.faulty();
+    std::vector<std::int32_t> near;
+    rings_.resize(now.size(), 0);
+    for (std::size_t l = 0; l < now.size(); ++l) {
+      if (!now[l] || faulty_[l]) continue;
+      std::vector<std::int32_t> zone{static_cast<std::int32_t>(l)};
+      for (int ring = rings_[l]++; ring > 0; --ring) s_.add_neighbours(zone);
+      near.insert(near.end(), zone.begin(), zone.end());
+    }
+    sort_unique(near);
+    return near;
+  }
+
+  State& s_;
+  Findings& findings_;
+  const Scope& scope_;
+  Job& job_;
+  const std::vector<bool> faulty_;  // by piece, before
+  Transaction transaction_;
+  std::vector<int> rings_;  // by piece: how often it was found to be faulty
+};
+
+}  // namespace
+
+void ease(State& state, Findings& findings, const Scope& scope, Job& job) {
+  Easing(state, findings, scope, job).run(1, 0);
+  // Those that were done again for the sake of others get another chance.
+  for (std::int32_t turn = 0; turn < kShare; ++turn) Easing(state, findings, scope, job).run(kShare, turn);
+}
+
+void turn_corners(State& state, Findings& findings, std::span<const std::int32_t> vertices, Job& job) {
+  Easing(state, findings, Scope(), job).turn(vertices);
+}
+
+}  // namespace isimp::meshing

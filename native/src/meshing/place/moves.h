@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "complex/state.h"
+#include "complex/transaction.h"
+#include "isimp/core/job.h"
+#include "judge/findings.h"
+
+namespace isimp::meshing {
+
+/// Corners that are moved all at once, and put back where that makes polygons faulty.
+class Moves {
+ public:
+  Moves(State& state, Findings& findings, Job& job)
+      : s_(state), findings_(findings), job_(job), faulty_(findings.faulty()), transaction_(state) {}
+
+  /// Where a corner was.
+  [[nodiscard]] const Vec3& before(std::int32_t corner) const { return transaction_.place_before(corner); }
+  /// To be called when corners have been moved: those of polygons that became faulty go back, and of more and more
+  /// polygons round them, until none is.
+  /// \param with  another corner that goes back with one, kNone for none
+  /// Cost: some rounds of `Findings::judge`, each for what the one before changed.
+  void settle(std::span<const std::int32_t> moved, const std::function<std::int32_t(std::int32_t)>& with);
+  /// To be called in its place: where anything has become faulty all that have been moved go back.
+  /// \return whether they stay
+  [[nodiscard]] bool keep_if_sound(std::span<const std::int32_t> moved);
+
+ private:
+  /// The pieces that have become faulty.
+  [[nodiscard]] std::vector<std::int32_t> worse() const;
+  void judge(std::span<const std::int32_t> corners);
+
+  State& s_;
+  Findings& findings_;
+  Job& job_;
+  const std::vector<bool> faulty_;  // by piece, before
+  Transaction transaction_;
+};
+
+}  // namespace isimp::meshing

@@ -1,0 +1,186 @@
+#include "place/slide.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "complex/angles.h"
+#include "isimp/core/sorted.h"
+#include "place/moves.h"
+
+namespace isimp::meshing {
+namespace {
+
+constexpr int kRounds = 2, kDirections = 8;
+constexpr std::array kSteps = {0.2, 0.08};  // of sqrt(area / pieces): how far a corner may go in a round
+constexpr double kFar = 0.3;                // of the same: how far in all
+constexpr double kOff = 0.4;                // deviations of the scan from its planes: how far it may leave these
+constexpr double kBend = 1000;              // degrees that a bend of sqrt(area / pieces) counts as
+constexpr double kShort = 0.3;              // of the same: edges shorter than this do not become shorter
+constexpr double kFacing = 0.9;             // cosine of how far a polygon may turn from its piece by a move
+constexpr double kWorth = 1;                // degrees that a move has to gain
+constexpr double kRounding = 1e-9;          // of the diagonal: planes that are nearer than this are met
+constexpr double kTiny = 1e-6;              // of the shortest edge: a corner that can't go further gains nothing
+
+class Slider {
+ public:
+  Slider(State& state, Findings& findings, Job& job) : s_(state), moves_(state, findings, job), job_(job) {
+    double area = 0, square = 0;
+    std::int32_t count = 0;
+    for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l) {
+      if (s_.labels.pieces[l].face == kNone) continue;
+      const Plane& p = s_.planes[l];
+      area += p.area;
+      square += p.area * std::max(0.0, p.normal.dot(p.spread * p.normal));
+      ++count;
+    }
+    size_ = std::sqrt(area / std::max(count, 1));
+    off_ = kOff * std::sqrt(square / std::max(area, 1e-300)) + kRounding * s_.mesh.diagonal();
+    bend_ = kBend / size_;
+  }
+
+  void run() {
+    std::vector<std::int32_t> moved;
+    for (int round = 0; round < kRounds; ++round) {
+      job_.poll();
+      for (std::int32_t c = 0; c < s_.corners.count(); ++c)
+        if (may_slide(c) && slide(c)) moved.push_back(c);
+    }
+    sort_unique(moved);
+    moves_.settle(moved, [](std::int32_t) { return kNone; });
+  }
+
+ private:
+  /// Those at a border of the mesh stay, and so do those that are held at their vertices.
+  [[nodiscard]] bool may_slide(std::int32_t c) const {
+    const auto around = s_.polygons.at(c);
+    if (around.size() < 2 || !(s_.corners.radius[c] > 0)) return false;
+    return s_.mesh.opposite(s_.mesh.vertex_halfedge()[s_.corners.vertex[c]]) != kNone;
+  }
+
+  /// What of a polygon a corner can change: two corners before it, two after it, and the direction of the piece.
+  struct Beside {
+    std::array<std::int32_t, 2> before, after;
+    std::int32_t polygon;
+    Vec3 normal;
+    double facing;  ///< of the polygon before
+  };
+
+  void find_beside(std::int32_t c) {
+    beside_.clear();
+    for (const std::int32_t q : s_.polygons.at(c)) {
+      const auto loop = s_.polygons.of(q);
+      const std::size_t n = loop.size(), i = std::find(loop.begin(), loop.end(), c) - loop.begin();
+      const auto at = [&](std::size_t k) { return loop[(i + k) % n]; };
+      beside_.push_back({{at(n - 2), at(n - 1)}, {at(1), at(2)}, q, s_.planes[s_.polygons.piece(q)].normal, 0});
+    }
+  }
+
+  [[nodiscard]] double shortest_round(const Vec3& at) const {
+    double shortest = kShort * size_;
+    for (const Beside& b : beside_) shortest = std::min(shortest, (s_.corners.position[b.after[0]] - at).norm());
+    return shortest;
+  }
+
+  /// Degrees by which corners are reflex or sharp that move with one.
+  [[nodiscard]] double angles_round(const Vec3& at) const {
+    const auto& position = s_.corners.position;
+    const auto cost = [](double angle) { return std::max(0.0, angle - kReflex) + std::max(0.0, kNeedle - angle); };
+    double sum = 0;
+    for (const auto& [before, after, polygon, normal, facing] : beside_) {
+      const Vec3 &a = position[before[0]], &b = position[before[1]], &c = position[after[0]], &d = position[after[1]];
+      sum += cost(angle_at(a, b, at, normal)) + cost(angle_at(b, at, c, normal)) + cost(angle_at(at, c, d, normal));
+    }
+    return sum;
+  }
+
+  /// The bend of the polygons round a corner, in the same unit.
+  [[nodiscard]] double bend_round() const {
+    double sum = 0;
+    for (const Beside& b : beside_) sum += bend_ * bend_of(s_.polygons.of(b.polygon), s_.corners.position);
+    return sum;
+  }
+
+  /// The cosine between a polygon and its piece.
+  [[nodiscard]] double facing(const Beside& b) const {
+    const Vec3 area = vector_area(s_.polygons.of(b.polygon), s_.corners.position);
+    const double length = area.norm();
+    return length > 0 ? area.dot(b.normal) / length : -1;
+  }
+
+  /// Whether a polygon round a corner is turned from its piece more than before, and by more than a little.
+  [[nodiscard]] bool turns_away() const {
+    return std::any_of(beside_.begin(), beside_.end(),
+                       [&](const Beside& b) { return facing(b) < std::min(b.facing, kFacing); });
+  }
+
+  /// The directions in which the planes round a corner leave it free most, and how far.
+  struct Freedom {
+    std::array<Vec3, 2> along;
+    std::array<double, 2> most{};
+  };
+  [[nodiscard]] Freedom freedom_of(std::int32_t c) const {
+    Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
+    const auto around = s_.polygons.at(c);
+    for (const std::int32_t q : around) {
+      const Vec3& n = s_.planes[s_.polygons.piece(q)].normal;
+      a += n * n.transpose() / static_cast<double>(around.size());
+    }
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+    solver.computeDirect(a);
+    Freedom free;
+    for (int k = 0; k < 2; ++k) {  // the third direction is that of the planes themselves
+      const double away = std::sqrt(std::max(0.0, solver.eigenvalues()[k])), reach = kFar * size_;
+      free.along[k] = solver.eigenvectors().col(k);
+      free.most[k] = away * reach > off_ ? off_ / away : reach;
+    }
+    return free;
+  }
+
+  bool slide(std::int32_t c) {
+    const Vec3 at = s_.corners.position[c], home = moves_.before(c), vertex = s_.mesh.vertices()[s_.corners.vertex[c]];
+    find_beside(c);
+    const Freedom free = freedom_of(c);
+    const double shortest = shortest_round(at);
+    if (free.most[0] + free.most[1] < kTiny * shortest) return false;
+    const double now = angles_round(at);
+    if (!(now > 0)) return false;
+    for (Beside& b : beside_) b.facing = facing(b);
+    double least = now + bend_round() - kWorth;
+    Vec3 best = at;
+    for (const double step : kSteps)
+      for (int d = 0; d < kDirections; ++d) {
+        const double turn = 2 * std::numbers::pi * d / kDirections;
+        Vec3 to = home;
+        for (int k = 0; k < 2; ++k) {
+          const double by = (at - home).dot(free.along[k]) + step * size_ * (k == 0 ? std::cos(turn) : std::sin(turn));
+          to += std::clamp(by, -free.most[k], free.most[k]) * free.along[k];
+        }
+        if ((to - vertex).norm() > s_.corners.radius[c] || shortest_round(to) < shortest) continue;
+        const double angles = angles_round(to);
+        if (angles >= least) continue;
+        s_.move(c, to);
+        const double cost = angles + bend_round();
+        if (cost >= least || turns_away()) continue;
+        least = cost;
+        best = to;
+      }
+    s_.move(c, best);
+    return best != at;
+  }
+
+  State& s_;
+  Moves moves_;
+  Job& job_;
+  double size_ = 0, off_ = 0, bend_ = 0;
+  std::vector<Beside> beside_;  // of the corner that is looked at
+};
+
+}  // namespace
+
+void slide_corners(State& state, Findings& findings, Job& job) { Slider(state, findings, job).run(); }
+
+}  // namespace isimp::meshing

@@ -1,0 +1,262 @@
+#include "place/symmetry.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "isimp/core/sorted.h"
+#include "isimp/partition/mirror.h"
+#include "place/ease.h"
+#include "place/moves.h"
+
+namespace isimp::meshing {
+namespace {
+
+constexpr double kNear = 0.35;   // of sqrt(area / pieces): how far a corner may be from another's image
+constexpr double kExact = 1e-9;  // of the diagonal: what is nearer is at the same place
+
+/// Which pieces and corners are images of others.
+class Pairs {
+ public:
+  explicit Pairs(const State& state)
+      : s_(state), mirror_(state.partition.symmetry->relative_to(state.mesh.origin())), piece_(piece_images(state)) {
+    double area = 0;
+    std::int32_t count = 0;
+    for (const Piece& p : s_.labels.pieces) count += p.face != kNone;
+    for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l)
+      if (s_.labels.pieces[l].face != kNone) area += s_.planes[l].area;
+    reach_ = kNear * std::sqrt(area / std::max(count, 1));
+    pair_corners();
+  }
+
+  [[nodiscard]] const Mirror& mirror() const { return mirror_; }
+  /// The image of a corner, itself where it belongs on the plane; kNone where there is none.
+  [[nodiscard]] std::int32_t of_corner(std::int32_t c) const { return corner_[c]; }
+  /// Whether a corner lies exactly at its image.
+  [[nodiscard]] bool is_exact(std::int32_t c) const {
+    const auto& position = s_.corners.position;
+    return corner_[c] != kNone &&
+           (position[c] - mirror_.image(position[corner_[c]])).norm() <= kExact * s_.mesh.diagonal();
+  }
+  /// The images of the pieces round a corner, rising; none where one of them has no image.
+  [[nodiscard]] std::vector<std::int32_t> images_round(std::int32_t c) const {
+    std::vector<std::int32_t> images;
+    for (const std::int32_t l : round(c)) {
+      if (piece_[l] == kNone) return {};
+      images.push_back(piece_[l]);
+    }
+    sort_unique(images);
+    return images;
+  }
+  [[nodiscard]] std::vector<std::int32_t> round(std::int32_t c) const {
+    std::vector<std::int32_t> pieces;
+    pieces.reserve(s_.polygons.at(c).size());
+    for (const std::int32_t q : s_.polygons.at(c)) pieces.push_back(s_.polygons.piece(q));
+    sort_unique(pieces);
+    return pieces;
+  }
+  [[nodiscard]] double reach() const { return reach_; }
+
+ private:
+  void pair_corners() {
+    std::map<std::vector<std::int32_t>, std::vector<std::int32_t>> by_round;
+    for (std::int32_t c = 0; c < s_.corners.count(); ++c)
+      if (!s_.polygons.at(c).empty()) by_round[round(c)].push_back(c);
+    corner_.assign(s_.corners.count(), kNone);
+    const auto& position = s_.corners.position;
+    for (const auto& [pieces, some] : by_round) {
+      const auto others = by_round.find(images_round(some.front()));
+      if (others == by_round.end()) continue;
+      for (const std::int32_t c : some) {
+        const Vec3 image = mirror_.image(position[c]);
+        double least = reach_;
+        for (const std::int32_t other : others->second) {
+          const double distance = (position[other] - image).norm();
+          if (distance >= least) continue;
+          least = distance;
+          corner_[c] = other;
+        }
+      }
+    }
+    const std::vector<std::int32_t> wanted = corner_;
+    for (std::size_t c = 0; c < corner_.size(); ++c)
+      if (wanted[c] != kNone && wanted[wanted[c]] != static_cast<std::int32_t>(c)) corner_[c] = kNone;
+  }
+
+  const State& s_;
+  const Mirror mirror_;  // relative to the mesh's origin
+  std::vector<std::int32_t> piece_, corner_;
+  double reach_ = 0;
+};
+
+class Mirroring {
+ public:
+  Mirroring(State& state, Findings& findings, Job& job) : s_(state), findings_(findings), job_(job) {}
+
+  /// Drops corners along borders that the borders' images lack, then adds those that stay to the images.
+  void pair_more() {
+    for (const bool drop : {true, false}) {
+      const Pairs pairs(s_);
+      std::vector<std::int32_t> vertices;
+      std::vector<std::size_t> left;  // corners by piece, of which three stay
+      left.reserve(s_.labels.pieces.size());
+      for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l) left.push_back(s_.complex.chords(l).size());
+      for (std::int32_t c = 0; c < s_.corners.count(); ++c) {
+        if (pairs.of_corner(c) != kNone || s_.polygons.at(c).empty()) continue;
+        const std::int32_t v = s_.corners.vertex[c];
+        if (s_.complex.boundary_edges(v) != 2 || ends_diagonal(c)) continue;
+        const std::vector<std::int32_t> images = pairs.images_round(c);
+        if (images.empty()) continue;
+        if (!drop) {
+          const std::int32_t other = vertex_near(images, pairs.mirror().image(s_.corners.position[c]), pairs);
+          if (other != kNone) vertices.push_back(other);
+          continue;
+        }
+        const std::vector<std::int32_t> round = pairs.round(c);
+        if (std::any_of(round.begin(), round.end(), [&](std::int32_t l) { return left[l] <= 3; })) continue;
+        for (const std::int32_t l : round) --left[l];
+        vertices.push_back(v);
+      }
+      sort_unique(vertices);
+      turn_corners(s_, findings_, vertices, job_);
+    }
+  }
+
+  /// Where the images of corners are put.
+  enum class At {
+    mean,    ///< of the one and the other's image
+    first,   ///< at the image of the one with the lower number
+    second,  ///< at that of the other
+  };
+
+  void place(At at) {
+    const Pairs pairs(s_);
+    Moves moves(s_, findings_, job_);
+    std::vector<std::int32_t> moved;
+    for (std::int32_t c = 0; c < s_.corners.count(); ++c) {
+      const std::int32_t other = pairs.of_corner(c);
+      if (other < c || pairs.is_exact(c)) continue;  // none, or placed with its image
+      const Vec3 image = pairs.mirror().image(moves.before(other));
+      const Vec3 wanted = at == At::mean    ? Vec3((moves.before(c) + image) / 2)
+                          : at == At::first ? moves.before(c)
+                                            : image;
+      if (const auto to = in_reach(c, other, wanted, pairs.mirror())) {
+        put(c, other, *to, pairs.mirror());
+        moved.insert(moved.end(), {c, other});
+      }
+    }
+    sort_unique(moved);
+    moves.settle(moved, [&](std::int32_t c) { return pairs.of_corner(c); });
+  }
+
+  /// The pairs that are left, one after the other.
+  void place_singly() {
+    const Pairs pairs(s_);
+    for (std::int32_t c = 0; c < s_.corners.count(); ++c) {
+      const std::int32_t other = pairs.of_corner(c);
+      if (other < c || pairs.is_exact(c)) continue;  // none, or had its turn
+      job_.poll();
+      const Vec3 here = s_.corners.position[c], image = pairs.mirror().image(s_.corners.position[other]);
+      for (const Vec3& wanted : {Vec3((here + image) / 2), here, image}) {
+        const auto to = in_reach(c, other, wanted, pairs.mirror());
+        if (!to) continue;
+        Moves moves(s_, findings_, job_);
+        put(c, other, *to, pairs.mirror());
+        if (moves.keep_if_sound(std::array{c, other})) break;
+      }
+    }
+  }
+
+ private:
+  void put(std::int32_t c, std::int32_t other, const Vec3& place, const Mirror& mirror) {
+    s_.move(c, place);
+    if (other != c) s_.move(other, mirror.image(place));
+  }
+
+  /// The place near a given one that a corner can have, and another its image, within reach of their vertices; a corner
+  /// that is its own image on the plane. Nothing where there is none.
+  [[nodiscard]] std::optional<Vec3> in_reach(std::int32_t c, std::int32_t other, Vec3 place,
+                                             const Mirror& mirror) const {
+    constexpr int kTurns = 12;
+    const double reach = s_.options.reach * s_.mesh.diagonal() * (1 - 1e-9);
+    const Vec3 &home = s_.mesh.vertices()[s_.corners.vertex[c]],
+               there = mirror.image(s_.mesh.vertices()[s_.corners.vertex[other]]);
+    for (int turn = 0; turn < kTurns; ++turn) {
+      bool settled = true;
+      for (const Vec3& vertex : {home, there}) {
+        const double away = (place - vertex).norm();
+        if (away <= reach) continue;
+        place = vertex + (place - vertex) * (reach / away * (1 - 1e-9));
+        settled = false;
+      }
+      if (other == c) place -= mirror.height(place) * mirror.normal;
+      if (settled) return place;
+    }
+    return {};
+  }
+
+  [[nodiscard]] bool ends_diagonal(std::int32_t c) const {
+    const std::int32_t v = s_.corners.vertex[c];
+    for (const std::int32_t q : s_.polygons.at(c))
+      for (const auto& [a, b] : s_.diagonals[s_.polygons.piece(q)])
+        if (a == v || b == v) return true;
+    return false;
+  }
+
+  /// The vertex inside the border between two pieces, or of one and of the mesh, that is nearest to a place and no
+  /// corner.
+  [[nodiscard]] std::int32_t vertex_near(std::span<const std::int32_t> pieces, const Vec3& place,
+                                         const Pairs& pairs) const {
+    double least = pairs.reach();
+    std::int32_t nearest = kNone;
+    for (const std::int32_t h : s_.complex.loop(pieces.front())) {
+      if (s_.labels.across(h) != (pieces.size() > 1 ? pieces.back() : kNone)) continue;
+      const std::int32_t v = s_.mesh.from(h);
+      const double distance = (s_.mesh.vertices()[v] - place).norm();
+      if (distance >= least || s_.complex.is_corner(v) || s_.complex.boundary_edges(v) != 2) continue;
+      least = distance;
+      nearest = v;
+    }
+    return nearest;
+  }
+
+  State& s_;
+  Findings& findings_;
+  Job& job_;
+};
+
+}  // namespace
+
+std::vector<std::int32_t> piece_images(const State& state) {
+  if (!state.partition.symmetry) return {};
+  std::vector<Patch> patches(state.labels.pieces.size());
+  for (std::size_t l = 0; l < patches.size(); ++l) {
+    const Plane& p = state.planes[l];
+    if (state.labels.pieces[l].face != kNone) patches[l] = {p.centre, p.normal, p.area};
+  }
+  return mirror_images(patches, state.partition.symmetry->relative_to(state.mesh.origin()));
+}
+
+void mirror_corners(State& state, Findings& findings, Job& job) {
+  if (!state.partition.symmetry) return;
+  Mirroring(state, findings, job).pair_more();
+  using At = Mirroring::At;
+  for (const At at : {At::mean, At::first, At::second}) Mirroring(state, findings, job).place(at);
+  Mirroring(state, findings, job).place_singly();
+}
+
+std::int32_t mirrored_corners(const State& state) {
+  if (!state.partition.symmetry) return 0;
+  const Pairs pairs(state);
+  std::int32_t count = 0;
+  for (std::int32_t c = 0; c < state.corners.count(); ++c) count += pairs.is_exact(c);
+  return count;
+}
+
+}  // namespace isimp::meshing

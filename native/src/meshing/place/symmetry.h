@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "complex/state.h"
+#include "isimp/core/job.h"
+#include "judge/findings.h"
+
+namespace isimp::meshing {
+
+/// Makes corners mirror in the plane of the partition, if it has one.
+///
+/// Pieces are paired with their images, and corners by the pieces round them. Corners along one border that the border's
+/// image lacks are dropped or, where polygons do not bear that, added to the image. Then each pair is put at the mean of
+/// the one and the other's image, a corner that is its own image on the plane. Where that makes a polygon faulty, all
+/// of it stays as it was.
+/// \return how many corners mirror exactly
+/// Cost: O(corners log corners), a few `update`s, and some rounds of `judge` for what moves.
+void mirror_corners(State& state, Findings& findings, Job& job);
+
+/// By piece: the one at its mirror image, kNone where there is none. Empty without a plane.
+std::vector<std::int32_t> piece_images(const State& state);
+
+/// How many corners lie exactly at the image of another one, or on the plane. 0 without a plane.
+std::int32_t mirrored_corners(const State& state);
+
+}  // namespace isimp::meshing

@@ -1,0 +1,38 @@
+#include "repair/flaws.h"
+
+namespace isimp::meshing {
+
+void list_flaws(const State& state, const Findings& findings, RepairOutcome& outcome) {
+  auto& list = outcome.imperfect;
+  for (std::int32_t l = 0; l < state.labels.piece_count(); ++l)
+    for (std::size_t i = 0; i < findings.of(l).polygons.size(); ++i) {
+      const std::int32_t q = state.polygons.first_of(l) + static_cast<std::int32_t>(i);
+      const std::uint8_t faults = findings.of(l).polygons[i].faults;
+      outcome.crossing += (faults & (kCrossing | kNoArea)) != 0;
+      outcome.flipped += (faults & kFlipped) != 0;
+      outcome.bent += (faults & kBent) != 0;
+      if (faults & kCrossing) list.push_back({q, Flaw::crossing, kNone});
+      if (faults & kNoArea) list.push_back({q, Flaw::no_area, kNone});
+      if (faults & kFlipped) list.push_back({q, Flaw::flipped, kNone});
+      if (faults & kBent) list.push_back({q, Flaw::bent, kNone});
+      outcome.without_area += (faults & kGiven) != 0;
+      if (faults & kGiven) list.push_back({q, Flaw::excused, kNone});
+    }
+  const auto add = [&](const Hit& h) {
+    list.push_back({state.polygons.first_of(h.a) + h.part_a, h.excused ? Flaw::excused : Flaw::intersecting,
+                    state.polygons.first_of(h.b) + h.part_b});
+  };
+  for (const Hit& h : findings.hits()) {
+    ++(h.excused ? outcome.excused : outcome.intersecting);
+    add(h);
+  }
+  const GivenHits given = findings.given_hits(kMostListed, kMostCounted);
+  for (const Hit& h : given.first) add(h);
+  outcome.excused += given.count;
+  outcome.excused_at_least = !given.is_all;
+  outcome.work = {state.labels.walked.load(), state.placed, findings.judged()};
+  const RepairOutcome& o = outcome;
+  outcome.capped = o.capped && o.crossing + o.flipped + o.bent + o.intersecting > 0;
+}
+
+}  // namespace isimp::meshing

@@ -1,0 +1,466 @@
+#include "repair/junctions.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "complex/angles.h"
+#include "isimp/core/sorted.h"
+#include "place/symmetry.h"
+
+namespace isimp::meshing {
+namespace {
+
+constexpr int kPasses = 2;
+constexpr std::size_t kMostLabels = 5;  ///< pieces that may meet in a vertex
+// How far the planes may miss the vertex: deviations of the scan from them, and of sqrt(area / pieces).
+constexpr double kPlanes = 3.2, kGap = 0.11;
+constexpr double kRounding = 1e-9;           ///< of the diagonal: planes that are nearer than this meet
+constexpr double kFixed = 0.0625;            ///< of the largest eigenvalue: below, planes fix no point
+constexpr double kStep = 0.3;                ///< of sqrt(area / pieces): from the middle to the vertex
+constexpr double kShort = 0.4;               ///< of the same: a chord that may go for its length alone
+constexpr double kSharp = 20, kSharper = 3;  ///< degrees
+constexpr double kExcess = 20;               ///< degrees that reflex corners may open further in all
+constexpr double kError = 0.02;              ///< of area / pieces: by how much the error may rise
+constexpr double kOfGiver = 1.0 / 3;         ///< of its area: what a piece may give
+constexpr double kLoose = 3;                 ///< times the gap: at the image of a join
+constexpr double kLongest = 4;               ///< of sqrt(area / pieces): a path between two junctions
+
+/// The pieces round a vertex, counter-clockwise.
+using Round = std::vector<std::int32_t>;
+
+/// Two junctions, and the boundary half-edges from one to the other.
+struct Chord {
+  std::int32_t u, v;
+  std::vector<std::int32_t> path;
+};
+
+/// One of the ways to join: faces that go from a piece to another, so that the one end moves to the other.
+struct Gift {
+  double error = 0;
+  std::int32_t giver, taker, keeps, moves;
+  std::vector<std::int32_t> faces;
+  Vec3 sum = Vec3::Zero();
+};
+
+class Joiner {
+ public:
+  /// \param joins  those that are made are appended
+  Joiner(State& state, std::vector<Join>& joins, Job& job) : s_(state), mesh_(state.mesh), joins_(joins), job_(job) {}
+
+  bool run() {
+    read();
+    const std::size_t before = joins_.size();
+    for (const Candidate& c : candidates()) {
+      job_.poll();
+      if (image_.empty())
+        join(c.a, c.b);
+      else
+        join_both(c.a, c.b);
+    }
+    for (std::size_t i = before; i < joins_.size(); ++i)
+      s_.hand_over(joins_[i].giver, joins_[i].taker, joins_[i].faces, joins_[i].pieces);
+    return joins_.size() > before;
+  }
+
+ private:
+  struct Candidate {
+    double length;
+    std::int32_t a, b;
+    auto operator<=>(const Candidate&) const = default;
+  };
+
+  /// Polygons and planes as they are, to be kept up to date while junctions are joined.
+  void read() {
+    const std::int32_t pieces = s_.labels.piece_count();
+    loops_.resize(pieces);
+    sums_.resize(pieces);
+    at_.resize(s_.corners.count());
+    double area = 0, square = 0;
+    std::int32_t count = 0;
+    for (std::int32_t l = 0; l < pieces; ++l) {
+      const Plane& p = s_.planes[l];
+      if (s_.labels.pieces[l].face == kNone) continue;
+      ++count;
+      area += p.area;
+      square += p.area * p.normal.dot(p.spread * p.normal);
+      sums_[l] = p.projected * p.normal;
+      for (const std::int32_t h : s_.complex.chords(l)) {
+        const std::int32_t c = s_.corner_at(mesh_.from(h));
+        loops_[l].push_back(c);
+        at_[c].push_back(l);
+      }
+    }
+    size_ = std::sqrt(area / std::max(count, 1));
+    const double deviation = std::sqrt(std::max(0.0, square) / std::max(area, 1e-300));
+    gap_ = std::min(kPlanes * deviation, kGap * size_) + kRounding * mesh_.diagonal();
+    vertex_ = s_.corners.vertex;
+    position_ = s_.corners.position;
+    image_ = piece_images(s_);
+  }
+
+  [[nodiscard]] std::vector<Candidate> candidates() const {
+    std::vector<Candidate> some;
+    for (const auto& loop : loops_)
+      for (std::size_t i = 0; i < loop.size(); ++i) {
+        const std::int32_t a = loop[i], b = loop[i + 1 < loop.size() ? i + 1 : 0];
+        if (a > b || at_[a].size() < 3 || at_[b].size() < 3) continue;
+        const double length = (position_[a] - position_[b]).norm();
+        if (length < s_.options.join_junctions * size_) some.push_back({length, a, b});
+      }
+    std::sort(some.begin(), some.end());
+    return some;
+  }
+
+  /// Nothing at a border of the mesh.
+  [[nodiscard]] Round round_of(std::int32_t vertex) const {
+    Round round;
+    if (mesh_.opposite(mesh_.vertex_halfedge()[vertex]) == kNone) return round;
+    for_each_leaving(mesh_, vertex, [&](std::int32_t h) {
+      const std::int32_t l = s_.labels.label[h / 3];
+      if (round.empty() || round.back() != l) round.push_back(l);
+    });
+    if (round.size() > 1 && round.front() == round.back()) round.pop_back();
+    return round;
+  }
+
+  /// The path from u to v along which no other junction is, if there is one.
+  [[nodiscard]] std::optional<Chord> trace(std::int32_t u, std::int32_t v) const {
+    std::optional<Chord> found;
+    for_each_leaving(mesh_, u, [&](std::int32_t first) {
+      if (found || s_.labels.inner(first)) return;
+      Chord chord{u, v, {}};
+      double length = 0;
+      for (std::int32_t h = first;; h = s_.labels.next_on_boundary(h)) {
+        if (s_.labels.across(h) == kNone) return;
+        chord.path.push_back(h);
+        const std::int32_t to = mesh_.to(h);
+        length += (mesh_.vertices()[to] - mesh_.vertices()[mesh_.from(h)]).norm();
+        if (to == v) break;
+        if (length > kLongest * size_ || s_.complex.boundary_edges(to) != 2) return;
+      }
+      found = std::move(chord);
+    });
+    return found;
+  }
+
+  /// Where the planes of some pieces meet, near a point; nothing where they do not.
+  [[nodiscard]] std::optional<Vec3> meeting_point(const Round& pieces, const Vec3& near, double radius,
+                                                  double gap) const {
+    Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
+    Vec3 g = Vec3::Zero();
+    for (const std::int32_t l : pieces) {
+      const Plane& p = s_.planes[l];
+      a += p.normal * p.normal.transpose();
+      g += p.normal.dot(p.centre - near) * p.normal;
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(a);
+    Vec3 d = Vec3::Zero();
+    for (int i = 0; i < 3; ++i)
+      if (solver.eigenvalues()[i] > kFixed * solver.eigenvalues()[2])
+        d += solver.eigenvectors().col(i).dot(g) / solver.eigenvalues()[i] * solver.eigenvectors().col(i);
+    if (d.norm() > radius) return {};
+    for (const std::int32_t l : pieces)
+      if (std::abs(s_.planes[l].normal.dot(near + d - s_.planes[l].centre)) > gap) return {};
+    return near + d;
+  }
+
+  /// What it takes to join two junctions.
+  struct Plan {
+    std::int32_t a, b;
+    Vec3 place;
+    std::vector<Gift> gifts;
+    Round all;
+  };
+
+  /// \param loosely  whether the image of a join is planned: it may be a little worse
+  [[nodiscard]] std::optional<Plan> plan(std::int32_t a, std::int32_t b, bool loosely) {
+    if (at_[a].empty() || at_[b].empty()) return {};
+    const std::int32_t u = vertex_[a], v = vertex_[b];
+    const Round at_u = round_of(u), at_v = round_of(v);
+    if (at_u.size() < 3 || at_v.size() < 3 || at_u.size() + at_v.size() - 2 > kMostLabels) return {};
+    Round all = at_u;
+    all.insert(all.end(), at_v.begin(), at_v.end());
+    sort_unique(all);
+    if (all.size() != at_u.size() + at_v.size() - 2 || all.front() == kNone) return {};
+    const std::optional<Chord> chord = trace(u, v);
+    if (!chord) return {};
+    const double length = (position_[a] - position_[b]).norm();
+    const std::optional<Vec3> place = meeting_point(all, (position_[a] + position_[b]) / 2,
+                                                    std::max(length, kStep * size_), loosely ? kLoose * gap_ : gap_);
+    if (!place || !is_better(a, b, *place, length, loosely)) return {};
+    Plan p{a, b, *place, gifts_of(*chord, at_u, at_v), std::move(all)};
+    return p.gifts.empty() ? std::nullopt : std::optional(std::move(p));
+  }
+
+  bool carry_out(Plan& p) {
+    for (Gift& gift : p.gifts) {
+      if (!give(gift, p.all)) continue;
+      replace(p.a, p.b, p.place, gift.keeps);
+      joins_.push_back({gift.giver, gift.taker, gift.moves, std::move(gift.faces), std::move(p.all)});
+      return true;
+    }
+    return false;
+  }
+
+  void join(std::int32_t a, std::int32_t b) {
+    if (std::optional<Plan> p = plan(a, b, false)) carry_out(*p);
+  }
+
+  /// Joins two junctions and their images, or none of them. Where the images are one junction already, or there are
+  /// none, as elsewhere.
+  void join_both(std::int32_t a, std::int32_t b) {
+    if (at_[a].empty() || at_[b].empty()) return;
+    Round images = at_[a];
+    images.insert(images.end(), at_[b].begin(), at_[b].end());
+    sort_unique(images);
+    bool mirrors = !images.empty();
+    for (std::int32_t& l : images) mirrors = (l = image_[l]) != kNone && mirrors;
+    if (!mirrors) return join(a, b);
+    std::sort(images.begin(), images.end());
+    const auto [c, d] = junctions_among(images);
+    if (c == kNone) return;
+    if (d == kNone || (std::min(a, b) == std::min(c, d) && std::max(a, b) == std::max(c, d))) {
+      if (std::optional<Plan> p = plan(a, b, d == kNone)) carry_out(*p);
+      return;
+    }
+    std::optional<Plan> here = plan(a, b, false), there = plan(c, d, true);
+    if (here && there && carry_out(*here)) {
+      there = plan(c, d, true);
+      if (!there || !carry_out(*there)) joins_.back().alone = true;
+    }
+  }
+
+  /// The junction at which just these pieces meet, or the two beside each other at which they do together.
+  [[nodiscard]] std::array<std::int32_t, 2> junctions_among(const Round& pieces) const {
+    std::array<std::int32_t, 2> found{kNone, kNone};
+    for (const std::int32_t l : pieces) {
+      const auto& loop = loops_[l];
+      for (std::size_t i = 0; i < loop.size(); ++i) {
+        const std::int32_t c = loop[i], d = loop[i + 1 < loop.size() ? i + 1 : 0];
+        if (at_[c] == pieces) return {c, kNone};
+        if (at_[c].size() < 3 || at_[d].size() < 3 || at_[c].size() + at_[d].size() != pieces.size() + 2) continue;
+        Round together = at_[c];
+        together.insert(together.end(), at_[d].begin(), at_[d].end());
+        sort_unique(together);
+        if (together == pieces) found = {c, d};
+      }
+    }
+    return found;
+  }
+
+  /// Whether polygons are well formed with one corner, at a place, instead of two.
+  bool is_better(std::int32_t a, std::int32_t b, const Vec3& place, double length, bool loosely) {
+    std::vector<std::int32_t> round = at_[a];
+    round.insert(round.end(), at_[b].begin(), at_[b].end());
+    sort_unique(round);
+    Angles before, after;
+    for (const std::int32_t l : round) before.add(angles_of(loops_[l], position_, s_.planes[l].normal));
+    const Vec3 was = std::exchange(position_[a], place);
+    bool good = true;
+    for (const std::int32_t l : round) {
+      const std::vector<std::int32_t> loop = without(loops_[l], a, b);
+      good = good && loop.size() >= 3;
+      if (good) after.add(angles_of(loop, position_, s_.planes[l].normal));
+    }
+    position_[a] = was;
+    const double sharper = loosely ? 4 * kSharper : kSharper;
+    if (!good || after.faces_away || after.least < std::min(before.least - sharper, kSharp)) return false;
+    if (loosely) return true;
+    const bool is_short = length < kShort * size_;
+    return after.reflex < before.reflex ||
+           (is_short && after.reflex == before.reflex && after.excess <= before.excess + kExcess);
+  }
+
+  /// A loop with a for b.
+  [[nodiscard]] static std::vector<std::int32_t> without(const std::vector<std::int32_t>& loop, std::int32_t a,
+                                                         std::int32_t b) {
+    std::vector<std::int32_t> result;
+    for (const std::int32_t c : loop) {
+      const std::int32_t d = c == b ? a : c;
+      if (result.empty() || result.back() != d) result.push_back(d);
+    }
+    if (result.size() > 1 && result.front() == result.back()) result.pop_back();
+    return result;
+  }
+
+  /// The ways to join, first the one that raises the error least. All of them where a join has an image, so that both
+  /// can be made.
+  [[nodiscard]] std::vector<Gift> gifts_of(const Chord& chord, const Round& at_u, const Round& at_v) const {
+    const std::int32_t left = s_.labels.label[chord.path[0] / 3], right = s_.labels.across(chord.path[0]);
+    std::vector<Gift> gifts;
+    const auto consider = [&](const Round& at_end, std::int32_t keeps, std::int32_t moves) {
+      if (at_end.size() != 3) return;
+      const std::int32_t taker =
+          *std::find_if(at_end.begin(), at_end.end(), [&](std::int32_t l) { return l != left && l != right; });
+      for (const std::int32_t giver : {left, right}) {
+        Gift gift{.giver = giver, .taker = taker, .keeps = keeps, .moves = moves, .faces = {}};
+        if (fill(gift, chord)) gifts.push_back(std::move(gift));
+      }
+    };
+    consider(at_u, chord.v, chord.u);
+    consider(at_v, chord.u, chord.v);
+    std::stable_sort(gifts.begin(), gifts.end(), [](const Gift& x, const Gift& y) { return x.error < y.error; });
+    if (image_.empty() && gifts.size() > 1) gifts.erase(gifts.begin() + 1, gifts.end());
+    return gifts;
+  }
+
+  /// Finds the faces to give and what that costs.
+  /// \return whether they may be given
+  bool fill(Gift& gift, const Chord& chord) const {
+    const auto add_star = [&](std::int32_t w) {
+      if (w == gift.keeps) return;
+      for_each_leaving(mesh_, w, [&](std::int32_t h) {
+        if (s_.labels.label[h / 3] == gift.giver) gift.faces.push_back(h / 3);
+      });
+    };
+    for (const std::int32_t h : chord.path) add_star(mesh_.from(h));
+    add_star(chord.v);
+    sort_unique(gift.faces);
+    double area = 0;
+    for (const std::int32_t f : gift.faces) {
+      const FaceRecord& r = mesh_.graph().faces[mesh_.graph().graph_face[f]];
+      const double weight = mesh_.graph().area * r.area;
+      area += weight;
+      gift.sum += weight * Vec3(r.nx, r.ny, r.nz);
+    }
+    const Vec3 &giver = sums_[gift.giver], &taker = sums_[gift.taker];
+    gift.error = 2 * (giver.norm() + taker.norm() - (giver - gift.sum).norm() - (taker + gift.sum).norm());
+    return !gift.faces.empty() && area < kOfGiver * s_.planes[gift.giver].area &&
+           gift.error <= kError * size_ * size_ && may_give(s_, gift.giver, gift.taker, gift.faces);
+  }
+
+  /// Changes the labels, if all pieces stay discs and no other junction changes.
+  /// \param all  the pieces that shall meet in the vertex that stays
+  bool give(const Gift& gift, const Round& all) {
+    std::vector<std::int32_t> near;
+    for (const std::int32_t f : gift.faces)
+      for (const std::int32_t w : mesh_.triangles()[f]) near.push_back(w);
+    sort_unique(near);
+    std::vector<Round> before;
+    before.reserve(near.size());
+    for (const std::int32_t w : near) before.push_back(round_of(w));
+    if (std::any_of(before.begin(), before.end(), [](const Round& r) { return r.empty(); })) return false;
+    s_.relabel(gift.faces, gift.taker);
+    const std::int32_t face = s_.labels.pieces[gift.giver].face;
+    bool good = true;
+    for (std::size_t i = 0; i < near.size() && good; ++i)
+      good = is_kept(before[i], round_of(near[i]), near[i] == gift.keeps, near[i] == gift.moves, all);
+    good = good && stay_discs(gift);
+    if (good) {
+      sums_[gift.giver] -= gift.sum;
+      sums_[gift.taker] += gift.sum;
+      return true;
+    }
+    s_.relabel(gift.faces, gift.giver);
+    s_.name(gift.giver, face);
+    return false;
+  }
+
+  [[nodiscard]] static bool is_kept(const Round& before, const Round& after, bool keeps, bool moves, const Round& all) {
+    Round sorted = after;
+    sort_unique(sorted);
+    if (sorted.size() != after.size()) return false;  // a piece would touch itself
+    if (keeps) return sorted == all;
+    if (after.size() <= 2) return moves || before.size() <= 2;
+    return before == after;
+  }
+
+  /// Names the giver by a face that it keeps.
+  /// \return whether both pieces are discs still
+  bool stay_discs(const Gift& gift) {
+    const std::int32_t kept = face_beside(s_.labels, gift.faces, gift.giver);
+    if (kept == kNone) return false;
+    if (s_.labels.label[s_.labels.pieces[gift.giver].face] != gift.giver) s_.name(gift.giver, kept);
+    const std::vector<std::int32_t> loop = outline(gift.faces);
+    // A disc without a disc along one path of its boundary is a disc, and so are two discs with one common path. That no
+    // piece touches itself at a vertex has been seen.
+    const auto runs = [&](std::int32_t label) {
+      int count = 0;
+      for (std::size_t i = 0; i < loop.size(); ++i)
+        count += is_beside(loop[i], label) && !is_beside(loop[i > 0 ? i - 1 : loop.size() - 1], label);
+      return count;
+    };
+    return runs(gift.giver) == 1 && runs(gift.taker) == 1;
+  }
+
+  /// Whether the face across a half-edge of the marked faces has a label and is none of them.
+  [[nodiscard]] bool is_beside(std::int32_t h, std::int32_t label) const {
+    const std::int32_t o = mesh_.opposite(h);
+    return o != kNone && s_.labels.label[o / 3] == label && !s_.labels.face_marks.has(o / 3);
+  }
+
+  /// Marks some faces.
+  /// \return their boundary half-edges in order; empty if they are no disc
+  std::vector<std::int32_t> outline(const std::vector<std::int32_t>& faces) {
+    auto &in = s_.labels.face_marks, &seen = s_.labels.vertex_marks;
+    in.clear();
+    seen.clear();
+    for (const std::int32_t f : faces) in.add(f);
+    std::int64_t vertices = 0, edges = 0, boundary = 0;  // edges twice
+    std::int32_t start = kNone;
+    const auto is_inner = [&](std::int32_t h) {
+      const std::int32_t o = mesh_.opposite(h);
+      return o != kNone && in.has(o / 3);
+    };
+    for (const std::int32_t f : faces)
+      for (std::int32_t h = 3 * f; h < 3 * f + 3; ++h) {
+        vertices += seen.add(mesh_.from(h));
+        ++edges;
+        if (is_inner(h)) continue;
+        ++edges;
+        ++boundary;
+        start = h;
+      }
+    std::vector<std::int32_t> loop;
+    if (2 * (vertices + static_cast<std::int64_t>(faces.size())) - edges != 2) return loop;
+    seen.clear();
+    for (std::int32_t h = start; seen.add(mesh_.from(h));) {
+      loop.push_back(h);
+      h = Mesh::next(h);
+      while (is_inner(h)) h = Mesh::next(mesh_.opposite(h));
+    }
+    if (static_cast<std::int64_t>(loop.size()) != boundary) loop.clear();
+    return loop;
+  }
+
+  /// The polygons with one corner instead of two.
+  void replace(std::int32_t a, std::int32_t b, const Vec3& place, std::int32_t keeps) {
+    const std::int32_t gone = vertex_[a] == keeps ? vertex_[b] : vertex_[a];
+    position_[a] = place;
+    vertex_[a] = keeps;
+    for (const std::int32_t l : at_[b]) loops_[l] = without(loops_[l], a, b);
+    at_[a].insert(at_[a].end(), at_[b].begin(), at_[b].end());
+    sort_unique(at_[a]);
+    at_[b].clear();
+    s_.drop_corner(gone);
+    s_.add_corner(keeps);
+  }
+
+  State& s_;
+  const Mesh& mesh_;
+  std::vector<Join>& joins_;
+  Job& job_;
+  double size_ = 0;                                    // scene units: of a region
+  double gap_ = 0;                                     // by which planes may miss the vertex
+  std::vector<std::vector<std::int32_t>> loops_, at_;  // corners by piece, pieces by corner
+  std::vector<std::int32_t> vertex_;                   // by corner: where the junction is
+  std::vector<Vec3> position_;                         // by corner
+  std::vector<Vec3> sums_;                             // by piece: vector area of its faces
+  std::vector<std::int32_t> image_;                    // by piece: see piece_images
+};
+
+}  // namespace
+
+std::vector<Join> join_junctions(State& state, Job& job) {
+  std::vector<Join> joins;
+  if (!(state.options.join_junctions > 0)) return joins;
+  for (int pass = 0; pass < kPasses && Joiner(state, joins, job).run(); ++pass) state.update({});
+  return joins;
+}
+
+}  // namespace isimp::meshing

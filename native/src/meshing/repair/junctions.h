@@ -1,0 +1,28 @@
+#pragma once
+
+#include <vector>
+
+#include "complex/joins.h"
+#include "complex/state.h"
+#include "isimp/core/job.h"
+
+namespace isimp::meshing {
+
+/// Joins pairs of junctions that a short chord connects, so that four or five pieces meet in one vertex. Where a
+/// surface is a saddle, three planar polygons can't all be convex at a vertex, and four can; and a short edge goes.
+///
+/// A join is a change of labels: the faces of one piece along the path between the junctions go to the piece at the end
+/// that moves. It is made where
+/// - the planes of the pieces meet in about one point, nearer than kPlanes times the deviation of the scan from them,
+/// - no polygon round it turns over or gets a corner that is too sharp,
+/// - there are no more reflex corners than before and, where the chord is not very short, fewer,
+/// - all pieces stay discs, and no other junction changes,
+/// - no locked region changes and no bound of the partition is broken.
+/// Shortest chords come first; ties go to the lower vertex.
+/// Pre: `update` has placed the corners. Calls `update` where something was joined.
+/// \return the joins, in the order in which they were made
+/// Source: the cause is that of Li, Liu, Wang: Planar Hexagonal Meshing for Architecture, 2015; the joining is our own.
+/// Cost: O(chords + faces of the pieces joined).
+std::vector<Join> join_junctions(State& state, Job& job);
+
+}  // namespace isimp::meshing

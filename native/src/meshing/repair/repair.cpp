@@ -1,0 +1,488 @@
+#include "repair/repair.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "complex/diagonal.h"
+#include "complex/transaction.h"
+#include "isimp/core/sorted.h"
+#include "isimp/core/to_integer.h"
+#include "judge/bounds.h"
+#include "judge/findings.h"
+#include "place/keep_planes.h"
+#include "place/slide.h"
+#include "place/symmetry.h"
+#include "planar/planar.h"
+#include "repair/coarsen.h"
+#include "repair/flaws.h"
+#include "repair/junctions.h"
+#include "repair/plans.h"
+
+namespace isimp::meshing {
+namespace {
+
+constexpr int kRounds = 40;
+constexpr int kPatience = 12;                 ///< how often the last act of a plan is repeated
+constexpr double kPull = 0.5;                 ///< what a pull leaves of a corner's radius ...
+constexpr double kLeastPull = 0.1;            ///< ... down to this share of it; then it goes back to its vertex
+constexpr std::size_t kShard = 16;            ///< faces of a piece that falls apart into them where nothing else helped
+constexpr std::size_t kMostForDiagonal = 64;  ///< corners of a polygon beyond which it is split at once
+constexpr std::int32_t kLeastBudget = 100;    ///< splits that are always allowed
+constexpr double kOfOpening = 4;              ///< polygons that a border or handle of the scan may take
+constexpr int kPasses = 4;                    ///< of joining what was split
+constexpr double kManyMore = 1.05;            ///< times the regions: fewer polygons are not joined in further passes
+constexpr double kWorthwhile = 0.97;          ///< a pass that leaves more of the polygons is the last
+
+class Repairer {
+ public:
+  Repairer(State& state, Job& job) : s_(state), job_(job), findings_(state, bounds_of(state), job) {
+    const std::int32_t pieces = s_.labels.piece_count();
+    const double all = pieces + kOfOpening * openings_of(s_.mesh);
+    most_polygons_ = pieces + to_integer(s_.options.repair_budget * all, kLeastBudget,
+                                         std::numeric_limits<std::int32_t>::max() - pieces);
+    if (s_.options.planar) findings_.judge_planar();
+  }
+
+  RepairOutcome run() {
+    {
+      const Job::Part part(job_, "repairing", 0.0, 0.25);
+      s_.update({});
+      usual_ = mean_misses(s_);
+      std::vector<Join> joins = join_junctions(s_, job_);
+      judge(all_pieces());
+      take_back_joins(joins);
+      outcome_.joined = static_cast<std::int32_t>(joins.size());
+      mend(kRounds);
+    }
+    join_again();
+    const Job::Part part(job_, "repairing", 0.75, 1.0);
+    if (fall_back()) {
+      coarsen(s_, findings_, usual_, acted_, job_);
+      fall_back();
+    }
+    slide_corners(s_, findings_, job_);
+    if (!s_.options.planar) outcome_.let_go = keep_to_planes(s_, findings_, job_);
+    mirror_corners(s_, findings_, job_);
+    if (s_.options.planar) {
+      make_planar();
+    } else {
+      outcome_.planar.planar = planar::is_planar(s_);
+    }
+    outcome_.mirrored = mirrored_corners(s_);
+    list_flaws(s_, findings_, outcome_);
+    return outcome_;
+  }
+
+ private:
+  /// Takes back the joins at pieces that moving corners does not mend, since a split would cost more polygons.
+  void take_back_joins(std::vector<Join>& joins) {
+    if (joins.empty()) return;
+    may_split_ = false;
+    mend(kRounds);
+    may_split_ = true;
+    while (true) {
+      std::vector<bool> faulty = findings_.faulty(kCrossing | kFlipped | kNoArea);
+      const std::vector<std::int32_t> image = piece_images(s_);  // with a join goes its image
+      for (std::size_t l = 0; l < image.size(); ++l)
+        if (image[l] != kNone && faulty[l]) faulty[image[l]] = true;
+      if (!take_back(s_, faulty, joins)) return;
+      for (const std::int32_t l : s_.labels.touched) {
+        tries_[l] = 0;
+        for (const std::int32_t c : corners_of(l)) s_.set_pull(c, 1);
+      }
+      changed_ = s_.labels.touched;
+      bring_up_to_date();
+    }
+  }
+
+  /// Joins split polygons and mends the result, in turn, while there are many more polygons than regions. Each join may
+  /// make others possible.
+  void join_again() {
+    for (int pass = 0; pass < kPasses; ++pass) {
+      const double from = 0.75 - 0.5 * std::pow(0.4, pass);  // most meshes need one pass
+      const Job::Part part(job_, "repairing", from, 0.75 - 0.2 * std::pow(0.4, pass));
+      const std::int32_t before = s_.polygons.count();
+      outcome_.taken_back += coarsen(s_, findings_, usual_, {}, job_);
+      acted_.clear(s_.labels.piece_count());
+      std::fill(tries_.begin(), tries_.end(), 0);
+      mend(kRounds);
+      const std::int32_t now = s_.polygons.count();
+      // Mending may have made more of them than joining took back; that is joined again.
+      if (now < kManyMore * s_.regions || (now > kWorthwhile * before && now <= before)) return;
+    }
+  }
+
+  /// Acts and looks again, until nothing is faulty, nothing helps or the rounds are over.
+  void mend(int rounds) {
+    for (int round = 0; round < rounds; ++round, ++outcome_.rounds) {
+      job_.report(std::min(0.95, round / 20.0));
+      if (!act()) break;
+      bring_up_to_date();
+    }
+  }
+
+  void bring_up_to_date() {
+    std::vector<std::int32_t> changed = s_.update(std::exchange(changed_, {}));
+    touched_.clear();
+    seen_ = 0;
+    changed.insert(changed.end(), gone_.begin(), gone_.end());
+    gone_.clear();
+    judge(changed);
+  }
+
+  /// The last resort: what is still faulty is split down to faces of the scan, at their places, so that what is wrong
+  /// then is so in the scan.
+  /// \return whether there was any
+  bool fall_back() {
+    bool ever = false;
+    for (bool any = true; any; ++outcome_.rounds) {
+      job_.poll();
+      any = false;
+      polygons_ = s_.polygons.count();
+      find_met();
+      const std::vector<bool> faulty = findings_.faulty();
+      for (std::int32_t l = 0; l < static_cast<std::int32_t>(faulty.size()); ++l)
+        if (faulty[l]) {
+          acted_.add(l);
+          any = shatter(l) || any;
+        }
+      if (any) bring_up_to_date();
+      ever = ever || any;
+    }
+    return ever;
+  }
+
+  /// Where a polygon can't be made planar, its piece is split, at last into faces of the scan at their places, and that
+  /// part is done again; after many tries it stays as it is.
+  void make_planar() {
+    constexpr int kSplits = 6, kTries = 16;
+    planar::Memory memory;
+    bool is_last = false;
+    for (int go = 0;; ++go) {
+      Transaction transaction(s_);
+      findings_.keep();
+      const planar::Outcome outcome = planar::make_planar(s_, findings_, memory, is_last, job_);
+      outcome_.planar = outcome.report;
+      outcome_.let_go = outcome.let_go;
+      if (outcome.stuck.empty() || is_last) return transaction.commit();
+      std::vector<std::int32_t> changed = transaction.restore_diagonals();
+      changed.insert(changed.end(), outcome.stuck.begin(), outcome.stuck.end());
+      transaction.restore_places();
+      polygons_ = 0;  // these splits are not counted
+      find_met();
+      bool any = false;
+      for (const std::int32_t l : outcome.stuck) any = (go < kSplits ? split(l) || shatter(l) : shatter(l)) || any;
+      is_last = !any || go + 1 == kTries;
+      sort_unique(changed);
+      transaction.update_back(std::move(changed));
+      transaction.commit();
+      judge(all_pieces());
+      std::fill(tries_.begin(), tries_.end(), 0);
+      mend(kRounds);
+      fall_back();
+    }
+  }
+
+  /// Looks up anew where pieces meet: judging replaces the hits.
+  void find_met() {
+    met_.assign(s_.labels.pieces.size(), nullptr);
+    for (const Hit& h : findings_.hits())
+      if (!h.excused) met_[h.a] = met_[h.b] = &h;
+  }
+
+  [[nodiscard]] std::vector<std::int32_t> all_pieces() const { return numbers_below(s_.labels.piece_count()); }
+
+  bool shatter(std::int32_t l) {
+    const std::size_t faces = s_.labels.faces_of(l).size();
+    if (faces > kShard || (faces > 1 && spent())) return split(l);
+    polygons_ += static_cast<std::int32_t>(faces) - 1;
+    changed_.push_back(l);
+    const bool any = s_.shatter(l);
+    tries_.resize(s_.labels.pieces.size(), 0);
+    return any;
+  }
+
+  void judge(std::span<const std::int32_t> pieces) {
+    findings_.judge(pieces);
+    tries_.resize(s_.labels.pieces.size(), 0);
+  }
+
+  /// One step of its plan for every faulty piece.
+  /// \return whether anything was done
+  bool act() {
+    const auto pieces = s_.labels.piece_count();
+    spared_.assign(pieces, false);
+    find_met();
+    // Of two that meet, the smaller is not split.
+    for (const Hit& h : findings_.hits())
+      if (!h.excused && h.a != h.b) spared_[s_.planes[h.a].area < s_.planes[h.b].area ? h.a : h.b] = true;
+    bool any = false;
+    polygons_ = s_.polygons.count();
+    foresee_cuts();
+    for (std::int32_t l = 0; l < pieces; ++l) {
+      const std::uint8_t faults = findings_.faults(l);
+      if (faults == 0 && !met_[l]) continue;
+      job_.poll();
+      if (may_split_ && (faults & kNoArea) && dissolve(l)) {
+        any = true;
+        continue;
+      }
+      const Action action = next_action(l, faults);
+      if (action == Action::none) continue;
+      acted_.add(l);
+      ++tries_[l];
+      any = take(action, l, is_spared(l, faults)) || any;
+    }
+    cuts_.clear();
+    return any;
+  }
+
+  /// What the plan for a piece with these faults has next; none where there is nothing left to try.
+  [[nodiscard]] Action next_action(std::int32_t l, std::uint8_t faults) const {
+    if (faults == 0 && !met_[l]) return Action::none;
+    const Plan plan = plan_for(l, faults);
+    if (tries_[l] >= static_cast<int>(plan.size()) + kPatience) return Action::none;
+    const Action action = plan[std::min<std::size_t>(tries_[l], plan.size() - 1)];
+    return may_split_ || action <= Action::pull_all ? action : Action::none;
+  }
+
+  [[nodiscard]] Plan plan_for(std::int32_t l, std::uint8_t faults) const {
+    if (faults & kCrossing) return plans::kForCrossing;
+    if (faults & (kFlipped | kNoArea)) return plans::kForFlipped;
+    return met_[l] ? Plan(plans::kForMeeting) : Plan(plans::kForBent);
+  }
+
+  [[nodiscard]] bool is_spared(std::int32_t l, std::uint8_t faults) const { return faults == 0 && spared_[l]; }
+
+  /// Finds where the pieces will be split whose turn it is, as far as can be told before any is: on all threads.
+  void foresee_cuts() {
+    if (spent()) return;
+    std::vector<std::int32_t> some;
+    for (std::int32_t l = 0; l < s_.labels.piece_count(); ++l) {
+      const std::uint8_t faults = findings_.faults(l);
+      if (next_action(l, faults) == Action::split && !(faults & kNoArea) && !waits(is_spared(l, faults)))
+        some.push_back(l);
+    }
+    cuts_.resize(s_.labels.pieces.size());
+    s_.labels.face_marks.clear();
+    s_.threads.blocks(static_cast<std::int32_t>(some.size()), 1, [&](std::int32_t i, std::int32_t, std::int32_t) {
+      job_.poll();
+      cuts_[some[i]] = find_cut(some[i]);
+    });
+  }
+
+  [[nodiscard]] Cut find_cut(std::int32_t l) const {
+    const std::optional<Vec3> crossing = place_of_crossing(l);
+    return s_.find_cut(l, crossing ? &*crossing : met_[l] ? &met_[l]->where : nullptr);
+  }
+
+  /// The cut that was foreseen unless the piece has changed since, else another.
+  [[nodiscard]] Cut take_cut(std::int32_t l) {
+    if (l < static_cast<std::int32_t>(cuts_.size()) && !cuts_[l].faces.empty() && !out_of_date(l))
+      return std::exchange(cuts_[l], {});
+    s_.labels.face_marks.clear();
+    return find_cut(l);
+  }
+
+  /// Whether a split has to wait for a round in which the smaller of two that meet is split too.
+  [[nodiscard]] bool waits(bool spared) const { return spared && outcome_.rounds % 3 != 0; }
+
+  /// Where an action can't be taken, the piece is split.
+  bool take(Action action, std::int32_t l, bool spared) {
+    switch (action) {
+      case Action::none:
+        return false;
+      case Action::pull_concerned:
+        return pull(corners_concerned(l), l);
+      case Action::pull_all:
+        return pull(corners_of(l), l);
+      case Action::add_anchor:
+        if (!out_of_date(l) && bend(l)) return true;
+        break;
+      case Action::add_diagonal:
+        if (add_diagonal(l)) return true;
+        break;
+      case Action::split:
+        break;
+    }
+    if (waits(spared)) return true;
+    return split(l);
+  }
+
+  /// Whether faces of a piece have come or gone in this round, so that the complex no longer knows its boundary.
+  [[nodiscard]] bool out_of_date(std::int32_t l) {
+    const std::vector<std::int32_t>& touched = s_.labels.touched;
+    for (; seen_ < touched.size(); ++seen_) {
+      if (touched_.size() <= static_cast<std::size_t>(touched[seen_])) touched_.resize(touched[seen_] + 1, false);
+      touched_[touched[seen_]] = true;
+    }
+    return static_cast<std::size_t>(l) < touched_.size() && touched_[l];
+  }
+
+  /// Gives a piece without area to the neighbour of its region with the longest boundary that stays a disc with it.
+  bool dissolve(std::int32_t l) {
+    if (out_of_date(l)) return false;
+    const SharedBoundary shared = s_.shared_boundary(l);
+    std::vector<std::pair<double, std::int32_t>> order;
+    order.reserve(shared.with.size());
+    for (const auto& [k, length] : shared.with) order.emplace_back(-length, k);
+    std::sort(order.begin(), order.end());
+    const std::int32_t component = s_.mesh.component()[s_.labels.pieces[l].face];
+    const auto beside = std::count_if(s_.labels.pieces.begin(), s_.labels.pieces.end(), [&](const Piece& p) {
+      return p.face != kNone && s_.mesh.component()[p.face] == component;
+    });
+    if (beside <= kLeastClosed) return false;
+    for (const auto& [length, k] : order) {
+      if (out_of_date(k)) continue;
+      std::vector<std::int32_t> loop = s_.loop_together(k, l);
+      if (loop.empty()) continue;
+      s_.unite(k, l, std::move(loop));
+      changed_.push_back(k);
+      gone_.push_back(l);
+      return true;
+    }
+    return false;
+  }
+
+  bool pull(std::vector<std::int32_t> corners, std::int32_t l) {
+    ++outcome_.pulls;
+    changed_.push_back(l);
+    sort_unique(corners);
+    for (const std::int32_t c : corners) {
+      const double share = kPull * s_.corners.pull[c];
+      s_.set_pull(c, share < kLeastPull ? 0 : share);
+    }
+    return true;
+  }
+
+  [[nodiscard]] std::vector<std::int32_t> corners_of(std::int32_t l) const {
+    std::vector<std::int32_t> all;
+    s_.polygons.for_each_of(
+        l, [&](std::int32_t q) { all.insert(all.end(), s_.polygons.of(q).begin(), s_.polygons.of(q).end()); });
+    return all;
+  }
+
+  /// The ends of edges that cross or the corners of facets that meet; else all of the piece.
+  [[nodiscard]] std::vector<std::int32_t> corners_concerned(std::int32_t l) const {
+    std::vector<std::int32_t> some;
+    for (std::size_t i = 0; i < findings_.of(l).polygons.size(); ++i) {
+      const PolygonVerdict& v = findings_.of(l).polygons[i];
+      const auto loop = s_.polygons.of(s_.polygons.first_of(l) + static_cast<std::int32_t>(i));
+      if (v.faults & (kFlipped | kNoArea)) some.insert(some.end(), loop.begin(), loop.end());
+      for (const std::int32_t e : v.crossing)
+        if (e >= 0) some.insert(some.end(), {loop[e], loop[(e + 1) % loop.size()]});
+    }
+    if (some.empty() && met_[l]) some.assign(met_[l]->corners.begin(), met_[l]->corners.end());
+    return some.empty() ? corners_of(l) : some;
+  }
+
+  /// Adds a corner on the one of two chords that cross that its boundary leaves further.
+  bool bend(std::int32_t l) {
+    bool any = false;
+    for (std::size_t i = 0; i < findings_.of(l).polygons.size(); ++i) {
+      const auto& crossing = findings_.of(l).polygons[i].crossing;
+      if (crossing[0] < 0) continue;
+      const auto polygon = s_.polygons.of(s_.polygons.first_of(l) + static_cast<std::int32_t>(i));
+      std::int32_t worse = kNone;
+      double most = 0;
+      for (const std::int32_t e : crossing) {
+        const std::int32_t chord = chord_of(l, polygon[e], polygon[(e + 1) % polygon.size()]);
+        const double depth = chord == kNone ? -1 : s_.complex.depth(chord);
+        if (depth < most) continue;
+        most = depth;
+        worse = chord;
+      }
+      any = (worse != kNone && s_.bend(worse)) || any;
+    }
+    outcome_.bends += any;
+    return any;
+  }
+
+  /// The chord of a piece from one corner to another, kNone where that edge is a diagonal.
+  [[nodiscard]] std::int32_t chord_of(std::int32_t l, std::int32_t from, std::int32_t to) const {
+    const std::int32_t a = s_.corners.vertex[from], b = s_.corners.vertex[to];
+    const auto chords = s_.complex.chords(l);
+    for (std::size_t k = 0; k < chords.size(); ++k)
+      if (s_.mesh.from(chords[k]) == a && s_.mesh.from(chords[(k + 1) % chords.size()]) == b) return chords[k];
+    return kNone;
+  }
+
+  /// Splits the worst of the piece's polygons by a new edge between two of its corners.
+  bool add_diagonal(std::int32_t l) {
+    std::int32_t worst = kNone;
+    double most = -1;
+    for (std::size_t i = 0; i < findings_.of(l).polygons.size(); ++i) {
+      const PolygonVerdict& v = findings_.of(l).polygons[i];
+      const double badness = v.bend + (v.faults & ~kBent ? s_.mesh.diagonal() : 0.0);
+      if (badness <= most) continue;
+      most = badness;
+      worst = s_.polygons.first_of(l) + static_cast<std::int32_t>(i);
+    }
+    if (s_.polygons.of(worst).size() > kMostForDiagonal) return false;
+    const std::array<std::int32_t, 2> d = best_diagonal(s_, worst, s_.planes[l].normal);
+    if (d[0] == kNone || spent()) return false;
+    std::vector<std::array<std::int32_t, 2>> all = s_.diagonals[l];
+    all.push_back(d);
+    s_.set_diagonals(l, std::move(all));
+    ++polygons_;
+    changed_.push_back(l);
+    ++outcome_.diagonals;
+    return true;
+  }
+
+  [[nodiscard]] bool spent() const { return polygons_ >= most_polygons_; }
+
+  bool split(std::int32_t l) {
+    if (spent()) {
+      outcome_.capped = true;
+      return false;
+    }
+    if (!s_.split(l, take_cut(l), job_)) return false;
+    polygons_ += s_.labels.piece_count() - static_cast<std::int32_t>(tries_.size());
+    ++outcome_.splits;
+    tries_[l] = std::min(tries_[l], kAfterSplit);
+    tries_.resize(s_.labels.pieces.size(), tries_[l]);
+    return true;
+  }
+
+  /// The middle of the shorter of two edges of one polygon that cross; nothing where none do.
+  [[nodiscard]] std::optional<Vec3> place_of_crossing(std::int32_t l) const {
+    for (std::size_t i = 0; i < findings_.of(l).polygons.size(); ++i) {
+      const auto& crossing = findings_.of(l).polygons[i].crossing;
+      if (crossing[0] < 0) continue;
+      const auto loop = s_.polygons.of(s_.polygons.first_of(l) + static_cast<std::int32_t>(i));
+      const auto end = [&](std::int32_t e) { return s_.corners.position[loop[e % loop.size()]]; };
+      const auto length = [&](std::int32_t e) { return (end(e + 1) - end(e)).squaredNorm(); };
+      const std::int32_t e = length(crossing[0]) <= length(crossing[1]) ? crossing[0] : crossing[1];
+      return (end(e) + end(e + 1)) / 2;
+    }
+    return {};
+  }
+
+  State& s_;
+  Job& job_;
+  RepairOutcome outcome_;
+  std::int32_t most_polygons_ = 0, polygons_ = 0;  // polygons_: as they will be after the acts of this round
+  Findings findings_;
+  std::vector<int> tries_;             // by piece
+  std::vector<bool> spared_;           // by piece: of two that meet, the smaller
+  std::vector<Cut> cuts_;              // by piece: where it will be split in this round, as far as was foreseen
+  std::vector<const Hit*> met_;        // by piece: where it meets another; null where it does not
+  std::vector<std::int32_t> gone_;     // pieces that were given to a neighbour in this round
+  bool may_split_ = true;              // else acts only move corners
+  std::vector<bool> touched_;          // by piece: whether it is listed in labels.touched ...
+  std::size_t seen_ = 0;               // ... as far as that has been read
+  std::vector<std::int32_t> changed_;  // pieces whose diagonals or pulls were changed in this round
+  Misses usual_;                       // of regions, before the repair
+  Scope acted_;                        // pieces of which something was changed since all could be joined
+};
+
+}  // namespace
+
+RepairOutcome repair(State& state, Job& job) { return Repairer(state, job).run(); }
+
+}  // namespace isimp::meshing

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "complex/state.h"
+#include "isimp/core/job.h"
+#include "judge/judge.h"
+
+namespace isimp::meshing {
+
+/// What is wrong with the polygons that the repair leaves.
+struct RepairOutcome {
+  std::int32_t crossing = 0, flipped = 0, bent = 0;  ///< polygons
+  std::int64_t intersecting = 0, excused = 0;  ///< pairs of polygons; excused: their regions intersect in the scan
+  bool excused_at_least = false;               ///< whether counting stopped at kMostCounted
+  std::int32_t without_area = 0;               ///< polygons that are a face of the scan without area
+  std::int32_t splits = 0, diagonals = 0, bends = 0, pulls = 0, rounds = 0;
+  std::int32_t joined = 0;      ///< pairs of junctions
+  std::int32_t taken_back = 0;  ///< polygons that splits and diagonals had made and that were not needed
+  std::int32_t mirrored = 0;    ///< corners that mirror
+  MeshingWork work;
+  bool capped = false;  ///< something is left, and more splits were wanted than allowed
+  PlanarReport planar;
+  std::vector<std::int32_t> let_go;  ///< as PolygonMesh::planes_let_go
+  /// As in MeshingReport, but polygons are numbered as in State and a pair is listed once.
+  std::vector<Imperfection> imperfect;
+};
+
+constexpr std::size_t kMostListed = 1000;         ///< flaws of a kind that a report lists
+constexpr std::int64_t kMostCounted = 1'000'000;  ///< pairs of the scan's own faces that are counted
+
+/// Looks for polygons that cross themselves, are flipped, are bent or intersect, and changes them and what is round
+/// them until none is left or nothing helps: pulls corners back to the mesh, adds corners, adds diagonals, splits
+/// pieces. Then takes back what was not needed. What is still faulty then falls back to the scan's own faces.
+RepairOutcome repair(State& state, Job& job);
+
+}  // namespace isimp::meshing

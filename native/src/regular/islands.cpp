@@ -1,0 +1,176 @@
+#include "islands.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <set>
+#include <utility>
+
+#include "isimp/core/sorted.h"
+#include "isimp/partition/surface.h"
+
+namespace isimp::regular {
+namespace {
+
+constexpr double kSame = 1e-9;  ///< of two normals that are one direction, and of two offsets that are one
+
+/// The regions of a partition, and which of them are beside each other.
+class Islands {
+ public:
+  Islands(const Mesh& mesh, const Partition& partition, std::span<const double> area, double depth)
+      : mesh_(mesh),
+        part_(partition),
+        depth_(depth),
+        area_(area.begin(), area.end()),
+        beside_(area.size()),
+        faces_(area.size()),
+        into_(area.size()),
+        seen_(area.size(), kNone) {
+    std::iota(into_.begin(), into_.end(), 0);
+    const auto& region = part_.face_region;
+    for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
+      const std::int32_t r = region[f];
+      if (r == kNone) continue;
+      faces_[r].push_back(f);
+      for (std::int32_t k = 0; k < 3; ++k) {
+        const std::int32_t h = mesh.opposite(3 * f + k), other = h == kNone ? kNone : region[h / 3];
+        if (other != r) beside_[r].push_back(other);
+      }
+    }
+    for (auto& some : beside_) sort_unique(some);
+    for (const auto& [f, g] : separated_faces(Surface(mesh, part_.guided))) {
+      barred_.insert({region[f], region[g]});
+      barred_.insert({region[g], region[f]});
+    }
+  }
+
+  std::vector<std::int32_t> find() {
+    std::vector<std::int32_t> order = into_;
+    std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return area_[a] > area_[b]; });
+    for (const std::int32_t wall : order) {
+      if (!part_.is_held(wall) || is_locked(wall)) continue;
+      for (const std::int32_t island : order) {
+        if (into_[wall] != wall) break;
+        if (into_[island] != island || island == wall || !part_.is_held(island) || !is_one_plane(wall, island))
+          continue;
+        for (const std::int32_t r : surrounded(wall, island)) {
+          into_[r] = wall;
+          area_[wall] += area_[r];
+        }
+      }
+    }
+    return into_;
+  }
+
+ private:
+  [[nodiscard]] bool is_locked(std::int32_t r) const {
+    return !part_.region_locked.empty() && part_.region_locked[r] != 0;
+  }
+  [[nodiscard]] bool is_one_plane(std::int32_t a, std::int32_t b) const {
+    return (part_.region_normal[a] - part_.region_normal[b]).norm() <= kSame &&
+           std::abs(part_.region_offset[a] - part_.region_offset[b]) <= kSame * (1 + std::abs(part_.region_offset[a]));
+  }
+  /// Whether a region may become part of a wall.
+  [[nodiscard]] bool may(std::int32_t wall, std::int32_t r) const {
+    if (is_locked(r)) return false;
+    const bool by_person = part_.region_held[r] == kPlaneByHand || part_.region_held[r] == kPlaneFree;
+    if (by_person && !is_one_plane(wall, r)) return false;
+    return std::all_of(faces_[r].begin(), faces_[r].end(), [&](std::int32_t f) {
+      const Triangle& t = mesh_.triangles()[f];
+      return std::all_of(t.begin(), t.end(), [&](std::int32_t v) {
+        return std::abs(part_.region_normal[wall].dot(mesh_.vertices()[v]) - part_.region_offset[wall]) <= depth_;
+      });
+    });
+  }
+
+  /// An island and its rim; none where something else than the wall is round them. Regions that are part of the wall by
+  /// now count as it.
+  std::vector<std::int32_t> surrounded(std::int32_t wall, std::int32_t island) {
+    const std::int32_t stamp = stamps_++;
+    std::vector<std::int32_t> found{island};
+    seen_[island] = stamp;
+    double area = 0;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      const std::int32_t r = found[i];
+      area += area_[r];
+      if (area >= area_[wall] || !may(wall, r)) return {};
+      for (const std::int32_t other : beside_[r]) {
+        if (other == kNone || barred_.contains({r, other})) return {};
+        if (into_[other] == wall || seen_[other] == stamp) continue;
+        if (into_[other] != other) return {};
+        seen_[other] = stamp;
+        found.push_back(other);
+      }
+    }
+    return found;
+  }
+
+  const Mesh& mesh_;
+  const Partition& part_;
+  const double depth_;
+  std::vector<double> area_;  // by region, as they grow
+  std::vector<std::vector<std::int32_t>>
+      beside_;  // by region: its neighbours; kNone for a border or a part that was left out
+  std::vector<std::vector<std::int32_t>> faces_;  // by region
+  std::set<std::array<std::int32_t, 2>> barred_;  // pairs of regions with a barrier between them
+  std::vector<std::int32_t> into_, seen_;         // by region; seen_: in which search it was
+  std::int32_t stamps_ = 0;
+};
+
+template <class T>
+void keep(std::vector<T>& all, const std::vector<std::int32_t>& places) {
+  if (all.empty()) return;
+  std::vector<T> kept;
+  kept.reserve(places.size());
+  for (const std::int32_t p : places) kept.push_back(all[p]);
+  all = std::move(kept);
+}
+
+/// \param into  by region: what it becomes part of, itself where it stays
+/// \return the regions that stay
+std::vector<std::int32_t> unite_regions(const Mesh& mesh, Partition& p, std::span<const std::int32_t> into) {
+  std::vector<std::int32_t> stays, number(into.size(), kNone);
+  for (std::int32_t r = 0; r < static_cast<std::int32_t>(into.size()); ++r) {
+    if (into[r] != r) {
+      p.region_sum[into[r]].add(p.region_sum[r]);
+    } else {
+      number[r] = static_cast<std::int32_t>(stays.size());
+      stays.push_back(r);
+    }
+  }
+  if (stays.size() == into.size()) return stays;
+  for (std::int32_t& r : p.face_region)
+    if (r != kNone) r = number[into[r]];
+  keep(p.region_seed, stays);
+  keep(p.region_normal, stays);
+  keep(p.region_sum, stays);
+  keep(p.region_offset, stays);
+  keep(p.region_locked, stays);
+  keep(p.region_held, stays);
+  p.error = 0;
+  const double area = Surface(mesh, p.guided).graph().area;
+  for (const RegionSum& s : p.region_sum) p.error += s.error() * area;
+  p.history.assign(1, p.error);
+  p.bound = p.distance_max = 0;  // as after an edit
+  if (p.symmetry) p.symmetry->regions = kNone;
+  return stays;
+}
+
+}  // namespace
+
+std::vector<std::int32_t> merge_islands(const Mesh& mesh, Partition& partition, std::span<RegionPlane* const> regions,
+                                        double depth) {
+  std::vector<double> area;
+  for (const RegionPlane* r : regions) area.push_back(r->scan.area);
+  const std::vector<std::int32_t> into = Islands(mesh, partition, area, depth).find();
+  for (std::size_t i = 0; i < into.size(); ++i) {
+    if (into[i] == static_cast<std::int32_t>(i)) continue;
+    RegionPlane& wall = *regions[into[i]];
+    if (regions[i]->scan.projected > 0) wall.scan = meshing::united(wall.scan, regions[i]->scan);
+    wall.faces += regions[i]->faces;
+  }
+  return unite_regions(mesh, partition, into);
+}
+
+}  // namespace isimp::regular
