@@ -30,6 +30,7 @@ stage_lint() {
   "$tests_venv/bin/check-jsonschema" --builtin-schema vendor.github-workflows .github/workflows/*.yml
   "$tests_venv/bin/ruff" check .
   "$tests_venv/bin/ruff" format --check .
+  "$tests_venv/bin/python" scripts/plain_words.py
 }
 
 stage_mypy() { # types, strict, where pyproject.toml says
