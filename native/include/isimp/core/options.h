@@ -12,11 +12,11 @@
 
 #include "isimp/core/errors.h"
 
-/// The table of options: what a field of a struct of options is called, what values it takes and what it means, written
-/// once. Checks, the Python classes, their stubs, the flags of the command and the add-on's settings are made from it.
+/// The table of options: name, range and meaning of each field of a struct of options, written once. Checks, the Python
+/// classes, their stubs, the flags of the command and the add-on's settings are made from it.
 ///
-/// Beside each struct stands `constexpr auto fields(const Options*)`, which gives a tuple of Field and Choice, one for
-/// each member, in order. Defaults are the struct's own.
+/// Each struct has a function `constexpr auto fields(const Options*)` below it. It returns a tuple of Field and Choice,
+/// one for each member, in order. Defaults are the struct's own.
 namespace isimp {
 
 /// The numbers that a field takes: an interval, with each end in it or not. Infinity is in it only where `infinite`.

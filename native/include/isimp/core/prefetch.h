@@ -19,7 +19,7 @@ inline void prefetch(const void* place) {
 #endif
 }
 
-/// The same for a place that is soon written.
+/// As `prefetch`, for a place that is soon written.
 inline void prefetch_to_write(const void* place) {
 #if defined(__GNUC__) && !defined(_MSC_VER)
   __builtin_prefetch(place, 1);

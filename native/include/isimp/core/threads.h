@@ -42,8 +42,8 @@ class Workers {
 
 /// The one place where threads are started: loops cut into pieces that threads share, none waiting busily.
 ///
-/// What the pieces write must not depend on how many there are; whoever calls sees to that. The threads last from one
-/// loop to the next, and as long as a copy of this. Waking one costs some 10 us, so short loops are left to the
+/// The results of the pieces must not depend on the number of pieces; the caller ensures this. The threads last from
+/// one loop to the next, and as long as a copy of this. Waking one costs some 10 us, so short loops are left to the
 /// caller's thread.
 class Threads {
  public:
@@ -84,8 +84,8 @@ class Threads {
     run(n, pieces(n), body);
   }
 
-  /// For steps of unequal length: calls body(next) once a thread, where next() hands out 0, 1, 2, ... to whoever asks
-  /// first. From n on there is nothing to do.
+  /// For steps of unequal length: calls body(next) once a thread, where next() returns 0, 1, 2, ... in the order of the
+  /// calls. From n on there is nothing to do.
   template <class Body>
   void share(std::int32_t n, Body body) const {
     std::atomic<std::int32_t> at{0};
@@ -93,7 +93,7 @@ class Threads {
     run(workers, workers, [&](std::int32_t, std::int32_t, std::int32_t) { body([&] { return at++; }); });
   }
 
-  /// The same of blocks of [0, n), each of so many steps but the last: calls body(block, begin, end) for each.
+  /// As `share`, for blocks of [0, n), each of `size` steps but the last: calls body(block, begin, end) for each.
   template <class Body>
   void blocks(std::int32_t n, std::int32_t size, Body body) const {
     const std::int32_t count = n / size + (n % size > 0);

@@ -19,7 +19,7 @@ inline Vec3 rounded_to_float(const Vec3& p) {
   return {rounded(p.x()), rounded(p.y()), rounded(p.z())};
 }
 
-/// What stands for "none" where an index is expected: no neighbour, no region.
+/// The index that means "none": no neighbour, no region.
 inline constexpr std::int32_t kNone = -1;
 
 }  // namespace isimp
