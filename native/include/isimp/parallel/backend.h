@@ -40,8 +40,8 @@ class Kernels {
   [[nodiscard]] virtual std::vector<RegionSum> fit(std::span<const float> faces, std::span<const std::int32_t> labels,
                                                    std::int32_t regions, std::int32_t threads) const = 0;
 
-  /// Loads a surface for flooding. What it points to must outlive the flooder, which reads it in place on the CPU.
-  /// Memory: up to 40 bytes a face on the CPU, beside the surface; on a device 68; 16 more each while naive flooding
+  /// Loads a surface for flooding. Its arrays must outlive the flooder, which reads them in place on the CPU.
+  /// Memory: up to 40 bytes a face on the CPU, without the surface; on a device 68; 16 more each while naive flooding
   /// has its places and while regions are cut to pieces.
   /// \param most  bytes of the device that the flooder may ever hold
   /// \throws InvalidInput  lengths that do not agree; a face as fit() refuses it; a neighbour outside [0, N]
@@ -52,12 +52,12 @@ class Kernels {
                                                       std::size_t most = kNoLimit) const = 0;
 };
 
-/// What a back end that ran out of memory says of it, and that the CPU can do the same.
+/// The message of a back end that ran out of memory; it adds that the CPU can do the same.
 /// \param doing  "flooding".
-/// \param wanted, held  bytes that were asked for last, and those it had already
+/// \param wanted, held  bytes of the last request, and bytes that it had already
 [[nodiscard]] std::string out_of_memory(std::string_view backend, std::string_view doing, std::size_t faces,
                                         std::size_t wanted, std::size_t held);
-/// The same of any other failure.
+/// The message of any other failure.
 /// \param reason  in the words of the back end
 [[nodiscard]] std::string out_of_order(std::string_view backend, std::string_view doing, std::size_t faces,
                                        std::string_view reason);
@@ -67,7 +67,8 @@ class Kernels {
 [[nodiscard]] std::vector<std::string> backends();
 
 /// The kernels of a back end, which live as long as the program.
-/// \throws InvalidInput  there is no such back end, or not here: the message says why, and what there is
+/// \throws InvalidInput  there is no such back end, or it does not work here; the message gives the reason and the
+///                       choices
 [[nodiscard]] const Kernels& backend(std::string_view name);
 
 }  // namespace isimp::parallel
