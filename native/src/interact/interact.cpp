@@ -11,7 +11,7 @@
 namespace isimp {
 namespace {
 
-constexpr int kRounds = 2;  // of fitting a region that is split
+constexpr int kRounds = 2;  // rounds of fitting a region that is split
 
 /// Makes a part that was left out one region.
 void bring_back(Edit& edit, std::int32_t face, Job& job) {

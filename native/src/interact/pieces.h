@@ -8,7 +8,7 @@
 
 namespace isimp {
 
-/// What has been cut off from a region, found from faces beside the cut.
+/// The faces cut off from a region, found from the faces next to the cut.
 ///
 /// All pieces are walked through in turn, a face each, and walks that meet become one; the last one under way is not
 /// walked to its end, so that the cost is that of the smaller pieces. Labels are as before afterwards.

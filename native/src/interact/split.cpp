@@ -11,7 +11,7 @@
 namespace isimp {
 namespace {
 
-constexpr int kArc = 12;  // points on the circle that closes a line round one side
+constexpr int kArc = 12;  // points on the circle that closes a line around one side
 
 using Vec2 = Eigen::Vector2d;
 
@@ -40,7 +40,7 @@ class Curtain {
 
   [[nodiscard]] Vec2 flat(const Vec3& p) const { return {right_.dot(p - middle_), up_.dot(p - middle_)}; }
 
-  /// Goes on straight at both ends to beyond `reach` of the middle, and round the left side far outside.
+  /// Extends the line straight at both ends to beyond `reach` of the middle, and around the left side far outside.
   void close(double reach) {
     for (const Vec2& p : points_) reach = std::max(reach, p.norm());
     const auto beyond = [&](const Vec2& p, const Vec2& from) { return Vec2(p + 4 * reach * (p - from).normalized()); };

@@ -28,10 +28,11 @@ Partition delete_least(const Mesh& mesh, const Partition& partition, std::int32_
 /// Cost: as delete_least.
 Partition merge_cheapest(const Mesh& mesh, const Partition& partition, std::int32_t times, Job& job);
 
-/// Relaxes all borders and moves regions from where they are worth little to where they are worth much, until that no
-/// longer helps; the number of regions stays. What comes out is never worse: at worst it is what came in.
+/// Relaxes all borders and moves regions from places where they are worth little to places where they are worth much,
+/// until no move helps; the number of regions stays. The result is never worse than the input, and at worst equal to
+/// it.
 /// \throws Cancelled  nothing was changed
-/// Cost: O(F) and up to a few times what the partition took.
+/// Cost: O(F) and up to a few times the time of the partition.
 Partition improve(const Mesh& mesh, const Partition& partition, Job& job);
 
 /// Makes all borders short and straight; the number of regions stays. Faces move between neighbouring regions as long as

@@ -16,7 +16,7 @@ namespace isimp {
 /// Cost: O(F) to copy the labels, else of the size of the regions touched.
 Partition add_proxy(const Mesh& mesh, const Partition& partition, std::int32_t face, Job& job);
 
-/// Takes the region of a face away, as the thesis's `del`; its faces are flooded by the regions around it.
+/// Removes the region of a face, as the thesis's `del`; its faces are flooded by the regions around it.
 ///
 /// Regions above the deleted one move down by one number.
 /// \throws InvalidInput  face outside [0, F) or left out; its region is the only one of its part

@@ -24,12 +24,12 @@ Partition merge_regions(const Mesh& mesh, const Partition& partition, std::int32
 /// Cost: O(F) to copy the labels, else of the size of the region.
 Partition split_region(const Mesh& mesh, const Partition& partition, std::int32_t face, Job& job);
 
-/// Splits the region of a face along a line, as with a knife: the line, gone on straight at both ends, is swept along a
-/// direction, and the faces are parted by the side of that curtain that their middles lie on.
+/// Splits the region of a face along a line, as with a knife. The line is extended straight at both ends and swept
+/// along a direction; the side of this curtain on which its centre lies decides the part of each face.
 ///
-/// Where that makes more than two pieces, the largest on the left stays one, and so does the largest of what else there
-/// is; the others go to the first. The part without the face is the new region, R. Nothing is relaxed: a cut stays as
-/// it was drawn. No other face changes sides.
+/// If this makes more than two pieces, the largest piece on the left is one part and the largest of the remaining
+/// pieces is the other; all other pieces join the first part. The part without the face is the new region, R. Nothing
+/// is relaxed: the cut stays where it was drawn. No other face changes sides.
 /// \param line  (K) points, at least 2, in scene units
 /// \param direction  of the sweep, as that of sight; zero: the region's normal
 /// \throws InvalidInput  as split_region; fewer than 2 points; a coordinate that is not finite; a line that is a point

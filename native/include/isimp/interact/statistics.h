@@ -9,7 +9,7 @@
 
 namespace isimp {
 
-/// What there is to say of one region. Its plane is that of its normal through its centroid.
+/// Figures of one region. Its plane has its normal and contains its centroid.
 struct RegionStatistics {
   std::int32_t region = kNone;
   std::int32_t faces = 0;
@@ -21,12 +21,12 @@ struct RegionStatistics {
   std::vector<std::int32_t> neighbours;  ///< regions it shares an edge with, rising
 };
 
-/// Of the region of a face.
+/// Figures of the region of a face.
 /// \throws InvalidInput  a face outside [0, F) or left out; another mesh's partition
 /// Cost: O(n log n), n the faces of the region; O(F) bits of memory.
 RegionStatistics region_statistics(const Mesh& mesh, const Partition& partition, std::int32_t face, Job& job);
 
-/// Of every region, in their order.
+/// Figures of all regions, in order.
 /// \throws InvalidInput  another mesh's partition.
 /// \throws Cancelled
 /// Cost: O(F).
@@ -38,7 +38,7 @@ struct RegionSides {
   std::vector<Vec3> normal;  ///< sum of area times unit normal: as long as the area where the region is flat
 };
 
-/// Of regions of any triangles, sound or not; those that are not finite count as without area.
+/// Sides of the regions of any triangles, sound or not; triangles with a coordinate that is not finite have no area.
 /// \param region   of each triangle; kNone for none
 /// \param regions  how many there are
 /// \throws InvalidInput  other lengths; a vertex or a region that is not there
