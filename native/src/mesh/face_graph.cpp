@@ -18,14 +18,15 @@ using detail::for_each_index;
 using detail::gather;
 
 constexpr double kFlat = 1e-12;  // doubled area over longest edge squared, below which a normal is rounding noise
-constexpr double kLeastScaled = 1e-20;  // of the whole area: below it, floats would not hold those of single faces
+constexpr double kLeastScaled = 1e-20;  // share of the whole area: below it, floats would not hold the areas of single
+                                        // faces
 constexpr int kAxisBits = 11;  // cells an axis, as a power of two: 33 bits of place leave 31 for the face's number
 constexpr int kFaceBits = 31;
-constexpr int kDigitBits = 11;      // of the sort's first digit
-constexpr int kByteBits = 8;        // of the others: three of them are the rest of a place
+constexpr int kDigitBits = 11;      // bits of the sort's first digit
+constexpr int kByteBits = 8;        // bits of the other digits: three of them are the rest of a place
 constexpr std::size_t kAhead = 12;  // faces, for the memory to be there in time
 
-/// Every bit of the lower eleven goes to a place divisible by three.
+/// Moves every bit of the lower eleven to a place divisible by three.
 constexpr std::uint32_t spread_bits(std::uint32_t x) {
   x = (x | x << 16) & 0x070000ff;
   x = (x | x << 8) & 0x0700f00f;
@@ -108,7 +109,7 @@ std::vector<std::uint32_t> sort_by_first_digit(std::span<const std::uint64_t> ke
 /// each of its values then fit into a cache together, where the other digits cost little.
 void sort_by_place(std::span<std::uint64_t> keys, const Threads& threads, Job& job) {
   constexpr std::size_t kFew = 64;            // keys that are sorted by comparisons
-  constexpr std::int32_t kDigitsAtOnce = 32;  // digits that a thread takes before it asks for more
+  constexpr std::int32_t kDigitsAtOnce = 32;  // digits that a thread takes at a time
   const auto other = std::make_unique_for_overwrite<std::uint64_t[]>(keys.size());
   const std::vector<std::uint32_t> begin = sort_by_first_digit(keys, other.get(), threads, job);
   const auto sort_digit = [&](std::size_t d) {

@@ -169,7 +169,7 @@ class EdgeFlipper {
   RepairLog& log_;
   double thin_;
   int round_ = 0;
-  std::vector<std::int8_t> touched_;   // (V) the last round that flipped an edge at each vertex, from 1; 0 if none did
+  std::vector<std::int8_t> touched_;   // (V) last round, from 1, that flipped an edge at each vertex; 0 if none did
   std::vector<std::int32_t> changed_;  // faces of this round's flips
 };
 

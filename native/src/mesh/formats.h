@@ -23,10 +23,11 @@
 ///  - damaged bytes end the process (a PLY property before any element: a wild write; an OBJ face "f /1": an
 ///    assertion that Debian's build keeps), hang it (a PLY header without its end), exhaust the memory (an OFF file
 ///    cut short) or give made-up faces (a comment in an OFF file: 32,573 of them);
-///  - readers and writers are global objects with state, so that two threads can't read at once, and some messages go
-///    to the process's error stream whatever is asked;
+///  - readers and writers are global objects with state, so that two threads can't read at once, and some messages
+///    reach
+///    the process's error stream in spite of all settings;
 ///  - the PLY writer cuts the number of a polygon's corners to eight bits and places to float, the OBJ writer to float.
-/// The tests read with OpenMesh what is written here and the other way round.
+/// The tests read the files of this writer with OpenMesh and the other way round.
 namespace isimp::detail {
 
 /// Collects vertices and polygons, one by one or many at once, and refuses more than indices can count.
@@ -75,7 +76,7 @@ class SoupBuilder {
   void drop_polygons(std::size_t count, std::size_t corners);
   [[nodiscard]] const std::vector<Vec3>& vertices() const { return soup_.vertices; }
   /// Checks the indices.
-  /// \param first_index  what the format calls the first vertex
+  /// \param first_index  index of the first vertex in the format
   PolygonSoup finish(std::int32_t first_index, Job& job);
 
  private:
@@ -88,8 +89,8 @@ class SoupBuilder {
   PolygonSoup soup_;
 };
 
-// Readers on all threads, of the usual files. They return nothing for other files, damaged ones among them: the readers
-// below then find out what is in them, or what is wrong.
+// Readers on all threads, of the usual files. They return nothing for other files, including damaged ones: the readers
+// below then read them, or report the error.
 
 /// Binary PLY with rows of equal size, or text with a row in each line; vertices first, then faces.
 std::optional<PolygonSoup> read_plain_ply(const FileParts& parts, const Threads& threads, Job& job);

@@ -49,9 +49,9 @@ void check_arrays(std::span<const Vec3> vertices, std::span<const Triangle> tria
                      " twice" + kHint);
 }
 
-/// What to subtract from coordinates in a box, so that they are of about its size. Differences are exact: where there
-/// is a shift, it and each coordinate are within a factor of two (Sterbenz's lemma), and so are the sums that lead
-/// back.
+/// The offset to subtract from coordinates in a box, so that they are of about its size. Differences are exact: where
+/// there is a shift, it and each coordinate are within a factor of two (Sterbenz's lemma), and so are the sums that
+/// lead back.
 Vec3 shift_to_zero(const Box& box) {
   const double diagonal = box.diagonal().norm();
   Vec3 shift = Vec3::Zero();
@@ -190,7 +190,7 @@ void Mesh::find_components(std::span<const std::int32_t> border, const Threads& 
   const VertexSets sets(vertices_.size(), triangles_, threads, job);
   component_.resize(triangles_.size());
   for_each_index(threads, triangles_.size(), job, [&](std::size_t f) { component_[f] = sets.find(triangles_[f][0]); });
-  std::vector<std::int32_t> number(vertices_.size(), kNone);  // of the component, at its lowest vertex
+  std::vector<std::int32_t> number(vertices_.size(), kNone);  // number of the component, at its lowest vertex
   for_each_index(triangles_.size(), job, [&](std::size_t f) {
     std::int32_t& id = number[component_[f]];
     if (id == kNone) id = report_.components++;

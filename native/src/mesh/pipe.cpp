@@ -31,7 +31,7 @@ constexpr std::size_t kPiece = std::size_t{1} << 16;
   throw FileError(name + ": " + what + ": " + std::strerror(errno));
 }
 
-/// Waits until something can be done, or a little; says whether it can.
+/// Waits until the handle is ready, or a little; returns whether it is.
 bool wait_for(int handle, short what) {
   pollfd waiting{handle, what, 0};
   return ::poll(&waiting, 1, kPatience) > 0;

@@ -11,7 +11,7 @@
 
 namespace isimp::detail {
 
-/// The types of numbers that PLY has; those with decimals come last.
+/// The types of numbers in PLY; the types with decimals come last.
 enum class PlyScalar { i8, u8, i16, u16, i32, u32, f32, f64 };
 
 /// Bytes of a number in a binary file.

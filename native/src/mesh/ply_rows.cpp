@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::size_t kBlock = 4096;  // rows that a thread decodes at once: they stay in its cache
 
-/// Where each property begins in a row, and the row's end; nothing if one besides `list` is a list. What follows the
-/// list is as if the list took no bytes.
+/// The offset of each property in a row, and of the row's end; nothing if a property besides `list` is a list. The list
+/// counts as no bytes in the offsets behind it.
 std::optional<std::vector<std::size_t>> offsets_of(const PlyElement& element, std::optional<std::size_t> list) {
   std::vector<std::size_t> offsets{0};
   for (std::size_t i = 0; i < element.properties.size(); ++i) {
@@ -50,7 +50,7 @@ std::size_t for_each_block(std::size_t rows, const FileParts& parts, const Threa
 
 /// The lists of some rows of equal size.
 struct Lists {
-  std::size_t offset = 0;  ///< of the list in its row
+  std::size_t offset = 0;  ///< offset of the list in its row
   std::size_t row_bytes = 0;
   std::size_t count_bytes = 0, corners = 0;
   bool swap = false;

@@ -24,7 +24,7 @@ T load_number(const char* p, bool swap) {
   return std::bit_cast<T>(bytes);
 }
 
-/// Calls visit(zero) with a zero of the type in memory, and returns what it returns.
+/// Calls visit(zero) with a zero of the type in memory, and returns its result.
 template <class Visit>
 auto with_type(PlyScalar type, const Visit& visit) {
   switch (type) {

@@ -28,25 +28,25 @@ struct PolygonSoup {
 /// labels can be given back on the file's faces. Only geometry is read; colours, normals and the like are skipped.
 /// Coordinates keep the file's precision. STL has no shared vertices: corners at equal positions become one vertex,
 /// corners with NaN do not. A file without faces (a point cloud) gives no polygons. Triangle strips of PLY
-/// (element tristrips) give their triangles. What comes through a pipe is read to its end.
+/// (element tristrips) give their triangles. Data from a pipe is read to its end.
 ///
 /// \throws FileError  missing, a folder, not readable, of another kind, damaged or cut short, an index out of range,
-///                    more than 2^31 - 1 vertices or corners; the message names the file, where in it and what was
-///                    expected
+///                    more than 2^31 - 1 vertices or corners; the message names the file, the place in it and the
+///                    expected content
 /// \throws Cancelled  polled at least every 50 ms of work and while it waits for a pipe, not while the system waits for
 ///                    the disk
 /// \param threads    0: as many as there are cores; the result does not depend on it. They share all of the work on
 ///                   plain files: binary PLY with one number of corners, text PLY with a row in each line, OBJ whose
-///                   faces count vertices from 1. Of other binary PLY files they share stretches of faces with equal
+///                   faces count vertices from 1. In other binary PLY files they share stretches of faces with equal
 ///                   numbers of corners
 /// Cost: O(bytes). Plain files are read in small parts; others are held in memory meanwhile. A million
 ///       faces of binary PLY take about 25 ms of processor time.
 PolygonSoup read_polygons(const std::filesystem::path& path, Job& job, std::int32_t threads = 0);
 
 /// Writes polygons as binary PLY (little-endian, places as double) or OBJ (shortest decimals that give the same double
-/// back), told apart by the extension. The file appears whole or not at all: it is written beside its place under
-/// another name and then moved there, over an older file of that name, whose permissions it takes. A link stays one:
-/// the file it leads to is replaced. Pipes and devices are written to as they are.
+/// back), depending on the extension. The file appears whole or not at all: it is written next to its place under
+/// another name and then moved there. It replaces an older file of that name and takes its permissions. A link stays a
+/// link, and the file that it leads to is replaced. Pipes and devices are written to directly.
 ///
 /// \param loop_start  (Q) where each polygon begins in `loops`, rising from 0
 /// \throws FileError     another extension, or a file that is read-only, or the place can't be written; nothing is
@@ -65,9 +65,9 @@ struct Triangulation {
   std::vector<std::int32_t> source_polygon;  ///< (F) rising
 };
 
-/// Cuts each polygon of n corners into n - 2 triangles by ears in the plane that fits it best; concave ones come out
-/// without overlaps where the polygon has none. Those with fewer than three corners give nothing; those without area,
-/// with NaN or that cross themselves give n - 2 triangles of some kind.
+/// Cuts each polygon of n corners into n - 2 triangles by ears in the plane that fits it best. The triangles of a
+/// concave polygon do not overlap if the polygon does not. A polygon with fewer than three corners gives no triangles;
+/// one without area, with NaN or that crosses itself gives n - 2 triangles of some kind.
 ///
 /// Cost: about O(n log n) for a polygon of n corners, 0.1 s for 50,000; the search for ears is bounded, so that
 /// polygons that cross themselves take no more than some times that. Polled at least every 50 ms.
