@@ -20,7 +20,7 @@
 namespace isimp {
 namespace {
 
-constexpr int kSmoothSweeps = 60;  // of the borders of regions that the detail gave
+constexpr int kSmoothSweeps = 60;  // sweeps of the borders of regions from a detail
 
 /// How many of the ways to choose the number of regions are taken; more than one contradict each other.
 void check_count(const Surface& surface, const PartitionOptions& options) {

@@ -9,8 +9,8 @@
 
 namespace isimp {
 
-/// What a metric must offer: the error of a face under a proxy, per-region sums, and the proxy that fits them best.
-/// Errors must not be negative. This is the only place that knows what a proxy is.
+/// The interface of a metric: the error of a face under a proxy, per-region sums, and the proxy that fits them best.
+/// Errors must not be negative.
 template <class M>
 concept Metric = requires(const FaceRecord& face, const typename M::Proxy& proxy, typename M::Sum& sum,
                           const typename M::Sum& all) {
@@ -22,7 +22,7 @@ concept Metric = requires(const FaceRecord& face, const typename M::Proxy& proxy
   sum.remove(face);
 };
 
-/// What the faces of a region add up to: enough for its normal, its error, and the exact change when a face moves.
+/// The sums of the faces of a region: enough for its normal, its error, and the exact change when a face moves.
 ///
 /// With S the sum of area * normal, the error of the region under its best normal S / |S| is
 /// sum of area * |n - S / |S||^2 = sum of area * (1 + |n|^2) - 2 |S|. All areas are shares of the whole surface's.

@@ -14,7 +14,7 @@ struct Mirror {
   double offset = 0;            ///< the plane is where normal * x is this, in the caller's coordinates, scene units
   double mismatch_mean = 0;     ///< distance of the surface from its mirror image, mean by area, scene units
   double mismatch = 0;          ///< nine tenths of the surface are within this of it, scene units
-  std::int32_t regions = 0;     ///< that mirror, those that lie across the plane too; kNone: edited since
+  std::int32_t regions = 0;     ///< regions that mirror, including regions across the plane; kNone: edited since
   bool operator==(const Mirror&) const = default;
 
   /// The same plane for coordinates that are relative to `origin`.
@@ -28,7 +28,7 @@ struct Mirror {
   [[nodiscard]] Vec3 turned(const Vec3& direction) const { return direction - 2 * normal.dot(direction) * normal; }
 };
 
-/// What tells a region, or a polygon, from others.
+/// The features that distinguish a region, or a polygon, from others.
 struct Patch {
   Vec3 centre = Vec3::Zero(), normal = Vec3::Zero();  ///< unit, or zero where there is none
   double area = 0;

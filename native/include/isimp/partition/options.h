@@ -28,7 +28,7 @@ enum class Method {
 };
 
 /// How the pieces that parallel flooding leaves become connected regions, and which of its two ways Method::hybrid
-/// goes.
+/// uses.
 enum class Connect {
   repair,  ///< the largest piece of each region grows over the others: parallel, and it loses less
   flood,   ///< one sequential round of lloyd, the thesis's own
@@ -43,7 +43,7 @@ enum class Symmetry {
   found,  ///< any in which the surface mirrors; none if there is none
 };
 
-/// How to split a surface into regions. What each field means stands in `fields` below.
+/// How to split a surface into regions. The table `fields` below describes each field.
 ///
 /// At most one of `proxies`, `detail`, `tolerance` and `bound` is given; none: `detail` at kDefaultDetail.
 struct PartitionOptions {
@@ -69,7 +69,7 @@ struct PartitionOptions {
   double fraction = 0.125;
 };
 
-/// What PartitionOptions::detail is if neither it nor another way to choose the number is given.
+/// The value of PartitionOptions::detail if neither it nor another way to choose the number is given.
 inline constexpr double kDefaultDetail = 0.005;
 /// The finest step of the detail slider, as a share of the surface's size.
 inline constexpr double kFinestDetail = 0.00125;

@@ -24,7 +24,7 @@ struct Regions {
   }
 };
 
-/// Adds up the faces of each region anew.
+/// Recomputes the sums of each region from its faces.
 /// Cost: O(F), in sequence.
 void sum_regions(const FaceGraph& graph, Regions& regions, Job& job, const Threads& threads = Threads(1));
 

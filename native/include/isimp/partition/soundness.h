@@ -14,9 +14,9 @@ namespace isimp {
 /// Cost: O(F).
 std::int32_t find_unconnected(const Surface& surface, std::span<const std::int32_t> face_region, std::int32_t regions);
 
-/// What a partition does not keep of its promises, for assertions and tests; empty if it keeps all: arrays of R and F,
-/// labels in [-1, R), regions that are connected and not empty, seeds in their regions, sums of as many faces as the
-/// labels have, normals of length 1 or 0.
+/// The promises that a partition breaks, for assertions and tests; empty if it keeps all: arrays of R and F, labels in
+/// [-1, R), regions that are connected and not empty, seeds in their regions, sums of as many faces as the labels have,
+/// normals of length 1 or 0.
 /// \param surface  the one with the guides of the partition
 /// Cost: O(F).
 std::string broken_promise(const Surface& surface, const Partition& partition);

@@ -13,7 +13,7 @@
 
 namespace isimp {
 
-/// What a caller may say of single faces and edges.
+/// A caller's settings for single faces and edges.
 struct Guides {
   /// (F) at least 0, the largest in [1e-30, 1e30], by which each face's area is multiplied; empty: 1 everywhere.
   /// Regions grow dense like the root of it, so a painted density d is wanted as d^2. Weights below 1e-4 of the largest
@@ -23,7 +23,7 @@ struct Guides {
   std::vector<std::array<std::int32_t, 2>> barriers;
 };
 
-/// Weights of faces beside their mean by area.
+/// Weights of faces, relative to their mean by area.
 struct RelativeWeight {
   std::span<const float> weight;  ///< (n) by graph index; empty: 1 everywhere
   float mean = 1;
@@ -50,7 +50,7 @@ class Surface {
   /// no edge
   Surface(const Mesh& mesh, const Guides& guides, Job& job);
 
-  /// The same with its areas multiplied once more.
+  /// This surface with its areas multiplied once more.
   /// \param weights  (n) by graph index, above 0
   [[nodiscard]] Surface weighted(std::span<const float> weights) const;
 
@@ -62,7 +62,7 @@ class Surface {
   [[nodiscard]] std::int32_t component_count() const {
     return own_components() ? guided_->component_count : mesh_->component_count();
   }
-  /// (n) by graph index, by what the areas have been multiplied; empty: by nothing.
+  /// (n) factors of the areas by graph index; empty: no factors.
   [[nodiscard]] std::span<const float> weight() const {
     return guided_ ? std::span<const float>(guided_->weight) : std::span<const float>();
   }

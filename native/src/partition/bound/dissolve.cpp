@@ -122,12 +122,12 @@ class Dissolving {
     return std::all_of(faces.begin(), faces.end(), fits);
   }
 
-  /// \param in_part  where not all of it can go, the rest may stay if it hangs together
-  /// \return whether the region is gone
+  /// \param in_part  where not all of it can be removed, the rest may stay if it hangs together
+  /// \return whether the region was removed
   bool dissolve_one(std::int32_t r, bool in_part) {
     if (left_[part_of(r)] <= need_[part_of(r)]) return false;
     const std::vector<std::int32_t> around = regions_around(r);
-    // What was in vain once is so until a region around has changed.
+    // A vain attempt is not repeated until a region around has changed.
     std::int32_t latest = changed_[r];
     for (const std::int32_t to : around) latest = std::max(latest, changed_[to]);
     if (tried_[r] >= latest) return false;
@@ -204,7 +204,7 @@ class Dissolving {
   double width_;
   Regions& regions_;
   std::vector<Slab>& slab_;
-  std::vector<std::vector<std::int32_t>> faces_;  // empty: the region is gone
+  std::vector<std::vector<std::int32_t>> faces_;  // empty: the region was removed
   std::vector<std::int32_t> part_, left_;
   std::vector<std::int32_t> changed_, tried_;  // when a region last grew, and when it last stayed in vain
   std::int32_t clock_ = 0;

@@ -7,7 +7,7 @@
 namespace isimp::detail {
 namespace {
 
-constexpr int kRounds = 12;         // of weighing points anew
+constexpr int kRounds = 12;         // rounds of reweighting the points
 constexpr double kLeastTurn = 0.8;  // cosine: planes stay nearer than that to the mean normal
 constexpr double kHopeless = 1.5;   // times the width allowed: no turning mends that
 constexpr int kLooks = 5;           // at all points, to make them fit

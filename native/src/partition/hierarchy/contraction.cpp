@@ -14,7 +14,7 @@ namespace {
 
 constexpr float kGate = 0.7F;
 constexpr float kWideGate = 64;  // times the gate: what merges at no higher price when satellites join
-constexpr float kTie = 1e-6F;    // of the lengths
+constexpr float kTie = 1e-6F;    // share of the lengths
 constexpr std::int32_t kAlone = -1;
 constexpr std::int32_t kWorthAThread = 1 << 12;  // nodes
 
@@ -62,12 +62,12 @@ Best find_partners(const MergeGraph& graph, const std::vector<std::uint8_t>& tak
   return best;
 }
 
-/// The price up to which pairs merge: what would stand at kGate of the way if all prices were sorted. Only those that
-/// agree with it in their first bits are.
+/// The price up to which pairs merge: the price at kGate of the way if all prices were sorted. Only the prices that
+/// agree with it in their first bits are sorted.
 float gate(const Best& best) {
   constexpr int kShift = 20;  // leaves exponent and three digits; prices are not below 0, so their bits rise with them
   const auto bucket = [](float price) { return std::bit_cast<std::uint32_t>(std::max(0.0F, price)) >> kShift; };
-  const std::uint32_t none = bucket(std::numeric_limits<float>::infinity());  // price of what does not merge
+  const std::uint32_t none = bucket(std::numeric_limits<float>::infinity());  // price of nodes that do not merge
   std::vector<std::size_t> count(none + 1, 0);
   for (const float price : best.price) ++count[bucket(price)];
   const std::size_t priced = best.price.size() - count[none];
@@ -86,7 +86,7 @@ float gate(const Best& best) {
   return *at;
 }
 
-/// Of each part, whether it has more than so many nodes.
+/// For each part, whether it has more than `least` nodes.
 std::vector<std::uint8_t> parts_above(const MergeGraph& graph, std::int32_t least) {
   if (graph.part.empty()) return {graph.size() > least};
   std::vector<std::int32_t> nodes(
@@ -102,9 +102,9 @@ struct Lists {
   std::vector<std::int32_t> head, next;
 };
 
-/// Of each node the lower one of the pair that it is in: two that are each other's cheapest partner, at no more than
-/// the limit. kAlone where it is in none. As what follows, without branches, for which pairs leave no pattern to
-/// foresee.
+/// For each node the lower one of the pair that it is in: two nodes that are each other's cheapest partner, at no more
+/// than the limit. kAlone if it is in no pair. Without branches, like the code below, since pairs leave no pattern to
+/// predict.
 std::vector<std::int32_t> pair_up(const Best& best, float limit, const Threads& threads) {
   const auto n = static_cast<std::int32_t>(best.partner.size());
   std::vector<std::int32_t> leader(static_cast<std::size_t>(n));

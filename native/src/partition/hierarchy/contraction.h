@@ -11,10 +11,10 @@
 
 namespace isimp {
 
-/// What a patch or a cluster of patches adds up to, in one 16-byte record.
+/// The sum of a patch or a cluster of patches, in one 16-byte record.
 struct NodeSum {
   float x = 0, y = 0, z = 0;  ///< sum of area * normal
-  float length = 0;           ///< of that
+  float length = 0;           ///< length of that sum
 };
 
 /// A graph of neighbouring patches, or of clusters of them, in compressed rows.
@@ -23,7 +23,7 @@ struct MergeGraph {
   std::vector<std::int32_t> first;      ///< (N + 1) where the neighbours of each node begin
   std::vector<std::int32_t> neighbour;  ///< each pair stands in both rows, no node is its own neighbour
   std::vector<std::int32_t> part;       ///< (N) component of the mesh each lies in; empty if there is only one
-  std::vector<double> border;           ///< as `neighbour`: what the border between the two costs; empty: nothing
+  std::vector<double> border;           ///< as `neighbour`: the price of the border between the two; empty: nothing
 
   [[nodiscard]] std::int32_t size() const { return static_cast<std::int32_t>(sum.size()); }
   [[nodiscard]] std::int32_t part_of(std::int32_t node) const { return part.empty() ? 0 : part[node]; }

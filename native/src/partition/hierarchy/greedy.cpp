@@ -13,17 +13,17 @@ namespace {
 
 constexpr std::int32_t kAlone = -1;
 constexpr std::int32_t kUnsure = -1;  // version of a partner whose price is only a lower bound
-// Clusters around one, from which on it is a hub. Of 32 to 1024 all are about as fast; a scan without such
-// clusters merges as if there were none.
+// A cluster with at least this many neighbours is a hub. All values from 32 to 1024 are about as fast; a scan without
+// such clusters merges as if there were none.
 constexpr std::int32_t kManyAround = 256;
-constexpr double kMargin = 0.125;    // of the price, by which a lower bound is below it
-constexpr double kRounding = 4e-16;  // of the lengths in a price
+constexpr double kMargin = 0.125;    // share of the price, by which a lower bound is below it
+constexpr double kRounding = 4e-16;  // share of the lengths in a price
 
 /// Greedy merging. Every cluster keeps its cheapest partner, and a heap holds one live entry a cluster.
 ///
-/// After a merge the partners of the clusters around may be out of date. Where the new cluster is cheaper than what one
-/// has, it is taken over at once. Else what one has was cheaper than anything that is left, so that its old price is a
-/// lower bound: it may stay in the heap, and is looked up anew when it comes out.
+/// After a merge the partners of the clusters around may be out of date. If the new cluster is cheaper than the stored
+/// partner of a neighbour, it replaces that partner at once. Else the stored partner was cheaper than all others, so
+/// that its old price is a lower bound: it may stay in the heap, and is searched for again when it comes out.
 ///
 /// A cluster with many others around it is a hub. To look at all of them at each of its merges would take the square of
 /// their number. But the price of a small cluster at a hub falls only as far as the hub turns, and a hub hardly turns.
@@ -68,7 +68,7 @@ class Greedy {
   }
 
   /// \param limit  merging ends before a price above it
-  /// \param steps  if given, gets what was merged
+  /// \param steps  if given, receives the merges
   void run(std::int32_t target, double limit, std::vector<MergeStep>* steps, Job& job) {
     std::uint32_t polled = 0;
     while (clusters_ > target && !heap_.empty()) {
@@ -120,14 +120,14 @@ class Greedy {
   };
   using Entry = std::pair<double, std::int32_t>;  // price, cluster
   struct Watch {
-    double turned;  // of the hub: when it has turned so far, the price is looked at
+    double turned;  // turn of the hub at which the price is checked again
     std::int32_t node, number;
     bool operator>(const Watch& o) const { return turned != o.turned ? turned > o.turned : node > o.node; }
   };
   struct Hub {
     double turned = 0;         // the angles of all its turns, radians
     std::vector<Watch> watch;  // a heap
-    std::size_t room = 1024;   // watches from which on those that are out of date are dropped
+    std::size_t room = 1024;   // number of watches at which outdated ones are dropped
   };
 
   [[nodiscard]] bool is_hub(std::int32_t u) const { return node_[u].hub != kAlone; }
@@ -176,7 +176,7 @@ class Greedy {
     settle(u, partner, least, beside_hub);
     return true;
   }
-  /// Takes a partner, the cheapest one; at a hub with a margin below its price, and with watches.
+  /// Sets the cheapest partner of a node; at a hub with a margin below its price, and with watches.
   void settle(std::int32_t u, std::int32_t partner, double price, bool beside_hub) {
     take_partner(u, partner, price);
     if (is_hub(u)) return;
@@ -205,7 +205,7 @@ class Greedy {
     const double sum = across + std::sqrt(across * across + b.length * slack);
     return sum > 0 ? slack / sum : std::numeric_limits<double>::infinity();
   }
-  /// Sets watches at the hubs beside a node, whose row is tidy. The older ones no longer count.
+  /// Sets watches at the hubs next to a node, whose row is tidy. The older ones no longer count.
   void watch(std::int32_t u) {
     Node& node = node_[u];
     ++node.watched;
@@ -227,7 +227,7 @@ class Greedy {
     std::make_heap(hub.watch.begin(), hub.watch.end(), std::greater<>());
     hub.room = std::max(hub.room, 2 * hub.watch.size());
   }
-  /// Takes over a hub that has become cheaper than what a node has, and sets its watches anew.
+  /// Sets a hub as partner if it has become cheaper than the stored partner, and renews the watches.
   void look_again(std::int32_t u) {
     Node& node = node_[u];
     tidy(u);
@@ -361,7 +361,7 @@ class Greedy {
     push(u);
     if (into.around() > kManyAround) make_hub(u);
   }
-  /// What follows when a node has gone into a hub.
+  /// Updates the neighbours after a node was merged into a hub.
   /// \param before, went_on  of the hub before that
   void merge_hub(std::int32_t u, std::int32_t v, const Vec3& before, bool went_on) {
     tidy(v);

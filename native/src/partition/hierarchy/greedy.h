@@ -11,7 +11,7 @@
 namespace isimp {
 
 /// Merges neighbours one pair at a time, cheapest first, until `target` clusters are left. The price is that of
-/// merge_round less what the border between the two costs.
+/// merge_round less the price of the border between the two.
 ///
 /// Cost: O(N log N), also where a cluster has most of the others around it, as the ground of a city has.
 /// \param sums   (N) exact sums of the nodes; a node without faces takes no part and gets kNone

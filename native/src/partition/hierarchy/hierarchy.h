@@ -24,10 +24,10 @@ struct Hierarchy {
   std::vector<std::int32_t> patch;                 ///< (F) by graph index
   std::vector<std::int32_t> patch_first;           ///< (K + 1) where each patch begins in patch_face
   std::vector<std::int32_t> patch_face;            ///< (F) graph indices, patch by patch
-  std::vector<RegionSum> patch_sum;                ///< (K) what the faces of each add up to
+  std::vector<RegionSum> patch_sum;                ///< (K) sums of the faces of each
   std::vector<MergeGraph> level;                   ///< [0] is the graph of patches
   std::vector<std::vector<std::int32_t>> to_next;  ///< [l] node of level l -> node of level l + 1
-  std::vector<Part> parts;                         ///< (C) the components; what is kept of them is decided at each cut
+  std::vector<Part> parts;                         ///< (C) the components; each cut decides which are kept
 
   [[nodiscard]] std::int32_t patches() const { return level.empty() ? 0 : level.front().size(); }
   /// Graph indices of the faces of a patch.
@@ -43,7 +43,7 @@ struct HierarchyOptions {
   /// Nodes of a level from which no coarser one is made: 0 for a hierarchy that is kept and may be asked for any smaller
   /// number of regions, nodes_for(proxies) for one that is not.
   std::int64_t coarsest = 0;
-  /// (n + 1) Records used in place of those of the surface's graph, as filtered ones; empty: those of the graph.
+  /// (n + 1) Records used in place of those of the surface's graph, such as filtered ones; empty: those of the graph.
   std::span<const FaceRecord> faces = {};
   double most = std::numeric_limits<double>::infinity();  ///< no merge of a level adds more to the error
 };

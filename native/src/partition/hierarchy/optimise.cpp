@@ -17,8 +17,8 @@ namespace {
 
 // Regions before the last merging, as a multiple of those wanted: for the least error, and where borders count too.
 constexpr double kSurplus = 1.5, kSmoothSurplus = 2.2;
-constexpr int kTries = 4;                    // of teleports that do not pay
-constexpr std::int64_t kNodesOfRegion = 30;  // of a level that is relaxed before the patches are
+constexpr int kTries = 4;                    // teleports without gain
+constexpr std::int64_t kNodesOfRegion = 30;  // nodes for each region of a level that is relaxed before the patches are
 constexpr std::int32_t kManyRegions = 200;   // from which that is done
 constexpr int kPatchSweeps = 2, kFirstSweeps = 6, kLastSweeps = 60;
 
@@ -32,7 +32,7 @@ std::vector<std::int32_t> needs(const Parts& parts) {
   return need;
 }
 
-/// The sums of nodes as greedy merging wants them; those of components left out are empty.
+/// The sums of nodes in the form for greedy merging; those of components left out are empty.
 std::vector<RegionSum> sums_of(const MergeGraph& graph, const Parts& parts) {
   std::vector<RegionSum> sums(static_cast<std::size_t>(graph.size()));
   for (std::int32_t u = 0; u < graph.size(); ++u) {
@@ -70,7 +70,7 @@ std::vector<std::int32_t> cut(const Hierarchy& h, const Parts& parts, std::int32
   return label;
 }
 
-/// Those of some faces that lie on borders, found by one thread.
+/// The faces of a list that lie on borders, found by one thread.
 std::vector<std::int32_t> find_borders(const Relaxation<GraphLabels>& relaxation, std::span<const std::int32_t> faces,
                                        Job& job) {
   constexpr std::size_t kAhead = 16;  // faces, for the memory to be there in time
@@ -86,7 +86,7 @@ std::vector<std::int32_t> find_borders(const Relaxation<GraphLabels>& relaxation
   return {found.get(), found.get() + out};
 }
 
-/// The steps from a hierarchy to regions, and what they hand on.
+/// The steps from a hierarchy to regions, and their shared data.
 class Optimiser {
  public:
   Optimiser(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts, double smooth,
@@ -156,7 +156,7 @@ class Optimiser {
     }
   }
 
-  /// Those of some faces that lie on borders, in the same order.
+  /// The faces of a list that lie on borders, in the same order.
   [[nodiscard]] std::vector<std::int32_t> borders_among(const Relaxation<GraphLabels>& relaxation,
                                                         std::span<const std::int32_t> faces, Job& job) const {
     const auto count = static_cast<std::int32_t>(faces.size());

@@ -9,7 +9,7 @@
 
 namespace isimp {
 
-/// What the last step of `optimise` does.
+/// The last step of `optimise`.
 enum class Finish {
   teleports,  ///< the worst regions are split and the cheapest pairs merged as long as that pays
   plain,  ///< none of that, for regions that are merged again: where flat ground has a few large regions, it is slow
@@ -24,8 +24,8 @@ enum class Finish {
 /// 3. Where merging can't give enough regions (few large smooth patches), split the worst; and as long as splitting the
 ///    worst region gains more than merging the cheapest pair costs, do both (see teleport).
 /// Cost: O(F); about 40 ms for a million faces.
-/// \param smooth  PartitionOptions::smooth; above 0 the borders' length counts beside the error, in relaxing and in
-///                the last merging
+/// \param smooth  PartitionOptions::smooth; above 0 the borders' length is added to the error, in relaxing and in the
+///                last merging
 Regions optimise(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts, double smooth,
                  const Threads& threads, Job& job, Finish finish = Finish::teleports);
 

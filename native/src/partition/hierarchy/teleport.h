@@ -34,7 +34,7 @@ class Teleport {
   ///
   /// Regions are tried in the order of their error, the most a split can gain.
   /// \param tries  a round ends after this many regions in a row that were not worth it
-  /// Regions much worse than the usual are also parted anew from each of their neighbours.
+  /// Regions much worse than the usual are also split again from each of their neighbours.
   /// \param least_ratio  nothing is tried whose error is below this many times the price of the merge that pays for it
   /// \return moves made
   /// Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.5 (region teleportation).
@@ -67,15 +67,15 @@ class Teleport {
   std::vector<std::int32_t> part_, count_;  // component of each region; regions of each component
   Relaxation<GraphLabels>& relaxation_;
   std::vector<std::int32_t> some_face_;  // (R) a face that was of each region when last looked at
-  std::vector<std::int32_t> faces_;      // of the region that was split last
+  std::vector<std::int32_t> faces_;      // faces of the region that was split last
   RegionSum halves_[2];
   struct Tried {
-    double error = -1;  // of the region when it was tried; it need not be tried again while that holds
+    double error = -1;  // error of the region when it was tried; it is not tried again while that holds
     double gain = 0;
-    double renewed = -1;  // its error when it was parted anew from all its neighbours in vain
+    double renewed = -1;  // its error when it was split again from all its neighbours in vain
   };
   std::vector<Tried> tried_;
-  double parted_gain_ = 0;         // by which the error fell when two regions were last parted anew
+  double parted_gain_ = 0;         // fall of the error at the last repeated split of two regions
   std::int64_t renewal_work_ = 0;  // faces that renew() may still touch
   std::int64_t move_work_ = 0;     // faces of regions that may still be split before the last round
 };
