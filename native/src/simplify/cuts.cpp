@@ -14,7 +14,7 @@ struct Cut {
   auto operator<=>(const Cut&) const = default;
 };
 
-/// Those of the pairs that are edges between two faces, each once, by lower vertex, then by upper vertex.
+/// The pairs that are edges between two faces, each once, by lower vertex, then by upper vertex.
 std::vector<Cut> inner_cuts(const Mesh& mesh, std::span<const VertexPair> pairs, Job& job) {
   std::vector<Cut> cuts;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
@@ -143,7 +143,7 @@ class Splitter {
     set(mesh_.opposite(path[0]), Side::right);
   }
 
-  /// Steps over all edges of the region that are no cuts; a face that both sides reach in the same step goes left.
+  /// Crosses all edges of the region except cuts; a face that both sides reach in the same step becomes left.
   void spread(std::int32_t region, Job& job) {
     std::vector<std::int32_t> next;
     std::size_t steps = 0;
@@ -173,7 +173,7 @@ class Splitter {
   std::vector<Side> side_;            // by face, while a region is split
   std::vector<std::int32_t> front_;
   std::vector<std::vector<Cut>> inside_;          // by region, in the order of `cuts_`
-  std::vector<std::vector<std::int32_t>> faces_;  // by region; of those that no cut ends in nothing
+  std::vector<std::vector<std::int32_t>> faces_;  // by region; empty for regions without the end of a cut
 };
 
 }  // namespace

@@ -19,14 +19,14 @@ namespace {
 constexpr std::int32_t kFew = 200, kSome = 800, kMany = 6000;  // samples: of all candidates, the best, the last
 constexpr std::size_t kDirections = 150;                       // on half a sphere: 12 degrees apart
 constexpr std::size_t kBest = 6, kLast = 2;                    // candidates that are fitted, and fitted to many
-constexpr int kTurns = 15, kLastTurns = 8;                     // of fitting
+constexpr int kTurns = 15, kLastTurns = 8;                     // turns of fitting
 constexpr std::int32_t kBlock = 256;                           // samples that a thread takes at a time
-constexpr double kShare = 0.9;                                 // of the surface that has to mirror
+constexpr double kShare = 0.9;                                 // share of the surface that has to mirror
 constexpr double kNoises = 4;                                  // deviations that it may be off
-constexpr double kOfRegion = 0.06;                             // of sqrt(area / regions) the same
+constexpr double kOfRegion = 0.06;                             // likewise as a share of sqrt(area / regions)
 constexpr double kPreferred = 1.3;  // by which another plane has to be better than one across X, Y or Z
 constexpr double kTurned = 0.94;    // cosine of how far a plane may be turned from the axis that is wanted: 20 degrees
-constexpr double kAway = 0.05;      // of the size: distances above count as that
+constexpr double kAway = 0.05;      // share of the size: larger distances count as this one
 
 struct Sample {
   Vec3 place, normal;
@@ -85,7 +85,7 @@ class Finder {
   /// Whether the surface has an area, without which nothing can be said of it.
   [[nodiscard]] bool any() const { return !few_.empty() && !some_.empty() && !many_.empty(); }
 
-  /// The best plane of those that the candidates are fitted to.
+  /// The best plane fitted to the candidates.
   Candidate best(std::vector<Candidate> all) {
     for (Candidate& c : all) {
       c.mirror.offset = c.mirror.normal.dot(centre_);

@@ -30,7 +30,7 @@ struct Partitioner::Kept {
   std::shared_ptr<const DetailTree> tree;
 };
 
-/// A surface, and what is kept for it.
+/// A surface, and the data that is kept for it.
 struct Partitioner::Prepared {
   Surface surface;
   Kept kept;
@@ -52,8 +52,8 @@ Partitioner::Partitioner(const Mesh& mesh, Keep keep)
 
 Partitioner::~Partitioner() = default;
 
-/// What is kept, if it was made under the same guides and adaptivity; else only these, and what does not depend on
-/// them.
+/// The kept data, if it was made under the same guides and adaptivity; else only these, and the data that does not
+/// depend on them.
 Partitioner::Kept Partitioner::recall(Guides guides, double adaptivity) const {
   const std::lock_guard lock(mutex_);
   const bool same = kept_->guides.weights == guides.weights && kept_->guides.barriers == guides.barriers;
@@ -197,7 +197,7 @@ PartitionOptions options_of_part(PartitionOptions options, const Constraints& co
   return options;
 }
 
-/// (F) The labels that stay: those of locked regions and, where only some faces are split, of all others.
+/// (F) The labels that stay: labels of locked regions and, where only some faces are split, of all other faces.
 std::vector<std::int32_t> labels_that_stay(const Constraints& constraints, std::int32_t face_count) {
   std::vector<std::int32_t> labels(static_cast<std::size_t>(face_count), kNone);
   if (constraints.before == nullptr) return labels;
@@ -209,7 +209,7 @@ std::vector<std::int32_t> labels_that_stay(const Constraints& constraints, std::
   return labels;
 }
 
-/// Locks the regions that lie in what is locked.
+/// Locks the regions that lie in locked ones.
 void lock_as(Partition& part, const Partition& before) {
   if (before.region_locked.empty()) return;
   for (const std::int32_t seed : part.region_seed) {
@@ -219,7 +219,7 @@ void lock_as(Partition& part, const Partition& before) {
   if (std::ranges::count(part.region_locked, 0) == part.region_count()) part.region_locked.clear();
 }
 
-/// Holds the planes of the regions that stay as they were.
+/// Holds the planes of the regions that have not changed.
 void hold_as(Partition& part, const Partition& before, bool all_stay) {
   if (before.region_held.empty()) return;
   part.region_offset.resize(part.region_seed.size());

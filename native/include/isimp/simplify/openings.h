@@ -43,8 +43,8 @@ struct GuessedLengths {
 /// filling changes less than cutting.
 OpeningLengths opening_lengths(const Mesh& mesh, std::int32_t regions, Job& job);
 
-/// What `opening_lengths` gives for one region, and up to how many regions it gives the same, which is so since both
-/// lengths have a bound in mean edges: openings of a large scan can be closed before the number of regions is found.
+/// The result of `opening_lengths` for one region, and the number of regions up to which it is the same: both lengths
+/// have a bound in mean edges. So openings of a large scan can be closed before the number of regions is found.
 /// \param options  by which it will be found
 /// Cost: O(V + F).
 GuessedLengths guess_opening_lengths(const Mesh& mesh, const PartitionOptions& options, Job& job);

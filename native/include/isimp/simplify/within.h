@@ -30,8 +30,8 @@ struct DistanceOptions {
 
 /// (V) The distance of each vertex of the scan from the polygons, scene units; NaN where it is in no region.
 ///
-/// First from those of its own regions; where that is more than `enough`, from all. So what is at most `enough` may be
-/// less in truth.
+/// The triangles of its own regions come first; if the distance to them is more than `enough`, all triangles are
+/// searched. So a distance of at most `enough` may be less in truth.
 /// \throws InvalidInput  the partition is of another mesh, or the polygons are of another partition
 /// Cost: each vertex times the triangles of its regions; where that is too far, the triangles in a box of that size.
 std::vector<double> scan_distances(const Mesh& mesh, const Partition& partition, const PolygonMesh& polygons,
@@ -48,13 +48,13 @@ class BoundSearch {
   };
 
   /// \param allowed  the distance that is near enough, scene units
-  /// \param anew     whether the partition can be made again
+  /// \param anew     whether another partition can be computed
   BoundSearch(double allowed, bool anew);
 
   /// nullopt: polygons are near enough, or all was tried.
   std::optional<Step> next();
-  /// To be told after each step that makes polygons.
-  /// \return whether these are the nearest so far
+  /// Must be called after each step that makes polygons.
+  /// \return whether these polygons are nearer than all before
   bool take(double distance);
   [[nodiscard]] double allowed() const { return allowed_; }
   /// How many times polygons were made.
@@ -81,7 +81,7 @@ struct Within {
   PolygonMesh polygons;
   std::optional<double>
       distance;  ///< the largest of a vertex of the scan from the polygons, scene units; none: no bound
-  std::optional<double> allowed;  ///< what it should not be above
+  std::optional<double> allowed;  ///< its upper limit
   std::int32_t tries = 1;
 };
 
