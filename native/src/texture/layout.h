@@ -39,8 +39,8 @@ struct Layout {
   std::vector<std::int32_t> group;  ///< (Q) polygons of different groups share neither chart nor tile
   std::int32_t chart_count = 0;
   std::int32_t groups = 1;
-  double area = 0;       ///< of all polygons, scene units squared
-  double tile_area = 0;  ///< of those of the fullest tile, if all of a group's tiles are equally full
+  double area = 0;       ///< area of all polygons, scene units squared
+  double tile_area = 0;  ///< area of the polygons of the fullest tile, if all tiles of a group are equally full
 
   [[nodiscard]] std::int32_t polygon_count() const { return static_cast<std::int32_t>(plane.size()); }
   [[nodiscard]] std::int32_t corner_count(std::int32_t q) const { return start[q + 1] - start[q]; }
@@ -64,8 +64,8 @@ struct Packing {
   std::vector<std::int32_t> tile;  ///< (charts)
 };
 
-/// What charts are packed into: tiles of so many texels a side, for each group as many. Each chart stays at least `grow`
-/// texels from its part's border.
+/// The room for charts: tiles of `side` texels, for each group as many. Each chart stays at least `grow` texels from
+/// its part's border.
 struct Room {
   std::int32_t side, tiles;
   double grow;
@@ -81,8 +81,8 @@ struct Taken {
   std::int32_t tile;
 };
 
-/// Places for all charts at this scale, beside what is taken: the lowest that is free, the largest charts first.
-/// Nothing if they do not fit.
+/// Places for all charts at this scale in the free room: the lowest free place, the largest charts first. Empty if they
+/// do not fit.
 std::optional<Packing> pack_beside(const Layout& layout, const Room& room, double scale, std::span<const Taken> taken,
                                    Job& job);
 

@@ -34,7 +34,7 @@ std::vector<Slope> corner_slopes(const PolygonMesh& polygons, const Atlas& atlas
   for (std::int32_t q = 0; q < count; ++q) {
     const Vec3& n = atlas.frame[q].n;
     const std::int32_t begin = polygons.loop_start[q];
-    // Of the charts, which stay where a polygon has hardly moved.
+    // The corners of the charts, which stay where a polygon has hardly moved.
     const auto outline = outline_of(polygons, atlas, q);
     for (std::size_t i = 0; i < outline.size(); ++i) {
       const auto &here = outline[i], &after = outline[(i + 1) % outline.size()];

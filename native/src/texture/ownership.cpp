@@ -31,7 +31,7 @@ void fill(Outline outline, const TexelBox& box, std::vector<double>& cuts, Found
   }
 }
 
-/// What an edge is near to in one row: [from, to], wider than need be.
+/// The texels of one row near an edge: [from, to], wider than necessary.
 struct Stretch {
   double from, to;
 };

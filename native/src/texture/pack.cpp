@@ -53,8 +53,8 @@ class Packer {
     std::int32_t x = -1, y = 0, turn = 0;
   };
 
-  /// The spot that raises the pile least and wastes the least room below the chart. What is lost by a row more is a row;
-  /// room below counts twice, as tried on polygons of scans.
+  /// The spot that raises the pile least and wastes the least room below the chart. A higher pile costs one row; room
+  /// below counts twice, as tried on polygons of scans.
   [[nodiscard]] Spot best_spot(const Pile& pile) const {
     const std::int32_t cells = cells_.count();
     std::vector<std::int64_t> below(cells + 1, 0);
@@ -96,7 +96,7 @@ class Packer {
   }
 
   Cells cells_;
-  std::int32_t rows_;            // of cells that are used
+  std::int32_t rows_;            // number of rows of cells in use
   std::int32_t tiles_, groups_;  // tiles of each group
   std::array<Profile, 4> profile_;
   std::vector<Pile> piles_;

@@ -16,8 +16,8 @@ namespace {
 
 constexpr std::int64_t kFarthest = std::int64_t{1} << 53;  // cell: further away doubles know no single cells
 constexpr double kMoved = 1;  // texels by which corners may have moved in their chart since it was laid out
-constexpr double kMost = 2;   // and if the others do not fit then
-/// The share of a tile's height in which polygons stay, if they still do not: what is above makes room.
+constexpr double kMost = 2;   // the same if the others do not fit otherwise
+/// If they still do not fit, polygons above this share of a tile's height are packed again.
 constexpr std::array<double, 3> kLow = {0.85, 0.7, 0.5};
 constexpr double kReach = 3;       // texels by which they may have moved in space since the last time
 constexpr double kTilted = 0.999;  // cosine of the angle by which a polygon may have turned: 2.5 degrees

@@ -19,8 +19,8 @@ void put(const Layout& layout, const Packing& packing, std::int32_t q, Atlas& at
 /// Whether an earlier atlas has the room that is asked for.
 bool has_room_of(const AtlasOptions& options, const Layout& whole, const Atlas& atlas, const Room& room);
 
-/// An atlas with polygons where an earlier one had them, and the others in the room between. Nothing if none is kept, or
-/// the others do not fit beside them, be they unfolded or not.
+/// An atlas with polygons at their places of an earlier one, and the others in the room between. Empty if none is kept,
+/// or if the others do not fit between them, unfolded or not.
 /// \param whole  the layout of all polygons, unfolded
 std::optional<Atlas> rearrange(const PolygonMesh& polygons, const AtlasOptions& options, const Layout& whole,
                                const EarlierAtlas& earlier, const Room& room, Job& job);

@@ -13,7 +13,7 @@ namespace isimp::detail {
 /// Unit normals of the vertices, each face by its area.
 std::vector<Eigen::Vector3f> vertex_normals(const Mesh& mesh);
 
-/// The normal between those of a face's corners; not of unit length.
+/// The normal interpolated between the normals of a face's corners; not of unit length.
 Eigen::Vector3f smooth_normal(const Mesh& mesh, const std::vector<Eigen::Vector3f>& normals, std::int32_t face, float b,
                               float c);
 

@@ -13,7 +13,7 @@ namespace isimp::detail {
 
 using Rgba = Eigen::Array4f;  ///< 0 to 255
 
-/// Looks up what the scan shows.
+/// Samples the images of the scan.
 class Sampler {
  public:
   /// \throws InvalidInput  arrays that are not of this mesh

@@ -12,7 +12,7 @@ namespace {
 
 constexpr float kSteep = 0.25F;  // texels: faces that are narrower are looked up by weights, which end at their edges
 
-/// Twice the area over the longest edge: what a face is wide in the plane.
+/// Twice the area over the longest edge: the width of a face in the plane.
 float width_of(const FlatFace& f) {
   float longest = 0;
   for (int k = 0, m = 2; k < 3; m = k++) longest = std::max(longest, std::hypot(f.x[k] - f.x[m], f.y[k] - f.y[m]));
@@ -68,7 +68,8 @@ void ColourShade::operator()(const Texel& texel, const Samples& samples) {
   counts_.unknown += unknown ? 1 : 0;
 }
 
-/// Adds what was drawn; returns whether a place had to be searched for. Samples of one face share their normal.
+/// Adds the samples that were drawn; returns whether a place had to be searched for. Samples of one face share their
+/// normal.
 bool ColourShade::add_drawn(const Texel& texel, const Samples& samples) {
   const std::int32_t n = samples.n, width = samples.box.width() * n;
   const float share = (1 - texel.closest) / static_cast<float>(n * n), step = 1 / static_cast<float>(n);

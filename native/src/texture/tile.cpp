@@ -32,7 +32,7 @@ bool find_own(const Scene& scene, std::int32_t q, Samples& samples) {
   return any;
 }
 
-/// Where the colours of a tile change over to those of the closest points.
+/// Finds the band in which the colours of a tile blend into those of the closest points.
 void find_band(const Scene& scene, std::int32_t q, Samples& samples) {
   if (!(scene.band > 0)) return;
   const TexelBox& box = samples.box;

@@ -22,7 +22,7 @@ std::vector<std::int32_t> same_regions(const Neighbourhood& now, const Neighbour
   return same;
 }
 
-/// Whether the regions that a polygon of region r can show are those that one of the earlier region p could.
+/// Whether a polygon of region r can show the same regions as a polygon of the earlier region p could.
 bool same_near(const Neighbourhood& now, std::int32_t r, const Neighbourhood& before, std::int32_t p,
                const std::vector<std::int32_t>& same) {
   const auto here = std::span(now.near).subspan(now.near_start[r], now.near_start[r + 1] - now.near_start[r]);

@@ -132,7 +132,7 @@ class Unfolder {
     return all;
   }
 
-  /// The motion that brings the chart of q beside that of p, edge to edge.
+  /// The motion that moves the chart of q next to that of p, edge to edge.
   [[nodiscard]] Rigid beside(const Join& join) const {
     const Vec2 a = layout_.corner(join.p, join.i), b = layout_.corner(join.p, next(join.p, join.i));
     const Vec2 d = layout_.corner(join.q, join.j), c = layout_.corner(join.q, next(join.q, join.j));

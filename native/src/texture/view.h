@@ -15,22 +15,22 @@
 
 namespace isimp::detail {
 
-/// The faces of each region, and the regions beside it.
+/// The faces of each region, and the regions adjacent to it.
 struct Neighbourhood {
-  /// Some faces of a region that lie together, and a ball round them.
+  /// Some faces of a region that lie together, and a ball around them.
   struct Block {
-    std::int32_t begin, end;    // of `faces`
-    std::int32_t first, count;  // of `vertices`: those that the faces have, each once
+    std::int32_t begin, end;    // a range of `faces`
+    std::int32_t first, count;  // a range of `vertices`: the vertices of the faces, each once
     Vec3 middle;
     double radius;
   };
   static constexpr std::int32_t kBlock = 32;  ///< faces of a block, at most
   std::vector<std::int32_t> start, faces;     ///< region r has faces[start[r]] to faces[start[r + 1]], in Morton order
-  std::vector<std::int32_t> block_start;      ///< and the blocks block_start[r] to block_start[r + 1]
+  std::vector<std::int32_t> block_start;      ///< and its blocks block_start[r] to block_start[r + 1]
   std::vector<Block> blocks;
   std::vector<std::int32_t> vertices;
-  std::vector<std::array<std::uint8_t, 3>> corners;  ///< of `faces`: which of its block's vertices each corner is
-  std::vector<std::int32_t> near_start, near;        ///< the same of regions: r itself first, then those beside it
+  std::vector<std::array<std::uint8_t, 3>> corners;  ///< for `faces`: which of its block's vertices each corner is
+  std::vector<std::int32_t> near_start, near;        ///< the same for regions: r itself first, then the adjacent ones
 };
 
 /// \param known  (F) 0 for faces that have nothing to show, which are left out; empty: all are known. A region none of
@@ -41,7 +41,7 @@ Neighbourhood find_neighbourhood(const Mesh& mesh, const Partition& partition, s
 struct Hit {
   std::int32_t face = kNone;
   float b = 0, c = 0, height = 0;
-  std::int32_t index = kNone;  ///< of the view's `faces()`
+  std::int32_t index = kNone;  ///< index into the view's `faces()`
 };
 
 /// A face in the coordinates of a chart: texels right, up, and above the plane.
@@ -49,7 +49,7 @@ struct FlatFace {
   std::array<float, 3> x, y, z;
   float over;  ///< 1 / its doubled area in the plane
   std::int32_t face;
-  bool own;  ///< of the polygon's region
+  bool own;  ///< belongs to the polygon's region
 };
 
 /// The same face as the search for the closest one takes it: a corner, two edges, and products of them.
@@ -57,7 +57,7 @@ struct FlatEdges {
   float x, y, z, ux, uy, uz, vx, vy, vz;
   float uu, uv, vv;
   float over_uu, over_vv, over_ww;  ///< w = v - u; 0 for edges of no length
-  float over_det;                   ///< of uu vv - uv^2; not a number for faces of no area
+  float over_det;                   ///< reciprocal of uu vv - uv^2; not a number for faces of no area
 };
 FlatEdges edges_of(const FlatFace& face);
 
@@ -72,7 +72,7 @@ struct Span {
   std::int32_t begin = 0, end = 0;
 };
 
-/// What a face lies in: texels, and the least distance from the plane.
+/// The bounds of a face: texels, and the least distance from the plane.
 struct FlatBox {
   float low_x, high_x, low_y, high_y, off;
 };
@@ -83,7 +83,7 @@ class Bins {
   /// \param with_boxes  whether `boxes_in` is called
   void build(std::span<const FlatBox> faces, const TexelBox& box, float cell, bool with_boxes);
   [[nodiscard]] std::span<const std::int32_t> in(std::int32_t i, std::int32_t j) const;
-  /// What those faces lie in, one after another in memory.
+  /// The bounds of those faces, one after another in memory.
   [[nodiscard]] std::span<const FlatBox> boxes_in(std::int32_t i, std::int32_t j) const {
     const std::size_t k = static_cast<std::size_t>(j) * columns_ + i;
     return std::span(box_).subspan(start_[k], start_[k + 1] - start_[k]);
@@ -93,7 +93,7 @@ class Bins {
   [[nodiscard]] float cell() const { return cell_; }
   [[nodiscard]] std::int32_t column(float x) const;
   [[nodiscard]] std::int32_t row(float y) const;
-  /// The least distance from the plane of what is in a cell.
+  /// The least distance of the content of a cell from the plane.
   [[nodiscard]] float off(std::int32_t i, std::int32_t j) const {
     return off_[static_cast<std::size_t>(j) * columns_ + i];
   }
@@ -113,7 +113,7 @@ class Bins {
   std::vector<float> off_;
 };
 
-/// Which faces a search has looked at: those in several cells are looked at once. One for each thread.
+/// The faces that a search has tried: faces in several cells are tried once. One for each thread.
 class Visited {
  public:
   void begin(std::size_t faces) {
@@ -170,7 +170,7 @@ class PolygonView {
   const Neighbourhood& near_;
   TexelBox box_;
   std::vector<FlatFace> faces_, upright_;  // as they are drawn, and as they lie above the plane
-  std::vector<FlatEdges> edges_;           // of the latter
+  std::vector<FlatEdges> edges_;           // edges of the latter
   std::vector<FlatBox> boxes_, upright_boxes_;
   Bins tiles_, grid_;
 };

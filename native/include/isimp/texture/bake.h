@@ -24,7 +24,7 @@ struct Picture {
   std::span<const std::uint16_t> words;  ///< (4 * width * height) 16 bits a channel
 };
 
-/// What a scan shows, for each face of the mesh.
+/// The images of a scan, with UVs for each face of the mesh.
 struct Appearance {
   std::span<const float> uv;             ///< (6 F) u, v of the three corners; v = 1 is the upper edge of the image
   std::span<const std::int32_t> image;   ///< (F) the picture of each face; kNone: its colours
@@ -33,14 +33,14 @@ struct Appearance {
   std::vector<Picture> pictures;
 };
 
-/// What else the materials of a scan have, looked up at the same places as the colours.
+/// Further channels of a scan's materials, sampled at the same places as the colours.
 struct MaterialLayers {
   std::vector<Appearance> images;    ///< roughness, emission and the like, from 0 to 255
   std::optional<Appearance> relief;  ///< tangent-space normals, green up; a face whose image is kNone has none
 };
 
-/// The images of the polygons: rows from the top, and none of their texels without a colour. Of several tiles the last
-/// one is at the top.
+/// The images of the polygons: rows from the top, without the texels that have no colour. The last of several tiles is
+/// at the top.
 struct Texture {
   std::int32_t side = 0, height = 0;        ///< a row, and how many rows all tiles have together: n = side * height
   Array<std::uint8_t> color;                ///< (4 n) RGBA
@@ -58,13 +58,13 @@ struct Texture {
 
 /// Shows the scan on its polygons.
 ///
-/// The faces of the polygon's region, and then those of the regions beside it, are drawn into its chart along
-/// directions that lean from the polygon's normal, over edges below 78 degrees toward that of the polygon beside it; a
-/// face nearer to the plane hides others. There is no distance to choose. Places that no face is drawn to show the
-/// closest face that looks the polygon's way. In a band along the edges the colours change over to those of
-/// the closest points, which are the same from both sides of an edge. A pixel is the mean of 2 x 2 to 4 x 4 samples,
-/// as many as the density of the scan's images needs; these are bilinear and never from a reduced image, since charts
-/// of scans lie close together. Gutters continue the polygon's plane; the rest is flooded.
+/// The faces of the polygon's region, and then those of adjacent regions, are drawn into its chart along directions
+/// that lean from the polygon's normal, over edges below 78 degrees toward the normal of the adjacent polygon; a face
+/// nearer to the plane hides others. There is no distance to choose. Places that no face is drawn to show the closest
+/// face that looks the polygon's way. In a band along the edges the colours blend into those of the closest points,
+/// which are the same from both sides of an edge. A pixel is the mean of 2 x 2 to 4 x 4 samples, as many as the density
+/// of the scan's images needs; these are bilinear and never from a reduced image, since charts of scans lie close
+/// together. Gutters continue the polygon's plane; the rest is flooded.
 ///
 /// \param atlas  of these polygons
 /// \param layers  each is made as the colours are; the relief bends the scan's normals in the normal map
