@@ -28,7 +28,7 @@ class Thesis {
   [[nodiscard]] static bool is_built();
 
   /// \throws InvalidInput  a method or a back end that is not in this build, or a back end that does not work here: the
-  ///                       message says why, and what there is
+  ///                       message gives the reason and the choices
   static void check(const PartitionOptions& options);
 
   /// Exactly options.proxies regions, or as many as the components need, by any method but Method::hierarchy.
