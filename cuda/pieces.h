@@ -5,8 +5,8 @@
 #include "flooding.h"
 #include "summing.h"
 
-/// The pieces in which regions lie: faces of one label that hang together. A piece goes by its first face, so that no
-/// order of joining changes a name.
+/// The pieces in which regions lie: faces of one label that hang together. Each piece is named by its first face, so
+/// that no order of joining changes a name.
 namespace isimp::parallel::ISIMP_DEVICE {
 
 /// Every face a piece of its own.
@@ -80,7 +80,7 @@ struct LargestPiece {
   }
 };
 
-/// Of equally large pieces the one that begins first.
+/// Selects, among equally large pieces, the one that begins first.
 struct FirstOfLargest {
   LargestPiece find;
   std::int32_t* first;  ///< (R)
