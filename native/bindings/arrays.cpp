@@ -54,7 +54,7 @@ void for_each_real(const py::array& array, Take take) {
 }
 
 /// Calls take(value, row, column) with the numbers of an array of indices.
-/// \throws InvalidInput  as `refuse` says
+/// \throws InvalidInput  by `refuse`
 template <class Take, class Refuse>
 void for_each_index(const py::array& array, Take take, Refuse refuse) {
   const auto each = [&](auto zero) {

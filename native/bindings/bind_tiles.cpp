@@ -24,7 +24,7 @@
 #include "kept_mesh.h"
 #include "options.h"
 
-/// What tiles/steps.py gives its names and texts to; so all of it is private to the package.
+/// All names here are private to the package: tiles/steps.py has the public names and texts.
 namespace isimp::bindings {
 
 using namespace py::literals;

@@ -13,7 +13,7 @@ namespace isimp::bindings {
 
 namespace py = pybind11;
 
-/// Does work(job) without the GIL, with a job of its own if None was given, and returns what it returns.
+/// Calls work(job) without the GIL, with a job of its own if None was given, and returns its result.
 ///
 /// The work runs on another thread while this one looks for signals, since Python's handlers run on its main thread
 /// only: so Ctrl-C cancels the job, and the call ends with KeyboardInterrupt once the work has stopped.
