@@ -136,7 +136,7 @@ def entry(name: str, thing: Any) -> list[str]:
 
 
 def own(module: ModuleType) -> Iterator[tuple[str, Any]]:
-    """The public classes and functions of a module of the package: its __all__, else those that it defines."""
+    """The public classes and functions of a module of the package: its __all__, else the ones that it defines."""
     if hasattr(module, "__all__"):
         yield from ((name, getattr(module, name)) for name in module.__all__)
         return

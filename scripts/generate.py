@@ -1,4 +1,4 @@
-"""Writes what is made from the engine's table of options, and the API page.
+"""Writes the files derived from the engine's table of options, and the API page.
 
     PYTHONPATH=build-dev/python python scripts/generate.py
 

@@ -16,7 +16,7 @@ import zipfile
 from pathlib import Path
 
 EARLIEST = (1980, 1, 1, 0, 0, 0)
-MARK = "isimp_engine/next.txt"  # what only the next version has
+MARK = "isimp_engine/next.txt"  # only the next version has this file
 SIDE = 24
 
 

@@ -11,9 +11,10 @@
 #   old engine when a new zip has the same version.
 # sdist: the source alone. zips WHEEL...: the zips alone, of wheels that were made elsewhere (cibuildwheel).
 #
-# ISIMP_PYTHONS: the Pythons to build for, as commands or as SUFFIX=FOLDER[,FOLDER] with the headers' folders; without it
+# ISIMP_PYTHONS: the Pythons to build for, as commands or as SUFFIX=FOLDER[,FOLDER] with the headers' folders. Default:
 #   each python3.10 to python3.14 on the PATH and of pyenv that has its headers, and 3.14 by the headers of Debian sid
-#   where those can be had. There is a wheel for each; the zips hold those of their Blenders (scripts/build_addon.py).
+#   where these are available. There is a wheel for each; a zip holds the wheels of its Blenders
+#   (scripts/build_addon.py).
 # ISIMP_THIRD_PARTY: a folder that scripts/headers.py made before. ISIMP_WEBSITE: the address for the extension's manifest.
 #
 # On Debian and x86-64 with GCC it links with the C library of Debian 11 (scripts/sysroot.py), so that the wheels run on
@@ -118,7 +119,7 @@ with_old_library() {
     if [ -d "$folder" ]; then ln -sfn "$folder" "$work/python/x86_64-linux-gnu/"; fi
   done
   flags+=" -idirafter $work/python"
-  # -B and -L: GCC would look beside itself first, where this machine's library is.
+  # -B and -L: GCC would search its own folder first, where this machine's library is.
   place=$sysroot/usr/lib/x86_64-linux-gnu
   export CXXFLAGS=$flags LDFLAGS="--sysroot=$sysroot -B$place -L$place -L$sysroot/lib/x86_64-linux-gnu"
   arguments+=(--config-settings cmake.define.ISIMP_OLD_GLIBC=ON)

@@ -28,8 +28,8 @@ IMAGES = ROOT / "docs" / "images"
 WINDOW = ROOT / "tests" / "python" / "blender" / "window"
 SIZE = 1150, 780  # pixels of the window
 HIGH = 1150, 1000  # the same where the panel is long
-WIDE = 760  # of the animation
-ASSET = 380, 130, 780, 690  # what the pictures of the six steps show of the window
+WIDE = 760  # pixels of the animation
+ASSET = 380, 130, 780, 690  # part of the window in the pictures of the six steps
 STEPS = 979, 655, 1170, 808  # where the section Steps is in the window of that test
 MOST = 3_000_000  # bytes of it
 

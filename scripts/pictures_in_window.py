@@ -1,4 +1,4 @@
-"""What is done in Blender's window for scripts/pictures.py; run by tests/python/blender/window/drive.py.
+"""The actions in Blender's window for scripts/pictures.py; run by tests/python/blender/window/drive.py.
 
 The scan is the Stanford bunny, with a texture that is made here.
 """
@@ -52,7 +52,7 @@ def fur(size=1024):
 
 
 def paint():
-    """Gives the scan its texture, seen from the front."""
+    """Adds the texture of the scan, seen from the front."""
     mesh, image = scan().data, bpy.data.images.new("Fur", 1024, 1024)
     image.pixels.foreach_set(fur().ravel())
     image.pack()

@@ -24,7 +24,7 @@ def entry(version: str, folder: Path) -> str:
 
 
 def fetch(version: str, target: Path) -> None:
-    """Makes the folder anew; it is there only when all of it is."""
+    """Makes a new folder; it appears only when all of it is complete."""
     target.parent.mkdir(parents=True, exist_ok=True)
     name = f"libpython{version}-dev"
     with tempfile.TemporaryDirectory(dir=target.parent) as work:
