@@ -95,13 +95,13 @@ def scans() -> dict:
 
 
 class Layout:
-    """Takes all that a panel draws. What an operator's button has set on it must be one of its properties."""
+    """Collects all that a panel draws. Settings that it makes on an operator's button must be its properties."""
 
     def __init__(self, kinds=None):
         object.__setattr__(self, "bl_rna", kinds)
 
     def __getattr__(self, name):
-        if name == "properties":  # of an operator itself, where a button has them without
+        if name == "properties":  # the operator's own; a button has them without
             raise AttributeError(name)
         return self._drawn
 
@@ -118,7 +118,7 @@ class Layout:
 
 
 class Broken(Exception):
-    """What must not happen has."""
+    """A forbidden state has occurred."""
 
 
 class Monkey:
@@ -344,7 +344,7 @@ class Monkey:
         bpy.ops.ed.undo_push(message="activate")
 
     def objects(self) -> None:
-        """What a user does with objects: copies, new names, hiding, deleting results, empties."""
+        """A user's handling of objects: copies, new names, hiding, deleting results, empties."""
         how = self.random.choice(("duplicate", "link", "rename", "hide", "show", "delete", "empty", "move", "edit"))
         obj = bpy.context.view_layer.objects.active
         self.note("object", [how, obj.name if obj else None])
@@ -372,7 +372,7 @@ class Monkey:
         bpy.ops.ed.undo_push(message="object")
 
     def set(self) -> None:
-        """A setting of the panel; then what the timer would do."""
+        """A setting of the panel; then the work of the timer."""
         panel = bpy.context.window_manager.isimp
         groups = [panel] + [
             getattr(panel, p.identifier)
@@ -452,7 +452,7 @@ class Monkey:
         return broken
 
     def _tried(self, verb) -> str:
-        """What broke; empty if nothing did."""
+        """The failure; empty if there is none."""
         try:
             try:
                 verb()

@@ -21,7 +21,7 @@ namespace {
 
 using SetupPtr = std::shared_ptr<const Setup>;
 
-constexpr std::size_t kScored = 20;  // of the edits, how many are judged: judging takes longer than editing
+constexpr std::size_t kScored = 20;  // number of edits that are judged: judging takes longer than editing
 
 PartitionOptions options_of(const Setup& setup, int round, Method method, std::int32_t threads) {
   PartitionOptions options;
@@ -154,8 +154,8 @@ class Base {
 
 using Edit = Partition (*)(const Mesh&, const Partition&, std::int32_t, Job&);
 
-/// Tries an edit at random faces, each time on the same partition, and sets its error beside that of a full run that
-/// asks for as many regions.
+/// Tries an edit at random faces, each time on the same partition, and compares its error with that of a full run for
+/// as many regions.
 Case edit_case(const SetupPtr& setup, const std::shared_ptr<Base>& base, const std::string& name, Edit edit) {
   const auto run = [setup, base, edit](int round) {
     const Partition& start = base->get();

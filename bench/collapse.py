@@ -34,7 +34,7 @@ def _border_planes(vertices, faces, normal):
 
 
 def _quadrics(vertices, faces):
-    """(V, 10): xx xy xz xd yy yz yd zz zd dd of the planes round each vertex, weighted by area."""
+    """(V, 10): xx xy xz xd yy yz yd zz zd dd of the planes at each vertex, weighted by area."""
     normal, offset, area = _face_planes(vertices, faces)
     result = np.zeros((len(vertices), 10))
 

@@ -6,7 +6,7 @@
     bench/guided_counts.py adaptivity   share of the regions in the roughest fifth of the area
     bench/guided_counts.py weights      regions in a painted zone, and in the rest
 
-Counts are compared to those wanted; processor time is given as a multiple of what the default method takes for as many
+Counts are compared with the wanted ones; processor time is given as a multiple of the default method's time for as many
 regions, in the same process.
 """
 

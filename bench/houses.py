@@ -19,7 +19,7 @@ class House:
 
     @property
     def diagonal(self) -> float:
-        """Of the box round the house without noise."""
+        """The diagonal of the bounding box of the house without noise."""
         return float(np.linalg.norm(np.ptp(self.clean, axis=0)))
 
 

@@ -1,4 +1,4 @@
-"""What a large scan needs before its polygons are made: ways side by side in one run, as ratios of processor time.
+"""The work on a large scan before its polygons are made: ways compared in one run, as ratios of processor time.
 
     bench/large_scan.py SCAN [DETAIL]
 

@@ -41,7 +41,7 @@ def noise(points, cells, seed):
 
 
 def clouds(points, cells, seed, octaves=5):
-    """The same with finer and finer parts."""
+    """As above, with finer and finer parts."""
     return sum(noise(points, cells * 2**k, seed + k) / 2**k for k in range(octaves)) / 1.6
 
 
@@ -60,7 +60,7 @@ SIDES = [
     ((0, 0, 1), (1, 0, 0), (0, 1, 0)),
     ((0, 0, -1), (1, 0, 0), (0, -1, 0)),
 ]
-RIM = 4  # pixels round each side's part of the image
+RIM = 4  # pixels around each side's part of the image
 
 
 def directions(side, u, v):

@@ -62,7 +62,7 @@ def nearest(points, places):
 
 
 def as_polygons(vertices, loops, loop_start, mesh, part):
-    """What a peer made, in the shape of the engine's own, without corners that no polygon has."""
+    """A peer's result, in the shape of the engine's own, without corners that no polygon has."""
     used, loops = np.unique(loops, return_inverse=True)
     vertices = np.asarray(vertices, float)[used]
     middle = np.add.reduceat(vertices[loops], loop_start) / np.diff(np.append(loop_start, len(loops)))[:, None]

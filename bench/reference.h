@@ -6,7 +6,7 @@
 
 #include "isimp/mesh/mesh.h"
 
-/// REF: variational shape approximation written down plainly. What the engine's own methods are measured against.
+/// REF: variational shape approximation written down plainly. The engine's own methods are measured against it.
 namespace isimp::bench {
 
 /// A surface as the plain method sees it: the caller's face order, double precision, one array a quantity.

@@ -125,7 +125,7 @@ SCANS = ((1, 0.001, 0.8), (2, 0.002, 0.8), (3, 0.003, 1.0), (4, 0.004, 1.2), (5,
 def make(seed: int, noise: float = 0.002, rounding: float = 0.8, holes: int = 6) -> tuple[np.ndarray, np.ndarray]:
     """Vertices and triangles of a house on its ground.
 
-    noise: standard deviation of what is wavy and what is not together, as a share of the diagonal; rounding: of
+    noise: standard deviation of the wavy and the uncorrelated part together, as a share of the diagonal; rounding: of
     corners, in cells of some 25 cm; holes: of one to two metres. The same arguments give the same scan.
     """
     rng = np.random.default_rng(seed)

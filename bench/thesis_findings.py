@@ -1,4 +1,4 @@
-"""What the thesis found of its floodings and its hybrid, held against the figures of thesis.py."""
+"""The findings of the thesis on its floodings and its hybrid, compared with the figures of thesis.py."""
 
 from __future__ import annotations
 

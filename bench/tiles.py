@@ -3,7 +3,7 @@
     bench/tiles.py pieces SCAN PROXIES [1 4 16 64]    compares tiles with one piece: error, borders, distance, flaws;
                                                       SCAN is a file, or city:FACES
     bench/tiles.py detail SCAN DETAIL [1 4 16 64]     compares the numbers of regions that are found
-    bench/tiles.py seams SCAN|FACES PROXIES           compares polygons by groups with those of one process, same labels
+    bench/tiles.py seams SCAN|FACES PROXIES           compares polygons by groups and by one process, same labels
     bench/tiles.py city FACES PROXIES                 runs a generated city and prints time and memory of each step
     bench/tiles.py city FACES PROXIES --kill          kills the command twice, and compares the results bit by bit
     bench/tiles.py read [FACES]                       reads a binary PLY, a text PLY and an OBJ file

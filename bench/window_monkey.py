@@ -106,7 +106,7 @@ class Monkey:
         yield
 
     def rest(self):
-        """Ends what is open, and lets work come to its end."""
+        """Ends all open tools, and waits for the end of work."""
         import bpy
 
         from isimp.blender import runtime
@@ -147,7 +147,7 @@ def run(hand):
     seed, seconds = int(os.environ["ISIMP_MONKEY_SEED"]), float(os.environ["ISIMP_MONKEY_SECONDS"])
     make_scan(4)
     bpy.ops.isimp.partition("EXEC_DEFAULT", True, proxies=14)
-    path = str(hand.out / "scan.blend")  # opened, so that no undo goes back before it
+    path = str(hand.out / "scan.blend")  # opened, so that no undo reaches back before it
     bpy.ops.wm.save_as_mainfile(filepath=path)
     bpy.ops.wm.open_mainfile(filepath=path, load_ui=False)
     yield 0.5

@@ -3,8 +3,8 @@
     bench/window_pieces.py SCAN.ply [--site FOLDER]     the folder with isimp_engine, if not this Python's
 
 Starts Blender under Xvfb, presses, points and clicks, and prints for each action the longest call of the add-on by
-Blender on the window's thread, with everything that it calls, in processor time. What Blender's own functions take of
-it stands beside, largest first: reading and writing of arrays, changes of mode, draw calls (which software drawing
+Blender on the window's thread, with everything that it calls, in processor time. The time of Blender's own functions in
+it is listed too, largest first: reading and writing of arrays, changes of mode, draw calls (which software drawing
 answers by transforming every corner). At the end: the process's peak of memory.
 """
 
@@ -19,9 +19,10 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import window_times
 
-# Functions of Blender's, by how they end. Those called by way of RNA, as `update_from_editmode`, can not be seen here.
+# Functions of Blender's, by the ends of their names. Functions called by way of RNA, such as `update_from_editmode`,
+# are not seen.
 BLENDERS = ("foreach_get", "foreach_set", "GPUBatch.draw", "attr_fill")
-LAYER_UPDATE = "_view_layer_update"  # of bpy.ops: what changed is evaluated
+LAYER_UPDATE = "_view_layer_update"  # of bpy.ops: changed data is evaluated
 
 
 class Pieces:
