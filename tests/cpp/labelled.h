@@ -23,7 +23,7 @@ Partition noise(const Mesh& mesh, int count, std::uint32_t seed);
 Partition single(const Mesh& mesh);
 Partition each(const Mesh& mesh);
 
-/// The folder of test scans, "" where there is none: the environment's ISIMP_DATA, else beside the source tree.
+/// The folder of test scans, "" if there is none: the environment's ISIMP_DATA, else next to the source tree.
 std::string data_folder();
 /// A binary PLY of triangles; throws std::runtime_error if it cannot be read.
 Mesh read_ply(const std::string& path);

@@ -84,7 +84,7 @@ TEST(Bound, FlatThingsNeedNoMoreThanTheirSides) {
 
 TEST(Bound, LeavesAClosedPartFourRegions) {
   EXPECT_EQ(within(shapes::mesh(shapes::sphere(3)), 100.0).region_count(), 4);
-  // Sides at right angles are never one: no plane has both beside it.
+  // Sides at right angles are never one: no plane is near to both.
   EXPECT_EQ(within(shapes::mesh(shapes::cube(1)), 100.0).region_count(), 6);
 }
 
@@ -133,7 +133,7 @@ TEST(Adaptivity, WeighsRoughPlacesMoreAndLeavesTheAreaAsItIs) {
   for (const float w : adaptive_weights(shapes::mesh(shapes::plane(9)), 1.0, Threads(1), job)) EXPECT_EQ(w, 1.0F);
 }
 
-/// The same with a bend on the left that needs regions too: where one region does for all of it, none can be moved.
+/// As above, with a bend on the left that needs regions too: where one region does for all of it, none can be moved.
 Arrays bent_and_rough() {
   Arrays sheet = shapes::plane(80);
   for (Vec3& p : sheet.vertices)

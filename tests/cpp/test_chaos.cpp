@@ -1,4 +1,4 @@
-// What no order of threads, no rubbish in memory and no failed allocation may change: see chaos.h.
+// Results that no order of threads, no rubbish in memory and no failed allocation may change: see chaos.h.
 
 #include <gtest/gtest.h>
 

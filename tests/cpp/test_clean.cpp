@@ -152,7 +152,7 @@ TEST(Clean, TurnsTheLongestEdgeOfAFaceWithoutArea) {
   EXPECT_EQ(mesh.report().border_edges, 4);
   EXPECT_NEAR(mesh.report().area, 1, 1e-12);
   EXPECT_EQ(repair(mesh, "turned_edges").where, (std::vector<std::int32_t>{1}));
-  Job job;  // the neighbours are kept up to date: looked for anew they are the same
+  Job job;  // the neighbours are kept up to date: a new search finds the same
   const Mesh again({mesh.vertices().begin(), mesh.vertices().end()}, {mesh.triangles().begin(), mesh.triangles().end()},
                    job);
   EXPECT_TRUE(std::ranges::equal(again.opposite(), mesh.opposite()));
@@ -304,7 +304,7 @@ TEST(Clean, SolidsThatShareAnEdgeOrAVertexFallApart) {
 }
 
 TEST(Clean, CubesGluedAtASideStaySolidOnOneSideOfTheWall) {
-  // Both walls become one, since the second is a duplicate of the first: three faces an edge all round it.
+  // Both walls become one, since the second is a duplicate of the first: three faces an edge all around it.
   const Arrays a = fused(shapes::both(shapes::cube(), shapes::cube(), {1, 0, 0}));
   const Mesh mesh = cleaned(a);
   EXPECT_EQ(mesh.report().components, 2);

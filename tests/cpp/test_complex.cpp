@@ -1,4 +1,4 @@
-// Corners on the boundary between two halves of a sphere, where no third piece asks for any.
+// Corners on the boundary between two halves of a sphere, where no third piece needs any.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -66,8 +66,8 @@ TEST_F(Halves, BendTheirChordWhereTheBoundaryIsFarthest) {
   EXPECT_LT(complex_.depth(chord), depth);
 }
 
-/// What changes pieces takes corners away before others come in their place: who asks of a chord meanwhile gets an
-/// answer, and the walk along it an end.
+/// A change of pieces removes corners before it adds others: meanwhile a query of a chord returns, and the walk along
+/// it ends.
 TEST_F(Halves, CanBeAskedOfAChordWhoseCornersAreGone) {
   const std::int32_t chord = complex_.chords(0)[0];
   std::vector<std::int32_t> vertices;

@@ -45,12 +45,12 @@ TEST(CutRule, NumberOfRegionsIsAMeanOverNearTolerances) {
 TEST(CutRule, MovesIntoASignificantGap) {
   std::vector<double> costs = without_scale();  // 49 of them at or above .0004
   for (std::size_t k = 49; k < costs.size(); ++k) costs[k] /= 50;
-  const Cut cut = choose_cut(costs, 1, 1e-12, 0.0025, 0.001, 0, true);  // asks for 1e-4
+  const Cut cut = choose_cut(costs, 1, 1e-12, 0.0025, 0.001, 0, true);  // the limit is 1e-4
   EXPECT_TRUE(cut.snapped);
   EXPECT_LT(cut.cost, costs[48]);
   EXPECT_GT(cut.cost, costs[49]);
   EXPECT_FALSE(choose_cut(costs, 1, 1e-12, 0.0025, 0.001, 0, false).snapped);
-  EXPECT_FALSE(choose_cut(costs, 1, 1e-12, 0.02, 0.001, 0, true).snapped);  // the gap is finer than what is asked
+  EXPECT_FALSE(choose_cut(costs, 1, 1e-12, 0.02, 0.001, 0, true).snapped);  // the gap is finer than requested
 }
 
 TEST(CutRule, AGapCountsBeyondTheWindow) {

@@ -60,7 +60,7 @@ TEST(EvenSpacing, ChanceIsNoSeries) {
     for (int i = 0; i < 8; ++i) offsets.push_back(random() * 0x1p-32);
     planes += even_spacing(planes_at(offsets), 0.003).planes;
   }
-  EXPECT_LT(planes, 40);  // of 400; a series has at least three
+  EXPECT_LT(planes, 40);  // there were 400; a series has at least three
 }
 
 TEST(EvenSpacing, AFixedPlaneStaysAndTheOthersFollow) {

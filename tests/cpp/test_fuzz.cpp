@@ -23,9 +23,9 @@
 #include "polygon_judge.h"
 #include "shapes.h"
 
-/// Meshes and files drawn at random go all the way through: each either is refused with a message or keeps every
-/// promise. ISIMP_FUZZ_CASES says how many of each kind (250), ISIMP_FUZZ_SECONDS goes on for that long instead,
-/// ISIMP_FUZZ_FIRST is the first case's number: a failure names its own, so that it can be had again.
+/// Random meshes and files pass through all steps: each either is refused with a message or keeps every promise.
+/// ISIMP_FUZZ_CASES is the number of cases of each kind (250), ISIMP_FUZZ_SECONDS a time to run instead,
+/// ISIMP_FUZZ_FIRST the first case's number: a failure names its own, so that it can be repeated.
 namespace isimp {
 namespace {
 
@@ -207,7 +207,7 @@ MeshingOptions meshing_options(Dice& dice) {
 
 /// How many faces are thinner than what counts as without area: so many polygons may be, and no more.
 std::int32_t thin_faces(const Mesh& mesh) {
-  constexpr double kThin = 2e-6;  // of the diagonal; twice the engine's bound, as it measures extents otherwise
+  constexpr double kThin = 2e-6;  // share of the diagonal; twice the engine's bound, as it measures extents otherwise
   return static_cast<std::int32_t>(std::count_if(mesh.triangles().begin(), mesh.triangles().end(), [&](auto& t) {
     const Vec3 &a = mesh.vertices()[t[0]], &b = mesh.vertices()[t[1]], &c = mesh.vertices()[t[2]];
     const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
@@ -215,8 +215,8 @@ std::int32_t thin_faces(const Mesh& mesh) {
   }));
 }
 
-/// The judge's faults, but for polygons without area where the scan has as many faces without any, or where the budget of
-/// the repair was spent and the report names them.
+/// The judge's faults, except polygons without area where the scan has as many faces without any, or where the budget
+/// of the repair was spent and the report names them.
 std::string unexcused(std::string faults, const PolygonMesh& polygons, const Mesh& mesh) {
   if (polygons.report.repair_capped)
     for (const Imperfection& i : polygons.report.imperfect)

@@ -100,7 +100,7 @@ TEST(AddProxy, CutsACornerOfASmoothedCubeByATriangle) {
     const Mesh mesh = shapes::mesh(cube);
     const Partition six = run(mesh, {.proxies = 6});
     for (int corner = 0; corner < 8; ++corner) {
-      // The three faces at the tip and the three beside them.
+      // The three faces at the tip and their three neighbours.
       const Vec3 tip(corner & 1, corner >> 1 & 1, corner >> 2);
       std::vector<std::pair<double, std::int32_t>> faces;
       for (std::int32_t f = 0; f < mesh.face_count(); ++f) {

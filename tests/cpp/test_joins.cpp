@@ -1,4 +1,4 @@
-// Joined junctions that are taken back: the labels are what they were, and all pieces are discs meanwhile.
+// Undoing joined junctions restores the labels, and all pieces are discs meanwhile.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -85,7 +85,7 @@ TEST_F(Joins, TakenBackPieceByPieceLeaveDiscs) {
 }
 
 TEST(JoinsOfPolygons, AreTakenBackWhereMovingCornersDoesNotMendTheFaults) {
-  // So rough that nearly all polygons meet others, whatever their corners.
+  // So rough that nearly all polygons meet others, for any corners.
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(5), 0.2, 1));
   const Partition part = labelled::voronoi(mesh, 120, 5);
   const MeshingOptions options{.threads = 1};

@@ -1,4 +1,4 @@
-// Regions of many holes and scans that meet themselves everywhere: what comes out, and how much of it is listed.
+// Regions of many holes and scans that meet themselves everywhere: the results, and the length of their lists.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-// Parallel flooding on every back end that is here: against plain versions, and the same bits whatever the threads.
+// Parallel flooding on every back end that is here: against plain versions, and the same bits for any number of
+// threads.
 
 #include <gtest/gtest.h>
 

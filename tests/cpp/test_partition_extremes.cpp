@@ -81,7 +81,7 @@ TEST(Extremes, TenThousandCubesWithTheirSixSides) {
 }
 
 TEST(Extremes, SliversCountByTheirArea) {
-  // A thousand faces round the ring for six round the tube: each some eighty times as long as it is wide.
+  // 2,000 squares around the ring and 6 around the tube, each about a hundred times as long as it is wide.
   const Mesh mesh = shapes::mesh(shapes::torus(2000, 6));
   const Partition p = run_checked(mesh, {.proxies = 60});
   const Partition plain = run(mesh, {.proxies = 60, .method = Method::lloyd});

@@ -369,7 +369,7 @@ TEST(Threads, DoNotChangeTheResult) {
 }
 
 TEST(Hierarchy, FillsUpComponentsThatHaveTooFewPatches) {
-  // Twelve small spheres of 20 faces, each mostly one patch, beside a big one: four regions each all the same.
+  // Twelve small spheres of 20 faces, each mostly one patch, and a big one: four regions each all the same.
   auto arrays = shapes::sphere(4);
   auto ball = shapes::sphere(0);
   for (Vec3& v : ball.vertices) v *= 0.1;

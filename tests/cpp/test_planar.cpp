@@ -104,7 +104,7 @@ TEST(Planar, CurvedScansAreCut) {
   for (const std::int32_t r : after.polygon_region) EXPECT_TRUE(r >= 0 && r < part.region_count());
 }
 
-/// Rough balls, of which the polygons are far from planar: much has to be given up, at last the planes themselves.
+/// Rough balls, with polygons far from planar: much is given up, finally the planes themselves.
 TEST(Planar, RoughScansGetNoFaultThatTheyHadNot) {
   for (const std::uint32_t seed : {1U, 2U, 3U, 4U})
     for (const double noise : {0.03, 0.06})

@@ -13,8 +13,8 @@
 #include "isimp/core/errors.h"
 #include "isimp/mesh/io.h"
 
-/// Binary PLY files large enough that threads share them: the arrays and the messages are those that were written,
-/// whatever the number of threads.
+/// Binary PLY files large enough that threads share them: the arrays and the messages are right for any number of
+/// threads.
 namespace isimp {
 namespace {
 

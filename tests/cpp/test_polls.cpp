@@ -61,7 +61,7 @@ PartitionOptions adaptive(PartitionOptions options) {
   return options;
 }
 
-/// A partition beside a locked region, with some edges that cut the others.
+/// A partition next to a locked region, with some edges that cut the others.
 void partition_constrained(const Input& in, Job& job) {
   Job own;
   Partition before = in.regions;
@@ -116,8 +116,8 @@ class Polls : public testing::TestWithParam<Stage> {
 
 class PollsOfFaces : public Polls {};
 
-// The slowest of these takes some 4 us a face on slow machines, so that 50 ms are 12,000 faces. How many polls there
-// are for more faces tells of the loops over faces, and not of the polls that every stage makes at its beginning.
+// The slowest of these takes some 4 us a face on slow machines, so that 50 ms are 12,000 faces. The additional polls
+// for more faces measure the loops over faces, and not the polls that every stage makes at its beginning.
 TEST_P(PollsOfFaces, ComeAtLeastOnceInTwelveThousandFaces) {
   const std::int64_t more_polls = count(large()) - count(small());
   const std::int64_t more_faces = large().mesh.face_count() - small().mesh.face_count();

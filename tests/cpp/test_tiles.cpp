@@ -62,7 +62,7 @@ TEST(TileDetail, ExtentsOfPartsAddUpToTheSizeOfTheWhole) {
   const tiles::Extent e = tiles::measure(shapes::mesh(shapes::cube(12)), job);
   EXPECT_NEAR(e.area, 6.0, 1e-9);
   EXPECT_NEAR((e.centre - Vec3(0.5, 0.5, 0.5)).norm(), 0.0, 1e-9);
-  EXPECT_NEAR(e.spread, 0.25 + 2.0 / 12, 1e-9);  // of a side: its distance from the middle, and its own
+  EXPECT_NEAR(e.spread, 0.25 + 2.0 / 12, 1e-9);  // a side's distance from the middle, and its own spread
   EXPECT_EQ(e.noise, 0.0);
 }
 

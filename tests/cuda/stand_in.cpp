@@ -168,7 +168,7 @@ cudaError_t cudaLaunchKernel(const void* /*function*/, dim3 grid, dim3 block, vo
   return isimp::stand_in::launch(grid, block, stream);
 }
 
-// What nvcc's own code calls.
+// Functions that nvcc's own code calls.
 cudaError_t __cudaLaunchKernel(cudaKernel_t /*kernel*/, dim3 grid, dim3 block, void** /*arguments*/, size_t /*shared*/,
                                cudaStream_t stream) {
   return isimp::stand_in::launch(grid, block, stream);

@@ -1,4 +1,4 @@
-"""What nvcc made, in the build folder named by ISIMP_CUDA_BUILD: run by the stage `cuda` of scripts/test.sh."""
+"""The output of nvcc, in the build folder named by ISIMP_CUDA_BUILD: run by the stage `cuda` of scripts/test.sh."""
 
 import json
 import os
@@ -78,7 +78,7 @@ def replaceable(path: Path) -> set[str]:
 
 
 def test_no_function_of_one_back_end_can_stand_for_that_of_the_other():
-    """Both may define those of the types that they share, which are in public headers."""
+    """Both may define the functions of the types that they share, which are in public headers."""
     cpu, cuda = (replaceable(next(BUILD.rglob(name))) for name in ("cpu_kernels.cpp.o", "kernels.cu.o"))
     assert min(len(cpu), len(cuda)) > 20
     own = re.compile(r"isimp::parallel::(?!(?:Flooder|Kernels|Proxies|RegionSum|FloodSurface)\b)\w")

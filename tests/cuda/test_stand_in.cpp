@@ -27,7 +27,7 @@ Surface strip(std::int32_t count) {
   return s;
 }
 
-/// Kernels do nothing, so that memory holds what it was filled with: here a survey without a bad face.
+/// Kernels do nothing, so that memory holds its filling: here a survey without a bad face.
 std::unique_ptr<Flooder> load(const Surface& surface, stand_in::Settings settings = {}) {
   settings.filling = 0x7f;
   stand_in::set(settings);

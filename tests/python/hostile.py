@@ -65,7 +65,7 @@ def places(value, at=()):
 
 
 def changed(value, rng):
-    """A JSON value with one to three of its parts changed or gone."""
+    """A JSON value with one to three of its parts changed or removed."""
     value = copy.deepcopy(value)
     for _ in range(rng.choice((1, 1, 1, 2, 3))):
         at = rng.choice(list(places(value)))

@@ -1,4 +1,4 @@
-"""Work for a batch that crashes, hangs or takes too much, as the name of the scan says; else it simplifies."""
+"""Work for a batch that crashes, hangs or takes too much, chosen by the name of the scan; else it simplifies."""
 
 import errno
 import os

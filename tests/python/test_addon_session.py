@@ -143,10 +143,10 @@ def test_edit_and_edit_back_is_equal_to_the_bit(scan):
         assert np.array_equal(again.polygons.loops, first.polygons.loops)
 
 
-PLAIN = Partition(proxies=12, adaptivity=0.0)  # the stroke then is in one piece with nothing cut off beside it
+PLAIN = Partition(proxies=12, adaptivity=0.0)  # the stroke then is in one piece, and cuts nothing off
 STROKE = tuple(range(100, 110))
 EDITS = [
-    rcp.MergeRegions(face=3),  # with the one beside it
+    rcp.MergeRegions(face=3),  # with the adjacent one
     rcp.SplitRegion(face=3),
     rcp.CutRegion(face=3, line=((-3, 0.1, 0), (3, 0.1, 0)), direction=(0, 0, 1)),
     rcp.CutRegion(face=3, line=((-3, 0.1, 0.1), (3, 0.1, 0.1), (4, -3, 0.1)), direction=(0, 0.1, 1)),

@@ -29,7 +29,7 @@ def made(mesh):
 
 
 def check_sound(mesh):
-    """What `clean` makes is what Mesh(...) takes."""
+    """Mesh(...) accepts the result of `clean`."""
     again = engine.Mesh(mesh.vertices, mesh.triangles)
     assert again.report["components"] == mesh.report["components"]
     assert len(mesh.source_face) == len(mesh.triangles)

@@ -1,6 +1,6 @@
 """Damaged files of all kinds that are read in Python: each is read, or refused in one line that names it.
 
-ISIMP_FUZZ_FILES says how many cases each family has (150). A case is made from its number, so a failure comes again.
+ISIMP_FUZZ_FILES is the number of cases of each family (150). A case is made from its number, so a failure comes again.
 """
 
 import argparse

@@ -1,4 +1,4 @@
-"""Height maps: of a shape whose heights are known, and what the command makes of them."""
+"""Height maps of a shape whose heights are known, and the output of the command for them."""
 
 import json
 

@@ -299,7 +299,7 @@ def test_a_mesh_of_many_nodes_is_read_once_and_its_places_need_memory(cube_glb, 
         ("t.png", True),
         ("../textures/t.png", True),
         ("sub/../t.png", True),
-        ("/elsewhere/t.png", True),  # from another machine: it lies beside the file that names it
+        ("/elsewhere/t.png", True),  # from another machine: it lies next to the file that names it
         ("C:\\scans\\t.png", True),
         ("../../secret.png", False),
         ("/etc/secret.png", False),

@@ -1,4 +1,4 @@
-"""read, read_polygons, triangulate, write: every kind of file, and what is said of one that can't be read."""
+"""read, read_polygons, triangulate, write: every kind of file, and the message for one that can't be read."""
 
 import os
 import sys

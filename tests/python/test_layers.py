@@ -1,4 +1,4 @@
-"""What may know what: the order of the engine's modules, and who may import the engine, numpy and bpy."""
+"""The allowed dependencies: the order of the engine's modules, and the importers of the engine, numpy and bpy."""
 
 import ast
 import re
@@ -107,7 +107,7 @@ def test_what_is_optional_is_not_imported_before_it_is_asked_for():
     assert (done.stdout, done.stderr) == ("set()\n", "")
 
 
-COMPILED = {"_core", "isimp_engine"}  # no Python files beside these: the engine, and the engine inside the add-on
+COMPILED = {"_core", "isimp_engine"}  # no Python files of these names: the engine, and the engine inside the add-on
 
 
 def imported_files(path):

@@ -31,7 +31,7 @@ def edge_uses(poly):
 
 
 def check(mesh, part, poly):
-    """What is promised of every result, and that the report says what is there."""
+    """The promises for every result, and a report that agrees with it."""
     w, q = len(poly.vertices), len(poly.loop_start)
     assert (poly.vertices.dtype, poly.vertices.shape) == (np.float64, (w, 3))
     assert {a.dtype for a in (poly.loops, poly.loop_start, poly.polygon_region, poly.source_vertex)} == {

@@ -1,4 +1,4 @@
-"""What the command knows already it does not do again."""
+"""The command computes nothing twice."""
 
 import json
 

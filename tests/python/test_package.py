@@ -1,4 +1,4 @@
-"""What people download: wheels for all Pythons and for one, checksums, headers."""
+"""The files that people download: wheels for all Pythons and for one, checksums, headers."""
 
 import base64
 import hashlib
@@ -311,7 +311,7 @@ def test_links_between_pages_lead_somewhere():
 
 
 def anchors(page):
-    """Of the headings, as the sites of Git and MkDocs make them."""
+    """The anchors of the headings, as the sites of Git and MkDocs make them."""
     heads = re.findall(r"^#+ (.+)$", page.read_text(encoding="utf-8"), re.MULTILINE)
     return {re.sub(r"[^\w\- ]", "", head.lower()).strip().replace(" ", "-") for head in heads}
 

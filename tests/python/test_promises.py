@@ -1,4 +1,4 @@
-"""What docs/guarantee.md promises, on families of made meshes, through a judge that shares no code with the engine."""
+"""The promises of docs/guarantee.md on families of made meshes, by a judge that shares no code with the engine."""
 
 from types import SimpleNamespace
 
@@ -137,7 +137,7 @@ LISTED = 1000  # flaws of a kind that the report names
 
 
 def judged(arrays, proxies):
-    """The verdict on a mesh of at most this many regions, and what the engine says itself."""
+    """The verdict on a mesh of at most this many regions, and the engine's own report."""
     mesh = engine.clean(*arrays)
     options = engine.MeshingOptions()
     part = engine.partition(mesh, engine.PartitionOptions(proxies=min(proxies, len(mesh.triangles)), leave_out=0))
@@ -292,7 +292,7 @@ UP, DOWN, SIDE = (0, 0, 1), (0, 0, -1), (1, 0, 0)
     ("area", "known", "near", "flipped"),
     [
         (DOWN, True, [UP], True),
-        (UP, True, [DOWN, DOWN], False),  # of another sheet
+        (UP, True, [DOWN, DOWN], False),  # faces of another sheet
         (DOWN, True, [DOWN], True),
         (DOWN, False, [UP], True),
         (DOWN, False, [DOWN], False),  # the guess is wrong

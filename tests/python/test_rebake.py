@@ -1,4 +1,4 @@
-"""A texture after an edit: what stays where it was, and what is baked again."""
+"""A texture after an edit: unchanged charts keep their places, and the others are baked again."""
 
 import itertools
 from dataclasses import replace
@@ -117,7 +117,7 @@ def test_another_image_on_the_same_scan_is_baked(scan):
 
 
 def test_many_edits_in_a_row_keep_charts_apart(scan):
-    """Free room is used again and again; what shows must be what a whole bake shows."""
+    """Free room is used again and again; the image must be that of a whole bake."""
     _, mesh, part, _ = scan
     poly, made = baked(scan, part, size=256)
     kept = []

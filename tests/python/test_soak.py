@@ -1,6 +1,6 @@
-"""Long chains of edits: whatever comes after whatever, every promise holds, and memory does not grow.
+"""Long chains of edits: every promise holds after any order of edits, and memory does not grow.
 
-ISIMP_SOAK_EDITS says how many edits each of three real scans gets (25).
+ISIMP_SOAK_EDITS is the number of edits of each of three real scans (25).
 """
 
 import os
@@ -19,7 +19,7 @@ SCANS = ["scan/rockerarm_20k.ply", "scan/bunny_69k.ply", "scan/armadillo_86k.ply
 
 
 class Surface:
-    """A mesh, and what the checks need of it."""
+    """A mesh, and the data for the checks."""
 
     def __init__(self, mesh):
         self.mesh = mesh
@@ -71,7 +71,7 @@ class Surface:
 
 
 def near(surface, face, part, random):
-    """A connected disc of faces round one."""
+    """A connected disc of faces around one."""
     size = np.sqrt(surface.area.sum()) * random.uniform(0.01, 0.06)
     disc = np.flatnonzero(np.linalg.norm(surface.middle - surface.middle[face], axis=1) < size)
     label = np.where(np.isin(np.arange(len(surface.middle)), disc) & (part.face_region >= 0), 0, -1)
@@ -104,7 +104,7 @@ CHANGE_OF_COUNT = {"add": 1, "split": 1, "cut": 1, "worst": 2, "delete": -1, "me
 
 
 def neighbour(surface, part, face):
-    """A face of a region beside that of a face."""
+    """A face of a region adjacent to that of a face."""
     a, b = surface.pairs
     label = part.face_region
     beside = np.concatenate([b[label[a] == label[face]], a[label[b] == label[face]]])
@@ -113,7 +113,7 @@ def neighbour(surface, part, face):
 
 
 def check_locks(kind, face, before, after):
-    """Locked regions are as they were and locked still, but that one which is painted onto may gain faces."""
+    """Locked regions are unchanged and still locked, except that one which is painted onto may gain faces."""
     if kind == "unlock":
         return
     target = before.face_region[face] if kind == "paint onto" else -1
@@ -135,10 +135,10 @@ def soak(surface, part, edits, seed):
     """Does so many edits and checks after each. Returns memory at a tenth, the middle and the end, and counts."""
     random = np.random.default_rng(seed)
     names = sorted(EDIT)
-    earlier = [part]  # what undo can return to
+    earlier = [part]  # partitions that undo can return to
     memory, done, refused = [], dict.fromkeys([*names, "undo"], 0), 0
     for number in range(edits):
-        if number in (edits // 10, edits // 2):  # the first edits set up what is kept
+        if number in (edits // 10, edits // 2):  # the first edits set up the kept data
             memory.append(resident_mb())
         kind, face = names[random.integers(len(names))], int(random.integers(len(surface.mesh.triangles)))
         if random.random() < 0.1:

@@ -15,7 +15,7 @@ WAYS = ("lloyd", "queued", "naive", "naive, brute force", "default")
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """What one command makes of two small sheets."""
+    """The output of one command for two small sheets."""
     data, out = tmp_path_factory.mktemp("data"), tmp_path_factory.mktemp("out")
     for name, size in (("small.ply", 24), ("large.ply", 48)):
         vertices, triangles = shapes.bumpy(size)

@@ -15,7 +15,7 @@ import batch
 
 pytestmark = [
     pytest.mark.usefixtures("scene"),
-    pytest.mark.filterwarnings("ignore::DeprecationWarning"),  # of Blender's own importers
+    pytest.mark.filterwarnings("ignore::DeprecationWarning"),  # warnings of Blender's own importers
 ]
 
 

@@ -1,4 +1,4 @@
-"""Files with damaged, foreign or later states: each opens, says what can't be read, keeps it, and Partition works."""
+"""Files with damaged, foreign or later states: each opens, reports its fault, keeps the data, and Partition works."""
 
 import random
 
@@ -40,7 +40,7 @@ def reopened(path):
 
 
 def layer(scan, name):
-    """A layer of whatever kind, as bytes."""
+    """A layer of any kind, as bytes."""
     found = scan.data.attributes[name]
     key = {"FLOAT_COLOR": "color", "BYTE_COLOR": "color"}.get(found.data_type, "value")
     values = np.empty(len(found.data) * (4 if key == "color" else 1), np.float32 if key == "color" else np.float64)

@@ -1,4 +1,4 @@
-"""In Edit Mode only what has changed is written, and nothing of it is missed."""
+"""In Edit Mode only changed values are written, and all of them."""
 
 import bmesh
 import bpy

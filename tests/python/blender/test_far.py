@@ -1,4 +1,4 @@
-"""Scans whose data lie far from zero, as in map coordinates: results lose nothing, and what was lost is said."""
+"""Scans whose data lie far from zero, as in map coordinates: results lose nothing, and earlier losses are reported."""
 
 from math import radians
 
@@ -38,7 +38,7 @@ def simplify():
 
 
 def origin_of(scan):
-    """What the engine subtracts, of a scan whose transform keeps its shape."""
+    """The offset that the engine subtracts, for a scan whose transform keeps its shape."""
     data = scan.data
     data.calc_loop_triangles()
     return engine.clean(scans.coordinates(data), [face.vertices[:] for face in data.loop_triangles]).origin

@@ -1,4 +1,4 @@
-"""What Blender marks on a mesh: regions that keep to seams, sharp edges, materials and face sets."""
+"""Marks of Blender on a mesh: regions that keep to seams, sharp edges, materials and face sets."""
 
 import bpy
 import numpy as np

@@ -1,4 +1,4 @@
-"""What a user did to the result by hand is kept, and the result has the place of its scan."""
+"""Changes of the result by hand are kept, and the result has the place of its scan."""
 
 import bpy
 import numpy as np

@@ -20,7 +20,7 @@ def with_textures():
     return {"export_textures": True} if named else {"export_textures_mode": "NEW"}
 
 
-#: of each format: the exporter, the importer, and whether n-gons are kept
+#: for each format: the exporter, the importer, and whether n-gons are kept
 FORMATS = {
     "fbx": (
         lambda path: bpy.ops.export_scene.fbx(filepath=path, use_selection=True, path_mode="COPY", embed_textures=True),

@@ -196,7 +196,7 @@ def test_a_height_map_has_a_node_that_is_not_linked():
     assert shift.inputs["Midlevel"].default_value == 0.5
     assert shift.inputs["Scale"].default_value == pytest.approx(image["isimp_range"])
     assert not shift.outputs["Displacement"].is_linked
-    # What its user made of the scale stays; other settings keep the height map, and without it the node goes.
+    # The user's scale stays; other settings keep the height map, and without it the node is removed.
     image["isimp_range"], shift.inputs["Scale"].default_value = 2.0, 3.0
     assert bpy.ops.isimp.texture(size=32, height=True) == {"FINISHED"}
     (shift,) = (node for node in tree.nodes if node.type == "DISPLACEMENT")

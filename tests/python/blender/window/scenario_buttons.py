@@ -45,7 +45,7 @@ def pressed(hand, name, wanted, kind, before=0):
 
 
 def twins(hand, name, lesser):
-    """Two buttons of one operator beside each other: moves to the one whose flag is as said."""
+    """Two adjacent buttons of one operator: moves to the one with the given flag."""
     yield from hand.find(f"bpy.ops.{name}")
     if lesser:
         side = hand.region("UI")

@@ -66,7 +66,7 @@ def by_the_wheel(hand):
 
 
 def by_a_drag(hand, mode):
-    """Drags the Grow tool; what is seen before the mouse is let go is what comes of it."""
+    """Drags the Grow tool; the preview before the mouse is released equals the result."""
     from isimp.blender import runtime
 
     yield from tool(hand, f"isimp.grow_tool.{mode}")

@@ -1,4 +1,4 @@
-"""What is seen while a setting changes, in both modes and of many faces, and an undo before it has come to rest."""
+"""The view while a setting changes, in both modes and with many faces, and an undo before it has come to rest."""
 
 import bpy
 from scenario_main import make_scan, regions, same

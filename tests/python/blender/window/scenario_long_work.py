@@ -1,4 +1,4 @@
-"""Work that takes long: the window stays usable, Esc leaves all as it was, and nothing that happens meanwhile harms."""
+"""Work that takes long: the window stays usable, Esc restores all, and no event in between does harm."""
 
 import time
 

@@ -56,11 +56,11 @@ def mirrored(hand):
 
 
 def half_in_vain(hand):
-    """What one side has to paint is painted, though the other has nothing to; a stroke that has nothing is no step."""
+    """One side is painted although the other has nothing to paint; a stroke that paints nothing is no step."""
     start, settings().lock_painted = state(), False
     yield from drag(hand, (0.5, 0.0), (0.5, 0.25), ctrl=True)
     settings().mirror, before, ours = "X", steps(), set(steps()[-1].faces)
-    yield from drag(hand, (0.5, 0.05), (0.5, 0.15))  # what is across is of one region
+    yield from drag(hand, (0.5, 0.05), (0.5, 0.15))  # the other side is of one region
     same("nothing to paint on either side", steps(), before)
     yield from drag(hand, (0.5, 0.1), (0.25, 0.1))
     same("one side painted", [type(step).__name__ for step in steps()[len(before) :]], ["PaintFaces"])

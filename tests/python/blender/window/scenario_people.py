@@ -1,4 +1,4 @@
-"""Four who use it: a designer, a game artist, an urban modeller, a pipeline engineer, from scans to what they want.
+"""Four users: a designer, a game artist, an urban modeller, a pipeline engineer, from scans to their results.
 
 Partition, Mesh and what else is a button of the panel is pressed there.
 """
@@ -43,7 +43,7 @@ def face_at(x, z):
 
 def press(hand, name):
     """Presses the button in the panel, and waits until it is done."""
-    hand.region("UI").tag_redraw()  # settings that were not typed may have moved what is below them
+    hand.region("UI").tag_redraw()  # settings that were not typed may have moved the rows below them
     yield 0.3
     yield from hand.press(f"isimp.{name}")
     yield from hand.settle(120)
@@ -56,7 +56,7 @@ def polygon_flatness(mesh):
 
 
 def designer(hand):
-    """Two presses; before the second a merge, an island gone and a missed facet."""
+    """Two presses; before the second a merge, a removed island and a missed facet."""
     make_scan()
     yield 0.3
     yield from press(hand, "partition")
@@ -129,7 +129,7 @@ def bevelled(hand, made):
 
 
 def artist(hand):
-    """A preset, a number, more regions where it was painted, one locked; the rest anew."""
+    """A preset, a number, more regions where it was painted, one locked; the rest again."""
     make_scan()
     yield 0.3
     yield from view(hand)
@@ -168,7 +168,7 @@ def artist(hand):
 
 
 def modeller(hand):
-    """A block of houses in metres, open below: a tolerance, facades as single polygons, what the report says."""
+    """A block of houses in metres, open below: a tolerance, facades as single polygons, the text of the report."""
     points, faces = [], []
     for number, height in enumerate((9, 14, 7)):
         bpy.ops.mesh.primitive_cube_add(size=1)

@@ -1,4 +1,4 @@
-"""What is read and written in pieces: what the window may do meanwhile, one step to undo, and drags that settle."""
+"""Reading and writing in pieces: the actions of the window meanwhile, one step to undo, and drags that settle."""
 
 import bpy
 from scenario_main import make_scan, regions, same, scan
@@ -9,7 +9,7 @@ import isimp
 
 
 def slow_down():
-    """Has every piece take a turn of its own, as those of a million faces do."""
+    """Makes every piece take a turn of its own, as for a million faces."""
     from isimp.blender import mesh_io, modal, reading, weights
 
     modal._AT_ONCE, reading.SPAN, mesh_io._PIECE, weights._PIECE = 0.0, 0.0, 100, 20

@@ -1,4 +1,4 @@
-"""The panel Regularity: Regularise, its settings, Level and Upright; colours by direction, and what hovering tells."""
+"""The panel Regularity: Regularise, its settings, Level and Upright; colours by direction, and hover texts."""
 
 import bpy
 import numpy as np
@@ -39,7 +39,7 @@ def numbers():
 
 
 def found():
-    """What the engine says of the planes."""
+    """The engine's figures of the planes."""
     from isimp.blender import reading
 
     recipe = store.load(scan())

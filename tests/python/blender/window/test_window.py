@@ -22,7 +22,7 @@ LIMIT = 600  # seconds; one or two minutes on a quiet machine
 
 
 def site():
-    """Where a Blender finds the add-on and what this Python has installed."""
+    """The folder where a Blender finds the add-on and the packages of this Python."""
     return os.pathsep.join(
         [
             str(ROOT / "addon"),
@@ -48,9 +48,9 @@ def test_scenario(scenario):
         try:
             code = process.wait(LIMIT)
         finally:
-            with suppress(ProcessLookupError):  # the X server too, whatever happened
+            with suppress(ProcessLookupError):  # the X server too, in all cases
                 os.killpg(process.pid, signal.SIGKILL)
         log.seek(0)
         said = log.read()
         assert code == 0, said[-4000:]
-        assert "Traceback" not in said, said[-4000:]  # of a timer, which nothing else tells of
+        assert "Traceback" not in said, said[-4000:]  # of a timer, which nothing else reports
