@@ -1,4 +1,4 @@
-"""What the command settles for its process, first of all: numpy and the engine take long enough to load for a Ctrl-C.
+"""Settings of the command for its process, made first: numpy and the engine load long enough for a Ctrl-C.
 
 Nothing is done in a process that merely imports the engine.
 """
@@ -25,7 +25,7 @@ def end_at_once(number: int, frame: FrameType | None) -> None:
 
 
 def begin() -> None:
-    """Let Ctrl-C end the process without a word of Python's, unless it is ignored, as for work in the background."""
+    """Make Ctrl-C end the process without a traceback, unless it is ignored, as for work in the background."""
     for handle in (0, 1, 2):  # a file that is opened later must not become what messages are written to
         try:
             os.fstat(handle)

@@ -28,13 +28,13 @@ Labels = NDArray[np.int32]
 
 @dataclass(frozen=True)
 class Guides:
-    """What to keep to. Arrays as in `partition`."""
+    """Constraints of a partition. Arrays as in `partition`."""
 
-    weights: NDArray[Any] | None = None  #: (F,) what the faces' areas are multiplied by
+    weights: NDArray[Any] | None = None  #: (F,) factors of the faces' areas
     barriers: Pairs | None = None  #: (K, 2) edges that no region crosses
     cuts: Pairs | None = None  #: (K, 2) such edges that also split a region that they end in
     faces: NDArray[Any] | None = None  #: split these faces alone, and leave the others in their regions
-    before: Partition | None = None  #: those regions; locked ones of it stay as they are even if `faces` is None
+    before: Partition | None = None  #: its regions are the start; locked ones stay as they are even if `faces` is None
 
     def arrays(self) -> dict[str, Any]:
         """Weights and barriers as `partition` takes them."""
@@ -47,10 +47,10 @@ class Part:
     """Some faces of a mesh as a mesh of their own."""
 
     mesh: Mesh
-    face: Faces  #: of the whole mesh that each of its faces is
+    face: Faces  #: face of the whole mesh for each of its faces
 
     def arrays(self, guides: Guides) -> dict[str, Any]:
-        """The same of what speaks of the part."""
+        """As `Guides.arrays`, for the faces of the part."""
         whole = guides.arrays()
         weights, barriers = whole["weights"], whole["barriers"]
         return {
@@ -83,11 +83,11 @@ def partition_guided(
 ) -> Partition:
     """A partition that keeps to the guides.
 
-    A region that a cut ends in is split: from its ends the border goes on half-way between both of its sides. Where
-    only some faces are split, borders to the others stay as they are, vertex by vertex, so that polygons meet without a
-    crack; others that fall apart by it become several regions. With locked regions and no `faces`, options.proxies
-    counts the locked ones too.
-    part: what `part_of(mesh, open_faces(...))` gave, if that is known.
+    A region that contains the end of a cut is split: the border continues from the end half-way between both of its
+    sides. Where only some faces are split, borders to the others stay as they are, vertex by vertex, so that polygons
+    meet without a crack; others that fall apart by it become several regions. With locked regions and no `faces`,
+    options.proxies counts the locked ones too.
+    part: the result of `part_of(mesh, open_faces(...))`, if that is known.
     """
     guides = guides or Guides()
     return partition(
@@ -114,7 +114,7 @@ def parted_at(mesh: Mesh, part: Partition, cuts: Pairs) -> Labels | None:
 
 
 def _some(pairs: Pairs | None) -> Pairs | None:
-    """None for an empty list, whatever numpy takes its type to be."""
+    """None for an empty list of any type."""
     return None if pairs is None or not len(pairs) else pairs
 
 

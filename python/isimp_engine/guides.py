@@ -33,9 +33,9 @@ def attribute_borders(mesh: Mesh, values: NDArray[Any], among: NDArray[np.bool_]
 
 
 def marked_edges(mesh: Mesh, edges: NDArray[Any]) -> Pairs:
-    """What is left in the mesh of edges that were marked before `clean`: pairs of the caller's vertices.
+    """The edges of the mesh that were marked before `clean`: pairs of the caller's vertices.
 
-    Edges that are gone, as their faces are, are left out.
+    Edges whose faces were removed are left out.
     """
     return _marked_edges(mesh, _as_pairs(edges))
 
@@ -58,6 +58,6 @@ def shared_edges(triangles: NDArray[np.integer[Any]]) -> tuple[NDArray[np.int32]
 
 
 def _as_pairs(edges: NDArray[Any]) -> Pairs:
-    """(K, 2) pairs of any integers as int32; what that can not hold is no vertex, and stays none."""
+    """(K, 2) pairs of any integers as int32; a number that int32 can not hold is no vertex, and stays none."""
     info = np.iinfo(np.int32)
     return np.asarray(edges, np.int64).reshape(-1, 2).clip(info.min, info.max).astype(np.int32)

@@ -40,7 +40,7 @@ class Within:
     distance: (
         float | None
     )  #: the largest distance of a vertex of the scan from the polygons, scene units; None: no bound
-    allowed: float | None  #: what it must not be above: SLACK times the bound
+    allowed: float | None  #: its limit: SLACK times the bound
     tries: int
 
     @property
@@ -53,7 +53,7 @@ class Within:
 
 @dataclass(frozen=True)
 class Made:
-    """How a partition was made, so that it can be made anew with planes nearer to the scan; see partition_guided."""
+    """How a partition was made, so that it can be made again with planes nearer to the scan; see partition_guided."""
 
     options: PartitionOptions
     guides: Guides | None = None
@@ -71,7 +71,8 @@ def scan_distances(
 ) -> Points:
     """How far each vertex of the scan is from the polygons; NaN where it is in no region.
 
-    First from those of its own regions; where that is more than `enough`, from all: what is below it may be less still.
+    The polygons of the vertex's own regions come first; if these are farther than `enough`, all polygons are searched.
+    So a distance of at most `enough` may be less in truth.
     """
     return _scan_distances(mesh, part, polygons, enough, 0, _CHUNK, job)
 
@@ -87,7 +88,7 @@ def polygonize_within(
     """The polygons of a partition; with a bound such that the scan is within SLACK times it of them, if that can be.
 
     Borders may leave their chords, polygons bend and corners move by half the bound, and by less where that is not
-    enough. Where it still is not, and it is known how the partition was made, that is done anew with a lower bound.
+    enough. If that is not enough either, and `made` is given, another partition is made with a lower bound.
     Without a bound it is `polygonize`.
     jobs: in place of `job`: gives a job for each part of the work, to show its progress.
     """

@@ -51,7 +51,7 @@ def write(
 
     crs: the number of the EPSG reference system of the coordinates, written to CityJSON and IFC.
     version: of CityJSON, "2.0" or "1.1".
-    like: the name that tells the kind, where `path` is one for now.
+    like: a name with the kind of the file, where `path` is a temporary one.
     surfaces: what `surfaces_of` gives for these polygons, where it is known already.
     Raises FileError (another extension, a missing package, or the place can't be written), InvalidInput, Cancelled.
     """
@@ -73,7 +73,7 @@ def write(
 
 
 def _whole(place: Path, put: Callable[[Path], object]) -> None:
-    """Write beside the place, then move there."""
+    """Write next to the place, then move there."""
     with reader(place, "can't be written"):
         try:
             with whole(place) as draft:

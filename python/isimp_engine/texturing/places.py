@@ -21,7 +21,7 @@ def corner_sources(
 
     Only the polygon's own region counts, so that a thin arm takes nothing from its other side. A value of the scan's
     corners, (T, 3, n), is `numpy.einsum("lc,lcn->ln", weights, values[triangle])` at the polygons' corners.
-    vertices, triangles: what the mesh was made from. A triangle of -1: none is known.
+    vertices, triangles: the input of the mesh. A triangle of -1: none is known.
     islands: (T,) int32, as `uv_islands` makes them: only the island that has most of the region's area counts, since
     values between two islands mean nothing.
     Raises InvalidInput (parts that do not belong together) or Cancelled.

@@ -173,7 +173,7 @@ def _binary(data: bytes, elements: list[_Element], order: str) -> Iterator[tuple
 
 
 def _binary_rows(data: bytes, at: int, element: _Element, order: str) -> tuple[Columns, int]:
-    """All rows at once if their lists are as long as those of the first one; else one by one."""
+    """All rows at once if their lists are as long as the lists of the first one; else one by one."""
     sizes = _sizes_at(data, at, element, order) if element.count else dict.fromkeys(element.lists, 0)
     fields: list[Any] = []
     for name in element.order:

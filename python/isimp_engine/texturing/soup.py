@@ -1,4 +1,4 @@
-"""Triangles with what they show."""
+"""Triangles with their materials and colours."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -36,8 +36,8 @@ class TexturedSoup:
     material: NDArray[np.int32] = None  # type: ignore[assignment]
     images: Sequence[Any] = field(default=(), repr=False)
     colors: NDArray[np.uint8] | None = field(default=None, repr=False)
-    names: Sequence[str] = ()  #: of the materials, as the file has them
-    files: Sequence[Path] = ()  #: that were read beside the scan's own: materials and images
+    names: Sequence[str] = ()  #: names of the materials in the file
+    files: Sequence[Path] = ()  #: files that were read in addition to the scan's own: materials and images
     layers: Mapping[str, TextureLayer] = field(default_factory=dict, repr=False)
     #: the material that each one was before tiles became materials; `names` are of these
     given: Sequence[int] = field(default=(), init=False, repr=False)
@@ -88,7 +88,7 @@ class TexturedSoup:
         return self.colors is not None or any(self.images[m] is not None for m in np.unique(self.material) if m >= 0)
 
     def material_name(self, material: int) -> str:
-        """What the file calls a material; its number if it does not say, "" for -1."""
+        """The file's name of a material; its number if it has none, "" for -1."""
         if material < 0:
             return ""
         return self.names[material] if material < len(self.names) else str(material)
