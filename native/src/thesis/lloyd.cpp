@@ -30,9 +30,7 @@ Regions lloyd(const FaceGraph& graph, std::vector<std::int32_t> seeds, std::int3
     if (round + 1 == iterations) break;
     seeds = nearest_faces(graph, now, job);
     for (std::size_t r = 0; r < seeds.size(); ++r)
-      if (now.sum[r].length() > 0)
-        proxies[r] = NormalMetric::fit(now.sum[r]);  // else it has no area and keeps its
-                                                     // proxy
+      if (now.sum[r].length() > 0) proxies[r] = NormalMetric::fit(now.sum[r]);  // else no area: its proxy stays
   }
   return best;
 }
