@@ -4,7 +4,7 @@
 
 namespace isimp {
 
-/// The whole part of a number, held in [low, high]. A number that is not one (NaN) gives `low`.
+/// The integer part of a number, clamped to [low, high]. NaN gives `low`.
 ///
 /// A plain conversion of a number that the type can't hold is undefined, and std::clamp returns NaN as it is. Numbers
 /// that come from coordinates may be either, even if checked earlier: they overflow and cancel on the way.
