@@ -11,7 +11,7 @@
 
 namespace isimp::parallel {
 
-/// A surface as flooding sees it. Index N is a sentinel that stands for "no neighbour".
+/// A surface in the form for flooding. Index N is a sentinel that stands for "no neighbour".
 struct FloodSurface {
   std::span<const float> faces;              ///< (4 N) unit normal's x, y, z, and the area, in any unit
   std::span<const std::int32_t> neighbours;  ///< (3 N) in [0, N]
@@ -21,11 +21,11 @@ struct FloodSurface {
 struct Proxies {
   std::vector<std::int32_t> seed;  ///< (R) distinct faces; each stays with its region, so that none is empty
   std::vector<float> normal;       ///< (3 R) unit, or zero
-  std::vector<float> centre;       ///< (3 R) where the regions are, in the unit of `place`; only for naive flooding
+  std::vector<float> centre;       ///< (3 R) centres of the regions, in the unit of `place`; only for naive flooding
   friend bool operator==(const Proxies&, const Proxies&) = default;
 };
 
-/// One surface in the memory of one back end, and its labels while a partition is worked on. One call at a time.
+/// One surface in the memory of one back end, and its labels during a partition. One call at a time.
 ///
 /// The error of a face under a proxy is |n - n'|^2, and at least 2^-24: smaller errors are rounding and count as equal.
 /// Faces are processed in steps, all faces of a step at once from the result of the step before, so that no result
@@ -54,7 +54,7 @@ class Flooder {
   /// Source: the thesis's naive one
   virtual void naive(const Proxies& proxies, std::int32_t nearest, Search search, std::int32_t threads, Job& job) = 0;
 
-  /// The sums of the regions' faces; centres are summed too where faces are placed.
+  /// The sums of the regions' faces; also of the centres if the faces are placed.
   struct Fit {
     std::vector<RegionSum> sum;                 ///< (R)
     std::vector<std::array<double, 3>> centre;  ///< (R) area times centre; empty where faces are not placed
@@ -63,26 +63,26 @@ class Flooder {
   /// The face of each region that is nearest to the region's normal; ties to the lower face. Every region has a face.
   [[nodiscard]] virtual std::vector<std::int32_t> nearest_faces(const Proxies& proxies, std::int32_t threads) = 0;
 
-  /// Remembers the labels; the next call but this one of any kind may go back to them.
+  /// Saves the labels; only the next call after this one may restore them.
   virtual void keep() = 0;
   virtual void go_back() = 0;
 
-  /// Leaves each region the largest of its pieces, by area; frees the faces of all others.
-  /// \return faces freed
+  /// Leaves each region the largest of its pieces, by area; frees the faces of all other pieces.
+  /// \return number of freed faces
   virtual std::int32_t cut_to_pieces(std::int32_t threads, Job& job) = 0;
   /// Adds the free faces to the regions around them for good, least errors first in levels of a quarter octave, so that
   /// regions stay connected.
   /// \return the steps
   virtual std::int32_t fill(const Proxies& proxies, std::int32_t threads, Job& job) = 0;
 
-  /// \param labels (N) gets the region of each face, -1 for none
+  /// \param labels (N) receives the region of each face, -1 for none
   virtual void labels(std::span<std::int32_t> labels) const = 0;
 
   /// Memory of the device that is held for this surface, all of it for the life of the flooder. Arrays that a CPU reads
   /// in place do not count.
   struct MemoryUse {
     std::size_t bytes = 0;
-    std::int64_t allocations = 0;  ///< how often the device was asked for some
+    std::int64_t allocations = 0;  ///< number of allocations on the device
   };
   [[nodiscard]] virtual MemoryUse memory() const = 0;
 };
