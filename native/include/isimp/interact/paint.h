@@ -14,11 +14,10 @@ namespace isimp {
 /// Pieces that the stroke cuts off from other regions are flooded by the regions around them, including the painted
 /// one, so that every region stays connected. A region that is painted over completely is removed, and the numbers
 /// above it decrease by one. Faces of locked regions do not change.
-/// \param faces  (K) of mesh.triangles(), in any order, any of them several times
-/// \param onto   a face of the region that they become part of, which may be locked; kNone: a new region, the last one
+/// \param faces  (K) of mesh.triangles(), in any order, possibly repeated
+/// \param onto   a face of the region that they join, which may be locked; kNone: a new region, the last one
 /// \throws InvalidInput  no face left to paint; a face outside [0, F) or left out; the faces (with the region they
-/// become
-///                       part of) do not hang together: the message names one that does not; another mesh's partition
+///                       join) are not connected: the message names one that is not; another mesh's partition
 /// \throws Cancelled     nothing was changed
 /// Cost: O(F) to copy the labels, else O(K log K) and the size of the pieces that are cut off.
 Partition paint_faces(const Mesh& mesh, const Partition& partition, std::span<const std::int32_t> faces,
@@ -37,10 +36,9 @@ Partition erase_faces(const Mesh& mesh, const Partition& partition, std::span<co
 
 /// Adds the adjacent faces to the region of a face, `rings` times. No region loses its last face.
 /// \throws InvalidInput  a face outside [0, F) or left out; its region is locked, or has no neighbour to take from;
-/// rings
-///                       below 1
+///                       `rings` is below 1
 /// \throws Cancelled     nothing was changed
-/// Cost: O(F) to copy the labels, else of the size of the region.
+/// Cost: O(F) to copy the labels, else the size of the region.
 Partition grow_region(const Mesh& mesh, const Partition& partition, std::int32_t face, std::int32_t rings, Job& job);
 
 /// Removes the faces along its border from the region of a face, `rings` times. The regions around flood them.
