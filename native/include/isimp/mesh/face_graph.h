@@ -17,7 +17,7 @@ using Box = Eigen::AlignedBox3d;
 
 /// The data of a face that partitioning needs, in one 16-byte record.
 struct FaceRecord {
-  float nx = 0, ny = 0, nz = 0;  ///< unit normal; a face without area takes that of the nearest face that has one
+  float nx = 0, ny = 0, nz = 0;  ///< unit normal; a face without area has the normal of the nearest face with one
   float area = 0;                ///< as a share of the whole surface's area
 };
 
@@ -27,7 +27,7 @@ struct FaceRecord {
 struct FaceGraph {
   Array<FaceRecord> faces;                        ///< (n + 1), the last one all zero
   Array<std::array<std::int32_t, 3>> neighbours;  ///< (n + 1), across corner k -> k + 1; n where none
-  Array<std::int32_t> mesh_face;                  ///< (n) graph index -> face of the mesh
+  Array<std::int32_t> mesh_face;                  ///< (n + 1), across corner k -> k + 1; n without a neighbour
   Array<std::int32_t> graph_face;                 ///< (n) face of the mesh -> graph index
   double area = 0.0;                              ///< area of the whole surface, scene units squared
 

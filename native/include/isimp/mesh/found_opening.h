@@ -11,7 +11,7 @@ namespace isimp {
 /// A hole or a handle that was short enough to close. Coordinates are the caller's, lengths in scene units.
 struct FoundOpening {
   bool handle = false;  ///< else a hole
-  bool kept = false;    ///< it stayed open because the caller asked for it; else it was closed
+  bool kept = false;    ///< it stayed open at the caller's wish; else it was closed
   Vec3 center = Vec3::Zero();
   double length = 0;                     ///< length of the border of a hole, or of the loop around a handle or tunnel
   std::vector<std::vector<Vec3>> loops;  ///< closed polylines: the border of a hole, or both ends of the cut
@@ -20,7 +20,7 @@ struct FoundOpening {
 /// A repaired mesh and the openings that were short enough to close.
 struct Cleaned {
   Mesh mesh;
-  std::vector<FoundOpening> openings;  ///< holes, then handles; none is listed that could not be closed
+  std::vector<FoundOpening> openings;  ///< holes, then handles; openings that could not be closed are not listed
 };
 
 /// As `clean`, but openings at some places stay open. Places, unlike indices, are the same after another repair.

@@ -11,21 +11,21 @@
 
 namespace isimp {
 
-/// Polygons with any number of corners, as a file has them: they may be non-manifold, duplicate or degenerate.
+/// Polygons with any number of corners, as in a file: they may be non-manifold, duplicate or degenerate.
 struct PolygonSoup {
-  std::vector<Vec3> vertices;      ///< (V) any numbers, NaN among them
+  std::vector<Vec3> vertices;      ///< (V) any numbers, including NaN
   Array<std::int32_t> loops;       ///< (L) vertex of each corner, in [0, V), polygon after polygon
-  Array<std::int32_t> loop_start;  ///< (Q) where each polygon begins in `loops`; it ends where the next begins
+  Array<std::int32_t> loop_start;  ///< (Q) first corner of each polygon in `loops`; its end is the next one's start
 
   [[nodiscard]] std::int32_t polygon_count() const { return static_cast<std::int32_t>(loop_start.size()); }
   [[nodiscard]] std::span<const std::int32_t> polygon(std::int32_t q) const;
 };
 
-/// Reads a mesh file: PLY (text, binary of either byte order), OBJ, STL (text, binary) or OFF (text), told apart by the
-/// name's extension, in upper or lower case.
+/// Reads a mesh file: PLY (text, binary of either byte order), OBJ, STL (text, binary) or OFF (text). The extension, in
+/// upper or lower case, determines the format.
 ///
 /// Polygons keep the file's order and number, broken ones too (a vertex named twice, fewer than three corners), so that
-/// labels can be given back on the file's faces. Only geometry is read; colours, normals and the like are skipped.
+/// labels can be returned for the file's faces. Only geometry is read; colours, normals and the like are skipped.
 /// Coordinates keep the file's precision. STL has no shared vertices: corners at equal positions become one vertex,
 /// corners with NaN do not. A file without faces (a point cloud) gives no polygons. Triangle strips of PLY
 /// (element tristrips) give their triangles. Data from a pipe is read to its end.
@@ -48,7 +48,7 @@ PolygonSoup read_polygons(const std::filesystem::path& path, Job& job, std::int3
 /// another name and then moved there. It replaces an older file of that name and takes its permissions. A link stays a
 /// link, and the file that it leads to is replaced. Pipes and devices are written to directly.
 ///
-/// \param loop_start  (Q) where each polygon begins in `loops`, rising from 0
+/// \param loop_start  (Q) first corner of each polygon in `loops`, rising from 0
 /// \throws FileError     another extension, or a file that is read-only, or the place can't be written; nothing is
 ///                       left behind
 /// \throws InvalidInput  an index out of range or a polygon of fewer than three corners
@@ -56,7 +56,7 @@ PolygonSoup read_polygons(const std::filesystem::path& path, Job& job, std::int3
 void write_polygons(const std::filesystem::path& path, std::span<const Vec3> vertices,
                     std::span<const std::int32_t> loops, std::span<const std::int32_t> loop_start, Job& job);
 
-/// Whether all polygons are triangles: `loops` then holds one after another.
+/// Whether all polygons are triangles: `loops` then holds them one after another.
 bool are_triangles(const PolygonSoup& soup, Job& job);
 
 /// Triangles that fill polygons, without new vertices.

@@ -19,7 +19,7 @@ struct MeshArrays;
 struct Topology;
 }  // namespace detail
 
-/// An oriented triangle surface, checked once and never changed: the input of everything else.
+/// An oriented triangle surface, checked once and never changed: the input of all other modules.
 ///
 /// Holds by construction: every edge has one or two faces, two faces of an edge run along it in opposite directions,
 /// the faces at a vertex form one fan, no face names a vertex twice, all coordinates are finite. Borders, several
@@ -54,9 +54,9 @@ class Mesh {
   /// than two diagonals from 0; elsewhere the middle, rounded to a power of two of about a quarter of the diagonal.
   [[nodiscard]] const Vec3& origin() const { return origin_; }
   [[nodiscard]] std::span<const Triangle> triangles() const { return triangles_; }
-  /// (F) the caller's face each face came from; the identity if the mesh was not cleaned.
+  /// (F) the caller's face of each face; the identity if the mesh was not cleaned.
   [[nodiscard]] std::span<const std::int32_t> source_face() const { return source_face_; }
-  /// (V) the caller's vertex each vertex came from; kNone for one that a repair made.
+  /// (V) the caller's vertex of each vertex; kNone for one that a repair made.
   [[nodiscard]] std::span<const std::int32_t> source_vertex() const { return source_vertex_; }
 
   /// (3 F) the half-edge on the other side of each; kNone on a border.
@@ -68,7 +68,7 @@ class Mesh {
   [[nodiscard]] std::span<const std::int32_t> component() const { return component_; }
   [[nodiscard]] std::int32_t component_count() const { return report_.components; }
 
-  /// The faces as partitioning sees them: Morton order, normals, areas, neighbours.
+  /// The faces in the form for partitioning: Morton order, normals, areas, neighbours.
   [[nodiscard]] const FaceGraph& graph() const { return graph_; }
   [[nodiscard]] const MeshReport& report() const { return report_; }
   /// Length of the bounding box's diagonal.

@@ -6,7 +6,7 @@
 
 namespace isimp {
 
-/// One kind of repair that `clean` made: how often, and where first.
+/// One kind of repair that `clean` made: its count and first places.
 struct Repair {
   std::string what;                 ///< a key such as "duplicate_faces"
   std::int64_t count = 0;           ///< number of faces, edges or vertices, depending on the key
@@ -27,7 +27,7 @@ struct MeshReport {
   std::int32_t unused_vertices = 0;
   double area = 0.0;      ///< scene units squared; faces that count as without area add nothing
   double diagonal = 0.0;  ///< diagonal of the bounding box, scene units
-  bool closed = false;    ///< no border at all
+  bool closed = false;    ///< without a border
   RepairReport repairs;   ///< empty after Mesh(...)
 };
 
