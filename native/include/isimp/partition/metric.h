@@ -33,7 +33,7 @@ struct RegionSum {
 
   [[nodiscard]] double length() const { return std::sqrt(x * x + y * y + z * z); }
   [[nodiscard]] double error() const { return std::max(0.0, weight - 2 * length()); }
-  /// The best normal; where the faces' normals cancel all are equally good, and there is none without area.
+  /// The best normal. Where the faces' normals cancel, all normals are equally good; without area there is none.
   [[nodiscard]] Vec3 normal() const {
     const double norm = length();
     if (norm > 0) return {x / norm, y / norm, z / norm};
@@ -61,14 +61,14 @@ struct RegionSum {
   }
 };
 
-/// By how much the error grows when two regions become one.
+/// The increase of the error when two regions merge.
 inline double merge_cost(const RegionSum& a, const RegionSum& b) {
   const double x = a.x + b.x, y = a.y + b.y, z = a.z + b.z;
   return 2 * (a.length() + b.length() - std::sqrt(x * x + y * y + z * z));
 }
 
-/// L2,1: the squared difference of the normals. The area weighs in the fit and the total, not in the order of the
-/// flooding, as the thesis has it: slivers then neither win nor become seeds.
+/// L2,1: the squared difference of the normals. The area is a weight in the fit and the total, not in the order of the
+/// flooding, as in the thesis: slivers then neither win nor become seeds.
 struct NormalMetric {
   struct Proxy {
     float x = 0, y = 0, z = 0;  ///< unit normal; zero for a region without area
