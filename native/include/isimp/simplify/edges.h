@@ -32,7 +32,7 @@ std::vector<VertexPair> sharp_edges(const Mesh& mesh, double angle, Job& job);
 /// The edges between two faces that a caller has marked before `clean`, in the order of inner_edges. Edges whose faces
 /// were removed are left out.
 /// \param marked  (K) pairs of the caller's vertices (Mesh::source_vertex), any numbers
-/// Cost: O(V + F + K) plus the marked edges at the vertices, which are looked through.
+/// Cost: O(V + F + K) plus the search of the marked edges at the vertices.
 std::vector<VertexPair> marked_edges(const Mesh& mesh, std::span<const VertexPair> marked, Job& job);
 
 }  // namespace isimp

@@ -22,12 +22,12 @@ namespace isimp {
 /// \param allowed  scene units
 /// \return nullopt where Symmetry::found has found none
 /// \throws InvalidInput  the surface does not mirror across the wanted axis: the message gives the distance
-/// Cost: O(F log F) to make ready, and some 200,000 searches for a closest face, about .3 s.
+/// Cost: O(F log F) to prepare, and some 200,000 searches for a closest face, about .3 s.
 /// Source: iterated closest points (Chen, Medioni 1992), for reflections.
 std::optional<Mirror> find_mirror(const Mesh& mesh, Symmetry wanted, double allowed, std::int32_t threads, Job& job);
 
-/// How far from its mirror image a surface may be that is to be split in regions: a few deviations of its noise, or a
-/// small share of a region's size.
+/// The allowed distance of a surface from its mirror image for a partition: a few deviations of its noise, or a small
+/// share of a region's size.
 double mirror_allowance(const Mesh& mesh, const PartitionOptions& options, Job& job);
 
 }  // namespace isimp

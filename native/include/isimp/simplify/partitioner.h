@@ -56,9 +56,9 @@ class Partitioner {
   ///    Borders to the other faces stay as they are; regions that fall apart by it become several. With locked regions
   ///    and without `faces`, `proxies` counts the locked ones too.
   ///
-  /// With `symmetry` regions mirror as the surface does, and the partition has the plane; see symmetric_partition. Where
-  /// only some faces are split, or regions are locked, it has the plane alone. A few regions more or fewer than
-  /// `proxies` may come of it.
+  /// With `symmetry` regions mirror as the surface does, and the partition has the plane; see symmetric_partition. If
+  /// only some faces are split, or regions are locked, it has the plane alone. The number may differ a little from
+  /// `proxies`.
   ///
   /// \param job     polled at least every 50 ms; reports progress in [0, 1]
   /// \throws InvalidInput  an option out of its range, a weight, barrier or face that can't be used: the message names
