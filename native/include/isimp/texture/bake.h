@@ -42,12 +42,12 @@ struct MaterialLayers {
 /// The images of the polygons: rows from the top, without the texels that have no colour. The last of several tiles is
 /// at the top.
 struct Texture {
-  std::int32_t side = 0, height = 0;        ///< a row, and how many rows all tiles have together: n = side * height
+  std::int32_t side = 0, height = 0;        ///< texels of a row, and rows of all tiles together: n = side * height
   Array<std::uint8_t> color;                ///< (4 n) RGBA
   Array<std::uint8_t> normal;               ///< (3 n) tangent-space normals, green up; empty if not asked for
   std::vector<Array<std::uint8_t>> layers;  ///< (4 n) each, one for each of the images of MaterialLayers
   std::vector<PolygonTexels> texels;        ///< (Q)
-  std::vector<std::int32_t> same;           ///< (Q) the earlier polygon whose texels were taken; kNone: baked
+  std::vector<std::int32_t> same;           ///< (Q) the earlier polygon whose texels were copied; kNone: baked
 
   [[nodiscard]] PolygonTexels total() const {
     PolygonTexels sum;
@@ -67,7 +67,7 @@ struct Texture {
 /// together. Gutters continue the polygon's plane; the rest is flooded.
 ///
 /// \param atlas  of these polygons
-/// \param layers  each is made as the colours are; the relief bends the scan's normals in the normal map
+/// \param layers  made like the colours; the relief bends the scan's normals in the normal map
 /// \param earlier  of the same mesh, appearance, layers and options; null: all polygons are baked
 /// \throws InvalidInput  arrays that are not of this mesh, or an option out of its range
 /// \throws Cancelled     nothing was made
@@ -78,18 +78,18 @@ Texture bake(const Mesh& mesh, const Partition& partition, const PolygonMesh& po
              const Appearance& appearance, const TextureOptions& options, Job& job, const MaterialLayers& layers = {},
              const EarlierBake* earlier = nullptr);
 
-/// For each texel, which place of the scan it shows: rows from the top.
+/// The place of the scan that each texel shows: rows from the top.
 struct BakeMap {
-  std::int32_t side = 0, rows = 0;  ///< a row, and how many rows: n = side * rows
+  std::int32_t side = 0, rows = 0;  ///< texels of a row, and number of rows: n = side * rows
   Array<std::int32_t> polygon;      ///< (n) the polygon a texel's centre lies in; kNone: gutter and the rest
-  Array<std::int32_t> face;         ///< (n) of the mesh; kNone where there is none
+  Array<std::int32_t> face;         ///< (n) of the mesh; kNone without a face
   Array<float> barycentric;         ///< (2 n) weights of the face's corners 1 and 2
   Array<float> height;              ///< (n) of the place above the polygon's plane, scene units
 };
 
-/// The map by which `bake` looks up colours, with one sample at the centre of each texel: for other layers.
+/// The map by which `bake` samples colours, with one sample at the centre of each texel: for other layers.
 /// In the half of the band that is nearer to an edge it holds the closest point.
-/// \param same  (Q) polygons that are left out where it is not kNone; empty: none is
+/// \param same  (Q) polygons that are left out unless it is kNone; empty: none is
 BakeMap bake_map(const Mesh& mesh, const Partition& partition, const PolygonMesh& polygons, const Atlas& atlas,
                  const TextureOptions& options, Job& job, std::span<const std::int32_t> same = {});
 

@@ -12,8 +12,8 @@
 
 namespace isimp {
 
-/// For each face of a cleaned mesh, where its corners lie on the caller's triangles: what UVs and colours per corner are
-/// carried over with.
+/// For each face of a cleaned mesh, the places of its corners on the caller's triangles, to transfer UVs and colours
+/// per corner.
 struct SourceCorners {
   std::vector<std::int32_t> face;            ///< (F) one of the caller's triangles; kNone for a cover of a hole
   std::vector<std::array<float, 6>> weight;  ///< (F) of its corners 1 and 2, for each corner of the mesh's face

@@ -12,7 +12,7 @@ namespace isimp {
 
 /// Counts of a polygon's texels by their source.
 struct PolygonTexels {
-  std::int64_t inside = 0;    ///< whose centres lie in the polygon
+  std::int64_t inside = 0;    ///< texels whose centres lie in the polygon
   std::int64_t searched = 0;  ///< inside texels at a place that no face was drawn to: they show the closest face
   std::int64_t unknown = 0;   ///< inside texels without a known colour: they show the mean colour
 
@@ -36,9 +36,9 @@ struct EarlierBake {
   std::span<const PolygonTexels> texels;              ///< (earlier Q)
 };
 
-/// Grey images of an earlier bake, and whose texels in them are still right.
+/// Grey images of an earlier bake, and the polygons whose texels in them are still right.
 struct EarlierGrey {
-  std::span<const std::int32_t> same;  ///< (Q) the earlier polygon; kNone: one that is baked
+  std::span<const std::int32_t> same;  ///< (Q) the earlier polygon; kNone: the polygon is baked
   std::span<const std::uint8_t> grey;  ///< rows from the top
 };
 

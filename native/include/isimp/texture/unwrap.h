@@ -18,11 +18,11 @@ struct ChartFrame {
   bool operator==(const ChartFrame&) const = default;
 };
 
-/// Polygons laid out in squares of texels, the tiles. x points right, y up. (0, 0) is the lower left corner of the first
-/// tile, and each further one lies upon the one before: tile t has the rows from t * side on.
+/// Polygons laid out in squares of texels, the tiles. x points right, y up. (0, 0) is the lower left corner of the
+/// first tile. The tiles are stacked: tile t has the rows from t * side on.
 struct Atlas {
   std::int32_t side = 0;   ///< side of a tile, texels
-  std::int32_t tiles = 1;  ///< how many
+  std::int32_t tiles = 1;  ///< number of tiles
   double scale = 0;        ///< texels per scene unit; the same everywhere
   double gutter = 0;       ///< least distance of two charts, texels
   double fill = 0;         ///< area of the polygons over the area of the atlas
@@ -33,9 +33,9 @@ struct Atlas {
   std::vector<ChartFrame> frame;              ///< (Q) in the caller's coordinates
   std::vector<std::int32_t> from;             ///< (Q) the earlier polygon whose place each has; kNone: a new place
   std::vector<std::int32_t> tile;             ///< (Q) the tile of each polygon
-  std::vector<std::int32_t> tile_group;       ///< (tiles) the group of the polygons that each is for
+  std::vector<std::int32_t> tile_group;       ///< (tiles) the group of the polygons of each tile
 
-  /// How many rows of texels there are, one tile upon the other.
+  /// The number of rows of texels of all stacked tiles.
   [[nodiscard]] std::int32_t height() const { return side * tiles; }
 };
 
@@ -62,7 +62,7 @@ struct EarlierAtlas {
 /// Each polygon is projected on the plane that fits it best, so UVs are affine in it: every triangulation of an n-gon
 /// shows the same picture. Neighbours that meet at less than `unfold` degrees are unfolded about their edge into one
 /// chart, the longest edges first, where nothing overlaps. Charts fall one after another, in the best of four turns,
-/// onto the profile of those below (Levy, Petitjean, Ray, Maillot 2002, section 4). No chart is mirrored.
+/// onto the profile of the charts below (Levy, Petitjean, Ray, Maillot 2002, section 4). No chart is mirrored.
 ///
 /// The layout depends on the polygons alone, and on an earlier atlas where one is given. A polygon then keeps its
 /// place, with the same texel coordinates and frame, if its corners have moved by no more than a texel, or by two if
@@ -72,7 +72,7 @@ struct EarlierAtlas {
 /// free. The same happens, without these rows, if the earlier atlas has another side, gutter or number of tiles than
 /// requested. `Atlas::kept` counts the polygons that keep their place.
 ///
-/// \throws InvalidInput  so many charts do not fit into the size; the message says which size they fit
+/// \throws InvalidInput  so many charts do not fit into the size; the message names a size that fits
 /// \throws Cancelled     nothing was made
 /// Cost: 0.1 s for 1,000 polygons.
 Atlas unwrap(const PolygonMesh& polygons, const AtlasOptions& options, Job& job, const EarlierAtlas* earlier = nullptr);
