@@ -24,7 +24,7 @@ struct Edit {
   const FaceGraph& graph;
   Partition result;
   EditLabels labels;                  ///< labels of `result`
-  std::vector<std::int32_t> borders;  ///< faces that the last relaxation looked at
+  std::vector<std::int32_t> borders;  ///< faces that the last relaxation visited
   std::vector<std::int32_t> hints;    ///< some face of each region that was touched, in the order of finding
 
   /// \throws InvalidInput  the partition is not one of this mesh
@@ -44,11 +44,11 @@ struct Edit {
 
   /// Removes the region of a face from the labels; see take_out.
   /// \param i  by graph index
-  /// \throws InvalidInput  the region is in several pieces, as regions of partitions from elsewhere may be: their sums
+  /// \throws InvalidInput  the region is in several pieces, as is possible in partitions of other programs: their sums
   ///                       are of all pieces together
   [[nodiscard]] std::vector<std::int32_t> take_region(std::int32_t i);
 
-  /// Starts over from another partition of the same surface.
+  /// Replaces the partition by another one of the same surface.
   void restart(const Partition& partition);
 
   /// Regions that edits do not change, by region, or empty for none. At first the locked ones.
@@ -66,8 +66,8 @@ struct Edit {
   /// Removes a region without faces; the numbers above it decrease by one.
   void remove_region(std::int32_t region);
 
-  /// Relaxes the borders of these faces and what follows from that. `pinned` does not move.
-  /// \return every face looked at: all borders that moved are among them
+  /// Relaxes the borders of these faces and all that are affected. `pinned` does not move.
+  /// \return every visited face, which include all borders that moved
   std::vector<std::int32_t> relax(std::span<const std::int32_t> faces, std::int32_t pinned, Job& job);
 
   /// Adds the faces that a change of these faces has cut off from their old region to the regions around. Of a region

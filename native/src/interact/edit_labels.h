@@ -15,7 +15,7 @@ inline constexpr std::int32_t kHeld = -3;
 struct EditLabels {
   std::int32_t* region;
   const FaceGraph* graph;
-  std::span<const std::uint8_t> held = {};  ///< by region; empty: none is held
+  std::span<const std::uint8_t> held = {};  ///< by region; empty: no region is held
 
   [[nodiscard]] std::int32_t get(std::int32_t i) const {
     if (i == graph->size()) return kNone;

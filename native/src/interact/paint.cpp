@@ -70,7 +70,7 @@ void open_face(Edit& edit, std::int32_t i) {
   edit.labels.set(i, kOpen);
 }
 
-/// The faces of a region, and then what makes them part of it again.
+/// The faces of a region. Its labels are cleared by the walk and restored.
 std::vector<std::int32_t> faces_of(Edit& edit, std::int32_t face) {
   const std::int32_t region = edit.labels.get(face);
   std::vector<std::int32_t> faces = edit.take_region(face);
