@@ -74,14 +74,14 @@ std::array<std::uint32_t, (1 << kBits) + 1> sort_by_bits(std::span<const std::ui
   return begin;
 }
 
-/// The same by the first digit, the keys in pieces, one a thread.
+/// Sorts by the first digit, the keys in pieces, one a thread.
 std::vector<std::uint32_t> sort_by_first_digit(std::span<const std::uint64_t> keys, std::uint64_t* sorted,
                                                const Threads& threads, Job& job) {
   constexpr int kShift = kFaceBits + 3 * kAxisBits - kDigitBits;
   constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
   const auto n = static_cast<std::int32_t>(keys.size());
   const std::int32_t pieces = threads.pieces(n);
-  std::vector<std::vector<std::uint32_t>> next(static_cast<std::size_t>(pieces));  // where a piece's keys go
+  std::vector<std::vector<std::uint32_t>> next(static_cast<std::size_t>(pieces));  // places of a piece's keys
   const auto for_each_key = [&](std::int32_t begin, std::int32_t end, const auto& visit) {
     const auto piece = keys.subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(end - begin));
     for_each_index(piece.size(), job, [&](std::size_t i) { visit(piece[i], piece[i] >> kShift); });
@@ -160,7 +160,7 @@ void fill_missing_normals(FaceGraph& graph, const std::vector<std::int32_t>& mis
   }
 }
 
-/// Has the vertices of a face a little ahead fetched.
+/// Prefetches the vertices of a face a little ahead.
 void fetch_soon(std::span<const Vec3> vertices, std::span<const Triangle> triangles, std::size_t f) {
   if (f + kAhead >= triangles.size()) return;
   for (const std::int32_t v : triangles[f + kAhead]) prefetch(&vertices[v]);
@@ -248,7 +248,8 @@ FaceGraph make_face_graph(std::span<const Vec3> vertices, std::span<const Triang
   const double side = box.sizes().maxCoeff();
   double scale = side * side > 0 ? 1 / (side * side) : 1.0;  // floats hold the areas
   std::vector<std::int32_t> missing = measure_all(graph, vertices, triangles, opposite, scale, threads, job);
-  if (graph.area > 0 && scale * graph.area < kLeastScaled) {  // all small, in a box that faces without area make large
+  if (graph.area > 0 && scale * graph.area < kLeastScaled) {  // all faces are small, in a box that is large by faces
+                                                              // without area
     scale = 1 / graph.area;
     missing = measure_all(graph, vertices, triangles, opposite, scale, threads, job);
   }

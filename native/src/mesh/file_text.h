@@ -47,7 +47,7 @@ class Words {
   const char* end_;
 };
 
-/// The lines of a text, whichever way they end.
+/// The lines of a text with any line ends.
 class Lines {
  public:
   explicit Lines(std::string_view text) : rest_(text) {}

@@ -14,18 +14,17 @@
 
 /// The file formats, each read by a few plain functions of our own.
 ///
-/// OpenMesh 9 has readers and writers for all four, and its importer interface would take polygon soup, but they do not
-/// keep what `isimp/mesh/io.h` promises, and no check put before them could make them:
-///  - places pass through float, so that a scan in map coordinates moves by up to half a metre; text that spells NaN
-///    ends the reading in silence, the rest of the file reading as zeros;
+/// OpenMesh 9 has readers and writers for all four, and its importer interface would take polygon soup, but they break
+/// the promises of `isimp/mesh/io.h`, and no check before them could prevent it:
+///  - places pass through float, so that a scan in map coordinates moves by up to half a metre; text with NaN ends the
+///    reading without an error, and the rest of the file reads as zeros;
 ///  - OBJ and STL faces that name a vertex twice vanish, so that labels no longer fit the file's faces, and an STL
 ///    vertex with NaN becomes an arbitrary other one;
 ///  - damaged bytes end the process (a PLY property before any element: a wild write; an OBJ face "f /1": an
 ///    assertion that Debian's build keeps), hang it (a PLY header without its end), exhaust the memory (an OFF file
 ///    cut short) or give made-up faces (a comment in an OFF file: 32,573 of them);
 ///  - readers and writers are global objects with state, so that two threads can't read at once, and some messages
-///    reach
-///    the process's error stream in spite of all settings;
+///    reach the process's error stream in spite of all settings;
 ///  - the PLY writer cuts the number of a polygon's corners to eight bits and places to float, the OBJ writer to float.
 /// The tests read the files of this writer with OpenMesh and the other way round.
 namespace isimp::detail {
@@ -66,7 +65,7 @@ class SoupBuilder {
   [[nodiscard]] bool has_room(std::size_t vertices, std::size_t polygons, std::size_t corners) const {
     return vertices <= room_for_vertices() && polygons <= room_for_polygons(0) && corners <= room_for_polygons(1);
   }
-  /// Where polygons begin in all corners, and their corners.
+  /// The first corners of polygons, and their corners.
   struct Polygons {
     std::span<std::int32_t> starts, corners;
   };
@@ -81,7 +80,7 @@ class SoupBuilder {
 
  private:
   static constexpr std::size_t kMost = 0x7fffffff - 1;
-  static constexpr std::int32_t kOut = 0x7fffffff;  // stands for every number that no vertex can have
+  static constexpr std::int32_t kOut = 0x7fffffff;  // replaces every number that no vertex can have
   [[noreturn]] void too_many(const char* what) const;
 
   const FileText& file_;

@@ -119,7 +119,7 @@ std::vector<Seam> find_seams(const Soup& soup, const Patches& patches, const std
 }  // namespace
 
 /// The longest seams decide first, so that a surface with one side (a Moebius strip) is cut along a short seam; best
-/// along one that only welding closed, which then stays as the caller had it.
+/// along one closed by welding alone, which then stays as in the caller's arrays.
 std::vector<char> orient(Soup& soup, const std::vector<std::int32_t>& same_way, Job& job) {
   if (same_way.empty()) return {};
   const Patches patches = find_patches(soup, job);

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 constexpr int kMostDrafts = 1000;  // drafts of other programs next to a place
 constexpr int kMostLinks = 40;     // in a row; more are a circle
 
-/// Where a chain of links ends, also if nothing is there.
+/// The end of a chain of links, also if it does not exist.
 fs::path end_of_links(fs::path place) {
   std::error_code error;
   for (int i = 0; i < kMostLinks && fs::is_symlink(place, error); ++i)
@@ -27,8 +27,8 @@ fs::path end_of_links(fs::path place) {
   return place;
 }
 
-/// Makes an empty file where nothing is, not even a link to nowhere, which would be followed.
-/// \return false if it can't be made; errno is EEXIST where something is there
+/// Makes an empty file where nothing exists, not even a dangling link, which would be followed.
+/// \return false if it can't be made; errno is EEXIST if something exists
 bool make_new(const fs::path& place) {
   errno = 0;
 #ifdef _WIN32

@@ -26,8 +26,8 @@ std::optional<std::vector<std::size_t>> offsets_of(const PlyElement& element, st
 }
 
 /// Calls visit(reader, begin, end) for blocks of rows in pieces, one a thread, until a call of the piece returns less
-/// than the block's end: how far it came.
-/// \return how far all of them came without a gap
+/// than the block's end: the row that it reached.
+/// \return the row that all of them reached without a gap
 template <class Visit>
 std::size_t for_each_block(std::size_t rows, const FileParts& parts, const Threads& threads, Job& job,
                            const Visit& visit) {
@@ -70,7 +70,7 @@ std::int64_t load_count(const char* p, PlyScalar type, bool swap) {
   return with_type(type, [&](auto zero) { return load_integer<decltype(zero)>(p, swap); });
 }
 
-/// How many rows there are before the first one whose list has another count.
+/// The number of rows before the first one whose list has another count.
 std::size_t rows_with_count(const Lists& lists, PlyScalar type, const char* block, std::size_t rows) {
   return with_type(type, [&](auto zero) {
     using Count = decltype(zero);

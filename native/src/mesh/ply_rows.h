@@ -62,7 +62,7 @@ struct PlyBytes {
 std::size_t read_vertex_rows(const PlyBytes& bytes, const PlyElement& element, const std::array<int, 3>& axes,
                              SoupBuilder& soup, const Threads& threads, Job& job);
 
-/// How many rows were read, and how many bytes they take.
+/// Numbers of the rows that were read, and of their bytes.
 struct PlyRows {
   std::size_t rows = 0, bytes = 0;
 };

@@ -64,7 +64,7 @@ class PointBoxes {
     double left, right, low, high;
     std::int32_t count;  // number of points in it
   };
-  /// A triangle as boxes are compared with it; what rounding might hide counts as near.
+  /// A triangle prepared for comparison with boxes; cases that rounding might hide count as near.
   class Triangle2 {
    public:
     Triangle2(const std::array<Vec2, 3>& corners, double farthest);
@@ -78,7 +78,7 @@ class PointBoxes {
   void sort(const std::vector<Vec2>& place, Job& job);
   void make_levels(const std::vector<Vec2>& place);
 
-  std::vector<std::int32_t> points_, slot_;  // near ones in a row, -1 where taken out; where each point is
+  std::vector<std::int32_t> points_, slot_;  // near ones in a row, -1 where removed; the place of each point
   std::vector<std::vector<Node>> levels_;
   double farthest_ = 0.0;  // largest coordinate of all points in the plane
 };

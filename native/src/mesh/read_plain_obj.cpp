@@ -8,7 +8,7 @@
 namespace isimp::detail {
 namespace {
 
-/// How many things of each kind a part of the file has, or how many there are before it.
+/// Numbers of things of each kind in a part of the file, or before it.
 struct Counts {
   std::size_t vertices = 0, faces = 0, corners = 0;
 

@@ -162,7 +162,7 @@ void read_vertices(const FileText& file, const PlyElement& element, Values& valu
   }
 }
 
-/// Which property of faces or strips lists their vertices.
+/// The property of faces or strips that lists their vertices.
 int list_of_corners(const FileText& file, const PlyElement& element, const char* what) {
   const int corners = element.find_corners();
   if (element.count > 0 && corners < 0)

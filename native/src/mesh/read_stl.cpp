@@ -135,7 +135,7 @@ class TextReader {
 
 }  // namespace
 
-/// A binary file may begin with "solid" too: what counts is whether its length fits the number of facets it states.
+/// A binary file may begin with "solid" too: the file is binary if its length fits the number of facets that it states.
 PolygonSoup read_stl(const FileText& file, const Threads& threads, Job& job) {
   const std::size_t size = file.bytes.size();
   const std::size_t facets = size >= kHead ? load<std::uint32_t>(file.bytes.data() + 80) : 0;

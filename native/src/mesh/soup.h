@@ -49,7 +49,7 @@ class RepairLog {
 struct Soup {
   std::vector<Vec3> vertices;           ///< the caller's
   std::vector<Triangle> named;          ///< the kept faces with the caller's vertices
-  std::vector<Triangle> welded;         ///< the same after welding; empty as long as it is equal to `named`
+  std::vector<Triangle> welded;         ///< the triangles after welding; empty as long as it is equal to `named`
   Array<std::int32_t> source_face;      ///< the caller's face of each
   std::vector<std::int32_t> opposite;   ///< the half-edge that each is joined to; kNone: none
   std::vector<std::int32_t> contested;  ///< half-edges along edges that were split
@@ -115,7 +115,8 @@ struct MeshArrays {
 };
 
 // separate.cpp
-/// Gives every fan of faces its own vertex, and halves edges with the same ends as another. Moves out of the soup.
+/// Makes a vertex of its own for every fan of faces, and halves edges with the same ends as another. Moves out of the
+/// soup.
 MeshArrays separate(Soup& soup, Job& job);
 
 // manifold_fast_path.cpp

@@ -83,10 +83,10 @@ class RisingHalfedges {
       });
     }
     std::uint32_t sum = 0;
-    for (std::uint32_t& end : end_) sum += std::exchange(end, sum);  // now where each bucket begins
+    for (std::uint32_t& end : end_) sum += std::exchange(end, sum);  // now the start of each bucket
     entries_ = std::make_unique_for_overwrite<Entry[]>(sum + kAtOnce);
     for (std::uint32_t i = 0; i < kAtOnce; ++i) entries_[sum + i] = {kNone, kNone};
-    std::vector<std::int32_t> limit;  // vertices between which the pieces have about the same to do
+    std::vector<std::int32_t> limit;  // vertices that divide the work of the pieces about equally
     for (std::int32_t piece = 0; piece <= pieces; ++piece) {
       const auto share = static_cast<std::uint32_t>(std::uint64_t{sum} * static_cast<std::uint64_t>(piece) /
                                                     static_cast<std::uint64_t>(pieces));
@@ -105,14 +105,14 @@ class RisingHalfedges {
     });
   }
 
-  /// Has a vertex's bucket fetched.
+  /// Prefetches a vertex's bucket.
   void fetch(std::int32_t from) const { prefetch(&entries_[begin(static_cast<std::size_t>(from))]); }
   /// The first half-edge from one vertex to a larger one, or kNone.
   [[nodiscard]] std::int32_t find(std::int32_t from, std::int32_t to) const {
     const std::uint32_t at = place(from, to);
     return at < end_[from] ? entries_[at].half_edge : kNone;
   }
-  /// Whether another half-edge runs the same way as one that is there.
+  /// Whether another half-edge runs the same way as a stored one.
   [[nodiscard]] bool has_twin(std::int32_t from, std::int32_t to) const {
     const std::uint32_t first = place(from, to), last = end_[from];
     std::uint32_t i = first + 1;
@@ -125,7 +125,7 @@ class RisingHalfedges {
   struct Entry {
     std::int32_t to, half_edge;
   };
-  static constexpr std::uint32_t kAtOnce = 4;  // entries compared before anything is decided
+  static constexpr std::uint32_t kAtOnce = 4;  // entries compared before each decision
 
   template <class Visit>
   static void for_each_rising(std::span<const Triangle> triangles, Range from, Job& job, const Visit& visit) {
@@ -136,7 +136,7 @@ class RisingHalfedges {
   static bool by_end(const Entry& a, const Entry& b) { return a.to < b.to; }
   [[nodiscard]] std::uint32_t begin(std::size_t v) const { return v == 0 ? 0 : end_[v - 1]; }
 
-  /// Where the first half-edge from one vertex to another is; the bucket's end or more if there is none.
+  /// The place of the first half-edge from one vertex to another; the bucket's end or more if there is none.
   [[nodiscard]] std::uint32_t place(std::int32_t from, std::int32_t to) const {
     const std::uint32_t last = end_[from];
     std::uint32_t i = begin(static_cast<std::size_t>(from));
@@ -159,7 +159,7 @@ class RisingHalfedges {
 /// The half-edges that run from a larger to a smaller vertex: the single ones, and the number of pairs.
 struct Falling {
   std::vector<std::pair<std::int32_t, std::int32_t>> alone;  ///< those on a border, reversed; rising
-  std::size_t pairs = 0;                                     ///< how many of the others
+  std::size_t pairs = 0;                                     ///< number of the others
 };
 
 Falling match_falling(const RisingHalfedges& rising, Array<std::int32_t>& opposite, std::span<const Triangle> triangles,
@@ -169,7 +169,7 @@ Falling match_falling(const RisingHalfedges& rising, Array<std::int32_t>& opposi
   std::vector<Falling> found(static_cast<std::size_t>(pieces));
   const auto any = [](std::int32_t) { return true; };
   threads.run(faces, pieces, [&](std::int32_t piece, std::int32_t first, std::int32_t last) {
-    Falling own;  // away from those of other threads in memory
+    Falling own;  // own memory for each thread
     for_each_halfedge<false>(triangles, {first, last}, job, any, [&](const HalfEdge& e, const HalfEdge& soon) {
       rising.fetch(soon.to);
       const std::int32_t other = rising.find(e.to, e.from);
@@ -253,8 +253,8 @@ std::string describe_bad_vertex(const Topology& topology, std::span<const Triang
 
 /// The number of faces around each of some vertices, together.
 ///
-/// Several walks at once, which take the next vertex by a choice between values and not by a branch: how long a walk
-/// is nobody can foresee, and each of its steps waits for the one before.
+/// Several walks at once, which take the next vertex by a choice between values and not by a branch: the length of a
+/// walk can't be predicted, and each of its steps waits for the one before.
 std::int64_t walk_all(const Array<std::int32_t>& opposite, std::span<const std::int32_t> starts) {
   constexpr std::size_t kWalks = 4;
   std::int64_t met = 0;
