@@ -19,7 +19,7 @@ void check(const Surface& surface, const PartitionOptions& options);
 bool needs_hierarchy(const PartitionOptions& options);
 
 /// Exactly options.proxies regions, or as many as the components need: Method::hierarchy.
-/// \param hierarchy  one that serves this surface and number
+/// \param hierarchy  a hierarchy for this surface and number
 Partition by_number(const Surface& surface, const Hierarchy& hierarchy, const PartitionOptions& options, Job& job);
 
 /// Few regions that keep options.bound: Method::hierarchy.

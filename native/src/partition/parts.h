@@ -9,7 +9,7 @@
 
 namespace isimp {
 
-/// A connected component of the surface, and how many regions it may have.
+/// A connected component of the surface, and the number of regions that it may have.
 struct Part {
   RegionSum sum;           ///< sum of all its faces; areas as shares of the whole surface
   double area = 0.0;       ///< as a share of the whole surface
@@ -27,7 +27,7 @@ struct Parts {
   std::int32_t left_out = 0;   ///< number of components of the mesh left out
   double area_left_out = 0.0;  ///< their share of the whole surface
 
-  /// How many regions there will be in all.
+  /// The number of regions in all.
   [[nodiscard]] std::int32_t regions() const { return asked > needed ? asked : needed; }
 };
 
@@ -37,8 +37,8 @@ struct Parts {
 /// is left out where the rest would have fewer than `proxies` faces. The decision uses components of the mesh, and true
 /// areas without the guides.
 /// Cost: O(F + C log C).
-/// \param proxies   1 where the number of regions is not known yet
-/// \param measured  the components where they are known already (see Hierarchy::parts)
+/// \param proxies   1 if the number of regions is not known yet
+/// \param measured  the components if they are known already (see Hierarchy::parts)
 Parts find_parts(const Surface& surface, std::int32_t proxies, double leave_out, Job& job,
                  std::vector<Part> measured = {});
 
@@ -62,11 +62,12 @@ LeftOut choose_left_out(std::vector<Body>& bodies, std::int32_t proxies, double 
 /// The least number of regions of a component.
 std::int32_t least_regions(bool closed, std::int64_t faces);
 
-/// How many regions each component gets: 0 if left out, else its need, and of the rest a share by size and curvature.
+/// The number of regions of each component: 0 if left out, else its need, and of the rest a share by size and
+/// curvature.
 ///
 /// With N regions on a component, its error falls like kappa / N; the least sum of errors has N proportional to
-/// sqrt(kappa). kappa is taken as the error of a single region. Shares are rounded by largest remainder, ties to the
-/// component of the lower number; none gets more than its faces.
+/// sqrt(kappa). kappa is the error of a single region. Shares are rounded by largest remainder, ties to the component
+/// of the lower number; none gets more than its faces.
 std::vector<std::int32_t> share_out(const Parts& parts);
 
 }  // namespace isimp

@@ -11,7 +11,7 @@ namespace isimp {
 template <class Sum, class View>
 class BlockChanges {
  public:
-  /// \param views  (R) how the regions look from outside
+  /// \param views  (R) the views of the regions from outside
   explicit BlockChanges(const std::vector<View>& views) : outside_(views), views_(views), changes_(views.size()) {}
 
   [[nodiscard]] const View& view(std::int32_t region) const { return views_[region]; }

@@ -42,7 +42,7 @@ struct BorderProxy {
             static_cast<float>(inverse / 2)};
   }
   [[nodiscard]] float dot(const FaceRecord& f) const { return f.nx * x + f.ny * y + f.nz * z; }
-  /// By how much |S| grows for the face's area w when it joins: (|S + w n| - |S|) / w. When it leaves, with -n for n.
+  /// The growth of |S| for the face's area w when it joins: (|S + w n| - |S|) / w. When it leaves, with -n for n.
   [[nodiscard]] float growth(float along, float area) const {
     constexpr float kSmall = 0.05F;  // w / 2 |S| up to which the second order of the series is enough
     const float half_ratio = area * half_inverse;
@@ -63,8 +63,8 @@ struct Reach {
 /// The weight of borders, relative to the error.
 struct BorderWeight {
   double edge = 0;       ///< weight of an edge of the mean length between two regions, over the mean area of a face
-  bool is_wide = false;  ///< by length, and counted over all faces that share a vertex: counted over edges alone, each
-                         ///< zigzag that turns neither back nor aside is as short as the straight way
+  bool is_wide = false;  ///< by length, and counted over all faces that share a vertex: over edges alone, each zigzag
+                         ///< that turns neither back nor aside is as short as the straight way
 };
 
 /// The worth of a border where the weights are w times their mean, relative to one of the same length elsewhere.
@@ -73,7 +73,7 @@ inline float worth_of(float w) { return 1 / std::sqrt(w); }
 /// Judges whether a face on a border between regions should go to the other side, and whether it may.
 template <class Labels>
 struct BorderMoves {
-  static constexpr std::int32_t kBeyond = -2;  ///< instead of a region: to tell, one must look beyond the reach
+  static constexpr std::int32_t kBeyond = -2;  ///< instead of a region: the decision needs faces beyond the reach
 
   const FaceGraph& graph;
   Labels labels;
@@ -110,7 +110,7 @@ struct BorderMoves {
       const float shorter = static_cast<float>(there - same) + kOfVertex * static_cast<float>(ring.gain(own, other));
       return f.area * (leaving + joining) + edge * shorter;
     };
-    if (same == 2) {  // most faces; without a loop, as nobody can foresee which neighbour is the other one
+    if (same == 2) {  // most faces; without a loop, as it can't be predicted which neighbour is the other one
       const std::int32_t other = near[0] ^ near[1] ^ near[2];
       const bool wanted = other >= 0 && gain_of(other, 1) > least && may_join(face, other);
       return wanted ? stays_joined(face, own, near, reach, other) : kNone;
@@ -141,7 +141,7 @@ struct BorderMoves {
   // all directions; there are some seven such pairs to an edge of a straight border.
   static constexpr float kOfVertex = 0.5F, kOfEdge = 1 / (1 + 7 * kOfVertex);
 
-  /// How long an edge of a face of this area is for a wide border, in mean areas. Where weights make regions small, a
+  /// The length of an edge of a face of this area for a wide border, in mean areas. Where weights make regions small, a
   /// border of the same length is worth less (worth_of).
   [[nodiscard]] float length_at(std::int32_t face, float area) const {
     const float w = weight.of(face);
@@ -153,7 +153,7 @@ struct BorderMoves {
     static constexpr int kMost = 24;
     std::array<std::int32_t, kMost> label;
     int size = 0;
-    /// How many more of them are of the one region than of the other.
+    /// The number of them in the one region minus the number in the other.
     [[nodiscard]] int gain(std::int32_t own, std::int32_t other) const {
       int sum = 0;
       for (int i = 0; i < size; ++i) sum += static_cast<int>(label[i] == other) - static_cast<int>(label[i] == own);

@@ -13,10 +13,10 @@
 #include "isimp/mesh/face_graph.h"
 #include "isimp/partition/metric.h"
 
-/// Changes to single regions whose cost is that of the faces they touch. `Labels` as in relax.h.
+/// Changes to single regions with the cost of the changed faces. `Labels` as in relax.h.
 namespace isimp {
 
-/// Label of a face that has been taken out of its region and waits for another.
+/// Label of a face that was removed from its region and waits for another.
 inline constexpr std::int32_t kOpen = -2;
 /// During a flood, kOffered - k is the label of an open face whose best offer is that of its region k.
 inline constexpr std::int32_t kOffered = -4;
@@ -65,8 +65,8 @@ class LocalQueue {
   std::uint32_t arrivals_ = 0;
 };
 
-/// Offers of open faces to regions, best first. One that cannot win is left out: its face has had a better one, or as
-/// good a one earlier.
+/// Offers of open faces to regions, best first. An offer that cannot win is left out: its face has an earlier one that
+/// is at least as good.
 template <class Labels>
 class Offers {
  public:
@@ -121,8 +121,8 @@ struct Halves {
   std::array<RegionSum, 2> sum;
 };
 
-/// Moves two proxies to where the faces' normals cluster: each face counts for the nearer one, connected or not.
-/// Two seeds on the same side of a crease would else never part the two sides.
+/// Moves two proxies to the clusters of the faces' normals: each face counts for the nearer one, connected or not. Two
+/// seeds on the same side of a crease would otherwise never separate the two sides.
 inline void part_normals(const FaceGraph& graph, std::span<const std::int32_t> faces,
                          std::array<NormalMetric::Proxy, 2>& proxy, int rounds) {
   for (int round = 0; round < rounds; ++round) {
@@ -201,7 +201,7 @@ void flood_halves(const FaceGraph& graph, Labels labels, std::span<const std::in
   }
 }
 
-/// Splits a region in its labels: its open faces get the label of their half.
+/// Splits a region in its labels: its open faces become part of their half.
 /// \param faces  connected, all kOpen, at least two
 /// \param sum    of the faces
 /// \return the halves; the split lowers the error by split_gain(sum, halves)

@@ -23,7 +23,7 @@ namespace isimp {
 /// face across a crease of 45 degrees.
 inline BorderWeight border_weight(double error) { return {std::min(1.64 * std::pow(error, 1.35), 0.18)}; }
 
-/// As `border_weight`, for regions that other methods made and whose error relaxing is to lower.
+/// As `border_weight`, for regions of other methods, whose error relaxing has to lower.
 inline BorderWeight light_border_weight(double error) { return {std::min(0.6 * error, 0.12)}; }
 
 /// The weight of a border as long as a region is wide, as a share of a region's area. It is in proportion to the error,
@@ -78,12 +78,12 @@ class Relaxation {
     refit();
   }
 
-  /// Has the next sweep look at a face.
+  /// Adds a face to the next sweep.
   void push(std::int32_t face) { lists_.push(face, state_[face]); }
   /// Whether the face has a neighbour of another region.
   [[nodiscard]] bool on_border(std::int32_t face) const {
     const std::int32_t own = moves_.labels.get(face), n = moves_.graph.size();
-    bool border = false;  // to the end in any case: no processor guesses well which neighbour is the other one
+    bool border = false;  // visits all in any case: no processor predicts well which neighbour is the other one
     for (const std::int32_t j : moves_.graph.neighbours[face])
       border |= static_cast<int>(j != n) & static_cast<int>(moves_.labels.get(j) != own);
     return border;
@@ -98,7 +98,7 @@ class Relaxation {
     proxies_.resize(sums_.size());
     for (std::size_t r = 0; r < sums_.size(); ++r) proxies_[r] = BorderProxy::of(sums_[r]);
   }
-  /// Every face ever pushed, once. Had all border faces been pushed at the start, all are among them at any time.
+  /// Every face ever pushed, once. If all border faces were pushed at the start, it always contains all of them.
   [[nodiscard]] const std::vector<std::int32_t>& pushed() const { return lists_.pushed; }
   /// The one face that must not move, or kNone.
   void pin(std::int32_t face) { moves_.pinned = face; }
@@ -121,10 +121,10 @@ class Relaxation {
   static constexpr std::uint8_t kQueued = 1, kPushed = 2;  // states of a face
   static constexpr std::int32_t kBlock = 1 << 15;          // faces of a block
   static constexpr std::size_t kMany = 1 << 13;            // faces in the queue from which blocks are worth it
-  static constexpr int kSweepsOfBlock = 2;                 // before blocks hear of each other
+  static constexpr int kSweepsOfBlock = 2;                 // before blocks exchange their changes
   static constexpr std::size_t kAhead = 16, kSoon = 6;     // faces, for the memory to be there in time
 
-  /// Faces to look at, and all that have ever been.
+  /// Faces to visit, and all that were visited before.
   struct Lists {
     std::vector<std::int32_t> queue, current, pushed;
     void push(std::int32_t face, std::uint8_t& state) {
@@ -170,7 +170,7 @@ class Relaxation {
 
   struct Block {
     Lists lists;
-    std::vector<std::int32_t> beyond;  // faces to be looked at from outside
+    std::vector<std::int32_t> beyond;  // faces to be visited from outside
     std::vector<std::pair<std::int32_t, RegionSum>> changes;
     std::int64_t moves = 0;
   };

@@ -36,7 +36,7 @@ struct BoundedRegions {
 ///    mean normal, 2 * bound apart; else its children are tried, and finally single faces.
 /// 2. Neighbours merge, cheapest first by the rise of the error, where both together fit between two such planes,
 ///    however these are turned.
-/// 3. Regions dissolve, smallest first: their faces go to neighbours between whose planes they lie, all or none.
+/// 3. Regions dissolve, smallest first: their faces join neighbours between whose planes they lie, all or none.
 /// 4. Borders relax, by moves only that keep every vertex between its region's planes.
 /// 5. Small regions pass their neighbours the faces that lie between their planes, and 2 to 4 run again with the
 ///    others; twice at most.
@@ -46,7 +46,7 @@ struct BoundedRegions {
 BoundedRegions bounded_regions(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts, double bound,
                                Job& job);
 
-/// The hierarchy that `bounded_regions` wants: of small patches.
+/// The hierarchy for `bounded_regions`, with small patches.
 Hierarchy hierarchy_for_bound(const Surface& surface, Job& job, std::int32_t threads);
 
 }  // namespace isimp

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kPasses = 6;
 constexpr std::size_t kPollEvery = 0x7ff;
-constexpr std::size_t kProbes = 16;  // faces looked at before a whole region is
+constexpr std::size_t kProbes = 16;  // faces tested before a whole region is
 
 /// The faces of each region, in rising order.
 std::vector<std::vector<std::int32_t>> faces_of(const BoundedRegions& bounded) {
@@ -233,7 +233,7 @@ Corners::Corners(const Surface& surface, Job& job)
 
 std::vector<std::vector<std::int32_t>> Corners::points_of(const BoundedRegions& bounded, Job& job) const {
   std::vector<std::vector<std::int32_t>> points(bounded.slab.size());
-  std::vector<std::int32_t> latest(vertex_.size(), kNone);  // region that a vertex was last seen in
+  std::vector<std::int32_t> latest(vertex_.size(), kNone);  // the last region with each vertex
   for (std::size_t i = 0; i < corner_.size(); ++i) {
     if ((i & kPollEvery) == 0) job.poll();
     const std::int32_t r = bounded.regions.label[i];

@@ -25,7 +25,7 @@ class Corners {
   [[nodiscard]] const Vec3& vertex(std::int32_t v) const { return vertex_[v]; }
   /// The vertices of each region, by number here; hardly any of them twice.
   [[nodiscard]] std::vector<std::vector<std::int32_t>> points_of(const BoundedRegions& bounded, Job& job) const;
-  /// How wide a slab is with one more face in it; endless for a face that is turned away from it.
+  /// The width of a slab with one more face in it; infinite for a face that is turned away from it.
   [[nodiscard]] double width_with(const Slab& slab, std::int32_t face) const {
     const FaceRecord& f = graph_.faces[face];
     if (f.nx * slab.normal.x() + f.ny * slab.normal.y() + f.nz * slab.normal.z() < kLeastCosine)

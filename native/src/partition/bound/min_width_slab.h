@@ -8,7 +8,7 @@
 
 namespace isimp::detail {
 
-/// Points of a region that were its outermost along some normals, and so tell how wide it is across others near by.
+/// Points of a region that were its outermost along some normals, and so bound its width across similar normals.
 using Core = std::vector<Vec3>;
 
 /// The slab of some points across the normal near `from` across which they are narrowest: the plane that fits them best

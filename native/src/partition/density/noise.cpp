@@ -15,8 +15,8 @@ constexpr double kTwiceUmbrella = 1.359;    // deviation of the remainder of suc
 constexpr double kMostNoise = 0.5;          // share of an edge's length
 constexpr std::size_t kFewest = 250;        // vertices; a mesh of fewer is no scan
 constexpr std::int32_t kPollEvery = 0xffff;
-constexpr std::int32_t kSample = 20000;  // vertices that tell whether there is noise ...
-constexpr double kClear = 2;             // ... where the answer is clear by this factor
+constexpr std::int32_t kSample = 20000;  // vertices that show whether there is noise
+constexpr double kClear = 2;             // the sample decides if it differs from the limit by this factor
 
 // The second application of the operator to white noise leaves 1.26 times as much as the first. Where it leaves less,
 // the mesh is a coarse one of a curved shape; where more, of a shape with creases between flat parts.
@@ -53,7 +53,7 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
-/// From 0 to 1 on the way from a to b.
+/// Rises from 0 at a to 1 at b.
 double ramp(double x, double a, double b) { return std::clamp((x - a) / (b - a), 0.0, 1.0); }
 
 /// The sum of the vector areas of the faces at a vertex.

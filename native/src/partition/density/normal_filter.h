@@ -8,7 +8,7 @@
 
 namespace isimp {
 
-/// Median difference |n - n'| of the normals of neighbouring faces: what noise does to them, and curvature less.
+/// Median difference |n - n'| of the normals of neighbouring faces: mostly the effect of noise, less of curvature.
 /// Cost: O(F).
 double median_bend(const FaceGraph& graph);
 

@@ -13,7 +13,7 @@ namespace isimp {
 namespace {
 
 constexpr float kGate = 0.7F;
-constexpr float kWideGate = 64;  // times the gate: what merges at no higher price when satellites join
+constexpr float kWideGate = 64;  // factor of the gate: the highest price when satellites join
 constexpr float kTie = 1e-6F;    // share of the lengths
 constexpr std::int32_t kAlone = -1;
 constexpr std::int32_t kWorthAThread = 1 << 12;  // nodes
@@ -75,7 +75,7 @@ float gate(const Best& best) {
   auto rank = static_cast<std::size_t>(kGate * static_cast<float>(priced - 1));
   std::uint32_t of_rank = 0;
   while (rank >= count[of_rank]) rank -= count[of_rank++];
-  std::vector<float> alike(count[of_rank] + 1);  // one spare, written to before it is known to be wanted
+  std::vector<float> alike(count[of_rank] + 1);  // one spare, written before its use is known
   std::size_t out = 0;
   for (const float price : best.price) {
     alike[out] = price;
@@ -153,7 +153,7 @@ Lists number_clusters(const Best& best, const std::vector<std::int32_t>& leader,
 std::vector<std::int32_t> contract_between(const MergeGraph& graph, const std::vector<std::int32_t>& map,
                                            const Lists& lists, std::int32_t begin, std::int32_t end, MergeGraph& result,
                                            Job& job) {
-  std::size_t room = 1;  // one spare, written to before it is known to be wanted
+  std::size_t room = 1;  // one spare, written before its use is known
   for (std::int32_t w = begin; w < end; ++w)
     for (std::int32_t u = lists.head[w]; u != kAlone; u = lists.next[u]) room += graph.around(u).size();
   const auto rows = std::make_unique_for_overwrite<std::int32_t[]>(room);

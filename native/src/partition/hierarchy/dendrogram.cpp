@@ -176,7 +176,7 @@ class Merging {
   std::vector<std::int32_t> mark_;
   std::vector<Best> best_;
   std::priority_queue<Offer, std::vector<Offer>, std::greater<>> queue_;
-  std::unordered_set<std::uint64_t> refused_;  // pairs that limits.accept said no to; only asked, never walked
+  std::unordered_set<std::uint64_t> refused_;  // pairs that limits.accept refused; only searched, never iterated
   MergeTree tree_;
 };
 

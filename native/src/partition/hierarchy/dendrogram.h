@@ -18,7 +18,7 @@ namespace isimp {
 struct ClusterGraph {
   std::vector<RegionSum> sum;           ///< (N)
   std::vector<std::int32_t> first;      ///< (N + 1) neighbours of u: neighbour[first[u]] ... before first[u + 1]
-  std::vector<std::int32_t> neighbour;  ///< each pair stands twice, once at either end; repeats are fine
+  std::vector<std::int32_t> neighbour;  ///< each pair is there twice, once at either end; repeats are allowed
   std::vector<std::int32_t> part;       ///< (N) the component of each; empty if that does not matter
 };
 
@@ -46,11 +46,11 @@ struct MergeLimits {
   std::function<bool(std::int32_t, std::int32_t)> accept = {};
 };
 
-/// Merges the pair of neighbours whose merging raises the error least, again and again.
+/// Merges the pair of neighbours whose merge raises the error least, again and again.
 ///
-/// Where faces lie in one plane all costs are rounding; small clusters are then merged first, so that such a plane is
-/// not eaten up face by face. Ties go to the lower node.
-/// \param graph  moved in where it is large: its memory is used on, or freed before merging begins
+/// Where faces lie in one plane all costs are rounding; small clusters are then merged first, so that one cluster does
+/// not absorb such a plane face by face. Ties prefer the lower node.
+/// \param graph  moved in where it is large: its memory is reused, or freed before merging begins
 /// Cost: O(N log N) where clusters have few neighbours; up to 340 bytes a cluster.
 MergeTree merge_all(ClusterGraph graph, const MergeLimits& limits, Job& job);
 

@@ -25,7 +25,7 @@ constexpr double kBorder = 0.018;       // weight of an edge between regions, in
 constexpr double kNoisyBorder = 0.115;  // added to it where normals are all noise
 constexpr double kRounding = 1e-9;      // share of the area: costs below this are none
 constexpr std::size_t kMostCosts = 20000;
-constexpr std::int32_t kManyFaces = 50000;  // from here on small patches are merged many at once
+constexpr std::int32_t kManyFaces = 50000;  // from here on many small patches merge at once
 constexpr std::int32_t kFacesAProxy = 96;   // for patches of 6 faces
 constexpr double kUsual = 0.7, kFar = 1.0 / 16;
 
@@ -113,7 +113,7 @@ ClusterGraph clusters_of(const FaceGraph& graph, const Regions& regions, std::ve
 /// The weight of an edge between regions where normals of neighbours differ by this much.
 BorderWeight border_weight_of(double bend) { return {kBorder + kNoisyBorder * std::min(1.0, bend * bend)}; }
 
-/// Has border faces of changed regions, and those across from them, looked at.
+/// Pushes border faces of changed regions, and the faces across from them.
 /// \return the other border faces
 std::vector<std::int32_t> push_beside(const FaceGraph& graph, const std::vector<std::int32_t>& label,
                                       std::span<const std::int32_t> faces, const std::vector<std::uint8_t>& changed,
@@ -251,7 +251,7 @@ Regions DetailTree::regions(const Surface& surface, const Cut& cut, const Thread
   join_strays(touching_, patches_.sum, count, becomes);
   become(becomes, static_cast<std::size_t>(count));
   const BorderWeight border = border_weight_of(bend_);
-  std::vector<std::int32_t> near = borders_;  // where borders are, or were
+  std::vector<std::int32_t> near = borders_;  // present and earlier borders
   std::vector<std::uint8_t> changed(result.sum.size(), 1);
   for (int round = 0; round < kRounds; ++round) {
     Relaxation<GraphLabels> relaxation(graph, {result.label.data()}, result.sum, border, threads);

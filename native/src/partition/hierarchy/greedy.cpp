@@ -19,17 +19,17 @@ constexpr std::int32_t kManyAround = 256;
 constexpr double kMargin = 0.125;    // share of the price, by which a lower bound is below it
 constexpr double kRounding = 4e-16;  // share of the lengths in a price
 
-/// Greedy merging. Every cluster keeps its cheapest partner, and a heap holds one live entry a cluster.
+/// Greedy merging. Every cluster stores its cheapest partner, and a heap holds one live entry a cluster.
 ///
 /// After a merge the partners of the clusters around may be out of date. If the new cluster is cheaper than the stored
 /// partner of a neighbour, it replaces that partner at once. Else the stored partner was cheaper than all others, so
 /// that its old price is a lower bound: it may stay in the heap, and is searched for again when it comes out.
 ///
-/// A cluster with many others around it is a hub. To look at all of them at each of its merges would take the square of
+/// A cluster with many others around it is a hub. A check of all of them at each of its merges would take the square of
 /// their number. But the price of a small cluster at a hub falls only as far as the hub turns, and a hub hardly turns.
-/// So each cluster at a hub has a watch: the angle at which its price could be below the one that it has. Prices at a
-/// hub stand in the heap with a margin, so that they need not be right at once. A hub's own row names other hubs only;
-/// its other pairs are in the rows, and among the prices, of the clusters around it.
+/// So each cluster at a hub has a watch: the angle at which its price could fall below the stored one. Prices at a hub
+/// are in the heap with a margin, so that they need not be right at once. A hub's own row names other hubs only; its
+/// other pairs are in the rows, and among the prices, of the clusters around it.
 /// \tparam kInside  whether nodes at the border of the graph count as parts of larger ones
 template <bool kInside>
 class Greedy {
@@ -82,7 +82,7 @@ class Greedy {
       if (left_[node.part] <= need_[node.part]) continue;
       std::int32_t into = u, from = node.partner;
       if (node_[from].live && node_[from].version == node.partner_version) {
-        if (kInside && node.goes_on && node_[from].goes_on) continue;  // waits until something cheaper comes
+        if (kInside && node.goes_on && node_[from].goes_on) continue;  // waits for a cheaper one
         if (is_hub(from)) std::swap(into, from);
         if (steps != nullptr) steps->push_back({into, from, price});
         merge(into, from);
@@ -136,10 +136,10 @@ class Greedy {
     if constexpr (kInside)
       if (a.goes_on != b.goes_on) return a.goes_on ? price_beside(a, b) : price_beside(b, a);
     const double x = a.x + b.x, y = a.y + b.y, z = a.z + b.z, lengths = a.length + b.length;
-    // The second term lets small clusters merge first where all is flat.
+    // The second term makes small clusters merge first where all is flat.
     return lengths - std::sqrt(x * x + y * y + z * z) + 1e-12 * lengths;
   }
-  /// As price_of, with a node of which only a part is known: as if the rest were endless, and in the same plane.
+  /// As price_of, with a node of which only a part is known: the rest counts as infinite, and in the same plane.
   [[nodiscard]] static double price_beside(const Node& part, const Node& b) {
     if (!(part.length > 0)) return b.length;
     return b.length - (part.x * b.x + part.y * b.y + part.z * b.z) / part.length + 1e-12 * (part.length + b.length);
@@ -192,7 +192,7 @@ class Greedy {
     node.price -= margin;
     node.partner_version = kUnsure;
   }
-  /// By which angle a hub can turn before its price for a node falls by `slack`.
+  /// The angle by which a hub can turn before its price for a node falls by `slack`.
   ///
   /// The price is |h| + |b| - |h + b| for the sums h of the hub and b of the node. It does not fall while |h| grows. While
   /// the hub turns by an angle a, it falls by at most |h| / |h + b| (across a + |b| a^2 / 2), where `across` is the part of
@@ -277,7 +277,7 @@ class Greedy {
     node_[u].first = begin;
     node_[u].last = static_cast<std::int32_t>(row_.size());
   }
-  /// Puts a hub's cheapest pair with another hub into the heap, and lets these hubs know of it.
+  /// Puts a hub's cheapest pair with another hub into the heap, and updates these hubs.
   void offer_hub(std::int32_t u) {
     if (!find_partner(u)) {
       node_[u].price = std::numeric_limits<double>::infinity();
@@ -292,7 +292,7 @@ class Greedy {
       push(v);
     }
   }
-  /// Has each neighbour that lives stand in a row once.
+  /// Removes dead and repeated neighbours from a row.
   void tidy(std::int32_t u) {
     Node& node = node_[u];
     ++stamp_;
@@ -300,8 +300,8 @@ class Greedy {
     for (std::int32_t k = node.first; k < node.last; ++k) out += put(k, u, out) ? 1 : 0;
     node.last = out;
   }
-  /// Writes entry k of a row to another place, unless its cluster stands there already or is u itself.
-  /// \return whether it did
+  /// Writes entry k of a row to another place, unless its cluster is already there or is u itself.
+  /// \return whether it was written
   bool put(std::int32_t k, std::int32_t u, std::int32_t place) {
     const std::int32_t v = find(row_[k]);
     if (v == u || !node_[v].live) return false;
@@ -365,7 +365,7 @@ class Greedy {
   /// \param before, went_on  of the hub before that
   void merge_hub(std::int32_t u, std::int32_t v, const Vec3& before, bool went_on) {
     tidy(v);
-    std::vector<std::int32_t> near;  // nodes to be looked at
+    std::vector<std::int32_t> near;  // nodes to check
     const std::vector<std::int32_t> row(row_.begin() + node_[v].first, row_.begin() + node_[v].last);
     const std::vector<double> border(border_.begin() + node_[v].first, border_.begin() + node_[v].last);
     for (std::size_t k = 0; k < row.size(); ++k)

@@ -157,7 +157,7 @@ std::vector<std::int32_t> rows_between(const FaceGraph& faces, const Hierarchy& 
     if ((p & 0x3ff) == 0) job.poll();
     const std::size_t start = out;
     seen[p] = p;
-    seen[patches] = p;  // stands for the outside
+    seen[patches] = p;  // the outside
     for (std::int32_t k = h.patch_first[p]; k < h.patch_first[p + 1]; ++k)
       for (const std::int32_t j : faces.neighbours[h.patch_face[k]]) {
         const std::int32_t other = j == n ? patches : h.patch[j];
@@ -193,7 +193,7 @@ MergeGraph graph_of_patches(const Surface& surface, const Hierarchy& h, std::vec
   return graph;
 }
 
-/// Components from what their patches add up to.
+/// Components from the sums of their patches.
 std::vector<Part> parts_of(const Surface& surface, const Hierarchy& h, const Patches& patches) {
   const MergeGraph& graph = h.level.front();
   std::vector<Part> parts(static_cast<std::size_t>(surface.component_count()));

@@ -15,15 +15,15 @@
 namespace isimp {
 namespace {
 
-// Regions before the last merging, as a multiple of those wanted: for the least error, and where borders count too.
+// Regions before the last merging, as a multiple of the wanted number: for the least error, and if borders count too.
 constexpr double kSurplus = 1.5, kSmoothSurplus = 2.2;
 constexpr int kTries = 4;                    // teleports without gain
 constexpr std::int64_t kNodesOfRegion = 30;  // nodes for each region of a level that is relaxed before the patches are
-constexpr std::int32_t kManyRegions = 200;   // from which that is done
+constexpr std::int32_t kManyRegions = 200;   // least number of regions for it
 constexpr int kPatchSweeps = 2, kFirstSweeps = 6, kLastSweeps = 60;
 
-/// How far out of line a region must be for teleports to be tried. On a scan of many regions they gain little and cost
-/// much; a shape of a few sides must come out right, and there any side that is wrong stands out.
+/// The factor by which a region must exceed the usual before teleports are tried. On a scan of many regions they gain
+/// little and cost much; a shape of a few sides must come out right, and there any wrong side exceeds the usual by far.
 double least_ratio(std::int32_t regions) { return std::clamp(3.0 * regions, 10.0, 300.0); }
 
 std::vector<std::int32_t> needs(const Parts& parts) {
@@ -134,7 +134,7 @@ class Optimiser {
   }
 
  private:
-  /// From labels of patches to labels of faces.
+  /// Converts labels of patches to labels of faces.
   void project(std::int32_t regions, Job& job) {
     if (parts_.parts.size() > 1) {
       part_.resize(static_cast<std::size_t>(regions));
@@ -178,13 +178,13 @@ class Optimiser {
     return sum;
   }
 
-  /// Merges regions to the number given.
-  /// \return which of those left touch
+  /// Merges regions to the given number.
+  /// \return the graph of the remaining regions
   MergeGraph merge_to(std::int32_t target, Relaxation<GraphLabels>& relaxation, Job& job) {
     const std::vector<std::int32_t>& looked_at = relaxation.pushed();  // all border faces are among them
     MergeGraph touching = graph_of_regions(graph_, regions_.label, regions_.sum.size(), part_, looked_at, threads_);
     if (smooth_ > 0) {
-      // Prices are half of what merging adds to the error.
+      // Prices are half of the error that merging adds.
       const double price = border_price(regions_.error(), smooth_) / (2 * std::sqrt(std::max(1, target)));
       touching.border = border_lengths(surface_, regions_.label, looked_at, touching, threads_);
       for (double& border : touching.border) border *= price;

@@ -203,7 +203,7 @@ class PatchRelaxation {
   /// Whether the neighbours of the same region are connected among themselves.
   bool may_leave(std::int32_t u, Block& block, const Stretch& reach) {
     const std::int32_t own = label_[u];
-    const std::int32_t stamp = block.stamp += block_count();  // no other block has the same
+    const std::int32_t stamp = block.stamp += block_count();  // unique among the blocks
     std::int32_t same = 0, start = kNone;
     for (const std::int32_t v : graph_.around(u))
       if (label_[v] == own) {

@@ -22,10 +22,10 @@ constexpr double kShare = 3e-4;         // share of the whole error, times the l
                                         // again
 constexpr double kLeastFall = 1e-4;     // share of the error: the least fall in a round that is worth another
 constexpr double kLeastGain = 1e-7;     // share of the whole area: less is rounding
-/// Faces of all regions that were split, as a multiple of the surface's faces: the last round begins below it. Without
-/// it, few regions that share the walls of thousands of holes take these from each other one by one.
+/// Faces of all regions that were split, as a multiple of the surface's faces: the last round begins below it.
+/// Otherwise few regions that share the walls of thousands of holes would exchange these one by one.
 constexpr std::int64_t kMoves = 24;
-constexpr int kVain = 3;  // neighbours in a row without gain after which a region is left as it is
+constexpr int kVain = 3;  // neighbours in a row without gain that end the tries for a region
 
 }  // namespace
 
@@ -78,7 +78,7 @@ void Teleport::undo_split(std::int32_t region) {
   for (const std::int32_t face : faces_) labels_.set(face, region);
 }
 
-/// Makes the last split good: the sums follow the labels, and the border between the halves will be relaxed.
+/// Completes the last split: updates the sums, and pushes the border between the halves for relaxing.
 void Teleport::accept_split(std::int32_t region, std::int32_t fresh) {
   if (fresh == regions_.count()) {
     regions_.sum.emplace_back();
@@ -96,7 +96,8 @@ void Teleport::accept_split(std::int32_t region, std::int32_t fresh) {
 }
 
 bool Teleport::fill_up(Job& job) {
-  // The worst region of a component that is short comes first, else the worst of all; of flat ones the largest.
+  // The worst region of a component that needs more regions comes first, else the worst of all; of flat ones the
+  // largest.
   using Rank = std::tuple<bool, double, std::int32_t, std::int32_t>;
   const auto rank = [&](std::int32_t r) {
     const double error = regions_.sum[r].error();
@@ -317,7 +318,7 @@ int Teleport::run(int tries, double least_ratio, Job& job) {
     }
     moves += made;
     if (move_work_ < 0) return moves;
-    job.report(1 - 1 / (1 + 0.2 * ++rounds));  // nobody knows how many rounds there will be
+    job.report(1 - 1 / (1 + 0.2 * ++rounds));  // the number of rounds is unknown
   }
 }
 
