@@ -88,8 +88,8 @@ class Splitter {
       if (const std::int32_t now = region_round(cut); now != kNone) inside_[now].push_back(cut);
   }
 
-  /// A path without branches of the cuts inside a region, from the lowest end if there is one, else from the lowest
-  /// vertex; as half-edges, each from the end that it comes from. A path of one cut comes from its lower vertex.
+  /// An unbranched path of the cuts inside a region, from the lowest end if there is one, else from the lowest vertex;
+  /// as half-edges in the direction of the path. A path of one cut begins at its lower vertex.
   std::vector<std::int32_t> path_in(std::int32_t region) {
     for (const Cut& cut : inside_[region])
       for (const std::int32_t v : cut.ends) ++degree_[v];
@@ -118,7 +118,8 @@ class Splitter {
     return path;
   }
 
-  /// The other cut inside a region at the end of a cut, where there are two; as half-edges that come and go.
+  /// The other cut inside a region at the end of a cut, if there are two; both as half-edges in the direction of the
+  /// path.
   [[nodiscard]] std::int32_t next_cut(std::int32_t h, std::int32_t region) const {
     for (std::int32_t out = turned(mesh_.opposite(h)); out != mesh_.opposite(h); out = turned(out))
       if (is_cut_[out] != 0 && label_[Mesh::face(out)] == region && label_[Mesh::face(mesh_.opposite(out))] == region)
@@ -169,7 +170,7 @@ class Splitter {
   std::vector<std::int32_t> label_;
   std::vector<Cut> cuts_;
   std::vector<std::uint8_t> is_cut_;  // by half-edge
-  std::vector<std::int32_t> degree_;  // by vertex, cuts inside a region while a path of it is looked for
+  std::vector<std::int32_t> degree_;  // by vertex, cuts inside a region during the search for a path
   std::vector<Side> side_;            // by face, while a region is split
   std::vector<std::int32_t> front_;
   std::vector<std::vector<Cut>> inside_;          // by region, in the order of `cuts_`

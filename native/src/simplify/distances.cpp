@@ -118,7 +118,7 @@ class Measure {
     return least;
   }
 
-  /// From all triangles, where one at a distance is known.
+  /// The distance from all triangles, where the distance of one is known.
   [[nodiscard]] double from_all(std::int32_t vertex, double known, const meshing::BoxTree& tree) const {
     const Vec3 reach = Vec3::Constant(known + kMargin * mesh_.diagonal()), place = place_of(vertex);
     const Vec3& at = mesh_.vertices()[vertex];
@@ -131,7 +131,7 @@ class Measure {
   }
 
  private:
-  /// In the caller's coordinates, as the polygons have them.
+  /// The place of a vertex in the caller's coordinates, as in the polygons.
   [[nodiscard]] Vec3 place_of(std::int32_t vertex) const { return mesh_.vertices()[vertex] + mesh_.origin(); }
 
   const Mesh& mesh_;

@@ -36,7 +36,7 @@ struct Partitioner::Prepared {
   Kept kept;
 };
 
-/// Some faces of the mesh as a mesh of their own, with what its partitions keep.
+/// Some faces of the mesh as a mesh of their own, with the kept data of its partitions.
 struct Partitioner::OwnPart {
   OwnPart(const Mesh& whole, std::span<const std::int32_t> faces, Job& job)
       : open(faces.begin(), faces.end()), mesh(part_of(whole, faces, job)), partitioner(mesh) {}
@@ -187,7 +187,7 @@ Guides guides_of_part(const Guides& whole, const Mesh& part, std::span<const std
   return guides;
 }
 
-/// Nothing more is left out, and locked regions are of the number asked for.
+/// Nothing more is left out, and locked regions count in the requested number.
 PartitionOptions options_of_part(PartitionOptions options, const Constraints& constraints) {
   options.leave_out = 0.0;
   if (constraints.faces || !options.proxies) return options;
@@ -271,10 +271,10 @@ Partition Partitioner::on_part(const Surface& surface, std::span<const std::int3
   return result;
 }
 
-/// On a surface whose areas are as they shall be: `options.adaptivity` is in them.
+/// On a surface with final areas: they include `options.adaptivity`.
 Partition Partitioner::with_weights(const Surface& surface, Kept kept, const PartitionOptions& options,
                                     Job& job) const {
-  job.poll();  // where all is kept, little is polled below
+  job.poll();  // if all is kept, little is polled below
   if (options.bound) return by_bound(surface, options, job);
   if (options.proxies) return by_known_number(surface, std::move(kept), options, job);
   return found_by_detail(surface, std::move(kept), options, job);

@@ -151,7 +151,7 @@ class Symmetriser {
     return partitioner_.run(options, constraints, job_);
   }
 
-  /// Splits the half into so many regions that there are as many as wanted, with their images and joins.
+  /// Splits the half into the number of regions that gives the wanted number, with their images and joins.
   void choose_number() {
     PartitionOptions options = options_;
     if (!options_.proxies) {
@@ -164,7 +164,7 @@ class Symmetriser {
     const std::int32_t wanted_here = std::max(1, wanted() - apart_count_);
     const auto most = static_cast<std::int32_t>(half_.size());
     const std::int32_t fewest = std::clamp((wanted_here + 1) / 2, 1, most);
-    std::int32_t span = 0;  // by which the half may have more, if all that can be joined are
+    std::int32_t span = 0;  // regions that the half may have in addition if all possible joins are made
     std::optional<Partition> best;
     double least = 0;
     for (int k = 0; k < kTries; ++k) {
@@ -263,7 +263,7 @@ class Symmetriser {
   /// All labels: the regions of the half, their images, the regions apart, and one for faces that nothing reaches.
   [[nodiscard]] std::size_t label_count() const { return static_cast<std::size_t>(2 * regions_ + apart_count_) + 1; }
   [[nodiscard]] MeshLabels labels() { return {label_.data(), &graph_}; }
-  /// The label of the image of a region of the half, or of one that has come across the plane; kOpen where it has none.
+  /// The label of the image of a region of the half, or of one that has come across the plane; kOpen without an image.
   [[nodiscard]] std::int32_t image_of(std::int32_t region) const {
     if (region < 0 || region >= 2 * regions_) return kOpen;
     if (region >= regions_) return region - regions_;
