@@ -74,7 +74,8 @@ void for_all(const Scene& scene, const Threads& threads, Job& job, SamplesOf sam
   });
 }
 
-/// As many samples a side as the scan's images have pixels a texel, within limits. Polygons that are not baked have none.
+/// As many samples a side as the scan's images have pixels a texel, within limits; none for polygons that are not
+/// baked.
 std::vector<std::int32_t> sample_counts(const Scene& scene, const detail::Sampler& sampler, const Threads& threads) {
   std::vector<std::int32_t> counts(scene.skipped.size(), 0);
   threads.share(static_cast<std::int32_t>(counts.size()), [&](const auto& next) {

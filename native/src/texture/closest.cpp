@@ -56,7 +56,7 @@ Four unit(const Four& t) { return t.min(1.0F).max(0.0F); }
 
 /// The closest faces to the points of a quad among the faces tried.
 struct Nearest {
-  Four squared;  // -1 for points that are not asked for
+  Four squared;  // -1 for unused points
   std::array<std::int32_t, 4> face, item;
 };
 

@@ -97,7 +97,7 @@ class Finder {
     return true;
   }
 
-  /// The triangles that this face and those around its corners came from, its own first.
+  /// The source triangles of this face and of those around its corners, its own first.
   void collect(std::int32_t f) {
     candidates_.clear();
     candidates_.push_back(mesh_.source_face()[f]);

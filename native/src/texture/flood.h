@@ -9,9 +9,9 @@
 
 namespace isimp::detail {
 
-/// Fills the pixels of a tile that nobody owns with the mean of the pixels around them, from coarser and coarser copies
+/// Fills the pixels of a tile without an owner with the mean of the pixels around them, from coarser and coarser copies
 /// of the tile, so that reduced copies of it show no foreign colour at the charts' borders.
-/// \param owner  (side * rows) rows from the bottom; kNone: nobody
+/// \param owner  (side * rows) rows from the bottom; kNone: no owner
 /// \param rgba   (4 side * rows) rows from the top
 void flood(std::span<const std::int32_t> owner, std::int32_t side, std::int32_t tile, const Rgba& mean,
            std::span<std::uint8_t> rgba, Job& job);

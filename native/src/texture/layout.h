@@ -48,7 +48,7 @@ struct Layout {
   [[nodiscard]] Vec2 corner(std::int32_t q, std::int32_t i) const { return place[q](flat[i]); }
 };
 
-/// Each polygon in its plane, a chart each. `group`, `groups` and `tile_area` are as the options say.
+/// Each polygon in its plane, a chart each. Sets `group`, `groups` and `tile_area` by the options.
 Layout flatten(const PolygonMesh& polygons, const AtlasOptions& options);
 
 /// Joins the charts of neighbours that meet at less than `angle` degrees, where nothing overlaps.
@@ -57,7 +57,7 @@ void unfold(const PolygonMesh& polygons, double angle, Layout& layout, Job& job)
 /// Turns each chart so that its bounding box is smallest, and puts the box's corner at (0, 0).
 void straighten(Layout& layout);
 
-/// Where the charts of a layout go: texel = turn * (scale * p) + shift for points p of the chart.
+/// The places of the charts of a layout: texel = turn * (scale * p) + shift for points p of the chart.
 struct Packing {
   double scale = 0;
   std::vector<Rigid> place;        ///< (charts)

@@ -47,7 +47,7 @@ Eigen::Matrix3f frame_of(const Eigen::Vector3f& n) {
   return frame;
 }
 
-/// Counts the rays that get away.
+/// Counts the rays that meet no face.
 class Tracer {
  public:
   Tracer(const Mesh& mesh, const TextureOptions& options, Job& job)

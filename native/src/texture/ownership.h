@@ -11,8 +11,8 @@
 
 namespace isimp::detail {
 
-/// Who a texel belongs to: a polygon whose inside its centre lies in (its number), one whose edge is near (-2 - its
-/// number: gutter), or nobody (kNone).
+/// The polygon of a texel. An owner is the number of a polygon that contains its centre, or -2 - the number of one
+/// whose edge is near (gutter), or kNone.
 inline std::int32_t polygon_of(std::int32_t owner) { return owner >= 0 ? owner : -2 - owner; }
 
 /// The corners of a polygon in texels.

@@ -26,7 +26,7 @@ class Packer {
         tiles_(room.tiles),
         groups_(layout.groups) {}
 
-  /// The places at so many texels per scene unit; false if the charts do not fit.
+  /// The places at `scale` texels per scene unit; false if the charts do not fit.
   bool attempt(double scale, Packing& packing, Job& job) {
     piles_.assign(static_cast<std::size_t>(tiles_) * groups_, {std::vector<Cell>(cells_.count(), 0), 0});
     packing.scale = scale;
@@ -78,7 +78,7 @@ class Packer {
     return best;
   }
 
-  /// The row on which a chart comes to rest whose left column has this top.
+  /// The lowest free row for a chart whose left column has this top.
   [[nodiscard]] static std::int32_t rest(const Cell* top, const Profile& p) {
     const Cell* low = p.low.data();
     Cell y = 0;

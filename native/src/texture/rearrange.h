@@ -16,7 +16,7 @@ Atlas empty_atlas(const Layout& layout, const Room& room, double scale);
 void put(const Layout& layout, const Packing& packing, std::int32_t q, Atlas& atlas, std::int32_t to,
          std::int32_t begin);
 
-/// Whether an earlier atlas has the room that is asked for.
+/// Whether an earlier atlas has the requested room.
 bool has_room_of(const AtlasOptions& options, const Layout& whole, const Atlas& atlas, const Room& room);
 
 /// An atlas with polygons at their places of an earlier one, and the others in the room between. Empty if none is kept,

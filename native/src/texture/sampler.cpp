@@ -39,7 +39,7 @@ Rgba pixel_at(const T* p) {
 }
 
 #ifdef __SSE2__
-/// The same numbers, four at once: compilers do not find this.
+/// The same numbers, four at once, which compilers do not find.
 Rgba pixel_at(const std::uint8_t* p) {
   std::int32_t bytes;
   std::memcpy(&bytes, p, 4);

@@ -46,7 +46,7 @@ struct Samples {
   TexelBox box;
   std::int32_t n = 1;
 
-  /// Which of the view's faces is seen in the middle of a texel of the box.
+  /// The visible face of the view in the middle of a texel of the box.
   [[nodiscard]] std::int32_t middle(std::int32_t i, std::int32_t j) const {
     const std::size_t row = static_cast<std::size_t>(j) * n + n / 2;
     return index[row * box.width() * n + static_cast<std::size_t>(i) * n + n / 2];

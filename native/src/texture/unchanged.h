@@ -9,7 +9,7 @@
 
 namespace isimp::detail {
 
-/// The earlier polygon of each polygon that the same faces are shown on at the same texels; kNone for others.
+/// The earlier polygon of each polygon with the same faces at the same texels; kNone for others.
 ///
 /// It has the place of that one in the atlas, and the same texels. Its region has the same faces, and so have the
 /// adjacent regions, in the same order: faces of equal depth are shown by that order.

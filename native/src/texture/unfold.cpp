@@ -87,7 +87,7 @@ class Unfolder {
   }
 
  private:
-  /// The triangles of each polygon in its chart: what overlaps are looked for with.
+  /// The triangles of each polygon in its chart, for the search for overlaps.
   void cut(Job& job) {
     PolygonSoup soup{polygons_.vertices,
                      {polygons_.loops.begin(), polygons_.loops.end()},
@@ -186,7 +186,7 @@ class Unfolder {
     return false;
   }
 
-  /// Charts get the numbers 0, 1, ... by their first polygons.
+  /// Numbers the charts 0, 1, ... by their first polygons.
   void renumber() {
     std::vector<std::int32_t> number(layout_.chart.size(), kNone);
     layout_.chart_count = 0;

@@ -75,7 +75,9 @@ std::int32_t Bins::row(float y) const { return to_integer((y - y0_) / cell_, 0, 
 void PolygonView::look(const ChartFrame& frame, const TexelBox& box, std::int32_t region, const Lean& lean) {
   box_ = box;
   collect(frame, region, lean, true);
-  if (faces_.empty()) collect(frame, region, lean, false);  // nothing looks the polygon's way: better than nothing
+  if (faces_.empty())
+    collect(frame, region, lean, false);  // no face looks the polygon's way: others are better than
+                                          // none
   edges_.clear();
   for (const FlatFace& f : upright_) edges_.push_back(edges_of(f));
   tiles_.build(boxes_, box, static_cast<float>(kTile), false);

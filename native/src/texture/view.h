@@ -29,12 +29,12 @@ struct Neighbourhood {
   std::vector<std::int32_t> block_start;      ///< and its blocks block_start[r] to block_start[r + 1]
   std::vector<Block> blocks;
   std::vector<std::int32_t> vertices;
-  std::vector<std::array<std::uint8_t, 3>> corners;  ///< for `faces`: which of its block's vertices each corner is
+  std::vector<std::array<std::uint8_t, 3>> corners;  ///< for `faces`: index of each corner in its block's vertices
   std::vector<std::int32_t> near_start, near;        ///< the same for regions: r itself first, then the adjacent ones
 };
 
-/// \param known  (F) 0 for faces that have nothing to show, which are left out; empty: all are known. A region none of
-///               whose neighbours has any face left gets those further away too.
+/// \param known  (F) 0 for faces without an appearance, which are left out; empty: all are known. A region whose
+///               neighbours have all lost their faces gets regions further away too.
 Neighbourhood find_neighbourhood(const Mesh& mesh, const Partition& partition, std::span<const std::uint8_t> known);
 
 /// A place on a face. `height` is above the polygon's plane, in texels.
@@ -52,7 +52,7 @@ struct FlatFace {
   bool own;  ///< belongs to the polygon's region
 };
 
-/// The same face as the search for the closest one takes it: a corner, two edges, and products of them.
+/// The same face in the form for the search for the closest one: a corner, two edges, and products of them.
 struct FlatEdges {
   float x, y, z, ux, uy, uz, vx, vy, vz;
   float uu, uv, vv;
@@ -64,7 +64,7 @@ FlatEdges edges_of(const FlatFace& face);
 /// Four points of the plane: (x, y), (x + step, y), (x, y + step), (x + step, y + step).
 struct Quad {
   float x, y, step;
-  unsigned wanted;  ///< bit k: whether point k is asked for
+  unsigned wanted;  ///< bit k: whether point k is used
 };
 
 /// Texels of a row of a tile: [begin, end).
@@ -77,7 +77,7 @@ struct FlatBox {
   float low_x, high_x, low_y, high_y, off;
 };
 
-/// Which of some faces reach into which cell of a grid; those outside lie in the cells at its rim.
+/// The faces in each cell of a grid; faces outside are in the cells at its rim.
 class Bins {
  public:
   /// \param with_boxes  whether `boxes_in` is called
@@ -132,7 +132,7 @@ class Visited {
   std::uint32_t now_ = 0;
 };
 
-/// The faces that a polygon can show, as seen along its normal and the directions that lean from it.
+/// The faces that a polygon can show, seen along its normal and the directions that lean from it.
 class PolygonView {
  public:
   static constexpr std::int32_t kTile = 128;  // texels; samples of a tile fit into a cache
@@ -146,15 +146,15 @@ class PolygonView {
   [[nodiscard]] std::int32_t tile_count() const { return tiles_.columns() * tiles_.rows(); }
   [[nodiscard]] TexelBox tile(std::int32_t t) const;
 
-  /// Draws the faces of a tile with n x n samples a texel. `index` gets, for each sample, which of `faces()` is seen
-  /// there, or kNone; rows from the bottom.
-  /// \param wanted  of each row of texels; nothing is drawn outside
+  /// Draws the faces of a tile with n x n samples a texel. `index` receives, for each sample, the visible one of
+  /// `faces()`, or kNone; rows from the bottom.
+  /// \param wanted  for each row of texels; nothing is drawn outside
   void draw(std::int32_t t, std::int32_t n, std::span<const Span> wanted, std::vector<std::int32_t>& index,
             std::vector<float>& depth) const;
 
   /// The faces as they are drawn.
   [[nodiscard]] std::span<const FlatFace> faces() const { return faces_; }
-  /// The place of a face that is seen at a point.
+  /// The place of a face that is visible at a point.
   [[nodiscard]] Hit at(std::int32_t index, float x, float y) const;
   /// The closest place to a point of the plane; without a face if there are no faces.
   [[nodiscard]] Hit closest(float x, float y) const;
