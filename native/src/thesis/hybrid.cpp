@@ -92,7 +92,7 @@ Coarse make_coarse(const Surface& surface, const Decimated& all, const Parts& pa
   return {std::move(coarse), std::move(dense_of), std::move(guides)};
 }
 
-/// Where the proxies of the coarse mesh start on the dense one.
+/// The starts of the coarse mesh's proxies on the dense one.
 class Carrier {
  public:
   Carrier(const Surface& surface, const Parts& parts) : surface_(surface), parts_(parts) {
@@ -112,7 +112,7 @@ class Carrier {
     give_to_empty_components();
   }
 
-  std::vector<std::int32_t> seeds;  ///< (R) graph indices, no two the same
+  std::vector<std::int32_t> seeds;  ///< (R) distinct graph indices
   std::vector<NormalMetric::Proxy> proxies;
 
  private:
@@ -143,7 +143,7 @@ class Carrier {
     return inside.second != kNone ? inside.second : any.second;
   }
 
-  /// That face, or the next one that is free, going outwards in its component; else any that is free.
+  /// That face, or the next free one, outwards in its component; else any free face.
   [[nodiscard]] std::int32_t free_near(std::int32_t face) const {
     std::vector<std::int32_t> reached{face};
     std::set<std::int32_t> seen{face};
@@ -155,7 +155,7 @@ class Carrier {
     return static_cast<std::int32_t>(std::find(taken_.begin(), taken_.end(), false) - taken_.begin());
   }
 
-  /// Barriers may leave parts so small that no coarse face knows them.
+  /// Barriers may leave parts so small that no coarse face lies in them.
   void give_to_empty_components() {
     std::vector<std::int32_t> count(parts_.parts.size(), 0), first(parts_.parts.size(), 0);
     for (std::int32_t i = surface_.graph().size() - 1; i >= 0; --i) first[component(i)] = i;
@@ -209,8 +209,8 @@ Partition hybrid(const Surface& surface, const Decimated& all, const PartitionOp
   sum_regions(surface.graph(), regions, job);
   const Threads threads(options.threads);
   if (!faithful) {
-    // Borders come back where the coarse faces had them, which were smoothed there; on the dense mesh they find their
-    // places.
+    // The borders are first those of the coarse faces, which were smoothed there; relaxing moves them on the dense
+    // mesh.
     const BorderWeight weight{0.5 * light_border_weight(regions.error()).edge};
     relax_borders(surface.graph(), regions, weight, kSweeps, threads, job);
   }

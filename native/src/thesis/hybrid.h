@@ -25,7 +25,7 @@ struct Decimated {
 /// \throws InvalidInput  a fraction outside (0, 1]
 /// \throws Cancelled     nothing was changed
 /// Cost: O(F log F) time, some 600 bytes a face of memory.
-/// Source: Garland, Heckbert 1997, as OpenMesh has it.
+/// Source: Garland, Heckbert 1997, by OpenMesh.
 Decimated decimate(const Surface& surface, double fraction, Job& job);
 
 /// Partitions the coarse mesh and carries the proxies back to the dense one: Method::hybrid.

@@ -34,7 +34,7 @@ class KeptFlooder {
  private:
   struct Loaded {
     std::string backend;
-    std::shared_ptr<const GuidedGraph> guided;  // has the graph, or the mesh has it
+    std::shared_ptr<const GuidedGraph> guided;  // owns the graph, unless the mesh does
     const FaceGraph* graph = nullptr;
     std::unique_ptr<parallel::Flooder> flooder;
   };

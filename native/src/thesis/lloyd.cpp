@@ -20,7 +20,7 @@ Regions lloyd(const FaceGraph& graph, std::vector<std::int32_t> seeds, std::int3
     job.report(static_cast<double>(round) / iterations);
     std::swap(before, now.label);
     flooding.run(graph, proxies, seeds, now.label, job);
-    if (now.label == before) break;  // the same labels would come for ever
+    if (now.label == before) break;  // the same labels would repeat for ever
     sum_regions(graph, now, job);
     history.push_back(now.error());
     if (history.back() < least) {

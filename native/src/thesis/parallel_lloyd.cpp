@@ -144,7 +144,7 @@ Regions parallel_lloyd(const Surface& surface, parallel::Flooder& flooder, std::
       best = next;
       flooder.keep();
     }
-    if (next == proxies) break;  // the same labels would come for ever
+    if (next == proxies) break;  // the same labels would repeat for ever
     proxies = std::move(next);
   }
   flooder.go_back();

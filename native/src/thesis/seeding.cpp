@@ -91,7 +91,7 @@ std::vector<std::int32_t> random_seeds(const Surface& surface, const Parts& part
       draw_by_weight(of_part, surface.weight(), share[c], random, seeds);
       continue;
     }
-    // Floyd's way to draw distinct numbers: one draw each, however many are taken.
+    // Floyd's way to draw distinct numbers: one draw each.
     for (std::int32_t last = faces - share[c]; last < faces; ++last) {
       auto at = static_cast<std::int32_t>(random.below(static_cast<std::uint64_t>(last) + 1));
       if (taken[by.start[c] + at]) at = last;
