@@ -10,10 +10,11 @@
 /// - device_new, device_delete and device_copy of memory.h;
 /// - Readable<T>(memory, span): the caller's numbers where kernels can read them;
 /// - for_all(begin, end, kernel): calls kernel(i) for i in [begin, end), in no order;
-/// - reduce_all(memory, end, kernel, start, merge): what merge() makes of all kernel(i) for i in [0, end), in any order;
+/// - reduce_all(memory, end, kernel, start, merge): the result of merge() over all kernel(i) for i in [0, end), in any
+///   order;
 /// - scan_all(memory, from, count, to): the sums of all numbers before each of `count`;
 /// - shared(number): a number that kernels of one step change at the same time; the order must not matter;
-/// - Threads(wanted): while it lives, kernels that this thread starts use so many threads.
+/// - Threads(wanted): during its life, kernels that this thread starts use so many threads.
 #ifdef ISIMP_DEVICE_HEADER  // device of a test
 #include ISIMP_DEVICE_HEADER
 #elif defined(__CUDACC__)

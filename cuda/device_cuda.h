@@ -55,7 +55,7 @@ __global__ void run_kernel(std::int64_t begin, std::int64_t end, Kernel kernel) 
   if (i < end) kernel(i);
 }
 
-/// Not thrust::for_each, which takes nvcc ten times as long for each kernel.
+/// Not thrust::for_each, which nvcc compiles ten times as long for each kernel.
 template <class Kernel>
 void for_all(std::int64_t begin, std::int64_t end, Kernel kernel) {
   if (begin >= end) return;

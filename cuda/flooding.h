@@ -23,10 +23,10 @@ struct View {
   const std::int32_t* neighbours;  ///< (3 N)
   const Normal* normal;            ///< (R)
   const std::int32_t* seed;        ///< (R)
-  std::int32_t* label;             ///< (N + 1), that of the sentinel is -1
+  std::int32_t* label;             ///< (N + 1), the sentinel has -1
   std::int32_t count;              ///< N
 
-  /// Sums and products of floats, one rounding each: the same bits wherever it runs.
+  /// Sums and products of floats, one rounding each: the same bits on all back ends.
   ISIMP_KERNEL float error(std::int32_t face, std::int32_t region) const {
     const float* f = faces + 4 * static_cast<std::int64_t>(face);
     const Normal p = normal[region];
@@ -176,7 +176,7 @@ struct ClaimFree {
   }
 };
 
-/// How many faces a candidate has claimed; none for the one after the last, so that a scan ends with the sum.
+/// The number of faces that a candidate has claimed; none for the one after the last, so that a scan ends with the sum.
 struct CountBits {
   const std::int32_t* claims;
   std::int64_t candidates;

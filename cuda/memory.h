@@ -22,7 +22,7 @@ namespace isimp::parallel::ISIMP_DEVICE {
 /// The device has too little memory left.
 struct OutOfMemory final : std::bad_alloc {
   OutOfMemory(std::size_t more, std::size_t had) : wanted(more), held(had) {}
-  std::size_t wanted, held;  ///< bytes asked for, and bytes held already
+  std::size_t wanted, held;  ///< requested bytes, and bytes held already
 };
 
 // The back end's header defines these three.
@@ -58,7 +58,7 @@ class Memory {
       if (b.at == at) b.taken = false;
   }
   [[nodiscard]] std::size_t held() const { return held_; }
-  /// How often the device was asked for a block.
+  /// The number of blocks that were allocated on the device.
   [[nodiscard]] std::int64_t allocations() const { return allocations_; }
 
  private:
@@ -70,7 +70,7 @@ class Memory {
   static constexpr std::size_t kStep = 256;
 
   Block& make(std::size_t bytes) {
-    blocks_.reserve(blocks_.size() + 1);  // so that nothing can fail once there is a block
+    blocks_.reserve(blocks_.size() + 1);  // so that nothing can fail once the block exists
     void* at = allowed(bytes) ? device_new(bytes) : nullptr;
     if (at == nullptr) {
       drop_free();
@@ -123,7 +123,7 @@ class Array {
     resize(size);
     device_copy(data_, from, size * sizeof(T));
   }
-  /// The first `count` numbers go to the host.
+  /// Copies the first `count` numbers to the host.
   void read(T* to, std::size_t count) const { device_copy(to, data_, count * sizeof(T)); }
   [[nodiscard]] std::vector<T> read() const {
     std::vector<T> numbers(size_);

@@ -7,7 +7,7 @@
 
 #include "flooding.h"
 
-/// Naive flooding: every face looks at the regions nearest to it.
+/// Naive flooding: every face compares the regions nearest to it.
 namespace isimp::parallel::ISIMP_DEVICE {
 
 /// The regions' centres in a grid of cells over the unit cube.
@@ -109,7 +109,7 @@ struct ChooseNear {
   }
 
  public:
-  /// The same on the host, where the grid is made.
+  /// As above on the host, where the grid is made.
   ISIMP_KERNEL static std::int32_t cell_of(float x, std::int32_t side) {
     const float cell = x * static_cast<float>(side);
     if (!(cell > 0)) return 0;  // also if not a number, whose conversion is undefined

@@ -21,7 +21,7 @@ struct Survey {
 
 struct LookAtFace {
   const float* faces;
-  const std::int32_t* labels;  ///< null: no labels to look at
+  const std::int32_t* labels;  ///< null: no labels to check
   std::int64_t count;
   std::int32_t regions;
 
