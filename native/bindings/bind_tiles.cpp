@@ -111,7 +111,7 @@ tiles::JoinedGraph read_graph(const Table<double>& sums, const Table<std::int32_
   return {read_sums(sums), {pair.begin(), pair.end()}, {length.begin(), length.end()}};
 }
 
-/// A mesh as what relaxing needs of it.
+/// The arrays of a mesh that relaxing needs.
 py::tuple faces_of(const KeptMesh& mesh) {
   const FaceGraph& graph = mesh.graph();
   const py::ssize_t n = graph.size();

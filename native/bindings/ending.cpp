@@ -39,7 +39,7 @@ void stop_calls() {
 Unlocked::~Unlocked() {
   try {
     PyEval_RestoreThread(state_);
-  } catch (...) {  // nothing but the unwinding that ends this thread
+  } catch (...) {  // only the unwinding that ends this thread
     while (true) std::this_thread::sleep_for(std::chrono::hours(1));
   }
 }
