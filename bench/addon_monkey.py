@@ -268,7 +268,7 @@ class Monkey:
         return found.to_json() if found else GARBAGE[-1]
 
     def press(self) -> None:
-        """Runs any operator with any settings; common operators come more often."""
+        """Runs any operator with any settings; common operators are more frequent."""
         usual = (
             "partition",
             "mesh",
@@ -302,7 +302,7 @@ class Monkey:
             bpy.ops.ed.undo_push(message=name)
 
     def come_back(self) -> None:
-        """To a mesh, and to a mode that the add-on works in."""
+        """Selects a mesh, and a mode that the add-on works in."""
         active, there = bpy.context.view_layer.objects.active, bpy.context.view_layer.objects
         if bpy.context.mode not in ("OBJECT", "EDIT_MESH"):
             bpy.ops.object.mode_set(mode="OBJECT")
@@ -429,7 +429,7 @@ class Monkey:
             log.write(f"{self._last}\n")
 
     def run(self, actions: int, limit: int = 5) -> list:
-        """[(number, action, what broke)]; stops after `limit` of them."""
+        """[(number, action, failure)]; stops after `limit` of them."""
         broken = []
         verbs = {self.press: 60, self.mode: 6, self.select: 8, self.turn_to: 5, self.objects: 5, self.set: 8}
         verbs |= {self.undo: 6, self.redo: 3, self.reopen: 0.5, self.restart: 1.5}

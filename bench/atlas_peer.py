@@ -29,7 +29,7 @@ def polygon_areas(uv, starts):
 
 
 def packed(uv, triangles, area, gutter):
-    """Width, height and fill of what xatlas makes of charts in texels."""
+    """Width, height and fill of xatlas's layout of charts in texels."""
     atlas = xatlas.Atlas()
     atlas.add_uv_mesh(uv.astype(np.float32), triangles.astype(np.uint32))
     options = xatlas.PackOptions()

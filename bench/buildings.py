@@ -36,7 +36,7 @@ FAULTS = ("crossing", "flipped", "intersecting")
 
 
 def true_planes(house: houses.House) -> tuple[int, int]:
-    """How many directions, opposite ones counted once, and planes a house has."""
+    """The numbers of directions, opposite ones counted once, and of planes of a house."""
     a, b, c = (house.clean[house.triangles[:, k]] for k in range(3))
     normal = np.cross(b - a, c - a)
     normal /= np.linalg.norm(normal, axis=1)[:, None]

@@ -19,7 +19,7 @@ struct Sample {
   Json facts;  ///< figures of the result: error, counts
 };
 
-/// Something that is timed. Only what `run` puts between its stopwatches counts.
+/// A timed case. Only the work between the stopwatches of `run` counts.
 struct Case {
   std::string name;
   std::function<Sample(int round)> run;  ///< `round` counts from 1 and is also the seed of random numbers
@@ -35,7 +35,7 @@ struct Setup {
   std::int32_t proxies = 500, edits = 200, inner = 3;
 };
 
-/// All cases there are, in the order in which a round runs them.
+/// All cases, in the order of a round.
 std::vector<Case> all_cases(const std::shared_ptr<const Setup>& setup);
 
 /// One pass from file (or arrays) to polygons: for each phase its time, its peak memory and the memory that it keeps.

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prints what half and twice each tuned constant of the engine does, as the tables of docs/constants.md.
+"""Prints the effect of half and twice each tuned constant of the engine, as the tables of docs/constants.md.
 
     bench/constants.py [--data DIR] [--only kRelax,kTruncate] [--folder DIR] [--jobs N] [--json OUT.json]
     bench/constants.py --tables OUT.json [--no-times]
@@ -72,7 +72,7 @@ class Tuned:
 
     @property
     def place(self) -> str:
-        """How the table names it."""
+        """Its name in the table."""
         used = "" if self.smooth is None else f", at smooth {self.smooth:g}"
         return f"`{self.name}`, `{Path(self.path).relative_to('native')}`{used}"
 
@@ -254,7 +254,7 @@ class Build:
         self._run(["ninja", "-C", str(self.tree), f"-j{self.jobs}", "isimp_python"])
 
     def with_value(self, tuned: Tuned, value: str) -> Path:
-        """The package of an engine with another value; what ninja finds changed in the next call is put back."""
+        """The package of an engine with another value; the next call restores the files that this one has changed."""
         file = self.source / tuned.path
         text = file.read_text()
         at = re.search(tuned.pattern, text)
@@ -289,7 +289,7 @@ def in_turns(packages: list[Path], data: Path, options: list[dict], turns: int) 
 
 
 def changes(new: dict[str, dict[str, float]], old: dict[str, dict[str, float]]) -> dict[str, float]:
-    """In %, the geometric mean over meshes."""
+    """The change in %, as geometric mean over meshes."""
     return {
         column: 100 * (float(np.exp(np.mean([np.log(new[m][column] / old[m][column]) for m in old]))) - 1)
         for column in COLUMNS

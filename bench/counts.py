@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prints how many polygons come of how many regions, and whether real openings stay.
+"""Prints the number of polygons for each number of regions, and whether real openings stay.
 
     bench/counts.py [--data DIR]
 

@@ -1,4 +1,4 @@
-"""Meshes that meshing once took too long for, at several sizes: time and work a face, so that a steep one shows.
+"""Meshes that once took too long, at several sizes: time and work a face, so that a steep growth shows.
 
     bench/families.py              builds the benchmarks and prints the table
     bench/families.py --bin DIR    with programs that are built already

@@ -35,7 +35,7 @@ AIM = 20  # times lloyd's speed, of the queued method with a device, at a millio
 
 
 def ring(faces: int) -> engine.Mesh:
-    """A closed, bumpy ring of about so many faces, in no order that helps anybody."""
+    """A closed, bumpy ring of about so many faces, in no helpful order."""
     around = max(8, round((faces / 4) ** 0.5) * 2)
     across = max(6, faces // (2 * around))
     u, v = np.meshgrid(np.arange(around) / around, np.arange(across) / across, indexing="ij")

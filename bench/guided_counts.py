@@ -1,4 +1,4 @@
-"""Bounds, adaptivity and painted weights on scans: the tables of how many regions they give, and where.
+"""Bounds, adaptivity and painted weights on scans: tables of the numbers and places of their regions.
 
     bench/guided_counts.py bounds       regions for a bound of .25, .5 and 1 % of the diagonal, how it is kept, and how
                                         far the scan is from the polygons (at most 1.5 bounds)

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 
-/// A grid of nu by nv squares of two triangles, wrapped round in both directions.
+/// A grid of nu by nv squares of two triangles, closed in both directions.
 std::vector<Triangle> ring_triangles(std::int32_t nu, std::int32_t nv) {
   std::vector<Triangle> triangles;
   const auto at = [&](std::int32_t i, std::int32_t j) { return (i % nu) * nv + j % nv; };
@@ -81,7 +81,7 @@ Arrays boxes(std::int64_t faces) {
 /// Squares of unit cells of which some are filled: each side of a filled one that no filled one lies at.
 class Cells {
  public:
-  /// \param filled  asked for cells -1 ... n too
+  /// \param filled  called for cells -1 ... n too
   Arrays surface(const Eigen::Vector3i& n, const std::function<bool(int, int, int)>& filled) {
     for (int x = 0; x < n[0]; ++x)
       for (int y = 0; y < n[1]; ++y)

@@ -22,7 +22,7 @@ FACES_A_REGION = 400  # where the number of faces grows
 
 @dataclass(frozen=True)
 class Job:
-    """One process: a program with its arguments. `name` is how the table finds the result."""
+    """One process: a program with its arguments. The table finds the result by `name`."""
 
     name: str
     program: str

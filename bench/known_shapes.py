@@ -1,4 +1,4 @@
-"""Shapes whose true number of planes is known, and what scanning does to them: 132 meshes, the same on every run."""
+"""Shapes whose true number of planes is known, and scanned forms of them: 132 meshes, the same on every run."""
 
 import numpy as np
 from collapse import decimated

@@ -1,7 +1,7 @@
 """Kinetic surface reconstruction of CGAL 6 as a peer of exactly planar polygons: compiled where its headers are.
 
-It closes a scan by volumes, so that an open one gets walls that are not there; its polygons are planar, and may meet
-others in the middle of an edge.
+It closes a scan by volumes, so that an open one gets additional walls; its polygons are planar, and may meet others in
+the middle of an edge.
 """
 
 import os

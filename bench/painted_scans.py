@@ -26,7 +26,7 @@ class Scan:
 
 
 def noise(points, cells, seed):
-    """(n,) smooth noise from -1 to 1 with so many cells per unit length."""
+    """(n,) smooth noise from -1 to 1 with `cells` cells per unit length."""
     at = points * cells + 1000
     low = np.floor(at).astype(np.int64)
     t = at - low
@@ -134,7 +134,7 @@ def owl_distance(p):
 
 
 def owl_surface(d):
-    """Where rays from outside to the middle meet the owl."""
+    """The places where rays from outside to the middle meet the owl."""
     p = 1.8 * d
     for _ in range(40):
         p = p - np.clip(0.8 * owl_distance(p), -0.05, 0.3)[:, None] * d

@@ -3,7 +3,7 @@
 
     bench/peers.py --bin BUILD/bench [--data DIR] [--only bunny,castle] [--proxies 300] [--keep FOLDER]
 
-`isimp_engine` must be importable; `blender` and BUILD/bench/peer_cgal are asked where they are there. Decimate gets the
+`isimp_engine` must be importable; `blender` and BUILD/bench/peer_cgal are used if they are there. Decimate gets the
 angle at which it makes about as many polygons as isimp does; CGAL as many proxies. `--keep` writes the polygons as OBJ.
 """
 

@@ -1,6 +1,6 @@
 """Judges a polygon mesh against the scan it was made of, from arrays alone and by other means than the engine's own.
 
-Signs are exact: they are taken from float64 where its error bound allows, else from Python's integers.
+Signs are exact: float64 is used where its error bound allows, else Python's integers.
 
 A polygon is flipped if it faces away from the surface that it stands for. Its outline on the scan determines this: it
 runs along the borders of its region, and straight from corner to corner where a region was cut further. All surfaces
@@ -255,7 +255,7 @@ def segment_meets_triangle(p, q, a, b, c):
 
 
 def meeting(points, f, g):
-    """Which pairs of triangles f, g (N, 3) meet elsewhere than in the corners they share."""
+    """The pairs of triangles f, g (N, 3) that meet elsewhere than in the corners they share."""
     same = f[:, :, None] == g[:, None, :]
     shared = same.sum((1, 2))
     result = shared >= 3
@@ -369,7 +369,7 @@ def distance_to_triangles(p, a, b, c):
 
 
 def distances(points, corners, facets):
-    """From each point to the nearest of the triangles."""
+    """The distance from each point to the nearest of the triangles."""
     a, b, c = (corners[facets[:, k]] for k in range(3))
     middle = (a + b + c) / 3
     radius = np.sqrt(np.max([((x - middle) ** 2).sum(1) for x in (a, b, c)], axis=0))
@@ -389,9 +389,9 @@ def distances(points, corners, facets):
 def faces_away(area, outline, known, near):
     """Whether a polygon of this vector area faces away from its outline on the scan.
 
-    Where not all of that is `known`, as of a polygon inside a region that was split, a straight line stands for the
-    rest and may turn the sum: it then has to face away from the faces `near` it as well, or, where these do not agree,
-    at least not to face their way.
+    If not all of that is `known`, as for a polygon inside a region that was split, a straight line replaces the rest
+    and may turn the sum: it then has to face away from the faces `near` it as well, or, if these do not agree, at least
+    not to face their way.
     """
     total = near.sum(0)
     agree = near @ total >= np.sqrt(0.5) * np.linalg.norm(total) * np.linalg.norm(near, axis=1)
@@ -432,7 +432,7 @@ def look_at_polygons(poly, scan, loops, position, flatness, outlined, v):
         if triangles is None:
             v.crossing.append(q)
             triangles = [(0, k, k + 1) for k in range(1, len(loop) - 1)]
-            owner += [-1] * len(triangles)  # not asked whether they meet others
+            owner += [-1] * len(triangles)  # their intersections are not tested
         else:
             owner += [q] * len(triangles)
         facets += [loop[list(t)] for t in triangles]
@@ -466,7 +466,7 @@ def judge(poly, mesh, part, flatness=0.0, reach=0.01, outlined=False):
     v.faults += faults + [f"{what} {found[what]}, scan {n}" for what, n in wanted.items() if found[what] != n]
     moved = np.linalg.norm(vertices - scan.vertices[poly.source_vertex], axis=1)
     v.far = np.flatnonzero(moved > reach * scan.diagonal * (1 + 1e-6)).tolist()
-    position = vertices.astype(np.float32).astype(float)  # as it will be stored
+    position = vertices.astype(np.float32).astype(float)  # as stored in files
     owner = look_at_polygons(poly, scan, loops, position, flatness, outlined, v)
     full = np.linalg.norm(np.cross(position[v.facets[:, 1]] - position[v.facets[:, 0]],
                                    position[v.facets[:, 2]] - position[v.facets[:, 0]]), axis=1) > 0  # fmt: skip

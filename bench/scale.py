@@ -39,7 +39,7 @@ import isimp_engine as engine
 from isimp_engine import batch, tiles
 from isimp_engine.batch import work
 
-ODD = {  # name of a scan: what its row must say
+ODD = {  # name of a scan: expected text of its row
     "crash": "ended by signal 11",
     "hang": "over the time limit of 10 s",
     "large": "over the memory limit of 500 MB",

@@ -137,7 +137,7 @@ def make(seed: int, noise: float = 0.002, rounding: float = 0.8, holes: int = 6)
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), -1)
     middle = (low + high) / 2
     about = grid - middle
-    # the house is turned against the grid, as a scan's grid knows no walls
+    # the house is turned against the grid, as a scan's grid has no relation to walls
     turned = np.stack([c * about[..., 0] - s * about[..., 1], s * about[..., 0] + c * about[..., 1], about[..., 2]], -1)
     field = _blurred(np.clip(_solid(turned + middle, rng), -3 * cell, 3 * cell), rounding)
     points, faces = _surface(field)

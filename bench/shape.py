@@ -102,7 +102,7 @@ def in_plane(points, start, normal):
 
 
 def shape(vertices, loops, start):
-    """The columns that the polygons alone tell."""
+    """The columns that depend on the polygons alone."""
     points, size, after = vertices[loops], np.diff(start), following(start)
     normal = newell(points, start)
     area = np.linalg.norm(normal, axis=1)

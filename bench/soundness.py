@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes polygons of real meshes and judges each against what docs/guarantee.md promises.
+"""Makes polygons of real meshes and judges each by the promises of docs/guarantee.md.
 
     bench/soundness.py [--data DIR] [--only bunny,castle] [--proxies 50,300,1000] [--json OUT.json]
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures how the windows and walls of a generated street come out.
+"""Measures the shape of the windows and walls of a generated street.
 
     PYTHONPATH=build-dev/python python bench/street.py [--counts 1,3,10] [--noises 0.0005,0.001,0.002] [--json OUT.json]
 

@@ -32,7 +32,7 @@ def per_round(result: Result, case: str, clock: str = "cpu_ms") -> list[float]:
 
 
 def speed_up(result: Result, case: str, over: str, clock: str = "cpu_ms") -> float:
-    """How many times faster a case is than another: the median over rounds, each round by itself."""
+    """The speed of a case relative to another: the median over rounds, each round by itself."""
     pairs = zip(per_round(result, case, clock), per_round(result, over, clock), strict=True)
     return median(slow / fast for fast, slow in pairs)
 
@@ -309,7 +309,7 @@ def sound(table: list[Row], results: dict[str, Result]) -> bool:
 
 
 def text(table: list[Row], *, judge: bool) -> str:
-    """As a Markdown table."""
+    """The table in Markdown."""
     met = {True: "yes", False: "no", None: ""}
     lines = [("what", "mesh", "wanted", "measured", "met")]
     lines += [(row.what, row.where, row.wanted, row.measured, met[row.met if judge else None]) for row in table]

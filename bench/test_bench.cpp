@@ -15,7 +15,7 @@
 namespace isimp::bench {
 namespace {
 
-/// Labels of shapes::cube(n), whose faces come side by side.
+/// Labels of shapes::cube(n), whose faces are ordered by side.
 std::vector<std::int32_t> sides(const Mesh& mesh) {
   std::vector<std::int32_t> label(static_cast<std::size_t>(mesh.face_count()));
   for (std::size_t f = 0; f < label.size(); ++f) label[f] = static_cast<std::int32_t>(6 * f / label.size());

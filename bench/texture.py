@@ -79,7 +79,7 @@ def at_corners(values, face, place):
 
 
 def view(corners, uv, image_of, images, camera, box):
-    """(n, n, 3) colours and (n, n) mask of triangles (F, 3, 3) as seen along a camera's axis."""
+    """(n, n, 3) colours and (n, n) mask of triangles (F, 3, 3), seen along a camera's axis."""
     face, place = seen(corners, camera, box)
     mask = face >= 0
     f, at = face[mask], at_corners(uv, face[mask], place[mask])

@@ -1,4 +1,4 @@
-"""Which pieces of the add-on keep a real window waiting longest, action by action, on a scan of many faces.
+"""The pieces of the add-on that block a real window longest, action by action, on a scan of many faces.
 
     bench/window_pieces.py SCAN.ply [--site FOLDER]     the folder with isimp_engine, if not this Python's
 
@@ -26,7 +26,7 @@ LAYER_UPDATE = "_view_layer_update"  # of bpy.ops: changed data is evaluated
 
 
 class Pieces:
-    """Calls of the add-on on this thread, as a profiler sees them."""
+    """Calls of the add-on on this thread, recorded by a profiler."""
 
     def __init__(self):
         self.outermost, self.begin, self.open, self.blenders = None, 0.0, [], []
@@ -114,7 +114,7 @@ def run(hand):
         yield from did(f"{action}: point", pointed())
 
     def stroke(width):
-        """A stroke with the Paint tool over so much of the view."""
+        """A stroke with the Paint tool over a share of the view."""
         here = view.x + (0.5 - 0.5 * width) * view.width
         yield from hand.move(here, middle[1])
         hand.event("LEFTMOUSE", "PRESS", ctrl=True)

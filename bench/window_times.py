@@ -1,4 +1,4 @@
-"""How long the add-on keeps a real window waiting, on a scan of many faces: who takes how much.
+"""The times during which the add-on blocks a real window, on a scan of many faces, by part.
 
     bench/window_times.py SCAN.ply [--site FOLDER]     the folder with isimp_engine, if not this Python's
 
