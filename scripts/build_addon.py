@@ -143,9 +143,9 @@ def pack_legacy(target: Path, wheel: Path) -> None:
 
 
 def pack_extension(target: Path, wheel: Path, website: str | None) -> None:
-    """Everything under isimp/, which Blender takes off, the wheel named in the manifest.
+    """Everything under isimp/, which Blender strips, and the wheel named in the manifest.
 
-    A Blender before 4.2 unpacks the zip as it is: without that folder it would strew the files among other add-ons.
+    A Blender before 4.2 unpacks the zip as it is: without that folder the files would lie among other add-ons.
     """
     site = f'website = "{website}"\n' if website else ""
     with zipfile.ZipFile(target, "w") as archive:

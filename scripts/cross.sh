@@ -16,7 +16,7 @@ cross=$out/cross
 tools=$root/.venv-cross
 headers=${ISIMP_THIRD_PARTY:-${XDG_CACHE_HOME:-$HOME/.cache}/isimp/third_party}
 
-# make_tools TARGET: what CMake calls, in out/cross/TARGET/bin.
+# make_tools TARGET: makes the tools that CMake calls, in out/cross/TARGET/bin.
 make_tools() {
   local bin=$cross/$1/bin name
   mkdir -p "$bin"
@@ -26,7 +26,7 @@ make_tools() {
   done
 }
 
-# emulator TARGET: what runs a program of it, nothing where there is none.
+# emulator TARGET: the emulator for its programs, empty if there is none.
 emulator() {
   case $1 in
     aarch64-linux-*) command -v qemu-aarch64-static ;;

@@ -75,7 +75,7 @@ def from_pypi(name: str, version: str, sha256: str, folder: Path) -> Path:
 
 
 class Apt:
-    """apt with a list of its own, of the suite that has our versions; the machine's own list stays as it is."""
+    """apt with a list of its own, of the suite that has our versions; the machine's own list does not change."""
 
     def __init__(self, state: Path, suite: str = SUITE):
         if not shutil.which("apt-get") or not shutil.which("dpkg-deb"):
@@ -108,7 +108,7 @@ class Apt:
         return checked(folder, name, sha256)
 
     def download_any(self, name: str, folder: Path) -> list[Path]:
-        """Whichever version the suite has; apt checks that it is Debian's."""
+        """Downloads any version of the suite; apt checks that it is Debian's."""
         run([*self._apt, "download", name], name, cwd=folder)
         return list(folder.iterdir())
 

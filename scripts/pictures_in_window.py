@@ -16,11 +16,11 @@ from scenario_tools import drag, place, sketched, tool
 import isimp
 
 REGIONS = 200
-DETAILS = (0.006, 0.008, 0.011, 0.015, 0.021, 0.03, 0.021, 0.014, 0.01, 0.007)  # as if the field were dragged
+DETAILS = (0.006, 0.008, 0.011, 0.015, 0.021, 0.03, 0.021, 0.014, 0.01, 0.007)  # like a drag over the field
 
 
 class Film:
-    """Frames of the animation, with the milliseconds that each is seen."""
+    """Frames of the animation, with their durations in milliseconds."""
 
     def __init__(self, hand):
         self.hand, self.frames = hand, []
@@ -118,7 +118,7 @@ def film(hand):
 def tools(hand):
     """Pictures 7 and 8 of the manual: a line that cuts, a region shrunk by a drag, a locked one, a smoothing stroke."""
     yield from hand.press("isimp.swap")
-    bpy.context.window_manager.isimp.outline = False  # so that the strokes are seen
+    bpy.context.window_manager.isimp.outline = False  # so that the strokes are visible
     yield from partitioned(hand, proxies=40)
     yield from tool(hand, "isimp.cut_tool.object")
     yield from drag(hand, (-0.1, 0.05), (0.6, -0.25), shot="picture-7-cut")

@@ -2,9 +2,9 @@
 
     scripts/python_headers.py 3.14 FOLDER
 
-Prints what ISIMP_OTHER_PYTHONS of native/bindings/CMakeLists.txt takes: the module's suffix and the folders. apt brings
-them from Debian sid by the mirror that this machine uses, as in `scripts/headers.py`; for x86-64, without root. Modules
-fit every patch of a Python, so Debian's signature is checked, and no checksum is fixed.
+Prints the value for ISIMP_OTHER_PYTHONS of native/bindings/CMakeLists.txt: the module's suffix and the folders. apt
+brings them from Debian sid by the mirror that this machine uses, as in `scripts/headers.py`; for x86-64, without root.
+Modules fit every patch of a Python, so Debian's signature is checked, and no checksum is fixed.
 """
 
 import shutil

@@ -21,7 +21,7 @@ import isimp_engine as engine  # noqa: E402
 
 DETAIL = 0.0005  # share of the whole street: windows are a two-hundredth of it deep
 REACH = 0.001  # share of the whole street
-HEIGHT = 34.0  # degrees from which the street is seen
+HEIGHT = 34.0  # degrees of the view from above
 PAPER, EDGE = (0.86, 0.86, 0.84), 0.00025
 SIZE = 1500, 800
 

@@ -12,7 +12,7 @@ set -uo pipefail
 first=(format lint mypy wheel)
 compiling=(cpp cuda asan tsan tidy)
 blending=(python blender bpy45 bpy50 window)
-by_name=(quick all-tidy) # only when asked for
+by_name=(quick all-tidy) # only on request
 tests_venv=$root/.venv-test
 
 # Each stage is a function that runs with `set -e` and installs its own requirements. Test runners leave their JUnit
@@ -99,7 +99,7 @@ stage_cuda() { # the CUDA part: compiled with nvcc, the machine's or PyPI's, and
   if ! PATH=$PATH:/usr/local/cuda/bin command -v nvcc; then
     tools=$root/.venv-cuda
     venv "$tools" nvidia-cuda-{nvcc,cccl,runtime,crt}==13.0.* nvidia-nvvm==13.0.*
-    LIBRARY_PATH=$(echo "$tools"/lib/python3*/site-packages/nvidia/cu13/lib) # nvcc looks in lib64
+    LIBRARY_PATH=$(echo "$tools"/lib/python3*/site-packages/nvidia/cu13/lib) # nvcc searches lib64
     export LIBRARY_PATH
   fi
   cmake -S . -B build-cuda -G Ninja -DISIMP_TESTS=ON -DISIMP_PYTHON=ON -DISIMP_WERROR=ON -DISIMP_CUDA=ON \
@@ -112,7 +112,7 @@ stage_cuda() { # the CUDA part: compiled with nvcc, the machine's or PyPI's, and
     tests/cuda tests/python/test_parallel.py --junitxml "$results/pytest.xml"
 }
 
-stage_asan() { # the same under the address and undefined-behaviour sanitizers
+stage_asan() { # the C++ tests under the address and undefined-behaviour sanitizers
   export UBSAN_OPTIONS=print_stacktrace=1
   cpp_tests build-asan -DISIMP_SANITIZE=ON -DISIMP_ASSERTIONS=ON -DISIMP_CUDA=OFF -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1\ -g1
 }
@@ -232,7 +232,7 @@ asked=("$@")
 apt_install python3 python3-venv || exit 1
 mkdir -p "$out/test"
 rm -f "$out"/test/*.counts
-# The two big downloads go on while the engine is compiled.
+# The two big downloads run while the engine is compiled.
 case " ${asked[*]} " in *" bpy"*) (bpy_venv 4.5.15; bpy_venv 5.0.1) >"$out/test/downloads.log" 2>&1 </dev/null & ;; esac
 run_stages "${by_name[@]}" "${first[@]}"
 prepare >"$out/test/prepare.log" 2>&1 </dev/null || { cat "$out/test/prepare.log"; exit 1; }

@@ -20,7 +20,7 @@ wheel_for() {
   find "$root/dist" -name "isimp-*-cp${1/./}-*.whl" | head -n 1
 }
 
-# fresh DIR: empty, for what Blender keeps of a user.
+# fresh DIR: empties it, for Blender's files of a user.
 fresh() {
   rm -rf "$1"
   mkdir -p "$1"
@@ -73,7 +73,7 @@ newer_python() {
 
 try_chroot() { # SUITE
   local suite=$1 chroot=$cache/chroots/$1 version wheel tools=() interpreter=python3
-  # Its Python 3.9 is older than all that have a wheel, so it gets one that is not.
+  # Its Python 3.9 is older than all that have a wheel, so it gets a newer one.
   [ "$suite" != bullseye ] || tools=(gcc make libc6-dev zlib1g-dev libffi-dev)
   make_chroot "$suite" "$suite" python3 ca-certificates "${tools[@]}" || return
   if [ "$suite" = bullseye ]; then
@@ -166,7 +166,7 @@ try_blender_of() { # SUITE
   as_root rm -rf "$chroot/opt/tried"
   as_root mkdir -p "$chroot/opt/tried"
   as_root cp scripts/installed.py "$chroot/opt/"
-  for archive in "${archives[@]}"; do # by the same path in there
+  for archive in "${archives[@]}"; do # the same path in the chroot
     as_root mkdir -p "$chroot$(dirname "$archive")"
     as_root cp "$archive" "$chroot$archive"
   done

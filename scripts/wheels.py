@@ -5,7 +5,7 @@
     scripts/wheels.py checksums FOLDER               FILE.sha256 next to each file
 
 The fat wheel holds one _core for each Python side by side, and each Python loads the one with its own suffix.
-Blender needs it: 4.2.0 looks at no Python tag and takes the highest file name.
+Blender needs it: 4.2.0 ignores the Python tag and takes the highest file name.
 """
 
 import argparse
