@@ -14,9 +14,9 @@ _LONGEST = 150  # bytes: of 255, as others put something before and behind it
 
 
 def draft_of(path: Path) -> tuple[Path, Path]:
-    """Where to write for now, and the place to move it to. Devices and pipes are written to as they are.
+    """The temporary place of a file, and the place to move it to. Devices and pipes are written to directly.
 
-    A link stays one: the file it leads to is replaced.
+    A link stays a link: the file it leads to is replaced.
     """
     if path.exists() and not path.is_file():
         return path, path

@@ -1,8 +1,8 @@
 """Folders that isimp makes for itself, and the only code that removes the results of an earlier run there.
 
 Such a folder holds an empty file MARK, which is made first and removed last, so that a run that is ended at any moment
-leaves a folder that the next run knows. Nothing is removed where the mark is missing, by way of a link, or in a folder
-that holds anything which isimp does not put there.
+leaves a folder that the next run recognises. Nothing is removed where the mark is missing, by way of a link, or in a
+folder with any file that isimp does not put there.
 """
 
 import contextlib
@@ -29,7 +29,7 @@ class Own:
         self.path, self._names = path, re.compile(names)
 
     def take(self, unmarked: bool) -> None:
-        """Make the folder, or take over one that isimp made. Raises NotOwn or OSError.
+        """Make the folder, or reuse one that isimp made. Raises NotOwn or OSError.
 
         unmarked: take it also without a mark, since its name or a file in it shows that it is isimp's.
         """

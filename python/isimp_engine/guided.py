@@ -37,7 +37,7 @@ class Guides:
     before: Partition | None = None  #: its regions are the start; locked ones stay as they are even if `faces` is None
 
     def arrays(self) -> dict[str, Any]:
-        """Weights and barriers as `partition` takes them."""
+        """Weights and barriers in the form for `partition`."""
         edges = [pairs for pairs in (_some(self.barriers), _some(self.cuts)) if pairs is not None]
         return {"weights": self.weights, "barriers": np.concatenate(edges) if edges else None}
 
@@ -66,9 +66,9 @@ def part_of(mesh: Mesh, faces: Faces, job: Job | None = None) -> Part:
 
 
 def open_faces(mesh: Mesh, guides: Guides, leave_out: float, proxies: int | None = None) -> Faces | None:
-    """The faces that may get other regions than they have; None: all, and nothing is decided yet.
+    """The faces that may get new regions; None: all, without a restriction.
 
-    leave_out, proxies: of the PartitionOptions to come.
+    leave_out, proxies: of the later PartitionOptions.
     """
     faces = _open_faces(mesh, _numbers(guides.faces), guides.before, proxies or 1, leave_out)
     return None if faces is None else faces.astype(np.intp)
@@ -81,7 +81,7 @@ def partition_guided(
     guides: Guides | None = None,
     part: Part | None = None,
 ) -> Partition:
-    """A partition that keeps to the guides.
+    """A partition with guides.
 
     A region that contains the end of a cut is split: the border continues from the end half-way between both of its
     sides. Where only some faces are split, borders to the others stay as they are, vertex by vertex, so that polygons
@@ -104,12 +104,12 @@ def partition_guided(
 
 
 def inside_regions(mesh: Mesh, part: Partition, barriers: Pairs) -> int:
-    """How many of the barriers have the same region on both sides, since they do not cut it in two."""
+    """The number of barriers with the same region on both sides, since they do not cut it in two."""
     return _inside_regions(mesh, part, _as_pairs(barriers))
 
 
 def parted_at(mesh: Mesh, part: Partition, cuts: Pairs) -> Labels | None:
-    """(F,) the regions with those split that a cut ends in; None if there is none."""
+    """(F,) the regions after splitting those that contain the end of a cut; None if there is none."""
     return _parted_at(mesh, part, _as_pairs(cuts))
 
 

@@ -22,7 +22,7 @@ def sharp_edges(mesh: Mesh, angle: float) -> Pairs:
 def attribute_borders(mesh: Mesh, values: NDArray[Any], among: NDArray[np.bool_] | None = None) -> Pairs:
     """Edges between faces of different value: a material, a face set or any other attribute, one value a face.
 
-    among: (F,) faces to look at; None: all.
+    among: (F,) faces to compare; None: all.
     """
     values = np.asarray(values)
     if values.shape != (len(mesh.triangles),):
@@ -47,7 +47,7 @@ def inner_edges(mesh: Mesh) -> tuple[Pairs, NDArray[np.intp], NDArray[np.intp]]:
 
 
 def shared_edges(triangles: NDArray[np.integer[Any]]) -> tuple[NDArray[np.int32], Pairs]:
-    """Pairs of triangles that share an edge, and that edge, of any triangles: no `Mesh` is needed.
+    """Pairs of triangles that share an edge, and that edge, for any triangles: no `Mesh` is needed.
 
     triangles: (T, 3) integers, none negative. Returns (E, 2) triangles, each column in one piece, and (E, 2) vertices.
     An edge with three triangles gives three pairs; of more than three, those next to and next but one to each other in

@@ -24,8 +24,8 @@ from ._core import FileError, InvalidInput, Job
 def reader(path: object, wrong: str) -> Iterator[None]:
     """Reads the content of a file: every failure in the block becomes a FileError that names the file.
 
-    wrong: what to say of a file that holds something else than it should, such as "is damaged". Numbers that are not
-    finite give no warnings in the block: who reads them checks them.
+    wrong: the text for a file with unexpected content, such as "is damaged". Numbers that are not finite give no
+    warnings in the block: the reader must check them.
     """
     try:
         with np.errstate(all="ignore"):
@@ -51,7 +51,7 @@ def _said(error: Exception) -> str:
 
 COMPRESSED = (".gz", ".zst")  #: may follow the kind of a file: scan.ply.gz
 _BLOCK = 1 << 20
-_PIECE = 1 << 11  # bytes of .zst that are decompressed at once: 64 MB come out of them at most
+_PIECE = 1 << 11  # bytes of .zst that are decompressed at once: they give 64 MB at most
 _ANY, _RATIO = 1 << 28, 200  # bytes that every file may become, and the multiple of its size that a larger one may
 _FREE = 1 << 30  # bytes of a disk that stay free, or a twentieth of a small one
 
@@ -96,7 +96,7 @@ def opened(path: Path) -> IO[bytes]:
 
 
 def _blocks(path: Path) -> Iterator[bytes]:
-    """All of a file, out of its compression."""
+    """All of a file, decompressed."""
     module = _zstd() if path.suffix.lower() == ".zst" else None
     if module is None or module.__name__ != "zstandard":
         with opened(path) as source:
@@ -126,7 +126,7 @@ def _damage() -> tuple[type[Exception], ...]:
 
 
 def _limited(path: Path, place: Path) -> Iterator[bytes]:
-    """The same, as far as a file of this size may grow, and as the disk of `place` has room."""
+    """As above, up to the size that a file of this size may have, and that the disk of `place` has room for."""
     most, made, looked = max(_ANY, _RATIO * path.stat().st_size), 0, 0
     for block in _blocks(path):
         made += len(block)
@@ -190,7 +190,7 @@ def read(
 def read_polygons(
     path: str | PathLike[str], job: Job | None = None, *, threads: int = 0
 ) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]:
-    """Read the polygons of a PLY, OBJ, STL or OFF file, as many corners as they have; also .gz and .zst of them.
+    """Read the polygons of a PLY, OBJ, STL or OFF file, with any number of corners; also .gz and .zst of them.
 
     Returns vertices (V, 3), loops (L,) and loop_start (Q,). Raises FileError or Cancelled.
     """

@@ -1,7 +1,7 @@
 """Recipes of the add-on, applied to files: the steps that hold for every scan.
 
-A recipe is the JSON text that the add-on exports. Steps that name faces belong to one scan, and marks such as seams are
-in no file that the engine reads; a recipe with such a step is refused.
+A recipe is the JSON text that the add-on exports. Steps that name faces belong to one scan, and the engine reads no
+file with marks such as seams; a recipe with such a step is refused.
 """
 
 import json
@@ -74,7 +74,7 @@ class Recipe:
 
     @property
     def regular(self) -> Regularise | None:
-        """How planes are snapped last; None: they are not."""
+        """The last snapping of planes; None: there is none."""
         found = [amount for _, amount in self.edits if isinstance(amount, Regularise)]
         return found[-1] if found else None
 
@@ -215,7 +215,7 @@ def _edit(kind: str, settings: dict[str, Any], is_first: bool) -> tuple[str, flo
 
 
 def _regularise(settings: dict[str, Any]) -> Regularise:
-    """How a step snaps planes."""
+    """The settings of a step that snaps planes."""
     up, given = settings.pop("up", "scene"), settings.pop("direction", [])
     if up == "region":
         raise RecipeError("takes up from a region of one scan, which other scans do not have; choose an axis")
@@ -258,7 +258,7 @@ def _direction(value: Any) -> tuple[float, float, float]:
 
 
 def _texture(settings: dict[str, Any], meshed: bool) -> dict[str, Any]:
-    """The parts of a Recipe that tell of its texture."""
+    """The texture settings of a Recipe."""
     if not meshed:
         raise RecipeError("there are no polygons yet: a mesh step must come right before")
     size, tiles = _whole(settings, "size"), _whole(settings, "tiles")

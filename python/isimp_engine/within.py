@@ -69,7 +69,7 @@ class Made:
 def scan_distances(
     mesh: Mesh, part: Partition, polygons: PolygonMesh, enough: float = 0.0, job: Job | None = None
 ) -> Points:
-    """How far each vertex of the scan is from the polygons; NaN where it is in no region.
+    """The distance of each vertex of the scan from the polygons; NaN if it is in no region.
 
     The polygons of the vertex's own regions come first; if these are farther than `enough`, all polygons are searched.
     So a distance of at most `enough` may be less in truth.
@@ -85,12 +85,12 @@ def polygonize_within(
     made: Made | None = None,
     jobs: Jobs | None = None,
 ) -> Within:
-    """The polygons of a partition; with a bound such that the scan is within SLACK times it of them, if that can be.
+    """The polygons of a partition. With a bound, the scan is within SLACK times it of them, if possible.
 
     Borders may leave their chords, polygons bend and corners move by half the bound, and by less where that is not
     enough. If that is not enough either, and `made` is given, another partition is made with a lower bound.
     Without a bound it is `polygonize`.
-    jobs: in place of `job`: gives a job for each part of the work, to show its progress.
+    jobs: in place of `job`: makes a job for each part of the work, to show its progress.
     """
     jobs, meshing = jobs or _stretches(job), meshing or MeshingOptions()
     if part.bound is None:
@@ -120,7 +120,7 @@ def partition_within(
     job: Job | None = None,
     guides: Guides | None = None,
 ) -> Within:
-    """Regions and their polygons; with a bound such that the scan is within SLACK times it of them, if that can be."""
+    """Regions and their polygons. With a bound, the scan is within SLACK times it of them, if possible."""
     made = Made(options, guides)
     return polygonize_within(mesh, partition_guided(mesh, options, job, guides), meshing, job, made)
 

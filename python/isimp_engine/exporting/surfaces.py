@@ -10,7 +10,7 @@ from .._core import PolygonMesh
 
 WALL, ROOF, GROUND, CEILING = "WallSurface", "RoofSurface", "GroundSurface", "OuterCeilingSurface"
 CLASSES = (WALL, ROOF, GROUND, CEILING)
-PLANAR = 0.01  # scene units: what validators of city models allow by default, in metres
+PLANAR = 0.01  # scene units: the default of validators of city models, in metres
 
 _UPRIGHT = 0.25  # a wall's normal has no larger part along up: it leans by less than 14.5 degrees
 _LEVEL = 0.94  # the least part for ground: it rises by less than 20 degrees
@@ -21,7 +21,7 @@ _LOW = 0.1  # share of the model's height: ground lies below this
 class Surfaces:
     """The class of each polygon by its plane's direction and place, and the properties of all together."""
 
-    kind: list[str]  # by polygon, of CLASSES
+    kind: list[str]  # one of CLASSES for each polygon
     normal: NDArray[np.float64]  # (Q, 3), unit; zero without area
     components: int
     volume: float  # volume inside closed polygons; negative where they face inwards
@@ -78,7 +78,7 @@ def part_of(
 def validity(poly: PolygonMesh, limit: float = PLANAR, surfaces: Surfaces | None = None) -> dict[str, Any]:
     """The first checks of validators of city models: polygons planar within `limit` (scene units), a closed shell.
 
-    surfaces: what `surfaces_of` gives for these polygons, where it is known already.
+    surfaces: the result of `surfaces_of` for these polygons, if it is known already.
     """
     found = surfaces or surfaces_of(poly)
     bent = np.asarray(poly.planarity) > limit

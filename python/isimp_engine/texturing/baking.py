@@ -35,8 +35,8 @@ class Texture:
 
     uv: (L, 2) float64: of each corner in `loops`, from 0 to 1; v = 1 is the upper edge of the image.
     image: (H, W, 4) uint8, row 0 at the top. normal: (H, W, 3) uint8 tangent-space normals (green up), None if not
-    asked for: they are right where all corners of a polygon have its `polygon_normal` and `polygon_tangent`.
-    layers: further images that the scan's materials have, or that were asked for: (H, W) uint8 "roughness", "metallic"
+    requested: they are right if all corners of a polygon have its `polygon_normal` and `polygon_tangent`.
+    layers: further images that the scan's materials have, or that were requested: (H, W) uint8 "roughness", "metallic"
     and "occlusion", (H, W) uint16 "height", (H, W, 3) uint8 "emission", stored as colours are. factors: "roughness" and
     "metallic" where they are one number everywhere, the factor of the image of "emission", and the range of "height":
     the scan lies (value / 65535 - 0.5) * range above the polygon, in scene units.
@@ -176,7 +176,7 @@ _NO_GROUP = np.zeros(0, dtype=np.int32)
 
 
 def _tiles(image: NDArray[Any], atlas: _Atlas) -> NDArray[Any]:
-    """Images with the last tile at the top as (N, H, W, ...); that of a single tile as it is."""
+    """Images with the last tile at the top as (N, H, W, ...); a single tile as it is."""
     if atlas.tiles == 1:
         return image
     return image.reshape(atlas.tiles, atlas.side, *image.shape[1:])[::-1]
@@ -185,7 +185,7 @@ def _tiles(image: NDArray[Any], atlas: _Atlas) -> NDArray[Any]:
 def _groups(
     mesh: Mesh, part: Partition, poly: PolygonMesh, source: TexturedSoup, face: NDArray[np.int32]
 ) -> tuple[NDArray[np.int32], list[int]]:
-    """(Q,) which of some materials each polygon belongs to, and these: what most of its region's area shows."""
+    """(Q,) the material of each polygon, by most of its region's area, as an index into the returned list."""
     area = _areas(mesh)
     counts = (face >= 0) & (part.face_region >= 0)
     given = np.append(np.asarray(source.given, dtype=np.int64), -1)  # the last one: no material
@@ -306,7 +306,7 @@ def _uv_areas(uv: NDArray[np.float32]) -> NDArray[np.float64]:
 
 
 def _distinct(images: Sequence[Any]) -> tuple[Any, ...]:
-    """Which of the arrays that follow each image is, -1 for none, with one more -1 at the end; and these arrays."""
+    """The index of each image in the following arrays, -1 for none, with one more -1 at the end; and these arrays."""
     place: dict[int, int] = {}
     number = [-1 if image is None else place.setdefault(id(image), len(place)) for image in images]
     each = {id(image): image for image in images if image is not None}

@@ -31,7 +31,7 @@ class GltfFile:
     """The JSON and the buffers of a file."""
 
     def __init__(self, path: Path, data: bytes | None = None, shape_only: bool = False) -> None:
-        """shape_only: images are not asked for, so that it does not matter of which kind they are."""
+        """shape_only: images are not used, so that their kind does not matter."""
         self.path = path
         data = path.read_bytes() if data is None else data
         self.binary: bytes = b""
@@ -214,7 +214,7 @@ class GltfFile:
         return uv
 
     def base_color(self, material: int, plain: bool) -> Any:
-        """The image of a material; without one its colour, or None for that of the vertices."""
+        """The image of a material; without one its colour, or None for the colours of the vertices."""
         base = self._base(material)
         texture = texture_of(base, "baseColorTexture")
         if texture is not None:

@@ -127,7 +127,7 @@ def _pixels(image: Any) -> Image:
 
 
 def settled(pixels: Image) -> Image:
-    """An image that nobody changes any more, so that it need not be copied."""
+    """An image that is not changed any more, so that it need not be copied."""
     pixels.flags.writeable = False
     return pixels
 

@@ -14,7 +14,7 @@ from . import images, named, udim
 from .layers import NORMAL, TextureLayer, channel, scaled_colors, to_srgb
 from .soup import TexturedSoup, corner_places
 
-# How many words follow the options of a texture map.
+# The number of words that follow each option of a texture map.
 _MAP_OPTIONS = {"-blendu": 1, "-blendv": 1, "-boost": 1, "-cc": 1, "-clamp": 1, "-texres": 1, "-bm": 1, "-imfchan": 1}
 _MAP_OPTIONS |= {"-type": 1, "-mm": 2, "-colorspace": 1}
 _UP_TO_THREE = ("-o", "-s", "-t")
@@ -82,7 +82,7 @@ class _Material:
         return [file for path in named if path is not None for file in udim.files(path).values()]
 
     def layer(self, name: str, strength: float, pictures: images.Pictures) -> Any:
-        """The image of a layer, or its number as a pixel; None if the file does not say."""
+        """The image of a layer, or its number as a pixel; None if the file has neither."""
         numbers = self.numbers.get(name)
         if name in self.maps:
             image = pictures.load(*self.maps[name])
@@ -111,7 +111,7 @@ class _Rows:
     def __init__(self, path: Path) -> None:
         self.path = path
         self.faces: list[bytes] = []
-        self.uv_before: list[int] = []  # texture coordinates before each face: what negative numbers count back from
+        self.uv_before: list[int] = []  # texture coordinates before each face; negative numbers count back from it
         self.uses: list[tuple[int, str]] = []  # the face from which on a material is used
         self.libraries: list[str] = []
         uv: list[list[bytes]] = []

@@ -1,4 +1,4 @@
-"""Where on the scan the corners of polygons lie: what colours, UVs and shapes are carried over with."""
+"""The places of polygons' corners on the scan, to transfer colours, UVs and shapes."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +40,7 @@ def corner_sources(
 
 
 def uv_islands(triangles: NDArray[np.int32], uv: NDArray[np.float64]) -> NDArray[np.int32]:
-    """(T,) int32 the island of a UV map that each triangle lies in: the number of the first triangle in it.
+    """(T,) int32 the island of a UV map of each triangle: the number of the first triangle in it.
 
     Triangles are of one island where they share an edge with the same UVs at both of its ends.
     triangles: (T, 3). uv: (T, 3, 2) of their corners. Cost: O(T log T).

@@ -43,7 +43,7 @@ def read(path: Path, job: Job | None, threads: int) -> TexturedSoup:
     textures, elements = _read_columns(path)
     vertex, face = elements.get("vertex", {}), elements.get("face", {})
     if len(face) and len(next(iter(face.values()))) != len(loop_start):
-        face = {}  # strips: nothing is said of their triangles
+        face = {}  # strips: the file has no data for their triangles
     uv, has_uv = _corner_uv(path, vertex, face, loops, loop_start)
     root, loader = named.root_of(path), images.Pictures()
     files = [path.parent / name for name in textures]
@@ -210,7 +210,7 @@ def _binary_rows(data: bytes, at: int, element: _Element, order: str) -> tuple[C
 
 
 def _sizes_at(data: bytes, at: int, element: _Element, order: str) -> dict[str, int]:
-    """How long the lists of the row that begins here are."""
+    """The lengths of the lists of the row that begins here."""
     sizes = {}
     for name in element.order:
         if name in element.lists:

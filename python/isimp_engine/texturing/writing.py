@@ -50,12 +50,12 @@ def _beside(path: Path, layer: str) -> Path:
 
 @dataclass(frozen=True, eq=False)
 class _Sheet:
-    """One tile of a texture: its images, and what its files and its material are called."""
+    """One tile of a texture: its images, and the names of its files and its material."""
 
     material: str  # name of the result's material
     prefix: str  # beginning of the names of its images: the output's name, and that of the material
     udim: str  # ".1001", "" if the material has one tile
-    column: int  # where UDIM puts the tile
+    column: int  # column of the tile in UDIM
     row: int
     color: NDArray[np.uint8]
     normal: NDArray[np.uint8] | None
