@@ -120,7 +120,7 @@ struct Edit {
   const char* name;
   std::function<Partition(Act&)> run;
   std::function<std::string(const Act&, const Partition& after)> check;
-  bool keeps_locked = true;  ///< false where the edit may be asked to change a locked region
+  bool keeps_locked = true;  ///< false if the edit may change a locked region
 };
 
 std::string grew_by_one(const Act& act, const Partition& after) {
@@ -376,7 +376,7 @@ std::vector<VertexPair> some_edges(const Mesh& mesh, Random& random, int count) 
   return edges;
 }
 
-/// Splits a mesh; a refusal is fine, anything else that is thrown is a finding.
+/// Splits a mesh; a refusal is fine, any other exception is a fault.
 std::optional<Partition> split(const Partitioner& partitioner, const PartitionOptions& options,
                                const Constraints& constraints, const std::string& name, Tally& tally) {
   Job job;

@@ -19,7 +19,7 @@ Partition planes(const Mesh& mesh);
 Partition voronoi(const Mesh& mesh, int count, std::uint32_t seed);
 /// Each face in a region drawn by `seed`: no region is connected.
 Partition noise(const Mesh& mesh, int count, std::uint32_t seed);
-/// All faces one region; each face its own.
+/// A partition of one region; a partition with a region for each face.
 Partition single(const Mesh& mesh);
 Partition each(const Mesh& mesh);
 

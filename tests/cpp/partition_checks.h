@@ -26,7 +26,7 @@ inline Mesh cube_and_speck() {
   return shapes::mesh(shapes::both(shapes::cube(6), speck, {3, 3, 3}));
 }
 
-/// The area of a face over its longest edge squared from which on it counts as one: see make_face_graph.
+/// The least area of a face over its longest edge squared with which it counts: see make_face_graph.
 inline constexpr double kLeastShape = 0.5e-12;
 
 /// Error of a partition from its labels and normals, in double.

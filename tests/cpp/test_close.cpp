@@ -40,7 +40,7 @@ Arrays without(Arrays a, Gone gone) {
 Arrays sheets_with_tubes(int n, double gap, const std::vector<std::pair<int, int>>& cells) {
   Arrays a = shapes::both(shapes::plane(n), shapes::plane(n), {0, 0, gap});
   const auto upper = static_cast<std::int32_t>(a.triangles.size() / 2);
-  for (std::int32_t f = 0; f < upper; ++f) std::swap(a.triangles[f][1], a.triangles[f][2]);  // the lower one looks down
+  for (std::int32_t f = 0; f < upper; ++f) std::swap(a.triangles[f][1], a.triangles[f][2]);  // the lower one faces down
   const double cell = 1.0 / n;
   for (const auto& [i, j] : cells) {
     const auto inside = [&](const Vec3& c) {

@@ -59,14 +59,14 @@ Vec3 middle(const Mesh& mesh, std::int32_t f) {
   return (mesh.vertices()[a] + mesh.vertices()[b] + mesh.vertices()[c]) / 3;
 }
 
-/// Regions as sets of faces, however numbered.
+/// Regions as sets of faces, for any numbering.
 std::set<Faces> sets_of(const Partition& p) {
   std::set<Faces> sets;
   for (std::int32_t r = 0; r < p.region_count(); ++r) sets.insert(faces_of(p, r));
   return sets;
 }
 
-/// How many of the regions before are still there, face for face.
+/// The number of earlier regions that have not changed.
 std::int32_t kept(const Partition& before, const Partition& after) {
   const std::set<Faces> old = sets_of(before);
   std::int32_t count = 0;
@@ -382,7 +382,7 @@ TEST(Heuristics, ImproveNeverMakesItWorse) {
   EXPECT_LE(improve(ball(), better, job).error, better.error);
 }
 
-/// How many edges of the mesh lie between regions.
+/// The number of edges of the mesh between regions.
 std::int64_t border_edges(const Mesh& mesh, const Partition& p) {
   std::int64_t edges = 0;
   for (std::int32_t h = 0; h < 3 * mesh.face_count(); ++h)

@@ -26,7 +26,7 @@ std::vector<ParallelPlane> planes_at(const std::vector<double>& offsets) {
   return planes;
 }
 
-/// How far the distances of planes next to each other are from equal.
+/// The deviation of the distances of adjacent planes from equal ones.
 double unevenness(const std::vector<double>& offset) {
   double most = 0;
   for (std::size_t i = 2; i < offset.size(); ++i)

@@ -205,7 +205,7 @@ MeshingOptions meshing_options(Dice& dice) {
   return options;
 }
 
-/// How many faces are thinner than what counts as without area: so many polygons may be, and no more.
+/// The number of faces that are so thin that they count as without area: the polygons may have as many, and no more.
 std::int32_t thin_faces(const Mesh& mesh) {
   constexpr double kThin = 2e-6;  // share of the diagonal; twice the engine's bound, as it measures extents otherwise
   return static_cast<std::int32_t>(std::count_if(mesh.triangles().begin(), mesh.triangles().end(), [&](auto& t) {
@@ -256,7 +256,7 @@ TEST(Fuzz, SoupsOfFaces) {
 }
 
 /// The same far from the origin, where few bits are left for the shape: places up to 5e7 away, sizes 1e-3 to 1e3. The
-/// coordinates are rounded as a file with doubles holds them.
+/// coordinates are rounded like doubles in a file.
 TEST(Fuzz, Offsets) {
   for_each_case([](Dice& dice) {
     Arrays a = dice.chance(4) ? soup(dice) : shape(dice);
@@ -337,7 +337,7 @@ void damage(std::string& bytes, Dice& dice) {
       bytes.insert(any(), bytes.substr(from, static_cast<std::size_t>(dice.number(1, 60))));
       break;
     }
-    default:  // in the head, where formats say what follows
+    default:  // in the header, which describes the data
       bytes[any() % std::min<std::size_t>(bytes.size(), 200)] = static_cast<char>(dice.number(32, 126));
   }
 }

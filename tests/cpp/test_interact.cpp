@@ -80,7 +80,7 @@ TEST(AddProxy, SplitsTwoSidesOfACubeAtTheirEdge) {
   }
 }
 
-/// How many corners the polygons of each region have, the last region's at the end, the others' in rising order.
+/// The numbers of corners of each region's polygons, the last region's at the end, the others' in rising order.
 std::vector<std::int32_t> sizes(const Mesh& mesh, const Partition& p) {
   Job job;
   const PolygonMesh polygons = polygonize(mesh, p, {}, job);
@@ -203,7 +203,8 @@ TEST(Interact, WhatCannotBeDoneIsNamed) {
             "face 203 lies in a part that was left out");
 }
 
-/// A partition from elsewhere may have a region with a stray face: edits at either of its pieces would leave the other.
+/// A partition of another program may have a region with a stray face: edits at either of its pieces would leave the
+/// other.
 TEST(Interact, ARegionInSeveralPiecesIsRefused) {
   const Mesh mesh = shapes::mesh(shapes::cube(6));
   Partition p = run(mesh, {.proxies = 6, .seeding = Seeding::farthest});

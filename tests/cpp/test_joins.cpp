@@ -25,7 +25,7 @@ class Joins : public testing::Test {
     EXPECT_GT(joins_.size(), 20U);
   }
 
-  /// How many polygons meet in each vertex of the mesh.
+  /// The number of polygons that meet in each vertex of the mesh.
   [[nodiscard]] std::vector<int> corners() const {
     std::vector<int> count(mesh_.vertex_count(), 0);
     for (std::int32_t l = 0; l < state_.labels.piece_count(); ++l)

@@ -49,7 +49,7 @@ std::string bits(const Values& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(*values.data())};
 }
 
-/// All that a mesh holds, in bytes.
+/// The contents of a mesh, in bytes.
 std::vector<std::string> bits_of(const Mesh& mesh) {
   const FaceGraph& g = mesh.graph();
   const MeshReport& r = mesh.report();

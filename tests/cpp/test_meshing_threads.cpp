@@ -1,4 +1,4 @@
-// The polygons, and all that is said of them, are the same bit for bit on any number of threads.
+// The polygons, and their report, are the same bit for bit on any number of threads.
 #include <gtest/gtest.h>
 
 #include <atomic>

@@ -1,5 +1,4 @@
-// Inputs at the ends of what there is: hardly any faces a region, ten thousand components, slivers, nothing but a
-// plane.
+// Extreme inputs: hardly any faces a region, ten thousand components, slivers, nothing but a plane.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,7 +18,7 @@ Partition run(const Mesh& mesh, const PartitionOptions& options) {
   return partition(mesh, options, job);
 }
 
-/// Sound, with so many regions, and the same on two threads.
+/// Sound, with the requested number of regions, and the same on two threads.
 Partition run_checked(const Mesh& mesh, PartitionOptions options) {
   options.threads = 1;
   const Partition result = run(mesh, options);

@@ -265,7 +265,8 @@ TEST(Thinning, TakesOutAllThatLiesInsideSquares) {
   constexpr int kSquares = 12;
   const Mesh mesh = shapes::mesh(shapes::cube(kSquares));
   const tiles::Thinned thinned = tiles::thin(mesh, sides(kSquares), {}, job);
-  EXPECT_LE(thinned.vertices.size(), 12U * kSquares - 4 + 6 * 8);  // the cube's edges, and a few that could not go
+  EXPECT_LE(thinned.vertices.size(), 12U * kSquares - 4 + 6 * 8);  // the cube's edges, and a few that could not be
+                                                                   // removed
   const Mesh checked(thinned.vertices, thinned.triangles, job);
   EXPECT_TRUE(checked.report().closed);
 }

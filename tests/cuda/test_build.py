@@ -21,7 +21,7 @@ PTX, MACHINE = 1, 2  # kinds of code in a fat binary
 
 
 def compile_command() -> list[str]:
-    """How kernels.cu was compiled."""
+    """The compile command of kernels.cu."""
     for entry in json.loads((BUILD / "compile_commands.json").read_text()):
         if entry["file"].endswith("kernels.cu"):
             words = shlex.split(entry["command"])
@@ -48,7 +48,7 @@ def fat_binary(path: Path) -> set[tuple[int, int]]:
 
 
 def _paths_of_toolkits() -> list[str]:
-    """Where PyPI's packages put the programs of CUDA."""
+    """The folders of CUDA's programs in PyPI's packages."""
     return [f"{path}/nvidia/cu13/bin" for path in sys.path]
 
 

@@ -82,7 +82,7 @@ def changed(value, rng):
 
 
 def damaged(data, rng, head=80):
-    """Bytes with some changed, mostly near the beginning, put in, taken out or cut off."""
+    """Bytes with some changed, mostly near the beginning, inserted, removed or cut off."""
     data = bytearray(data)
     for _ in range(rng.choice((1, 1, 2, 5, 10))):
         at = rng.randrange(max(1, min(len(data), head) if rng.random() < 0.6 else len(data)))

@@ -4,7 +4,7 @@ import numpy as np
 
 
 def grid(n, corner, right, up):
-    """n by n squares of two triangles each, from `corner` along two vectors; unwelded from anything else."""
+    """n by n squares of two triangles each, from `corner` along two vectors; not welded to other parts."""
     corner, right, up = np.array(corner, float), np.array(right, float), np.array(up, float)
     i, j = np.meshgrid(np.arange(n + 1), np.arange(n + 1), indexing="ij")
     vertices = corner + i.reshape(-1, 1) / n * right + j.reshape(-1, 1) / n * up
@@ -101,7 +101,7 @@ def room(tunnels, noise=0.06):
 
 
 def mvs_house(scale=1, errors=True, noise=0.04):
-    """A house with windows, a bay and a gable roof of cells, with what photogrammetry makes of it.
+    """A house with windows, a bay and a gable roof of cells, with the errors of photogrammetry.
 
     errors: whether there are tunnels of `scale` cells through the corners of the bay, pinholes, and specks around it.
     """

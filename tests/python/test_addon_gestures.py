@@ -45,7 +45,7 @@ def test_pointing_past_the_scan_and_dropping():
     tool.move(B, FAR)
     assert tool.release() is None
     tool.press(NONE)
-    assert tool.release() == Wish("add", (20,))  # a part that was left out comes back
+    assert tool.release() == Wish("add", (20,))  # a part that was left out is restored
     tool.press(A)
     tool.move(B, FAR)
     tool.cancel()

@@ -28,7 +28,7 @@ def session():
 
 
 def face_along(session, scan, recipe, axis, number=0):
-    """A face of the largest region but `number` that looks along an axis."""
+    """A face of the largest region except `number` that faces along an axis."""
     outcome = session.replay(scan, recipe)
     normal, _, _, area = session.region_fits(scan, outcome)
     facing = np.flatnonzero(abs(normal[:, axis]) > 0.99)

@@ -449,7 +449,7 @@ def test_a_bound_that_the_polygons_would_not_keep_makes_the_regions_anew(quads, 
     assert numbers["regions_before"] == loose.numbers["regions"] < numbers["regions"]
     assert numbers["regions"] == meshed.partition.region_count == len(meshed.region_color)
     assert set(meshed.polygons.polygon_region) <= set(meshed.face_region)
-    locked = recipe.then(rcp.LockRegions(faces=(0,)))  # by hand: all stay, and the numbers say how far the scan is
+    locked = recipe.then(rcp.LockRegions(faces=(0,)))  # by hand: all stay, and the report has the distance of the scan
     kept, by_hand = session.replay(quads, locked.then(Mesh())), session.replay(quads, locked)
     np.testing.assert_array_equal(kept.face_region, by_hand.face_region)
     assert kept.numbers["scan_distance"] > kept.numbers["scan_distance_allowed"]

@@ -1,4 +1,4 @@
-"""Colours of regions: neighbours told apart, and each stays with its region."""
+"""Colours of regions: neighbours differ, and each colour stays with its region."""
 
 import numpy as np
 import pytest
@@ -113,6 +113,6 @@ def test_corners_have_the_colour_of_their_face_in_memory_that_is_used_again(tabl
     assert again is made
     assert np.array_equal(made, np.repeat(table[[24, 7]], corners, axis=0))
     other = view.corner_colors(table, np.array([5, 24], np.uint8), corners, spare)
-    assert not np.shares_memory(other, made)  # which nobody gave back
+    assert not np.shares_memory(other, made)  # which was not returned
     spare.give(other)
     assert len(view.corner_colors(table, np.array([5], np.uint8), 3, spare)) == 3  # of another scan

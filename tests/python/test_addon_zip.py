@@ -18,7 +18,7 @@ build_addon = script("build_addon")
 
 
 def bl_info(source):
-    """As Blender reads it: without running anything."""
+    """Read like Blender: without running anything."""
     tree = ast.parse(source)
     found = [node.value for node in tree.body if isinstance(node, ast.Assign) and node.targets[0].id == "bl_info"]
     return ast.literal_eval(found[0])

@@ -148,7 +148,7 @@ def test_an_option_that_does_not_suit_a_scan_is_its_row(scans, tmp_path):
     assert str(tmp_path) not in whys(outcome)["tiny.ply"]
 
 
-# Ends that nobody planned
+# Unplanned ends
 
 DRIVER = """
 import sys
@@ -222,7 +222,7 @@ def test_work_that_can_not_be_loaded_is_said_once(scans, tmp_path, capfd):
 
 @pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_an_interrupted_command_keeps_its_rows_and_can_go_on(scans, tmp_path, number, status):
-    """A scan that is a pipe is waited for until the signal comes."""
+    """The command waits for a scan that is a pipe until the signal comes."""
     os.mkfifo(tmp_path / "pipe.ply")
     (tmp_path / "list.txt").write_text("# some scans\nin/a.ply\n\npipe.ply\n")
     out = tmp_path / "out"

@@ -1,4 +1,4 @@
-"""clean(vertices, triangles): what scanners write becomes a mesh, each repair counted and located."""
+"""clean(vertices, triangles): scanners' files become a mesh, each repair counted and located."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Where on the scan the corners of polygons lie."""
+"""The places of polygons' corners on the scan."""
 
 import numpy as np
 import pytest

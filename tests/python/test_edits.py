@@ -1,4 +1,4 @@
-"""Edits of a partition: merge, split, paint, lock and the heuristics, as callers see them."""
+"""Edits of a partition: merge, split, paint, lock and the heuristics, used like a caller."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Processes that end, or are told to, while the engine works."""
+"""Processes that end, or have to, while the engine works."""
 
 import os
 import signal

@@ -70,7 +70,7 @@ def test_damaged_files_are_read_or_refused_in_a_line(tmp_path, family):
             refused += 1
             said = str(error)
             assert said.startswith(str(tmp_path)), (family, number)
-            assert not {"\n", "\r"} & set(said), (family, number)  # other separators may stand in names
+            assert not {"\n", "\r"} & set(said), (family, number)  # names may contain other separators
         except BaseException:
             print(f"{family}, case {number}")  # before the traceback
             raise

@@ -25,7 +25,7 @@ def edges_of(polygons):
 
 
 def crossed(mesh, part, barriers):
-    """How many of the barriers have the same region on both sides."""
+    """The number of barriers with the same region on both sides."""
     edges, a, b = guides.inner_edges(mesh)
     wanted = {tuple(sorted(pair)) for pair in barriers.tolist()}
     chosen = np.array([tuple(pair) in wanted for pair in edges.tolist()])

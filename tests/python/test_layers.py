@@ -15,13 +15,13 @@ ROOT = Path(__file__).resolve().parents[2]
 NATIVE = ROOT / "native"
 ADDON = ROOT / "addon" / "isimp"
 ORDER = ["core", "mesh", "partition", "interact", "meshing", "texture", "thesis", "simplify", "tiles"]
-#: each may know those before it
+#: each may use the modules before it
 UNRELATED = {("interact", "meshing"), ("meshing", "interact")}
 PRIVATE = {"CGAL": {"mesh", "meshing"}, "OpenMesh": {"thesis"}, "thrust": {"parallel"}}
 
 
 def modules():
-    """The engine's modules and what each is declared to use, as CMake has it."""
+    """The engine's modules and their declared dependencies in CMake."""
     text = (NATIVE / "CMakeLists.txt").read_text()
     uses = {}
     for name, rest in re.findall(r"^\s*isimp_module\((\w+)([^)]*)\)", text, re.MULTILINE):  # once for each branch

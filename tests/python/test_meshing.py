@@ -1,4 +1,4 @@
-"""polygonize: polygons of regions, as callers see them."""
+"""polygonize: polygons of regions, used like a caller."""
 
 import gc
 import itertools
@@ -22,7 +22,7 @@ def simplified(arrays, **options):
 
 
 def edge_uses(poly):
-    """How often each directed edge is used."""
+    """The number of uses of each directed edge."""
     uses = {}
     for corners in polygons(poly):
         for edge in zip(corners, np.roll(corners, -1), strict=True):

@@ -46,7 +46,7 @@ def assert_equal(one, other):
 
 
 def made():
-    """One of each, with what only some have: repairs, weights, barriers, a bound, locks."""
+    """One of each, with optional contents: repairs, weights, barriers, a bound, locks."""
     vertices, triangles = shapes.bumpy(20)
     mesh = engine.clean(vertices, np.concatenate([triangles, triangles[:1]]))
     weights = np.linspace(1, 3, len(mesh.triangles))

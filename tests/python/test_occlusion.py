@@ -50,7 +50,7 @@ def test_a_wall_keeps_off_what_its_view_factor_says(height):
     error = on_floor(poly, made, points) / 255 - open_share(points, height)
     assert np.abs(error).max() < 0.03
     assert abs(error.mean()) < 0.004
-    assert open_share(points, height).min() < 0.8  # there is something to see
+    assert open_share(points, height).min() < 0.8  # some light is blocked
 
 
 def test_beside_a_high_wall_half_of_the_light_is_left():

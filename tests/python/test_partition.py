@@ -1,4 +1,4 @@
-"""partition, add_proxy, delete_proxy: the contract as callers see it."""
+"""partition, add_proxy, delete_proxy: the contract for callers."""
 
 import gc
 import threading
@@ -26,7 +26,7 @@ def normals_and_areas(mesh):
 
 
 def pieces(mesh, faces):
-    """How many connected pieces a set of faces has, across shared edges."""
+    """The number of connected pieces of a set of faces, across shared edges."""
     faces = {int(f) for f in faces}
     by_edge = {}
     for f in faces:
@@ -49,7 +49,7 @@ def pieces(mesh, faces):
 
 
 def check(mesh, part, regions):
-    """All that is promised of a partition of a mesh without specks."""
+    """All promises of a partition of a mesh without specks."""
     face_region, faces = part.face_region, len(mesh.triangles)
     assert face_region.dtype == np.int32
     assert face_region.shape == (faces,)

@@ -38,7 +38,7 @@ def layers_of(made):
 
 
 def corners(poly, made):
-    """Where each polygon's middle lies, in space and in the image."""
+    """The place of each polygon's middle, in space and in the image."""
     ends = np.append(poly.loop_start, len(poly.loops))
     pieces = [slice(a, b) for a, b in itertools.pairwise(ends)]
     return np.array([np.hstack([poly.vertices[poly.loops[p]].mean(0), made.uv[p].mean(0)]) for p in pieces])
@@ -65,7 +65,7 @@ def test_it_is_what_a_whole_bake_of_the_layout_gives(scan):
     options = {"size": 256, "occlusion": True, "occlusion_rays": 9, "height": True}
     _, old = baked(scan, scan[2], **options)
     _, made = baked(scan, scan[3], old, **options)
-    layout_only = replace(old, made_of=replace(old.made_of, digest=b""))  # nothing of it can be taken
+    layout_only = replace(old, made_of=replace(old.made_of, digest=b""))  # no part of it can be reused
     _, whole = baked(scan, scan[3], layout_only, **options)
     assert whole.report["kept_pixels"] == 0
     assert whole.report["kept_places"] == made.report["kept_places"]

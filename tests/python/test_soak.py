@@ -41,7 +41,7 @@ class Surface:
         return order[same] % len(t), order[same + 1] % len(t)
 
     def pieces(self, label):
-        """How many connected pieces the faces of equal labels form, those without a label aside."""
+        """The number of connected pieces of faces of equal labels, without the faces that have no label."""
         a, b = self.pairs
         inside = (label[a] == label[b]) & (label[a] >= 0)
         a, b = a[inside], b[inside]
@@ -79,7 +79,7 @@ def near(surface, face, part, random):
 
 
 def line(surface, face, random):
-    """A straight line over the surface near a face, and the direction it is seen along."""
+    """A straight line over the surface near a face, and the viewing direction."""
     along = random.normal(size=3) * np.sqrt(surface.area.sum()) * 0.1
     return np.array([surface.middle[face] - along, surface.middle[face] + along]), surface.normal[face]
 
@@ -132,7 +132,7 @@ def resident_mb():
 
 
 def soak(surface, part, edits, seed):
-    """Does so many edits and checks after each. Returns memory at a tenth, the middle and the end, and counts."""
+    """Applies `edits` edits and checks after each. Returns memory at a tenth, the middle and the end, and counts."""
     random = np.random.default_rng(seed)
     names = sorted(EDIT)
     earlier = [part]  # partitions that undo can return to

@@ -114,7 +114,7 @@ def test_the_scans_normal_map_leans_the_way_it_does_there(uv, wanted, reversed_)
     vertices, triangles = shapes.plane(6)
     if reversed_:
         triangles = triangles.copy()
-        triangles[::5] = triangles[::5, ::-1]  # repairs turn them round
+        triangles[::5] = triangles[::5, ::-1]  # repairs reverse them
     leaning = np.full((4, 4, 3), np.round(np.array([0.6, 0.0, 0.8]) * 127.5 + 127.5), np.uint8)
     soup = engine.TexturedSoup(
         vertices, triangles, uv(vertices[:, :2]), images=[ramp()], layers={"normal": engine.TextureLayer([leaning])}

@@ -67,7 +67,7 @@ def test_every_finding_says_whether_it_holds_and_by_what_figures(folder):
 
 
 def hand_made():
-    """One scan on which all that the thesis found holds."""
+    """One scan on which all findings of the thesis hold."""
     speed = [
         {"scan": scan, "faces": faces, "proxies": count, "method": way, "backend": "cpu", "speed_up": gain}
         for scan, faces, more in (("small", 1000, 1.0), ("large", 9000, 2.0))

@@ -125,7 +125,7 @@ def test_a_group_has_near_tiles_and_each_tile_a_group():
 
 
 def strip(tilt):
-    """Sums and pairs of nodes in a row, each leaning by so much against the one before; unit areas."""
+    """Sums and pairs of nodes in a row, each tilted against the one before by the same angle; unit areas."""
     angle = np.cumsum(tilt)
     sums = np.stack([np.sin(angle), 0 * angle, np.cos(angle), np.full(len(angle), 2.0), np.full(len(angle), 9.0)], 1)
     return sums, np.stack([np.arange(len(angle) - 1), np.arange(1, len(angle))], 1).astype(np.int32)
@@ -309,7 +309,7 @@ def test_polygons_of_different_parts_that_meet_are_found():
 
 
 def settled(vertices, parts, home, normal=(0, 0, 1), reach=0.01):
-    """Two quads of different parts after settling; each stands for a unit square in the plane through its home."""
+    """Two quads of different parts after settling; each represents a unit square in the plane through its home."""
     moments = np.zeros((2, 10))
     moments[:, 0], moments[:, [4, 6]] = 1, 1 / 12
     moments[:, 1:4] = home[[0, 1, 2, 3, 1, 4, 5, 2]].reshape(2, 4, 3).mean(1)
@@ -334,7 +334,7 @@ TWO_SQUARES = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0], [
 def test_corners_on_seams_settle_where_all_planes_round_them_meet():
     home = TWO_SQUARES + [5e5, 5e6, 100]
     off = home.copy()
-    off[2, 2] += 0.08  # as one part alone had it
+    off[2, 2] += 0.08  # the result of one part alone
     before = tiles.judge_together(off, [0, 1, 2, 3, 1, 4, 5, 2], [0, 4], [0, 1], [0, 1]).report
     found = settled(off, [0, 1], home)
     assert found.report["planarity_max"] < 0.1 * before["planarity_max"]

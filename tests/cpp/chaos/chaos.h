@@ -6,9 +6,9 @@
 
 #include "isimp/parallel/backend.h"
 
-/// A device that disturbs: the kernels of cuda/ on one thread of the CPU, with everything that a real device may do in
-/// another order done in a random one. Blocks of 256 threads come in random order, the last one is ragged. Threads are
-/// interleaved at every atomic operation. Memory holds rubbish before it is written. An allocation may fail.
+/// A device that disturbs: the kernels of cuda/ on one thread of the CPU, with a random order wherever a real device
+/// may use any. Blocks of 256 threads run in random order, the last one is ragged. Threads are interleaved at every
+/// atomic operation. Memory holds rubbish before it is written. An allocation may fail.
 namespace isimp::chaos {
 
 struct Settings {

@@ -12,7 +12,7 @@ LATER = '{"step": "future_step", "strength": 2}'
 
 
 def home(block):
-    """Where Blender keeps what add-ons register: since 5.0 not among the custom properties."""
+    """The place of properties that add-ons register: since Blender 5.0 not among the custom properties."""
     return block.bl_system_properties_get(do_create=True) if hasattr(block, "bl_system_properties_get") else block
 
 
@@ -29,7 +29,7 @@ def nodes(mesh):
 
 
 def plain(value):
-    """A custom property's value as Python has it."""
+    """A custom property's value in Python."""
     if hasattr(value, "to_dict"):
         return {name: plain(inner) for name, inner in value.items()}
     if hasattr(value, "to_list") or isinstance(value, list):
@@ -38,12 +38,12 @@ def plain(value):
 
 
 def dump(block):
-    """All that lies in the place of the add-on's properties."""
+    """All data in the place of the add-on's properties."""
     return plain(home(block).get("isimp"))
 
 
 def kept(block) -> list:
-    """All that was moved aside."""
+    """All data that was moved aside."""
     return [plain(block[name]) for name in block.keys() if name.startswith("isimp.kept")]  # noqa: SIM118
 
 
@@ -262,5 +262,5 @@ def panels() -> str:
 
 
 def operators() -> dict:
-    """Which operators of the add-on can be called now."""
+    """The operators of the add-on that can be called now."""
     return {name: getattr(bpy.ops.isimp, name).poll() for name in dir(bpy.ops.isimp)}

@@ -63,7 +63,7 @@ def test_the_shift_is_the_results_place_and_nothing_is_lost():
 
 def test_a_scan_near_zero_has_its_result_in_its_own_space():
     scan = far_cube(shift=np.array([64.0, 0, 0]))
-    scan.location = (2.0**20, 0, 0)  # where it stands is no matter
+    scan.location = (2.0**20, 0, 0)  # its place does not matter
     bpy.context.view_layer.update()
     result = simplify()
     assert result.matrix_world == scan.matrix_world

@@ -141,7 +141,7 @@ def test_modifiers_that_only_move_vertices():
 
 @pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
 def test_modifiers_that_make_faces(mode):
-    """Every face of the scan gets the region of most of what became of it; the result is that of the whole."""
+    """Every face of the scan gets the region of most of the faces made from it; the result is that of the whole."""
     scan = scans.cube(cells=2, quads=True)
     scan.modifiers.new("Mirror", "MIRROR").use_axis = (False, False, True)
     scan.modifiers.new("Subdivision", "SUBSURF").levels = 2

@@ -13,7 +13,7 @@ pytestmark = pytest.mark.usefixtures("scene")
 
 @pytest.fixture
 def scan():
-    """A cube whose middle, all round, is marked in each way."""
+    """A cube whose middle, all around, is marked in each way."""
     obj = scans.cube(cells=4)
     mesh, points = obj.data, scans.coordinates(obj.data)
     for edge in mesh.edges:

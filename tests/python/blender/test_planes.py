@@ -41,7 +41,7 @@ def parted(**more):
 
 
 def face_along(scan, *axis):
-    """A face in the middle of the side that looks along an axis."""
+    """A face in the middle of the side that faces along an axis."""
     normals = np.array([polygon.normal for polygon in scan.data.polygons])
     centers = np.array([polygon.center for polygon in scan.data.polygons])
     facing = np.flatnonzero(normals @ axis > 0.9)

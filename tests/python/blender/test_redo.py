@@ -129,7 +129,7 @@ def seen():
 
 @pytest.mark.parametrize(("name", "make", "first", "then"), CHANGES)
 def test_a_setting_changed_after_the_operator_gives_what_it_gives_at_once(name, make, first, then):
-    """As F9 does it: undo, then again with the other setting."""
+    """The steps of F9: undo, then again with the other setting."""
     made, once = [], None
     for settings in ([first, then], [then]):
         bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)

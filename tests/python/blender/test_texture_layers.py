@@ -21,7 +21,7 @@ def data_image(name, value):
 
 
 def plug(material, image, place, between=None, output=None):
-    """An image at an input, through a node of another kind if asked for."""
+    """An image at an input, through a node of another kind if given."""
     tree = material.node_tree
     node = tree.nodes.new("ShaderNodeTexImage")
     node.image = image
@@ -46,7 +46,7 @@ def linked(place):
 
 
 def shown(result, image):
-    """By whether a side of the cube is level: the colour in its middle."""
+    """The colour in the middle of each side of the cube, by whether the side is level."""
     values, uv, found = values_of(image), result.data.uv_layers.active.data, {}
     for polygon in result.data.polygons:
         x, y = np.mean([uv[i].uv[:] for i in polygon.loop_indices], axis=0)

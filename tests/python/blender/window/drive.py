@@ -31,7 +31,7 @@ class Hand:
     def __init__(self, out):
         self.out = out
         self.at = (0, 0)
-        self.known = {}  # where buttons were seen last
+        self.known = {}  # last places of buttons
 
     @property
     def window(self):
@@ -106,7 +106,7 @@ class Hand:
         raise AssertionError("the add-on has no tab in the sidebar")
 
     def rows(self, near):
-        """Heights in the sidebar at which buttons may be, those next to `near` first."""
+        """Heights in the sidebar with possible buttons, those next to `near` first."""
         side = self.region("UI")
         return sorted(range(side.y + side.height - 34, side.y, -16), key=lambda y: abs(y - near))
 

@@ -11,7 +11,7 @@ BESIDE, FURTHER = (-1.12, 1.12), (-1.0, 1.16)  # places next to the scan
 
 
 def seen(hand):
-    """Where the scan is, whether it is selected, its steps, and how the view is turned."""
+    """The place of the scan, its selection, its steps, and the rotation of the view."""
     turned = hand.area.spaces.active.region_3d.view_rotation
     return tuple(scan().matrix_basis.translation), scan().select_get(), len(steps()), tuple(turned)
 

@@ -9,7 +9,7 @@ import isimp
 
 
 def wait_for(hand, count):
-    """Waits until so many regions are drawn."""
+    """Waits until `count` regions are drawn."""
     for _ in range(400):
         if shown() == count:
             yield 0.3

@@ -7,7 +7,7 @@ from scenario_tools import begin, drag, labels, last, place, state, steps, tool,
 
 
 def border():
-    """How many edges of the scan lie between regions."""
+    """The number of edges of the scan between regions."""
     import scans
 
     label = labels()
@@ -113,7 +113,7 @@ def run(hand):
     yield from mirrored(hand)
     yield from dropped(hand)
     yield from radius(hand)
-    settings().brush, settings().stroke = 25, "new"  # as in the tool's settings, without a key
+    settings().brush, settings().stroke = 25, "new"  # set in the tool's settings, without a key
     yield from hand.into_view()
     yield from hand.key("TAB")
     yield 0.5

@@ -1,6 +1,6 @@
 """Four users: a designer, a game artist, an urban modeller, a pipeline engineer, from scans to their results.
 
-Partition, Mesh and what else is a button of the panel is pressed there.
+Partition, Mesh and all other buttons of the panel are pressed there.
 """
 
 import csv
@@ -21,7 +21,7 @@ from scenario_tools import drag, place, steps, tool, view
 import isimp
 
 BATCH = Path(__file__).parents[4] / "examples" / "batch.py"
-#: As the manual has it; what stands before --python lets it find the engine where these tests have it.
+#: The command of the manual; the text before --python makes it find the engine of these tests.
 OVERNIGHT = """
 for scan in *.off; do
   blender -b --factory-startup --python-expr "import sys; sys.path[:0] = {folders}" --python "$1" -- \\
@@ -103,7 +103,7 @@ def designer(hand):
 
 
 def bevelled(hand, made):
-    """All edges of the result bevelled by hand; Mesh pressed again leaves it as it is, and makes another one."""
+    """All edges of the result bevelled by hand; Mesh pressed again does not change it, and makes another one."""
     before = len(made.data.polygons)
     yield from hand.into_view()
     yield from hand.key("TAB")
@@ -225,7 +225,7 @@ def engineer(hand):
     for name, scale in (("a", 1.0), ("c", 0.5), ("e", 2.0)):
         write_off(folder / f"{name}.off", points * (1.0, scale, 1.0), faces)
     (folder / "b.off").write_text((folder / "a.off").read_text()[:-200] + "\n3 1 2 99999999\n")  # damaged
-    write_off(folder / "d.off", points, faces[: steps()[-1].face])  # has no such face
+    write_off(folder / "d.off", points, faces[: steps()[-1].face])  # the face of the step does not exist in it
     script = folder / "overnight.sh"
     script.write_text(OVERNIGHT)
     script.chmod(0o755)

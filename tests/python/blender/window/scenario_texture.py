@@ -14,7 +14,7 @@ DELAY = [0.0]
 
 
 def slow_down():
-    """Makes every texture wait, polled as by the engine, before it is made."""
+    """Makes every texture wait, polled like the engine, before it is made."""
     from isimp.blender import runtime
 
     session = runtime.get().session

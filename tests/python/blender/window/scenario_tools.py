@@ -16,7 +16,7 @@ def tool(hand, name):
 
 
 def begin(hand, make=make_scan, proxies=14):
-    """A scan in its regions, seen from the front."""
+    """A scan in its regions, viewed from the front."""
     isimp.register()
     make()
     yield 0.5
@@ -38,7 +38,7 @@ def view(hand):
 
 
 def place(hand, x, z):
-    """Where a place in the scan's front is in the window; x and z from -1 to 1 over the scan."""
+    """The place in the window of a place in the scan's front; x and z from -1 to 1 over the scan."""
     from bpy_extras import view3d_utils
 
     region, view = hand.region("WINDOW"), hand.area.spaces.active.region_3d
@@ -205,7 +205,7 @@ def in_edit_mode(hand):
 
 
 def away(hand):
-    """Nothing is said of a scan that is not looked at any more."""
+    """No text concerns a scan that is not shown any more."""
     from isimp.blender import overlay, runtime
 
     context = bpy.context
