@@ -18,32 +18,31 @@ from pathlib import Path
 from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[1]
-LIMIT = 22.0  # over all folders without a limit of their own
+LIMIT = 3.0  # over all folders without a limit of their own
 LIMITS = {  # folders that are still to be reworded
-    "addon": 17.0,
-    "native/include/isimp/meshing": 24.0,
-    "native/src/meshing": 32.0,
-    "native/src/tiles": 42.0,
-    "python/isimp_engine/batch": 25.0,
-    "python/isimp_engine/cli": 33.0,
-    "python/isimp_engine/tiles": 19.0,
+    "addon": 21.0,
+    "native/include/isimp/meshing": 30.0,
+    "native/src/meshing": 42.0,
+    "native/src/tiles": 52.0,
+    "python/isimp_engine/batch": 32.0,
+    "python/isimp_engine/cli": 44.0,
+    "python/isimp_engine/tiles": 27.0,
 }
 OF_C = {".h", ".cpp", ".cu", ".cuh", ".in"}
 
-# A sentence that begins with one of these has no noun as its subject, or has a module that speaks.
+# A sentence that begins with one of these has no noun as its subject, or a module that speaks.
 FIRST = re.compile(
-    r"(what|that of|those|of|and|none where|the same (for|of|as|with)|"
-    r"tells?|says?|asks?|gives?|takes?|lets?|looks?|hands?)\b",
+    r"(that of|those|of|and|none (where|if)|nothing (where|if)|the same (for|of|as|with)|"
+    r"gives?|takes?|lets?|looks?|hands?|has .* (looked|fetched|open))\b",
     re.IGNORECASE,
 )
 PHRASES = re.compile(
     r"\b("
-    r"what (is|are|was|were|be|comes?|came|goes|went|has|have|had|it|they|the|a|an|this|that|can|may|must|does|do|no)"
-    r"|those (that|of|round|which|with|whose|who|in|on|at|from|to|by|where|beside|near)"
-    r"|lets? go|letting go|goes|gone"
+    r"what|whoever|whatever|those (that|of|round|which|with|whose|who|in|on|at|from|to|by|where|beside|near)"
+    r"|lets? go|letting go|goes|gone|went"
     r"|round (a|an|the|it|its|them|their|this|that|each|every|one|some|which|both|all|many|those)"
-    r"|beside|anew|as it was|as they were|what it was|what they were|is so again|so far|at last"
-    r"|whoever|whatever|but for|none where there|tells|says|asks"
+    r"|beside|anew|as it was|as they were|is so again|so far|at last|but for"
+    r"|tells?|told|says?|said|asks|asked|nobody|somebody|looks? (at|for|up|whether)|looked (at|for|up)|be had|so many"
     r")\b",
     re.IGNORECASE,
 )
@@ -84,10 +83,13 @@ OF_CPP = re.compile(
 )
 
 
+OF_TOOLS = re.compile(r"// (namespace\b|NOLINT)")
+
+
 def cpp_comments(text: str) -> list[tuple[int, bool, str]]:
     found = []
     for match in OF_CPP.finditer(text):
-        if not match["comment"]:
+        if not match["comment"] or OF_TOOLS.match(match["comment"]):
             continue
         line = text.count("\n", 0, match.start()) + 1
         alone = not text[text.rfind("\n", 0, match.start()) + 1 : match.start()].strip()
@@ -115,9 +117,10 @@ def python_comments(text: str) -> list[tuple[int, bool, str]]:
 def shell_comments(text: str) -> list[tuple[int, bool, str]]:
     found = []
     for number, line in enumerate(text.split("\n"), 1):
-        match = re.search(r"(?:^|(?<=\s))#(?!!)(.*)$", line)
-        if match:
-            found.append((number, not line[: match.start()].strip(), match[1].strip("# ")))
+        for match in re.finditer(r"(?:^|(?<=\s))#(?!!)(.*)$", line):
+            code = line[: match.start()]
+            if code.count('"') % 2 == code.count("'") % 2 == 0:
+                found.append((number, not code.strip(), match[1].strip("# ")))
     return found
 
 
