@@ -95,13 +95,13 @@ def scans() -> dict:
 
 
 class Layout:
-    """Takes all that a panel draws. What an operator's button has set on it must be one of its properties."""
+    """Collects all that a panel draws. Settings that it makes on an operator's button must be its properties."""
 
     def __init__(self, kinds=None):
         object.__setattr__(self, "bl_rna", kinds)
 
     def __getattr__(self, name):
-        if name == "properties":  # of an operator itself, where a button has them without
+        if name == "properties":  # the operator's own; a button has them without
             raise AttributeError(name)
         return self._drawn
 
@@ -118,7 +118,7 @@ class Layout:
 
 
 class Broken(Exception):
-    """What must not happen has."""
+    """A forbidden state has occurred."""
 
 
 class Monkey:
@@ -268,7 +268,7 @@ class Monkey:
         return found.to_json() if found else GARBAGE[-1]
 
     def press(self) -> None:
-        """Runs any operator with any settings; common operators come more often."""
+        """Runs any operator with any settings; common operators are more frequent."""
         usual = (
             "partition",
             "mesh",
@@ -302,7 +302,7 @@ class Monkey:
             bpy.ops.ed.undo_push(message=name)
 
     def come_back(self) -> None:
-        """To a mesh, and to a mode that the add-on works in."""
+        """Selects a mesh, and a mode that the add-on works in."""
         active, there = bpy.context.view_layer.objects.active, bpy.context.view_layer.objects
         if bpy.context.mode not in ("OBJECT", "EDIT_MESH"):
             bpy.ops.object.mode_set(mode="OBJECT")
@@ -344,7 +344,7 @@ class Monkey:
         bpy.ops.ed.undo_push(message="activate")
 
     def objects(self) -> None:
-        """What a user does with objects: copies, new names, hiding, deleting results, empties."""
+        """A user's handling of objects: copies, new names, hiding, deleting results, empties."""
         how = self.random.choice(("duplicate", "link", "rename", "hide", "show", "delete", "empty", "move", "edit"))
         obj = bpy.context.view_layer.objects.active
         self.note("object", [how, obj.name if obj else None])
@@ -372,7 +372,7 @@ class Monkey:
         bpy.ops.ed.undo_push(message="object")
 
     def set(self) -> None:
-        """A setting of the panel; then what the timer would do."""
+        """A setting of the panel; then the work of the timer."""
         panel = bpy.context.window_manager.isimp
         groups = [panel] + [
             getattr(panel, p.identifier)
@@ -429,7 +429,7 @@ class Monkey:
             log.write(f"{self._last}\n")
 
     def run(self, actions: int, limit: int = 5) -> list:
-        """[(number, action, what broke)]; stops after `limit` of them."""
+        """[(number, action, failure)]; stops after `limit` of them."""
         broken = []
         verbs = {self.press: 60, self.mode: 6, self.select: 8, self.turn_to: 5, self.objects: 5, self.set: 8}
         verbs |= {self.undo: 6, self.redo: 3, self.reopen: 0.5, self.restart: 1.5}
@@ -452,7 +452,7 @@ class Monkey:
         return broken
 
     def _tried(self, verb) -> str:
-        """What broke; empty if nothing did."""
+        """The failure; empty if there is none."""
         try:
             try:
                 verb()

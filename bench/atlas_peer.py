@@ -1,10 +1,10 @@
-"""Layouts beside those of xatlas: how much of the image polygons fill, and the time.
+"""Layouts compared with xatlas: how much of the image polygons fill, and the time.
 
     PYTHONPATH=build-dev/python python bench/atlas_peer.py MESH PROXIES [--size 2048] [--gutter 4]
 
 Python has xatlas (PyPI). Both pack the same charts, first one for each polygon, then the unfolded ones. xatlas chooses
 width and height itself, at our scale; its fill is that of this image. Seconds are processor time; ours are for
-flattening, unfolding and packing, those of xatlas for packing alone.
+flattening, unfolding and packing, xatlas's for packing alone.
 """
 
 import argparse
@@ -29,7 +29,7 @@ def polygon_areas(uv, starts):
 
 
 def packed(uv, triangles, area, gutter):
-    """Width, height and fill of what xatlas makes of charts in texels."""
+    """Width, height and fill of xatlas's layout of charts in texels."""
     atlas = xatlas.Atlas()
     atlas.add_uv_mesh(uv.astype(np.float32), triangles.astype(np.uint32))
     options = xatlas.PackOptions()

@@ -2,11 +2,10 @@
 
     PYTHONPATH=build-dev/python python bench/buildings.py [--data DIR] [--seeds N] [--turns N] [--ksr]
 
-Houses are those of houses.py, partitioned by their true planes: a row gives the share of houses of which all polygons
-stayed whole, and that of which directions and planes are the true ones. Scans (those of scanned.py,
-then those of DIR/building) are partitioned by number; distance is that of their vertices from the polygons, mean, 99 %
-and largest, against `polygonize` without either.
-`--ksr` adds what CGAL's kinetic surface reconstruction makes of the scans (ksr.py).
+The houses of houses.py are partitioned by their true planes: a row gives the share of houses with only whole polygons,
+and the share with the true directions and planes. Scans (scanned.py's, then DIR/building's) are partitioned by number;
+distance is from their vertices to the polygons, mean, 99 % and largest, against `polygonize` without either.
+`--ksr` adds the results of CGAL's kinetic surface reconstruction for the scans (ksr.py).
 """
 
 import argparse
@@ -37,7 +36,7 @@ FAULTS = ("crossing", "flipped", "intersecting")
 
 
 def true_planes(house: houses.House) -> tuple[int, int]:
-    """How many directions, opposite ones counted once, and planes a house has."""
+    """The numbers of directions, opposite ones counted once, and of planes of a house."""
     a, b, c = (house.clean[house.triangles[:, k]] for k in range(3))
     normal = np.cross(b - a, c - a)
     normal /= np.linalg.norm(normal, axis=1)[:, None]

@@ -21,7 +21,7 @@ namespace {
 
 using SetupPtr = std::shared_ptr<const Setup>;
 
-constexpr std::size_t kScored = 20;  // of the edits, how many are judged: judging takes longer than editing
+constexpr std::size_t kScored = 20;  // number of edits that are judged: judging takes longer than editing
 
 PartitionOptions options_of(const Setup& setup, int round, Method method, std::int32_t threads) {
   PartitionOptions options;
@@ -38,7 +38,7 @@ Sample sample_of(const Setup& setup, const Lap& lap, const Partition& result) {
   return sample;
 }
 
-/// From a file to triangle arrays; without one there is nothing to read.
+/// From a file to triangle arrays; not for made meshes.
 Case read_case(const SetupPtr& setup) {
   const auto run = [setup](int) {
     Arrays arrays;
@@ -97,7 +97,7 @@ Case kept_case(const SetupPtr& setup, const std::string& name, const PartitionOp
   return {name, run, setup->inner};
 }
 
-/// A smaller number. (A larger one may want smaller patches, and then pays for them once.)
+/// A smaller number. (A larger one may need smaller patches, and then pays for them once.)
 Case new_count_case(const SetupPtr& setup, const std::string& name, std::int32_t threads) {
   const auto next = [setup, threads](int round) {
     PartitionOptions options = options_of(*setup, round, Method::hierarchy, threads);
@@ -135,7 +135,7 @@ Case bound_case(const SetupPtr& setup, const std::string& name, double share) {
   return {name, run, 1};
 }
 
-/// A converged partition to edit and to make polygons of, made when it is first asked for.
+/// A converged partition to edit and to make polygons of, made at its first use.
 class Base {
  public:
   explicit Base(SetupPtr setup) : setup_(std::move(setup)) {}
@@ -154,8 +154,8 @@ class Base {
 
 using Edit = Partition (*)(const Mesh&, const Partition&, std::int32_t, Job&);
 
-/// Tries an edit at random faces, each time on the same partition, and sets its error beside that of a full run that
-/// asks for as many regions.
+/// Tries an edit at random faces, each time on the same partition, and compares its error with that of a full run for
+/// as many regions.
 Case edit_case(const SetupPtr& setup, const std::shared_ptr<Base>& base, const std::string& name, Edit edit) {
   const auto run = [setup, base, edit](int round) {
     const Partition& start = base->get();

@@ -13,16 +13,16 @@
 
 namespace isimp::bench {
 
-/// What one run of a case gave: usually one lap; edits give one for each face tried.
+/// The result of one run of a case: usually one lap; edits give one for each face tried.
 struct Sample {
   std::vector<Lap> laps;
-  Json facts;  ///< what the result was like: error, counts
+  Json facts;  ///< figures of the result: error, counts
 };
 
-/// Something that is timed. Only what `run` puts between its stopwatches counts.
+/// A timed case. Only the work between the stopwatches of `run` counts.
 struct Case {
   std::string name;
-  std::function<Sample(int round)> run;  ///< `round` counts from 1 and is also the seed of what is random
+  std::function<Sample(int round)> run;  ///< `round` counts from 1 and is also the seed of random numbers
   int inner = 1;                         ///< runs a round; short cases are run several times
 };
 
@@ -35,10 +35,10 @@ struct Setup {
   std::int32_t proxies = 500, edits = 200, inner = 3;
 };
 
-/// All cases there are, in the order in which a round runs them.
+/// All cases, in the order of a round.
 std::vector<Case> all_cases(const std::shared_ptr<const Setup>& setup);
 
-/// One pass from file (or arrays) to polygons: for each phase its time, peak memory and what it leaves behind.
+/// One pass from file (or arrays) to polygons: for each phase its time, its peak memory and the memory that it keeps.
 Json whole_way(const std::string& input, std::int32_t loop, std::int32_t proxies, const std::string& scratch);
 
 }  // namespace isimp::bench

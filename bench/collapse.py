@@ -34,7 +34,7 @@ def _border_planes(vertices, faces, normal):
 
 
 def _quadrics(vertices, faces):
-    """(V, 10): xx xy xz xd yy yz yd zz zd dd of the planes round each vertex, weighted by area."""
+    """(V, 10): xx xy xz xd yy yz yd zz zd dd of the planes at each vertex, weighted by area."""
     normal, offset, area = _face_planes(vertices, faces)
     result = np.zeros((len(vertices), 10))
 
@@ -60,7 +60,7 @@ def _error(q, p):
 
 
 def _best_place(q, u, v):
-    """Where the quadric is least; the best of the ends and the middle where that is not well determined."""
+    """The place of the least quadric; the best of the ends and the middle where that is not well determined."""
     a, b, c, d, e, f, g, h, i, _ = q
     m0, m1, m2 = e * h - f * f, c * f - b * h, b * f - c * e
     det = a * m0 + b * m1 + c * m2
@@ -117,7 +117,7 @@ class _Collapse:
         return False
 
     def collapse(self, u, v, place):
-        """How many faces went; 0 if the collapse would spoil the surface."""
+        """The number of removed faces; 0 if the collapse would spoil the surface."""
         shared = self.around[u] & self.around[v]
         if len(self.ring(u) & self.ring(v)) != len(shared):  # link condition
             return 0

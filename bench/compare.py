@@ -50,7 +50,7 @@ def git(root: Path, *words: str) -> None:
 
 
 def compare(name: str, mesh: str, programs: dict[str, Path], base: str, head: str, rounds: int) -> list[Row]:
-    """Times are set in relation to a round of the plain reference in the same process, which takes out the machine."""
+    """Times are divided by that of one pass of the plain reference in the same process, which cancels the machine."""
     runs: dict[str, list[Any]] = {base: [], head: []}
     for _ in range(rounds):
         for revision, program in programs.items():

@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""Prints what half and twice each tuned constant of the engine does, as the tables of docs/constants.md.
+"""Prints the effect of half and twice each tuned constant of the engine, as the tables of docs/constants.md.
 
     bench/constants.py [--data DIR] [--only kRelax,kTruncate] [--folder DIR] [--jobs N] [--json OUT.json]
     bench/constants.py --tables OUT.json [--no-times]
 
-Needs what builds the Python module, and pybind11 in this Python. The tree is copied into --folder (out/constants) and
-built there once. For each value one constant is changed in the copy, ninja compiles what contains it and links the
-module, and a process of its own measures. The sources of the caller are only read. Runs with the value of now and with
-the other one take turns, and of times the least counts; on a machine that others use they say nothing, and --no-times
-leaves them out. With --json a run that was cut off goes on where it was. Defaults of options are changed without a
-build.
+Needs the tools that build the Python module, and pybind11 in this Python. The tree is copied into --folder
+(out/constants) and built there once. For each value one constant is changed in the copy, ninja compiles the files that
+contain it and links the module, and a process of its own measures. The sources of the caller are only read. Runs with
+the present value alternate with runs with the other one, and the least time counts; times on a machine that others use
+mean nothing, and --no-times leaves them out. With --json a run that was cut off continues from its last result.
+Defaults of options are changed without a build.
 
 Columns, changes in % of the value of now, geometric means over the meshes of `MESHES`:
   distance    of the scan's vertices from the polygons, mean
@@ -39,7 +39,7 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parents[1]
 MESHES = {"scan/bunny_69k.ply": 300, "building/openmvs_castle_175k.ply": 300, "building/fandisk_13k.ply": 100}
-TURNS, TIMES = 2, 2  # of processes, and in each of them: of times the least counts
+TURNS, TIMES = 2, 2  # processes, and runs in each of them: the least time counts
 COLUMNS = ("distance", "planarity", "polygons", "concave", "found", "time")
 PARTS = ("CMakeLists.txt", "CMakePresets.json", "cmake", "native", "cuda", "python", "third_party")
 
@@ -62,7 +62,7 @@ class Tuned:
     name: str
     meaning: str
     source: str
-    text: str = ""  # what stands before the number; else "name = "
+    text: str = ""  # text before the number; else "name = "
     values: tuple[str, str] = ("", "")  # in place of half and twice, where these mean nothing
     smooth: float | None = None  # PartitionOptions.smooth, where the default makes no use of the number
 
@@ -72,7 +72,7 @@ class Tuned:
 
     @property
     def place(self) -> str:
-        """How the table names it."""
+        """Its name in the table."""
         used = "" if self.smooth is None else f", at smooth {self.smooth:g}"
         return f"`{self.name}`, `{Path(self.path).relative_to('native')}`{used}"
 
@@ -217,7 +217,7 @@ def measure(data: Path, changed: dict[str, dict[str, float]], times: int) -> dic
 
 
 class Build:
-    """A copy of the tree and what is built of it."""
+    """A copy of the tree and its build."""
 
     def __init__(self, folder: Path, jobs: int) -> None:
         self.source = folder / "source"
@@ -236,7 +236,7 @@ class Build:
         shutil.copytree(self.tree / "python", self.base)
 
     def _copy(self, path: Path) -> None:
-        """Files that are the same keep their times, so that ninja leaves what is made of them."""
+        """Unchanged files keep their times, so that ninja does not build their objects again."""
         files = [p for p in path.rglob("*") if p.is_file()] if path.is_dir() else [path] if path.exists() else []
         for file in files:
             to = self.source / file.relative_to(ROOT)
@@ -255,7 +255,7 @@ class Build:
         self._run(["ninja", "-C", str(self.tree), f"-j{self.jobs}", "isimp_python"])
 
     def with_value(self, tuned: Tuned, value: str) -> Path:
-        """The package of an engine with another value; what ninja finds changed in the next call is put back."""
+        """The package of an engine with another value; the next call restores the files that this one has changed."""
         file = self.source / tuned.path
         text = file.read_text()
         at = re.search(tuned.pattern, text)
@@ -269,7 +269,7 @@ class Build:
 
 
 def measured(package: Path, data: Path, changed: dict[str, dict[str, float]], times: int) -> dict:
-    """What a process of its own measures with a package; empty where it fails."""
+    """The measurements of a process of its own with a package; empty where it fails."""
     environment = os.environ | {"PYTHONPATH": str(package)}
     command = [sys.executable, __file__, "--measure", json.dumps([changed, times]), "--data", str(data)]
     done = subprocess.run(command, env=environment, capture_output=True, text=True)
@@ -290,7 +290,7 @@ def in_turns(packages: list[Path], data: Path, options: list[dict], turns: int) 
 
 
 def changes(new: dict[str, dict[str, float]], old: dict[str, dict[str, float]]) -> dict[str, float]:
-    """In %, the geometric mean over meshes."""
+    """The change in %, as geometric mean over meshes."""
     return {
         column: 100 * (float(np.exp(np.mean([np.log(new[m][column] / old[m][column]) for m in old]))) - 1)
         for column in COLUMNS
@@ -327,9 +327,9 @@ def tables(results: dict[str, dict], columns: Sequence[str] = COLUMNS) -> str:
 
 
 def result_of(tuned: Tuned, build: Build, data: Path, turns: int, bases: dict[str, dict]) -> dict:
-    """What half and twice a constant do, and what its value of now does.
+    """The effect of half and twice a constant, compared with its present value.
 
-    :param bases: by options, what does not change without times
+    :param bases: by options, the figures that do not change without times
     """
     key = str(tuned.given)
     if turns == 0 and key not in bases:
@@ -365,7 +365,7 @@ def main() -> int:
         print(tables(json.loads(given.tables.read_text()), columns))
         return 0
     wanted = given.only.split(",") if given.only else []
-    # All are found before anything is built; those that much has to be compiled for come last.
+    # All are found before the first build; constants that need many compilations come last.
     some = sorted((t for t in TUNED if not wanted or t.name in wanted), key=lambda t: (t.path.endswith(".h"), t.path))
     some.sort(key=lambda t: t.file not in OPTIONS)
     for tuned in some:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prints how many polygons come of how many regions, and whether real openings stay.
+"""Prints the number of polygons for each number of regions, and whether real openings stay.
 
     bench/counts.py [--data DIR]
 
@@ -9,9 +9,9 @@ other meshes are made. Tables:
   for 300 regions   polygons of scans with many small openings, all kept and by default; distance is the mean of the
                     scan's vertices from the polygons, in % of the diagonal
   by detail         polygons a region, at each detail of the slider
-  said, made        what `expected_polygons` says beside the polygons made
+  said, made        the estimate of `expected_polygons`, and the polygons made
   openings          handles of noisy scans before and after closing what N regions can't show; the real ones should stay
-  rooms             polygons of a room with many tunnels of one cell through a wall, beside the same room without
+  rooms             polygons of a room with many tunnels of one cell through a wall, and of the same room without
   houses            two houses with tunnels, pinholes and specks, as multi-view stereo makes them
   coarse meshes     the number found by detail on a mesh of few triangles, and split in four one to three times
   steps             the largest change of polygons for a step of 5 % in regions or detail, beyond that of the step
@@ -75,7 +75,7 @@ def by_detail(data):
 
 
 def foreseen(data):
-    """What `expected_polygons` says beside what is made, of all scans, with openings closed as by default."""
+    """The estimate of `expected_polygons`, and the polygons made, of all scans, with openings closed as by default."""
     numbers = (30, 100, 300, 1000)
     print(f"\n| scan | {' | '.join(f'said, made for {n}' for n in numbers)} |\n|{'---|' * (1 + len(numbers))}")
     errors = []
@@ -146,7 +146,7 @@ def rooms():
 
 
 def houses():
-    """What is left out, polygons and closedness, beside the same house without errors."""
+    """Regions left out, polygons and closedness, compared with the same house without errors."""
     print("\n| house | asked | regions | polygons | a region | closed | specks left out | without errors |")
     print("|---|---|---|---|---|---|---|---|")
     for scale in (1, 2):

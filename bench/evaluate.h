@@ -10,7 +10,7 @@
 
 namespace isimp::bench {
 
-/// How good a partition is, whoever made it: all sides are judged by this and not by what they say of themselves.
+/// The quality of a partition from any program: all are judged by this and not by their own figures.
 struct Score {
   double error = 0.0;             ///< D: sum of area * |n_face - n_region|^2 as a share of the whole area
   std::int64_t border_edges = 0;  ///< edges between two regions

@@ -1,11 +1,11 @@
-"""Meshes that meshing once took too long for, at several sizes: time and work a face, so that a steep one shows.
+"""Meshes that once took too long, at several sizes: time and work a face, so that a steep growth shows.
 
     bench/families.py              builds the benchmarks and prints the table
     bench/families.py --bin DIR    with programs that are built already
     bench/families.py --quick      the smallest sizes only
 
 *work* counts faces walked over, corners placed and polygons judged: it is the same on every machine. *growth* is work a
-face beside that of the smallest size of the family: 1 where it is linear. Times are ratios to a round of the plain
+face relative to the smallest size of the family: 1 where it is linear. Times are ratios to one pass of the plain
 reference on the same mesh in the same process.
 """
 

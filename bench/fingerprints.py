@@ -14,7 +14,7 @@ import numpy as np
 import isimp_engine as engine
 
 COUNTS = ({"proxies": 50}, {"proxies": 300}, {"detail": 0.005})
-SETTINGS = (  # of what is looked at on small meshes only
+SETTINGS = (  # settings for small meshes only
     {"proxies": 50, "method": "lloyd"},
     {"proxies": 50, "method": "lloyd", "seeding": "hierarchical"},
     {"detail": 0.01, "method": "teleport"},

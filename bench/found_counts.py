@@ -1,4 +1,4 @@
-"""Finds the number of regions of the known shapes and of scans, and prints the tables beside what is wanted.
+"""Finds the number of regions of the known shapes and of scans, and prints tables of the found and the wanted numbers.
 
     bench/found_counts.py                the known shapes: how many of them come out exactly, class by class
     bench/found_counts.py --scans        bunny and armadillo over resolution, noise and subdivision, and the slider
@@ -54,7 +54,7 @@ def known(missed):
 
 
 def scan_variants(shape):
-    """Name and shape of what a scan is varied to. Noise in percent of the diagonal."""
+    """Name and shape of the variants of a scan. Noise in percent of the diagonal."""
     diagonal = np.linalg.norm(np.ptp(shape.vertices, axis=0))
     rng = np.random.default_rng(5)
     yield "as it is", shape

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What there is to know of a GPU, in one command: that it gives the right results, and how fast it is.
+"""A check of a GPU in one command: whether its results are right, and how fast it is.
 
     bench/gpu.py --out FOLDER [--tests FOLDER] [--faces 100000,1000000,10000000] [--counts 100,1000,10000]
 
@@ -8,8 +8,8 @@ are found (--tests: the folder with test_parallel and its kin, as stage `cuda` o
 every parallel method is timed on every back end on made-up surfaces of so many faces, against `lloyd` and the default
 method on one thread of the processor; labels are compared, as they must be the same on all back ends. Times are wall
 times: of the first partition of a mesh, which loads the surface, and of a further one, which finds it there (the least
-of --repeat). FOLDER gets checks.csv and times.csv; what was asked of the device, and what came of it, is printed. Needs
-the package, nothing else; without a device it does the same on the processor alone.
+of --repeat). FOLDER gets checks.csv and times.csv; the questions to the device and the answers are printed. Needs the
+package, nothing else; without a device it does the same on the processor alone.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ AIM = 20  # times lloyd's speed, of the queued method with a device, at a millio
 
 
 def ring(faces: int) -> engine.Mesh:
-    """A closed, bumpy ring of about so many faces, in no order that helps anybody."""
+    """A closed, bumpy ring of about so many faces, in no helpful order."""
     around = max(8, round((faces / 4) ** 0.5) * 2)
     across = max(6, faces // (2 * around))
     u, v = np.meshgrid(np.arange(around) / around, np.arange(across) / across, indexing="ij")
@@ -50,7 +50,7 @@ def ring(faces: int) -> engine.Mesh:
 
 
 def timed(mesh: engine.Mesh, **options) -> tuple[float, engine.Partition | None, str]:
-    """Seconds, what came out, and what went wrong if nothing did."""
+    """Seconds, the result, and the error if there was one."""
     start = time.perf_counter()
     try:
         part = engine.partition(mesh, engine.PartitionOptions(iterations=ROUNDS, **options))
@@ -118,7 +118,7 @@ def table(rows: list[dict]) -> str:
 
 
 def verdict(rows: list[dict], checks: list[dict]) -> list[str]:
-    """What was asked of the device, and what came of it."""
+    """The questions to the device, and the answers."""
     lines = [f"{r['program']} under {r['under']} failed: {r['last_line']}" for r in checks if not r["passed"]]
     device = [r for r in rows if r["backend"] == "cuda"]
     if not device:

@@ -1,4 +1,4 @@
-"""Bounds, adaptivity and painted weights on scans: the tables of how many regions they give, and where.
+"""Bounds, adaptivity and painted weights on scans: tables of the numbers and places of their regions.
 
     bench/guided_counts.py bounds       regions for a bound of .25, .5 and 1 % of the diagonal, how it is kept, and how
                                         far the scan is from the polygons (at most 1.5 bounds)
@@ -6,7 +6,7 @@
     bench/guided_counts.py adaptivity   share of the regions in the roughest fifth of the area
     bench/guided_counts.py weights      regions in a painted zone, and in the rest
 
-Counts are compared to those wanted; processor time is given as a multiple of what the default method takes for as many
+Counts are compared with the wanted ones; processor time is given as a multiple of the default method's time for as many
 regions, in the same process.
 """
 

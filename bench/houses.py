@@ -19,12 +19,12 @@ class House:
 
     @property
     def diagonal(self) -> float:
-        """Of the box round the house without noise."""
+        """The diagonal of the bounding box of the house without noise."""
         return float(np.linalg.norm(np.ptp(self.clean, axis=0)))
 
 
 def _cells(rng: np.random.Generator) -> np.ndarray:
-    """Which cells of a grid are inside: a block with a bay, rows of windows and a door, drawn by `rng`.
+    """The inner cells of a grid: a block with a bay, rows of windows and a door, drawn by `rng`.
 
     Its depth is even, so that the ridge runs between two cells and the roof is planar.
     """
@@ -72,7 +72,7 @@ def make(noise: float = 0.0, seed: int = 1, turn: float = 17.0, at: tuple[float,
     """A house of about 15 by 10 by 9 metres.
 
     noise: standard deviation of each vertex's displacement, as a share of the diagonal; turn: degrees about the upright
-    axis; at: where it stands. The same arguments give the same house.
+    axis; at: its place. The same arguments give the same house.
     """
     rng = np.random.default_rng(seed)
     cells = _cells(rng)

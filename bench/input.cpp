@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 
-/// A grid of nu by nv squares of two triangles, wrapped round in both directions.
+/// A grid of nu by nv squares of two triangles, closed in both directions.
 std::vector<Triangle> ring_triangles(std::int32_t nu, std::int32_t nv) {
   std::vector<Triangle> triangles;
   const auto at = [&](std::int32_t i, std::int32_t j) { return (i % nu) * nv + j % nv; };
@@ -30,7 +30,7 @@ std::vector<Triangle> ring_triangles(std::int32_t nu, std::int32_t nv) {
   return triangles;
 }
 
-/// \param stretch  how many squares round the ring for one round the tube
+/// \param stretch  number of squares around the ring divided by the number around the tube
 Arrays torus(std::int64_t faces, double stretch) {
   const auto nv = std::max<std::int32_t>(3, std::lround(std::sqrt(static_cast<double>(faces) / 2 / stretch)));
   const auto nu = std::max<std::int32_t>(3, static_cast<std::int32_t>(faces / 2 / nv));
@@ -81,7 +81,7 @@ Arrays boxes(std::int64_t faces) {
 /// Squares of unit cells of which some are filled: each side of a filled one that no filled one lies at.
 class Cells {
  public:
-  /// \param filled  asked for cells -1 ... n too
+  /// \param filled  called for cells -1 ... n too
   Arrays surface(const Eigen::Vector3i& n, const std::function<bool(int, int, int)>& filled) {
     for (int x = 0; x < n[0]; ++x)
       for (int y = 0; y < n[1]; ++y)
@@ -139,13 +139,13 @@ Arrays sheet(std::int64_t faces) {
   return a;
 }
 
-/// A plate with n x n round holes of 16 sides, a ring of squares round each; 160 faces a hole.
+/// A plate with n x n circular holes of 16 sides, a ring of squares around each; 160 faces a hole.
 Arrays perforated(std::int64_t faces) {
   constexpr int kSides = 16, kFlat = kSides / 4;
   const auto n = std::max<int>(1, static_cast<int>(std::lround(std::sqrt(static_cast<double>(faces) / 160))));
   Arrays a;
   std::map<std::array<std::int64_t, 3>, std::int32_t> index;
-  // Step i round a hole: from its edge to the middle (1) and the outline (2) of its cell.
+  // Step i around a hole: from its edge to the middle (1) and the outline (2) of its cell.
   const auto at = [&](int x, int y, int i, int ring, int z) {
     const int side = i / kFlat % 4;
     const double along = 2.0 * (i % kFlat) / kFlat - 1, turn = kTurn * (i + kFlat / 2.0) / kSides;
@@ -231,7 +231,7 @@ Arrays read(const std::string& path) {
   return {std::move(soup.vertices), std::move(triangles)};
 }
 
-/// Where an old vertex goes.
+/// The new place of an old vertex.
 Vec3 smoothed_vertex(const Mesh& mesh, std::int32_t v) {
   const std::int32_t start = mesh.vertex_halfedge()[v];
   const Vec3 here = mesh.vertices()[v];

@@ -13,7 +13,7 @@ struct Arrays {
   std::vector<Triangle> triangles;
 };
 
-/// Reads a mesh file, or makes what `made:KIND:FACES` asks for:
+/// Reads a mesh file, or makes the mesh of a name `made:KIND:FACES`:
 ///  - torus    a closed ring with bumps of many sizes and a little noise, like a scan
 ///  - slivers  the same with triangles hundreds of times longer than wide
 ///  - plane    a flat square: all faces coplanar

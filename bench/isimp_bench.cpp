@@ -69,7 +69,7 @@ Json describe(const Setup& setup) {
 Json run_cases(const std::shared_ptr<const Setup>& setup, const std::string& list, int rounds) {
   std::vector<Case> cases = all_cases(setup);
   std::erase_if(cases, [&](const Case& c) { return !wanted(c.name, list); });
-  std::map<std::string, std::vector<Json::List>> samples;  // of each case, by round
+  std::map<std::string, std::vector<Json::List>> samples;  // by case and round
   for (int round = 1; round <= rounds; ++round)
     for (const Case& c : cases) {
       Json::List of_round;
@@ -130,7 +130,7 @@ int main(int argc, char** argv) {
   } catch (const isimp::InvalidInput& error) {
     std::cerr << error.what() << '\n';
     return 2;
-  } catch (const std::logic_error&) {  // what std::stol throws
+  } catch (const std::logic_error&) {  // std::stol failed
     std::cerr << "a number was expected\n" << isimp::bench::kUsage;
     return 2;
   }

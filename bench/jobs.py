@@ -1,4 +1,4 @@
-"""What is run on which mesh, and the running of it: each job is one process that prints JSON."""
+"""The jobs for each mesh, and the code that runs them: each job is one process that prints JSON."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ FACES_A_REGION = 400  # where the number of faces grows
 
 @dataclass(frozen=True)
 class Job:
-    """One process: a program with its arguments. `name` is how the table finds the result."""
+    """One process: a program with its arguments. The table finds the result by `name`."""
 
     name: str
     program: str
@@ -37,7 +37,7 @@ def cases(name: str, mesh: str, proxies: int, rounds: int, *options: str) -> Job
 
 
 def full(rounds: int) -> list[Job]:
-    """Everything that the table asks for."""
+    """All jobs of the table."""
     plan = [cases(name, mesh, count, rounds) for name, mesh in SCANS.items() for count in COUNTS]
     plan += [
         cases("bunny", SCANS["bunny"], 69451 // 20, rounds),
@@ -91,7 +91,7 @@ def quick() -> list[Job]:
 
 
 class Runner:
-    """Runs jobs one after another, and tells on stderr how it goes."""
+    """Runs jobs one after another, and reports the progress on stderr."""
 
     def __init__(self, programs: Path, data: Path | None, scratch: Path, python: str | None) -> None:
         self.programs, self.data, self.scratch, self.python = programs, data, scratch, python

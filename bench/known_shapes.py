@@ -1,4 +1,4 @@
-"""Shapes whose true number of planes is known, and what scanning does to them: 132 meshes, the same on every run."""
+"""Shapes whose true number of planes is known, and scanned forms of them: 132 meshes, the same on every run."""
 
 import numpy as np
 from collapse import decimated
@@ -42,7 +42,7 @@ def grids(quads, planes):
 
 
 def polygons(loops, planes, halvings):
-    """Each loop as a fan of triangles round its first corner, every triangle split in four `halvings` times."""
+    """Each loop as a fan of triangles around its first corner, every triangle split in four `halvings` times."""
     points = np.concatenate(loops)
     starts = np.cumsum([0] + [len(loop) for loop in loops[:-1]])
     faces = [(s, s + k, s + k + 1) for s, loop in zip(starts, loops, strict=True) for k in range(1, len(loop) - 1)]
@@ -269,7 +269,7 @@ VARIED = [
 
 
 def variants(name, shape, rng):
-    """What is made of each of the eleven varied shapes: (class, name, shape)."""
+    """The variants of each of the eleven varied shapes: (class, name, shape)."""
     for percent in (0.1, 0.3, 1, 2):
         kind = "noise .1/.3" if percent < 1 else "noise 1/2"
         yield kind, f"{name}~noise{percent}", noisy(shape, percent, rng)

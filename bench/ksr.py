@@ -1,7 +1,7 @@
 """Kinetic surface reconstruction of CGAL 6 as a peer of exactly planar polygons: compiled where its headers are.
 
-It closes a scan by volumes, so that an open one gets walls that are not there; its polygons are planar, and may meet
-others in the middle of an edge.
+It closes a scan by volumes, so that an open one gets additional walls; its polygons are planar, and may meet others in
+the middle of an edge.
 """
 
 import os
@@ -18,7 +18,7 @@ import isimp_engine as engine
 
 HERE = Path(__file__).resolve().parent
 POINTS, SAMPLES = 50_000, 3000
-# Of the diagonal; degrees; points. Chosen by hand on the castle: a floor for this method, not its best.
+# Share of the diagonal; degrees; points. Chosen by hand on the castle: a floor for this method, not its best.
 DISTANCE, ANGLE, LEAST, LAMBDA = 0.005, 20, 100, 0.3
 PATIENCE = 300  # seconds
 
@@ -54,7 +54,7 @@ def compiled(folder: Path) -> Path | str:
 
 
 def sampled(mesh: engine.Mesh, path: Path) -> None:
-    """Points by area with normals, those of vertices, as PLY."""
+    """Points distributed by area, with the normals of vertices, as PLY."""
     vertices, triangles = np.asarray(mesh.vertices), np.asarray(mesh.triangles)
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
     cross = np.cross(b - a, c - a)
@@ -73,7 +73,7 @@ def sampled(mesh: engine.Mesh, path: Path) -> None:
 
 
 def row(program: Path, name: str, mesh: engine.Mesh) -> str:
-    """What it makes of a scan, as a line."""
+    """The result for a scan, as a line."""
     vertices = np.asarray(mesh.vertices)
     diagonal = float(np.linalg.norm(np.ptp(vertices, axis=0)))
     with tempfile.TemporaryDirectory() as folder:

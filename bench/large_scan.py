@@ -1,4 +1,4 @@
-"""What a large scan needs before its polygons are made: ways side by side in one run, as ratios of processor time.
+"""The work on a large scan before its polygons are made: ways compared in one run, as ratios of processor time.
 
     bench/large_scan.py SCAN [DETAIL]
 
@@ -44,7 +44,7 @@ def counted_first(scan: Arrays, options: engine.PartitionOptions) -> engine.Part
 
 
 def sorted_pairs(triangles: np.ndarray) -> np.ndarray:
-    """As `guides.shared_edges`, of a manifold."""
+    """As `guides.shared_edges`, for a manifold."""
     start = triangles.astype(np.int64)
     end = np.roll(start, -1, axis=1)
     key = (np.minimum(start, end) << 32 | np.maximum(start, end)).ravel()

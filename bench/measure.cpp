@@ -51,7 +51,7 @@ MemoryGauge::MemoryGauge() {
 #ifdef __GLIBC__
   malloc_trim(0);
 #endif
-  std::ofstream("/proc/self/clear_refs") << "5\n";  // resets VmHWM to what is resident now
+  std::ofstream("/proc/self/clear_refs") << "5\n";  // resets VmHWM to the resident size
   before_ = status_bytes("VmRSS:");
 }
 

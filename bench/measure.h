@@ -5,11 +5,11 @@
 
 namespace isimp::bench {
 
-/// What a piece of work took.
+/// Times of a piece of work.
 struct Lap {
   double cpu_ms = 0.0;   ///< processor time of all threads: other processes on the machine hardly change it
-  double own_ms = 0.0;   ///< processor time of the calling thread: what it waits for others is not in it
-  double wall_ms = 0.0;  ///< what someone waits
+  double own_ms = 0.0;   ///< processor time of the calling thread, without its waits for others
+  double wall_ms = 0.0;  ///< elapsed time
 };
 
 /// Runs from when it is made.
@@ -29,10 +29,10 @@ Lap timed(Work&& work) {
   return watch.lap();
 }
 
-/// Peak memory of a piece of work, from what the kernel says of this process. Linux only: elsewhere all is zero.
+/// Peak memory of a piece of work, from the kernel's figures for this process. Linux only: elsewhere all is zero.
 ///
-/// Making one hands free memory back to the system and lets the kernel's high-water mark start anew, so that what came
-/// before and has been freed does not count.
+/// The constructor returns free memory to the system and resets the kernel's high-water mark, so that memory that was
+/// freed before does not count.
 class MemoryGauge {
  public:
   MemoryGauge();

@@ -32,7 +32,7 @@ class Outlines:
         region = triangle_region[owner]
         inner = (twin >= 0) & (region == region[twin])
         outer = np.flatnonzero(~inner)
-        after = following[outer]  # round the end of each edge, within the region, to the next on its border
+        after = following[outer]  # around the end of each edge, within the region, to the next on its border
         while inner[after].any():
             after = np.where(inner[after], following[twin[after]], after)
         self._end = dict(zip(outer.tolist(), edges[outer, 1].tolist(), strict=True))
@@ -55,7 +55,7 @@ class Outlines:
     def outline(self, region, corners, every):
         """A polygon's outline on the scan by vertices, how much it runs along its region's border, whether all does.
 
-        How much: edges that do, less those that run against it. `every`: the vertices that are some polygon's corners.
+        How much: edges along it, minus edges against it. `every`: the vertices that are some polygon's corners.
         """
         line, along, known = [], 0, True
         for start, end in zip(corners, corners[1:] + corners[:1], strict=True):

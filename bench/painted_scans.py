@@ -26,7 +26,7 @@ class Scan:
 
 
 def noise(points, cells, seed):
-    """(n,) smooth noise from -1 to 1 with so many cells per unit length."""
+    """(n,) smooth noise from -1 to 1 with `cells` cells per unit length."""
     at = points * cells + 1000
     low = np.floor(at).astype(np.int64)
     t = at - low
@@ -41,7 +41,7 @@ def noise(points, cells, seed):
 
 
 def clouds(points, cells, seed, octaves=5):
-    """The same with finer and finer parts."""
+    """As above, with finer and finer parts."""
     return sum(noise(points, cells * 2**k, seed + k) / 2**k for k in range(octaves)) / 1.6
 
 
@@ -60,7 +60,7 @@ SIDES = [
     ((0, 0, 1), (1, 0, 0), (0, 1, 0)),
     ((0, 0, -1), (1, 0, 0), (0, -1, 0)),
 ]
-RIM = 4  # pixels round each side's part of the image
+RIM = 4  # pixels around each side's part of the image
 
 
 def directions(side, u, v):
@@ -134,7 +134,7 @@ def owl_distance(p):
 
 
 def owl_surface(d):
-    """Where rays from outside to the middle meet the owl."""
+    """The places where rays from outside to the middle meet the owl."""
     p = 1.8 * d
     for _ in range(40):
         p = p - np.clip(0.8 * owl_distance(p), -0.05, 0.3)[:, None] * d

@@ -19,7 +19,7 @@ using Points = CGAL::Point_set_3<Kernel::Point_3>;
 using Reconstruction = CGAL::Kinetic_surface_reconstruction_3<Kernel, Points, Points::Point_map, Points::Vector_map>;
 
 constexpr std::size_t kAtOnce = 2;  // planes that a polygon grows through; more give more cells
-constexpr int kSides = 6;           // of the box round the scan, which are outside
+constexpr int kSides = 6;           // sides of the box around the scan, which are outside
 
 }  // namespace
 

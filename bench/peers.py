@@ -3,7 +3,7 @@
 
     bench/peers.py --bin BUILD/bench [--data DIR] [--only bunny,castle] [--proxies 300] [--keep FOLDER]
 
-`isimp_engine` must be importable; `blender` and BUILD/bench/peer_cgal are asked where they are there. Decimate gets the
+`isimp_engine` must be importable; `blender` and BUILD/bench/peer_cgal are used if they are there. Decimate gets the
 angle at which it makes about as many polygons as isimp does; CGAL as many proxies. `--keep` writes the polygons as OBJ.
 """
 
@@ -62,7 +62,7 @@ def nearest(points, places):
 
 
 def as_polygons(vertices, loops, loop_start, mesh, part):
-    """What a peer made, in the shape of the engine's own, without corners that no polygon has."""
+    """A peer's result, in the shape of the engine's own, without corners that no polygon has."""
     used, loops = np.unique(loops, return_inverse=True)
     vertices = np.asarray(vertices, float)[used]
     middle = np.add.reduceat(vertices[loops], loop_start) / np.diff(np.append(loop_start, len(loops)))[:, None]

@@ -12,7 +12,7 @@ STYLES = {"reference": ("REF, plain", "0.45"), "lloyd": ("lloyd", "#3b6fb6"), "d
 
 def draw(growth: dict[str, Any], folder: Path) -> None:
     """Two figures: growth_faces.svg and growth_regions.svg."""
-    import matplotlib as mpl  # only who wants plots needs it
+    import matplotlib as mpl  # only plots need it
 
     mpl.use("svg")
     mpl.rcParams.update({"svg.hashsalt": "isimp", "font.size": 9, "axes.spines.top": False, "axes.spines.right": False})

@@ -1,16 +1,16 @@
 """Judges a polygon mesh against the scan it was made of, from arrays alone and by other means than the engine's own.
 
-Signs are exact: they are taken from float64 where its error bound allows, else from Python's integers.
+Signs are exact: float64 is used where its error bound allows, else Python's integers.
 
-A polygon is flipped if it faces away from what it stands for. That is known by its outline on the scan: it runs along
-the borders of its region, and straight from corner to corner where a region was cut further. All surfaces with one
-outline have one vector area, however they are folded in between, so that the outline says which way the polygon has to
-face even where sheets of the scan lie on each other. The faces of the region beside it can't say so there, as some are
-of another sheet, that other polygons stand for. Where part of the outline is guessed, as a straight cut, the faces
-beside the polygon are heard too, if no two of them are more than 90 degrees apart: then both have to speak against it.
-Which way round outlines run, the border of their region says; as an edge runs once each way, it does for all of its
-polygons at once (at a pinch, single ones may have taken over faces of another region, and run along the border's other
-side).
+A polygon is flipped if it faces away from the surface that it stands for. Its outline on the scan determines this: it
+runs along the borders of its region, and straight from corner to corner where a region was cut further. All surfaces
+with one outline have one vector area, however they are folded in between, so that the outline determines the direction
+of the polygon even where sheets of the scan lie on each other. The adjacent faces of the region can't determine it
+there, as some belong to another sheet that other polygons stand for. Where part of the outline is guessed, as a
+straight cut, the adjacent faces count too, if no two of them are more than 90 degrees apart: then both have to
+contradict the polygon. The border of a region determines the sense of its outlines; as an edge runs once each way, it
+does for all of its polygons at once (at a pinch, single ones may have taken over faces of another region, and run along
+the border's other side).
 """
 
 from dataclasses import dataclass, field
@@ -18,13 +18,13 @@ from dataclasses import dataclass, field
 import numpy as np
 from outlines import Outlines, edges_of, twins
 
-THIN = 1e-6  # of the diagonal: a polygon thinner than this has no area
-FACING = 0.2  # cosine from which a polygon faces the way of the faces beside it
+THIN = 1e-6  # share of the diagonal: a polygon thinner than this has no area
+FACING = 0.2  # cosine from which a polygon faces the way of the adjacent faces
 
 
 @dataclass
 class Verdict:
-    """Lists of polygons (by index) or of pairs; `faults` are words on what must never be."""
+    """Lists of polygons (by index) or of pairs; `faults` are texts on forbidden states."""
 
     faults: list = field(default_factory=list)
     crossing: list = field(default_factory=list)
@@ -35,7 +35,7 @@ class Verdict:
     far: list = field(default_factory=list)  # corners
     hits: list = field(default_factory=list)  # pairs of polygons that meet where the scan does not
     excused: list = field(default_factory=list)  # pairs that meet where the scan does too
-    bend: np.ndarray = None  # of each polygon, scene units
+    bend: np.ndarray = None  # bend of each polygon, scene units
     area: np.ndarray = None
     facets: np.ndarray = None  # (T, 3) corners of a triangulation
 
@@ -49,7 +49,7 @@ def polygons_of(poly):
 
 
 def groups(n, pairs):
-    """How many groups n things form when those of each pair belong together, and the group of each."""
+    """How many groups n things form when the things of each pair belong together, and the group of each."""
     label = np.arange(n)
     pairs = np.asarray(pairs).reshape(-1, 2)
     while True:
@@ -172,7 +172,7 @@ def crosses_itself(p):
 
 
 def least_surface(points, p):
-    """Triangles (local corners) of the least area that do not fold over in the plane; None where there are none."""
+    """Triangles (local corners) of the least area that do not fold over in the plane; None if there are none."""
     n = len(p)
     if n == 3:
         return [(0, 1, 2)]
@@ -255,7 +255,7 @@ def segment_meets_triangle(p, q, a, b, c):
 
 
 def meeting(points, f, g):
-    """Which pairs of triangles f, g (N, 3) meet elsewhere than in the corners they share."""
+    """The pairs of triangles f, g (N, 3) that meet elsewhere than in the corners they share."""
     same = f[:, :, None] == g[:, None, :]
     shared = same.sum((1, 2))
     result = shared >= 3
@@ -285,7 +285,7 @@ def meeting(points, f, g):
 
 
 class Scan:
-    """The triangles that were kept, and what they say of a place."""
+    """The triangles that were kept, and queries by place."""
 
     def __init__(self, mesh, face_region):
         self.vertices = np.asarray(mesh.vertices, float)
@@ -316,7 +316,7 @@ class Scan:
         return self.order[self.starts[region] : self.starts[region + 1]]
 
     def vectors_near(self, region, place, radius):
-        """The vector areas of a region's faces round a place, of the nearest one at least."""
+        """The vector areas of a region's faces around a place, of the nearest one at least."""
         faces = self.faces_of(region)
         distance = np.linalg.norm(self.middle[faces] - place, axis=1)
         return self.vector[faces[distance <= max(radius, distance.min())]]
@@ -336,7 +336,7 @@ class Scan:
         return self.known[key]
 
     def within_box(self, f, g):
-        """Those of the faces f whose boxes reach into the box round all of g."""
+        """The faces of f whose boxes meet the box around all of g."""
         corners, others = self.stored[f], self.stored[g.ravel()]
         if not len(others):
             return f[:0]
@@ -354,7 +354,7 @@ class Scan:
 
 
 def distance_to_triangles(p, a, b, c):
-    """Of each point to its triangle, all (N, 3)."""
+    """The distance of each point to its triangle, all (N, 3)."""
     ab, ac = b - a, c - a
     n = np.cross(ab, ac)
     size = np.maximum((n * n).sum(1), 1e-300)
@@ -369,7 +369,7 @@ def distance_to_triangles(p, a, b, c):
 
 
 def distances(points, corners, facets):
-    """From each point to the nearest of the triangles."""
+    """The distance from each point to the nearest of the triangles."""
     a, b, c = (corners[facets[:, k]] for k in range(3))
     middle = (a + b + c) / 3
     radius = np.sqrt(np.max([((x - middle) ** 2).sum(1) for x in (a, b, c)], axis=0))
@@ -389,9 +389,9 @@ def distances(points, corners, facets):
 def faces_away(area, outline, known, near):
     """Whether a polygon of this vector area faces away from its outline on the scan.
 
-    Where not all of that is `known`, as of a polygon inside a region that was split, a straight line stands for the
-    rest and may turn the sum: it then has to face away from the faces `near` it as well, or, where these do not agree,
-    at least not to face their way.
+    If not all of that is `known`, as for a polygon inside a region that was split, a straight line replaces the rest
+    and may turn the sum: it then has to face away from the faces `near` it as well, or, if these do not agree, at least
+    not to face their way.
     """
     total = near.sum(0)
     agree = near @ total >= np.sqrt(0.5) * np.linalg.norm(total) * np.linalg.norm(near, axis=1)
@@ -432,7 +432,7 @@ def look_at_polygons(poly, scan, loops, position, flatness, outlined, v):
         if triangles is None:
             v.crossing.append(q)
             triangles = [(0, k, k + 1) for k in range(1, len(loop) - 1)]
-            owner += [-1] * len(triangles)  # not asked whether they meet others
+            owner += [-1] * len(triangles)  # their intersections are not tested
         else:
             owner += [q] * len(triangles)
         facets += [loop[list(t)] for t in triangles]
@@ -443,8 +443,8 @@ def look_at_polygons(poly, scan, loops, position, flatness, outlined, v):
 def judge(poly, mesh, part, flatness=0.0, reach=0.01, outlined=False):
     """A Verdict on the polygons of a partition; `flatness` and `reach` as shares of the diagonal, 0 for no bound.
 
-    `outlined`: the regions and vertices that polygons stand for are known, so that their outlines say what is flipped.
-    Where these are a guess, as of what others made, only the faces beside do.
+    `outlined`: the regions and vertices that polygons stand for are known, so that their outlines decide which are
+    flipped. Where these are a guess, as in results of other programs, only the adjacent faces decide.
     """
     v = Verdict()
     scan = Scan(mesh, part.face_region)
@@ -466,7 +466,7 @@ def judge(poly, mesh, part, flatness=0.0, reach=0.01, outlined=False):
     v.faults += faults + [f"{what} {found[what]}, scan {n}" for what, n in wanted.items() if found[what] != n]
     moved = np.linalg.norm(vertices - scan.vertices[poly.source_vertex], axis=1)
     v.far = np.flatnonzero(moved > reach * scan.diagonal * (1 + 1e-6)).tolist()
-    position = vertices.astype(np.float32).astype(float)  # as it will be stored
+    position = vertices.astype(np.float32).astype(float)  # as stored in files
     owner = look_at_polygons(poly, scan, loops, position, flatness, outlined, v)
     full = np.linalg.norm(np.cross(position[v.facets[:, 1]] - position[v.facets[:, 0]],
                                    position[v.facets[:, 2]] - position[v.facets[:, 0]]), axis=1) > 0  # fmt: skip

@@ -16,7 +16,7 @@ import isimp_engine as engine
 
 
 def ring(faces: int) -> tuple[np.ndarray, np.ndarray]:
-    """A grid wrapped round in both directions."""
+    """A grid closed in both directions."""
     n = max(3, round((faces / 2) ** 0.5))
     i, j = (g.ravel() for g in np.meshgrid(np.arange(n), np.arange(n), indexing="ij"))
     u, v = 2 * np.pi * i / n, 2 * np.pi * j / n

@@ -13,7 +13,7 @@ namespace {
 struct Entry {
   double error;
   std::int32_t face, region;
-  bool operator<(const Entry& o) const { return error > o.error; }  // std::priority_queue hands out the greatest
+  bool operator<(const Entry& o) const { return error > o.error; }  // std::priority_queue returns the greatest
 };
 
 struct State {

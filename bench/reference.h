@@ -6,11 +6,11 @@
 
 #include "isimp/mesh/mesh.h"
 
-/// REF: variational shape approximation written down plainly. What the engine's own methods are measured against.
+/// REF: variational shape approximation written down plainly. The engine's own methods are measured against it.
 namespace isimp::bench {
 
-/// A surface as the plain method sees it: the caller's face order, double precision, one array a quantity.
-/// None of what makes the engine fast is in it, on purpose: no Morton order, no packed records.
+/// A surface for the plain method: the caller's face order, double precision, one array a quantity. It has none of the
+/// engine's optimisations, on purpose: no Morton order, no packed records.
 struct PlainSurface {
   std::vector<Vec3> normal;                             ///< (F) unit
   std::vector<double> area;                             ///< (F) as a share of the whole surface's area

@@ -1,4 +1,4 @@
-"""Runs the benchmarks and prints what was measured beside what is wanted.
+"""Runs the benchmarks and prints the measured and the wanted figures.
 
     bench/run.py                          the table, on the meshes of a data folder
     bench/run.py --only bunny,scan        only the jobs whose names hold one of these words
@@ -7,7 +7,7 @@
     bench/run.py --quick                  a minute or less on small made meshes: does everything run?
 
 Times on a machine that others use are worth little; ratios from one process are worth more. So every process runs the
-plain reference too, in turn with what is compared to it, and the table speaks of ratios.
+plain reference too, alternating with the compared method, and the table has ratios.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 def data_folder(given: str | None) -> Path | None:
-    """Where the meshes lie: as given, else ISIMP_DATA, else shared/data beside the checkout; None if nowhere."""
+    """The folder of the meshes: as given, else ISIMP_DATA, else shared/data next to the checkout; None if nowhere."""
     candidates = [given] if given else [os.environ.get("ISIMP_DATA"), ROOT.parent / "shared" / "data"]
     return next((Path(c) for c in candidates if c and Path(c).is_dir()), None)
 

@@ -3,7 +3,7 @@
     bench/scale.py batch                  `isimp batch` on 1,000 small scans, some of which fail, with a driver that is
                                           killed twice; minutes
     bench/scale.py batch --scans 100
-    bench/scale.py overhead               time a scan beside `isimp simplify`
+    bench/scale.py overhead               time a scan compared with `isimp simplify`
     bench/scale.py hub                    merging where a region has most of the others around it, at 1, 4 and 16 times
                                           the size
     bench/scale.py cluster --faces 10000000 --proxies 10500
@@ -39,7 +39,7 @@ import isimp_engine as engine
 from isimp_engine import batch, tiles
 from isimp_engine.batch import work
 
-ODD = {  # name of a scan: what its row must say
+ODD = {  # name of a scan: expected text of its row
     "crash": "ended by signal 11",
     "hang": "over the time limit of 10 s",
     "large": "over the memory limit of 500 MB",
@@ -49,7 +49,7 @@ LIMITS = {"time_limit": 10.0, "memory_limit": 500.0}
 
 
 def odd(task: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """The work of a child: as the name of the scan says, else the real one."""
+    """The work of a child: the name of the scan selects it, else the real one."""
     name = Path(task["input"]).stem
     with open(os.environ["SCALE_LOG"], "a", encoding="utf-8") as file:  # noqa: PTH123
         file.write(f"{name}\n")
@@ -245,13 +245,13 @@ def cluster_of(workers: int, place: Path, apart: bool):
 
 
 def processor_seconds() -> float:
-    """Of all child processes that have ended."""
+    """The processor time of all child processes that have ended."""
     usage = resource.getrusage(resource.RUSAGE_CHILDREN)
     return usage.ru_utime + usage.ru_stime
 
 
 def run_cluster(faces: int, proxies: int, apart: bool) -> int:
-    """The result of two workers of a cluster, of which one is killed half-way, beside that of this machine alone."""
+    """Compares the results of this machine and of two workers of a cluster, one of which is killed half-way."""
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder)
         count = make_city(place / "city", faces)

@@ -125,7 +125,7 @@ SCANS = ((1, 0.001, 0.8), (2, 0.002, 0.8), (3, 0.003, 1.0), (4, 0.004, 1.2), (5,
 def make(seed: int, noise: float = 0.002, rounding: float = 0.8, holes: int = 6) -> tuple[np.ndarray, np.ndarray]:
     """Vertices and triangles of a house on its ground.
 
-    noise: standard deviation of what is wavy and what is not together, as a share of the diagonal; rounding: of
+    noise: standard deviation of the wavy and the uncorrelated part together, as a share of the diagonal; rounding: of
     corners, in cells of some 25 cm; holes: of one to two metres. The same arguments give the same scan.
     """
     rng = np.random.default_rng(seed)
@@ -137,7 +137,7 @@ def make(seed: int, noise: float = 0.002, rounding: float = 0.8, holes: int = 6)
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), -1)
     middle = (low + high) / 2
     about = grid - middle
-    # the house is turned against the grid, as a scan's grid knows no walls
+    # the house is turned against the grid, as a scan's grid has no relation to walls
     turned = np.stack([c * about[..., 0] - s * about[..., 1], s * about[..., 0] + c * about[..., 1], about[..., 2]], -1)
     field = _blurred(np.clip(_solid(turned + middle, rng), -3 * cell, 3 * cell), rounding)
     points, faces = _surface(field)

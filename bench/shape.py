@@ -1,19 +1,20 @@
 #!/usr/bin/env python3
-"""Measures how well polygons are formed, and what that costs in distance and planarity.
+"""Measures the shape of polygons, and its price in distance and planarity.
 
     bench/shape.py [--data DIR] [--only bunny,castle] [--proxies 100,300,1000] [--json OUT.json] [--against OLD.json]
     bench/shape.py --resolution [...]
 
-`isimp_engine` must be importable. A row a mesh and number of regions; with --against, the row of an earlier run stands
-above each, and the summary says which of the limits of `LIMITS` are kept. Times are of the processor. With --resolution
-each mesh is also measured with every face split in four, once and twice, so that the same surface has a quarter, once
-and four times as many faces; the summary has the columns of the first and the last over those of the one between.
+`isimp_engine` must be importable. A row a mesh and number of regions; with --against, the row of an earlier run is
+above each, and the summary lists which of the limits of `LIMITS` are kept. Times are of the processor. With
+--resolution each mesh is also measured with every face split in four, once and twice, so that the same surface has a
+quarter, once and four times as many faces; the summary has the columns of the first and the last over the columns of
+the one between.
 
 Columns, of polygons unless said otherwise:
   corners   a polygon, mean
   conc      % with a corner above 190 degrees
   strong    % that miss more than 10 % of their convex hull
-  reflex    corners above 190 degrees, a 100 polygons; forced: those at inner vertices of three edges whose angles sum
+  reflex    corners above 190 degrees, a 100 polygons; forced: at inner vertices of three edges whose angles sum
             to more than 361 degrees, where three planar polygons can't all be convex
   <15       % with a corner below 15 degrees; needle: % that are triangles with one
   iq        4 pi area / perimeter^2, mean
@@ -46,7 +47,7 @@ COLUMNS = (
     *("border", "ragged", "D", "bend", "mean", "max", "split", "mesh_s"),
 )
 DIGITS = {"iq": 2, "corners": 2, "border": 2, "ragged": 2, "D": 4, "bend": 3, "mean": 3, "max": 2, "mesh_s": 2}
-# What may be no worse than before, and by which factor it may differ.
+# Figures that may be no worse than before, and the factor by which they may differ.
 LIMITS = {"bend": 1.0, "mean": 1.0, "max": 1.0, "<15": 1.0}
 
 
@@ -65,7 +66,7 @@ def following(start):
 
 
 def hull_area(points):
-    """Of the convex hull of points in the plane. Andrew's monotone chain."""
+    """The area of the convex hull of points in the plane. Andrew's monotone chain."""
     order = points[np.lexsort((points[:, 1], points[:, 0]))]
 
     def half(some):
@@ -101,7 +102,7 @@ def in_plane(points, start, normal):
 
 
 def shape(vertices, loops, start):
-    """The columns that the polygons alone tell."""
+    """The columns that depend on the polygons alone."""
     points, size, after = vertices[loops], np.diff(start), following(start)
     normal = newell(points, start)
     area = np.linalg.norm(normal, axis=1)
@@ -209,7 +210,7 @@ def head():
 
 
 def summary(rows, before):
-    """Means of the ratios, and what is worse than before."""
+    """Means of the ratios, and the figures that are worse than before."""
     same = [(key, rows[key], before[key]) for key in rows if key in before]
     print(f"\nmean ratio to before, of {len(same)} runs:")
     for c in COLUMNS:
@@ -222,7 +223,7 @@ def summary(rows, before):
 
 
 def by_resolution(rows):
-    """How far what is measured depends on the number of faces: the worst of the columns, and the means."""
+    """The dependence of the figures on the number of faces: the worst of the columns, and the means."""
     runs = {key.removesuffix(" x4") for key in rows if key.endswith(" x4")}
     print(f"\nmean ratio to four times the faces of the file, of {len(runs)} runs: as in the file; sixteen times")
     for c in COLUMNS:

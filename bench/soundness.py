@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes polygons of real meshes and judges each against what docs/guarantee.md promises.
+"""Makes polygons of real meshes and judges each by the promises of docs/guarantee.md.
 
     bench/soundness.py [--data DIR] [--only bunny,castle] [--proxies 50,300,1000] [--json OUT.json]
 
@@ -23,7 +23,7 @@ ROOT = Path(__file__).resolve().parents[1]
 FOLDERS = ("scan", "building", "nasty")
 COUNTS = (50, 300, 1000)
 SAMPLES = 3000
-CAD = ("fandisk",)  # of flat sides
+CAD = ("fandisk",)  # with flat sides
 # Mean distance from the scan at 300 regions, % of the diagonal, of the first prototype: to be no worse.
 DISTANCE = {
     "bunny": 0.20, "armadillo_86k": 0.31, "rockerarm": 0.15, "fandisk": 0.02, "castle": 0.18, "mech_holes": 0.18,
@@ -37,7 +37,7 @@ def named(table, mesh):
 
 
 def run(name, mesh, proxies):
-    """One mesh at one number of regions: figures, and what is wrong."""
+    """One mesh at one number of regions: figures, and faults."""
     options = engine.MeshingOptions()
     part = engine.partition(mesh, engine.PartitionOptions(proxies=min(proxies, len(mesh.triangles))))
     started = time.process_time()
@@ -75,7 +75,7 @@ def line(r):
 
 
 def bars(results):
-    """(what, wanted, measured, met) lines."""
+    """Lines of name, wanted and measured figure, and whether it is met."""
     single = [r for r in results if r["components"] == 1 and r["regions"] == r["proxies"]]
     clean = [r for r in results if not r["counts"]["excused"]]
     other = [r for r in results if r["counts"]["excused"]]

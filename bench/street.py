@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
-"""Measures how the windows and walls of a generated street come out.
+"""Measures the shape of the windows and walls of a generated street.
 
     PYTHONPATH=build-dev/python python bench/street.py [--counts 1,3,10] [--noises 0.0005,0.001,0.002] [--json OUT.json]
 
-The houses are those of houses.py, whose planes are known; detail and reach are the same lengths for any number of
+The houses come from houses.py, so their planes are known; detail and reach are the same lengths for any number of
 houses. A row each without and with `regularise` and exactly planar polygons.
 
 Columns:
   windows   true rectangles of .5 to 6 square metres, and of them the ones that are one quad with all angles within 12
             degrees of 90
   reveals   the same of .1 to .5 square metres
-  triangles of both, those that are one triangle
+  triangles windows and reveals that are one triangle
   regions, polygons
   mean, p99 distance of the scan's vertices from the polygons, % of the diagonal
   whole     share of the polygons that stayed one, with planar
@@ -18,7 +18,7 @@ Columns:
   dirs      directions of planes
   slanted   share of the length of edges inside upright walls of more than 20 square metres that is neither level nor
             upright within 4 degrees
-  time      of the processor, beside that of the plain polygons
+  time      of the processor, relative to the plain polygons
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ def true_faces(street: houses.House) -> np.ndarray:
 
 
 class Judge:
-    """What is known of a street, to judge results with."""
+    """The known figures of a street, to judge results with."""
 
     def __init__(self, street: houses.House) -> None:
         self.street = street
@@ -80,7 +80,7 @@ class Judge:
         self.size = np.bincount(self.part, self.area)
 
     def rectangles(self, label: np.ndarray, poly: engine.PolygonMesh) -> dict[str, tuple[int, int, int]]:
-        """Of windows and of reveals: how many there are, come out as one quad, and as one triangle."""
+        """Windows and reveals: how many there are, how many came out as one quad, and as one triangle."""
         start = np.append(poly.loop_start, len(poly.loops)).astype(np.int64)
         points = np.asarray(poly.vertices)[poly.loops]
         angle = shape.in_plane(points, start, shape.newell(points, start))[1]
@@ -109,7 +109,7 @@ class Judge:
         return found
 
     def slanted(self, label: np.ndarray, normal: np.ndarray, poly: engine.PolygonMesh) -> tuple[float, float]:
-        """Length of the edges inside large upright walls: what is slanted, and all."""
+        """Length of the edges inside large upright walls: slanted ones, and all."""
         size = np.bincount(label[label >= 0], self.area[label >= 0], len(normal))
         wall = (size > WALL) & (np.abs(normal[:, 2]) < 0.1)
         start = np.append(poly.loop_start, len(poly.loops)).astype(np.int64)

@@ -1,4 +1,4 @@
-"""Turns results into the table of what is wanted and what was measured. Nothing is measured here."""
+"""Makes the table of wanted and measured figures from results. Nothing is measured here."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 from jobs import COUNTS, SCANS
 
-Result = dict[str, Any]  # what a program printed
+Result = dict[str, Any]  # output of a program
 LARGE = 500_000  # faces from which the bars for a million hold
 JUDGED = [f"{mesh}/{count}" for mesh in SCANS for count in COUNTS]  # the jobs that bars of speed and error are for
 CGAL_PEAK_MB = 895  # on the dragon, 500 proxies, as measured once on its own
@@ -17,7 +17,7 @@ CGAL_PEAK_MB = 895  # on the dragon, 500 proxies, as measured once on its own
 
 @dataclass(frozen=True)
 class Row:
-    """One line; `met` is None where there is no bar, or nothing to judge it by."""
+    """One line; `met` is None where there is no bar, or no figure to compare with it."""
 
     what: str
     where: str
@@ -27,12 +27,12 @@ class Row:
 
 
 def per_round(result: Result, case: str, clock: str = "cpu_ms") -> list[float]:
-    """Of each round the median over its runs of the time of one run."""
+    """For each round the median over its runs of the time of one run."""
     return [median(run[clock][0] for run in runs) for runs in result["cases"][case]]
 
 
 def speed_up(result: Result, case: str, over: str, clock: str = "cpu_ms") -> float:
-    """How many times faster a case is than another: the median over rounds, each round by itself."""
+    """The speed of a case relative to another: the median over rounds, each round by itself."""
     pairs = zip(per_round(result, case, clock), per_round(result, over, clock), strict=True)
     return median(slow / fast for fast, slow in pairs)
 
@@ -96,9 +96,9 @@ def same_labels(result: Result) -> bool:
 
 
 def threads_row(case: str, of: str, where: str, result: Result, *, same: bool, bar: float | None) -> Row:
-    """A case on two threads against one; `same`: whether it gave the same ones `of` what it makes."""
+    """A case on two threads against one; `same`: whether it gave the same `of` both times."""
     # By the processor time of the calling thread, which has a share in every loop and does the rest alone: wall time
-    # says little where other programs keep the cores from working side by side.
+    # means little where other programs keep the cores from working in parallel.
     both = (case, f"{case}_two_threads")
     one, two = (least(result, name, "own_ms") for name in both)
     wall_one, wall_two = (least(result, name, "wall_ms") for name in both)
@@ -298,7 +298,7 @@ def rows(results: dict[str, Result], growth: dict[str, Result]) -> list[Row]:
 
 
 def sound(table: list[Row], results: dict[str, Result]) -> bool:
-    """What must hold whatever the times: rows there are, and runs of the same thing gave the same."""
+    """Conditions that do not depend on times: there are rows, and repeated runs gave the same."""
     judged = [result for result in results.values() if "default" in result.get("cases", {})]
     return (
         bool(table)
@@ -309,7 +309,7 @@ def sound(table: list[Row], results: dict[str, Result]) -> bool:
 
 
 def text(table: list[Row], *, judge: bool) -> str:
-    """As a Markdown table."""
+    """The table in Markdown."""
     met = {True: "yes", False: "no", None: ""}
     lines = [("what", "mesh", "wanted", "measured", "met")]
     lines += [(row.what, row.where, row.wanted, row.measured, met[row.met if judge else None]) for row in table]

@@ -15,7 +15,7 @@
 namespace isimp::bench {
 namespace {
 
-/// Labels of shapes::cube(n), whose faces come side by side.
+/// Labels of shapes::cube(n), whose faces are ordered by side.
 std::vector<std::int32_t> sides(const Mesh& mesh) {
   std::vector<std::int32_t> label(static_cast<std::size_t>(mesh.face_count()));
   for (std::size_t f = 0; f < label.size(); ++f) label[f] = static_cast<std::int32_t>(6 * f / label.size());
@@ -145,11 +145,11 @@ TEST(Loop, FlatRegularGridStaysWhereItIs) {
   const Arrays coarse = load_input("made:plane:50", 0);  // 5 by 5 squares of side 1
   const Arrays fine = subdivided(coarse);
   EXPECT_EQ(fine.triangles.size(), 4 * coarse.triangles.size());
-  const std::size_t inner = 2 * 6 + 3;  // at (2, 3), six faces round it
+  const std::size_t inner = 2 * 6 + 3;  // at (2, 3), with six faces
   EXPECT_NEAR((fine.vertices[inner] - Vec3(2, 3, 0)).norm(), 0.0, 1e-12);
   const Mesh mesh = mesh_of(fine);
   EXPECT_EQ(mesh.report().border_edges, 40);
-  const Vec3 corner = fine.vertices[0];  // of the border's B-spline: 3/4 (0, 0) + 1/8 (1, 0) + 1/8 (0, 1)
+  const Vec3 corner = fine.vertices[0];  // on the border's B-spline: 3/4 (0, 0) + 1/8 (1, 0) + 1/8 (0, 1)
   EXPECT_NEAR((corner - Vec3(0.125, 0.125, 0)).norm(), 0.0, 1e-12);
 }
 

@@ -1,4 +1,4 @@
-"""Checks what the table says of hand-made results: python -m unittest in this folder."""
+"""Checks the table of hand-made results: python -m unittest in this folder."""
 
 import unittest
 

@@ -1,4 +1,4 @@
-"""How like its scan a textured result looks, and what it costs.
+"""The likeness of a textured result to its scan, and its price.
 
     PYTHONPATH=build-dev/python python bench/texture.py SCAN PROXIES [--size N] [--views 8] [--up z] [--pictures FOLDER]
 
@@ -49,7 +49,7 @@ def cameras(count, up):
 
 
 def seen(corners, camera, box):
-    """Of each pixel the triangle seen along a camera's axis, -1 for none, and the weights of its corners 1 and 2."""
+    """For each pixel the triangle seen along a camera's axis, -1 for none, and the weights of its corners 1 and 2."""
     n = PIXELS * OVER
     size = np.linalg.norm(box[1] - box[0]) * 0.8
     p = (corners - (box[0] + box[1]) / 2) / size
@@ -79,7 +79,7 @@ def at_corners(values, face, place):
 
 
 def view(corners, uv, image_of, images, camera, box):
-    """(n, n, 3) colours and (n, n) mask of triangles (F, 3, 3) as seen along a camera's axis."""
+    """(n, n, 3) colours and (n, n) mask of triangles (F, 3, 3), seen along a camera's axis."""
     face, place = seen(corners, camera, box)
     mask = face >= 0
     f, at = face[mask], at_corners(uv, face[mask], place[mask])

@@ -7,7 +7,7 @@ Python has Blender as a module (bpy), or `blender -b --factory-startup --python 
 Debian's Blender 3.4 baked black images where this was tried; bpy 4.5 does not.
 
 Cycles bakes emission from the scan to the polygons with 4 samples, at extrusions of 0.5, 1 and 2 % of the diagonal.
-Views are those of `bench/texture.py`; a close-up of each shows a quarter of the width, round the point of the scan
+Views are those of `bench/texture.py`; a close-up of each shows a quarter of the width, around the point of the scan
 nearest to the eye. Seconds are processor time: of `engine.texture` without a normal map, and of Cycles' bake operator.
 `--site` names folders with numpy and Pillow where Blender's Python lacks them.
 """
@@ -70,7 +70,7 @@ def add_image(name, pixels):
 
 
 def add_material(obj, image):
-    """Emits the image; its node is the one that a bake goes to."""
+    """Emits the image; its node is the target of the bake."""
     material = bpy.data.materials.new(image.name)
     material.use_nodes = True
     tree = material.node_tree
@@ -126,7 +126,7 @@ def cycles(target, extrusion, size):
 
 
 def near(points, camera, box):
-    """A box of a quarter of the size round the point nearest to the eye."""
+    """A box of a quarter of the size around the point nearest to the eye."""
     inside = points[np.abs((points - box.mean(axis=0)) @ camera[0]) < 0.2 * np.linalg.norm(box[1] - box[0])]
     middle = inside[(inside @ camera[2]).argmax()]
     return middle + (box - box.mean(axis=0)) / 4

@@ -3,9 +3,9 @@
 
     bench/thesis.py --data DIR --out FOLDER [--only NAME,...]
 
-Needs the package as `pip install .` makes it, and matplotlib for the plots. Times are processor time on one thread,
-and wall time where a device works; each is given as a ratio to `lloyd` in the same process. FOLDER gets a CSV file and
-a plot for each experiment, and findings.csv: what the thesis found, beside what these figures say of it.
+Needs the package as `pip install .` makes it, and matplotlib for the plots. Times are processor time on one thread, and
+wall time where a device works; each is given as a ratio to `lloyd` in the same process. FOLDER gets a CSV file and a
+plot for each experiment, and findings.csv: the findings of the thesis, and the verdict of these figures on each.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def load(path: Path) -> engine.Mesh:
 
 
 def timed(mesh: engine.Mesh, **options) -> tuple[float, engine.Partition]:
-    """Seconds, and what came out."""
+    """Seconds, and the result."""
     clock = time.perf_counter if options.get("backend", "cpu") != "cpu" else time.process_time
     start = clock()
     part = engine.partition(mesh, engine.PartitionOptions(threads=1, **options))
@@ -52,7 +52,7 @@ def timed(mesh: engine.Mesh, **options) -> tuple[float, engine.Partition]:
 
 
 def speed(name: str, path: Path, counts: list[int]) -> list[dict]:
-    """Of every method on every back end the time of a round against lloyd's; of the default the time of all."""
+    """For every method on every back end the time of a round against lloyd's; for the default the time of all."""
     mesh, rows = load(path), []
     for proxies in counts:
         seconds = {}

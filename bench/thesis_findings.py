@@ -1,10 +1,10 @@
-"""What the thesis found of its floodings and its hybrid, held against the figures of thesis.py."""
+"""The findings of the thesis on its floodings and its hybrid, compared with the figures of thesis.py."""
 
 from __future__ import annotations
 
 
 def findings(speed: list[dict], rounds: list[dict], fractions: list[dict]) -> list[dict]:
-    """One row for each finding: thesis, holds (True or False, on all scans), here (the figures that say so)."""
+    """One row for each finding: thesis, holds (True or False, on all scans), here (the figures that show it)."""
     return [*_of_speed(speed), *_of_rounds(rounds), *_of_fractions(fractions)]
 
 

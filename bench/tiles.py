@@ -47,7 +47,7 @@ def write_ply(path: Path, vertices: np.ndarray, triangles: np.ndarray) -> None:
 
 
 def cut(mesh: Mesh, count: int, folder: Path) -> list[np.ndarray]:
-    """Writes a mesh as so many tiles; returns the faces of each."""
+    """Writes a mesh as `count` tiles; returns the faces of each."""
     vertices, triangles = mesh
     middles = vertices[triangles].mean(1)
     tile = Boxes(middles, count).find(middles)

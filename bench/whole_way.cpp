@@ -13,7 +13,7 @@
 namespace isimp::bench {
 namespace {
 
-/// Runs the phases one after another and notes of each what it took.
+/// Runs the phases one after another and records the time and memory of each.
 class Phases {
  public:
   Phases() : first_(gauge_now()) {}

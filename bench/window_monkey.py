@@ -4,8 +4,9 @@
 
 It starts Blender under Xvfb (Debian: blender, xvfb, imagemagick) by tests/python/blender/window/drive.py. The engine is
 found by PYTHONPATH. Each event is written to OUT/events.log before it is sent, so that the last line names the one that
-ended Blender. Every few events it looks whether something broke: a traceback, a changed or moved scan, endless work. It
-ends with 1 if something broke. The same seed gives the same events as far as Blender is as fast.
+Each event is written to OUT/events.log before it is sent, so that the last line names the one that ended Blender. Every
+few events it checks for failures: a traceback, a changed or moved scan, endless work. It ends with 1 after a failure.
+The same seed gives the same events as far as Blender is as fast.
 """
 
 import argparse
@@ -21,7 +22,7 @@ ROOT = Path(__file__).resolve().parents[1]
 WINDOW = ROOT / "tests" / "python" / "blender" / "window"
 SIZE = 640, 800  # little to draw
 TOOLS = ("region", "paint", "cut", "grow", "opening")
-#: keys, and those held with them; none that ends Blender, deletes or moves objects
+#: keys, and keys held with them; none that ends Blender, deletes or moves objects
 KEYS = (
     *(("Z", {"ctrl": True}),) * 4,
     *(("Z", {"ctrl": True, "shift": True}),) * 2,
@@ -106,7 +107,7 @@ class Monkey:
         yield
 
     def rest(self):
-        """Ends what is open, and lets work come to its end."""
+        """Ends all open tools, and waits for the end of work."""
         import bpy
 
         from isimp.blender import runtime
@@ -123,7 +124,7 @@ class Monkey:
 
 
 def scan_there():
-    """The scan, if it is there and seen."""
+    """The scan, if it exists and is visible."""
     import bpy
 
     scan = bpy.data.objects.get("Scan")
@@ -147,7 +148,7 @@ def run(hand):
     seed, seconds = int(os.environ["ISIMP_MONKEY_SEED"]), float(os.environ["ISIMP_MONKEY_SECONDS"])
     make_scan(4)
     bpy.ops.isimp.partition("EXEC_DEFAULT", True, proxies=14)
-    path = str(hand.out / "scan.blend")  # opened, so that no undo goes back before it
+    path = str(hand.out / "scan.blend")  # opened, so that no undo reaches back before it
     bpy.ops.wm.save_as_mainfile(filepath=path)
     bpy.ops.wm.open_mainfile(filepath=path, load_ui=False)
     yield 0.5

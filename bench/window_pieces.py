@@ -1,10 +1,10 @@
-"""Which pieces of the add-on keep a real window waiting longest, action by action, on a scan of many faces.
+"""The pieces of the add-on that block a real window longest, action by action, on a scan of many faces.
 
     bench/window_pieces.py SCAN.ply [--site FOLDER]     the folder with isimp_engine, if not this Python's
 
 Starts Blender under Xvfb, presses, points and clicks, and prints for each action the longest call of the add-on by
-Blender on the window's thread, with everything that it calls, in processor time. What Blender's own functions take of
-it stands beside, largest first: reading and writing of arrays, changes of mode, draw calls (which software drawing
+Blender on the window's thread, with everything that it calls, in processor time. The time of Blender's own functions in
+it is listed too, largest first: reading and writing of arrays, changes of mode, draw calls (which software drawing
 answers by transforming every corner). At the end: the process's peak of memory.
 """
 
@@ -19,13 +19,14 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import window_times
 
-# Functions of Blender's, by how they end. Those called by way of RNA, as `update_from_editmode`, can not be seen here.
+# Functions of Blender's, by the ends of their names. Functions called by way of RNA, such as `update_from_editmode`,
+# are not seen.
 BLENDERS = ("foreach_get", "foreach_set", "GPUBatch.draw", "attr_fill")
-LAYER_UPDATE = "_view_layer_update"  # of bpy.ops: what changed is evaluated
+LAYER_UPDATE = "_view_layer_update"  # of bpy.ops: changed data is evaluated
 
 
 class Pieces:
-    """Calls of the add-on on this thread, as a profiler sees them."""
+    """Calls of the add-on on this thread, recorded by a profiler."""
 
     def __init__(self):
         self.outermost, self.begin, self.open, self.blenders = None, 0.0, [], []
@@ -113,7 +114,7 @@ def run(hand):
         yield from did(f"{action}: point", pointed())
 
     def stroke(width):
-        """A stroke with the Paint tool over so much of the view."""
+        """A stroke with the Paint tool over a share of the view."""
         here = view.x + (0.5 - 0.5 * width) * view.width
         yield from hand.move(here, middle[1])
         hand.event("LEFTMOUSE", "PRESS", ctrl=True)

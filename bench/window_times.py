@@ -1,14 +1,14 @@
-"""How long the add-on keeps a real window waiting, on a scan of many faces: who takes how much.
+"""The times during which the add-on blocks a real window, on a scan of many faces, by part.
 
     bench/window_times.py SCAN.ply [--site FOLDER]     the folder with isimp_engine, if not this Python's
 
-Starts Blender under Xvfb, drags the number of regions, adds and deletes one, and prints, for each: the engine, on one
-thread; what the worker's thread does besides, in numpy; what the add-on does on the window's own thread, in sum and
-the longest piece at once; its draw calls there, which software drawing (llvmpipe) answers by transforming every corner,
-as no graphics card would; what Blender itself does there (its copy for undo too) until colours are on the screen; and
-what of that is more than Blender takes by itself for as many redraws, in the same window and scene before the add-on is
-switched on: of the scan as it is, and of colours written anew, with a step to undo.
-Processor time, as that is little disturbed by what else runs.
+Starts Blender under Xvfb, drags the number of regions, adds and deletes one, and prints the time of each part: the
+engine, on one thread; the other work of the worker's thread, in numpy; the add-on on the window's own thread, in sum
+and the longest piece at once; its draw calls there, which software drawing (llvmpipe) answers by transforming every
+corner, as no graphics card would; Blender itself there (its copy for undo too) until colours are on the screen; and the
+excess of that over Blender's own time for as many redraws, in the same window and scene before the add-on is switched
+on: of the scan as it is, and of colours written again, with a step to undo.
+Processor time, as other programs hardly disturb it.
 """
 
 import argparse
@@ -39,13 +39,13 @@ def start(scan, site, scenario=None):
 
 
 class Clock(threading.local):
-    """Processor time of the window's thread by whom, since the last `told`; what is inside of others' is theirs."""
+    """Processor time of the window's thread by owner, since the last `told`; inner calls count for their own owner."""
 
     def __init__(self):
         self.spent, self.longest, self.inside = {}, 0.0, []
 
     def around(self, owner, name, who):
-        """Counts what a function takes as somebody's, and not as of whoever called it."""
+        """Counts the time of a function for an owner, and not for its caller."""
         function = getattr(owner, name)
 
         def timed(*args, **more):
@@ -72,7 +72,7 @@ class Clock(threading.local):
 
 
 def by_threads() -> dict:
-    """{thread: seconds of processor time} of those of this process that are there now."""
+    """{thread: seconds of processor time} for the present threads of this process."""
     found = {}
     for folder in Path("/proc/self/task").iterdir():
         with suppress(FileNotFoundError):  # it has ended
@@ -81,10 +81,10 @@ def by_threads() -> dict:
 
 
 class Work:
-    """Processor time in the engine and beside it while a recipe is replayed, since the last `told`.
+    """Processor time in the engine and outside it while a recipe is replayed, since the last `told`.
 
-    The engine works on threads of its own, which end with the call: theirs is what the process took and no thread did
-    that was there before.
+    The engine works on threads of its own, which end with the call: their time is the time of the process minus the
+    time of the threads that were there before.
     """
 
     def __init__(self):
@@ -154,7 +154,7 @@ def run(hand):
     yield 1
     clock, work, drawn, rows = Clock(), Work(), [], []
     add = bpy.types.SpaceView3D.draw_handler_add
-    wanted = []  # whether what was asked for is on the screen
+    wanted = []  # whether the requested colours are on the screen
 
     def ended():
         if wanted:
@@ -222,7 +222,7 @@ def run(hand):
 
 
 def alone(hand, measured):
-    """What Blender takes by itself, for what the add-on has it do too."""
+    """Blender's own time for the work that the add-on causes."""
     import bpy
     import numpy as np
 
@@ -249,7 +249,7 @@ def alone(hand, measured):
 
 
 def show(rows):
-    rows = rows[1:]  # that of the first colours
+    rows = rows[1:]  # without the row of the first colours
     names = ("engine", "numpy", "add-on", "longest", "driver", "Blender", "more", "redraws")
     redraw, colors = (median(row[1] for row in rows if row[0] == f"{what} alone") for what in ("redraw", "colours"))
     print(f"{'':14}" + "".join(f"{name:>12}" for name in names) + "   ms of processor time, median (most)")

@@ -4,17 +4,18 @@
 
 #include "memory.h"
 
-/// What differs between the back ends, so that the kernels need not know. A back end's header has:
+/// The differences between the back ends, so that the kernels need not know them. A back end's header has:
 ///
 /// - ISIMP_KERNEL, which marks a function that runs on the device, and kName;
 /// - device_new, device_delete and device_copy of memory.h;
 /// - Readable<T>(memory, span): the caller's numbers where kernels can read them;
 /// - for_all(begin, end, kernel): calls kernel(i) for i in [begin, end), in no order;
-/// - reduce_all(memory, end, kernel, start, merge): what merge() makes of all kernel(i) for i in [0, end), in any order;
+/// - reduce_all(memory, end, kernel, start, merge): the result of merge() over all kernel(i) for i in [0, end), in any
+///   order;
 /// - scan_all(memory, from, count, to): the sums of all numbers before each of `count`;
 /// - shared(number): a number that kernels of one step change at the same time; the order must not matter;
-/// - Threads(wanted): while it lives, kernels that this thread starts use so many threads.
-#ifdef ISIMP_DEVICE_HEADER  // of a test
+/// - Threads(wanted): during its life, kernels that this thread starts use so many threads.
+#ifdef ISIMP_DEVICE_HEADER  // device of a test
 #include ISIMP_DEVICE_HEADER
 #elif defined(__CUDACC__)
 #include "device_cuda.h"

@@ -43,7 +43,7 @@ class Readable {
   std::span<const T> numbers_;
 };
 
-/// From how many steps on threads are worth their start.
+/// The least number of steps for which threads are worth their start.
 inline constexpr std::int64_t kWorthThreads = 1 << 13;
 
 /// Calls work(policy) with where `count` steps are best done.

@@ -23,7 +23,7 @@ inline constexpr const char* kName = "cuda";
 /// \throws thrust::system_error
 inline void check(cudaError_t error) {
   if (error == cudaSuccess) return;
-  (void)cudaGetLastError();  // or whoever asks next is told of it too
+  (void)cudaGetLastError();  // or the next caller would get this error too
   throw thrust::system_error(error, thrust::cuda_category());
 }
 inline void* device_new(std::size_t bytes) {
@@ -41,7 +41,7 @@ inline void device_copy(void* to, const void* from, std::size_t bytes) {
 template <class T>
 using Readable = Copied<T>;
 
-/// Hands Thrust what it wants for a sum or a scan.
+/// Provides Thrust with scratch memory for a sum or a scan.
 struct Scratch {
   using value_type = char;
   Memory* memory;
@@ -55,7 +55,7 @@ __global__ void run_kernel(std::int64_t begin, std::int64_t end, Kernel kernel) 
   if (i < end) kernel(i);
 }
 
-/// Not thrust::for_each, which takes nvcc ten times as long for each kernel.
+/// Not thrust::for_each, which nvcc compiles ten times as long for each kernel.
 template <class Kernel>
 void for_all(std::int64_t begin, std::int64_t end, Kernel kernel) {
   if (begin >= end) return;

@@ -33,7 +33,7 @@ auto guarded(const char* what, std::size_t faces, Work work) {
   }
 }
 
-/// Keeps the least of (error, face) for each region; a run of faces goes out at once where they share a region.
+/// Stores the least of (error, face) for each region; a run of faces is merged first where they share a region.
 struct NearestOfRun {
   static constexpr std::int64_t kRun = 16;
   using Key = unsigned long long;  // the bits of the error, which rise with it, then the face
@@ -78,7 +78,7 @@ class DeviceFlooder final : public Flooder {
   }
 
   /// Sends the proxies over.
-  /// \param anew  every face is free but the seeds
+  /// \param anew  every face except the seeds is free
   View begin(const Proxies& proxies, bool anew) {
     regions_ = static_cast<std::int32_t>(proxies.seed.size());
     seed_.assign(proxies.seed.data(), proxies.seed.size());
@@ -250,7 +250,7 @@ class DeviceFlooder final : public Flooder {
  private:
   /// The largest float of an error's quarter octave.
   static float end_of_level(float error) {
-    constexpr std::uint32_t kRest = (1U << 21) - 1;  // of the 23 bits of mantissa all but two
+    constexpr std::uint32_t kRest = (1U << 21) - 1;  // all but two of the 23 bits of mantissa
     return std::bit_cast<float>(std::bit_cast<std::uint32_t>(error) | kRest);
   }
 
@@ -266,7 +266,7 @@ class DeviceFlooder final : public Flooder {
   Queue queue_;
 };
 
-/// \throws InvalidInput  as Kernels::load says
+/// \throws InvalidInput  as Kernels::load
 inline std::unique_ptr<Flooder> load_flooder(const FloodSurface& surface, std::size_t most) {
   const auto count = static_cast<std::int64_t>(surface.faces.size() / 4);
   if (surface.faces.size() % 4 != 0 || surface.neighbours.size() != 3 * static_cast<std::size_t>(count))

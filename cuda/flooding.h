@@ -17,16 +17,16 @@ struct Normal {
   float x, y, z;
 };
 
-/// What kernels see of a surface and its proxies.
+/// The view of a surface and its proxies for kernels.
 struct View {
   const float* faces;              ///< (4 N)
   const std::int32_t* neighbours;  ///< (3 N)
   const Normal* normal;            ///< (R)
   const std::int32_t* seed;        ///< (R)
-  std::int32_t* label;             ///< (N + 1), that of the sentinel is -1
+  std::int32_t* label;             ///< (N + 1), the sentinel has -1
   std::int32_t count;              ///< N
 
-  /// Sums and products of floats, one rounding each: the same bits wherever it runs.
+  /// Sums and products of floats, one rounding each: the same bits on all back ends.
   ISIMP_KERNEL float error(std::int32_t face, std::int32_t region) const {
     const float* f = faces + 4 * static_cast<std::int64_t>(face);
     const Normal p = normal[region];
@@ -37,7 +37,7 @@ struct View {
   ISIMP_KERNEL std::int32_t neighbour(std::int32_t face, int k) const {
     return neighbours[3 * static_cast<std::int64_t>(face) + k];
   }
-  /// Of the regions next to a face the one with the least error, where that is below `least`; else `best` as it was.
+  /// The region with the least error next to a face, if that is below `least`; else `best` does not change.
   ISIMP_KERNEL void look_around(std::int32_t face, float& least, std::int32_t& best) const {
     const std::int32_t own = best;
     for (int k = 0; k < 3; ++k) {
@@ -52,7 +52,7 @@ struct View {
   }
 };
 
-/// What each face of the queue shall be, from what all are now.
+/// Chooses the next label of each face of the queue from the present labels of all.
 struct Choose {
   View view;
   const std::int32_t* queue;
@@ -69,7 +69,7 @@ struct Choose {
   }
 };
 
-/// The same where labels are final: a free face takes what is offered at no more than `level`, or waits.
+/// As above where labels are final: a free face takes an offer of at most `level`, or waits.
 struct ChooseOnce {
   View view;
   const std::int32_t* queue;
@@ -105,9 +105,9 @@ struct Less {
 };
 
 /// Claims faces for the next queue: `mine` has a bit for each neighbour of a face that is now its to add, and kItself.
-/// Who of several claims a face is left to chance. Only faces are claimed to which the region is better than their own.
-/// That may have changed in this very step already or not yet; but it changes for the better only, so that what is not
-/// claimed would have stayed as it is, and what is claimed needlessly will.
+/// Chance decides which of several faces claims a neighbour. Only faces are claimed to which the region is better than
+/// their own. Their own region may or may not have changed in this very step; but it changes for the better only, so
+/// that faces that are not claimed would not change, and faces that are claimed needlessly do not either.
 struct Claim {
   static constexpr std::int32_t kItself = 8;
 
@@ -136,7 +136,7 @@ struct Claim {
   }
 };
 
-/// Gives the faces what was chosen; neighbours of those that changed come next, and those still free wait on.
+/// Sets the chosen labels of the faces; the neighbours of changed faces come next, and free faces wait on.
 struct Apply {
   Claim claim;
   const std::int32_t* queue;
@@ -176,7 +176,7 @@ struct ClaimFree {
   }
 };
 
-/// How many faces a candidate has claimed; none for the one after the last, so that a scan ends with the sum.
+/// The number of faces that a candidate has claimed; none for the one after the last, so that a scan ends with the sum.
 struct CountBits {
   const std::int32_t* claims;
   std::int64_t candidates;
@@ -186,7 +186,7 @@ struct CountBits {
   }
 };
 
-/// Writes the claimed faces where the exclusive scan of their number says.
+/// Writes the claimed faces at the places of the exclusive scan of their number.
 template <class Faces>
 struct Scatter {
   View view;
@@ -203,7 +203,7 @@ struct Scatter {
   }
 };
 
-/// The faces of a step, and how those of the next one are gathered: indicator, exclusive scan, scatter.
+/// The faces of a step, and the gathering of the faces of the next one: indicator, exclusive scan, scatter.
 class Queue {
  public:
   Queue(Memory& memory, std::int32_t faces)
@@ -227,14 +227,14 @@ class Queue {
     for_all(0, seeds, ClaimAroundSeeds{next_claim(view), claims_.data()});
     gather(view, seeds, view.seed);
   }
-  /// For faces that have no region yet; those of others stay.
+  /// For faces that have no region yet; the others keep theirs.
   void start_free(const View& view) {
     once_ = true;
     grow(claims_, view.count);
     for_all(0, view.count, ClaimFree{next_claim(view), claims_.data()});
     gather(view, view.count, thrust::counting_iterator<std::int32_t>(0));
   }
-  /// Applies what was chosen and makes the next queue.
+  /// Applies the chosen labels and makes the next queue.
   void advance(const View& view) {
     grow(claims_, size_);
     for_all(0, size_, Apply{next_claim(view), faces(), chosen(), claims_.data()});
@@ -242,7 +242,7 @@ class Queue {
   }
 
  private:
-  /// Makes room for a queue, which never has a face twice; what was there is lost.
+  /// Makes room for a queue, which never has a face twice; the old content is lost.
   void grow(Array<std::int32_t>& array, std::int64_t size) {
     const auto most = static_cast<std::int64_t>(mark_.size()) + 1;
     if (static_cast<std::int64_t>(array.size()) < size)

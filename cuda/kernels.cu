@@ -1,5 +1,5 @@
-// The kernels, written once for all back ends: nvcc makes the CUDA ones of this file, the C++ compiler those of the
-// CPU.
+// The kernels, written once for all back ends: nvcc makes the CUDA kernels of this file, the C++ compiler the kernels
+// of the CPU.
 #include "device.h"
 #include "device_flooder.h"
 #include "devices.h"

@@ -16,13 +16,13 @@
 #endif
 #endif
 
-/// Memory of the device: in place of what Thrust has, which asks the device for every vector and every sum anew.
+/// Memory of the device, in place of Thrust's own, which allocates it again for every vector and every sum.
 namespace isimp::parallel::ISIMP_DEVICE {
 
 /// The device has too little memory left.
 struct OutOfMemory final : std::bad_alloc {
   OutOfMemory(std::size_t more, std::size_t had) : wanted(more), held(had) {}
-  std::size_t wanted, held;  ///< bytes asked for, and bytes held already
+  std::size_t wanted, held;  ///< requested bytes, and bytes held already
 };
 
 // The back end's header defines these three.
@@ -32,8 +32,8 @@ inline void device_delete(void* block) noexcept;
 /// Copies between host and device, in any direction, before later kernels run and after earlier ones.
 inline void device_copy(void* to, const void* from, std::size_t bytes);
 
-/// Blocks of the device's memory. What is given back is kept for whoever asks next, until it is wanted in other sizes
-/// or the whole goes: a CUDA device stands still while it makes room. For one thread at a time.
+/// Blocks of the device's memory. A freed block is kept for the next request, until memory is needed in other sizes or
+/// the whole is destroyed: a CUDA device stands still while it allocates. For one thread at a time.
 class Memory {
  public:
   /// \param most  bytes that may be held at any time
@@ -58,7 +58,7 @@ class Memory {
       if (b.at == at) b.taken = false;
   }
   [[nodiscard]] std::size_t held() const { return held_; }
-  /// How often the device was asked for a block.
+  /// The number of blocks that were allocated on the device.
   [[nodiscard]] std::int64_t allocations() const { return allocations_; }
 
  private:
@@ -70,7 +70,7 @@ class Memory {
   static constexpr std::size_t kStep = 256;
 
   Block& make(std::size_t bytes) {
-    blocks_.reserve(blocks_.size() + 1);  // so that nothing can fail once there is a block
+    blocks_.reserve(blocks_.size() + 1);  // so that nothing can fail once the block exists
     void* at = allowed(bytes) ? device_new(bytes) : nullptr;
     if (at == nullptr) {
       drop_free();
@@ -110,7 +110,7 @@ class Array {
   [[nodiscard]] T* data() { return data_; }
   [[nodiscard]] const T* data() const { return data_; }
 
-  /// What was in it is lost, where the size is another.
+  /// The content is lost if the size is another.
   void resize(std::size_t size) {
     if (size == size_) return;
     memory_->give(std::exchange(data_, nullptr));
@@ -118,12 +118,12 @@ class Array {
     data_ = static_cast<T*>(memory_->take(size * sizeof(T)));
     size_ = size;
   }
-  /// Takes numbers from the host or the device.
+  /// Copies numbers from the host or the device.
   void assign(const T* from, std::size_t size) {
     resize(size);
     device_copy(data_, from, size * sizeof(T));
   }
-  /// The first `count` numbers go to the host.
+  /// Copies the first `count` numbers to the host.
   void read(T* to, std::size_t count) const { device_copy(to, data_, count * sizeof(T)); }
   [[nodiscard]] std::vector<T> read() const {
     std::vector<T> numbers(size_);

@@ -7,7 +7,7 @@
 
 #include "flooding.h"
 
-/// Naive flooding: every face looks at the regions nearest to it.
+/// Naive flooding: every face compares the regions nearest to it.
 namespace isimp::parallel::ISIMP_DEVICE {
 
 /// The regions' centres in a grid of cells over the unit cube.
@@ -17,7 +17,7 @@ struct Grid {
   std::int32_t side;           ///< cells along an axis
 };
 
-/// The nearest regions of one face so far, by distance, then by region.
+/// The nearest regions of one face among the visited ones, by distance, then by region.
 struct Candidates {
   std::int32_t wanted, found;
   float distance[32];
@@ -80,7 +80,7 @@ struct ChooseNear {
     near.offer(x * x + y * y + z * z, r);
   }
 
-  /// Looks at cells in growing cubes round the face's, until what is not yet seen is farther than what is wanted.
+  /// Visits cells in growing cubes around the face's, until all other cells are farther than the wanted regions.
   ISIMP_KERNEL void search(Candidates& near, std::int32_t i) const {
     const float* p = place + 3 * static_cast<std::int64_t>(i);
     std::int32_t cell[3];
@@ -109,10 +109,10 @@ struct ChooseNear {
   }
 
  public:
-  /// The same on the host, where the grid is made.
+  /// As above on the host, where the grid is made.
   ISIMP_KERNEL static std::int32_t cell_of(float x, std::int32_t side) {
     const float cell = x * static_cast<float>(side);
-    if (!(cell > 0)) return 0;  // what is no number too: its conversion is undefined
+    if (!(cell > 0)) return 0;  // also if not a number, whose conversion is undefined
     return cell < static_cast<float>(side) ? static_cast<std::int32_t>(cell) : side - 1;
   }
 };

@@ -5,8 +5,8 @@
 #include "flooding.h"
 #include "summing.h"
 
-/// The pieces in which regions lie: faces of one label that hang together. A piece goes by its first face, so that no
-/// order of joining changes a name.
+/// The pieces in which regions lie: faces of one label that hang together. Each piece is named by its first face, so
+/// that no order of joining changes a name.
 namespace isimp::parallel::ISIMP_DEVICE {
 
 /// Every face a piece of its own.
@@ -15,7 +15,7 @@ struct Alone {
   ISIMP_KERNEL void operator()(std::int64_t i) const { parent[i] = static_cast<std::int32_t>(i); }
 };
 
-/// Joins a face to its neighbours of the same label. The larger root always hangs itself below the smaller.
+/// Joins a face to its neighbours of the same label. The larger root always becomes a child of the smaller.
 /// Source: the hooking of ECL-CC, Jaiganesh and Burtscher 2018.
 struct Join {
   View view;
@@ -33,7 +33,7 @@ struct Join {
     std::int32_t above = shared(parent[i]).load(kRelaxed);
     while (above != i) {
       const std::int32_t next = shared(parent[above]).load(kRelaxed);
-      if (next != above) shared(parent[i]).store(next, kRelaxed);  // halves the way for who comes later
+      if (next != above) shared(parent[i]).store(next, kRelaxed);  // halves the path for later searches
       i = above;
       above = next;
     }
@@ -80,7 +80,7 @@ struct LargestPiece {
   }
 };
 
-/// Of equally large pieces the one that begins first.
+/// Selects, among equally large pieces, the one that begins first.
 struct FirstOfLargest {
   LargestPiece find;
   std::int32_t* first;  ///< (R)

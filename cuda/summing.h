@@ -11,9 +11,9 @@
 /// Sums over the faces of each region, of integers, so that the order of adding is of no matter.
 namespace isimp::parallel::ISIMP_DEVICE {
 
-using Integer = long long;  // what CUDA has an atomic addition for
+using Integer = long long;  // the type of CUDA's atomic addition
 
-/// What one look at all faces finds.
+/// The result of one pass over all faces.
 struct Survey {
   float largest_area;
   std::int64_t first_bad;  ///< the first face whose numbers or label can't be used; N if there is none
@@ -21,7 +21,7 @@ struct Survey {
 
 struct LookAtFace {
   const float* faces;
-  const std::int32_t* labels;  ///< null: no labels to look at
+  const std::int32_t* labels;  ///< null: no labels to check
   std::int64_t count;
   std::int32_t regions;
 
@@ -61,8 +61,8 @@ inline int shift_for(float largest_area, std::int64_t count) {
 }
 
 /// Adds the faces of one run of kRun to the sums of their regions: area, area times normal, and area times centre where
-/// there are kColumns = 7. Neighbours in memory mostly share a region, so a run is added up first and goes out in a few
-/// atomic additions.
+/// there are kColumns = 7. Neighbours in memory mostly share a region, so a run is summed first and needs few atomic
+/// additions.
 template <int kColumns>
 struct AddRun {
   static constexpr std::int64_t kRun = 16;

@@ -5,7 +5,7 @@
 
 IN is any format that Blender reads, or .off. OUT are .obj, .ply, .glb, in the axes of IN, or .blend, which keeps the
 scan and its coloured regions. Ends with 0; 2 for wrong usage; 3 for a scan that can't be used, and a line saying why.
-Scan after scan with the same T.csv, each adds a row to it: what came of it, or why nothing did.
+A table T.csv may collect many scans: each run adds a row with its result, or with the reason of its failure.
 """
 
 import argparse
@@ -47,7 +47,7 @@ Z_UP = {".ply", ".stl", ".off"}  # read as they are; all others are turned by Bl
 
 
 class Problem(Exception):
-    """The scan can't be used, or a file not be written; the message says why."""
+    """The scan can't be used, or a file not be written; the message gives the reason."""
 
 
 def arguments(argv):
@@ -95,7 +95,7 @@ def switch_on_addon():
     version = f"python{sys.version_info.major}.{sys.version_info.minor}"
     for folder in (*root.glob("build*/python"), *root.glob(f".venv*/lib/{version}/site-packages")):
         if (folder / "isimp_engine").is_dir():
-            sys.path.append(str(folder))  # behind all others, so that what is installed comes first
+            sys.path.append(str(folder))  # behind all others, so that installed packages come first
             break
     sys.path.insert(0, str(root / "addon"))
     import isimp
@@ -109,7 +109,7 @@ def of_addon(name):
 
 
 def call(name, **settings):
-    """Calls an operator; what it reports as an error becomes a Problem."""
+    """Calls an operator; an error that it reports becomes a Problem."""
     group, operator = name.split(".")
     try:
         return getattr(getattr(bpy.ops, group), operator)(**settings)
@@ -118,7 +118,7 @@ def call(name, **settings):
 
 
 def said(message):
-    """What an operator reported, as a line: of a fault in one that is written in Python only what went wrong."""
+    """The report of an operator as one line; for a fault in one written in Python only its last line."""
     lines = [line.strip() for line in message.splitlines() if line.strip()]
     if not any("Traceback (most recent" in line for line in lines):
         return " ".join(lines).removeprefix("Error: ")
@@ -156,7 +156,7 @@ def imported(path):
     if reader == "engine":
         return from_engine(path)
     if "bool" not in vars(np):
-        np.bool = bool  # the glTF importer of Blender 3.4 asks for it, Debian's numpy has it no longer
+        np.bool = bool  # the glTF importer of Blender 3.4 uses it, Debian's numpy has it no longer
     call(reader, filepath=str(path))
     meshes = [obj for obj in bpy.context.scene.objects if obj.type == "MESH" and len(obj.data.polygons)]
     if not meshes:
@@ -265,7 +265,7 @@ def recipe_text(path):
 
 
 def write(path, options):
-    """As `write_as`; whatever goes wrong becomes a Problem that names the file."""
+    """As `write_as`; every failure becomes a Problem that names the file."""
     make_room(path)
     try:
         write_as(path, options)
@@ -290,7 +290,7 @@ def make_room(path):
 
 
 def write_as(path, options):
-    """Writes the result, or for a .blend everything, in the axes of what was read."""
+    """Writes the result, or for a .blend everything, in the axes of the input."""
     path = path.resolve()
     kind, y_up = path.suffix.lower(), options.input.suffix.lower() not in Z_UP
     if kind == ".blend":
@@ -342,7 +342,7 @@ def write_ply(path, points, faces):
     path.write_text("\n".join([*head, *lines]) + "\n")
 
 
-#: what writes coordinates as float64
+#: kinds of files with coordinates as float64
 EXACT = {".obj": write_obj, ".ply": write_ply}
 
 
@@ -383,7 +383,7 @@ def main(argv):
 
 
 def run(options, row, started):
-    """Does it all, and says so in the row of the table; the code to end with."""
+    """Does all steps, and fills in the row of the table; returns the exit code."""
     try:
         switch_on_addon()
         scan = read(options)

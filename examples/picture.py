@@ -1,4 +1,4 @@
-"""A picture of a scan's regions in colours beside the polygons made of them, by Workbench."""
+"""A picture of a scan's regions in colours next to the polygons made of them, by Workbench."""
 
 import bpy
 import numpy as np
@@ -7,13 +7,13 @@ from mathutils import Matrix
 WIDTH, HEIGHT = 1800, 960
 LINE = (0.012, 0.014, 0.018, 1.0)
 PAPER = (1.0, 1.0, 1.0)
-GAP = 0.10  # between the two, and round them, as a share of the height
-SIDES = 6  # of the thin tubes that stand for lines
+GAP = 0.10  # between the two, and around them, as a share of the height
+SIDES = 6  # sides of the thin tubes that stand for lines
 BORDER, EDGE = 0.0009, 0.0016  # radii of lines between regions and of polygons' edges, as a share of the diagonal
 
 
 def render(scan, result, path, up="Z", turn=30.0):
-    """Writes the picture. up: which axis of Blender's space goes upwards; turn: degrees round it."""
+    """Writes the picture. up: the axis of Blender's space that points upwards; turn: degrees around it."""
     view = look_from(up, turn)
     left, right = _arrays(scan), _arrays(result)
     middle = left["points"].mean(axis=0)  # far from zero float32 is too coarse for a picture
@@ -136,7 +136,7 @@ def surface(name, arrays, face_color, corner_normal, view, shift):
     """A surface with its light painted on, soft from the upper left: colours stay bright, no side is black."""
     normal = corner_normal / np.maximum(np.linalg.norm(corner_normal, axis=1, keepdims=True), 1e-30)
     color = np.repeat(face_color, arrays["total"], axis=0)
-    normal *= np.where(normal @ view[2] < 0, -1, 1)[:, None]  # of an open scan the back may be seen too
+    normal *= np.where(normal @ view[2] < 0, -1, 1)[:, None]  # the back of an open scan may be seen too
     light = np.array([-0.45, 0.65, 0.6]) @ view
     shade = 0.5 + 0.5 * normal @ (light / np.linalg.norm(light))
     color[:, :3] *= (0.22 + 0.98 * shade**1.3)[:, None]

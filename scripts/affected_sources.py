@@ -1,7 +1,7 @@
 """The engine's sources that a change touches: BUILD_DIR COMMIT -> one path a line.
 
-A source counts if git says that it changed since COMMIT, or if the compiler, asked by way of ninja, has read a file for
-it that changed. Without COMMIT, all sources count.
+A source counts if it has changed since COMMIT by git, or if it includes a file that has changed, by ninja's record of
+the compiler. Without COMMIT, all sources count.
 """
 
 import subprocess
@@ -17,7 +17,7 @@ def output(*command: str) -> str:
 
 
 def read_by_source(build: Path) -> dict[Path, set[Path]]:
-    """What ninja knows that each object was made of: its source, and all that this includes."""
+    """The inputs of each object in ninja's record: its source, and all files that this includes."""
     found: dict[Path, set[Path]] = {}
     source = None
     for line in output("ninja", "-C", str(build), "-t", "deps").splitlines():

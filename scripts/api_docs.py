@@ -124,9 +124,7 @@ def entry(name: str, thing: Any) -> list[str]:
             *block(documentation(thing)),
         ]
     text = documentation(thing)
-    if "__init__" not in vars(thing) or hasattr(
-        thing, "as_dict"
-    ):  # not for callers to make, or all fields are keywords
+    if "__init__" not in vars(thing) or hasattr(thing, "as_dict"):  # not made by callers, or all fields are keywords
         return [f"### {name}", "", *block(text), *table(thing)]
     if dataclasses.is_dataclass(thing):
         return [f"### {name}", "", f"`{name}{parameters(thing)}`", "", *block(text), *table(thing)]
@@ -136,7 +134,7 @@ def entry(name: str, thing: Any) -> list[str]:
 
 
 def own(module: ModuleType) -> Iterator[tuple[str, Any]]:
-    """The public classes and functions of a module of the package: its __all__, else those that it defines."""
+    """The public classes and functions of a module of the package: its __all__, else the ones that it defines."""
     if hasattr(module, "__all__"):
         yield from ((name, getattr(module, name)) for name in module.__all__)
         return

@@ -1,4 +1,4 @@
-"""What is done in Blender's window for the manual's six steps to a game asset; run as pictures_in_window.py is.
+"""The actions in Blender's window for the manual's six steps to a game asset; run as pictures_in_window.py is.
 
 The scan is the owl of bench/painted_scans.py, which scripts/pictures.py has put into a file.
 """
@@ -56,7 +56,7 @@ def shade(hand, textured):
 
 
 def levels(hand):
-    """Three levels of detail beside one another, with their textures and edges."""
+    """Three levels of detail in a row, with their textures and edges."""
     shown = scan()
     for number, regions in enumerate(LEVELS):
         bpy.context.view_layer.objects.active = shown

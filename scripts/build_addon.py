@@ -4,10 +4,10 @@ For each platform there are two zips: an extension for Blender 4.2 and later, an
 
     scripts/build_addon.py [--wheel WHEEL ...] [--out dist]
 
-The version is that of CMakeLists.txt. The engine comes from wheels, one for each platform, that hold the module for
-all Pythons (scripts/package.sh), or, without --wheel, from the package installed for the Python that runs this. Of the
-Pythons a zip gets those that its Blenders have.
-Blender 4.2.0 takes the wheel of the highest name whatever its Python, so a zip never has two.
+The version is that of CMakeLists.txt. The engine comes from wheels, one for each platform, that hold the module for all
+Pythons (scripts/package.sh), or, without --wheel, from the package installed for the Python that runs this. A zip gets
+the modules for the Pythons of its Blenders.
+Blender 4.2.0 takes the wheel of the highest name for any Python, so a zip never has two.
 """
 
 import argparse
@@ -25,7 +25,7 @@ import wheels
 
 ROOT = Path(__file__).resolve().parent.parent
 ADDON = ROOT / "addon" / "isimp"
-PLATFORMS = {  # of wheels, and what Blender calls them
+PLATFORMS = {  # of wheels, and their names in Blender
     r"(many)?linux.*_x86_64": "linux-x64",
     r"(many)?linux.*_aarch64": "linux-arm64",
     r"macosx_.*_arm64": "macos-arm64",
@@ -33,7 +33,7 @@ PLATFORMS = {  # of wheels, and what Blender calls them
     r"win_amd64": "windows-x64",
     r"win_arm64": "windows-arm64",
 }
-PYTHONS = {  # of the Blenders that a zip is for
+PYTHONS = {  # Pythons of the Blenders of each zip
     "extension": ["311", "313", "314"],  # 4.2 to 5.0; 5.1 and 5.2, Debian's 4.3; Debian's 5.2
     "legacy": ["310", "311"],  # 3.4 to 4.0; 4.1, Debian's 3.4
 }
@@ -53,7 +53,7 @@ def version() -> str:
 
 
 def blenders_version() -> str:
-    """The same as Blender wants it, which asks for semantic versions: 0.1.0-dev.3 for 0.1.0.dev3."""
+    """The same in the form of Blender, which requires semantic versions: 0.1.0-dev.3 for 0.1.0.dev3."""
     return re.sub(r"\.dev([0-9]+)$", r"-dev.\1", version())
 
 
@@ -128,12 +128,12 @@ def wheel_for(kind: str, wheel: Path, folder: Path) -> Path | None:
 
 
 def engine_of(name: str) -> bool:
-    """Whether a file of a wheel is the engine's: the package, and the libraries that auditwheel puts beside it."""
+    """Whether a file of a wheel is the engine's: the package, and the libraries that auditwheel adds."""
     return name.startswith(("isimp_engine/", "isimp.libs/", "isimp_engine.libs/"))
 
 
 def pack_legacy(target: Path, wheel: Path) -> None:
-    """Everything under isimp/, the engine as a package inside, its libraries beside it, where it looks for them."""
+    """Everything under isimp/, the engine as a package inside, its libraries next to it, where it searches for them."""
     with zipfile.ZipFile(target, "w") as archive, zipfile.ZipFile(wheel) as source:
         for name, data in addon_files().items():
             if name != "blender_manifest.toml":
@@ -143,9 +143,9 @@ def pack_legacy(target: Path, wheel: Path) -> None:
 
 
 def pack_extension(target: Path, wheel: Path, website: str | None) -> None:
-    """Everything under isimp/, which Blender takes off, the wheel named in the manifest.
+    """Everything under isimp/, which Blender strips, and the wheel named in the manifest.
 
-    A Blender before 4.2 unpacks the zip as it is: without that folder it would strew the files among other add-ons.
+    A Blender before 4.2 unpacks the zip as it is: without that folder the files would lie among other add-ons.
     """
     site = f'website = "{website}"\n' if website else ""
     with zipfile.ZipFile(target, "w") as archive:

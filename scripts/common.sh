@@ -1,4 +1,4 @@
-# Sourced by the other scripts: where things are, and how what is missing gets installed.
+# Sourced by the other scripts: paths, and functions that install missing packages.
 # shellcheck shell=bash disable=SC2034
 
 cd "$(dirname "${BASH_SOURCE[0]}")/.." || exit 1
@@ -15,7 +15,7 @@ as_root() {
   if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi
 }
 
-# apt_install PACKAGE...: those of them that are not there yet.
+# apt_install PACKAGE...: installs the missing ones.
 apt_install() {
   local package missing=()
   for package; do
@@ -27,7 +27,7 @@ apt_install() {
     as_root env DEBIAN_FRONTEND=noninteractive apt-get install -qq -y --no-install-recommends "${missing[@]}" >/dev/null
 }
 
-# venv DIR REQUIREMENT...: made anew only when the requirements have changed.
+# venv DIR REQUIREMENT...: rebuilt only when the requirements have changed.
 venv() {
   local dir=$1
   shift
@@ -37,7 +37,7 @@ venv() {
   "$python" -m venv "$dir" && "$dir/bin/pip" install -q "$@" && echo "$*" >"$dir/requirements"
 }
 
-# What pyproject.toml asks for to build the package, one a line.
+# The requirements of pyproject.toml to build the package, one a line.
 build_requirements() {
   "$python" -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"], sep="\n")'
 }
@@ -49,13 +49,13 @@ has_extensions() {
   [ -n "$version" ] && printf '4.2\n%s\n' "$version" | sort -C -V
 }
 
-# build_wheel VENV [OPTION...]: our package with CUDA where nvcc is found, into out/wheel; a second time only what has
-# changed.
+# build_wheel VENV [OPTION...]: our package with CUDA where nvcc is found, into out/wheel; the second time only changed
+# files are compiled.
 build_wheel() {
   local venv=$1
   shift
   rm -rf "$out/wheel"
-  # The compiler by the name that CMake has without pip: ccache tells names apart.
+  # The compiler has the name that CMake uses without pip: ccache treats other names as other compilers.
   CC=cc CXX=c++ "$venv/bin/pip" wheel . --no-deps --no-build-isolation -w "$out/wheel" --config-settings build-dir=build-wheel "$@"
 }
 

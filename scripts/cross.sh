@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # Compiles the engine for systems that this machine is not, and runs its C++ tests where an emulator does it:
 #   scripts/cross.sh [TARGET...]     aarch64-linux-musl, x86_64-windows-gnu, aarch64-macos; the default is all three
-# The compiler is the clang of Python's package ziglang, with its own C++ library. The tests of aarch64 run under qemu, those
-# of Windows under wine. They are compiled with -O1. For macOS there is no emulator, so the libraries alone are compiled, with
-# -O0, to know that they compile. The methods of the thesis (Thrust, OpenMesh) are compiled with ISIMP_CROSS_THESIS=ON alone.
-# The table comes to out/cross/table.md. It exits 1 if a target was not compiled whole or a test failed. ISIMP_CROSS_TESTS
-# names the tests to run; the default is those below.
+# The compiler is the clang of Python's package ziglang, with its own C++ library. The tests of aarch64 run under qemu,
+# the tests of Windows under wine. They are compiled with -O1. For macOS there is no emulator, so the libraries alone
+# are compiled, with -O0, to check that they compile. The methods of the thesis (Thrust, OpenMesh) are compiled with
+# ISIMP_CROSS_THESIS=ON alone. The table is written to out/cross/table.md. It exits 1 if a target was not compiled whole
+# or a test failed. ISIMP_CROSS_TESTS names the tests to run; the default is below.
 set -uo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
@@ -16,7 +16,7 @@ cross=$out/cross
 tools=$root/.venv-cross
 headers=${ISIMP_THIRD_PARTY:-${XDG_CACHE_HOME:-$HOME/.cache}/isimp/third_party}
 
-# make_tools TARGET: what CMake calls, in out/cross/TARGET/bin.
+# make_tools TARGET: makes the tools that CMake calls, in out/cross/TARGET/bin.
 make_tools() {
   local bin=$cross/$1/bin name
   mkdir -p "$bin"
@@ -26,7 +26,7 @@ make_tools() {
   done
 }
 
-# emulator TARGET: what runs a program of it, nothing where there is none.
+# emulator TARGET: the emulator for its programs, empty if there is none.
 emulator() {
   case $1 in
     aarch64-linux-*) command -v qemu-aarch64-static ;;
@@ -34,7 +34,7 @@ emulator() {
   esac
 }
 
-# compile TARGET: libraries, and tests where something runs them; goes on after an error, so that the log names all.
+# compile TARGET: libraries, and tests where they can run; continues after an error, so that the log names all.
 compile() {
   local build=$cross/$1/build level=-O0 programs=()
   [ -z "$(emulator "$1")" ] || { level=-O1 && programs=("${tests[@]}"); }
@@ -47,7 +47,7 @@ compile() {
   ninja -C "$build" -k 0 -j "${ISIMP_CROSS_JOBS:-2}" native/all "${programs[@]}"
 }
 
-# run TARGET: says which tests passed.
+# run TARGET: runs the tests and reports which passed.
 run() {
   local program=$1 runner test passed=0 failed=()
   runner=$(emulator "$1")

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The main job on a real scan, through Blender in the background: installs what it needs on Debian 12, builds the engine,
-# and leaves out/demo.blend, out/demo.obj and out/demo.png, whose path is the last line.
+# The main job on a real scan, through Blender in the background: installs its requirements on Debian 12, builds the
+# engine, and writes out/demo.blend, out/demo.obj and out/demo.png, whose path is the last line.
 #   scripts/demo.sh                  the bunny at 200 regions
 #   scripts/demo.sh SCAN REGIONS     another scan, in any format that Blender reads
 set -euo pipefail

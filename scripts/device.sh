@@ -2,10 +2,10 @@
 # Brings the CUDA part to a machine that has a device but no compiler and no network, and tries it there.
 #   scripts/device.sh prepare FOLDER [SCAN...]   makes FOLDER and FOLDER.tar.xz: the engine with CUDA, numpy, tests,
 #                                                benchmarks, scans
-#   FOLDER/device.sh run                         on the other machine; FOLDER/results gets what it finds
+#   FOLDER/device.sh run                         on the other machine; writes its results to FOLDER/results
 #
-# `run` has a time limit for each step and ends after 12 minutes at most. Without a device it does all that needs none and
-# says so.
+# `run` has a time limit for each step and ends after 12 minutes at most. Without a device it runs all steps that need
+# none, and reports that.
 # ISIMP_PYTHONS: the Pythons to build for, as commands; without it Debian's and, where pyenv has it, 3.12.
 set -uo pipefail
 

@@ -1,4 +1,4 @@
-"""Writes what is made from the engine's table of options, and the API page.
+"""Writes the files derived from the engine's table of options, and the API page.
 
     PYTHONPATH=build-dev/python python scripts/generate.py
 
@@ -6,7 +6,7 @@
 - addon/isimp/engine_options.py: the table as plain data, so that recipes load without the engine
 - docs/api.md, by scripts/api_docs.py
 
-Tests say when one of them is out of date.
+Tests fail when one of them is out of date.
 """
 
 import json
@@ -34,12 +34,12 @@ CLASSES = (
 
 
 def type_of(field: dict[str, Any]) -> str:
-    """The type of a field as the stub has it."""
+    """The type of a field in the stub."""
     return f"Literal[{', '.join(map(literal, field['choices']))}]" if "choices" in field else field["type"]
 
 
 def stub_of(kind: type) -> str:
-    """The class as the stub has it."""
+    """The class in the stub."""
     fields = kind.fields()
     attributes = [f"    {field['name']}: {type_of(field)}" for field in fields]
     keywords = [f"        {field['name']}: {type_of(field)} = ...," for field in fields]
@@ -61,7 +61,7 @@ def stub_of(kind: type) -> str:
 
 
 def with_classes(text: str) -> str:
-    """The stub with the classes of options as they are now."""
+    """The stub with the present classes of options."""
     for kind in CLASSES:
         pattern = rf"^class {kind.__name__}:\n(?:    .*\n)+"
         text, count = re.subn(pattern, lambda _, kind=kind: stub_of(kind), text, flags=re.MULTILINE)
@@ -71,7 +71,7 @@ def with_classes(text: str) -> str:
 
 
 def data() -> str:
-    """The table as the add-on has it."""
+    """The table in the add-on's form."""
     text = HEAD
     tables = {"MESHING": engine.MeshingOptions, "PARTITION": engine.PartitionOptions}
     tables |= {"REGULARISE": engine.RegulariseOptions, "TEXTURE": engine.TextureOptions}
@@ -84,7 +84,7 @@ def data() -> str:
             facts |= {"choices": tuple(field.get("choices", ()))}
             text += f'    "{field["name"]}": Option(\n'
             for key, value in facts.items():
-                if key in ("kind", "default") or not (value is False or value in ("", ())):  # these are so by default
+                if key in ("kind", "default") or not (value is False or value in ("", ())):  # the others are defaults
                     text += f"        {key}={literal(value)},\n"
             text += "    ),\n"
         text += "}\n"

@@ -45,7 +45,7 @@ Source of others that iSimp is built upon, unchanged. The folder licences has th
 
 
 class Missing(Exception):
-    """Something could not be had; the message says what, why and what to do."""
+    """A requirement is missing; the message gives its name, the reason and the remedy."""
 
 
 def checked(folder: Path, name: str, sha256: str) -> Path:
@@ -75,7 +75,7 @@ def from_pypi(name: str, version: str, sha256: str, folder: Path) -> Path:
 
 
 class Apt:
-    """apt with a list of its own, of the suite that has our versions; the machine's own list stays as it is."""
+    """apt with a list of its own, of the suite that has our versions; the machine's own list does not change."""
 
     def __init__(self, state: Path, suite: str = SUITE):
         if not shutil.which("apt-get") or not shutil.which("dpkg-deb"):
@@ -108,12 +108,12 @@ class Apt:
         return checked(folder, name, sha256)
 
     def download_any(self, name: str, folder: Path) -> list[Path]:
-        """Whichever version the suite has; apt checks that it is Debian's."""
+        """Downloads any version of the suite; apt checks that it is Debian's."""
         run([*self._apt, "download", name], name, cwd=folder)
         return list(folder.iterdir())
 
 
-# Of Boost's libraries those, whole, that the files of CGAL in use need by the compiler's list of headers (g++ -M).
+# The libraries of Boost, whole, that the files of CGAL in use need by the compiler's list of headers (g++ -M).
 BOOST = [
     "algorithm",
     "any",
@@ -161,7 +161,7 @@ BOOST = [
 OPENMESH = ("Core/", "Tools/Decimater/", "Tools/Utils/")
 
 
-# Where each package has its headers; what is before the last name is left out.
+# The folder of each package's headers; the folders before the last name are left out.
 FOLDERS = {
     "boost-headers": "boost_headers/include/boost",
     "cmeel-eigen": "cmeel.prefix/include/eigen3/Eigen",
@@ -212,7 +212,7 @@ def gather(name: str, tree: Path, target: Path) -> None:
 
 
 def fetch(target: Path) -> None:
-    """Makes the folder anew; it is there only when all of it is."""
+    """Makes a new folder; it appears only when all of it is complete."""
     target.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=target.parent) as work:
         scratch, made = Path(work), Path(work) / "made"

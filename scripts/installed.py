@@ -1,4 +1,4 @@
-"""Tries iSimp as installed, with an answer that is the same on every system; part of scripts/try_install.sh.
+"""Tries iSimp as installed, with a result that is the same on every system; part of scripts/try_install.sh.
 
 python installed.py package              the package alone, in any Python
 python installed.py next ZIP FOLDER      makes the zip of a next version of a zip, to upgrade to
@@ -16,7 +16,7 @@ import zipfile
 from pathlib import Path
 
 EARLIEST = (1980, 1, 1, 0, 0, 0)
-MARK = "isimp_engine/next.txt"  # what only the next version has
+MARK = "isimp_engine/next.txt"  # only the next version has this file
 SIDE = 24
 
 
@@ -52,7 +52,7 @@ def package() -> None:
 
 
 def next_version(archive: Path, folder: Path) -> Path:
-    """The same zip, wheel and all, as the version after it."""
+    """The same zip, with its wheel, as the version after it."""
 
     def renamed(text: str) -> str:
         return re.sub(r"0\.1\.0((\.|-)dev\.?\d+)?", "0.1.999", text)
@@ -85,7 +85,7 @@ def next_version(archive: Path, folder: Path) -> Path:
 
 
 def engine_there() -> Path | None:
-    """Where the engine's package is on the path or in the add-on."""
+    """The place of the engine's package on the path or in the add-on."""
     importlib.invalidate_caches()
     for name in ("isimp_engine", "isimp.isimp_engine"):
         try:
@@ -148,7 +148,7 @@ class Legacy:
     def remove(self) -> None:
         import bpy
 
-        bpy.ops.preferences.addon_enable(module="isimp")  # as it is where a user removes it
+        bpy.ops.preferences.addon_enable(module="isimp")  # enabled, as it is when a user removes it
         with contextlib.suppress(RuntimeError):  # at its end it redraws a window, and there is none
             bpy.ops.preferences.addon_remove(module="isimp")
 
@@ -171,7 +171,7 @@ def in_blender(step: str, archive: str) -> None:
         left = left_in(Path(os.environ["ISIMP_TRIED"]))  # Blender's folder of the user, bare before
         wheels = [path for path in left if "extensions/.local/" in path]
         if left and left == wheels and bpy.app.version == (4, 2, 0):
-            # Its uninstall leaves wheels alone, and its start looks at them only where an extension is enabled.
+            # Its uninstall leaves wheels alone, and its start checks them only where an extension is enabled.
             print("SAID the engine's files are left, as of any extension until 4.2.0 installs another one")
         elif left:
             raise SystemExit(f"left behind: {', '.join(left[:5])}")

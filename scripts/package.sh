@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes all that people download, for this platform, in dist/, each file with its .sha256:
+# Makes all files that people download, for this platform, in dist/, each file with its .sha256:
 #   isimp-VERSION.tar.gz                        the source, with the headers it needs: builds with a compiler alone
 #   isimp-VERSION-cpXY-cpXY-PLATFORM.whl        for pip, one for each Python
 #   isimp-VERSION-extension-PLATFORM.zip        for Blender 4.2 and later
@@ -7,13 +7,14 @@
 #
 #   scripts/package.sh [--trial N] [sdist | zips WHEEL...]
 #
-# --trial N: the version is X.Y.Z.devN. Each build that is handed out needs a version of its own, since Blender keeps the
+# --trial N: the version is X.Y.Z.devN. Each published build needs a version of its own, since Blender keeps the
 #   old engine when a new zip has the same version.
 # sdist: the source alone. zips WHEEL...: the zips alone, of wheels that were made elsewhere (cibuildwheel).
 #
-# ISIMP_PYTHONS: the Pythons to build for, as commands or as SUFFIX=FOLDER[,FOLDER] with the headers' folders; without it
+# ISIMP_PYTHONS: the Pythons to build for, as commands or as SUFFIX=FOLDER[,FOLDER] with the headers' folders. Default:
 #   each python3.10 to python3.14 on the PATH and of pyenv that has its headers, and 3.14 by the headers of Debian sid
-#   where those can be had. There is a wheel for each; the zips hold those of their Blenders (scripts/build_addon.py).
+#   where these are available. There is a wheel for each; a zip holds the wheels of its Blenders
+#   (scripts/build_addon.py).
 # ISIMP_THIRD_PARTY: a folder that scripts/headers.py made before. ISIMP_WEBSITE: the address for the extension's manifest.
 #
 # On Debian and x86-64 with GCC it links with the C library of Debian 11 (scripts/sysroot.py), so that the wheels run on
@@ -33,7 +34,7 @@ work=$out/package
 source=$work/source # the tree as it is in the sdist
 packaging=$root/.venv-package
 
-# copy_source: what git has of the tree, with the version of the trial and the headers in it.
+# copy_source: the files of the tree in git, with the version of the trial and the headers.
 copy_source() {
   rm -rf "$source"
   mkdir -p "$source"
@@ -68,7 +69,7 @@ if all(os.path.exists(os.path.join(folder, "Python.h")) for folder in folders):
 PYTHON
 }
 
-# fetched_entry VERSION: the same for a Python that is not here, by headers of Debian.
+# fetched_entry VERSION: the same for a Python that is missing here, by headers of Debian.
 fetched_entry() {
   [ "$(uname -sm)" = "Linux x86_64" ] || return 1
   "$python" scripts/python_headers.py "$1" "$cache/python$1" ||
@@ -100,7 +101,7 @@ suffix_of() {
   "$1" -c 'import sysconfig; print(sysconfig.get_config_var("EXT_SUFFIX"))'
 }
 
-# with_old_library: flags for the C library of an older Debian, where that is to be had.
+# with_old_library: flags for the C library of an older Debian, if it is available.
 with_old_library() {
   [ "$(uname -sm)" = "Linux x86_64" ] && command -v apt-get dpkg-deb g++ >/dev/null || return 0
   local sysroot=$cache/sysroot folders folder flags place
@@ -108,7 +109,7 @@ with_old_library() {
     echo "package.sh: the wheels will need this machine's C library" >&2
     return 0
   }
-  # GCC's own C++ headers, which it would look for in the sysroot.
+  # GCC's own C++ headers, which it would search in the sysroot.
   folders=$(g++ -E -v -x c++ /dev/null 2>&1 | sed -n 's/^ \(.*\/c++\/.*\)$/\1/p')
   flags="--sysroot=$sysroot -nostdinc++"
   for folder in $folders; do flags+=" -isystem $(realpath "$folder")"; done
@@ -118,15 +119,15 @@ with_old_library() {
     if [ -d "$folder" ]; then ln -sfn "$folder" "$work/python/x86_64-linux-gnu/"; fi
   done
   flags+=" -idirafter $work/python"
-  # -B and -L: GCC would look beside itself first, where this machine's library is.
+  # -B and -L: GCC would search its own folder first, where this machine's library is.
   place=$sysroot/usr/lib/x86_64-linux-gnu
   export CXXFLAGS=$flags LDFLAGS="--sysroot=$sysroot -B$place -L$place -L$sysroot/lib/x86_64-linux-gnu"
   arguments+=(--config-settings cmake.define.ISIMP_OLD_GLIBC=ON)
   # FindOpenMP would name this machine's file.
   arguments+=(--config-settings "cmake.define.OpenMP_gomp_LIBRARY=$place/libgomp.so.1")
   arguments+=(--config-settings "cmake.define.OpenMP_pthread_LIBRARY=$place/libpthread.so")
-  export LD_LIBRARY_PATH=$work/libraries # where auditwheel finds the OpenMP library of that Debian
-  ln -sf libgomp.so.1 "$place/libgomp.so" # the name that linking with OpenMP looks for
+  export LD_LIBRARY_PATH=$work/libraries # for auditwheel, which finds the OpenMP library of that Debian there
+  ln -sf libgomp.so.1 "$place/libgomp.so" # the name for linking with OpenMP
   mkdir -p "$work/libraries"
   cp -L "$sysroot"/usr/lib/x86_64-linux-gnu/libgomp.so.1 "$work/libraries/"
 }

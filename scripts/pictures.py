@@ -28,9 +28,9 @@ IMAGES = ROOT / "docs" / "images"
 WINDOW = ROOT / "tests" / "python" / "blender" / "window"
 SIZE = 1150, 780  # pixels of the window
 HIGH = 1150, 1000  # the same where the panel is long
-WIDE = 760  # of the animation
-ASSET = 380, 130, 780, 690  # what the pictures of the six steps show of the window
-STEPS = 979, 655, 1170, 808  # where the section Steps is in the window of that test
+WIDE = 760  # pixels of the animation
+ASSET = 380, 130, 780, 690  # part of the window in the pictures of the six steps
+STEPS = 979, 655, 1170, 808  # place of the section Steps in the window of that test
 MOST = 3_000_000  # bytes of it
 
 
@@ -46,7 +46,7 @@ def shoot(script: str, size: tuple[int, int] = SIZE) -> None:
 
 
 def animate() -> None:
-    """The frames as one WebP; the first is seen where animations are not."""
+    """The frames as one WebP; viewers without animation show the first."""
     film = json.loads((OUT / "film.json").read_text())
     frames = []
     for name, _ in film["frames"]:

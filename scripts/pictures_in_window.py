@@ -1,4 +1,4 @@
-"""What is done in Blender's window for scripts/pictures.py; run by tests/python/blender/window/drive.py.
+"""The actions in Blender's window for scripts/pictures.py; run by tests/python/blender/window/drive.py.
 
 The scan is the Stanford bunny, with a texture that is made here.
 """
@@ -16,11 +16,11 @@ from scenario_tools import drag, place, sketched, tool
 import isimp
 
 REGIONS = 200
-DETAILS = (0.006, 0.008, 0.011, 0.015, 0.021, 0.03, 0.021, 0.014, 0.01, 0.007)  # as if the field were dragged
+DETAILS = (0.006, 0.008, 0.011, 0.015, 0.021, 0.03, 0.021, 0.014, 0.01, 0.007)  # like a drag over the field
 
 
 class Film:
-    """Frames of the animation, with the milliseconds that each is seen."""
+    """Frames of the animation, with their durations in milliseconds."""
 
     def __init__(self, hand):
         self.hand, self.frames = hand, []
@@ -52,7 +52,7 @@ def fur(size=1024):
 
 
 def paint():
-    """Gives the scan its texture, seen from the front."""
+    """Adds the texture of the scan, seen from the front."""
     mesh, image = scan().data, bpy.data.images.new("Fur", 1024, 1024)
     image.pixels.foreach_set(fur().ravel())
     image.pack()
@@ -118,7 +118,7 @@ def film(hand):
 def tools(hand):
     """Pictures 7 and 8 of the manual: a line that cuts, a region shrunk by a drag, a locked one, a smoothing stroke."""
     yield from hand.press("isimp.swap")
-    bpy.context.window_manager.isimp.outline = False  # so that the strokes are seen
+    bpy.context.window_manager.isimp.outline = False  # so that the strokes are visible
     yield from partitioned(hand, proxies=40)
     yield from tool(hand, "isimp.cut_tool.object")
     yield from drag(hand, (-0.1, 0.05), (0.6, -0.25), shot="picture-7-cut")

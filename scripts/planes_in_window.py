@@ -1,6 +1,6 @@
-"""What is done in Blender's window for picture 10 of the manual; run by tests/python/blender/window/drive.py.
+"""The actions in Blender's window for picture 10 of the manual; run by tests/python/blender/window/drive.py.
 
-The scan is the castle: its polygons in the colours of their directions beside the panel Regularity.
+The scan is the castle: its polygons in the colours of their directions next to the panel Regularity.
 """
 
 import bpy
@@ -41,7 +41,7 @@ def run(hand):
     panel.directions = panel.summary = True
     yield from sketched()
     free = hand.region("WINDOW")
-    yield from hand.move(free.x + 8, free.y + 8)  # so that nothing is told of what is under the mouse
+    yield from hand.move(free.x + 8, free.y + 8)  # so that no tooltip appears under the mouse
     hand.area.tag_redraw()
     yield 0.5
     yield from hand.shot("picture-10-regularity")

@@ -2,9 +2,9 @@
 
     scripts/python_headers.py 3.14 FOLDER
 
-Prints what ISIMP_OTHER_PYTHONS of native/bindings/CMakeLists.txt takes: the module's suffix and the folders. apt brings
-them from Debian sid by the mirror that this machine uses, as in `scripts/headers.py`; for x86-64, without root. Modules
-fit every patch of a Python, so Debian's signature is checked, and no checksum is fixed.
+Prints the value for ISIMP_OTHER_PYTHONS of native/bindings/CMakeLists.txt: the module's suffix and the folders. apt
+brings them from Debian sid by the mirror that this machine uses, as in `scripts/headers.py`; for x86-64, without root.
+Modules fit every patch of a Python, so Debian's signature is checked, and no checksum is fixed.
 """
 
 import shutil
@@ -24,7 +24,7 @@ def entry(version: str, folder: Path) -> str:
 
 
 def fetch(version: str, target: Path) -> None:
-    """Makes the folder anew; it is there only when all of it is."""
+    """Makes a new folder; it appears only when all of it is complete."""
     target.parent.mkdir(parents=True, exist_ok=True)
     name = f"libpython{version}-dev"
     with tempfile.TemporaryDirectory(dir=target.parent) as work:

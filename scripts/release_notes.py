@@ -8,7 +8,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 def section(changelog: str, version: str) -> str:
-    """What is between the heading of the version and the next."""
+    """The text between the heading of the version and the next."""
     heading = re.search(rf"^## \[?{re.escape(version)}\]?(?![\w.]).*$", changelog, re.MULTILINE)
     if not heading:
         raise SystemExit(f"CHANGELOG.md has no section {version}: rename Unreleased to it")

@@ -1,4 +1,4 @@
-"""Makes the pictures of docs/performance.md that set polygons beside those without the remedies for their shape.
+"""Makes the pictures of docs/performance.md that compare polygons with and without the remedies for their shape.
 
     blender -b --python-use-system-env --python-exit-code 1 --python scripts/shape_pictures.py [-- NAME...]
 
@@ -25,7 +25,7 @@ IMAGES = ROOT / "docs" / "images"
 REGIONS = 300
 PLAIN = {"smooth": 0.0}, {"join_junctions": 0.0}
 NOTHING = {}, {}
-# Scan, upward axis, degrees round it, options at the left and at the right: of the partition, of meshing.
+# Scan, upward axis, degrees around it, options at the left and at the right: of the partition, of meshing.
 PICTURES = {
     "shape-bunny": ("scan/bunny_69k.ply", "Y", 0, PLAIN, NOTHING),
     "shape-armadillo": ("scan/armadillo_86k.ply", "Y", 15, PLAIN, NOTHING),

@@ -1,8 +1,8 @@
-"""Makes the picture of docs/buildings.md: a scanned street of ten houses beside its exactly planar polygons.
+"""Makes the picture of docs/buildings.md: a scanned street of ten houses and its exactly planar polygons.
 
     blender -b --python-use-system-env --python-exit-code 1 --python scripts/street_picture.py
 
-`isimp_engine` must be on PYTHONPATH. The houses are those of bench/houses.py; the picture is written to docs/images.
+`isimp_engine` must be on PYTHONPATH. The houses come from bench/houses.py; the picture is written to docs/images.
 """
 
 import sys
@@ -19,9 +19,9 @@ import picture  # noqa: E402
 
 import isimp_engine as engine  # noqa: E402
 
-DETAIL = 0.0005  # of the whole street: windows are a two-hundredth of it deep
-REACH = 0.001  # of the whole street
-HEIGHT = 34.0  # degrees from which the street is seen
+DETAIL = 0.0005  # share of the whole street: windows are a two-hundredth of it deep
+REACH = 0.001  # share of the whole street
+HEIGHT = 34.0  # degrees of the view from above
 PAPER, EDGE = (0.86, 0.86, 0.84), 0.00025
 SIZE = 1500, 800
 

@@ -25,7 +25,7 @@ PACKAGES = [
 
 
 def fetch(target: Path) -> None:
-    """Makes the folder anew; it is there only when all of it is."""
+    """Makes a new folder; it appears only when all of it is complete."""
     target.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=target.parent) as work:
         scratch, made = Path(work), Path(work) / "made"

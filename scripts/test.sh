@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs what the checks need on Debian 12, runs them all, and closes with the line "N passed, N failed".
+# Installs the requirements of the checks on Debian 12, runs them all, and ends with the line "N passed, N failed".
 #   scripts/test.sh              every stage; clang-tidy on the sources that the last day changed
 #   scripts/test.sh cpp python   only these stages
 #   scripts/test.sh quick        format, lint and the quick tests on a development build: two minutes when it is warm
@@ -12,11 +12,11 @@ set -uo pipefail
 first=(format lint mypy wheel)
 compiling=(cpp cuda asan tsan tidy)
 blending=(python blender bpy45 bpy50 window)
-by_name=(quick all-tidy) # only when asked for
+by_name=(quick all-tidy) # only on request
 tests_venv=$root/.venv-test
 
-# Each stage is a function that runs with `set -e`; what it needs installed it installs. Test runners leave their
-# JUnit files in $results. A stage without any counts as one check; one that ends badly with no failed test, as one failed.
+# Each stage is a function that runs with `set -e` and installs its own requirements. Test runners leave their JUnit
+# files in $results. A stage without any counts as one check; one that fails with no failed test, as one failed.
 
 stage_format() {
   apt_install clang-format
@@ -30,20 +30,21 @@ stage_lint() {
   "$tests_venv/bin/check-jsonschema" --builtin-schema vendor.github-workflows .github/workflows/*.yml
   "$tests_venv/bin/ruff" check .
   "$tests_venv/bin/ruff" format --check .
+  "$tests_venv/bin/python" scripts/plain_words.py
 }
 
-stage_mypy() { # types, strict, where pyproject.toml says
+stage_mypy() { # types, strict, for the files in pyproject.toml
   use_tests_venv
   "$tests_venv/bin/mypy"
 }
 
-stage_wheel() { # what `pip install .` makes, kept for the stages that follow
+stage_wheel() { # the wheel of `pip install .`, kept for the stages that follow
   apt_install "${build_packages[@]}"
   use_tests_venv
   build_wheel "$tests_venv" --config-settings cmake.define.ISIMP_WERROR=ON
 }
 
-stage_cpp() { # the C++ tests, those of the benchmarks among them; the engine as the wheel has it, by way of ccache
+stage_cpp() { # the C++ tests, including the benchmarks'; the engine as the wheel has it, by way of ccache
   cpp_tests build-test -DISIMP_BENCH=ON -DISIMP_CUDA=OFF
 }
 
@@ -98,7 +99,7 @@ stage_cuda() { # the CUDA part: compiled with nvcc, the machine's or PyPI's, and
   if ! PATH=$PATH:/usr/local/cuda/bin command -v nvcc; then
     tools=$root/.venv-cuda
     venv "$tools" nvidia-cuda-{nvcc,cccl,runtime,crt}==13.0.* nvidia-nvvm==13.0.*
-    LIBRARY_PATH=$(echo "$tools"/lib/python3*/site-packages/nvidia/cu13/lib) # nvcc looks in lib64
+    LIBRARY_PATH=$(echo "$tools"/lib/python3*/site-packages/nvidia/cu13/lib) # nvcc searches lib64
     export LIBRARY_PATH
   fi
   cmake -S . -B build-cuda -G Ninja -DISIMP_TESTS=ON -DISIMP_PYTHON=ON -DISIMP_WERROR=ON -DISIMP_CUDA=ON \
@@ -111,12 +112,12 @@ stage_cuda() { # the CUDA part: compiled with nvcc, the machine's or PyPI's, and
     tests/cuda tests/python/test_parallel.py --junitxml "$results/pytest.xml"
 }
 
-stage_asan() { # the same under the address and undefined-behaviour sanitizers
+stage_asan() { # the C++ tests under the address and undefined-behaviour sanitizers
   export UBSAN_OPTIONS=print_stacktrace=1
   cpp_tests build-asan -DISIMP_SANITIZE=ON -DISIMP_ASSERTIONS=ON -DISIMP_CUDA=OFF -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1\ -g1
 }
 
-stage_tsan() { # what threads share, under the thread sanitizer, which can't see OpenMP's own; so without the thesis's methods
+stage_tsan() { # the data of threads, under the thread sanitizer, which can't see OpenMP's; so without the thesis
   apt_install "${build_packages[@]}" libgtest-dev
   use_tests_venv
   cmake -S . -B build-tsan -G Ninja -DISIMP_TESTS=ON -DISIMP_ASSERTIONS=ON -DISIMP_WERROR=ON -DISIMP_THESIS=OFF \
@@ -131,7 +132,7 @@ stage_tsan() { # what threads share, under the thread sanitizer, which can't see
   done
 }
 
-stage_tidy() { # clang-tidy, on the sources that the last day changed and those that include what it changed
+stage_tidy() { # clang-tidy, on the sources that changed in the last day, or that include such a file
   local since sources
   since=${ISIMP_TIDY_SINCE:-$(git rev-list -1 --before='24 hours ago' HEAD)}
   prepare_tidy
@@ -145,11 +146,11 @@ stage_all-tidy() { # clang-tidy, on all of the engine's own sources
 }
 
 prepare_tidy() {
-  apt_install clang-tidy libomp-dev # its omp.h, which the CPU back end asks for
+  apt_install clang-tidy libomp-dev # for omp.h, which the CPU back end includes
   cpp_build build-test -DISIMP_BENCH=ON -DISIMP_CUDA=OFF
 }
 
-stage_quick() { # what a change is tried with many times an hour
+stage_quick() { # the stage to run many times an hour while a change is made
   stage_format
   stage_lint
   cpp_build build-dev -DISIMP_BENCH=ON -DISIMP_PYTHON=ON -DISIMP_CUDA=OFF \
@@ -182,7 +183,7 @@ cpp_tests() { # BUILD_DIR CMAKE_OPTION...
   ctest --test-dir "$build" -j2 --timeout 600 --output-on-failure --output-junit "$results/ctest.xml"
 }
 
-run_stage() { # NAME: its output to a log, what it counted to out/test/NAME.counts
+run_stage() { # NAME: its output goes to a log, its counts to out/test/NAME.counts
   local name=$1 started=$SECONDS log=$out/test/$1.log code counts
   results=$out/test/$name
   rm -rf "$results"
@@ -200,14 +201,14 @@ run_stage() { # NAME: its output to a log, what it counted to out/test/NAME.coun
   if [ "${counts[1]}" != 0 ]; then tail -n 80 "$log" | sed 's/^/    /'; fi
 }
 
-run_stages() { # those of STAGE... that were asked for
+run_stages() { # the requested ones of STAGE...
   local name
   for name; do
     case " ${asked[*]} " in *" $name "*) run_stage "$name" ;; esac
   done
 }
 
-# What the lanes would install at the same time, one of them waiting for the other's lock.
+# Installs packages that the lanes would install at the same time, one of them waiting for the other's lock.
 prepare() {
   case " ${asked[*]} " in *" blender "* | *" bpy"* | *" window "*)
     apt_install "${blender_packages[@]}" libsm6 xvfb xauth imagemagick
@@ -231,7 +232,7 @@ asked=("$@")
 apt_install python3 python3-venv || exit 1
 mkdir -p "$out/test"
 rm -f "$out"/test/*.counts
-# The two big downloads go on while the engine is compiled.
+# The two big downloads run while the engine is compiled.
 case " ${asked[*]} " in *" bpy"*) (bpy_venv 4.5.15; bpy_venv 5.0.1) >"$out/test/downloads.log" 2>&1 </dev/null & ;; esac
 run_stages "${by_name[@]}" "${first[@]}"
 prepare >"$out/test/prepare.log" 2>&1 </dev/null || { cat "$out/test/prepare.log"; exit 1; }

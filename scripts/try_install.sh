@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Tries what scripts/package.sh left in dist/ as people do, and writes a table to out/try_install/table.md.
+# Tries the files of scripts/package.sh in dist/ as people do, and writes a table to out/try_install/table.md.
 #   scripts/try_install.sh [CELL...]      some cells; the default is all
-# Cells: bullseye bookworm trixie sid (bare chroots: the wheel by pip, then the whole job; in bullseye by a Python 3.11 that
-# is compiled there, which takes minutes and is kept), bpy-VERSION (Blender as a Python package: install from disk, enable,
-# work, upgrade, uninstall, look for what is left), blender (this Debian's, the same), blender-SUITE (the one of another
-# Debian, in a chroot).
+# Cells: bullseye bookworm trixie sid (bare chroots: the wheel by pip, then the whole job; in bullseye by a Python 3.11
+# that is compiled there, which takes minutes and is kept), bpy-VERSION (Blender as a Python package: install from disk,
+# enable, work, upgrade, uninstall, search for leftovers), blender (this Debian's, the same), blender-SUITE (the one of
+# another Debian, in a chroot).
 # Chroots and Blenders are kept in ~/.cache/isimp, or in $ISIMP_CACHE. Chroots need root. It exits 1 if a cell failed.
 set -uo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
@@ -20,7 +20,7 @@ wheel_for() {
   find "$root/dist" -name "isimp-*-cp${1/./}-*.whl" | head -n 1
 }
 
-# fresh DIR: empty, for what Blender keeps of a user.
+# fresh DIR: empties it, for Blender's files of a user.
 fresh() {
   rm -rf "$1"
   mkdir -p "$1"
@@ -41,7 +41,7 @@ make_chroot() {
   [ ! -e "$chroot.done" ] || return 0
   packages=$(IFS=, && echo "${*:3}")
   apt_install debootstrap
-  as_root rm -rf "$chroot" # of a try that was ended
+  as_root rm -rf "$chroot" # left by a try that was ended
   if ! as_root debootstrap --variant=minbase --include="$packages" "$suite" "$chroot" >"$tried/$2.debootstrap" 2>&1; then
     echo "debootstrap failed"
     return 1
@@ -73,7 +73,7 @@ newer_python() {
 
 try_chroot() { # SUITE
   local suite=$1 chroot=$cache/chroots/$1 version wheel tools=() interpreter=python3
-  # Its Python 3.9 is older than all that have a wheel, so it gets one that is not.
+  # Its Python 3.9 is older than all that have a wheel, so it gets a newer one.
   [ "$suite" != bullseye ] || tools=(gcc make libc6-dev zlib1g-dev libffi-dev)
   make_chroot "$suite" "$suite" python3 ca-certificates "${tools[@]}" || return
   if [ "$suite" = bullseye ]; then
@@ -92,7 +92,7 @@ try_chroot() { # SUITE
   as_root chroot "$chroot" env -i PATH=/usr/bin:/bin PYTHONPATH=/opt/isimp "$interpreter" /opt/isimp/installed.py package
 }
 
-# pip_for PYTHON FOLDER WHEEL: what pip would install for it, whatever Python runs this.
+# pip_for PYTHON FOLDER WHEEL: the files that pip would install for PYTHON, which may be another than the running one.
 pip_for() {
   [ -e "$cache/pip/bin/pip" ] || "$python" -m venv "$cache/pip" || return 1
   if ! "$cache/pip/bin/pip" install -q --target "$2" --python-version "$1" --only-binary=:all: "$3" 2>"$2.log"; then
@@ -115,7 +115,7 @@ try_bpy() { # VERSION
   in_blender "$tried/bpy-$1" "${archives[@]}" -- "$venv/bin/python" scripts/installed.py
 }
 
-# in_blender FOLDER ZIP NEXT -- COMMAND...: the four steps, each in a new process; says what they said.
+# in_blender FOLDER ZIP NEXT -- COMMAND...: the four steps, each in a new process; prints their output.
 in_blender() {
   local folder=$1 zip=$2 next=$3 step archive lines=""
   shift 4
@@ -166,7 +166,7 @@ try_blender_of() { # SUITE
   as_root rm -rf "$chroot/opt/tried"
   as_root mkdir -p "$chroot/opt/tried"
   as_root cp scripts/installed.py "$chroot/opt/"
-  for archive in "${archives[@]}"; do # by the same path in there
+  for archive in "${archives[@]}"; do # the same path in the chroot
     as_root mkdir -p "$chroot$(dirname "$archive")"
     as_root cp "$archive" "$chroot$archive"
   done

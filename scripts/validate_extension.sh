@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Has Blender's own program judge an extension: scripts/validate_extension.sh ZIP
-# The program is blender_ext.py of $ISIMP_BLENDER_EXT, of a Python package bpy, or of the Blender on the PATH. Where there is
-# none, that is said, and the zip counts as not validated.
+# Checks an extension with Blender's own program: scripts/validate_extension.sh ZIP
+# The program is blender_ext.py of $ISIMP_BLENDER_EXT, of a Python package bpy, or of the Blender on the PATH. If there
+# is none, the script reports that, and the zip counts as not validated.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 

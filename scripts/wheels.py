@@ -1,11 +1,11 @@
-"""Makes the wheels for people of those that the build gives.
+"""Makes the wheels for people from the wheels of the build.
 
     scripts/wheels.py fatten WHEEL... --out FOLDER   one wheel for all Pythons of a platform: py3-none-PLATFORM
     scripts/wheels.py split WHEEL --out FOLDER       the opposite: one ordinary wheel for each Python
-    scripts/wheels.py checksums FOLDER               FILE.sha256 beside each file
+    scripts/wheels.py checksums FOLDER               FILE.sha256 next to each file
 
 The fat wheel holds one _core for each Python side by side, and each Python loads the one with its own suffix.
-Blender needs it: 4.2.0 looks at no Python tag and takes the highest file name.
+Blender needs it: 4.2.0 ignores the Python tag and takes the highest file name.
 """
 
 import argparse
@@ -21,7 +21,7 @@ EARLIEST = (1980, 1, 1, 0, 0, 0)  # the date of every file, so that the same inp
 # isimp_engine/_core.cpython-311-x86_64-linux-gnu.so, isimp_engine/_core.cp311-win_amd64.pyd
 MODULE = re.compile(r"isimp_engine/_core\.(?:cpython-|cp)(?P<python>[0-9]+)-.*\.(?:so|pyd)")
 
-Files = dict[str, tuple[bytes, int]]  # what a wheel holds: contents and permissions, by name
+Files = dict[str, tuple[bytes, int]]  # content of a wheel: contents and permissions, by name
 
 
 def read(wheel: Path) -> Files:
@@ -39,7 +39,7 @@ def name_parts(wheel: Path) -> tuple[str, str, str]:
 
 
 def write(folder: Path, stem: str, python: str, platform: str, files: Files) -> Path:
-    """A wheel with these files; its tags and its record are made anew."""
+    """A wheel with these files and new tags and record."""
     info = f"{stem}.dist-info"
     about = re.sub(r"(?m)^Tag: .*\n?", "", files[f"{info}/WHEEL"][0].decode()).rstrip() + "\n"
     about += "".join(f"Tag: {python}-{part}\n" for part in platform.split("."))
@@ -106,7 +106,7 @@ def split(wheel: Path, folder: Path) -> list[Path]:
 
 
 def checksums(folder: Path) -> list[Path]:
-    """For `sha256sum -c`. Checksums of files that are gone go too."""
+    """For `sha256sum -c`. Checksums of files that no longer exist are removed too."""
     for old in folder.glob("*.sha256"):
         old.unlink()
     made = []

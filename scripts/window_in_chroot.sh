@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Runs the window tests in the Blender of another Debian, by hand, as root: trixie has 4.3, sid 5.2.
 #   scripts/window_in_chroot.sh trixie|sid DIR [SCENARIO...]
-# DIR is made by debootstrap where it is missing (2 GB, some minutes) and kept. The engine is built in there, or taken
-# from $ISIMP_WHEEL if that names a wheel for the Python of that Debian. Pictures come to out/window-SUITE.
+# DIR is made by debootstrap if it is missing (2 GB, some minutes) and kept. The engine is built in there, or taken from
+# $ISIMP_WHEEL if that names a wheel for the Python of that Debian. Pictures are written to out/window-SUITE.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 

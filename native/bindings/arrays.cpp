@@ -10,7 +10,7 @@
 namespace isimp::bindings {
 namespace {
 
-/// `object` as numpy sees it, in this machine's byte order.
+/// `object` as a numpy array, in this machine's byte order.
 /// \throws InvalidInput  unless it is (n, columns), or (n) for no columns, of one of the `kinds` of numbers: integers
 ///                       ("iu") of any size, "f" of 4 or 8 bytes
 py::array read_array(const py::object& object, py::ssize_t columns, std::string_view kinds, const std::string& wanted) {
@@ -54,7 +54,7 @@ void for_each_real(const py::array& array, Take take) {
 }
 
 /// Calls take(value, row, column) with the numbers of an array of indices.
-/// \throws InvalidInput  as `refuse` says
+/// \throws InvalidInput  by `refuse`
 template <class Take, class Refuse>
 void for_each_index(const py::array& array, Take take, Refuse refuse) {
   const auto each = [&](auto zero) {
@@ -78,7 +78,7 @@ void for_each_index(const py::array& array, Take take, Refuse refuse) {
 
 std::size_t rows_of(const py::array& array) { return static_cast<std::size_t>(array.shape(0)); }
 
-/// Whether the numbers lie one after another, row by row, each where its type wants it.
+/// Whether the numbers lie one after another, row by row, aligned for their type.
 bool is_packed(const py::array& array) {
   constexpr int kPacked = int{py::array::c_style} | int{py::detail::npy_api::NPY_ARRAY_ALIGNED_};
   return (array.flags() & kPacked) == kPacked;
@@ -116,7 +116,8 @@ std::vector<Triangle> read_triangles(const py::object& triangles, std::size_t ve
   const py::array array = read_array(triangles, 3, "iu", "triangles must be an array of shape (F, 3) and integers");
   if (array.dtype().kind() == 'i' && array.itemsize() == sizeof(std::int32_t) && is_packed(array)) {
     const auto* first = static_cast<const Triangle*>(array.data());
-    return {first, first + rows_of(array)};  // every number fits: copied as it is, without setting it to zero first
+    return {first, first + rows_of(array)};  // every number fits: copied as it is, without initialising the memory
+                                             // first
   }
   std::vector<Triangle> rows(rows_of(array));
   for_each_index(

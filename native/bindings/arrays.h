@@ -60,8 +60,7 @@ py::array array_over(std::span<const T> items, py::handle owner) {
   }
 }
 
-/// A numpy array that owns what was a vector's memory and may be written to: (n), (n, 3) for Vec3 and Triangle, or
-/// (n, 2) for pairs.
+/// A writable numpy array that owns the memory of a vector: (n), (n, 3) for Vec3 and Triangle, or (n, 2) for pairs.
 template <class T, class Allocator>
 py::array owned(std::vector<T, Allocator>&& items) {
   using Items = std::vector<T, Allocator>;
@@ -83,7 +82,7 @@ py::array view(const std::vector<T>& items, py::handle owner) {
   return view(std::span<const T>(items), owner);
 }
 
-/// What a property of `Self` is made of that shows its memory, given a member or a member function.
+/// The getter of a property of `Self` that shows its memory, for a member or a member function.
 template <class Self, class Member>
 auto viewer(Member member) {
   return [member](const py::object& self) { return view(std::invoke(member, self.cast<const Self&>()), self); };

@@ -23,7 +23,7 @@ py::tuple read(const py::object& name, Job* job, std::int32_t threads) {
   const auto path = to_path(name);
   check_threads(threads);
   PolygonSoup soup;
-  std::optional<Triangulation> cut;  // nothing to cut in the usual file: its corners are the triangles
+  std::optional<Triangulation> cut;  // empty for the usual file: its corners are the triangles
   call(job, [&](Job& j) {
     soup = read_polygons(path, j, threads);
     if (!are_triangles(soup, j)) cut = triangulate(soup, j);

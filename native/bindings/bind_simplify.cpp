@@ -23,7 +23,7 @@
 #include "options.h"
 #include "read_guides.h"
 
-/// What guides.py, guided.py and within.py give their names and texts to; so all of it is private to the package.
+/// All names here are private to the package: guides.py, guided.py and within.py have the public names and texts.
 namespace isimp::bindings {
 
 using namespace py::literals;

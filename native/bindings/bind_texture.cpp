@@ -34,7 +34,7 @@ std::span<const T> span_of(const Contiguous<T>& array) {
   return {array.data(), static_cast<std::size_t>(array.size())};
 }
 
-/// From 0 to 1 in the tile of each corner's polygon.
+/// UVs from 0 to 1 in the tile of each corner's polygon.
 py::array uv_of(const PolygonMesh& poly, const Atlas& atlas) {
   if (atlas.corner.size() != poly.loops.size() || atlas.tile.size() != poly.loop_start.size())
     throw InvalidInput("the atlas is not of these polygons");
@@ -85,7 +85,7 @@ py::array pixels(std::vector<T, Allocator>&& values, std::int32_t side, std::int
   return channels == 1 ? flat.attr("reshape")(-1, n) : flat.attr("reshape")(-1, n, channels);
 }
 
-/// A layer given as (uv, image, pictures). `kept` holds the arrays that it looks at.
+/// A layer given as (uv, image, pictures). `kept` holds the arrays that it refers to.
 Appearance layer_of(const py::handle& item, std::vector<py::object>& kept) {
   auto [uv, image, pictures] = py::cast<std::tuple<Contiguous<float>, Contiguous<std::int32_t>, py::list>>(item);
   Appearance look{span_of(uv), span_of(image), {}, {}, {}};
@@ -94,7 +94,7 @@ Appearance layer_of(const py::handle& item, std::vector<py::object>& kept) {
   return look;
 }
 
-/// The parts of an earlier bake, in the order of EarlierBake. It keeps the arrays that it looks at.
+/// The parts of an earlier bake, in the order of EarlierBake. It keeps the arrays that it refers to.
 struct Earlier {
   Contiguous<std::uint8_t> color, normal;
   std::vector<Contiguous<std::uint8_t>> layers;
@@ -156,8 +156,8 @@ py::tuple bake_texture(const KeptMesh& mesh, const Partition& part, const Polygo
 
 constexpr double kLeastHeight = 1e-3;  // texels
 
-/// The images that are made of one map: occlusion and heights, None where not asked for, and the range of heights.
-/// \param same     as of Texture: polygons that take their occlusion from an earlier one
+/// The images that are made of one map: occlusion and heights, None if not requested, and the range of heights.
+/// \param same     as in Texture: polygons that copy their occlusion from an earlier image
 /// \param earlier  that image, or None
 py::tuple map_layers(const KeptMesh& mesh, const Partition& part, const PolygonMesh& poly, const Atlas& atlas,
                      const TextureOptions& options, const Contiguous<std::int32_t>& same, const py::object& earlier,

@@ -23,7 +23,7 @@
 #include "kept_mesh.h"
 #include "options.h"
 
-/// What tiles/steps.py gives its names and texts to; so all of it is private to the package.
+/// All names here are private to the package: tiles/steps.py has the public names and texts.
 namespace isimp::bindings {
 
 using namespace py::literals;
@@ -98,7 +98,7 @@ tiles::JoinedGraph read_graph(const Table<double>& sums, const Table<std::int32_
   return {read_sums(sums), {pair.begin(), pair.end()}, {length.begin(), length.end()}};
 }
 
-/// A mesh as what relaxing needs of it.
+/// The arrays of a mesh that relaxing needs.
 py::tuple faces_of(const KeptMesh& mesh) {
   const FaceGraph& graph = mesh.graph();
   const py::ssize_t n = graph.size();

@@ -13,9 +13,9 @@ namespace isimp::bindings {
 
 namespace py = pybind11;
 
-/// Does work(job) without the GIL, with a job of its own if None was given, and returns what it returns.
+/// Calls work(job) without the GIL, with a job of its own if None was given, and returns its result.
 ///
-/// The work runs on another thread while this one looks for signals, since Python's handlers run on its main thread
+/// The work runs on another thread while this one checks for signals, since Python's handlers run on its main thread
 /// only: so Ctrl-C cancels the job, and the call ends with KeyboardInterrupt once the work has stopped.
 template <class Work>
 auto call(Job* given, Work&& work) {
@@ -40,7 +40,7 @@ auto call(Job* given, Work&& work) {
   return result.get();
 }
 
-/// The same on the caller's thread, for what takes a few milliseconds.
+/// As above on the caller's thread, for work of a few milliseconds.
 template <class Work>
 auto call_here(Job* given, Work&& work) {
   Job own;

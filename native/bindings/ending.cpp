@@ -9,7 +9,7 @@
 namespace isimp::bindings {
 namespace {
 
-constexpr std::chrono::seconds kPatience{10};  // a job is polled every 50 ms, but for what the system may keep waiting
+constexpr std::chrono::seconds kPatience{10};  // a job is polled every 50 ms, except while the system waits
 
 /// All of it is guarded by the GIL. Never destroyed, since threads may outlive the interpreter.
 struct Calls {
@@ -39,7 +39,7 @@ void stop_calls() {
 Unlocked::~Unlocked() {
   try {
     PyEval_RestoreThread(state_);
-  } catch (...) {  // nothing but the unwinding that ends this thread
+  } catch (...) {  // only the unwinding that ends this thread
     while (true) std::this_thread::sleep_for(std::chrono::hours(1));
   }
 }

@@ -8,11 +8,11 @@ namespace isimp::bindings {
 
 namespace py = pybind11;
 
-/// Gives Python's lock (the GIL) away while it lives.
+/// Releases Python's lock (the GIL) during its life.
 ///
-/// When the interpreter ends while another thread is in here, Python ends that thread as it asks for the lock, by
+/// When the interpreter ends while another thread is in here, Python ends that thread as it requests the lock, by
 /// unwinding its stack on some systems, which no destructor may let through. Such a thread stays here until the process
-/// is gone.
+/// ends.
 class Unlocked {
  public:
   Unlocked() : state_(PyEval_SaveThread()) {}
@@ -39,8 +39,8 @@ class Running {
   Job& job_;
 };
 
-/// From now on, calls that are under way when the interpreter ends are cancelled and waited for, so that no thread
-/// works on while what it works with is taken down.
+/// From now on, calls that are running when the interpreter ends are cancelled and waited for, so that no thread works
+/// with objects that are being destroyed.
 void stop_calls_at_the_end();
 
 }  // namespace isimp::bindings

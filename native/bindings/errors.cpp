@@ -17,7 +17,7 @@ Types& types() {
   return all;
 }
 
-/// Names of files may be any bytes; those that are no UTF-8 come out as Python's own names have them.
+/// Names of files may be any bytes; names that are no UTF-8 have the form of Python's own names.
 void raise(py::handle type, const char* what) {
   const auto text = py::reinterpret_steal<py::object>(
       PyUnicode_DecodeUTF8(what, static_cast<Py_ssize_t>(std::strlen(what)), "surrogateescape"));

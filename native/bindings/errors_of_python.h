@@ -4,8 +4,8 @@
 
 namespace isimp::bindings {
 
-/// Drops the exception that Python has set, where a clearer one takes its place. What is no `Exception`, as the
-/// KeyboardInterrupt of a Ctrl-C that came while Python's own code ran, is passed on.
+/// Drops the exception that Python has set, where a clearer one replaces it. An exception that is no `Exception`, such
+/// as the KeyboardInterrupt of a Ctrl-C during Python's own code, is passed on.
 /// \throws py::error_already_set
 inline void drop_error() {
   if (PyErr_ExceptionMatches(PyExc_Exception) == 0) throw pybind11::error_already_set();

@@ -19,7 +19,7 @@ class KeptMesh : public Mesh {
       : Mesh(std::move(mesh)), partitioner_(*this), openings_(std::move(openings)) {}
 
   [[nodiscard]] const Partitioner& partitioner() const { return partitioner_; }
-  /// (V) in the caller's coordinates; made when first asked for where these are not the mesh's own.
+  /// (V) in the caller's coordinates; made at the first use if these are not the mesh's own.
   [[nodiscard]] std::span<const Vec3> placed_vertices() const;
   [[nodiscard]] const std::vector<FoundOpening>& openings() const { return openings_; }
 

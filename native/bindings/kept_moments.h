@@ -6,7 +6,7 @@
 
 namespace isimp::bindings {
 
-/// So that the caller need not keep an array of its own too.
+/// Moments with their arrays, so that the caller need not keep these too.
 struct KeptMoments {
   std::vector<SurfaceMoments> of_face;
 };

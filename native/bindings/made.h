@@ -21,8 +21,8 @@ namespace isimp::bindings {
 
 namespace py = pybind11;
 
-/// Takes objects from Python that were made, and no others: `Mesh.__new__(Mesh)` gives one with nothing behind it, for
-/// which pybind11 would set aside memory and leave in it what there is.
+/// Accepts only objects from Python that were initialised: `Mesh.__new__(Mesh)` gives one with nothing behind it, for
+/// which pybind11 would allocate memory and not initialise it.
 template <class T>
 struct Made : py::detail::type_caster_base<T> {
   using Base = py::detail::type_caster_base<T>;

@@ -1,15 +1,17 @@
-// What GCC's C++ library, put into the module by ISIMP_OLD_GLIBC, asks of newer C libraries than the module runs with.
+// Symbols of newer C libraries than the module runs with, which GCC's C++ library, put into the module by
+// ISIMP_OLD_GLIBC, requires.
 #include <sys/random.h>
 
 #include <cstdlib>
 
 extern "C" {
 
-// Of glibc 2.32: whether a program has one thread, so that counts of owners need no atomic operations. Here: perhaps not.
+// Since glibc 2.32: whether a program has one thread, so that counts of owners need no atomic operations. Here: perhaps
+// not.
 __attribute__((visibility("hidden"))) extern char __libc_single_threaded;  // NOLINT(bugprone-reserved-identifier)
 char __libc_single_threaded = 0;                                           // NOLINT(bugprone-reserved-identifier)
 
-// Of glibc 2.36: what std::random_device calls.
+// Since glibc 2.36: called by std::random_device.
 __attribute__((visibility("hidden"))) unsigned arc4random();
 unsigned arc4random() {
   unsigned value = 0;

@@ -13,7 +13,7 @@ namespace {
   throw InvalidInput(name + " must be " + wanted + ", got " + std::string(py::repr(value)));
 }
 
-/// `value` as a Python integer: anything that counts as one (numpy's too), but no bool.
+/// `value` as a Python integer: any integer type (numpy's too), but no bool.
 py::int_ exact_integer(py::handle value, const std::string& name) {
   if (PyBool_Check(value.ptr()) != 0 || PyIndex_Check(value.ptr()) == 0) refuse(name, "an integer", value);
   auto number = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));

@@ -48,7 +48,7 @@ inline constexpr bool is_optional = false;
 template <class T>
 inline constexpr bool is_optional<std::optional<T>> = true;
 
-/// As Python and the stubs have it.
+/// The name of a type in Python and the stubs.
 template <class T>
 std::string type_name() {
   if constexpr (is_optional<T>)

@@ -53,7 +53,7 @@ void unpack(py::handle packed, std::vector<T, Allocator>& items) {
   if (!bytes.empty()) std::memcpy(static_cast<void*>(items.data()), bytes.data(), bytes.size());
 }
 
-/// Fills values from what pack_all() made of them.
+/// Fills values from the result of pack_all().
 template <class... T>
 void unpack_all(const py::tuple& packed, T&... values) {
   if (packed.size() != sizeof...(T)) refuse_pickle();

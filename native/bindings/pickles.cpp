@@ -22,7 +22,8 @@ bool all_in(const Integers& items, std::int32_t low, std::size_t end) {
                      [&](std::int32_t i) { return i >= low && i < static_cast<std::int64_t>(end); });
 }
 
-constexpr std::size_t kAny = std::numeric_limits<std::uint32_t>::max();  // a bound of what another array is asked for
+constexpr std::size_t kAny = std::numeric_limits<std::uint32_t>::max();  // for indices into arrays that are not in the
+                                                                         // pickle
 
 bool is_unit(const Vec3& v) {
   constexpr double kRounding = 1e-6;
@@ -157,7 +158,7 @@ MeshingReport unpack_report(const py::tuple& packed) {
 
 py::tuple state_of(const KeptMesh& mesh) {
   const auto items = [](const auto span) { return pack(std::vector(span.begin(), span.end())); };
-  // In the caller's coordinates: the mesh that is made of them is shifted as this one was.
+  // In the caller's coordinates: the mesh that is made from them is shifted by the same offset.
   return py::make_tuple(items(mesh.placed_vertices()), items(mesh.triangles()), items(mesh.source_face()),
                         items(mesh.source_vertex()), pack_repairs(mesh.report().repairs),
                         pack_openings(mesh.openings()));

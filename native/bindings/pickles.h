@@ -12,9 +12,10 @@ namespace isimp::bindings {
 
 namespace py = pybind11;
 
-/// What Python's pickle and copy keep of an object: numbers and the bytes of its arrays, in this machine's byte order.
+/// The state of an object for Python's pickle and copy: numbers and the bytes of its arrays, in this machine's byte
+/// order.
 ///
-/// What comes back is equal in all that can be asked of it; caches are not kept. All three `..._from` functions throw
+/// The restored object is equal in all that can be queried; caches are not kept. All three `..._from` functions throw
 /// InvalidInput where the numbers don't fit together, so that a damaged pickle gives no object that can't be used.
 py::tuple state_of(const KeptMesh& mesh);
 std::shared_ptr<KeptMesh> mesh_from(const py::tuple& state);

@@ -10,7 +10,7 @@ namespace isimp::bindings {
 
 namespace py = pybind11;
 
-/// weights (F,) and barriers (K, 2); None for what there is not.
+/// weights (F,) and barriers (K, 2); None for missing ones.
 /// \throws InvalidInput  another shape or kind of number
 Guides read_guides(const std::optional<py::object>& weights, const std::optional<py::object>& barriers);
 

@@ -6,7 +6,7 @@
 
 namespace isimp::bindings {
 
-/// A Job::Part as a `with` statement has it.
+/// A Job::Part for a `with` statement.
 class Stretch {
  public:
   Stretch(Job& job, double begin, double end) : job_(job), begin_(begin), end_(end) {}

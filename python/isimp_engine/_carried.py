@@ -1,4 +1,4 @@
-"""Says it in plain words where the engine is there, but for other Pythons than the one that asks."""
+"""Raises a plain error if the engine is there, but for other Pythons than the one that imports it."""
 
 import re
 import sys

@@ -339,7 +339,7 @@ def write(path: str | PathLike[str], polygons: PolygonMesh, job: Job | None = No
 def opening_length(mesh: Mesh, regions: int, job: Job | None = None) -> float: ...
 def opening_lengths(mesh: Mesh, regions: int, job: Job | None = None) -> tuple[float, float]: ...
 
-# What the modules guides, guided, within and tiles give their public names to.
+# Private functions that the modules guides, guided, within and tiles publish under their own names.
 _inner_edges: Callable[[Mesh], tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]]
 _sharp_edges: Callable[[Mesh, float], NDArray[np.int32]]
 _marked_edges: Callable[[Mesh, NDArray[Any]], NDArray[np.int32]]

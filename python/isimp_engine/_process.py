@@ -1,4 +1,4 @@
-"""What the command settles for its process, first of all: numpy and the engine take long enough to load for a Ctrl-C.
+"""Settings of the command for its process, made first: numpy and the engine load long enough for a Ctrl-C.
 
 Nothing is done in a process that merely imports the engine.
 """
@@ -25,8 +25,8 @@ def end_at_once(number: int, frame: FrameType | None) -> None:
 
 
 def begin() -> None:
-    """Let Ctrl-C end the process without a word of Python's, unless it is ignored, as for work in the background."""
-    for handle in (0, 1, 2):  # a file that is opened later must not become what messages are written to
+    """Make Ctrl-C end the process without a traceback, unless it is ignored, as for work in the background."""
+    for handle in (0, 1, 2):  # a file that is opened later must not replace the output of messages
         try:
             os.fstat(handle)
         except OSError:
@@ -36,13 +36,13 @@ def begin() -> None:
 
 
 def expect_interrupts() -> None:
-    """From now on Ctrl-C is a KeyboardInterrupt, which someone waits for."""
+    """From now on Ctrl-C is a KeyboardInterrupt, which the command handles."""
     if signal.getsignal(signal.SIGINT) is end_at_once:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def ignore_interrupts() -> None:
-    """The work is done or given up: a Ctrl-C that comes now changes nothing."""
+    """The work is done or given up: a later Ctrl-C changes nothing."""
     if is_begun and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
 

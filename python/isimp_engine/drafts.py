@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all: written beside their places under other names, then moved there."""
+"""Files that appear whole or not at all: written next to their places under other names, then moved there."""
 
 import os
 import stat
@@ -14,26 +14,26 @@ _LONGEST = 150  # bytes: of 255, as others put something before and behind it
 
 
 def draft_of(path: Path) -> tuple[Path, Path]:
-    """Where to write for now, and the place to move it to. Devices and pipes are written to as they are.
+    """The temporary place of a file, and the place to move it to. Devices and pipes are written to directly.
 
-    A link stays one: the file it leads to is replaced.
+    A link stays a link: the file it leads to is replaced.
     """
     if path.exists() and not path.is_file():
         return path, path
     place = Path(os.path.realpath(path))
     name, number = f".{_short(place.stem)}.{os.getpid()}", 0
     while os.path.lexists(draft := place.with_name(f"{name}{f'-{number}' if number else ''}{place.suffix}")):
-        number += 1  # of an earlier process, or a link that leads elsewhere
+        number += 1  # exists from an earlier process, or is a link that leads elsewhere
     return draft, place
 
 
 def _short(stem: str) -> str:
-    """The beginning of a name, so that a longer one still is a name. What is cut off of a letter is not kept."""
+    """The beginning of a name, so that a longer one still is a name. Part of a letter is not kept."""
     return os.fsencode(stem)[:_LONGEST].decode("utf-8", "ignore")
 
 
 def save_array(path: Path, values: Any, *, synced: bool = False) -> None:
-    """Write an array as a .npy file. numpy's own way to a file says nothing of a disk that is full.
+    """Write an array as a .npy file. numpy's own way to a file raises no error on a full disk.
 
     synced: on disk when this returns.
     """

@@ -1,8 +1,8 @@
-"""Folders that isimp makes for itself, and the only door by which it removes what an earlier run left there.
+"""Folders that isimp makes for itself, and the only code that removes the results of an earlier run there.
 
 Such a folder holds an empty file MARK, which is made first and removed last, so that a run that is ended at any moment
-leaves a folder that the next run knows. Nothing is removed where the mark is missing, by way of a link, or in a folder
-that holds anything which isimp does not put there.
+leaves a folder that the next run recognises. Nothing is removed where the mark is missing, by way of a link, or in a
+folder with any file that isimp does not put there.
 """
 
 import contextlib
@@ -13,25 +13,25 @@ from pathlib import Path
 
 MARK = ".isimp-own"
 WORK = ".isimp-batch"  #: the folder in a folder of results that has the lock
-_OF_SYSTEMS = re.compile(r"\.nfs\w+|\.DS_Store")  # what file systems put into folders
+_OF_SYSTEMS = re.compile(r"\.nfs\w+|\.DS_Store")  # files that file systems add to folders
 _DEEPEST = 4  # folders between one that is removed and the one that has the mark
 
 
 class NotOwn(Exception):
-    """A folder is not isimp's own, so that nothing is removed there; the message says what stands there."""
+    """A folder is not isimp's own, so that nothing is removed there; the message names the content."""
 
 
 class Own:
     """A folder of isimp's own."""
 
     def __init__(self, path: Path, names: str) -> None:
-        """names: a regular expression for all that isimp puts there; what is named otherwise is the user's."""
+        """names: a regular expression for all names that isimp puts there; all other files are the user's."""
         self.path, self._names = path, re.compile(names)
 
     def take(self, unmarked: bool) -> None:
-        """Make the folder, or take over one that isimp made. Raises NotOwn or OSError.
+        """Make the folder, or reuse one that isimp made. Raises NotOwn or OSError.
 
-        unmarked: take it also without a mark, since its name or a file in it tells that it is isimp's.
+        unmarked: take it also without a mark, since its name or a file in it shows that it is isimp's.
         """
         if self.path.is_symlink():
             raise NotOwn(f"{self.path}: is a link, and files are removed in this folder; remove the link")
@@ -46,11 +46,11 @@ class Own:
             if (self.path / name).is_symlink():
                 raise NotOwn(f"{self.path / name}: is a link, and files are removed there; remove the link")
         if not marked:
-            with contextlib.suppress(FileExistsError):  # of another run that begins now
+            with contextlib.suppress(FileExistsError):  # made by another run that begins now
                 os.close(os.open(mark, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
 
     def clear(self, first: str = "") -> None:
-        """Remove all that isimp put there but for the mark and the lock; `first` before all else. Raises OSError."""
+        """Remove all that isimp put there except the mark and the lock; `first` before all else. Raises OSError."""
         for name in sorted(self._contents(), key=lambda name: name != first):
             if self._names.fullmatch(name):
                 _drop(self.path / name)

@@ -28,16 +28,16 @@ Labels = NDArray[np.int32]
 
 @dataclass(frozen=True)
 class Guides:
-    """What to keep to. Arrays as in `partition`."""
+    """Constraints of a partition. Arrays as in `partition`."""
 
-    weights: NDArray[Any] | None = None  #: (F,) what the faces' areas are multiplied by
+    weights: NDArray[Any] | None = None  #: (F,) factors of the faces' areas
     barriers: Pairs | None = None  #: (K, 2) edges that no region crosses
     cuts: Pairs | None = None  #: (K, 2) such edges that also split a region that they end in
     faces: NDArray[Any] | None = None  #: split these faces alone, and leave the others in their regions
-    before: Partition | None = None  #: those regions; locked ones of it stay as they are even if `faces` is None
+    before: Partition | None = None  #: its regions are the start; locked ones stay as they are even if `faces` is None
 
     def arrays(self) -> dict[str, Any]:
-        """Weights and barriers as `partition` takes them."""
+        """Weights and barriers in the form for `partition`."""
         edges = [pairs for pairs in (_some(self.barriers), _some(self.cuts)) if pairs is not None]
         return {"weights": self.weights, "barriers": np.concatenate(edges) if edges else None}
 
@@ -47,10 +47,10 @@ class Part:
     """Some faces of a mesh as a mesh of their own."""
 
     mesh: Mesh
-    face: Faces  #: of the whole mesh that each of its faces is
+    face: Faces  #: face of the whole mesh for each of its faces
 
     def arrays(self, guides: Guides) -> dict[str, Any]:
-        """The same of what speaks of the part."""
+        """As `Guides.arrays`, for the faces of the part."""
         whole = guides.arrays()
         weights, barriers = whole["weights"], whole["barriers"]
         return {
@@ -66,9 +66,9 @@ def part_of(mesh: Mesh, faces: Faces, job: Job | None = None) -> Part:
 
 
 def open_faces(mesh: Mesh, guides: Guides, leave_out: float, proxies: int | None = None) -> Faces | None:
-    """The faces that may get other regions than they have; None: all, and nothing is decided yet.
+    """The faces that may get new regions; None: all, without a restriction.
 
-    leave_out, proxies: of the PartitionOptions to come.
+    leave_out, proxies: of the later PartitionOptions.
     """
     faces = _open_faces(mesh, _numbers(guides.faces), guides.before, proxies or 1, leave_out)
     return None if faces is None else faces.astype(np.intp)
@@ -81,13 +81,13 @@ def partition_guided(
     guides: Guides | None = None,
     part: Part | None = None,
 ) -> Partition:
-    """A partition that keeps to the guides.
+    """A partition with guides.
 
-    A region that a cut ends in is split: from its ends the border goes on half-way between both of its sides. Where
-    only some faces are split, borders to the others stay as they are, vertex by vertex, so that polygons meet without a
-    crack; others that fall apart by it become several regions. With locked regions and no `faces`, options.proxies
-    counts the locked ones too.
-    part: what `part_of(mesh, open_faces(...))` gave, if that is known.
+    A region that contains the end of a cut is split: the border continues from the end half-way between both of its
+    sides. Where only some faces are split, borders to the others stay as they are, vertex by vertex, so that polygons
+    meet without a crack; others that fall apart by it become several regions. With locked regions and no `faces`,
+    options.proxies counts the locked ones too.
+    part: the result of `part_of(mesh, open_faces(...))`, if that is known.
     """
     guides = guides or Guides()
     return partition(
@@ -104,17 +104,17 @@ def partition_guided(
 
 
 def inside_regions(mesh: Mesh, part: Partition, barriers: Pairs) -> int:
-    """How many of the barriers have the same region on both sides, since they do not cut it in two."""
+    """The number of barriers with the same region on both sides, since they do not cut it in two."""
     return _inside_regions(mesh, part, _as_pairs(barriers))
 
 
 def parted_at(mesh: Mesh, part: Partition, cuts: Pairs) -> Labels | None:
-    """(F,) the regions with those split that a cut ends in; None if there is none."""
+    """(F,) the regions after splitting those that contain the end of a cut; None if there is none."""
     return _parted_at(mesh, part, _as_pairs(cuts))
 
 
 def _some(pairs: Pairs | None) -> Pairs | None:
-    """None for an empty list, whatever numpy takes its type to be."""
+    """None for an empty list of any type."""
     return None if pairs is None or not len(pairs) else pairs
 
 

@@ -22,7 +22,7 @@ def sharp_edges(mesh: Mesh, angle: float) -> Pairs:
 def attribute_borders(mesh: Mesh, values: NDArray[Any], among: NDArray[np.bool_] | None = None) -> Pairs:
     """Edges between faces of different value: a material, a face set or any other attribute, one value a face.
 
-    among: (F,) faces to look at; None: all.
+    among: (F,) faces to compare; None: all.
     """
     values = np.asarray(values)
     if values.shape != (len(mesh.triangles),):
@@ -33,9 +33,9 @@ def attribute_borders(mesh: Mesh, values: NDArray[Any], among: NDArray[np.bool_]
 
 
 def marked_edges(mesh: Mesh, edges: NDArray[Any]) -> Pairs:
-    """What is left in the mesh of edges that were marked before `clean`: pairs of the caller's vertices.
+    """The edges of the mesh that were marked before `clean`: pairs of the caller's vertices.
 
-    Edges that are gone, as their faces are, are left out.
+    Edges whose faces were removed are left out.
     """
     return _marked_edges(mesh, _as_pairs(edges))
 
@@ -47,7 +47,7 @@ def inner_edges(mesh: Mesh) -> tuple[Pairs, NDArray[np.intp], NDArray[np.intp]]:
 
 
 def shared_edges(triangles: NDArray[np.integer[Any]]) -> tuple[NDArray[np.int32], Pairs]:
-    """Pairs of triangles that share an edge, and that edge, of any triangles: no `Mesh` is needed.
+    """Pairs of triangles that share an edge, and that edge, for any triangles: no `Mesh` is needed.
 
     triangles: (T, 3) integers, none negative. Returns (E, 2) triangles, each column in one piece, and (E, 2) vertices.
     An edge with three triangles gives three pairs; of more than three, those next to and next but one to each other in
@@ -58,6 +58,6 @@ def shared_edges(triangles: NDArray[np.integer[Any]]) -> tuple[NDArray[np.int32]
 
 
 def _as_pairs(edges: NDArray[Any]) -> Pairs:
-    """(K, 2) pairs of any integers as int32; what that can not hold is no vertex, and stays none."""
+    """(K, 2) pairs of any integers as int32; a number that int32 can not hold is no vertex, and stays none."""
     info = np.iinfo(np.int32)
     return np.asarray(edges, np.int64).reshape(-1, 2).clip(info.min, info.max).astype(np.int32)

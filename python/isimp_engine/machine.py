@@ -1,4 +1,4 @@
-"""What this process may use of its machine: limits of the system's groups of processes count too."""
+"""The share of its machine that this process may use: limits of the system's groups of processes count too."""
 
 import os
 from collections.abc import Iterator
@@ -8,7 +8,7 @@ _MB = 1 << 20
 
 
 def cores() -> int:
-    """How many threads can work at once."""
+    """The number of threads that can work at once."""
     try:
         count = len(os.sched_getaffinity(0))
     except AttributeError:  # macOS
@@ -21,7 +21,7 @@ def cores() -> int:
 
 
 def memory_mb() -> float:
-    """How much memory is free for new work, MB; what the system keeps of files counts as free."""
+    """The free memory for new work, MB; the system's cache of files counts as free."""
     lines = _text(Path("/proc/meminfo")).splitlines()
     found = [int(line.split()[1]) / 1024 for line in lines if line.startswith("MemAvailable:")]
     for group in _groups():

@@ -1,4 +1,4 @@
-"""Which openings of a scan to close before it is partitioned, by length, for the command and the add-on."""
+"""The openings of a scan to close before it is partitioned, by length, for the command and the add-on."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ class Lengths:
         return self.most is None or regions <= self.most
 
     def closed(self, mesh: Mesh, job: Job | None = None, threads: int = 0) -> Mesh:
-        """The repaired scan without these openings; the mesh itself where the lengths are 0. See `close_openings`."""
+        """The repaired scan without these openings; the mesh itself if the lengths are 0. See `close_openings`."""
         if not self:
             return mesh
         options = CleanOptions(fill_holes=self.holes, cut_handles=self.handles, threads=threads)
@@ -50,9 +50,9 @@ def lengths_for(
 ) -> Lengths:
     """The lengths of a repaired scan, none of whose openings are closed yet.
 
-    regions: the number, where it is known. count: finds it, on this mesh, for these options; it is not asked where all
-    numbers that are likely have the same lengths. Then the result is a guess: where it does not hold for the
-    partition's number, this is to be asked again with that number. Cost: O(V + F), and that of `count`.
+    regions: the number, if it is known. count: finds it, on this mesh, for these options; it is not called if all
+    likely numbers have the same lengths. Then the result is a guess: if it is wrong for the partition's number, call
+    this again with that number. Cost: O(V + F), and that of `count`.
     """
     if regions is None:
         holes, handles, most, likely = _guess_opening_lengths(mesh, options, job)

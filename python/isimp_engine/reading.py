@@ -22,10 +22,10 @@ from ._core import FileError, InvalidInput, Job
 
 @contextmanager
 def reader(path: object, wrong: str) -> Iterator[None]:
-    """The one door for what a file may hold: whatever goes wrong in the block is a FileError that names the file.
+    """Reads the content of a file: every failure in the block becomes a FileError that names the file.
 
-    wrong: what to say of a file that holds something else than it should, such as "is damaged". Numbers that are not
-    finite give no warnings in the block: who reads them checks them.
+    wrong: the text for a file with unexpected content, such as "is damaged". Numbers that are not finite give no
+    warnings in the block: the reader must check them.
     """
     try:
         with np.errstate(all="ignore"):
@@ -49,9 +49,9 @@ def _said(error: Exception) -> str:
     return " ".join(str(error).split())[:200] or type(error).__name__
 
 
-COMPRESSED = (".gz", ".zst")  #: what may follow the kind of a file: scan.ply.gz
+COMPRESSED = (".gz", ".zst")  #: may follow the kind of a file: scan.ply.gz
 _BLOCK = 1 << 20
-_PIECE = 1 << 11  # bytes of .zst that are decompressed at once: 64 MB come out of them at most
+_PIECE = 1 << 11  # bytes of .zst that are decompressed at once: they give 64 MB at most
 _ANY, _RATIO = 1 << 28, 200  # bytes that every file may become, and the multiple of its size that a larger one may
 _FREE = 1 << 30  # bytes of a disk that stay free, or a twentieth of a small one
 
@@ -67,7 +67,7 @@ def is_compressed(path: str | PathLike[str]) -> bool:
 
 
 def kind_of(path: str | PathLike[str]) -> str:
-    """The suffix that tells what a file is, in lower case: .ply for scan.PLY.gz."""
+    """The suffix that determines the kind of a file, in lower case: .ply for scan.PLY.gz."""
     return inner(path).suffix.lower()
 
 
@@ -96,7 +96,7 @@ def opened(path: Path) -> IO[bytes]:
 
 
 def _blocks(path: Path) -> Iterator[bytes]:
-    """All of a file, out of its compression."""
+    """All of a file, decompressed."""
     module = _zstd() if path.suffix.lower() == ".zst" else None
     if module is None or module.__name__ != "zstandard":
         with opened(path) as source:
@@ -120,13 +120,13 @@ def _blocks(path: Path) -> Iterator[bytes]:
 
 
 def _damage() -> tuple[type[Exception], ...]:
-    """What the modules raise where a file is damaged."""
+    """The exceptions of the modules for a damaged file."""
     module = _zstd()
     return (EOFError, zlib.error, gzip.BadGzipFile) + (() if module is None else (module.ZstdError,))
 
 
 def _limited(path: Path, place: Path) -> Iterator[bytes]:
-    """The same, as far as a file of this size may grow, and as the disk of `place` has room."""
+    """As above, up to the size that a file of this size may have, and that the disk of `place` has room for."""
     most, made, looked = max(_ANY, _RATIO * path.stat().st_size), 0, 0
     for block in _blocks(path):
         made += len(block)
@@ -142,7 +142,7 @@ def _limited(path: Path, place: Path) -> Iterator[bytes]:
 
 @contextmanager
 def plain(path: Path, folder: Path | None = None, job: Job | None = None) -> Iterator[Path]:
-    """The file itself, or a copy of it out of its compression, which goes when the block ends.
+    """The file itself, or an unpacked copy of it, which is removed when the block ends.
 
     folder: for the copy; None: the system's for such files. Raises FileError, which names `path`, and Cancelled.
     """
@@ -170,7 +170,7 @@ def plain(path: Path, folder: Path | None = None, job: Job | None = None) -> Ite
 
 
 def _named(path: str | PathLike[str], job: Job | None) -> AbstractContextManager[str | PathLike[str]]:
-    """What to read for a path; names that are of no compressed file stay as they are, bytes too."""
+    """The path to read for a path; names that are of no compressed file stay as they are, bytes too."""
     if isinstance(path, (str, bytes, PathLike)) and is_compressed(os.fsdecode(path)):
         return plain(Path(os.fsdecode(path)), job=job)
     return nullcontext(path)
@@ -181,7 +181,7 @@ def read(
 ) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
     """Read the triangles of a PLY, OBJ, STL or OFF file, polygons cut into triangles; also .gz and .zst of them.
 
-    Returns vertices (V, 3) and triangles (F, 3). Raises FileError, which says what is wrong and where, or Cancelled.
+    Returns vertices (V, 3) and triangles (F, 3). Raises FileError, which names the fault and its place, or Cancelled.
     """
     with _named(path, job) as place:
         return _core.read(place, job, threads=threads)
@@ -190,7 +190,7 @@ def read(
 def read_polygons(
     path: str | PathLike[str], job: Job | None = None, *, threads: int = 0
 ) -> tuple[NDArray[np.float64], NDArray[np.int32], NDArray[np.int32]]:
-    """Read the polygons of a PLY, OBJ, STL or OFF file, as many corners as they have; also .gz and .zst of them.
+    """Read the polygons of a PLY, OBJ, STL or OFF file, with any number of corners; also .gz and .zst of them.
 
     Returns vertices (V, 3), loops (L,) and loop_start (Q,). Raises FileError or Cancelled.
     """

@@ -1,7 +1,7 @@
 """Recipes of the add-on, applied to files: the steps that hold for every scan.
 
-A recipe is the JSON text that the add-on exports. Steps that name faces belong to one scan, and marks such as seams are
-in no file that the engine reads; a recipe with such a step is refused.
+A recipe is the JSON text that the add-on exports. Steps that name faces belong to one scan, and the engine reads no
+file with marks such as seams; a recipe with such a step is refused.
 """
 
 import json
@@ -30,12 +30,12 @@ from ._core import (
 )
 
 _MOST_TIMES = 1 << 31  # that an edit may be made
-VERSION = 1  #: of recipes, as the add-on writes them
+VERSION = 1  #: version of recipes, as the add-on writes them
 COUNTS = ("detail", "tolerance", "bound", "proxies")  #: at most one of them gives the number of regions
 
 _EDITS = {"add_worst": add_worst, "delete_least": delete_least, "merge_cheapest": merge_cheapest}
 _OF_BLENDER = {"weights": "", "borders": "", "seams": False, "sharp": False, "materials": False, "face_sets": False}
-#: What steps saved by earlier versions lack, as in the add-on: a saved step has all settings of its version.
+#: Settings that steps saved by earlier versions lack, as in the add-on: a saved step has all settings of its version.
 _EARLIER: dict[str, tuple[set[str], dict[str, Any]]] = {
     "partition": ({"seed", "leave_out"}, {"smooth": 0.0, "close_openings": False}),
     "mesh": ({"chord_tolerance", "flatten"}, {"join_junctions": 0.0}),
@@ -43,7 +43,7 @@ _EARLIER: dict[str, tuple[set[str], dict[str, Any]]] = {
 
 
 class RecipeError(ValueError):
-    """A recipe can't be used; the message says which step and why."""
+    """A recipe can't be used; the message names the step and the reason."""
 
 
 @dataclass(frozen=True)
@@ -51,21 +51,21 @@ class Regularise:
     """A step that snaps planes."""
 
     options: RegulariseOptions
-    up: tuple[float, float, float] | None  #: what points up, in place of options.up
+    up: tuple[float, float, float] | None  #: the upward direction, in place of options.up
 
 
 @dataclass(frozen=True)
 class Recipe:
-    """What the steps of a recipe ask for."""
+    """The settings of the steps of a recipe."""
 
     values: dict[str, Any]  #: the recipe's JSON value
-    partition: dict[str, Any]  #: of PartitionOptions
-    close_openings: bool  #: close those that the regions can't show,
-    keep_openings: tuple[tuple[float, float, float], ...]  #: but for those at these places
+    partition: dict[str, Any]  #: options of PartitionOptions
+    close_openings: bool  #: close openings that the regions can't show
+    keep_openings: tuple[tuple[float, float, float], ...]  #: except the openings at these places
     angle: float | None  #: no region crosses an edge that bends by more, in degrees
     #: steps after the partition, with their times or strength, or how planes are snapped
     edits: tuple[tuple[str, float | Regularise], ...]
-    meshing: dict[str, Any]  #: of MeshingOptions
+    meshing: dict[str, Any]  #: options of MeshingOptions
     texture: int | None = None  #: keep the texture in an image of this size; 0: as dense as the scan's; None: do not
     ao: float | None = None  #: with ambient occlusion by faces up to this distance; 0: by all; None: without
     height: bool = False  #: with a height map
@@ -74,7 +74,7 @@ class Recipe:
 
     @property
     def regular(self) -> Regularise | None:
-        """How planes are snapped last; None: they are not."""
+        """The last snapping of planes; None: there is none."""
         found = [amount for _, amount in self.edits if isinstance(amount, Regularise)]
         return found[-1] if found else None
 
@@ -142,7 +142,7 @@ def parsed(values: Any) -> Recipe:
 
 
 def _settings(step: Any) -> tuple[str, dict[str, Any]]:
-    """The kind of a step and its settings, with what they meant when they were saved."""
+    """The kind of a step and its settings, with their meaning when they were saved."""
     if not isinstance(step, dict) or not isinstance(step.get("step"), str):
         raise RecipeError("is not a step: it has no name 'step'")
     settings = dict(step)
@@ -179,7 +179,7 @@ def _partition(settings: dict[str, Any]) -> tuple[dict[str, Any], float | None]:
     for name, none in _OF_BLENDER.items():
         if settings.pop(name, none) != none:
             raise RecipeError(f"'{name}' needs marks of an object in Blender, which files do not have; clear it")
-    settings.pop("influence", None)  # of the weights
+    settings.pop("influence", None)  # influence of the weights
     angle = settings.pop("angle", 180.0)
     if not _is_finite(angle) or not 0 <= angle <= 180:
         raise RecipeError(f"angle must be in [0, 180] degrees, got {reprlib.repr(angle)}")
@@ -215,11 +215,11 @@ def _edit(kind: str, settings: dict[str, Any], is_first: bool) -> tuple[str, flo
 
 
 def _regularise(settings: dict[str, Any]) -> Regularise:
-    """How a step snaps planes."""
+    """The settings of a step that snaps planes."""
     up, given = settings.pop("up", "scene"), settings.pop("direction", [])
     if up == "region":
         raise RecipeError("takes up from a region of one scan, which other scans do not have; choose an axis")
-    settings.pop("face", -1)  # of that region
+    settings.pop("face", -1)  # face of that region
     length = settings.pop("length", 0)
     direction = _direction(given) if up == "scene" and given != [] else None
     up = "z" if up == "scene" else up
@@ -258,7 +258,7 @@ def _direction(value: Any) -> tuple[float, float, float]:
 
 
 def _texture(settings: dict[str, Any], meshed: bool) -> dict[str, Any]:
-    """The parts of a Recipe that tell of its texture."""
+    """The texture settings of a Recipe."""
     if not meshed:
         raise RecipeError("there are no polygons yet: a mesh step must come right before")
     size, tiles = _whole(settings, "size"), _whole(settings, "tiles")

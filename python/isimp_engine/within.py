@@ -40,7 +40,7 @@ class Within:
     distance: (
         float | None
     )  #: the largest distance of a vertex of the scan from the polygons, scene units; None: no bound
-    allowed: float | None  #: what it must not be above: SLACK times the bound
+    allowed: float | None  #: its limit: SLACK times the bound
     tries: int
 
     @property
@@ -53,7 +53,7 @@ class Within:
 
 @dataclass(frozen=True)
 class Made:
-    """How a partition was made, so that it can be made anew with planes nearer to the scan; see partition_guided."""
+    """How a partition was made, so that it can be made again with planes nearer to the scan; see partition_guided."""
 
     options: PartitionOptions
     guides: Guides | None = None
@@ -69,9 +69,10 @@ class Made:
 def scan_distances(
     mesh: Mesh, part: Partition, polygons: PolygonMesh, enough: float = 0.0, job: Job | None = None
 ) -> Points:
-    """How far each vertex of the scan is from the polygons; NaN where it is in no region.
+    """The distance of each vertex of the scan from the polygons; NaN if it is in no region.
 
-    First from those of its own regions; where that is more than `enough`, from all: what is below it may be less still.
+    The polygons of the vertex's own regions come first; if these are farther than `enough`, all polygons are searched.
+    So a distance of at most `enough` may be less in truth.
     """
     return _scan_distances(mesh, part, polygons, enough, 0, _CHUNK, job)
 
@@ -84,12 +85,12 @@ def polygonize_within(
     made: Made | None = None,
     jobs: Jobs | None = None,
 ) -> Within:
-    """The polygons of a partition; with a bound such that the scan is within SLACK times it of them, if that can be.
+    """The polygons of a partition. With a bound, the scan is within SLACK times it of them, if possible.
 
     Borders may leave their chords, polygons bend and corners move by half the bound, and by less where that is not
-    enough. Where it still is not, and it is known how the partition was made, that is done anew with a lower bound.
+    enough. If that is not enough either, and `made` is given, another partition is made with a lower bound.
     Without a bound it is `polygonize`.
-    jobs: in place of `job`: gives a job for each part of the work, to show its progress.
+    jobs: in place of `job`: makes a job for each part of the work, to show its progress.
     """
     jobs, meshing = jobs or _stretches(job), meshing or MeshingOptions()
     if part.bound is None:
@@ -119,7 +120,7 @@ def partition_within(
     job: Job | None = None,
     guides: Guides | None = None,
 ) -> Within:
-    """Regions and their polygons; with a bound such that the scan is within SLACK times it of them, if that can be."""
+    """Regions and their polygons. With a bound, the scan is within SLACK times it of them, if possible."""
     made = Made(options, guides)
     return polygonize_within(mesh, partition_guided(mesh, options, job, guides), meshing, job, made)
 

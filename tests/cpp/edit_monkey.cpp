@@ -33,14 +33,14 @@ Vec3 any_vector(Random& random) {
   return {x, y, share()};
 }
 
-/// One edit, what it was given and what came of it.
+/// One edit with its input and its result.
 struct Act {
   const Mesh& mesh;
   const Partition& before;
   std::int32_t face;
   Random& random;
   Job& job;
-  std::int32_t region = before.face_region[face];  ///< of the face
+  std::int32_t region = before.face_region[face];  ///< region of the face
   std::vector<std::int32_t> faces = {};            ///< more faces that were given
   std::int32_t other = kNone;                      ///< a face of another region
 
@@ -61,7 +61,7 @@ std::int32_t face_beside(const Mesh& mesh, const Labels& label, std::int32_t reg
   return beside.empty() ? kNone : beside[below(random, beside.size())];
 }
 
-/// A face and those round it, in up to three rings.
+/// A face and its neighbours, in up to three rings.
 std::vector<std::int32_t> blot(const Mesh& mesh, std::int32_t face, Random& random) {
   std::vector<std::int32_t> faces{face};
   std::vector<bool> seen(static_cast<std::size_t>(mesh.face_count()), false);
@@ -81,8 +81,8 @@ Vec3 middle_of(const Mesh& mesh, std::int32_t f) {
   return (mesh.vertices()[t[0]] + mesh.vertices()[t[1]] + mesh.vertices()[t[2]]) / 3 + mesh.origin();
 }
 
-/// What an edit must not have done; empty if all is well. Regions are compared by the numbers in `before`.
-/// \param gone  a region whose number was taken away, so that those above it moved down
+/// A forbidden effect of an edit; empty if there is none. Regions are compared by the numbers in `before`.
+/// \param gone  a region whose number was removed, so that the numbers above it decreased by one
 std::string changed_only(const Act& act, const Partition& after, std::int32_t gone,
                          const std::function<bool(std::int32_t from, std::int32_t to)>& may) {
   for (std::size_t f = 0; f < after.face_region.size(); ++f) {
@@ -100,7 +100,7 @@ std::string count_is(const Partition& after, std::int32_t count) {
   return "there are " + std::to_string(after.region_count()) + " regions, not " + std::to_string(count);
 }
 
-/// The faces that were painted wholly over may be all of some regions: a number for each of them is gone.
+/// The painted faces may include all faces of some regions: each of these loses its number.
 std::string locked_stay(const Act& act, const Partition& after) {
   std::vector<std::int32_t> becomes(act.before.region_seed.size(), kNone);
   for (std::size_t f = 0; f < after.face_region.size(); ++f) {
@@ -120,7 +120,7 @@ struct Edit {
   const char* name;
   std::function<Partition(Act&)> run;
   std::function<std::string(const Act&, const Partition& after)> check;
-  bool keeps_locked = true;  ///< false where the edit may be asked to change a locked region
+  bool keeps_locked = true;  ///< false if the edit may change a locked region
 };
 
 std::string grew_by_one(const Act& act, const Partition& after) {
@@ -376,7 +376,7 @@ std::vector<VertexPair> some_edges(const Mesh& mesh, Random& random, int count) 
   return edges;
 }
 
-/// Splits a mesh; a refusal is fine, anything else that is thrown is a finding.
+/// Splits a mesh; a refusal is fine, any other exception is a fault.
 std::optional<Partition> split(const Partitioner& partitioner, const PartitionOptions& options,
                                const Constraints& constraints, const std::string& name, Tally& tally) {
   Job job;

@@ -9,10 +9,10 @@
 #include "isimp/mesh/mesh.h"
 #include "isimp/partition/partition.h"
 
-/// Edits of every kind at many faces of a partition. Each result is checked against what the headers of interact/ state.
+/// Edits of every kind at many faces of a partition. Each result is checked against the headers of interact/.
 namespace isimp::monkey {
 
-/// What was done, and what was wrong with it.
+/// Counts of edits, and their faults.
 struct Tally {
   struct Count {
     std::int64_t done = 0, refused = 0;
@@ -27,7 +27,7 @@ struct Tally {
 struct Settings {
   std::uint32_t seed = 1;
   int random_regions = 50;  ///< whose faces are edited
-  int faces_of_region = 4;  ///< of each of them, drawn
+  int faces_of_region = 4;  ///< number of faces drawn from each region
   int random_faces = 200;
   int edits_at_face = 3;       ///< drawn of all edits; at faces of small regions all are tried
   int chains = 2, chain = 30;  ///< edits one after another

@@ -54,7 +54,7 @@ Partition voronoi(const Mesh& mesh, int count, std::uint32_t seed) {
   std::shuffle(faces.begin(), faces.end(), random);
   std::deque<std::int32_t> queue;
   std::int32_t next = 0;
-  for (const std::int32_t f : faces) {  // the first of each component, then whatever comes
+  for (const std::int32_t f : faces) {  // the first of each component, then any others
     if (next >= count && taken[mesh.component()[f]] > 0) continue;
     ++taken[mesh.component()[f]];
     regions[f] = next++;

@@ -19,11 +19,11 @@ Partition planes(const Mesh& mesh);
 Partition voronoi(const Mesh& mesh, int count, std::uint32_t seed);
 /// Each face in a region drawn by `seed`: no region is connected.
 Partition noise(const Mesh& mesh, int count, std::uint32_t seed);
-/// All faces one region; each face its own.
+/// A partition of one region; a partition with a region for each face.
 Partition single(const Mesh& mesh);
 Partition each(const Mesh& mesh);
 
-/// The folder of test scans, "" where there is none: the environment's ISIMP_DATA, else beside the source tree.
+/// The folder of test scans, "" if there is none: the environment's ISIMP_DATA, else next to the source tree.
 std::string data_folder();
 /// A binary PLY of triangles; throws std::runtime_error if it cannot be read.
 Mesh read_ply(const std::string& path);

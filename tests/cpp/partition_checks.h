@@ -19,14 +19,14 @@ inline const Mesh& bumpy() {
   return mesh;
 }
 
-/// A cube, and beside it one so small that it is left out.
+/// A cube, and a separate cube so small that it is left out.
 inline Mesh cube_and_speck() {
   shapes::Arrays speck = shapes::cube(2);
   for (Vec3& v : speck.vertices) v *= 0.02;
   return shapes::mesh(shapes::both(shapes::cube(6), speck, {3, 3, 3}));
 }
 
-/// The area of a face over its longest edge squared from which on it counts as one: see make_face_graph.
+/// The least area of a face over its longest edge squared with which it counts: see make_face_graph.
 inline constexpr double kLeastShape = 0.5e-12;
 
 /// Error of a partition from its labels and normals, in double.
@@ -44,7 +44,7 @@ inline double error_of(const Mesh& mesh, const Partition& p) {
   return error;
 }
 
-/// Everything a partition promises whatever the mesh, but for what it says of its history.
+/// All promises of a partition for every mesh, except its history.
 inline void expect_sound_regions(const Mesh& mesh, const Partition& p) {
   const std::int32_t regions = p.region_count();
   ASSERT_EQ(p.face_region.size(), static_cast<std::size_t>(mesh.face_count()));
@@ -86,7 +86,7 @@ inline void expect_sound_regions(const Mesh& mesh, const Partition& p) {
   ASSERT_FALSE(p.history.empty());
 }
 
-/// Everything a partition promises whatever the mesh, where no round may end above the one before.
+/// All promises of a partition for every mesh, where no round may end above the one before.
 inline void expect_sound(const Mesh& mesh, const Partition& p) {
   expect_sound_regions(mesh, p);
   if (testing::Test::HasFatalFailure()) return;

@@ -132,7 +132,7 @@ Verdict look_at(const PolygonMesh& mesh) {
 
 std::string faults_against(const PolygonMesh& mesh, const Mesh& scan, const Partition& partition) {
   Verdict v = look_at(mesh);
-  // What is kept of the scan, as polygons of its own.
+  // The kept part of the scan, as polygons of its own.
   PolygonMesh kept;
   std::map<std::int32_t, std::int32_t> index;
   for (std::int32_t f = 0; f < scan.face_count(); ++f) {

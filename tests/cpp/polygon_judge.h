@@ -14,7 +14,7 @@ using Loop = std::vector<std::int32_t>;
 /// The vertices of each polygon in turn.
 std::vector<Loop> polygons_of(const PolygonMesh& mesh);
 
-/// What a polygon mesh is, found from its arrays alone, by other means than the engine's own checks.
+/// Properties of a polygon mesh, found from its arrays alone, by other means than the engine's own checks.
 struct Verdict {
   std::string faults;  ///< "" if every edge is used once or twice and in opposite directions, every vertex has one fan,
                        ///< no polygon repeats a vertex or another polygon or has no area, no vertex is unused, ...
@@ -26,7 +26,7 @@ struct Verdict {
 Verdict look_at(const PolygonMesh& mesh);
 
 /// look_at(), and the same Euler characteristic, components and border loops as the part of `scan` that has a region.
-/// \return "" or what is wrong
+/// \return "" or the fault
 std::string faults_against(const PolygonMesh& mesh, const Mesh& scan, const Partition& partition);
 
 }  // namespace isimp::judge

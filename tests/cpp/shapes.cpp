@@ -152,7 +152,7 @@ Arrays shuffled(const Arrays& a, std::uint32_t seed) {
 
 Arrays noisy(const Arrays& a, double sigma, std::uint32_t seed) {
   Arrays result = a;
-  if (sigma == 0) return result;  // which the distribution does not take
+  if (sigma == 0) return result;  // which the distribution does not accept
   std::mt19937 random(seed);
   std::normal_distribution<double> normal(0.0, sigma);
   for (Vec3& v : result.vertices) v += Vec3(normal(random), normal(random), normal(random));

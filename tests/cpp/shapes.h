@@ -20,9 +20,9 @@ Arrays cube(int n = 1);
 Arrays plane(int n = 1);
 /// The sphere of radius 1: an icosahedron whose faces are split in four `levels` times, 20 * 4^levels faces.
 Arrays sphere(int levels);
-/// A ring of radius 1 round the z axis with a tube of radius r, nu by nv squares of two triangles, genus 1.
+/// A ring of radius 1 around the z axis with a tube of radius r, nu by nv squares of two triangles, genus 1.
 Arrays torus(int nu, int nv, double r = 0.4);
-/// A closed box of w by h unit cells with holes through those that are open. Corners that no cell has are there too.
+/// A closed box of w by h unit cells with holes through the open ones. Corners that no cell has are there too.
 Arrays perforated(int w, int h, double thickness, const std::function<bool(int x, int y)>& is_open);
 /// Two meshes as one, `b` moved by `offset`.
 Arrays both(const Arrays& a, const Arrays& b, const Vec3& offset);
@@ -30,7 +30,7 @@ Arrays both(const Arrays& a, const Arrays& b, const Vec3& offset);
 Arrays shuffled(const Arrays& a, std::uint32_t seed);
 /// Every vertex moved by normal noise of standard deviation `sigma`, drawn by `seed`.
 Arrays noisy(const Arrays& a, double sigma, std::uint32_t seed);
-/// Every vertex moved half-way to the mean of those beside it, `rounds` times: edges and corners are rounded.
+/// Every vertex moved half-way to the mean of its neighbours, `rounds` times: edges and corners are rounded.
 Arrays smoothed(const Arrays& a, int rounds);
 
 Mesh mesh(const Arrays& a);

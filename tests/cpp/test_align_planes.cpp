@@ -43,7 +43,7 @@ struct Leaning {
     return partition_from(mesh, labelled::planes(shapes::mesh(shapes::cube(8))).face_region, job);
   }
 
-  /// A face of the side that looks along an axis.
+  /// A face of the side that faces along an axis.
   [[nodiscard]] std::int32_t face(const Vec3& axis) const {
     std::int32_t best = 0;
     double most = -2;
@@ -161,7 +161,7 @@ TEST(AlignPlanes, CoplanarRegionsGetOnePlane) {
 TEST(AlignPlanes, RefusesWhatMovesTheScanTooFarAndSaysByHowMuch) {
   const Leaning cube(0.2, 0.0);
   const std::string name = "the region of face " + std::to_string(cube.top());
-  // A slope of .2 over a side of 1: root mean square .2 / sqrt(12), less what turning takes off.
+  // A slope of .2 over a side of 1: root mean square .2 / sqrt(12), less the gain by turning.
   EXPECT_EQ(cube.refusal({cube.top()}, Align::level, 0.02), name + " needs 0.05774, allowed 0.02");
   EXPECT_EQ(cube.refusal({cube.top()}, Align::level), name + " needs 0.05774, allowed 0.01792");
   EXPECT_EQ(cube.refusal({cube.top()}, Align::level, 0.06), "");

@@ -16,7 +16,7 @@ namespace {
 
 using Pairs = std::vector<std::array<std::int32_t, 2>>;
 
-/// Neighbours of a grid, each pair named twice, the second time the other way round than elimination may have it.
+/// Neighbours of a grid, each pair named twice, the second time in the opposite order.
 Pairs grid(std::int32_t side) {
   Pairs pairs;
   for (std::int32_t y = 0; y < side; ++y)

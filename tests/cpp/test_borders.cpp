@@ -1,4 +1,4 @@
-// Borders between regions as lengths: how long they are, what they weigh, and that relaxing makes them straight.
+// Borders between regions as lengths: their length, their weight, and the straightening by relaxing.
 
 #include <gtest/gtest.h>
 
@@ -33,8 +33,8 @@ TEST(BorderLengths, AreThoseOfTheMeshOnAnyThreads) {
 }
 
 TEST(Relaxation, WideBordersBecomeStraight) {
-  // A flat square in two halves whose border goes up and down by three rows: counted over all faces that share a
-  // vertex nothing but the straight line is short.
+  // A flat square in two halves whose border oscillates by three rows: counted over all faces that share a vertex
+  // nothing but the straight line is short.
   const Mesh mesh = shapes::mesh(shapes::plane(24));
   const FaceGraph& graph = mesh.graph();
   Regions r{std::vector<std::int32_t>(graph.faces.size(), kNone), std::vector<RegionSum>(2)};

@@ -84,7 +84,7 @@ TEST(Bound, FlatThingsNeedNoMoreThanTheirSides) {
 
 TEST(Bound, LeavesAClosedPartFourRegions) {
   EXPECT_EQ(within(shapes::mesh(shapes::sphere(3)), 100.0).region_count(), 4);
-  // Sides at right angles are never one: no plane has both beside it.
+  // Sides at right angles are never one: no plane is near to both.
   EXPECT_EQ(within(shapes::mesh(shapes::cube(1)), 100.0).region_count(), 6);
 }
 
@@ -133,7 +133,7 @@ TEST(Adaptivity, WeighsRoughPlacesMoreAndLeavesTheAreaAsItIs) {
   for (const float w : adaptive_weights(shapes::mesh(shapes::plane(9)), 1.0, Threads(1), job)) EXPECT_EQ(w, 1.0F);
 }
 
-/// The same with a bend on the left that needs regions too: where one region does for all of it, none can be moved.
+/// As above, with a bend on the left that needs regions too: where one region does for all of it, none can be moved.
 Arrays bent_and_rough() {
   Arrays sheet = shapes::plane(80);
   for (Vec3& p : sheet.vertices)
@@ -141,7 +141,7 @@ Arrays bent_and_rough() {
   return sheet;
 }
 
-/// How many regions have their centre on the right.
+/// The number of regions with their centre on the right.
 std::int32_t on_the_right(const Mesh& mesh, const Partition& part) {
   std::vector<double> x(part.region_seed.size(), 0.0), faces(part.region_seed.size(), 0.0);
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
@@ -158,7 +158,7 @@ TEST(Adaptivity, MovesRegionsToRoughPlacesAndStatesPlainErrors) {
   const Mesh mesh = shapes::mesh(bent_and_rough());
   std::vector<std::int32_t> rough;
   for (const double a : {0.0, 0.5, 1.0}) {
-    // By the error alone: short borders move a few regions too.
+    // By the error alone, since short borders move a few regions too.
     const Partition part = partition(mesh, {.proxies = 60, .adaptivity = a, .smooth = 0}, job);
     EXPECT_EQ(part.region_count(), 60);
     EXPECT_EQ(part.guided, nullptr);

@@ -1,4 +1,4 @@
-// Boxes that come and move: what a search finds against all boxes.
+// Boxes that are added and moved: the results of a search against all boxes.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// What no order of threads, no rubbish in memory and no failed allocation may change: see chaos.h.
+// Results that no order of threads, no rubbish in memory and no failed allocation may change: see chaos.h.
 
 #include <gtest/gtest.h>
 
@@ -67,7 +67,7 @@ TEST(Chaos, NoOrderOfThreadsChangesALabel) {
   EXPECT_EQ(chaos::count().misused, 0);
 }
 
-/// All that the steps of a flooder give, one after another.
+/// The results of the steps of a flooder, one after another.
 std::vector<std::vector<std::int32_t>> steps_of(parallel::Flooder& flooder) {
   Job job;
   std::vector<std::vector<std::int32_t>> all;

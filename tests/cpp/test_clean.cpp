@@ -49,7 +49,7 @@ void expect_in_place(const Mesh& mesh, const Arrays& a) {
   }
 }
 
-/// Every face with three vertices of its own, as an STL file has it.
+/// Every face with three vertices of its own, as in an STL file.
 Arrays unwelded(const Arrays& a) {
   Arrays soup;
   for (const Triangle& t : a.triangles) {
@@ -78,7 +78,7 @@ Arrays moebius(int n) {
   return a;
 }
 
-/// Two meshes with vertices at the same places made one.
+/// The mesh with vertices at the same places merged.
 Arrays fused(const Arrays& a) {
   Arrays result;
   std::vector<std::int32_t> place;
@@ -130,7 +130,7 @@ TEST(Clean, DropsBrokenAndDuplicateFacesAndUnusedVerticesAndSaysWhere) {
   a.triangles.push_back(third);                           // 14
   a.triangles.push_back({third[1], third[0], third[2]});  // 15, turned over
   a.triangles.push_back({9, 1, 2});                       // 16
-  a.triangles.insert(a.triangles.begin(), {7, 0, 7});     // all of them move up by one
+  a.triangles.insert(a.triangles.begin(), {7, 0, 7});     // the indices of the others increase by one
   const Mesh mesh = cleaned(a);
   EXPECT_TRUE(mesh.report().closed);
   EXPECT_EQ(mesh.face_count(), 12);
@@ -152,7 +152,7 @@ TEST(Clean, TurnsTheLongestEdgeOfAFaceWithoutArea) {
   EXPECT_EQ(mesh.report().border_edges, 4);
   EXPECT_NEAR(mesh.report().area, 1, 1e-12);
   EXPECT_EQ(repair(mesh, "turned_edges").where, (std::vector<std::int32_t>{1}));
-  Job job;  // the neighbours are kept up to date: looked for anew they are the same
+  Job job;  // the neighbours are kept up to date: a new search finds the same
   const Mesh again({mesh.vertices().begin(), mesh.vertices().end()}, {mesh.triangles().begin(), mesh.triangles().end()},
                    job);
   EXPECT_TRUE(std::ranges::equal(again.opposite(), mesh.opposite()));
@@ -304,7 +304,7 @@ TEST(Clean, SolidsThatShareAnEdgeOrAVertexFallApart) {
 }
 
 TEST(Clean, CubesGluedAtASideStaySolidOnOneSideOfTheWall) {
-  // Both walls become one, since the second is a duplicate of the first: three faces an edge all round it.
+  // Both walls become one, since the second is a duplicate of the first: three faces an edge all around it.
   const Arrays a = fused(shapes::both(shapes::cube(), shapes::cube(), {1, 0, 0}));
   const Mesh mesh = cleaned(a);
   EXPECT_EQ(mesh.report().components, 2);
@@ -314,8 +314,8 @@ TEST(Clean, CubesGluedAtASideStaySolidOnOneSideOfTheWall) {
 }
 
 TEST(Clean, HalvesAnEdgeWhereASolidTouchesItselfAndStaysOne) {
-  // Two slabs joined by two columns that share the edge from (1, 1, 1) to (1, 1, 2). All faces round either end of the
-  // edge hang together once the columns are parted along it, so that vertices alone can't part them.
+  // Two slabs joined by two columns that share the edge from (1, 1, 1) to (1, 1, 2). All faces around either end of the
+  // edge are connected once the columns are separated along it, so that vertices alone can't separate them.
   Arrays a;
   for (const int z : {0, 2})
     for (const int x : {0, 1})

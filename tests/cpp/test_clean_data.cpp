@@ -49,8 +49,8 @@ class CleanData : public testing::Test {
   }
 };
 
-/// Cleaning gives a mesh that its own constructor accepts, keeps what was there in its place, and finds nothing more to
-/// do when called again (but where edges of three or more faces were).
+/// Cleaning gives a mesh that its own constructor accepts, keeps all faces in their place, and changes nothing when
+/// called again (except where edges of three or more faces were).
 TEST_F(CleanData, EveryFileBecomesASoundMesh) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::recursive_directory_iterator(fs::path(labelled::data_folder())))
@@ -112,7 +112,7 @@ TEST_F(CleanData, TheKnownFlawsAreCounted) {
   EXPECT_EQ(fin.report().closed_components, 1);
   const Mesh zero = cleaned(read(fs::path(labelled::data_folder()) / "known/cube20_zeroarea.ply"));
   EXPECT_TRUE(zero.report().closed);
-  EXPECT_EQ(zero.report().zero_area_faces, 0);  // of 104
+  EXPECT_EQ(zero.report().zero_area_faces, 0);  // there were 104
 }
 
 /// The dragon has 54 handles, of which one can't be closed at its shortest loop, where a patch would meet the surface.

@@ -40,7 +40,7 @@ Arrays without(Arrays a, Gone gone) {
 Arrays sheets_with_tubes(int n, double gap, const std::vector<std::pair<int, int>>& cells) {
   Arrays a = shapes::both(shapes::plane(n), shapes::plane(n), {0, 0, gap});
   const auto upper = static_cast<std::int32_t>(a.triangles.size() / 2);
-  for (std::int32_t f = 0; f < upper; ++f) std::swap(a.triangles[f][1], a.triangles[f][2]);  // the lower one looks down
+  for (std::int32_t f = 0; f < upper; ++f) std::swap(a.triangles[f][1], a.triangles[f][2]);  // the lower one faces down
   const double cell = 1.0 / n;
   for (const auto& [i, j] : cells) {
     const auto inside = [&](const Vec3& c) {
@@ -99,7 +99,7 @@ TEST(CloseHoles, AFaceAloneGetsNoBack) {
 }
 
 TEST(CloseHoles, ALoopWhoseEndsMeetIsNoErrorOfCgal) {
-  // CGAL takes such a loop for one that says its first vertex twice, and asserts the same of the points beyond.
+  // CGAL takes such a loop for one that names its first vertex twice, and asserts the same of the points beyond.
   const std::vector<Vec3> loop = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 0}};
   const std::vector<Vec3> beyond = {{0, -1, 0}, {2, 0, 0}, {1, 2, 0}, {-1, 1, 0}, {-1, -1, 0}};
   EXPECT_TRUE(detail::cover(loop, beyond, 0).triangles.empty());
@@ -118,7 +118,7 @@ TEST(CloseHoles, ACoverThatWouldMeetTheSurfaceIsNotMade) {
 }
 
 TEST(CutHandles, ASmallOneGoesAndALargeOneStays) {
-  const Arrays ring = shapes::torus(48, 24, 0.4);  // round its tube: 2.5; round the hole inside: 3.8
+  const Arrays ring = shapes::torus(48, 24, 0.4);  // around its tube: 2.5; around the hole inside: 3.8
   const Mesh kept = closed(ring, {.cut_handles = 2.0}), cut = closed(ring, {.cut_handles = 3.0});
   EXPECT_EQ(kept.report().euler, 0);
   EXPECT_EQ(repaired(kept, "cut_handles"), 0);
@@ -134,7 +134,7 @@ TEST(CutHandles, OneOfTwoTubesBetweenSheetsGoes) {
   ASSERT_EQ(before.component_count(), 1);
   ASSERT_EQ(before.report().border_loops, 2);
   ASSERT_EQ(before.report().euler, -2);
-  // Either tube closes the handle; once one has gone, the other joins two sheets and is no handle any more.
+  // Either tube closes the handle; once one is removed, the other joins two sheets and is no handle any more.
   const Mesh after = closed(sheets, {.cut_handles = 0.5});
   EXPECT_EQ(repaired(after, "cut_handles"), 1);
   EXPECT_EQ(after.component_count(), 1);

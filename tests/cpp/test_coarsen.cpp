@@ -1,4 +1,4 @@
-// Pieces that a region was split into and does not need go to their neighbours, also to those of other regions.
+// Unneeded pieces of a split region join their neighbours, also those of other regions.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,7 +10,7 @@
 namespace isimp {
 namespace {
 
-/// A noisy square: a disc in the middle, and a ring round it that has to be cut. The rest is a third region.
+/// A noisy square: a disc in the middle, and a ring around it that has to be cut. The rest is a third region.
 class Coarsen : public testing::Test {
  protected:
   [[nodiscard]] MeshingReport report_of(const Partition& part) const {
@@ -55,7 +55,7 @@ TEST_F(Coarsen, WhatARegionHadApartStaysInIt) {
   EXPECT_EQ(r.split_for_unconnected, 4);
 }
 
-// Where much is split, pieces of mixed regions come and go; a region must not lose its last one.
+// With many splits, pieces of mixed regions appear and disappear; a region must not lose its last one.
 TEST(CoarsenRough, EveryRegionKeepsAPolygon) {
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(5), 0.06, 7));
   Job job;

@@ -1,4 +1,4 @@
-// Corners on the boundary between two halves of a sphere, where no third piece asks for any.
+// Corners on the boundary between two halves of a sphere, where no third piece needs any.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@ class Halves : public testing::Test {
   Halves() : mesh_(shapes::mesh(shapes::sphere(3))), labels_(mesh_), complex_(labels_, planes_) {
     label_pieces(labels_, above(mesh_), Threads(1), job_);
     planes_.assign(planes_of(labels_, Threads(1), job_));
-    complex_.tolerance = {10, 10, 10, 1};  // no chord is asked to be close
+    complex_.tolerance = {10, 10, 10, 1};  // no chord has to be close
     complex_.refresh(std::vector<std::int32_t>{0, 1}, {loop(0), loop(1)}, job_);
   }
 
@@ -66,14 +66,14 @@ TEST_F(Halves, BendTheirChordWhereTheBoundaryIsFarthest) {
   EXPECT_LT(complex_.depth(chord), depth);
 }
 
-/// What changes pieces takes corners away before others come in their place: who asks of a chord meanwhile gets an
-/// answer, and the walk along it an end.
+/// A change of pieces removes corners before it adds others: meanwhile a query of a chord returns, and the walk along
+/// it ends.
 TEST_F(Halves, CanBeAskedOfAChordWhoseCornersAreGone) {
   const std::int32_t chord = complex_.chords(0)[0];
   std::vector<std::int32_t> vertices;
   for (const std::int32_t h : complex_.loop(0)) vertices.push_back(mesh_.from(h));
   for (const std::int32_t v : vertices) EXPECT_TRUE(complex_.drop_corner(v));
-  EXPECT_NEAR(complex_.depth(chord), 2, 0.2);  // from one place all round to the same: the diameter
+  EXPECT_NEAR(complex_.depth(chord), 2, 0.2);  // a closed chord: the diameter
   EXPECT_TRUE(complex_.bend(chord));
 }
 

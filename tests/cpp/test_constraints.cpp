@@ -155,7 +155,7 @@ TEST(Constraints, ACutThatEndsInsideASideOfACubeSplitsIt) {
   }
 }
 
-// The two halves of the top of a cube, by the way from the end of the cut that goes on half-way between its sides.
+// The two halves of the top of a cube, by the border that continues from the end of the cut half-way between its sides.
 TEST(Constraints, ACutGoesOnHalfWayBetweenItsSides) {
   const Mesh mesh = shapes::mesh(shapes::cube(8));
   const Partition cut = run(mesh, {.proxies = 6}, {.cuts = slit(mesh)});

@@ -34,8 +34,8 @@ TEST(CutRule, NumberOfRegionsIsAMeanOverNearTolerances) {
     const Cut cut = choose_cut(costs, 1, 1e-12, tolerance, 0.001, 0, false);
     return 1 + std::count_if(costs.begin(), costs.end(), [&](double c) { return c > cut.cost; });
   };
-  EXPECT_EQ(regions(0.005), 49);  // as at t itself: 16 t^2 = 1 / 50^2 is the cost of merging 50 regions
-  // Ten costs just below the limit, as of ten bumps: at t alone, their regions would come all at once.
+  EXPECT_EQ(regions(0.005), 49);  // like the number at t itself: 16 t^2 = 1 / 50^2 is the cost of merging 50 regions
+  // Ten costs just below the limit, such as those of ten bumps: at t alone, their regions would appear all at once.
   for (std::size_t k = 49; k < 59; ++k) costs[k] = (0.99 - 1e-4 * static_cast<double>(k)) / 50 / 50;
   std::int64_t most = 0;
   for (double t = 0.006; t > 0.004; t /= 1.01) most = std::max(most, regions(t / 1.01) - regions(t));
@@ -45,12 +45,12 @@ TEST(CutRule, NumberOfRegionsIsAMeanOverNearTolerances) {
 TEST(CutRule, MovesIntoASignificantGap) {
   std::vector<double> costs = without_scale();  // 49 of them at or above .0004
   for (std::size_t k = 49; k < costs.size(); ++k) costs[k] /= 50;
-  const Cut cut = choose_cut(costs, 1, 1e-12, 0.0025, 0.001, 0, true);  // asks for 1e-4
+  const Cut cut = choose_cut(costs, 1, 1e-12, 0.0025, 0.001, 0, true);  // the limit is 1e-4
   EXPECT_TRUE(cut.snapped);
   EXPECT_LT(cut.cost, costs[48]);
   EXPECT_GT(cut.cost, costs[49]);
   EXPECT_FALSE(choose_cut(costs, 1, 1e-12, 0.0025, 0.001, 0, false).snapped);
-  EXPECT_FALSE(choose_cut(costs, 1, 1e-12, 0.02, 0.001, 0, true).snapped);  // the gap is finer than what is asked
+  EXPECT_FALSE(choose_cut(costs, 1, 1e-12, 0.02, 0.001, 0, true).snapped);  // the gap is finer than requested
 }
 
 TEST(CutRule, AGapCountsBeyondTheWindow) {
@@ -106,7 +106,7 @@ TEST(Detail, OfASphereFollowsTheToleranceNotTheFaces) {
 
 TEST(Detail, LeavesAClosedPartFourRegions) {
   EXPECT_EQ(count_at(shapes::sphere(2), 0.4).regions, 4);
-  // The small one is flat at this tolerance, but a solid all the same.
+  // The small one is flat at this tolerance, but still a solid.
   EXPECT_EQ(
       count_at(shapes::both(shapes::plane(9), shapes::noisy(shapes::sphere(1), 0, 1), Vec3(0, 0, 9)), 0.4).regions, 5);
 }

@@ -1,4 +1,4 @@
-// What a surface takes of a device's memory: kept from call to call, and what happens when there is too little.
+// A surface's memory on a device: kept from call to call, and the errors when there is too little.
 
 #include <gtest/gtest.h>
 

@@ -59,14 +59,14 @@ Vec3 middle(const Mesh& mesh, std::int32_t f) {
   return (mesh.vertices()[a] + mesh.vertices()[b] + mesh.vertices()[c]) / 3;
 }
 
-/// Regions as sets of faces, however numbered.
+/// Regions as sets of faces, for any numbering.
 std::set<Faces> sets_of(const Partition& p) {
   std::set<Faces> sets;
   for (std::int32_t r = 0; r < p.region_count(); ++r) sets.insert(faces_of(p, r));
   return sets;
 }
 
-/// How many of the regions before are still there, face for face.
+/// The number of earlier regions that have not changed.
 std::int32_t kept(const Partition& before, const Partition& after) {
   const std::set<Faces> old = sets_of(before);
   std::int32_t count = 0;
@@ -127,7 +127,7 @@ TEST(SplitAlong, CutsAFlatSideWhereTheLineIs) {
   Job job;
   const Mesh mesh = shapes::mesh(shapes::plane(10));
   const Partition one = run(mesh, 1);
-  const std::vector<Vec3> line{{0.3, 0.4, 0}, {0.3, 0.6, 0}};  // goes on to both sides of the square
+  const std::vector<Vec3> line{{0.3, 0.4, 0}, {0.3, 0.6, 0}};  // extended to both sides of the square
   const Partition two = split_along(mesh, one, 199, line, Vec3::Zero(), job);
   expect_sound(mesh, two);
   for (std::int32_t f = 0; f < mesh.face_count(); ++f)
@@ -206,7 +206,7 @@ TEST(Paint, HandsOnWhatIsCutOffAndTakesWholeRegions) {
     const double x = middle(mesh, f).x();
     (x > 0.3 && x < 0.4 ? bar : rest).push_back(f);
   }
-  // The bar cuts a side into three tenths and six tenths; the smaller part goes to the bar, its only neighbour.
+  // The bar cuts a side into three tenths and six tenths; the smaller part joins the bar, its only neighbour.
   const Partition two = paint_faces(mesh, one, bar, kNone, job);
   expect_sound(mesh, two);
   ASSERT_EQ(two.region_count(), 2);
@@ -382,7 +382,7 @@ TEST(Heuristics, ImproveNeverMakesItWorse) {
   EXPECT_LE(improve(ball(), better, job).error, better.error);
 }
 
-/// How many edges of the mesh lie between regions.
+/// The number of edges of the mesh between regions.
 std::int64_t border_edges(const Mesh& mesh, const Partition& p) {
   std::int64_t edges = 0;
   for (std::int32_t h = 0; h < 3 * mesh.face_count(); ++h)
@@ -396,7 +396,7 @@ TEST(EvenBorders, StraightensAToothedBorderOnAFlatSideAndLeavesCreases) {
   const Partition sides = run(mesh, 6);
   Job job;
   EXPECT_EQ(even_borders(mesh, sides, 1.0, job).face_region, sides.face_region);
-  Faces half;  // of the top: its border runs to and fro by two squares
+  Faces half;  // half of the top: its border oscillates by two squares
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
     const Vec3 at = middle(mesh, f);
     const int row = static_cast<int>(12 * at.y());

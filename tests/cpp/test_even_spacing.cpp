@@ -26,7 +26,7 @@ std::vector<ParallelPlane> planes_at(const std::vector<double>& offsets) {
   return planes;
 }
 
-/// How far the distances of planes next to each other are from equal.
+/// The deviation of the distances of adjacent planes from equal ones.
 double unevenness(const std::vector<double>& offset) {
   double most = 0;
   for (std::size_t i = 2; i < offset.size(); ++i)
@@ -60,7 +60,7 @@ TEST(EvenSpacing, ChanceIsNoSeries) {
     for (int i = 0; i < 8; ++i) offsets.push_back(random() * 0x1p-32);
     planes += even_spacing(planes_at(offsets), 0.003).planes;
   }
-  EXPECT_LT(planes, 40);  // of 400; a series has at least three
+  EXPECT_LT(planes, 40);  // there were 400; a series has at least three
 }
 
 TEST(EvenSpacing, AFixedPlaneStaysAndTheOthersFollow) {

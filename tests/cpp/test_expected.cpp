@@ -1,4 +1,4 @@
-// How many polygons are foreseen.
+// The estimated number of polygons.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -10,8 +10,8 @@
 #include "isimp/mesh/mesh.h"
 #include "isimp/simplify/partitioner.h"
 
-/// Flat ground with noise becomes one region with hundreds round it. Parting it anew from a neighbour takes time by its
-/// size and gains nothing; it is tried a few times, not with each of them.
+/// Flat ground with noise becomes one region with hundreds around it. Splitting it again from a neighbour takes time by
+/// its size and gains nothing; it is tried a few times, not with each neighbour.
 namespace isimp {
 namespace {
 
@@ -38,7 +38,7 @@ TEST(FlatNoise, TheGroundIsPartedAnewAFewTimesOnly) {
   options.threads = 1;
   Job job;
   double last = -1;
-  int polls = 0;  // since the progress rose last: while regions are parted anew nothing is reported
+  int polls = 0;  // since the progress rose last: while regions are split again nothing is reported
   int most = 0;
   job.at_poll = [&] {
     if (std::string(job.stage()) != "relaxing" || job.progress() < 0.9) return;

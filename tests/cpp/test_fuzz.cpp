@@ -23,9 +23,9 @@
 #include "polygon_judge.h"
 #include "shapes.h"
 
-/// Meshes and files drawn at random go all the way through: each either is refused with a message or keeps every
-/// promise. ISIMP_FUZZ_CASES says how many of each kind (250), ISIMP_FUZZ_SECONDS goes on for that long instead,
-/// ISIMP_FUZZ_FIRST is the first case's number: a failure names its own, so that it can be had again.
+/// Random meshes and files pass through all steps: each either is refused with a message or keeps every promise.
+/// ISIMP_FUZZ_CASES is the number of cases of each kind (250), ISIMP_FUZZ_SECONDS a time to run instead,
+/// ISIMP_FUZZ_FIRST the first case's number: a failure names its own, so that it can be repeated.
 namespace isimp {
 namespace {
 
@@ -205,9 +205,9 @@ MeshingOptions meshing_options(Dice& dice) {
   return options;
 }
 
-/// How many faces are thinner than what counts as without area: so many polygons may be, and no more.
+/// The number of faces that are so thin that they count as without area: the polygons may have as many, and no more.
 std::int32_t thin_faces(const Mesh& mesh) {
-  constexpr double kThin = 2e-6;  // of the diagonal; twice the engine's bound, as it measures extents otherwise
+  constexpr double kThin = 2e-6;  // share of the diagonal; twice the engine's bound, as it measures extents otherwise
   return static_cast<std::int32_t>(std::count_if(mesh.triangles().begin(), mesh.triangles().end(), [&](auto& t) {
     const Vec3 &a = mesh.vertices()[t[0]], &b = mesh.vertices()[t[1]], &c = mesh.vertices()[t[2]];
     const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
@@ -215,8 +215,8 @@ std::int32_t thin_faces(const Mesh& mesh) {
   }));
 }
 
-/// The judge's faults, but for polygons without area where the scan has as many faces without any, or where the budget of
-/// the repair was spent and the report names them.
+/// The judge's faults, except polygons without area where the scan has as many faces without any, or where the budget
+/// of the repair was spent and the report names them.
 std::string unexcused(std::string faults, const PolygonMesh& polygons, const Mesh& mesh) {
   if (polygons.report.repair_capped)
     for (const Imperfection& i : polygons.report.imperfect)
@@ -256,7 +256,7 @@ TEST(Fuzz, SoupsOfFaces) {
 }
 
 /// The same far from the origin, where few bits are left for the shape: places up to 5e7 away, sizes 1e-3 to 1e3. The
-/// coordinates are rounded as a file with doubles holds them.
+/// coordinates are rounded like doubles in a file.
 TEST(Fuzz, Offsets) {
   for_each_case([](Dice& dice) {
     Arrays a = dice.chance(4) ? soup(dice) : shape(dice);
@@ -337,7 +337,7 @@ void damage(std::string& bytes, Dice& dice) {
       bytes.insert(any(), bytes.substr(from, static_cast<std::size_t>(dice.number(1, 60))));
       break;
     }
-    default:  // in the head, where formats say what follows
+    default:  // in the header, which describes the data
       bytes[any() % std::min<std::size_t>(bytes.size(), 200)] = static_cast<char>(dice.number(32, 126));
   }
 }

@@ -1,4 +1,4 @@
-// Clusters with many others around them, against a version that looks at all pairs before each merge.
+// Clusters with many others around them, against a version that compares all pairs before each merge.
 
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ std::pair<std::int32_t, std::int32_t> pair_of(std::int32_t u, std::int32_t v) {
 
 struct Case {
   std::vector<RegionSum> sum;
-  Borders border;  // of each pair of neighbours, the lower one first
+  Borders border;  // by pair of neighbours, the lower one first
 };
 
 RegionSum node(double x, double y, double z) {
@@ -36,7 +36,7 @@ RegionSum node(double x, double y, double z) {
   return s;
 }
 
-/// Some planes with many small nodes in a ring round each, as houses on the ground; every so many lie between two.
+/// Some planes with many small nodes in a ring around each, like houses on the ground; some nodes lie between two.
 /// \param away    share of the small nodes that face away from their plane, so that it gets smaller by them
 /// \param length  largest border
 Case houses(std::int32_t planes, std::int32_t around, double away, double length, std::uint32_t seed) {

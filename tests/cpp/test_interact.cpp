@@ -80,7 +80,7 @@ TEST(AddProxy, SplitsTwoSidesOfACubeAtTheirEdge) {
   }
 }
 
-/// How many corners the polygons of each region have, the last region's at the end, the others' in rising order.
+/// The numbers of corners of each region's polygons, the last region's at the end, the others' in rising order.
 std::vector<std::int32_t> sizes(const Mesh& mesh, const Partition& p) {
   Job job;
   const PolygonMesh polygons = polygonize(mesh, p, {}, job);
@@ -100,7 +100,7 @@ TEST(AddProxy, CutsACornerOfASmoothedCubeByATriangle) {
     const Mesh mesh = shapes::mesh(cube);
     const Partition six = run(mesh, {.proxies = 6});
     for (int corner = 0; corner < 8; ++corner) {
-      // The three faces at the tip and the three beside them.
+      // The three faces at the tip and their three neighbours.
       const Vec3 tip(corner & 1, corner >> 1 & 1, corner >> 2);
       std::vector<std::pair<double, std::int32_t>> faces;
       for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
@@ -203,7 +203,8 @@ TEST(Interact, WhatCannotBeDoneIsNamed) {
             "face 203 lies in a part that was left out");
 }
 
-/// A partition from elsewhere may have a region with a stray face: edits at either of its pieces would leave the other.
+/// A partition of another program may have a region with a stray face: edits at either of its pieces would leave the
+/// other.
 TEST(Interact, ARegionInSeveralPiecesIsRefused) {
   const Mesh mesh = shapes::mesh(shapes::cube(6));
   Partition p = run(mesh, {.proxies = 6, .seeding = Seeding::farthest});

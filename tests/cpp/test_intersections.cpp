@@ -1,4 +1,4 @@
-// What looks for polygons and for faces of the scan that meet finds just the pairs that asking of all pairs does.
+// The search for polygons and for faces of the scan that meet finds exactly the pairs that a test of all pairs finds.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder of its own for each test, gone afterwards.
+/// A folder of its own for each test, removed afterwards.
 class Io : public testing::Test {
  protected:
   void SetUp() override {
@@ -38,7 +38,7 @@ class Io : public testing::Test {
     Job job;
     return read_polygons(file(name, bytes), job);
   }
-  /// What the error says after the file's name.
+  /// The error's text after the file's name.
   std::string error(const std::string& name, const std::string& bytes) const {
     try {
       parse(name, bytes);
@@ -83,8 +83,7 @@ PolygonSoup load(const fs::path& path) {
   return read_polygons(path, job);
 }
 
-// --- what is written comes back
-// ---------------------------------------------------------------------------------------
+// --- written files can be read again
 
 TEST_F(Io, PlyAndObjComeBackBitForBit) {
   PolygonSoup soup = kHouse;

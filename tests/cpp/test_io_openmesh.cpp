@@ -11,7 +11,7 @@
 #include "isimp/mesh/io.h"
 #include "shapes.h"
 
-/// Files are for others: what is written here OpenMesh must read, and the other way round.
+/// Files are for others: OpenMesh must read the files of this writer, and the other way round.
 namespace isimp {
 namespace {
 

@@ -1,4 +1,4 @@
-// Joined junctions that are taken back: the labels are what they were, and all pieces are discs meanwhile.
+// Undoing joined junctions restores the labels, and all pieces are discs meanwhile.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ class Joins : public testing::Test {
     EXPECT_GT(joins_.size(), 20U);
   }
 
-  /// How many polygons meet in each vertex of the mesh.
+  /// The number of polygons that meet in each vertex of the mesh.
   [[nodiscard]] std::vector<int> corners() const {
     std::vector<int> count(mesh_.vertex_count(), 0);
     for (std::int32_t l = 0; l < state_.labels.piece_count(); ++l)
@@ -85,7 +85,7 @@ TEST_F(Joins, TakenBackPieceByPieceLeaveDiscs) {
 }
 
 TEST(JoinsOfPolygons, AreTakenBackWhereMovingCornersDoesNotMendTheFaults) {
-  // So rough that nearly all polygons meet others, whatever their corners.
+  // So rough that nearly all polygons meet others, for any corners.
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(5), 0.2, 1));
   const Partition part = labelled::voronoi(mesh, 120, 5);
   const MeshingOptions options{.threads = 1};

@@ -43,7 +43,7 @@ struct Bricks {
   }
 };
 
-/// How many polygons meet in the vertex where most do.
+/// The largest number of polygons that meet in one vertex.
 int most_round_a_vertex(const PolygonMesh& polygons) {
   std::vector<int> count(polygons.vertices.size(), 0);
   for (const std::int32_t v : polygons.loops) ++count[v];
@@ -71,7 +71,7 @@ TEST(Junctions, FarApartStay) {
 }
 
 TEST(Junctions, OfLockedRegionsStay) {
-  // Faces would go from one region to another; with all but one locked there is none to go to.
+  // Faces would move from one region to another; with all but one locked there is no other.
   for (int free = 0; free < 4; ++free) {
     Bricks bricks(0, 2);
     bricks.part.region_locked = {1, 1, 1, 1};

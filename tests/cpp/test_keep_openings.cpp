@@ -31,7 +31,7 @@ Arrays pierced() {
   return a;
 }
 
-/// Two thin rings beside each other: handles of a loop of .8 round each tube and 3 through each hole.
+/// Two thin rings next to each other: handles of a loop of .8 around each tube and 3 through each hole.
 Arrays rings(double apart) {
   return shapes::both(shapes::torus(48, 12, 0.12), shapes::torus(48, 12, 0.12), {apart, 0, 0});
 }
@@ -109,7 +109,7 @@ TEST(KeepOpenings, OneHandleOfTwoStays) {
 }
 
 TEST(KeepOpenings, NoOtherLoopClosesAHandleThatStays) {
-  // Loops round the tube and loops through the hole are all short enough; the shortest one is listed.
+  // Loops around the tube and loops through the hole are all short enough; the shortest one is listed.
   const Arrays ring = shapes::torus(48, 24, 0.4);
   const Cleaned all = cleaned(ring, {}, 10);
   ASSERT_EQ(all.openings.size(), 1U);

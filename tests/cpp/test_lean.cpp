@@ -52,7 +52,7 @@ struct Ball {
     return (1 - b - c) * mesh.vertices()[t[0]] + b * mesh.vertices()[t[1]] + c * mesh.vertices()[t[2]];
   }
 
-  /// Of all edges: how far apart the places are that are shown 2 texels beside their middles, in texels.
+  /// The mean over all edges of the distance between the places that are shown 2 texels from their middles, in texels.
   [[nodiscard]] double mean_gap() const {
     std::map<std::pair<std::int32_t, std::int32_t>, std::vector<Vec3>> sides;
     for (std::int32_t q = 0; q < poly.polygon_count(); ++q) {
@@ -98,7 +98,7 @@ TEST(Lean, BothSidesOfABluntEdgeShowNearlyTheSamePlaces) {
   EXPECT_LT(ball.mean_gap(), 5);  // 4 is the distance of the points themselves
 }
 
-/// Those of a cube meet at 90 degrees: each polygon shows what lies above it.
+/// Polygons of a cube meet at 90 degrees: each polygon shows the faces above it.
 TEST(Lean, ASharpEdgeBendsNothing) {
   const Ball ball(axes());
   ASSERT_EQ(ball.poly.polygon_count(), 6);

@@ -1,4 +1,4 @@
-// Regions of many holes and scans that meet themselves everywhere: what comes out, and how much of it is listed.
+// Regions of many holes and scans that meet themselves everywhere: the results, and the length of their lists.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -52,7 +52,7 @@ TEST(ManyHoles, LongRowsArePartedAcross) {
     EXPECT_EQ(judge::faults_against(p, mesh, one), "") << n;
     std::int32_t most = 0;
     for (std::int32_t q = 0; q < p.polygon_count(); ++q) most = std::max(most, p.loop_end(q) - p.loop_start[q]);
-    EXPECT_LE(most, 128) << n;  // however many holes a row has
+    EXPECT_LE(most, 128) << n;  // for any number of holes in a row
     EXPECT_LE(p.report.polygons, (n + 1) * (n / 12 + 1));
   }
 }
@@ -111,7 +111,7 @@ TEST(ManyHoles, WallsAreWholeWhereverRegionsEnd) {
   EXPECT_LE(p.report.planarity_max, 1e-12);
 }
 
-/// How many polygons of a plate stand upright.
+/// The number of upright polygons of a plate.
 std::int32_t upright(const PolygonMesh& p, double height = 0.6) {
   std::int32_t count = 0;
   for (std::int32_t q = 0; q < p.polygon_count(); ++q) {
@@ -164,7 +164,7 @@ TEST(ManyHoles, AWallOfTwoRegionsIsOnePolygonUnlessOneIsLocked) {
   EXPECT_GT(upright(polygonize(mesh, two, {}, job)), 4 * n * n + 4);
 }
 
-/// The work a hole does not grow with the holes, neither that of the polygons nor that of the regions.
+/// The work a hole does not grow with the holes, for polygons and for regions.
 TEST(ManyHoles, WorkAHoleStaysTheSame) {
   const auto work_a_hole = [](int n) {
     const Mesh mesh = shapes::mesh(plate(n, 0.2));

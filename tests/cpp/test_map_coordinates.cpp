@@ -1,4 +1,4 @@
-// Meshes far from zero: what comes out is what comes out at zero, moved.
+// Meshes far from zero: the result is the result at zero, moved.
 #include <gtest/gtest.h>
 
 #include <cmath>

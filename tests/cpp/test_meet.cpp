@@ -1,4 +1,4 @@
-// What `meet_elsewhere` says of two triangles that share none, one, two or three vertices.
+// Results of `meet_elsewhere` for two triangles that share none, one, two or three vertices.
 #include <gtest/gtest.h>
 
 #include "isimp/mesh/meet.h"

@@ -14,7 +14,7 @@ namespace {
 
 ClusterGraph faces_of(const Mesh& mesh) { return face_clusters(mesh.graph(), mesh.graph().faces); }
 
-/// The costs of always merging the cheapest pair, every pair looked at every time.
+/// The costs of always merging the cheapest pair, with a search of all pairs every time.
 std::vector<double> plain_costs(const ClusterGraph& graph) {
   std::map<std::int32_t, RegionSum> alive;
   std::set<std::pair<std::int32_t, std::int32_t>> pairs;

@@ -90,7 +90,7 @@ TEST(Mesh, TwoTrianglesThatTouchInAPointAreTwoFans) {
 
 using Edge = std::pair<std::int32_t, std::int32_t>;
 
-/// Part of what is said of a mesh, by the definition: each edge is run along once at most each way, and the faces of
+/// Part of the verdict on a mesh, by the definition: each edge is run along once at most each way, and the faces of
 /// each vertex are one fan.
 std::string verdict_on(const std::vector<Triangle>& triangles) {
   std::set<Edge> seen;

@@ -32,7 +32,7 @@ Arrays many_parts() {
   return a;
 }
 
-/// What `many_parts` is after a scanner had it: each kind of flaw that `clean` looks for in all faces.
+/// `many_parts` with the damage of a scanner: each kind of flaw that `clean` searches for in all faces.
 Arrays damaged_parts() {
   Arrays a = many_parts();
   a.triangles[50'000] = {1, 1, 2};
@@ -49,7 +49,7 @@ std::string bits(const Values& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(*values.data())};
 }
 
-/// All that a mesh holds, in bytes.
+/// The contents of a mesh, in bytes.
 std::vector<std::string> bits_of(const Mesh& mesh) {
   const FaceGraph& g = mesh.graph();
   const MeshReport& r = mesh.report();

@@ -18,7 +18,7 @@ PolygonMesh run(const Mesh& mesh, const Partition& partition, const MeshingOptio
   return polygonize(mesh, partition, options, job);
 }
 
-/// How many polygons have 3, 4, ... corners.
+/// The numbers of polygons with 3, 4, ... corners.
 std::vector<int> corner_counts(const PolygonMesh& p) {
   std::vector<int> counts;
   for (const judge::Loop& loop : judge::polygons_of(p)) counts.push_back(static_cast<int>(loop.size()));
@@ -130,7 +130,7 @@ TEST(Polygonize, TorusOfOneRegionKeepsItsHandle) {
 }
 
 TEST(Polygonize, WhatMeetsInTheScanIsExcusedByName) {
-  // Two cubes that stand in each other: three sides of one pass through three of the other.
+  // Two cubes that intersect: three sides of one pass through three of the other.
   const Mesh mesh = shapes::mesh(shapes::both(shapes::cube(4), shapes::cube(4), {0.45, 0.3, 0.2}));
   const Partition sides = labelled::planes(mesh);
   const PolygonMesh p = run(mesh, sides);

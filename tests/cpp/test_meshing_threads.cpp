@@ -1,4 +1,4 @@
-// The polygons, and all that is said of them, are the same bit for bit on any number of threads.
+// The polygons, and their report, are the same bit for bit on any number of threads.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -16,7 +16,7 @@
 namespace isimp {
 namespace {
 
-/// A mesh, its regions, and what of the report tells that they are not easy.
+/// A mesh, its regions, and the entry of the report that shows that they are not easy.
 struct Case {
   std::string name;
   std::function<Mesh()> mesh;

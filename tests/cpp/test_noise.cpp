@@ -91,7 +91,7 @@ TEST(NormalFilter, TakesNoiseAwayAndLeavesCreases) {
   const double bend = median_bend(graph);
   graph.faces = filtered_faces(graph, 8, filter_range(bend), Threads(2), job);
   EXPECT_LT(median_bend(graph), bend / 5);
-  // Every face of the cube looks along an axis again, also those beside its edges.
+  // Every face of the cube faces along an axis again, also next to its edges.
   for (std::int32_t i = 0; i < graph.size(); ++i) {
     const FaceRecord& f = graph.faces[i];
     EXPECT_GT(std::max({std::abs(f.nx), std::abs(f.ny), std::abs(f.nz)}), 0.97F);

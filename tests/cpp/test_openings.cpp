@@ -1,4 +1,4 @@
-// Which openings are taken for errors of scanning.
+// The openings that count as errors of scanning.
 #include <gtest/gtest.h>
 
 #include <algorithm>

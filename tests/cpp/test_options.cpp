@@ -1,4 +1,4 @@
-// The table of options: what a range holds, what it is called, and what is refused.
+// The table of options: the contents of a range, its name, and the refusal of other values.
 
 #include <gtest/gtest.h>
 

@@ -37,7 +37,7 @@ std::vector<RegionSum> fit(const Input& in, std::int32_t threads = 1, const char
   return backend(name).fit(in.faces, in.labels, in.regions, threads);
 }
 
-/// Every sum within what fit() promises of the one that a plain loop makes.
+/// Every sum within the promised error of fit() of the sum of a plain loop.
 void expect_sums(const Input& in, const std::vector<RegionSum>& sums) {
   ASSERT_EQ(sums.size(), static_cast<std::size_t>(in.regions));
   std::vector<std::array<long double, 4>> exact(sums.size(), {0, 0, 0, 0});

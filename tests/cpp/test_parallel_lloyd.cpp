@@ -1,4 +1,5 @@
-// Parallel flooding on every back end that is here: against plain versions, and the same bits whatever the threads.
+// Parallel flooding on every back end that is here: against plain versions, and the same bits for any number of
+// threads.
 
 #include <gtest/gtest.h>
 
@@ -58,7 +59,7 @@ float error_of(const FaceGraph& graph, const parallel::Proxies& proxies, std::in
   return std::max(0x1p-24F, NormalMetric::error(graph.faces[face], {n[0], n[1], n[2]}));
 }
 
-/// Queued flooding as the thesis writes it down, with every face looked at in every step in place of a queue.
+/// Queued flooding as in the thesis, where every step visits every face instead of a queue.
 std::vector<std::int32_t> plain_queued(const FaceGraph& graph, const parallel::Proxies& proxies) {
   const std::int32_t n = graph.size();
   std::vector<std::int32_t> now(static_cast<std::size_t>(n) + 1, kNone), next;
@@ -136,7 +137,7 @@ TEST(Flooder, NaiveFloodingTakesTheBestOfTheNearest) {
 }
 
 TEST(Flooder, RepairLeavesTheLargestPieceAndFillsTheRest) {
-  // A strip of nine faces: four that look along x, three along y, two along x again, which is one region in two pieces.
+  // A strip of nine faces: four that face along x, three along y, two along x again, which is one region in two pieces.
   const std::vector<float> x{1, 0, 0, 1}, y{0, 1, 0, 1};
   std::vector<float> faces;
   std::vector<std::int32_t> neighbours;

@@ -1,5 +1,4 @@
-// Inputs at the ends of what there is: hardly any faces a region, ten thousand components, slivers, nothing but a
-// plane.
+// Extreme inputs: hardly any faces a region, ten thousand components, slivers, nothing but a plane.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,7 +18,7 @@ Partition run(const Mesh& mesh, const PartitionOptions& options) {
   return partition(mesh, options, job);
 }
 
-/// Sound, with so many regions, and the same on two threads.
+/// Sound, with the requested number of regions, and the same on two threads.
 Partition run_checked(const Mesh& mesh, PartitionOptions options) {
   options.threads = 1;
   const Partition result = run(mesh, options);
@@ -81,7 +80,7 @@ TEST(Extremes, TenThousandCubesWithTheirSixSides) {
 }
 
 TEST(Extremes, SliversCountByTheirArea) {
-  // A thousand faces round the ring for six round the tube: each some eighty times as long as it is wide.
+  // 2,000 squares around the ring and 6 around the tube, each about a hundred times as long as it is wide.
   const Mesh mesh = shapes::mesh(shapes::torus(2000, 6));
   const Partition p = run_checked(mesh, {.proxies = 60});
   const Partition plain = run(mesh, {.proxies = 60, .method = Method::lloyd});

@@ -1,4 +1,4 @@
-// Shapes of flat sides must come back exactly, whatever the order of their faces and however they are turned.
+// Partitions of shapes with flat sides are exact, for any order of their faces and any rotation.
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ using shapes::Arrays;
 /// The surface of a set of unit cells, each square side n by n squares, and the plane each face lies in.
 struct Solid {
   Arrays arrays;
-  std::vector<std::int32_t> side;  // of each face: squares of one plane that hang together are one side
+  std::vector<std::int32_t> side;  // by face: squares of one plane that hang together are one side
   std::int32_t sides = 0;
 };
 
@@ -90,7 +90,7 @@ Solid washer() {
   return solid({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}, {2, 1, 0}, {0, 2, 0}, {1, 2, 0}, {2, 2, 0}}, 6);
 }
 
-/// The faces in another order and the whole turned; `order` says where each face came from.
+/// The faces in another order and the whole turned; `order` has the source of each face.
 Arrays scrambled(const Arrays& a, std::uint32_t seed, std::vector<std::int32_t>& order) {
   std::mt19937 random(seed);
   order.resize(a.triangles.size());

@@ -78,7 +78,7 @@ TEST(MergeGreedily, LeavesOutEmptyNodes) {
 }
 
 TEST(MergeGreedily, TakesTheCheapestPairEveryTime) {
-  // Against a version that looks at all pairs before each merge.
+  // Compared with a version that tests all pairs before each merge.
   std::mt19937 random(5);
   for (int run = 0; run < 20; ++run) {
     const std::int32_t n = 30;
@@ -117,7 +117,7 @@ TEST(MergeGreedily, TakesOffWhatTheBorderCosts) {
 }
 
 TEST(MergeGreedily, AddsUpBordersWithWhatHasMerged) {
-  // A ring round node 0; 1 and 2 merge first, and then share two borders with 0: more than 3 does alone.
+  // A ring around node 0; 1 and 2 merge first, and then share two borders with 0: more than 3 does alone.
   const std::vector<RegionSum> sums{node(1, 1), node(0, 1), node(0, 1), node(1, 0)};
   MergeGraph g;
   g.sum.resize(4);
@@ -166,7 +166,7 @@ TEST(PatchRelaxation, MovesAStrayPatchHome) {
 }
 
 TEST(PatchRelaxation, MovesPatchesAcrossTheEdgesOfBlocks) {
-  // 10,000 patches in a row, whose normal turns at 4100 and 8200 and halfway; borders that lie 50 before come there.
+  // 10,000 patches in a row, whose normal turns at 4100 and 8200 and halfway; borders that lie 50 before move there.
   MergeGraph g = chain(10000);
   std::vector<std::int32_t> label(10000);
   for (std::int32_t u = 0; u < 10000; ++u) {
@@ -212,7 +212,7 @@ Regions grown(const FaceGraph& graph, std::int32_t count, Job& job) {
   return r;
 }
 
-/// Relaxes rough regions, and sees that no region is torn or emptied and that the sums are kept.
+/// Relaxes rough regions, and checks that no region is torn or emptied and that the sums are kept.
 Regions relaxed(const Mesh& mesh, std::int32_t proxies, std::int32_t threads, BorderWeight weight = {}) {
   Job job;
   Regions r = grown(mesh.graph(), proxies, job);
@@ -369,7 +369,7 @@ TEST(Threads, DoNotChangeTheResult) {
 }
 
 TEST(Hierarchy, FillsUpComponentsThatHaveTooFewPatches) {
-  // Twelve small spheres of 20 faces, each mostly one patch, beside a big one: four regions each all the same.
+  // Twelve small spheres of 20 faces, each mostly one patch, and a big one: four regions each all the same.
   auto arrays = shapes::sphere(4);
   auto ball = shapes::sphere(0);
   for (Vec3& v : ball.vertices) v *= 0.1;

@@ -1,4 +1,4 @@
-// What is kept from one partition to the next changes no result.
+// The data kept from one partition to the next changes no result.
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ namespace {
 using checks::bumpy;
 using checks::message_of;
 
-/// Everything that another call may find kept, and asks for in another order.
+/// Options whose kept data another call may find and use in another order.
 std::vector<PartitionOptions> orders() {
   return {{.proxies = 5},
           {.proxies = 40},

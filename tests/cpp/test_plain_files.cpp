@@ -7,9 +7,9 @@
 #include "isimp/core/errors.h"
 #include "isimp/mesh/io.h"
 
-/// Files of text that change while they are read: their lines are counted first, and what is read then
-/// may be other lines. The arrays are those of either file or of a mixture, or a message says what is wrong; nothing is
-/// written outside of them.
+/// Files of text that change while they are read: their lines are counted first, and the lines read then may be other
+/// ones. The arrays are those of either file or of a mixture, or a message names the fault; nothing is written outside
+/// of them.
 namespace isimp {
 namespace {
 
@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 constexpr int kVertices = 100, kFaces = 40'000;  // some 900,000 bytes: a single part
 
-/// Lines of equal length, whatever they say.
+/// Lines of equal length, with any content.
 std::string text(bool is_ply, int vertices, int faces, int corners) {
   std::string lines = "# a file of text\n";
   if (is_ply)
@@ -65,7 +65,7 @@ TEST_P(PlainFiles, AFileThatIsWrittenMeanwhileHarmsNothing) {
         for (const std::int32_t v : soup.loops) ASSERT_LT(static_cast<std::size_t>(v), soup.vertices.size());
         ++both;
       } catch (const FileError&) {
-        ++both;  // a file of PLY that has other numbers of rows than its header says
+        ++both;  // a file of PLY with other numbers of rows than in its header
       }
     }
   }

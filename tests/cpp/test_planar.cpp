@@ -41,7 +41,7 @@ double bend(const PolygonMesh& mesh, const Vec3& origin, bool rounded) {
   return most;
 }
 
-/// Nothing is wrong with the polygons of a scan, all are planar, and the scan's topology is kept.
+/// The polygons of a scan have no fault, all are planar, and the scan's topology is kept.
 void expect_sound(const PolygonMesh& out, const Mesh& mesh, const Partition& part) {
   EXPECT_TRUE(out.report.planar.planar);
   EXPECT_LE(bend(out, mesh.origin(), false), kPlanar * mesh.diagonal());
@@ -104,7 +104,7 @@ TEST(Planar, CurvedScansAreCut) {
   for (const std::int32_t r : after.polygon_region) EXPECT_TRUE(r >= 0 && r < part.region_count());
 }
 
-/// Rough balls, of which the polygons are far from planar: much has to be given up, at last the planes themselves.
+/// Rough balls, with polygons far from planar: much is given up, finally the planes themselves.
 TEST(Planar, RoughScansGetNoFaultThatTheyHadNot) {
   for (const std::uint32_t seed : {1U, 2U, 3U, 4U})
     for (const double noise : {0.03, 0.06})
@@ -200,7 +200,7 @@ TEST(Regularise, PolygonsKeepToThePlanes) {
   }
 }
 
-/// Two sides lean by 1.7 degrees. Where a large length lets them snap, the corners go further than the reach of corners
+/// Two sides lean by 1.7 degrees. If a large length lets them snap, the corners move further than the reach of corners
 /// whose planes are free.
 TEST(Regularise, CornersGoToPlanesThatAreFurtherOffThanTheirReach) {
   shapes::Arrays a = shapes::cube(6);

@@ -13,8 +13,8 @@
 #include "isimp/core/errors.h"
 #include "isimp/mesh/io.h"
 
-/// Binary PLY files large enough that threads share them: the arrays and the messages are those that were written,
-/// whatever the number of threads.
+/// Binary PLY files large enough that threads share them: the arrays and the messages are right for any number of
+/// threads.
 namespace isimp {
 namespace {
 
@@ -48,7 +48,7 @@ PolygonSoup triangles() {
   return soup;
 }
 
-/// How a file is written.
+/// The form in which a file is written.
 struct Form {
   bool big = false;
   std::string vertex_before, vertex_after;  ///< properties, and the bytes of each row
@@ -165,7 +165,7 @@ TEST_F(PlyThreads, OtherPropertiesAreSkipped) {
   form.face_after = "property uchar red\nproperty uint id\n";
   form.face_bytes_after = std::string(5, '\3');
   expect_read(written(soup, form), soup);
-  Form lists;  // rows of which nobody knows where they begin
+  Form lists;  // rows with unknown beginnings
   lists.vertex_after = "property list uchar short tags\n";
   lists.vertex_bytes_after = std::string("\2\0\0\0\0", 5);
   lists.face_after = "property list uchar float texcoord\n";

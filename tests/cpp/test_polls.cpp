@@ -1,4 +1,4 @@
-// How soon long calls hear of a cancel, and how progress moves, counted in polls: no clock is looked at.
+// The delay until long calls see a cancel, and the steps of progress, counted in polls: no clock is used.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@
 namespace isimp {
 namespace {
 
-/// A torus, its partition, and what both are made of.
+/// A torus, its partition, and the input of both.
 struct Input {
   explicit Input(int n) : arrays(shapes::torus(4 * n, n)), mesh(shapes::mesh(arrays)) {
     Job job;
@@ -61,7 +61,7 @@ PartitionOptions adaptive(PartitionOptions options) {
   return options;
 }
 
-/// A partition beside a locked region, with some edges that cut the others.
+/// A partition next to a locked region, with some edges that cut the others.
 void partition_constrained(const Input& in, Job& job) {
   Job own;
   Partition before = in.regions;
@@ -91,7 +91,7 @@ std::vector<Stage> stages_over_faces() {
   };
 }
 
-Stage meshing() {  // which polls by the region and not by the face
+Stage meshing() {  // polls by the region and not by the face
   return {"polygonize", [](const Input& in, Job& job) { polygonize(in.mesh, in.regions, {}, job); }};
 }
 
@@ -116,15 +116,15 @@ class Polls : public testing::TestWithParam<Stage> {
 
 class PollsOfFaces : public Polls {};
 
-// The slowest of these takes some 4 us a face on slow machines, so that 50 ms are 12,000 faces. How many polls there
-// are for more faces tells of the loops over faces, and not of the polls that every stage makes at its beginning.
+// The slowest of these takes some 4 us a face on slow machines, so that 50 ms are 12,000 faces. The additional polls
+// for more faces measure the loops over faces, and not the polls that every stage makes at its beginning.
 TEST_P(PollsOfFaces, ComeAtLeastOnceInTwelveThousandFaces) {
   const std::int64_t more_polls = count(large()) - count(small());
   const std::int64_t more_faces = large().mesh.face_count() - small().mesh.face_count();
   EXPECT_GE(more_polls * 12'000, more_faces) << more_polls << " polls for " << more_faces << " faces";
 }
 
-// Up to where a call ends early, having found nothing more to do.
+// The point at which a call ends early, having found nothing more to do.
 TEST_P(Polls, SeeProgressRiseInSmallSteps) {
   Job job;
   std::atomic<double> last = 0.0, largest = 0.0;
@@ -138,7 +138,7 @@ TEST_P(Polls, SeeProgressRiseInSmallSteps) {
   EXPECT_LE(largest, 0.3 + 1e-9);
 }
 
-// Each pass over all faces takes long enough to be seen.
+// Each pass over all faces takes long enough to show.
 TEST(Progress, MovesWithEveryPassThatLooksForDetails) {
   const Input input(84);
   for (const auto& [options, passes] :
@@ -154,7 +154,7 @@ TEST(Progress, MovesWithEveryPassThatLooksForDetails) {
   }
 }
 
-// From wherever the cancel is heard, nothing but Cancelled comes out.
+// After a cancel at any place, the only result is Cancelled.
 TEST_P(Polls, EachOneCancels) {
   const std::int64_t all = count(small());
   for (std::int64_t stop = 1; stop <= all; stop += 1 + all / 20) {

@@ -121,7 +121,7 @@ TEST_F(Rebake, GivesTheBitsOfAWholeBake) {
   EXPECT_EQ(std::count(whole.same.begin(), whole.same.end(), kNone), poly.polygon_count());
 }
 
-/// A polygon can stay while faces beside it change their region: what it shows must follow.
+/// A polygon can stay while adjacent faces change their region: its texels must follow.
 TEST_F(Rebake, BakesAgainWhereOnlyRegionsChanged) {
   const Atlas atlas = unwrap(old_poly, {512, 1, 40, 0}, job);
   const Texture first = baked(before, old_poly, atlas);
@@ -166,7 +166,7 @@ TEST_F(Rebake, LaysOutAnewWhatDoesNotFit) {
   const EarlierAtlas earlier{old_poly, old};
   EXPECT_EQ(unwrap(poly, {256, 1, 40, 0}, job, &earlier).kept, 0) << "another size";
   EXPECT_EQ(unwrap(poly, {512, 1, 40, 9}, job, &earlier).kept, 0) << "another gutter";
-  // Half of the polygons at another scale have no room beside the other half.
+  // Half of the polygons at another scale have no room next to the other half.
   PolygonMesh larger = old_poly;
   for (std::size_t v = 0; v < larger.vertices.size(); ++v)
     if (larger.vertices[v].x() > 0) larger.vertices[v] *= 2;
@@ -208,7 +208,7 @@ TEST(Tiles, MoreAreMadeWhereTheDensityNeedsThem) {
   EXPECT_EQ(few.tiles, 1);
   EXPECT_EQ(many.side, 8192);
   EXPECT_EQ(many.tiles, 6);            // 4 pi * 4000^2 texels at a fill of 0.55
-  EXPECT_NEAR(many.scale, 4400, 500);  // what fits
+  EXPECT_NEAR(many.scale, 4400, 500);  // the scale that fits
 }
 
 TEST(Tiles, GroupsShareNone) {

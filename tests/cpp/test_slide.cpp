@@ -10,7 +10,7 @@
 namespace isimp {
 namespace {
 
-/// Two regions of a flat sheet, between which the border goes to and fro.
+/// Two regions of a flat sheet with a border that zigzags.
 Partition zigzag(const Mesh& mesh) {
   std::vector<std::int32_t> regions;
   for (const Triangle& t : mesh.triangles()) {

@@ -1,4 +1,4 @@
-// Pieces while polygons are made: those that are gone, and what is known of those that are united.
+// Pieces while polygons are made: removed ones, and the findings on united ones.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -104,8 +104,8 @@ TEST(Handovers, LeavePiecesWhatTheirFacesTell) {
   for (std::size_t l = 0; l < before.size(); ++l) EXPECT_LE((state.planes[l].centre - before[l].centre).norm(), 1e-11);
 }
 
-/// A side that looks along x, one that looks along y at its far end, and a strip at its near end that is turned by 50
-/// degrees, with a cap. The strip, whose first face is the mesh's, is no side of its own: it goes with the first side.
+/// A side that faces along x, one that faces along y at its far end, and a strip at its near end that is turned by 50
+/// degrees, with a cap. The strip, whose first face is the mesh's, is no side of its own: it joins the first side.
 TEST(Walls, AStripGoesWithTheSideBesideIt) {
   const Vec3 a(-0.23, 0.193, 0), up(0, 0, 1);
   const std::vector<Vec3> vertices{

@@ -21,7 +21,7 @@
 namespace isimp {
 namespace {
 
-/// A bumpy figure that mirrors across X but for noise, and but for `lump` on one side. Its triangles do not mirror.
+/// A bumpy figure that mirrors across X except for noise, and `lump` on one side. Its triangles do not mirror.
 shapes::Arrays figure(double noise = 0.002, double lump = 0, double width = 0.35, int levels = 4) {
   shapes::Arrays a = shapes::sphere(levels);
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
@@ -52,7 +52,7 @@ PolygonMesh meshed(const Mesh& mesh, const Partition& partition, std::int32_t th
   return polygonize(mesh, partition, {.threads = threads}, job);
 }
 
-/// What has no area, or two sides in one place: none of it may end the program.
+/// Shapes without area, or with two sides in one place: none of them may end the program.
 TEST(Symmetry, FlatAndDegenerateShapes) {
   const shapes::Arrays ball = shapes::sphere(2);
   for (const Vec3& by :

@@ -301,7 +301,7 @@ TEST(Bake, ImageWithinItsEdgesDoesNotWrapRound) {
   EXPECT_EQ(pixel(texture, 63, 20)[0], 255);
 }
 
-/// Of a triangle, squared distance from a point, by looking at its plane and its edges.
+/// The squared distance of a triangle from a point, by its plane and its edges.
 double squared_distance(const Mesh& mesh, std::int32_t f, const Vec3& p) {
   const auto corner = [&](int k) { return mesh.vertices()[mesh.triangles()[f][k % 3]]; };
   const Vec3 n = normal_of(mesh, f);
@@ -340,7 +340,7 @@ TEST(Bake, EdgesShowTheClosestPoint) {
       const Vec3 place = frame.origin + (x + 0.5) * frame.u + y * frame.v - s.mesh.origin();
       double least = std::numeric_limits<double>::infinity();
       const std::int32_t own = s.poly.polygon_region[q];
-      for (std::int32_t f = 0; f < s.mesh.face_count(); ++f) {  // of the region and of the three beside it
+      for (std::int32_t f = 0; f < s.mesh.face_count(); ++f) {  // faces of the region and of the three adjacent ones
         const std::int32_t apart = s.part.face_region[f] ^ own;
         if ((apart & (apart - 1)) != 0 || !(normal_of(s.mesh, f).dot(frame.n) > 0)) continue;
         least = std::min(least, squared_distance(s.mesh, f, place));

@@ -44,7 +44,7 @@ TEST(Thesis, ABackEndThatIsNotHereIsRefused) {
   EXPECT_TRUE(Thesis::is_built() || backends().size() == 1);
 }
 
-/// What is kept for one surface must not serve another one.
+/// Data kept for one surface must not serve another one.
 TEST(Thesis, ADecimatedMeshServesItsOwnSurface) {
   const Partitioner kept(ring());
   const PartitionOptions options{.proxies = 30, .method = Method::hybrid};

@@ -90,7 +90,7 @@ TEST(Threads, ALoopInsideALoopIsDoneWhereItIs) {
   EXPECT_EQ(elsewhere, 0);
 }
 
-// Each of three pieces waits until all have begun, which one thread alone could not see.
+// Each of three pieces waits until all have begun, which one thread alone could not reach.
 TEST(Threads, WorkSideBySide) {
   std::atomic<int> begun{0};
   std::mutex mutex;

@@ -62,7 +62,7 @@ TEST(TileDetail, ExtentsOfPartsAddUpToTheSizeOfTheWhole) {
   const tiles::Extent e = tiles::measure(shapes::mesh(shapes::cube(12)), job);
   EXPECT_NEAR(e.area, 6.0, 1e-9);
   EXPECT_NEAR((e.centre - Vec3(0.5, 0.5, 0.5)).norm(), 0.0, 1e-9);
-  EXPECT_NEAR(e.spread, 0.25 + 2.0 / 12, 1e-9);  // of a side: its distance from the middle, and its own
+  EXPECT_NEAR(e.spread, 0.25 + 2.0 / 12, 1e-9);  // a side's distance from the middle, and its own spread
   EXPECT_EQ(e.noise, 0.0);
 }
 
@@ -265,7 +265,8 @@ TEST(Thinning, TakesOutAllThatLiesInsideSquares) {
   constexpr int kSquares = 12;
   const Mesh mesh = shapes::mesh(shapes::cube(kSquares));
   const tiles::Thinned thinned = tiles::thin(mesh, sides(kSquares), {}, job);
-  EXPECT_LE(thinned.vertices.size(), 12U * kSquares - 4 + 6 * 8);  // the cube's edges, and a few that could not go
+  EXPECT_LE(thinned.vertices.size(), 12U * kSquares - 4 + 6 * 8);  // the cube's edges, and a few that could not be
+                                                                   // removed
   const Mesh checked(thinned.vertices, thinned.triangles, job);
   EXPECT_TRUE(checked.report().closed);
 }

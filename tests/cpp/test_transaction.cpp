@@ -1,4 +1,4 @@
-// What is taken back of a state of meshing is as it was, bit by bit, whatever was done.
+// Undoing changes of a state of meshing restores it, bit by bit, after any changes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -77,7 +77,7 @@ std::vector<std::uint64_t> digests(const State& state) {
   return all;
 }
 
-/// How many places of arrays a transaction has kept so far, and how many there are.
+/// The number of places of arrays that a transaction has saved, and the number of all places.
 std::pair<std::size_t, std::size_t> written(const State& state) {
   std::pair<std::size_t, std::size_t> places{0, 0};
   state.for_each_array([&](const auto& array) {
@@ -87,7 +87,7 @@ std::pair<std::size_t, std::size_t> written(const State& state) {
   return places;
 }
 
-/// Does to a state whatever can be done to it, by chance.
+/// Applies all possible changes to a state, by chance.
 class Hands {
  public:
   Hands(State& state, Job& job, unsigned seed) : s_(state), job_(job), random_(seed) {}
@@ -207,7 +207,7 @@ TEST_P(Transactions, LeaveWhatWasBehindWhenTheyAreRolledBack) {
       EXPECT_NE(digests(state), before);
       transaction.rollback();
       EXPECT_EQ(digests(state), before);
-      hands.act();  // what follows begins elsewhere
+      hands.act();  // the next changes begin elsewhere
       state.update({});
     }
   }

@@ -76,7 +76,7 @@ TEST(Triangulate, ConcavePolygonsInSpaceAreFilledWithoutOverlap) {
 }
 
 TEST(Triangulate, AFrameWithABridgeToItsHoleIsFilled) {
-  // The outer square, in to the hole along a bridge, round it, and back along the bridge.
+  // The outer square, in to the hole along a bridge, around it, and back along the bridge.
   const PolygonSoup soup{{{0, 0, 0}, {3, 0, 0}, {3, 3, 0}, {0, 3, 0}, {1, 1, 0}, {1, 2, 0}, {2, 2, 0}, {2, 1, 0}},
                          {0, 1, 2, 3, 0, 4, 5, 6, 7, 4},
                          {0}};
@@ -112,7 +112,7 @@ PolygonSoup outline(std::vector<Vec3> places) {
 
 TEST(Triangulate, ASpiralOfManyCornersTakesLittleWork) {
   constexpr int kHalf = 25000;
-  std::vector<Vec3> places;  // a band of width 3 that goes round 30 times
+  std::vector<Vec3> places;  // a band of width 3 with 30 turns
   for (int i = 0; i < 2 * kHalf; ++i) {
     const double angle = 60 * std::numbers::pi * (i < kHalf ? i : 2 * kHalf - 1 - i) / kHalf;
     places.push_back((1 + angle + (i < kHalf ? 0 : 3)) * Vec3(std::cos(angle), std::sin(angle), 0));

@@ -1,4 +1,4 @@
-// How far the scan is from its polygons, and polygons that keep a bound.
+// The distance of the scan from its polygons, and polygons that keep a bound.
 
 #include <gtest/gtest.h>
 

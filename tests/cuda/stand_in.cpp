@@ -35,7 +35,7 @@ void note_stream(cudaStream_t stream) {
   if (stream != nullptr && stream != cudaStreamLegacy) ++state().record.other_streams;
 }
 
-/// Whether an address on the device has so many bytes behind it; main memory of the caller is taken as it is.
+/// Whether an address on the device has this many bytes behind it; main memory of the caller is always valid.
 bool is_sound(const void* at, std::size_t bytes) {
   const auto address = reinterpret_cast<std::uintptr_t>(at);
   auto block = state().blocks.upper_bound(address);
@@ -110,7 +110,7 @@ cudaError_t cudaFree(void* block) {
   s.held -= at->second;
   s.blocks.erase(at);
   std::free(block);
-  return isimp::stand_in::result();  // an error of an earlier kernel may come up here
+  return isimp::stand_in::result();  // an error of an earlier kernel may be reported here
 }
 cudaError_t cudaMemcpy(void* to, const void* from, size_t bytes, cudaMemcpyKind /*kind*/) {
   return isimp::stand_in::copy(to, from, bytes, nullptr);
@@ -168,7 +168,7 @@ cudaError_t cudaLaunchKernel(const void* /*function*/, dim3 grid, dim3 block, vo
   return isimp::stand_in::launch(grid, block, stream);
 }
 
-// What nvcc's own code calls.
+// Functions that nvcc's own code calls.
 cudaError_t __cudaLaunchKernel(cudaKernel_t /*kernel*/, dim3 grid, dim3 block, void** /*arguments*/, size_t /*shared*/,
                                cudaStream_t stream) {
   return isimp::stand_in::launch(grid, block, stream);

@@ -1,4 +1,4 @@
-"""What nvcc made, in the build folder named by ISIMP_CUDA_BUILD: run by the stage `cuda` of scripts/test.sh."""
+"""The output of nvcc, in the build folder named by ISIMP_CUDA_BUILD: run by the stage `cuda` of scripts/test.sh."""
 
 import json
 import os
@@ -21,7 +21,7 @@ PTX, MACHINE = 1, 2  # kinds of code in a fat binary
 
 
 def compile_command() -> list[str]:
-    """How kernels.cu was compiled."""
+    """The compile command of kernels.cu."""
     for entry in json.loads((BUILD / "compile_commands.json").read_text()):
         if entry["file"].endswith("kernels.cu"):
             words = shlex.split(entry["command"])
@@ -48,7 +48,7 @@ def fat_binary(path: Path) -> set[tuple[int, int]]:
 
 
 def _paths_of_toolkits() -> list[str]:
-    """Where PyPI's packages put the programs of CUDA."""
+    """The folders of CUDA's programs in PyPI's packages."""
     return [f"{path}/nvidia/cu13/bin" for path in sys.path]
 
 
@@ -78,7 +78,7 @@ def replaceable(path: Path) -> set[str]:
 
 
 def test_no_function_of_one_back_end_can_stand_for_that_of_the_other():
-    """Both may define those of the types that they share, which are in public headers."""
+    """Both may define the functions of the types that they share, which are in public headers."""
     cpu, cuda = (replaceable(next(BUILD.rglob(name))) for name in ("cpu_kernels.cpp.o", "kernels.cu.o"))
     assert min(len(cpu), len(cuda)) > 20
     own = re.compile(r"isimp::parallel::(?!(?:Flooder|Kernels|Proxies|RegionSum|FloodSurface)\b)\w")

@@ -1,4 +1,4 @@
-// The host side of the CUDA back end, run on a runtime that stands in for NVIDIA's: see stand_in.h.
+// The host side of the CUDA back end, run on a replacement for NVIDIA's runtime: see stand_in.h.
 
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ Surface strip(std::int32_t count) {
   return s;
 }
 
-/// Kernels do nothing, so that memory holds what it was filled with: here a survey without a bad face.
+/// Kernels do nothing, so that memory holds its filling: here a survey without a bad face.
 std::unique_ptr<Flooder> load(const Surface& surface, stand_in::Settings settings = {}) {
   settings.filling = 0x7f;
   stand_in::set(settings);
@@ -89,7 +89,7 @@ TEST(StandIn, EveryStepLaunchesAThreadForEachFaceInTheDefaultStream) {
     const Surface other = strip(count);
     auto flooder = load(other);
     const auto launches = stand_in::record().launches;
-    const auto blocks = static_cast<std::uint64_t>((count + 1 + 255) / 256);  // labels, with that of the sentinel
+    const auto blocks = static_cast<std::uint64_t>((count + 1 + 255) / 256);  // labels, including the sentinel's
     EXPECT_TRUE(std::ranges::any_of(launches, [&](const auto& l) { return l.blocks == blocks && l.threads == 256; }));
   }
 }

@@ -1,4 +1,4 @@
-"""What tests of batches share: scans, the command, and what is read from an output folder."""
+"""Helpers for tests of batches: scans, the command, and readers of an output folder."""
 
 import json
 import os

@@ -70,7 +70,7 @@ def log(tmp_path, monkeypatch):
 
 @pytest.fixture(scope="session")
 def data():
-    """The folder of real meshes, named by ISIMP_DATA or beside the repository; without it the test is skipped."""
+    """The folder of real meshes, named by ISIMP_DATA or next to the repository; without it the test is skipped."""
     folder = Path(os.environ.get("ISIMP_DATA", ROOT.parent / "shared" / "data"))
     if not folder.is_dir():
         pytest.skip(f"no real meshes: {folder} is absent (set ISIMP_DATA)")

@@ -1,4 +1,4 @@
-"""What the engine's public headers declare, so that tests find what Python lacks."""
+"""The declarations of the engine's public headers, so that tests find the ones that Python lacks."""
 
 import re
 from pathlib import Path

@@ -65,7 +65,7 @@ def places(value, at=()):
 
 
 def changed(value, rng):
-    """A JSON value with one to three of its parts changed or gone."""
+    """A JSON value with one to three of its parts changed or removed."""
     value = copy.deepcopy(value)
     for _ in range(rng.choice((1, 1, 1, 2, 3))):
         at = rng.choice(list(places(value)))
@@ -82,7 +82,7 @@ def changed(value, rng):
 
 
 def damaged(data, rng, head=80):
-    """Bytes with some changed, mostly near the beginning, put in, taken out or cut off."""
+    """Bytes with some changed, mostly near the beginning, inserted, removed or cut off."""
     data = bytearray(data)
     for _ in range(rng.choice((1, 1, 2, 5, 10))):
         at = rng.randrange(max(1, min(len(data), head) if rng.random() < 0.6 else len(data)))

@@ -109,7 +109,7 @@ TRIANGLES = {**POLYGONS, "ascii.stl": stl_ascii, "binary.stl": stl_binary}
 
 
 def read_rows(path, rows, end="\n", threads=0):
-    """What the engine reads of a file of these lines."""
+    """The engine's result for a file of these lines."""
     path.write_bytes(end.join(rows).encode())
     return engine.read_polygons(path, threads=threads)
 

@@ -1,4 +1,4 @@
-"""Work for a batch that crashes, hangs or takes too much, as the name of the scan says; else it simplifies."""
+"""Work for a batch that crashes, hangs or takes too much, chosen by the name of the scan; else it simplifies."""
 
 import errno
 import os
@@ -11,7 +11,7 @@ from isimp_engine.batch import work
 
 def run(task, folder):
     name = Path(task["input"]).stem
-    if log := os.environ.get("ODD_WORK_LOG"):  # one line each time a scan is begun
+    if log := os.environ.get("ODD_WORK_LOG"):  # one line for each scan that is begun
         with open(log, "a") as file:  # noqa: PTH123
             file.write(f"{name} {os.getpid()}\n")
     if name.startswith("crash"):
@@ -26,7 +26,7 @@ def run(task, folder):
         os._exit(9)
     if name.startswith("raise"):
         raise KeyError("a mistake in the work")
-    if name.startswith("full"):  # from now on the disk is
+    if name.startswith("full"):  # the disk is full from now on
 
         def write_text(*_, **__):
             raise OSError(errno.ENOSPC, "No space left on device")

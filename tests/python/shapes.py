@@ -4,7 +4,7 @@ import numpy as np
 
 
 def grid(n, corner, right, up):
-    """n by n squares of two triangles each, from `corner` along two vectors; unwelded from anything else."""
+    """n by n squares of two triangles each, from `corner` along two vectors; not welded to other parts."""
     corner, right, up = np.array(corner, float), np.array(right, float), np.array(up, float)
     i, j = np.meshgrid(np.arange(n + 1), np.arange(n + 1), indexing="ij")
     vertices = corner + i.reshape(-1, 1) / n * right + j.reshape(-1, 1) / n * up
@@ -21,7 +21,7 @@ def joined(*meshes):
 
 
 def welded(vertices, triangles):
-    """The same with vertices at one place made one."""
+    """The same mesh with one vertex at each place."""
     kept, place = np.unique(np.round(vertices, 9), axis=0, return_inverse=True)
     return kept, place.ravel().astype(np.int32)[triangles]
 
@@ -39,7 +39,7 @@ def cube(n=4):
 
 
 def torus(nu=24, nv=12, radius=0.4):
-    """A ring round the z axis, closed, genus 1: 2 nu nv faces."""
+    """A ring around the z axis, closed, genus 1: 2 nu nv faces."""
     u, v = np.meshgrid(np.arange(nu) * 2 * np.pi / nu, np.arange(nv) * 2 * np.pi / nv, indexing="ij")
     ring = 1 + radius * np.cos(v)
     vertices = np.stack([ring * np.cos(u), ring * np.sin(u), radius * np.sin(v)], -1).reshape(-1, 3)
@@ -101,9 +101,9 @@ def room(tunnels, noise=0.06):
 
 
 def mvs_house(scale=1, errors=True, noise=0.04):
-    """A house with windows, a bay and a gable roof of cells, with what photogrammetry makes of it.
+    """A house with windows, a bay and a gable roof of cells, with the errors of photogrammetry.
 
-    errors: whether there are tunnels of `scale` cells through the corners of the bay, pinholes, and specks round it.
+    errors: whether there are tunnels of `scale` cells through the corners of the bay, pinholes, and specks around it.
     """
     wide, deep, high, eave = 60 * scale, 40 * scale, 44 * scale, 30 * scale
     solid = np.zeros((wide, deep, high), bool)
@@ -128,7 +128,7 @@ def mvs_house(scale=1, errors=True, noise=0.04):
 
 
 def _with_pinholes_and_specks(vertices, triangles, scale):
-    """40 fans of faces are gone, and 40 tetrahedra of .3 to 2 cells float near the surface."""
+    """40 fans of faces are missing, and 40 tetrahedra of .3 to 2 cells float near the surface."""
     rng = np.random.default_rng(4)
     gone = np.isin(triangles, rng.choice(len(vertices), 40, replace=False)).any(axis=1)
     corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
@@ -185,7 +185,7 @@ def faces_outwards(vertices, polygon):
 
 
 def smoothed(vertices, triangles, rounds):
-    """Every vertex moved half-way to the mean of those beside it, `rounds` times: edges and corners are rounded."""
+    """Every vertex moved half-way to the mean of its neighbours, `rounds` times: edges and corners are rounded."""
     ends = np.concatenate([triangles[:, [k, (k + 1) % 3]] for k in range(3)])
     ends = np.unique(np.concatenate([ends, ends[:, ::-1]]), axis=0)
     for _ in range(rounds):
@@ -196,7 +196,7 @@ def smoothed(vertices, triangles, rounds):
 
 
 def figure(n=24, noise=0.002, lump=0.0):
-    """A bumpy closed figure that mirrors across x but for noise, and but for a lump on one side: 12 n^2 faces.
+    """A bumpy closed figure that mirrors across x except for noise and a lump on one side: 12 n^2 faces.
 
     Its triangles do not mirror.
     """

@@ -1,4 +1,4 @@
-"""What CONTRIBUTING.md promises: a number added in two places of C++ and two of the add-on is an option everywhere."""
+"""The promise of CONTRIBUTING.md: a number added in two places of C++ and two of the add-on is an option everywhere."""
 
 import dataclasses
 import runpy

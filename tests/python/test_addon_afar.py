@@ -1,4 +1,4 @@
-"""What float32 has lost of scans far from zero."""
+"""The loss of scans far from zero in float32."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ UTM = np.array([5e5, 4.6e6, 100.0])
 
 
 def loss(size, at, scale=(1, 1, 1)):
-    """Of a scan of a diagonal that stands at a place."""
+    """The loss of a scan with a diagonal at a place."""
     half = size / np.sqrt(12)
     return afar.loss(np.asarray(at) - half, np.asarray(at) + half, scale)
 

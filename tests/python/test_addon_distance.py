@@ -1,4 +1,4 @@
-"""How far the polygons are from the scan, as Mesh in the add-on reports it."""
+"""The distance of the polygons from the scan, as Mesh in the add-on reports it."""
 
 import re
 
@@ -44,7 +44,7 @@ def test_more_regions_are_nearer_and_the_numbers_say_why_polygons_were_divided()
 
 @pytest.mark.parametrize("planar", [False, True])
 def test_the_causes_of_more_polygons_than_regions_add_up(planar):
-    vertices, triangles = shapes.plane(12)  # with waves that so few regions can't follow
+    vertices, triangles = shapes.plane(12)  # with waves that few regions can't follow
     across = vertices[:, :2] / np.ptp(vertices[:, :2])
     vertices[:, 2] = 0.3 * np.ptp(vertices[:, :2]) * np.sin(15 * across).prod(axis=1)
     step = rcp.Partition(proxies=20, count_by="proxies", snap=False, smooth=0.0, close_openings=False)

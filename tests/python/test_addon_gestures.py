@@ -1,4 +1,4 @@
-"""What the mouse means to the tools, without a window."""
+"""The meaning of mouse events for the tools, without a window."""
 
 import numpy as np
 import pytest
@@ -45,7 +45,7 @@ def test_pointing_past_the_scan_and_dropping():
     tool.move(B, FAR)
     assert tool.release() is None
     tool.press(NONE)
-    assert tool.release() == Wish("add", (20,))  # a part that was left out comes back
+    assert tool.release() == Wish("add", (20,))  # a part that was left out is restored
     tool.press(A)
     tool.move(B, FAR)
     tool.cancel()
@@ -148,7 +148,7 @@ def test_a_cut_is_of_the_region_it_meets_most():
 @pytest.mark.parametrize(("begin", "moves", "wanted"), [(A, [(B, NEAR)], "split"), (A, [(B, FAR), (A, NEAR)], "cut")])
 def test_a_cut_without_a_line_splits_where_it_was_pressed(begin, moves, wanted):
     cut = Cut()
-    cut.press(B, FAR)  # what was before is forgotten
+    cut.press(B, FAR)  # the earlier line is forgotten
     cut.move(B, NEAR)
     cut.press(begin, (0.0, 0.0))
     for place, at in moves:
@@ -200,7 +200,7 @@ def test_rings_are_at_least_one_and_not_endless():
 
 
 def test_a_stroke_over_a_flat_face_keeps_to_the_edges_of_the_mended_mesh():
-    """The engine turns an edge of the face 1, which has no area: then 1 is beside 2, but 3 is not beside 1."""
+    """The engine turns an edge of face 1, which has no area: then 1 and 2 are adjacent, but 1 and 3 are not."""
     vertices = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [1, 1, 0], [0.5, -1, 0], [1.5, -1, 0]], float)
     triangles = np.array([[0, 2, 3], [0, 1, 2], [0, 4, 1], [1, 5, 2]], np.int32)
     scan, session = scan_of(vertices, triangles), Session()

@@ -1,4 +1,4 @@
-"""What the add-on says: the words of the panel, right with one and with many."""
+"""The add-on's messages: the words of the panel, right with one and with many."""
 
 import re
 from pathlib import Path

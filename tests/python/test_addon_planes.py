@@ -28,7 +28,7 @@ def session():
 
 
 def face_along(session, scan, recipe, axis, number=0):
-    """A face of the largest region but `number` that looks along an axis."""
+    """A face of the largest region except `number` that faces along an axis."""
     outcome = session.replay(scan, recipe)
     normal, _, _, area = session.region_fits(scan, outcome)
     facing = np.flatnonzero(abs(normal[:, axis]) > 0.99)
@@ -180,7 +180,7 @@ def test_one_region_is_not_parallel_to_itself(house, session):
 def test_a_plane_that_leans_says_so_and_what_snapping_moves(house, session):
     up = np.array([0.0, 0.0, 2.0])
     turn = np.radians(2.1)
-    spread = np.diag([0.0, 1.0, 4.0])  # of a wall that looks along x, 4 units high in the root mean square
+    spread = np.diag([0.0, 1.0, 4.0])  # a wall that faces along x, 4 units high in the root mean square
     found = regularity.leaning(np.array([np.cos(turn), 0.0, np.sin(turn)]), _turned(spread, turn), up)
     assert not found.is_level
     assert found.degrees == pytest.approx(2.1)

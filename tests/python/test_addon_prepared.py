@@ -1,4 +1,4 @@
-"""What a session keeps of scans, and the regions of faces with several triangles."""
+"""The data that a session keeps of scans, and the regions of faces with several triangles."""
 
 from dataclasses import replace
 from types import SimpleNamespace

@@ -1,4 +1,4 @@
-"""The presets: recipes that can be saved, and that do what they are for."""
+"""The presets: recipes that can be saved, and that serve their purpose."""
 
 import houses
 import pytest

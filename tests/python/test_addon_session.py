@@ -143,10 +143,10 @@ def test_edit_and_edit_back_is_equal_to_the_bit(scan):
         assert np.array_equal(again.polygons.loops, first.polygons.loops)
 
 
-PLAIN = Partition(proxies=12, adaptivity=0.0)  # the stroke then is in one piece with nothing cut off beside it
+PLAIN = Partition(proxies=12, adaptivity=0.0)  # the stroke then is in one piece, and cuts nothing off
 STROKE = tuple(range(100, 110))
 EDITS = [
-    rcp.MergeRegions(face=3),  # with the one beside it
+    rcp.MergeRegions(face=3),  # with the adjacent one
     rcp.SplitRegion(face=3),
     rcp.CutRegion(face=3, line=((-3, 0.1, 0), (3, 0.1, 0)), direction=(0, 0, 1)),
     rcp.CutRegion(face=3, line=((-3, 0.1, 0.1), (3, 0.1, 0.1), (4, -3, 0.1)), direction=(0, 0.1, 1)),
@@ -449,7 +449,7 @@ def test_a_bound_that_the_polygons_would_not_keep_makes_the_regions_anew(quads, 
     assert numbers["regions_before"] == loose.numbers["regions"] < numbers["regions"]
     assert numbers["regions"] == meshed.partition.region_count == len(meshed.region_color)
     assert set(meshed.polygons.polygon_region) <= set(meshed.face_region)
-    locked = recipe.then(rcp.LockRegions(faces=(0,)))  # by hand: all stay, and the numbers say how far the scan is
+    locked = recipe.then(rcp.LockRegions(faces=(0,)))  # by hand: all stay, and the report has the distance of the scan
     kept, by_hand = session.replay(quads, locked.then(Mesh())), session.replay(quads, locked)
     np.testing.assert_array_equal(kept.face_region, by_hand.face_region)
     assert kept.numbers["scan_distance"] > kept.numbers["scan_distance_allowed"]

@@ -1,4 +1,4 @@
-"""What is drawn over a scan, as arrays."""
+"""The drawing over a scan, as arrays."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Borders evened out: what goes where, what stays, and how much shorter they get."""
+"""Borders evened out: the moved and the kept faces, and the decrease of length."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ SIDE = 30
 
 
 def grid():
-    """(pairs, place): squares of a grid, which share edges with those beside them."""
+    """(pairs, place): squares of a grid, which share edges with their neighbours."""
     number = np.arange(SIDE * SIDE).reshape(SIDE, SIDE)
     across, along = (
         np.stack([a.ravel(), b.ravel()], axis=1)
@@ -170,7 +170,7 @@ def test_a_region_smaller_than_the_brush_does_not_vanish(jagged):
 
 
 def test_a_hand_may_erase_from_a_locked_region_which_stays_locked(jagged):
-    """Erased across the middle, so that a part of it is cut off and goes to those around it."""
+    """Erased across the middle, so that a part of it is cut off and joins the regions around it."""
     session, scan, recipe, _ = jagged
     before = session.replay(scan, recipe)
     side = np.flatnonzero(before.face_region == before.face_region[600])

@@ -1,4 +1,4 @@
-"""What is stored with a scan: whatever is in the file, there is a recipe or one line that says why there is none."""
+"""The data stored with a scan: any content of a file gives a recipe, or one line with the reason why there is none."""
 
 import json
 import random
@@ -173,7 +173,7 @@ def a_step(draw):
 
 
 def test_a_thousand_stored_recipes_of_all_kinds():
-    """Every one is read or refused in a line; none raises, and none goes on for ever."""
+    """Every one is read or refused in a line; none raises, and none runs for ever."""
     draw, read, refused = random.Random(18), 0, set()
     for _ in range(1000):
         ids = range(1, draw.randrange(2, 8))

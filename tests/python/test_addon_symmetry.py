@@ -1,4 +1,4 @@
-"""What the add-on tells of a scan that mirrors."""
+"""The add-on's report on a scan that mirrors."""
 
 import pytest
 

@@ -8,7 +8,7 @@ from isimp.task import Status, Stopped, Task, Watch, shares
 
 
 class Job:
-    """As the engine's: progress and stage one way, cancel the other."""
+    """Like the engine's: progress and stage for the caller, cancel for the job."""
 
     def __init__(self, progress=0.0, stage=""):
         self.progress, self.stage, self.cancelled = progress, stage, False

@@ -1,4 +1,4 @@
-"""Colours of regions: neighbours told apart, and each stays with its region."""
+"""Colours of regions: neighbours differ, and each colour stays with its region."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import pytest
 from isimp import view
 from isimp.spare import Spare
 
-# What is left of linear RGB for those who lack one kind of cone (Machado, Oliveira, Fernandes 2009, severity 1).
+# Linear RGB as seen by people who lack one kind of cone (Machado, Oliveira, Fernandes 2009, severity 1).
 DICHROMACY = {
     "full": np.eye(3),
     "protan": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
@@ -30,7 +30,7 @@ def test_base_colours_are_told_apart_by_everyone(vision):
     seen = np.clip(view.PALETTE[: view.BASE_COLORS, :3] @ np.array(DICHROMACY[vision]).T, 0, 1)
     lab = np.cbrt(seen @ np.array(TO_LMS).T) @ np.array(TO_OKLAB).T
     distance = np.linalg.norm(lab[:, None] - lab[None], axis=2) + np.eye(len(lab))
-    assert distance.min() > 0.09  # .02 is what can just be seen side by side
+    assert distance.min() > 0.09  # .02 is just visible for adjacent colours
 
 
 def grid_pairs(n):
@@ -113,6 +113,6 @@ def test_corners_have_the_colour_of_their_face_in_memory_that_is_used_again(tabl
     assert again is made
     assert np.array_equal(made, np.repeat(table[[24, 7]], corners, axis=0))
     other = view.corner_colors(table, np.array([5, 24], np.uint8), corners, spare)
-    assert not np.shares_memory(other, made)  # which nobody gave back
+    assert not np.shares_memory(other, made)  # which was not returned
     spare.give(other)
     assert len(view.corner_colors(table, np.array([5], np.uint8), 3, spare)) == 3  # of another scan

@@ -18,7 +18,7 @@ build_addon = script("build_addon")
 
 
 def bl_info(source):
-    """As Blender reads it: without running anything."""
+    """Read like Blender: without running anything."""
     tree = ast.parse(source)
     found = [node.value for node in tree.body if isinstance(node, ast.Assign) and node.targets[0].id == "bl_info"]
     return ast.literal_eval(found[0])
@@ -126,7 +126,7 @@ def test_the_legacy_zip_has_the_libraries_where_the_engine_looks(tmp_path):
 
 def test_a_trial_has_a_version_of_its_own_in_the_words_of_each(tmp_path, monkeypatch):
     stated = (ROOT / "CMakeLists.txt").read_text()
-    assert stated.count('set(ISIMP_TRIAL "")') == 1  # what scripts/package.sh --trial N changes
+    assert stated.count('set(ISIMP_TRIAL "")') == 1  # scripts/package.sh --trial N changes this line
     shutil.copytree(ROOT / "addon", tmp_path / "addon", ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy(ROOT / "LICENSE", tmp_path)
     (tmp_path / "CMakeLists.txt").write_text(stated.replace('set(ISIMP_TRIAL "")', 'set(ISIMP_TRIAL ".dev7")'))

@@ -19,7 +19,7 @@ def house() -> House:
 
 
 def largest(mesh: engine.Mesh, part: engine.Partition, axis: int) -> list[int]:
-    """The regions that look along an axis within ten degrees, the largest first."""
+    """The regions that face along an axis within ten degrees, the largest first."""
     normal, _, _, area = engine.region_fits(mesh, part)
     facing = np.flatnonzero(abs(normal[:, axis]) > 0.985)
     found: list[int] = facing[np.argsort(-area[facing], kind="stable")].tolist()

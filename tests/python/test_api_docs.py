@@ -1,4 +1,4 @@
-"""docs/api.md is what scripts/api_docs.py makes of the module's docstrings."""
+"""docs/api.md is the output of scripts/api_docs.py for the module's docstrings."""
 
 import re
 from pathlib import Path

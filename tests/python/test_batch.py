@@ -1,4 +1,4 @@
-"""`isimp batch` and isimp_engine.batch: each scan a row, whatever becomes of the processes."""
+"""`isimp batch` and isimp_engine.batch: each scan has a row, also if its process fails."""
 
 import json
 import os
@@ -21,7 +21,7 @@ from isimp_engine.cli.batch import Terminated, deferrable
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="a batch needs fork")
 
 
-# What a run makes
+# The output of a run
 
 
 def test_results_are_those_of_simplify_in_the_folders_of_the_scans(scans, tmp_path):
@@ -148,7 +148,7 @@ def test_an_option_that_does_not_suit_a_scan_is_its_row(scans, tmp_path):
     assert str(tmp_path) not in whys(outcome)["tiny.ply"]
 
 
-# Ends that nobody planned
+# Unplanned ends
 
 DRIVER = """
 import sys
@@ -222,7 +222,7 @@ def test_work_that_can_not_be_loaded_is_said_once(scans, tmp_path, capfd):
 
 @pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_an_interrupted_command_keeps_its_rows_and_can_go_on(scans, tmp_path, number, status):
-    """A scan that is a pipe is waited for until the signal comes."""
+    """The command waits for a scan that is a pipe until the signal comes."""
     os.mkfifo(tmp_path / "pipe.ply")
     (tmp_path / "list.txt").write_text("# some scans\nin/a.ply\n\npipe.ply\n")
     out = tmp_path / "out"
@@ -334,7 +334,7 @@ def test_a_broken_disk_is_a_row_of_the_scan(scans, tmp_path):
 
 
 def test_a_system_without_room_for_processes_is_a_row(scans, tmp_path, monkeypatch):
-    """The process that forks goes on, whatever becomes of one fork."""
+    """The process that forks continues after a failed fork."""
     (tmp_path / "full.py").write_text(
         "import errno, os\n"
         "fork, left = os.fork, [1]\n"

@@ -15,7 +15,7 @@ from test_batch_dask import ENVIRONMENT, make_scans
 
 
 class Recorded:
-    """In the place of a cluster of Dask: keeps what it is made with."""
+    """A replacement for a cluster of Dask that records its arguments."""
 
     made: ClassVar[list] = []
 

@@ -1,4 +1,4 @@
-"""What a batch shows: results.html, pictures, progress."""
+"""The display of a batch: results.html, pictures, progress."""
 
 import os
 import re

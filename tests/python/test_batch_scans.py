@@ -1,4 +1,4 @@
-"""Which scans a batch has, what is refused, and what has room at once."""
+"""The scans of a batch, the refused ones, and the number that has room at once."""
 
 import os
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""clean(vertices, triangles): what scanners write becomes a mesh, each repair counted and located."""
+"""clean(vertices, triangles): scanners' files become a mesh, each repair counted and located."""
 
 import numpy as np
 import pytest
@@ -29,7 +29,7 @@ def made(mesh):
 
 
 def check_sound(mesh):
-    """What `clean` makes is what Mesh(...) takes."""
+    """Mesh(...) accepts the result of `clean`."""
     again = engine.Mesh(mesh.vertices, mesh.triangles)
     assert again.report["components"] == mesh.report["components"]
     assert len(mesh.source_face) == len(mesh.triangles)

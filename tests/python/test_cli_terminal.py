@@ -47,7 +47,7 @@ def on_a_terminal(*arguments):
 
 
 def read_all(process, terminal):
-    """What the process wrote: our hold on its end keeps the kernel from dropping what is unread when it closes."""
+    """The output of the process: our hold on its end keeps the kernel from dropping unread text when it closes."""
     ours, theirs = terminal
     end = b"\0end\0"
     waiter = threading.Thread(target=lambda: (process.wait(), os.write(theirs, end)))

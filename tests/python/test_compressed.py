@@ -1,4 +1,4 @@
-"""Compressed files are read as what they hold, by all commands, and damage is said in one line."""
+"""Compressed files are read by all commands as if they were unpacked, and damage is reported in one line."""
 
 import gzip
 import os

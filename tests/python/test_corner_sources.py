@@ -1,4 +1,4 @@
-"""Where on the scan the corners of polygons lie."""
+"""The places of polygons' corners on the scan."""
 
 import numpy as np
 import pytest
@@ -59,7 +59,7 @@ def test_both_sides_of_a_thin_plate_keep_what_they_have():
 
 @pytest.mark.parametrize("threads", [1, 3])
 def test_repairs_and_far_places(threads):
-    """Reversed faces and a filled hole far from zero: corners lie on what the caller gave."""
+    """Reversed faces and a filled hole far from zero: corners lie on the caller's triangles."""
     vertices, triangles = shapes.cube(4)
     vertices = vertices + [2.0**19, -(2.0**21), 2.0**10]
     triangles = np.delete(triangles, 9, axis=0)
@@ -112,7 +112,7 @@ def test_a_polygon_across_two_islands_takes_the_larger_one():
         return np.einsum("lc,lcn->ln", weights, uv[triangle]), triangle
 
     across, _ = carried()
-    assert np.ptp(across[:, 0]) > 5  # what is wrong without
+    assert np.ptp(across[:, 0]) > 5  # the error without it
     within, triangle = carried(islands=engine.uv_islands(triangles, uv))
     assert right[triangle].all()
     assert within[:, 0].min() >= 5.4 - 1e-6

@@ -1,4 +1,4 @@
-"""Edits of a partition: merge, split, paint, lock and the heuristics, as callers see them."""
+"""Edits of a partition: merge, split, paint, lock and the heuristics, used like a caller."""
 
 import numpy as np
 import pytest
@@ -63,7 +63,7 @@ def locked_sets(part):
 @settings(max_examples=25, deadline=None)
 @given(steps=st.lists(step, min_size=1, max_size=12))
 def test_any_chain_of_edits_keeps_what_a_partition_promises(mesh, part, steps):
-    """Connected, every face in a region, none empty, locked faces as they were; and the same again on a second run."""
+    """Connected, every face in a region, none empty, locked faces unchanged; and the same again on a second run."""
     runs = []
     for _ in range(2):
         now = part

@@ -1,4 +1,4 @@
-"""Processes that end, or are told to, while the engine works."""
+"""Processes that end, or have to, while the engine works."""
 
 import os
 import signal
@@ -45,7 +45,7 @@ def test_the_interpreter_may_end_while_daemon_threads_are_in_the_engine(seconds)
 
 
 def test_what_runs_at_the_end_may_use_the_engine():
-    """What was registered before the engine was loaded runs after the engine has stopped its calls."""
+    """A function that was registered before the engine was loaded runs after the engine has stopped its calls."""
     code = """
 import atexit
 @atexit.register
@@ -117,7 +117,7 @@ def test_ctrl_c_while_it_waits_for_a_pipe_is_130(pipe, command):
 @posix
 @pytest.mark.parametrize("command", COMMANDS)
 def test_ctrl_c_while_it_loads_is_130_without_a_traceback(tmp_path, command):
-    """A numpy that is slow to load, and says when it is loaded."""
+    """A numpy that loads slowly, and prints a line when it is loaded."""
     (tmp_path / "numpy.py").write_text("import time\nprint('loading', flush=True)\ntime.sleep(30)\n")
     environment = {**ENVIRONMENT, "PYTHONPATH": os.pathsep.join([str(tmp_path), ENVIRONMENT["PYTHONPATH"]])}
     with subprocess.Popen(

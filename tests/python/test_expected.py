@@ -1,4 +1,4 @@
-"""How many polygons there will be is said before they are made."""
+"""The estimate of the number of polygons before they are made."""
 
 import json
 

@@ -120,7 +120,7 @@ def test_cityjson_is_what_cjio_reads(tmp_path: Path) -> None:
     engine.write(path, poly, crs=25832)
     with path.open() as file:
         city = cityjson.reader(file)
-    city.check_version()  # raises where it does not know it
+    city.check_version()  # raises for an unknown version
     assert city.get_version() == "2.0"
     assert city.get_epsg() == 25832
     assert city.number_city_objects_level1() == 1

@@ -1,4 +1,4 @@
-"""The job type for Flamenco makes the tasks that its settings ask for: run by node, with a small manager."""
+"""The job type for Flamenco makes the tasks of its settings: run by node, with a small manager."""
 
 import json
 import shutil

@@ -1,4 +1,4 @@
-"""Arrays of all kinds: either the call works and keeps its promises, or it raises InvalidInput; never anything else."""
+"""Arrays of all kinds: either the call works and keeps its promises, or it raises InvalidInput."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ coordinate = st.one_of(
 
 @st.composite
 def soups(draw):
-    """Few vertices, many faces: folded, doubled, crossing, open, with anything as a coordinate."""
+    """Few vertices, many faces: folded, doubled, crossing, open, with any coordinate."""
     vertices = draw(hnp.arrays(np.float64, st.tuples(st.integers(1, 9), st.just(3)), elements=coordinate))
     shape = st.tuples(st.integers(0, 24), st.just(3))
     return vertices, draw(hnp.arrays(np.int64, shape, elements=st.integers(0, len(vertices) - 1)))

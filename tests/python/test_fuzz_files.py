@@ -1,6 +1,6 @@
 """Damaged files of all kinds that are read in Python: each is read, or refused in one line that names it.
 
-ISIMP_FUZZ_FILES says how many cases each family has (150). A case is made from its number, so a failure comes again.
+ISIMP_FUZZ_FILES is the number of cases of each family (150). A case is made from its number, so a failure comes again.
 """
 
 import argparse
@@ -70,7 +70,7 @@ def test_damaged_files_are_read_or_refused_in_a_line(tmp_path, family):
             refused += 1
             said = str(error)
             assert said.startswith(str(tmp_path)), (family, number)
-            assert not {"\n", "\r"} & set(said), (family, number)  # other separators may stand in names
+            assert not {"\n", "\r"} & set(said), (family, number)  # names may contain other separators
         except BaseException:
             print(f"{family}, case {number}")  # before the traceback
             raise

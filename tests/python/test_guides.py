@@ -1,4 +1,4 @@
-"""Barriers from what a mesh shows, kept by regions and polygons; only a part split anew."""
+"""Barriers from the marks of a mesh, kept by regions and polygons; a new split of a part alone."""
 
 import os
 from pathlib import Path
@@ -25,7 +25,7 @@ def edges_of(polygons):
 
 
 def crossed(mesh, part, barriers):
-    """How many of the barriers have the same region on both sides."""
+    """The number of barriers with the same region on both sides."""
     edges, a, b = guides.inner_edges(mesh)
     wanted = {tuple(sorted(pair)) for pair in barriers.tolist()}
     chosen = np.array([tuple(pair) in wanted for pair in edges.tolist()])
@@ -46,7 +46,7 @@ def test_a_cube_has_twelve_sharp_edges():
 def test_seams_of_a_cube_are_kept_by_regions_and_polygons(method):
     mesh = engine.Mesh(*shapes.cube(8))
     middle = mesh.vertices[mesh.triangles].mean(axis=1)
-    barriers = guides.attribute_borders(mesh, middle[:, 0] > 0.5)  # a seam round the middle of the cube
+    barriers = guides.attribute_borders(mesh, middle[:, 0] > 0.5)  # a seam around the middle of the cube
     assert len(barriers) == 4 * 8
     part = engine.partition(mesh, engine.PartitionOptions(proxies=10, method=method), barriers=barriers)
     assert crossed(mesh, part, barriers) == 0

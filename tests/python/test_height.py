@@ -1,4 +1,4 @@
-"""Height maps: of a shape whose heights are known, and what the command makes of them."""
+"""Height maps of a shape whose heights are known, and the output of the command for them."""
 
 import json
 
@@ -55,7 +55,7 @@ def test_heights_are_those_of_the_scan(up):
     assert 0.005 < up * plane < 0.02
     assert np.ptp(corners[:, 2]) < 1e-9
     assert span == pytest.approx(2 * (PEAK - up * plane), rel=0.02)
-    # Where each point of the plane lies in the image, from the corners of the one polygon.
+    # The place of each point of the plane in the image, from the corners of the one polygon.
     to_uv, *_ = np.linalg.lstsq(np.c_[corners[:, :2], np.ones(len(corners))], made.uv, rcond=None)
     x, y = np.meshgrid(np.linspace(0.02, 0.98, 40), np.linspace(0.02, 0.98, 40))
     points = np.stack([x.ravel(), y.ravel()], axis=1)

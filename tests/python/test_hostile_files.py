@@ -1,4 +1,4 @@
-"""Files that ask for much, run programs, lead elsewhere or hold nonsense: each is read, or refused in a line."""
+"""Files that need much, run programs, lead elsewhere or hold nonsense: each is read, or refused in a line."""
 
 import gzip
 import json
@@ -290,7 +290,7 @@ def test_a_mesh_of_many_nodes_is_read_once_and_its_places_need_memory(cube_glb, 
         engine.read_textured(path)
 
 
-# Which files may be named
+# Files that may be named
 
 
 @pytest.mark.parametrize(
@@ -299,7 +299,7 @@ def test_a_mesh_of_many_nodes_is_read_once_and_its_places_need_memory(cube_glb, 
         ("t.png", True),
         ("../textures/t.png", True),
         ("sub/../t.png", True),
-        ("/elsewhere/t.png", True),  # from another machine: it lies beside the file that names it
+        ("/elsewhere/t.png", True),  # from another machine: it lies next to the file that names it
         ("C:\\scans\\t.png", True),
         ("../../secret.png", False),
         ("/etc/secret.png", False),

@@ -1,4 +1,4 @@
-"""read, read_polygons, triangulate, write: every kind of file, and what is said of one that can't be read."""
+"""read, read_polygons, triangulate, write: every kind of file, and the message for one that can't be read."""
 
 import os
 import sys
@@ -33,7 +33,7 @@ def test_polygons_keep_the_files_order_and_number(tmp_path, kind):
 def test_triangles_are_the_same_from_every_kind(tmp_path, kind):
     path = tmp_path / kind
     expected, triangles = shapes.cube(3)
-    expected = expected.astype(np.float32).astype(np.float64)  # so that every kind can hold it
+    expected = expected.astype(np.float32).astype(np.float64)  # so that every format can store it
     meshfiles.TRIANGLES[kind](path, expected, triangles.tolist())
     vertices, read = engine.read(str(path))
     assert (vertices.dtype, read.dtype) == (np.float64, np.int32)

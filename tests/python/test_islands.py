@@ -1,4 +1,4 @@
-"""Islands that are coplanar with the wall round them become part of it, with their rims."""
+"""Islands that are coplanar with the wall around them become part of it, with their rims."""
 
 import json
 import pathlib
@@ -10,11 +10,11 @@ import isimp_engine as engine
 import shapes
 from isimp_engine.cli import main
 
-RIM_REGIONS = 9  # of a groove: its bottom, four sides on the wall's side and four on the pane's
+RIM_REGIONS = 9  # regions of a groove: its bottom, four sides on the wall's side and four on the pane's
 
 
 def slab(depth: int = 1, noise: float = 0.0, set_back: int = 0) -> tuple[engine.Mesh, engine.Partition]:
-    """That of `shapes`, with each plane of each part a region."""
+    """The slab of `shapes`, with each plane of each part a region."""
     clean, triangles, label = shapes.slab_with_pane(depth, set_back)
     mesh = engine.Mesh(clean + noise * np.random.default_rng(2).standard_normal(clean.shape), triangles)
     return mesh, engine.partition_from(mesh, label)

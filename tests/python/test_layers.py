@@ -1,4 +1,4 @@
-"""What may know what: the order of the engine's modules, and who may import the engine, numpy and bpy."""
+"""The allowed dependencies: the order of the engine's modules, and the importers of the engine, numpy and bpy."""
 
 import ast
 import re
@@ -15,15 +15,15 @@ ROOT = Path(__file__).resolve().parents[2]
 NATIVE = ROOT / "native"
 ADDON = ROOT / "addon" / "isimp"
 ORDER = ["core", "mesh", "partition", "interact", "meshing", "regular", "texture", "thesis", "simplify", "tiles"]
-#: each may know those before it
+#: each may use the modules before it
 UNRELATED = {("interact", "meshing"), ("meshing", "interact")}
-#: folders of a module whose files include those of folders before them; the module's own folder comes last
+#: folders of a module, lowest first; a file may include files of its own and of lower folders
 ROOMS = {"meshing": ["discs", "complex", "judge", "place", "planar", "repair", ""]}
 PRIVATE = {"CGAL": {"mesh", "meshing"}, "OpenMesh": {"thesis"}, "thrust": {"parallel"}}
 
 
 def modules():
-    """The engine's modules and what each is declared to use, as CMake has it."""
+    """The engine's modules and their declared dependencies in CMake."""
     text = (NATIVE / "CMakeLists.txt").read_text()
     uses = {}
     for name, rest in re.findall(r"^\s*isimp_module\((\w+)([^)]*)\)", text, re.MULTILINE):  # once for each branch
@@ -125,7 +125,7 @@ def test_what_is_optional_is_not_imported_before_it_is_asked_for():
     assert (done.stdout, done.stderr) == ("set()\n", "")
 
 
-COMPILED = {"_core", "isimp_engine"}  # no Python files beside these: the engine, and the engine inside the add-on
+COMPILED = {"_core", "isimp_engine"}  # no Python files of these names: the engine, and the engine inside the add-on
 
 
 def imported_files(path):

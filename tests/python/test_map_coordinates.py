@@ -1,4 +1,4 @@
-"""Scans far from zero, as in map coordinates: what comes in comes out where it was, without loss."""
+"""Scans far from zero, as in map coordinates: results lie where the input lay, without loss."""
 
 import pickle
 

@@ -1,4 +1,4 @@
-"""Mesh(vertices, triangles): what is taken, what is refused and in which words, and what is shown."""
+"""Mesh(vertices, triangles): accepted and refused input, the messages, and the properties."""
 
 import gc
 import re

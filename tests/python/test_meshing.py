@@ -1,4 +1,4 @@
-"""polygonize: polygons of regions, as callers see them."""
+"""polygonize: polygons of regions, used like a caller."""
 
 import gc
 import itertools
@@ -22,7 +22,7 @@ def simplified(arrays, **options):
 
 
 def edge_uses(poly):
-    """How often each directed edge is used."""
+    """The number of uses of each directed edge."""
     uses = {}
     for corners in polygons(poly):
         for edge in zip(corners, np.roll(corners, -1), strict=True):
@@ -31,7 +31,7 @@ def edge_uses(poly):
 
 
 def check(mesh, part, poly):
-    """What is promised of every result, and that the report says what is there."""
+    """The promises for every result, and a report that agrees with it."""
     w, q = len(poly.vertices), len(poly.loop_start)
     assert (poly.vertices.dtype, poly.vertices.shape) == (np.float64, (w, 3))
     assert {a.dtype for a in (poly.loops, poly.loop_start, poly.polygon_region, poly.source_vertex)} == {

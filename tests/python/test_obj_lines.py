@@ -9,7 +9,7 @@ from meshfiles import assert_same, read_rows
 
 
 def lines(corners=3, n=40):
-    """An OBJ file of more than a million bytes, so that several threads share it, with lines that say nothing here."""
+    """An OBJ file of more than a million bytes, so that several threads share it, with lines that are skipped."""
     vertices, triangles = shapes.plane(n)
     rows = ["mtllib a.mtl", "o sheet"] + [f"v {x:.17g} {y:.17g} {z:.17g} 0.5 0.5 0.5" for x, y, z in vertices]
     rows += ["vt 0 0", "vn 0 0 1", "", "# faces", "usemtl a"]

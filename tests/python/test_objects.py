@@ -46,7 +46,7 @@ def assert_equal(one, other):
 
 
 def made():
-    """One of each, with what only some have: repairs, weights, barriers, a bound, locks."""
+    """One of each, with optional contents: repairs, weights, barriers, a bound, locks."""
     vertices, triangles = shapes.bumpy(20)
     mesh = engine.clean(vertices, np.concatenate([triangles, triangles[:1]]))
     weights = np.linspace(1, 3, len(mesh.triangles))
@@ -112,7 +112,7 @@ def test_a_pickle_whose_numbers_do_not_fit_together_gives_no_object():
     refuses(mesh, changed(mesh.__getstate__(), 3, 0, np.int32(-2)))  # source_vertex
     numbers, guided = part.__getstate__()
     for at, k, value in [
-        (0, 3, np.int32(part.face_region[3] ^ 1)),  # a region has another number of faces than its sum says
+        (0, 3, np.int32(part.face_region[3] ^ 1)),  # a region has another number of faces than its sum
         (1, 1, np.int32(part.region_seed[0])),  # a seed outside its region
         (2, 0, np.float64(3.0)),  # a normal that is not unit
         (2, 0, np.float64(np.nan)),
@@ -138,7 +138,7 @@ def test_an_object_that_was_never_made_raises(kind):
     for empty in (kind.__new__(kind), Own.__new__(Own)):
         for name in members(kind):
             if isinstance(inspect.getattr_static(kind, name), staticmethod):
-                continue  # asks of no object
+                continue  # uses no object
             with pytest.raises(TypeError, match="never made"):
                 ask(empty, name)
         with pytest.raises(TypeError, match="never made"):

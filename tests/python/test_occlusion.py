@@ -17,7 +17,7 @@ def coloured(vertices, triangles):
 
 
 def with_wall(height, gap=1e-3):
-    """A floor of side 1, and a wall beside it at x = -gap, as long as the floor is."""
+    """A floor of side 1, and a wall along it at x = -gap, as long as the floor is."""
     floor, triangles = shapes.plane(8)
     wall = np.array([[-gap, 0, 0], [-gap, 1, 0], [-gap, 1, height], [-gap, 0, height]])
     more = np.array([[0, 1, 2], [0, 2, 3]], triangles.dtype) + len(floor)
@@ -25,7 +25,7 @@ def with_wall(height, gap=1e-3):
 
 
 def open_share(points, height, gap=1e-3):
-    """Of the cosine-weighted hemisphere, what such a wall leaves (view factor of a perpendicular rectangle)."""
+    """The open share of the cosine-weighted hemisphere with a wall (view factor of a perpendicular rectangle)."""
     x, y = points[:, 0] + gap, points[:, 1]
     top = np.hypot(x, height)
     covered = sum((np.arctan(b / x) - x / top * np.arctan(b / top)) / (2 * np.pi) for b in (y, 1 - y))
@@ -50,7 +50,7 @@ def test_a_wall_keeps_off_what_its_view_factor_says(height):
     error = on_floor(poly, made, points) / 255 - open_share(points, height)
     assert np.abs(error).max() < 0.03
     assert abs(error.mean()) < 0.004
-    assert open_share(points, height).min() < 0.8  # there is something to see
+    assert open_share(points, height).min() < 0.8  # some light is blocked
 
 
 def test_beside_a_high_wall_half_of_the_light_is_left():

@@ -1,4 +1,4 @@
-"""What the command knows already it does not do again."""
+"""The command computes nothing twice."""
 
 import json
 
@@ -22,7 +22,7 @@ def scan(tmp_path):
 
 @pytest.fixture
 def calls(monkeypatch):
-    """How often a function of a module was called."""
+    """The number of calls of a function of a module."""
 
     def count(module, name, *others):
         real, made = getattr(module, name), []

@@ -138,7 +138,7 @@ def test_the_add_on_closes_the_same_as_the_command(tmp_path):
 
 @pytest.mark.parametrize("most", [1, 10**6])
 def test_openings_that_are_closed_before_the_regions_are_counted_are_the_same(monkeypatch, tmp_path, most):
-    """most: regions up to which the guess is said to be right; of one it is wrong."""
+    """most: regions up to which the guess is claimed to be right; at one of them it is wrong."""
     steps = rcp.Recipe((rcp.Partition(detail=0.1),))
     counted = Session().replay(scan_of(*shapes.room(16)), steps)
     report, _ = simplified(tmp_path, shapes.room(16), "--detail=0.1")

@@ -1,4 +1,4 @@
-"""Nothing is removed that isimp did not make and mark, and a run that was ended anywhere leaves no dead end."""
+"""isimp removes only files that it made and marked, and a run that was ended anywhere can be repeated."""
 
 import argparse
 import json

@@ -1,4 +1,4 @@
-"""What people download: wheels for all Pythons and for one, checksums, headers."""
+"""The files that people download: wheels for all Pythons and for one, checksums, headers."""
 
 import base64
 import hashlib
@@ -196,7 +196,7 @@ def test_headers_and_licences_are_gathered(tmp_path):
 
 
 def test_a_build_that_may_not_fetch_says_what_it_lacks(tmp_path):
-    """Only the part of CMake that looks for headers, in a project of its own that compiles nothing."""
+    """Only the part of CMake that searches for headers, in a project of its own that compiles nothing."""
     (tmp_path / "CMakeLists.txt").write_text(
         "cmake_minimum_required(VERSION 3.24)\nproject(lacking LANGUAGES NONE)\n"
         f"include({(ROOT / 'cmake' / 'dependencies.cmake').as_posix()})\n"
@@ -311,7 +311,7 @@ def test_links_between_pages_lead_somewhere():
 
 
 def anchors(page):
-    """Of the headings, as the sites of Git and MkDocs make them."""
+    """The anchors of the headings, as the sites of Git and MkDocs make them."""
     heads = re.findall(r"^#+ (.+)$", page.read_text(encoding="utf-8"), re.MULTILINE)
     return {re.sub(r"[^\w\- ]", "", head.lower()).strip().replace(" ", "-") for head in heads}
 

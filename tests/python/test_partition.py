@@ -1,4 +1,4 @@
-"""partition, add_proxy, delete_proxy: the contract as callers see it."""
+"""partition, add_proxy, delete_proxy: the contract for callers."""
 
 import gc
 import threading
@@ -26,7 +26,7 @@ def normals_and_areas(mesh):
 
 
 def pieces(mesh, faces):
-    """How many connected pieces a set of faces has, across shared edges."""
+    """The number of connected pieces of a set of faces, across shared edges."""
     faces = {int(f) for f in faces}
     by_edge = {}
     for f in faces:
@@ -49,7 +49,7 @@ def pieces(mesh, faces):
 
 
 def check(mesh, part, regions):
-    """All that is promised of a partition of a mesh without specks."""
+    """All promises of a partition of a mesh without specks."""
     face_region, faces = part.face_region, len(mesh.triangles)
     assert face_region.dtype == np.int32
     assert face_region.shape == (faces,)
@@ -155,7 +155,7 @@ def test_the_default_finds_the_six_sides_of_a_cube_from_any_face_order(seed):
 
 
 def test_what_a_mesh_keeps_changes_no_result(sheet):
-    """A mesh that was partitioned before gives the same as a fresh one, whatever the order of the counts."""
+    """A mesh that was partitioned before gives the same as a fresh one, for any order of the counts."""
     counts = (30, 300, 3000, 31, 30)
     kept = engine.Mesh(sheet.vertices, sheet.triangles)
     for proxies in counts:
@@ -240,7 +240,7 @@ def test_views_are_read_only_and_keep_the_partition_alive(sheet):
 def test_every_number_of_the_header_is_there(cube):
     part = engine.partition(cube, options(proxies=6))
     for field in struct_fields("partition/partition.h", "Partition"):
-        if field not in ("region_sum", "guided"):  # what edits start from, of no use outside
+        if field not in ("region_sum", "guided"):  # the start of edits, of no use outside
             assert hasattr(part, field)
 
 

@@ -163,7 +163,7 @@ def normals(house: houses.House) -> np.ndarray:
 
 @pytest.mark.parametrize("name", ["house", "facade"])
 def test_snapped_planes_add_no_fault(name: str) -> None:
-    """In so few regions planes can't all be kept: it takes flipped polygons and more of them."""
+    """With so few regions, keeping all planes would need flipped polygons and more of them, so some are released."""
     if name == "house":
         house = houses.make(0.003, 3)
         mesh = engine.Mesh(house.vertices, house.triangles)

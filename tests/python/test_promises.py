@@ -1,4 +1,4 @@
-"""What docs/guarantee.md promises, on families of made meshes, through a judge that shares no code with the engine."""
+"""The promises of docs/guarantee.md on families of made meshes, by a judge that shares no code with the engine."""
 
 from types import SimpleNamespace
 
@@ -88,7 +88,7 @@ def crossing():
     return np.concatenate(turned), np.concatenate([triangles + i * len(vertices) for i in range(8)]).astype(np.int32)
 
 
-SOUND = {  # from this number of regions on nothing may be left to report
+SOUND = {  # from this number of regions on the report must be empty
     "noisy cube": (lambda: shaken(*shapes.cube(8), 0.004), 1),
     "torus": (lambda: shapes.torus(30, 15), 1),
     "noisy torus": (lambda: shaken(*shapes.torus(30, 15), 0.01), 1),
@@ -113,7 +113,7 @@ ANY = {
 }
 
 
-# From this number of regions on; 0: the report is true, but something is left. Two meshes that meet themselves at
+# From this number of regions on; 0: the report is true, but not empty. Two meshes that meet themselves at
 # hundreds of places, which takes the judge minutes, are left to bench/soundness.py.
 REAL = {
     "scan/bunny_69k": 50,
@@ -137,7 +137,7 @@ LISTED = 1000  # flaws of a kind that the report names
 
 
 def judged(arrays, proxies):
-    """The verdict on a mesh of at most this many regions, and what the engine says itself."""
+    """The verdict on a mesh of at most this many regions, and the engine's own report."""
     mesh = engine.clean(*arrays)
     options = engine.MeshingOptions()
     part = engine.partition(mesh, engine.PartitionOptions(proxies=min(proxies, len(mesh.triangles)), leave_out=0))
@@ -148,7 +148,7 @@ def judged(arrays, proxies):
 
 
 def check_the_report(verdict, poly, curved):
-    """Nothing ever breaks the topology or leaves the scan, and no fault that is there is kept quiet."""
+    """The topology never breaks, the polygons never leave the scan, and every fault is in the report."""
     assert verdict.faults == []
     assert verdict.far == []
     listed = {}
@@ -158,13 +158,13 @@ def check_the_report(verdict, poly, curved):
     assert set(verdict.crossing) | set(verdict.empty) <= alone
     assert set(verdict.bent) <= {polygon for polygon, _ in listed.get("bent", ())}
     met = listed.get("intersecting", set()) | listed.get("excused", set())
-    # How a polygon that is not flat fills its outline is nowhere said: one filling meets what another does not.
+    # How a polygon that is not flat fills its outline is not specified: one filling meets faces that another does not.
     found = {pair for pair in verdict.hits + verdict.excused if not set(pair) & (alone | curved)}
     counts = {
         "intersecting": poly.report["intersecting"],
         "excused": poly.report["excused"] + poly.report["without_area"],
     }
-    for flaw, count in counts.items():  # a pair stands under both of its polygons
+    for flaw, count in counts.items():  # a pair is counted for both of its polygons
         entries = listed.get(flaw, set())
         once = [(polygon, other) for polygon, other in entries if other is None or polygon < other]
         assert len(once) == min(count, LISTED)
@@ -237,7 +237,7 @@ def test_a_facade_keeps_its_forty_rectangles(noise):
 
 
 def test_the_judge_sees_what_is_wrong(cube):
-    """A judge that finds no fault in anything proves nothing."""
+    """A judge that finds no fault in any mesh proves nothing."""
     part = engine.partition(cube, engine.PartitionOptions(proxies=6))
     good = engine.polygonize(cube, part)
 
@@ -292,7 +292,7 @@ UP, DOWN, SIDE = (0, 0, 1), (0, 0, -1), (1, 0, 0)
     ("area", "known", "near", "flipped"),
     [
         (DOWN, True, [UP], True),
-        (UP, True, [DOWN, DOWN], False),  # of another sheet
+        (UP, True, [DOWN, DOWN], False),  # faces of another sheet
         (DOWN, True, [DOWN], True),
         (DOWN, False, [UP], True),
         (DOWN, False, [DOWN], False),  # the guess is wrong

@@ -1,4 +1,4 @@
-"""A texture after an edit: what stays where it was, and what is baked again."""
+"""A texture after an edit: unchanged charts keep their places, and the others are baked again."""
 
 import itertools
 from dataclasses import replace
@@ -38,7 +38,7 @@ def layers_of(made):
 
 
 def corners(poly, made):
-    """Where each polygon's middle lies, in space and in the image."""
+    """The place of each polygon's middle, in space and in the image."""
     ends = np.append(poly.loop_start, len(poly.loops))
     pieces = [slice(a, b) for a, b in itertools.pairwise(ends)]
     return np.array([np.hstack([poly.vertices[poly.loops[p]].mean(0), made.uv[p].mean(0)]) for p in pieces])
@@ -65,7 +65,7 @@ def test_it_is_what_a_whole_bake_of_the_layout_gives(scan):
     options = {"size": 256, "occlusion": True, "occlusion_rays": 9, "height": True}
     _, old = baked(scan, scan[2], **options)
     _, made = baked(scan, scan[3], old, **options)
-    layout_only = replace(old, made_of=replace(old.made_of, digest=b""))  # nothing of it can be taken
+    layout_only = replace(old, made_of=replace(old.made_of, digest=b""))  # no part of it can be reused
     _, whole = baked(scan, scan[3], layout_only, **options)
     assert whole.report["kept_pixels"] == 0
     assert whole.report["kept_places"] == made.report["kept_places"]
@@ -117,7 +117,7 @@ def test_another_image_on_the_same_scan_is_baked(scan):
 
 
 def test_many_edits_in_a_row_keep_charts_apart(scan):
-    """Free room is used again and again; what shows must be what a whole bake shows."""
+    """Free room is used again and again; the image must be that of a whole bake."""
     _, mesh, part, _ = scan
     poly, made = baked(scan, part, size=256)
     kept = []

@@ -1,6 +1,6 @@
-"""Long chains of edits: whatever comes after whatever, every promise holds, and memory does not grow.
+"""Long chains of edits: every promise holds after any order of edits, and memory does not grow.
 
-ISIMP_SOAK_EDITS says how many edits each of three real scans gets (25).
+ISIMP_SOAK_EDITS is the number of edits of each of three real scans (25).
 """
 
 import os
@@ -19,7 +19,7 @@ SCANS = ["scan/rockerarm_20k.ply", "scan/bunny_69k.ply", "scan/armadillo_86k.ply
 
 
 class Surface:
-    """A mesh, and what the checks need of it."""
+    """A mesh, and the data for the checks."""
 
     def __init__(self, mesh):
         self.mesh = mesh
@@ -41,7 +41,7 @@ class Surface:
         return order[same] % len(t), order[same + 1] % len(t)
 
     def pieces(self, label):
-        """How many connected pieces the faces of equal labels form, those without a label aside."""
+        """The number of connected pieces of faces of equal labels, without the faces that have no label."""
         a, b = self.pairs
         inside = (label[a] == label[b]) & (label[a] >= 0)
         a, b = a[inside], b[inside]
@@ -71,7 +71,7 @@ class Surface:
 
 
 def near(surface, face, part, random):
-    """A connected disc of faces round one."""
+    """A connected disc of faces around one."""
     size = np.sqrt(surface.area.sum()) * random.uniform(0.01, 0.06)
     disc = np.flatnonzero(np.linalg.norm(surface.middle - surface.middle[face], axis=1) < size)
     label = np.where(np.isin(np.arange(len(surface.middle)), disc) & (part.face_region >= 0), 0, -1)
@@ -79,7 +79,7 @@ def near(surface, face, part, random):
 
 
 def line(surface, face, random):
-    """A straight line over the surface near a face, and the direction it is seen along."""
+    """A straight line over the surface near a face, and the viewing direction."""
     along = random.normal(size=3) * np.sqrt(surface.area.sum()) * 0.1
     return np.array([surface.middle[face] - along, surface.middle[face] + along]), surface.normal[face]
 
@@ -104,7 +104,7 @@ CHANGE_OF_COUNT = {"add": 1, "split": 1, "cut": 1, "worst": 2, "delete": -1, "me
 
 
 def neighbour(surface, part, face):
-    """A face of a region beside that of a face."""
+    """A face of a region adjacent to that of a face."""
     a, b = surface.pairs
     label = part.face_region
     beside = np.concatenate([b[label[a] == label[face]], a[label[b] == label[face]]])
@@ -113,7 +113,7 @@ def neighbour(surface, part, face):
 
 
 def check_locks(kind, face, before, after):
-    """Locked regions are as they were and locked still, but that one which is painted onto may gain faces."""
+    """Locked regions are unchanged and still locked, except that one which is painted onto may gain faces."""
     if kind == "unlock":
         return
     target = before.face_region[face] if kind == "paint onto" else -1
@@ -132,13 +132,13 @@ def resident_mb():
 
 
 def soak(surface, part, edits, seed):
-    """Does so many edits and checks after each. Returns memory at a tenth, the middle and the end, and counts."""
+    """Applies `edits` edits and checks after each. Returns memory at a tenth, the middle and the end, and counts."""
     random = np.random.default_rng(seed)
     names = sorted(EDIT)
-    earlier = [part]  # what undo can return to
+    earlier = [part]  # partitions that undo can return to
     memory, done, refused = [], dict.fromkeys([*names, "undo"], 0), 0
     for number in range(edits):
-        if number in (edits // 10, edits // 2):  # the first edits set up what is kept
+        if number in (edits // 10, edits // 2):  # the first edits set up the kept data
             memory.append(resident_mb())
         kind, face = names[random.integers(len(names))], int(random.integers(len(surface.mesh.triangles)))
         if random.random() < 0.1:

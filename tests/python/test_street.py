@@ -10,7 +10,7 @@ import isimp_engine as engine
 
 @pytest.fixture(scope="module")
 def rows():
-    """Of three houses, 65,760 faces: as they are, and with snapped planes and planar polygons."""
+    """Rows of three houses, 65,760 faces: as they are, and with snapped planes and planar polygons."""
     return bench.Judge(houses.street(3)).rows()
 
 

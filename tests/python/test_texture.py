@@ -73,7 +73,7 @@ def test_a_cube_with_six_colours_shows_only_them(tmp_path):
     assert uv is made.uv
     assert image is made.image
     assert made.report["unknown"] == 0
-    # No pixel at all is black or of a mixed colour, gutters and the rest included, but for means of two sides.
+    # No pixel at all is black or of a mixed colour, gutters and the rest included, except for means of two sides.
     assert made.image[:, :, :3].max(axis=2).min() > 60
 
 

@@ -30,7 +30,7 @@ def plane(**layers):
 
 
 def at(poly, made, image, points):
-    """What an image of the result shows at points (x, y) of a plane."""
+    """The values of an image of the result at points (x, y) of a plane."""
     corners = poly.vertices[poly.loops][:, :2]
     affine, *_ = np.linalg.lstsq(np.c_[made.uv, np.ones(len(made.uv))], corners, rcond=None)
     return sample(image, np.linalg.solve(affine[:2].T, (np.asarray(points) - affine[2]).T).T)
@@ -114,7 +114,7 @@ def test_the_scans_normal_map_leans_the_way_it_does_there(uv, wanted, reversed_)
     vertices, triangles = shapes.plane(6)
     if reversed_:
         triangles = triangles.copy()
-        triangles[::5] = triangles[::5, ::-1]  # repairs turn them round
+        triangles[::5] = triangles[::5, ::-1]  # repairs reverse them
     leaning = np.full((4, 4, 3), np.round(np.array([0.6, 0.0, 0.8]) * 127.5 + 127.5), np.uint8)
     soup = engine.TexturedSoup(
         vertices, triangles, uv(vertices[:, :2]), images=[ramp()], layers={"normal": engine.TextureLayer([leaning])}
@@ -202,7 +202,7 @@ def test_numbers_of_an_mtl_file_are_kept(tmp_path):
 
 
 def write_pbr_gltf(folder, material, images):
-    """A quad with two sets of UVs, the second one mirrored, as .gltf with a buffer beside it."""
+    """A quad with two sets of UVs, the second one mirrored, as .gltf with a separate buffer."""
     points = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], "<f4")
     uv = points[:, :2] * [1, -1] + [0, 1]
     arrays = [points, uv.astype("<f4"), (uv * [-1, 1] + [1, 0]).astype("<f4"), np.array([0, 1, 2, 0, 2, 3], "<u4")]

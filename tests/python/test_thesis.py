@@ -15,7 +15,7 @@ WAYS = ("lloyd", "queued", "naive", "naive, brute force", "default")
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """What one command makes of two small sheets."""
+    """The output of one command for two small sheets."""
     data, out = tmp_path_factory.mktemp("data"), tmp_path_factory.mktemp("out")
     for name, size in (("small.ply", 24), ("large.ply", 48)):
         vertices, triangles = shapes.bumpy(size)
@@ -67,7 +67,7 @@ def test_every_finding_says_whether_it_holds_and_by_what_figures(folder):
 
 
 def hand_made():
-    """One scan on which all that the thesis found holds."""
+    """One scan on which all findings of the thesis hold."""
     speed = [
         {"scan": scan, "faces": faces, "proxies": count, "method": way, "backend": "cpu", "speed_up": gain}
         for scan, faces, more in (("small", 1000, 1.0), ("large", 9000, 2.0))

@@ -1,4 +1,4 @@
-"""`isimp tiles`: one scan in tiles gives the polygons of one piece, whatever the tiles and the workers."""
+"""`isimp tiles`: one scan in tiles gives the polygons of one piece, for any tiles and workers."""
 
 import json
 import os

@@ -125,7 +125,7 @@ def test_a_group_has_near_tiles_and_each_tile_a_group():
 
 
 def strip(tilt):
-    """Sums and pairs of nodes in a row, each leaning by so much against the one before; unit areas."""
+    """Sums and pairs of nodes in a row, each tilted against the one before by the same angle; unit areas."""
     angle = np.cumsum(tilt)
     sums = np.stack([np.sin(angle), 0 * angle, np.cos(angle), np.full(len(angle), 2.0), np.full(len(angle), 9.0)], 1)
     return sums, np.stack([np.arange(len(angle) - 1), np.arange(1, len(angle))], 1).astype(np.int32)

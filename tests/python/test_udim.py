@@ -82,7 +82,7 @@ def coloured_cube(**options):
 
 
 def shown_colours(soup):
-    """The colour in the middle of each triangle, of whichever image it shows."""
+    """The colour in the middle of each triangle, in its own image."""
     found = np.empty((len(soup.triangles), 3), int)
     for m, image in enumerate(soup.images):
         of = soup.material == m
@@ -205,7 +205,7 @@ def test_texture_transforms_of_gltf_are_obeyed(tmp_path):
     before, after = transformed_glb(tmp_path, offset=[0.25, 0.5], scale=[2, 3])
     assert np.allclose(after[..., 0], 0.25 + 2 * before[..., 0], atol=1e-6)
     assert np.allclose(1 - after[..., 1], 0.5 + 3 * (1 - before[..., 1]), atol=1e-6)
-    # A turn, as Blender's importer has it: u and v upward are turned counter-clockwise.
+    # A turn in the convention of Blender's importer: u and v upward are turned counter-clockwise.
     turn, sx, sy, ox, oy = 0.7, 2.0, 0.5, 0.1, 0.3
     before, after = transformed_glb(tmp_path, offset=[ox, oy], scale=[sx, sy], rotation=turn)
     c, s = np.cos(turn), np.sin(turn)

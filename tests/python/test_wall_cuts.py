@@ -27,7 +27,7 @@ def wall(columns, rows, door=0, noise=0.05):
 
 
 def made(arrays):
-    """Polygons of a mesh as one region, beside a sheet of 25: else the mesh counts as a plate of holes."""
+    """Polygons of a mesh as one region, with a separate sheet of 25: else the mesh counts as a plate of holes."""
     vertices, triangles = shapes.plane(20)
     square = (vertices[triangles].mean(axis=1)[:, :2] * 5).astype(np.int32)
     label = np.concatenate([np.zeros(len(arrays[1]), np.int32), 1 + square @ [1, 5]])

@@ -15,7 +15,7 @@ def test_distances_are_to_planes_sides_and_corners():
 
 
 def test_distances_are_the_least_to_any_triangle(monkeypatch):
-    monkeypatch.setattr(within, "_CHUNK", 1 << 10)  # so that there are several pieces of each
+    monkeypatch.setattr(within, "_CHUNK", 1 << 10)  # so that each has several pieces
     mesh = engine.Mesh(*shapes.torus(40, 20))
     part = engine.partition(mesh, engine.PartitionOptions(bound=0.1))
     polygons = engine.polygonize(mesh, part)

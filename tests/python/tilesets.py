@@ -9,7 +9,7 @@ import shapes
 
 
 def hilly(n=48):
-    """An open sheet of 2 n^2 faces with two levels, a slope and noise: planes whose borders cross those of tiles."""
+    """An open sheet of 2 n^2 faces with two levels, a slope and noise: borders of planes cross borders of tiles."""
     vertices, triangles = shapes.plane(n)
     x, y, _ = vertices.T
     noise = np.random.default_rng(4).normal(scale=0.05 / n, size=len(x))
@@ -18,7 +18,7 @@ def hilly(n=48):
 
 
 def town(blocks=4, n=24):
-    """A rough sheet of 2 (blocks n)^2 faces with a house on each block: many planes round a ground that all touch."""
+    """A rough sheet of 2 (blocks n)^2 faces with a house on each block: many planes around a ground that all touch."""
     side = np.arange(blocks * n + 1.0)
     x, y = np.meshgrid(side, side, indexing="ij")
     u, v, key = x % n, y % n, (7 * (x // n) + 3 * (y // n)) % 5
@@ -54,7 +54,7 @@ def write(folder: Path, parts, writer=meshfiles.obj, suffix=".obj"):
 
 
 def labels_of(folder: Path, parts, faces):
-    """(F,) the labels of the whole mesh from those of the tiles."""
+    """(F,) the labels of the whole mesh from the labels of the tiles."""
     label = np.full(faces, -9, np.int32)
     for k, (_, _, own) in enumerate(parts):
         array = np.load(folder / f"tile_{k:02d}.npy")

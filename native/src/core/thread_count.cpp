@@ -8,7 +8,7 @@
 namespace isimp {
 namespace {
 
-/// How many threads of `wanted`, the caller's among them, live at once.
+/// The number of threads, out of `wanted` and including the caller's, that live at once.
 std::int32_t try_threads(std::int32_t wanted) {
   std::promise<void> end;
   const std::shared_future<void> ended = end.get_future().share();
@@ -16,7 +16,7 @@ std::int32_t try_threads(std::int32_t wanted) {
   try {
     threads.reserve(static_cast<std::size_t>(wanted));
     while (static_cast<std::int32_t>(threads.size()) + 1 < wanted) threads.emplace_back([ended] { ended.wait(); });
-  } catch (const std::system_error&) {  // no more are to be had
+  } catch (const std::system_error&) {  // the system starts no more
   } catch (const std::bad_alloc&) {
   }
   end.set_value();
@@ -31,7 +31,7 @@ std::int32_t startable_threads(std::int32_t asked) {
   if (wanted > tried) {
     tried = wanted;
     found = try_threads(wanted);
-    if (found < wanted) found = std::max(1, found / 2);  // the library wants memory of its own besides
+    if (found < wanted) found = std::max(1, found / 2);  // the library needs memory of its own
   }
   return std::min(wanted, found);
 }

@@ -54,7 +54,7 @@ void Workers::start(std::int32_t threads) {
           if (running_ == 0) done_.notify_one();
         }
       });
-  } catch (const std::system_error&) {  // no more are to be had: it goes with those that there are
+  } catch (const std::system_error&) {  // the system starts no more threads: the work continues with fewer
   }
 }
 

@@ -11,13 +11,13 @@ namespace {
 
 constexpr double kOutlier = 2.0;    // times the usual deviation in a region: from here on a normal is not one of it
 constexpr double kLeastOdd = 0.01;  // |n - N|^2; below it, 6 degrees, nothing is out of the usual
-constexpr int kLongestWalk = 32;    // round a vertex
-constexpr double kMostDepth = 4.0;  // of the plane across a corner, in mean depths of what turned the corner's way
+constexpr int kLongestWalk = 32;    // steps at a vertex
+constexpr double kMostDepth = 4.0;  // depth of the plane across a corner, in mean depths of the turned faces
 constexpr double kLeastDepth = 2.0;
-constexpr double kMostWorse = 0.2;  // of a region's mean error: what the outline of a corner may cost
+constexpr double kMostWorse = 0.2;  // cost of the outline of a corner, as a share of a region's mean error
 constexpr std::size_t kCorner = 3;  // regions that meet in one
 
-/// The faces round the vertex at which edges k and k + 1 of a face meet, itself first; on a border those to one side.
+/// The faces at the vertex between edges k and k + 1 of a face, itself first; on a border only the faces to one side.
 std::vector<std::int32_t> fan_of(const FaceGraph& graph, std::int32_t face, int k) {
   std::vector<std::int32_t> fan{face};
   std::int32_t before = face, at = graph.neighbours[face][k];
@@ -39,7 +39,7 @@ std::vector<std::int32_t> ring_of(const FaceGraph& graph, std::int32_t face) {
   return ring;
 }
 
-/// The normal of a face and those round it: single ones are noise, or lie across the tip of a corner.
+/// The mean normal of a face and its neighbours: single faces are noise, or lie across the tip of a corner.
 Vec3 smooth_normal(const FaceGraph& graph, std::int32_t face) {
   RegionSum around;
   for (const std::int32_t i : ring_of(graph, face)) around.add(graph.faces[i]);
@@ -95,8 +95,8 @@ class Growth {
 
   [[nodiscard]] const std::vector<std::int32_t>& taken() const { return taken_; }
 
-  /// Takes what turns towards the bevel.
-  /// \return whether any single face does, and not only the mean round it
+  /// Adds the faces that turn towards the bevel.
+  /// \return whether any single face does, and not only the mean of its neighbours
   bool take_turned() {
     bool any = false;
     for (std::size_t k = 0; k < taken_.size(); ++k) {
@@ -108,8 +108,8 @@ class Growth {
     return any;
   }
 
-  /// Takes what lies above a plane across the corner: of those that are some mean depths of what was taken so far below
-  /// its top, the one that gives the shortest outline for its area.
+  /// Adds the faces above a plane across the corner. Candidates are planes some mean depths of the added faces below
+  /// their top; the plane with the shortest outline for its area is chosen.
   void take_above_plane() {
     const auto [top, mean] = depth();
     using Entry = std::pair<double, std::int32_t>;  // highest first, ties to the higher index
@@ -185,7 +185,7 @@ class Growth {
   const FaceGraph& graph_;
   Bevel bevel_;
   std::int32_t fresh_;
-  std::vector<Vec3> normals_;               // of the regions before
+  std::vector<Vec3> normals_;               // normals of the regions before
   std::vector<std::int32_t> taken_, from_;  // faces, and the region each was of
 };
 

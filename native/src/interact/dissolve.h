@@ -6,9 +6,9 @@
 
 namespace isimp {
 
-/// Gives the faces of a region to those around it, relaxes the borders and takes its number away.
+/// Adds the faces of a region to the regions around it, relaxes the borders and removes its number.
 /// \param face  a face of it, by graph index.
-/// \return false if there is no region around that could take them
+/// \return false if no region around can take them
 bool dissolve(Edit& edit, std::int32_t region, std::int32_t face, Job& job);
 
 }  // namespace isimp

@@ -12,9 +12,10 @@
 namespace isimp {
 namespace {
 
-constexpr int kSweeps = 40;     // of the borders after an edit
-constexpr double kStays = 0.2;  // of a region's area: what an edit may change of it without letting go of its own plane
-constexpr double kTurns = 0.17;  // of its normal, 10 degrees: the same
+constexpr int kSweeps = 40;      // sweeps of the borders after an edit
+constexpr double kStays = 0.2;   // share of a region's area that an edit may change before the region loses its own
+                                 // plane
+constexpr double kTurns = 0.17;  // likewise its normal: 10 degrees
 
 const Partition& checked(const Mesh& mesh, const Partition& partition) {
   check_is_of(mesh, partition);
@@ -144,7 +145,7 @@ std::vector<std::int32_t> Edit::relax(std::span<const std::int32_t> faces, std::
 }
 
 void Edit::reconnect(std::span<const std::int32_t> changed) {
-  std::vector<std::int32_t> around;  // faces beside them, by region
+  std::vector<std::int32_t> around;  // adjacent faces, by region
   for (const std::int32_t face : changed)
     for (const std::int32_t j : graph.neighbours[face])
       if (labels.get(j) >= 0 && labels.get(j) != labels.get(face)) around.push_back(j);
@@ -199,7 +200,7 @@ Partition Edit::finish() {
   }
   result.error = error() * graph.area;
   result.history.assign(1, result.error);
-  result.bound = result.distance_max = 0.0;  // an edit goes by the error and keeps no bound
+  result.bound = result.distance_max = 0.0;  // an edit uses the error and keeps no bound
   for (const std::int32_t r : lost) reseed(r);
   return std::move(result);
 }

@@ -12,7 +12,7 @@
 
 namespace isimp {
 
-/// What borders weigh where a partition is edited: as where it was made.
+/// Weights of borders where a partition is edited: the same as where it was made.
 inline BorderWeight border_weight_of(const Partition& partition, const FaceGraph& graph) {
   const double error = graph.area > 0 ? partition.error / graph.area : 0.0;
   return border_weight(error, partition.smooth, graph.size(), partition.region_count());
@@ -23,8 +23,8 @@ struct Edit {
   Surface surface;
   const FaceGraph& graph;
   Partition result;
-  EditLabels labels;                  ///< of `result`
-  std::vector<std::int32_t> borders;  ///< faces that the last relaxation looked at
+  EditLabels labels;                  ///< labels of `result`
+  std::vector<std::int32_t> borders;  ///< faces that the last relaxation visited
   std::vector<std::int32_t> hints;    ///< some face of each region that was touched, in the order of finding
 
   /// \throws InvalidInput  the partition is not one of this mesh
@@ -42,16 +42,16 @@ struct Edit {
     return !result.region_locked.empty() && result.region_locked[region] != 0;
   }
 
-  /// Takes the region of a face out of the labels; see take_out.
+  /// Removes the region of a face from the labels; see take_out.
   /// \param i  by graph index
-  /// \throws InvalidInput  the region is in several pieces, as regions of partitions from elsewhere may be: their sums
+  /// \throws InvalidInput  the region is in several pieces, as is possible in partitions of other programs: their sums
   ///                       are of all pieces together
   [[nodiscard]] std::vector<std::int32_t> take_region(std::int32_t i);
 
-  /// Starts over from another partition of the same surface.
+  /// Replaces the partition by another one of the same surface.
   void restart(const Partition& partition);
 
-  /// What edits leave as it is: by region, or empty for none. At first the locked ones.
+  /// Regions that edits do not change, by region, or empty for none. At first the locked ones.
   [[nodiscard]] const std::vector<std::uint8_t>& held() const { return held_; }
   void hold(std::vector<std::uint8_t> regions);
   void hold_all_but(std::span<const std::int32_t> regions);
@@ -63,16 +63,16 @@ struct Edit {
   /// \return its number
   std::int32_t add_region();
 
-  /// Takes a region without faces away; those above it move down by one.
+  /// Removes a region without faces; the numbers above it decrease by one.
   void remove_region(std::int32_t region);
 
-  /// Relaxes the borders of these faces and what follows from that. `pinned` does not move.
-  /// \return every face looked at: all borders that moved are among them
+  /// Relaxes the borders of these faces and all that are affected. `pinned` does not move.
+  /// \return every visited face, which include all borders that moved
   std::vector<std::int32_t> relax(std::span<const std::int32_t> faces, std::int32_t pinned, Job& job);
 
-  /// Gives what these faces, having changed sides, have cut off from its region to those around it. Of a region in
-  /// pieces the one that is walked through last stays: the largest, mostly.
-  /// Cost: of the pieces that are given away.
+  /// Adds the faces that a change of these faces has cut off from their old region to the regions around. Of a region
+  /// in pieces the last one that is walked stays, which is the largest one mostly.
+  /// Cost: the size of the pieces that change regions.
   void reconnect(std::span<const std::int32_t> changed);
 
   /// Sum of the regions' errors, as a share of the surface.
@@ -84,11 +84,11 @@ struct Edit {
  private:
   void reseed(std::int32_t region);
 
-  /// Held planes of regions that the edit has changed are let go.
+  /// Releases held planes of regions that the edit has changed.
   void keep_planes();
 
   std::vector<std::uint8_t> held_;
-  std::vector<RegionSum> sums_;  ///< as they were, where planes are held
+  std::vector<RegionSum> sums_;  ///< sums before the edit, where planes are held
 };
 
 }  // namespace isimp

@@ -8,14 +8,14 @@
 
 namespace isimp {
 
-/// What a face of a held region shows in place of its label, so that no local change takes it or gives it anything.
+/// The label shown for a face of a held region, so that no local change moves a face from or to that region.
 inline constexpr std::int32_t kHeld = -3;
 
-/// Labels by graph index that lie in an array of n in the order of the mesh, those of held regions hidden.
+/// Labels by graph index that lie in an array of n in the order of the mesh; labels of held regions are hidden.
 struct EditLabels {
   std::int32_t* region;
   const FaceGraph* graph;
-  std::span<const std::uint8_t> held = {};  ///< by region; empty: none is held
+  std::span<const std::uint8_t> held = {};  ///< by region; empty: no region is held
 
   [[nodiscard]] std::int32_t get(std::int32_t i) const {
     if (i == graph->size()) return kNone;

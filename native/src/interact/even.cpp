@@ -9,8 +9,8 @@
 namespace isimp {
 namespace {
 
-constexpr int kSweeps = 200;          // a border that is one face a sweep from where it rests gets there
-constexpr double kLeastError = 5e-3;  // as a share of the area: below it, borders of exact shapes would weigh nothing
+constexpr int kSweeps = 200;          // enough for a border that moves one face a sweep
+constexpr double kLeastError = 5e-3;  // share of the area: below it, borders of exact shapes would have no weight
 
 }  // namespace
 

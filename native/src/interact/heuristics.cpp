@@ -27,7 +27,7 @@ void check_times(std::int32_t times) {
                      " can be done: no region is left that could be " + what);
 }
 
-/// By how much the best split of a region lowers the error. Less than 0: its faces can't be split.
+/// The decrease of the error by the best split of a region. Below 0: its faces can't be split.
 double gain_of_split(Edit& edit, std::int32_t region) {
   const FaceGraph& graph = edit.graph;
   const std::vector<std::int32_t> faces =
@@ -87,7 +87,7 @@ struct Pair {
   bool operator<(const Pair& o) const { return std::tie(cost, u, v) < std::tie(o.cost, o.u, o.v); }
 };
 
-/// Faces at the borders of regions; grows as borders move, so that they need not be looked for again.
+/// Faces at the borders of regions; grows as borders move, so that no new search is needed.
 class Borders {
  public:
   Borders(const Edit& edit, Job& job) {
@@ -109,7 +109,7 @@ class Borders {
   /// The pair of neighbours that costs least to merge.
   [[nodiscard]] Pair cheapest(const Edit& edit) const {
     Pair best{std::numeric_limits<double>::infinity(), kNone, kNone};
-    std::pair<std::int32_t, std::int32_t> last(kNone, kNone);  // along a border the same pair comes many times
+    std::pair<std::int32_t, std::int32_t> last(kNone, kNone);  // along a border the same pair occurs many times
     for (const std::int32_t i : faces_)
       for (const std::int32_t j : edit.graph.neighbours[i]) {
         const std::pair<std::int32_t, std::int32_t> pair = std::minmax(edit.labels.get(i), edit.labels.get(j));
@@ -154,7 +154,7 @@ Partition delete_least(const Mesh& mesh, const Partition& partition, std::int32_
     if (borders.empty()) borders.emplace_back(edit, job);
     const Pair pair = borders.front().cheapest(edit);
     if (pair.u == kNone) out_of_regions("deleted", k, times);
-    // Of the two, the smaller error is the one that is missed less.
+    // The smaller error of the two is lost less.
     const auto& sums = edit.result.region_sum;
     const std::int32_t gone = sums[pair.v].length() < sums[pair.u].length() ? pair.v : pair.u;
     dissolve(edit, gone, edit.graph.graph_face[edit.result.region_seed[gone]], job);

@@ -12,10 +12,10 @@
 namespace isimp {
 namespace {
 
-constexpr int kSweeps = 200;  // of the borders before the first teleport
-constexpr int kTries = 50;    // of teleports in a row that do not pay, before a round ends
+constexpr int kSweeps = 200;  // sweeps of the borders before the first teleport
+constexpr int kTries = 50;    // teleports in a row without gain that end a round
 
-/// The regions that may change, by graph index; all else is as if left out.
+/// The regions that may change, by graph index; all other faces count as left out.
 Regions free_regions(const Edit& edit, std::vector<std::int32_t>& region_of) {
   Regions regions;
   std::vector<std::int32_t> number(edit.result.region_sum.size(), kNone);

@@ -11,9 +11,9 @@
 namespace isimp {
 namespace {
 
-constexpr int kRounds = 2;  // of fitting a region that is split
+constexpr int kRounds = 2;  // rounds of fitting a region that is split
 
-/// Makes a part that was left out one region.
+/// Makes a region of a part that was left out.
 void bring_back(Edit& edit, std::int32_t face, Job& job) {
   const std::int32_t fresh = edit.add_region();
   const std::vector<std::int32_t> faces = take_out(edit.graph, edit.labels, face);

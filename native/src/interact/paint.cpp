@@ -20,7 +20,7 @@ void remove_empty(Edit& edit) {
 }
 
 /// Labels open faces that can be reached from the target, or from the first of them.
-/// \return those that can't
+/// \return the faces that can't
 std::vector<std::int32_t> spread(const Edit& edit, std::span<const std::int32_t> open, std::int32_t target) {
   const FaceGraph& graph = edit.graph;
   std::vector<std::int32_t> reached;
@@ -44,8 +44,8 @@ std::vector<std::int32_t> spread(const Edit& edit, std::span<const std::int32_t>
   return left;
 }
 
-/// Gives open faces of a region to those around it.
-/// \return the faces that went
+/// Adds open faces of a region to the regions around it.
+/// \return the faces that moved
 std::vector<std::int32_t> give_away(Edit& edit, std::vector<std::int32_t> open, std::int32_t region) {
   const std::vector<std::uint8_t> before = edit.held();
   std::vector<std::uint8_t> closed = before;
@@ -70,7 +70,7 @@ void open_face(Edit& edit, std::int32_t i) {
   edit.labels.set(i, kOpen);
 }
 
-/// The faces of a region, and then what makes them part of it again.
+/// The faces of a region. Its labels are cleared by the walk and restored.
 std::vector<std::int32_t> faces_of(Edit& edit, std::int32_t face) {
   const std::int32_t region = edit.labels.get(face);
   std::vector<std::int32_t> faces = edit.take_region(face);

@@ -8,7 +8,8 @@
 namespace isimp {
 namespace {
 
-constexpr std::int32_t kFirstMark = -16;  // of walk 0, below all labels with a meaning; those of the others follow
+constexpr std::int32_t kFirstMark = -16;  // mark of walk 0, below all labels with a meaning; the marks of other walks
+                                          // follow
 
 class Walks {
  public:
@@ -36,8 +37,8 @@ class Walks {
       }
   }
 
-  /// Gives the faces their label back.
-  /// \return those of walks that ended
+  /// Restores the labels of the faces.
+  /// \return the faces of walks that ended
   std::vector<std::int32_t> close() {
     std::vector<std::int32_t> cut;
     for (const Walk& walk : walks_) {
@@ -49,7 +50,7 @@ class Walks {
 
  private:
   struct Walk {
-    std::vector<std::int32_t> faces, ahead;  // all its faces, and those it has not gone on from
+    std::vector<std::int32_t> faces, ahead;  // all its faces, and the faces that it has not continued from
     std::int32_t into;                       // itself, or the walk it has become part of
     bool done = false;
   };
@@ -74,8 +75,8 @@ class Walks {
     }
   }
 
-  /// Makes two walks one.
-  /// \return the one that goes on: that with more faces, which so need not be moved
+  /// Merges two walks.
+  /// \return the one that continues: the one with more faces, since these need not be moved
   std::int32_t join(std::int32_t a, std::int32_t b) {
     if (a == b) return a;
     if (walks_[a].faces.size() < walks_[b].faces.size()) std::swap(a, b);

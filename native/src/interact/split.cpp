@@ -11,7 +11,7 @@
 namespace isimp {
 namespace {
 
-constexpr int kArc = 12;  // points on the circle that closes a line round one side
+constexpr int kArc = 12;  // points on the circle that closes a line around one side
 
 using Vec2 = Eigen::Vector2d;
 
@@ -22,7 +22,7 @@ std::int32_t splittable(const Edit& edit, std::int32_t face) {
   return region;
 }
 
-/// A line seen along a direction, and which side of it a point lies on.
+/// A line seen along a direction; classifies points by its sides.
 class Curtain {
  public:
   Curtain(std::span<const Vec3> line, const Vec3& direction, const Vec3& middle) : middle_(middle) {
@@ -40,7 +40,7 @@ class Curtain {
 
   [[nodiscard]] Vec2 flat(const Vec3& p) const { return {right_.dot(p - middle_), up_.dot(p - middle_)}; }
 
-  /// Goes on straight at both ends to beyond `reach` of the middle, and round the left side far outside.
+  /// Extends the line straight at both ends to beyond `reach` of the middle, and around the left side far outside.
   void close(double reach) {
     for (const Vec2& p : points_) reach = std::max(reach, p.norm());
     const auto beyond = [&](const Vec2& p, const Vec2& from) { return Vec2(p + 4 * reach * (p - from).normalized()); };
@@ -77,8 +77,8 @@ Vec3 middle_of(const Mesh& mesh, std::int32_t face) {
   return (mesh.vertices()[t[0]] + mesh.vertices()[t[1]] + mesh.vertices()[t[2]]) / 3;
 }
 
-/// The connected piece of the faces with a label that has the largest area; ties to the first found. Its faces get
-/// `mark`, the others keep their label.
+/// The connected piece of the faces with a label that has the largest area; ties prefer the first found. Sets `mark` on
+/// its faces; the others keep their label.
 std::vector<std::int32_t> largest_piece(const FaceGraph& graph, EditLabels labels, std::span<const std::int32_t> faces,
                                         std::int32_t label, std::int32_t mark) {
   std::vector<std::vector<std::int32_t>> pieces;
@@ -97,7 +97,7 @@ std::vector<std::int32_t> largest_piece(const FaceGraph& graph, EditLabels label
   return std::move(pieces[best]);
 }
 
-/// Makes the faces labelled kLeft of a region one new region, and the rest one too, by handing pieces over.
+/// Makes a new region of the faces labelled kLeft, and connects both regions by moving pieces between them.
 void settle(Edit& edit, std::span<const std::int32_t> faces, std::int32_t region, std::int32_t face,
             std::int32_t left) {
   const FaceGraph& graph = edit.graph;

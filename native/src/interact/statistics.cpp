@@ -77,7 +77,7 @@ RegionStatistics region_statistics(const Mesh& mesh, const Partition& partition,
       faces.push_back(f);
     }
   }
-  std::sort(faces.begin(), faces.end());  // sums in the order of all_statistics: the same bits
+  std::sort(faces.begin(), faces.end());  // the same order and so the same bits as in all_statistics
   return measure(mesh, partition, graph, region, faces);
 }
 

@@ -18,7 +18,7 @@ CGAL::Bbox_3 box_of(const Corners& t) {
   return {low.x(), low.y(), low.z(), high.x(), high.y(), high.z()};
 }
 
-/// Which cells of a grid some boxes touch, so that most other boxes are seen to touch none of them at once.
+/// The cells of a grid that some boxes touch, to exclude most other boxes at once.
 class Cells {
  public:
   explicit Cells(const std::vector<Box>& boxes) : marked_(kSide * kSide * kSide, 0) {
@@ -33,7 +33,7 @@ class Cells {
         return false;
       });
   }
-  /// Whether a box may touch one of those.
+  /// Whether a box may touch one of these boxes.
   [[nodiscard]] bool has(const CGAL::Bbox_3& box) const {
     return CGAL::do_overlap(box, reach_) && find(box, [&](std::size_t cell) { return marked_[cell] != 0; });
   }

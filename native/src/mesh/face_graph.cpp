@@ -18,14 +18,15 @@ using detail::for_each_index;
 using detail::gather;
 
 constexpr double kFlat = 1e-12;  // doubled area over longest edge squared, below which a normal is rounding noise
-constexpr double kLeastScaled = 1e-20;  // of the whole area: below it, floats would not hold those of single faces
+constexpr double kLeastScaled = 1e-20;  // share of the whole area: below it, floats would not hold the areas of single
+                                        // faces
 constexpr int kAxisBits = 11;  // cells an axis, as a power of two: 33 bits of place leave 31 for the face's number
 constexpr int kFaceBits = 31;
-constexpr int kDigitBits = 11;      // of the sort's first digit
-constexpr int kByteBits = 8;        // of the others: three of them are the rest of a place
+constexpr int kDigitBits = 11;      // bits of the sort's first digit
+constexpr int kByteBits = 8;        // bits of the other digits: three of them are the rest of a place
 constexpr std::size_t kAhead = 12;  // faces, for the memory to be there in time
 
-/// Every bit of the lower eleven goes to a place divisible by three.
+/// Moves every bit of the lower eleven to a place divisible by three.
 constexpr std::uint32_t spread_bits(std::uint32_t x) {
   x = (x | x << 16) & 0x070000ff;
   x = (x | x << 8) & 0x0700f00f;
@@ -73,14 +74,14 @@ std::array<std::uint32_t, (1 << kBits) + 1> sort_by_bits(std::span<const std::ui
   return begin;
 }
 
-/// The same by the first digit, the keys in pieces, one a thread.
+/// Sorts by the first digit, the keys in pieces, one a thread.
 std::vector<std::uint32_t> sort_by_first_digit(std::span<const std::uint64_t> keys, std::uint64_t* sorted,
                                                const Threads& threads, Job& job) {
   constexpr int kShift = kFaceBits + 3 * kAxisBits - kDigitBits;
   constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
   const auto n = static_cast<std::int32_t>(keys.size());
   const std::int32_t pieces = threads.pieces(n);
-  std::vector<std::vector<std::uint32_t>> next(static_cast<std::size_t>(pieces));  // where a piece's keys go
+  std::vector<std::vector<std::uint32_t>> next(static_cast<std::size_t>(pieces));  // places of a piece's keys
   const auto for_each_key = [&](std::int32_t begin, std::int32_t end, const auto& visit) {
     const auto piece = keys.subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(end - begin));
     for_each_index(piece.size(), job, [&](std::size_t i) { visit(piece[i], piece[i] >> kShift); });
@@ -108,7 +109,7 @@ std::vector<std::uint32_t> sort_by_first_digit(std::span<const std::uint64_t> ke
 /// each of its values then fit into a cache together, where the other digits cost little.
 void sort_by_place(std::span<std::uint64_t> keys, const Threads& threads, Job& job) {
   constexpr std::size_t kFew = 64;            // keys that are sorted by comparisons
-  constexpr std::int32_t kDigitsAtOnce = 32;  // digits that a thread takes before it asks for more
+  constexpr std::int32_t kDigitsAtOnce = 32;  // digits that a thread takes at a time
   const auto other = std::make_unique_for_overwrite<std::uint64_t[]>(keys.size());
   const std::vector<std::uint32_t> begin = sort_by_first_digit(keys, other.get(), threads, job);
   const auto sort_digit = [&](std::size_t d) {
@@ -159,7 +160,7 @@ void fill_missing_normals(FaceGraph& graph, const std::vector<std::int32_t>& mis
   }
 }
 
-/// Has the vertices of a face a little ahead fetched.
+/// Prefetches the vertices of a face a little ahead.
 void fetch_soon(std::span<const Vec3> vertices, std::span<const Triangle> triangles, std::size_t f) {
   if (f + kAhead >= triangles.size()) return;
   for (const std::int32_t v : triangles[f + kAhead]) prefetch(&vertices[v]);
@@ -247,7 +248,8 @@ FaceGraph make_face_graph(std::span<const Vec3> vertices, std::span<const Triang
   const double side = box.sizes().maxCoeff();
   double scale = side * side > 0 ? 1 / (side * side) : 1.0;  // floats hold the areas
   std::vector<std::int32_t> missing = measure_all(graph, vertices, triangles, opposite, scale, threads, job);
-  if (graph.area > 0 && scale * graph.area < kLeastScaled) {  // all small, in a box that faces without area make large
+  if (graph.area > 0 && scale * graph.area < kLeastScaled) {  // all faces are small, in a box that is large by faces
+                                                              // without area
     scale = 1 / graph.area;
     missing = measure_all(graph, vertices, triangles, opposite, scale, threads, job);
   }

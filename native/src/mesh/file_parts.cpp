@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::size_t kPart = std::size_t{1} << 18;  // bytes: a millisecond of text
 constexpr std::size_t kLongestLine = 32 * kPart;
-constexpr std::size_t kLook = 256;  // bytes to look for the end of a line in
+constexpr std::size_t kLook = 256;  // bytes to search for the end of a line
 
 }  // namespace
 

@@ -51,8 +51,8 @@ class FileParts {
   bool is_held_ = false;
 };
 
-/// Where parts of whole lines begin and end, about a quarter of a megabyte each: rising, the end of the file last. Empty if a line
-/// is longer than some parts, as in a file whose lines don't end in line feeds.
+/// The boundaries of parts of whole lines, about a quarter of a megabyte each: rising, the end of the file last. Empty
+/// if a line is longer than some parts, as in a file whose lines don't end in line feeds.
 std::vector<std::size_t> line_parts(const FileParts& parts, std::size_t begin, Job& job);
 
 /// Polls in each piece of work, and reports how far the first one is, since the others are about as far.

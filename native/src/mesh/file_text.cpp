@@ -12,7 +12,7 @@
 namespace isimp::detail {
 namespace {
 
-/// std::from_chars, which not every standard library has for numbers with a point; both round correctly.
+/// std::from_chars, which some standard libraries lack for numbers with a point; both round correctly.
 auto from_characters(const char* begin, const char* end, double& value) {
 #ifdef ISIMP_FAST_FLOAT
   return fast_float::from_chars(begin, end, value);
@@ -44,7 +44,7 @@ std::optional<double> to_number(std::string_view word) {
   const auto [end, error] = from_characters(word.data(), word.data() + word.size(), value);
   const std::string_view rest(end, static_cast<std::size_t>(word.data() + word.size() - end));
   if (error == std::errc::invalid_argument) return {};
-  if (!rest.empty()) {  // how some Windows programs spell NaN and infinity: 1.#QNAN, -1.#IND, 1.#INF
+  if (!rest.empty()) {  // NaN and infinity of some Windows programs: 1.#QNAN, -1.#IND, 1.#INF
     if (!rest.starts_with('#') && !rest.starts_with('(')) return {};
     return std::numeric_limits<double>::quiet_NaN();
   }

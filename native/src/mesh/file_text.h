@@ -47,13 +47,13 @@ class Words {
   const char* end_;
 };
 
-/// The lines of a text, whichever way they end.
+/// The lines of a text with any line ends.
 class Lines {
  public:
   explicit Lines(std::string_view text) : rest_(text) {}
   /// The next line without its end; false past the last one.
   bool next(std::string_view& line);
-  /// What follows the last line given.
+  /// The text behind the last returned line.
   [[nodiscard]] std::string_view rest() const { return rest_; }
 
  private:

@@ -13,7 +13,7 @@ namespace isimp::detail {
 namespace {
 
 constexpr int kRounds = 64;     // a row of flat faces takes one round for each face
-constexpr double kThin = 2e-6;  // height over the diagonal: about what float32 can tell apart
+constexpr double kThin = 2e-6;  // height over the diagonal: about the resolution of float32
 constexpr double kFlat = 1e-3;  // height over its longest edge: a face is not flat for being small
 
 /// Flips edges of a manifold mesh and updates its topology.
@@ -66,8 +66,8 @@ class EdgeFlipper {
     order = {};
     std::merge(kept.begin(), kept.end(), fresh.begin(), fresh.end(), std::back_inserter(order));
   }
-  /// Whether an edge of this face may be flipped now that could not be in the last round: only a flip at one of the
-  /// face's vertices changes what decides that.
+  /// Whether an edge of this face may be flipped now that could not be flipped in the last round: only a flip at one of
+  /// the face's vertices can change that.
   [[nodiscard]] bool may_differ(std::int32_t f) const {
     const Triangle& t = p_.triangles[f];
     return round_ == 0 || std::any_of(t.begin(), t.end(), [&](std::int32_t v) { return touched_[v] >= round_; });
@@ -169,7 +169,7 @@ class EdgeFlipper {
   RepairLog& log_;
   double thin_;
   int round_ = 0;
-  std::vector<std::int8_t> touched_;   // (V) the last round that flipped an edge at each vertex, from 1; 0 if none did
+  std::vector<std::int8_t> touched_;   // (V) last round, from 1, that flipped an edge at each vertex; 0 if none did
   std::vector<std::int32_t> changed_;  // faces of this round's flips
 };
 

@@ -14,19 +14,19 @@
 
 /// The file formats, each read by a few plain functions of our own.
 ///
-/// OpenMesh 9 has readers and writers for all four, and its importer interface would take polygon soup, but they do not
-/// keep what `isimp/mesh/io.h` promises, and no check put before them could make them:
-///  - places pass through float, so that a scan in map coordinates moves by up to half a metre; text that spells NaN
-///    ends the reading in silence, the rest of the file reading as zeros;
+/// OpenMesh 9 has readers and writers for all four, and its importer interface would take polygon soup, but they break
+/// the promises of `isimp/mesh/io.h`, and no check before them could prevent it:
+///  - places pass through float, so that a scan in map coordinates moves by up to half a metre; text with NaN ends the
+///    reading without an error, and the rest of the file reads as zeros;
 ///  - OBJ and STL faces that name a vertex twice vanish, so that labels no longer fit the file's faces, and an STL
 ///    vertex with NaN becomes an arbitrary other one;
 ///  - damaged bytes end the process (a PLY property before any element: a wild write; an OBJ face "f /1": an
 ///    assertion that Debian's build keeps), hang it (a PLY header without its end), exhaust the memory (an OFF file
 ///    cut short) or give made-up faces (a comment in an OFF file: 32,573 of them);
-///  - readers and writers are global objects with state, so that two threads can't read at once, and some messages go
-///    to the process's error stream whatever is asked;
+///  - readers and writers are global objects with state, so that two threads can't read at once, and some messages
+///    reach the process's error stream in spite of all settings;
 ///  - the PLY writer cuts the number of a polygon's corners to eight bits and places to float, the OBJ writer to float.
-/// The tests read with OpenMesh what is written here and the other way round.
+/// The tests read the files of this writer with OpenMesh and the other way round.
 namespace isimp::detail {
 
 /// Collects vertices and polygons, one by one or many at once, and refuses more than indices can count.
@@ -65,7 +65,7 @@ class SoupBuilder {
   [[nodiscard]] bool has_room(std::size_t vertices, std::size_t polygons, std::size_t corners) const {
     return vertices <= room_for_vertices() && polygons <= room_for_polygons(0) && corners <= room_for_polygons(1);
   }
-  /// Where polygons begin in all corners, and their corners.
+  /// The first corners of polygons, and their corners.
   struct Polygons {
     std::span<std::int32_t> starts, corners;
   };
@@ -75,12 +75,12 @@ class SoupBuilder {
   void drop_polygons(std::size_t count, std::size_t corners);
   [[nodiscard]] const std::vector<Vec3>& vertices() const { return soup_.vertices; }
   /// Checks the indices.
-  /// \param first_index  what the format calls the first vertex
+  /// \param first_index  index of the first vertex in the format
   PolygonSoup finish(std::int32_t first_index, Job& job);
 
  private:
   static constexpr std::size_t kMost = 0x7fffffff - 1;
-  static constexpr std::int32_t kOut = 0x7fffffff;  // stands for every number that no vertex can have
+  static constexpr std::int32_t kOut = 0x7fffffff;  // replaces every number that no vertex can have
   [[noreturn]] void too_many(const char* what) const;
 
   const FileText& file_;
@@ -88,8 +88,8 @@ class SoupBuilder {
   PolygonSoup soup_;
 };
 
-// Readers on all threads, of the usual files. They return nothing for other files, damaged ones among them: the readers
-// below then find out what is in them, or what is wrong.
+// Readers on all threads, of the usual files. They return nothing for other files, including damaged ones: the readers
+// below then read them, or report the error.
 
 /// Binary PLY with rows of equal size, or text with a row in each line; vertices first, then faces.
 std::optional<PolygonSoup> read_plain_ply(const FileParts& parts, const Threads& threads, Job& job);

@@ -9,7 +9,7 @@
 namespace isimp::detail {
 namespace {
 
-constexpr double kSameAngle = 1e-9;  // radians between faces that lie on each other but for rounding
+constexpr double kSameAngle = 1e-9;  // radians between faces that lie on each other except for rounding
 
 /// Joins pairs that were an edge of two faces already before welding, and leaves the others in `group`.
 void keep_old_pairs(Soup& soup, std::vector<std::int32_t>& group) {
@@ -38,7 +38,7 @@ struct Leaf {
   std::int32_t half_edge;
   bool ends_wedge;  ///< the solid that the face bounds lies before it in the order of angles, not after it
   double angle;     ///< in [0, 2 pi), counter-clockwise
-  int rank = 0;     ///< the same for faces that lie on each other
+  int rank = 0;     ///< rank among faces that lie on each other
 };
 
 std::vector<Leaf> leaves_by_angle(const Soup& soup, const std::vector<std::int32_t>& group,
@@ -108,7 +108,7 @@ void join_non_manifold_edges(Soup& soup, const std::vector<std::vector<std::int3
     soup.count_face(RepairKind::split_edges, group[0] / 3);
     const std::vector<Leaf> leaves = leaves_by_angle(soup, group, reversed);
     std::vector<std::int32_t> open;
-    for (std::size_t i = 0; i < 2 * leaves.size(); ++i) {  // twice round, since the start was arbitrary
+    for (std::size_t i = 0; i < 2 * leaves.size(); ++i) {  // twice around, since the start was arbitrary
       const Leaf& leaf = leaves[i % leaves.size()];
       if (!leaf.ends_wedge) {
         if (i < leaves.size()) open.push_back(leaf.half_edge);

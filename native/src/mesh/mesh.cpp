@@ -49,9 +49,9 @@ void check_arrays(std::span<const Vec3> vertices, std::span<const Triangle> tria
                      " twice" + kHint);
 }
 
-/// What to subtract from coordinates in a box, so that they are of about its size. Differences are exact: where there
-/// is a shift, it and each coordinate are within a factor of two (Sterbenz's lemma), and so are the sums that lead
-/// back.
+/// The offset to subtract from coordinates in a box, so that they are of about its size. Differences are exact: where
+/// there is a shift, it and each coordinate are within a factor of two (Sterbenz's lemma), and so are the sums that
+/// lead back.
 Vec3 shift_to_zero(const Box& box) {
   const double diagonal = box.diagonal().norm();
   Vec3 shift = Vec3::Zero();
@@ -63,11 +63,11 @@ Vec3 shift_to_zero(const Box& box) {
   return shift;
 }
 
-/// Sets of vertices that grow together along edges, by as many threads as there are. Who joins what when does not
-/// matter: the lowest vertex of a set stands for it in the end.
+/// Sets of vertices that grow together along edges, on all threads. The order of joins does not matter: the lowest
+/// vertex of a set is its name in the end.
 ///
-/// First every vertex takes the lowest name among its face's vertices, face after face, without a branch. Few names are
-/// left then, and few faces where different ones meet: only there are sets joined.
+/// First every vertex takes the lowest name among its face's vertices, face after face, without a branch. Few names and
+/// few faces with different names remain, and only there sets are joined.
 class VertexSets {
  public:
   VertexSets(std::size_t vertices, std::span<const Triangle> triangles, const Threads& threads, Job& job) {
@@ -185,12 +185,12 @@ void Mesh::complete(detail::Topology topology, RepairReport repairs, const Threa
                                              [&](std::size_t f) { return graph_.faces[f].area == 0.0F ? 1 : 0; });
 }
 
-/// By vertices: connected faces share vertices, and there are only half as many vertices as faces.
+/// Uses vertices: connected faces share vertices, and there are only half as many vertices as faces.
 void Mesh::find_components(std::span<const std::int32_t> border, const Threads& threads, Job& job) {
   const VertexSets sets(vertices_.size(), triangles_, threads, job);
   component_.resize(triangles_.size());
   for_each_index(threads, triangles_.size(), job, [&](std::size_t f) { component_[f] = sets.find(triangles_[f][0]); });
-  std::vector<std::int32_t> number(vertices_.size(), kNone);  // of the component, at its lowest vertex
+  std::vector<std::int32_t> number(vertices_.size(), kNone);  // number of the component, at its lowest vertex
   for_each_index(triangles_.size(), job, [&](std::size_t f) {
     std::int32_t& id = number[component_[f]];
     if (id == kNone) id = report_.components++;

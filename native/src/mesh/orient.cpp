@@ -78,7 +78,7 @@ class TwoSidedSets {
   std::vector<char> side_;
 };
 
-/// The seam between two patches. What welding made of it is a seam of its own.
+/// The seam between two patches. An edge made by welding is a seam of its own.
 struct Seam {
   std::int32_t p, q;
   bool welded;
@@ -119,7 +119,7 @@ std::vector<Seam> find_seams(const Soup& soup, const Patches& patches, const std
 }  // namespace
 
 /// The longest seams decide first, so that a surface with one side (a Moebius strip) is cut along a short seam; best
-/// along one that only welding closed, which then stays as the caller had it.
+/// along one closed by welding alone, which then stays as in the caller's arrays.
 std::vector<char> orient(Soup& soup, const std::vector<std::int32_t>& same_way, Job& job) {
   if (same_way.empty()) return {};
   const Patches patches = find_patches(soup, job);
@@ -138,7 +138,7 @@ std::vector<char> orient(Soup& soup, const std::vector<std::int32_t>& same_way, 
     soup.contested.insert(soup.contested.end(), {h, other});
   }
 
-  std::vector<std::array<double, 2>> area(patches.area.size(), {0, 0});  // of each side, at the root
+  std::vector<std::array<double, 2>> area(patches.area.size(), {0, 0});  // area of each side, at the root
   for (std::size_t p = 0; p < patches.area.size(); ++p) {
     const auto [root, side] = sets.find(static_cast<std::int32_t>(p));
     area[root][side] += patches.area[p];

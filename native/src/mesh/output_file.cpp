@@ -16,10 +16,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostDrafts = 1000;  // that others have left beside a place
+constexpr int kMostDrafts = 1000;  // drafts of other programs next to a place
 constexpr int kMostLinks = 40;     // in a row; more are a circle
 
-/// Where a chain of links ends, also if nothing is there.
+/// The end of a chain of links, also if it does not exist.
 fs::path end_of_links(fs::path place) {
   std::error_code error;
   for (int i = 0; i < kMostLinks && fs::is_symlink(place, error); ++i)
@@ -27,8 +27,8 @@ fs::path end_of_links(fs::path place) {
   return place;
 }
 
-/// Makes an empty file where nothing is, not even a link to nowhere, which would be followed.
-/// \return false if it can't be made; errno is EEXIST where something is there
+/// Makes an empty file where nothing exists, not even a dangling link, which would be followed.
+/// \return false if it can't be made; errno is EEXIST if something exists
 bool make_new(const fs::path& place) {
   errno = 0;
 #ifdef _WIN32
@@ -65,7 +65,7 @@ OutputFile::OutputFile(const fs::path& path, Job& job) : name_(utf8(path)), plac
 void OutputFile::open_draft(const fs::file_status& before) {
   if (fs::exists(before) && is_read_only(place_, before)) fail("it is read-only, so it is not replaced");
   fs::path draft = place_;
-  draft += ".part";  // beside its place, so that the move stays within one file system
+  draft += ".part";  // next to its place, so that the move stays within one file system
   for (int i = 2; !make_new(draft); ++i) {
     if (errno != EEXIST || i > kMostDrafts)
       fail("it can't be written; check that its folder exists and that you may write there");

@@ -12,8 +12,8 @@ namespace isimp::detail {
 
 /// A file that takes its place only when it is whole. Writes in large pieces.
 ///
-/// What was there before is replaced and its permissions stay; a link stays one, and the file it leads to is replaced.
-/// Pipes and devices are written to as they are.
+/// An earlier file is replaced and its permissions stay; a link stays one, and the file it leads to is replaced. Pipes
+/// and devices are written to directly.
 class OutputFile {
  public:
   /// \throws FileError  a folder, a file that is read-only, or a place that can't be written

@@ -27,7 +27,7 @@ void for_each_index(std::size_t n, Job& job, Visit visit) {
   }
 }
 
-/// The same on several threads, in any order: visit(i) may write only what no other visit reads or writes.
+/// As above on several threads, in any order: visit(i) may write only memory that no other visit reads or writes.
 template <class Visit>
 void for_each_index(const Threads& threads, std::size_t n, Job& job, const Visit& visit) {
   threads.run(static_cast<std::int32_t>(n), [&](std::int32_t, std::int32_t begin, std::int32_t end) {
@@ -37,7 +37,7 @@ void for_each_index(const Threads& threads, std::size_t n, Job& job, const Visit
 }
 
 /// Calls visit(i, found) for i in [0, n) on several threads, each with a `found` of its own.
-/// \return what was found, in the order of i if visit appends to `found`
+/// \return all of them joined, in the order of i if visit appends to `found`
 template <class T, class Visit>
 std::vector<T> gather(const Threads& threads, std::size_t n, Job& job, const Visit& visit) {
   const auto count = static_cast<std::int32_t>(n);
@@ -45,7 +45,7 @@ std::vector<T> gather(const Threads& threads, std::size_t n, Job& job, const Vis
   std::vector<std::vector<T>> found(static_cast<std::size_t>(pieces));
   threads.run(count, pieces, [&](std::int32_t piece, std::int32_t begin, std::int32_t end) {
     const auto from = static_cast<std::size_t>(begin);
-    std::vector<T> own;  // not beside those of other threads in memory
+    std::vector<T> own;  // away from those of other threads in memory
     for_each_index(static_cast<std::size_t>(end) - from, job, [&](std::size_t i) { visit(from + i, own); });
     found[piece] = std::move(own);
   });
@@ -82,7 +82,7 @@ std::size_t find_first(const Threads& threads, std::size_t n, const Test& test) 
   return static_cast<std::size_t>(*std::min_element(first.begin(), first.end()));
 }
 
-/// The box round the vertices for which used(v) holds.
+/// The bounding box of the vertices for which used(v) holds.
 template <class Used>
 Box box_of(std::span<const Vec3> vertices, const Threads& threads, Job& job, const Used& used) {
   const auto n = static_cast<std::int32_t>(vertices.size());

@@ -31,7 +31,7 @@ constexpr std::size_t kPiece = std::size_t{1} << 16;
   throw FileError(name + ": " + what + ": " + std::strerror(errno));
 }
 
-/// Waits until something can be done, or a little; says whether it can.
+/// Waits until the handle is ready, or a little; returns whether it is.
 bool wait_for(int handle, short what) {
   pollfd waiting{handle, what, 0};
   return ::poll(&waiting, 1, kPatience) > 0;
@@ -52,7 +52,7 @@ Array<char> read_pipe(const fs::path& path, const std::string& name, Job& job) {
   Array<char> bytes;
   while (true) {
     job.poll();
-    if (!wait_for(handle, POLLIN)) continue;  // else there is something to read, or there was a writer, who left
+    if (!wait_for(handle, POLLIN)) continue;  // else there is data to read, or the writer has closed the pipe
     const std::size_t held = bytes.size();
     bytes.resize(held + kPiece);
     const ssize_t count = ::read(handle, bytes.data() + held, kPiece);
@@ -67,7 +67,7 @@ StreamWriter::StreamWriter(const fs::path& path, std::string name, Job& job) : n
     handle_ = ::open(path.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
     if (handle_ >= 0) return;
     if (errno != ENXIO || !fs::is_fifo(path)) fail(name_, "it can't be opened for writing");
-    job_.poll();  // nobody reads from the pipe yet
+    job_.poll();  // the pipe has no reader yet
     wait_for(-1, 0);
   }
 }

@@ -9,11 +9,11 @@
 
 namespace isimp::detail {
 
-/// Whether a path leads to a pipe or a device: what is read or written as it is, since it can't be replaced.
+/// Whether a path leads to a pipe or a device, which is read or written directly, since it can't be replaced.
 bool is_stream(const std::filesystem::file_status& status);
 
-/// All that comes out of a pipe until its last writer closes it. Waits for the first one; polls the job meanwhile.
-/// \throws FileError  `name` and why
+/// The data of a pipe until its last writer closes it. Waits for the first writer; polls the job meanwhile.
+/// \throws FileError  with `name` and the reason
 Array<char> read_pipe(const std::filesystem::path& path, const std::string& name, Job& job);
 
 /// Writes into a pipe or a device. Waits for a reader; polls the job meanwhile.

@@ -11,7 +11,7 @@
 
 namespace isimp::detail {
 
-/// The types of numbers that PLY has; those with decimals come last.
+/// The types of numbers in PLY; the types with decimals come last.
 enum class PlyScalar { i8, u8, i16, u16, i32, u32, f32, f64 };
 
 /// Bytes of a number in a binary file.
@@ -49,7 +49,7 @@ enum class PlyEncoding { text, little_endian, big_endian };
 struct PlyHeader {
   PlyEncoding encoding = PlyEncoding::text;
   std::vector<PlyElement> elements;
-  std::size_t body = 0;  ///< where the data begins
+  std::size_t body = 0;  ///< first byte of the data
 
   /// Whether the file's byte order is not this machine's.
   [[nodiscard]] bool swaps() const {
@@ -59,7 +59,7 @@ struct PlyHeader {
   [[nodiscard]] std::size_t wanted_elements() const;
 };
 
-/// Reads what stands before the data.
+/// Reads the header, up to the data.
 /// \throws FileError  it is no PLY header; the message names the line
 PlyHeader read_ply_header(const FileText& file);
 

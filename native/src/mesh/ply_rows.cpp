@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::size_t kBlock = 4096;  // rows that a thread decodes at once: they stay in its cache
 
-/// Where each property begins in a row, and the row's end; nothing if one besides `list` is a list. What follows the
-/// list is as if the list took no bytes.
+/// The offset of each property in a row, and of the row's end; nothing if a property besides `list` is a list. The list
+/// counts as no bytes in the offsets behind it.
 std::optional<std::vector<std::size_t>> offsets_of(const PlyElement& element, std::optional<std::size_t> list) {
   std::vector<std::size_t> offsets{0};
   for (std::size_t i = 0; i < element.properties.size(); ++i) {
@@ -26,8 +26,8 @@ std::optional<std::vector<std::size_t>> offsets_of(const PlyElement& element, st
 }
 
 /// Calls visit(reader, begin, end) for blocks of rows in pieces, one a thread, until a call of the piece returns less
-/// than the block's end: how far it came.
-/// \return how far all of them came without a gap
+/// than the block's end: the row that it reached.
+/// \return the row that all of them reached without a gap
 template <class Visit>
 std::size_t for_each_block(std::size_t rows, const FileParts& parts, const Threads& threads, Job& job,
                            const Visit& visit) {
@@ -50,7 +50,7 @@ std::size_t for_each_block(std::size_t rows, const FileParts& parts, const Threa
 
 /// The lists of some rows of equal size.
 struct Lists {
-  std::size_t offset = 0;  ///< of the list in its row
+  std::size_t offset = 0;  ///< offset of the list in its row
   std::size_t row_bytes = 0;
   std::size_t count_bytes = 0, corners = 0;
   bool swap = false;
@@ -70,7 +70,7 @@ std::int64_t load_count(const char* p, PlyScalar type, bool swap) {
   return with_type(type, [&](auto zero) { return load_integer<decltype(zero)>(p, swap); });
 }
 
-/// How many rows there are before the first one whose list has another count.
+/// The number of rows before the first one whose list has another count.
 std::size_t rows_with_count(const Lists& lists, PlyScalar type, const char* block, std::size_t rows) {
   return with_type(type, [&](auto zero) {
     using Count = decltype(zero);

@@ -24,7 +24,7 @@ T load_number(const char* p, bool swap) {
   return std::bit_cast<T>(bytes);
 }
 
-/// Calls visit(zero) with a zero of the type in memory, and returns what it returns.
+/// Calls visit(zero) with a zero of the type in memory, and returns its result.
 template <class Visit>
 auto with_type(PlyScalar type, const Visit& visit) {
   switch (type) {
@@ -62,7 +62,7 @@ struct PlyBytes {
 std::size_t read_vertex_rows(const PlyBytes& bytes, const PlyElement& element, const std::array<int, 3>& axes,
                              SoupBuilder& soup, const Threads& threads, Job& job);
 
-/// How many rows were read, and how many bytes they take.
+/// Numbers of the rows that were read, and of their bytes.
 struct PlyRows {
   std::size_t rows = 0, bytes = 0;
 };

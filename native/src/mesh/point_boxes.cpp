@@ -10,11 +10,11 @@
 namespace isimp::detail {
 namespace {
 
-constexpr double kRounding = 2e-14;    // of twice an area, as a share of the largest coordinate squared
+constexpr double kRounding = 2e-14;    // rounding of twice an area, as a share of the largest coordinate squared
 constexpr std::size_t kFew = 1 << 12;  // keys that are sorted by comparisons
 constexpr int kDigitBits = 11;
 
-/// Every bit of the lower sixteen goes to an even place.
+/// Moves every bit of the lower sixteen to an even place.
 std::uint64_t spread_bits(std::uint64_t x) {
   x = (x | x << 8) & 0x00ff00ff;
   x = (x | x << 4) & 0x0f0f0f0f;
@@ -22,7 +22,7 @@ std::uint64_t spread_bits(std::uint64_t x) {
   return (x | x << 1) & 0x55555555;
 }
 
-/// The cell of a coordinate; any for what is no number.
+/// The cell of a coordinate; any cell if it is not a number.
 std::uint64_t cell(double x, double low, double scale) {
   return to_integer((x - low) * scale, std::uint64_t{0}, std::uint64_t{65535});
 }

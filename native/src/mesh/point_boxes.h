@@ -18,20 +18,20 @@ inline double turn(const Vec2& a, const Vec2& b, const Vec2& c) {
   return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
 }
 
-/// Some of the points of a plane, in boxes of eight, and these in boxes of eight: finds those in a triangle, and lets
-/// single ones be taken out.
+/// Some points of a plane, in boxes of eight, and these in boxes of eight: finds the points in a triangle, and allows
+/// the removal of single points.
 class PointBoxes {
  public:
   /// \param points  numbers of the points in `place`, each once.
   /// Cost: O(points); polled.
   void build(const std::vector<Vec2>& place, const std::vector<std::int32_t>& points, Job& job);
-  /// Takes out the point of this number, which is in here.
+  /// Removes the point of this number, which is in here.
   void remove(std::int32_t point);
 
-  /// Calls test(point) for each of the points near a triangle a, b, c that runs counter-clockwise, all those inside
-  /// among them, until it says true.
-  /// \param step  called once for every box and point looked at
-  /// \return whether it said so
+  /// Calls test(point) for each of the points near a triangle a, b, c that runs counter-clockwise, including all points
+  /// inside, until it returns true.
+  /// \param step  called once for every visited box and point
+  /// \return whether it returned true
   template <class Test, class Step>
   bool any_near(const std::array<Vec2, 3>& triangle, Test test, Step step) const {
     if (levels_.empty()) return false;
@@ -62,9 +62,9 @@ class PointBoxes {
   static constexpr std::int32_t kBranches = 8;
   struct Node {
     double left, right, low, high;
-    std::int32_t count;  // of points in it
+    std::int32_t count;  // number of points in it
   };
-  /// A triangle as boxes are compared with it; what rounding might hide counts as near.
+  /// A triangle prepared for comparison with boxes; cases that rounding might hide count as near.
   class Triangle2 {
    public:
     Triangle2(const std::array<Vec2, 3>& corners, double farthest);
@@ -78,7 +78,7 @@ class PointBoxes {
   void sort(const std::vector<Vec2>& place, Job& job);
   void make_levels(const std::vector<Vec2>& place);
 
-  std::vector<std::int32_t> points_, slot_;  // near ones in a row, -1 where taken out; where each point is
+  std::vector<std::int32_t> points_, slot_;  // near ones in a row, -1 where removed; the place of each point
   std::vector<std::vector<Node>> levels_;
   double farthest_ = 0.0;  // largest coordinate of all points in the plane
 };

@@ -40,7 +40,7 @@ void read_bytes(const fs::path& path, FileText& file, const Threads& threads, Jo
   });
 }
 
-/// Finds out what a path leads to, and reads it if it is a pipe.
+/// Checks the file behind a path, and reads it if it is a pipe.
 /// \return its size if it is a regular file
 std::optional<std::size_t> begin(const fs::path& path, FileText& file, Job& job) {
   std::error_code error;
@@ -62,7 +62,7 @@ std::optional<std::size_t> begin(const fs::path& path, FileText& file, Job& job)
 
 /// The readers of a format.
 struct Format {
-  std::optional<PolygonSoup> (*plain)(const FileParts&, const Threads&, Job&);  ///< of usual files, or null
+  std::optional<PolygonSoup> (*plain)(const FileParts&, const Threads&, Job&);  ///< for usual files, or null
   PolygonSoup (*any)(const FileText&, const Threads&, Job&);
 };
 

@@ -16,7 +16,7 @@ void read_vertex(const FileText& file, std::string_view line, Words& words, Soup
 }
 
 /// Corners are "vertex", "vertex/texture", "vertex//normal" or "vertex/texture/normal"; numbers count from 1, or
-/// backwards from the last vertex so far if negative.
+/// backwards from the latest vertex if negative.
 void read_face(const FileText& file, std::string_view line, Words& words, SoupBuilder& soup) {
   soup.begin_polygon();
   for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
@@ -38,7 +38,7 @@ PolygonSoup read_obj(const FileText& file, const Threads& threads, Job& job) {
   SoupBuilder soup(file, threads);
   Lines lines(file.text());
   std::string_view line;
-  std::string joined;  // of lines that end in a backslash
+  std::string joined;  // lines that end in a backslash, joined
   for (std::size_t row = 0; lines.next(line); ++row) {
     if (row % kPollEvery == 0) job.poll();
     std::string_view whole = line;

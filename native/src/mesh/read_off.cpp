@@ -4,7 +4,7 @@
 namespace isimp::detail {
 namespace {
 
-/// The lines that say something: without comments, and not blank.
+/// The lines with content: without comments, and not blank.
 class OffLines {
  public:
   explicit OffLines(const FileText& file) : file_(file), lines_(file.text()) {}
@@ -31,7 +31,7 @@ struct Counts {
   std::size_t vertices, faces;
 };
 
-/// The first word is OFF, perhaps after letters for what each vertex has besides its place: ST, C, N.
+/// The first word is OFF, perhaps after letters for further data of each vertex: ST, C, N.
 void check_kind(const FileText& file, std::string_view word) {
   std::string_view rest = word;
   if (rest.starts_with("ST")) rest.remove_prefix(2);

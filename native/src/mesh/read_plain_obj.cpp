@@ -8,7 +8,7 @@
 namespace isimp::detail {
 namespace {
 
-/// How many things of each kind a part of the file has, or how many there are before it.
+/// Numbers of things of each kind in a part of the file, or before it.
 struct Counts {
   std::size_t vertices = 0, faces = 0, corners = 0;
 
@@ -36,7 +36,7 @@ bool is_plain(std::string_view text) {
   return true;
 }
 
-/// Counts what is in whole lines; false if one of them is not plain.
+/// Counts the content of whole lines; false if one of them is not plain.
 bool count_lines(std::string_view text, Counts& counts) {
   return is_plain(text) && for_each_line(text, [&](std::string_view line) {
            if (begins(line, 'v')) {
@@ -64,7 +64,7 @@ bool read_vertex(std::string_view line, Vec3& place) {
   return true;
 }
 
-/// What is read into.
+/// The arrays that are filled.
 struct Arrays {
   std::span<Vec3> vertices;
   SoupBuilder::Polygons polygons;
@@ -83,7 +83,7 @@ bool read_corners(std::string_view line, const Arrays& arrays, Counts& at, const
   return true;
 }
 
-/// Reads whole lines; false if one of them is damaged, or if they are not those that were counted.
+/// Reads whole lines; false if one of them is damaged, or if they differ from the counted ones.
 bool read_lines(std::string_view text, const Arrays& arrays, Counts at, const Counts& end) {
   const bool fine = for_each_line(text, [&](std::string_view line) {
     if (begins(line, 'v')) return at.vertices < end.vertices && read_vertex(line, arrays.vertices[at.vertices++]);
@@ -97,7 +97,8 @@ bool read_lines(std::string_view text, const Arrays& arrays, Counts at, const Co
 std::optional<PolygonSoup> read_plain_obj(const FileParts& parts, const Threads& threads, Job& job) {
   const std::vector<std::size_t> edges = line_parts(parts, 0, job);
   if (edges.empty()) return {};
-  std::vector<Counts> counts(edges.size());  // of each part; then of all parts before it, the last one of all parts
+  std::vector<Counts> counts(edges.size());  // counts of each part; then of all parts before it, the last one of all
+                                             // parts
   {
     const Job::Part counting(job, "reading", 0.0, 0.2);
     if (!for_each_part(parts, edges, threads, job,

@@ -95,7 +95,7 @@ class TextRows {
 
  private:
   [[nodiscard]] std::size_t rows() const { return layout_.vertex.count + layout_.face.count; }
-  /// Turns the numbers of parts into those of all parts before each.
+  /// Replaces the numbers of parts by the sums of all parts before each.
   static void add_up(std::vector<std::size_t>& numbers) {
     std::exclusive_scan(numbers.begin(), numbers.end(), numbers.begin(), std::size_t{0});
   }
@@ -190,7 +190,7 @@ class TextRows {
   const Threads& threads_;
   Job& job_;
   SoupBuilder soup_;
-  std::vector<std::size_t> edges_, rows_, corners_;  // of each part: where it begins; rows and corners before it
+  std::vector<std::size_t> edges_, rows_, corners_;  // start of each part; rows and corners before it
   std::span<Vec3> vertices_;
   SoupBuilder::Polygons polygons_;
 };

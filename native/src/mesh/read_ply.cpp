@@ -23,7 +23,7 @@ class Values {
         at_(file.bytes.data() + header.body),
         end_(file.bytes.data() + file.bytes.size()) {}
 
-  /// Fails if an element can't be as large as it says, before anything is set aside for it.
+  /// Fails if the file is too short for an element, before memory is allocated for it.
   void check_room(const PlyElement& element) const {
     std::size_t least = 0;  // a text value takes two characters, the last of all perhaps one
     for (const PlyProperty& p : element.properties) least += text_ ? 2 : size_of(p.is_list ? p.count_type : p.type);
@@ -33,11 +33,11 @@ class Values {
                  ", but the whole file has " + std::to_string(file_.bytes.size()) +
                  " bytes; it is cut short or damaged");
   }
-  /// What is left of a binary file; nothing of a text file.
+  /// The unread rest of a binary file; empty for a text file.
   [[nodiscard]] PlyBytes bytes() const {
     return {parts_, text_ ? parts_.size() : static_cast<std::size_t>(at_ - file_.bytes.data()), swap_};
   }
-  /// Goes on after so many bytes that were read elsewhere.
+  /// Skips bytes that were read elsewhere.
   void pass(std::size_t bytes) { at_ += bytes; }
   double number(PlyScalar type, const PlyElement& element, std::size_t row) {
     if (text_) {
@@ -162,7 +162,7 @@ void read_vertices(const FileText& file, const PlyElement& element, Values& valu
   }
 }
 
-/// Which property of faces or strips lists their vertices.
+/// The property of faces or strips that lists their vertices.
 int list_of_corners(const FileText& file, const PlyElement& element, const char* what) {
   const int corners = element.find_corners();
   if (element.count > 0 && corners < 0)

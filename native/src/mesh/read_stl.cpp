@@ -110,7 +110,7 @@ class TextReader {
     }
     builder_.add_corner(place);
   }
-  /// Goes past the name of a solid, which may hold any word: it ends with its line, or where a facet or the end of the
+  /// Skips the name of a solid, which may hold any word: it ends with its line, or where a facet or the end of the
   /// solid follows on the same one.
   void skip_name(std::string_view keyword) {
     const auto is_end = [](char c) { return c == '\n' || c == '\r'; };
@@ -129,13 +129,13 @@ class TextReader {
   Job& job_;
   FacetBuilder builder_;
   Words words_;
-  int corners_ = 3;       // of the present facet
+  int corners_ = 3;       // corners of the present facet
   bool is_open_ = false;  // a solid or facet has begun and its solid has not ended
 };
 
 }  // namespace
 
-/// A binary file may begin with "solid" too: what counts is whether its length fits the number of facets it states.
+/// A binary file may begin with "solid" too: the file is binary if its length fits the number of facets that it states.
 PolygonSoup read_stl(const FileText& file, const Threads& threads, Job& job) {
   const std::size_t size = file.bytes.size();
   const std::size_t facets = size >= kHead ? load<std::uint32_t>(file.bytes.data() + 80) : 0;

@@ -9,7 +9,7 @@
 namespace isimp::detail {
 namespace {
 
-/// The fans of faces round vertices.
+/// The fans of faces at vertices.
 struct Fans {
   std::vector<std::int32_t> of_corner;  ///< (3 F)
   std::vector<std::int32_t> source;     ///< the first of the caller's vertices that meet in each
@@ -29,7 +29,7 @@ Fans find_fans(const Soup& soup, Job& job) {
       first = std::min(first, soup.named[h / 3][h % 3]);
     };
     std::int32_t h = c;
-    do {  // counter-clockwise, all the way round or up to a border
+    do {  // counter-clockwise, a full turn or up to a border
       visit(h);
       h = soup.opposite[Mesh::prev(h)];
     } while (h != kNone && h != c);
@@ -111,7 +111,7 @@ class Halver {
     opposite_[g] = h;
     opposite_[h] = g;
   }
-  /// Where a half-edge is by now.
+  /// The present number of a half-edge.
   [[nodiscard]] std::int32_t present(std::int32_t h) const {
     for (auto at = moved_.find(h); at != moved_.end(); at = moved_.find(h)) h = at->second;
     return h;

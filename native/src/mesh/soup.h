@@ -35,7 +35,7 @@ enum class RepairKind {
 class RepairLog {
  public:
   RepairLog();
-  /// What was done before; empty: nothing.
+  /// \param before  earlier repairs; empty: none
   explicit RepairLog(const RepairReport& before);
   void add(RepairKind what, std::int32_t where);
   [[nodiscard]] std::int64_t count(RepairKind what) const { return repairs_[static_cast<std::size_t>(what)].count; }
@@ -45,11 +45,11 @@ class RepairLog {
   RepairReport repairs_;
 };
 
-/// Triangles under repair, and the adjacency found so far.
+/// Triangles under repair, and their adjacency as far as it is known.
 struct Soup {
   std::vector<Vec3> vertices;           ///< the caller's
   std::vector<Triangle> named;          ///< the kept faces with the caller's vertices
-  std::vector<Triangle> welded;         ///< the same after welding; empty as long as it is equal to `named`
+  std::vector<Triangle> welded;         ///< the triangles after welding; empty as long as it is equal to `named`
   Array<std::int32_t> source_face;      ///< the caller's face of each
   std::vector<std::int32_t> opposite;   ///< the half-edge that each is joined to; kNone: none
   std::vector<std::int32_t> contested;  ///< half-edges along edges that were split
@@ -77,8 +77,8 @@ void drop_broken(Soup& soup, const Threads& threads, Job& job);
 bool drop_duplicates(Soup& soup, const EdgeGroups& edges, Job& job);
 
 // weld.cpp
-/// Welds those of the given vertices that lie within the tolerance of each other; drops faces that then use a vertex
-/// twice. Returns whether any vertex was welded.
+/// Welds the given vertices that lie within the tolerance of each other; drops faces that then use a vertex twice.
+/// Returns whether any vertex was welded.
 /// \param border  rising
 bool weld(Soup& soup, const std::vector<std::int32_t>& border, double tolerance, Job& job);
 /// The vertices on borders (ends of edges with one face), rising.
@@ -90,9 +90,9 @@ std::vector<std::int32_t> marked_indices(const std::vector<char>& marks);
 /// Half-edges whose orientation or neighbour is still to be decided.
 struct Undecided {
   std::vector<std::int32_t> same_way;                   ///< one of each joined pair with opposite face orientations
-  std::vector<std::vector<std::int32_t>> non_manifold;  ///< those along edges of three or more faces
+  std::vector<std::vector<std::int32_t>> non_manifold;  ///< half-edges along edges of three or more faces
 };
-/// Joins the half-edges of edges with two faces, whatever the orientation of the faces.
+/// Joins the half-edges of edges with two faces, independent of the orientation of the faces.
 Undecided join_simple_edges(Soup& soup, const EdgeGroups& edges, Job& job);
 /// At each non-manifold edge, joins the half-edges of the two faces that bound the same wedge of a solid. The others
 /// become borders.
@@ -115,7 +115,8 @@ struct MeshArrays {
 };
 
 // separate.cpp
-/// Gives every fan of faces its own vertex, and halves edges with the same ends as another. Moves out of the soup.
+/// Makes a vertex of its own for every fan of faces, and halves edges with the same ends as another. Moves out of the
+/// soup.
 MeshArrays separate(Soup& soup, Job& job);
 
 // manifold_fast_path.cpp

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::uint32_t kMany = 24;        // entries of a bucket from which it is sorted and searched by halves
 constexpr std::int32_t kMostReaders = 8;   // threads that read all faces, each for its own vertices
-constexpr std::int32_t kWalkBlock = 4096;  // vertices round which a thread walks before it asks for more
+constexpr std::int32_t kWalkBlock = 4096;  // vertices that a thread takes at a time
 
 std::string edge_name(std::int32_t a, std::int32_t b) {
   return "the edge of vertices " + std::to_string(std::min(a, b)) + " and " + std::to_string(std::max(a, b));
@@ -35,9 +35,9 @@ struct Range {
   }
 };
 
-/// Calls visit(half_edge, soon) for those of some faces that run from a smaller to a larger vertex, if wanted(from)
-/// says so, or for all others; `soon` is one a little ahead. They are put in a list first, without a branch: which way
-/// one runs no processor can foresee.
+/// Calls visit(half_edge, soon) for the half-edges of some faces that run from a smaller to a larger vertex and for
+/// which wanted(from) holds, or for all others; `soon` is one a little ahead. They are listed first, without a branch,
+/// since no processor can predict their directions.
 template <bool kRising, class Wanted, class Visit>
 void for_each_halfedge(std::span<const Triangle> triangles, Range faces, Job& job, Wanted wanted, Visit visit) {
   constexpr std::size_t kBunch = 512, kAhead = 12;  // faces
@@ -83,10 +83,10 @@ class RisingHalfedges {
       });
     }
     std::uint32_t sum = 0;
-    for (std::uint32_t& end : end_) sum += std::exchange(end, sum);  // now where each bucket begins
+    for (std::uint32_t& end : end_) sum += std::exchange(end, sum);  // now the start of each bucket
     entries_ = std::make_unique_for_overwrite<Entry[]>(sum + kAtOnce);
     for (std::uint32_t i = 0; i < kAtOnce; ++i) entries_[sum + i] = {kNone, kNone};
-    std::vector<std::int32_t> limit;  // vertices between which the pieces have about the same to do
+    std::vector<std::int32_t> limit;  // vertices that divide the work of the pieces about equally
     for (std::int32_t piece = 0; piece <= pieces; ++piece) {
       const auto share = static_cast<std::uint32_t>(std::uint64_t{sum} * static_cast<std::uint64_t>(piece) /
                                                     static_cast<std::uint64_t>(pieces));
@@ -105,14 +105,14 @@ class RisingHalfedges {
     });
   }
 
-  /// Has a vertex's bucket fetched.
+  /// Prefetches a vertex's bucket.
   void fetch(std::int32_t from) const { prefetch(&entries_[begin(static_cast<std::size_t>(from))]); }
   /// The first half-edge from one vertex to a larger one, or kNone.
   [[nodiscard]] std::int32_t find(std::int32_t from, std::int32_t to) const {
     const std::uint32_t at = place(from, to);
     return at < end_[from] ? entries_[at].half_edge : kNone;
   }
-  /// Whether another half-edge runs the same way as one that is there.
+  /// Whether another half-edge runs the same way as a stored one.
   [[nodiscard]] bool has_twin(std::int32_t from, std::int32_t to) const {
     const std::uint32_t first = place(from, to), last = end_[from];
     std::uint32_t i = first + 1;
@@ -125,7 +125,7 @@ class RisingHalfedges {
   struct Entry {
     std::int32_t to, half_edge;
   };
-  static constexpr std::uint32_t kAtOnce = 4;  // entries compared before anything is decided
+  static constexpr std::uint32_t kAtOnce = 4;  // entries compared before each decision
 
   template <class Visit>
   static void for_each_rising(std::span<const Triangle> triangles, Range from, Job& job, const Visit& visit) {
@@ -136,7 +136,7 @@ class RisingHalfedges {
   static bool by_end(const Entry& a, const Entry& b) { return a.to < b.to; }
   [[nodiscard]] std::uint32_t begin(std::size_t v) const { return v == 0 ? 0 : end_[v - 1]; }
 
-  /// Where the first half-edge from one vertex to another is; the bucket's end or more if there is none.
+  /// The place of the first half-edge from one vertex to another; the bucket's end or more if there is none.
   [[nodiscard]] std::uint32_t place(std::int32_t from, std::int32_t to) const {
     const std::uint32_t last = end_[from];
     std::uint32_t i = begin(static_cast<std::size_t>(from));
@@ -152,14 +152,14 @@ class RisingHalfedges {
     return last;
   }
 
-  std::vector<std::uint32_t> end_;  // of each vertex's bucket
+  std::vector<std::uint32_t> end_;  // end of each vertex's bucket
   std::unique_ptr<Entry[]> entries_;
 };
 
-/// What became of the half-edges that run from a larger to a smaller vertex.
+/// The half-edges that run from a larger to a smaller vertex: the single ones, and the number of pairs.
 struct Falling {
-  std::vector<std::pair<std::int32_t, std::int32_t>> alone;  ///< those on a border, turned round; rising
-  std::size_t pairs = 0;                                     ///< how many of the others
+  std::vector<std::pair<std::int32_t, std::int32_t>> alone;  ///< those on a border, reversed; rising
+  std::size_t pairs = 0;                                     ///< number of the others
 };
 
 Falling match_falling(const RisingHalfedges& rising, Array<std::int32_t>& opposite, std::span<const Triangle> triangles,
@@ -169,7 +169,7 @@ Falling match_falling(const RisingHalfedges& rising, Array<std::int32_t>& opposi
   std::vector<Falling> found(static_cast<std::size_t>(pieces));
   const auto any = [](std::int32_t) { return true; };
   threads.run(faces, pieces, [&](std::int32_t piece, std::int32_t first, std::int32_t last) {
-    Falling own;  // not beside those of other threads in memory
+    Falling own;  // own memory for each thread
     for_each_halfedge<false>(triangles, {first, last}, job, any, [&](const HalfEdge& e, const HalfEdge& soon) {
       rising.fetch(soon.to);
       const std::int32_t other = rising.find(e.to, e.from);
@@ -178,7 +178,7 @@ Falling match_falling(const RisingHalfedges& rising, Array<std::int32_t>& opposi
         return;
       }
       ++own.pairs;
-      // Of an edge that is not sound, two threads may have found the same one: nobody then reads what is in it.
+      // At an edge that is not sound, two threads may have found the same one: the value is not read then.
       std::atomic_ref(opposite[other]).store(e.h, std::memory_order_relaxed);
       opposite[e.h] = other;
     });
@@ -205,7 +205,7 @@ bool pair_halfedges(Topology& topology, std::size_t vertex_count, std::span<cons
   topology.border = gather<std::int32_t>(threads, opposite.size(), job, [&](std::size_t h, auto& border) {
     if (opposite[h] == kNone) border.push_back(static_cast<std::int32_t>(h));
   });
-  // Of several rising ones that run the same way only the first has found its opposite.
+  // Among several rising ones that run the same way only the first has found its opposite.
   for (const std::int32_t h : topology.border) {
     const std::int32_t from = triangles[h / 3][h % 3], to = triangles[h / 3][(h + 1) % 3];
     sound = sound && (from > to || !rising.has_twin(from, to));
@@ -230,7 +230,7 @@ std::string describe_bad_edge(std::size_t vertex_count, std::span<const Triangle
   return what;
 }
 
-/// The number of faces that turning round a vertex meets, from one half-edge that leaves it to another or a border.
+/// The number of faces around a vertex from one half-edge that leaves it to another or a border.
 std::int64_t walk(const Array<std::int32_t>& opposite, std::int32_t from, std::int32_t to) {
   std::int64_t met = 0;
   std::int32_t h = from;
@@ -251,10 +251,10 @@ std::string describe_bad_vertex(const Topology& topology, std::span<const Triang
   return "the faces of vertex " + std::to_string(v) + " form two or more fans";
 }
 
-/// The number of faces that turning round each of some vertices meets, together.
+/// The number of faces around each of some vertices, together.
 ///
-/// Several walks at once, which take the next vertex by a choice between values and not by a branch: how long a walk
-/// is nobody can foresee, and each of its steps waits for the one before.
+/// Several walks at once, which take the next vertex by a choice between values and not by a branch: the length of a
+/// walk can't be predicted, and each of its steps waits for the one before.
 std::int64_t walk_all(const Array<std::int32_t>& opposite, std::span<const std::int32_t> starts) {
   constexpr std::size_t kWalks = 4;
   std::int64_t met = 0;
@@ -287,7 +287,7 @@ void find_leaving(Topology& topology, std::size_t vertex_count, std::span<const 
   threads.run(vertices, pieces, [&](std::int32_t, std::int32_t first, std::int32_t last) {
     const Range own{first, last};
     std::fill(leaving.begin() + first, leaving.begin() + last, kNone);
-    std::int32_t elsewhere = kNone;  // takes what other threads see to, so that there is no branch
+    std::int32_t elsewhere = kNone;  // receives the results of other threads, so that there is no branch
     for_each_index(triangles.size(), job, [&](std::size_t f) {
       for (std::size_t k = 0; k < 3; ++k) {
         const std::int32_t v = triangles[f][k];
@@ -316,7 +316,7 @@ bool find_fans(Topology& topology, std::size_t vertex_count, std::span<const Tri
                    used += static_cast<std::int64_t>(n);
                  });
   topology.unused_vertices = static_cast<std::int32_t>(static_cast<std::int64_t>(vertex_count) - used);
-  // No walk meets more than its vertex's faces, so that the sum tells whether one met fewer.
+  // No walk meets more than its vertex's faces, so that the sum shows whether one met fewer.
   return met == static_cast<std::int64_t>(topology.opposite.size());
 }
 

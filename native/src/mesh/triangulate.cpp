@@ -16,17 +16,17 @@ namespace {
 using detail::turn;
 using detail::Vec2;
 
-constexpr std::int32_t kSmall = 64;  // corners of a polygon all of which are looked at again after every ear
+constexpr std::int32_t kSmall = 64;  // corners of a polygon whose corners are all checked again after every ear
 constexpr std::int64_t kStepsBetweenPolls = 1 << 15;
 constexpr std::int64_t kStepsACorner = 300, kLeastSteps = 50'000'000;  // that the search for ears may take ...
 constexpr std::int64_t kStepsCrossing = 30;                            // ... once the polygon is known to meet itself
-constexpr std::int64_t kSearches = 4;  // through all corners, for an ear that its neighbours do not tell of
+constexpr std::int64_t kSearches = 4;  // passes over all corners, for an ear that the search at neighbours misses
 
 /// Cuts ears off one polygon at a time; keeps its memory between them.
 ///
-/// A corner that is no ear becomes one only when one beside it is cut off, if the polygon does not meet itself: so only
-/// those two are looked at again. Where no ear is found by this, all corners are looked at again, some times; and then
-/// the polygon is one that meets itself, and loses the corner that turns most to the left.
+/// If the polygon does not meet itself, a corner that is no ear becomes one only when an adjacent corner is cut off: so
+/// only the two neighbours are checked again. If this finds no ear, all corners are checked again, some times; after
+/// that the polygon is one that meets itself, and loses the corner that turns most to the left.
 class EarCutter {
  public:
   EarCutter(const std::vector<Vec3>& vertices, Triangulation& result, Job& job)
@@ -93,7 +93,7 @@ class EarCutter {
     boxes_.build(flat_, reflex_, job_);
     untried_.reset(n);
     for (std::int32_t i = 0; i < n; ++i) untried_.insert(i);
-    all_are_tried_ = true;  // once what is in there is
+    all_are_tried_ = true;  // holds once untried_ is empty
     is_small_ = n <= kSmall;
     searches_left_ = kSearches * n;
     steps_ = 0;
@@ -102,7 +102,7 @@ class EarCutter {
   }
   [[nodiscard]] double corner(std::int32_t i) const { return turn(flat_[previous_[i]], flat_[i], flat_[next_[i]]); }
 
-  /// The first ear from a corner on, or what is cut off where there is none.
+  /// The first ear from a corner on, or the corner that is cut off where there is none.
   std::int32_t find_ear(std::int32_t start, std::int32_t left) {
     while (true) {
       for (std::int32_t at = untried_.next(start); at != kNone; at = untried_.next(at)) {
@@ -149,7 +149,7 @@ class EarCutter {
       offer(start);
       for (std::int32_t i = next_[start]; i != start; i = next_[i]) offer(i);
     }
-    while (true) {  // of each corner, what it last was counts
+    while (true) {  // the last state of each corner counts
       const auto [width, i] = widest_.front();
       std::pop_heap(widest_.begin(), widest_.end());
       widest_.pop_back();
@@ -165,7 +165,7 @@ class EarCutter {
     widest_.emplace_back(width_of(i), i);
     std::push_heap(widest_.begin(), widest_.end());
   }
-  /// Takes a corner out; returns the one from which to go on, two further, so that fans do not arise.
+  /// Removes a corner; returns the one from which to continue, two further, so that fans do not arise.
   std::int32_t remove(std::int32_t i) {
     const std::int32_t p = previous_[i], n = next_[i];
     next_[p] = n;
@@ -194,7 +194,7 @@ class EarCutter {
   std::vector<std::int32_t> previous_, next_;
   std::vector<char> is_reflex_;
   std::vector<std::int32_t> reflex_;
-  detail::PointBoxes boxes_;  // of those that still are reflex
+  detail::PointBoxes boxes_;  // points of the corners that still are reflex
   detail::IndexSet untried_;  // corners of which it is not known that they are no ears
   bool all_are_tried_ = false, is_small_ = false;
   std::int64_t searches_left_ = 0, steps_ = 0, last_step_ = 0;

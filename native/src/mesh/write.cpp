@@ -61,7 +61,7 @@ void append_number(std::string& buffer, T value) {
 void write_ply(const Polygons& polygons, OutputFile& file, Job& job) {
   std::size_t most_corners = 0;
   for (std::size_t q = 0; q < polygons.count(); ++q) most_corners = std::max(most_corners, polygons[q].size());
-  const bool bytes = most_corners <= 255;  // what every reader takes; larger polygons need the larger count
+  const bool bytes = most_corners <= 255;  // the count that every reader accepts; larger polygons need the larger count
   std::string& out = file.buffer();
   out += "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(polygons.vertices.size()) +
          "\nproperty double x\nproperty double y\nproperty double z\nelement face " + std::to_string(polygons.count()) +

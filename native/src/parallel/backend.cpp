@@ -10,7 +10,7 @@
 namespace isimp::parallel {
 namespace {
 
-/// What keeps CUDA from working, looked up once: a driver does not come or go while the program runs.
+/// The reason why CUDA does not work, found once: drivers do not change while the program runs.
 const std::string& obstacle() {
   static const std::string found = cuda_obstacle();
   return found;

@@ -9,10 +9,10 @@ namespace isimp::parallel {
 /// The kernels of cuda/kernels.cu as the C++ compiler makes them.
 const Kernels& cpu_kernels();
 
-/// The same as nvcc makes them; only where `cuda_obstacle` finds none.
+/// The kernels compiled by nvcc; to be called only where `cuda_obstacle` finds none.
 const Kernels& cuda_kernels();
 
-/// What keeps CUDA from working here ("no CUDA device was found"); "" if nothing does.
+/// The reason why CUDA does not work here ("no CUDA device was found"); "" if it works.
 std::string cuda_obstacle();
 
 }  // namespace isimp::parallel

@@ -1,4 +1,4 @@
-// Stands in for the CUDA part in a build without it.
+// Replaces the CUDA part in a build without it.
 #include "devices.h"
 
 namespace isimp::parallel {

@@ -9,10 +9,10 @@
 #include "isimp/partition/surface.h"
 #include "parts.h"
 
-/// What every way of finding regions ends with.
+/// The last step of every way of finding regions.
 namespace isimp {
 
-/// What callers get: by face of the mesh and in scene units.
+/// The result for callers: by face of the mesh and in scene units.
 /// \param history  errors as shares of the whole surface's area
 Partition make_partition(const Surface& surface, const Parts& parts, const Regions& regions,
                          std::vector<double> history, const Threads& threads, Job& job);
@@ -20,7 +20,7 @@ Partition make_partition(const Surface& surface, const Parts& parts, const Regio
 /// Measures the error from the normals there are, which with a bound need not be the mean ones.
 void restate_error(const FaceGraph& graph, Partition& part);
 
-/// How the number of regions was found, and what they keep to: bound, tolerance, noise.
+/// Copies how the number of regions was found, and their limits: bound, tolerance, noise.
 void take_how_found(Partition& part, const Partition& before);
 
 }  // namespace isimp

@@ -20,9 +20,9 @@
 namespace isimp {
 namespace {
 
-constexpr int kSmoothSweeps = 60;  // of the borders of regions that the detail gave
+constexpr int kSmoothSweeps = 60;  // sweeps of the borders of regions from a detail
 
-/// How many of the ways to choose the number of regions are taken; more than one contradict each other.
+/// The number of given ways to choose the number of regions; two or more contradict each other.
 void check_count(const Surface& surface, const PartitionOptions& options) {
   std::string given;
   const auto note = [&](bool is, const char* name) {

@@ -6,20 +6,20 @@
 #include "isimp/partition/partition.h"
 #include "isimp/partition/surface.h"
 
-/// The check of options, and the ways to a partition by Method::hierarchy or with adaptivity. Each takes what it needs
-/// ready-made and options that `check` has passed; which one is taken, and what is kept from one call to the next, is
-/// decided by the Partitioner.
+/// The check of options, and the ways to a partition by Method::hierarchy or with adaptivity. Each takes ready-made
+/// data and options that `check` has passed; the Partitioner decides which one runs, and what data is kept from one
+/// call to the next.
 namespace isimp {
 
 /// \throws InvalidInput  an option out of its range, or two ways to choose the number of regions: the message names the
-///                       range and what was given
+///                       range and the value
 void check(const Surface& surface, const PartitionOptions& options);
 
 /// Whether the method, or its seeding, begins with a hierarchy.
 bool needs_hierarchy(const PartitionOptions& options);
 
 /// Exactly options.proxies regions, or as many as the components need: Method::hierarchy.
-/// \param hierarchy  one that serves this surface and number
+/// \param hierarchy  a hierarchy for this surface and number
 Partition by_number(const Surface& surface, const Hierarchy& hierarchy, const PartitionOptions& options, Job& job);
 
 /// Few regions that keep options.bound: Method::hierarchy.
@@ -37,7 +37,8 @@ Partition by_detail(const Surface& surface, const DetailTree& tree, const Partit
 /// Cost: O(F).
 Surface reweighted(const Surface& surface, const PartitionOptions& options, Job& job);
 
-/// A partition of the reweighted surface as one of the original: sums and errors are those of the original areas.
+/// Restores the original weights in a partition of the reweighted surface: sums and errors are those of the original
+/// areas.
 /// Cost: O(F).
 Partition on_original_weights(const Surface& surface, Partition of_reweighted, const PartitionOptions& options,
                               Job& job);

@@ -8,11 +8,11 @@
 namespace isimp {
 namespace {
 
-constexpr double kNear = 0.35;    // of the root of the area: how far the centre may be from the image
+constexpr double kNear = 0.35;    // share of the root of the area: the largest distance of the centre from the image
 constexpr double kOfArea = 0.6;   // the smaller area is at least this share of the larger
 constexpr double kTurned = 0.87;  // cosine of the angle between the normals at least: 30 degrees
 
-/// Patches sorted along the axis that is most nearly in the plane, so that few are looked at for each.
+/// Patches sorted along the axis that is most nearly in the plane, so that few are compared for each.
 class Sorted {
  public:
   Sorted(std::span<const Patch> patches, const Mirror& mirror) : patches_(patches), order_(patches.size()) {

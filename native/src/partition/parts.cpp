@@ -12,10 +12,10 @@ namespace {
 
 constexpr std::int32_t kClosedNeed = 4;  // a closed surface of planar polygons has at least four
 constexpr double kTogether = 10.0;       // all parts left out stay below this times `leave_out`,
-constexpr double kUnseenTogether = 20;   // or this where each of the others is too small to be seen:
-constexpr double kUnseen = 0.1;          // of the mean area of a region
+constexpr double kUnseenTogether = 20;   // or below this if each of the others is too small to be seen:
+constexpr double kUnseen = 0.1;          // share of the mean area of a region
 
-/// Everything but `kept` and `need`.
+/// Sets all members except `kept` and `need`.
 std::vector<Part> measure(const Surface& surface, Job& job) {
   const FaceGraph& graph = surface.graph();
   const std::int32_t n = graph.size();
@@ -46,7 +46,8 @@ std::vector<Part> measure(const Surface& surface, Job& job) {
   return parts;
 }
 
-/// Components of the mesh; barriers may have cut one into several parts, but it is left out as one, whatever it weighs.
+/// Components of the mesh. Barriers may have cut one into several parts, but it is left out as one, without its
+/// weights.
 std::vector<Body> bodies_of(const Surface& surface, const Parts& all) {
   std::vector<Body> bodies;
   const Mesh& mesh = surface.mesh();
@@ -125,7 +126,7 @@ std::vector<std::int32_t> share_out(const Parts& all) {
     share[c] = all.parts[c].need;
     weight[c] = all.parts[c].kept ? std::sqrt(all.parts[c].sum.error()) : 0.0;
   }
-  // Where all components are flat the rest goes by size.
+  // Where all components are flat the rest is divided by size.
   if (std::accumulate(weight.begin(), weight.end(), 0.0) < 1e-6)
     for (std::size_t c = 0; c < count; ++c) weight[c] = all.parts[c].kept ? all.parts[c].sum.faces : 0.0;
 
@@ -153,7 +154,7 @@ std::vector<std::int32_t> share_out(const Parts& all) {
     remainder.emplace_back(share[c] - ideal(low, c), static_cast<std::int32_t>(c));
   }
   std::sort(remainder.begin(), remainder.end());
-  // More than one lap only where weights of zero hold most faces: those then fill up one by one.
+  // Several laps only if weights of zero hold most faces: these then fill up one by one.
   while (given < target)
     for (const auto& [unused, c] : remainder) {
       if (given == target) break;

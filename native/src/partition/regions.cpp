@@ -34,7 +34,7 @@ void sum_between(const FaceGraph& graph, const std::vector<std::int32_t>& label,
   close();
 }
 
-/// The nearest face of each region so far.
+/// The nearest face found for each region.
 struct Nearest {
   std::vector<float> error;
   std::vector<std::int32_t> face;

@@ -12,9 +12,10 @@
 namespace isimp {
 namespace {
 
-constexpr double kLeastWeight = 1e-4;  // of the largest: without any weight a face would have no normal either
-constexpr double kLargest = 1e30;      // of weights, so that they and their sums with areas stay finite as float ...
-constexpr double kSmallest = 1e-30;    // ... and do not vanish
+constexpr double kLeastWeight = 1e-4;  // share of the largest: without any weight a face would have no normal either
+constexpr double kLargest = 1e30;      // largest of weights, so that they and their sums with areas stay finite as
+                                       // float
+constexpr double kSmallest = 1e-30;    // smallest, so that they do not vanish
 
 std::string shown(double number) { return (std::ostringstream() << number).str(); }
 

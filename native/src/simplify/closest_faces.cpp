@@ -49,7 +49,7 @@ ClosestFace ClosestFaces::find(const Vec3& place, const Vec3& facing, double gue
         best = {entry.index, distance};
       return false;
     });
-    if (best.distance <= reach) return best;  // whatever is nearer meets the box
+    if (best.distance <= reach) return best;  // any nearer face meets the box
     if (reach >= most) return best.distance <= most ? best : ClosestFace{};
     if (best.face != kNone) reach = best.distance / 2;
   }

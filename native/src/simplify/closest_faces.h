@@ -17,17 +17,17 @@ struct ClosestFace {
   double distance = std::numeric_limits<double>::infinity();  ///< scene units
 };
 
-/// Some faces of a mesh, to look for the closest one to a place.
+/// Some faces of a mesh, to search for the closest one to a place.
 class ClosestFaces {
  public:
   /// Cost: O(n log n).
   ClosestFaces(const Mesh& mesh, std::span<const std::int32_t> faces);
 
-  /// The closest face to a place; of equally close ones the lowest.
+  /// The closest face to a place; among equally close ones the lowest.
   /// \param place   relative to the mesh's origin
   /// \param facing  only faces whose normal is within some 75 degrees of this unit vector; zero: all
-  /// \param guess   how far it may be; a good one saves time, the result does not depend on it
-  /// \param most    farther ones are not looked for
+  /// \param guess   an estimate of its distance; a good one saves time, the result does not depend on it
+  /// \param most    the largest distance of the search
   /// Cost: about O(log n).
   [[nodiscard]] ClosestFace find(const Vec3& place, const Vec3& facing, double guess,
                                  double most = std::numeric_limits<double>::infinity()) const;

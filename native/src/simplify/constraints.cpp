@@ -35,8 +35,8 @@ bool has_locked(const Partition* before) {
   return before != nullptr && std::ranges::any_of(before->region_locked, [](std::uint8_t locked) { return locked; });
 }
 
-/// Makes a mesh of some faces. Where they touch in a vertex alone, the vertex is copied, once for each further fan; nothing
-/// else has to be done to what was sound as a whole.
+/// Makes a mesh of some faces. Where they touch in a vertex alone, the vertex is copied, once for each further fan; a
+/// part of a sound mesh needs no other repair.
 class PartMaker {
  public:
   PartMaker(const Mesh& mesh, std::span<const std::int32_t> faces)
@@ -75,13 +75,13 @@ class PartMaker {
   }
 
  private:
-  /// The corner that a half-edge leaves, among those of the part; kNone where its face is not in it.
+  /// The corner of the part at which a half-edge starts; kNone if its face is not in the part.
   [[nodiscard]] std::int32_t corner(std::int32_t h) const {
     const std::int32_t place = h == kNone ? kNone : place_[Mesh::face(h)];
     return place == kNone ? kNone : 3 * place + h % 3;
   }
 
-  /// Numbers the fan round the vertex that a half-edge leaves.
+  /// Numbers the fan at the vertex where a half-edge starts.
   void walk(std::int32_t start) {
     const auto fan = static_cast<std::int32_t>(source_.size());
     source_.push_back(mesh_.from(start));

@@ -14,7 +14,7 @@ struct Cut {
   auto operator<=>(const Cut&) const = default;
 };
 
-/// Those of the pairs that are edges between two faces, each once, by lower vertex, then by upper vertex.
+/// The pairs that are edges between two faces, each once, by lower vertex, then by upper vertex.
 std::vector<Cut> inner_cuts(const Mesh& mesh, std::span<const VertexPair> pairs, Job& job) {
   std::vector<Cut> cuts;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
@@ -88,8 +88,8 @@ class Splitter {
       if (const std::int32_t now = region_round(cut); now != kNone) inside_[now].push_back(cut);
   }
 
-  /// A path without branches of the cuts inside a region, from the lowest end if there is one, else from the lowest
-  /// vertex; as half-edges, each from the end that it comes from. A path of one cut comes from its lower vertex.
+  /// An unbranched path of the cuts inside a region, from the lowest end if there is one, else from the lowest vertex;
+  /// as half-edges in the direction of the path. A path of one cut begins at its lower vertex.
   std::vector<std::int32_t> path_in(std::int32_t region) {
     for (const Cut& cut : inside_[region])
       for (const std::int32_t v : cut.ends) ++degree_[v];
@@ -118,7 +118,8 @@ class Splitter {
     return path;
   }
 
-  /// The other cut inside a region at the end of a cut, where there are two; as half-edges that come and go.
+  /// The other cut inside a region at the end of a cut, if there are two; both as half-edges in the direction of the
+  /// path.
   [[nodiscard]] std::int32_t next_cut(std::int32_t h, std::int32_t region) const {
     for (std::int32_t out = turned(mesh_.opposite(h)); out != mesh_.opposite(h); out = turned(out))
       if (is_cut_[out] != 0 && label_[Mesh::face(out)] == region && label_[Mesh::face(mesh_.opposite(out))] == region)
@@ -143,7 +144,7 @@ class Splitter {
     set(mesh_.opposite(path[0]), Side::right);
   }
 
-  /// Steps over all edges of the region that are no cuts; a face that both sides reach in the same step goes left.
+  /// Crosses all edges of the region except cuts; a face that both sides reach in the same step becomes left.
   void spread(std::int32_t region, Job& job) {
     std::vector<std::int32_t> next;
     std::size_t steps = 0;
@@ -169,11 +170,11 @@ class Splitter {
   std::vector<std::int32_t> label_;
   std::vector<Cut> cuts_;
   std::vector<std::uint8_t> is_cut_;  // by half-edge
-  std::vector<std::int32_t> degree_;  // by vertex, cuts inside a region while a path of it is looked for
+  std::vector<std::int32_t> degree_;  // by vertex, cuts inside a region during the search for a path
   std::vector<Side> side_;            // by face, while a region is split
   std::vector<std::int32_t> front_;
   std::vector<std::vector<Cut>> inside_;          // by region, in the order of `cuts_`
-  std::vector<std::vector<std::int32_t>> faces_;  // by region; of those that no cut ends in nothing
+  std::vector<std::vector<std::int32_t>> faces_;  // by region; empty for regions without the end of a cut
 };
 
 }  // namespace

@@ -19,10 +19,10 @@ namespace isimp {
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr double kMargin = 1e-7;  // of the diagonal: what boxes are larger by, for the rounding of distances
+constexpr double kMargin = 1e-7;  // margin of boxes, as a share of the diagonal, for the rounding of distances
 constexpr std::int32_t kPollEvery = 64;
 
-/// A triangle, and of it what does not depend on the point.
+/// A triangle, with the values that do not depend on the point.
 class Target {
  public:
   explicit Target(const std::array<Vec3, 3>& corners) : corner_(corners) {
@@ -54,7 +54,7 @@ class Target {
   double length_;
 };
 
-/// The triangles of polygons, those of a region in a row.
+/// The triangles of polygons, sorted by region.
 struct Targets {
   std::vector<Target> all;
   std::vector<std::int32_t> first;  ///< (R + 1)
@@ -99,7 +99,7 @@ class Measure {
   Measure(const Mesh& mesh, const Partition& partition, const Targets& targets)
       : mesh_(mesh), partition_(partition), targets_(targets) {}
 
-  /// From the triangles of the regions round a vertex; infinite where these have none, NaN where there is no region.
+  /// The distance from the triangles of the regions at a vertex; infinite without triangles, NaN without a region.
   [[nodiscard]] double from_own(std::int32_t vertex, std::vector<std::int32_t>& regions) const {
     regions.clear();
     const std::int32_t start = mesh_.vertex_halfedge()[vertex];
@@ -118,7 +118,7 @@ class Measure {
     return least;
   }
 
-  /// From all triangles, where one at a distance is known.
+  /// The distance from all triangles, where the distance of one is known.
   [[nodiscard]] double from_all(std::int32_t vertex, double known, const meshing::BoxTree& tree) const {
     const Vec3 reach = Vec3::Constant(known + kMargin * mesh_.diagonal()), place = place_of(vertex);
     const Vec3& at = mesh_.vertices()[vertex];
@@ -131,7 +131,7 @@ class Measure {
   }
 
  private:
-  /// In the caller's coordinates, as the polygons have them.
+  /// The place of a vertex in the caller's coordinates, as in the polygons.
   [[nodiscard]] Vec3 place_of(std::int32_t vertex) const { return mesh_.vertices()[vertex] + mesh_.origin(); }
 
   const Mesh& mesh_;

@@ -47,7 +47,7 @@ std::vector<VertexPair> ends_of(const Mesh& mesh, std::span<const std::int32_t> 
   return ends;
 }
 
-/// Pairs of numbers, to ask for single ones.
+/// A set of pairs of numbers.
 class PairSet {
  public:
   /// \param size  pairs with a number that is not in [0, size) are left out

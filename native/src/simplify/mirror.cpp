@@ -19,20 +19,20 @@ namespace {
 constexpr std::int32_t kFew = 200, kSome = 800, kMany = 6000;  // samples: of all candidates, the best, the last
 constexpr std::size_t kDirections = 150;                       // on half a sphere: 12 degrees apart
 constexpr std::size_t kBest = 6, kLast = 2;                    // candidates that are fitted, and fitted to many
-constexpr int kTurns = 15, kLastTurns = 8;                     // of fitting
+constexpr int kTurns = 15, kLastTurns = 8;                     // turns of fitting
 constexpr std::int32_t kBlock = 256;                           // samples that a thread takes at a time
-constexpr double kShare = 0.9;                                 // of the surface that has to mirror
+constexpr double kShare = 0.9;                                 // share of the surface that has to mirror
 constexpr double kNoises = 4;                                  // deviations that it may be off
-constexpr double kOfRegion = 0.06;                             // of sqrt(area / regions) the same
-constexpr double kPreferred = 1.3;  // by which another plane has to be better than one across X, Y or Z
+constexpr double kOfRegion = 0.06;                             // likewise as a share of sqrt(area / regions)
+constexpr double kPreferred = 1.3;  // factor by which another plane has to be better than one across X, Y or Z
 constexpr double kTurned = 0.94;    // cosine of how far a plane may be turned from the axis that is wanted: 20 degrees
-constexpr double kAway = 0.05;      // of the size: distances above count as that
+constexpr double kAway = 0.05;      // share of the size: larger distances count as this one
 
 struct Sample {
   Vec3 place, normal;
 };
 
-/// Places on the surface that stand for equal areas, in the order of the face graph.
+/// Places on the surface for equal areas, in the order of the face graph.
 std::vector<Sample> samples_of(const Mesh& mesh, std::int32_t count) {
   const FaceGraph& graph = mesh.graph();
   constexpr double kFirst = 0.7548776662466927, kSecond = 0.5698402909980532;  // R2, a sequence of low discrepancy
@@ -82,10 +82,10 @@ class Finder {
     for (const Sample& s : many_) centre_ += s.place / static_cast<double>(many_.size());
   }
 
-  /// Whether the surface has an area, without which nothing can be said of it.
+  /// Whether the surface has an area, without which it has no mirror plane.
   [[nodiscard]] bool any() const { return !few_.empty() && !some_.empty() && !many_.empty(); }
 
-  /// The best plane of those that the candidates are fitted to.
+  /// The best plane fitted to the candidates.
   Candidate best(std::vector<Candidate> all) {
     for (Candidate& c : all) {
       c.mirror.offset = c.mirror.normal.dot(centre_);
@@ -201,7 +201,7 @@ class Finder {
       const Vec3 x = samples[i].place - centre_, plane = faces_.normal(found[i].face);
       const double height = m.height(samples[i].place);
       const double miss = plane.dot(m.image(samples[i].place) - faces_.corners(found[i].face)[0]);
-      // By how much `miss` grows where the plane turns about the centroid towards u and v, and where it is shifted.
+      // The growth of `miss` where the plane turns about the centroid towards u and v, and where it is shifted.
       const Vec3 grows(-2 * (u.dot(x) * plane.dot(m.normal) + height * plane.dot(u)),
                        -2 * (v.dot(x) * plane.dot(m.normal) + height * plane.dot(v)), 2 * plane.dot(m.normal));
       const double weight = 1 / (1 + (found[i].distance / usual) * (found[i].distance / usual));
@@ -216,7 +216,7 @@ class Finder {
     const double share = turn > most ? most / turn : 1;
     const double above = m.offset - shift + share * by[2];
     m.normal = settled((m.normal + share * (by[0] * u + by[1] * v)).normalized());
-    // `settled` may have turned the normal round.
+    // `settled` may have reversed the normal.
     m.offset = m.normal.dot(centre_) + (m.normal.dot(u.cross(v)) < 0 ? -above : above);
     return turn > 1e-7 || std::abs(by[2]) > 1e-7 * size_;
   }

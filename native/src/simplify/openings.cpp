@@ -10,13 +10,13 @@
 namespace isimp {
 namespace {
 
-constexpr double kOfRegion = 0.5;      // of sqrt(area / regions)
+constexpr double kOfRegion = 0.5;      // share of sqrt(area / regions)
 constexpr double kMostEdges = 20;      // mean edges
-constexpr double kPinhole = 8;         // mean edges: the border of the faces round one vertex
+constexpr double kPinhole = 8;         // mean edges: the border of the faces at one vertex
 constexpr double kLikely = 2.5;        // detail times number of regions: 9 of 10 scans are below
-constexpr double kLeastNoise = 0.005;  // of the mean edge: scans have .01 and more, CAD models .001 and less
+constexpr double kLeastNoise = 0.005;  // share of the mean edge: scans have .01 and more, CAD models .001 and less
 
-/// As `opening_lengths`, of a scan that has some.
+/// As `opening_lengths`, for a scan with openings.
 OpeningLengths lengths_of(double area, double edge, std::int32_t regions) {
   const double side = std::sqrt(area / regions);
   const auto rounded = [&](double length) { return edge * std::exp2(std::floor(2 * std::log2(length / edge)) / 2); };

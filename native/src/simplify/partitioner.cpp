@@ -30,13 +30,13 @@ struct Partitioner::Kept {
   std::shared_ptr<const DetailTree> tree;
 };
 
-/// A surface, and what is kept for it.
+/// A surface, and the data that is kept for it.
 struct Partitioner::Prepared {
   Surface surface;
   Kept kept;
 };
 
-/// Some faces of the mesh as a mesh of their own, with what its partitions keep.
+/// Some faces of the mesh as a mesh of their own, with the kept data of its partitions.
 struct Partitioner::OwnPart {
   OwnPart(const Mesh& whole, std::span<const std::int32_t> faces, Job& job)
       : open(faces.begin(), faces.end()), mesh(part_of(whole, faces, job)), partitioner(mesh) {}
@@ -52,8 +52,8 @@ Partitioner::Partitioner(const Mesh& mesh, Keep keep)
 
 Partitioner::~Partitioner() = default;
 
-/// What is kept, if it was made under the same guides and adaptivity; else only these, and what does not depend on
-/// them.
+/// The kept data, if it was made under the same guides and adaptivity; else only these, and the data that does not
+/// depend on them.
 Partitioner::Kept Partitioner::recall(Guides guides, double adaptivity) const {
   const std::lock_guard lock(mutex_);
   const bool same = kept_->guides.weights == guides.weights && kept_->guides.barriers == guides.barriers;
@@ -187,7 +187,7 @@ Guides guides_of_part(const Guides& whole, const Mesh& part, std::span<const std
   return guides;
 }
 
-/// Nothing more is left out, and locked regions are of the number asked for.
+/// Nothing more is left out, and locked regions count in the requested number.
 PartitionOptions options_of_part(PartitionOptions options, const Constraints& constraints) {
   options.leave_out = 0.0;
   if (constraints.faces || !options.proxies) return options;
@@ -197,7 +197,7 @@ PartitionOptions options_of_part(PartitionOptions options, const Constraints& co
   return options;
 }
 
-/// (F) The labels that stay: those of locked regions and, where only some faces are split, of all others.
+/// (F) The labels that stay: labels of locked regions and, where only some faces are split, of all other faces.
 std::vector<std::int32_t> labels_that_stay(const Constraints& constraints, std::int32_t face_count) {
   std::vector<std::int32_t> labels(static_cast<std::size_t>(face_count), kNone);
   if (constraints.before == nullptr) return labels;
@@ -209,7 +209,7 @@ std::vector<std::int32_t> labels_that_stay(const Constraints& constraints, std::
   return labels;
 }
 
-/// Locks the regions that lie in what is locked.
+/// Locks the regions that lie in locked ones.
 void lock_as(Partition& part, const Partition& before) {
   if (before.region_locked.empty()) return;
   for (const std::int32_t seed : part.region_seed) {
@@ -219,7 +219,7 @@ void lock_as(Partition& part, const Partition& before) {
   if (std::ranges::count(part.region_locked, 0) == part.region_count()) part.region_locked.clear();
 }
 
-/// Holds the planes of the regions that stay as they were.
+/// Holds the planes of the regions that have not changed.
 void hold_as(Partition& part, const Partition& before, bool all_stay) {
   if (before.region_held.empty()) return;
   part.region_offset.resize(part.region_seed.size());
@@ -271,10 +271,10 @@ Partition Partitioner::on_part(const Surface& surface, std::span<const std::int3
   return result;
 }
 
-/// On a surface whose areas are as they shall be: `options.adaptivity` is in them.
+/// On a surface with final areas: they include `options.adaptivity`.
 Partition Partitioner::with_weights(const Surface& surface, Kept kept, const PartitionOptions& options,
                                     Job& job) const {
-  job.poll();  // where all is kept, little is polled below
+  job.poll();  // if all is kept, little is polled below
   if (options.bound) return by_bound(surface, options, job);
   if (options.proxies) return by_known_number(surface, std::move(kept), options, job);
   return found_by_detail(surface, std::move(kept), options, job);

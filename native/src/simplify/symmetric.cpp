@@ -22,13 +22,13 @@
 namespace isimp {
 namespace {
 
-constexpr int kTries = 5;              // of numbers of regions of the half
-constexpr int kSweeps = 60;            // of the borders of the whole
+constexpr int kTries = 5;              // numbers of regions tried for the half
+constexpr int kSweeps = 60;            // sweeps of the borders of the whole
 constexpr std::int32_t kBlock = 1024;  // faces that a thread takes at a time
-constexpr double kFar = 0.25;          // of sqrt(area / regions): a face that is farther from its image has none
-constexpr double kOwnRegion = 0.5;     // of area / regions: what has no image and is smaller goes to what is around
-constexpr double kWorth = 1.0;         // of the mean error of a region: what a join at the plane may cost
-constexpr double kPart = 0.25;         // of the largest piece of a region: smaller ones go to what is around
+constexpr double kFar = 0.25;          // share of sqrt(area / regions): a face that is farther from its image has none
+constexpr double kOwnRegion = 0.5;     // share of area / regions: smaller pieces without an image join their neighbours
+constexpr double kWorth = 1.0;         // cost of a join at the plane, as a share of the mean error of a region
+constexpr double kPart = 0.25;         // share of the largest piece of a region: smaller pieces join their neighbours
 constexpr std::int32_t kApart = -3;    // the label of a face without image while the other half is labelled
 
 class Symmetriser {
@@ -151,7 +151,7 @@ class Symmetriser {
     return partitioner_.run(options, constraints, job_);
   }
 
-  /// Splits the half into so many regions that there are as many as wanted, with their images and joins.
+  /// Splits the half into the number of regions that gives the wanted number, with their images and joins.
   void choose_number() {
     PartitionOptions options = options_;
     if (!options_.proxies) {
@@ -164,7 +164,7 @@ class Symmetriser {
     const std::int32_t wanted_here = std::max(1, wanted() - apart_count_);
     const auto most = static_cast<std::int32_t>(half_.size());
     const std::int32_t fewest = std::clamp((wanted_here + 1) / 2, 1, most);
-    std::int32_t span = 0;  // by which the half may have more, if all that can be joined are
+    std::int32_t span = 0;  // regions that the half may have in addition if all possible joins are made
     std::optional<Partition> best;
     double least = 0;
     for (int k = 0; k < kTries; ++k) {
@@ -197,7 +197,7 @@ class Symmetriser {
     find_joins();
   }
 
-  /// What it costs to make each region one with its image, and where that is worth it.
+  /// The cost of joining each region with its image, and the joins that are worth it.
   void find_joins() {
     std::vector<RegionSum> sums(static_cast<std::size_t>(regions_));
     std::vector<double> between(sums.size(), 0.0);  // length of the border at the plane, scene units
@@ -260,18 +260,18 @@ class Symmetriser {
     }
   }
 
-  /// Labels there may be: the regions of the half, their images, those that are apart, and one for what nothing reaches.
+  /// All labels: the regions of the half, their images, the regions apart, and one for faces that nothing reaches.
   [[nodiscard]] std::size_t label_count() const { return static_cast<std::size_t>(2 * regions_ + apart_count_) + 1; }
   [[nodiscard]] MeshLabels labels() { return {label_.data(), &graph_}; }
-  /// The label of the image of a region of the half, or of one that has come across the plane; kOpen where it has none.
+  /// The label of the image of a region of the half, or of one that has come across the plane; kOpen without an image.
   [[nodiscard]] std::int32_t image_of(std::int32_t region) const {
     if (region < 0 || region >= 2 * regions_) return kOpen;
     if (region >= regions_) return region - regions_;
     return joined_[region] != 0 ? region : region + regions_;
   }
 
-  /// Labels the other half as the half is. Its regions that are not joined have the numbers from `regions_` on, those
-  /// that are apart the numbers after these.
+  /// Copies the labels of the half to the other half. Its regions that are not joined have the numbers from `regions_`
+  /// on, and the regions apart have the numbers after these.
   void carry_over() {
     for (std::size_t i = 0; i < other_.size(); ++i) {
       const std::int32_t f = other_[i], g = image_[i];
@@ -279,8 +279,8 @@ class Symmetriser {
     }
   }
 
-  /// Of each region the pieces that are much smaller than its largest one are opened, and what is open goes to the
-  /// regions around.
+  /// Opens the pieces of each region that are much smaller than its largest one, and adds open faces to the regions
+  /// around.
   void mend() {
     struct Piece {
       std::int32_t region, first;
@@ -354,7 +354,7 @@ class Symmetriser {
     relaxation.run(kSweeps, job_);
   }
 
-  /// Gives the half its own numbers back where regions of the other one have come across the plane.
+  /// Restores the half's own numbers where regions of the other half have come across the plane.
   void fold_back() {
     for (const std::int32_t f : half_) {
       std::int32_t& r = label_[f];
@@ -379,7 +379,7 @@ class Symmetriser {
   }
 
   static constexpr std::int32_t kFewest = 20;  // regions by which sizes are judged where their number is not known
-  static constexpr double kRounding = 1e-7;    // of the area: errors below this are none
+  static constexpr double kRounding = 1e-7;    // share of the area: smaller errors are none
 
   const Partitioner& partitioner_;
   const Surface& surface_;
@@ -393,16 +393,16 @@ class Symmetriser {
 
   std::vector<std::int32_t> half_, other_;      // faces
   std::vector<std::uint8_t> is_half_;           // (F)
-  std::vector<std::int32_t> image_;             // of each of `other_`: a face of the half
+  std::vector<std::int32_t> image_;             // a face of the half, for each of `other_`
   std::vector<std::int32_t> label_;             // (F)
-  std::vector<std::int32_t> apart_;             // (F) region of what has no image
-  std::int32_t regions_ = 0, apart_count_ = 0;  // of the half; of what has no image
-  double area_ = 0;                             // of both halves, as a share
-  Partition how_;                               // of the half
-  std::vector<std::optional<double>> cost_;     // of joining each region of the half with its image
-  double error_ = 0, price_ = 0;                // of the half and its image; with what joins cost
+  std::vector<std::int32_t> apart_;             // (F) region of the faces without an image
+  std::int32_t regions_ = 0, apart_count_ = 0;  // number of regions of the half, and of regions without an image
+  double area_ = 0;                             // area of both halves, as a share
+  Partition how_;                               // partition of the half
+  std::vector<std::optional<double>> cost_;     // cost of joining each region of the half with its image
+  double error_ = 0, price_ = 0;                // error of the half and its image; the same with the cost of joins
   std::vector<std::uint8_t> joined_;            // by region of the half
-  std::vector<RegionSum> sums_;                 // of all regions
+  std::vector<RegionSum> sums_;                 // sums of all regions
 };
 
 }  // namespace

@@ -9,19 +9,19 @@ namespace isimp {
 
 /// Regions that mirror in a plane.
 ///
-/// One half of the surface is split. A region at the plane becomes one with its image where that costs less than another
-/// region would gain; else the plane is a border. The other half takes the labels of the closest faces to its mirror
-/// image; parts of it that have no image are split on their own. Borders are relaxed over the whole surface, and carried
-/// over once more, so that they mirror as far as the triangles allow.
+/// One half of the surface is split. A region at the plane merges with its image if that costs less than another region
+/// would gain; else the plane is a border. The other half gets the labels of the closest faces to its mirror image;
+/// parts of it without an image are split on their own. Borders are relaxed over the whole surface, and mirrored once
+/// more, so that they mirror as far as the triangles allow.
 ///
-/// \param options      without symmetry and bound. `proxies` is kept to where joins at the plane allow it
+/// \param options      without symmetry and bound. `proxies` is exact if joins at the plane allow it
 /// \param constraints  without faces and locked regions
-/// \param mirror       in the caller's coordinates; `regions` is filled in
+/// \param mirror       in the caller's coordinates; the function sets `regions`
 /// Cost: about that of partitions of the halves, three times, and F searches for a closest face.
 Partition symmetric_partition(const Partitioner& partitioner, const Surface& surface, const PartitionOptions& options,
                               const Constraints& constraints, const Mirror& mirror, Job& job);
 
-/// How many regions of a partition mirror.
+/// The number of regions of a partition that mirror.
 std::int32_t mirrored_regions(const Mesh& mesh, const Partition& partition, const Mirror& mirror);
 
 }  // namespace isimp

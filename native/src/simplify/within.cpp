@@ -9,9 +9,9 @@
 namespace isimp {
 namespace {
 
-constexpr double kShares[] = {1.0, 0.5, 0.25};  // of the bound that borders and corners may use up half of
-constexpr double kStep = 0.75, kLeast = 0.2;    // how the regions' own bound is lowered, and to what share at least
-constexpr double kPartitioning = 0.25;          // of the time that a partition and its polygons take
+constexpr double kShares[] = {1.0, 0.5, 0.25};  // share of the bound; borders and corners may use up half of it
+constexpr double kStep = 0.75, kLeast = 0.2;    // factor for the regions' own bound, and its least share
+constexpr double kPartitioning = 0.25;          // share of the time for a partition and its polygons
 
 /// The largest of some distances; NaN where there is none.
 double largest(const std::vector<double>& distances) {

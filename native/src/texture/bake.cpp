@@ -26,8 +26,8 @@ using detail::TexelBox;
 
 constexpr std::int32_t kLeastSamples = 2, kMostSamples = 4;  // a side of a texel
 
-/// Bakes all polygons: small ones share the threads, and so do the tiles of large ones. `make_shade(view, q)` makes
-/// what is called for each texel, `samples_of(q)` is how many samples a side one has.
+/// Bakes all polygons: small ones share the threads, and so do the tiles of large ones. `make_shade(view, q)` returns
+/// the function for each texel, `samples_of(q)` the number of samples along a side.
 template <class SamplesOf, class MakeShade>
 void for_all(const Scene& scene, const Threads& threads, Job& job, SamplesOf samples_of, MakeShade make_shade) {
   const std::int32_t count = scene.polygons.polygon_count();
@@ -74,7 +74,8 @@ void for_all(const Scene& scene, const Threads& threads, Job& job, SamplesOf sam
   });
 }
 
-/// As many samples a side as the scan's images have pixels a texel, within limits. Polygons that are not baked have none.
+/// As many samples a side as the scan's images have pixels a texel, within limits; none for polygons that are not
+/// baked.
 std::vector<std::int32_t> sample_counts(const Scene& scene, const detail::Sampler& sampler, const Threads& threads) {
   std::vector<std::int32_t> counts(scene.skipped.size(), 0);
   threads.share(static_cast<std::int32_t>(counts.size()), [&](const auto& next) {
@@ -96,7 +97,7 @@ std::vector<std::int32_t> sample_counts(const Scene& scene, const detail::Sample
   return counts;
 }
 
-/// Gives the texels of polygons that are not baked what they showed before.
+/// Copies the earlier texels of polygons that are not baked again.
 void copy_same(const Scene& scene, const EarlierBake& earlier, const Threads& threads, Job& job, Texture& texture) {
   for (std::size_t q = 0; q < texture.same.size(); ++q)
     if (texture.same[q] != kNone) texture.texels[q] = earlier.texels[texture.same[q]];

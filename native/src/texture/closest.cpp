@@ -50,18 +50,18 @@ Hit hit_on(const FlatFace& f, std::int32_t item, float x, float y) {
   return {f.face, b, c, f.z[0] + b * (f.z[1] - f.z[0]) + c * (f.z[2] - f.z[0]), item};
 }
 
-using Four = Eigen::Array4f;  // of which a processor computes all at once
+using Four = Eigen::Array4f;  // a processor computes all four at once
 
 Four unit(const Four& t) { return t.min(1.0F).max(0.0F); }
 
-/// The closest faces to the points of a quad so far.
+/// The closest faces to the points of a quad among the faces tried.
 struct Nearest {
-  Four squared;  // -1 for points that are not asked for
+  Four squared;  // -1 for unused points
   std::array<std::int32_t, 4> face, item;
 };
 
-/// Takes a face where it is closer: the distance from the plane above the face, from its three edges elsewhere. Among
-/// equals the first face counts, from whichever polygon it is looked at. Returns whether it is closer anywhere.
+/// Stores a face where it is closer: the distance from the plane above the face, from its three edges elsewhere. Among
+/// equals the first face counts, for every polygon alike. Returns whether it is closer anywhere.
 bool take(const FlatEdges& f, std::int32_t face, std::int32_t item, const Four& x, const Four& y, Nearest& best) {
   const float wx = f.vx - f.ux, wy = f.vy - f.uy, wz = f.vz - f.uz;
   const Four px = x - f.x, py = y - f.y;
@@ -145,8 +145,8 @@ std::array<Hit, 4> PolygonView::closest(const Quad& quad, std::array<std::int32_
   return hits;
 }
 
-/// Cells are looked at in rings round that of the point. What lies beyond the grid is in the cells at its rim, which
-/// are no further away than it is.
+/// Cells are searched in rings around that of the point. Faces beyond the grid are in the cells at its rim, which are
+/// no further away than these faces.
 Hit PolygonView::closest(float x, float y) const {
   std::int32_t best = kNone;
   float least = kFar;

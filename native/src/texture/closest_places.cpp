@@ -56,7 +56,7 @@ void check(const Mesh& mesh, const Partition& partition, const PolygonMesh& poly
                          std::to_string(partition.region_count()));
 }
 
-/// Leaves those of some faces whose group has most of their area; of equal ones the lowest.
+/// Keeps the faces of the group that has most of their area; among equal ones the lowest group.
 void keep_largest_group(const Mesh& mesh, std::span<const std::int32_t> group, std::vector<std::int32_t>& faces) {
   std::map<std::int32_t, double> area;
   const auto v = mesh.vertices();

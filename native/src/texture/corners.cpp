@@ -11,8 +11,8 @@
 namespace isimp {
 namespace {
 
-constexpr double kNear = 1e-9;   // of the diagonal: rounding
-constexpr double kReach = 0.02;  // of the diagonal: how far a repair may have moved a corner
+constexpr double kNear = 1e-9;   // share of the diagonal: rounding
+constexpr double kReach = 0.02;  // share of the diagonal by which a repair may have moved a corner
 constexpr std::int32_t kPoll = 1 << 16;
 
 /// The closest place of a triangle to p: weights of corners 1 and 2, and the distance.
@@ -97,7 +97,7 @@ class Finder {
     return true;
   }
 
-  /// The triangles that this face and those around its corners came from, its own first.
+  /// The source triangles of this face and of those around its corners, its own first.
   void collect(std::int32_t f) {
     candidates_.clear();
     candidates_.push_back(mesh_.source_face()[f]);

@@ -77,7 +77,7 @@ Eigen::Matrix2d best_turn(const std::vector<Vec2>& points) {
       high = high.cwiseMax(turn * p);
     }
     const double area = (high - low).prod();
-    if (least < 0 || area < least * (1 - 1e-9)) {  // of nearly equal ones the first, so that rounding does not choose
+    if (least < 0 || area < least * (1 - 1e-9)) {  // the first of nearly equal ones, so that rounding does not choose
       least = area;
       best = turn;
     }

@@ -9,7 +9,7 @@
 namespace isimp::detail {
 namespace {
 
-/// A reduced copy of an image: each pixel the mean of those known of two by two.
+/// A reduced copy of an image: each pixel is the mean of the known ones of two by two.
 struct Level {
   std::int32_t side = 0;
   std::vector<std::array<std::uint8_t, 4>> pixel;

@@ -39,8 +39,8 @@ struct Layout {
   std::vector<std::int32_t> group;  ///< (Q) polygons of different groups share neither chart nor tile
   std::int32_t chart_count = 0;
   std::int32_t groups = 1;
-  double area = 0;       ///< of all polygons, scene units squared
-  double tile_area = 0;  ///< of those of the fullest tile, if all of a group's tiles are equally full
+  double area = 0;       ///< area of all polygons, scene units squared
+  double tile_area = 0;  ///< area of the polygons of the fullest tile, if all tiles of a group are equally full
 
   [[nodiscard]] std::int32_t polygon_count() const { return static_cast<std::int32_t>(plane.size()); }
   [[nodiscard]] std::int32_t corner_count(std::int32_t q) const { return start[q + 1] - start[q]; }
@@ -48,7 +48,7 @@ struct Layout {
   [[nodiscard]] Vec2 corner(std::int32_t q, std::int32_t i) const { return place[q](flat[i]); }
 };
 
-/// Each polygon in its plane, a chart each. `group`, `groups` and `tile_area` are as the options say.
+/// Each polygon in its plane, a chart each. Sets `group`, `groups` and `tile_area` by the options.
 Layout flatten(const PolygonMesh& polygons, const AtlasOptions& options);
 
 /// Joins the charts of neighbours that meet at less than `angle` degrees, where nothing overlaps.
@@ -57,15 +57,15 @@ void unfold(const PolygonMesh& polygons, double angle, Layout& layout, Job& job)
 /// Turns each chart so that its bounding box is smallest, and puts the box's corner at (0, 0).
 void straighten(Layout& layout);
 
-/// Where the charts of a layout go: texel = turn * (scale * p) + shift for points p of the chart.
+/// The places of the charts of a layout: texel = turn * (scale * p) + shift for points p of the chart.
 struct Packing {
   double scale = 0;
   std::vector<Rigid> place;        ///< (charts)
   std::vector<std::int32_t> tile;  ///< (charts)
 };
 
-/// What charts are packed into: tiles of so many texels a side, for each group as many. Each chart stays at least `grow`
-/// texels from its part's border.
+/// The room for charts: tiles of `side` texels, for each group as many. Each chart stays at least `grow` texels from
+/// its part's border.
 struct Room {
   std::int32_t side, tiles;
   double grow;
@@ -81,8 +81,8 @@ struct Taken {
   std::int32_t tile;
 };
 
-/// Places for all charts at this scale, beside what is taken: the lowest that is free, the largest charts first.
-/// Nothing if they do not fit.
+/// Places for all charts at this scale in the free room: the lowest free place, the largest charts first. Empty if they
+/// do not fit.
 std::optional<Packing> pack_beside(const Layout& layout, const Room& room, double scale, std::span<const Taken> taken,
                                    Job& job);
 

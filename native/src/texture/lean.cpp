@@ -10,14 +10,14 @@
 namespace isimp::detail {
 namespace {
 
-// Polygons at sharper edges do not bend each other's directions: the walls of a house are seen straight. Cosine.
+// Polygons at sharper edges do not bend each other's directions: the walls of a house are drawn straight. Cosine.
 constexpr double kSmooth = 0.2;
 constexpr float kOnEdge = 1e-3F;  // squared texels
 // Of the way to the mean normal. 1 is nearest to the scan in close-ups, 0 in views of the whole.
 constexpr double kShare = 0.9;
 constexpr double kSteps = 16;  // that slopes are rounded to
 
-/// So that a polygon whose neighbours have hardly moved is drawn as before.
+/// Rounds, so that a polygon whose neighbours have hardly moved is drawn as before.
 float rounded(double slope) { return static_cast<float>(std::round(slope * kSteps) / kSteps); }
 
 using Corner = std::array<double, 4>;  // a polygon's angle at a vertex, and its normal
@@ -34,7 +34,7 @@ std::vector<Slope> corner_slopes(const PolygonMesh& polygons, const Atlas& atlas
   for (std::int32_t q = 0; q < count; ++q) {
     const Vec3& n = atlas.frame[q].n;
     const std::int32_t begin = polygons.loop_start[q];
-    // Of the charts, which stay where a polygon has hardly moved.
+    // The corners of the charts, which stay where a polygon has hardly moved.
     const auto outline = outline_of(polygons, atlas, q);
     for (std::size_t i = 0; i < outline.size(); ++i) {
       const auto &here = outline[i], &after = outline[(i + 1) % outline.size()];
@@ -45,7 +45,7 @@ std::vector<Slope> corner_slopes(const PolygonMesh& polygons, const Atlas& atlas
                                                   n.z()};
     }
   }
-  // The same sums however the polygons are numbered.
+  // The same sums for any numbering of the polygons.
   for (std::size_t v = 0; v + 1 < start.size(); ++v)
     std::sort(corners.data() + start[v], corners.data() + start[v + 1]);
   std::vector<Slope> slopes(polygons.loops.size());

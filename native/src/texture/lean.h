@@ -10,20 +10,20 @@
 
 namespace isimp::detail {
 
-/// A direction that leaves a plane: how far it goes right and up for each step out of it.
+/// A direction that leaves a plane: steps right and up for each step out of it.
 using Slope = std::array<float, 2>;
 
 /// (L) The way from each polygon's normal to the mean normal of the polygons at its corner, in the polygon's chart.
-/// Weights are the polygons' angles; those at sharp edges do not count. So what is drawn from both sides of an edge
-/// nearly meets there.
+/// Weights are the polygons' angles; those at sharp edges do not count. So pictures drawn from both sides of an edge
+/// nearly meet there.
 std::vector<Slope> corner_slopes(const PolygonMesh& polygons, const Atlas& atlas);
 
-/// Those of the corners of one polygon.
+/// The slopes at the corners of one polygon.
 inline std::span<const Slope> slopes_of(const PolygonMesh& polygons, std::span<const Slope> slopes, std::int32_t q) {
   return slopes.subspan(polygons.loop_start[q], polygons.loop_end(q) - polygons.loop_start[q]);
 }
 
-/// The directions along which a polygon is drawn: along each edge those of its corners, and a mean of them inside,
+/// The directions along which a polygon is drawn: along each edge the slopes of its corners, and a mean of them inside,
 /// weighted by lengths over squared distances.
 class Lean {
  public:
@@ -38,7 +38,7 @@ class Lean {
 
  private:
   struct Edge {
-    float x, y, ex, ey;  // its beginning, and what it goes from there
+    float x, y, ex, ey;  // its beginning, and the vector to its end
     float over, length;  // 1 / its squared length
     Slope from, change;
   };

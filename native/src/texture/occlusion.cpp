@@ -21,8 +21,8 @@ namespace isimp {
 namespace {
 
 constexpr std::int32_t kGroup = 3;      // texels a side that share all directions
-constexpr float kLift = 1e-5F;          // of the diagonal: so far above their face rays start
-constexpr std::int32_t kTexels = 4096;  // of a block, between polls
+constexpr float kLift = 1e-5F;          // share of the diagonal by which rays start above their face
+constexpr std::int32_t kTexels = 4096;  // texels of a block, between polls
 
 /// Directions about z, cosine-weighted: points of a spiral that cover the disc evenly, lifted to the hemisphere (Malley's
 /// method; the spiral turns by the golden ratio). Each texel of a group uses every ninth one.
@@ -47,7 +47,7 @@ Eigen::Matrix3f frame_of(const Eigen::Vector3f& n) {
   return frame;
 }
 
-/// Counts the rays that get away.
+/// Counts the rays that meet no face.
 class Tracer {
  public:
   Tracer(const Mesh& mesh, const TextureOptions& options, Job& job)
@@ -109,7 +109,7 @@ void check(const Mesh& mesh, const BakeMap& map) {
                          std::to_string(mesh.face_count()));
 }
 
-/// A grey pixel: the mean of the group of texels round this one that are of the same polygon.
+/// A grey pixel: the mean of the texels around this one that belong to the same polygon.
 void smooth(const BakeMap& map, const Array<float>& open, std::size_t at, std::uint8_t* rgba) {
   const auto x = static_cast<std::int32_t>(at % map.side), y = static_cast<std::int32_t>(at / map.side);
   constexpr std::int32_t kReach = kGroup / 2;

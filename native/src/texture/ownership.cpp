@@ -31,7 +31,7 @@ void fill(Outline outline, const TexelBox& box, std::vector<double>& cuts, Found
   }
 }
 
-/// What an edge is near to in one row: [from, to], wider than need be.
+/// The texels of one row near an edge: [from, to], wider than necessary.
 struct Stretch {
   double from, to;
 };
@@ -54,7 +54,7 @@ double squared_distance(const std::array<double, 2>& a, const std::array<double,
   return dx * dx + dy * dy;
 }
 
-/// Calls found(x, y, squared distance) for the texels of the box within reach of an edge; a texel may come twice.
+/// Calls found(x, y, squared distance) for the texels of the box within reach of an edge; a texel may occur twice.
 template <class Found>
 void along_edges(Outline outline, const TexelBox& box, double reach, Found found) {
   for (std::size_t i = 0, h = outline.size() - 1; i < outline.size(); h = i++) {

@@ -11,14 +11,14 @@
 
 namespace isimp::detail {
 
-/// Who a texel belongs to: a polygon whose inside its centre lies in (its number), one whose edge is near (-2 - its
-/// number: gutter), or nobody (kNone).
+/// The polygon of a texel. An owner is the number of a polygon that contains its centre, or -2 - the number of one
+/// whose edge is near (gutter), or kNone.
 inline std::int32_t polygon_of(std::int32_t owner) { return owner >= 0 ? owner : -2 - owner; }
 
 /// The corners of a polygon in texels.
 std::span<const std::array<double, 2>> outline_of(const PolygonMesh& polygons, const Atlas& atlas, std::int32_t q);
 
-/// (side * height) rows from the bottom. A centre that two polygons of a chart claim goes to the first of them.
+/// (side * height) rows from the bottom. A centre that two polygons of a chart claim belongs to the first of them.
 Array<std::int32_t> find_owners(const PolygonMesh& polygons, const Atlas& atlas, const Threads& threads, Job& job);
 
 /// A box of texels: [x0, x1) by [y0, y1).
@@ -37,7 +37,7 @@ inline TexelBox box_of_outline(const PolygonMesh& polygons, const Atlas& atlas, 
 }
 
 /// Lowers `distance`, (width * height) of a box, to the distance of each texel's centre from the outline where that is
-/// below `reach`. Others keep what they have.
+/// below `reach`. Other texels do not change.
 void measure_edges(std::span<const std::array<double, 2>> outline, const TexelBox& box, float reach,
                    std::span<float> distance);
 

@@ -26,7 +26,7 @@ class Packer {
         tiles_(room.tiles),
         groups_(layout.groups) {}
 
-  /// The places at so many texels per scene unit; false if the charts do not fit.
+  /// The places at `scale` texels per scene unit; false if the charts do not fit.
   bool attempt(double scale, Packing& packing, Job& job) {
     piles_.assign(static_cast<std::size_t>(tiles_) * groups_, {std::vector<Cell>(cells_.count(), 0), 0});
     packing.scale = scale;
@@ -53,8 +53,8 @@ class Packer {
     std::int32_t x = -1, y = 0, turn = 0;
   };
 
-  /// The spot that raises the pile least and wastes the least room below the chart. What is lost by a row more is a row;
-  /// room below counts twice, as tried on polygons of scans.
+  /// The spot that raises the pile least and wastes the least room below the chart. A higher pile costs one row; room
+  /// below counts twice, as tried on polygons of scans.
   [[nodiscard]] Spot best_spot(const Pile& pile) const {
     const std::int32_t cells = cells_.count();
     std::vector<std::int64_t> below(cells + 1, 0);
@@ -78,7 +78,7 @@ class Packer {
     return best;
   }
 
-  /// The row on which a chart comes to rest whose left column has this top.
+  /// The lowest free row for a chart whose left column has this top.
   [[nodiscard]] static std::int32_t rest(const Cell* top, const Profile& p) {
     const Cell* low = p.low.data();
     Cell y = 0;
@@ -96,7 +96,7 @@ class Packer {
   }
 
   Cells cells_;
-  std::int32_t rows_;            // of cells that are used
+  std::int32_t rows_;            // number of rows of cells in use
   std::int32_t tiles_, groups_;  // tiles of each group
   std::array<Profile, 4> profile_;
   std::vector<Pile> piles_;

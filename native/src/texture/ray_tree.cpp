@@ -52,7 +52,7 @@ struct RayTree::Builder {
     build(middle, end, depth + 1);
   }
 
-  /// Puts the faces of one side before those of the other; returns where these begin.
+  /// Moves the faces of one side before the faces of the other; returns the first of the latter.
   std::int32_t split(std::int32_t begin, std::int32_t end, const Box& centres, std::int32_t depth) {
     Eigen::Index axis = 0;
     const float length = (centres.high - centres.low).maxCoeff(&axis);

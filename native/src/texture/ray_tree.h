@@ -25,8 +25,8 @@ class RayTree {
  private:
   struct Node {
     Eigen::Array3f low, high;
-    std::int32_t first = 0;  ///< of the faces; of an inner node its second child, the first one follows it
-    std::int32_t count = 0;  ///< of faces; 0: an inner node
+    std::int32_t first = 0;  ///< first of the faces; of an inner node its second child, the first one follows it
+    std::int32_t count = 0;  ///< number of faces; 0: an inner node
   };
   struct Face {
     Eigen::Vector3f corner, u, v;  ///< the first corner, and the edges from there

@@ -16,8 +16,8 @@ namespace {
 
 constexpr std::int64_t kFarthest = std::int64_t{1} << 53;  // cell: further away doubles know no single cells
 constexpr double kMoved = 1;  // texels by which corners may have moved in their chart since it was laid out
-constexpr double kMost = 2;   // and if the others do not fit then
-/// The share of a tile's height in which polygons stay, if they still do not: what is above makes room.
+constexpr double kMost = 2;   // the same if the others do not fit otherwise
+/// If they still do not fit, polygons above this share of a tile's height are packed again.
 constexpr std::array<double, 3> kLow = {0.85, 0.7, 0.5};
 constexpr double kReach = 3;       // texels by which they may have moved in space since the last time
 constexpr double kTilted = 0.999;  // cosine of the angle by which a polygon may have turned: 2.5 degrees
@@ -73,14 +73,14 @@ class Matcher {
  private:
   using Cell = std::array<std::int64_t, 3>;
 
-  /// So large that corners that belong together lie in neighbouring ones.
+  /// The cell of a point. Cells are so large that corners of one place lie in adjacent cells.
   [[nodiscard]] Cell cell(const Vec3& p) const {
     const double over = earlier_.atlas.scale / kReach;
     const auto at = [&](double x) { return to_integer(std::floor(x * over), -kFarthest, kFarthest); };
     return {at(p.x()), at(p.y()), at(p.z())};
   }
 
-  /// How far the corners are turned against each other; kNone if they are others.
+  /// The cyclic shift between the corners; kNone if they are others.
   [[nodiscard]] std::int32_t turn_of(std::int32_t q, std::int32_t p) const {
     const auto loop = loop_of(polygons_, q);
     const auto count = static_cast<std::int32_t>(loop.size());
@@ -113,7 +113,7 @@ class Matcher {
   std::vector<std::uint8_t> taken_;
 };
 
-/// Charts get the numbers 0, 1, ... by their first polygons.
+/// Numbers the charts 0, 1, ... by their first polygons.
 void renumber(Atlas& atlas) {
   std::map<std::int32_t, std::int32_t> number;
   for (std::int32_t& chart : atlas.chart)
@@ -121,17 +121,17 @@ void renumber(Atlas& atlas) {
   atlas.chart_count = static_cast<std::int32_t>(number.size());
 }
 
-/// Keeps polygons where an earlier atlas had them, though others of their chart may go.
+/// Keeps polygons at their places in an earlier atlas, also if others of their chart leave it.
 class Rearranger {
  public:
-  /// \param moved  texels by which the corners of those that stay may have moved
+  /// \param moved  texels by which the corners of kept polygons may have moved
   Rearranger(const PolygonMesh& polygons, const AtlasOptions& options, const Layout& whole, const EarlierAtlas& earlier,
              double moved)
       : polygons_(polygons), options_(options), whole_(whole), earlier_(earlier) {
     find_kept(moved);
   }
 
-  /// Nothing if none is kept, or the others do not fit beside them.
+  /// Nothing if none is kept, or if the others do not fit between them.
   std::optional<Atlas> run(const Room& room, double unfold_angle, double low, Job& job) {
     keep_low(low);
     if (free_.size() == kept_.size()) return std::nullopt;
@@ -235,7 +235,7 @@ class Rearranger {
   const EarlierAtlas& earlier_;
   std::vector<std::int32_t> kept_;  // (Q) of the earlier polygons
   std::vector<std::int32_t> turn_;  // (Q) see Match
-  std::vector<std::int32_t> free_;  // those that are to be placed
+  std::vector<std::int32_t> free_;  // polygons to place
 };
 
 }  // namespace

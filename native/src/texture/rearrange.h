@@ -16,11 +16,11 @@ Atlas empty_atlas(const Layout& layout, const Room& room, double scale);
 void put(const Layout& layout, const Packing& packing, std::int32_t q, Atlas& atlas, std::int32_t to,
          std::int32_t begin);
 
-/// Whether an earlier atlas has the room that is asked for.
+/// Whether an earlier atlas has the requested room.
 bool has_room_of(const AtlasOptions& options, const Layout& whole, const Atlas& atlas, const Room& room);
 
-/// An atlas with polygons where an earlier one had them, and the others in the room between. Nothing if none is kept, or
-/// the others do not fit beside them, be they unfolded or not.
+/// An atlas with polygons at their places of an earlier one, and the others in the room between. Empty if none is kept,
+/// or if the others do not fit between them, unfolded or not.
 /// \param whole  the layout of all polygons, unfolded
 std::optional<Atlas> rearrange(const PolygonMesh& polygons, const AtlasOptions& options, const Layout& whole,
                                const EarlierAtlas& earlier, const Room& room, Job& job);

@@ -13,14 +13,14 @@ namespace isimp::detail {
 /// Unit normals of the vertices, each face by its area.
 std::vector<Eigen::Vector3f> vertex_normals(const Mesh& mesh);
 
-/// The normal between those of a face's corners; not of unit length.
+/// The normal interpolated between the normals of a face's corners; not of unit length.
 Eigen::Vector3f smooth_normal(const Mesh& mesh, const std::vector<Eigen::Vector3f>& normals, std::int32_t face, float b,
                               float c);
 
-/// The scan's normals as its own tangent-space normal map bends them.
+/// The scan's normals, bent by its own tangent-space normal map.
 ///
-/// The tangent is the direction in which u grows on the face, at right angles to the smooth normal; the bitangent that
-/// of v. So a mirrored chart or a face that a repair has turned round shows the relief that the scan shows.
+/// The tangent is the direction in which u grows on the face, at right angles to the smooth normal; the bitangent is
+/// the same for v. So a mirrored chart or a face that a repair has reversed shows the relief of the scan.
 class Relief {
  public:
   /// \throws InvalidInput  arrays that are not of this mesh

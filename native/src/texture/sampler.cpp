@@ -39,7 +39,7 @@ Rgba pixel_at(const T* p) {
 }
 
 #ifdef __SSE2__
-/// The same numbers, four at once: compilers do not find this.
+/// The same numbers, four at once, which compilers do not find.
 Rgba pixel_at(const std::uint8_t* p) {
   std::int32_t bytes;
   std::memcpy(&bytes, p, 4);
@@ -127,7 +127,7 @@ Rgba Sampler::in(const Picture& picture, float x, float y, bool repeat) {
 
 Rgba Sampler::at_pixel(std::int32_t image, float x, float y) const {
   const Picture& picture = look_.pictures[image];
-  const auto within = [](float at, std::int32_t size) {  // any pixel for what is no number
+  const auto within = [](float at, std::int32_t size) {  // any pixel if not a number
     return at > -0.5F ? std::min(at, static_cast<float>(size) - 0.5F) : -0.5F;
   };
   return in(picture, within(x, picture.width), within(y, picture.height), false);

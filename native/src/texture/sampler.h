@@ -13,7 +13,7 @@ namespace isimp::detail {
 
 using Rgba = Eigen::Array4f;  ///< 0 to 255
 
-/// Looks up what the scan shows.
+/// Samples the images of the scan.
 class Sampler {
  public:
   /// \throws InvalidInput  arrays that are not of this mesh
@@ -23,10 +23,10 @@ class Sampler {
   [[nodiscard]] Rgba operator()(std::int32_t face, float b, float c) const;
   /// Bilinear in a picture, at x pixels from its left and y from its upper edge, minus a half.
   [[nodiscard]] Rgba at_pixel(std::int32_t image, float x, float y) const;
-  /// The pixels at the corners of a face, as `at_pixel` takes them. Nothing if it shows no picture, or repeats it.
+  /// The pixels at the corners of a face, for `at_pixel`. Nothing if it shows no picture, or repeats it.
   [[nodiscard]] std::optional<std::array<Eigen::Vector2f, 3>> corner_pixels(std::int32_t face) const;
   [[nodiscard]] std::int32_t image(std::int32_t face) const { return look_.image[face]; }
-  /// The mean over the surface: for what nothing is known of.
+  /// The mean over the surface: for places without a known colour.
   [[nodiscard]] Rgba mean() const { return mean_; }
   /// Pixels of the picture per scene unit, squared, times the face's area; 0 for a face without a picture.
   [[nodiscard]] double pixels(std::int32_t face) const;

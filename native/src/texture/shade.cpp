@@ -10,9 +10,9 @@
 namespace isimp::detail {
 namespace {
 
-constexpr float kSteep = 0.25F;  // texels: faces that are narrower are looked up by weights, which end at their edges
+constexpr float kSteep = 0.25F;  // texels: narrower faces are sampled by weights, which end at their edges
 
-/// Twice the area over the longest edge: what a face is wide in the plane.
+/// Twice the area over the longest edge: the width of a face in the plane.
 float width_of(const FlatFace& f) {
   float longest = 0;
   for (int k = 0, m = 2; k < 3; m = k++) longest = std::max(longest, std::hypot(f.x[k] - f.x[m], f.y[k] - f.y[m]));
@@ -68,7 +68,8 @@ void ColourShade::operator()(const Texel& texel, const Samples& samples) {
   counts_.unknown += unknown ? 1 : 0;
 }
 
-/// Adds what was drawn; returns whether a place had to be searched for. Samples of one face share their normal.
+/// Adds the samples that were drawn; returns whether a place had to be searched for. Samples of one face share their
+/// normal.
 bool ColourShade::add_drawn(const Texel& texel, const Samples& samples) {
   const std::int32_t n = samples.n, width = samples.box.width() * n;
   const float share = (1 - texel.closest) / static_cast<float>(n * n), step = 1 / static_cast<float>(n);
@@ -107,7 +108,7 @@ void ColourShade::add_searched(const Texel& texel, const Samples& samples, float
   const float step = 1 / static_cast<float>(n);
   const std::size_t first = static_cast<std::size_t>(texel.y - samples.box.y0) * n * width +
                             static_cast<std::size_t>(texel.x - samples.box.x0) * n;
-  // A face found in this row of this tile helps; what threads did before must not tell.
+  // A face found in this row of this tile helps; the result must not depend on the threads.
   if (texel.y != last_y_ || texel.x < last_x_ || last_x_ < samples.box.x0) last_ = kNone;
   for (std::int32_t j = 0; j < n; j += 2)
     for (std::int32_t i = 0; i < n; i += 2) {

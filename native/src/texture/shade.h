@@ -11,7 +11,7 @@
 
 namespace isimp::detail {
 
-/// Where colours and normals of the texels go, and what was counted.
+/// The output for colours and normals of the texels, and the counts.
 struct Canvas {
   Texture& texture;
   const Sampler& sampler;
@@ -24,18 +24,18 @@ struct Canvas {
   }
 };
 
-/// What a face shows at the points of a chart: all of it grows by the same in every texel.
+/// The appearance of a face at the points of a chart: all of it grows by the same in every texel.
 struct FaceLook {
-  enum class State : std::uint8_t { unknown, flat, steep };  // steep: it is not looked up in this way
+  enum class State : std::uint8_t { unknown, flat, steep };  // steep: sampled by weights instead
 
-  float x = 0, y = 0;                   ///< where its first corner lies
-  Eigen::Vector2f pixel, per_x, per_y;  ///< of the picture: there, and how it grows
+  float x = 0, y = 0;                   ///< place of its first corner
+  Eigen::Vector2f pixel, per_x, per_y;  ///< place in the picture, and how it grows
   Eigen::Vector3f normal, normal_per_x, normal_per_y;
   std::int32_t image = kNone;
   State state = State::unknown;
 };
 
-/// Gives the texels of a polygon the colours, normals and further layers of the scan.
+/// Computes the colours, normals and further layers of the texels of a polygon from the scan.
 class ColourShade {
  public:
   ColourShade(const Scene& scene, const PolygonView& view, std::int32_t q, Canvas& canvas);
@@ -57,7 +57,7 @@ class ColourShade {
   const PolygonView& view_;
   Canvas& canvas_;
   Eigen::Matrix3f tangent_;      // rows: right, up, out of the polygon
-  std::vector<FaceLook> looks_;  // of the view's faces
+  std::vector<FaceLook> looks_;  // one for each of the view's faces
   Eigen::Array4f sum_;
   std::vector<Rgba> layer_sums_;
   Eigen::Vector3f normal_ = Eigen::Vector3f::Zero();

@@ -13,7 +13,7 @@ namespace {
 constexpr float kSeen = 1.5F;  // texels of the gutter that show at an edge, between pixels
 constexpr float kFar = std::numeric_limits<float>::infinity();
 
-/// Which texels are the polygon's, with 0 for their share of the closest point. Returns whether there are any.
+/// Finds the polygon's texels, with 0 for their share of the closest point. Returns whether there are any.
 bool find_own(const Scene& scene, std::int32_t q, Samples& samples) {
   const TexelBox& box = samples.box;
   samples.closest.assign(static_cast<std::size_t>(box.width()) * box.height(), -1);
@@ -32,7 +32,7 @@ bool find_own(const Scene& scene, std::int32_t q, Samples& samples) {
   return any;
 }
 
-/// Where the colours of a tile change over to those of the closest points.
+/// Finds the band in which the colours of a tile blend into those of the closest points.
 void find_band(const Scene& scene, std::int32_t q, Samples& samples) {
   if (!(scene.band > 0)) return;
   const TexelBox& box = samples.box;
@@ -85,7 +85,7 @@ bool draw_tile(const Scene& scene, const PolygonView& view, std::int32_t q, std:
   return true;
 }
 
-/// The last quad's face helps the next one's search, within a row: what threads did before must not tell.
+/// The last quad's face helps the next one's search, within a row: the result must not depend on the threads.
 void search_rows(const PolygonView& view, std::int32_t row, Samples& samples) {
   const TexelBox& box = samples.box;
   const std::int32_t width = box.width(), rows = std::min(2, box.height() - row);

@@ -12,7 +12,7 @@
 
 namespace isimp::detail {
 
-/// What the baking of all polygons has in common.
+/// The input that the baking of all polygons shares.
 struct Scene {
   const Mesh& mesh;
   const PolygonMesh& polygons;
@@ -42,18 +42,18 @@ struct Samples {
   std::vector<float> closest;  ///< (width by height) share of the closest point in each texel; -1: not the polygon's
   std::vector<Span> wanted;    ///< (height) the texels of each row that lie between the polygon's first and last
   std::vector<Hit> hits;       ///< (2 by width + 1) the closest points of two rows
-  mutable Visited visited;     ///< of searches
+  mutable Visited visited;     ///< for searches
   TexelBox box;
   std::int32_t n = 1;
 
-  /// Which of the view's faces is seen in the middle of a texel of the box.
+  /// The visible face of the view in the middle of a texel of the box.
   [[nodiscard]] std::int32_t middle(std::int32_t i, std::int32_t j) const {
     const std::size_t row = static_cast<std::size_t>(j) * n + n / 2;
     return index[row * box.width() * n + static_cast<std::size_t>(i) * n + n / 2];
   }
 };
 
-/// What a texel shows: samples that were drawn, and the share of the closest point in place of them.
+/// The content of a texel: samples that were drawn, and the share of the closest point in place of them.
 struct Texel {
   std::int32_t x, y;  ///< from the bottom
   std::int32_t polygon;

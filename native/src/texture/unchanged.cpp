@@ -7,7 +7,7 @@
 namespace isimp::detail {
 namespace {
 
-/// For each region the earlier one with the same faces, kNone where there is none or no face is known.
+/// For each region the earlier one with the same faces; kNone without one, or if no face is known.
 std::vector<std::int32_t> same_regions(const Neighbourhood& now, const Neighbourhood& before,
                                        const Partition& earlier) {
   std::vector<std::int32_t> same(now.start.size() - 1, kNone);
@@ -22,7 +22,7 @@ std::vector<std::int32_t> same_regions(const Neighbourhood& now, const Neighbour
   return same;
 }
 
-/// Whether the regions that a polygon of region r can show are those that one of the earlier region p could.
+/// Whether a polygon of region r can show the same regions as a polygon of the earlier region p could.
 bool same_near(const Neighbourhood& now, std::int32_t r, const Neighbourhood& before, std::int32_t p,
                const std::vector<std::int32_t>& same) {
   const auto here = std::span(now.near).subspan(now.near_start[r], now.near_start[r + 1] - now.near_start[r]);
@@ -72,7 +72,7 @@ std::vector<std::int32_t> unchanged_polygons(const Scene& scene, std::span<const
     if (regions[r] == s && same_near(scene.near, r, before, s, regions)) same[q] = p;
   }
   const Array<std::int32_t> owner = find_owners(earlier.polygons, old, threads, job);
-  for (std::size_t i = 0; i < owner.size(); ++i) {  // gutters of polygons that went may have fallen to others
+  for (std::size_t i = 0; i < owner.size(); ++i) {  // gutters of removed polygons may have become others'
     const std::int32_t now = scene.owner[i];
     if (now == kNone || same[polygon_of(now)] == kNone) continue;
     const std::int32_t p = same[polygon_of(now)];

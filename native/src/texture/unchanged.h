@@ -9,12 +9,12 @@
 
 namespace isimp::detail {
 
-/// The earlier polygon of each polygon that the same faces are shown on at the same texels; kNone for others.
+/// The earlier polygon of each polygon with the same faces at the same texels; kNone for others.
 ///
 /// It has the place of that one in the atlas, and the same texels. Its region has the same faces, and so have the
-/// regions beside it, in the same order: faces of equal depth are shown by that order.
+/// adjacent regions, in the same order: faces of equal depth are shown by that order.
 ///
-/// \param texture  what is to be made, for its size and its images
+/// \param texture  the new texture, for its size and its images
 std::vector<std::int32_t> unchanged_polygons(const Scene& scene, std::span<const std::uint8_t> known,
                                              const EarlierBake& earlier, const Texture& texture, const Threads& threads,
                                              Job& job);

@@ -87,7 +87,7 @@ class Unfolder {
   }
 
  private:
-  /// The triangles of each polygon in its chart: what overlaps are looked for with.
+  /// The triangles of each polygon in its chart, for the search for overlaps.
   void cut(Job& job) {
     PolygonSoup soup{polygons_.vertices,
                      {polygons_.loops.begin(), polygons_.loops.end()},
@@ -132,7 +132,7 @@ class Unfolder {
     return all;
   }
 
-  /// The motion that brings the chart of q beside that of p, edge to edge.
+  /// The motion that moves the chart of q next to that of p, edge to edge.
   [[nodiscard]] Rigid beside(const Join& join) const {
     const Vec2 a = layout_.corner(join.p, join.i), b = layout_.corner(join.p, next(join.p, join.i));
     const Vec2 d = layout_.corner(join.q, join.j), c = layout_.corner(join.q, next(join.q, join.j));
@@ -186,7 +186,7 @@ class Unfolder {
     return false;
   }
 
-  /// Charts get the numbers 0, 1, ... by their first polygons.
+  /// Numbers the charts 0, 1, ... by their first polygons.
   void renumber() {
     std::vector<std::int32_t> number(layout_.chart.size(), kNone);
     layout_.chart_count = 0;

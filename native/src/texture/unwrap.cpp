@@ -18,12 +18,12 @@ using detail::Room;
 
 constexpr std::int32_t kLeastSide = 16, kMostSide = 8192, kMostChosen = 16384, kMostTiles = 100;
 constexpr double kUsualFill = 0.55;
-constexpr double kUsedByEdits = 0.93;  // of the rows, where an edit did not fit: the next ones then do
+constexpr double kUsedByEdits = 0.93;  // share of the rows, where an edit did not fit: the next ones then do
 
 double gutter_of(std::int32_t side, std::int32_t gutter) { return gutter > 0 ? gutter : std::clamp(side / 512, 3, 16); }
 
-/// What a chart keeps free around itself. A texel that a polygon touches has its centre within 0.71 of it, and all
-/// these must lie in the chart's own part.
+/// The margin of a chart. A texel that a polygon touches has its centre within 0.71 of it, and all these centres must
+/// lie in the chart's own part.
 double grow_of(std::int32_t side, std::int32_t gutter) { return std::max(gutter_of(side, gutter) / 2, 1.25); }
 
 std::int32_t side_for(double area, double density) {

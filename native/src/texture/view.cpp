@@ -11,10 +11,10 @@ namespace {
 
 constexpr float kTouch = 2e-3F;  // samples by which a face is wider than it is, so that no gap shows between two
 constexpr float kMostCells = 65536;
-constexpr float kShifted = 0.2F;  // of the margin round a polygon: what lies further away is not drawn on it
+constexpr float kShifted = 0.2F;  // share of a polygon's margin; faces further away are not drawn on it
 constexpr float kInCell = 2;      // faces in a cell, about
 
-/// Of a number of at least 0; cheaper than std::ceil.
+/// The least integer not below x, for x of at least 0; cheaper than std::ceil.
 std::int32_t ceiling(float x) {
   const auto whole = static_cast<std::int32_t>(x);
   return whole + (static_cast<float>(whole) < x ? 1 : 0);
@@ -75,7 +75,9 @@ std::int32_t Bins::row(float y) const { return to_integer((y - y0_) / cell_, 0, 
 void PolygonView::look(const ChartFrame& frame, const TexelBox& box, std::int32_t region, const Lean& lean) {
   box_ = box;
   collect(frame, region, lean, true);
-  if (faces_.empty()) collect(frame, region, lean, false);  // nothing looks the polygon's way: better than nothing
+  if (faces_.empty())
+    collect(frame, region, lean, false);  // no face looks the polygon's way: others are better than
+                                          // none
   edges_.clear();
   for (const FlatFace& f : upright_) edges_.push_back(edges_of(f));
   tiles_.build(boxes_, box, static_cast<float>(kTile), false);
@@ -126,7 +128,7 @@ void PolygonView::collect(const ChartFrame& frame, std::int32_t region, const Le
     for (std::int32_t at = near_.block_start[r]; at < near_.block_start[r + 1]; ++at) {
       const Neighbourhood::Block& block = near_.blocks[at];
       if (facing && into.beyond(block, box_, margin)) continue;
-      const bool straight = lean.straight() || into.beyond(block, box_, kShifted * margin);  // only what is closest
+      const bool straight = lean.straight() || into.beyond(block, box_, kShifted * margin);  // only the closest face
       for (std::int32_t i = 0; i < block.count; ++i) {
         const auto [x, y, z] = into(mesh_.vertices()[near_.vertices[block.first + i]]);
         const auto [right, up] = straight ? Slope{} : lean.at(x, y);
@@ -164,7 +166,7 @@ TexelBox PolygonView::tile(std::int32_t t) const {
   return {x, y, std::min(box_.x1, x + kTile), std::min(box_.y1, y + kTile)};
 }
 
-/// Own faces first: what they cover is theirs. Then those beside it, into what is left.
+/// Own faces come first and own the texels that they cover. Then the adjacent ones are drawn into the other texels.
 void PolygonView::draw(std::int32_t t, std::int32_t n, std::span<const Span> wanted, std::vector<std::int32_t>& index,
                        std::vector<float>& depth) const {
   const TexelBox tile = this->tile(t);

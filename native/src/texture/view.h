@@ -15,33 +15,33 @@
 
 namespace isimp::detail {
 
-/// The faces of each region, and the regions beside it.
+/// The faces of each region, and the regions adjacent to it.
 struct Neighbourhood {
-  /// Some faces of a region that lie together, and a ball round them.
+  /// Some faces of a region that lie together, and a ball around them.
   struct Block {
-    std::int32_t begin, end;    // of `faces`
-    std::int32_t first, count;  // of `vertices`: those that the faces have, each once
+    std::int32_t begin, end;    // a range of `faces`
+    std::int32_t first, count;  // a range of `vertices`: the vertices of the faces, each once
     Vec3 middle;
     double radius;
   };
   static constexpr std::int32_t kBlock = 32;  ///< faces of a block, at most
   std::vector<std::int32_t> start, faces;     ///< region r has faces[start[r]] to faces[start[r + 1]], in Morton order
-  std::vector<std::int32_t> block_start;      ///< and the blocks block_start[r] to block_start[r + 1]
+  std::vector<std::int32_t> block_start;      ///< and its blocks block_start[r] to block_start[r + 1]
   std::vector<Block> blocks;
   std::vector<std::int32_t> vertices;
-  std::vector<std::array<std::uint8_t, 3>> corners;  ///< of `faces`: which of its block's vertices each corner is
-  std::vector<std::int32_t> near_start, near;        ///< the same of regions: r itself first, then those beside it
+  std::vector<std::array<std::uint8_t, 3>> corners;  ///< for `faces`: index of each corner in its block's vertices
+  std::vector<std::int32_t> near_start, near;        ///< the same for regions: r itself first, then the adjacent ones
 };
 
-/// \param known  (F) 0 for faces that have nothing to show, which are left out; empty: all are known. A region none of
-///               whose neighbours has any face left gets those further away too.
+/// \param known  (F) 0 for faces without an appearance, which are left out; empty: all are known. A region whose
+///               neighbours have all lost their faces gets regions further away too.
 Neighbourhood find_neighbourhood(const Mesh& mesh, const Partition& partition, std::span<const std::uint8_t> known);
 
 /// A place on a face. `height` is above the polygon's plane, in texels.
 struct Hit {
   std::int32_t face = kNone;
   float b = 0, c = 0, height = 0;
-  std::int32_t index = kNone;  ///< of the view's `faces()`
+  std::int32_t index = kNone;  ///< index into the view's `faces()`
 };
 
 /// A face in the coordinates of a chart: texels right, up, and above the plane.
@@ -49,22 +49,22 @@ struct FlatFace {
   std::array<float, 3> x, y, z;
   float over;  ///< 1 / its doubled area in the plane
   std::int32_t face;
-  bool own;  ///< of the polygon's region
+  bool own;  ///< belongs to the polygon's region
 };
 
-/// The same face as the search for the closest one takes it: a corner, two edges, and products of them.
+/// The same face in the form for the search for the closest one: a corner, two edges, and products of them.
 struct FlatEdges {
   float x, y, z, ux, uy, uz, vx, vy, vz;
   float uu, uv, vv;
   float over_uu, over_vv, over_ww;  ///< w = v - u; 0 for edges of no length
-  float over_det;                   ///< of uu vv - uv^2; not a number for faces of no area
+  float over_det;                   ///< reciprocal of uu vv - uv^2; not a number for faces of no area
 };
 FlatEdges edges_of(const FlatFace& face);
 
 /// Four points of the plane: (x, y), (x + step, y), (x, y + step), (x + step, y + step).
 struct Quad {
   float x, y, step;
-  unsigned wanted;  ///< bit k: whether point k is asked for
+  unsigned wanted;  ///< bit k: whether point k is used
 };
 
 /// Texels of a row of a tile: [begin, end).
@@ -72,18 +72,18 @@ struct Span {
   std::int32_t begin = 0, end = 0;
 };
 
-/// What a face lies in: texels, and the least distance from the plane.
+/// The bounds of a face: texels, and the least distance from the plane.
 struct FlatBox {
   float low_x, high_x, low_y, high_y, off;
 };
 
-/// Which of some faces reach into which cell of a grid; those outside lie in the cells at its rim.
+/// The faces in each cell of a grid; faces outside are in the cells at its rim.
 class Bins {
  public:
   /// \param with_boxes  whether `boxes_in` is called
   void build(std::span<const FlatBox> faces, const TexelBox& box, float cell, bool with_boxes);
   [[nodiscard]] std::span<const std::int32_t> in(std::int32_t i, std::int32_t j) const;
-  /// What those faces lie in, one after another in memory.
+  /// The bounds of those faces, one after another in memory.
   [[nodiscard]] std::span<const FlatBox> boxes_in(std::int32_t i, std::int32_t j) const {
     const std::size_t k = static_cast<std::size_t>(j) * columns_ + i;
     return std::span(box_).subspan(start_[k], start_[k + 1] - start_[k]);
@@ -93,7 +93,7 @@ class Bins {
   [[nodiscard]] float cell() const { return cell_; }
   [[nodiscard]] std::int32_t column(float x) const;
   [[nodiscard]] std::int32_t row(float y) const;
-  /// The least distance from the plane of what is in a cell.
+  /// The least distance of the content of a cell from the plane.
   [[nodiscard]] float off(std::int32_t i, std::int32_t j) const {
     return off_[static_cast<std::size_t>(j) * columns_ + i];
   }
@@ -113,7 +113,7 @@ class Bins {
   std::vector<float> off_;
 };
 
-/// Which faces a search has looked at: those in several cells are looked at once. One for each thread.
+/// The faces that a search has tried: faces in several cells are tried once. One for each thread.
 class Visited {
  public:
   void begin(std::size_t faces) {
@@ -132,7 +132,7 @@ class Visited {
   std::uint32_t now_ = 0;
 };
 
-/// The faces that a polygon can show, as seen along its normal and the directions that lean from it.
+/// The faces that a polygon can show, seen along its normal and the directions that lean from it.
 class PolygonView {
  public:
   static constexpr std::int32_t kTile = 128;  // texels; samples of a tile fit into a cache
@@ -146,15 +146,15 @@ class PolygonView {
   [[nodiscard]] std::int32_t tile_count() const { return tiles_.columns() * tiles_.rows(); }
   [[nodiscard]] TexelBox tile(std::int32_t t) const;
 
-  /// Draws the faces of a tile with n x n samples a texel. `index` gets, for each sample, which of `faces()` is seen
-  /// there, or kNone; rows from the bottom.
-  /// \param wanted  of each row of texels; nothing is drawn outside
+  /// Draws the faces of a tile with n x n samples a texel. `index` receives, for each sample, the visible one of
+  /// `faces()`, or kNone; rows from the bottom.
+  /// \param wanted  for each row of texels; nothing is drawn outside
   void draw(std::int32_t t, std::int32_t n, std::span<const Span> wanted, std::vector<std::int32_t>& index,
             std::vector<float>& depth) const;
 
   /// The faces as they are drawn.
   [[nodiscard]] std::span<const FlatFace> faces() const { return faces_; }
-  /// The place of a face that is seen at a point.
+  /// The place of a face that is visible at a point.
   [[nodiscard]] Hit at(std::int32_t index, float x, float y) const;
   /// The closest place to a point of the plane; without a face if there are no faces.
   [[nodiscard]] Hit closest(float x, float y) const;
@@ -170,7 +170,7 @@ class PolygonView {
   const Neighbourhood& near_;
   TexelBox box_;
   std::vector<FlatFace> faces_, upright_;  // as they are drawn, and as they lie above the plane
-  std::vector<FlatEdges> edges_;           // of the latter
+  std::vector<FlatEdges> edges_;           // edges of the latter
   std::vector<FlatBox> boxes_, upright_boxes_;
   Bins tiles_, grid_;
 };

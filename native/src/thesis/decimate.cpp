@@ -41,7 +41,7 @@ OmMesh to_openmesh(const Mesh& mesh, Job& job) {
   return om;
 }
 
-/// No end of a barrier may go, so the edge stays.
+/// No end of a barrier may be removed, so the edge stays.
 void lock_barriers(const Surface& surface, OmMesh& om) {
   if (!surface.guided()) return;
   const Mesh& mesh = surface.mesh();

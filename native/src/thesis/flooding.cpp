@@ -54,7 +54,7 @@ void Flooding::run(const FaceGraph& graph, std::span<const NormalMetric::Proxy> 
   std::uint32_t polled = 0;
   for (std::int32_t k = 0; k < kLists; ++k) {
     level_ = upper_end(k);
-    // Nothing is pushed to this list any more: what is at or below the level goes by bursts.
+    // Nothing is pushed to this list any more: faces at or below the level are labelled by bursts.
     const std::vector<std::int32_t>& list = lists_[k];
     const std::size_t size = list.size();
     for (std::size_t i = 0; i < size; ++i) {

@@ -14,14 +14,14 @@ namespace isimp {
 /// Flooding by bursts: each region grows from its seed, the face of least error next, until every face has a region.
 ///
 /// The plain way is one priority queue of (error, face, region). Two observations make it several times faster. (1)
-/// Call the largest error popped so far the level of the water. Whatever lies at or below it next to the face just
-/// popped would be popped next, and by no other region than that of the face just popped: so it is given away at once,
-/// by a depth-first walk (a burst) without the queue. (2) The entries that do reach the queue come off it in rising
-/// order, so that it may be an array of lists, one for each range of errors. Within a list the order is that of
-/// arrival, not of error: with `kSteps` lists to a factor of two of error the total differs by chance alone.
+/// Call the largest error popped yet the level of the water. A face at or below the level, next to the face just
+/// popped, would be popped next, and for the same region: so it is labelled at once, by a depth-first walk (a burst)
+/// without the queue. (2) The other entries come off the queue in rising order, so that it may be an array of lists,
+/// one for each range of errors. Within a list the order is that of arrival, not of error: with `kSteps` lists to a
+/// factor of two of error the total differs by chance alone.
 ///
-/// A face waiting in a list knows its best region so far: entries that are no better than that are never made. Every
-/// region is connected and keeps its seed. Components without a seed stay kNone. The same input gives the same labels.
+/// A face waiting in a list stores the best region found yet: entries that are no better are never made. Every region
+/// is connected and keeps its seed. Components without a seed stay kNone. The same input gives the same labels.
 /// Cost: O(F + L) with L lists; each face is pushed about half a time.
 /// Source: the order is that of Cohen-Steiner, Alliez, Desbrun 2004, section 3.3.
 class Flooding {

@@ -19,7 +19,7 @@
 namespace isimp {
 namespace {
 
-constexpr int kSweeps = 60;  // of the borders that were carried back
+constexpr int kSweeps = 60;  // sweeps of the borders on the dense mesh
 
 /// The coarse mesh without the components that are left out, and the way back to the dense one.
 struct Coarse {
@@ -38,7 +38,8 @@ void for_faces_round(const Mesh& mesh, std::int32_t vertex, Visit visit) {
   }
 }
 
-/// What guides say, for the coarse mesh: barriers are edges of both, and a vertex weighs what the faces round it do.
+/// The guides for the coarse mesh: barriers are edges of both, and the weight of a vertex is that of the faces around
+/// it.
 Guides guides_of(const Surface& surface, std::span<const std::int32_t> coarse_of, const Mesh& coarse,
                  std::span<const std::int32_t> dense_of) {
   Guides guides;
@@ -73,7 +74,7 @@ Coarse make_coarse(const Surface& surface, const Decimated& all, const Parts& pa
   std::vector<std::int32_t> dense_of, coarse_of(mesh.vertices().size(), kNone);
   for (const Triangle& t : all.triangles) {
     Triangle mine{};
-    // A face by its first corner: left out is a component of the mesh, whatever barriers part it into.
+    // A face by its first corner: a component of the mesh is left out as a whole, also if barriers divide it.
     if (!parts.parts[surface.component()[Mesh::face(mesh.vertex_halfedge()[all.vertex[t[0]]])]].kept) continue;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::int32_t dense = all.vertex[t[k]];
@@ -91,7 +92,7 @@ Coarse make_coarse(const Surface& surface, const Decimated& all, const Parts& pa
   return {std::move(coarse), std::move(dense_of), std::move(guides)};
 }
 
-/// Where the proxies of the coarse mesh start on the dense one.
+/// The starts of the coarse mesh's proxies on the dense one.
 class Carrier {
  public:
   Carrier(const Surface& surface, const Parts& parts) : surface_(surface), parts_(parts) {
@@ -111,7 +112,7 @@ class Carrier {
     give_to_empty_components();
   }
 
-  std::vector<std::int32_t> seeds;  ///< (R) graph indices, no two the same
+  std::vector<std::int32_t> seeds;  ///< (R) distinct graph indices
   std::vector<NormalMetric::Proxy> proxies;
 
  private:
@@ -119,8 +120,8 @@ class Carrier {
     return surface_.component()[surface_.graph().mesh_face[i]];
   }
 
-  /// Of the dense faces round the corners of a coarse face the one most like the proxy; corners on barriers, which lie
-  /// in two components, are looked at only where there are no others.
+  /// The face most like the proxy among the dense faces at the corners of a coarse face; corners on barriers, which lie
+  /// in two components, count only if there are no others.
   [[nodiscard]] std::int32_t look_alike(const Coarse& coarse, std::int32_t face,
                                         const NormalMetric::Proxy& proxy) const {
     const FaceGraph& graph = surface_.graph();
@@ -142,7 +143,7 @@ class Carrier {
     return inside.second != kNone ? inside.second : any.second;
   }
 
-  /// That face, or the next one that is free, going outwards in its component; else any that is free.
+  /// That face, or the next free one, outwards in its component; else any free face.
   [[nodiscard]] std::int32_t free_near(std::int32_t face) const {
     std::vector<std::int32_t> reached{face};
     std::set<std::int32_t> seen{face};
@@ -154,7 +155,7 @@ class Carrier {
     return static_cast<std::int32_t>(std::find(taken_.begin(), taken_.end(), false) - taken_.begin());
   }
 
-  /// Barriers may leave parts so small that no coarse face knows them.
+  /// Barriers may leave parts so small that no coarse face lies in them.
   void give_to_empty_components() {
     std::vector<std::int32_t> count(parts_.parts.size(), 0), first(parts_.parts.size(), 0);
     for (std::int32_t i = surface_.graph().size() - 1; i >= 0; --i) first[component(i)] = i;
@@ -208,8 +209,8 @@ Partition hybrid(const Surface& surface, const Decimated& all, const PartitionOp
   sum_regions(surface.graph(), regions, job);
   const Threads threads(options.threads);
   if (!faithful) {
-    // Borders come back where the coarse faces had them, which were smoothed there; on the dense mesh they find their
-    // places.
+    // The borders are first those of the coarse faces, which were smoothed there; relaxing moves them on the dense
+    // mesh.
     const BorderWeight weight{0.5 * light_border_weight(regions.error()).edge};
     relax_borders(surface.graph(), regions, weight, kSweeps, threads, job);
   }

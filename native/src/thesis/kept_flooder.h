@@ -14,10 +14,10 @@ namespace isimp {
 class KeptFlooder {
  public:
   /// Calls use(flooder) with the surface in the memory of a back end: as kept since the last call, if that was for the
-  /// same surface and back end. What was kept of another one goes first, so that a device never holds two; what was in
-  /// use when something failed goes too. While one caller has it, another one gets its own.
+  /// same surface and back end. A flooder kept for another one is freed first, so that a device never holds two; so is
+  /// the one in use when something failed. While one caller has it, another one gets its own.
   /// \param surface  its mesh must outlive this
-  /// \throws InvalidInput, Error  as load(); and what use() throws
+  /// \throws InvalidInput, Error  as load(); and the errors of use()
   template <class Use>
   auto with(const Surface& surface, const std::string& backend, Use use) const {
     Loaded loaded = take(surface, backend);
@@ -34,7 +34,7 @@ class KeptFlooder {
  private:
   struct Loaded {
     std::string backend;
-    std::shared_ptr<const GuidedGraph> guided;  // has the graph, or the mesh has it
+    std::shared_ptr<const GuidedGraph> guided;  // owns the graph, unless the mesh does
     const FaceGraph* graph = nullptr;
     std::unique_ptr<parallel::Flooder> flooder;
   };

@@ -20,7 +20,7 @@ Regions lloyd(const FaceGraph& graph, std::vector<std::int32_t> seeds, std::int3
     job.report(static_cast<double>(round) / iterations);
     std::swap(before, now.label);
     flooding.run(graph, proxies, seeds, now.label, job);
-    if (now.label == before) break;  // the same labels would come for ever
+    if (now.label == before) break;  // the same labels would repeat for ever
     sum_regions(graph, now, job);
     history.push_back(now.error());
     if (history.back() < least) {
@@ -30,7 +30,7 @@ Regions lloyd(const FaceGraph& graph, std::vector<std::int32_t> seeds, std::int3
     if (round + 1 == iterations) break;
     seeds = nearest_faces(graph, now, job);
     for (std::size_t r = 0; r < seeds.size(); ++r)
-      if (now.sum[r].length() > 0) proxies[r] = NormalMetric::fit(now.sum[r]);  // else it has no area: as it was
+      if (now.sum[r].length() > 0) proxies[r] = NormalMetric::fit(now.sum[r]);  // else no area: its proxy stays
   }
   return best;
 }

@@ -1,7 +1,7 @@
 #include "hybrid.h"
 #include "isimp/core/errors.h"
 
-/// In place of decimate.cpp where OpenMesh was not there to build with.
+/// Replaces decimate.cpp in a build without OpenMesh.
 namespace isimp {
 
 Decimated decimate(const Surface& /*surface*/, double /*fraction*/, Job& /*job*/) {

@@ -1,4 +1,4 @@
-// Stands in for the thesis's methods in a build without them.
+// Replaces the thesis's methods in a build without them.
 #include <string>
 
 #include "isimp/core/errors.h"

@@ -54,8 +54,8 @@ void place(const Surface& surface, parallel::Flooder& flooder) {
   flooder.place(centre, component);
 }
 
-/// The normals that fit the sums, and the seeds and centres that go with them; a region without area keeps what it had.
-/// Roots and quotients are taken here and nowhere else, so that they are the same for every back end.
+/// The normals that fit the sums, with their seeds and centres; a region without area keeps its old ones. Roots and
+/// quotients are taken here and nowhere else, so that they are the same for every back end.
 parallel::Proxies refit(const parallel::Flooder::Fit& fit, parallel::Proxies proxies) {
   for (std::size_t r = 0; r < fit.sum.size(); ++r) {
     const auto& [area, x, y, z] = fit.sum[r];
@@ -89,7 +89,7 @@ parallel::Proxies first_proxies(const Surface& surface, std::vector<std::int32_t
   return proxies;
 }
 
-/// One more sequential round, from the fitted seeds: what the thesis ends with.
+/// One more sequential round, from the fitted seeds: the last round of the thesis.
 Regions flood_again(const FaceGraph& graph, const parallel::Proxies& proxies, Job& job) {
   std::vector<NormalMetric::Proxy> normals(proxies.seed.size());
   for (std::size_t r = 0; r < normals.size(); ++r)
@@ -99,7 +99,7 @@ Regions flood_again(const FaceGraph& graph, const parallel::Proxies& proxies, Jo
   return regions;
 }
 
-/// Every region keeps its largest piece, fitted anew, and the faces between are flooded from there.
+/// Every region keeps its largest piece, is fitted again, and the faces between are flooded from there.
 Regions repair(const FaceGraph& graph, parallel::Flooder& flooder, parallel::Proxies proxies, std::int32_t threads,
                Job& job) {
   flooder.cut_to_pieces(threads, job);
@@ -144,7 +144,7 @@ Regions parallel_lloyd(const Surface& surface, parallel::Flooder& flooder, std::
       best = next;
       flooder.keep();
     }
-    if (next == proxies) break;  // the same labels would come for ever
+    if (next == proxies) break;  // the same labels would repeat for ever
     proxies = std::move(next);
   }
   flooder.go_back();

@@ -18,11 +18,10 @@
 namespace isimp {
 namespace {
 
-constexpr int kSweeps = 200;  // of the borders between flooding and teleports
-constexpr int kTries = 50;    // of teleports in a row that do not pay, before a round ends
+constexpr int kSweeps = 200;  // sweeps of the borders between flooding and teleports
+constexpr int kTries = 50;    // teleports in a row without gain that end a round
 
-/// Teleports until none helps. The borders are relaxed before and after, so what comes in is given back if it was
-/// better.
+/// Teleports until none helps. The borders are relaxed before and after, so the input is returned if it was better.
 Regions teleport(const Surface& surface, const Parts& parts, Regions regions, std::vector<double>& history, Job& job) {
   const FaceGraph& graph = surface.graph();
   Regions before = regions;

@@ -12,7 +12,7 @@ namespace isimp {
 bool needs_flooder(const PartitionOptions& options);
 
 /// Exactly options.proxies regions by rounds of flooding and fitting: lloyd, teleport, naive and queued.
-/// \param hierarchy  one that serves this surface and number, where the seeding is hierarchical; else an empty one
+/// \param hierarchy  a hierarchy for this surface and number, if the seeding is hierarchical; else an empty one
 /// \param flooder    the surface on options.backend, where needs_flooder(options); else null
 Partition in_rounds(const Surface& surface, const Hierarchy& hierarchy, parallel::Flooder* flooder,
                     const PartitionOptions& options, Job& job);

@@ -7,7 +7,7 @@
 namespace isimp {
 namespace {
 
-/// The graph's faces component by component, each in rising order; those of component c at [start[c], start[c + 1]).
+/// The graph's faces by component, each in rising order; those of component c at [start[c], start[c + 1]).
 struct FacesByPart {
   std::vector<std::int32_t> start, face;
 };
@@ -91,7 +91,7 @@ std::vector<std::int32_t> random_seeds(const Surface& surface, const Parts& part
       draw_by_weight(of_part, surface.weight(), share[c], random, seeds);
       continue;
     }
-    // Floyd's way to draw distinct numbers: one draw each, however many are taken.
+    // Floyd's way to draw distinct numbers: one draw each.
     for (std::int32_t last = faces - share[c]; last < faces; ++last) {
       auto at = static_cast<std::int32_t>(random.below(static_cast<std::uint64_t>(last) + 1));
       if (taken[by.start[c] + at]) at = last;
@@ -112,7 +112,7 @@ std::vector<std::int32_t> farthest_seeds(const Surface& surface, const Parts& pa
     if (share[c] == 0) continue;
     const auto faces = std::span(by.face).subspan(by.start[c], static_cast<std::size_t>(by.start[c + 1] - by.start[c]));
     const std::vector<Place> places = places_of(surface, faces);
-    std::vector<float> distance(faces.size(), 100.0F);  // to the nearest seed so far; below 0: is one
+    std::vector<float> distance(faces.size(), 100.0F);  // to the nearest seed yet; below 0: is one
     std::size_t newest = random.below(faces.size());
     for (std::int32_t k = 0; k < share[c]; ++k) {
       job.report(static_cast<double>(seeds.size()) / total);

@@ -32,8 +32,8 @@ std::vector<std::int32_t> random_seeds(const Surface& surface, const Parts& part
                                        const std::vector<std::int32_t>& share, std::uint64_t seed, Job& job);
 
 /// In each component: first a face drawn at random, then always the one whose normal and place together are farthest
-/// from those before. Distance squared is |n - n'|^2 + |p - p'|^2 / r^2, r the component's radius, times the root of
-/// the weight.
+/// from all before. Distance squared is |n - n'|^2 + |p - p'|^2 / r^2, r the component's radius, times the root of the
+/// weight.
 /// Cost: O(F * P).
 std::vector<std::int32_t> farthest_seeds(const Surface& surface, const Parts& parts,
                                          const std::vector<std::int32_t>& share, std::uint64_t seed, Job& job);

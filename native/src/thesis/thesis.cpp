@@ -12,7 +12,7 @@
 namespace isimp {
 namespace {
 
-/// The decimated mesh of the surface that was asked for last.
+/// The decimated mesh of the latest surface.
 class KeptDecimated {
  public:
   /// Null where it is not kept.
@@ -30,7 +30,7 @@ class KeptDecimated {
 
  private:
   std::mutex mutex_;
-  std::shared_ptr<const GuidedGraph> guided_;  // has the graph, or the mesh has it
+  std::shared_ptr<const GuidedGraph> guided_;  // owns the graph, unless the mesh does
   const FaceGraph* graph_ = nullptr;
   std::shared_ptr<const Decimated> decimated_;
 };

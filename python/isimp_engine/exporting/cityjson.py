@@ -11,7 +11,7 @@ from .surfaces import CLASSES, Surfaces, rings
 
 VERSIONS = ("2.0", "1.1")
 _TRANSFORM = "transform"  # written by itself: cjio, once imported, has json write six digits of any number
-_STEPS = 1e-9  # of the diagonal: what coordinates are rounded to, in whole powers of ten
+_STEPS = 1e-9  # share of the diagonal: coordinates are rounded to whole powers of ten of about this
 
 
 def cityjson(poly: PolygonMesh, surfaces: Surfaces, name: str, crs: int | None = None, version: str = "2.0") -> str:

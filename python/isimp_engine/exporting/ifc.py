@@ -88,4 +88,4 @@ def write(path: Path, poly: PolygonMesh, surfaces: Surfaces, name: str, crs: int
     if elements:
         make("IfcRelContainedInSpatialStructure", RelatingStructure=building, RelatedElements=elements)
     file.header.file_name.originating_system = f"isimp {_core.__version__}"
-    path.write_text(file.to_string(), encoding="utf-8")  # what its own writer says of a full disk names nothing
+    path.write_text(file.to_string(), encoding="utf-8")  # its own writer's error on a full disk names no file

@@ -1,4 +1,4 @@
-"""What polygons are on a building, and whether a model is valid."""
+"""The classes of polygons on a building, and the validity of a model."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -10,21 +10,21 @@ from .._core import PolygonMesh
 
 WALL, ROOF, GROUND, CEILING = "WallSurface", "RoofSurface", "GroundSurface", "OuterCeilingSurface"
 CLASSES = (WALL, ROOF, GROUND, CEILING)
-PLANAR = 0.01  # scene units: what validators of city models allow by default, in metres
+PLANAR = 0.01  # scene units: the default of validators of city models, in metres
 
 _UPRIGHT = 0.25  # a wall's normal has no larger part along up: it leans by less than 14.5 degrees
 _LEVEL = 0.94  # the least part for ground: it rises by less than 20 degrees
-_LOW = 0.1  # of the model's height: ground lies below this
+_LOW = 0.1  # share of the model's height: ground lies below this
 
 
 @dataclass(frozen=True)
 class Surfaces:
-    """The class of each polygon by its plane's direction and place, and what the polygons are together."""
+    """The class of each polygon by its plane's direction and place, and the properties of all together."""
 
-    kind: list[str]  # by polygon, of CLASSES
+    kind: list[str]  # one of CLASSES for each polygon
     normal: NDArray[np.float64]  # (Q, 3), unit; zero without area
     components: int
-    volume: float  # of what closed polygons surround; negative where they face inwards
+    volume: float  # volume inside closed polygons; negative where they face inwards
     solid: bool  # whether they are one closed, manifold component that faces outwards
 
     def of(self, kind: str) -> list[int]:
@@ -38,10 +38,10 @@ def rings(poly: PolygonMesh) -> list[NDArray[np.int32]]:
 
 
 def surfaces_of(poly: PolygonMesh, up: tuple[float, float, float] = (0.0, 0.0, 1.0)) -> Surfaces:
-    """Tell walls, roofs, ground and ceilings apart.
+    """Classify polygons as walls, roofs, ground and ceilings.
 
-    Walls are upright within 14.5 degrees. Of the others, ground is what is level within 20 degrees in the lowest tenth
-    of the model's height, whichever way it faces: the underside of a closed building, or the terrain of an open scan.
+    Walls are upright within 14.5 degrees. Among the others, ground is level within 20 degrees and in the lowest tenth
+    of the model's height. It may face up or down: the underside of a closed building, or the terrain of an open scan.
     Roofs face up and ceilings (of bays and passages) face down.
     """
     at = np.asarray(poly.vertices, dtype=np.float64)
@@ -76,9 +76,9 @@ def part_of(
 
 
 def validity(poly: PolygonMesh, limit: float = PLANAR, surfaces: Surfaces | None = None) -> dict[str, Any]:
-    """What validators of city models ask first: planar polygons, within `limit` in scene units, and a closed shell.
+    """The first checks of validators of city models: polygons planar within `limit` (scene units), a closed shell.
 
-    surfaces: what `surfaces_of` gives for these polygons, where it is known already.
+    surfaces: the result of `surfaces_of` for these polygons, if it is known already.
     """
     found = surfaces or surfaces_of(poly)
     bent = np.asarray(poly.planarity) > limit

@@ -1,4 +1,4 @@
-"""One door for all files of polygons."""
+"""Writes files of polygons of all kinds."""
 
 import importlib.util
 from collections.abc import Callable
@@ -17,7 +17,7 @@ _NEEDS = {".dxf": ("ezdxf", "dxf"), ".ifc": ("ifcopenshell", "ifc")}  # the pack
 
 
 def kind_of(path: str | PathLike[str]) -> str | None:
-    """Which of KINDS a name ends in; None for others."""
+    """The one of KINDS that a name ends in; None for others."""
     name = Path(path).name.lower()
     return next((kind for kind in KINDS if name.endswith(kind)), None)
 
@@ -51,8 +51,8 @@ def write(
 
     crs: the number of the EPSG reference system of the coordinates, written to CityJSON and IFC.
     version: of CityJSON, "2.0" or "1.1".
-    like: the name that tells the kind, where `path` is one for now.
-    surfaces: what `surfaces_of` gives for these polygons, where it is known already.
+    like: a name with the kind of the file, where `path` is a temporary one.
+    surfaces: the result of `surfaces_of` for these polygons, if it is known already.
     Raises FileError (another extension, a missing package, or the place can't be written), InvalidInput, Cancelled.
     """
     named = Path(like if like is not None else path)
@@ -73,7 +73,7 @@ def write(
 
 
 def _whole(place: Path, put: Callable[[Path], object]) -> None:
-    """Write beside the place, then move there."""
+    """Write next to the place, then move there."""
     with reader(place, "can't be written"):
         try:
             with whole(place) as draft:

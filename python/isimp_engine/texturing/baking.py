@@ -35,14 +35,14 @@ class Texture:
 
     uv: (L, 2) float64: of each corner in `loops`, from 0 to 1; v = 1 is the upper edge of the image.
     image: (H, W, 4) uint8, row 0 at the top. normal: (H, W, 3) uint8 tangent-space normals (green up), None if not
-    asked for: they are right where all corners of a polygon have its `polygon_normal` and `polygon_tangent`.
-    layers: further images that the scan's materials have, or that were asked for: (H, W) uint8 "roughness", "metallic"
+    requested: they are right if all corners of a polygon have its `polygon_normal` and `polygon_tangent`.
+    layers: further images that the scan's materials have, or that were requested: (H, W) uint8 "roughness", "metallic"
     and "occlusion", (H, W) uint16 "height", (H, W, 3) uint8 "emission", stored as colours are. factors: "roughness" and
-    "metallic" where they are one number everywhere, what the image of "emission" is multiplied by, and the range of
-    "height": the scan lies (value / 65535 - 0.5) * range above the polygon, in scene units.
-    Of several tiles all images have one more axis in front, (N, H, W, ...). tile: (Q,) int32, that of each polygon; its
-    UVs are from 0 to 1 there. tile_material: the source's material of each tile, -1 for none, or if materials are not
-    kept apart.
+    "metallic" where they are one number everywhere, the factor of the image of "emission", and the range of "height":
+    the scan lies (value / 65535 - 0.5) * range above the polygon, in scene units.
+    With several tiles all images have one more axis in front, (N, H, W, ...). tile: (Q,) int32, the tile of each
+    polygon; its UVs are from 0 to 1 there. tile_material: the source's material of each tile, -1 for none, or if
+    materials are not kept apart.
     """
 
     uv: NDArray[np.float64]
@@ -70,13 +70,13 @@ class Texture:
 
 @dataclass(frozen=True, eq=False)
 class _MadeOf:
-    """What a texture was made of, as a later one needs it."""
+    """The input of a texture, as a later one needs it."""
 
     part: Partition
     poly: PolygonMesh
     atlas: _Atlas
     layout: tuple[Any, ...]  # options that the layout depends on
-    digest: bytes  # of the mesh, the source and the options
+    digest: bytes  # digest of the mesh, the source and the options
     color: NDArray[np.uint8]  # images as the engine made them, tiles upon each other
     normal: NDArray[np.uint8] | None
     layers: list[NDArray[np.uint8]]
@@ -95,19 +95,19 @@ def texture(
 ) -> Texture:
     """Lay the polygons out in an image, and show the scan there.
 
-    source: what the mesh was made from: `clean(source.vertices, source.triangles)`.
+    source: the input of the mesh: `clean(source.vertices, source.triangles)`.
     previous: a texture of other polygons of the same scan. Polygons whose corners have moved by no more than a pixel
-    (or two, if need be) stay where they were, the others are put into the free room; if they do not fit there, more of
-    them make room, and in the end all are laid out anew. Those that show the same faces at the same pixels take them
-    from there, which gives the same images as baking them. For that a texture keeps what it was made of: 7 bytes a
-    pixel, and 4 for each layer.
+    (or two, if need be) keep their places, the others are put into the free room; if they do not fit there, more
+    polygons make room, and finally all are laid out again. Polygons that show the same faces at the same pixels copy
+    them, which gives the same images as baking them. Therefore a texture keeps its input: 7 bytes a pixel, and 4 for
+    each layer.
     The report: `size`, `tiles`, `materials` (how many are kept apart, 0: none are), `charts`, `fill` (area of the
     polygons over that of the image), `texels_per_unit` and `source_texels_per_unit` (of the result and of the scan, per
-    scene unit), `gutter`, `texels` (in polygons), `searched` (of them those that show the closest face, since none lies
-    above or below), `unknown` (those that show the mean colour), `turned_faces` (faces that repairs changed),
-    `lost_faces` (those without a place on the scan), `kept_places` (polygons that lie where the previous
-    texture had them), `kept_pixels` (those that were not baked), `layers` (the names of further images) and, with a
-    height map, `height_range` (see `Texture.factors`).
+    scene unit), `gutter`, `texels` (in polygons), `searched` (texels that show the closest face, since none lies above
+    or below), `unknown` (texels that show the mean colour), `turned_faces` (faces that repairs changed), `lost_faces`
+    (faces without a place on the scan), `kept_places` (polygons at their places of the previous texture), `kept_pixels`
+    (pixels that were not baked), `layers` (the names of further images) and, with a height map, `height_range` (see
+    `Texture.factors`).
     Raises InvalidInput (the source is not the mesh's, or shows nothing; charts do not fit into the size) or Cancelled.
     """
     options = options or TextureOptions()
@@ -176,7 +176,7 @@ _NO_GROUP = np.zeros(0, dtype=np.int32)
 
 
 def _tiles(image: NDArray[Any], atlas: _Atlas) -> NDArray[Any]:
-    """Images with the last tile at the top as (N, H, W, ...); that of a single tile as it is."""
+    """Images with the last tile at the top as (N, H, W, ...); a single tile as it is."""
     if atlas.tiles == 1:
         return image
     return image.reshape(atlas.tiles, atlas.side, *image.shape[1:])[::-1]
@@ -185,7 +185,7 @@ def _tiles(image: NDArray[Any], atlas: _Atlas) -> NDArray[Any]:
 def _groups(
     mesh: Mesh, part: Partition, poly: PolygonMesh, source: TexturedSoup, face: NDArray[np.int32]
 ) -> tuple[NDArray[np.int32], list[int]]:
-    """(Q,) which of some materials each polygon belongs to, and these: what most of its region's area shows."""
+    """(Q,) the material of each polygon, by most of its region's area, as an index into the returned list."""
     area = _areas(mesh)
     counts = (face >= 0) & (part.face_region >= 0)
     given = np.append(np.asarray(source.given, dtype=np.int64), -1)  # the last one: no material
@@ -199,7 +199,7 @@ def _groups(
 
 
 def _digest(mesh: Mesh, source: TexturedSoup, options: TextureOptions) -> bytes:
-    """Of all that the pixels of a polygon depend on beside its place."""
+    """A digest of all data that the pixels of a polygon depend on, except its place."""
     found = hashlib.blake2b(digest_size=16)
 
     def add(*arrays: Any) -> None:
@@ -223,7 +223,7 @@ def _digest(mesh: Mesh, source: TexturedSoup, options: TextureOptions) -> bytes:
 
 @dataclass(frozen=True)
 class _Look:
-    """What each face of the mesh shows, as the engine takes it."""
+    """The appearance of each face of the mesh, in the engine's form."""
 
     uv: NDArray[np.float32]  # (F, 3, 2)
     image: NDArray[np.int32]  # (F,) of `pictures`; -1: colours
@@ -233,7 +233,7 @@ class _Look:
 
 
 def _wanted(source: TexturedSoup) -> tuple[list[str], dict[str, float]]:
-    """The layers that get an image, and the numbers of those that do not."""
+    """The layers that get an image, and the numbers of the other layers."""
     names, factors = [], {}
     used = np.unique(source.material)
     for name, layer in source.layers.items():
@@ -252,7 +252,7 @@ def _wanted(source: TexturedSoup) -> tuple[list[str], dict[str, float]]:
 def _layer(
     source: TexturedSoup, name: str, face: NDArray[np.int32], weight: NDArray[np.float32], uv: NDArray[np.float32]
 ) -> tuple[NDArray[np.float32], NDArray[np.int32], list[Any]]:
-    """What each face of the mesh shows of a layer: UVs, image and images. Materials that do not say are neutral."""
+    """The appearance of each face of the mesh in a layer: UVs, image and images. Materials without it are neutral."""
     layer: TextureLayer = source.layers[name]
     at = np.maximum(face, 0)
     if layer.uv is not None:
@@ -268,7 +268,7 @@ def _layer(
 
 
 def _carried(values: NDArray[Any], face: NDArray[np.int32], weight: NDArray[np.float32]) -> NDArray[Any]:
-    """(F, 3, n): values of a source's corners at those of the mesh's faces, most of which have its corners."""
+    """(F, 3, n): values of a source's corners at the corners of the mesh's faces, most of which have its corners."""
     carried = values[face]
     other = np.flatnonzero((weight != _CORNERS).reshape(len(weight), -1).any(axis=1))
     w = weight[other]
@@ -306,7 +306,7 @@ def _uv_areas(uv: NDArray[np.float32]) -> NDArray[np.float64]:
 
 
 def _distinct(images: Sequence[Any]) -> tuple[Any, ...]:
-    """Which of the arrays that follow each image is, -1 for none, with one more -1 at the end; and these arrays."""
+    """The index of each image in the following arrays, -1 for none, with one more -1 at the end; and these arrays."""
     place: dict[int, int] = {}
     number = [-1 if image is None else place.setdefault(id(image), len(place)) for image in images]
     each = {id(image): image for image in images if image is not None}

@@ -1,4 +1,4 @@
-"""Binary glTF 2.0: what the format's specification lays out, as far as scans and our results need it."""
+"""Binary glTF 2.0: the layout of the format's specification, as far as scans and our results need it."""
 
 import json
 import struct
@@ -48,7 +48,7 @@ def geometry(path: Path, data: bytes) -> tuple[NDArray[np.float64], NDArray[np.i
 
 @dataclass(frozen=True, eq=False)
 class _Shape:
-    """What a primitive has, wherever it stands."""
+    """The data of a primitive, independent of its place."""
 
     primitive: Item
     points: NDArray[np.float64]  # (V, 3)
@@ -71,7 +71,7 @@ class _Part:
 
     @property
     def triangles(self) -> NDArray[np.int32]:
-        """Those of a mirrored object are turned to look outward."""
+        """Triangles of a mirrored object are turned to look outward."""
         mirrored = np.linalg.det(self.matrix[:3, :3]) < 0
         return self.shape.triangles[:, ::-1] if mirrored else self.shape.triangles
 
@@ -83,7 +83,7 @@ class _Part:
         return np.broadcast_to(white, (len(self.shape.points), 4)) if found is None else found
 
 
-_BYTES = 24, 120  # of memory that a vertex takes, and a triangle with its corners
+_BYTES = 24, 120  # bytes of memory for a vertex, and for a triangle with its corners
 
 
 def _parts(file: GltfFile) -> list[_Part]:
@@ -151,7 +151,7 @@ def _triangles(index: NDArray[Any], mode: int) -> NDArray[Any]:
 
 
 def _stored_colors(linear: NDArray[Any]) -> NDArray[np.uint8]:
-    """glTF's colours of vertices are linear; stored ones are those of sRGB, as images have them."""
+    """glTF's colours of vertices are linear; stored ones are sRGB, as in images."""
     if linear.dtype.kind == "u":
         linear = linear / np.iinfo(linear.dtype).max
     linear = np.clip(np.nan_to_num(linear.astype(np.float64)), 0, 1)

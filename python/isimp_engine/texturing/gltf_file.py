@@ -20,7 +20,7 @@ MAGIC, JSON, BINARY = b"glTF", 0x4E4F534A, 0x004E4942
 _KINDS = {5120: "i1", 5121: "u1", 5122: "i2", 5123: "u2", 5125: "u4", 5126: "f4"}
 _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 _OTHER_IMAGES = ("EXT_texture_webp", "EXT_texture_avif")  # extensions whose images are read as others are
-#: What a file may require: read here, or without influence on shape and colour. Materials have more of this kind.
+#: Extensions that a file may require: read here, or without influence on shape and colour. Materials have more of this
 _KNOWN = {"CESIUM_RTC", "KHR_mesh_quantization", "KHR_texture_transform", "KHR_lights_punctual", *_OTHER_IMAGES}
 _KNOWN |= {"KHR_xmp_json_ld", "EXT_mesh_features", "EXT_structural_metadata"}
 _MATERIALS, _TEXTURES = "KHR_materials_", ("KHR_texture_", "EXT_texture_")
@@ -31,7 +31,7 @@ class GltfFile:
     """The JSON and the buffers of a file."""
 
     def __init__(self, path: Path, data: bytes | None = None, shape_only: bool = False) -> None:
-        """shape_only: images are not asked for, so that it does not matter of which kind they are."""
+        """shape_only: images are not used, so that their kind does not matter."""
         self.path = path
         data = path.read_bytes() if data is None else data
         self.binary: bytes = b""
@@ -94,7 +94,7 @@ class GltfFile:
         return self._buffers[i]
 
     def _linked(self, item: Item, root: Path) -> bytes:
-        """What the uri of an item leads to."""
+        """The data at the uri of an item."""
         uri = item.text("uri")
         if uri.startswith("data:"):
             return base64.b64decode(uri.partition(",")[2])
@@ -171,7 +171,7 @@ class GltfFile:
             stack += [(child, matrix) for child in reversed(node.indices("children"))]
 
     def _roots(self, count: int) -> list[int]:
-        """The nodes of the default scene; without scenes those that no other one names."""
+        """The nodes of the default scene; without scenes the nodes that no other one names."""
         if self.json.rows("scenes"):
             return self.item("scenes", self.json.whole("scene", 0)).indices("nodes")
         inner = {child for i in range(count) for child in self.item("nodes", i).indices("children")}
@@ -181,7 +181,7 @@ class GltfFile:
         return self.item("materials", material).item("pbrMetallicRoughness")
 
     def color_texture(self, material: int) -> Item | None:
-        """What a material shows as its base colour, if that is an image."""
+        """The base colour of a material, if that is an image."""
         return None if material < 0 else texture_of(self._base(material), "baseColorTexture")
 
     @staticmethod
@@ -214,7 +214,7 @@ class GltfFile:
         return uv
 
     def base_color(self, material: int, plain: bool) -> Any:
-        """The image of a material; without one its colour, or None for that of the vertices."""
+        """The image of a material; without one its colour, or None for the colours of the vertices."""
         base = self._base(material)
         texture = texture_of(base, "baseColorTexture")
         if texture is not None:

@@ -1,4 +1,4 @@
-"""What glTF's materials have beside their colour, read and written."""
+"""Further layers of glTF's materials, read and written."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -13,12 +13,12 @@ from .gltf_values import Item
 from .layers import TextureLayer
 
 _STRENGTH = "KHR_materials_emissive_strength"
-_LARGEST = 1e30  # of emission
+_LARGEST = 1e30  # largest emission
 _Parts = list[tuple[Item, NDArray[np.int32]]]  # primitives with their triangles
 
 
 def read(file: GltfFile, used: list[int], parts: _Parts) -> dict[str, TextureLayer]:
-    """The layers that any of the materials in use has. One without a factor and an image says nothing."""
+    """The layers that any of the materials in use has. One without a factor and an image has none."""
     materials = [file.item("materials", m) for m in used]
     strength = max([1.0, *(float(max(_emission(m))) for m in materials)])
     found = {}
@@ -73,7 +73,7 @@ def _image(file: GltfFile, name: str, material: Item, strength: float) -> images
     if name == layers.NORMAL:
         scale = texture.number("scale", 1)
         return changed(picture, ("normal", scale), lambda image: layers.scaled_normals(image, scale))
-    share = texture.number("strength", 1)  # of occlusion: 1 + strength * (image - 1)
+    share = texture.number("strength", 1)  # strength of occlusion: 1 + strength * (image - 1)
     dark = lambda rows: 1 + share * (layers.shares(rows)[:, :, 0] - 1)  # noqa: E731
     if share == 1:
         return changed(picture, (0, 1.0), lambda image: layers.channel(image, 0))
@@ -81,7 +81,7 @@ def _image(file: GltfFile, name: str, material: Item, strength: float) -> images
 
 
 def _uv(file: GltfFile, name: str, parts: _Parts) -> NDArray[np.float64] | None:
-    """(F, 3, 2) if the layer has UVs other than those of the colours."""
+    """(F, 3, 2) if the layer has other UVs than the colours."""
     pairs = []
     for primitive, _ in parts:
         number = primitive.whole("material") if "material" in primitive else -1
@@ -96,9 +96,9 @@ def _uv(file: GltfFile, name: str, parts: _Parts) -> NDArray[np.float64] | None:
 
 @dataclass(frozen=True)
 class Shown:
-    """What a material of a result has: images as PNG files, and numbers."""
+    """The appearance of a result's material: images as PNG files, and numbers."""
 
-    name: str  #: of its images, which have more behind it
+    name: str  #: beginning of its images' names
     color: bytes = field(repr=False)
     normal: bytes | None = field(repr=False)
     #: occlusion in red, roughness in green and metallic in blue; None if none of them has an image

@@ -1,4 +1,4 @@
-"""Values of a glTF file's JSON, each of the kind that it must be, or an error that says where it stands."""
+"""Values of a glTF file's JSON, each of the kind that it must be, or an error that names their place."""
 
 import math
 import reprlib

@@ -19,10 +19,10 @@ from . import udim
 
 Image = NDArray[Any]  # (H, W, 4) uint8 or uint16, row 0 at the top
 
-#: What is read, by its contents. Pillow knows more, as PostScript, which it runs. TGA has no mark, so it comes last.
+#: Kinds to read, by content. Pillow knows more, such as PostScript, which it runs. TGA has no mark, so it comes last.
 FORMATS = ("PNG", "JPEG", "TIFF", "BMP", "WEBP", "GIF", "PPM", "JPEG2000", "DDS", "SGI", "PCX", "AVIF", "TGA")
 _BLOCK = 1 << 22  # pixels that are worked on at once, so that intermediate values are small
-_PILLOW = threading.Lock()  # its limit and the filters of warnings are those of the process
+_PILLOW = threading.Lock()  # its limit and the filters of warnings belong to the process
 
 
 def pillow(name: object) -> Any:
@@ -34,19 +34,19 @@ def pillow(name: object) -> Any:
     except ImportError as error:  # there is too little memory, for one
         raise FileError(f"{name}: reading and writing images needs Pillow, which can't be loaded ({error})") from None
     log = logging.getLogger("PIL")
-    if not log.handlers:  # else Python writes to stderr what it says of damaged files
+    if not log.handlers:  # else Python writes its messages on damaged files to stderr
         log.addHandler(logging.NullHandler())
     return PIL.Image
 
 
 class Pictures:
-    """The images of one scan. Each file is decoded once, whatever its names and however many materials show it."""
+    """The images of one scan. Each file is decoded once, also under several names and for several materials."""
 
     def __init__(self) -> None:
         self._made: dict[Hashable, Image] = {}
 
     def load(self, path: Path, named_by: str) -> Image | dict[int, Image]:
-        """The image of a file, or those of UDIM tiles by their numbers. `named_by` says where the name stands."""
+        """The image of a file, or the images of UDIM tiles by their numbers. `named_by` is the place of the name."""
         if udim.is_pattern(path):
             files = udim.files(path)
             if not files:
@@ -57,7 +57,7 @@ class Pictures:
         return self._file(path)
 
     def once(self, key: Hashable, make: Callable[[], Image]) -> Image:
-        """What `make` gives, made once for each key."""
+        """The result of `make`, made once for each key."""
         if key not in self._made:
             self._made[key] = make()
         return self._made[key]
@@ -127,7 +127,7 @@ def _pixels(image: Any) -> Image:
 
 
 def settled(pixels: Image) -> Image:
-    """An image that nobody changes any more, so that it need not be copied."""
+    """An image that is not changed any more, so that it need not be copied."""
     pixels.flags.writeable = False
     return pixels
 
@@ -168,7 +168,7 @@ def rgba(pixels: Any, name: str = "image") -> Image:
 
 
 def png(pixels: NDArray[Any], name: object) -> bytes:
-    """An image as a PNG file, 8 bits or grey of 16; without an alpha channel where it says nothing."""
+    """An image as a PNG file, 8 bits or grey of 16; without an alpha channel if all is opaque."""
     if pixels.ndim == 3 and pixels.shape[2] == 4 and (pixels[:, :, 3] == 255).all():
         pixels = pixels[:, :, :3]
     out = io.BytesIO()

@@ -1,4 +1,4 @@
-"""What materials have beside their colour: roughness, metallic, emission, occlusion, normals."""
+"""Layers of materials in addition to their colour: roughness, metallic, emission, occlusion, normals."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -10,23 +10,23 @@ from numpy.typing import NDArray
 from .._core import InvalidInput
 from .images import Image, by_rows, rgba, settled
 
-#: The layers that are numbers and colours, and what a material has that does not say.
+#: The layers that are numbers and colours, with the values of a material without them.
 NEUTRAL = {"roughness": 1.0, "metallic": 0.0, "emission": 0.0, "occlusion": 1.0}
 LARGEST_UV = 1e30  #: UVs of any use are below, and single precision holds them
 NORMAL = "normal"
 HEIGHT = "height"  #: made here, never read
-NUMBERS = ("roughness", "metallic")  #: of one value everywhere these are a number of the result, and no image
+NUMBERS = ("roughness", "metallic")  #: with one value everywhere these are a number of the result, and no image
 
 
 @dataclass(frozen=True, eq=False)
 class TextureLayer:
     """One property of the materials, as images.
 
-    images: of each material an array as `TexturedSoup.images` has them, or one number from 0 to 1; None for a material
-    that does not say, and a dict of them for UDIM tiles. Emission is stored as colours are (sRGB), the others as they
-    are; normals are tangent-space ones with green up.
-    uv: (F, 3, 2) float64: its own, where it does not have those of the colours.
-    strength: what the images' 1 stands for; above 1 for bright emission.
+    images: for each material an array as in `TexturedSoup.images`, or one number from 0 to 1; None for a material
+    without it, and a dict of them for UDIM tiles. Emission is stored as colours are (sRGB), the others as they are;
+    normals are tangent-space ones with green up.
+    uv: (F, 3, 2) float64: its own, if they differ from the UVs of the colours.
+    strength: the value of the images' 1; above 1 for bright emission.
     """
 
     images: Sequence[Any] = field(repr=False)

@@ -1,4 +1,4 @@
-"""Which files a scan may name: those in its folder, in the folders below, and beside it (`../textures/wall.png`)."""
+"""The files that a scan may name: in its folder, the folders below, and sister folders (`../textures/wall.png`)."""
 
 import os
 import re
@@ -32,7 +32,7 @@ def file(name: str, folder: Path, root: Path, place: str) -> Path:
 
 
 def image(name: str, folder: Path, root: Path, place: str) -> Path:
-    """The same for an image. A name from another machine is looked for beside the file that has it."""
+    """As above for an image. A name from another machine is searched for next to the file that has it."""
     beside = folder / PureWindowsPath(name).name
     plain = name.replace("\\", "/")
     inside = not _ADDRESS.match(plain) and _absolute(folder / plain).is_relative_to(root)

@@ -14,15 +14,15 @@ from . import images, named, udim
 from .layers import NORMAL, TextureLayer, channel, scaled_colors, to_srgb
 from .soup import TexturedSoup, corner_places
 
-# How many words follow the options of a texture map.
+# The number of words that follow each option of a texture map.
 _MAP_OPTIONS = {"-blendu": 1, "-blendv": 1, "-boost": 1, "-cc": 1, "-clamp": 1, "-texres": 1, "-bm": 1, "-imfchan": 1}
 _MAP_OPTIONS |= {"-type": 1, "-mm": 2, "-colorspace": 1}
 _UP_TO_THREE = ("-o", "-s", "-t")
-# Numbers and maps beside the colour. A map counts alone, without its number, but for emission above 1.
+# Numbers and maps in addition to the colour. A map counts alone, without its number, except for emission above 1.
 _NUMBERS = {"Pr": "roughness", "Pm": "metallic", "Ke": "emission"}
 _MAPS = {f"map_{word}": name for word, name in _NUMBERS.items()} | {"norm": NORMAL}
-_LARGEST = 1e30  # of such numbers
-_LARGEST_NUMBER = 1 << 62  # of corners
+_LARGEST = 1e30  # largest of such numbers
+_LARGEST_NUMBER = 1 << 62  # largest number of corners
 
 
 def read(path: Path, job: Job | None, threads: int) -> TexturedSoup:
@@ -46,7 +46,7 @@ def read(path: Path, job: Job | None, threads: int) -> TexturedSoup:
 
 
 def _layers(materials: dict[str, "_Material"], pictures: images.Pictures) -> dict[str, TextureLayer]:
-    """What any of the materials has beside its colour."""
+    """The layers that any of the materials has in addition to its colour."""
     strength = max([1.0, *(max(m.numbers["emission"]) for m in materials.values() if "emission" in m.numbers)])
     found = {}
     for name in _MAPS.values():
@@ -57,11 +57,11 @@ def _layers(materials: dict[str, "_Material"], pictures: images.Pictures) -> dic
 
 
 def _lines(path: Path, joined: bool = False) -> list[bytes]:
-    """The lines of a text file, as the engine's readers have them. joined: a line goes on after a backslash."""
+    """The lines of a text file, as in the engine's readers. joined: a line continues after a backslash."""
     data = path.read_bytes().removeprefix(b"\xef\xbb\xbf")
     for end in (b"\r\n", b"\n", b"\r") if joined else ():
         data = data.replace(b"\\" + end, b" ")
-    return data.splitlines()  # of bytes: no other character ends a line
+    return data.splitlines()  # splits bytes: no other character ends a line
 
 
 def _text(word: bytes) -> str:
@@ -69,7 +69,7 @@ def _text(word: bytes) -> str:
 
 
 class _Material:
-    """What an MTL file says of a material."""
+    """The content of an MTL file for one material."""
 
     def __init__(self, place: str) -> None:
         self.place, self.diffuse = place, (0.8, 0.8, 0.8)
@@ -82,7 +82,7 @@ class _Material:
         return [file for path in named if path is not None for file in udim.files(path).values()]
 
     def layer(self, name: str, strength: float, pictures: images.Pictures) -> Any:
-        """The image of a layer, or its number as a pixel; None if the file does not say."""
+        """The image of a layer, or its number as a pixel; None if the file has neither."""
         numbers = self.numbers.get(name)
         if name in self.maps:
             image = pictures.load(*self.maps[name])
@@ -100,18 +100,18 @@ class _Material:
         return images.rgba(to_srgb(np.reshape(np.divide(numbers, strength), (1, 1, 3))))
 
     def plain(self) -> NDArray[np.uint8]:
-        """A pixel of the diffuse colour. Colours of OBJ files are stored values, as those of images are."""
+        """A pixel of the diffuse colour. Colours of OBJ files are stored values, as in images."""
         rgb = np.round(np.clip(self.diffuse, 0, 1) * np.float64(255)).astype(np.uint8)
         return np.append(rgb, np.uint8(255)).reshape(1, 1, 4)
 
 
 class _Rows:
-    """The lines of an OBJ file that say what it shows."""
+    """The lines of an OBJ file that define its appearance."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
         self.faces: list[bytes] = []
-        self.uv_before: list[int] = []  # texture coordinates before each face: what negative numbers count back from
+        self.uv_before: list[int] = []  # texture coordinates before each face; negative numbers count back from it
         self.uses: list[tuple[int, str]] = []  # the face from which on a material is used
         self.libraries: list[str] = []
         uv: list[list[bytes]] = []

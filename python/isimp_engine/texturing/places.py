@@ -1,4 +1,4 @@
-"""Where on the scan the corners of polygons lie: what colours, UVs and shapes are carried over with."""
+"""The places of polygons' corners on the scan, to transfer colours, UVs and shapes."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ def corner_sources(
 
     Only the polygon's own region counts, so that a thin arm takes nothing from its other side. A value of the scan's
     corners, (T, 3, n), is `numpy.einsum("lc,lcn->ln", weights, values[triangle])` at the polygons' corners.
-    vertices, triangles: what the mesh was made from. A triangle of -1: none is known.
+    vertices, triangles: the input of the mesh. A triangle of -1: none is known.
     islands: (T,) int32, as `uv_islands` makes them: only the island that has most of the region's area counts, since
     values between two islands mean nothing.
     Raises InvalidInput (parts that do not belong together) or Cancelled.
@@ -40,7 +40,7 @@ def corner_sources(
 
 
 def uv_islands(triangles: NDArray[np.int32], uv: NDArray[np.float64]) -> NDArray[np.int32]:
-    """(T,) int32 the island of a UV map that each triangle lies in: the number of the first triangle in it.
+    """(T,) int32 the island of a UV map of each triangle: the number of the first triangle in it.
 
     Triangles are of one island where they share an edge with the same UVs at both of its ends.
     triangles: (T, 3). uv: (T, 3, 2) of their corners. Cost: O(T log T).

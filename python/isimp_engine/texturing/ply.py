@@ -43,7 +43,7 @@ def read(path: Path, job: Job | None, threads: int) -> TexturedSoup:
     textures, elements = _read_columns(path)
     vertex, face = elements.get("vertex", {}), elements.get("face", {})
     if len(face) and len(next(iter(face.values()))) != len(loop_start):
-        face = {}  # strips: nothing is said of their triangles
+        face = {}  # strips: the file has no data for their triangles
     uv, has_uv = _corner_uv(path, vertex, face, loops, loop_start)
     root, loader = named.root_of(path), images.Pictures()
     files = [path.parent / name for name in textures]
@@ -173,7 +173,7 @@ def _binary(data: bytes, elements: list[_Element], order: str) -> Iterator[tuple
 
 
 def _binary_rows(data: bytes, at: int, element: _Element, order: str) -> tuple[Columns, int]:
-    """All rows at once if their lists are as long as those of the first one; else one by one."""
+    """All rows at once if their lists are as long as the lists of the first one; else one by one."""
     sizes = _sizes_at(data, at, element, order) if element.count else dict.fromkeys(element.lists, 0)
     fields: list[Any] = []
     for name in element.order:
@@ -210,7 +210,7 @@ def _binary_rows(data: bytes, at: int, element: _Element, order: str) -> tuple[C
 
 
 def _sizes_at(data: bytes, at: int, element: _Element, order: str) -> dict[str, int]:
-    """How long the lists of the row that begins here are."""
+    """The lengths of the lists of the row that begins here."""
     sizes = {}
     for name in element.order:
         if name in element.lists:

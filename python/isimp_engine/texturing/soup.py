@@ -1,4 +1,4 @@
-"""Triangles with what they show."""
+"""Triangles with their materials and colours."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -18,16 +18,16 @@ from .tiled_materials import split_tiles
 class TexturedSoup:
     """Triangles of a scan with their UVs, images and colours.
 
-    vertices: (V, 3) float64. triangles: (F, 3) int32: what `clean` takes.
+    vertices: (V, 3) float64. triangles: (F, 3) int32: the input of `clean`.
     uv: (F, 3, 2) float64: of each corner; v = 1 is the upper edge of an image. None: zeros. UVs outside 0 to 1 repeat
-    the image. (V, 2), one of each vertex, is taken too. A face with a UV that is not finite shows no image.
+    the image. (V, 2), one of each vertex, is accepted too. A face with a UV that is not finite shows no image.
     material: (F,) int32: the image of each face, -1 for none. None: 0 where there are images.
     images: of each material an array of (H, W), (H, W, 3) or (H, W, 4), uint8, uint16 or floating-point numbers from 0
     to 1, row 0 at the top, kept as (H, W, 4) uint8 or uint16; None for a material that shows the colours. The UDIM
     tiles of a material are a dict of such arrays by their numbers from 1001 on; each becomes a material of its own.
-    colors: (F, 3, 4) uint8: RGBA of each corner. None: no colours. (V, 3 or 4), (F, 3 or 4) and (F, 3, 3) are taken
+    colors: (F, 3, 4) uint8: RGBA of each corner. None: no colours. (V, 3 or 4), (F, 3 or 4) and (F, 3, 3) are accepted
     too.
-    layers: what else the materials have, by name: "roughness", "metallic", "emission", "occlusion" and "normal".
+    layers: further layers of the materials, by name: "roughness", "metallic", "emission", "occlusion" and "normal".
     """
 
     vertices: NDArray[np.float64]
@@ -36,8 +36,8 @@ class TexturedSoup:
     material: NDArray[np.int32] = None  # type: ignore[assignment]
     images: Sequence[Any] = field(default=(), repr=False)
     colors: NDArray[np.uint8] | None = field(default=None, repr=False)
-    names: Sequence[str] = ()  #: of the materials, as the file has them
-    files: Sequence[Path] = ()  #: that were read beside the scan's own: materials and images
+    names: Sequence[str] = ()  #: names of the materials in the file
+    files: Sequence[Path] = ()  #: files that were read in addition to the scan's own: materials and images
     layers: Mapping[str, TextureLayer] = field(default_factory=dict, repr=False)
     #: the material that each one was before tiles became materials; `names` are of these
     given: Sequence[int] = field(default=(), init=False, repr=False)
@@ -88,7 +88,7 @@ class TexturedSoup:
         return self.colors is not None or any(self.images[m] is not None for m in np.unique(self.material) if m >= 0)
 
     def material_name(self, material: int) -> str:
-        """What the file calls a material; its number if it does not say, "" for -1."""
+        """The file's name of a material; its number if it has none, "" for -1."""
         if material < 0:
             return ""
         return self.names[material] if material < len(self.names) else str(material)
@@ -125,7 +125,7 @@ def corner_colors(colors: Any, vertices: int, triangles: NDArray[np.int32]) -> N
 def corner_places(
     loops: NDArray[np.int32], loop_start: NDArray[np.int32], triangles: NDArray[np.int32], polygon: NDArray[np.int32]
 ) -> NDArray[np.int64]:
-    """(F, 3): where in `loops` each corner of the triangles that polygons were cut into stands."""
+    """(F, 3): the place in `loops` of each corner of the triangles that the polygons were cut into."""
     start = np.append(loop_start, len(loops)).astype(np.int64)
     size = np.diff(start)
     places = start[polygon][:, None] + np.arange(3)

@@ -1,4 +1,4 @@
-"""Materials of UDIM tiles, as the engine takes them: each tile a material of its own."""
+"""Materials of UDIM tiles in the engine's form: each tile is a material of its own."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -23,7 +23,7 @@ def split_tiles(
 ) -> tuple[NDArray[np.float64], NDArray[np.int32], list[Any], dict[str, TextureLayer], list[int]]:
     """Makes each tile of a material a material of its own, whose UVs are from 0 to 1.
 
-    Returns uv, material, images and layers, and the material that each one was before.
+    Returns uv, material, images and layers, and the earlier material of each one.
     Raises InvalidInput where a face lies in a tile that its image does not have.
     """
     has_tiles = [any(isinstance(one, Mapping) for one in _shown(m, images, layers)) for m in range(len(images))]

@@ -11,7 +11,7 @@ _MARK = re.compile(re.escape("<udim>"), re.IGNORECASE)
 
 
 def is_pattern(path: Path) -> bool:
-    """Whether a file's name stands for those of all tiles: `wall.<UDIM>.png`."""
+    """Whether a file's name stands for the names of all tiles: `wall.<UDIM>.png`."""
     return _MARK.search(path.name) is not None
 
 

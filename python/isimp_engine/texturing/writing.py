@@ -23,14 +23,14 @@ KINDS = (".obj", ".glb")
 Put = Callable[[Path, bytes], object]
 
 
-#: What MTL files call the further layers. They have no word for occlusion: it dims the ambient light.
+#: Names of the further layers in MTL files. They have no word for occlusion: it dims the ambient light.
 _MAPS = {"roughness": "map_Pr", "metallic": "map_Pm", "emission": "map_Ke", "occlusion": "map_Ka", HEIGHT: "disp"}
 
 
 def companions(path: Path, height: bool = False) -> list[Path]:
-    """The files that can stand beside an output: OBJ has a material file and images, GLB has no place for heights.
+    """The files that can accompany an output: OBJ has a material file and images, GLB has no place for heights.
 
-    Those of a result with tiles or several materials have more in their names.
+    Files of a result with tiles or several materials have more in their names.
     """
     if path.suffix.lower() != ".obj":
         return [_beside(path, HEIGHT)] if height else []
@@ -50,12 +50,12 @@ def _beside(path: Path, layer: str) -> Path:
 
 @dataclass(frozen=True, eq=False)
 class _Sheet:
-    """One tile of a texture: its images, and what its files and its material are called."""
+    """One tile of a texture: its images, and the names of its files and its material."""
 
-    material: str  # of the result's material
-    prefix: str  # of the names of its images: the output's, and that of the material
+    material: str  # name of the result's material
+    prefix: str  # beginning of the names of its images: the output's name, and that of the material
     udim: str  # ".1001", "" if the material has one tile
-    column: int  # where UDIM puts the tile
+    column: int  # column of the tile in UDIM
     row: int
     color: NDArray[np.uint8]
     normal: NDArray[np.uint8] | None
@@ -66,7 +66,7 @@ class _Sheet:
 
     @property
     def any_udim(self) -> str:
-        """What stands in MTL files for the number of any tile."""
+        """The text in MTL files for the number of any tile."""
         return ".<UDIM>" if self.udim else ""
 
 
@@ -93,7 +93,7 @@ def sheets(made: Texture, stem: str) -> list[_Sheet]:
 
 
 def _unique(names: list[str], of: tuple[int, ...]) -> list[str]:
-    """The same names with numbers behind those that several materials have."""
+    """The same names, with numbers appended to names that several materials have."""
     owner: dict[str, int] = {}
     for i, name in enumerate(names):
         while owner.setdefault(names[i], of[i]) != of[i]:
@@ -133,10 +133,10 @@ def files_of(path: Path, poly: PolygonMesh, made: Texture, job: Job | None = Non
 def write_textured(path: str | PathLike[str], poly: PolygonMesh, made: Texture, job: Job | None = None) -> list[Path]:
     """Write polygons with their texture; returns the files that were written.
 
-    OBJ keeps the n-gons and has an MTL file and PNG images of the same name beside it; those of several tiles are UDIM
-    images (`model.1001.png`, in the MTL file `model.<UDIM>.png`), those of materials kept apart have the material's
-    name (`model-red.png`). GLB has triangles, a material for each tile, and holds its images; the coordinates are the
-    scan's, though glTF takes y for up. A height map is a file beside it, as glTF has no word for it.
+    OBJ keeps the n-gons and has an MTL file and PNG images of the same name; images of several tiles are UDIM images
+    (`model.1001.png`, in the MTL file `model.<UDIM>.png`), and images of materials kept apart have the material's name
+    (`model-red.png`). GLB has triangles, a material for each tile, and holds its images; the coordinates are the
+    scan's, though glTF takes y for up. A height map is a separate file, as glTF has no word for it.
     Each file is replaced only when all are complete. Raises FileError (another extension, or the place can't be
     written).
     """
@@ -165,7 +165,7 @@ def _ends(poly: PolygonMesh) -> NDArray[np.int64]:
 
 
 def _obj(library: str, poly: PolygonMesh, made: Texture, tiles: list[_Sheet]) -> bytes:
-    """A normal for each polygon, so that it is shaded flat: that is what the normal map is made for."""
+    """A normal for each polygon, so that it is shaded flat: the normal map is made for this."""
     of = np.zeros(len(poly.loop_start), dtype=np.int32) if made.tile is None else made.tile
     ends = _ends(poly)
     shift = np.array([(sheet.column, sheet.row) for sheet in tiles])[np.repeat(of, np.diff(ends))]

@@ -30,8 +30,8 @@ State& state() {
   return one;
 }
 
-/// Threads of a launch that wait for each other: each takes the next number, and goes on to another thread where it
-/// waits. setjmp saves what swapcontext would, without a call of the system for every switch.
+/// Threads of a launch that wait for each other: each takes the next number, and switches to another thread where it
+/// waits. setjmp saves the same state as swapcontext, without a call of the system for every switch.
 class Launch {
  public:
   Launch(std::vector<std::int64_t> order, const std::function<void(std::int64_t)>& kernel, std::size_t width)

@@ -6,9 +6,9 @@
 
 #include "isimp/parallel/backend.h"
 
-/// A device that disturbs: the kernels of cuda/ on one thread of the CPU, with everything that a real device may do in
-/// another order done in a random one. Blocks of 256 threads come in random order, the last one is ragged. Threads are
-/// interleaved at every atomic operation. Memory holds rubbish before it is written. An allocation may fail.
+/// A device that disturbs: the kernels of cuda/ on one thread of the CPU, with a random order wherever a real device
+/// may use any. Blocks of 256 threads run in random order, the last one is ragged. Threads are interleaved at every
+/// atomic operation. Memory holds rubbish before it is written. An allocation may fail.
 namespace isimp::chaos {
 
 struct Settings {
@@ -22,7 +22,7 @@ void set(const Settings& settings);
 struct Count {
   std::int64_t allocations = 0;  ///< since `set`, the failed one among them
   std::int64_t live = 0;         ///< blocks that are held now
-  std::int64_t misused = 0;      ///< deletions of what was no block
+  std::int64_t misused = 0;      ///< deletions of addresses that were no block
   std::int64_t switches = 0;     ///< times that a thread waited at an atomic operation
 };
 [[nodiscard]] Count count();
@@ -34,7 +34,7 @@ const parallel::Kernels& kernels();
 
 /// Calls kernel(i) for i in [begin, end), as a device in bad temper would.
 void run(std::int64_t begin, std::int64_t end, const std::function<void(std::int64_t)>& kernel);
-/// Lets other threads run first, perhaps. Does nothing outside `run`.
+/// Makes other threads run first, perhaps. Does nothing outside `run`.
 void wait();
 /// A number in [0, below).
 [[nodiscard]] std::size_t random(std::size_t below);

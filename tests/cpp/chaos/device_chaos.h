@@ -32,7 +32,7 @@ void for_all(std::int64_t begin, std::int64_t end, Kernel kernel) {
 
 template <class Kernel, class Value, class Merge>
 Value reduce_all(Memory& memory, std::int64_t end, Kernel kernel, Value start, Merge merge) {
-  const Array<char> scratch(memory, static_cast<std::size_t>(end) + 1);  // as Thrust takes some
+  const Array<char> scratch(memory, static_cast<std::size_t>(end) + 1);  // scratch memory as in Thrust
   std::vector<Value> values(static_cast<std::size_t>(end), start);
   chaos::run(0, end, [&](std::int64_t i) { values[static_cast<std::size_t>(i)] = kernel(i); });
   values.push_back(start);

@@ -12,7 +12,7 @@ except ModuleNotFoundError as error:
     if error.name != "bpy":
         raise
     bpy = None
-    collect_ignore_glob = ["test_*.py"]  # those in window/ start a Blender of their own
+    collect_ignore_glob = ["test_*.py"]  # the tests in window/ start a Blender of their own
 else:
     collect_ignore = ["window"]
 

@@ -1,4 +1,4 @@
-"""Ways in which what the add-on keeps with a scan can be damaged or of a later version; and panels to read."""
+"""Damaged and future forms of the data that the add-on stores with a scan; and panels to read."""
 
 import random
 from types import SimpleNamespace
@@ -12,24 +12,24 @@ LATER = '{"step": "future_step", "strength": 2}'
 
 
 def home(block):
-    """Where Blender keeps what add-ons register: since 5.0 not among the custom properties."""
+    """The place of properties that add-ons register: since Blender 5.0 not among the custom properties."""
     return block.bl_system_properties_get(do_create=True) if hasattr(block, "bl_system_properties_get") else block
 
 
 def put(group, name, value):
-    """Gives a property a value, of whatever type: Blender 5.0 changes the type of none that is there."""
+    """Sets a property to a value of any type: Blender 5.0 changes the type of none that is there."""
     if group.get(name) is not None:
         del group[name]
     group[name] = value
 
 
 def nodes(mesh):
-    """The nodes as they lie in the file, whatever they are."""
+    """The nodes as they lie in the file, of any kind."""
     return home(mesh)["isimp"]["nodes"]
 
 
 def plain(value):
-    """A custom property's value as Python has it."""
+    """A custom property's value in Python."""
     if hasattr(value, "to_dict"):
         return {name: plain(inner) for name, inner in value.items()}
     if hasattr(value, "to_list") or isinstance(value, list):
@@ -38,12 +38,12 @@ def plain(value):
 
 
 def dump(block):
-    """All that lies in the place of the add-on's properties."""
+    """All data in the place of the add-on's properties."""
     return plain(home(block).get("isimp"))
 
 
 def kept(block) -> list:
-    """All that was moved aside."""
+    """All data that was moved aside."""
     return [plain(block[name]) for name in block.keys() if name.startswith("isimp.kept")]  # noqa: SIM118
 
 
@@ -53,7 +53,7 @@ def last(mesh):
 
 
 def set_last(**values):
-    """Gives the last step's node other values, of whatever type."""
+    """Sets other values of any type in the last step's node."""
 
     def damage(scan):
         for name, value in values.items():
@@ -119,7 +119,7 @@ def nodes_are(value):
     return damage
 
 
-#: {what: (damage, what the line says)}; of all these the steps can't be read
+#: {what: (damage, the line of text)}; with all these the steps can't be read
 UNREADABLE = {
     "its own parent": (self_parent, "form a circle"),
     "a circle of two": (circle, "form a circle"),
@@ -163,7 +163,7 @@ UNREADABLE = {
     "a state of points": (of_kind(".isimp_state", "INT", "POINT"), "'.isimp_state' is no layer of iSimp's"),
     "a state of colours": (of_kind(".isimp_state", "FLOAT_COLOR", "CORNER"), "'.isimp_state' is no layer of iSimp's"),
 }
-#: of these the steps are read; what is wrong beside them does no harm
+#: with these the steps are read; the other fault does no harm
 READABLE = {
     "numbers that are none": set_last(numbers="[" * 100_000),
     "numbers of other types": set_last(
@@ -220,9 +220,9 @@ def at_random(draw: random.Random, mesh) -> None:
 
 
 class Layout:
-    """Stands in for a panel's layout, and keeps what is to be read in it."""
+    """A replacement for a panel's layout that stores its texts."""
 
-    operator_context = "INVOKE_DEFAULT"  #: which Blender asks for where something was appended to a panel
+    operator_context = "INVOKE_DEFAULT"  #: Blender reads it where something was appended to a panel
 
     def __init__(self, said):
         self.said = said
@@ -252,7 +252,7 @@ class Layout:
 
 
 def panels() -> str:
-    """What all panels that are shown now say, in a line."""
+    """The texts of all panels that are shown now, in a line."""
     said = []
     for cls in panel.CLASSES:
         layout = Layout(said)
@@ -262,5 +262,5 @@ def panels() -> str:
 
 
 def operators() -> dict:
-    """Which operators of the add-on can be called now."""
+    """The operators of the add-on that can be called now."""
     return {name: getattr(bpy.ops.isimp, name).poll() for name in dir(bpy.ops.isimp)}

@@ -1,6 +1,6 @@
 """Runs pytest inside Blender: `blender -b --factory-startup --python-exit-code 1 --python inside.py -- ARGUMENTS`.
 
-Blender does not look at PYTHONPATH: ISIMP_SITE names the folders with pytest and the engine in its place.
+Blender ignores PYTHONPATH: ISIMP_SITE names the folders with pytest and the engine in its place.
 """
 
 import os

@@ -1,4 +1,4 @@
-"""Small scans for the tests, and ways to look at what became of them."""
+"""Small scans for the tests, and ways to check their results."""
 
 import bpy
 import numpy as np
@@ -78,7 +78,7 @@ def world(obj):
 
 
 def geometry(mesh):
-    """All that must never change of a scan."""
+    """All data of a scan that must never change."""
     loops = np.empty(len(mesh.loops), np.int32)
     mesh.loops.foreach_get("vertex_index", loops)
     starts = np.empty(len(mesh.polygons), np.int32)

@@ -1,4 +1,4 @@
-"""What is done with the result: defective polygons selected, regions selected, modelling as with any other mesh."""
+"""Use of the result: defective polygons selected, regions selected, modelling as with any other mesh."""
 
 import bmesh
 import bpy

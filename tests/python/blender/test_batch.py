@@ -15,7 +15,7 @@ import batch
 
 pytestmark = [
     pytest.mark.usefixtures("scene"),
-    pytest.mark.filterwarnings("ignore::DeprecationWarning"),  # of Blender's own importers
+    pytest.mark.filterwarnings("ignore::DeprecationWarning"),  # warnings of Blender's own importers
 ]
 
 
@@ -79,7 +79,7 @@ def obj_points(path):
 
 
 def ply_points(path):
-    """By Blender's reader, unless it is that of 3.4, which leaves them as they are in any case."""
+    """Read by Blender, except by 3.4, whose reader leaves them as they are in any case."""
     session = next(module for name, module in sys.modules.items() if name.split(".")[-2:] == ["isimp", "session"])
     return np.asarray(session.engine.read(str(path))[0])
 
@@ -230,7 +230,7 @@ def test_a_table_has_a_row_for_each_scan_and_says_why_nothing_came_of_one(tmp_pa
 
 @pytest.mark.parametrize("name", ["out.obj", "out.ply", "out.glb", "out.blend", "p.png"])
 def test_what_cannot_be_written_is_said_in_one_line(name, tmp_path, capfd):
-    """Where a folder has the name, not even root can write a file."""
+    """If a folder has the name, not even root can write a file."""
     export(".ply", tmp_path / "cube.ply")
     there = tmp_path / name
     there.mkdir()

@@ -118,7 +118,7 @@ def test_a_shape_key_moves_the_result_as_the_scan():
 
 def test_keys_that_are_on_are_not_added_twice():
     scan = scans.cube()
-    scan.scale = (2, 1, 1)  # lengths as seen are other ones than those of the mesh
+    scan.scale = (2, 1, 1)  # visible lengths differ from the mesh's
     key_of(scan, "wide", lambda p: [p[0], 0, 0], 0.5)
     group = scan.vertex_groups.new(name="upper")
     group.add([v.index for v in scan.data.vertices if v.co.z > 0], 1.0, "REPLACE")

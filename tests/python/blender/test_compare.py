@@ -1,4 +1,4 @@
-"""Before and after: what is at either side of the line. scenario_compare.py looks at it in a window."""
+"""Before and after: the content at either side of the line. scenario_compare.py checks it in a window."""
 
 import bpy
 import numpy as np

@@ -1,4 +1,4 @@
-"""Files with damaged, foreign or later states: each opens, says what can't be read, keeps it, and Partition works."""
+"""Files with damaged, foreign or later states: each opens, reports its fault, keeps the data, and Partition works."""
 
 import random
 
@@ -17,7 +17,7 @@ STEPS = (Partition(count_by="proxies", proxies=8), AddProxy(face=20))
 
 @pytest.fixture
 def silent(capfd):
-    """Fails where anything that Blender calls, a handler or a poll, ended in a traceback."""
+    """Fails if any call from Blender, a handler or a poll, ended in a traceback."""
     yield
     said = "".join(capfd.readouterr())
     assert "Traceback" not in said, said[-3000:]
@@ -40,7 +40,7 @@ def reopened(path):
 
 
 def layer(scan, name):
-    """A layer of whatever kind, as bytes."""
+    """A layer of any kind, as bytes."""
     found = scan.data.attributes[name]
     key = {"FLOAT_COLOR": "color", "BYTE_COLOR": "color"}.get(found.data_type, "value")
     values = np.empty(len(found.data) * (4 if key == "color" else 1), np.float32 if key == "color" else np.float64)
@@ -342,7 +342,7 @@ def test_a_setting_beyond_what_the_panel_can_hold_is_kept_in_the_steps(silent):
 
 
 def test_a_thousand_meshes_with_nodes_damaged_at_random(tmp_path, silent):
-    """All in one file, as it is opened but once: each gives steps or a line, and loses nothing."""
+    """All in one file, since opening is slow: each gives steps or a line, and loses nothing."""
     draw, first = random.Random(7), made()
     for proxies in (5, 6, 7):
         bpy.ops.isimp.partition(proxies=proxies)

@@ -1,4 +1,4 @@
-"""In Edit Mode only what has changed is written, and nothing of it is missed."""
+"""In Edit Mode only changed values are written, and all of them."""
 
 import bmesh
 import bpy
@@ -29,7 +29,7 @@ def scan():
 
 
 def written(monkeypatch, do):
-    """How many faces were written."""
+    """The number of faces that were written."""
     faces, paint = [], mesh_io._paint
 
     def noting(face, *values):
@@ -63,7 +63,7 @@ def test_faces_in_another_order_are_all_written(scan, monkeypatch):
 
 
 def test_what_was_written_in_pieces_is_not_written_again(scan, monkeypatch):
-    """As a window does it, that must not wait for all of it at once."""
+    """As in a window, which must not wait for all of it at once."""
     monkeypatch.setattr(mesh_io, "_PIECE", 50)
     recipe = store.load(scan).then(AddProxy(face=20))
     work = modal.Work(bpy.context, scan, recipe)

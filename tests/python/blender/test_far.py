@@ -1,4 +1,4 @@
-"""Scans whose data lie far from zero, as in map coordinates: results lose nothing, and what was lost is said."""
+"""Scans whose data lie far from zero, as in map coordinates: results lose nothing, and earlier losses are reported."""
 
 from math import radians
 
@@ -38,7 +38,7 @@ def simplify():
 
 
 def origin_of(scan):
-    """What the engine subtracts, of a scan whose transform keeps its shape."""
+    """The offset that the engine subtracts, for a scan whose transform keeps its shape."""
     data = scan.data
     data.calc_loop_triangles()
     return engine.clean(scans.coordinates(data), [face.vertices[:] for face in data.loop_triangles]).origin
@@ -63,7 +63,7 @@ def test_the_shift_is_the_results_place_and_nothing_is_lost():
 
 def test_a_scan_near_zero_has_its_result_in_its_own_space():
     scan = far_cube(shift=np.array([64.0, 0, 0]))
-    scan.location = (2.0**20, 0, 0)  # where it stands is no matter
+    scan.location = (2.0**20, 0, 0)  # its place does not matter
     bpy.context.view_layer.update()
     result = simplify()
     assert result.matrix_world == scan.matrix_world

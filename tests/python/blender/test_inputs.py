@@ -1,4 +1,4 @@
-"""What is not an ordinary scan: done right, or said clearly. No traceback, and nothing changed."""
+"""Unusual scans: handled rightly, or refused clearly. No traceback, and nothing changed."""
 
 import re
 
@@ -123,7 +123,7 @@ def labelled(scan, proxies):
 
 
 def test_modifiers_that_only_move_vertices():
-    """A cast to a sphere: regions are those of the sphere, the scan stays a cube."""
+    """A cast to a sphere: regions are of the sphere, the scan stays a cube."""
     scan, sphere = scans.cube(name="Cast"), scans.cube(name="Applied")
     for obj in (scan, sphere):
         obj.modifiers.new("Cast", "CAST").factor = 1.0
@@ -141,7 +141,7 @@ def test_modifiers_that_only_move_vertices():
 
 @pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
 def test_modifiers_that_make_faces(mode):
-    """Every face of the scan gets the region of most of what became of it; the result is that of the whole."""
+    """Every face of the scan gets the region of most of the faces made from it; the result is that of the whole."""
     scan = scans.cube(cells=2, quads=True)
     scan.modifiers.new("Mirror", "MIRROR").use_axis = (False, False, True)
     scan.modifiers.new("Subdivision", "SUBSURF").levels = 2

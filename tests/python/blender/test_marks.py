@@ -1,4 +1,4 @@
-"""What Blender marks on a mesh: regions that keep to seams, sharp edges, materials and face sets."""
+"""Marks of Blender on a mesh: regions that keep to seams, sharp edges, materials and face sets."""
 
 import bpy
 import numpy as np
@@ -13,7 +13,7 @@ pytestmark = pytest.mark.usefixtures("scene")
 
 @pytest.fixture
 def scan():
-    """A cube whose middle, all round, is marked in each way."""
+    """A cube whose middle, all around, is marked in each way."""
     obj = scans.cube(cells=4)
     mesh, points = obj.data, scans.coordinates(obj.data)
     for edge in mesh.edges:

@@ -1,4 +1,4 @@
-"""Ways in beside the sidebar: menus, keys, the command; selection of regions by what they are like; a clean way out."""
+"""Ways in besides the sidebar: menus, keys, the command; selection of similar regions; a clean way out."""
 
 import bpy
 import numpy as np
@@ -13,7 +13,7 @@ pytestmark = pytest.mark.usefixtures("scene")
 
 
 class Layout:
-    """Takes note of what a menu draws."""
+    """Records the entries of a menu."""
 
     def __init__(self):
         self.drawn = []
@@ -104,12 +104,12 @@ def test_regions_that_face_up_are_selected_as_the_scan_is_seen():
     bpy.ops.isimp.select_by(by="DIRECTION")
     assert (faces_of(scan) == (normals[:, 2] > 0.9)).all()
     scans.mode("OBJECT")
-    scan.rotation_euler = (np.pi / 2, 0, 0)  # what was at +y is up now
+    scan.rotation_euler = (np.pi / 2, 0, 0)  # +y points up now
     bpy.context.view_layer.update()
     bpy.ops.isimp.select_by(by="DIRECTION")
     assert (faces_of(scan) == (normals[:, 1] > 0.9)).all()
     scans.mode("OBJECT")
-    scan.rotation_euler, scan.scale = (0, 0, 0), (1, 1, -1)  # what was below is up now
+    scan.rotation_euler, scan.scale = (0, 0, 0), (1, 1, -1)  # the underside is up now
     bpy.context.view_layer.update()
     bpy.ops.isimp.select_by(by="DIRECTION")
     assert (faces_of(scan) == (normals[:, 2] < -0.9)).all()

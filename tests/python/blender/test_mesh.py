@@ -1,4 +1,4 @@
-"""Mesh: the result beside the scan."""
+"""Mesh: the result next to the scan."""
 
 from math import radians
 
@@ -160,7 +160,7 @@ def test_moving_a_scan_changes_nothing():
 
 
 def test_the_result_can_be_modelled_on():
-    """Extrude, bevel, subdivide and dissolve, as a designer goes on; what is pushed along its normal stays flat."""
+    """Extrude, bevel, subdivide and dissolve, as a designer would; a face pushed along its normal stays flat."""
     scans.cube()
     result = simplify()
     scans.mode("EDIT")

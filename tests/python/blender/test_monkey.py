@@ -1,4 +1,4 @@
-"""Every operator pressed at random, with random settings: a small share of what bench/addon_monkey.py does by hand."""
+"""Every operator pressed at random, with random settings: a short run of bench/addon_monkey.py."""
 
 import importlib.util
 import sys

@@ -1,4 +1,4 @@
-"""Openings that the regions can't show are closed by Partition; what it did is said, and Mesh agrees."""
+"""Openings that the regions can't show are closed by Partition and reported, and Mesh agrees."""
 
 import bpy
 import numpy as np

@@ -17,7 +17,7 @@ from isimp.blender.panel import main
 pytestmark = pytest.mark.usefixtures("scene")
 
 MANUAL = Path(__file__).parents[3] / "docs" / "manual.md"
-#: What is bold in the manual and no text of the add-on's: keys, signs, and beginnings of paragraphs
+#: Bold words of the manual that are no texts of the add-on: keys, signs, and beginnings of paragraphs
 NO_TEXT = {"+", "\u2212", "C", "Click", "Ctrl-click", "eye", "name", "red", "Object > iSimp", "iSimp"}
 NO_TEXT |= {"The result is yours.", "Rigged figures.", "Further layers."}
 

@@ -41,7 +41,7 @@ def parted(**more):
 
 
 def face_along(scan, *axis):
-    """A face in the middle of the side that looks along an axis."""
+    """A face in the middle of the side that faces along an axis."""
     normals = np.array([polygon.normal for polygon in scan.data.polygons])
     centers = np.array([polygon.center for polygon in scan.data.polygons])
     facing = np.flatnonzero(normals @ axis > 0.9)
@@ -127,7 +127,7 @@ def test_the_larger_region_leads_where_no_face_is_active():
 def test_up_is_the_scenes_however_the_scan_is_turned():
     scan = parted(slope=0.0)
     assert upward.direction(scan) == ()
-    scan.rotation_euler = (np.pi / 2, 0, 0)  # what was at +y is up now
+    scan.rotation_euler = (np.pi / 2, 0, 0)  # +y points up now
     bpy.context.view_layer.update()
     assert np.allclose(upward.direction(scan), (0, 1, 0), atol=1e-6)
     OPS.align(face=face_along(scan, 0, 1, 0), to="level")

@@ -1,4 +1,4 @@
-"""Preferences: what a user sets once for all files."""
+"""Preferences: the settings of a user for all files."""
 
 import bpy
 import numpy as np

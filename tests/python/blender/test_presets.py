@@ -17,7 +17,7 @@ def shown(cls):
 
 @pytest.fixture(autouse=True)
 def fresh():
-    """Settings as they are at first, and as they were before."""
+    """Default settings, restored afterwards."""
     kept = {cls: shown(cls) for cls in (rcp.Partition, rcp.Mesh)}
     yield
     for cls, step in kept.items():

@@ -1,4 +1,4 @@
-"""The panel of the last operation (F9): a setting changed there gives what it gives at once, for every operator."""
+"""The panel of the last operation (F9): a setting changed there has the same effect as at once, for every operator."""
 
 import json
 
@@ -56,7 +56,7 @@ def textured():
 
 
 CUT = {"face": 0, "direction": (1, 0, 0)}
-#: operator, what is there before, its settings at first and then
+#: operator, the state before, its settings at first and then
 CHANGES = [
     ("partition", scans.cube, {"proxies": 8, "count_by": "proxies"}, {"proxies": 12, "count_by": "proxies"}),
     ("keep_opening", opened, {"place": (2, 0, 0)}, {"place": (0, 2, 0)}),
@@ -97,7 +97,7 @@ def operators():
 
 
 def test_operators_that_change_the_scan_have_the_panel_of_the_last_operation():
-    """F9 shows the settings of an operator with REGISTER, and needs UNDO to do it anew."""
+    """F9 shows the settings of an operator with REGISTER, and needs UNDO to repeat it."""
     changing = [cls for cls in operators() if issubclass(cls, RecipeOperator) and "INTERNAL" not in cls.bl_options]
     assert len(changing) >= 20
     assert [cls.bl_idname for cls in changing if set(cls.bl_options) != {"REGISTER", "UNDO"}] == []
@@ -129,7 +129,7 @@ def seen():
 
 @pytest.mark.parametrize(("name", "make", "first", "then"), CHANGES)
 def test_a_setting_changed_after_the_operator_gives_what_it_gives_at_once(name, make, first, then):
-    """As F9 does it: undo, then again with the other setting."""
+    """The steps of F9: undo, then again with the other setting."""
     made, once = [], None
     for settings in ([first, then], [then]):
         bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)

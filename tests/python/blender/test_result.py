@@ -1,4 +1,4 @@
-"""What a user did to the result by hand is kept, and the result has the place of its scan."""
+"""Changes of the result by hand are kept, and the result has the place of its scan."""
 
 import bpy
 import numpy as np
@@ -115,7 +115,7 @@ def test_what_is_hidden_is_not_rendered_either():
     assert (scan.hide_render, result.hide_render) == (True, False)
     bpy.ops.isimp.swap()
     assert (scan.hide_render, result.hide_render) == (False, True)
-    result.hide_render, result.isimp.unrendered = True, ""  # as its user may wish
+    result.hide_render, result.isimp.unrendered = True, ""  # a user's own choice
     bpy.ops.isimp.swap()
     assert (scan.hide_render, result.hide_render) == (True, True)
     bpy.ops.isimp.partition(proxies=7)

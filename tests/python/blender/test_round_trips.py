@@ -20,7 +20,7 @@ def with_textures():
     return {"export_textures": True} if named else {"export_textures_mode": "NEW"}
 
 
-#: of each format: the exporter, the importer, and whether n-gons are kept
+#: for each format: the exporter, the importer, and whether n-gons are kept
 FORMATS = {
     "fbx": (
         lambda path: bpy.ops.export_scene.fbx(filepath=path, use_selection=True, path_mode="COPY", embed_textures=True),
@@ -51,7 +51,7 @@ def need(kind):
 
 
 def sent(kind, tmp_path, result):
-    """A result as it comes back from a file."""
+    """A result, exported and imported again."""
     write, read, _ = FORMATS[kind]
     scans.activate(result)
     with warnings.catch_warnings():
@@ -74,7 +74,7 @@ def corners(obj):
 
 
 def image_at(material, place):
-    """The image that an input of a material's Principled BSDF gets, through any nodes."""
+    """The image at an input of a material's Principled BSDF, through any nodes."""
     shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
     sockets = [shader.inputs[place]]
     while sockets:

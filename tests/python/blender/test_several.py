@@ -1,4 +1,4 @@
-"""Several selected scans are done one after the other; hidden ones come to sight."""
+"""Several selected scans are done one after the other; hidden ones become visible."""
 
 import bpy
 import pytest

@@ -1,4 +1,4 @@
-"""What is said, and where it fits."""
+"""Texts and their room."""
 
 import pytest
 

@@ -166,7 +166,7 @@ def test_the_recipe_has_the_texture():
 
 
 class Layout:
-    """Keeps the settings of each button by its text."""
+    """Records the settings of each button by its text."""
 
     def __init__(self):
         self.buttons = {}

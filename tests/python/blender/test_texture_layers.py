@@ -21,7 +21,7 @@ def data_image(name, value):
 
 
 def plug(material, image, place, between=None, output=None):
-    """An image at an input, through a node of another kind if asked for."""
+    """An image at an input, through a node of another kind if given."""
     tree = material.node_tree
     node = tree.nodes.new("ShaderNodeTexImage")
     node.image = image
@@ -46,7 +46,7 @@ def linked(place):
 
 
 def shown(result, image):
-    """By whether a side of the cube is level: the colour in its middle."""
+    """The colour in the middle of each side of the cube, by whether the side is level."""
     values, uv, found = values_of(image), result.data.uv_layers.active.data, {}
     for polygon in result.data.polygons:
         x, y = np.mean([uv[i].uv[:] for i in polygon.loop_indices], axis=0)
@@ -196,7 +196,7 @@ def test_a_height_map_has_a_node_that_is_not_linked():
     assert shift.inputs["Midlevel"].default_value == 0.5
     assert shift.inputs["Scale"].default_value == pytest.approx(image["isimp_range"])
     assert not shift.outputs["Displacement"].is_linked
-    # What its user made of the scale stays; other settings keep the height map, and without it the node goes.
+    # The user's scale stays; other settings keep the height map, and without it the node is removed.
     image["isimp_range"], shift.inputs["Scale"].default_value = 2.0, 3.0
     assert bpy.ops.isimp.texture(size=32, height=True) == {"FINISHED"}
     (shift,) = (node for node in tree.nodes if node.type == "DISPLACEMENT")

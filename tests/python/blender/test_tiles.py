@@ -44,7 +44,7 @@ def udim_cube(folder, pack=False):
 
 
 def colours_of(result, tiles, uv):
-    """By whether a side of the cube is level: the colour in its middle."""
+    """The colour in the middle of each side of the cube, by whether the side is level."""
     found = {}
     for polygon in result.data.polygons:
         x, y = np.mean([uv[i].uv[:] for i in polygon.loop_indices], axis=0)
@@ -149,7 +149,7 @@ def sphere_with_a_picture():
 
 
 def places(result):
-    """By the middle of each polygon: the UVs of its corners."""
+    """The UVs of each polygon's corners, by its middle."""
     uv = np.array([corner.uv[:] for corner in result.data.uv_layers.active.data])
     return np.array([np.hstack([p.center, uv[list(p.loop_indices)].mean(axis=0)]) for p in result.data.polygons])
 

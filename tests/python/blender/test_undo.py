@@ -15,7 +15,7 @@ def scan():
 
 
 def seen():
-    """What a user sees of the scan: regions and the steps that led to them, or None."""
+    """The visible state of the scan: regions and the steps that led to them, or None."""
     obj = scan()
     if "isimp_region" not in obj.data.attributes:
         return None

@@ -1,4 +1,4 @@
-"""Wrong uses as a table: each gives one plain line that says what is wrong and what to do, and changes nothing."""
+"""Wrong uses as a table: each gives one plain line with the fault and the remedy, and changes nothing."""
 
 import json
 import re
@@ -68,7 +68,7 @@ def only_of_its_part():
     return scan
 
 
-#: what is there, what is done, what is said
+#: the state, the action, the message
 USES = [
     ("too many regions", scans.cube, lambda: OPS.partition(proxies=10**6), "at most 432 regions are possible"),
     ("split a face", lambda: tiny(), lambda: OPS.split(face=0), "single face: there is nothing to split"),
@@ -108,7 +108,7 @@ USES = [
     ("the last step further down", parted, lambda: OPS.step_move(step=0, later=True), "last already"),
     ("a texture of none", meshed, lambda: OPS.texture(), "no UV map, so it has no texture"),
 ]
-#: what is there, the button, and what its tooltip says
+#: the state, the button, and its tooltip
 BUTTONS = [
     ("mesh before partition", scans.cube, "mesh", "no regions yet: press Partition first"),
     ("edit before partition", scans.cube, "add_proxy", "no regions yet: press Partition first"),

@@ -18,7 +18,7 @@ _OWN = {"rna_type", "bl_idname", "filepath", "filter_glob", "remove_name", "remo
 
 
 def sources() -> list:
-    """All of the add-on but what is generated and, in the packed one, the engine."""
+    """All of the add-on except generated files and, in the packed one, the engine."""
     own = [path for path in sorted(_FOLDER.parent.rglob("*.py")) if "isimp_engine" not in path.parts]
     return [path for path in own if path.name != "engine_options.py"]
 
@@ -57,7 +57,7 @@ def of_class(cls) -> set:
 
 
 def drawn(path) -> set:
-    """Texts in the source of what is drawn: they begin with a capital letter, names of operators and icons do not."""
+    """Texts in the source of panels: they begin with a capital letter, names of operators and icons do not."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
     skipped = {id(part) for node in ast.walk(tree) if isinstance(node, ast.JoinedStr) for part in ast.walk(node)}
     for node in ast.walk(tree):
@@ -69,7 +69,7 @@ def drawn(path) -> set:
 
 
 def said(path) -> set:
-    """Texts of messages: those in `said` and `own`, and the nouns in `count` and `noun`, for one thing and for many."""
+    """Texts of messages: in `said` and `own`, and the nouns in `count` and `noun`, for one thing and for many."""
     found = set()
     for call in _calls(ast.parse(path.read_text(encoding="utf-8"))):
         texts = [part.value for part in call.args if isinstance(part, ast.Constant) and isinstance(part.value, str)]
@@ -91,7 +91,7 @@ def _forms(one: str) -> set:
 
 
 def settings() -> set:
-    """What the engine's options must be, as words."""
+    """The rules for the engine's options, as words."""
     words = (option.words for table in (PARTITION, MESHING, TEXTURE) for option in table.values())
     return {text for text in words if re.search("[a-z]{3}", text)}
 
@@ -99,7 +99,7 @@ def settings() -> set:
 def unsaid(path) -> list:
     """Sentences in a source that nothing translates: neither a message, nor a fixed text, nor the name of a stage.
 
-    Sentences are strings with two words or more. Those of `describe` are for logs and scripts.
+    Sentences are strings with two words or more. Texts of `describe` are for logs and scripts.
     """
     tree, known = ast.parse(path.read_text(encoding="utf-8")), all_strings()
     skipped = {id(part) for call in _calls(tree) for part in ast.walk(call)}

@@ -7,7 +7,7 @@
 
 namespace isimp {
 
-/// Leaves new elements as the memory was, instead of setting them to zero.
+/// Leaves new elements uninitialised instead of setting them to zero.
 template <class T>
 struct Unset : std::allocator<T> {
   static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
@@ -23,7 +23,8 @@ struct Unset : std::allocator<T> {
   }
 };
 
-/// A vector whose resize(n) sets nothing: threads then write each their part first, and so share the page faults.
+/// A vector whose resize(n) initialises nothing: each thread then writes its part first, and so they share the page
+/// faults.
 template <class T>
 using Array = std::vector<T, Unset<T>>;
 

@@ -6,7 +6,7 @@
 
 namespace isimp {
 
-/// A statement about the engine's own state does not hold: a mistake in the engine, never in what the caller gave.
+/// A statement about the engine's own state does not hold: a mistake in the engine, never in the caller's input.
 class BrokenInvariant : public Error {
  public:
   using Error::Error;
@@ -20,12 +20,11 @@ namespace detail {
 }  // namespace detail
 }  // namespace isimp
 
-/// States what must hold at this place, whatever the input: ISIMP_ASSERT(piece.face != kNone, "a live piece has a
-/// face").
+/// States an invariant that holds for every input: ISIMP_ASSERT(piece.face != kNone, "a live piece has a face").
 ///
 /// Builds with the CMake option ISIMP_ASSERTIONS check it and throw BrokenInvariant where it does not hold, so that a
-/// test fails with the place instead of going on with damaged state. Other builds compile the condition, so that it
-/// stays valid, and never evaluate it. What depends on the input is not asserted but refused with InvalidInput.
+/// test fails with the place instead of continuing with damaged state. Other builds compile the condition, so that it
+/// stays valid, and never evaluate it. Bad input is refused with InvalidInput, not asserted.
 #ifdef ISIMP_ASSERTIONS
 #define ISIMP_ASSERT(condition, what) \
   static_cast<void>((condition) ? 0 : (::isimp::detail::fail_assertion(what, #condition, __FILE__, __LINE__), 0))

@@ -5,7 +5,7 @@
 
 namespace isimp {
 
-/// What every failure of the engine is a kind of; the message says what is wrong, where, and what was done about it.
+/// Base class of all failures of the engine. The message names the problem, its place and the consequence.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

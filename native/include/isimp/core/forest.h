@@ -16,7 +16,7 @@ class Forest {
     while (up_[i] != i) i = up_[i] = up_[up_[i]];
     return i;
   }
-  /// Makes the sets of two nodes one.
+  /// Merges the sets of two nodes.
   /// \return whether they were two
   bool join(std::int32_t a, std::int32_t b) {
     a = root(a);

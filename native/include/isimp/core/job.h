@@ -5,14 +5,14 @@
 
 namespace isimp {
 
-/// What a long call shares with whoever waits for it: progress and stage one way, the wish to stop the other way.
+/// State shared by a long call and its caller: progress and stage for the caller, the wish to stop for the call.
 ///
 /// `progress`, `stage`, `cancelled` and `cancel` may be called from any thread at any time; the rest belongs to the
 /// thread that works. Precedence, when several things are true at once:
 ///  1. bad input is reported as InvalidInput even when the job was cancelled before the call;
-///  2. a cancel that is seen at a poll throws Cancelled, whatever else the call would have returned;
+///  2. a cancel that is seen at a poll throws Cancelled, independent of the result;
 ///  3. a cancel that comes after the last poll changes nothing: the result is returned.
-/// A cancelled job stays cancelled: a new call wants a new Job. Progress never falls during the life of a Job.
+/// A cancelled job stays cancelled: a new call needs a new Job. Progress never falls during the life of a Job.
 class Job {
  public:
   Job() = default;
@@ -21,20 +21,20 @@ class Job {
 
   void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }
   [[nodiscard]] bool cancelled() const noexcept { return cancelled_.load(std::memory_order_relaxed); }
-  /// How much is done, in [0, 1].
+  /// The finished share, in [0, 1].
   [[nodiscard]] double progress() const noexcept { return progress_.load(std::memory_order_relaxed); }
-  /// What is being done, one lower-case word or two ("flooding"); "" before the first stage.
+  /// The current stage in one or two lower-case words ("flooding"); "" before the first stage.
   [[nodiscard]] const char* stage() const noexcept { return stage_.load(std::memory_order_relaxed); }
 
-  /// Throws Cancelled if someone asked for it. Call at least every 50 ms.
+  /// Throws Cancelled if the job was cancelled. Must be called at least every 50 ms.
   void poll() const;
-  /// Called at every poll, by whichever thread polls, before it looks whether to stop. Set before the work begins.
+  /// Called at every poll, by the polling thread, before the check for a cancel. Must be set before the work begins.
   std::function<void()> at_poll;
   /// Polls, and sets progress to `fraction` in [0, 1] of the present Part (of the whole job outside any Part).
   void report(double fraction);
 
-  /// Names a stage and maps the reports made during its life to [from, to] of the Part around it. Parts nest.
-  /// Making one polls; leaving one sets progress to its end.
+  /// Names a stage and maps the reports made during its life to [from, to] of the Part around it. Parts nest. The
+  /// constructor polls; the destructor sets progress to the end of the stage.
   class Part {
    public:
     /// \param stage  a string literal: it is kept as a pointer

@@ -12,14 +12,14 @@
 
 #include "isimp/core/errors.h"
 
-/// The table of options: what a field of a struct of options is called, what values it takes and what it means, written
-/// once. Checks, the Python classes, their stubs, the flags of the command and the add-on's settings are made from it.
+/// The table of options: name, range and meaning of each field of a struct of options, written once. Checks, the Python
+/// classes, their stubs, the flags of the command and the add-on's settings are made from it.
 ///
-/// Beside each struct stands `constexpr auto fields(const Options*)`, which gives a tuple of Field and Choice, one for
-/// each member, in order. Defaults are the struct's own.
+/// Each struct has a function `constexpr auto fields(const Options*)` below it. It returns a tuple of Field and Choice,
+/// one for each member, in order. Defaults are the struct's own.
 namespace isimp {
 
-/// The numbers that a field takes: an interval, with each end in it or not. Infinity is in it only where `infinite`.
+/// The numbers that a field accepts: an interval, with or without each end. It contains infinity only if `infinite`.
 struct Range {
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
@@ -51,7 +51,7 @@ struct Field {
   T Options::*member;
   Range range;
   Unit unit;
-  const char* about;  ///< a sentence or a few
+  const char* about;  ///< one or a few sentences
 };
 
 template <class Enum>
@@ -83,14 +83,14 @@ constexpr Choice<Options, Enum, N> choice(const char* name, Enum Options::*membe
                                           const char* about) {
   return {name, member, std::to_array(values), about};
 }
-/// The one field that all have.
+/// The field that all structs have.
 template <class Options>
 constexpr auto threads_field(std::int32_t Options::*member) {
   return field("threads", member, at_least(0), Unit::none,
                "Number of threads, at most 256. 0: one for each core. The result does not depend on it.");
 }
 
-/// "in [0, 1)", "at least 1", "a finite length above 0"; "" where there is no end.
+/// "in [0, 1)", "at least 1", "a finite length above 0"; "" without ends.
 inline std::string words(const Range& range, Unit unit) {
   const double infinity = std::numeric_limits<double>::infinity();
   std::ostringstream text;

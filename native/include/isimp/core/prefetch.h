@@ -6,7 +6,7 @@
 
 namespace isimp {
 
-/// Has the processor fetch the cache line of a place that is soon read. Changes no result.
+/// Prefetches the cache line of a place that is soon read. Changes no result.
 inline void prefetch(const void* place) {
 #if defined(_MSC_VER) && (defined(_M_X64) || defined(_M_IX86))
   _mm_prefetch(static_cast<const char*>(place), _MM_HINT_T0);
@@ -19,7 +19,7 @@ inline void prefetch(const void* place) {
 #endif
 }
 
-/// The same for a place that is soon written.
+/// As `prefetch`, for a place that is soon written.
 inline void prefetch_to_write(const void* place) {
 #if defined(__GNUC__) && !defined(_MSC_VER)
   __builtin_prefetch(place, 1);

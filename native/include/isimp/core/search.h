@@ -7,10 +7,10 @@ namespace isimp {
 /// How naive flooding finds the regions nearest to a face.
 enum class Search {
   grid,   ///< by a grid of the regions' centres
-  brute,  ///< by looking at them all, as the thesis has it: O(F P); the same regions
+  brute,  ///< by a search of all of them, as in the thesis: O(F P); the same regions
 };
 
-/// The most regions that a face may look at in naive flooding.
+/// The most regions that naive flooding compares for a face.
 inline constexpr std::int32_t kMostNearest = 32;
 
 }  // namespace isimp

@@ -15,7 +15,7 @@
 
 namespace isimp {
 
-/// Threads that sleep until there is something to do. They are started when first wanted and end with this.
+/// Threads that sleep until there is work. They are started at the first use and end with this.
 class Workers {
  public:
   Workers() = default;
@@ -23,9 +23,9 @@ class Workers {
   Workers& operator=(const Workers&) = delete;
   ~Workers();
 
-  /// Calls body(piece), which must not throw, for each of so many pieces: the first one here, the others on whichever
-  /// thread comes to it first, this one among them. So nobody waits for a thread that has yet to wake up. While another
-  /// call is under way all is done here.
+  /// Calls body(piece), which must not throw, for each of `pieces` pieces: the first one on the calling thread, the
+  /// others on any free thread, including this one. So no call waits for a thread that is not awake yet. While another
+  /// call is running, all pieces run on the calling thread.
   void run(std::int32_t pieces, const std::function<void(std::int32_t)>& body);
 
  private:
@@ -34,16 +34,16 @@ class Workers {
 
   std::mutex mutex_;
   std::condition_variable wake_, done_;
-  const std::function<void(std::int32_t)>* body_ = nullptr;  // null: nothing is under way
+  const std::function<void(std::int32_t)>* body_ = nullptr;  // null: no call is running
   std::int32_t pieces_ = 0, next_ = 0, running_ = 0;
   bool ending_ = false;
   std::vector<std::jthread> threads_;
 };
 
-/// The one place where threads are started: loops cut into pieces that threads share, none waiting busily.
+/// The only code that starts threads: loops cut into pieces that threads share, without busy waiting.
 ///
-/// What the pieces write must not depend on how many there are; whoever calls sees to that. The threads last from one
-/// loop to the next, and as long as a copy of this. Waking one costs some 10 us, so short loops are left to the
+/// The results of the pieces must not depend on the number of pieces; the caller ensures this. The threads last from
+/// one loop to the next, and as long as a copy of this. Waking one costs some 10 us, so short loops are left to the
 /// caller's thread.
 class Threads {
  public:
@@ -51,14 +51,14 @@ class Threads {
   explicit Threads(std::int32_t count)
       : count_(thread_count(count)), workers_(count_ > 1 ? std::make_shared<Workers>() : nullptr) {}
 
-  /// How many pieces `run` will cut n steps into.
+  /// The number of pieces into which `run` will cut n steps.
   /// \param least  steps below which a piece is not worth a thread
   [[nodiscard]] std::int32_t pieces(std::int32_t n, std::int32_t least = 1 << 14) const {
     return std::clamp(n / least, 1, count_);
   }
 
-  /// Calls body(piece, begin, end) for each of so many pieces of [0, n), the first one on the caller's thread. The
-  /// first exception is thrown on.
+  /// Calls body(piece, begin, end) for each of so many pieces of [0, n), the first one on the caller's thread. Throws
+  /// the first exception of a piece.
   template <class Body>
   void run(std::int32_t n, std::int32_t pieces, Body body) const {
     const auto edge = [&](std::int32_t piece) {
@@ -84,8 +84,8 @@ class Threads {
     run(n, pieces(n), body);
   }
 
-  /// For steps of unequal length: calls body(next) once a thread, where next() hands out 0, 1, 2, ... to whoever asks
-  /// first. From n on there is nothing to do.
+  /// For steps of unequal length: calls body(next) once a thread, where next() returns 0, 1, 2, ... in the order of the
+  /// calls. From n on there is nothing to do.
   template <class Body>
   void share(std::int32_t n, Body body) const {
     std::atomic<std::int32_t> at{0};
@@ -93,7 +93,7 @@ class Threads {
     run(workers, workers, [&](std::int32_t, std::int32_t, std::int32_t) { body([&] { return at++; }); });
   }
 
-  /// The same of blocks of [0, n), each of so many steps but the last: calls body(block, begin, end) for each.
+  /// As `share`, for blocks of [0, n), each of `size` steps but the last: calls body(block, begin, end) for each.
   template <class Body>
   void blocks(std::int32_t n, std::int32_t size, Body body) const {
     const std::int32_t count = n / size + (n % size > 0);

@@ -9,8 +9,8 @@ namespace isimp {
 using Vec3 = Eigen::Vector3d;
 using Triangle = std::array<std::int32_t, 3>;  ///< three vertex indices, counter-clockwise seen from outside
 
-/// The place as float32 holds it. By way of `volatile`, since g++ 12 at -O3 takes casts of several doubles to float and
-/// back for nothing where it vectorises them.
+/// The place rounded to float32. By way of `volatile`, since g++ 12 at -O3 drops casts of several doubles to float and
+/// back where it vectorises them.
 inline Vec3 rounded_to_float(const Vec3& p) {
   const auto rounded = [](double x) {
     const volatile auto narrow = static_cast<float>(x);
@@ -19,7 +19,7 @@ inline Vec3 rounded_to_float(const Vec3& p) {
   return {rounded(p.x()), rounded(p.y()), rounded(p.z())};
 }
 
-/// What stands for "none" where an index is expected: no neighbour, no region.
+/// The index that means "none": no neighbour, no region.
 inline constexpr std::int32_t kNone = -1;
 
 }  // namespace isimp

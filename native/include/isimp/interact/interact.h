@@ -7,18 +7,18 @@ namespace isimp {
 
 /// Starts a new region at a face, as the thesis's `add`.
 ///
-/// The new region is R, the last one; all others keep their numbers. A face of a part that was left out brings that
-/// part back as one region. Only the region of the face and those around it change: mostly its region is split in two;
-/// where the face lies on a corner or an edge that was rounded, the new region cuts that off from all that meet there.
+/// The new region is R, the last one; all others keep their numbers. If the face belongs to a part that was left out,
+/// that part becomes one region. Only the region of the face and its neighbours change: mostly the region is split in
+/// two; if the face lies on a rounded corner or edge, the new region cuts it off from all regions that meet there.
 /// \param face  index into mesh.triangles()
 /// \throws InvalidInput  face outside [0, F); its region is a single face; the partition is not one of this mesh
 /// \throws Cancelled     nothing was changed
-/// Cost: O(F) to copy the labels, else of the size of the regions touched.
+/// Cost: O(F) to copy the labels, else the size of the changed regions.
 Partition add_proxy(const Mesh& mesh, const Partition& partition, std::int32_t face, Job& job);
 
-/// Takes the region of a face away, as the thesis's `del`; its faces are flooded by the regions around it.
+/// Removes the region of a face, as the thesis's `del`; its faces are flooded by the regions around it.
 ///
-/// Regions above the deleted one move down by one number.
+/// The numbers above the deleted one decrease by one.
 /// \throws InvalidInput  face outside [0, F) or left out; its region is the only one of its part
 /// \throws Cancelled     nothing was changed
 /// Cost: as add_proxy.

@@ -6,9 +6,9 @@
 
 namespace isimp {
 
-/// Locks the regions of some faces, or unlocks them. Edits leave the faces of a locked region as they are: those at
-/// neighbours take nothing from it and give nothing to it, and those at its own faces are refused, save for painting
-/// onto it.
+/// Locks the regions of some faces, or unlocks them. Edits do not change the faces of a locked region: edits at a
+/// neighbour neither take faces from it nor add faces to it, and edits of the region itself are refused, except
+/// painting onto it.
 ///
 /// \param faces  indices into mesh.triangles(), several may be of one region
 /// \throws InvalidInput  no face; a face outside [0, F) or left out; the partition is not one of this mesh

@@ -7,31 +7,33 @@
 
 namespace isimp {
 
-/// Makes the region of `other` part of the region of `face`. No other face changes sides.
+/// Merges the region of `other` into the region of `face`. No other face changes its region.
 ///
-/// The merged region has the number of the region of `face`; those above the other's number move down by one.
+/// The merged region has the number of the region of `face`; the numbers above the other's decrease by one.
 /// \throws InvalidInput  a face outside [0, F) or left out; both in one region; the two regions share no edge, or only
-///                       such as are barriers; one of them is locked
+///                       barriers; one of them is locked
 /// \throws Cancelled     nothing was changed
-/// Cost: O(F) to copy the labels, else of the size of the other's region.
+/// Cost: O(F) to copy the labels, else the size of the other's region.
 Partition merge_regions(const Mesh& mesh, const Partition& partition, std::int32_t face, std::int32_t other, Job& job);
 
-/// Splits the region of a face in the two parts whose normals are most unlike; a flat one half-way along its length.
+/// Splits the region of a face into the two parts with the most different normals; a flat one half-way along its
+/// length.
 ///
-/// The part without the face is the new region, R; the border between the two is relaxed, no other face changes sides.
+/// The part without the face is the new region, R; the border between the two is relaxed, no other face changes its
+/// region.
 /// \throws InvalidInput  a face outside [0, F) or left out; its region is a single face, or locked
 /// \throws Cancelled     nothing was changed
-/// Cost: O(F) to copy the labels, else of the size of the region.
+/// Cost: O(F) to copy the labels, else the size of the region.
 Partition split_region(const Mesh& mesh, const Partition& partition, std::int32_t face, Job& job);
 
-/// Splits the region of a face along a line, as with a knife: the line, gone on straight at both ends, is swept along a
-/// direction, and the faces are parted by the side of that curtain that their middles lie on.
+/// Splits the region of a face along a line, as with a knife. The line is extended straight at both ends and swept
+/// along a direction; the side of this curtain on which its centre lies decides the part of each face.
 ///
-/// Where that makes more than two pieces, the largest on the left stays one, and so does the largest of what else there
-/// is; the others go to the first. The part without the face is the new region, R. Nothing is relaxed: a cut stays as
-/// it was drawn. No other face changes sides.
+/// If this makes more than two pieces, the largest piece on the left is one part and the largest of the remaining
+/// pieces is the other; all other pieces join the first part. The part without the face is the new region, R. Nothing
+/// is relaxed: the cut stays where it was drawn. No other face changes its region.
 /// \param line  (K) points, at least 2, in scene units
-/// \param direction  of the sweep, as that of sight; zero: the region's normal
+/// \param direction  of the sweep, such as the viewing direction; zero: the region's normal
 /// \throws InvalidInput  as split_region; fewer than 2 points; a coordinate that is not finite; a line that is a point
 ///                   when seen along the direction; the whole region on one side
 /// \throws Cancelled  nothing was changed

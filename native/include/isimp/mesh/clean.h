@@ -11,7 +11,7 @@
 
 namespace isimp {
 
-/// How to repair a mesh. What each field means stands in `fields` below.
+/// How to repair a mesh. The table `fields` below describes each field.
 struct CleanOptions {
   double weld = 0.0;
   double fill_holes = 0.0;

@@ -6,8 +6,8 @@
 
 namespace isimp {
 
-/// The half-edge that runs between two vertices, either way; kNone if there is no such edge, or no such vertex.
-/// Cost: the faces round the first vertex.
+/// The half-edge between two vertices, in either direction; kNone if there is no such edge, or no such vertex.
+/// Cost: the faces at the first vertex.
 std::int32_t find_edge(const Mesh& mesh, std::int32_t a, std::int32_t b);
 
 }  // namespace isimp

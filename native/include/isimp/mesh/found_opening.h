@@ -11,16 +11,16 @@ namespace isimp {
 /// A hole or a handle that was short enough to close. Coordinates are the caller's, lengths in scene units.
 struct FoundOpening {
   bool handle = false;  ///< else a hole
-  bool kept = false;    ///< it stayed open because the caller asked for it; else it was closed
+  bool kept = false;    ///< it stayed open at the caller's wish; else it was closed
   Vec3 center = Vec3::Zero();
-  double length = 0;                     ///< of the border of a hole; of the loop round a handle or tunnel
-  std::vector<std::vector<Vec3>> loops;  ///< closed polylines: the border of a hole, or both ends of what was cut out
+  double length = 0;                     ///< length of the border of a hole, or of the loop around a handle or tunnel
+  std::vector<std::vector<Vec3>> loops;  ///< closed polylines: the border of a hole, or both ends of the cut
 };
 
 /// A repaired mesh and the openings that were short enough to close.
 struct Cleaned {
   Mesh mesh;
-  std::vector<FoundOpening> openings;  ///< holes, then handles; none is listed that could not be closed
+  std::vector<FoundOpening> openings;  ///< holes, then handles; openings that could not be closed are not listed
 };
 
 /// As `clean`, but openings at some places stay open. Places, unlike indices, are the same after another repair.
@@ -31,8 +31,8 @@ struct Cleaned {
 Cleaned clean_keeping(std::vector<Vec3> vertices, std::vector<Triangle> triangles, const CleanOptions& options,
                       const std::vector<Vec3>& keep, Job& job);
 
-/// Closes openings of a mesh that is sound already. The result is what `clean_keeping` makes of the arrays that the mesh
-/// was made of, and its report tells of both, but the other repairs are not made again.
+/// Closes openings of a sound mesh. The result is the one of `clean_keeping` on the arrays that the mesh was made from,
+/// and its report covers both, but the other repairs are not repeated.
 ///
 /// \param options  `fill_holes`, `cut_handles` and `threads` count
 /// \throws InvalidInput  a length is negative or not a number; a place is not finite

@@ -11,44 +11,44 @@
 
 namespace isimp {
 
-/// Polygons with any number of corners, as a file has them: they may be non-manifold, duplicate or degenerate.
+/// Polygons with any number of corners, as in a file: they may be non-manifold, duplicate or degenerate.
 struct PolygonSoup {
-  std::vector<Vec3> vertices;      ///< (V) any numbers, NaN among them
+  std::vector<Vec3> vertices;      ///< (V) any numbers, including NaN
   Array<std::int32_t> loops;       ///< (L) vertex of each corner, in [0, V), polygon after polygon
-  Array<std::int32_t> loop_start;  ///< (Q) where each polygon begins in `loops`; it ends where the next begins
+  Array<std::int32_t> loop_start;  ///< (Q) first corner of each polygon in `loops`; its end is the next one's start
 
   [[nodiscard]] std::int32_t polygon_count() const { return static_cast<std::int32_t>(loop_start.size()); }
   [[nodiscard]] std::span<const std::int32_t> polygon(std::int32_t q) const;
 };
 
-/// Reads a mesh file: PLY (text, binary of either byte order), OBJ, STL (text, binary) or OFF (text), told apart by the
-/// name's extension, in upper or lower case.
+/// Reads a mesh file: PLY (text, binary of either byte order), OBJ, STL (text, binary) or OFF (text). The extension, in
+/// upper or lower case, determines the format.
 ///
 /// Polygons keep the file's order and number, broken ones too (a vertex named twice, fewer than three corners), so that
-/// labels can be given back on the file's faces. Only geometry is read; colours, normals and the like are skipped.
+/// labels can be returned for the file's faces. Only geometry is read; colours, normals and the like are skipped.
 /// Coordinates keep the file's precision. STL has no shared vertices: corners at equal positions become one vertex,
 /// corners with NaN do not. A file without faces (a point cloud) gives no polygons. Triangle strips of PLY
-/// (element tristrips) give their triangles. What comes through a pipe is read to its end.
+/// (element tristrips) give their triangles. Data from a pipe is read to its end.
 ///
 /// \throws FileError  missing, a folder, not readable, of another kind, damaged or cut short, an index out of range,
-///                    more than 2^31 - 1 vertices or corners; the message names the file, where in it and what was
-///                    expected
+///                    more than 2^31 - 1 vertices or corners; the message names the file, the place in it and the
+///                    expected content
 /// \throws Cancelled  polled at least every 50 ms of work and while it waits for a pipe, not while the system waits for
 ///                    the disk
 /// \param threads    0: as many as there are cores; the result does not depend on it. They share all of the work on
 ///                   plain files: binary PLY with one number of corners, text PLY with a row in each line, OBJ whose
-///                   faces count vertices from 1. Of other binary PLY files they share stretches of faces with equal
+///                   faces count vertices from 1. In other binary PLY files they share stretches of faces with equal
 ///                   numbers of corners
 /// Cost: O(bytes). Plain files are read in small parts; others are held in memory meanwhile. A million
 ///       faces of binary PLY take about 25 ms of processor time.
 PolygonSoup read_polygons(const std::filesystem::path& path, Job& job, std::int32_t threads = 0);
 
 /// Writes polygons as binary PLY (little-endian, places as double) or OBJ (shortest decimals that give the same double
-/// back), told apart by the extension. The file appears whole or not at all: it is written beside its place under
-/// another name and then moved there, over an older file of that name, whose permissions it takes. A link stays one:
-/// the file it leads to is replaced. Pipes and devices are written to as they are.
+/// back), depending on the extension. The file appears whole or not at all: it is written next to its place under
+/// another name and then moved there. It replaces an older file of that name and takes its permissions. A link stays a
+/// link, and the file that it leads to is replaced. Pipes and devices are written to directly.
 ///
-/// \param loop_start  (Q) where each polygon begins in `loops`, rising from 0
+/// \param loop_start  (Q) first corner of each polygon in `loops`, rising from 0
 /// \throws FileError     another extension, or a file that is read-only, or the place can't be written; nothing is
 ///                       left behind
 /// \throws InvalidInput  an index out of range or a polygon of fewer than three corners
@@ -56,7 +56,7 @@ PolygonSoup read_polygons(const std::filesystem::path& path, Job& job, std::int3
 void write_polygons(const std::filesystem::path& path, std::span<const Vec3> vertices,
                     std::span<const std::int32_t> loops, std::span<const std::int32_t> loop_start, Job& job);
 
-/// Whether all polygons are triangles: `loops` then holds one after another.
+/// Whether all polygons are triangles: `loops` then holds them one after another.
 bool are_triangles(const PolygonSoup& soup, Job& job);
 
 /// Triangles that fill polygons, without new vertices.
@@ -65,9 +65,9 @@ struct Triangulation {
   std::vector<std::int32_t> source_polygon;  ///< (F) rising
 };
 
-/// Cuts each polygon of n corners into n - 2 triangles by ears in the plane that fits it best; concave ones come out
-/// without overlaps where the polygon has none. Those with fewer than three corners give nothing; those without area,
-/// with NaN or that cross themselves give n - 2 triangles of some kind.
+/// Cuts each polygon of n corners into n - 2 triangles by ears in the plane that fits it best. The triangles of a
+/// concave polygon do not overlap if the polygon does not. A polygon with fewer than three corners gives no triangles;
+/// one without area, with NaN or that crosses itself gives n - 2 triangles of some kind.
 ///
 /// Cost: about O(n log n) for a polygon of n corners, 0.1 s for 50,000; the search for ears is bounded, so that
 /// polygons that cross themselves take no more than some times that. Polled at least every 50 ms.

@@ -6,13 +6,13 @@
 
 namespace isimp {
 
-using Corners = std::array<Vec3, 3>;  ///< where the three vertices of a triangle lie
+using Corners = std::array<Vec3, 3>;  ///< places of the three vertices of a triangle
 
 /// Whether the corners do not all lie on one line. Exact.
 bool has_area(const Corners& triangle);
 
 /// Whether two triangles that have area meet elsewhere than in the vertices and the edge they share. Exact.
-/// \param f, g  their vertices: one that both name is shared, one at the same place is not
+/// \param f, g  their vertices: a vertex named by both is shared, one at the same place is not
 bool meet_elsewhere(const Triangle& f, const Corners& s, const Triangle& g, const Corners& t);
 
 }  // namespace isimp

@@ -19,14 +19,14 @@ struct MeshArrays;
 struct Topology;
 }  // namespace detail
 
-/// An oriented triangle surface, checked once and never changed: the input of everything else.
+/// An oriented triangle surface, checked once and never changed: the input of all other modules.
 ///
 /// Holds by construction: every edge has one or two faces, two faces of an edge run along it in opposite directions,
-/// the faces round a vertex form one fan, no face names a vertex twice, all coordinates are finite. Borders, several
-/// components, handles, zero-area faces and unused vertices are ordinary. `clean` makes such a mesh from anything.
+/// the faces at a vertex form one fan, no face names a vertex twice, all coordinates are finite. Borders, several
+/// components, handles, zero-area faces and unused vertices are ordinary. `clean` makes such a mesh from any arrays.
 ///
 /// Coordinates are relative to `origin`: a mesh that lies far from zero, as in map coordinates, is shifted to zero on
-/// the way in, without rounding. What leaves the engine is shifted back.
+/// the way in, without rounding. Coordinates that leave the engine are shifted back.
 ///
 /// Half-edge h = 3 * f + k runs along face f from its corner k to its corner k + 1 (mod 3).
 /// Memory: about 80 bytes a face.
@@ -42,7 +42,7 @@ class Mesh {
   /// Cost: O(V + F) time and memory.
   Mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, Job& job, std::int32_t threads = 0);
 
-  /// As above, for a mesh made from another one: where each face and vertex came from, and what was repaired.
+  /// As above, for a mesh made from another one: the sources of its faces and vertices, and the repairs.
   Mesh(std::vector<Vec3> vertices, std::vector<Triangle> triangles, Array<std::int32_t> source_face,
        Array<std::int32_t> source_vertex, RepairReport repairs, const Threads& threads, Job& job);
 
@@ -50,13 +50,13 @@ class Mesh {
   [[nodiscard]] std::int32_t face_count() const { return static_cast<std::int32_t>(triangles_.size()); }
   /// (V) relative to `origin`.
   [[nodiscard]] std::span<const Vec3> vertices() const { return vertices_; }
-  /// What was subtracted from the caller's coordinates. Along an axis it is 0 where the box's middle is less than two
-  /// diagonals from 0; elsewhere the middle, rounded to a power of two of about a quarter of the diagonal.
+  /// The offset that was subtracted from the caller's coordinates. Along an axis it is 0 where the box's middle is less
+  /// than two diagonals from 0; elsewhere the middle, rounded to a power of two of about a quarter of the diagonal.
   [[nodiscard]] const Vec3& origin() const { return origin_; }
   [[nodiscard]] std::span<const Triangle> triangles() const { return triangles_; }
-  /// (F) the caller's face each face came from; the identity if the mesh was not cleaned.
+  /// (F) the caller's face of each face; the identity if the mesh was not cleaned.
   [[nodiscard]] std::span<const std::int32_t> source_face() const { return source_face_; }
-  /// (V) the caller's vertex each vertex came from; kNone for one that a repair made.
+  /// (V) the caller's vertex of each vertex; kNone for one that a repair made.
   [[nodiscard]] std::span<const std::int32_t> source_vertex() const { return source_vertex_; }
 
   /// (3 F) the half-edge on the other side of each; kNone on a border.
@@ -68,7 +68,7 @@ class Mesh {
   [[nodiscard]] std::span<const std::int32_t> component() const { return component_; }
   [[nodiscard]] std::int32_t component_count() const { return report_.components; }
 
-  /// The faces as partitioning sees them: Morton order, normals, areas, neighbours.
+  /// The faces in the form for partitioning: Morton order, normals, areas, neighbours.
   [[nodiscard]] const FaceGraph& graph() const { return graph_; }
   [[nodiscard]] const MeshReport& report() const { return report_; }
   /// Length of the bounding box's diagonal.

@@ -18,10 +18,10 @@ struct SharedEdges {
 };
 
 /// The pairs of any triangles, also where they make no manifold. An edge of two triangles gives one pair, one of three
-/// gives three; of more, each triangle is paired with the next two. First come the pairs with the next triangle, then
-/// those with the next but one; both by lower vertex, then by upper vertex, then by triangle.
+/// gives three; of more, each triangle is paired with the next two. All pairs with the next triangle precede all pairs
+/// with the next but one; both are sorted by lower vertex, then by upper vertex, then by triangle.
 /// \param vertex_count  above all vertices of the triangles, none of which is negative
-/// Cost: O(vertex_count + F), 24 bytes a face beside the result.
+/// Cost: O(vertex_count + F), 24 bytes a face in addition to the result.
 SharedEdges shared_edges(std::size_t vertex_count, std::span<const Triangle> triangles, Job& job);
 
 }  // namespace isimp

@@ -16,8 +16,8 @@ namespace isimp::parallel {
 
 inline constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();
 
-/// The data-parallel kernels of one back end. They see spans of plain numbers, no mesh; the memory of the device stays
-/// behind them. Every one gives the same bits on every back end and any number of threads.
+/// The data-parallel kernels of one back end. Their arguments are spans of plain numbers, no mesh; the memory of the
+/// device is hidden. Every kernel gives the same bits on every back end and any number of threads.
 class Kernels {
  public:
   virtual ~Kernels() = default;
@@ -30,7 +30,7 @@ class Kernels {
   /// \param faces    (4 N) of each face in turn: the unit normal's x, y, z, and the area, in any unit, 0 allowed
   /// \param labels   (N) the region of each face, in [0, regions); -1 for a face to skip
   /// \param regions  R, at least 0
-  /// \param threads  how many may be used, where the back end has threads; 0: as many as there are cores
+  /// \param threads  the most threads to use, where the back end has threads; 0: as many as there are cores
   /// \return (R) zero for a region without faces
   /// \throws InvalidInput  lengths that do not agree; a label out of range; a face whose numbers are not finite, whose
   ///                       normal is longer than 1 or whose area is negative: the message names the first
@@ -40,34 +40,34 @@ class Kernels {
   [[nodiscard]] virtual std::vector<RegionSum> fit(std::span<const float> faces, std::span<const std::int32_t> labels,
                                                    std::int32_t regions, std::int32_t threads) const = 0;
 
-  /// Loads a surface for flooding. What it points to must outlive the flooder, which reads it in place on the CPU.
-  /// Memory: up to 40 bytes a face on the CPU, beside the surface; on a device 68; 16 more each while naive flooding
+  /// Loads a surface for flooding. Its arrays must outlive the flooder, which reads them in place on the CPU.
+  /// Memory: up to 40 bytes a face on the CPU, without the surface; on a device 68; 16 more each while naive flooding
   /// has its places and while regions are cut to pieces.
   /// \param most  bytes of the device that the flooder may ever hold
-  /// \throws InvalidInput  lengths that do not agree; a face as fit() refuses it; a neighbour outside [0, N]
-  /// \throws Error         the device has too little memory, or less than `most` would do, or it failed; so may any
-  /// call
-  ///                       to the flooder, which can be used again afterwards
+  /// \throws InvalidInput  lengths that do not agree; a face that fit() refuses; a neighbour outside [0, N]
+  /// \throws Error         the device has too little memory, or more than `most` is needed, or it failed. Any call to
+  ///                       the flooder may throw this too, and the flooder can be used again afterwards
   [[nodiscard]] virtual std::unique_ptr<Flooder> load(const FloodSurface& surface,
                                                       std::size_t most = kNoLimit) const = 0;
 };
 
-/// What a back end that ran out of memory says of it, and that the CPU can do the same.
+/// The message of a back end that ran out of memory; it adds that the CPU can do the same.
 /// \param doing  "flooding".
-/// \param wanted, held  bytes that were asked for last, and those it had already
+/// \param wanted, held  bytes of the last request, and bytes that it had already
 [[nodiscard]] std::string out_of_memory(std::string_view backend, std::string_view doing, std::size_t faces,
                                         std::size_t wanted, std::size_t held);
-/// The same of any other failure.
-/// \param reason  in the words of the back end
+/// The message of any other failure.
+/// \param reason  the back end's own message
 [[nodiscard]] std::string out_of_order(std::string_view backend, std::string_view doing, std::size_t faces,
                                        std::string_view reason);
 
 /// The back ends that work here: "cpu" always; "cuda" where a device is present, the driver works and this build has
-/// the CUDA part. The first call looks for devices, which can take a second where there are any.
+/// the CUDA part. The first call searches for devices, which can take a second if there are any.
 [[nodiscard]] std::vector<std::string> backends();
 
 /// The kernels of a back end, which live as long as the program.
-/// \throws InvalidInput  there is no such back end, or not here: the message says why, and what there is
+/// \throws InvalidInput  there is no such back end, or it does not work here; the message gives the reason and the
+///                       choices
 [[nodiscard]] const Kernels& backend(std::string_view name);
 
 }  // namespace isimp::parallel

@@ -2,7 +2,7 @@
 
 namespace isimp::parallel {
 
-/// What fitting needs of a region: its area, and the sum of area times normal, whose direction is the proxy's normal.
+/// The sums of a region that fitting needs: its area, and area times normal, whose direction is the proxy's normal.
 struct RegionSum {
   double area = 0;
   double x = 0, y = 0, z = 0;

@@ -8,7 +8,7 @@
 
 namespace isimp {
 
-/// What the faces of a region add up to: enough for its normal, its error, and the exact change when a face moves.
+/// The sums of the faces of a region: enough for its normal, its error, and the exact change when a face moves.
 ///
 /// With S the sum of area * normal, the error of the region under its best normal S / |S| is
 /// sum of area * |n - S / |S||^2 = sum of area * (1 + |n|^2) - 2 |S|. All areas are shares of the whole surface's.
@@ -19,7 +19,7 @@ struct RegionSum {
 
   [[nodiscard]] double length() const { return std::sqrt(x * x + y * y + z * z); }
   [[nodiscard]] double error() const { return std::max(0.0, weight - 2 * length()); }
-  /// The best normal; where the faces' normals cancel all are equally good, and there is none without area.
+  /// The best normal. Where the faces' normals cancel, all normals are equally good; without area there is none.
   [[nodiscard]] Vec3 normal() const {
     const double norm = length();
     if (norm > 0) return {x / norm, y / norm, z / norm};
@@ -62,8 +62,8 @@ inline double merge_cost(const RegionSum& a, const RegionSum& b) {
   return 2 * lost_length(a, b, a.length() + b.length());
 }
 
-/// L2,1: the squared difference of the normals. The area weighs in the fit and the total, not in the order of the
-/// flooding, as the thesis has it: slivers then neither win nor become seeds.
+/// L2,1: the squared difference of the normals. The area is a weight in the fit and the total, not in the order of the
+/// flooding, as in the thesis: slivers then neither win nor become seeds.
 struct NormalMetric {
   struct Proxy {
     float x = 0, y = 0, z = 0;  ///< unit normal; zero for a region without area

@@ -10,40 +10,40 @@
 
 namespace isimp {
 
-/// Where the first proxies are put.
+/// The places of the first proxies.
 enum class Seeding {
   random,        ///< distinct faces drawn by `seed`
   farthest,      ///< each the face whose normal and place are farthest from all before
   hierarchical,  ///< the faces nearest to the regions that Method::hierarchy gives
 };
 
-/// How the regions are found.
+/// How regions are found.
 enum class Method {
   lloyd,      ///< the 2004 paper's and the thesis's own: flooding and fitting in turn, from seeds
   hierarchy,  ///< merging of a hierarchy of patches, then relaxation of the borders: the best and the fastest
   teleport,   ///< lloyd, then merge the cheapest pair and split the worst region until it no longer helps
-  naive,      ///< as lloyd, each face looking at the nearest regions at once: the thesis's data-parallel flooding
+  naive,      ///< as lloyd, each face compares the nearest regions at once: the thesis's data-parallel flooding
   queued,     ///< as lloyd, from a queue all of whose faces are flooded at once: the thesis's queued flooding
-  hybrid,     ///< on a decimated mesh, and carried back: the thesis's hybrid
+  hybrid,     ///< on a decimated mesh, then transferred to the faces: the thesis's hybrid
 };
 
 /// How the pieces that parallel flooding leaves become connected regions, and which of its two ways Method::hybrid
-/// goes.
+/// uses.
 enum class Connect {
   repair,  ///< the largest piece of each region grows over the others: parallel, and it loses less
   flood,   ///< one sequential round of lloyd, the thesis's own
 };
 
-/// In which plane regions are to mirror.
+/// The plane in which regions mirror.
 enum class Symmetry {
   none,
   x,  ///< one across the axis x, or nearly so
   y,
   z,
-  found,  ///< any in which the surface mirrors; none if there is none
+  found,  ///< any plane in which the surface mirrors; none if there is none
 };
 
-/// How to split a surface into regions. What each field means stands in `fields` below.
+/// How to split a surface into regions. The table `fields` below describes each field.
 ///
 /// At most one of `proxies`, `detail`, `tolerance` and `bound` is given; none: `detail` at kDefaultDetail.
 struct PartitionOptions {
@@ -69,7 +69,7 @@ struct PartitionOptions {
   double fraction = 0.125;
 };
 
-/// What PartitionOptions::detail is if neither it nor another way to choose the number is given.
+/// The value of PartitionOptions::detail if neither it nor another way to choose the number is given.
 inline constexpr double kDefaultDetail = 0.005;
 /// The finest step of the detail slider, as a share of the surface's size.
 inline constexpr double kFinestDetail = 0.00125;

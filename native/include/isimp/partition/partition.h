@@ -16,60 +16,61 @@
 
 namespace isimp {
 
-/// What `regularise` made of the planes of a partition (meshing/regularise.h). Lengths in scene units.
+/// The result of `regularise` for the planes of a partition (meshing/regularise.h). Lengths in scene units.
 struct Regularity {
-  std::int32_t directions = 0;  ///< of all regions' planes, opposite ones counted once
-  std::int32_t planes = 0;      ///< that differ
-  std::int32_t level = 0, upright = 0, slopes = 0, parallel = 0, free = 0;  ///< regions by what they were snapped to
+  std::int32_t directions = 0;  ///< number of directions of all regions' planes, opposite ones counted once
+  std::int32_t planes = 0;      ///< number of different planes
+  std::int32_t level = 0, upright = 0, slopes = 0, parallel = 0, free = 0;  ///< number of regions by the kind of snap
   std::int32_t by_hand = 0;                                                 ///< set by align_planes
-  std::int32_t even = 0;            ///< planes, of those that differ, that are at equal distances
-  std::int32_t islands_merged = 0;  ///< regions that became part of the wall round them: islands and their rims
-  double length = 0;      ///< what a snap may add to the distance of a region from its plane, root mean square
-  double rms_before = 0;  ///< distance of the scan from the regions' planes of best fit, root mean square ...
-  double rms = 0;         ///< ... and from those snapped
+  std::int32_t even = 0;            ///< number of different planes that are at equal distances
+  std::int32_t islands_merged = 0;  ///< regions merged into the wall around them: islands and their rims
+  double length = 0;      ///< increase of a region's distance from its plane that a snap may cause, root mean square
+  double rms_before = 0;  ///< distance of the scan from the regions' planes of best fit, root mean square
+  double rms = 0;         ///< likewise from the snapped planes
   bool operator==(const Regularity&) const = default;
 };
 
 /// Values of Partition::region_held.
 constexpr std::uint8_t kPlaneSnapped = 1;  ///< snapped by `regularise`
 constexpr std::uint8_t kPlaneByHand = 2;   ///< set by `align_planes`, which `regularise` keeps
-constexpr std::uint8_t kPlaneFree = 3;     ///< let go by `align_planes`: not held, and `regularise` leaves it free
+constexpr std::uint8_t kPlaneFree = 3;     ///< released by `align_planes`: not held, and `regularise` leaves it free
 
 /// A surface split into connected, near-planar regions.
 struct Partition {
   std::vector<std::int32_t> face_region;  ///< (F) in [0, R); kNone where a speck was left out
   std::vector<std::int32_t> region_seed;  ///< (R) the region's face that is nearest to its proxy
-  std::vector<Vec3> region_normal;        ///< (R) unit, area-weighted mean; zero for a region without area;
-                                          ///< with a bound, where that does not keep it, the normal of one that does
-  std::vector<RegionSum> region_sum;      ///< (R) what the faces add up to, so that edits cost only what they touch
+  std::vector<Vec3> region_normal;        ///< (R) unit, area-weighted mean; zero for a region without area; with a
+                                          ///< bound that the mean does not keep, a normal that keeps it
+  std::vector<RegionSum> region_sum;      ///< (R) sums of the faces, so that edits cost only the changed regions
   double error = 0.0;                     ///< sum of area * |n_face - n_region|^2 of the faces that have an area
                                           ///< (see make_face_graph), scene units squared
-  std::vector<double> history;            ///< the error after each round; `error` is not above any of them, but for
+  std::vector<double> history;            ///< the error after each round; `error` is at most each of them, except for
                                           ///< Method::naive and queued: rounds of pieces, the last entry is `error`
 
   double smooth = 0.0;        ///< PartitionOptions::smooth it was made with; edits relax borders with the same weight
-  double tolerance = 0.0;     ///< t at which the number of regions was found, scene units; 0: the number was given
-  double noise = 0.0;         ///< the deviation it was found with, given or estimated, scene units
-  bool snapped = false;       ///< the shape has so many planes: a gap in the costs of merging that can't be chance
-  double bound = 0.0;         ///< as asked for, scene units; 0: none
+  double tolerance = 0.0;     ///< tolerance of the search for the number of regions, scene units; 0: the number was
+                              ///< given
+  double noise = 0.0;         ///< deviation used in that search, given or estimated, scene units
+  bool snapped = false;       ///< the number is the shape's own: a significant gap in the costs of merging
+  double bound = 0.0;         ///< the given bound, scene units; 0: none
   double distance_max = 0.0;  ///< with a bound: the largest distance of a vertex from its region's plane, scene units
-  std::vector<double> region_offset;  ///< (R) with a bound, or where regularised: that plane is where region_normal * x
-                                      ///< is this; else empty
+  std::vector<double> region_offset;  ///< (R) with a bound, or if regularised: that plane is region_normal * x =
+                                      ///< region_offset; else empty
   std::int32_t proxies_asked = 0;     ///< R is larger where components need more (see `proxies_needed`)
-  std::int32_t proxies_needed = 0;    ///< the least that the kept components need together
+  std::int32_t proxies_needed = 0;    ///< the least number for all kept components together
   std::int32_t parts_left_out = 0;    ///< components without a region
   double area_left_out = 0.0;         ///< their share of the whole area
 
-  std::shared_ptr<const GuidedGraph> guided;  ///< what it was made on, so that edits keep to it; null without guides
+  std::shared_ptr<const GuidedGraph> guided;  ///< the graph with the guides, so that edits use them too; null without
+                                              ///< guides
 
-  std::vector<std::uint8_t>
-      region_locked;  ///< (R) 1 where edits leave a region as it is; empty: none (interact/lock.h)
+  std::vector<std::uint8_t> region_locked;  ///< (R) 1 if edits do not change a region; empty: none (interact/lock.h)
 
-  /// (R) kPlaneSnapped or kPlaneByHand where polygons keep to the plane of region_normal and region_offset, kPlaneFree
+  /// (R) kPlaneSnapped or kPlaneByHand where polygons use the plane of region_normal and region_offset, kPlaneFree
   /// where they never do, else 0; empty: all 0
   std::vector<std::uint8_t> region_held;
-  std::optional<Regularity> regularity;  ///< where it was regularised and not edited since
-  std::optional<Mirror> symmetry;        ///< the plane in which it mirrors, for polygons to do so too; edits keep it
+  std::optional<Regularity> regularity;  ///< if regularised and not edited since
+  std::optional<Mirror> symmetry;        ///< the plane in which it mirrors, for the polygons too; edits keep it
 
   [[nodiscard]] bool is_held(std::int32_t region) const {
     return !region_held.empty() && (region_held[region] == kPlaneSnapped || region_held[region] == kPlaneByHand);
@@ -80,16 +81,16 @@ struct Partition {
 /// \throws InvalidInput  the partition is of another number of faces
 void check_is_of(const Mesh& mesh, const Partition& partition);
 
-/// A partition with regions that are known: from elsewhere, or put together from several.
+/// A partition with known regions: from other programs, or combined from several.
 ///
-/// \param face_region  (F) any numbers of at least 0, or kNone for a face in no region; a region that is not connected
-///                     becomes as many as it has pieces, numbered by first face
+/// \param face_region  (F) any numbers of at least 0, or kNone for a face in no region; each piece of a region that is
+///                     not connected becomes a region, numbered by first face
 /// \throws InvalidInput  not F of them, one below kNone, or none of at least 0
 /// Cost: O(F).
 Partition partition_from(const Surface& surface, std::span<const std::int32_t> face_region, Job& job);
 
-/// What `before` knows, said of a partition each of whose regions lies in one of its: planes that keep a bound, locks,
-/// and how the number was found.
+/// Copies to a partition, each of whose regions lies in one region of `before`, the state of `before`: planes that keep
+/// a bound, locks, and how the number was found.
 /// \throws InvalidInput  they are of different numbers of faces
 Partition inherited(Partition part, const Partition& before);
 

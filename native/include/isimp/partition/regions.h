@@ -10,7 +10,7 @@
 
 namespace isimp {
 
-/// A partition while it is worked on: everything by graph index.
+/// A partition during the computation: all arrays by graph index.
 struct Regions {
   std::vector<std::int32_t> label;  ///< (n + 1) region of each face; kNone if left out, and for the sentinel
   std::vector<RegionSum> sum;       ///< (R)
@@ -24,7 +24,7 @@ struct Regions {
   }
 };
 
-/// Adds up the faces of each region anew.
+/// Recomputes the sums of each region from its faces.
 /// Cost: O(F), in sequence.
 void sum_regions(const FaceGraph& graph, Regions& regions, Job& job, const Threads& threads = Threads(1));
 

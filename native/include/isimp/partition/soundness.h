@@ -9,15 +9,15 @@
 
 namespace isimp {
 
-/// The first region whose faces do not hang together, kNone if there is none. Edges that are barriers do not join.
+/// The first region whose faces are not connected, kNone if there is none. Barriers do not connect faces.
 /// \param face_region  (F) in [-1, regions)
 /// Cost: O(F).
 std::int32_t find_unconnected(const Surface& surface, std::span<const std::int32_t> face_region, std::int32_t regions);
 
-/// What a partition does not keep of its promises, for assertions and tests; empty if it keeps all: arrays of R and F,
-/// labels in [-1, R), regions that are connected and not empty, seeds in their regions, sums of as many faces as the
-/// labels have, normals of length 1 or 0.
-/// \param surface  the one with the guides of the partition
+/// The promises that a partition breaks, for assertions and tests; empty if it keeps all: arrays of R and F, labels in
+/// [-1, R), regions that are connected and not empty, seeds in their regions, sums of as many faces as the labels have,
+/// normals of length 1 or 0.
+/// \param surface  the surface with the guides of the partition
 /// Cost: O(F).
 std::string broken_promise(const Surface& surface, const Partition& partition);
 

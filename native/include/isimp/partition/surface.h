@@ -13,32 +13,32 @@
 
 namespace isimp {
 
-/// What a caller may say of single faces and edges.
+/// A caller's settings for single faces and edges.
 struct Guides {
-  /// (F) at least 0, the largest in [1e-30, 1e30], by which each face's area is multiplied; empty: 1 everywhere.
-  /// Regions grow dense like the root of it, so a painted density d is wanted as d^2. Weights below 1e-4 of the largest
-  /// count as that.
+  /// (F) at least 0, the largest in [1e-30, 1e30]: factors of the faces' areas; empty: 1 everywhere. The density of
+  /// regions grows with the root of the weight, so a painted density d needs the weight d^2. Weights below 1e-4 of the
+  /// largest count as 1e-4 of it.
   std::vector<double> weights;
   /// (K) pairs of vertices, edges of the mesh that no region may cross.
   std::vector<std::array<std::int32_t, 2>> barriers;
 };
 
-/// Weights of faces beside their mean by area.
+/// Weights of faces, relative to their mean by area.
 struct RelativeWeight {
   std::span<const float> weight;  ///< (n) by graph index; empty: 1 everywhere
   float mean = 1;
   [[nodiscard]] float of(std::int32_t i) const { return weight.empty() ? 1.0F : weight[i] / mean; }
 };
 
-/// A face graph that guides have changed: other areas, or cut along barriers into other components.
+/// A face graph changed by guides: other areas, or cut along barriers into other components.
 struct GuidedGraph {
   FaceGraph graph;
-  std::vector<float> weight;            ///< (n) by graph index, what areas were multiplied by; empty: nothing
+  std::vector<float> weight;            ///< (n) by graph index, factors of the areas; empty: none
   std::vector<std::int32_t> component;  ///< (F) by face of the mesh, numbered by first face; empty: the mesh's own
   std::int32_t component_count = 0;     ///< where `component` is not empty
 };
 
-/// A mesh as partitioning sees it: its own face graph, or a guided one. A view: the mesh must outlive it.
+/// A mesh in the form for partitioning: its own face graph, or a guided one. A view: the mesh must outlive it.
 class Surface {
  public:
   Surface(const Mesh& mesh) : Surface(mesh, nullptr) {}  // NOLINT(google-explicit-constructor): one without guides
@@ -47,10 +47,10 @@ class Surface {
   Surface(const Mesh& mesh, std::shared_ptr<const GuidedGraph> guided) : mesh_(&mesh), guided_(std::move(guided)) {}
 
   /// \throws InvalidInput  weights not F of them, not finite, below 0, or the largest out of range; a barrier that is
-  /// no edge
+  ///                       no edge
   Surface(const Mesh& mesh, const Guides& guides, Job& job);
 
-  /// The same with its areas multiplied once more.
+  /// This surface with its areas multiplied once more.
   /// \param weights  (n) by graph index, above 0
   [[nodiscard]] Surface weighted(std::span<const float> weights) const;
 
@@ -62,7 +62,7 @@ class Surface {
   [[nodiscard]] std::int32_t component_count() const {
     return own_components() ? guided_->component_count : mesh_->component_count();
   }
-  /// (n) by graph index, by what the areas have been multiplied; empty: by nothing.
+  /// (n) factors of the areas by graph index; empty: no factors.
   [[nodiscard]] std::span<const float> weight() const {
     return guided_ ? std::span<const float>(guided_->weight) : std::span<const float>();
   }
@@ -80,7 +80,7 @@ class Surface {
   std::shared_ptr<const GuidedGraph> guided_;
 };
 
-/// The pairs of faces of the mesh that share an edge, but are no neighbours on the surface: barriers lie between them.
+/// The pairs of faces of the mesh that share an edge, but are no neighbours on the surface: a barrier separates them.
 /// \return (K) by first face, the lower face of each pair first
 /// Cost: O(F); nothing where there are no guides.
 std::vector<std::array<std::int32_t, 2>> separated_faces(const Surface& surface);

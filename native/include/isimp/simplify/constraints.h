@@ -15,12 +15,12 @@ namespace isimp {
 
 class Partitioner;
 
-/// What a partition keeps to, beside its options.
+/// Constraints of a partition, in addition to its options.
 struct Constraints {
   Guides guides = {};                 ///< weights of the faces, and barriers: edges that no region crosses
   std::vector<VertexPair> cuts = {};  ///< (K) barriers that also split a region that they end in
-  std::optional<std::vector<std::int32_t>> faces = std::nullopt;  ///< only these get new regions; the others keep those
-                                                                  ///< of `before`, or get none
+  std::optional<std::vector<std::int32_t>> faces = std::nullopt;  ///< only these get new regions; the others keep the
+                                                                  ///< regions of `before`, or get none
   const Partition* before = nullptr;  ///< its locked regions stay to the face, also without `faces`; null: none
   const Partitioner* part = nullptr;  ///< of part_of(mesh, open_faces(...)), if the caller keeps it; null: it is made
 
@@ -28,28 +28,29 @@ struct Constraints {
   [[nodiscard]] Guides with_cuts() const;
 };
 
-/// The faces that may get other regions than they have, rising: `faces` or, without them, those that are not left out;
-/// without those of locked regions. nullopt: there are neither `faces` nor locked regions.
+/// The faces that may get new regions, rising: `faces` or, without them, all that are not left out; in both cases
+/// without the faces of locked regions. nullopt: there are neither `faces` nor locked regions.
 ///
 /// \param proxies, leave_out  as in PartitionOptions; proxies is 1 where the number of regions is not known
 /// \throws InvalidInput  a face out of range (named); no face; all of them are locked; `before` is of another mesh
 std::optional<std::vector<std::int32_t>> open_faces(const Mesh& mesh, const Constraints& constraints,
                                                     std::int32_t proxies, double leave_out, Job& job);
 
-/// Some faces of a mesh, cut off from the others, as a mesh of their own: all of them, and no others become neighbours.
-/// Its source_face counts in `faces`, its source_vertex names vertices of the whole mesh.
+/// Some faces of a mesh as a mesh of their own, without new adjacencies. Its source_face counts in `faces`, its
+/// source_vertex names vertices of the whole mesh.
 /// \throws InvalidInput  no faces, or one out of range (named)
 Mesh part_of(const Mesh& mesh, std::span<const std::int32_t> faces, Job& job);
 
-/// How many edges of those given have the same region on both sides. Pairs that are no edges do not count.
+/// The number of given edges with the same region on both sides. Pairs that are no edges do not count.
 /// \throws InvalidInput  the partition is of another mesh
 std::int64_t inside_regions(const Mesh& mesh, const Partition& partition, std::span<const VertexPair> edges, Job& job);
 
-/// Splits the regions that cuts end in: from its ends the border goes on half-way between both sides of a cut.
+/// Splits the regions that contain the ends of cuts: the border continues from an end half-way between both sides of a
+/// cut.
 ///
-/// One after another, from the first cut by inner_edges with the same region on both sides: the path of such cuts
-/// without branches that it belongs to parts the region's faces into those nearer to its left and to its right, in
-/// steps over edges that are no cuts. Ties go to the left, which keeps the number of the region.
+/// Regions are split one after another, from the first cut by inner_edges with the same region on both sides. The
+/// unbranched path of such cuts through it divides the region's faces: faces nearer to its left and faces nearer to its
+/// right, in steps over edges that are no cuts. Ties are left, and the left keeps the number of the region.
 ///
 /// \return (F) labels, new ones from region_count() on; nullopt where no region is split
 /// \throws InvalidInput  the partition is of another mesh

@@ -8,7 +8,7 @@
 #include "isimp/core/job.h"
 #include "isimp/mesh/mesh.h"
 
-/// Edges of a mesh to give as barriers or cuts: sharp ones, and those that a caller has marked.
+/// Edges of a mesh to use as barriers or cuts: sharp ones, and edges that a caller has marked.
 namespace isimp {
 
 using VertexPair = std::array<std::int32_t, 2>;
@@ -30,9 +30,9 @@ InnerEdges inner_edges(const Mesh& mesh, Job& job);
 std::vector<VertexPair> sharp_edges(const Mesh& mesh, double angle, Job& job);
 
 /// The edges between two faces that a caller has marked before `clean`, in the order of inner_edges. Edges whose faces
-/// are gone are left out.
+/// were removed are left out.
 /// \param marked  (K) pairs of the caller's vertices (Mesh::source_vertex), any numbers
-/// Cost: O(V + F + K) plus the marked edges at the vertices, which are looked through.
+/// Cost: O(V + F + K) plus the search of the marked edges at the vertices.
 std::vector<VertexPair> marked_edges(const Mesh& mesh, std::span<const VertexPair> marked, Job& job);
 
 }  // namespace isimp

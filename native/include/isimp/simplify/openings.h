@@ -12,13 +12,12 @@ namespace isimp {
 bool has_openings(const Mesh& mesh);
 
 /// The length up to which the loops of holes and handles count as errors of scanning; for CleanOptions::fill_holes and
-/// cut_handles. Photogrammetry leaves tunnels and pinholes that are too small for this number of regions, and each costs
+/// cut_handles. Photogrammetry makes tunnels and pinholes that are too small for this number of regions, and each costs
 /// polygons.
 ///
-/// Half of sqrt(area / regions), but at most 20 times the mean edge, so that openings that the scan has sampled well
-/// stay however few regions there are. Rounded down to the mean edge times a power of sqrt(2), so that numbers of
-/// regions that differ little close the same. 0 where the mesh has no opening, or so little noise that it is drawn and
-/// not scanned.
+/// Half of sqrt(area / regions), but at most 20 times the mean edge, so that well sampled openings stay for any number
+/// of regions. Rounded down to the mean edge times a power of sqrt(2), so that similar numbers of regions close the
+/// same. 0 if the mesh has no opening, or so little noise that it was drawn and not scanned.
 /// \param regions  at least 1
 /// \return scene units
 /// \throws InvalidInput  regions below 1
@@ -36,16 +35,16 @@ struct OpeningLengths {
 struct GuessedLengths {
   OpeningLengths lengths;
   std::int32_t most = 0;  ///< numbers of regions up to this one have these lengths
-  bool likely = false;    ///< whether the number that will be found is most likely one of them
+  bool likely = false;    ///< whether the final number is most likely one of them
 };
 
-/// The same by kind. Holes of up to 8 mean edges, as a missing vertex leaves them, are filled up to sqrt(area / regions):
-/// filling changes less than cutting.
+/// `opening_length` by kind. Holes of up to 8 mean edges, such as a missing vertex makes, are filled up to sqrt(area /
+/// regions): filling changes less than cutting.
 OpeningLengths opening_lengths(const Mesh& mesh, std::int32_t regions, Job& job);
 
-/// What `opening_lengths` gives for one region, and up to how many regions it gives the same, which is so since both
-/// lengths have a bound in mean edges: openings of a large scan can be closed before the number of regions is found.
-/// \param options  by which it will be found
+/// The result of `opening_lengths` for one region, and the number of regions up to which it is the same: both lengths
+/// have a bound in mean edges. So openings of a large scan can be closed before the number of regions is found.
+/// \param options  of the partition
 /// Cost: O(V + F).
 GuessedLengths guess_opening_lengths(const Mesh& mesh, const PartitionOptions& options, Job& job);
 

@@ -16,13 +16,13 @@ class DetailTree;
 struct Hierarchy;
 class Thesis;
 
-/// Makes partitions of one mesh: the only place that decides which method runs, on how many regions, and what is kept
-/// from one call to the next.
+/// Makes partitions of one mesh: the only place that chooses the method, the number of regions, and the data that is
+/// kept from one call to the next.
 ///
-/// Kept is what another number of regions can use: the guided graph, the graph with another density, the tree that
-/// finds the number of regions, the hierarchy where the method has one, and what Thesis keeps; and
-/// the same of the part of the mesh that was split alone. So a second call takes a fraction of the first one's time. The
-/// results are those of a new Partitioner, bit for bit.
+/// It keeps the data that another number of regions can use: the guided graph, the graph with another density, the tree
+/// that finds the number of regions, the hierarchy where the method has one, and the data of Thesis; and the same for
+/// the part of the mesh that was split alone. So a second call takes a fraction of the first one's time. The results
+/// are those of a new Partitioner, bit for bit.
 class Partitioner {
  public:
   /// \param mesh  must outlive this, at the same address
@@ -35,34 +35,34 @@ class Partitioner {
   /// Splits the mesh into connected, near-planar regions.
   ///
   /// - `proxies`: exactly that many regions.
-  /// - `detail` or `tolerance`: as many as the surface shows at that tolerance t, whatever its resolution. On a curved
-  ///   surface the mean distance from the regions' planes is about t. t never counts as less than 3.5 deviations of the
-  ///   noise. lloyd and teleport then make that number.
+  /// - `detail` or `tolerance`: as many as the surface shows at that tolerance t, independent of its resolution. On a
+  ///   curved surface the mean distance from the regions' planes is about t. t never counts as less than 3.5 deviations
+  ///   of the noise. lloyd and teleport then make that number.
   /// - `bound`: few regions, each with all its vertices within that of one plane.
   ///
   /// No region is empty, each is connected, every face of a kept component is in one. Every kept component gets at
-  /// least what its topology needs: 4 if it is closed, else 1; never more than its faces. Where that takes more than
-  /// `proxies`, it is taken, and `proxies_needed` says so. Components each below `leave_out` of the area are left out,
-  /// smallest first, while all of them together stay below ten times it, or below twenty times it where each has less
-  /// than a tenth of the mean area of `proxies` regions. The largest is always kept, and none is left out where the rest
-  /// would have fewer than `proxies` faces.
+  /// least the number that its topology needs: 4 if it is closed, else 1; never more than its faces. If these are more
+  /// than `proxies`, they are made, and `proxies_needed` is their number. Components each below `leave_out` of the area
+  /// are left out, smallest first, while all of them together stay below ten times it, or below twenty times it where
+  /// each has less than a tenth of the mean area of `proxies` regions. The largest is always kept, and none is left out
+  /// where the rest would have fewer than `proxies` faces.
   /// The same mesh, options and constraints give the same partition bit for bit: nothing depends on hashing, on the
   /// order of threads or on a library's random numbers. May be called from several threads at once.
   ///
   /// Constraints:
-  ///  - weights multiply the areas, also those in `error`; barriers cut the mesh, so that it may have more components;
-  ///  - a region that a cut ends in is split (see parted_at);
-  ///  - where only some faces are split, these become a mesh of their own, which is partitioned with nothing left out.
+  ///  - weights multiply the areas, also for `error`; barriers cut the mesh, so that it may have more components;
+  ///  - a region that contains the end of a cut is split (see parted_at);
+  ///  - if only some faces are split, they become a mesh of their own, which is partitioned with nothing left out.
   ///    Borders to the other faces stay as they are; regions that fall apart by it become several. With locked regions
   ///    and without `faces`, `proxies` counts the locked ones too.
   ///
-  /// With `symmetry` regions mirror as the surface does, and the partition has the plane; see symmetric_partition. Where
-  /// only some faces are split, or regions are locked, it has the plane alone. A few regions more or fewer than
-  /// `proxies` may come of it.
+  /// With `symmetry` regions mirror as the surface does, and the partition has the plane; see symmetric_partition. If
+  /// only some faces are split, or regions are locked, it has the plane alone. The number may differ a little from
+  /// `proxies`.
   ///
   /// \param job     polled at least every 50 ms; reports progress in [0, 1]
   /// \throws InvalidInput  an option out of its range, a weight, barrier or face that can't be used: the message names
-  ///                       the range and what was given; open_faces() says what else
+  ///                       the range and the value; open_faces() lists further errors
   /// \throws Error         a device has too little memory or failed
   /// \throws Cancelled     nothing was changed
   ///

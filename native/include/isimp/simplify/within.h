@@ -12,7 +12,7 @@
 #include "isimp/partition/partition.h"
 #include "isimp/simplify/partitioner.h"
 
-/// A bound that the polygons keep too: how far the scan is from them, and how to make it less.
+/// A bound that the polygons keep too: the distance of the scan from them, and the search for a smaller one.
 namespace isimp {
 
 /// The polygons may be this many times further from the scan than the planes of its regions.
@@ -23,22 +23,22 @@ double distance_to_triangle(const Vec3& point, const std::array<Vec3, 3>& triang
 
 /// How distances are measured.
 struct DistanceOptions {
-  double enough = 0.0;       ///< scene units; a vertex that near to polygons of its own regions is not looked at more
+  double enough = 0.0;       ///< scene units; a vertex this near to polygons of its own regions is not searched further
   std::int32_t threads = 0;  ///< as PartitionOptions::threads
   std::int32_t block = 1 << 10;  ///< vertices that a thread takes at a time; the result does not depend on it
 };
 
 /// (V) The distance of each vertex of the scan from the polygons, scene units; NaN where it is in no region.
 ///
-/// First from those of its own regions; where that is more than `enough`, from all. So what is at most `enough` may be
-/// less in truth.
+/// The triangles of its own regions come first; if the distance to them is more than `enough`, all triangles are
+/// searched. So a distance of at most `enough` may be less in truth.
 /// \throws InvalidInput  the partition is of another mesh, or the polygons are of another partition
 /// Cost: each vertex times the triangles of its regions; where that is too far, the triangles in a box of that size.
 std::vector<double> scan_distances(const Mesh& mesh, const Partition& partition, const PolygonMesh& polygons,
                                    const DistanceOptions& options, Job& job);
 
-/// The order in which polygons near enough to the scan are looked for: borders and corners may use up half of the
-/// bound, then less; where that is not enough, regions are made again with a lower bound, and so on.
+/// The search for polygons near enough to the scan: borders and corners may use up half of the bound, then less; if
+/// that is not enough, regions are made again with a lower bound, and so on.
 class BoundSearch {
  public:
   struct Step {
@@ -48,16 +48,16 @@ class BoundSearch {
   };
 
   /// \param allowed  the distance that is near enough, scene units
-  /// \param anew     whether the partition can be made again
+  /// \param anew     whether another partition can be computed
   BoundSearch(double allowed, bool anew);
 
-  /// nullopt: polygons are near enough, or all was tried.
+  /// nullopt: polygons are near enough, or all steps were tried.
   std::optional<Step> next();
-  /// To be told after each step that makes polygons.
-  /// \return whether these are the nearest so far
+  /// Must be called after each step that makes polygons.
+  /// \return whether these polygons are nearer than all before
   bool take(double distance);
   [[nodiscard]] double allowed() const { return allowed_; }
-  /// How many times polygons were made.
+  /// The number of times that polygons were made.
   [[nodiscard]] std::int32_t tries() const { return tries_; }
 
  private:
@@ -72,31 +72,32 @@ class BoundSearch {
   std::optional<double> least_;
 };
 
-/// The options with which polygons stay within half a bound of the planes of their regions; no looser than those given.
+/// The options with which polygons stay within half a bound of the planes of their regions; not looser than the given
+/// ones.
 MeshingOptions tightened(const Mesh& mesh, const Partition& partition, double bound, const MeshingOptions& given);
 
-/// A partition and its polygons; with a bound, how far the scan is from them.
+/// A partition and its polygons; with a bound, the distance of the scan from them.
 struct Within {
   Partition partition;
   PolygonMesh polygons;
   std::optional<double>
-      distance;  ///< the largest of a vertex of the scan from the polygons, scene units; none: no bound
-  std::optional<double> allowed;  ///< what it should not be above
+      distance;  ///< largest distance of a vertex of the scan from the polygons, scene units; none: no bound
+  std::optional<double> allowed;  ///< its upper limit
   std::int32_t tries = 1;
 };
 
 /// Makes the partition again with a share of its bound.
 using Again = std::function<Partition(double share, Job& job)>;
 
-/// The polygons of a partition; with a bound such that the scan is within `slack` times it of them, if that can be.
-/// Without a bound it is `polygonize`.
+/// The polygons of a partition. With a bound, the scan is within `slack` times it of the polygons, if possible. Without
+/// a bound it is `polygonize`.
 ///
-/// \param again  makes the partition again with a lower bound; empty: the partition stays as given
+/// \param again  makes the partition again with a lower bound; empty: the given partition stays
 /// \throws InvalidInput, Cancelled  as polygonize
 Within polygonize_within(const Mesh& mesh, Partition partition, const MeshingOptions& options, const Again& again,
                          Job& job, double slack = kSlack);
 
-/// Regions and their polygons; with a bound such that the scan is within `slack` times it of them, if that can be.
+/// Regions and their polygons. With a bound, the scan is within `slack` times it of the polygons, if possible.
 /// \throws InvalidInput, Cancelled  as Partitioner::run and polygonize
 Within partition_within(const Partitioner& partitioner, const PartitionOptions& options, const Constraints& constraints,
                         const MeshingOptions& meshing, Job& job, double slack = kSlack);

@@ -24,7 +24,7 @@ struct Picture {
   std::span<const std::uint16_t> words;  ///< (4 * width * height) 16 bits a channel
 };
 
-/// What a scan shows, for each face of the mesh.
+/// The images of a scan, with UVs for each face of the mesh.
 struct Appearance {
   std::span<const float> uv;             ///< (6 F) u, v of the three corners; v = 1 is the upper edge of the image
   std::span<const std::int32_t> image;   ///< (F) the picture of each face; kNone: its colours
@@ -33,21 +33,21 @@ struct Appearance {
   std::vector<Picture> pictures;
 };
 
-/// What else the materials of a scan have, looked up at the same places as the colours.
+/// Further channels of a scan's materials, sampled at the same places as the colours.
 struct MaterialLayers {
   std::vector<Appearance> images;    ///< roughness, emission and the like, from 0 to 255
   std::optional<Appearance> relief;  ///< tangent-space normals, green up; a face whose image is kNone has none
 };
 
-/// The images of the polygons: rows from the top, and none of their texels without a colour. Of several tiles the last
-/// one is at the top.
+/// The images of the polygons: rows from the top, without the texels that have no colour. The last of several tiles is
+/// at the top.
 struct Texture {
-  std::int32_t side = 0, height = 0;        ///< a row, and how many rows all tiles have together: n = side * height
+  std::int32_t side = 0, height = 0;        ///< texels of a row, and rows of all tiles together: n = side * height
   Array<std::uint8_t> color;                ///< (4 n) RGBA
   Array<std::uint8_t> normal;               ///< (3 n) tangent-space normals, green up; empty if not asked for
   std::vector<Array<std::uint8_t>> layers;  ///< (4 n) each, one for each of the images of MaterialLayers
   std::vector<PolygonTexels> texels;        ///< (Q)
-  std::vector<std::int32_t> same;           ///< (Q) the earlier polygon whose texels were taken; kNone: baked
+  std::vector<std::int32_t> same;           ///< (Q) the earlier polygon whose texels were copied; kNone: baked
 
   [[nodiscard]] PolygonTexels total() const {
     PolygonTexels sum;
@@ -58,16 +58,16 @@ struct Texture {
 
 /// Shows the scan on its polygons.
 ///
-/// The faces of the polygon's region, and then those of the regions beside it, are drawn into its chart along
-/// directions that lean from the polygon's normal, over edges below 78 degrees toward that of the polygon beside it; a
-/// face nearer to the plane hides others. There is no distance to choose. Places that no face is drawn to show the
-/// closest face that looks the polygon's way. In a band along the edges the colours change over to those of
-/// the closest points, which are the same from both sides of an edge. A pixel is the mean of 2 x 2 to 4 x 4 samples,
-/// as many as the density of the scan's images needs; these are bilinear and never from a reduced image, since charts
-/// of scans lie close together. Gutters continue the polygon's plane; the rest is flooded.
+/// The faces of the polygon's region, and then those of adjacent regions, are drawn into its chart along directions
+/// that lean from the polygon's normal, over edges below 78 degrees toward the normal of the adjacent polygon; a face
+/// nearer to the plane hides others. There is no distance to choose. Places that no face is drawn to show the closest
+/// face that looks the polygon's way. In a band along the edges the colours blend into those of the closest points,
+/// which are the same from both sides of an edge. A pixel is the mean of 2 x 2 to 4 x 4 samples, as many as the density
+/// of the scan's images needs; these are bilinear and never from a reduced image, since charts of scans lie close
+/// together. Gutters continue the polygon's plane; the rest is flooded.
 ///
 /// \param atlas  of these polygons
-/// \param layers  each is made as the colours are; the relief bends the scan's normals in the normal map
+/// \param layers  made like the colours; the relief bends the scan's normals in the normal map
 /// \param earlier  of the same mesh, appearance, layers and options; null: all polygons are baked
 /// \throws InvalidInput  arrays that are not of this mesh, or an option out of its range
 /// \throws Cancelled     nothing was made
@@ -78,18 +78,18 @@ Texture bake(const Mesh& mesh, const Partition& partition, const PolygonMesh& po
              const Appearance& appearance, const TextureOptions& options, Job& job, const MaterialLayers& layers = {},
              const EarlierBake* earlier = nullptr);
 
-/// For each texel, which place of the scan it shows: rows from the top.
+/// The place of the scan that each texel shows: rows from the top.
 struct BakeMap {
-  std::int32_t side = 0, rows = 0;  ///< a row, and how many rows: n = side * rows
+  std::int32_t side = 0, rows = 0;  ///< texels of a row, and number of rows: n = side * rows
   Array<std::int32_t> polygon;      ///< (n) the polygon a texel's centre lies in; kNone: gutter and the rest
-  Array<std::int32_t> face;         ///< (n) of the mesh; kNone where there is none
+  Array<std::int32_t> face;         ///< (n) of the mesh; kNone without a face
   Array<float> barycentric;         ///< (2 n) weights of the face's corners 1 and 2
   Array<float> height;              ///< (n) of the place above the polygon's plane, scene units
 };
 
-/// The map by which `bake` looks up colours, with one sample at the centre of each texel: for other layers.
+/// The map by which `bake` samples colours, with one sample at the centre of each texel: for other layers.
 /// In the half of the band that is nearer to an edge it holds the closest point.
-/// \param same  (Q) polygons that are left out where it is not kNone; empty: none is
+/// \param same  (Q) polygons that are left out unless it is kNone; empty: none is
 BakeMap bake_map(const Mesh& mesh, const Partition& partition, const PolygonMesh& polygons, const Atlas& atlas,
                  const TextureOptions& options, Job& job, std::span<const std::int32_t> same = {});
 

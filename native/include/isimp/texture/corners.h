@@ -12,20 +12,20 @@
 
 namespace isimp {
 
-/// For each face of a cleaned mesh, where its corners lie on the caller's triangles: what UVs and colours per corner are
-/// carried over with.
+/// For each face of a cleaned mesh, the places of its corners on the caller's triangles, to transfer UVs and colours
+/// per corner.
 struct SourceCorners {
   std::vector<std::int32_t> face;            ///< (F) one of the caller's triangles; kNone for a cover of a hole
   std::vector<std::array<float, 6>> weight;  ///< (F) of its corners 1 and 2, for each corner of the mesh's face
   std::int64_t turned = 0;                   ///< faces whose edges `clean` flipped, halved or moved
-  std::int64_t lost = 0;                     ///< of them those that lie on no triangle: their face is kNone
+  std::int64_t lost = 0;                     ///< corners that lie on no triangle: their face is kNone
 };
 
-/// A face whose corners are those of its source, in any order, takes them as they are. Another one, as edge flips,
-/// halved edges and welding make them, takes the places of its corners on one of the triangles that it and its
-/// neighbours came from: that which its corners are nearest to.
+/// A face with the corners of its source, in any order, takes them as they are. Other faces result from edge flips,
+/// halved edges and welding. They take the places of their corners on one of the source triangles of the face and its
+/// neighbours: the one nearest to the corners.
 ///
-/// \param vertices   (V) what the mesh was made from
+/// \param vertices   (V) of the arrays that the mesh was made from
 /// \param triangles  (T)
 /// \throws InvalidInput  the mesh was made from other arrays
 /// Cost: O(F).

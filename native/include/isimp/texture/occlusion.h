@@ -10,15 +10,15 @@
 
 namespace isimp {
 
-/// Ambient occlusion: for each texel, how much of the light from all directions reaches the place of the scan that it
-/// shows, from 0 to 255. 255: nothing of the scan is in the way.
+/// Ambient occlusion: for each texel, the share of the light from all directions that reaches its place on the scan,
+/// from 0 to 255. 255: no face of the scan is in the way.
 ///
 /// Rays start at the scan's surface, cosine-weighted about its smoothed normal, and are stopped by any face of the scan
 /// within `occlusion_distance`. Each texel sends a ninth of `occlusion_rays`; three by three texels together send all of
 /// them, and each texel shows the mean of these nine. Texels outside of polygons are flooded.
 ///
 /// \param map  made by `bake_map` for this mesh
-/// \param earlier  polygons that take the texels of an earlier image of the same mesh and options; null: none
+/// \param earlier  polygons that copy the texels of an earlier image of the same mesh and options; null: none
 /// \return (side * rows) rows from the top
 /// \throws InvalidInput  a map that is not of this mesh, or an option out of its range
 /// \throws Cancelled     nothing was made

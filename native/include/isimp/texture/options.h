@@ -8,7 +8,7 @@
 
 namespace isimp {
 
-/// How to make a texture of polygons. What each field means stands in `fields` below.
+/// How to make a texture of polygons. The table `fields` below describes each field.
 struct TextureOptions {
   std::optional<std::int32_t> size{};
   std::optional<std::int32_t> tiles{};

@@ -10,11 +10,11 @@
 
 namespace isimp {
 
-/// How many texels of a polygon there are, and what they show.
+/// Counts of a polygon's texels by their source.
 struct PolygonTexels {
-  std::int64_t inside = 0;    ///< whose centres lie in the polygon
-  std::int64_t searched = 0;  ///< of them those with a place that no face was drawn to: they show the closest face
-  std::int64_t unknown = 0;   ///< of them those that nothing is known of: they show the mean colour
+  std::int64_t inside = 0;    ///< texels whose centres lie in the polygon
+  std::int64_t searched = 0;  ///< inside texels at a place that no face was drawn to: they show the closest face
+  std::int64_t unknown = 0;   ///< inside texels without a known colour: they show the mean colour
 
   PolygonTexels& operator+=(const PolygonTexels& other) {
     inside += other.inside;
@@ -24,8 +24,8 @@ struct PolygonTexels {
   }
 };
 
-/// What an earlier bake of the same scan with the same options was made of, and made. Polygons that are baked from the
-/// same faces to the same texels take them from here: the result is the same bits as without.
+/// Input and result of an earlier bake of the same scan with the same options. Polygons that are baked from the same
+/// faces to the same texels copy them from here: the result has the same bits as without it.
 struct EarlierBake {
   const Partition& partition;
   const PolygonMesh& polygons;
@@ -36,9 +36,9 @@ struct EarlierBake {
   std::span<const PolygonTexels> texels;              ///< (earlier Q)
 };
 
-/// Grey images of an earlier bake, and whose texels in them are still right.
+/// Grey images of an earlier bake, and the polygons whose texels in them are still right.
 struct EarlierGrey {
-  std::span<const std::int32_t> same;  ///< (Q) the earlier polygon; kNone: one that is baked
+  std::span<const std::int32_t> same;  ///< (Q) the earlier polygon; kNone: the polygon is baked
   std::span<const std::uint8_t> grey;  ///< rows from the top
 };
 

@@ -18,11 +18,11 @@ struct ChartFrame {
   bool operator==(const ChartFrame&) const = default;
 };
 
-/// Polygons laid out in squares of texels, the tiles. x points right, y up. (0, 0) is the lower left corner of the first
-/// tile, and each further one lies upon the one before: tile t has the rows from t * side on.
+/// Polygons laid out in squares of texels, the tiles. x points right, y up. (0, 0) is the lower left corner of the
+/// first tile. The tiles are stacked: tile t has the rows from t * side on.
 struct Atlas {
-  std::int32_t side = 0;   ///< of a tile
-  std::int32_t tiles = 1;  ///< how many
+  std::int32_t side = 0;   ///< side of a tile, texels
+  std::int32_t tiles = 1;  ///< number of tiles
   double scale = 0;        ///< texels per scene unit; the same everywhere
   double gutter = 0;       ///< least distance of two charts, texels
   double fill = 0;         ///< area of the polygons over the area of the atlas
@@ -33,19 +33,20 @@ struct Atlas {
   std::vector<ChartFrame> frame;              ///< (Q) in the caller's coordinates
   std::vector<std::int32_t> from;             ///< (Q) the earlier polygon whose place each has; kNone: a new place
   std::vector<std::int32_t> tile;             ///< (Q) the tile of each polygon
-  std::vector<std::int32_t> tile_group;       ///< (tiles) the group of the polygons that each is for
+  std::vector<std::int32_t> tile_group;       ///< (tiles) the group of the polygons of each tile
 
-  /// How many rows of texels there are, one tile upon the other.
+  /// The number of rows of texels of all stacked tiles.
   [[nodiscard]] std::int32_t height() const { return side * tiles; }
 };
 
 /// How polygons are laid out.
 struct AtlasOptions {
-  std::int32_t side = 0;    ///< of a tile; 0: the least power of two that has `density`, at most 8,192
+  std::int32_t side = 0;    ///< side of a tile; 0: the least power of two that has `density`, at most 8,192
   double density = 1;       ///< texels per scene unit
   double unfold = 40;       ///< degrees
   std::int32_t gutter = 0;  ///< least distance of two charts; 0: side / 512, at least 3 and at most 16
-  std::int32_t tiles = 1;   ///< of each group; 0: one, or if no side is given as many as `density` needs
+  std::int32_t tiles = 1;   ///< number of tiles of each group; 0: one, or as many as `density` needs if no side is
+                            ///< given
   std::span<const std::int32_t>
       group{};  ///< (Q) polygons of different groups share no tile; from 0 on; empty: one group
 };
@@ -61,16 +62,17 @@ struct EarlierAtlas {
 /// Each polygon is projected on the plane that fits it best, so UVs are affine in it: every triangulation of an n-gon
 /// shows the same picture. Neighbours that meet at less than `unfold` degrees are unfolded about their edge into one
 /// chart, the longest edges first, where nothing overlaps. Charts fall one after another, in the best of four turns,
-/// onto the profile of those below (Levy, Petitjean, Ray, Maillot 2002, section 4). No chart is mirrored.
+/// onto the profile of the charts below (Levy, Petitjean, Ray, Maillot 2002, section 4). No chart is mirrored.
 ///
-/// The layout depends on the polygons alone, and on an earlier atlas where one is given: a polygon stays where it was,
-/// with the same texel coordinates and frame, if its corners have moved there by no more than a texel, or two if the
-/// others do not fit else: an edit moves corners far from it a little. The others are unfolded among themselves and fall
-/// into the free room, at the scale of the earlier atlas. Where they do not fit, up to the upper half of the tiles makes
-/// room for them, and then all is laid out anew, with 7 % of the rows left free. So it is, without these rows, where the
-/// earlier atlas has another side, gutter or number of tiles than asked for. `Atlas::kept` says how many stay.
+/// The layout depends on the polygons alone, and on an earlier atlas where one is given. A polygon then keeps its
+/// place, with the same texel coordinates and frame, if its corners have moved by no more than a texel, or by two if
+/// the others do not fit otherwise: an edit moves corners far from it a little. The others are unfolded among
+/// themselves and placed into the free room, at the scale of the earlier atlas. If they do not fit, up to the upper
+/// half of the tiles is cleared for them. If that fails too, all polygons are laid out again, with 7 % of the rows left
+/// free. The same happens, without these rows, if the earlier atlas has another side, gutter or number of tiles than
+/// requested. `Atlas::kept` counts the polygons that keep their place.
 ///
-/// \throws InvalidInput  so many charts do not fit into the size; the message says which size they fit
+/// \throws InvalidInput  so many charts do not fit into the size; the message names a size that fits
 /// \throws Cancelled     nothing was made
 /// Cost: 0.1 s for 1,000 polygons.
 Atlas unwrap(const PolygonMesh& polygons, const AtlasOptions& options, Job& job, const EarlierAtlas* earlier = nullptr);

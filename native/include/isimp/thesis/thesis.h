@@ -12,11 +12,11 @@ namespace isimp {
 
 struct Hierarchy;
 
-/// The methods of the 2004 paper and of the thesis, behind one door: lloyd and teleport, the data-parallel floodings
-/// naive and queued, and hybrid. Method::hierarchy does without them, and so does a build with ISIMP_THESIS=OFF.
+/// The methods of the 2004 paper and of the thesis: lloyd and teleport, the data-parallel floodings naive and queued,
+/// and hybrid. Method::hierarchy does not use them, and a build with ISIMP_THESIS=OFF lacks them.
 ///
-/// It keeps what helps from one call to the next: the surface in the memory of a back end, and the decimated mesh. May
-/// be used from several threads.
+/// It keeps data for the next call: the surface in the memory of a back end, and the decimated mesh. May be used from
+/// several threads.
 class Thesis {
  public:
   Thesis();
@@ -28,11 +28,11 @@ class Thesis {
   [[nodiscard]] static bool is_built();
 
   /// \throws InvalidInput  a method or a back end that is not in this build, or a back end that does not work here: the
-  ///                       message says why, and what there is
+  ///                       message gives the reason and the choices
   static void check(const PartitionOptions& options);
 
-  /// Exactly options.proxies regions, or as many as the components need, by any method but Method::hierarchy.
-  /// \param hierarchy  one that serves this surface and number, where `needs_hierarchy`; else an empty one
+  /// Exactly options.proxies regions, or the number that the components need, by any method except Method::hierarchy.
+  /// \param hierarchy  a hierarchy for this surface and number, if `needs_hierarchy`; else an empty one
   /// \param options    checked, with `proxies`
   /// \throws InvalidInput  hybrid: the decimated mesh has fewer faces than `proxies`
   /// \throws Error         a device has too little memory or failed
@@ -46,7 +46,7 @@ class Thesis {
   std::unique_ptr<Kept> kept_;
 };
 
-/// The names that PartitionOptions::backend takes here: "cpu" always, "cuda" where a device is present.
+/// The names that PartitionOptions::backend accepts here: "cpu" always, "cuda" where a device is present.
 [[nodiscard]] std::vector<std::string> backends();
 
 }  // namespace isimp

@@ -6,16 +6,16 @@
 
 namespace isimp {
 
-/// What moves within one block have changed of the regions: of each the change of its sum, and how it looks meanwhile
-/// from within the block. Other blocks hear of it when it is taken.
+/// The changes of the regions by moves within one block: for each region the change of its sum, and its view from
+/// within the block. Other blocks get the changes by take().
 template <class Sum, class View>
 class BlockChanges {
  public:
-  /// \param views  (R) how the regions look from outside
+  /// \param views  (R) the views of the regions from outside
   explicit BlockChanges(const std::vector<View>& views) : outside_(views), views_(views), changes_(views.size()) {}
 
   [[nodiscard]] const View& view(std::int32_t region) const { return views_[region]; }
-  /// Of a region that changes now, the change and the view; whoever asks brings both up to date.
+  /// The change and the view of a region that changes now; the caller updates both.
   std::pair<Sum&, View&> touch(std::int32_t region) {
     Change& change = changes_[region];
     if (!std::exchange(change.any, true)) changed_.push_back(region);

@@ -31,7 +31,7 @@ struct MeshLabels {
   void set(std::int32_t i, std::int32_t r) const { region[graph->mesh_face[i]] = r; }
 };
 
-/// What a region looks like to a face that might join or leave it.
+/// The view of a region for a face that might join or leave it.
 struct BorderProxy {
   float x = 0, y = 0, z = 0;  ///< unit normal
   float half_inverse = 0;     ///< 1 / (2 |S|)
@@ -42,7 +42,7 @@ struct BorderProxy {
             static_cast<float>(inverse / 2)};
   }
   [[nodiscard]] float dot(const FaceRecord& f) const { return f.nx * x + f.ny * y + f.nz * z; }
-  /// By how much |S| grows for the face's area w when it joins: (|S + w n| - |S|) / w. When it leaves, with -n for n.
+  /// The growth of |S| for the face's area w when it joins: (|S + w n| - |S|) / w. When it leaves, with -n for n.
   [[nodiscard]] float growth(float along, float area) const {
     constexpr float kSmall = 0.05F;  // w / 2 |S| up to which the second order of the series is enough
     const float half_ratio = area * half_inverse;
@@ -60,31 +60,31 @@ struct Reach {
   }
 };
 
-/// What borders weigh beside the error.
+/// The weight of borders, relative to the error.
 struct BorderWeight {
-  double edge = 0;       ///< of an edge of the mean length between two regions, over the mean area of a face
-  bool is_wide = false;  ///< by length, and counted over all faces that share a vertex: counted over edges alone, each
-                         ///< zigzag that turns neither back nor aside is as short as the straight way
+  double edge = 0;       ///< weight of an edge of the mean length between two regions, over the mean area of a face
+  bool is_wide = false;  ///< by length, and counted over all faces that share a vertex: over edges alone, each zigzag
+                         ///< that turns neither back nor aside is as short as the straight way
 };
 
-/// What a border is worth where the weights are w times their mean, beside one of the same length elsewhere.
+/// The worth of a border where the weights are w times their mean, relative to one of the same length elsewhere.
 inline float worth_of(float w) { return 1 / std::sqrt(w); }
 
 /// Judges whether a face on a border between regions should go to the other side, and whether it may.
 template <class Labels>
 struct BorderMoves {
-  static constexpr std::int32_t kBeyond = -2;  ///< instead of a region: to tell, one must look beyond the reach
+  static constexpr std::int32_t kBeyond = -2;  ///< instead of a region: the decision needs faces beyond the reach
 
   const FaceGraph& graph;
   Labels labels;
-  float edge_weight = 0;        ///< of an edge between regions, over the mean area of a face
+  float edge_weight = 0;        ///< weight of an edge between regions, over the mean area of a face
   bool is_wide = false;         ///< see BorderWeight
-  float mean_area = 0;          ///< of a face
-  RelativeWeight weight;        ///< of the faces
+  float mean_area = 0;          ///< mean area of a face
+  RelativeWeight weight;        ///< weights of the faces
   std::int32_t pinned = kNone;  ///< the one face that must not move
 
   /// The neighbouring region to which a move of the face lowers the energy most; kNone if there is none or it may not
-  /// leave its own. `regions` tells the proxy of each region.
+  /// leave its own. `regions` has the proxy of each region.
   template <class Regions>
   std::int32_t target(std::int32_t face, Regions& regions, const Reach& reach) const {
     const auto& neighbours = graph.neighbours[face];
@@ -110,7 +110,7 @@ struct BorderMoves {
       const float shorter = static_cast<float>(there - same) + kOfVertex * static_cast<float>(ring.gain(own, other));
       return f.area * (leaving + joining) + edge * shorter;
     };
-    if (same == 2) {  // most faces; without a loop, as nobody can foresee which neighbour is the other one
+    if (same == 2) {  // most faces; without a loop, as it can't be predicted which neighbour is the other one
       const std::int32_t other = near[0] ^ near[1] ^ near[2];
       const bool wanted = other >= 0 && gain_of(other, 1) > least && may_join(face, other);
       return wanted ? stays_joined(face, own, near, reach, other) : kNone;
@@ -129,7 +129,7 @@ struct BorderMoves {
   }
 
  private:
-  /// Labels may have a say in where a face goes: `allows(face, region)`.
+  /// Labels may restrict the moves of a face: `allows(face, region)`.
   [[nodiscard]] bool may_join([[maybe_unused]] std::int32_t face, [[maybe_unused]] std::int32_t region) const {
     if constexpr (requires { labels.allows(face, region); })
       return labels.allows(face, region);
@@ -141,7 +141,7 @@ struct BorderMoves {
   // all directions; there are some seven such pairs to an edge of a straight border.
   static constexpr float kOfVertex = 0.5F, kOfEdge = 1 / (1 + 7 * kOfVertex);
 
-  /// How long an edge of a face of this area is for a wide border, in mean areas. Where weights make regions small, a
+  /// The length of an edge of a face of this area for a wide border, in mean areas. Where weights make regions small, a
   /// border of the same length is worth less (worth_of).
   [[nodiscard]] float length_at(std::int32_t face, float area) const {
     const float w = weight.of(face);
@@ -153,7 +153,7 @@ struct BorderMoves {
     static constexpr int kMost = 24;
     std::array<std::int32_t, kMost> label;
     int size = 0;
-    /// How many more of them are of the one region than of the other.
+    /// The number of them in the one region minus the number in the other.
     [[nodiscard]] int gain(std::int32_t own, std::int32_t other) const {
       int sum = 0;
       for (int i = 0; i < size; ++i) sum += static_cast<int>(label[i] == other) - static_cast<int>(label[i] == own);
@@ -161,7 +161,7 @@ struct BorderMoves {
     }
   };
 
-  /// From one face round a vertex to the next, away from the one before.
+  /// Moves from one face at a vertex to the next, away from the one before.
   void go_on_round(std::int32_t& before, std::int32_t& at) const {
     const auto& next = graph.neighbours[at];
     const int back = next[0] == before ? 0 : next[1] == before ? 1 : 2;
@@ -171,7 +171,7 @@ struct BorderMoves {
   /// \return false where they are beyond the reach
   bool read_ring(std::int32_t face, const Reach& reach, Ring& ring) const {
     const auto& around = graph.neighbours[face];
-    for (int k = 0; k < 3; ++k) {  // round the vertex between edges k and k + 1
+    for (int k = 0; k < 3; ++k) {  // around the vertex between edges k and k + 1
       const std::int32_t goal = around[(k + 1) % 3];
       std::int32_t before = face, at = around[k];
       for (int step = 0; step < Ring::kMost / 3 && at != goal && at != graph.size(); ++step) {
@@ -183,14 +183,15 @@ struct BorderMoves {
     return true;
   }
 
-  static constexpr float kLeastGain = 1e-6F;  // of the face's area: less is rounding, and would go to and fro
-  static constexpr int kLongestWalk = 32;     // round a vertex; beyond it the face just stays
+  static constexpr float kLeastGain = 1e-6F;  // share of the face's area: less is rounding, and would oscillate
+  static constexpr int kLongestWalk = 32;     // steps at a vertex; beyond it the face just stays
 
-  /// Of a face with two neighbours in its own region: `to` if the region stays connected without it, else kNone.
+  /// For a face with two neighbours in its own region: `to` if the region stays connected without it, else kNone.
   [[nodiscard]] std::int32_t stays_joined(std::int32_t face, std::int32_t own, const std::array<std::int32_t, 3>& near,
                                           const Reach& reach, std::int32_t to) const {
     const auto& around = graph.neighbours[face];
-    // Edges k and k + 1 meet in a vertex; turn round it from the neighbour across the one to that across the other.
+    // Edges k and k + 1 meet in a vertex; walk around it from the neighbour across one to the neighbour across the
+    // other.
     const int first = near[0] != own ? 1 : near[1] != own ? 2 : 0;
     const std::int32_t goal = around[(first + 1) % 3];
     std::int32_t before = face, at = around[first];

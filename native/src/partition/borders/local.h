@@ -13,12 +13,12 @@
 #include "isimp/mesh/face_graph.h"
 #include "isimp/partition/metric.h"
 
-/// Changes to single regions whose cost is that of the faces they touch. `Labels` as in relax.h.
+/// Changes to single regions with the cost of the changed faces. `Labels` as in relax.h.
 namespace isimp {
 
-/// Label of a face that has been taken out of its region and waits for another.
+/// Label of a face that was removed from its region and waits for another.
 inline constexpr std::int32_t kOpen = -2;
-/// While a flood lasts, kOffered - k is the label of an open face whose best offer so far is that of its region k.
+/// During a flood, kOffered - k is the label of an open face whose best offer is that of its region k.
 inline constexpr std::int32_t kOffered = -4;
 
 /// Gathers the faces of the region of a face (or of the part left out it lies in), and marks each as kOpen.
@@ -46,7 +46,7 @@ class LocalQueue {
     std::int32_t face, region;
     bool operator>(const Entry& o) const { return error != o.error ? error > o.error : arrival > o.arrival; }
   };
-  /// What an error counts as.
+  /// An error, at least 2^-24.
   static float level(float error) { return std::max(error, 0x1p-24F); }
   void push(float error, std::int32_t face, std::int32_t region) {
     entries_.push_back({level(error), arrivals_++, face, region});
@@ -65,14 +65,14 @@ class LocalQueue {
   std::uint32_t arrivals_ = 0;
 };
 
-/// Offers of open faces to regions, best first. One that cannot win is left out: its face has had a better one, or as
-/// good a one earlier.
+/// Offers of open faces to regions, best first. An offer that cannot win is left out: its face has an earlier one that
+/// is at least as good.
 template <class Labels>
 class Offers {
  public:
   Offers(const FaceGraph& graph, Labels labels) : graph_(graph), labels_(labels) {}
 
-  /// Offers a face, if it is open, to region k of those whose proxies are given.
+  /// Offers region k of `proxies` to a face, if the face is open.
   template <class Proxies>
   void add(std::int32_t face, std::int32_t k, const Proxies& proxies) {
     const std::int32_t label = labels_.get(face);
@@ -114,15 +114,15 @@ inline std::int32_t nearest_of(const FaceGraph& graph, std::span<const std::int3
   return nearest;
 }
 
-/// Two halves of what was one region.
+/// The two halves of a former region.
 struct Halves {
   std::array<std::int32_t, 2> region, seed;
   std::array<NormalMetric::Proxy, 2> proxy;
   std::array<RegionSum, 2> sum;
 };
 
-/// Moves two proxies to where the faces' normals cluster: each face counts for the nearer one, connected or not.
-/// Two seeds on the same side of a crease would else never part the two sides.
+/// Moves two proxies to the clusters of the faces' normals: each face counts for the nearer one, connected or not. Two
+/// seeds on the same side of a crease would otherwise never separate the two sides.
 inline void part_normals(const FaceGraph& graph, std::span<const std::int32_t> faces,
                          std::array<NormalMetric::Proxy, 2>& proxy, int rounds) {
   for (int round = 0; round < rounds; ++round) {
@@ -136,7 +136,7 @@ inline void part_normals(const FaceGraph& graph, std::span<const std::int32_t> f
   }
 }
 
-inline constexpr int kSplitRounds = 3;  // of fitting the halves of a split
+inline constexpr int kSplitRounds = 3;  // rounds of fitting the halves of a split
 
 /// First proxies and seeds for splitting a region: the two sides of its most unlike normals, or of its length if flat.
 inline Halves two_sides(const FaceGraph& graph, std::span<const std::int32_t> faces, const RegionSum& sum) {
@@ -201,7 +201,7 @@ void flood_halves(const FaceGraph& graph, Labels labels, std::span<const std::in
   }
 }
 
-/// Splits a region in its labels: its open faces get the label of their half.
+/// Splits a region in its labels: its open faces become part of their half.
 /// \param faces  connected, all kOpen, at least two
 /// \param sum    of the faces
 /// \return the halves; the split lowers the error by split_gain(sum, halves)
@@ -225,7 +225,7 @@ template <class Labels>
 bool flood_from_around(const FaceGraph& graph, Labels labels, std::span<const std::int32_t> faces,
                        std::vector<RegionSum>& sums, std::vector<std::int32_t>& touched) {
   Offers<Labels> offers(graph, labels);
-  std::vector<NormalMetric::Proxy> proxies;  // of touched[k]
+  std::vector<NormalMetric::Proxy> proxies;  // proxies of touched[k]
   const std::size_t first = touched.size();
   for (const std::int32_t face : faces)
     for (const std::int32_t j : graph.neighbours[face]) {

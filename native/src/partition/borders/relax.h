@@ -17,23 +17,24 @@
 
 namespace isimp {
 
-/// What borders weigh for the least error. About in proportion to the error (a share of the surface) it smooths borders
-/// alike for few regions and many, and leaves exact shapes alone; a little more than that, since what a face gains of a
-/// region that bends much is mostly noise. It stays well below what a face gains across a crease of 45 degrees.
+/// The weight of borders for the least error. If it is about in proportion to the error (a share of the surface), it
+/// smooths borders alike for few regions and many, and does not change exact shapes. The exponent is a little above 1,
+/// since the gain of a face from a region that bends much is mostly noise. The weight stays well below the gain of a
+/// face across a crease of 45 degrees.
 inline BorderWeight border_weight(double error) { return {std::min(1.64 * std::pow(error, 1.35), 0.18)}; }
 
-/// The same for regions that other methods made, whose error relaxing is to lower.
+/// As `border_weight`, for regions of other methods, whose error relaxing has to lower.
 inline BorderWeight light_border_weight(double error) { return {std::min(0.6 * error, 0.12)}; }
 
-/// What a border as long as a region is wide weighs, as a share of a region's area. In proportion to the error, so that
-/// exact shapes are left alone; from kMostError on, where regions are far from planar, no more.
+/// The weight of a border as long as a region is wide, as a share of a region's area. It is in proportion to the error,
+/// so that exact shapes do not change; from kMostError on, where regions are far from planar, it is constant.
 /// \param smooth  PartitionOptions::smooth
 inline double border_price(double error, double smooth) {
   constexpr double kNu = 0.6, kMostError = 0.1;
   return kNu * smooth * std::min(error, kMostError);
 }
 
-/// What borders weigh for regions of good shape, at any resolution of the scan.
+/// The weight of borders for regions of good shape, at any resolution of the scan.
 /// \param nodes  faces, or patches, that the regions are made of
 inline BorderWeight border_weight(double error, double smooth, std::int64_t nodes, std::int64_t regions) {
   constexpr double kEdge = 1.52;  // length of an edge of an equilateral triangle of area 1
@@ -48,12 +49,12 @@ inline BorderWeight border_weight(double error, double smooth, std::int64_t node
 ///
 /// With S the sum of area * normal, the error is 2 (A - sum |S|), so that the change by a move costs O(1). Without the
 /// boundary term ragged borders are rewarded. A region never falls apart: a face leaves only if its neighbours of the
-/// same region stay joined round a vertex they share, which can be seen by a walk round that vertex. Sweeps look at the
-/// faces near which something has changed.
+/// same region stay joined around a vertex they share, which a walk around that vertex shows. Sweeps visit the faces
+/// near the last changes.
 ///
-/// Long queues are swept in blocks of the Morton order, which threads share. A block looks at nothing outside it but
-/// the sums of the regions as they were at the start; so no block can tell what the others do, nor a region fall apart
-/// by moves in several of them. Faces that need a look beyond the block come last, one after another. Blocks are cut
+/// Long queues are swept in blocks of the Morton order, which threads share. A block reads nothing outside itself
+/// except the sums of the regions as they were at the start; so no block sees the moves of others, and no region falls
+/// apart by moves in several blocks. Faces that need data beyond the block come last, one after another. Blocks are cut
 /// without regard to the number of threads, and so the result is the same for any.
 /// Source: the energy moves of Valette, Chassery, Prost 2008, with the L2,1 error.
 template <class Labels>
@@ -77,17 +78,17 @@ class Relaxation {
     refit();
   }
 
-  /// Has the next sweep look at a face.
+  /// Adds a face to the next sweep.
   void push(std::int32_t face) { lists_.push(face, state_[face]); }
   /// Whether the face has a neighbour of another region.
   [[nodiscard]] bool on_border(std::int32_t face) const {
     const std::int32_t own = moves_.labels.get(face), n = moves_.graph.size();
-    bool border = false;  // to the end in any case: no processor guesses well which neighbour is the other one
+    bool border = false;  // visits all in any case: no processor predicts well which neighbour is the other one
     for (const std::int32_t j : moves_.graph.neighbours[face])
       border |= static_cast<int>(j != n) & static_cast<int>(moves_.labels.get(j) != own);
     return border;
   }
-  /// Has what on_border will look at fetched, but for the labels.
+  /// Prefetches the data that on_border will read, except the labels.
   void fetch(std::int32_t face) const { prefetch(&moves_.graph.neighbours[face]); }
   void push_if_border(std::int32_t face) {
     if (on_border(face)) push(face);
@@ -97,13 +98,13 @@ class Relaxation {
     proxies_.resize(sums_.size());
     for (std::size_t r = 0; r < sums_.size(); ++r) proxies_[r] = BorderProxy::of(sums_[r]);
   }
-  /// Every face ever pushed, once. Had all border faces been pushed at the start, all are among them at any time.
+  /// Every face ever pushed, once. If all border faces were pushed at the start, it always contains all of them.
   [[nodiscard]] const std::vector<std::int32_t>& pushed() const { return lists_.pushed; }
   /// The one face that must not move, or kNone.
   void pin(std::int32_t face) { moves_.pinned = face; }
 
-  /// Sweeps until nothing moves, `sweeps` at most; what is still queued then is forgotten.
-  /// \return moves made
+  /// Sweeps until nothing moves, `sweeps` times at most; the queue is cleared then.
+  /// \return number of moves
   std::int64_t run(int sweeps, Job& job) {
     std::int64_t moves = 0, last = 1;
     for (int k = 0; k < sweeps && last > 0 && !lists_.queue.empty();) {
@@ -120,10 +121,10 @@ class Relaxation {
   static constexpr std::uint8_t kQueued = 1, kPushed = 2;  // states of a face
   static constexpr std::int32_t kBlock = 1 << 15;          // faces of a block
   static constexpr std::size_t kMany = 1 << 13;            // faces in the queue from which blocks are worth it
-  static constexpr int kSweepsOfBlock = 2;                 // before blocks hear of each other
+  static constexpr int kSweepsOfBlock = 2;                 // before blocks exchange their changes
   static constexpr std::size_t kAhead = 16, kSoon = 6;     // faces, for the memory to be there in time
 
-  /// Faces to look at, and all that have ever been.
+  /// Faces to visit, and all that were visited before.
   struct Lists {
     std::vector<std::int32_t> queue, current, pushed;
     void push(std::int32_t face, std::uint8_t& state) {
@@ -134,7 +135,7 @@ class Relaxation {
     }
   };
 
-  /// The regions for whoever is alone at work: moves show at once.
+  /// The regions for a single thread: moves show at once.
   struct AllRegions {
     std::vector<RegionSum>& sums;
     std::vector<BorderProxy>& proxies;
@@ -147,7 +148,7 @@ class Relaxation {
     }
   };
 
-  /// The regions as seen from one block: what they were, and what moves within the block have changed.
+  /// The regions as seen from one block: their state at the start, with the changes by moves within the block.
   struct BlockRegions {
     const std::vector<RegionSum>& sums;
     BlockChanges<RegionSum, BorderProxy> changes;
@@ -169,13 +170,13 @@ class Relaxation {
 
   struct Block {
     Lists lists;
-    std::vector<std::int32_t> beyond;  // faces to be looked at from outside
+    std::vector<std::int32_t> beyond;  // faces to be visited from outside
     std::vector<std::pair<std::int32_t, RegionSum>> changes;
     std::int64_t moves = 0;
   };
 
-  /// Goes through lists.current.
-  /// \return moves made
+  /// Processes lists.current.
+  /// \return number of moves
   template <class Regions>
   std::int64_t sweep(Lists& lists, Regions& regions, const Reach& reach, std::vector<std::int32_t>* beyond, Job& job) {
     const FaceGraph& graph = moves_.graph;
@@ -239,7 +240,7 @@ class Relaxation {
     return join(blocks, job);
   }
 
-  /// What the blocks have done becomes known to all, and what was beyond them is done.
+  /// Publishes the changes of the blocks, and processes the faces that needed data beyond them.
   std::int64_t join(const std::vector<Block>& blocks, Job& job) {
     std::int64_t moves = 0;
     std::vector<std::int32_t>& beyond = lists_.current;
@@ -263,7 +264,7 @@ class Relaxation {
   std::vector<BorderProxy> proxies_;
   Threads threads_;
   Lists lists_;
-  std::vector<std::uint8_t> state_;  // of each face
+  std::vector<std::uint8_t> state_;  // state of each face
 };
 
 /// Relaxes all borders of some regions.

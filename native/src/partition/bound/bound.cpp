@@ -14,13 +14,13 @@ namespace {
 
 using detail::Corners;
 
-constexpr std::int32_t kFacesAProxy = 96;  // so that patches are of 6 faces
-constexpr double kLeastLength = 0.5;       // of a region's area: where normals cancel more there is no plane
+constexpr std::int32_t kFacesAProxy = 96;  // gives patches of 6 faces
+constexpr double kLeastLength = 0.5;       // share of a region's area: where normals cancel more there is no plane
 constexpr int kSweeps = 30;
 constexpr double kFirstWidth = 0.4;  // share of the width that nodes of the hierarchy may take up: merging finds better
-constexpr int kRounds = 3;           // of squeezing, merging, dissolving and relaxing
+constexpr int kRounds = 3;           // rounds of squeezing, merging, dissolving and relaxing
 
-/// The nodes of a hierarchy with their faces in a row: those of a node are a stretch of it.
+/// The nodes of a hierarchy with their faces in a row: the faces of a node are a stretch of it.
 class Nodes {
  public:
   struct Node {
@@ -67,7 +67,7 @@ class Nodes {
   [[nodiscard]] std::span<const std::int32_t> faces(const Node& node) const {
     return std::span(faces_).subspan(node.begin, static_cast<std::size_t>(node.end - node.begin));
   }
-  /// Of a node of a level above the lowest: nodes of the level below.
+  /// Children, on the level below, of a node of a level above the lowest.
   [[nodiscard]] std::span<const std::int32_t> children(std::size_t level, std::int32_t node) const {
     const Children& c = children_[level - 1];
     return std::span(c.child).subspan(c.first[node], static_cast<std::size_t>(c.first[node + 1] - c.first[node]));
@@ -115,7 +115,7 @@ class Cutting {
       const std::int32_t part = top.part_of(u);
       if (!parts_.parts[part].kept) continue;
       job.poll();
-      // Where there are fewer patches than the component needs, its faces are what is left to begin with.
+      // If there are fewer patches than the component needs, begin with its faces.
       if (nodes[part] < parts_.parts[part].need) {
         take_each(nodes_.faces(nodes_.at(h_.level.size() - 1, u)));
       } else {
@@ -147,11 +147,11 @@ class Cutting {
     }
   }
 
-  /// Makes a region of faces if they fit; a single face always does.
+  /// Makes a region of faces if they fit; a single face always fits.
   bool take(std::span<const std::int32_t> faces, const RegionSum& sum) {
     Slab slab{.normal = sum.normal()};
     if (faces.size() > 1 && sum.length() < kLeastLength * sum.weight / 2) return false;
-    const std::size_t stride = faces.size() > 64 ? 32 : 1;  // a look here and there tells most that do not fit
+    const std::size_t stride = faces.size() > 64 ? 32 : 1;  // a sample rules out most that do not fit
     for (std::size_t begin = 0; begin < stride; ++begin)
       for (std::size_t k = begin; k < faces.size(); k += stride) {
         corners_.add_to(slab, faces[k]);
@@ -179,7 +179,7 @@ void merge_fitting(const Surface& surface, const Corners& corners, std::span<con
   ClusterGraph clusters = region_clusters(graph, bounded.regions, job);
   clusters.part = detail::parts_of_regions(surface, bounded);
   std::vector<std::vector<std::int32_t>> points = corners.points_of(bounded, job);
-  std::vector<std::int32_t> leaf(points.size());  // one that a node is made of
+  std::vector<std::int32_t> leaf(points.size());  // a leaf of each node
   std::iota(leaf.begin(), leaf.end(), 0);
   std::vector<RegionSum> sum = bounded.regions.sum;
   std::vector<Slab> slab = bounded.slab;
@@ -212,7 +212,7 @@ void merge_fitting(const Surface& surface, const Corners& corners, std::span<con
   std::vector<std::int32_t> above(slab.size(), kNone);
   for (std::size_t k = 0; k < tree.merges(); ++k)
     for (const std::int32_t node : tree.merged[k]) above[node] = 1;
-  // The nodes that stand, in the order in which cut_after numbers them: by the first of their leaves.
+  // The remaining nodes, in the order in which cut_after numbers them: by the first of their leaves.
   BoundedRegions result{.regions = std::move(bounded.regions), .slab = {}};
   result.slab.resize(static_cast<std::size_t>(tree.leaves) - tree.merges());
   result.regions.sum.assign(result.slab.size(), {});
@@ -236,7 +236,7 @@ struct BoundedLabels : GraphLabels {
   }
 };
 
-/// Moves border faces as far as the bound lets them. Afterwards slabs are as wide as they may be.
+/// Moves border faces as far as the bound allows. Afterwards slabs are as wide as possible.
 void relax(const Surface& surface, const Corners& corners, double bound, BoundedRegions& bounded, Job& job) {
   Regions& regions = bounded.regions;
   for (Slab& slab : bounded.slab) {
@@ -253,7 +253,7 @@ void relax(const Surface& surface, const Corners& corners, double bound, Bounded
   relaxation.run(kSweeps, job);
 }
 
-/// Makes the slabs as narrow as the regions' vertices let them be; in the end across the mean normals where these fit.
+/// Makes the slabs as narrow as the regions' vertices allow; in the end across the mean normals where these fit.
 void tighten(const Corners& corners, double width, bool is_end, BoundedRegions& bounded, Job& job) {
   const std::vector<std::vector<std::int32_t>> points = corners.points_of(bounded, job);
   for (std::size_t r = 0; r < points.size(); ++r) {

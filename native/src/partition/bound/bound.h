@@ -27,26 +27,26 @@ struct Slab {
 
 struct BoundedRegions {
   Regions regions;
-  std::vector<Slab> slab;  ///< (R) none wider than twice the bound, but for single faces without a normal
+  std::vector<Slab> slab;  ///< (R) none wider than twice the bound, except single faces without a normal
 };
 
 /// Few regions, each with all its vertices within `bound` of one plane.
 ///
 /// 1. Down the hierarchy from its coarsest level, a node is taken whole if it fits well between two planes across its
-///    mean normal, 2 * bound apart; else its children are looked at, at last single faces.
+///    mean normal, 2 * bound apart; else its children are tried, and finally single faces.
 /// 2. Neighbours merge, cheapest first by the rise of the error, where both together fit between two such planes,
 ///    however these are turned.
-/// 3. Regions dissolve, smallest first: their faces go to neighbours between whose planes they lie, all or none.
+/// 3. Regions dissolve, smallest first: their faces join neighbours between whose planes they lie, all or none.
 /// 4. Borders relax, by moves only that keep every vertex between its region's planes.
-/// 5. Small regions give their neighbours what lies between their planes, and 2 to 4 follow with what is left; twice at
-///    most.
+/// 5. Small regions pass their neighbours the faces that lie between their planes, and 2 to 4 run again with the
+///    others; twice at most.
 /// Every component keeps as many regions as it needs.
 /// \param bound  scene units, above 0
 /// Cost: O(F log F), about a second for a million faces.
 BoundedRegions bounded_regions(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts, double bound,
                                Job& job);
 
-/// The hierarchy that `bounded_regions` wants: of small patches.
+/// The hierarchy for `bounded_regions`, with small patches.
 Hierarchy hierarchy_for_bound(const Surface& surface, Job& job, std::int32_t threads);
 
 }  // namespace isimp

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kPasses = 6;
 constexpr std::size_t kPollEvery = 0x7ff;
-constexpr std::size_t kProbes = 16;  // faces looked at before a whole region is
+constexpr std::size_t kProbes = 16;  // faces tested before a whole region is
 
 /// The faces of each region, in rising order.
 std::vector<std::vector<std::int32_t>> faces_of(const BoundedRegions& bounded) {
@@ -122,12 +122,12 @@ class Dissolving {
     return std::all_of(faces.begin(), faces.end(), fits);
   }
 
-  /// \param in_part  where not all of it can go, the rest may stay if it hangs together
-  /// \return whether the region is gone
+  /// \param in_part  where not all of it can be removed, the rest may stay if it hangs together
+  /// \return whether the region was removed
   bool dissolve_one(std::int32_t r, bool in_part) {
     if (left_[part_of(r)] <= need_[part_of(r)]) return false;
     const std::vector<std::int32_t> around = regions_around(r);
-    // What was in vain once is so until a region around has changed.
+    // A vain attempt is not repeated until a region around has changed.
     std::int32_t latest = changed_[r];
     for (const std::int32_t to : around) latest = std::max(latest, changed_[to]);
     if (tried_[r] >= latest) return false;
@@ -204,7 +204,7 @@ class Dissolving {
   double width_;
   Regions& regions_;
   std::vector<Slab>& slab_;
-  std::vector<std::vector<std::int32_t>> faces_;  // empty: the region is gone
+  std::vector<std::vector<std::int32_t>> faces_;  // empty: the region was removed
   std::vector<std::int32_t> part_, left_;
   std::vector<std::int32_t> changed_, tried_;  // when a region last grew, and when it last stayed in vain
   std::int32_t clock_ = 0;
@@ -233,7 +233,7 @@ Corners::Corners(const Surface& surface, Job& job)
 
 std::vector<std::vector<std::int32_t>> Corners::points_of(const BoundedRegions& bounded, Job& job) const {
   std::vector<std::vector<std::int32_t>> points(bounded.slab.size());
-  std::vector<std::int32_t> latest(vertex_.size(), kNone);  // region that a vertex was last seen in
+  std::vector<std::int32_t> latest(vertex_.size(), kNone);  // the last region with each vertex
   for (std::size_t i = 0; i < corner_.size(); ++i) {
     if ((i & kPollEvery) == 0) job.poll();
     const std::int32_t r = bounded.regions.label[i];

@@ -10,11 +10,11 @@
 
 namespace isimp::detail {
 
-/// Cosine: a face whose normal is further from its region's is behind the plane, not beside it.
+/// Cosine: a face whose normal is further from its region's is behind the plane, not next to it.
 inline constexpr double kLeastCosine = 0.2;
 
-/// The corners of a surface's faces, by graph index; vertices numbered as the faces come to them, so that what is near
-/// on the surface is near in memory.
+/// The corners of a surface's faces, by graph index; vertices numbered in the order of the faces, so that neighbours on
+/// the surface are near in memory.
 class Corners {
  public:
   Corners(const Surface& surface, Job& job);
@@ -25,7 +25,7 @@ class Corners {
   [[nodiscard]] const Vec3& vertex(std::int32_t v) const { return vertex_[v]; }
   /// The vertices of each region, by number here; hardly any of them twice.
   [[nodiscard]] std::vector<std::vector<std::int32_t>> points_of(const BoundedRegions& bounded, Job& job) const;
-  /// How wide a slab is with one more face in it; endless for a face that is turned away from it.
+  /// The width of a slab with one more face in it; infinite for a face that is turned away from it.
   [[nodiscard]] double width_with(const Slab& slab, std::int32_t face) const {
     const FaceRecord& f = graph_.faces[face];
     if (f.nx * slab.normal.x() + f.ny * slab.normal.y() + f.nz * slab.normal.z() < kLeastCosine)
@@ -41,15 +41,15 @@ class Corners {
   std::vector<std::array<std::int32_t, 3>> corner_;
 };
 
-/// Takes regions away whose faces, one by one, fit between the planes of their neighbours; smallest first.
+/// Removes regions whose faces, one by one, fit between the planes of their neighbours; smallest first.
 /// \param need  (C) the least number of regions of each component.
 /// \param part  (R) component of each region
-/// \return whether any went; labels and sums are numbered anew then
+/// \return whether any was removed; labels and sums are renumbered then
 bool dissolve(const Surface& surface, const Corners& corners, std::span<const std::int32_t> need, double width,
               BoundedRegions& bounded, Job& job);
 
-/// Has the smaller half of the regions give their faces to neighbours, as above, as far as that goes: what is left of
-/// one merges more easily. Slabs then are wider than they need be.
+/// Moves faces of the smaller half of the regions to neighbours, as above, as far as possible: the rest of a region
+/// merges more easily. Slabs then are wider than necessary.
 void squeeze(const Surface& surface, const Corners& corners, std::span<const std::int32_t> need, double width,
              BoundedRegions& bounded, Job& job);
 

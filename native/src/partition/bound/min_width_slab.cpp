@@ -7,10 +7,10 @@
 namespace isimp::detail {
 namespace {
 
-constexpr int kRounds = 12;         // of weighing points anew
+constexpr int kRounds = 12;         // rounds of reweighting the points
 constexpr double kLeastTurn = 0.8;  // cosine: planes stay nearer than that to the mean normal
 constexpr double kHopeless = 1.5;   // times the width allowed: no turning mends that
-constexpr int kLooks = 5;           // at all points, to make them fit
+constexpr int kLooks = 5;           // passes over all points to make them fit
 constexpr std::size_t kCore = 24;   // points kept
 
 Slab across(std::span<const Vec3> points, const Vec3& normal) {
@@ -36,7 +36,7 @@ Slab look(const Corners& corners, std::span<const std::int32_t> some, std::span<
       highest = p;
     }
   };
-  // From where both meet outwards, as far points are apart most.
+  // Alternates between the lists, outwards from the place where both meet.
   for (std::size_t k = 0; k < std::max(some.size(), others.size()) && slab.width() <= width; ++k) {
     if (k < some.size()) add(some[some.size() - 1 - k]);
     if (k < others.size()) add(others[k]);

@@ -13,9 +13,10 @@ namespace isimp {
 namespace {
 
 constexpr int kFilterPasses = 8;
-constexpr double kRadius = 0.01;        // of the size
+constexpr double kRadius = 0.01;        // share of the size
 constexpr double kStepsARadius = 6.0;   // averagings over neighbouring faces until normals have spread by one edge
-constexpr double kClusterSteps = 0.58;  // how many of these one over neighbouring clusters of one face each stands for
+constexpr double kClusterSteps = 0.58;  // number of these that one step over neighbouring clusters of one face each
+                                        // equals
 constexpr int kFewestSteps = 12;        // for which faces are still joined into larger clusters
 constexpr double kQuiet = 0.2;          // share of the area that is taken to be rough by noise alone
 constexpr double kFloor = 0.1, kMost = 8.0;
@@ -68,7 +69,7 @@ void join_pairs(Field& field, const Threads& threads, Job& job) {
   for (std::int32_t& c : field.cluster) c = map[c];
 }
 
-/// How far the normals stray round each cluster: 1 - the length of their mean.
+/// The deviation of the normals around each cluster: 1 - the length of their mean.
 std::vector<double> roughness(const Field& field, int steps, Job& job) {
   const MergeGraph& graph = field.graph;
   std::vector<Vec3> now(graph.sum.size()), next(graph.sum.size());

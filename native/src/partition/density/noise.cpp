@@ -11,17 +11,17 @@ namespace isimp {
 namespace {
 
 constexpr double kMedianOfNormal = 0.6745;  // median of |x|, x normal with deviation 1
-constexpr double kTwiceUmbrella = 1.359;    // deviation of what is left of such noise where six edges meet
-constexpr double kMostNoise = 0.5;          // of an edge's length
+constexpr double kTwiceUmbrella = 1.359;    // deviation of the remainder of such noise where six edges meet
+constexpr double kMostNoise = 0.5;          // share of an edge's length
 constexpr std::size_t kFewest = 250;        // vertices; a mesh of fewer is no scan
 constexpr std::int32_t kPollEvery = 0xffff;
-constexpr std::int32_t kSample = 20000;  // vertices that tell whether there is noise ...
-constexpr double kClear = 2;             // ... where the answer is clear by this factor
+constexpr std::int32_t kSample = 20000;  // vertices that show whether there is noise
+constexpr double kClear = 2;             // the sample decides if it differs from the limit by this factor
 
-// Of white noise the operator leaves 1.26 times as much the second time as the first. Where it leaves less, the mesh is a
-// coarse one of a curved shape; where more, of a shape with creases between flat parts.
+// The second application of the operator to white noise leaves 1.26 times as much as the first. Where it leaves less,
+// the mesh is a coarse one of a curved shape; where more, of a shape with creases between flat parts.
 constexpr double kShape = 0.85, kNoise = 1.0, kNoiseToo = 1.6, kShapeToo = 2.0;  // twice over once
-constexpr double kFelt = 0.06, kStrong = 0.1;  // of an edge's length: from here on it matters, and fully
+constexpr double kFelt = 0.06, kStrong = 0.1;  // shares of an edge's length: from here on it matters, and fully
 
 struct Ring {
   Vec3 sum = Vec3::Zero();
@@ -53,10 +53,10 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
-/// From 0 to 1 on the way from a to b.
+/// Rises from 0 at a to 1 at b.
 double ramp(double x, double a, double b) { return std::clamp((x - a) / (b - a), 0.0, 1.0); }
 
-/// The sum of the vector areas of the faces round a vertex.
+/// The sum of the vector areas of the faces at a vertex.
 Vec3 normal_at(const Mesh& mesh, std::int32_t v) {
   const auto vertices = mesh.vertices();
   Vec3 normal = Vec3::Zero();
@@ -86,7 +86,7 @@ double median_along(const Mesh& mesh, std::int32_t step, const Value& value, con
   return median_of(std::move(lengths));
 }
 
-/// The noise, from what the operator leaves of some vertices in the median when it is applied twice; before the doubt
+/// The noise, from the median over some vertices of the remainder when the operator is applied twice; before the doubt
 /// whether it is shape.
 double plain_noise(double of_twice, double edge) {
   const double noise = of_twice / kMedianOfNormal / kTwiceUmbrella;

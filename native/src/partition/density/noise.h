@@ -18,17 +18,17 @@ double mean_edge(const Mesh& mesh);
 
 /// Standard deviation of the white noise in the vertices' positions, along the normal; scene units.
 ///
-/// The umbrella operator r(v) = v - mean of the neighbours, applied twice, leaves of a smooth surface nothing but
-/// noise. Its part along the normal is taken at each vertex away from borders; the median makes creases count little.
-/// True within 10 % at noise that is felt, up to 45 % too high at very weak one. Noise that smoothing has made alike at
-/// neighbouring vertices can't be told from shape. From .06 of an edge's length on, what the operator leaves when it is
-/// applied once must fit white noise too. Else it is the shape of a mesh with few faces, and the estimate is lowered.
-/// Above half an edge's length, or of fewer than 50 vertices, it is taken for shape: 0.
+/// The umbrella operator r(v) = v - mean of the neighbours, applied twice, leaves only noise of a smooth surface. Its
+/// part along the normal is computed at each vertex away from borders; the median makes creases count little. The
+/// estimate is true within 10 % at noise that matters, up to 45 % too high at very weak noise. Smoothing makes noise at
+/// neighbouring vertices alike, and such noise can't be distinguished from shape. From .06 of an edge's length on, the
+/// remainder after one application must fit white noise too. Else it is the shape of a mesh with few faces, and the
+/// estimate is lowered. An estimate above half an edge's length, or from fewer than 50 vertices, is taken for shape: 0.
 /// Cost: O(V + F).
 double estimate_noise(const Mesh& mesh, const Threads& threads, Job& job);
 
 /// Whether `estimate_noise` is above a length, scene units.
-/// Cost: O(1) where a sample of the vertices tells it clearly, else that of `estimate_noise`.
+/// Cost: O(1) where a sample of the vertices is clear, else that of `estimate_noise`.
 bool is_noisier(const Mesh& mesh, double least, Job& job);
 
 }  // namespace isimp

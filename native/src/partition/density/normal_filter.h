@@ -8,13 +8,14 @@
 
 namespace isimp {
 
-/// Median difference |n - n'| of the normals of neighbouring faces: what noise does to them, and curvature less.
+/// Median difference |n - n'| of the normals of neighbouring faces: mostly the effect of noise, less of curvature.
 /// Cost: O(F).
 double median_bend(const FaceGraph& graph);
 
-/// The faces with their normals averaged over neighbours whose normals are alike, so that noise goes and creases stay.
+/// The faces with their normals averaged over neighbours whose normals are alike, which removes noise and keeps
+/// creases.
 ///
-/// Each pass adds to a face's normal those of its neighbours, by area and by exp(-|n - n'|^2 / (2 range^2)).
+/// Each pass adds to a face's normal those of its neighbours, weighted by area and by exp(-|n - n'|^2 / (2 range^2)).
 /// \param range   difference of normals beyond which two faces do not mix; filter_range(median_bend(graph)) fits most
 /// \return (n + 1) as graph.faces: areas unchanged
 /// Cost: O(passes * F).

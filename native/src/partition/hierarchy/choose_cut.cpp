@@ -7,15 +7,15 @@
 namespace isimp {
 namespace {
 
-constexpr double kWindow = 4.0;    // gaps are looked for from t to this times t
+constexpr double kWindow = 4.0;    // the search for gaps covers t to this times t
 constexpr double kSlack = 16.0;    // a gap counts no further than this factor of cost beyond the window
 constexpr double kRatio = 2.0;     // least ratio of costs
-constexpr double kSurprise = 4.0;  // above what the largest of W + 1 exponential draws is about
+constexpr double kSurprise = 4.0;  // excess over ln(W + 1), about the largest of W + 1 exponential draws
 constexpr double kSpread = 1.2;    // the number of regions is a mean over tolerances from t / kSpread to t kSpread
 constexpr int kSamples = 8;        // tolerances on either side of t
-constexpr double kFew = 20;        // regions; fewer may be those of the shape, and no mean is taken
+constexpr double kFew = 20;        // fewer regions may be the shape's own number, and no mean is computed
 
-/// A cost between those that leave the geometric mean of the numbers of regions at tolerances near t, and one fewer.
+/// A cost half-way between the cuts to N and N - 1 regions; N is the geometric mean of the counts near t.
 double mean_cut(std::span<const double> falling, std::int32_t parts, double rounding, double tolerance, double finest,
                 double noise) {
   const double limit = merge_limit(tolerance, noise);

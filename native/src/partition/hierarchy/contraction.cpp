@@ -13,8 +13,8 @@ namespace isimp {
 namespace {
 
 constexpr float kGate = 0.7F;
-constexpr float kWideGate = 64;  // times the gate: what merges at no higher price when satellites join
-constexpr float kTie = 1e-6F;    // of the lengths
+constexpr float kWideGate = 64;  // factor of the gate: the highest price when satellites join
+constexpr float kTie = 1e-6F;    // share of the lengths
 constexpr std::int32_t kAlone = -1;
 constexpr std::int32_t kWorthAThread = 1 << 12;  // nodes
 
@@ -61,12 +61,12 @@ Best find_partners(const MergeGraph& graph, const std::vector<std::uint8_t>& tak
   return best;
 }
 
-/// The price up to which pairs merge: what would stand at kGate of the way if all prices were sorted. Only those that
-/// agree with it in their first bits are.
+/// The price up to which pairs merge: the price at kGate of the way if all prices were sorted. Only the prices that
+/// agree with it in their first bits are sorted.
 float gate(const Best& best) {
   constexpr int kShift = 20;  // leaves exponent and three digits; prices are not below 0, so their bits rise with them
   const auto bucket = [](float price) { return std::bit_cast<std::uint32_t>(std::max(0.0F, price)) >> kShift; };
-  const std::uint32_t none = bucket(std::numeric_limits<float>::infinity());  // price of what does not merge
+  const std::uint32_t none = bucket(std::numeric_limits<float>::infinity());  // price of nodes that do not merge
   std::vector<std::size_t> count(none + 1, 0);
   for (const float price : best.price) ++count[bucket(price)];
   const std::size_t priced = best.price.size() - count[none];
@@ -74,7 +74,7 @@ float gate(const Best& best) {
   auto rank = static_cast<std::size_t>(kGate * static_cast<float>(priced - 1));
   std::uint32_t of_rank = 0;
   while (rank >= count[of_rank]) rank -= count[of_rank++];
-  std::vector<float> alike(count[of_rank] + 1);  // one spare, written to before it is known to be wanted
+  std::vector<float> alike(count[of_rank] + 1);  // one spare, written before its use is known
   std::size_t out = 0;
   for (const float price : best.price) {
     alike[out] = price;
@@ -85,7 +85,7 @@ float gate(const Best& best) {
   return *at;
 }
 
-/// Of each part, whether it has more than so many nodes.
+/// For each part, whether it has more than `least` nodes.
 std::vector<std::uint8_t> parts_above(const MergeGraph& graph, std::int32_t least) {
   if (graph.part.empty()) return {graph.size() > least};
   std::vector<std::int32_t> nodes(
@@ -101,9 +101,9 @@ struct Lists {
   std::vector<std::int32_t> head, next;
 };
 
-/// Of each node the lower one of the pair that it is in: two that are each other's cheapest partner, at no more than
-/// the limit. kAlone where it is in none. As what follows, without branches, for which pairs leave no pattern to
-/// foresee.
+/// For each node the lower one of the pair that it is in: two nodes that are each other's cheapest partner, at no more
+/// than the limit. kAlone if it is in no pair. Without branches, like the code below, since pairs leave no pattern to
+/// predict.
 std::vector<std::int32_t> pair_up(const Best& best, float limit, const Threads& threads) {
   const auto n = static_cast<std::int32_t>(best.partner.size());
   std::vector<std::int32_t> leader(static_cast<std::size_t>(n));
@@ -152,7 +152,7 @@ Lists number_clusters(const Best& best, const std::vector<std::int32_t>& leader,
 std::vector<std::int32_t> contract_between(const MergeGraph& graph, const std::vector<std::int32_t>& map,
                                            const Lists& lists, std::int32_t begin, std::int32_t end, MergeGraph& result,
                                            Job& job) {
-  std::size_t room = 1;  // one spare, written to before it is known to be wanted
+  std::size_t room = 1;  // one spare, written before its use is known
   for (std::int32_t w = begin; w < end; ++w)
     for (std::int32_t u = lists.head[w]; u != kAlone; u = lists.next[u]) room += graph.around(u).size();
   const auto rows = std::make_unique_for_overwrite<std::int32_t[]>(room);

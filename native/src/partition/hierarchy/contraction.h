@@ -11,19 +11,19 @@
 
 namespace isimp {
 
-/// What a patch or a cluster of patches adds up to, in one 16-byte record.
+/// The sum of a patch or a cluster of patches, in one 16-byte record.
 struct NodeSum {
   float x = 0, y = 0, z = 0;  ///< sum of area * normal
-  float length = 0;           ///< of that
+  float length = 0;           ///< length of that sum
 };
 
 /// A graph of neighbouring patches, or of clusters of them, in compressed rows.
 struct MergeGraph {
   std::vector<NodeSum> sum;             ///< (N)
   std::vector<std::int32_t> first;      ///< (N + 1) where the neighbours of each node begin
-  std::vector<std::int32_t> neighbour;  ///< each pair stands in both rows, no node is its own neighbour
+  std::vector<std::int32_t> neighbour;  ///< each pair is in both rows, no node is its own neighbour
   std::vector<std::int32_t> part;       ///< (N) component of the mesh each lies in; empty if there is only one
-  std::vector<double> border;           ///< as `neighbour`: what the border between the two costs; empty: nothing
+  std::vector<double> border;           ///< as `neighbour`: the price of the border between the two; empty: nothing
 
   [[nodiscard]] std::int32_t size() const { return static_cast<std::int32_t>(sum.size()); }
   [[nodiscard]] std::int32_t part_of(std::int32_t node) const { return part.empty() ? 0 : part[node]; }
@@ -41,13 +41,13 @@ struct MergeRules {
   double most = std::numeric_limits<double>::infinity();
 };
 
-/// One round of reciprocal-nearest-neighbour merging: two nodes that are each other's cheapest partner become one, all
-/// such pairs at once.
+/// One round of reciprocal-nearest-neighbour merging: two nodes that are each other's cheapest partner merge, all such
+/// pairs at once.
 ///
-/// The price is |S_u| + |S_v| - |S_u + S_v|, half of what merging adds to the error. Only pairs below the .7 quantile
-/// of all nodes' best prices merge: without that gate big clusters merge where a graph is coarse already, while small
-/// ones queue up before one hub elsewhere. With satellites the gate is 64 times as high: it stops only merges around
-/// corners of the shape, which no later step takes apart.
+/// The price is |S_u| + |S_v| - |S_u + S_v|, half of the error that merging adds. Only pairs below the .7 quantile of
+/// all nodes' best prices merge: without that gate big clusters merge where a graph is coarse already, while small ones
+/// queue up before one hub elsewhere. With satellites the gate is 64 times as high: it prevents only merges around
+/// corners of the shape, which no later step separates.
 /// \param map  (N) is set to the new node of each node
 /// \return the contracted graph, of the same size if nothing merged
 MergeGraph merge_round(const MergeGraph& graph, const MergeRules& rules, std::vector<std::int32_t>& map,

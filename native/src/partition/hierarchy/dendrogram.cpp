@@ -83,7 +83,7 @@ class Merging {
     return static_cast<std::uint64_t>(low) << 32 | static_cast<std::uint32_t>(high);
   }
 
-  /// What a pair is ordered by: its cost, and a little that lets small nodes go first where all cost nothing.
+  /// The key that orders pairs: the cost, and a small term that puts small nodes first where all cost nothing.
   [[nodiscard]] double key(std::int32_t u, std::int32_t v) const {
     const RegionSum &a = sum_[u], &b = sum_[v];
     const double both = a.weight + b.weight;
@@ -172,11 +172,11 @@ class Merging {
   std::vector<RegionSum> sum_;
   std::vector<std::int32_t> part_, left_;
   std::vector<std::vector<std::int32_t>> links_;
-  std::vector<std::int32_t> into_;  // what a node was merged into, shortened on the way; kNone while it stands
+  std::vector<std::int32_t> into_;  // the node that a node was merged into, path shortened; kNone while it exists
   std::vector<std::int32_t> mark_;
   std::vector<Best> best_;
   std::priority_queue<Offer, std::vector<Offer>, std::greater<>> queue_;
-  std::unordered_set<std::uint64_t> refused_;  // pairs that limits.accept said no to; only asked, never walked
+  std::unordered_set<std::uint64_t> refused_;  // pairs that limits.accept refused; only searched, never iterated
   MergeTree tree_;
 };
 
@@ -221,7 +221,7 @@ ClusterGraph region_clusters(const FaceGraph& graph, const Regions& regions, Job
 }
 
 MergeTree merge_all(ClusterGraph graph, const MergeLimits& limits, Job& job) {
-  Merging merging(std::move(graph), limits);  // what is left of the graph is gone when it runs
+  Merging merging(std::move(graph), limits);  // the rest of the graph is freed while it runs
   return merging.run(job);
 }
 
@@ -229,7 +229,7 @@ std::vector<std::int32_t> cut_after(const MergeTree& tree, std::size_t merges) {
   std::vector<std::int32_t> above(static_cast<std::size_t>(tree.leaves) + merges, kNone);
   for (std::size_t k = 0; k < merges; ++k)
     for (const std::int32_t node : tree.merged[k]) above[node] = tree.leaves + static_cast<std::int32_t>(k);
-  for (std::size_t node = above.size(); node-- > 0;)  // a node is numbered below what it was merged into
+  for (std::size_t node = above.size(); node-- > 0;)  // a node has a lower number than the node it was merged into
     above[node] = above[node] == kNone ? static_cast<std::int32_t>(node) : above[above[node]];
   std::vector<std::int32_t> number(above.size(), kNone), result(static_cast<std::size_t>(tree.leaves));
   std::int32_t count = 0;

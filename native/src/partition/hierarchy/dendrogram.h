@@ -14,11 +14,11 @@
 
 namespace isimp {
 
-/// What may become one, faces or regions, and what lies beside what.
+/// A graph of the clusters that may merge, faces or regions.
 struct ClusterGraph {
   std::vector<RegionSum> sum;           ///< (N)
   std::vector<std::int32_t> first;      ///< (N + 1) neighbours of u: neighbour[first[u]] ... before first[u + 1]
-  std::vector<std::int32_t> neighbour;  ///< each pair stands twice, once at either end; repeats are fine
+  std::vector<std::int32_t> neighbour;  ///< each pair is there twice, once at either end; repeats are allowed
   std::vector<std::int32_t> part;       ///< (N) the component of each; empty if that does not matter
 };
 
@@ -29,7 +29,7 @@ ClusterGraph face_clusters(const FaceGraph& graph, std::span<const FaceRecord> f
 /// A cluster for each region.
 ClusterGraph region_clusters(const FaceGraph& graph, const Regions& regions, Job& job);
 
-/// What was merged, in order. Node k < leaves is cluster k of the graph, node leaves + k is what merge k made.
+/// The merges in order. Node k < leaves is cluster k of the graph, node leaves + k is the result of merge k.
 struct MergeTree {
   std::int32_t leaves = 0;
   std::vector<std::array<std::int32_t, 2>> merged;  ///< (M)
@@ -41,15 +41,16 @@ struct MergeTree {
 struct MergeLimits {
   double cost = std::numeric_limits<double>::infinity();  ///< merging ends before the first merge that costs more
   std::span<const std::int32_t> need;  ///< (parts) the least number of clusters to leave of each; empty: 1
-  /// Asked before each merge of two nodes; if it agrees, the new node is leaves + merges so far. Empty: always.
+  /// Called before each merge of two nodes; if it returns true, the new node is leaves + merges made before. Empty:
+  /// always.
   std::function<bool(std::int32_t, std::int32_t)> accept = {};
 };
 
-/// Merges the pair of neighbours whose merging raises the error least, again and again.
+/// Merges the pair of neighbours whose merge raises the error least, again and again.
 ///
-/// Where faces lie in one plane all costs are rounding; small clusters are then merged first, so that such a plane is
-/// not eaten up face by face. Ties go to the lower node.
-/// \param graph  moved in where it is large: its memory is used on, or freed before merging begins
+/// Where faces lie in one plane all costs are rounding; small clusters are then merged first, so that one cluster does
+/// not absorb such a plane face by face. Ties prefer the lower node.
+/// \param graph  moved in where it is large: its memory is reused, or freed before merging begins
 /// Cost: O(N log N) where clusters have few neighbours; up to 340 bytes a cluster.
 MergeTree merge_all(ClusterGraph graph, const MergeLimits& limits, Job& job);
 

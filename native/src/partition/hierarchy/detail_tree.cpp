@@ -19,13 +19,13 @@ namespace isimp {
 namespace {
 
 constexpr int kFilterPasses = 8;
-constexpr int kRounds = 5;              // of relaxing and merging
-constexpr int kSweeps = 30;             // of relaxation
-constexpr double kBorder = 0.018;       // what an edge between regions weighs, in mean face areas
-constexpr double kNoisyBorder = 0.115;  // what is added to it where normals are all noise
-constexpr double kRounding = 1e-9;      // of the area: costs below this are none
+constexpr int kRounds = 5;              // rounds of relaxing and merging
+constexpr int kSweeps = 30;             // sweeps of relaxation
+constexpr double kBorder = 0.018;       // weight of an edge between regions, in mean face areas
+constexpr double kNoisyBorder = 0.115;  // added to it where normals are all noise
+constexpr double kRounding = 1e-9;      // share of the area: costs below this are none
 constexpr std::size_t kMostCosts = 20000;
-constexpr std::int32_t kManyFaces = 50000;  // from here on small patches are merged many at once
+constexpr std::int32_t kManyFaces = 50000;  // from here on many small patches merge at once
 constexpr std::int32_t kFacesAProxy = 96;   // for patches of 6 faces
 constexpr double kUsual = 0.7, kFar = 1.0 / 16;
 
@@ -38,7 +38,7 @@ std::vector<std::int32_t> parts_of_faces(const Surface& surface) {
   return part;
 }
 
-/// What merging begins with: faces, or small patches of them.
+/// The start of merging: faces, or small patches of them.
 struct Start {
   ClusterGraph clusters;
   std::vector<std::int32_t> cluster;  ///< (n) of each face
@@ -70,8 +70,8 @@ double usual_price(const MergeGraph& graph) {
   return 2.0 * *at;
 }
 
-/// Where single faces are far below what can be told apart, merging them one pair at a time is a waste: many pairs at
-/// once, in the hierarchy of the smooth surface, do until most merges cost a good part of the limit.
+/// Where single faces are far below the smallest visible detail, merging them one pair at a time is a waste: many pairs
+/// merge at once, in the hierarchy of the smooth surface, until most merges cost a good part of the limit.
 Start start_from_patches(const Surface& surface, std::span<const FaceRecord> smooth, double limit, std::int32_t threads,
                          Job& job) {
   const Hierarchy h = build_hierarchy(surface, surface.face_count() / kFacesAProxy, job,
@@ -89,7 +89,7 @@ Start start_from_patches(const Surface& surface, std::span<const FaceRecord> smo
   return start;
 }
 
-/// Gives each face the region that its present one has become.
+/// Replaces the region of each face by the region that it has become.
 void relabel(Regions& regions, const std::vector<std::int32_t>& becomes, std::size_t count, const Threads& threads) {
   const auto n = static_cast<std::int32_t>(regions.label.size());
   threads.run(n, [&](std::int32_t, std::int32_t begin, std::int32_t end) {
@@ -109,10 +109,10 @@ ClusterGraph clusters_of(const FaceGraph& graph, const Regions& regions, std::ve
   return {regions.sum, std::move(touching.first), std::move(touching.neighbour), std::move(touching.part)};
 }
 
-/// What an edge between regions weighs where normals of neighbours differ by this much.
+/// The weight of an edge between regions where normals of neighbours differ by this much.
 BorderWeight border_weight_of(double bend) { return {kBorder + kNoisyBorder * std::min(1.0, bend * bend)}; }
 
-/// Has border faces of changed regions, and those across from them, looked at.
+/// Pushes border faces of changed regions, and the faces across from them.
 /// \return the other border faces
 std::vector<std::int32_t> push_beside(const FaceGraph& graph, const std::vector<std::int32_t>& label,
                                       std::span<const std::int32_t> faces, const std::vector<std::uint8_t>& changed,
@@ -210,8 +210,8 @@ void DetailTree::make_patches(const Surface& surface, std::int32_t thread_count,
   sum_regions(graph, patches_, job);
 }
 
-/// Most of what relaxing a cut does is the same at all of them: it is done once. The tree does not hear of it, so that
-/// it says the same at any resolution.
+/// Most of the work of relaxing a cut is the same for all cuts: it is done once. The tree is not updated, so that it is
+/// the same at any resolution.
 void DetailTree::relax_patches(const FaceGraph& graph, Job& job) {
   Relaxation<GraphLabels> relaxation(graph, {patches_.label.data()}, patches_.sum, border_weight_of(bend_));
   for (const std::int32_t i : borders_) relaxation.push(i);
@@ -250,7 +250,7 @@ Regions DetailTree::regions(const Surface& surface, const Cut& cut, const Thread
   join_strays(touching_, patches_.sum, count, becomes);
   become(becomes, static_cast<std::size_t>(count));
   const BorderWeight border = border_weight_of(bend_);
-  std::vector<std::int32_t> near = borders_;  // where borders are, or were
+  std::vector<std::int32_t> near = borders_;  // present and earlier borders
   std::vector<std::uint8_t> changed(result.sum.size(), 1);
   for (int round = 0; round < kRounds; ++round) {
     Relaxation<GraphLabels> relaxation(graph, {result.label.data()}, result.sum, border, threads);

@@ -16,41 +16,41 @@
 
 namespace isimp {
 
-/// What a detail tree is made from; equal ones give equal trees.
+/// The input of a detail tree; equal inputs give equal trees.
 struct DetailSettings {
-  double finest = kFinestDetail;               ///< smallest t that will be asked for, as a share of the size
+  double finest = kFinestDetail;               ///< smallest possible t, as a share of the size
   std::optional<double> noise = std::nullopt;  ///< standard deviation, scene units; none: estimated
   double leave_out = 0.001;                    ///< see PartitionOptions
   bool operator==(const DetailSettings&) const = default;
 };
 
-/// Of which fineness a tree is wanted for t, as a share of the size: kFinestDetail, or halved as often as it takes. It
-/// depends on t alone, so that what a tree was made for before does not show in the result.
+/// The fineness of the tree for t, as a share of the size: kFinestDetail, or halved as often as necessary. It depends
+/// on t alone, so that earlier uses of a tree do not show in the result.
 double finest_for(double detail);
 
-/// What of a surface stays while its tolerance t is moved: made once, cut at any t from `finest` up.
+/// The data of a surface that does not depend on its tolerance t: made once, cut at any t from `finest` up.
 ///
 /// Faces (of large surfaces small patches, many at once) merge into patches by filtered normals, since single faces
 /// show little but noise; that ends at the finest t. The patches merge to the end by their faces' true normals, so that
-/// what detail there is counts in full.
+/// all remaining detail counts in full.
 /// Cost: O(F log F) to make.
 class DetailTree {
  public:
   DetailTree(const Surface& surface, const DetailSettings& settings, Job& job, std::int32_t threads = 1);
 
-  /// Where to cut for t, scene units.
+  /// The cut for t, scene units.
   /// Cost: O(patches log patches).
   [[nodiscard]] Cut choose(double tolerance, bool snap) const;
-  /// How many regions a cut gives; a few less may be left when their borders have been relaxed.
+  /// The number of regions of a cut; relaxing their borders may remove a few.
   /// Cost: O(patches)
   [[nodiscard]] std::int32_t count(const Cut& cut) const { return patches_.count() - merges(cut); }
-  /// The regions of a cut, their borders relaxed; what then may merge at the same cost has merged.
+  /// The regions of a cut, their borders relaxed; regions that then may merge at the same cost are merged.
   /// \param surface  the one the tree was made of
   [[nodiscard]] Regions regions(const Surface& surface, const Cut& cut, const Threads& threads, Job& job) const;
 
   [[nodiscard]] const DetailSettings& settings() const { return settings_; }
   [[nodiscard]] double size() const { return size_; }    ///< see surface_size()
-  [[nodiscard]] double noise() const { return noise_; }  ///< as given or estimated, scene units
+  [[nodiscard]] double noise() const { return noise_; }  ///< given or estimated, scene units
   [[nodiscard]] const Parts& parts() const { return parts_; }
 
  private:
@@ -64,10 +64,10 @@ class DetailTree {
   std::vector<std::int32_t> need_;     // least number of regions of each component
   std::vector<std::int32_t> part_;     // component of each patch; empty if there is one
   Regions patches_;                    // their borders relaxed
-  std::vector<std::int32_t> borders_;  // faces beside another patch
-  MergeTree tree_;                     // over the patches, as they were before their borders were relaxed
-  MergeGraph touching_;                // which patches share an edge since then
-  std::vector<double> falling_;        // what its dearest merges cost, scene units squared
+  std::vector<std::int32_t> borders_;  // faces next to another patch
+  MergeTree tree_;                     // over the patches before their borders were relaxed
+  MergeGraph touching_;                // pairs of patches that share an edge since then
+  std::vector<double> falling_;        // costs of its dearest merges, scene units squared
 };
 
 }  // namespace isimp

@@ -13,23 +13,23 @@ namespace {
 
 constexpr std::int32_t kAlone = -1;
 constexpr std::int32_t kUnsure = -1;  // version of a partner whose price is only a lower bound
-// Clusters around one, from which on it is a hub. Of 32 to 1024 all are about as fast; a scan without such
-// clusters merges as if there were none.
+// A cluster with at least this many neighbours is a hub. All values from 32 to 1024 are about as fast; a scan without
+// such clusters merges as if there were none.
 constexpr std::int32_t kManyAround = 256;
-constexpr double kMargin = 0.125;    // of the price, by which a lower bound is below it
-constexpr double kRounding = 4e-16;  // of the lengths in a price
+constexpr double kMargin = 0.125;    // share of the price, by which a lower bound is below it
+constexpr double kRounding = 4e-16;  // share of the lengths in a price
 
-/// Greedy merging. Every cluster keeps its cheapest partner, and a heap holds one live entry a cluster.
+/// Greedy merging. Every cluster stores its cheapest partner, and a heap holds one live entry a cluster.
 ///
-/// After a merge the partners of the clusters around may be out of date. Where the new cluster is cheaper than what one
-/// has, it is taken over at once. Else what one has was cheaper than anything that is left, so that its old price is a
-/// lower bound: it may stay in the heap, and is looked up anew when it comes out.
+/// After a merge the partners of the clusters around may be out of date. If the new cluster is cheaper than the stored
+/// partner of a neighbour, it replaces that partner at once. Else the stored partner was cheaper than all others, so
+/// that its old price is a lower bound: it may stay in the heap, and is searched for again when it comes out.
 ///
-/// A cluster with many others around it is a hub. To look at all of them at each of its merges would take the square of
+/// A cluster with many others around it is a hub. A check of all of them at each of its merges would take the square of
 /// their number. But the price of a small cluster at a hub falls only as far as the hub turns, and a hub hardly turns.
-/// So each cluster at a hub has a watch: the angle at which its price could be below the one that it has. Prices at a
-/// hub stand in the heap with a margin, so that they need not be right at once. A hub's own row names other hubs only;
-/// its other pairs are in the rows, and among the prices, of the clusters around it.
+/// So each cluster at a hub has a watch: the angle at which its price could fall below the stored one. Prices at a hub
+/// are in the heap with a margin, so that they need not be right at once. A hub's own row names other hubs only; its
+/// other pairs are in the rows, and among the prices, of the clusters around it.
 /// \tparam kInside  whether nodes at the border of the graph count as parts of larger ones
 template <bool kInside>
 class Greedy {
@@ -68,7 +68,7 @@ class Greedy {
   }
 
   /// \param limit  merging ends before a price above it
-  /// \param steps  if given, gets what was merged
+  /// \param steps  if given, receives the merges
   void run(std::int32_t target, double limit, std::vector<MergeStep>* steps, Job& job) {
     std::uint32_t polled = 0;
     while (clusters_ > target && !heap_.empty()) {
@@ -82,7 +82,7 @@ class Greedy {
       if (left_[node.part] <= need_[node.part]) continue;
       std::int32_t into = u, from = node.partner;
       if (node_[from].live && node_[from].version == node.partner_version) {
-        if (kInside && node.goes_on && node_[from].goes_on) continue;  // waits until something cheaper comes
+        if (kInside && node.goes_on && node_[from].goes_on) continue;  // waits for a cheaper one
         if (is_hub(from)) std::swap(into, from);
         if (steps != nullptr) steps->push_back({into, from, price});
         merge(into, from);
@@ -120,14 +120,14 @@ class Greedy {
   };
   using Entry = std::pair<double, std::int32_t>;  // price, cluster
   struct Watch {
-    double turned;  // of the hub: when it has turned so far, the price is looked at
+    double turned;  // turn of the hub at which the price is checked again
     std::int32_t node, number;
     bool operator>(const Watch& o) const { return turned != o.turned ? turned > o.turned : node > o.node; }
   };
   struct Hub {
     double turned = 0;         // the angles of all its turns, radians
     std::vector<Watch> watch;  // a heap
-    std::size_t room = 1024;   // watches from which on those that are out of date are dropped
+    std::size_t room = 1024;   // number of watches at which outdated ones are dropped
   };
 
   [[nodiscard]] bool is_hub(std::int32_t u) const { return node_[u].hub != kAlone; }
@@ -136,10 +136,10 @@ class Greedy {
     if constexpr (kInside)
       if (a.goes_on != b.goes_on) return a.goes_on ? price_beside(a, b) : price_beside(b, a);
     const double lengths = a.length + b.length;
-    // The second term lets small clusters merge first where all is flat.
+    // The second term makes small clusters merge first where all is flat.
     return lost_length(a, b, lengths) + 1e-12 * lengths;
   }
-  /// As price_of, with a node of which only a part is known: as if the rest were endless, and in the same plane.
+  /// As price_of, with a node of which only a part is known: the rest counts as infinite, and in the same plane.
   [[nodiscard]] static double price_beside(const Node& part, const Node& b) {
     if (!(part.length > 0)) return b.length;
     return b.length - (part.x * b.x + part.y * b.y + part.z * b.z) / part.length + 1e-12 * (part.length + b.length);
@@ -176,7 +176,7 @@ class Greedy {
     settle(u, partner, least, beside_hub);
     return true;
   }
-  /// Takes a partner, the cheapest one; at a hub with a margin below its price, and with watches.
+  /// Sets the cheapest partner of a node; at a hub with a margin below its price, and with watches.
   void settle(std::int32_t u, std::int32_t partner, double price, bool beside_hub) {
     take_partner(u, partner, price);
     if (is_hub(u)) return;
@@ -192,7 +192,7 @@ class Greedy {
     node.price -= margin;
     node.partner_version = kUnsure;
   }
-  /// By which angle a hub can turn before its price for a node falls by `slack`.
+  /// The angle by which a hub can turn before its price for a node falls by `slack`.
   ///
   /// The price is |h| + |b| - |h + b| for the sums h of the hub and b of the node. It does not fall while |h| grows. While
   /// the hub turns by an angle a, it falls by at most |h| / |h + b| (across a + |b| a^2 / 2), where `across` is the part of
@@ -205,7 +205,7 @@ class Greedy {
     const double sum = across + std::sqrt(across * across + b.length * slack);
     return sum > 0 ? slack / sum : std::numeric_limits<double>::infinity();
   }
-  /// Sets watches at the hubs beside a node, whose row is tidy. The older ones no longer count.
+  /// Sets watches at the hubs next to a node, whose row is tidy. The older ones no longer count.
   void watch(std::int32_t u) {
     Node& node = node_[u];
     ++node.watched;
@@ -227,7 +227,7 @@ class Greedy {
     std::make_heap(hub.watch.begin(), hub.watch.end(), std::greater<>());
     hub.room = std::max(hub.room, 2 * hub.watch.size());
   }
-  /// Takes over a hub that has become cheaper than what a node has, and sets its watches anew.
+  /// Sets a hub as partner if it has become cheaper than the stored partner, and renews the watches.
   void look_again(std::int32_t u) {
     Node& node = node_[u];
     tidy(u);
@@ -277,7 +277,7 @@ class Greedy {
     node_[u].first = begin;
     node_[u].last = static_cast<std::int32_t>(row_.size());
   }
-  /// Puts a hub's cheapest pair with another hub into the heap, and lets these hubs know of it.
+  /// Puts a hub's cheapest pair with another hub into the heap, and updates these hubs.
   void offer_hub(std::int32_t u) {
     if (!find_partner(u)) {
       node_[u].price = std::numeric_limits<double>::infinity();
@@ -292,7 +292,7 @@ class Greedy {
       push(v);
     }
   }
-  /// Has each neighbour that lives stand in a row once.
+  /// Removes dead and repeated neighbours from a row.
   void tidy(std::int32_t u) {
     Node& node = node_[u];
     ++stamp_;
@@ -300,8 +300,8 @@ class Greedy {
     for (std::int32_t k = node.first; k < node.last; ++k) out += put(k, u, out) ? 1 : 0;
     node.last = out;
   }
-  /// Writes entry k of a row to another place, unless its cluster stands there already or is u itself.
-  /// \return whether it did
+  /// Writes entry k of a row to another place, unless its cluster is already there or is u itself.
+  /// \return whether it was written
   bool put(std::int32_t k, std::int32_t u, std::int32_t place) {
     const std::int32_t v = find(row_[k]);
     if (v == u || !node_[v].live) return false;
@@ -361,11 +361,11 @@ class Greedy {
     push(u);
     if (into.around() > kManyAround) make_hub(u);
   }
-  /// What follows when a node has gone into a hub.
+  /// Updates the neighbours after a node was merged into a hub.
   /// \param before, went_on  of the hub before that
   void merge_hub(std::int32_t u, std::int32_t v, const Vec3& before, bool went_on) {
     tidy(v);
-    std::vector<std::int32_t> near;  // nodes to be looked at
+    std::vector<std::int32_t> near;  // nodes to check
     const std::vector<std::int32_t> row(row_.begin() + node_[v].first, row_.begin() + node_[v].last);
     const std::vector<double> border(border_.begin() + node_[v].first, border_.begin() + node_[v].last);
     for (std::size_t k = 0; k < row.size(); ++k)

@@ -11,24 +11,24 @@
 namespace isimp {
 
 /// Merges neighbours one pair at a time, cheapest first, until `target` clusters are left. The price is that of
-/// merge_round less what the border between the two costs.
+/// merge_round less the price of the border between the two.
 ///
-/// Cost: O(N log N), also where a cluster has most of the others around it, as the ground of a city has.
-/// \param sums   (N) exact sums of the nodes; a node without faces takes no part and gets kNone
-/// \param need   (C) least number of clusters of each component; its length is 1 where there is one component
+/// Cost: O(N log N), also where a cluster has most of the others around it, such as the ground of a city.
+/// \param sums   (N) exact sums of the nodes; a node without faces is not merged and gets kNone
+/// \param need   (C) least number of clusters of each component; its length is 1 if there is one component
 /// \return (N) cluster of each node, numbered by first node; more than `target` where components or needs forbid it
 std::vector<std::int32_t> merge_greedily(const MergeGraph& graph, std::span<const RegionSum> sums,
                                          std::span<const std::int32_t> need, std::int32_t target, Job& job);
 
-/// A merge: cluster `from` went into `into`, both named by one of their nodes. No cluster is named by `from` again.
+/// A merge of cluster `from` into `into`, both named by one of their nodes. No later cluster is named by `from`.
 struct MergeStep {
   std::int32_t into, from;
   double price;
 };
 
-/// As merge_greedily, of a graph that is a part of a larger one: some nodes have neighbours elsewhere. These do not merge
-/// with each other, and what merges with one of them pays as if it were endless: less, and a small part of a large plane
-/// would be taken for a small plane.
+/// As merge_greedily, for a part of a larger graph: some nodes have neighbours elsewhere. These do not merge with each
+/// other, and the price of a merge with one of them is computed as if it were infinite: otherwise a small part of a
+/// large plane would be taken for a small plane.
 ///
 /// \param border  (N) 1 for a node with neighbours elsewhere
 /// \param limit   merging ends before the first merge with a higher price

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::int32_t kTile = 64;            // faces: one bit each
 constexpr std::int32_t kLargestPatch = 24;    // faces
-constexpr std::int32_t kPatchesARegion = 10;  // of the largest size
+constexpr std::int32_t kPatchesARegion = 10;  // for the largest size
 constexpr float kCrease = 0.95F;              // cosine: neighbours that differ by more are never in one patch
 constexpr std::int32_t kCoarsest = 64;        // nodes, where the rounds end
 constexpr std::int32_t kLeastOfPart = 8;      // nodes of a component, below which rounds leave it alone
@@ -33,7 +33,8 @@ class Tile {
       const FaceRecord& f = faces[begin + i];
       std::uint64_t joined = 0;
       for (const std::int32_t j : graph.neighbours[begin + i]) {
-        // By masks, as no processor guesses well what lies in the tile; the face itself stands in for what does not.
+        // By masks, as no processor predicts well which neighbours lie in the tile; the face itself replaces the
+        // others.
         const auto at = static_cast<std::uint32_t>(j - begin), own = static_cast<std::uint32_t>(i);
         const std::uint32_t outside = 0U - static_cast<std::uint32_t>(at >= static_cast<std::uint32_t>(count));
         const std::uint32_t inside = at ^ ((at ^ own) & outside);
@@ -66,7 +67,7 @@ class Tile {
   std::uint64_t left_ = 0;
 };
 
-/// What one thread finds of the patches; those of all threads in a row are the whole.
+/// The patches found by one thread; concatenated over all threads they are the whole.
 struct Patches {
   std::vector<NodeSum> node;
   std::vector<RegionSum> sum;
@@ -142,7 +143,7 @@ Patches make_patches(const FaceGraph& graph, std::span<const FaceRecord> faces, 
   return all;
 }
 
-/// The neighbours of the patches from `begin` to `end`, row after row; the length of each goes to `lengths`.
+/// The neighbours of the patches from `begin` to `end`, row after row; `lengths` receives the length of each row.
 std::vector<std::int32_t> rows_between(const FaceGraph& faces, const Hierarchy& h, std::int32_t begin, std::int32_t end,
                                        std::int32_t* lengths, Job& job) {
   const std::int32_t n = faces.size();
@@ -156,7 +157,7 @@ std::vector<std::int32_t> rows_between(const FaceGraph& faces, const Hierarchy& 
     if ((p & 0x3ff) == 0) job.poll();
     const std::size_t start = out;
     seen[p] = p;
-    seen[patches] = p;  // stands for the outside
+    seen[patches] = p;  // the outside
     for (std::int32_t k = h.patch_first[p]; k < h.patch_first[p + 1]; ++k)
       for (const std::int32_t j : faces.neighbours[h.patch_face[k]]) {
         const std::int32_t other = j == n ? patches : h.patch[j];
@@ -192,7 +193,7 @@ MergeGraph graph_of_patches(const Surface& surface, const Hierarchy& h, std::vec
   return graph;
 }
 
-/// Components from what their patches add up to.
+/// Components from the sums of their patches.
 std::vector<Part> parts_of(const Surface& surface, const Hierarchy& h, const Patches& patches) {
   const MergeGraph& graph = h.level.front();
   std::vector<Part> parts(static_cast<std::size_t>(surface.component_count()));

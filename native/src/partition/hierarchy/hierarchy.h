@@ -13,48 +13,48 @@
 
 namespace isimp {
 
-/// A mesh as small smooth patches, and ever coarser graphs of them: made once, cut at any number of regions.
+/// A mesh as small smooth patches, and coarser and coarser graphs of them: made once, cut at any number of regions.
 ///
-/// Patches: the faces in Morton order are cut into tiles of 64; a patch is what hangs together within a tile without
-/// crossing a crease, `patch_size` faces at the most. Levels: the graph of patches, merged round by round (see
-/// merge_round). Region counts are served by the coarsest level that still has several nodes a region, so that the last
-/// merges are made one at a time from exact prices.
+/// Patches: the faces in Morton order are cut into tiles of 64; a patch is a set of at most `patch_size` faces that are
+/// connected within a tile without crossing a crease. Levels: the graph of patches, merged round by round (see
+/// merge_round). The cut uses the coarsest level that still has several nodes a region, so that the last merges are
+/// made one at a time from exact prices.
 struct Hierarchy {
   std::int32_t patch_size = 0;                     ///< faces of a patch at the most
   std::vector<std::int32_t> patch;                 ///< (F) by graph index
   std::vector<std::int32_t> patch_first;           ///< (K + 1) where each patch begins in patch_face
   std::vector<std::int32_t> patch_face;            ///< (F) graph indices, patch by patch
-  std::vector<RegionSum> patch_sum;                ///< (K) what the faces of each add up to
+  std::vector<RegionSum> patch_sum;                ///< (K) sums of the faces of each
   std::vector<MergeGraph> level;                   ///< [0] is the graph of patches
   std::vector<std::vector<std::int32_t>> to_next;  ///< [l] node of level l -> node of level l + 1
-  std::vector<Part> parts;                         ///< (C) the components; what is kept of them is decided at each cut
+  std::vector<Part> parts;                         ///< (C) the components; each cut decides which are kept
 
   [[nodiscard]] std::int32_t patches() const { return level.empty() ? 0 : level.front().size(); }
   /// Graph indices of the faces of a patch.
   [[nodiscard]] std::span<const std::int32_t> faces_of(std::int32_t p) const {
     return std::span(patch_face).subspan(patch_first[p], static_cast<std::size_t>(patch_first[p + 1] - patch_first[p]));
   }
-  /// Whether it is the one that build_hierarchy would make for this number of regions, and so serves for it.
+  /// Whether build_hierarchy would make this very hierarchy for this number of regions.
   [[nodiscard]] bool serves(const Surface& surface, std::int32_t proxies) const;
 };
 
 struct HierarchyOptions {
   std::int32_t threads = 1;  ///< 0: as many as there are cores
-  /// Nodes of a level from which no coarser one is made: 0 for a hierarchy that is kept and may be asked for any smaller
-  /// number of regions, nodes_for(proxies) for one that is not.
+  /// Nodes of a level from which no coarser one is made: 0 for a hierarchy that is kept for any smaller number of
+  /// regions, nodes_for(proxies) for one that is not.
   std::int64_t coarsest = 0;
-  /// (n + 1) Records used in place of those of the surface's graph, as filtered ones; empty: those of the graph.
+  /// (n + 1) Records used in place of those of the surface's graph, such as filtered ones; empty: those of the graph.
   std::span<const FaceRecord> faces = {};
   double most = std::numeric_limits<double>::infinity();  ///< no merge of a level adds more to the error
 };
 
-/// Makes the hierarchy that serves `proxies` regions: the patches shrink where there are few faces a region.
-/// Counts of up to F / 240 are all served by the same one. It is the same on any number of threads.
+/// Makes the hierarchy for `proxies` regions: the patches shrink if there are few faces a region. All counts of up to F
+/// / 240 use the same one. It is the same on any number of threads.
 /// Cost: O(F), about 45 ms for a million faces.
 /// Source: the merging follows reciprocal nearest neighbours, Murtagh 1983, with the error of L2,1.
 Hierarchy build_hierarchy(const Surface& surface, std::int32_t proxies, Job& job, const HierarchyOptions& options = {});
 
-/// Nodes that a level must have for so many regions to be merged from them, one pair at a time.
+/// The least number of nodes of a level to merge so many regions from, one pair at a time.
 inline std::int64_t nodes_for(std::int32_t regions) { return (std::int64_t{12} * regions + 4) / 5; }
 
 }  // namespace isimp

@@ -15,15 +15,15 @@
 namespace isimp {
 namespace {
 
-// Regions before the last merging, as a multiple of those wanted: for the least error, and where borders count too.
+// Regions before the last merging, as a multiple of the wanted number: for the least error, and if borders count too.
 constexpr double kSurplus = 1.5, kSmoothSurplus = 2.2;
-constexpr int kTries = 4;                    // of teleports that do not pay
-constexpr std::int64_t kNodesOfRegion = 30;  // of a level that is relaxed before the patches are
-constexpr std::int32_t kManyRegions = 200;   // from which that is done
+constexpr int kTries = 4;                    // teleports without gain
+constexpr std::int64_t kNodesOfRegion = 30;  // nodes for each region of a level that is relaxed before the patches are
+constexpr std::int32_t kManyRegions = 200;   // least number of regions for it
 constexpr int kPatchSweeps = 2, kFirstSweeps = 6, kLastSweeps = 60;
 
-/// How far out of line a region must be for teleports to be tried. On a scan of many regions they gain little and cost
-/// much; a shape of a few sides must come out right, and there any side that is wrong stands out.
+/// The factor by which a region must exceed the usual before teleports are tried. On a scan of many regions they gain
+/// little and cost much; a shape of a few sides must come out right, and there any wrong side exceeds the usual by far.
 double least_ratio(std::int32_t regions) { return std::clamp(3.0 * regions, 10.0, 300.0); }
 
 std::vector<std::int32_t> needs(const Parts& parts) {
@@ -32,7 +32,7 @@ std::vector<std::int32_t> needs(const Parts& parts) {
   return need;
 }
 
-/// The sums of nodes as greedy merging wants them; those of components left out are empty.
+/// The sums of nodes in the form for greedy merging; those of components left out are empty.
 std::vector<RegionSum> sums_of(const MergeGraph& graph, const Parts& parts) {
   std::vector<RegionSum> sums(static_cast<std::size_t>(graph.size()));
   for (std::int32_t u = 0; u < graph.size(); ++u) {
@@ -70,7 +70,7 @@ std::vector<std::int32_t> cut(const Hierarchy& h, const Parts& parts, std::int32
   return label;
 }
 
-/// Those of some faces that lie on borders, found by one thread.
+/// The faces of a list that lie on borders, found by one thread.
 std::vector<std::int32_t> find_borders(const Relaxation<GraphLabels>& relaxation, std::span<const std::int32_t> faces,
                                        Job& job) {
   constexpr std::size_t kAhead = 16;  // faces, for the memory to be there in time
@@ -86,7 +86,7 @@ std::vector<std::int32_t> find_borders(const Relaxation<GraphLabels>& relaxation
   return {found.get(), found.get() + out};
 }
 
-/// The steps from a hierarchy to regions, and what they hand on.
+/// The steps from a hierarchy to regions, and their shared data.
 class Optimiser {
  public:
   Optimiser(const Surface& surface, const Hierarchy& hierarchy, const Parts& parts, double smooth,
@@ -134,7 +134,7 @@ class Optimiser {
   }
 
  private:
-  /// From labels of patches to labels of faces.
+  /// Converts labels of patches to labels of faces.
   void project(std::int32_t regions, Job& job) {
     if (parts_.parts.size() > 1) {
       part_.resize(static_cast<std::size_t>(regions));
@@ -156,7 +156,7 @@ class Optimiser {
     }
   }
 
-  /// Those of some faces that lie on borders, in the same order.
+  /// The faces of a list that lie on borders, in the same order.
   [[nodiscard]] std::vector<std::int32_t> borders_among(const Relaxation<GraphLabels>& relaxation,
                                                         std::span<const std::int32_t> faces, Job& job) const {
     const auto count = static_cast<std::int32_t>(faces.size());
@@ -178,13 +178,13 @@ class Optimiser {
     return sum;
   }
 
-  /// Merges regions to the number given.
-  /// \return which of those left touch
+  /// Merges regions to the given number.
+  /// \return the graph of the remaining regions
   MergeGraph merge_to(std::int32_t target, Relaxation<GraphLabels>& relaxation, Job& job) {
     const std::vector<std::int32_t>& looked_at = relaxation.pushed();  // all border faces are among them
     MergeGraph touching = graph_of_regions(graph_, regions_.label, regions_.sum.size(), part_, looked_at, threads_);
     if (smooth_ > 0) {
-      // Prices are half of what merging adds to the error.
+      // Prices are half of the error that merging adds.
       const double price = border_price(regions_.error(), smooth_) / (2 * std::sqrt(std::max(1, target)));
       touching.border = border_lengths(surface_, regions_.label, looked_at, touching, threads_);
       for (double& border : touching.border) border *= price;

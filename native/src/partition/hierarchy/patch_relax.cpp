@@ -32,7 +32,7 @@ struct Sum {
   void measure() { length = std::sqrt(x * x + y * y + z * z); }
 };
 
-/// The regions as seen from one block: what they were, and what moves within the block have changed.
+/// The regions as seen from one block: their state at the start, with the changes by moves within the block.
 struct BlockSums {
   BlockChanges<Sum, Sum> changes;
   const Sum& operator[](std::int32_t r) const { return changes.view(r); }
@@ -48,7 +48,7 @@ struct BlockSums {
   }
 };
 
-/// The regions for whoever is alone at work: moves show at once.
+/// The regions for a single thread: moves show at once.
 struct AllSums {
   std::vector<Sum>& sums;
   const Sum& operator[](std::int32_t r) const { return sums[r]; }
@@ -96,7 +96,8 @@ class PatchRelaxation {
       s.measure();
       lengths += s.length;
     }
-    // Of a mean node's area, not a face's: two nodes share several edges, and a face later smooths what it can reach.
+    // Relative to a mean node's area, not a face's: two nodes share several edges, and later sweeps of faces smooth the
+    // rest.
     border_ = border_weight(std::max(0.0, 2 * (1 - lengths)), smooth, graph.size(), regions).edge / graph.size();
     threads_.share(block_count(), [&](const auto& next) {
       for (std::int32_t b = next(); b < block_count(); b = next()) {
@@ -202,7 +203,7 @@ class PatchRelaxation {
   /// Whether the neighbours of the same region are connected among themselves.
   bool may_leave(std::int32_t u, Block& block, const Stretch& reach) {
     const std::int32_t own = label_[u];
-    const std::int32_t stamp = block.stamp += block_count();  // no other block has the same
+    const std::int32_t stamp = block.stamp += block_count();  // unique among the blocks
     std::int32_t same = 0, start = kNone;
     for (const std::int32_t v : graph_.around(u))
       if (label_[v] == own) {
@@ -231,7 +232,7 @@ class PatchRelaxation {
   std::vector<std::int32_t>& label_;
   const Threads& threads_;
   std::vector<Sum> sum_;
-  double border_ = 0;  // what one more pair of neighbours in different regions costs
+  double border_ = 0;  // price of one more pair of neighbours in different regions
   std::vector<std::int32_t> mark_;
   std::vector<std::uint8_t> queued_;
   std::vector<Block> blocks_;

@@ -13,14 +13,15 @@
 namespace isimp {
 namespace {
 
-/// Where a neighbour of a region stands in a graph.
+/// The place of a neighbour of a region in a graph.
 std::int32_t entry(const MergeGraph& graph, std::int32_t region, std::int32_t neighbour) {
   const auto row = graph.around(region);
   return graph.first[region] +
          static_cast<std::int32_t>(std::lower_bound(row.begin(), row.end(), neighbour) - row.begin());
 }
 
-constexpr std::int64_t kMostLength = std::int64_t{1} << 60;  // and of sums: edges of what has no area are all longer
+constexpr std::int64_t kMostLength = std::int64_t{1} << 60;  // and of sums: edges of regions without area are all
+                                                             // longer
 constexpr std::size_t kAhead = 8;                            // faces, for the memory to be there in time
 constexpr std::size_t kBorderOfPair = 16;                    // border faces for each pair of regions, if there are few
 
@@ -29,7 +30,7 @@ using Pairs = std::vector<std::pair<std::int32_t, std::int32_t>>;
 /// A set of pairs of numbers below 2^31 that grows as it fills.
 class PairSet {
  public:
-  /// \param room  pairs that are likely to come
+  /// \param room  expected number of pairs
   explicit PairSet(std::size_t room) : slots_(std::bit_ceil(std::max<std::size_t>(2 * room, 1 << 10)), kEmpty) {}
   void insert(std::int32_t u, std::int32_t v) {
     const std::uint64_t key = static_cast<std::uint64_t>(u) << 32 | static_cast<std::uint32_t>(v);
@@ -70,7 +71,7 @@ class PairSet {
 
 void insert_pairs(const FaceGraph& graph, const std::vector<std::int32_t>& label, std::span<const std::int32_t> faces,
                   PairSet& pairs) {
-  std::pair<std::int32_t, std::int32_t> last(kNone, kNone);  // along a border the same pair comes many times
+  std::pair<std::int32_t, std::int32_t> last(kNone, kNone);  // along a border the same pair occurs many times
   const std::size_t size = faces.size();
   for (std::size_t k = 0; k < size; ++k) {
     if (k + kAhead < size) prefetch(&graph.neighbours[faces[k + kAhead]]);
@@ -78,7 +79,7 @@ void insert_pairs(const FaceGraph& graph, const std::vector<std::int32_t>& label
     if (own == kNone) continue;
     for (const std::int32_t j : graph.neighbours[faces[k]]) {
       const std::int32_t other = label[j];
-      if (other <= own || last == std::pair(own, other)) continue;  // the face beyond sees the others
+      if (other <= own || last == std::pair(own, other)) continue;  // the face beyond counts the others
       last = {own, other};
       pairs.insert(own, other);
     }
@@ -88,7 +89,7 @@ void insert_pairs(const FaceGraph& graph, const std::vector<std::int32_t>& label
 /// Sorts by counting, first by the one number and then by the other, unless there are too few pairs for that.
 void sort_pairs(Pairs& pairs) {
   std::int32_t most = 0;
-  for (const auto& [u, unused] : pairs) most = std::max(most, u);  // each pair stands there in both directions
+  for (const auto& [u, unused] : pairs) most = std::max(most, u);  // each pair is there in both directions
   if (static_cast<std::size_t>(most) > 4 * pairs.size()) {
     std::sort(pairs.begin(), pairs.end());
     return;

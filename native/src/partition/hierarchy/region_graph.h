@@ -19,14 +19,13 @@ std::vector<std::pair<std::int32_t, std::int32_t>> neighbouring_regions(const Fa
                                                                         std::span<const std::int32_t> faces,
                                                                         const Threads& threads = Threads(1));
 
-/// The same as a graph for merging, its sums left empty.
+/// As `region_graph`, in the form for merging, with empty sums.
 /// \param part  (R) component of each; may be empty
 MergeGraph graph_of_regions(const FaceGraph& graph, const std::vector<std::int32_t>& label, std::size_t regions,
                             std::vector<std::int32_t> part, std::span<const std::int32_t> faces,
                             const Threads& threads = Threads(1));
 
-/// How long the borders between regions are; with weights, times what they are worth there (worth_of in
-/// border_moves.h).
+/// The lengths of the borders between regions; with weights, times their worth there (worth_of in border_moves.h).
 /// \param label  as in the graph of these regions
 /// \param faces  among which all border faces are
 /// \return as touching.neighbour, as a share of the root of the surface's area

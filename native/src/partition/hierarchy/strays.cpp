@@ -83,8 +83,8 @@ class Joining {
 
   const MergeGraph& touching_;
   std::vector<std::int32_t>& cluster_;
-  detail::Forest pieces_;              // of patches that hang together in a cluster
-  std::vector<RegionSum> total_;       // of each cluster without its strays
+  detail::Forest pieces_;              // patches that hang together in a cluster
+  std::vector<RegionSum> total_;       // sum of each cluster without its strays
   std::vector<std::uint8_t> settled_;  // by patch
   std::vector<Stray> strays_;
 };

@@ -13,17 +13,19 @@
 namespace isimp {
 namespace {
 
-constexpr int kSweeps = 200;            // of the borders after a round; a face may have to grow over a whole side
+constexpr int kSweeps = 200;            // sweeps of the borders after a round; a face may have to grow over a whole
+                                        // side
 constexpr double kMargin = 0.02;        // a move must gain this share more than it costs
-constexpr std::int64_t kRenewals = 16;  // faces parted anew, in all, as a multiple of the surface's: one large region
-                                        // with hundreds round it would try for long
-constexpr double kShare = 3e-4;         // of the whole error, times the least ratio: worth parting a region anew
-constexpr double kLeastFall = 1e-4;     // of the error by a round: below it, it is not worth another
-constexpr double kLeastGain = 1e-7;     // of the whole area: less is rounding
-/// Faces of all regions that were split, as a multiple of the surface's faces: the last round begins below it. Without
-/// it, few regions that share the walls of thousands of holes take these from each other one by one.
+constexpr std::int64_t kRenewals = 16;  // faces in repeated splits, in all, as a multiple of the surface's: one large
+                                        // region with hundreds around it would try for long
+constexpr double kShare = 3e-4;         // share of the whole error, times the least ratio, from which a region is split
+                                        // again
+constexpr double kLeastFall = 1e-4;     // share of the error: the least fall in a round that is worth another
+constexpr double kLeastGain = 1e-7;     // share of the whole area: less is rounding
+/// Faces of all regions that were split, as a multiple of the surface's faces: the last round begins below it.
+/// Otherwise few regions that share the walls of thousands of holes would exchange these one by one.
 constexpr std::int64_t kMoves = 24;
-constexpr int kVain = 3;  // neighbours in a row without gain after which a region is left as it is
+constexpr int kVain = 3;  // neighbours in a row without gain that end the tries for a region
 
 }  // namespace
 
@@ -76,7 +78,7 @@ void Teleport::undo_split(std::int32_t region) {
   for (const std::int32_t face : faces_) labels_.set(face, region);
 }
 
-/// Makes the last split good: the sums follow the labels, and the border between the halves will be relaxed.
+/// Completes the last split: updates the sums, and pushes the border between the halves for relaxing.
 void Teleport::accept_split(std::int32_t region, std::int32_t fresh) {
   if (fresh == regions_.count()) {
     regions_.sum.emplace_back();
@@ -94,7 +96,8 @@ void Teleport::accept_split(std::int32_t region, std::int32_t fresh) {
 }
 
 bool Teleport::fill_up(Job& job) {
-  // The worst region of a component that is short comes first, else the worst of all; of flat ones the largest.
+  // The worst region of a component that needs more regions comes first, else the worst of all; of flat ones the
+  // largest.
   using Rank = std::tuple<bool, double, std::int32_t, std::int32_t>;
   const auto rank = [&](std::int32_t r) {
     const double error = regions_.sum[r].error();
@@ -156,7 +159,8 @@ void Teleport::merge(std::int32_t into, std::int32_t from, Job& job) {
   push_borders(faces);
 }
 
-/// Joins a region with a neighbour and parts the two anew: an island of a side that belongs to the region grows so.
+/// Merges a region with a neighbour and splits the result again: an island of a side that belongs to the region grows
+/// so.
 bool Teleport::part_anew(std::int32_t region, std::int32_t other, Job& job) {
   const RegionSum one = regions_.sum[region], two = regions_.sum[other];
   const std::vector<std::int32_t> faces = take_out(graph_, labels_, face_of(other, job));
@@ -176,7 +180,7 @@ bool Teleport::part_anew(std::int32_t region, std::int32_t other, Job& job) {
 }
 
 /// Merges a pair and splits a region elsewhere.
-/// \param price  what the split must gain more than
+/// \param price  the least gain of the split
 bool Teleport::move(const Pair& pair, std::int32_t region, double price, Job& job) {
   const std::int32_t spare = regions_.count();  // label of the new half until the merge has freed one
   tried_[region].error = regions_.sum[region].error();
@@ -239,7 +243,7 @@ int Teleport::round(int tries, double least_ratio, Job& job) {
   return moves;
 }
 
-/// The error above which a region is parted anew: far above the usual, and a share of the whole that is worth it.
+/// The error above which a region is split again: far above the usual, and a worthwhile share of the whole.
 double Teleport::renewal_bound(const std::vector<std::int32_t>& worst, double least_ratio) const {
   const double usual = regions_.sum[worst[worst.size() / 2]].error();
   return kLeastGain + least_ratio * std::max(usual, kShare * regions_.error());
@@ -255,8 +259,9 @@ bool Teleport::worth_trying(const MergeGraph& pairs, double least_ratio) const {
   return most > std::min(kLeastGain + least_ratio * cheapest, renewal_bound(worst, least_ratio));
 }
 
-/// Parts regions that are far worse than the usual anew with each of their neighbours. That opens rings: a region that
-/// lies round another can't give way face by face, since it would fall apart before it is whole again.
+/// Merges regions that are far worse than the usual with each of their neighbours in turn, and splits the result again.
+/// That opens rings: a ring around another region can't yield face by face, since it would fall apart before it is
+/// whole again.
 int Teleport::renew(int tries, double least_ratio, Job& job) {
   const std::vector<std::int32_t> worst = worst_regions();
   const double bound = renewal_bound(worst, least_ratio);
@@ -313,7 +318,7 @@ int Teleport::run(int tries, double least_ratio, Job& job) {
     }
     moves += made;
     if (move_work_ < 0) return moves;
-    job.report(1 - 1 / (1 + 0.2 * ++rounds));  // nobody knows how many rounds there will be
+    job.report(1 - 1 / (1 + 0.2 * ++rounds));  // the number of rounds is unknown
   }
 }
 

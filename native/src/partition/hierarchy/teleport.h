@@ -17,7 +17,7 @@ namespace isimp {
 class Teleport {
  public:
   /// \param part        (R) component of each region; empty if there is one
-  /// \param relaxation  over the same regions; its pushed faces must hold all border faces
+  /// \param relaxation  over the same regions; its pushed faces must include all border faces
   Teleport(const FaceGraph& graph, const Parts& parts, Regions& regions, std::vector<std::int32_t> part,
            Relaxation<GraphLabels>& relaxation);
 
@@ -25,18 +25,19 @@ class Teleport {
   /// \return whether any had to be split
   bool fill_up(Job& job);
 
-  /// Whether `run` could do anything, as far as can be told from which regions touched a while ago: cheap, and where
-  /// nothing is far out of line it saves `run` from finding out.
+  /// Whether `run` could change anything, judged by earlier adjacent pairs of regions: cheap, and it saves the search
+  /// of `run` where no region is far above the usual.
   [[nodiscard]] bool worth_trying(const MergeGraph& pairs, double least_ratio) const;
 
-  /// Merges the cheapest neighbouring pair and splits the region that gains most by it, as long as that lowers the
-  /// error; then the borders of both are relaxed.
+  /// Merges the cheapest neighbouring pair and splits the region with the largest gain, as long as that lowers the
+  /// error; then relaxes the borders of both.
   ///
   /// Regions are tried in the order of their error, the most a split can gain.
-  /// \param tries  a round ends after this many regions in a row that were not worth it
-  /// Regions much worse than the usual are also parted anew from each of their neighbours.
-  /// \param least_ratio  nothing is tried whose error is below this many times the price of the merge that pays for it
-  /// \return moves made
+  /// \param tries  a round ends after this many regions in a row without gain
+  /// Regions much worse than the usual are also split again from each of their neighbours.
+  /// \param least_ratio  a region is tried only if its error is at least this many times the price of the merge that
+  ///                     pays for it
+  /// \return number of moves
   /// Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.5 (region teleportation).
   int run(int tries, double least_ratio, Job& job);
 
@@ -66,18 +67,18 @@ class Teleport {
   GraphLabels labels_;
   std::vector<std::int32_t> part_, count_;  // component of each region; regions of each component
   Relaxation<GraphLabels>& relaxation_;
-  std::vector<std::int32_t> some_face_;  // (R) a face that was of each region when last looked at
-  std::vector<std::int32_t> faces_;      // of the region that was split last
+  std::vector<std::int32_t> some_face_;  // (R) a former face of each region
+  std::vector<std::int32_t> faces_;      // faces of the region that was split last
   RegionSum halves_[2];
   struct Tried {
-    double error = -1;  // of the region when it was tried; it need not be tried again while that holds
+    double error = -1;  // error of the region when it was tried; it is not tried again while that holds
     double gain = 0;
-    double renewed = -1;  // its error when it was parted anew from all its neighbours in vain
+    double renewed = -1;  // its error when it was split again from all its neighbours in vain
   };
   std::vector<Tried> tried_;
-  double parted_gain_ = 0;         // by which the error fell when two regions were last parted anew
+  double parted_gain_ = 0;         // fall of the error at the last repeated split of two regions
   std::int64_t renewal_work_ = 0;  // faces that renew() may still touch
-  std::int64_t move_work_ = 0;     // faces of regions that may still be split before the last round
+  std::int64_t move_work_ = 0;     // faces of regions that may be split before the last round
 };
 
 }  // namespace isimp

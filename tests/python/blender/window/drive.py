@@ -1,8 +1,8 @@
 """Drives a real Blender window: `blender --enable-event-simulate ... --python drive.py -- SCENARIO.py OUT`.
 
-A scenario is a module with a function `run(hand)`, a generator: every `yield` lets Blender handle what was done so
-far (`yield 0.5` waits that many seconds). Buttons are found by what they do, not by where they are. Ends Blender
-with 0 if the scenario came to its end.
+A scenario is a module with a function `run(hand)`, a generator: every `yield` lets Blender handle the events before it
+(`yield 0.5` waits that many seconds). Buttons are found by their action, not by their place. Ends Blender with 0 if the
+scenario came to its end.
 """
 
 import os
@@ -31,7 +31,7 @@ class Hand:
     def __init__(self, out):
         self.out = out
         self.at = (0, 0)
-        self.known = {}  # where buttons were seen last
+        self.known = {}  # last places of buttons
 
     @property
     def window(self):
@@ -106,12 +106,12 @@ class Hand:
         raise AssertionError("the add-on has no tab in the sidebar")
 
     def rows(self, near):
-        """Heights in the sidebar at which buttons may be, those next to `near` first."""
+        """Heights in the sidebar with possible buttons, those next to `near` first."""
         side = self.region("UI")
         return sorted(range(side.y + side.height - 34, side.y, -16), key=lambda y: abs(y - near))
 
     def find(self, name):
-        """Moves to a button, by what it does or the end of what it sets; looks first where it was seen last."""
+        """Moves to a button, by its action or the end of its property; tries its last place first."""
         side = self.region("UI")
         full, at = next(((full, at) for full, at in self.known.items() if full.endswith(name)), (None, None))
         if full:
@@ -131,7 +131,7 @@ class Hand:
         raise AssertionError(f"no button {name}, there are {sorted(seen)}")
 
     def under_mouse(self):
-        """What the button under the mouse does or sets; empty if there is none."""
+        """The action or property of the button under the mouse; empty if there is none."""
         manager, side = bpy.context.window_manager, self.region("UI")
         for operator, settings in (("copy_python_command_button", {}), ("copy_data_path_button", {"full_path": True})):
             manager.clipboard = ""

@@ -1,4 +1,4 @@
-"""Beside the scan the tools turn the view and move nothing; buttons act on the region clicked last; lines stay."""
+"""Next to the scan the tools turn the view and move nothing; buttons act on the region clicked last; lines stay."""
 
 from contextlib import suppress
 
@@ -7,11 +7,11 @@ import numpy as np
 from scenario_main import make_scan, regions, same, scan
 from scenario_tools import begin, labels, last, place, sketched, state, steps, tool
 
-BESIDE, FURTHER = (-1.12, 1.12), (-1.0, 1.16)  # of the scan
+BESIDE, FURTHER = (-1.12, 1.12), (-1.0, 1.16)  # places next to the scan
 
 
 def seen(hand):
-    """Where the scan is, whether it is selected, its steps, and how the view is turned."""
+    """The place of the scan, its selection, its steps, and the rotation of the view."""
     turned = hand.area.spaces.active.region_3d.view_rotation
     return tuple(scan().matrix_basis.translation), scan().select_get(), len(steps()), tuple(turned)
 
@@ -46,7 +46,7 @@ def beside(hand):
 
 
 def press(hand, name):
-    """Does what a button does; a refusal is no exception."""
+    """Runs the action of a button; a refusal is no exception."""
     with (
         suppress(RuntimeError),
         bpy.context.temp_override(window=hand.window, area=hand.area, region=hand.region("UI")),
@@ -89,7 +89,7 @@ def middle():
 
 
 def kept(hand):
-    """After an edit the polygons of before stay, fainter, until those of the new regions are there."""
+    """After an edit the old polygons stay, fainter, until the polygons of the new regions are there."""
     from isimp.blender import overlay, runtime
 
     yield from sketched()
@@ -127,7 +127,7 @@ def on_the_result(hand):
 
 
 def left(hand):
-    """What is under the mouse is highlighted, and nothing while the mouse is in the sidebar."""
+    """The region under the mouse is highlighted, and nothing while the mouse is in the sidebar."""
     from isimp.blender import runtime
 
     for _ in range(100):

@@ -1,4 +1,4 @@
-"""The first model of the manual, made of the bunny with real mouse and keys; its pictures are those of the manual."""
+"""The first model of the manual, made of the bunny with real mouse and keys; it makes the manual's pictures."""
 
 import os
 from pathlib import Path
@@ -15,7 +15,7 @@ DATA = FOLDER / "scan" / "bunny_69k.ply"
 
 
 def load(path=DATA, upright=False):
-    """The bunny, or another scan, as an object three units long; y goes up in the file where it is not `upright`."""
+    """The bunny, or another scan, as an object three units long; y points up in the file unless it is `upright`."""
     from isimp.session import engine
 
     points, triangles = engine.read(str(path))

@@ -10,7 +10,7 @@ import isimp
 
 
 def show_heuristics():
-    """Has the panel By Error open from the beginning; before the add-on is switched on."""
+    """Opens the panel By Error from the beginning; before the add-on is switched on."""
     from isimp.blender.panel import edit
 
     edit.ISIMP_PT_regions.bl_options = set()
@@ -37,7 +37,7 @@ def beside():
 
 
 def pressed(hand, name, wanted, kind, before=0):
-    """Presses a button; so many regions more than before, by a step of a kind; undo and redo."""
+    """Presses a button; checks the change of the number of regions, the kind of the step, undo and redo."""
     yield from hand.press(name)
     same(name, (regions() - before, last()), (wanted, kind))
     yield from undone_and_redone(hand, name, state)
@@ -45,7 +45,7 @@ def pressed(hand, name, wanted, kind, before=0):
 
 
 def twins(hand, name, lesser):
-    """Two buttons of one operator beside each other: moves to the one whose flag is as said."""
+    """Two adjacent buttons of one operator: moves to the one with the given flag."""
     yield from hand.find(f"bpy.ops.{name}")
     if lesser:
         side = hand.region("UI")

@@ -1,4 +1,4 @@
-"""The line between scan and result: what is drawn at either side of it, and that everything is given back."""
+"""The line between scan and result: the drawing at either side of it, and the restored state afterwards."""
 
 import bpy
 import numpy as np
@@ -7,7 +7,7 @@ from scenario_main import make_scan, same, scan
 
 import isimp
 
-SKIPPED = 40  # pixels beside the line, where its grip and labels are
+SKIPPED = 40  # pixels next to the line, where its grip and labels are
 
 
 def pixels(hand, name):
@@ -81,7 +81,7 @@ def run(hand):
     same("as before", (scan().hide_get(), result.hide_get(), bpy.context.object.name), (True, False, "Scan.simplified"))
     same("selected", [obj.name for obj in bpy.context.selected_objects], ["Scan.simplified"])
     yield from hand.press("isimp.compare")
-    yield from hand.press("isimp.swap")  # a press beside the view ends it, and is done
+    yield from hand.press("isimp.swap")  # a press outside the view ends it, and is done
     same("ended by a button", runtime.get().comparison, None)
     yield from textured(hand)
 

@@ -1,4 +1,4 @@
-"""A file with steps of a later version, opened in a window: the panel says so, and Partition starts anew."""
+"""A file with steps of a later version, opened in a window: the panel reports them, and Partition starts again."""
 
 import bpy
 import damage

@@ -1,4 +1,4 @@
-"""What is drawn over a scan whose data lie far from zero, beside the same scan near zero."""
+"""The drawing over a scan whose data lie far from zero, compared with the same scan near zero."""
 
 import bpy
 import numpy as np
@@ -35,7 +35,7 @@ def run(hand):
         bpy.context.window_manager.isimp.outline = True
         bpy.ops.isimp.partition("EXEC_DEFAULT", True, proxies=6)
         yield 0.3
-        for _ in range(200):  # those of the scan before are there already
+        for _ in range(200):  # the colours of the scan before are there already
             if overlay._key(bpy.context, scan()) in runtime.get().drawings:
                 break
             yield 0.05

@@ -6,7 +6,7 @@ from scenario_tools import begin, drag, labels, last, place, state, steps, tool,
 
 
 def size_of(x, z):
-    """How many faces the region at a place of the scan's front has."""
+    """The number of faces of the region at a place of the scan's front."""
     found, _, _, face = scan().ray_cast((1.5 * x, -9, 1.5 * z), (0, 1, 0))
     assert found
     label = labels()
@@ -66,7 +66,7 @@ def by_the_wheel(hand):
 
 
 def by_a_drag(hand, mode):
-    """Drags the Grow tool; what is seen before the mouse is let go is what comes of it."""
+    """Drags the Grow tool; the preview before the mouse is released equals the result."""
     from isimp.blender import runtime
 
     yield from tool(hand, f"isimp.grow_tool.{mode}")

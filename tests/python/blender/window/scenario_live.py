@@ -1,4 +1,4 @@
-"""What is seen while a setting changes, in both modes and of many faces, and an undo before it has come to rest."""
+"""The view while a setting changes, in both modes and with many faces, and an undo before it has come to rest."""
 
 import bpy
 from scenario_main import make_scan, regions, same
@@ -9,7 +9,7 @@ import isimp
 
 
 def wait_for(hand, count):
-    """Waits until so many regions are drawn."""
+    """Waits until `count` regions are drawn."""
     for _ in range(400):
         if shown() == count:
             yield 0.3

@@ -1,4 +1,4 @@
-"""Work that takes long: the window stays usable, Esc leaves all as it was, and nothing that happens meanwhile harms."""
+"""Work that takes long: the window stays usable, Esc restores all, and no event in between does harm."""
 
 import time
 
@@ -11,7 +11,7 @@ DELAY = [0.0]
 
 
 def slow_down():
-    """Makes every replay wait, polled as by the engine, before it does its work."""
+    """Makes every replay wait, polled like the engine, before its work."""
     from isimp.blender import runtime
 
     session = runtime.get().session

@@ -20,14 +20,14 @@ def make_scan(subdivisions=5):
 
 
 def show_steps():
-    """Has the panel with the steps open from the beginning; before the add-on is switched on."""
+    """Opens the panel with the steps from the beginning; before the add-on is switched on."""
     from isimp.blender.panel import steps
 
     steps.ISIMP_PT_steps.bl_options = set()
 
 
 def show_edits():
-    """Has the panel Edit Regions open from the beginning; before the add-on is switched on."""
+    """Opens the panel Edit Regions from the beginning; before the add-on is switched on."""
     from isimp.blender.panel import edit
 
     edit.ISIMP_PT_regions.bl_options = set()
@@ -38,7 +38,7 @@ def scan():
 
 
 def regions():
-    """How many regions the scan has."""
+    """The number of regions of the scan."""
     obj = scan()
     if obj.mode == "EDIT":
         obj.update_from_editmode()

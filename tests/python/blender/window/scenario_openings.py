@@ -1,4 +1,4 @@
-"""The Openings tool, with a real mouse: what was closed is shown; a click keeps it open, another closes it again."""
+"""The Openings tool, with a real mouse: closed openings are shown; a click keeps one open, another closes it again."""
 
 import bpy
 import numpy as np

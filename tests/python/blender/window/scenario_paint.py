@@ -7,7 +7,7 @@ from scenario_tools import begin, drag, labels, last, place, state, steps, tool,
 
 
 def border():
-    """How many edges of the scan lie between regions."""
+    """The number of edges of the scan between regions."""
     import scans
 
     label = labels()
@@ -56,11 +56,11 @@ def mirrored(hand):
 
 
 def half_in_vain(hand):
-    """What one side has to paint is painted, though the other has nothing to; a stroke that has nothing is no step."""
+    """One side is painted although the other has nothing to paint; a stroke that paints nothing is no step."""
     start, settings().lock_painted = state(), False
     yield from drag(hand, (0.5, 0.0), (0.5, 0.25), ctrl=True)
     settings().mirror, before, ours = "X", steps(), set(steps()[-1].faces)
-    yield from drag(hand, (0.5, 0.05), (0.5, 0.15))  # what is across is of one region
+    yield from drag(hand, (0.5, 0.05), (0.5, 0.15))  # the other side is of one region
     same("nothing to paint on either side", steps(), before)
     yield from drag(hand, (0.5, 0.1), (0.25, 0.1))
     same("one side painted", [type(step).__name__ for step in steps()[len(before) :]], ["PaintFaces"])
@@ -113,7 +113,7 @@ def run(hand):
     yield from mirrored(hand)
     yield from dropped(hand)
     yield from radius(hand)
-    settings().brush, settings().stroke = 25, "new"  # as in the tool's settings, without a key
+    settings().brush, settings().stroke = 25, "new"  # set in the tool's settings, without a key
     yield from hand.into_view()
     yield from hand.key("TAB")
     yield 0.5

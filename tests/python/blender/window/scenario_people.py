@@ -1,6 +1,6 @@
-"""Four who use it: a designer, a game artist, an urban modeller, a pipeline engineer, from scans to what they want.
+"""Four users: a designer, a game artist, an urban modeller, a pipeline engineer, from scans to their results.
 
-Partition, Mesh and what else is a button of the panel is pressed there.
+Partition, Mesh and all other buttons of the panel are pressed there.
 """
 
 import csv
@@ -21,7 +21,7 @@ from scenario_tools import drag, place, steps, tool, view
 import isimp
 
 BATCH = Path(__file__).parents[4] / "examples" / "batch.py"
-#: As the manual has it; what stands before --python lets it find the engine where these tests have it.
+#: The command of the manual; the text before --python makes it find the engine of these tests.
 OVERNIGHT = """
 for scan in *.off; do
   blender -b --factory-startup --python-expr "import sys; sys.path[:0] = {folders}" --python "$1" -- \\
@@ -43,7 +43,7 @@ def face_at(x, z):
 
 def press(hand, name):
     """Presses the button in the panel, and waits until it is done."""
-    hand.region("UI").tag_redraw()  # settings that were not typed may have moved what is below them
+    hand.region("UI").tag_redraw()  # settings that were not typed may have moved the rows below them
     yield 0.3
     yield from hand.press(f"isimp.{name}")
     yield from hand.settle(120)
@@ -56,7 +56,7 @@ def polygon_flatness(mesh):
 
 
 def designer(hand):
-    """Two presses; before the second a merge, an island gone and a missed facet."""
+    """Two presses; before the second a merge, a removed island and a missed facet."""
     make_scan()
     yield 0.3
     yield from press(hand, "partition")
@@ -103,7 +103,7 @@ def designer(hand):
 
 
 def bevelled(hand, made):
-    """All edges of the result bevelled by hand; Mesh pressed again leaves it as it is, and makes another one."""
+    """All edges of the result bevelled by hand; Mesh pressed again does not change it, and makes another one."""
     before = len(made.data.polygons)
     yield from hand.into_view()
     yield from hand.key("TAB")
@@ -129,7 +129,7 @@ def bevelled(hand, made):
 
 
 def artist(hand):
-    """A preset, a number, more regions where it was painted, one locked; the rest anew."""
+    """A preset, a number, more regions where it was painted, one locked; the rest again."""
     make_scan()
     yield 0.3
     yield from view(hand)
@@ -168,7 +168,7 @@ def artist(hand):
 
 
 def modeller(hand):
-    """A block of houses in metres, open below: a tolerance, facades as single polygons, what the report says."""
+    """A block of houses in metres, open below: a tolerance, facades as single polygons, the text of the report."""
     points, faces = [], []
     for number, height in enumerate((9, 14, 7)):
         bpy.ops.mesh.primitive_cube_add(size=1)
@@ -225,7 +225,7 @@ def engineer(hand):
     for name, scale in (("a", 1.0), ("c", 0.5), ("e", 2.0)):
         write_off(folder / f"{name}.off", points * (1.0, scale, 1.0), faces)
     (folder / "b.off").write_text((folder / "a.off").read_text()[:-200] + "\n3 1 2 99999999\n")  # damaged
-    write_off(folder / "d.off", points, faces[: steps()[-1].face])  # has no such face
+    write_off(folder / "d.off", points, faces[: steps()[-1].face])  # the face of the step does not exist in it
     script = folder / "overnight.sh"
     script.write_text(OVERNIGHT)
     script.chmod(0o755)

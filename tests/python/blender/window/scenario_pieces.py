@@ -1,4 +1,4 @@
-"""What is read and written in pieces: what the window may do meanwhile, one step to undo, and drags that settle."""
+"""Reading and writing in pieces: the actions of the window meanwhile, one step to undo, and drags that settle."""
 
 import bpy
 from scenario_main import make_scan, regions, same, scan
@@ -9,7 +9,7 @@ import isimp
 
 
 def slow_down():
-    """Has every piece take a turn of its own, as those of a million faces do."""
+    """Makes every piece take a turn of its own, as for a million faces."""
     from isimp.blender import mesh_io, modal, reading, weights
 
     modal._AT_ONCE, reading.SPAN, mesh_io._PIECE, weights._PIECE = 0.0, 0.0, 100, 20
@@ -46,7 +46,7 @@ def weighed(hand):
 
 
 def selected_in_pieces(hand):
-    """Faces are selected in pieces in Edit Mode: what else is done waits; one step to undo."""
+    """Faces are selected in pieces in Edit Mode: other actions wait; one step to undo."""
     same("in Edit Mode", scan().mode, "EDIT")
     bpy.ops.mesh.select_all(action="DESELECT")
     bpy.ops.ed.undo_push(message="none")
@@ -55,7 +55,7 @@ def selected_in_pieces(hand):
         done.append(bpy.ops.isimp.select_by("INVOKE_DEFAULT", True, by="SIZE", share=100.0))
     same("under way", done, [{"RUNNING_MODAL"}])
     yield from hand.into_view()
-    yield from hand.key("X")  # would ask what to delete
+    yield from hand.key("X")  # would open a menu of things to delete
     faces = len(scan().data.polygons)
     for _ in range(300):
         if scan().data.total_face_sel == faces:
@@ -99,7 +99,7 @@ def run(hand):
     yield from pressed(hand, 14)
     yield from hand.into_view()
     yield from hand.key("ESC")
-    yield from hand.key("X")  # would ask what to delete
+    yield from hand.key("X")  # would open a menu of things to delete
     yield from hand.key("TAB")
     same("nothing else is done meanwhile", (running(), scan().mode), (True, "EDIT"))
     yield from hand.shot("pieces-1-writing")

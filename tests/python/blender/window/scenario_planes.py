@@ -1,4 +1,4 @@
-"""The panel Regularity: Regularise, its settings, Level and Upright; colours by direction, and what hovering tells."""
+"""The panel Regularity: Regularise, its settings, Level and Upright; colours by direction, and hover texts."""
 
 import bpy
 import numpy as np
@@ -28,7 +28,7 @@ def house():
 
 
 def open_regularity():
-    """Has the panel open from the beginning; before the add-on is switched on."""
+    """Opens the panel from the beginning; before the add-on is switched on."""
     from isimp.blender.panel import regularity
 
     regularity.ISIMP_PT_regularity.bl_options = set()
@@ -39,7 +39,7 @@ def numbers():
 
 
 def found():
-    """What the engine says of the planes."""
+    """The engine's figures of the planes."""
     from isimp.blender import reading
 
     recipe = store.load(scan())
@@ -60,7 +60,7 @@ def side(axis, sign):
 
 
 def colours():
-    """How many colours the polygons have that are drawn."""
+    """The number of colours of the drawn polygons."""
     drawing = next(reversed(runtime.get().drawings.values()))
     return len(np.unique(drawing.sketch.directions.round(3), axis=0))
 

@@ -1,4 +1,4 @@
-"""The result follows the settings until somebody edits it by hand; the tools say that they work on the scan."""
+"""The result follows the settings until a user edits it by hand; the tools report that they work on the scan."""
 
 import bpy
 from scenario_main import make_scan, same

@@ -1,4 +1,4 @@
-"""HiDPI and the light theme: at a scale of 2, what is drawn in the view stays clear of the sidebar."""
+"""HiDPI and the light theme: at a scale of 2, the drawing in the view stays clear of the sidebar."""
 
 from pathlib import Path
 

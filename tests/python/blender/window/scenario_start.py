@@ -1,4 +1,4 @@
-"""The quick start: seen at first, gone after a click or the first Partition; and the panel in German."""
+"""The quick start: visible at first, hidden after a click or the first Partition; and the panel in German."""
 
 import bpy
 import numpy as np

@@ -29,7 +29,7 @@ def settled():
 
 
 def shown():
-    """How many regions are seen: of what is drawn over the scan while a setting is dragged, else of the scan."""
+    """The number of visible regions: of the preview over the scan while a setting is dragged, else of the scan."""
     from isimp.blender import runtime
 
     drawn = runtime.get().live.shown_of(scan())

@@ -1,4 +1,4 @@
-"""A texture is made beside the window: the view moves meanwhile, Esc leaves the last good result, one step to undo."""
+"""A texture is made while the window works: the view moves, Esc leaves the last good result, one step to undo."""
 
 import time
 
@@ -14,7 +14,7 @@ DELAY = [0.0]
 
 
 def slow_down():
-    """Makes every texture wait, polled as by the engine, before it is made."""
+    """Makes every texture wait, polled like the engine, before it is made."""
     from isimp.blender import runtime
 
     session = runtime.get().session
@@ -32,7 +32,7 @@ def slow_down():
 
 
 def paint(colour):
-    """Gives the scan an image of one colour."""
+    """Adds an image of one colour to the scan."""
     image = bpy.data.images.new("Paint", 16, 16)
     image.pixels.foreach_set(np.tile(np.append(colour, 1), 256).astype(np.float32))
     image.pack()

@@ -1,4 +1,4 @@
-"""The Region tool, with a real mouse: clicks, a drag and L; undo and redo of each; what is drawn."""
+"""The Region tool, with a real mouse: clicks, a drag and L; undo and redo of each; the drawing."""
 
 import zlib
 
@@ -16,7 +16,7 @@ def tool(hand, name):
 
 
 def begin(hand, make=make_scan, proxies=14):
-    """A scan in its regions, seen from the front."""
+    """A scan in its regions, viewed from the front."""
     isimp.register()
     make()
     yield 0.5
@@ -26,8 +26,8 @@ def begin(hand, make=make_scan, proxies=14):
 
 
 def view(hand):
-    """Looks at the scan from the front, so that it fills the view."""
-    if bpy.app.version >= (4, 0, 0):  # where the sidebar and the buttons beside it would lie over it
+    """Turns the view to the front of the scan, so that it fills the view."""
+    if bpy.app.version >= (4, 0, 0):  # where the sidebar and the adjacent buttons would lie over it
         bpy.context.preferences.system.use_region_overlap = False
         hand.area.spaces.active.show_gizmo_navigate = False
         yield 0.5
@@ -38,7 +38,7 @@ def view(hand):
 
 
 def place(hand, x, z):
-    """Where a place in the scan's front is in the window; x and z from -1 to 1 over the scan."""
+    """The place in the window of a place in the scan's front; x and z from -1 to 1 over the scan."""
     from bpy_extras import view3d_utils
 
     region, view = hand.region("WINDOW"), hand.area.spaces.active.region_3d
@@ -67,7 +67,7 @@ def steps():
 
 
 def undone_and_redone(hand, what, seen):
-    """Ctrl-Z takes what was done back in one go, and Ctrl-Shift-Z does it again. seen: what to look at."""
+    """Ctrl-Z undoes an action in one go, and Ctrl-Shift-Z does it again. seen: the state to compare."""
     after, count = seen(), len(steps())
     yield from hand.undo()
     same(f"{what}, undone", (seen() != after, len(steps())), (True, count - 1))
@@ -83,7 +83,7 @@ def labels():
 
 
 def state():
-    """What stands for all regions: a number that is another one if a face is in another region."""
+    """A number for all regions: it changes if a face moves to another region."""
     return zlib.crc32(labels())
 
 
@@ -92,7 +92,7 @@ def last():
 
 
 def sketched():
-    """Waits until what is drawn over the scan is there, the polygons too."""
+    """Waits until the drawing over the scan is there, the polygons too."""
     from isimp.blender import overlay, runtime
 
     yield 0.3
@@ -205,7 +205,7 @@ def in_edit_mode(hand):
 
 
 def away(hand):
-    """Nothing is said of a scan that is not looked at any more."""
+    """No text concerns a scan that is not shown any more."""
     from isimp.blender import overlay, runtime
 
     context = bpy.context
@@ -217,7 +217,7 @@ def away(hand):
 
 
 def refused(hand, words, **held):
-    """A click in the middle that can't be done says why, in words of what is seen."""
+    """A click in the middle that can't be done shows the reason, in words for visible things."""
     from isimp import messages
 
     told, unchanged = [], messages.unchanged

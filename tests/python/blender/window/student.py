@@ -1,7 +1,7 @@
-"""A student with the zip and the manual: from nothing installed to polygons, by what the manual says, word by word.
+"""A student with the zip and the manual: from nothing installed to polygons, by the words of the manual.
 
-Each action is done only if the sentence that asks for it is in the manual; the tab and the buttons are found by their
-names there. It counts the actions.
+Each action is done only if its sentence is in the manual; the tab and the buttons are found by their names there. It
+counts the actions.
 """
 
 import os
@@ -29,7 +29,7 @@ class Student:
         print(f"{len(self.done)}. {sentence}", flush=True)
 
     def button(self, name):
-        """What a button of the panel does, by its name in bold in the manual."""
+        """The action of a button of the panel, by its name in bold in the manual."""
         assert f"**{name}**" in self.read, name
         operators = (getattr(bpy.types, cls) for cls in dir(bpy.types) if cls.startswith("ISIMP_OT_"))
         found = [operator.bl_idname for operator in operators if operator.bl_label == name]
@@ -38,7 +38,7 @@ class Student:
 
 
 def install(student, zip_file):
-    """As the manual says for this Blender. What a drop of a zip calls asks for the repository in a dialog."""
+    """By the manual's steps for this Blender. The operator of a dropped zip opens a dialog for the repository."""
     if bpy.app.version >= (4, 2, 0):
         student.does("drag the zip into Blender's window")
         bpy.ops.extensions.package_install_files(filepath=zip_file, repo="user_default", enable_on_install=True)

@@ -96,7 +96,7 @@ def test_without_numpy_the_addon_names_the_remedy(installed):
 
 
 def test_switched_on_in_saved_preferences_it_is_there_in_the_background(installed, tmp_path):
-    """Blender registers it while it starts, when there are no key maps yet; then everything is there."""
+    """Blender registers it at its start, when there are no key maps yet; later it has all of them."""
     environment = os.environ | {"BLENDER_USER_SCRIPTS": str(installed), "BLENDER_USER_CONFIG": str(tmp_path)}
     environment.pop("PYTHONPATH", None)
     keep = "import bpy; bpy.ops.preferences.addon_enable(module='isimp'); bpy.ops.wm.save_userpref()"

@@ -13,16 +13,16 @@ import pytest
 HERE = Path(__file__).parent
 ROOT = HERE.parents[3]
 OUT = Path(os.environ.get("ISIMP_WINDOW_OUT", ROOT / "out" / "window"))
-SIZE = 1200, 1150  # pixels: the whole panel is to be seen
-SMALL = 800, 640  # where no button is looked for: less to draw
+SIZE = 1200, 1150  # pixels: the whole panel is visible
+SMALL = 800, 640  # for scenarios without buttons: less to draw
 WITHOUT_BUTTONS = {"aside", "far", "gestures", "live", "openings", "paint", "pieces", "result", "texture", "tools"}
-# Where little is pressed, and much is drawn.
+# For scenarios with few buttons and much drawing.
 NARROW = {"buttons": (480, 1180), "compare": (900, 900), "start": (1000, 1000), "people": (800, 960)}
 LIMIT = 600  # seconds; one or two minutes on a quiet machine
 
 
 def site():
-    """Where a Blender finds the add-on and what this Python has installed."""
+    """The folder where a Blender finds the add-on and the packages of this Python."""
     return os.pathsep.join(
         [
             str(ROOT / "addon"),
@@ -48,9 +48,9 @@ def test_scenario(scenario):
         try:
             code = process.wait(LIMIT)
         finally:
-            with suppress(ProcessLookupError):  # the X server too, whatever happened
+            with suppress(ProcessLookupError):  # the X server too, in all cases
                 os.killpg(process.pid, signal.SIGKILL)
         log.seek(0)
         said = log.read()
         assert code == 0, said[-4000:]
-        assert "Traceback" not in said, said[-4000:]  # of a timer, which nothing else tells of
+        assert "Traceback" not in said, said[-4000:]  # of a timer, which nothing else reports
