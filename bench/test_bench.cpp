@@ -38,7 +38,7 @@ TEST(Evaluate, CubeBySidesHasNoErrorAndTwelveBorders) {
   EXPECT_EQ(score.unlabelled, 0);
 }
 
-TEST(Evaluate, TwoSidesAsOneRegionCostWhatTheirAngleSays) {
+TEST(Evaluate, TwoSidesAsOneRegionCostByTheirAngle) {
   const Mesh mesh = shapes::mesh(shapes::cube(2));
   std::vector<std::int32_t> label = sides(mesh);
   for (std::int32_t& l : label)
@@ -73,7 +73,7 @@ TEST(Reference, EachFaceItsOwnRegionHasNoError) {
   EXPECT_EQ(evaluate(mesh, plain_surface(mesh), result.label).regions, 12);
 }
 
-TEST(Reference, RegionsAreConnectedAndTheErrorIsWhatTheLabelsSay) {
+TEST(Reference, RegionsAreConnectedAndTheErrorFitsTheLabels) {
   const Mesh mesh = mesh_of(load_input("made:torus:4000", 0));
   const PlainSurface surface = plain_surface(mesh);
   const ReferenceResult result = reference(surface, {.proxies = 40, .seed = 3});
@@ -170,7 +170,7 @@ struct Kind {
 
 class Made : public testing::TestWithParam<Kind> {};
 
-TEST_P(Made, IsASoundMeshOfAboutTheSizeAsked) {
+TEST_P(Made, IsASoundMeshOfAboutTheRequestedSize) {
   const Kind kind = GetParam();
   const Mesh mesh = mesh_of(load_input(kind.name, 0));
   EXPECT_NEAR(mesh.face_count(), kind.faces, 0.05 * kind.faces);
@@ -188,7 +188,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, Made,
                                          Kind{"made:perforated:16000", 16320, 1, 0, -198}),
                          [](const auto& test) { return "of" + std::to_string(test.index); });
 
-TEST(Input, SaysWhatIsWrong) {
+TEST(Input, NamesTheFault) {
   EXPECT_THROW(load_input("made:torus", 0), InvalidInput);
   EXPECT_THROW(load_input("made:teapot:100", 0), InvalidInput);
   EXPECT_THROW(load_input("no/such/file.ply", 0), InvalidInput);
@@ -204,7 +204,7 @@ TEST(Json, PrintsEveryKindOfValue) {
   EXPECT_EQ(out.str(), "{\"list\": [1, 2.5, null],\n\"text\": \"a \\\"quoted\\\" word\",\n\"truth\": true}");
 }
 
-TEST(MemoryGauge, SeesWhatIsUsedAndGivenBack) {
+TEST(MemoryGauge, MeasuresUsedAndFreedMemory) {
   if (peak_memory() == 0) GTEST_SKIP() << "this system does not tell its peak memory";
   constexpr std::size_t kBytes = 64U << 20;
   const MemoryGauge gauge;

@@ -92,7 +92,7 @@ std::vector<std::vector<std::int32_t>> steps_of(parallel::Flooder& flooder) {
   return all;
 }
 
-TEST(Chaos, EveryStepIsThatOfThePlainBackEnd) {
+TEST(Chaos, EveryStepEqualsThePlainBackEnds) {
   const auto plain = steps_of(*load(parallel::backend("cpu")));
   EXPECT_GT(plain[2].front(), 20) << "faces that are cut off";
   for (std::uint64_t seed = 1; seed <= seeds(20); ++seed) {

@@ -92,7 +92,7 @@ Arrays fused(const Arrays& a) {
   return result;
 }
 
-TEST(Clean, FacesThatWeldingTakesAwayAreNamed) {
+TEST(Clean, FacesThatWeldingDropsAreNamed) {
   const Vec3 place(1, 2, 3);
   Job job;
   try {
@@ -119,7 +119,7 @@ TEST(Clean, LeavesASoundMeshAsItIs) {
   }
 }
 
-TEST(Clean, DropsBrokenAndDuplicateFacesAndUnusedVerticesAndSaysWhere) {
+TEST(Clean, DropsBrokenAndDuplicateFacesAndUnusedVerticesAndListsThem) {
   Arrays a = shapes::cube();  // faces 0 to 11
   const Triangle third = a.triangles[3];
   a.vertices.emplace_back(std::nan(""), 0, 0);            // vertex 8
@@ -291,7 +291,7 @@ TEST(Clean, SplitsTheVertexOfABowTie) {
   EXPECT_EQ(mesh.report().components, 2);
 }
 
-TEST(Clean, SolidsThatShareAnEdgeOrAVertexFallApart) {
+TEST(Clean, SolidsThatShareAnEdgeOrAVertexAreSeparated) {
   for (const Vec3& offset : {Vec3(1, 1, 0), Vec3(1, -1, 0), Vec3(0, 1, 1), Vec3(1, 1, 1), Vec3(-1, 1, 1)})
     for (const std::uint32_t seed : {1U, 2U}) {
       const Arrays a = shapes::shuffled(fused(shapes::both(shapes::cube(2), shapes::cube(2), offset)), seed);
@@ -340,7 +340,7 @@ TEST(Clean, HalvesAnEdgeWhereASolidTouchesItselfAndStaysOne) {
   EXPECT_EQ(mesh.vertices().back(), Vec3(1, 1, 1.5));
 }
 
-TEST(Clean, NamesWhatCannotBeUsed) {
+TEST(Clean, NamesTheInvalidInput) {
   const auto message_of = [](const Arrays& a, double weld = 0.0) -> std::string {
     try {
       cleaned(a, weld);

@@ -75,7 +75,7 @@ TEST(CloseHoles, OneInASphereIsCovered) {
     EXPECT_EQ(after.source_face()[f], f < before.face_count() ? f : kNone) << "face " << f;
 }
 
-TEST(CloseHoles, OneLongerThanAskedStaysOpen) {
+TEST(CloseHoles, OneLongerThanTheLimitStaysOpen) {
   const Arrays open = without(shapes::sphere(3), [](const Vec3& c) { return c.z() > 0.95; });
   const Mesh mesh = closed(open, {.fill_holes = 1.0});
   EXPECT_EQ(mesh.report().border_loops, 1);
@@ -117,7 +117,7 @@ TEST(CloseHoles, ACoverThatWouldMeetTheSurfaceIsNotMade) {
   EXPECT_EQ(repaired(mesh, "filled_holes"), 0);
 }
 
-TEST(CutHandles, ASmallOneGoesAndALargeOneStays) {
+TEST(CutHandles, ASmallOneIsCutAndALargeOneStays) {
   const Arrays ring = shapes::torus(48, 24, 0.4);  // around its tube: 2.5; around the hole inside: 3.8
   const Mesh kept = closed(ring, {.cut_handles = 2.0}), cut = closed(ring, {.cut_handles = 3.0});
   EXPECT_EQ(kept.report().euler, 0);
@@ -128,7 +128,7 @@ TEST(CutHandles, ASmallOneGoesAndALargeOneStays) {
   EXPECT_EQ(repaired(cut, "cut_handles"), 1);
 }
 
-TEST(CutHandles, OneOfTwoTubesBetweenSheetsGoes) {
+TEST(CutHandles, OneOfTwoTubesBetweenSheetsIsCut) {
   const Arrays sheets = sheets_with_tubes(20, 0.2, {{4, 4}, {14, 12}});
   const Mesh before = closed(sheets, {});
   ASSERT_EQ(before.component_count(), 1);

@@ -156,7 +156,7 @@ TEST(Constraints, ACutThatEndsInsideASideOfACubeSplitsIt) {
 }
 
 // The two halves of the top of a cube, by the border that continues from the end of the cut half-way between its sides.
-TEST(Constraints, ACutGoesOnHalfWayBetweenItsSides) {
+TEST(Constraints, ACutContinuesHalfWayBetweenItsSides) {
   const Mesh mesh = shapes::mesh(shapes::cube(8));
   const Partition cut = run(mesh, {.proxies = 6}, {.cuts = slit(mesh)});
   std::set<std::int32_t> top;
@@ -253,7 +253,7 @@ TEST(Constraints, WeightsAndBarriersHoldInAPartToo) {
   EXPECT_GT(counts[1], counts[0] + 10);
 }
 
-TEST(Constraints, SpecksAreLeftOutBesideLockedRegionsAsWithoutThem) {
+TEST(Constraints, SpecksAreLeftOutNextToLockedRegionsAsWithoutThem) {
   Job job;
   const Mesh mesh = checks::cube_and_speck();
   const Partition base = partition(mesh, {.proxies = 6}, job);
@@ -295,7 +295,7 @@ TEST(ConstraintsThreads, TheResultDoesNotDependOnThem) {
   }
 }
 
-TEST(Constraints, WhatIsKeptOfAPartChangesNothing) {
+TEST(Constraints, KeptDataOfAPartChangesNothing) {
   Job job;
   const Mesh& mesh = bumpy();
   const Partitioner kept(mesh);

@@ -85,7 +85,7 @@ Counted count_at(const Arrays& shape, double detail) {
   return {regions.count(), cut.snapped};
 }
 
-TEST(Detail, FindsTheSidesOfACubeWhateverItsFaces) {
+TEST(Detail, FindsTheSidesOfACubeOfAnyFaces) {
   for (const Arrays& shape : {shapes::cube(1), shapes::cube(20), shapes::shuffled(shapes::cube(13), 8),
                               shapes::noisy(shapes::cube(20), 0.003, 1), shapes::noisy(shapes::cube(20), 0.01, 2)})
     for (const double detail : {0.02, 0.005, 0.00125}) EXPECT_EQ(count_at(shape, detail).regions, 6);
@@ -97,7 +97,7 @@ TEST(Detail, FindsOnePlaneAndTwoCubes) {
   EXPECT_EQ(count_at(shapes::both(shapes::cube(8), shapes::cube(8), Vec3(3, 0, 0)), 0.005).regions, 12);
 }
 
-TEST(Detail, OfASphereFollowsTheToleranceNotTheFaces) {
+TEST(Detail, FollowsTheToleranceOnASphereAndNotTheFaces) {
   const Counted coarse = count_at(shapes::sphere(4), 0.01), fine = count_at(shapes::sphere(5), 0.01);
   EXPECT_FALSE(fine.snapped);
   EXPECT_NEAR(static_cast<double>(coarse.regions) / fine.regions, 1.0, 0.08);

@@ -36,7 +36,7 @@ std::unique_ptr<parallel::Flooder> load_within(const std::string& name, std::siz
       {{&graph.faces.data()->nx, 4 * faces}, {graph.neighbours.data()->data(), 3 * faces}}, most);
 }
 
-TEST(DeviceMemory, ASecondRunAsksForNoMore) {
+TEST(DeviceMemory, ASecondRunAllocatesNothing) {
   for (const std::string& name : parallel::backends()) {
     const auto flooder = load(ring(), name);
     for (const PartitionOptions& options : variants()) run(options, *flooder);
@@ -48,7 +48,7 @@ TEST(DeviceMemory, ASecondRunAsksForNoMore) {
   }
 }
 
-TEST(DeviceMemory, IsAsLittleAsTheHeaderSays) {
+TEST(DeviceMemory, IsWithinTheLimitOfTheHeader) {
   const std::size_t faces = ring().graph().faces.size();
   for (const std::string& name : parallel::backends())
     for (const PartitionOptions& options : variants()) {
@@ -59,7 +59,7 @@ TEST(DeviceMemory, IsAsLittleAsTheHeaderSays) {
     }
 }
 
-TEST(DeviceMemory, TooLittleIsAnErrorThatSaysHowMuchAndNeverAWrongResult) {
+TEST(DeviceMemory, TooLittleIsAnErrorWithTheAmountAndNeverAWrongResult) {
   for (const std::string& name : parallel::backends())
     for (const PartitionOptions& options : variants()) {
       const auto roomy = load(ring(), name);
@@ -82,7 +82,7 @@ TEST(DeviceMemory, TooLittleIsAnErrorThatSaysHowMuchAndNeverAWrongResult) {
     }
 }
 
-TEST(DeviceMemory, AFlooderThatRanOutOfItGoesOnWithLess) {
+TEST(DeviceMemory, AFlooderThatRanOutOfItWorksWithLess) {
   PartitionOptions much = variants().front(), little = much;
   much.proxies = 3000;
   for (const std::string& name : parallel::backends()) {

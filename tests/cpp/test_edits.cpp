@@ -96,7 +96,7 @@ TEST(Merge, JoinsTwoNeighboursAndLeavesTheRest) {
   }
 }
 
-TEST(Merge, RefusesWhatAreNoNeighbours) {
+TEST(Merge, RefusesRegionsThatAreNoNeighbours) {
   Job job;
   const Mesh mesh = shapes::mesh(shapes::cube(4));
   const Partition six = run(mesh, 6);
@@ -167,7 +167,7 @@ TEST(SplitAlong, MakesTwoConnectedPartsOfManyPieces) {
   EXPECT_EQ(two.region_count(), 2);
 }
 
-TEST(SplitAlong, NamesWhatIsWrongWithTheLine) {
+TEST(SplitAlong, NamesTheFaultOfTheLine) {
   Job job;
   const Mesh mesh = shapes::mesh(shapes::plane(4));
   const Partition one = run(mesh, 1);
@@ -197,7 +197,7 @@ TEST(Paint, MakesTheFacesARegion) {
   }
 }
 
-TEST(Paint, HandsOnWhatIsCutOffAndTakesWholeRegions) {
+TEST(Paint, PassesPiecesThatAreCutOffToNeighboursAndTakesWholeRegions) {
   Job job;
   const Mesh mesh = shapes::mesh(shapes::plane(10));
   const Partition one = run(mesh, 1);
@@ -227,7 +227,7 @@ TEST(Paint, OntoARegionGrowsIt) {
   for (const std::int32_t f : stroke) EXPECT_EQ(after.face_region[f], before.face_region[a]);
 }
 
-TEST(Paint, NamesWhatDoesNotHangTogether) {
+TEST(Paint, NamesAFaceThatIsNotConnected) {
   Job job;
   const Mesh mesh = shapes::mesh(shapes::plane(10));
   const Partition p = run(mesh, 4);
@@ -244,7 +244,7 @@ TEST(Paint, NamesWhatDoesNotHangTogether) {
   EXPECT_EQ(message_of([&] { paint_faces(mesh, p, Faces{200}, kNone, job); }), "face must be in [0, 200), got 200");
 }
 
-TEST(Erase, GivesFacesToTheNeighbours) {
+TEST(Erase, AddsFacesToTheNeighbours) {
   Job job;
   const Partition before = run(ball(), 40);
   const auto [a, b] = some_neighbours(ball(), before, 700);
@@ -358,7 +358,7 @@ TEST(Heuristics, AddWhereASplitPaysNotWhereNoiseIsLarge) {
   EXPECT_EQ(faces, (std::vector<std::int32_t>{kOfSide, kOfSide, kOfSide, kOfSide, kOfSide, kOfSide, kOfGround}));
 }
 
-TEST(Heuristics, MergeWhatCostsNothingFirst) {
+TEST(Heuristics, MergePairsWithoutCostFirst) {
   Job job;
   const Mesh mesh = shapes::mesh(shapes::cube(6));
   Partition p = run(mesh, 6);
@@ -426,7 +426,7 @@ TEST(EvenBorders, ShortensThemMoreWithMoreStrength) {
   EXPECT_EQ(message_of([&] { even_borders(ball(), p, 1.5, job); }), "strength must be in [0, 1], got 1.500000");
 }
 
-TEST(Statistics, OfACube) {
+TEST(Statistics, FitACube) {
   Job job;
   const Mesh mesh = shapes::mesh(shapes::cube(4));
   const Partition six = run(mesh, 6);
@@ -438,7 +438,7 @@ TEST(Statistics, OfACube) {
   }
 }
 
-TEST(Statistics, SidesOfRegions) {
+TEST(Statistics, SidesFitTheRegions) {
   const shapes::Arrays cube = shapes::cube(4);
   const Mesh mesh = shapes::mesh(cube);
   const Partition six = run(mesh, 6);
@@ -460,7 +460,7 @@ TEST(Statistics, SidesOfRegions) {
   EXPECT_EQ(region_sides(mesh.vertices(), mesh.triangles(), none, 1).area[0], 0.0);
 }
 
-TEST(Statistics, SidesNameWhatIsWrong) {
+TEST(Statistics, SidesNameTheFault) {
   const std::vector<Vec3> vertices{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   const std::vector<Triangle> triangles{{0, 1, 2}, {0, 1, 3}};
   const auto said = [&](std::size_t count, std::vector<std::int32_t> region, std::int32_t regions) {
@@ -473,7 +473,7 @@ TEST(Statistics, SidesNameWhatIsWrong) {
   EXPECT_EQ(said(0, {}, -1), "regions must be at least 0, got -1");
 }
 
-TEST(Statistics, OfARoof) {
+TEST(Statistics, FitARoof) {
   Job job;
   shapes::Arrays roof = shapes::plane(2);  // folded up along its middle: a ridge of height .5 over a square of base 1
   for (Vec3& v : roof.vertices) v.z() = 0.5 - std::abs(v.x() - 0.5);

@@ -31,7 +31,7 @@ Mesh ground(int n) {
   return {std::move(vertices), std::move(triangles), job};
 }
 
-TEST(FlatNoise, TheGroundIsPartedAnewAFewTimesOnly) {
+TEST(FlatNoise, TheGroundIsSplitAgainAFewTimesOnly) {
   const Mesh mesh = ground(60);
   PartitionOptions options;
   options.proxies = 300;

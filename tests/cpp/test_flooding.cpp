@@ -33,7 +33,7 @@ TEST(Flooding, MeetsWhereTheErrorsAreEqual) {
   EXPECT_EQ(flood(g, {0, 9}), (std::vector<std::int32_t>{0, 0, 0, 0, 0, 1, 1, 1, 1, 1, kNone}));
 }
 
-TEST(Flooding, GoesRoundNothingAndLeavesWhatNoSeedReaches) {
+TEST(Flooding, CrossesNoGapAndLeavesFacesThatNoSeedReaches) {
   FaceGraph g = strip({0, 0, 0, 90, 90, 90});
   g.neighbours[2][1] = g.neighbours[3][0] = 6;  // cut in two
   EXPECT_EQ(flood(g, {1}), (std::vector<std::int32_t>{0, 0, 0, kNone, kNone, kNone, kNone}));

@@ -127,7 +127,7 @@ struct Kind {
 
 class Hubs : public testing::TestWithParam<Kind> {};
 
-TEST_P(Hubs, MergeAsIfAllPairsWereLookedAt) {
+TEST_P(Hubs, MergeAsInASearchOfAllPairs) {
   const auto [planes, around, away, length] = GetParam();
   Job job;
   const std::vector<std::int32_t> need{1};

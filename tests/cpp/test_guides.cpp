@@ -112,7 +112,7 @@ std::int32_t above(const Mesh& mesh, const Partition& part) {
   return static_cast<std::int32_t>(std::count_if(sum.begin(), sum.end(), [](double z) { return z > 0; }));
 }
 
-TEST(Weights, DrawRegionsToWhereTheyAreHigh) {
+TEST(Weights, DrawRegionsToHighOnes) {
   Job job;
   const Mesh mesh = shapes::mesh(shapes::sphere(4));
   for (const Method method : {Method::hierarchy, Method::teleport, Method::lloyd}) {

@@ -41,7 +41,7 @@ TEST(Decimate, KeepsAFractionOfTheFacesAndVerticesOfTheMesh) {
   }
 }
 
-TEST(Decimate, FlatSidesOfACubeGoFirst) {
+TEST(Decimate, FlatSidesOfACubeAreReducedFirst) {
   const Decimated coarse = coarse_of(shapes::mesh(shapes::cube(8)), 0.02);  // 16 of 768 faces, 12 are the least
   EXPECT_LE(coarse.triangles.size(), 16U);
   EXPECT_GE(coarse.triangles.size(), 12U);
@@ -55,7 +55,7 @@ TEST(Hybrid, CubeSplitsIntoItsSixSides) {
   EXPECT_NEAR(p.error, 0.0, 1e-12);
 }
 
-TEST(Hybrid, HasExactlyTheRegionsAskedForAndErrsLittle) {
+TEST(Hybrid, HasExactlyTheRequestedRegionsAndErrsLittle) {
   const Mesh mesh = shapes::mesh(shapes::shuffled(shapes::noisy(shapes::torus(80, 40), 0.002, 2), 3));
   Job job;
   const double lloyd = partition(mesh, {.proxies = 100, .method = Method::lloyd}, job).error;

@@ -47,7 +47,7 @@ TEST(AddProxy, TakesTheLastNumberAndTheFace) {
   }
 }
 
-TEST(AddProxy, ChangesOnlyItsRegionAndThoseAround) {
+TEST(AddProxy, ChangesOnlyItsRegionAndItsNeighbours) {
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(4), 0.002, 1));
   const Partition before = run(mesh, {.proxies = 100});
   const Partition after = add(mesh, before, 17);
@@ -134,7 +134,7 @@ TEST(AddProxy, BevelsAnEdgeOfASmoothedCubeFromEndToEnd) {
   }
 }
 
-TEST(AddProxy, BringsBackAPartThatWasLeftOut) {
+TEST(AddProxy, RestoresAPartThatWasLeftOut) {
   auto speck = shapes::cube(1);
   for (Vec3& v : speck.vertices) v *= 0.006;
   const Mesh mesh = shapes::mesh(shapes::both(shapes::cube(4), speck, {2, 0, 0}));
@@ -148,7 +148,7 @@ TEST(AddProxy, BringsBackAPartThatWasLeftOut) {
   for (std::int32_t f = mesh.face_count() - 12; f < mesh.face_count(); ++f) EXPECT_EQ(back.face_region[f], 6);
 }
 
-TEST(DeleteProxy, GivesTheFacesToTheRegionsAround) {
+TEST(DeleteProxy, AddsTheFacesToTheRegionsAround) {
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::sphere(4), 0.002, 1));
   Partition p = run(mesh, {.proxies = 30});
   for (std::int32_t face = 0; face < mesh.face_count(); face += 311) {
@@ -173,7 +173,7 @@ TEST(DeleteProxy, UndoesAnAddOnACube) {
   }
 }
 
-TEST(DeleteProxy, MovesHigherRegionsDown) {
+TEST(DeleteProxy, DecreasesHigherNumbers) {
   const Mesh mesh = shapes::mesh(shapes::cube(6));
   const Partition six = run(mesh, {.proxies = 6, .seeding = Seeding::farthest});
   const Partition five = remove(mesh, six, six.region_seed[2]);
@@ -182,7 +182,7 @@ TEST(DeleteProxy, MovesHigherRegionsDown) {
   EXPECT_EQ(five.face_region[six.region_seed[5]], 4);
 }
 
-TEST(Interact, WhatCannotBeDoneIsNamed) {
+TEST(Interact, ImpossibleEditsAreNamed) {
   const Mesh cube = shapes::mesh(shapes::cube());
   const Partition twelve = run(cube, {.proxies = 12});
   EXPECT_EQ(message_of([&] { add(cube, twelve, 3); }),

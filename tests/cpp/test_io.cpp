@@ -85,7 +85,7 @@ PolygonSoup load(const fs::path& path) {
 
 // --- written files can be read again
 
-TEST_F(Io, PlyAndObjComeBackBitForBit) {
+TEST_F(Io, PlyAndObjAreReadBackBitForBit) {
   PolygonSoup soup = kHouse;
   soup.vertices[6] = {1.0 / 3, -5e6 - 0.123456789, 1e-300};
   for (const char* name : {"a.ply", "a.obj", "b.PLY", "b.Obj"}) {
@@ -95,7 +95,7 @@ TEST_F(Io, PlyAndObjComeBackBitForBit) {
   EXPECT_EQ(files_in_folder(), 4);
 }
 
-TEST_F(Io, APolygonOfManyCornersComesBack) {
+TEST_F(Io, APolygonOfManyCornersIsReadBack) {
   PolygonSoup soup;
   for (std::int32_t i = 0; i < 1000; ++i) {
     soup.vertices.emplace_back(std::cos(i * 0.00628), std::sin(i * 0.00628), 0);
@@ -108,7 +108,7 @@ TEST_F(Io, APolygonOfManyCornersComesBack) {
   }
 }
 
-TEST_F(Io, NoPolygonsAtAllComeBack) {
+TEST_F(Io, AFileWithoutPolygonsIsReadBack) {
   PolygonSoup soup;
   soup.vertices = {{1, 2, 3}};
   save(folder_ / "a.ply", soup);
@@ -156,7 +156,7 @@ TEST_F(Io, PlyInAllThreeEncodings) {
   }
 }
 
-TEST_F(Io, PlySkipsWhatItDoesNotNeed) {
+TEST_F(Io, PlySkipsUnusedProperties) {
   const std::string head =
       "ply\r\nformat ascii 1.0\r\ncomment end_header is not here\r\nobj_info x\r\nelement camera 2\r\n"
       "property list uint8 float32 view\r\nproperty int32 id\r\nelement vertex 3\r\nproperty uchar red\r\n"
@@ -382,7 +382,7 @@ TEST_F(Io, DamagedOffIsNamed) {
 // --- any kind
 // ---------------------------------------------------------------------------------------------------------
 
-TEST_F(Io, WhatIsNoMeshFileIsNamed) {
+TEST_F(Io, AFileThatIsNoMeshIsNamed) {
   Job job;
   const auto message = [&](const fs::path& path) -> std::string {
     try {

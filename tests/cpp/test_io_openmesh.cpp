@@ -29,7 +29,7 @@ class OpenMeshPeer : public testing::Test {
   fs::path folder_;
 };
 
-TEST_F(OpenMeshPeer, ReadsWhatIsWritten) {
+TEST_F(OpenMeshPeer, ReadsTheWrittenFiles) {
   const PolygonSoup pyramid{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.5, 1}},
                             {3, 2, 1, 0, 0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4},
                             {0, 4, 7, 10, 13}};

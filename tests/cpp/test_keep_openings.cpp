@@ -36,7 +36,7 @@ Arrays rings(double apart) {
   return shapes::both(shapes::torus(48, 12, 0.12), shapes::torus(48, 12, 0.12), {apart, 0, 0});
 }
 
-TEST(KeepOpenings, WhatIsClosedIsTold) {
+TEST(KeepOpenings, ClosedOpeningsAreListed) {
   const Cleaned all = cleaned(pierced(), {}, 2);
   ASSERT_EQ(all.openings.size(), 4U);
   EXPECT_TRUE(all.mesh.report().closed);
@@ -52,7 +52,7 @@ TEST(KeepOpenings, WhatIsClosedIsTold) {
   EXPECT_LT(sum.norm(), 0.05) << "one on each side";
 }
 
-TEST(KeepOpenings, AHoleStaysAndTheOthersGo) {
+TEST(KeepOpenings, AHoleStaysAndTheOthersAreClosed) {
   const Arrays scan = pierced();
   for (const FoundOpening& one : cleaned(scan, {}, 2).openings) {
     const Cleaned rest = cleaned(scan, {one.center}, 2);
@@ -119,7 +119,7 @@ TEST(KeepOpenings, NoOtherLoopClosesAHandleThatStays) {
   EXPECT_TRUE(rest.openings[0].kept);
 }
 
-TEST(KeepOpenings, NothingIsToldWhereNothingIsClosed) {
+TEST(KeepOpenings, WithoutClosedOpeningsTheListIsEmpty) {
   Job job;
   const Arrays scan = pierced();
   const Cleaned open = clean_keeping(scan.vertices, scan.triangles, {}, {{0, 0, 1}}, job);

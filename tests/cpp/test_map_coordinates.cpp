@@ -41,7 +41,7 @@ TEST_P(Offsets, ShiftIsExact) {
   EXPECT_EQ(clean(far.vertices, far.triangles, {}, job).origin(), GetParam());
 }
 
-TEST_P(Offsets, PolygonsAreThoseAtZeroMoved) {
+TEST_P(Offsets, PolygonsEqualThoseAtZeroAfterAShift) {
   const shapes::Arrays here = rough_sphere();
   const Mesh mesh = shapes::mesh(here), far = shapes::mesh(moved(here, GetParam()));
   Job job;
@@ -82,7 +82,7 @@ TEST(MapCoordinates, OnlyAxesThatAreFarAreShifted) {
   EXPECT_EQ(mesh.origin().tail<2>(), Eigen::Vector2d::Zero());
 }
 
-TEST(MapCoordinates, RoughScansOfFewMetresComeOutAsWellAsAtZero) {
+TEST(MapCoordinates, RoughScansOfFewMetresAreAsGoodAsAtZero) {
   // Coordinates that are not exact far from zero: a scan of 5 units at steps of up to 7e-9.
   for (const Vec3& by : {Vec3(5e5, 4.6e6, 100), Vec3(4e6, 6e5, 4.9e6), Vec3(5e7, 5e7, 5e7)}) {
     shapes::Arrays a = shapes::noisy(shapes::smoothed(shapes::cube(12), 2), 0.002, 5);

@@ -21,7 +21,7 @@ TEST(Meet, WithoutAVertexInCommonTouchingIsMeeting) {
   EXPECT_FALSE(meet_elsewhere(kOne, kFlat, {3, 4, 5}, {Vec3(0, 0, 1e-9), Vec3(-1, 0, 1), Vec3(0, -1, 1)}));
 }
 
-TEST(Meet, ASharedVertexIsNoMeetingButWhatLiesBeyondItIs) {
+TEST(Meet, ASharedVertexIsNoMeetingButPointsBeyondItAre) {
   EXPECT_FALSE(meet_elsewhere(kOne, kFlat, {3, 0, 4}, {Vec3(-1, 0, 1), Vec3(0, 0, 0), Vec3(0, -1, 1)}));
   // Its side opposite the vertex passes through the other one.
   EXPECT_TRUE(meet_elsewhere(kOne, kFlat, {3, 0, 4}, {Vec3(1, 1, -1), Vec3(0, 0, 0), Vec3(1, 1, 1)}));

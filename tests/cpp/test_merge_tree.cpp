@@ -49,7 +49,7 @@ TEST(MergeTree, AlwaysMergesTheCheapestPair) {
   for (std::size_t k = 0; k < expected.size(); ++k) EXPECT_NEAR(tree.cost[k], expected[k], 1e-9);
 }
 
-TEST(MergeTree, OfACubeHasFiveMergesThatCost) {
+TEST(MergeTree, HasFiveMergesWithCostOnACube) {
   Job job;
   const Mesh mesh = shapes::mesh(shapes::shuffled(shapes::cube(9), 4));
   const MergeTree tree = merge_all(faces_of(mesh), {}, job);
@@ -65,7 +65,7 @@ TEST(MergeTree, OfACubeHasFiveMergesThatCost) {
     }
 }
 
-TEST(MergeTree, StopsAtTheCostAndLeavesWhatIsNeeded) {
+TEST(MergeTree, StopsAtTheCostAndKeepsTheNeededClusters) {
   Job job;
   const Mesh mesh = shapes::mesh(shapes::both(shapes::cube(3), shapes::sphere(2), Vec3(5, 0, 0)));
   ClusterGraph graph = faces_of(mesh);
@@ -110,7 +110,7 @@ MergeGraph row(std::int32_t n, std::vector<RegionSum>& sum) {
   return graph;
 }
 
-TEST(Strays, JoinWhatIsAroundThem) {
+TEST(Strays, JoinTheClustersAroundThem) {
   std::vector<RegionSum> sum;
   const MergeGraph graph = row(7, sum);
   std::vector<std::int32_t> cluster{0, 0, 1, 0, 1, 1, 2};  // patches 2 and 3 are loose

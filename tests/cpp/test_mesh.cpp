@@ -118,7 +118,7 @@ std::string verdict_on(const std::vector<Triangle>& triangles) {
   return "no error";
 }
 
-TEST(Mesh, TakesExactlyWhatIsSound) {
+TEST(Mesh, AcceptsExactlySoundArrays) {
   std::mt19937 random(1);
   int sound = 0;
   for (int run = 0; run < 4000; ++run) {
@@ -189,7 +189,7 @@ TEST(FaceGraph, AFaceWithoutAreaTakesItsNeighboursNormal) {
   EXPECT_EQ(flat.nz, 1.0F);
 }
 
-TEST(FaceGraph, TinyFacesBesideALongOneWithoutAreaHaveTheirShares) {
+TEST(FaceGraph, TinyFacesNextToALongOneWithoutAreaHaveTheirShares) {
   Arrays a = shapes::plane(1);
   for (Vec3& p : a.vertices) p *= 1e-25;
   for (const double x : {1.0, 2.0, 3.0}) a.vertices.emplace_back(x, 0, 0);

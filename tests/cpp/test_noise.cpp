@@ -10,7 +10,7 @@
 namespace isimp {
 namespace {
 
-TEST(SurfaceSize, IsThatOfTheIntegralWhateverTheTriangles) {
+TEST(SurfaceSize, EqualsTheIntegralForAnyTriangles) {
   // A side of the unit cube is .5 from the centre; the mean of its squared distances is .25 + 2 / 12.
   const double expected = 3 * std::sqrt(0.25 + 2.0 / 12.0);
   EXPECT_NEAR(surface_size(shapes::mesh(shapes::cube(1))), expected, 1e-12);
@@ -37,7 +37,7 @@ TEST(Noise, IsFoundOnPlanesAndCurvedSurfaces) {
   EXPECT_NEAR(ratio(shapes::sphere(5), 0.004), 1.0, 0.1);
 }
 
-TEST(Noise, ASampleTellsWhetherThereIsEnough) {
+TEST(Noise, ASampleShowsWhetherThereIsEnough) {
   Job job;
   for (const double sigma : {0.0, 0.0005, 0.004, 0.05}) {
     const Mesh mesh = shapes::mesh(shapes::noisy(shapes::plane(240), sigma, 5));  // 57,600 vertices
@@ -47,7 +47,7 @@ TEST(Noise, ASampleTellsWhetherThereIsEnough) {
   }
 }
 
-TEST(Noise, OfASmoothSurfaceIsNone) {
+TEST(Noise, IsZeroOnASmoothSurface) {
   Job job;
   EXPECT_LT(estimate_noise(shapes::mesh(shapes::sphere(5)), Threads(2), job), 1e-4);
   EXPECT_EQ(estimate_noise(shapes::mesh(shapes::plane(9)), Threads(2), job), 0.0);
@@ -64,7 +64,7 @@ shapes::Arrays coarse(int levels, std::uint32_t seed) {
   return a;
 }
 
-TEST(Noise, OfACoarseCurvedMeshIsMostlyTakenForShape) {
+TEST(Noise, IsMostlyTakenForShapeOnACoarseCurvedMesh) {
   Job job;
   for (const std::uint32_t seed : {1U, 2U, 3U}) {
     const Mesh mesh = shapes::mesh(coarse(3, seed));
@@ -72,19 +72,19 @@ TEST(Noise, OfACoarseCurvedMeshIsMostlyTakenForShape) {
   }
 }
 
-TEST(Noise, OfACoarseNoisyScanIsNoise) {
+TEST(Noise, IsFoundOnACoarseNoisyScan) {
   Job job;
   for (const double sigma : {0.01, 0.02})
     EXPECT_NEAR(estimate_noise(shapes::mesh(shapes::noisy(shapes::cube(12), sigma, 5)), Threads(2), job) / sigma, 1.0,
                 0.35);
 }
 
-TEST(Noise, OfTwelveTrianglesIsTakenForShape) {
+TEST(Noise, IsTakenForShapeOnTwelveTriangles) {
   Job job;
   EXPECT_EQ(estimate_noise(shapes::mesh(shapes::cube(1)), Threads(2), job), 0.0);
 }
 
-TEST(NormalFilter, TakesNoiseAwayAndLeavesCreases) {
+TEST(NormalFilter, RemovesNoiseAndKeepsCreases) {
   Job job;
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::cube(20), 0.005, 3));
   FaceGraph graph = mesh.graph();

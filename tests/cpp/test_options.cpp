@@ -53,7 +53,7 @@ TEST(Options, ARangeHoldsItsEndsOrNot) {
     EXPECT_FALSE(range.holds(std::numeric_limits<double>::quiet_NaN()));
 }
 
-TEST(Options, WhatIsOutOfRangeIsNamedWithTheRange) {
+TEST(Options, ValuesOutOfRangeAreNamedWithTheRange) {
   EXPECT_EQ(message_of({}), "");
   EXPECT_EQ(message_of({.share = 1}), "share must be in [0, 1), got 1");
   EXPECT_EQ(message_of({.length = 0.0}), "length must be a finite length above 0, got 0");

@@ -150,7 +150,7 @@ TEST(Parallel, BadInputIsNamed) {
 
 TEST(Backend, TheCpuIsAlwaysThereAndFirst) { EXPECT_EQ(backends().at(0), "cpu"); }
 
-TEST(Backend, AnUnknownNameIsAnsweredWithWhatThereIs) {
+TEST(Backend, TheErrorForAnUnknownNameListsTheKnownOnes) {
   std::string names = "cpu";
   if (backends().size() > 1) names += ", cuda";
   try {
@@ -161,7 +161,7 @@ TEST(Backend, AnUnknownNameIsAnsweredWithWhatThereIs) {
   }
 }
 
-TEST(Backend, CudaIsThereOrSaysWhyNot) {
+TEST(Backend, CudaWorksOrGivesAReason) {
   if (backends().size() > 1) {
     EXPECT_EQ(&backend("cuda"), &backend("cuda"));
     EXPECT_NE(&backend("cuda"), &backend("cpu"));

@@ -87,7 +87,7 @@ std::vector<std::int32_t> labels_of(const parallel::Flooder& flooder, const Mesh
   return labels;
 }
 
-TEST(Flooder, AQueueGivesWhatLookingAtAllFacesGives) {
+TEST(Flooder, AQueueEqualsAVisitOfAllFaces) {
   const Mesh mesh = shapes::mesh(shapes::noisy(shapes::torus(60, 30), 0.02, 5));
   const parallel::Proxies proxies = proxies_of(mesh, 40, 9);
   const std::vector<std::int32_t> plain = plain_queued(mesh.graph(), proxies);
@@ -192,7 +192,7 @@ TEST(ParallelLloyd, EveryThreadCountAndBackEndGivesTheSameBits) {
   }
 }
 
-TEST(ParallelLloyd, TheGridFindsWhatBruteForceFinds) {
+TEST(ParallelLloyd, TheGridEqualsBruteForce) {
   auto arrays = shapes::both(shapes::cube(8), shapes::noisy(shapes::sphere(3), 0.01, 1), {3, 0.5, 0});
   arrays = shapes::both(arrays, shapes::plane(9), {0, 7, 7});
   const Mesh mesh = shapes::mesh(arrays);
@@ -218,7 +218,7 @@ TEST(ParallelLloyd, ACubeSplitsIntoItsSixSides) {
   }
 }
 
-TEST(ParallelLloyd, HasExactlyTheRegionsAskedFor) {
+TEST(ParallelLloyd, HasExactlyTheRequestedRegions) {
   const Mesh sphere = shapes::mesh(shapes::shuffled(shapes::noisy(shapes::sphere(3), 0.01, 1), 2));
   for (const std::int32_t proxies : {4, 37, 300, 1280})
     for (const PartitionOptions& options : variants({.proxies = proxies, .seed = 7, .iterations = 6})) {
@@ -241,7 +241,7 @@ TEST(ParallelLloyd, RepairLosesLessThanAnotherFlooding) {
   }
 }
 
-TEST(ParallelLloyd, ComesNearTheSequentialError) {
+TEST(ParallelLloyd, IsNearTheSequentialError) {
   PartitionOptions options{.proxies = 300, .seed = 2, .method = Method::lloyd};
   const double lloyd = run(large(), options).error;
   options.method = Method::queued;

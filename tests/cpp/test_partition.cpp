@@ -28,7 +28,7 @@ TEST(Partition, CubeSplitsIntoItsSixSides) {
   for (const Vec3& normal : p.region_normal) EXPECT_NEAR(normal.cwiseAbs().maxCoeff(), 1.0, 1e-12);
 }
 
-TEST(Partition, HasExactlyTheRegionsAskedFor) {
+TEST(Partition, HasExactlyTheRequestedRegions) {
   const Mesh sphere = shapes::mesh(shapes::shuffled(shapes::noisy(shapes::sphere(3), 0.01, 1), 2));
   for (const Method method : {Method::lloyd, Method::hierarchy, Method::teleport})
     for (const std::int32_t proxies : {4, 5, 37, 300, 1279, 1280}) {
@@ -54,7 +54,7 @@ TEST(Partition, OneProxyTakesAnOpenSurfaceWhole) {
   EXPECT_NEAR(p.region_normal[0].z(), 1.0, 1e-12);
 }
 
-TEST(Partition, AClosedSurfaceTakesFourEvenWhereOneWasAsked) {
+TEST(Partition, AClosedSurfaceGetsFourEvenIfOneIsRequested) {
   const Mesh mesh = shapes::mesh(shapes::cube(3));
   const Partition p = run(mesh, {.proxies = 1, .method = Method::lloyd});
   expect_sound(mesh, p);

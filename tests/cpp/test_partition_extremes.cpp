@@ -87,7 +87,7 @@ TEST(Extremes, SliversCountByTheirArea) {
   EXPECT_LT(p.error, plain.error);
 }
 
-TEST(Extremes, APlaneIsSharedOutThoughNothingTellsItsFacesApart) {
+TEST(Extremes, APlaneIsSharedOutThoughItsFacesAreAllAlike) {
   const Mesh mesh = shapes::mesh(shapes::plane(60));
   const Partition p = run_checked(mesh, {.proxies = 100});
   EXPECT_NEAR(p.error, 0.0, 1e-9 * mesh.report().area);

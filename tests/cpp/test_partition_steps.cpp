@@ -47,7 +47,7 @@ MergeGraph chain(std::int32_t n) {
   return g;
 }
 
-TEST(MergeGreedily, JoinsWhatIsParallelFirst) {
+TEST(MergeGreedily, JoinsParallelNodesFirst) {
   // x x y y in a row: each pair costs nothing, the middle costs 2 - sqrt(2) of their length.
   const std::vector<RegionSum> sums{node(1, 0), node(1, 0), node(0, 1), node(0, 1)};
   const std::vector<std::int32_t> need{1};
@@ -105,7 +105,7 @@ TEST(MergeGreedily, TakesTheCheapestPairEveryTime) {
   }
 }
 
-TEST(MergeGreedily, TakesOffWhatTheBorderCosts) {
+TEST(MergeGreedily, SubtractsThePriceOfTheBorder) {
   // Normals that turn by a little: the first pair is the cheapest, unless a border costs more than that.
   const std::vector<RegionSum> sums{node(1, 0), node(1, 0.1), node(1, 0.3)};
   const std::vector<std::int32_t> need{1};
@@ -116,7 +116,7 @@ TEST(MergeGreedily, TakesOffWhatTheBorderCosts) {
   EXPECT_EQ(merge_greedily(g, sums, need, 2, job), (std::vector<std::int32_t>{0, 1, 1}));
 }
 
-TEST(MergeGreedily, AddsUpBordersWithWhatHasMerged) {
+TEST(MergeGreedily, AddsUpBordersOfMergedNodes) {
   // A ring around node 0; 1 and 2 merge first, and then share two borders with 0: more than 3 does alone.
   const std::vector<RegionSum> sums{node(1, 1), node(0, 1), node(0, 1), node(1, 0)};
   MergeGraph g;
@@ -131,7 +131,7 @@ TEST(MergeGreedily, AddsUpBordersWithWhatHasMerged) {
   EXPECT_EQ(merge_greedily(g, sums, need, 2, job), (std::vector<std::int32_t>{0, 0, 0, 1}));
 }
 
-TEST(MergeRound, PairsUpWhatIsMutuallyCheapest) {
+TEST(MergeRound, PairsUpMutuallyCheapestNodes) {
   MergeGraph g = chain(4);
   g.sum = {{1, 0, 0, 1}, {1, 0, 0, 1}, {0, 1, 0, 1}, {0, 1, 0, 1}};
   std::vector<std::int32_t> map;
@@ -245,7 +245,7 @@ TEST(Relaxation, WideBordersAreTheSameOnAnyThreads) {
   EXPECT_EQ(one.label, three.label);
 }
 
-TEST(Relaxation, WeighsAFaceAsItIsHoweverLargeBesideItsRegion) {
+TEST(Relaxation, WeighsAFaceAsItIsAlsoIfItIsLargerThanItsRegion) {
   for (const float area : {0.001F, 0.1F, 0.5F, 1.0F, 2.0F, 40.0F})
     for (const float along : {-1.0F, -0.8F, 0.0F, 0.3F, 1.0F}) {
       RegionSum region;

@@ -50,7 +50,7 @@ void expect_same(const Partition& a, const Partition& b, const std::string& whic
   EXPECT_EQ(a.noise, b.noise) << which;
 }
 
-TEST(Partitioner, GivesTheSameAsAFreshOne) {
+TEST(Partitioner, EqualsAFreshOne) {
   const Partitioner kept(bumpy());
   const Guides heavy{std::vector<double>(static_cast<std::size_t>(bumpy().face_count()), 3.0), {{0, 1}}};
   Guides some = heavy;
@@ -66,7 +66,7 @@ TEST(Partitioner, GivesTheSameAsAFreshOne) {
     }
 }
 
-TEST(Partitioner, MayBeAskedFromSeveralThreads) {
+TEST(Partitioner, MayRunOnSeveralThreads) {
   const Partitioner kept(bumpy());
   const std::vector<PartitionOptions> all = orders();
   std::vector<Partition> found(all.size());
@@ -84,7 +84,7 @@ TEST(Partitioner, MayBeAskedFromSeveralThreads) {
   }
 }
 
-TEST(Partitioner, AFailedOrCancelledCallLeavesWhatIsKept) {
+TEST(Partitioner, AFailedOrCancelledCallLeavesTheKeptData) {
   const Partitioner kept(bumpy());
   Job job;
   const Partition before = kept.run({.proxies = 20}, {}, job);

@@ -41,7 +41,7 @@ void save(const fs::path& path, const std::string& bytes) {
 
 class PlainFiles : public testing::TestWithParam<bool> {};
 
-TEST_P(PlainFiles, AFileThatIsWrittenMeanwhileHarmsNothing) {
+TEST_P(PlainFiles, AFileThatIsWrittenMeanwhileDoesNoHarm) {
   const bool is_ply = GetParam();
   const fs::path path = fs::temp_directory_path() /
                         (std::string("isimp_written_meanwhile") +

@@ -132,13 +132,13 @@ PolygonSoup rounded(PolygonSoup soup) {
   return soup;
 }
 
-TEST_F(PlyThreads, TrianglesComeBackInEitherByteOrder) {
+TEST_F(PlyThreads, TrianglesAreReadBackInEitherByteOrder) {
   const PolygonSoup soup = rounded(triangles());
   expect_read(written(soup), soup);
   expect_read(written(soup, big_endian()), soup);
 }
 
-TEST_F(PlyThreads, StretchesOfEqualPolygonsBetweenOthersComeBack) {
+TEST_F(PlyThreads, StretchesOfEqualPolygonsBetweenOthersAreReadBack) {
   PolygonSoup soup = rounded(vertices_only());
   const auto stretch = [&](std::int32_t count, std::int32_t corners) {
     for (std::int32_t q = 0; q < count; ++q) add_polygon(soup, corners);
@@ -255,7 +255,7 @@ TEST_F(PlyThreads, TheFirstWrongNumberIsNamed) {
                "face 59990 (the first is 0) promises a list of 255 values, more than the file holds; it is damaged");
 }
 
-TEST_F(PlyThreads, StripsComeBackAfterSharedVertices) {
+TEST_F(PlyThreads, StripsAreReadBackAfterSharedVertices) {
   PolygonSoup soup = rounded(vertices_only());
   std::string bytes = std::string("ply\nformat binary_little_endian 1.0\nelement vertex ") + std::to_string(kVertices) +
                       "\nproperty float x\nproperty float y\nproperty float z\nelement tristrips 1\n"

@@ -125,7 +125,7 @@ TEST_P(PollsOfFaces, ComeAtLeastOnceInTwelveThousandFaces) {
 }
 
 // The point at which a call ends early, having found nothing more to do.
-TEST_P(Polls, SeeProgressRiseInSmallSteps) {
+TEST_P(Polls, ShowProgressInSmallSteps) {
   Job job;
   std::atomic<double> last = 0.0, largest = 0.0;
   job.at_poll = [&] {
@@ -139,7 +139,7 @@ TEST_P(Polls, SeeProgressRiseInSmallSteps) {
 }
 
 // Each pass over all faces takes long enough to show.
-TEST(Progress, MovesWithEveryPassThatLooksForDetails) {
+TEST(Progress, MovesWithEveryPassThatSearchesForDetails) {
   const Input input(84);
   for (const auto& [options, passes] :
        {std::pair(adaptive(counted(Method::hierarchy, 100)), 8 + 8), std::pair(found(0.05, std::nullopt), 8)}) {

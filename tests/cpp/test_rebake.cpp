@@ -147,7 +147,7 @@ TEST_F(Rebake, BakesAgainWhereOnlyRegionsChanged) {
   }
 }
 
-TEST_F(Rebake, OcclusionIsTakenToo) {
+TEST_F(Rebake, OcclusionIsCopiedToo) {
   const Atlas old = unwrap(old_poly, {128, 1, 40, 0}, job);
   const Texture first = baked(before, old_poly, old);
   const auto grey = occlusion(mesh, bake_map(mesh, before, old_poly, old, {}, job), {}, job);
@@ -161,7 +161,7 @@ TEST_F(Rebake, OcclusionIsTakenToo) {
             occlusion(mesh, bake_map(mesh, after, poly, atlas, {}, job), {}, job));
 }
 
-TEST_F(Rebake, LaysOutAnewWhatDoesNotFit) {
+TEST_F(Rebake, LaysOutAllAgainIfTheRestDoesNotFit) {
   const Atlas old = unwrap(old_poly, {512, 1, 40, 0}, job);
   const EarlierAtlas earlier{old_poly, old};
   EXPECT_EQ(unwrap(poly, {256, 1, 40, 0}, job, &earlier).kept, 0) << "another size";

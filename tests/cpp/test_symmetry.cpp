@@ -98,7 +98,7 @@ TEST(Symmetry, IsTheSameOnAnyNumberOfThreads) {
   EXPECT_EQ(meshed(mesh, a, 1).vertices, meshed(mesh, b, 4).vertices);
 }
 
-TEST(Symmetry, OfAFigureWithALumpIsNone) {
+TEST(Symmetry, IsNoneForAFigureWithALump) {
   Job job;
   const Mesh mesh = shapes::mesh(figure(0.002, 1.2));
   EXPECT_FALSE(find_mirror(mesh, Symmetry::found, 0.02, 1, job));
@@ -139,7 +139,7 @@ TEST_P(SymmetricRegions, AreNearlyAsGoodAsOthers) {
 
 INSTANTIATE_TEST_SUITE_P(Numbers, SymmetricRegions, testing::Values(20, 80, 201));
 
-TEST(Symmetry, OfACubeKeepsItsSixSides) {
+TEST(Symmetry, KeepsTheSixSidesOfACube) {
   const Mesh mesh = shapes::mesh(shapes::cube(8));
   const Partition part = split(mesh, {.proxies = 6, .symmetry = Symmetry::found});
   ASSERT_TRUE(part.symmetry);
@@ -160,7 +160,7 @@ TEST(Symmetry, HoldsForANumberThatIsFound) {
   EXPECT_NEAR(part.region_count(), plain.region_count(), 0.25 * plain.region_count());
 }
 
-TEST(Symmetry, LeavesWhatIsOnOneSideOnly) {
+TEST(Symmetry, KeepsShapesOnOneSideOnly) {
   const Mesh mesh = shapes::mesh(figure(0.002, 0.5, 0.12));
   const Partition part = split(mesh, {.proxies = 60, .symmetry = Symmetry::x});
   checks::expect_sound_regions(mesh, part);

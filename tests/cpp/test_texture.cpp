@@ -153,7 +153,7 @@ TEST(Unwrap, FillsMoreThanHalfOfTheAtlas) {
   EXPECT_GE(unwrap(poly, {2048, 1, 40, 4}, job).fill, 0.55);
 }
 
-TEST(Unwrap, SaysWhichSizeManyChartsNeed) {
+TEST(Unwrap, NamesTheSizeThatManyChartsNeed) {
   Job job;
   const Mesh mesh = shapes::mesh(shapes::sphere(3));
   const PolygonMesh poly = polygonize(mesh, partition(mesh, {.proxies = 200}, job), {}, job);
@@ -292,7 +292,7 @@ TEST(Bake, SixteenBitImageIsTheSameAsEight) {
   EXPECT_EQ(eight.color, sixteen.color);
 }
 
-TEST(Bake, ImageWithinItsEdgesDoesNotWrapRound) {
+TEST(Bake, ImageWithinItsEdgesDoesNotRepeat) {
   std::vector<std::uint8_t> pixels;
   for (int row = 0; row < 4; ++row)
     for (int x = 0; x < 4; ++x) pixels.insert(pixels.end(), {static_cast<std::uint8_t>(x == 0 ? 0 : 255), 0, 0, 255});
@@ -352,7 +352,7 @@ TEST(Bake, EdgesShowTheClosestPoint) {
   EXPECT_GT(judged, 200);
 }
 
-TEST(Bake, WhatIsNotKnownShowsWhatIsNearest) {
+TEST(Bake, UnknownPlacesShowTheNearestColour) {
   Job job;
   const Made c = cube(6);
   const Atlas atlas = unwrap(c.poly, {128, 1, 40, 0}, job);
@@ -434,7 +434,7 @@ TEST(SourceCorners, OtherArraysAreRefused) {
   EXPECT_THROW(source_corners(mesh, other.vertices, other.triangles, job), InvalidInput);
 }
 
-TEST(HeightImage, GivesItsRangeAndCutsOffWhatGuttersHaveBeyondIt) {
+TEST(HeightImage, ReturnsItsRangeAndClampsGutters) {
   BakeMap map;
   map.side = 2;
   map.polygon = {0, 0, kNone, kNone};

@@ -17,7 +17,7 @@
 namespace isimp {
 namespace {
 
-TEST(Threads, CutALoopWithoutGapsAndPassOnWhatFails) {
+TEST(Threads, CutALoopWithoutGapsAndPassOnExceptions) {
   const Threads threads(3);
   std::vector<int> seen(100, 0);
   threads.run(100, 3, [&](std::int32_t, std::int32_t begin, std::int32_t end) {

@@ -16,7 +16,7 @@ TEST(ToInteger, KeepsTheWholePartInsideTheRange) {
   static_assert(to_integer(254.5F, std::uint8_t{0}, std::uint8_t{255}) == 254);
 }
 
-TEST(ToInteger, GivesAnEndForWhatTheTypeDoesNotHold) {
+TEST(ToInteger, ReturnsAnEndForNumbersThatTheTypeCannotHold) {
   constexpr auto kLow = std::numeric_limits<std::int32_t>::min(), kHigh = std::numeric_limits<std::int32_t>::max();
   constexpr auto kLong = std::numeric_limits<std::int64_t>::max();
   for (const double most : {1e30, 1e300, std::numeric_limits<double>::infinity(), 2147483647.0, 2147483648.0}) {

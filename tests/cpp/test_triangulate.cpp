@@ -85,7 +85,7 @@ TEST(Triangulate, AFrameWithABridgeToItsHoleIsFilled) {
   EXPECT_NEAR(total_area(soup, t), 8, 1e-12);
 }
 
-TEST(Triangulate, WhatHasNoGoodAnswerGetsSomeTriangles) {
+TEST(Triangulate, BadPolygonsGetSomeTriangles) {
   const double nan = std::nan("");
   const PolygonSoup soup{{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {nan, 0, 0}, {1, 1, 0}, {0, 1, 0}},
                          {0, 1, 2, 3, /**/ 0, 1, 4, 5, 6, /**/ 0, 5, 1, 6, /**/ 0, 1, /**/ 2, 2, 2, 2},
