@@ -78,7 +78,7 @@ def test_the_table_makes_stub_flag_and_the_add_ons_copy(crisp, generate, capsys)
     assert ABOUT in capsys.readouterr().out
 
 
-def test_a_field_of_the_step_is_checked_and_goes_to_the_engine(crisp, generate, monkeypatch, tmp_path):
+def test_a_field_of_the_step_is_checked_and_reaches_the_engine(crisp, generate, monkeypatch, tmp_path):
     copy = tmp_path / "engine_options.py"
     copy.write_text(generate.data().replace("from .option import Option", "from isimp.option import Option"))
     made = runpy.run_path(str(copy))

@@ -36,7 +36,7 @@ def check_sound(mesh):
     assert len(mesh.source_vertex) == len(mesh.vertices)
 
 
-def test_a_sound_mesh_comes_back_as_it_was():
+def test_a_sound_mesh_does_not_change():
     vertices, triangles = shapes.cube()
     mesh = engine.clean(vertices, triangles)
     np.testing.assert_array_equal(mesh.vertices, vertices)
@@ -89,7 +89,7 @@ def test_unwelded_corners_become_one_surface():
     assert made(mesh)["welded_vertices"] == 3 * len(triangles) - len(vertices)
 
 
-def test_near_borders_are_welded_when_asked():
+def test_near_borders_are_welded_on_request():
     left, right = shapes.plane(3), shapes.plane(3)
     apart = shapes.joined(left, (right[0] + [1.001, 0, 0], right[1]))
     assert engine.clean(*apart).report["components"] == 2
@@ -125,7 +125,7 @@ def test_an_index_out_of_range_is_refused_and_named(bad):
         engine.clean(vertices, triangles)
 
 
-def test_nothing_left_is_said():
+def test_a_mesh_without_faces_left_is_refused():
     vertices, triangles = shapes.plane(2)
     with pytest.raises(engine.InvalidInput, match="no face"):
         engine.clean(vertices, triangles[:0])
@@ -145,7 +145,7 @@ def test_it_can_be_cancelled():
         engine.clean(*shapes.cube(), job=job)
 
 
-def test_small_holes_are_covered_when_asked_for():
+def test_small_holes_are_covered_on_request():
     vertices, triangles = shapes.cube()
     rest = triangles[(triangles != triangles[0, 0]).all(axis=1)]
     assert not engine.clean(vertices, rest).report["closed"]

@@ -54,14 +54,14 @@ def test_zst_is_read_where_a_package_is_there_and_else_the_line_names_it(scan, m
 
 
 @pytest.mark.parametrize("keep", [0.5, 0.99])
-def test_a_file_that_was_cut_short_is_said_so(scan, keep):
+def test_a_file_that_was_cut_short_is_named(scan, keep):
     data = scan[1].read_bytes()
     scan[1].write_bytes(data[: int(len(data) * keep)])
     with pytest.raises(engine.FileError, match=r"packed\.PLY\.gz: its compression is damaged or cut short"):
         engine.read(scan[1])
 
 
-def test_what_is_wrong_inside_names_the_compressed_file(tmp_path):
+def test_faults_inside_name_the_compressed_file(tmp_path):
     (tmp_path / "torn.obj.gz").write_bytes(gzip.compress(b"v 0 0 0\nf 1 2 3\n"))
     with pytest.raises(engine.FileError, match=rf"^{tmp_path}/torn\.obj\.gz: face 0 .* uses vertex 2"):
         engine.read(tmp_path / "torn.obj.gz")
@@ -71,7 +71,7 @@ def test_what_is_wrong_inside_names_the_compressed_file(tmp_path):
         engine.read_textured(tmp_path / "a.ply.gz")
 
 
-def test_batches_find_compressed_scans_and_name_results_after_what_they_hold(scan):
+def test_batches_find_compressed_scans_and_name_results_after_their_content(scan):
     found = find_scans([scan[0].parent])
     assert [(s.name, s.output) for s in found] == [("packed.PLY.gz", "packed.obj"), ("plain.ply", "plain.obj")]
     assert estimated_faces(scan[1]) == estimated_faces(scan[0]) == 432

@@ -45,7 +45,7 @@ def test_places_are_the_closest_of_the_own_region():
         assert found[i] <= least + 1e-9
 
 
-def test_both_sides_of_a_thin_plate_keep_what_they_have():
+def test_both_sides_of_a_thin_plate_keep_their_values():
     vertices, triangles = shapes.cube(6)
     vertices = (vertices * [1, 1, 1e-3]).copy()
     mesh = engine.clean(vertices, triangles)

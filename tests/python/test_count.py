@@ -22,14 +22,14 @@ def found(mesh, **fields):
 
 @pytest.mark.parametrize("method", ["hierarchy", "teleport"])
 @pytest.mark.parametrize("fields", [{}, {"detail": 0.02}, {"tolerance": 0.003}])
-def test_a_cube_has_six_sides_whatever_is_asked(method, fields):
+def test_a_cube_has_six_sides_for_any_request(method, fields):
     part = found(engine.Mesh(*shapes.cube(12)), method=method, **fields)
     assert part.region_count == part.proxies_asked == 6
     assert part.error < 1e-12
     assert part.report["snapped"]
 
 
-def test_detail_and_tolerance_say_the_same_in_other_units():
+def test_detail_and_tolerance_are_the_same_in_other_units():
     mesh = engine.Mesh(*shapes.bumpy())
     part = found(mesh, detail=0.004)
     same = found(mesh, tolerance=part.report["tolerance"])
@@ -39,7 +39,7 @@ def test_detail_and_tolerance_say_the_same_in_other_units():
     assert found(larger, detail=0.004).region_count == part.region_count
 
 
-def test_finer_detail_gives_more_regions_and_its_report_says_how():
+def test_finer_detail_gives_more_regions_and_a_report():
     mesh = engine.Mesh(*shapes.torus(240, 120))
     counts = [found(mesh, detail=d).region_count for d in (0.02, 0.01, 0.005, 0.0025)]
     assert [2 * a <= 3 * b and a < b for a, b in itertools.pairwise(counts)] == [True] * 3
@@ -67,7 +67,7 @@ def test_snap_can_be_switched_off():
     assert found(mesh, detail=0.02).report["snapped"]
 
 
-def test_a_kept_tree_gives_what_a_fresh_mesh_gives():
+def test_a_kept_tree_equals_that_of_a_fresh_mesh():
     vertices, triangles = shapes.bumpy()
     mesh = engine.Mesh(vertices, triangles)
     wanted = [

@@ -22,7 +22,7 @@ SCANS = [
 
 
 @pytest.mark.parametrize("name", SCANS)
-def test_a_scan_comes_out_as_a_manifold_with_a_label_for_each_face(data, tmp_path, name):
+def test_a_scan_becomes_a_manifold_with_a_label_for_each_face(data, tmp_path, name):
     out, labels, report = tmp_path / "o.ply", tmp_path / "l.npy", tmp_path / "r.json"
     flags = ["--quiet", "--labels", str(labels), "--report", str(report)]
     faces = len(engine.read_polygons(data / name)[2])
@@ -60,7 +60,7 @@ def test_a_cube_of_many_faces_is_six_quads(data):
 
 
 @pytest.mark.parametrize("name", ["known/empty.ply", "scan"])
-def test_what_can_not_be_used_is_said(data, tmp_path, capsys, name):
+def test_unusable_input_is_named(data, tmp_path, capsys, name):
     assert main(["simplify", str(data / name), str(tmp_path / "o.ply")]) == 3
     assert capsys.readouterr().err.startswith(f"isimp: {data / name}: ")
     assert list(tmp_path.iterdir()) == []

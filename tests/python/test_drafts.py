@@ -23,7 +23,7 @@ def failing(draft):
     raise OSError(28, "full")
 
 
-def test_what_fails_leaves_nothing_and_the_old_file(tmp_path):
+def test_a_failure_leaves_nothing_but_the_old_file(tmp_path):
     path = tmp_path / "a.obj"
     path.write_text("old")
     with pytest.raises(OSError, match="full"), whole(path) as draft:
@@ -32,7 +32,7 @@ def test_what_fails_leaves_nothing_and_the_old_file(tmp_path):
     assert os.listdir(tmp_path) == ["a.obj"]
 
 
-def test_links_stay_and_devices_are_written_to_as_they_are(tmp_path):
+def test_links_stay_and_devices_are_written_to_directly(tmp_path):
     (tmp_path / "real.obj").write_text("old")
     (tmp_path / "link.obj").symlink_to("real.obj")
     with whole(tmp_path / "link.obj") as draft:

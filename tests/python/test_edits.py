@@ -62,7 +62,7 @@ def locked_sets(part):
 
 @settings(max_examples=25, deadline=None)
 @given(steps=st.lists(step, min_size=1, max_size=12))
-def test_any_chain_of_edits_keeps_what_a_partition_promises(mesh, part, steps):
+def test_any_chain_of_edits_keeps_the_promises_of_a_partition(mesh, part, steps):
     """Connected, every face in a region, none empty, locked faces unchanged; and the same again on a second run."""
     runs = []
     for _ in range(2):
@@ -127,7 +127,7 @@ def test_a_cut_parts_faces_by_the_side_of_the_line():
         (lambda m, p: engine.region_statistics(m, p, 800), r"face must be in \[0, 800\), got 800"),
     ],
 )
-def test_what_cannot_be_done_is_named(mesh, part, call, message):
+def test_impossible_edits_are_named(mesh, part, call, message):
     with pytest.raises(engine.InvalidInput, match=message):
         call(mesh, part)
 

@@ -44,7 +44,7 @@ def test_the_interpreter_may_end_while_daemon_threads_are_in_the_engine(seconds)
     assert (done.returncode, done.stdout, done.stderr) == (0, "done\n", "")
 
 
-def test_what_runs_at_the_end_may_use_the_engine():
+def test_functions_at_the_end_may_use_the_engine():
     """A function that was registered before the engine was loaded runs after the engine has stopped its calls."""
     code = """
 import atexit

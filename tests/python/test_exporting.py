@@ -62,7 +62,7 @@ def same_rings(found: list[np.ndarray], poly: engine.PolygonMesh, within: float)
         assert np.abs(rings(poly)[i] - found[k]).max() <= within
 
 
-def test_walls_roofs_and_ground_are_told_apart() -> None:
+def test_walls_roofs_and_ground_are_distinguished() -> None:
     poly = box()
     found = surfaces_of(poly)
     names = ["WallSurface"] * 4 + ["GroundSurface", "RoofSurface"]
@@ -73,7 +73,7 @@ def test_walls_roofs_and_ground_are_told_apart() -> None:
     assert lying.kind == ["GroundSurface", "RoofSurface"] + ["WallSurface"] * 4
 
 
-def test_validity_tells_open_from_closed_and_bent_from_planar() -> None:
+def test_validity_distinguishes_open_from_closed_and_bent_from_planar() -> None:
     closed, opened = validity(box()), validity(box(top=False))
     assert (closed["closed"], closed["solid"], closed["components"], closed["non_planar"]) == (True, True, 1, 0)
     assert (opened["closed"], opened["solid"]) == (False, False)
@@ -114,7 +114,7 @@ def test_cityjson_of_a_closed_box_is_a_solid(tmp_path: Path) -> None:
         assert geometry["type"] == kind
 
 
-def test_cityjson_is_what_cjio_reads(tmp_path: Path) -> None:
+def test_cjio_reads_cityjson(tmp_path: Path) -> None:
     cityjson = pytest.importorskip("cjio.cityjson", reason="cjio is not installed")
     path, poly = tmp_path / "box.city.json", box(10.0, UTM)
     engine.write(path, poly, crs=25832)
@@ -130,7 +130,7 @@ def test_cityjson_is_what_cjio_reads(tmp_path: Path) -> None:
     same_rings([at[face[0]] for face in building["geometry"][0]["boundaries"][0]], poly, within=1e-8)
 
 
-def test_dxf_is_what_ezdxf_reads(tmp_path: Path) -> None:
+def test_ezdxf_reads_dxf(tmp_path: Path) -> None:
     ezdxf = pytest.importorskip("ezdxf", reason="ezdxf is not installed")
     path, poly = tmp_path / "house.dxf", made(UTM)
     engine.write(path, poly)
@@ -146,7 +146,7 @@ def test_dxf_is_what_ezdxf_reads(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("crs", [None, 25832])
-def test_ifc_is_what_ifcopenshell_reads(tmp_path: Path, crs: int | None) -> None:
+def test_ifcopenshell_reads_ifc(tmp_path: Path, crs: int | None) -> None:
     ifcopenshell = pytest.importorskip("ifcopenshell", reason="ifcopenshell is not installed")
     path, poly = tmp_path / "house.ifc", made(UTM)
     engine.write(path, poly, crs=crs)
@@ -192,7 +192,7 @@ def test_levels_of_detail_keep_the_kind_of_file() -> None:
     assert named(Path("a/house.v2.obj"), 0) == Path("a/house.v2_LOD0.obj")
 
 
-def test_the_command_writes_cityjson_and_says_whether_it_is_valid(tmp_path: Path, capsys) -> None:
+def test_the_command_writes_cityjson_and_reports_whether_it_is_valid(tmp_path: Path, capsys) -> None:
     house = houses.make(0.002, 3)
     scan, out, report = tmp_path / "scan.obj", tmp_path / "out.city.json", tmp_path / "report.json"
     lines = [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in house.vertices]

@@ -42,7 +42,7 @@ def test_any_arrays_at_all(make, vertices, triangles):
 
 @quick
 @given(soups(), st.integers(1, 24), st.sampled_from([0.0, 0.001, 0.5]))
-def test_any_soup_gets_through_or_is_refused(soup, proxies, leave_out):
+def test_any_soup_is_processed_or_refused(soup, proxies, leave_out):
     try:
         mesh = engine.clean(*soup)
     except engine.InvalidInput:

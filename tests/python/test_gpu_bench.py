@@ -43,7 +43,7 @@ def row(method, backend, seconds, **more):
     return base | {"speed_up": 2 / seconds, "same_as_cpu": True, "problem": ""} | more
 
 
-def test_the_verdict_names_what_was_asked_of_the_device():
+def test_the_verdict_names_the_questions_to_the_device():
     base = [row("lloyd", "cpu", 2.0), row("default", "cpu", 0.1)]
     good = gpu.verdict([*base, row("queued", "cuda", 0.05), row("naive", "cuda", 0.2)], [])
     assert good == [

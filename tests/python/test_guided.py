@@ -102,7 +102,7 @@ def test_edits_keep_to_barriers_where_cuts_split_regions():
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_only_a_part_is_split_anew(method):
+def test_only_a_part_is_split_again(method):
     mesh = engine.Mesh(*shapes.bumpy(40))
     base = engine.partition(mesh, options(proxies=30))
     faces = np.flatnonzero(np.linalg.norm(middles(mesh)[:, :2] - 0.5, axis=1) < 0.3)
@@ -121,7 +121,7 @@ def test_only_a_part_is_split_anew(method):
     assert (np.isclose(rim, 0) | np.isclose(rim, 1)).any(axis=1).all(), "no crack but along the sheet's own border"
 
 
-def test_a_part_without_anything_round_it():
+def test_a_part_without_neighbours():
     mesh = engine.Mesh(*shapes.cube(6))
     top = np.flatnonzero(np.isclose(middles(mesh)[:, 2], 1))
     part = partition_guided(mesh, options(proxies=3), guides=Guides(faces=top))
@@ -156,7 +156,7 @@ def test_locked_regions_stay_as_they_are(method, count):
     np.testing.assert_array_equal(again.face_region, part.face_region)
 
 
-def test_all_locked_is_said():
+def test_locked_faces_alone_are_refused():
     mesh = engine.Mesh(*shapes.cube(4))
     base = engine.partition(mesh, options(proxies=6))
     base = engine.lock_regions(mesh, base, base.region_seed)
@@ -164,7 +164,7 @@ def test_all_locked_is_said():
         partition_guided(mesh, options(proxies=6), guides=Guides(before=base))
 
 
-def test_specks_are_left_out_beside_locked_regions_as_without_them():
+def test_specks_are_left_out_next_to_locked_regions_as_without_them():
     vertices, triangles = shapes.cube(6)
     small = [(0.02 * vertices + 3 + k, triangles + (k + 1) * len(vertices)) for k in range(3)]
     mesh = engine.Mesh(
@@ -179,7 +179,7 @@ def test_specks_are_left_out_beside_locked_regions_as_without_them():
     assert part.region_count == 6
 
 
-def test_weights_and_barriers_speak_of_a_part_too():
+def test_weights_and_barriers_hold_in_a_part_too():
     mesh = engine.Mesh(*shapes.bumpy(40))
     base = engine.partition(mesh, options(proxies=10))
     middle = middles(mesh)

@@ -73,14 +73,14 @@ def test_the_same_bits_for_any_number_of_threads():
     assert (one.layers["height"] == three.layers["height"]).all()
 
 
-def test_of_a_plane_all_is_in_the_middle():
+def test_all_heights_of_a_plane_are_in_the_middle():
     _, made = made_of(*shapes.plane(4))
     assert (made.layers["height"] == 32768).all()
     assert made.factors["height"] == 0
 
 
 @pytest.mark.parametrize("ending", ["obj", "glb"])
-def test_the_command_writes_sixteen_bits_beside_the_output(tmp_path, ending):
+def test_the_command_writes_sixteen_bits_next_to_the_output(tmp_path, ending):
     scan, out, report = write_hill(tmp_path), tmp_path / f"out.{ending}", tmp_path / "r.json"
     args = ["simplify", scan, out, "--proxies", "5", "--texture", "128", "--height", "--report", report]
     done = isimp(*args)
@@ -115,7 +115,7 @@ def test_a_scans_own_image_is_not_overwritten(tmp_path):
     assert isimp("simplify", scan, tmp_path / "out.glb", "--proxies", "5", "--texture", "64").returncode == 0
 
 
-def test_a_recipe_asks_for_heights(tmp_path):
+def test_a_recipe_may_request_heights(tmp_path):
     scan = write_hill(tmp_path)
     steps = [{"step": "partition", "proxies": 5}, {"step": "mesh"}, {"step": "texture", "size": 64, "height": True}]
     (tmp_path / "r.json").write_text(json.dumps({"isimp_recipe": 1, "steps": steps}))

@@ -58,7 +58,7 @@ def test_an_image_is_no_program(tmp_path, monkeypatch, name):
     ("error", "said"),
     [("ModuleNotFoundError('PIL')", "install it: pip"), ("ImportError('no memory')", r"can't be loaded \(no memory\)")],
 )
-def test_a_pillow_that_can_not_be_loaded_is_said(tmp_path, monkeypatch, error, said):
+def test_a_pillow_that_can_not_be_loaded_is_named(tmp_path, monkeypatch, error, said):
     (tmp_path / "PIL").mkdir()
     (tmp_path / "PIL" / "__init__.py").write_text(f"raise {error}\n")
     monkeypatch.syspath_prepend(tmp_path)
@@ -77,7 +77,7 @@ def test_all_kinds_that_are_named_are_read(tmp_path):
             assert decode(path, "a").shape == (8, 6, 4)
 
 
-def test_large_images_are_read_without_a_word(tmp_path, capfd):
+def test_large_images_are_read_without_a_warning(tmp_path, capfd):
     limit = Image.MAX_IMAGE_PIXELS
     side = math.isqrt(2 * limit) + 8  # above it Pillow refuses, and above the root of the half it warns
     pixels = decode(png(side, 16, 1), "a")
@@ -144,7 +144,7 @@ def test_each_file_is_decoded_once_and_held_once(tmp_path, monkeypatch):
 # Compressed files
 
 
-def test_what_comes_out_of_a_compression_has_a_limit(tmp_path, monkeypatch):
+def test_decompressed_data_has_a_limit(tmp_path, monkeypatch):
     monkeypatch.setattr(reading, "_ANY", 1 << 20)
     path = tmp_path / "a.obj.gz"
     path.write_bytes(gzip.compress(bytes(1 << 22)))
@@ -236,7 +236,7 @@ def children(depth):
         (lambda text: text["accessors"][0].pop("type"), "accessors 0 lacks type"),
     ],
 )
-def test_wrong_values_of_gltf_are_said_with_their_place(cube_glb, change, said):
+def test_wrong_values_of_gltf_are_named_with_their_place(cube_glb, change, said):
     with pytest.raises(engine.FileError, match=said) as caught:
         engine.read_textured(path := cube_glb(change))
     assert str(caught.value).startswith(f"{path}: ")
@@ -309,7 +309,7 @@ def test_a_mesh_of_many_nodes_is_read_once_and_its_places_need_memory(cube_glb, 
         ("file:///etc/secret.png", False),
     ],
 )
-def test_images_are_read_from_the_folder_of_the_scan_and_those_beside_it(tmp_path, name, reads):
+def test_images_are_read_from_the_folder_of_the_scan_and_its_sisters(tmp_path, name, reads):
     folder = tmp_path / "scans" / "a"
     for place in (folder / "t.png", folder / "sub" / "t.png", tmp_path / "scans" / "textures" / "t.png"):
         place.parent.mkdir(parents=True, exist_ok=True)
@@ -363,7 +363,7 @@ def test_tilesets_that_name_each_other_twice_end(tmp_path):
 
 
 @pytest.mark.parametrize("value", [[10**400] * 16, [1e308] * 16, ["1"] * 16, [math.nan] * 16, None, {}])
-def test_wrong_transforms_are_said_with_the_tileset(tmp_path, value):
+def test_wrong_transforms_are_named_with_the_tileset(tmp_path, value):
     root = {"children": [tile("a.glb", transform=value)], "transform": [1e308] * 16 if value == [1e308] * 16 else None}
     if root["transform"] is None:
         del root["transform"]
@@ -422,7 +422,7 @@ def test_a_material_before_each_face_takes_no_square_of_time(tmp_path, monkeypat
         ("vt 0.0 0.0", "vt a b", 'begins with "vt" does not have two numbers'),
     ],
 )
-def test_wrong_numbers_of_obj_files_are_said(tmp_path, old, new, said):
+def test_wrong_numbers_of_obj_files_are_named(tmp_path, old, new, said):
     (tmp_path / "t.png").write_bytes(png(4, 4))
     path = write_plane_obj(tmp_path, lambda p: p)
     assert old in path.read_text()
@@ -432,7 +432,7 @@ def test_wrong_numbers_of_obj_files_are_said(tmp_path, old, new, said):
 
 
 @pytest.mark.parametrize("values", ["nan nan nan", "inf 0 0", "1e308 1 1", "a b c"])
-def test_wrong_numbers_of_materials_are_said_with_the_line(tmp_path, values):
+def test_wrong_numbers_of_materials_are_named_with_the_line(tmp_path, values):
     path = write_plane_obj(tmp_path, lambda p: p)
     for word in ("Kd", "Ke", "Pr", "Pm"):
         (tmp_path / "t.mtl").write_text(f"newmtl m\n{word} {values}\n")

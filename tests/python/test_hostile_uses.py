@@ -55,7 +55,7 @@ def test_numbers_of_400_digits_are_refused_with_their_step(step):
 
 
 @pytest.mark.parametrize("error", ["ImportError('no memory for it')", "SystemError('no memory for it')"])
-def test_a_package_that_can_not_be_loaded_is_said_before_the_work(tmp_path, monkeypatch, error):
+def test_a_package_that_can_not_be_loaded_is_named_before_the_work(tmp_path, monkeypatch, error):
     (tmp_path / "ezdxf.py").write_text(f"raise {error}\n")
     monkeypatch.syspath_prepend(tmp_path)
     for name in [name for name in sys.modules if name.split(".")[0] == "ezdxf"]:
@@ -126,7 +126,7 @@ def test_a_draft_follows_no_link_and_takes_no_file_of_before(tmp_path):
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is full")
-def test_a_full_disk_is_said_with_the_file(tmp_path):
+def test_a_full_disk_is_named_with_the_file(tmp_path):
     with pytest.raises(OSError, match="No space left") as caught:
         drafts.save_array(Path("/dev/full"), np.arange(10))
     assert caught.value.errno == errno.ENOSPC
@@ -144,7 +144,7 @@ def test_a_full_disk_is_said_with_the_file(tmp_path):
 
 
 @posix
-def test_a_child_on_a_full_disk_is_a_row_that_says_so(tmp_path):
+def test_a_child_on_a_full_disk_is_a_row_with_the_reason(tmp_path):
     scan(tmp_path / "in" / "full.ply")
     for pictures in (False, True):
         outcome = batch.run(tmp_path / "in", tmp_path / "out", work=ODD, pictures=pictures, retry_failed=True)
@@ -201,7 +201,7 @@ def test_a_signal_between_two_outputs_is_too_late(tmp_path, monkeypatch):
 
 @posix
 @pytest.mark.parametrize(("number", "kind"), [(signal.SIGTERM, Terminated), (signal.SIGINT, KeyboardInterrupt)])
-def test_a_signal_that_comes_in_a_destructor_is_not_lost(number, kind, capfd):
+def test_a_signal_in_a_destructor_is_not_lost(number, kind, capfd):
     class Last:
         def __del__(self):
             signal.raise_signal(number)
@@ -258,7 +258,7 @@ def test_a_damaged_tile_is_named_once(tmp_path, tile):
 
 
 @needs_fork
-def test_tiles_without_an_area_or_with_huge_numbers_are_said(tmp_path, tile):
+def test_tiles_without_an_area_or_with_huge_numbers_are_named(tmp_path, tile):
     with pytest.raises(tiles.TileFailed, match="numbers are not finite, since coordinates or a length that was given"):
         tiles.run(tile, tmp_path / "o.obj", options={"noise": 1e300})
     vertices, triangles = shapes.cube(1)
@@ -278,7 +278,7 @@ def test_damaged_arrays_of_a_work_folder_are_named(tmp_path, content):
 
 @needs_fork
 @pytest.mark.parametrize(("name", "content"), [("values.json", b""), ("sums.npy", None)])
-def test_a_damaged_work_folder_is_said_once_and_then_made_again(tmp_path, tile, name, content):
+def test_a_damaged_work_folder_is_named_once_and_then_made_again(tmp_path, tile, name, content):
     work, command = tmp_path / "work", ["tiles", tile, tmp_path / "o.obj", "--proxies", 6, "--quiet", "--work"]
     assert isimp(*command, work).returncode == 0
     damaged = work / "join" / "000000" / name

@@ -83,7 +83,7 @@ def test_upper_case_extensions_and_path_objects_are_fine(tmp_path):
     assert len(engine.read(str(path))[1]) == 6
 
 
-def test_what_was_read_belongs_to_the_caller(tmp_path):
+def test_returned_arrays_belong_to_the_caller(tmp_path):
     path = tmp_path / "a.ply"
     meshfiles.ply_ascii(path, HOUSE, WALLS)
     vertices, triangles = engine.read(path)
@@ -117,7 +117,7 @@ def test_n_gons_are_cut_and_name_their_polygon(tmp_path):
         (([[0.0, 0, 0]], [0, 2**40, 0], [0]), r"loops\[1\] is 1099511627776"),
     ],
 )
-def test_triangulate_refuses_what_is_no_polygon(arrays, said):
+def test_triangulate_refuses_invalid_polygons(arrays, said):
     with pytest.raises(engine.InvalidInput, match=said):
         engine.triangulate(*arrays)
 
@@ -166,7 +166,7 @@ BODY = b"0 0 0\n1 0 0\n0 1 0\n"
         ("cut.stl", b"x" * 80 + (5).to_bytes(4, "little") + b"\0" * 60),
     ],
 )
-def test_a_damaged_file_says_which_and_why(tmp_path, name, content):
+def test_a_damaged_file_is_named_with_the_reason(tmp_path, name, content):
     path = broken(tmp_path, name, content)
     with pytest.raises(engine.FileError) as caught:
         engine.read(path)
@@ -176,7 +176,7 @@ def test_a_damaged_file_says_which_and_why(tmp_path, name, content):
     assert "\n" not in message
 
 
-def test_a_missing_file_a_folder_and_an_unknown_kind_each_say_so(tmp_path):
+def test_a_missing_file_a_folder_and_an_unknown_kind_are_each_named(tmp_path):
     with pytest.raises(engine.FileError, match=r"absent\.ply"):
         engine.read(tmp_path / "absent.ply")
     (tmp_path / "folder.ply").mkdir()
@@ -190,7 +190,7 @@ def test_a_missing_file_a_folder_and_an_unknown_kind_each_say_so(tmp_path):
 
 
 @pytest.mark.skipif(sys.platform == "win32" or os.geteuid() == 0, reason="root reads everything")
-def test_a_file_that_may_not_be_read_says_so(tmp_path):
+def test_a_file_that_may_not_be_read_is_named(tmp_path):
     path = broken(tmp_path, "locked.ply", HEADER)
     path.chmod(0)
     with pytest.raises(engine.FileError, match=r"locked\.ply"):
@@ -204,7 +204,7 @@ def poly():
 
 
 @pytest.mark.parametrize("name", ["out.ply", "out.obj", "OUT.PLY"])
-def test_what_is_written_reads_back_the_same(tmp_path, poly, name):
+def test_written_files_are_read_back_the_same(tmp_path, poly, name):
     path = tmp_path / name
     path.write_text("an older file")
     engine.write(path, poly)
@@ -215,7 +215,7 @@ def test_what_is_written_reads_back_the_same(tmp_path, poly, name):
     assert os.listdir(tmp_path) == [name]
 
 
-def test_a_place_that_can_not_be_written_says_so_and_leaves_nothing(tmp_path, poly):
+def test_a_place_that_can_not_be_written_is_named_and_nothing_is_left(tmp_path, poly):
     with pytest.raises(engine.FileError, match=r"nowhere"):
         engine.write(tmp_path / "nowhere" / "out.ply", poly)
     with pytest.raises(engine.FileError, match=r"(?i)ply.*obj"):

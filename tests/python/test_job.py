@@ -62,7 +62,7 @@ def test_cancel_from_another_thread_stops_the_call():
     assert job.cancelled
 
 
-def test_a_cancelled_job_refuses_but_bad_input_comes_first(cube):
+def test_a_cancelled_job_refuses_after_the_check_of_input(cube):
     job = engine.Job()
     job.cancel()
     with pytest.raises(engine.Cancelled):

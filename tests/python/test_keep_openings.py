@@ -93,7 +93,7 @@ def test_a_step_keeps_and_closes_places():
     assert step.keeping((0, 0, 0), keep=False) == step
 
 
-def test_the_last_partition_of_all_faces_says_what_is_kept():
+def test_the_last_partition_of_all_faces_decides_which_openings_stay():
     first, second = rcp.Partition(proxies=5), rcp.Partition(proxies=6)
     part = rcp.Partition(proxies=2, faces=(1, 2))
     assert rcp.Recipe((first, rcp.AddProxy(face=1), part)).whole() == (0, first)
@@ -101,7 +101,7 @@ def test_the_last_partition_of_all_faces_says_what_is_kept():
     assert rcp.Recipe().whole() == (-1, None)
 
 
-def test_the_module_tells_and_keeps_openings_and_copies_know_them():
+def test_the_module_lists_and_keeps_openings_and_copies_have_them():
     vertices, triangles = shapes.room(4)
     options = engine.CleanOptions(cut_handles=5.0)
     mesh = engine.clean(vertices, triangles, options)
@@ -122,7 +122,7 @@ def test_the_module_tells_and_keeps_openings_and_copies_know_them():
 
 
 @pytest.mark.parametrize("tunnels", [3, 4, 8, 16])
-def test_handles_are_found_whatever_the_order_of_vertices_and_faces(tunnels):
+def test_handles_are_found_for_any_order_of_vertices_and_faces(tunnels):
     random, closed = np.random.default_rng(7), 0
     for noise in 0.004 * np.arange(6):
         vertices, triangles = (np.asarray(array) for array in shapes.room(tunnels))
@@ -146,7 +146,7 @@ def test_openings_are_where_the_caller_s_coordinates_are():
     assert kept.report["euler"] == there.report["euler"] - 2
 
 
-def test_the_add_on_keeps_what_was_clicked():
+def test_the_add_on_keeps_clicked_openings():
     scan, session = scan_of(*shapes.room(16)), Session()
     step = rcp.Partition(proxies=REGIONS)
     outcome = session.replay(scan, rcp.Recipe((step,)))

@@ -44,7 +44,7 @@ def sources(module):
 
 
 @pytest.mark.parametrize("module", sorted(modules()))
-def test_a_module_includes_only_what_it_declares_and_what_comes_before(module):
+def test_a_module_includes_only_declared_and_earlier_modules(module):
     allowed = reachable(modules(), module)
     files = sources(module)
     assert files
@@ -64,7 +64,7 @@ def test_the_modules_of_the_documentation_are_those_of_cmake():
     assert listed == modules()
 
 
-def test_modules_come_in_the_agreed_order():
+def test_modules_are_in_the_agreed_order():
     for module, uses in modules().items():
         for other in uses:
             assert (module, other) not in UNRELATED
@@ -118,7 +118,7 @@ def test_the_package_imports_itself_relatively_and_else_only_numpy_and_pillow_fo
             assert name.startswith(".") or name in allowed or name in sys.stdlib_module_names, f"{path} imports {name}"
 
 
-def test_what_is_optional_is_not_imported_before_it_is_asked_for():
+def test_optional_packages_are_not_imported_before_their_use():
     code = "import sys, isimp_engine.cli, isimp_engine.batch.work; print({'distributed', 'PIL'} & set(sys.modules))"
     outer = str(Path(isimp_engine.__file__).parents[1])
     done = subprocess.run([sys.executable, "-c", code], env={"PYTHONPATH": outer}, capture_output=True, text=True)
@@ -176,7 +176,7 @@ def test_recipe_and_view_stand_on_little(file, extra):
         assert name.startswith(".") or name in extra or name in sys.stdlib_module_names, f"{file} imports {name}"
 
 
-def test_the_package_also_works_inside_another_one_beside_the_installed_copy(tmp_path):
+def test_the_package_also_works_inside_another_one_with_the_installed_copy(tmp_path):
     inner = tmp_path / "isimp" / "isimp_engine"
     shutil.copytree(Path(isimp_engine.__file__).parent, inner)
     (tmp_path / "isimp" / "__init__.py").touch()

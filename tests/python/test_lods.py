@@ -27,7 +27,7 @@ def run(*arguments):
     return cli.main([str(argument) for argument in arguments])
 
 
-def test_each_level_is_what_its_number_gives_alone(scan, tmp_path, capsys):
+def test_each_level_equals_the_result_for_its_number_alone(scan, tmp_path, capsys):
     out, labels, report = tmp_path / "stone.obj", tmp_path / "l.npy", tmp_path / "r.json"
     assert run("simplify", scan, out, "--lods", "60,20,8", "--labels", labels, "--report", report) == 0
     said = capsys.readouterr().out
@@ -67,7 +67,7 @@ def test_numbers_that_do_not_fall_are_refused(scan, tmp_path, capsys, text):
     assert "each below the one before" in capsys.readouterr().err
 
 
-def test_what_contradicts_levels_is_refused_before_the_work(scan, tmp_path, capsys):
+def test_options_that_contradict_levels_are_refused_before_the_work(scan, tmp_path, capsys):
     assert run("simplify", scan, tmp_path / "o.ply", "--lods", "20,8", "--detail", ".01") == 2
     assert "leave out --detail" in capsys.readouterr().err
     assert not list(tmp_path.glob("o*"))

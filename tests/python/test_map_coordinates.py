@@ -21,7 +21,7 @@ def house(size):
 
 
 @pytest.mark.parametrize("offset", OFFSETS.values(), ids=OFFSETS)
-def test_vertices_come_back_bit_for_bit(offset):
+def test_vertices_are_returned_bit_for_bit(offset):
     vertices, triangles = house(5)
     mesh = engine.clean(vertices + offset, triangles)
     assert (mesh.vertices == (vertices + offset)[mesh.source_vertex]).all()

@@ -15,7 +15,7 @@ HALVES = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32)
 
 @pytest.mark.parametrize("float_type", [np.float32, np.float64, ">f4", ">f8"])
 @pytest.mark.parametrize("int_type", [np.int32, np.int64, ">i4", ">i8"])
-def test_takes_both_sizes_and_byte_orders(float_type, int_type):
+def test_accepts_both_sizes_and_byte_orders(float_type, int_type):
     mesh = engine.Mesh(SQUARE.astype(float_type), HALVES.astype(int_type))
     assert mesh.vertices.dtype == np.float64
     assert mesh.triangles.dtype == np.int32
@@ -23,7 +23,7 @@ def test_takes_both_sizes_and_byte_orders(float_type, int_type):
     np.testing.assert_array_equal(mesh.triangles, HALVES)
 
 
-def test_takes_any_strides():
+def test_accepts_any_strides():
     wide = np.zeros((8, 7))
     wide[::2, 1:7:2] = SQUARE
     packed = np.zeros(2, dtype=np.dtype([("flag", "u1"), ("corners", "<i4", 3)]))  # corners begin at odd addresses
@@ -33,11 +33,11 @@ def test_takes_any_strides():
     np.testing.assert_array_equal(engine.Mesh(SQUARE[::-1], HALVES).vertices, SQUARE[::-1])
 
 
-def test_takes_nested_lists_of_the_right_kind():
+def test_accepts_nested_lists_of_the_right_kind():
     assert engine.Mesh(SQUARE.tolist(), HALVES.tolist()).report["faces"] == 2
 
 
-def test_copies_what_it_is_given():
+def test_copies_the_callers_arrays():
     vertices = SQUARE.copy()
     mesh = engine.Mesh(vertices, HALVES)
     vertices[:] = 7
@@ -113,7 +113,7 @@ def test_a_coordinate_that_is_not_finite_names_the_vertex(bad, float_type):
 
 
 @pytest.mark.parametrize("faces", [np.zeros((0, 3), np.int32), np.zeros((0, 3), np.int64)])
-def test_no_faces_is_said(faces):
+def test_a_mesh_without_faces_is_refused(faces):
     with pytest.raises(engine.InvalidInput, match="no faces"):
         engine.Mesh(SQUARE, faces)
     with pytest.raises(engine.InvalidInput, match="no faces"):
@@ -129,7 +129,7 @@ def test_no_faces_is_said(faces):
         ([[0, 1, 2], [0, 3, 4]], "faces of vertex 0 form two or more fans"),
     ],
 )
-def test_what_is_no_surface_is_said_and_points_to_clean(triangles, said):
+def test_unsound_arrays_are_named_and_the_error_points_to_clean(triangles, said):
     vertices = np.concatenate([SQUARE, [[0.5, 0.5, 1]]])
     with pytest.raises(engine.InvalidInput, match=f"{said}.*clean"):
         engine.Mesh(vertices, np.array(triangles))
@@ -150,7 +150,7 @@ def test_a_mesh_keeps_the_callers_order(cube):
     np.testing.assert_array_equal(cube.source_vertex, np.arange(len(vertices)))
 
 
-def test_the_report_says_what_the_mesh_is(cube):
+def test_the_report_describes_the_mesh(cube):
     report = cube.report
     assert (report["vertices"], report["faces"], report["components"]) == (98, 192, 1)
     assert report["closed"] is True
@@ -196,5 +196,5 @@ def test_views_are_read_only_and_keep_the_mesh_alive():
     assert len(churn) == 20
 
 
-def test_it_says_what_it_is(cube):
+def test_its_repr_describes_it(cube):
     assert repr(cube) == "<Mesh: 192 faces, 98 vertices, 1 component, closed>"

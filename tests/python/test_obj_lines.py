@@ -26,7 +26,7 @@ def read(tmp_path, rows, end="\n", threads=0):
 
 @pytest.mark.parametrize("corners", [3, 4])
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
-def test_plain_files_give_what_line_by_line_gives(tmp_path, corners, end):
+def test_plain_files_equal_reading_line_by_line(tmp_path, corners, end):
     rows = lines(corners)
     assert sum(map(len, rows)) > 1 << 20
     slowly = read(tmp_path, [" # a space before a line is not plain", *rows])
@@ -59,7 +59,7 @@ def test_faces_of_several_sizes_are_shared_by_threads(tmp_path):
         ("f\v1 2 3", [[0, 1, 2]]),
     ],
 )
-def test_what_is_not_plain_is_read_too(tmp_path, row, faces):
+def test_other_files_are_read_too(tmp_path, row, faces):
     rows = lines(n=10)
     _, loops, start = read(tmp_path, [*rows, row])
     found = [part.tolist() for part in np.split(loops, start[1:])]
@@ -78,7 +78,7 @@ def test_what_is_not_plain_is_read_too(tmp_path, row, faces):
         ("f 1 2 99999999999", "face 200 .* uses an impossible vertex"),
     ],
 )
-def test_damage_is_said_with_its_line(tmp_path, row, said):
+def test_damage_is_named_with_its_line(tmp_path, row, said):
     rows = lines(n=10)
     assert len(rows) == 328
     with pytest.raises(engine.FileError, match=said):

@@ -61,7 +61,7 @@ def made():
     [copy.copy, copy.deepcopy, *(lambda x, p=p: pickle.loads(pickle.dumps(x, p)) for p in (2, 5))],  # noqa: S301
     ids=["copy", "deepcopy", "pickle2", "pickle5"],
 )
-def test_what_comes_back_is_equal_and_can_be_worked_on(again):
+def test_copies_are_equal_and_usable(again):
     results = made()
     copies = [again(result) for result in results]
     for one, other in zip(results, copies, strict=True):
@@ -72,7 +72,7 @@ def test_what_comes_back_is_equal_and_can_be_worked_on(again):
     assert_equal(engine.polygonize(*results[:2]), engine.polygonize(*copies[:2]))
 
 
-def test_they_go_to_another_process_and_come_back():
+def test_they_travel_to_another_process_and_back():
     mesh, part, polygons, options = made()
     with multiprocessing.get_context("spawn").Pool(1) as pool:
         assert_equal(pool.apply(engine.polygonize, (mesh, part)), polygons)
@@ -170,7 +170,7 @@ def test_nor_is_one_of_a_private_class():
             use(kind.__new__(kind))
 
 
-def test_what_is_of_other_polygons_is_refused():
+def test_an_atlas_of_other_polygons_is_refused():
     mesh, part, polygons = made()[:3]
     others = engine.polygonize(mesh, engine.partition(mesh, engine.PartitionOptions(proxies=5)))
     options = engine.TextureOptions(size=64, occlusion=True)

@@ -43,7 +43,7 @@ def on_floor(poly, made, points):
 
 
 @pytest.mark.parametrize("height", [0.3, 3.0])
-def test_a_wall_keeps_off_what_its_view_factor_says(height):
+def test_a_wall_blocks_the_share_of_its_view_factor(height):
     soup, regions = with_wall(height)
     _, _, poly, made = result(soup, regions, size=512, occlusion=True, occlusion_rays=1152)
     points = 0.1 + 0.8 * np.random.default_rng(1).random((400, 2))
@@ -53,7 +53,7 @@ def test_a_wall_keeps_off_what_its_view_factor_says(height):
     assert open_share(points, height).min() < 0.8  # some light is blocked
 
 
-def test_beside_a_high_wall_half_of_the_light_is_left():
+def test_next_to_a_high_wall_half_of_the_light_is_left():
     vertices, triangles = shapes.plane(4)
     floor = vertices * [0.2, 20, 1]
     wall = np.array([[-1e-3, -20, 0], [-1e-3, 40, 0], [-1e-3, 40, 60], [-1e-3, -20, 60]])

@@ -53,7 +53,7 @@ def test_all_openings_are_kept_on_request(tmp_path, options):
 
 
 @pytest.mark.parametrize("closes", [None, True, False])
-def test_a_recipe_says_whether_openings_are_closed(tmp_path, closes):
+def test_a_recipe_decides_whether_openings_are_closed(tmp_path, closes):
     step = {"step": "partition", "proxies": REGIONS} | ({} if closes is None else {"close_openings": closes})
     (tmp_path / "r.json").write_text(json.dumps({"isimp_recipe": 1, "steps": [step]}))
     report, _ = simplified(tmp_path, shapes.room(16), "--recipe", tmp_path / "r.json")
@@ -83,7 +83,7 @@ def test_more_regions_show_more_openings(tmp_path):
     assert many["repair"]["cut_handles"] == 0
 
 
-def test_with_a_detail_the_regions_found_tell_what_is_closed(tmp_path):
+def test_with_a_detail_the_found_regions_decide_which_openings_are_closed(tmp_path):
     report, _ = simplified(tmp_path, shapes.room(16), "--detail=0.3")
     area = report["mesh"]["area"]
     assert report["repair"]["cut_handles"] == 16
@@ -106,7 +106,7 @@ def test_the_length_needs_a_region():
     assert engine.opening_length(mesh, 30) > engine.opening_length(mesh, 3000) > 0
 
 
-def test_the_add_on_closes_them_too_and_edits_what_is_closed():
+def test_the_add_on_closes_them_too_and_edits_the_closed_mesh():
     scan, session = scan_of(*shapes.room(16)), Session()
     steps = rcp.Recipe((rcp.Partition(proxies=REGIONS),))
     outcome = session.replay(scan, steps)
@@ -186,7 +186,7 @@ def test_openings_of_a_repaired_mesh_are_closed_as_by_a_repair_of_the_arrays(shi
         engine.close_openings(plain, options, keep=np.full((1, 3), np.nan))
 
 
-def test_covers_belong_to_the_face_beside_them():
+def test_covers_belong_to_the_adjacent_face():
     scan = scan_of(*shapes.room(4))
     mesh = engine.clean(scan.vertices, scan.triangles, engine.CleanOptions(cut_handles=5.0))
     covers = np.flatnonzero(mesh.source_face < 0)

@@ -132,7 +132,7 @@ def test_a_text_field_takes_text_only():
 
 
 @pytest.mark.parametrize("kind", CLASSES)
-def test_the_table_says_of_each_field_what_it_takes_and_the_engine_keeps_to_it(kind, cube):
+def test_the_table_has_the_range_of_each_field_and_the_engine_keeps_to_it(kind, cube):
     def use(**values):
         options = kind(**values)
         if kind is engine.CleanOptions:

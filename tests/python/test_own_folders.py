@@ -25,7 +25,7 @@ def tile(tmp_path):
 
 
 @pytest.mark.parametrize("plan", ['{"version": 4}', '{"key": "0", "isimp": "1"}', "[]", ""])
-def test_a_folder_of_the_users_with_a_plan_stays_as_it_is(tmp_path, tile, plan):
+def test_a_folder_of_the_users_with_a_plan_does_not_change(tmp_path, tile, plan):
     project = tmp_path / "project"
     (project / "sub").mkdir(parents=True)
     (project / "plan.json").write_text(plan)
@@ -68,7 +68,7 @@ def test_the_folder_of_a_run_that_was_ended_is_no_dead_end(tmp_path, tile, state
     assert sorted(os.listdir(tmp_path)) == ["in", "o.obj"]
 
 
-def test_what_a_folder_is_for_is_removed_first_and_its_mark_last(tmp_path, monkeypatch):
+def test_the_content_of_a_folder_is_removed_first_and_its_mark_last(tmp_path, monkeypatch):
     own = Own(tmp_path / "own", "plan|step")
     own.take(unmarked=False)
     (own.path / "plan").touch()

@@ -141,7 +141,7 @@ def test_no_zip_is_made_for_blenders_whose_pythons_are_not_there(tmp_path, capsy
     assert "no legacy zip" in capsys.readouterr().err
 
 
-def test_checksums_are_those_that_sha256sum_checks(tmp_path):
+def test_sha256sum_accepts_the_checksums(tmp_path):
     (tmp_path / "a.whl").write_bytes(b"wheel")
     (tmp_path / "gone.zip.sha256").write_text("old")
     assert [path.name for path in wheels.checksums(tmp_path)] == ["a.whl.sha256"]
@@ -151,7 +151,7 @@ def test_checksums_are_those_that_sha256sum_checks(tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.whl", "a.whl.sha256"]
 
 
-def test_a_python_without_a_module_is_told_which_there_are():
+def test_the_error_of_a_python_without_a_module_lists_the_others():
     names = ["_core.cpython-310-x86_64-linux-gnu.so", "_core.cpython-311-x86_64-linux-gnu.so", "_core.pyi"]
     said = _carried.problem(names, [".cpython-399-x86_64-linux-gnu.so", ".abi3.so", ".so"])
     running = "{}.{}".format(*sys.version_info)
@@ -180,7 +180,7 @@ def test_a_file_with_another_checksum_is_not_used(tmp_path):
         ("libcgal-dev", "version.h", True),
     ],
 )
-def test_what_is_taken_of_each_package(name, path, needed):
+def test_the_files_taken_from_each_package(name, path, needed):
     assert headers.wanted(name, PurePosixPath(path)) == needed
 
 
@@ -195,7 +195,7 @@ def test_headers_and_licences_are_gathered(tmp_path):
     assert made == {"include/Eigen/src/Core.h", "licences/cmeel-eigen-LICENSE"}
 
 
-def test_a_build_that_may_not_fetch_says_what_it_lacks(tmp_path):
+def test_a_build_that_may_not_fetch_lists_missing_headers(tmp_path):
     """Only the part of CMake that searches for headers, in a project of its own that compiles nothing."""
     (tmp_path / "CMakeLists.txt").write_text(
         "cmake_minimum_required(VERSION 3.24)\nproject(lacking LANGUAGES NONE)\n"
@@ -220,7 +220,7 @@ def fetched(monkeypatch):
     return script("python_headers")
 
 
-def test_headers_of_another_python_come_with_the_suffix_of_its_modules(tmp_path, monkeypatch, capsys, fetched):
+def test_headers_of_another_python_include_the_suffix_of_its_modules(tmp_path, monkeypatch, capsys, fetched):
     tree = tmp_path / "tree" / "usr" / "include"
     (tree / "python3.14").mkdir(parents=True)
     (tree / "x86_64-linux-gnu" / "python3.14").mkdir(parents=True)
@@ -245,7 +245,7 @@ def test_headers_of_another_python_come_with_the_suffix_of_its_modules(tmp_path,
         tree.mkdir(exist_ok=True)
 
 
-def test_headers_of_a_python_that_debian_lacks_are_said_to_be_missing(tmp_path, monkeypatch, capsys, fetched):
+def test_headers_of_a_python_that_debian_lacks_are_reported_missing(tmp_path, monkeypatch, capsys, fetched):
     monkeypatch.setattr(fetched, "Apt", lambda *_: (_ for _ in ()).throw(fetched.Missing("no mirror of Debian")))
     assert fetched.main(["3.14", str(tmp_path / "headers")]) == 1
     assert "no mirror of Debian" in capsys.readouterr().err

@@ -26,7 +26,7 @@ def split(mesh, **values):
 
 
 @pytest.mark.parametrize("method", THESIS)
-def test_each_method_gives_regions_and_the_same_again_from_what_the_mesh_keeps(mesh, method):
+def test_each_method_gives_regions_and_the_same_again_from_kept_data(mesh, method):
     first, again = split(mesh, method=method, fraction=0.25), split(mesh, method=method, fraction=0.25)
     assert np.unique(first.face_region).tolist() == list(range(40))
     assert np.array_equal(first.face_region, again.face_region)
@@ -53,7 +53,7 @@ def test_the_search_is_free_and_the_connecting_is_not(mesh):
 
 
 @pytest.mark.parametrize("method", THESIS)
-def test_guides_hold_and_another_mesh_is_not_taken_for_the_kept_one(mesh, method):
+def test_guides_hold_and_another_mesh_does_not_use_the_kept_one(mesh, method):
     plain = split(mesh, method=method, fraction=0.25)
     options = engine.PartitionOptions(proxies=40, method=method, fraction=0.25)
     weights = np.where(mesh.vertices[mesh.triangles].mean(axis=1)[:, 2] > 0.5, 9.0, 1.0)
@@ -78,7 +78,7 @@ def test_options_out_of_range_are_named(mesh, values, message):
 
 
 @pytest.mark.skipif("cuda" in engine.backends(), reason="there is a device")
-def test_a_back_end_that_is_not_here_is_refused_with_the_reason_and_what_there_is(mesh):
+def test_a_missing_back_end_is_refused_with_the_reason_and_the_choices(mesh):
     for method in (*THESIS, "hierarchy"):
         with pytest.raises(engine.InvalidInput, match=r"back end 'cuda' is not available here: .*; there is: cpu"):
             split(mesh, method=method, backend="cuda")

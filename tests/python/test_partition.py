@@ -84,7 +84,7 @@ def check(mesh, part, regions):
     ],
 )
 @pytest.mark.parametrize("proxies", [1, 2, 17, 300])
-def test_exactly_the_asked_number_of_connected_regions(sheet, proxies, how):
+def test_exactly_the_requested_number_of_connected_regions(sheet, proxies, how):
     part = engine.partition(sheet, options(proxies=proxies, **how))
     check(sheet, part, proxies)
     assert part.proxies_asked == proxies
@@ -99,7 +99,7 @@ def test_one_region_a_face():
     assert part.error == pytest.approx(0, abs=1e-9)
 
 
-def test_a_closed_part_gets_what_it_needs_and_says_so():
+def test_a_closed_part_gets_its_need_and_reports_it():
     mesh = engine.Mesh(*shapes.two_cubes())
     part = engine.partition(mesh, options(proxies=3))
     check(mesh, part, 8)
@@ -108,7 +108,7 @@ def test_a_closed_part_gets_what_it_needs_and_says_so():
     assert part.report["proxies_needed"] == 8
 
 
-def test_specks_are_left_out_unless_asked_for():
+def test_specks_are_left_out_unless_requested():
     big, small = shapes.plane(20), shapes.plane(1)
     mesh = engine.Mesh(*shapes.joined(big, (small[0] * 0.01 + [2, 0, 0], small[1])))
     part = engine.partition(mesh, options(proxies=5))
@@ -154,7 +154,7 @@ def test_the_default_finds_the_six_sides_of_a_cube_from_any_face_order(seed):
     assert part.error == pytest.approx(0, abs=1e-6)
 
 
-def test_what_a_mesh_keeps_changes_no_result(sheet):
+def test_kept_data_of_a_mesh_changes_no_result(sheet):
     """A mesh that was partitioned before gives the same as a fresh one, for any order of the counts."""
     counts = (30, 300, 3000, 31, 30)
     kept = engine.Mesh(sheet.vertices, sheet.triangles)
@@ -244,7 +244,7 @@ def test_every_number_of_the_header_is_there(cube):
             assert hasattr(part, field)
 
 
-def test_weights_draw_regions_to_where_they_are_large(sheet):
+def test_weights_draw_regions_to_large_ones(sheet):
     left = sheet.vertices[sheet.triangles].mean(axis=1)[:, 0] < 0.5
     counts = []
     for weight in (1.0, 4.0, 100.0):
@@ -282,7 +282,7 @@ def test_no_region_crosses_a_barrier(method):
     assert engine.separated_faces(mesh, engine.partition(mesh, options(proxies=2))).shape == (0, 2)
 
 
-def test_what_a_mesh_keeps_is_kept_apart_by_guides(sheet):
+def test_kept_data_of_a_mesh_is_separate_for_each_guides(sheet):
     mesh, faces = engine.Mesh(sheet.vertices, sheet.triangles), len(sheet.triangles)
     weights = np.linspace(0, 1, faces)
     runs = [{}, {"weights": weights}, {"weights": weights[::-1]}, {"barriers": sheet.triangles[:50, :2]}, {}]
@@ -327,7 +327,7 @@ def test_add_makes_the_last_region_and_keeps_the_other_numbers(cube):
     np.testing.assert_array_equal(more.face_region[kept], before[kept])
 
 
-def test_delete_gives_the_faces_to_the_neighbours(sheet):
+def test_delete_adds_the_faces_to_the_neighbours(sheet):
     part = engine.partition(sheet, options(proxies=30))
     region = int(part.face_region[4000])
     fewer = engine.delete_proxy(sheet, part, 4000)
@@ -346,7 +346,7 @@ def test_edits_are_deterministic(sheet):
 
 
 @pytest.mark.parametrize("edit", [engine.add_proxy, engine.delete_proxy])
-def test_an_edit_at_no_face_says_how_many_there_are(cube, edit):
+def test_an_edit_at_no_face_names_the_number_of_faces(cube, edit):
     part = engine.partition(cube, options(proxies=6))
     for face in (-1, 192, 2**31 - 1):
         with pytest.raises(engine.InvalidInput, match=rf"{face}.*192|192.*{face}"):
@@ -375,7 +375,7 @@ def test_a_region_of_one_face_can_not_be_split_nor_the_only_region_deleted():
         engine.delete_proxy(mesh, one, 0)
 
 
-def test_a_speck_is_brought_back_by_add():
+def test_add_restores_a_speck():
     big, small = shapes.plane(20), shapes.plane(1)
     mesh = engine.Mesh(*shapes.joined(big, (small[0] * 0.01 + [2, 0, 0], small[1])))
     part = engine.partition(mesh, options(proxies=5))

@@ -39,7 +39,7 @@ def read(tmp_path, rows, end="\n", threads=0):
 
 @pytest.mark.parametrize("corners", [3, 0])
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
-def test_rows_in_lines_give_what_word_by_word_gives(tmp_path, corners, end):
+def test_rows_in_lines_equal_reading_word_by_word(tmp_path, corners, end):
     places, faces = sheet(corners, times=40)
     rows = head(len(places), len(faces)) + places + faces
     assert sum(map(len, rows)) > 1 << 20
@@ -93,7 +93,7 @@ def test_rows_that_are_no_lines_are_read_too(tmp_path, mend):
         (-1, "-1", "face 199 .* promises a list of -1 values"),
     ],
 )
-def test_damage_is_said_with_its_place(tmp_path, at, row, said):
+def test_damage_is_named_with_its_place(tmp_path, at, row, said):
     places, faces = sheet(n=10, times=1)
     rows = places + faces
     rows[at] = row

@@ -61,7 +61,7 @@ def test_untouched_charts_keep_their_place_and_their_pixels(scan):
     assert same.sum() >= made.report["kept_pixels"]
 
 
-def test_it_is_what_a_whole_bake_of_the_layout_gives(scan):
+def test_it_equals_a_whole_bake_of_the_layout(scan):
     options = {"size": 256, "occlusion": True, "occlusion_rays": 9, "height": True}
     _, old = baked(scan, scan[2], **options)
     _, made = baked(scan, scan[3], old, **options)

@@ -172,7 +172,7 @@ def test_a_long_chain_of_edits_keeps_every_promise():
     assert all(done.values()), f"some kind of edit was never done: {done}"
 
 
-def test_edits_beside_parts_that_were_left_out():
+def test_edits_next_to_parts_that_were_left_out():
     vertices, triangles = shapes.joined(
         shapes.cube(8), shapes.torus(), (shapes.plane(1)[0] * 0.01 + 3, shapes.plane(1)[1])
     )

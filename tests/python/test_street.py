@@ -29,7 +29,7 @@ def test_planes_of_a_street_stay_and_its_polygons_whole(rows):
     assert planar["polygons"] <= 1.04 * planar["regions"]
 
 
-def test_true_faces_of_a_street_are_told_apart():
+def test_true_faces_of_a_street_are_distinguished():
     judge = bench.Judge(houses.street(1))
     assert judge.part.max() + 1 == 114
     part = engine.partition_from(judge.mesh, judge.part.astype(np.int32))

@@ -48,6 +48,6 @@ def test_a_function_of_the_stub_has_the_parameters_of_the_real_one(node):
     assert any(text)
 
 
-def test_what_is_made_from_the_table_of_options_is_up_to_date(generate):
+def test_files_made_from_the_table_of_options_are_up_to_date(generate):
     assert generate.with_classes(generate.STUB.read_text()) == generate.STUB.read_text(), "run scripts/generate.py"
     assert generate.data() == generate.DATA.read_text(), "run scripts/generate.py"

@@ -25,7 +25,7 @@ def part(mesh):
     return engine.partition(mesh, engine.PartitionOptions(proxies=100, symmetry="found"))
 
 
-def test_the_report_tells_the_plane(part):
+def test_the_report_has_the_plane(part):
     plane = part.symmetry
     assert np.allclose(plane["normal"], [1, 0, 0], atol=0.01)
     assert plane["offset"] == pytest.approx(0, abs=0.01)
@@ -111,7 +111,7 @@ def test_the_command_reports_it(tmp_path, capsys, flag):
     assert corners >= 0.8 * all_
 
 
-def test_the_command_says_where_no_plane_is_found(tmp_path, capsys):
+def test_the_command_reports_a_missing_plane(tmp_path, capsys):
     vertices, triangles = shapes.figure(lump=1.2)
     scan = tmp_path / "scan.obj"
     rows = [f"v {x} {y} {z}" for x, y, z in vertices] + [f"f {a} {b} {c}" for a, b, c in triangles + 1]
@@ -120,7 +120,7 @@ def test_the_command_says_where_no_plane_is_found(tmp_path, capsys):
     assert "no mirror plane found" in capsys.readouterr().out
 
 
-def test_a_recipe_asks_for_it():
+def test_a_recipe_may_request_it():
     steps = [{"step": "partition", "proxies": 80, "symmetry": "y"}]
     assert recipes.parsed({"isimp_recipe": 1, "steps": steps}).partition["symmetry"] == "y"
     with pytest.raises(recipes.RecipeError, match="symmetry"):

@@ -106,7 +106,7 @@ def write_plane_obj(folder, uv, image="t.png", n=6):
         ("turned", lambda p: p[:, ::-1]),
     ],
 )
-def test_a_plane_shows_the_image_where_its_uvs_say(tmp_path, name, uv):
+def test_a_plane_shows_the_image_at_its_uvs(tmp_path, name, uv):
     picture(tmp_path, "t.png", ramp())
     soup = engine.read_textured(write_plane_obj(tmp_path, uv))
     _, _, poly, made = result(soup, np.zeros(len(soup.triangles)), size=256)
@@ -151,7 +151,7 @@ def test_sixteen_bit_and_grey_images_are_read(tmp_path):
 
 
 @pytest.mark.parametrize("what", ["image", "library", "material"])
-def test_what_is_missing_is_named(tmp_path, what):
+def test_missing_files_are_named(tmp_path, what):
     path = write_plane_obj(tmp_path, lambda p: p)
     name = "t.png"
     if what == "library":
@@ -164,13 +164,13 @@ def test_what_is_missing_is_named(tmp_path, what):
         engine.read_textured(path)
 
 
-def test_what_is_no_image_is_named(tmp_path):
+def test_a_file_that_is_no_image_is_named(tmp_path):
     (tmp_path / "t.png").write_bytes(b"no image")
     with pytest.raises(engine.FileError, match=r"t\.png: is not an image"):
         engine.read_textured(write_plane_obj(tmp_path, lambda p: p))
 
 
-def test_without_a_texture_it_says_so(cube):
+def test_a_scan_without_a_texture_is_refused(cube):
     vertices, triangles = shapes.cube(2)
     with pytest.raises(engine.InvalidInput, match="neither an image nor colours"):
         result(engine.TexturedSoup(vertices, triangles), np.zeros(len(triangles)))
@@ -305,7 +305,7 @@ def made_plane(tmp_path):
     return tmp_path, poly, made
 
 
-def test_obj_and_glb_come_back_as_they_were(made_plane):
+def test_obj_and_glb_are_read_back_the_same(made_plane):
     folder, poly, made = made_plane
     files = engine.write_textured(folder / "out.obj", poly, made)
     assert sorted(f.name for f in files) == ["out.mtl", "out.obj", "out.png", "out_normal.png"]
@@ -369,7 +369,7 @@ def test_the_command_does_not_overwrite_the_scans_own_image(tmp_path):
         (["cube.obj", "x.glb"], 2, "OUTPUT must end in"),
     ],
 )
-def test_the_command_says_what_is_wrong_in_a_line(tmp_path, arguments, status, text):
+def test_the_command_names_the_fault_in_a_line(tmp_path, arguments, status, text):
     write_cube_obj(tmp_path)
     vertices, triangles = shapes.plane(2)
     x, y, z = vertices.T.astype(np.float32)

@@ -126,7 +126,7 @@ def test_the_scans_normal_map_leans_the_way_it_does_there(uv, wanted, reversed_)
     assert np.allclose(local @ frame, wanted, atol=0.02)
 
 
-def test_what_is_wrong_with_layers_is_named():
+def test_faults_of_layers_are_named():
     soup = plane()
     for layers, match in (
         ({"gloss": engine.TextureLayer([GREY])}, "'gloss'; there are roughness"),
@@ -155,7 +155,7 @@ def write_pbr_obj(folder):
     return path
 
 
-def test_an_obj_with_maps_comes_back(tmp_path):
+def test_an_obj_with_maps_is_read_back(tmp_path):
     soup = engine.read_textured(write_pbr_obj(tmp_path))
     assert set(soup.layers) == {"roughness", "metallic", "emission", "normal"}
     assert {file.name for file in soup.files} == {

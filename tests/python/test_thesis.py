@@ -59,7 +59,7 @@ def test_fractions_have_the_hybrid_with_and_without_relaxing(folder):
         assert float(relaxed["error"]) < float(plain["error"])
 
 
-def test_every_finding_says_whether_it_holds_and_by_what_figures(folder):
+def test_every_finding_has_a_verdict_and_its_figures(folder):
     rows = rows_of(folder, "findings")
     assert len(rows) >= 14
     assert {row["holds"] for row in rows} <= {"True", "False"}
@@ -94,7 +94,7 @@ def verdicts(**tables):
     return {row["thesis"].split(" (connected")[0]: row["holds"] for row in thesis_findings.findings(**tables)}
 
 
-def test_findings_hold_where_the_figures_say_so_and_fail_where_they_do_not():
+def test_findings_hold_or_fail_by_the_figures():
     tables = hand_made()
     assert [what for what, holds in verdicts(**tables).items() if not holds] == ["the decimator dominates"]
     for row in tables["fractions"]:

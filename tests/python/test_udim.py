@@ -98,7 +98,7 @@ def sides(soup):
 
 
 @pytest.mark.parametrize("name", ["out.obj", "out.glb"])
-def test_results_of_several_tiles_come_back(tmp_path, name):
+def test_results_of_several_tiles_are_read_back(tmp_path, name):
     soup, (_, _, poly, made) = coloured_cube(size=64, tiles=2, occlusion=True)
     assert made.image.shape == (2, 64, 64, 4)
     assert made.normal.shape == (2, 64, 64, 3)
@@ -174,7 +174,7 @@ def test_the_command_makes_tiles_and_does_not_overwrite_the_scans(tmp_path):
         (["--texture", "32", "--tiles", "many"], "must be a whole number in [1, 100]"),
     ],
 )
-def test_the_command_says_what_is_wrong(tmp_path, arguments, text):
+def test_the_command_names_the_fault(tmp_path, arguments, text):
     ran = isimp("simplify", write_udim_plane(tmp_path), tmp_path / "made.obj", *arguments)
     assert ran.returncode == 2
     assert text in ran.stderr

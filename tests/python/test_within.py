@@ -57,7 +57,7 @@ def test_the_polygons_keep_one_and_a_half_times_the_bound(bound):
     assert (report["scan_distance"], report["scan_distance_allowed"]) == (result.distance, pytest.approx(1.5 * bound))
 
 
-def test_regions_are_made_anew_only_if_it_is_known_how(monkeypatch):
+def test_regions_are_made_again_only_if_it_is_known_how(monkeypatch):
     monkeypatch.setattr(within, "SLACK", 0.8)
     mesh, options = engine.Mesh(*shapes.torus(48, 24)), engine.PartitionOptions(bound=0.05)
     part = engine.partition(mesh, options)
