@@ -46,7 +46,7 @@ class Readable {
 /// The least number of steps for which threads are worth their start.
 inline constexpr std::int64_t kWorthThreads = 1 << 13;
 
-/// Calls work(policy) with where `count` steps are best done.
+/// Calls work(policy) with the best policy for `count` steps.
 template <class Work>
 auto with_policy(std::int64_t count, Work work) {
   if (count < kWorthThreads) return work(thrust::seq);

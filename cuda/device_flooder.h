@@ -21,7 +21,7 @@
 
 namespace isimp::parallel::ISIMP_DEVICE {
 
-/// Does some work on the device; its failures become the engine's, in words.
+/// Runs work on the device; its errors become the engine's.
 template <class Work>
 auto guarded(const char* what, std::size_t faces, Work work) {
   try {
@@ -77,7 +77,7 @@ class DeviceFlooder final : public Flooder {
     return guarded(what, static_cast<std::size_t>(count_), run);
   }
 
-  /// Sends the proxies over.
+  /// Copies the proxies to the device.
   /// \param anew  every face except the seeds is free
   View begin(const Proxies& proxies, bool anew) {
     regions_ = static_cast<std::int32_t>(proxies.seed.size());
@@ -256,7 +256,7 @@ class DeviceFlooder final : public Flooder {
 
   std::int32_t count_, regions_ = 0;
   int shift_ = 0;
-  Memory memory_;  // before all that takes of it
+  Memory memory_;  // first, since the next ones allocate from it
   Readable<float> faces_;
   Readable<std::int32_t> neighbours_;
   Array<std::int32_t> label_, kept_, seed_, component_;

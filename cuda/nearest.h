@@ -12,7 +12,7 @@ namespace isimp::parallel::ISIMP_DEVICE {
 
 /// The regions' centres in a grid of cells over the unit cube.
 struct Grid {
-  const std::int32_t* start;   ///< (cells + 1) where each cell begins in `region`
+  const std::int32_t* start;   ///< (cells + 1) first entry of each cell in `region`
   const std::int32_t* region;  ///< (R) cell by cell
   std::int32_t side;           ///< cells along an axis
 };
@@ -42,8 +42,8 @@ struct ChooseNear {
   View view;
   const float* place;             ///< (3 N) the faces' centres
   const Normal* centre;           ///< (R) the regions'
-  const std::int32_t* component;  ///< (N); null where there is one
-  const std::int32_t* in_part;    ///< (C) how many regions each component has
+  const std::int32_t* component;  ///< (N); null if there is one component
+  const std::int32_t* in_part;    ///< (C) number of regions of each component
   std::int32_t nearest, regions;
   Grid grid;  ///< null for brute force
 

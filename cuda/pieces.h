@@ -9,7 +9,7 @@
 /// that no order of joining changes a name.
 namespace isimp::parallel::ISIMP_DEVICE {
 
-/// Every face a piece of its own.
+/// Makes every face a piece of its own.
 struct Alone {
   std::int32_t* parent;  ///< (N)
   ISIMP_KERNEL void operator()(std::int64_t i) const { parent[i] = static_cast<std::int32_t>(i); }

@@ -8,7 +8,7 @@
 #include "isimp/core/errors.h"
 #include "isimp/parallel/sums.h"
 
-/// Sums over the faces of each region, of integers, so that the order of adding is of no matter.
+/// Sums over the faces of each region, of integers, so that the order of adding does not matter.
 namespace isimp::parallel::ISIMP_DEVICE {
 
 using Integer = long long;  // the type of CUDA's atomic addition

@@ -33,7 +33,7 @@ T number_at(const char* address) {
   return number;
 }
 
-/// The numbers of an array row by row, each as `take(number, row)` gives it.
+/// The numbers of an array row by row, each converted by `take(number, row)`.
 template <class Number, class Take>
 void for_each(const py::array& array, Take take) {
   const auto* data = static_cast<const char*>(array.data());

@@ -92,7 +92,7 @@ void bind_split_and_merge(py::module_& m) {
       R"(Merge the region of `other` into the region of `face`. Returns a new Partition.
 
 No other face changes its region. The merged region keeps the number of the region of `face`; numbers above that of the
-other region move down by one.
+other region decrease by one.
 Raises InvalidInput (no such face, both in one region, no neighbours, one of them locked) or Cancelled.)");
   bind_at_face(m, "split_region", &split_region,
                R"(Split the region of a face into the two parts whose normals differ most. Returns a new Partition.
@@ -128,11 +128,11 @@ void bind_paint(py::module_& m) {
         return call_here(job, [&](Job& j) { return paint_faces(mesh, part, indices, index, j); });
       },
       "mesh"_a, "partition"_a, "faces"_a, "onto"_a = py::none(), "job"_a = py::none(),
-      R"(Give faces to a new region, or to the region of the face `onto`. Returns a new Partition.
+      R"(Add faces to a new region, or to the region of the face `onto`. Returns a new Partition.
 
 faces: (K,) integers, rows of mesh.triangles. They must be connected, together with the region that takes them. A new
-region is the last one. Parts that the faces cut off from other regions go to the regions beside them. A region that is
-painted over completely disappears. Faces of locked regions do not change. Borders are not relaxed.
+region is the last one. Parts that the faces cut off from other regions join the regions next to them. A region that is
+painted over completely is removed. Faces of locked regions do not change. Borders are not relaxed.
 Raises InvalidInput (no such face, nothing to paint, faces that are not connected) or Cancelled.)");
   m.def(
       "erase_faces",
@@ -144,7 +144,7 @@ Raises InvalidInput (no such face, nothing to paint, faces that are not connecte
       R"(Remove faces from the region of the first face; its neighbours take them. Returns a new Partition.
 
 faces: (K,) integers, rows of mesh.triangles; faces of other regions do not change. A region that loses all its faces
-disappears.
+is removed.
 Raises InvalidInput (no such face, a locked region, no neighbour that can take the faces) or Cancelled.)");
   bind_rings(m, "grow_region", &grow_region,
              R"(Grow the region of a face by `rings` rings of faces. Returns a new Partition.
@@ -235,11 +235,11 @@ Raises InvalidInput (no such face, or it was left out) or Cancelled.)");
         return py::make_tuple(owned(std::move(sides.area)), owned(std::move(sides.normal)));
       },
       "vertices"_a, "triangles"_a, "region"_a, "regions"_a,
-      R"(How large the regions of any triangles are and where they face: (R,) area and (R, 3) normal, float64.
+      R"(The areas and normals of the regions of any triangles: (R,) and (R, 3) float64.
 
-vertices: (V, 3). triangles: (T, 3). region: (T,) the number of each triangle's, -1 for none. regions: how many
-there are, R. normal: the sum of area times
-unit normal, as long as the area where a region is flat. Triangles that are not finite have no area. Raises InvalidInput.
+vertices: (V, 3). triangles: (T, 3). region: (T,) the region of each triangle, -1 for none. regions: their number, R.
+normal: the sum of area times unit normal, as long as the area where a region is flat. Triangles that are not finite have
+no area. Raises InvalidInput.
 Cost: O(V + T).)");
 }
 
@@ -249,12 +249,12 @@ void bind_interact(py::module_& m) {
   bind_at_face(m, "add_proxy", &add_proxy, R"(Start a new region at a face: the thesis's `add`. Returns a new Partition.
 
 face: row of mesh.triangles. The new region is the last one; all others keep their numbers. Only the region of the face and
-the regions beside it change. A face of a component that was left out brings that component back as one region.
+the regions next to it change. A face of a component that was left out restores that component as one region.
 Raises InvalidInput (no such face, its region is a single face or locked) or Cancelled.)");
   bind_at_face(m, "delete_proxy", &delete_proxy,
                R"(Delete the region of a face: the thesis's `del`. Returns a new Partition.
 
-face: row of mesh.triangles. The regions beside it take its faces. Numbers above its number move down by one.
+face: row of mesh.triangles. The regions next to it take its faces. Numbers above its number decrease by one.
 Raises InvalidInput (no such face, it was left out, its region is locked or the only one of its component) or Cancelled.)");
   bind_split_and_merge(m);
   bind_paint(m);

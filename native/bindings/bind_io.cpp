@@ -76,10 +76,10 @@ void bind_io(py::module_& m) {
   m.def("read", &read, "path"_a, "job"_a = py::none(), py::kw_only(), "threads"_a = 0,
         R"(Read a mesh file; returns (vertices, triangles).
 
-(V, 3) float64 and (F, 3) int32. PLY (text, binary), OBJ, STL (text, binary) or OFF, told apart by the extension; polygons
-of more corners are cut into triangles. Nothing is repaired; `clean` does that.
+(V, 3) float64 and (F, 3) int32. PLY (text, binary), OBJ, STL (text, binary) or OFF, by the extension; polygons of more
+corners are cut into triangles. Nothing is repaired; `clean` does that.
 threads: number of threads; 0: the number of cores. The result does not depend on it.
-Raises FileError, which names the file, where in it and what was expected, or Cancelled.)");
+Raises FileError, which names the file, the place in it and the expected content, or Cancelled.)");
   m.def("read_polygons", &read_as_polygons, "path"_a, "job"_a = py::none(), py::kw_only(), "threads"_a = 0,
         R"(Read a mesh file with its polygons; returns (vertices, loops, loop_start).
 
@@ -91,7 +91,7 @@ the rest of `loops`. Polygons keep the file's order and number, broken ones too.
 (F, 3) int32 and (F,) int32, rising: the polygon of each triangle. A polygon of fewer than three corners gives none.
 Raises InvalidInput (an index out of range) or Cancelled.)");
   m.def("write", &write, "path"_a, "polygons"_a, "job"_a = py::none(),
-        R"(Write a PolygonMesh with its n-gons as PLY (binary) or OBJ, told apart by the extension.
+        R"(Write a PolygonMesh with its n-gons as PLY (binary) or OBJ, by the extension.
 
 The file is replaced only when the new one is complete, and keeps its permissions. Pipes and devices are written in place.
 Raises FileError (another extension, a file that is read-only, or the place can't be written) or Cancelled.)");

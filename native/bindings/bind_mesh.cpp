@@ -84,7 +84,7 @@ void bind_class(py::module_& m) {
   py::class_<KeptMesh, std::shared_ptr<KeptMesh>>(m, "Mesh", py::module_local(),
                                                   R"(An oriented triangle surface, checked once and never changed.
 
-Every edge has one or two faces that run along it in opposite directions, the faces round a vertex form one fan, all
+Every edge has one or two faces that run along it in opposite directions, the faces at a vertex form one fan, all
 coordinates are finite. Borders, several components, zero-area faces and unused vertices are ordinary.)")
       .def(py::init(&make_mesh), "vertices"_a, "triangles"_a, "job"_a = py::none(), py::kw_only(), "threads"_a = 0,
            R"(Check and copy the arrays.
@@ -98,30 +98,30 @@ Raises InvalidInput, which names the first row that can't be used and why; `clea
           [](const KeptMesh& mesh) {
             return std::tuple{mesh.origin()[0], mesh.origin()[1], mesh.origin()[2]};
           },
-          "(x, y, z): what the engine subtracts from coordinates that are large beside the mesh, as map coordinates "
-          "are; 0 along the other axes. The difference from `vertices` is exact. Results are in the caller's "
-          "coordinates.")
+          "(x, y, z): the offset that the engine subtracts from coordinates that are large relative to the mesh, such "
+          "as map coordinates; 0 along the other axes. The difference from `vertices` is exact. Results are in the "
+          "caller's coordinates.")
       .def_property_readonly("triangles", viewer<KeptMesh>(&Mesh::triangles), "(F, 3) int32, read-only.")
-      .def_property_readonly("source_face", viewer<KeptMesh>(&Mesh::source_face),
-                             "(F,) int32: the caller's face each face came from; the identity after Mesh(...); -1 for "
-                             "one that covers a hole.")
+      .def_property_readonly(
+          "source_face", viewer<KeptMesh>(&Mesh::source_face),
+          "(F,) int32: the caller's face of each face; the identity after Mesh(...); -1 for one that covers a hole.")
       .def_property_readonly("source_vertex", viewer<KeptMesh>(&Mesh::source_vertex),
-                             "(V,) int32: the caller's vertex each vertex came from; -1 for one that a repair made.")
+                             "(V,) int32: the caller's vertex of each vertex; -1 for one that a repair made.")
       .def_property_readonly("component", viewer<KeptMesh>(&Mesh::component),
                              "(F,) int32: the component of each face, numbered by first face.")
       .def_property_readonly(
-          "report", [](const KeptMesh& mesh) { return report_of(mesh.report()); }, R"(What the mesh is, as a dict.
+          "report", [](const KeptMesh& mesh) { return report_of(mesh.report()); }, R"(Properties of the mesh, as a dict.
 
 vertices, faces, components, closed_components, border_edges, border_loops, euler, zero_area_faces, unused_vertices,
-area and diagonal (scene units), closed; after `clean` also how often each repair was made (unused_vertices: how many it
-dropped). `repairs` holds these counts alone, `repaired_at` the caller's indices of the first few of each: vertices for
-the keys that end so, else faces; both are empty after Mesh(...).)")
+area and diagonal (scene units), closed; after `clean` also the count of each repair (unused_vertices: the number of
+dropped ones). `repairs` holds these counts alone, `repaired_at` the caller's indices of the first few of each: vertices
+for the keys that end so, else faces; both are empty after Mesh(...).)")
       .def_property_readonly("openings", &openings_of,
                              R"(The openings that `clean` was asked to close, as a list of dicts.
 
-kind ('hole' or 'handle'), kept (True: it stayed open, since a place in `keep` means it; False: it was closed), center
-(x, y, z), length (of the border of a hole, of the loop round a handle or tunnel) and loops: (K, 3) arrays of closed
-polylines, the border of a hole or both ends of what was cut out. In the caller's coordinates.)")
+kind ('hole' or 'handle'), kept (True: it stayed open, since a place in `keep` selects it; False: it was closed), center
+(x, y, z), length (of the border of a hole, of the loop around a handle or tunnel) and loops: (K, 3) arrays of closed
+polylines, the border of a hole or both ends of the cut. In the caller's coordinates.)")
       .def(py::pickle([](const KeptMesh& self) { return state_of(self); }, &mesh_from))
       .def("__repr__", [](const KeptMesh& mesh) {
         const MeshReport& r = mesh.report();
@@ -154,7 +154,7 @@ The repairs in their order. The mesh's report has the count and first places of 
  filled_holes          covered by new faces, if the cover intersects nothing and is at most half of its component
  cut_handles           the ring of faces around a handle removed, both ends covered
 Zero-area faces that no flip mends are kept. Faces and vertices keep the caller's order; copies and covers come last.
-vertices: (V, 3) float32 or float64, anything in it. triangles: (F, 3) integers in [0, V).
+vertices: (V, 3) float32 or float64, any values. triangles: (F, 3) integers in [0, V).
 keep: (K, 3) places whose holes and handles stay open, such as the centers in `Mesh.openings`: an opening stays if one
 lies within a quarter of its length of its center.
 Raises InvalidInput (another shape, no faces, an index out of range, a negative length, no face is left) or
@@ -163,8 +163,8 @@ Cancelled. Cost: O(V + F); closing holes or handles adds O((V + F) log F).)");
         "keep"_a = py::none(),
         R"(Close openings of a mesh that is repaired already.
 
-The result is what `clean` makes with these options of the arrays that the mesh was made of; its report tells of both. The
-other repairs are not made again. `fill_holes`, `cut_handles` and `threads` of the options count; `opening_lengths` gives
+The result is that of `clean` with these options for the arrays that the mesh was made from; its report covers both. The
+other repairs are not repeated. `fill_holes`, `cut_handles` and `threads` of the options count; `opening_lengths` gives
 lengths. keep: see `clean`.
 Raises InvalidInput (a negative length, a place that is not finite) or Cancelled. Cost: O((V + F) log F).)");
 }

@@ -85,32 +85,37 @@ void bind_result(py::module_& m) {
       .def_property_readonly("loops", viewer<PolygonMesh>(&PolygonMesh::loops),
                              "(L,) int32: the vertex of each corner.")
       .def_property_readonly("loop_start", viewer<PolygonMesh>(&PolygonMesh::loop_start),
-                             "(Q,) int32: where each polygon begins in `loops`.")
+                             "(Q,) int32: first corner of each polygon in `loops`.")
       .def_property_readonly("polygon_region", viewer<PolygonMesh>(&PolygonMesh::polygon_region),
                              "(Q,) int32: the region of each polygon.")
       .def_property_readonly("planarity", viewer<PolygonMesh>(&PolygonMesh::planarity),
                              "(Q,) float64: largest distance of a corner from the polygon's plane, scene units.")
       .def_property_readonly("source_vertex", viewer<PolygonMesh>(&PolygonMesh::source_vertex),
-                             "(W,) int32: the vertex of the mesh each stands for.")
+                             "(W,) int32: the vertex of the mesh that each one stands for.")
       .def_property_readonly("planes_let_go", viewer<PolygonMesh>(&PolygonMesh::planes_let_go),
-                             "(K,) int32: the regions whose plane `regularise` had snapped and polygons do not keep "
-                             "to, in rising order: a "
-                             "polygon would have a fault, or with options.planar, too many faces.")
+                             "(K,) int32: the regions whose snapped plane the polygons do not use, rising: with it a "
+                             "polygon would have a fault or, with options.planar, too many faces would be added.")
       .def_property_readonly(
-          "report", [](const PolygonMesh& poly) { return report_of(poly.report); }, R"(What came out, as a dict.
+          "report", [](const PolygonMesh& poly) { return report_of(poly.report); },
+          R"(Properties of the polygons, as a dict.
 
-polygons, corners, vertices, regions; regions_split (those that became more than one polygon) and why;
-mirrored_corners: vertices that lie exactly at the mirror image of one, where the partition has a plane (its `symmetry`); closed, manifold,
-euler; planarity_max, planarity_mean (weighted by area) and distance_max (of a corner from its vertex), scene units;
-crossing, flipped, bent: polygons that stayed so; intersecting: pairs of polygons that still intersect, excused: such
-pairs whose regions do so in the scan itself (excused_at_least: there are more, counting stopped); without_area: polygons that are a face of the scan without any; diagonals
-that the repair put across regions, repair_rounds, and repair_capped: whether something is left that takes more than options.repair_budget; work: how many faces were walked over, corners placed and polygons judged, the same on every machine; imperfect: all of these by polygon, of each flaw the first 1,000,
+polygons, corners, vertices, regions; regions_split (regions that became more than one polygon) and the causes;
+mirrored_corners: vertices that lie exactly at the mirror image of one, if the partition has a plane (its `symmetry`);
+closed, manifold, euler; planarity_max, planarity_mean (weighted by area) and distance_max (of a corner from its vertex),
+scene units; crossing, flipped, bent: polygons with these defects; intersecting: pairs of polygons that intersect,
+excused: such pairs whose regions intersect in the scan itself (excused_at_least: there are more, counting stopped);
+without_area: polygons that are a face of the scan without area; diagonals that the repair put across regions,
+repair_rounds, and repair_capped: whether defects are left whose repair would take more than options.repair_budget; work:
+numbers of faces walked over, corners placed and polygons judged, the same on every machine; imperfect: all of these by
+polygon, of each flaw the first 1,000;
 planar: whether every polygon is planar to a millionth of the diagonal. With options.planar also whole, the share of the
-polygons that stayed one; left_off: whether fewer would have than options.planar_most allows, so that none was made planar;
-faces_added, as corners were cut off, and faces_added_for, why: apart (planes do not meet within
-reach), crossing, flipped, meeting (it would have become so). planes_let_go: how many regions' snapped planes were let go.
-imperfect is a list of dicts with polygon (its index), flaw ("crossing", "no_area", "flipped", "bent", "intersecting" or "excused") and, for
-the last two, other (the polygon it meets; each pair is listed under both; none for a face of the scan without area).)")
+polygons that were not cut; left_off: whether more would have been cut than options.planar_most allows, so that no polygon
+was made planar; faces_added by cutting off corners, and faces_added_for, the causes: apart (planes do not meet
+within reach), crossing, flipped, meeting (the polygon would have this defect). planes_let_go: the number of regions whose
+snapped planes were released.
+imperfect is a list of dicts with polygon (its index), flaw ("crossing", "no_area", "flipped", "bent", "intersecting" or
+"excused") and, for the last two, other (the polygon it meets; each pair is listed under both; none for a face of the scan
+without area).)")
       .def(py::pickle([](const PolygonMesh& self) { return state_of(self); }, &polygons_from))
       .def("__repr__", [](const PolygonMesh& poly) {
         return py::str("<PolygonMesh: {} polygons, {} vertices, {}>")
@@ -147,9 +152,9 @@ void bind_meshing(py::module_& m) {
       "mesh"_a, "partition"_a, "options"_a = RegulariseOptions(), "job"_a = py::none(), "up_direction"_a = py::none(),
       R"(Snap the planes of regions: level, upright with right angles between them, equal slopes, parallel, coplanar.
 
-The labels stay. The partition that comes back has region_normal, region_offset and region_held set, and polygonize keeps
-to these planes. Its report has directions, planes and rms_added (scene units). An edit lets go of the planes of the
-regions that it changes. Planes that align_planes has set stay, and lead. up_direction: (3,), in place of options.up.
+The labels stay. The returned partition has region_normal, region_offset and region_held set, and polygonize uses these
+planes. Its report has directions, planes and rms_added (scene units). An edit releases the planes of the regions that it
+changes. Planes that align_planes has set stay, and lead. up_direction: (3,), in place of options.up.
 Raises InvalidInput (the partition is not one of this mesh, or an option out of its range) or Cancelled.)");
   m.def(
       "align_planes",
@@ -162,14 +167,14 @@ Raises InvalidInput (the partition is not one of this mesh, or an option out of 
       },
       "mesh"_a, "partition"_a, "faces"_a, "to"_a, "up_direction"_a = py::make_tuple(0.0, 0.0, 1.0),
       "length"_a = py::none(), "job"_a = py::none(),
-      R"(Set the planes of the regions of some faces. Returns a new Partition, to whose planes polygonize keeps.
+      R"(Set the planes of the regions of some faces. Returns a new Partition, whose planes polygonize uses.
 
 faces: (K,) integers, indices into mesh.triangles; the region of the first leads. to: "level", "upright", "parallel" or
-"perpendicular" to the plane of the leading region, "coplanar" with it, or "free": no longer held. up_direction: (3,),
-what points up. length: what a plane may add to the root mean square distance of its region, scene units; None: 1 % of
-the diagonal. The labels stay. An edit lets go of the planes of the regions whose area it changes by a fifth or more.
+"perpendicular" to the plane of the leading region, "coplanar" with it, or "free": not held any more. up_direction: (3,),
+the upward direction. length: the largest increase of the root mean square distance of a region, scene units; None: 1 % of
+the diagonal. The labels stay. An edit releases the planes of the regions whose area it changes by a fifth or more.
 Raises InvalidInput (no face, one region where two are needed, a plane that adds more than length: the message names the
-face and says "needs X, allowed Y") or Cancelled.)");
+face and has the text "needs X, allowed Y") or Cancelled.)");
   m.def(
       "region_fits",
       [](const KeptMesh& mesh, const Partition& part) {
@@ -190,7 +195,7 @@ face and says "needs X, allowed Y") or Cancelled.)");
       R"(The planes of best fit of all regions: (normal, centre, spread, area).
 
 normal: (R, 3), of length 1. centre: (R, 3), on the plane, relative to mesh.origin. spread: (R, 3, 3), the covariance of
-the surface round it. area: (R,), 0 where a region has no plane. To turn a plane about its centre to a normal n adds
+the surface around it. area: (R,), 0 where a region has no plane. To turn a plane about its centre to a normal n adds
 sqrt(n @ spread @ n - normal @ spread @ normal) to the root mean square distance of its region. Cost: O(F).
 Raises InvalidInput (the partition is not one of this mesh).)");
   m.def(
@@ -199,11 +204,11 @@ Raises InvalidInput (the partition is not one of this mesh).)");
         return expectation(call(job, [&](Job& j) { return expected_polygons(mesh, part, options, j); }));
       },
       "mesh"_a, "partition"_a, "options"_a = MeshingOptions(), "job"_a = py::none(),
-      R"(About how many polygons `polygonize` will make of a partition, and why they are more than the regions, as a dict.
+      R"(An estimate of the number of polygons that `polygonize` makes of a partition, with its causes, as a dict.
 
-polygons, regions; split_for_holes, split_for_handles, split_for_closed, split_for_unconnected and split_for_pinches: what
-the topology of the regions needs; split_for_repair: what being flat, simple and apart will take, which is estimated.
-polygons is the sum of all others. Cost: about a fifth of `polygonize`. Error on scans: 3 % in the median.
+polygons, regions; split_for_holes, split_for_handles, split_for_closed, split_for_unconnected and split_for_pinches: the
+polygons that the topology of the regions needs; split_for_repair: an estimate of the polygons for flatness and against
+intersections. polygons is the sum of all others. Cost: about a fifth of `polygonize`. Error on scans: 3 % in the median.
 Raises InvalidInput or Cancelled as `polygonize`.)");
   m.def(
       "polygonize",

@@ -87,7 +87,7 @@ void bind_result(py::module_& m) {
       .def_readonly("error", &Partition::error, "Sum of area * |n_face - n_region|^2, scene units squared.")
       .def_property_readonly("region_count", &Partition::region_count, "R.")
       .def_readonly("proxies_asked", &Partition::proxies_asked,
-                    "What was asked for, or R if the number was found; R is larger where parts need more.")
+                    "The requested number, or R if the number was found; R is larger where parts need more.")
       .def_readonly("proxies_needed", &Partition::proxies_needed, "The least that the kept components need together.")
       .def_readonly("parts_left_out", &Partition::parts_left_out, "How many components have no region.")
       .def_readonly("area_left_out", &Partition::area_left_out, "Their share of the whole area.")
@@ -107,23 +107,23 @@ void bind_result(py::module_& m) {
           "Empty: none.")
       .def_property_readonly(
           "bound", [](const Partition& part) { return given_or_none(is_bounded(part), part.bound); },
-          "The bound as asked for, scene units; None without.")
+          "The given bound, scene units; None without.")
       .def_property_readonly(
           "distance_max", [](const Partition& part) { return given_or_none(is_bounded(part), part.distance_max); },
           "With a bound: the largest distance of a vertex from its region's plane, scene units; else None.")
       .def_readonly("smooth", &Partition::smooth,
-                    "PartitionOptions.smooth with which it was made; 0 where another method made it.")
+                    "PartitionOptions.smooth of the partition; 0 where another method made it.")
       .def_readonly(
           "snapped", &Partition::snapped,
           "Whether the number is that of the planes of the surface: the costs of merging have a significant gap there.")
       .def_property_readonly(
           "regularity", &regularity_of,
-          "What regularise made of the planes, a dict; it is in the report too. None without, or edited since.")
+          "The result of regularise for the planes, a dict; it is in the report too. None without, or edited since.")
       .def_property_readonly("symmetry", &symmetry_of, R"(The plane in which it mirrors, a dict; None if there is none.
 
-normal (unit) and offset: the plane is where normal @ x is offset, scene units. mismatch_mean and mismatch: distance of the
-scan from its mirror image, the mean by area, and that within which nine tenths of the area are. regions: how many mirror;
-None where it was edited since. polygonize makes corners mirror in this plane where the regions do.)")
+normal (unit) and offset: the plane is normal @ x = offset, scene units. mismatch_mean and mismatch: distance of the scan
+from its mirror image, the mean by area, and the limit for nine tenths of the area. regions: how many mirror; None if it
+was edited since. polygonize makes corners mirror in this plane where the regions do.)")
       .def_property_readonly("report", &report_of, "The numbers of this partition as a dict.")
       .def(py::pickle([](const Partition& self) { return state_of(self); }, &partition_from_state))
       .def("__repr__", [](const Partition& part) {
@@ -172,7 +172,7 @@ Source: Cohen-Steiner, Alliez, Desbrun 2004, section 3.)");
       "separated_faces",
       [](const KeptMesh& mesh, const Partition& part) { return owned(separated_faces(Surface(mesh, part.guided))); },
       "mesh"_a, "part"_a,
-      R"((K, 2) int32: faces of the mesh that share an edge which a barrier of the partition lies on.
+      R"((K, 2) int32: faces of the mesh whose common edge is a barrier of the partition.
 
 Edits treat such faces as no neighbours. Cost: O(F).)");
   m.def(

@@ -88,10 +88,10 @@ void bind_openings(py::module_& m) {
       "mesh"_a, "regions"_a, "job"_a = py::none(),
       R"(The length up to which the loops of holes and handles are errors of scanning, in scene units.
 
-Photogrammetry leaves tunnels and pinholes that are too small for this number of regions, and each costs polygons. Give
-the length to CleanOptions as fill_holes and cut_handles. It is half of sqrt(area / regions), but at most 20 times the
-mean edge, so that openings that the scan has sampled well stay. It is rounded down to the mean edge times a power of
-sqrt(2). 0 where the mesh has no opening, or so little noise that it is drawn and not scanned.
+Photogrammetry makes tunnels and pinholes that are too small for this number of regions, and each costs polygons. The
+length is for fill_holes and cut_handles of CleanOptions. It is half of sqrt(area / regions), but at most 20 times the
+mean edge, so that well sampled openings stay. It is rounded down to the mean edge times a power of sqrt(2). 0 if the mesh
+has no opening, or so little noise that it was drawn and not scanned.
 Raises InvalidInput (regions below 1) or Cancelled. Cost: O(V + F).)");
   m.def(
       "opening_lengths",
@@ -102,7 +102,7 @@ Raises InvalidInput (regions below 1) or Cancelled. Cost: O(V + F).)");
       "mesh"_a, "regions"_a, "job"_a = py::none(),
       R"((fill_holes, cut_handles) for CleanOptions, as the command and the add-on use them: see opening_length.
 
-Holes of up to 8 mean edges, as a missing vertex leaves them, are filled up to sqrt(area / regions).)");
+Holes of up to 8 mean edges, such as a missing vertex makes, are filled up to sqrt(area / regions).)");
   m.def(
       "_guess_opening_lengths",
       [](const KeptMesh& mesh, const PartitionOptions& options, Job* job) {

@@ -8,7 +8,7 @@
 #include "call.h"
 #include "packing.h"
 
-// Structures are taken apart into all their members, so that one that is added does not compile until it is kept here.
+// Structured bindings name all members, so that a new member does not compile until it is stored here.
 namespace isimp::bindings {
 namespace {
 
@@ -102,7 +102,7 @@ py::object pack_guided(const std::shared_ptr<const GuidedGraph>& guided) {
   return pack_all(weight, component, component_count, faces, neighbours, mesh_face, graph_face, area);
 }
 
-/// \param n  how many faces the mesh has
+/// \param n  number of faces of the mesh
 std::shared_ptr<const GuidedGraph> unpack_guided(const py::object& packed, std::size_t n) {
   if (packed.is_none()) return nullptr;
   auto guided = std::make_shared<GuidedGraph>();

@@ -13,7 +13,7 @@ def pythons(names: list[str]) -> list[str]:
 
 
 def problem(names: list[str], suffixes: list[str]) -> str:
-    """Why none of these modules loads; empty where one may, and where there is none at all."""
+    """The reason why none of these modules loads; empty if one may, or if there is none at all."""
     carried = pythons(names)
     if not carried or {f"_core{suffix}" for suffix in suffixes} & set(names):
         return ""

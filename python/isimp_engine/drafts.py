@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-_LONGEST = 150  # bytes: of 255, as others put something before and behind it
+_LONGEST = 150  # bytes, of at most 255: others add text before and behind it
 
 
 def draft_of(path: Path) -> tuple[Path, Path]:

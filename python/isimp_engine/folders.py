@@ -67,7 +67,7 @@ class Own:
 
 
 def discard(folder: Path) -> None:
-    """Remove a folder inside one of isimp's own, and all in it, as far as that can be."""
+    """Remove a folder inside one of isimp's own, and its content, as far as possible."""
     if not any((outer / MARK).is_file() for outer in list(folder.parents)[:_DEEPEST]):
         raise NotOwn(f"{folder}: is in no folder of isimp's own, so it is not removed")
     with contextlib.suppress(OSError):

@@ -1,6 +1,6 @@
 """Partitions under constraints: cuts that end inside a region, locked regions, parts of a mesh.
 
-This is the one way to all of it, for the command line and for the add-on; without any of it it is `partition`.
+The command and the add-on use it; without constraints it is `partition`.
 """
 
 from dataclasses import dataclass

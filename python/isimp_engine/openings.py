@@ -20,7 +20,7 @@ class Lengths:
 
     holes: float = 0.0
     handles: float = 0.0
-    most: int | None = None  #: the largest number of regions that they are right for; None: of a number that is known
+    most: int | None = None  #: largest number of regions with these lengths; None: the number is known
 
     def __bool__(self) -> bool:
         return self.handles > 0

@@ -1,4 +1,4 @@
-"""A bound kept by the polygons too: how far the scan is from them, and how to make it less."""
+"""A bound that the polygons keep too: the distance of the scan from them, and the search for a smaller one."""
 
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
@@ -33,7 +33,7 @@ Jobs = Callable[[float, float], AbstractContextManager[Job | None]]  # the job f
 
 @dataclass(frozen=True)
 class Within:
-    """A partition and its polygons; with a bound, how far the scan is from them."""
+    """A partition and its polygons; with a bound, the distance of the scan from them."""
 
     partition: Partition
     polygons: PolygonMesh

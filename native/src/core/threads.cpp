@@ -30,7 +30,7 @@ void Workers::run(std::int32_t pieces, const std::function<void(std::int32_t)>& 
   body_ = nullptr;
 }
 
-/// Does pieces until none is left to begin.
+/// Runs pieces until none is left.
 void Workers::work(std::unique_lock<std::mutex>& lock) {
   while (next_ < pieces_) {
     const std::int32_t piece = next_++;

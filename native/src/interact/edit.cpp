@@ -209,7 +209,7 @@ void Edit::reseed(std::int32_t region) {
   std::int32_t start = kNone;
   for (const std::int32_t face : hints)
     if (labels.get(face) == region) start = face;
-  if (start == kNone)  // moved away from where it was touched: rare, so a search over all faces will do
+  if (start == kNone)  // it moved away from the touched faces: rare, so all faces are searched
     start = graph.graph_face[std::find(result.face_region.begin(), result.face_region.end(), region) -
                              result.face_region.begin()];
   const std::vector<std::int32_t> faces = take_out(graph, labels, start);

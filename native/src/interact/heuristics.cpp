@@ -154,7 +154,7 @@ Partition delete_least(const Mesh& mesh, const Partition& partition, std::int32_
     if (borders.empty()) borders.emplace_back(edit, job);
     const Pair pair = borders.front().cheapest(edit);
     if (pair.u == kNone) out_of_regions("deleted", k, times);
-    // The smaller error of the two is lost less.
+    // The smaller one of the two is dissolved.
     const auto& sums = edit.result.region_sum;
     const std::int32_t gone = sums[pair.v].length() < sums[pair.u].length() ? pair.v : pair.u;
     dissolve(edit, gone, edit.graph.graph_face[edit.result.region_seed[gone]], job);

@@ -30,7 +30,7 @@ void bring_back(Edit& edit, std::int32_t face, Job& job) {
   edit.hints = {face};
 }
 
-/// Parts the region of a face in two, one of which keeps the face, and relaxes their borders.
+/// Splits the region of a face in two, one of which keeps the face, and relaxes their borders.
 void split_at(Edit& edit, const Partition& before, std::int32_t start, Job& job) {
   const FaceGraph& graph = edit.graph;
   const std::int32_t old = edit.labels.get(start);

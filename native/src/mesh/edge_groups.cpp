@@ -33,7 +33,7 @@ EdgeGroups::EdgeGroups(std::size_t vertex_count, std::span<const Triangle> trian
     ++bucket_end_[std::min(c, a)];
   }
   std::uint32_t begin = 0;
-  for (std::uint32_t& end : bucket_end_) begin += std::exchange(end, begin);  // now where each bucket begins
+  for (std::uint32_t& end : bucket_end_) begin += std::exchange(end, begin);  // now the start of each bucket
   for (std::size_t f = 0; f < triangles.size(); ++f) {
     if (f % kPollEvery == 0) job.poll();
     for (std::size_t k = 0; k < 3; ++k) {

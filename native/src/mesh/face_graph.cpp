@@ -24,7 +24,7 @@ constexpr int kAxisBits = 11;  // cells an axis, as a power of two: 33 bits of p
 constexpr int kFaceBits = 31;
 constexpr int kDigitBits = 11;      // bits of the sort's first digit
 constexpr int kByteBits = 8;        // bits of the other digits: three of them are the rest of a place
-constexpr std::size_t kAhead = 12;  // faces, for the memory to be there in time
+constexpr std::size_t kAhead = 12;  // faces to prefetch ahead
 
 /// Moves every bit of the lower eleven to a place divisible by three.
 constexpr std::uint32_t spread_bits(std::uint32_t x) {
@@ -41,7 +41,7 @@ constexpr auto kSpread = [] {
   return table;
 }();
 
-/// The cells of a box along a curve that visits cells near each other near each other (Morton).
+/// The cells of a box in the order of a curve that keeps near cells near (Morton).
 class Curve {
  public:
   explicit Curve(const Box& box) : low_(box.min()), scale_(0) {
@@ -60,7 +60,7 @@ class Curve {
   double scale_;
 };
 
-/// Counting sort by some bits; equal ones keep their order.
+/// Counting sort by some bits; equal ones keep their order. \return the first key of each digit, and the end
 /// \return where each digit's keys begin, and the end
 template <int kBits>
 std::array<std::uint32_t, (1 << kBits) + 1> sort_by_bits(std::span<const std::uint64_t> keys, std::uint64_t* sorted,

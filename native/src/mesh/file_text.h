@@ -64,7 +64,7 @@ class Lines {
 std::optional<double> to_number(std::string_view word);
 /// The whole number a word spells ("3", "-1", "3.0").
 std::optional<std::int64_t> to_integer(std::string_view word);
-/// A word as an error message shows it: quoted, unprintable bytes replaced, at most 24 characters.
+/// A word in the form for error messages: quoted, unprintable bytes replaced, at most 24 characters.
 std::string shown(std::string_view word);
 
 }  // namespace isimp::detail

@@ -56,7 +56,7 @@ class EdgeFlipper {
     std::sort(order.begin(), order.end());
     return order;
   }
-  /// Puts the flat ones of the changed faces where they belong among the flat faces.
+  /// Inserts the flat ones of the changed faces among the flat faces, in order.
   void update(std::vector<std::pair<double, std::int32_t>>& order) {
     std::sort(changed_.begin(), changed_.end());
     changed_.erase(std::unique(changed_.begin(), changed_.end()), changed_.end());

@@ -11,7 +11,7 @@
 #include "formats.h"
 #include "ply_header.h"
 
-/// Rows of equal size in a binary PLY file: where each one begins is known, so threads share them.
+/// Rows of equal size in a binary PLY file: their starts are known, so threads share them.
 namespace isimp::detail {
 
 /// A number at a place in the file, its bytes in reverse order if `swap`.

@@ -53,7 +53,7 @@ void PointBoxes::build(const std::vector<Vec2>& place, const std::vector<std::in
   make_levels(place);
 }
 
-/// Puts points that are near each other near each other: along a curve (Morton).
+/// Sorts points along a curve, so that near points are near in the list (Morton).
 void PointBoxes::sort(const std::vector<Vec2>& place, Job& job) {
   Vec2 low = place[static_cast<std::size_t>(points_[0])], high = low;
   farthest_ = 0.0;

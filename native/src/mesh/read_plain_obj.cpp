@@ -70,7 +70,7 @@ struct Arrays {
   SoupBuilder::Polygons polygons;
 };
 
-/// The ends keep a file that is written meanwhile from places outside the arrays.
+/// The ends prevent writes outside the arrays if the file changes meanwhile.
 bool read_corners(std::string_view line, const Arrays& arrays, Counts& at, const Counts& end) {
   if (at.faces == end.faces) return false;
   arrays.polygons.starts[at.faces++] = static_cast<std::int32_t>(at.corners);

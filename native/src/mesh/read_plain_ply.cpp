@@ -57,7 +57,7 @@ std::optional<Layout> layout_of(const FileParts& parts) {
   return layout;
 }
 
-/// Faces first: files with faces of various sizes are soon found out.
+/// Faces first: files with faces of various sizes are soon recognised.
 std::optional<PolygonSoup> read_binary(const FileParts& parts, const Layout& layout, const Threads& threads, Job& job) {
   const std::size_t row = *bytes_of_row(layout.vertex), body = layout.header.body;
   if ((parts.size() - body) / row < layout.vertex.count) return {};

@@ -31,7 +31,7 @@ enum class RepairKind {
   cut_handles,
 };
 
-/// Counts repairs and keeps where the first few of each kind were.
+/// Counts repairs and stores the first few places of each kind.
 class RepairLog {
  public:
   RepairLog();

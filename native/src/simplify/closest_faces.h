@@ -11,7 +11,7 @@
 
 namespace isimp {
 
-/// A face, and how far it is.
+/// A face, and its distance.
 struct ClosestFace {
   std::int32_t face = kNone;
   double distance = std::numeric_limits<double>::infinity();  ///< scene units

@@ -22,10 +22,10 @@ constexpr std::size_t kBest = 6, kLast = 2;                    // candidates tha
 constexpr int kTurns = 15, kLastTurns = 8;                     // turns of fitting
 constexpr std::int32_t kBlock = 256;                           // samples that a thread takes at a time
 constexpr double kShare = 0.9;                                 // share of the surface that has to mirror
-constexpr double kNoises = 4;                                  // deviations that it may be off
+constexpr double kNoises = 4;                                  // largest mismatch in deviations of the noise
 constexpr double kOfRegion = 0.06;                             // likewise as a share of sqrt(area / regions)
 constexpr double kPreferred = 1.3;  // factor by which another plane has to be better than one across X, Y or Z
-constexpr double kTurned = 0.94;    // cosine of how far a plane may be turned from the axis that is wanted: 20 degrees
+constexpr double kTurned = 0.94;    // cosine of the largest angle of a plane from the wanted axis: 20 degrees
 constexpr double kAway = 0.05;      // share of the size: larger distances count as this one
 
 struct Sample {
@@ -58,7 +58,7 @@ std::vector<Sample> samples_of(const Mesh& mesh, std::int32_t count) {
   return samples;
 }
 
-/// A plane, and how well the surface mirrors in it.
+/// A plane, and its quality as a mirror of the surface.
 struct Candidate {
   Mirror mirror;  // relative to the mesh's origin
   double score = 0;

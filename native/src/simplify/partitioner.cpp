@@ -167,7 +167,7 @@ std::shared_ptr<const Partitioner::OwnPart> Partitioner::own_part(std::span<cons
 
 namespace {
 
-/// The face of the whole mesh that each face of a part is.
+/// The face of the whole mesh for each face of a part.
 std::vector<std::int32_t> whole_faces(const Mesh& part, std::span<const std::int32_t> open) {
   std::vector<std::int32_t> face;
   for (const std::int32_t f : part.source_face()) {

@@ -35,7 +35,7 @@ struct Layout {
   std::vector<Vec2> flat;           ///< (L) corners in their polygon's plane, scene units
   std::vector<Rigid> place;         ///< (Q) from the polygon's plane into its chart
   std::vector<std::int32_t> chart;  ///< (Q)
-  std::vector<std::int32_t> start;  ///< (Q + 1) where each polygon's corners begin
+  std::vector<std::int32_t> start;  ///< (Q + 1) first corner of each polygon
   std::vector<std::int32_t> group;  ///< (Q) polygons of different groups share neither chart nor tile
   std::int32_t chart_count = 0;
   std::int32_t groups = 1;

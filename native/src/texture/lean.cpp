@@ -13,9 +13,9 @@ namespace {
 // Polygons at sharper edges do not bend each other's directions: the walls of a house are drawn straight. Cosine.
 constexpr double kSmooth = 0.2;
 constexpr float kOnEdge = 1e-3F;  // squared texels
-// Of the way to the mean normal. 1 is nearest to the scan in close-ups, 0 in views of the whole.
+// Share of the way to the mean normal. 1 is nearest to the scan in close-ups, 0 in views of the whole.
 constexpr double kShare = 0.9;
-constexpr double kSteps = 16;  // that slopes are rounded to
+constexpr double kSteps = 16;  // slopes are rounded to multiples of 1 / kSteps
 
 /// Rounds, so that a polygon whose neighbours have hardly moved is drawn as before.
 float rounded(double slope) { return static_cast<float>(std::round(slope * kSteps) / kSteps); }

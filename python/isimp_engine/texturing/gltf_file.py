@@ -20,7 +20,7 @@ MAGIC, JSON, BINARY = b"glTF", 0x4E4F534A, 0x004E4942
 _KINDS = {5120: "i1", 5121: "u1", 5122: "i2", 5123: "u2", 5125: "u4", 5126: "f4"}
 _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 _OTHER_IMAGES = ("EXT_texture_webp", "EXT_texture_avif")  # extensions whose images are read as others are
-#: Extensions that a file may require: read here, or without influence on shape and colour. Materials have more of this
+#: Extensions that a file may require: read here, or without influence on shape and colour; more in _MATERIALS.
 _KNOWN = {"CESIUM_RTC", "KHR_mesh_quantization", "KHR_texture_transform", "KHR_lights_punctual", *_OTHER_IMAGES}
 _KNOWN |= {"KHR_xmp_json_ld", "EXT_mesh_features", "EXT_structural_metadata"}
 _MATERIALS, _TEXTURES = "KHR_materials_", ("KHR_texture_", "EXT_texture_")

@@ -63,7 +63,7 @@ class Pictures:
         return self._made[key]
 
     def changed(self, image: Image, key: Hashable, change: Callable[[Image], Image]) -> Image:
-        """An image of these after a change, which `key` names."""
+        """An image made from these by a change, which `key` names."""
         return self.once((id(image), key), lambda: change(image))
 
     def _file(self, path: Path) -> Image:

@@ -38,7 +38,7 @@ def companions(path: Path, height: bool = False) -> list[Path]:
 
 
 def refusal(path: Path) -> str:
-    """Why an output can't be named so; empty: it can. An OBJ file names its companions."""
+    """The reason why an output can't have this name; empty: it can. An OBJ file names its companions."""
     if path.suffix.lower() != ".obj" or all(obj.is_nameable(file.name) for file in companions(path)):
         return ""
     return f"{path}: OBJ files can't name files so; choose a name without line breaks, tabs, quotes and backslashes"

@@ -121,8 +121,8 @@ class Relaxation {
   static constexpr std::uint8_t kQueued = 1, kPushed = 2;  // states of a face
   static constexpr std::int32_t kBlock = 1 << 15;          // faces of a block
   static constexpr std::size_t kMany = 1 << 13;            // faces in the queue from which blocks are worth it
-  static constexpr int kSweepsOfBlock = 2;                 // before blocks exchange their changes
-  static constexpr std::size_t kAhead = 16, kSoon = 6;     // faces, for the memory to be there in time
+  static constexpr int kSweepsOfBlock = 2;                 // sweeps before blocks exchange their changes
+  static constexpr std::size_t kAhead = 16, kSoon = 6;     // faces to prefetch ahead
 
   /// Faces to visit, and all that were visited before.
   struct Lists {
@@ -195,7 +195,7 @@ class Relaxation {
       }
       const std::int32_t face = lists.current[i];
       const std::int32_t to = moves_.target(face, regions, reach);
-      if (to == BorderMoves<Labels>::kBeyond) {  // stays queued, so that it is there once
+      if (to == BorderMoves<Labels>::kBeyond) {  // stays queued, so that it is queued once
         beyond->push_back(face);
         continue;
       }

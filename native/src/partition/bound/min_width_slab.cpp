@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kRounds = 12;         // rounds of reweighting the points
 constexpr double kLeastTurn = 0.8;  // cosine: planes stay nearer than that to the mean normal
-constexpr double kHopeless = 1.5;   // times the width allowed: no turning mends that
+constexpr double kHopeless = 1.5;   // times the allowed width: no turning mends that
 constexpr int kLooks = 5;           // passes over all points to make them fit
 constexpr std::size_t kCore = 24;   // points kept
 

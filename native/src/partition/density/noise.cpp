@@ -28,7 +28,7 @@ struct Ring {
   std::int32_t count = 0;
 };
 
-/// The value at a vertex that is in use, less the mean over the vertices that half-edges lead to from it.
+/// The value at a used vertex minus the mean over the vertices at the ends of its half-edges.
 template <class Value>
 Vec3 umbrella_at(const Mesh& mesh, std::int32_t v, const Value& value) {
   Ring ring;

@@ -20,7 +20,7 @@ struct NodeSum {
 /// A graph of neighbouring patches, or of clusters of them, in compressed rows.
 struct MergeGraph {
   std::vector<NodeSum> sum;             ///< (N)
-  std::vector<std::int32_t> first;      ///< (N + 1) where the neighbours of each node begin
+  std::vector<std::int32_t> first;      ///< (N + 1) first neighbour of each node
   std::vector<std::int32_t> neighbour;  ///< each pair is in both rows, no node is its own neighbour
   std::vector<std::int32_t> part;       ///< (N) component of the mesh each lies in; empty if there is only one
   std::vector<double> border;           ///< as `neighbour`: the price of the border between the two; empty: nothing

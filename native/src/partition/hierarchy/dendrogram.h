@@ -33,7 +33,7 @@ ClusterGraph region_clusters(const FaceGraph& graph, const Regions& regions, Job
 struct MergeTree {
   std::int32_t leaves = 0;
   std::vector<std::array<std::int32_t, 2>> merged;  ///< (M)
-  std::vector<double> cost;                         ///< (M) by how much each raised the error, as a share of the area
+  std::vector<double> cost;                         ///< (M) the error that each added, as a share of the area
 
   [[nodiscard]] std::size_t merges() const { return merged.size(); }
 };
@@ -54,7 +54,7 @@ struct MergeLimits {
 /// Cost: O(N log N) where clusters have few neighbours; up to 340 bytes a cluster.
 MergeTree merge_all(ClusterGraph graph, const MergeLimits& limits, Job& job);
 
-/// The cluster each leaf is in after the first `merges` merges, numbered by first leaf.
+/// The cluster of each leaf after the first `merges` merges, numbered by first leaf.
 /// \return (leaves)
 std::vector<std::int32_t> cut_after(const MergeTree& tree, std::size_t merges);
 

@@ -148,7 +148,7 @@ std::vector<std::int32_t> rows_between(const FaceGraph& faces, const Hierarchy& 
                                        std::int32_t* lengths, Job& job) {
   const std::int32_t n = faces.size();
   const auto patches = static_cast<std::int32_t>(h.patch_first.size()) - 1;
-  // Room for the worst case that is never touched where it is not needed; one more is written before it is wanted.
+  // Room for the worst case, which is not touched unless needed; one more is written before its use is known.
   const auto room = 3 * static_cast<std::size_t>(h.patch_first[end] - h.patch_first[begin]) + 1;
   const auto rows = std::make_unique_for_overwrite<std::int32_t[]>(room);
   std::vector<std::int32_t> seen(static_cast<std::size_t>(patches) + 1, -1);

@@ -22,7 +22,7 @@ namespace isimp {
 struct Hierarchy {
   std::int32_t patch_size = 0;                     ///< faces of a patch at the most
   std::vector<std::int32_t> patch;                 ///< (F) by graph index
-  std::vector<std::int32_t> patch_first;           ///< (K + 1) where each patch begins in patch_face
+  std::vector<std::int32_t> patch_first;           ///< (K + 1) first face of each patch in patch_face
   std::vector<std::int32_t> patch_face;            ///< (F) graph indices, patch by patch
   std::vector<RegionSum> patch_sum;                ///< (K) sums of the faces of each
   std::vector<MergeGraph> level;                   ///< [0] is the graph of patches

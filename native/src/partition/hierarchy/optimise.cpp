@@ -73,7 +73,7 @@ std::vector<std::int32_t> cut(const Hierarchy& h, const Parts& parts, std::int32
 /// The faces of a list that lie on borders, found by one thread.
 std::vector<std::int32_t> find_borders(const Relaxation<GraphLabels>& relaxation, std::span<const std::int32_t> faces,
                                        Job& job) {
-  constexpr std::size_t kAhead = 16;  // faces, for the memory to be there in time
+  constexpr std::size_t kAhead = 16;  // faces to prefetch ahead
   // One spare, written to before it is known to be wanted.
   const auto found = std::make_unique_for_overwrite<std::int32_t[]>(faces.size() + 1);
   std::size_t out = 0;
@@ -169,7 +169,7 @@ class Optimiser {
     return std::move(found[0]);
   }
 
-  /// Regions that components lack because they have too few patches; splitting will make up for them.
+  /// Regions that components lack because they have too few patches; splitting adds them.
   [[nodiscard]] std::int32_t lacking() const {
     std::vector<std::int32_t> count(parts_.parts.size(), 0);
     for (std::int32_t r = 0; r < regions_.count(); ++r) ++count[part_.empty() ? 0 : part_[r]];

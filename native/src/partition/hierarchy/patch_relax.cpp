@@ -159,7 +159,7 @@ class PatchRelaxation {
       if ((++polled & 0xfff) == 0) job.poll();
       const auto around = graph_.around(u);
       if (!std::all_of(around.begin(), around.end(), [&](std::int32_t v) { return reach.holds(v); })) {
-        block.beyond.push_back(u);  // stays queued, so that it is there once
+        block.beyond.push_back(u);  // stays queued, so that it is queued once
         continue;
       }
       queued_[u] = 0;

@@ -22,7 +22,7 @@ std::int32_t entry(const MergeGraph& graph, std::int32_t region, std::int32_t ne
 
 constexpr std::int64_t kMostLength = std::int64_t{1} << 60;  // and of sums: edges of regions without area are all
                                                              // longer
-constexpr std::size_t kAhead = 8;                            // faces, for the memory to be there in time
+constexpr std::size_t kAhead = 8;                            // faces to prefetch ahead
 constexpr std::size_t kBorderOfPair = 16;                    // border faces for each pair of regions, if there are few
 
 using Pairs = std::vector<std::pair<std::int32_t, std::int32_t>>;

@@ -41,7 +41,7 @@ Teleport::Teleport(const FaceGraph& graph, const Parts& parts, Regions& regions,
   for (std::int32_t r = 0; r < regions.count(); ++r) ++count_[part_of(r)];
 }
 
-/// Some face of a region: mostly the one remembered, which lies deep inside and so seldom moves away.
+/// Some face of a region: mostly the stored one, which lies deep inside and so seldom moves away.
 std::int32_t Teleport::face_of(std::int32_t region, Job& job) {
   if (some_face_.empty()) some_face_ = nearest_faces(graph_, regions_, job);
   some_face_.resize(regions_.sum.size() + 1, graph_.size());

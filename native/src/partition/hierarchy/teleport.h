@@ -13,7 +13,7 @@
 
 namespace isimp {
 
-/// Moves that leave local minima: a region is taken where it is worth little and put where it is worth much.
+/// Moves that leave local minima: a region that is worth little moves to a place where it is worth much.
 class Teleport {
  public:
   /// \param part        (R) component of each region; empty if there is one
