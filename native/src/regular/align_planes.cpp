@@ -16,11 +16,11 @@ namespace {
 
 using namespace regular;
 
-constexpr double kAllowed = 0.01;    ///< of the diagonal
-constexpr double kDirection = 0.05;  ///< of a normal: below it, nothing tells which way to turn
-constexpr double kSameKind = 1e-9;   ///< of a plane that is level or upright
+constexpr double kAllowed = 0.01;    ///< share of the diagonal
+constexpr double kDirection = 0.05;  ///< length of a normal's part: below it, the direction of the turn is unknown
+constexpr double kSameKind = 1e-9;   ///< tolerance for a level or an upright plane
 
-/// Regions and the face each was named by, in the order of the faces.
+/// Regions with the face that named each, in the order of the faces.
 struct Chosen {
   std::vector<std::int32_t> regions, faces;
 };
@@ -71,8 +71,8 @@ std::optional<Vec3> square_to(const Vec3& axis, const Vec3& n) {
   return Vec3(rest / length);
 }
 
-/// The normal that a region is to have, not yet facing as the region; none if it can't be turned there. A plane that is
-/// held is turned from where it is, so that an upright one stays so as it is made perpendicular to another.
+/// The target normal of a region, not yet facing as the region; none if it can't be turned there. A held plane is
+/// turned from its present normal, so that an upright one stays upright when it is made perpendicular to another.
 std::optional<Vec3> target(Align to, const RegionPlane& region, const Vec3& lead, const Vec3& up) {
   switch (to) {
     case Align::level:
@@ -105,7 +105,7 @@ void count_kinds(Regularity& found, const Partition& part, const std::vector<Reg
 
 bool is_by_lead(Align to) { return to == Align::parallel || to == Align::perpendicular; }
 
-/// The planes of regions: those that are held as they are, the others as they fit best.
+/// The planes of regions: the held ones, and the best fit of the others.
 std::vector<RegionPlane> planes_as_held(const Mesh& mesh, const Partition& partition) {
   std::vector<RegionPlane> planes = region_planes(mesh, partition);
   for (std::int32_t i = 0; i < partition.region_count(); ++i)
@@ -116,7 +116,7 @@ std::vector<RegionPlane> planes_as_held(const Mesh& mesh, const Partition& parti
   return planes;
 }
 
-/// Gives the planes of the chosen regions their normal and offset. is_held: whether that of the first is.
+/// Sets the normal and offset of the planes of the chosen regions. is_held: whether the first one is held.
 /// \throws InvalidInput  as align_planes
 void align(std::vector<RegionPlane>& planes, const Chosen& of, Align to, const Vec3& up, double allowed, bool is_held) {
   Vec3 normal = planes[of.regions[0]].snapped;
@@ -129,7 +129,7 @@ void align(std::vector<RegionPlane>& planes, const Chosen& of, Align to, const V
   for (std::size_t k = 0; k < of.regions.size(); ++k) {
     RegionPlane& region = planes[of.regions[k]];
     const std::string name = "the region of face " + std::to_string(of.faces[k]);
-    const bool leads = is_by_lead(to) && k == 0;  // it is held as it is
+    const bool leads = is_by_lead(to) && k == 0;  // its plane is held
     const std::optional<Vec3> n = leads ? normal : target(to, region, normal, up);
     if (!n) throw InvalidInput(name + " is square to the plane that it should have");
     const double sign = region.normal.dot(*n) < 0 ? -1 : 1;

@@ -8,12 +8,13 @@
 namespace isimp::regular {
 namespace {
 
-constexpr double kFalseAlarms = 0.1;   ///< by chance, among as many planes: what is more likely is none
+constexpr double kFalseAlarms = 0.1;   ///< expected number by chance among as many planes; above it, a series does not
+                                       ///< count
 constexpr double kLeastStep = 6;       ///< tolerances: between nearer planes everything is evenly spaced
 constexpr std::size_t kLeast = 3;      ///< planes of a series, pairs of a size
-constexpr std::size_t kMost = 100;     ///< planes that are looked at, the largest
-constexpr std::size_t kFarthest = 12;  ///< steps between the two planes that a series is sought from
-constexpr double kStays = 1e9;         ///< times the area: what a plane weighs that can't be moved
+constexpr std::size_t kMost = 100;     ///< the largest planes that are compared
+constexpr std::size_t kFarthest = 12;  ///< steps between the two planes that begin the search for a series
+constexpr double kStays = 1e9;         ///< times the area: weight of a plane that can't be moved
 
 using Indices = std::vector<std::size_t>;
 
@@ -70,7 +71,7 @@ class Spacing {
     is_placed_[i] = true;
   }
 
-  /// Of the planes of one facing: the least likely series, then of what is left the next.
+  /// The least likely series of the planes of one facing, then the next one among the other planes.
   [[nodiscard]] std::vector<Series> series_of(bool faces_along) const {
     Indices left;
     for (std::size_t i = 0; i < planes_.size(); ++i)
@@ -102,7 +103,7 @@ class Spacing {
     for (std::size_t i = 0; i < sorted.size(); ++i) {
       for (std::size_t j = i + 1; j < sorted.size(); ++j) {
         const double apart = planes_[sorted[j]].offset - planes_[sorted[i]].offset;
-        // Far planes tell the step best; one of those between may be missing.
+        // Far planes determine the step best; one of the planes between may be missing.
         const std::size_t most = std::min(j - i + 1, kFarthest);
         for (std::size_t steps = 1; steps <= most; ++steps) {
           if (apart < kLeastStep * tolerance_ * static_cast<double>(steps)) break;
@@ -130,8 +131,8 @@ class Spacing {
         continue;
       }
       if (!series.rank.empty() && rank > series.rank.back() + 2) {
-        if (series.rank.back() >= 0) break;  // what follows is beyond the end
-        series.planes.clear();               // what was is beyond the begin: rank 0 is that of `first` itself
+        if (series.rank.back() >= 0) break;  // the next ones are beyond the end
+        series.planes.clear();               // the earlier ones are beyond the begin: rank 0 is that of `first` itself
         series.rank.clear();
       }
       series.planes.push_back(i);
@@ -144,7 +145,7 @@ class Spacing {
   /// \return whether every plane may be moved to its place; else nothing has changed
   [[nodiscard]] bool fit(std::span<Series> some) const {
     double along = 0, across = 0;
-    std::vector<std::pair<double, double>> means;  // of rank and offset
+    std::vector<std::pair<double, double>> means;  // means of rank and offset
     for (const Series& series : some) {
       double sum = 0, rank = 0, offset = 0;
       for (std::size_t k = 0; k < series.planes.size(); ++k) {
@@ -172,7 +173,7 @@ class Spacing {
     return true;
   }
 
-  /// Series whose steps are so nearly the same that their planes can have the same one get it.
+  /// Sets the same step for series whose steps are so nearly the same that their planes allow it.
   void share_steps(std::vector<Series>& all) const {
     std::sort(all.begin(), all.end(),
               [](const Series& a, const Series& b) { return std::pair(a.step, a.first) < std::pair(b.step, b.first); });
@@ -183,7 +184,7 @@ class Spacing {
     }
   }
 
-  /// The widths of openings and of what stands between them: of planes next to each other that face opposite ways.
+  /// The widths of openings and of the walls between them: between adjacent planes that face opposite ways.
   void even_sizes() {
     Indices sorted(planes_.size());
     for (std::size_t i = 0; i < sorted.size(); ++i) sorted[i] = i;

@@ -13,9 +13,9 @@
 namespace isimp::regular {
 namespace {
 
-constexpr double kSame = 1e-9;  ///< of two normals that are one direction, and of two offsets that are one
+constexpr double kSame = 1e-9;  ///< difference of two normals that are one direction, and of two offsets that are one
 
-/// The regions of a partition, and which of them are beside each other.
+/// The regions of a partition, with their adjacency.
 class Islands {
  public:
   Islands(const Mesh& mesh, const Partition& partition, std::span<const double> area, double depth)
@@ -84,8 +84,8 @@ class Islands {
     });
   }
 
-  /// An island and its rim; none where something else than the wall is round them. Regions that are part of the wall by
-  /// now count as it.
+  /// An island and its rim; empty if they are not surrounded by the wall alone. Regions that are already part of the
+  /// wall count as it.
   std::vector<std::int32_t> surrounded(std::int32_t wall, std::int32_t island) {
     const std::int32_t stamp = stamps_++;
     std::vector<std::int32_t> found{island};
@@ -109,12 +109,12 @@ class Islands {
   const Mesh& mesh_;
   const Partition& part_;
   const double depth_;
-  std::vector<double> area_;  // by region, as they grow
+  std::vector<double> area_;  // by region, updated as they grow
   std::vector<std::vector<std::int32_t>>
       beside_;  // by region: its neighbours; kNone for a border or a part that was left out
   std::vector<std::vector<std::int32_t>> faces_;  // by region
   std::set<std::array<std::int32_t, 2>> barred_;  // pairs of regions with a barrier between them
-  std::vector<std::int32_t> into_, seen_;         // by region; seen_: in which search it was
+  std::vector<std::int32_t> into_, seen_;         // by region; seen_: the search that visited it
   std::int32_t stamps_ = 0;
 };
 
@@ -127,7 +127,7 @@ void keep(std::vector<T>& all, const std::vector<std::int32_t>& places) {
   all = std::move(kept);
 }
 
-/// \param into  by region: what it becomes part of, itself where it stays
+/// \param into  by region: the region that it becomes part of, itself if it stays
 /// \return the regions that stay
 std::vector<std::int32_t> unite_regions(const Mesh& mesh, Partition& p, std::span<const std::int32_t> into) {
   std::vector<std::int32_t> stays, number(into.size(), kNone);

@@ -10,12 +10,12 @@ namespace isimp::regular {
 
 using meshing::Plane;
 
-/// A region of a partition as a plane: that of best fit, and the one it is given.
+/// A region of a partition as a plane: the best fit, and the given plane.
 struct RegionPlane {
   Plane scan;
   double faces = 1;
   Vec3 normal = Vec3::UnitZ();  ///< of best fit, through the centre of `scan`
-  Vec3 snapped = normal;        ///< of the given plane, which is where snapped * x is `offset`
+  Vec3 snapped = normal;        ///< normal of the given plane snapped * x = `offset`
   double offset = 0;
 
   [[nodiscard]] double best_offset() const { return normal.dot(scan.centre); }
@@ -25,14 +25,14 @@ struct RegionPlane {
 /// Cost: O(F).
 std::vector<RegionPlane> region_planes(const Mesh& mesh, const Partition& partition);
 
-/// The direction that points up, of length 1.
+/// The upward direction, of length 1.
 /// \throws InvalidInput  it has no direction: zero or not finite
 Vec3 unit_up(const Vec3& up);
 
 /// Mean square distance of a region from a plane.
 double squared_distance(const RegionPlane& region, const Vec3& normal, double offset);
 
-/// The distance of regions from their planes of best fit, root mean square, that half of the area has at most.
+/// The root mean square distance of regions from their planes of best fit that half of the area has at most.
 double median_distance(const std::vector<RegionPlane>& regions);
 
 /// Directions, planes and distances of the given planes. The counts of kinds are left 0.

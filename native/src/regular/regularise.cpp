@@ -23,23 +23,24 @@ using namespace regular;
 using Some = std::vector<std::int32_t>;  ///< regions, the largest first
 
 constexpr double kQuarter = std::numbers::pi / 2;
-constexpr double kOfMedian = 1.2;  ///< the length by default, times the median distance of a region from its plane
-constexpr double kUnsure = 2;      ///< times that distance * sqrt(3 / faces) is what the plane of a region is unsure by
-constexpr double kMostAdded = 0.1;  ///< of the root mean square distance: what all planes together may add by default
-constexpr double kLeastLength = 1e-5;  ///< of the diagonal
+constexpr double kOfMedian = 1.2;      ///< the default length, times the median distance of a region from its plane
+constexpr double kUnsure = 2;          ///< times that distance * sqrt(3 / faces): uncertainty of a region's plane
+constexpr double kMostAdded = 0.1;     ///< share of the root mean square distance that all planes together may add by
+                                       ///< default
+constexpr double kLeastLength = 1e-5;  ///< share of the diagonal
 constexpr double kSure = 0.6;          ///< below this share of the length, up to kWider times the angle is allowed
 constexpr double kWider = 3;
-constexpr int kFrames = 3;                              ///< directions of walls, each with those square to it
+constexpr int kFrames = 3;                              ///< directions of walls, each with the directions square to it
 constexpr double kVote = 1.5 * std::numbers::pi / 180;  ///< width of a vote for one
-constexpr double kSame = 1e-9;                          ///< of two normals that are one direction
+constexpr double kSame = 1e-9;                          ///< difference of two normals that are one direction
 constexpr double kAnywhere = std::numeric_limits<double>::infinity();
 
-/// What each snapped plane came to be.
+/// The kind of each snapped plane.
 enum class Kind : std::uint8_t { free, level, upright, slope, parallel, by_hand };
 
 struct Region : RegionPlane {
   Kind kind = Kind::free;
-  bool stays_free = false;  ///< let go by hand
+  bool stays_free = false;  ///< released by hand
 };
 
 double azimuth_difference(double a, double b) {
@@ -142,11 +143,11 @@ class Regulariser {
   [[nodiscard]] bool has_up() const { return z_.squaredNorm() > 0; }
   [[nodiscard]] bool is_by_hand(std::int32_t r) const { return regions_[r].kind == Kind::by_hand; }
 
-  /// What turning a plane about its middle adds to the root mean square distance of its region.
+  /// The increase of the root mean square distance of a region when its plane is turned about its middle.
   [[nodiscard]] double added(const Region& r, const Vec3& n) const {
     return std::sqrt(std::max(0.0, n.dot(r.scan.spread * n) - r.normal.dot(r.scan.spread * r.normal)));
   }
-  /// How far the noise may have turned or moved the plane of a region: the fewer faces, the further.
+  /// The uncertainty of the plane of a region by noise: the fewer faces, the larger.
   [[nodiscard]] double unsure(const Region& r) const { return unsure_ * std::sqrt(3 / r.faces); }
   [[nodiscard]] bool may(std::int32_t i, const Vec3& n) const {
     const Region& r = regions_[i];
@@ -169,8 +170,8 @@ class Regulariser {
     });
   }
 
-  /// Snaps those that may be to target(region), and takes them out of `left`.
-  /// \return those
+  /// Snaps the allowed ones to target(region), and removes them from `left`.
+  /// \return the snapped ones
   template <class Target>
   Some take(Some& left, Kind kind, Target target) {
     Some took, rest;
@@ -187,7 +188,8 @@ class Regulariser {
     return took;
   }
 
-  /// Snaps regions to target(region) instead of what they were snapped to, if most of them may be; the others are left.
+  /// Snaps regions to target(region) in place of their earlier target, if most of them may be; the others do not
+  /// change.
   /// \return whether they were
   template <class Target>
   bool retake(const Some& took, Some& left, Kind kind, Target target) {
@@ -213,7 +215,7 @@ class Regulariser {
     return flat.norm() > 0 ? Vec3(flat.normalized()) : z_;
   }
 
-  /// The azimuth, mod a quarter turn, that most area votes for.
+  /// The azimuth, mod a quarter turn, with the votes of most area.
   [[nodiscard]] double vote(const Some& some) const {
     constexpr int kSteps = 360;
     double best = 0, most = -1;
@@ -233,7 +235,7 @@ class Regulariser {
       for (const std::int32_t r : some) {
         const double d = azimuth_difference(azimuth(regions_[r].normal), best);
         if (std::abs(d) > angle_ / 2) continue;
-        // What it costs the region to be turned: large walls are sure of their direction.
+        // The cost of turning the region: the directions of large walls are certain.
         const Vec3 side = z_.cross(levelled(regions_[r].normal));
         const double weight = regions_[r].scan.area * side.dot(regions_[r].scan.spread * side);
         sum += weight * d;
@@ -258,7 +260,7 @@ class Regulariser {
     return nearest(std::atan2(n.y(), n.x()), first);
   }
 
-  /// \param all  those set by hand among them lead
+  /// \param all  the regions set by hand among them lead
   void snap_upright(Some& left, const Some& all) {
     Some upright, rest;
     for (const std::int32_t r : left) {
@@ -370,7 +372,7 @@ class Regulariser {
     }
   }
 
-  /// Regions of one direction whose planes are nearly one get one plane, that of one set by hand if there is one.
+  /// Regions of one direction with nearly the same plane get one plane: the one set by hand if there is one.
   void align_offsets(Some all) {
     std::stable_partition(all.begin(), all.end(), [&](std::int32_t r) { return is_by_hand(r); });
     std::vector<bool> done(regions_.size(), false);
@@ -449,7 +451,7 @@ class Regulariser {
     std::vector<std::pair<double, std::int32_t>> order;
     for (const std::int32_t i : all) {
       const Region& r = regions_[i];
-      if (is_by_hand(i)) continue;  // a person answers for it
+      if (is_by_hand(i)) continue;  // set by a person
       area += r.scan.area;
       const double best = r.scan.area * squared_distance(r, r.normal, r.best_offset()),
                    snapped = r.scan.area * squared_distance(r, r.snapped, r.offset);
@@ -470,11 +472,11 @@ class Regulariser {
   const Mesh& mesh_;
   const double angle_;
   const bool is_even_;
-  const double depth_;       // of rims behind which islands become part of their wall; 0: none do
+  const double depth_;       // depth of rims behind which islands become part of their wall; 0: none do
   std::int32_t even_ = 0;    // planes at equal distances
   bool has_budget_ = false;  // else each plane's own length is the only bound
   double length_ = 0, unsure_ = 0;
-  double least_ = 0;  // what counts as no distance
+  double least_ = 0;  // smaller distances count as none
   Vec3 z_;            // up; zero: none
   Vec3 x_, y_;
   std::vector<Region> regions_;

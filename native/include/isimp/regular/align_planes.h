@@ -12,25 +12,25 @@
 
 namespace isimp {
 
-/// What the planes of chosen regions become.
+/// The target of the planes of chosen regions.
 enum class Align : std::uint8_t {
-  level,          ///< square to what points up
-  upright,        ///< the upright plane that is nearest
+  level,          ///< square to the upward direction
+  upright,        ///< the nearest upright plane
   parallel,       ///< to the plane of the leading region
   perpendicular,  ///< to the plane of the leading region
-  coplanar,       ///< one plane: that of the leading region if it is held, else the one that fits all best
-  free            ///< no longer held, also not by `regularise`: polygons fit them to the scan
+  coplanar,       ///< one plane: that of the leading region if it is held, else the best fit of all
+  free            ///< not held any more, also not by `regularise`: polygons fit them to the scan
 };
 
-/// Sets the planes of the regions of some faces. `polygonize` and `regularise` keep to them. An edit lets go of those of
-/// the regions whose area it changes by a fifth or more. The first face's region leads: where others are made parallel or
-/// perpendicular to it, it is held as it is. A plane is turned about the middle of its region.
+/// Sets the planes of the regions of some faces. `polygonize` and `regularise` use them. An edit releases the planes of
+/// the regions whose area it changes by a fifth or more. The first face's region leads: where others are made parallel
+/// or perpendicular to it, its plane is held without a change. A plane is turned about the middle of its region.
 ///
-/// \param faces   indices into mesh.triangles(), several may be of one region
+/// \param faces   indices into mesh.triangles(), possibly several of one region
 /// \param up      any length
-/// \param length  what a plane may add to the root mean square distance of its region, scene units; none: 1 % of the
+/// \param length  the largest increase of the root mean square distance of a region, scene units; none: 1 % of the
 ///                diagonal
-/// \return the partition with region_normal, region_offset, region_held and regularity set. In regularity.length is
+/// \return the partition with region_normal, region_offset, region_held and regularity set. regularity.length is
 ///         `length`, and snapped slopes count as parallel
 /// \throws InvalidInput  no face; a face outside [0, F) or left out; one region where `to` needs two; a region that is
 ///                       square to the plane it should have; a plane that adds more than `length` ("needs X, allowed
@@ -45,11 +45,11 @@ Partition align_planes(const Mesh& mesh, const Partition& partition, std::span<c
 struct RegionFit {
   Vec3 normal;             ///< of length 1
   Vec3 centre;             ///< on it, relative to the mesh's origin
-  Eigen::Matrix3d spread;  ///< covariance of the surface round `centre`
+  Eigen::Matrix3d spread;  ///< covariance of the surface around `centre`
   double area = 0;         ///< 0: the region has no plane
 };
 
-/// \return (R) that of each region
+/// \return (R) the fit of each region
 /// \throws InvalidInput  the partition is not one of this mesh
 /// Cost: O(F).
 std::vector<RegionFit> region_fits(const Mesh& mesh, const Partition& partition);

@@ -11,10 +11,10 @@
 
 namespace isimp {
 
-/// The axis that points up, of the scene.
+/// The upward axis of the scene.
 enum class Up : std::uint8_t { x, y, z, none };
 
-/// How the planes of regions are snapped. What each field means stands in `fields` below.
+/// How the planes of regions are snapped. The table `fields` below describes each field.
 struct RegulariseOptions {
   double angle = 8;
   std::optional<double> length;
@@ -48,13 +48,13 @@ constexpr auto fields(const RegulariseOptions*) {
 }
 
 /// Snaps the planes of regions: level, upright with right angles between them, equal slopes, parallel, coplanar. Large
-/// regions lead; then the planes of a group are fitted to all of its regions by least squares. Each snap is made only if
-/// the scan stays within `length` of the plane. On request distances of parallel planes are made equal, and islands that
-/// are coplanar with the wall round them become part of it; only then labels change, and a bound is no longer kept.
-/// `polygonize` keeps to the planes. Planes that `align_planes` has set stay as they are, and others are snapped to them
-/// first.
+/// regions lead; then the planes of a group are fitted to all of its regions by least squares. Each snap is made only
+/// if the scan stays within `length` of the plane. On request distances of parallel planes are made equal, and islands
+/// that are coplanar with the wall around them become part of it; only then labels change, and the bound is not kept
+/// any more. `polygonize` uses the planes. Planes that `align_planes` has set do not change, and others are snapped to
+/// them first.
 ///
-/// \param up_direction  what points up, in place of options.up
+/// \param up_direction  the upward direction, in place of options.up
 /// \return the partition with region_normal, region_offset, region_held and regularity set
 /// \throws InvalidInput  the partition is not one of this mesh; an option out of its range; up_direction has no direction
 /// \throws Cancelled     nothing was made
