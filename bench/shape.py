@@ -240,7 +240,7 @@ def main():
     parser.add_argument("--only", default="", help="parts of names")
     parser.add_argument("--proxies", default=",".join(map(str, COUNTS)))
     parser.add_argument("--json", type=Path)
-    parser.add_argument("--against", type=Path, help="what --json of an earlier run wrote")
+    parser.add_argument("--against", type=Path, help="the --json file of an earlier run")
     parser.add_argument("--resolution", action="store_true", help="also with four and sixteen times the faces")
     parser.add_argument("--partition", type=json.loads, default={}, help="fields of PartitionOptions as JSON")
     parser.add_argument("--meshing", type=json.loads, default={}, help="fields of MeshingOptions as JSON")

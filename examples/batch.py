@@ -54,7 +54,7 @@ def arguments(argv):
     parser = argparse.ArgumentParser(prog="blender -b --python batch.py --", description=__doc__.split("\n")[0])
     parser.add_argument("input", type=Path, metavar="IN", help="the scan, in any format that Blender reads")
     parser.add_argument("outputs", type=Path, nargs="+", metavar="OUT", help=f"files to write: {', '.join(WRITERS)}")
-    parser.add_argument("--detail", type=float, metavar="X", help="show what is larger than this share of the size")
+    parser.add_argument("--detail", type=float, metavar="X", help="show details larger than this share of the size")
     parser.add_argument("--tolerance", type=float, metavar="T", help="the same as a length in scan units")
     parser.add_argument("--bound", type=float, metavar="T", help="keep every vertex so near to its region's plane")
     parser.add_argument("--proxies", type=int, metavar="N", help="just so many regions")
@@ -65,7 +65,7 @@ def arguments(argv):
     parser.add_argument(
         "--object", metavar="NAME", help="which object of a .blend (default: the active, or the only one)"
     )
-    parser.add_argument("--table", type=Path, metavar="T.csv", help="add a row that says what came of the scan")
+    parser.add_argument("--table", type=Path, metavar="T.csv", help="add a row with the result of the scan")
     parser.add_argument("--picture", type=Path, metavar="P.png", help="regions and polygons side by side")
     parser.add_argument(
         "--up", choices=("X", "Y", "Z"), default="Z", help="the picture's upward axis, in Blender's space"

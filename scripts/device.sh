@@ -67,7 +67,7 @@ run() {
     version=$("$place" -c 'import sys; print("cp%d%d" % sys.version_info[:2])' 2>/dev/null) || continue
     if compgen -G "numpy/*-$version-*" >/dev/null; then python=$place && break; fi
   done
-  [ -n "$python" ] || { echo "no Python here is one of those in numpy/: $(echo numpy/*)"; exit 1; }
+  [ -n "$python" ] || { echo "numpy/ has none of the Pythons here: $(echo numpy/*)"; exit 1; }
   "$python" -m zipfile -e numpy/*-"$version"-*.whl "unpacked/$version"
   export PYTHONPATH=$PWD/python:$PWD/unpacked/$version LD_LIBRARY_PATH=$PWD/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
   step machine 20 bash -c 'uname -a; nproc; nvidia-smi; true'
