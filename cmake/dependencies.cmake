@@ -1,5 +1,5 @@
-# What the engine is built upon: headers of CGAL, Boost and Eigen; fast_float and OpenMesh where they are to be had. The
-# system's are taken, or those of ISIMP_HEADERS, all or none: old versions of one do not suit new ones of another.
+# The dependencies of the engine: headers of CGAL, Boost and Eigen; fast_float and OpenMesh where they are available. All
+# come from the system, or all from ISIMP_HEADERS: old versions of one do not suit new ones of another.
 option(ISIMP_BUNDLED "Take the headers of ISIMP_HEADERS also where the system has its own" OFF)
 option(ISIMP_FETCH "Fetch missing headers, by checksum; OFF: the build uses no network" ON)
 option(ISIMP_GMP "Let CGAL use the library GMP; OFF: it uses its own numbers; the results are the same" OFF)
@@ -8,7 +8,7 @@ set(ISIMP_HEADERS ${PROJECT_SOURCE_DIR}/third_party CACHE PATH "Folder that scri
 set(dependencies CGAL/Exact_predicates_inexact_constructions_kernel.h boost/version.hpp Eigen/Core)
 set(places CGAL_INCLUDE BOOST_INCLUDE EIGEN_INCLUDE)
 
-# Sets missing to the names of what there is not.
+# Sets `missing` to the names of missing headers.
 macro(isimp_find_headers)
   set(missing)
   find_package(Eigen3 QUIET NO_MODULE)

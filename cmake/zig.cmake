@@ -6,7 +6,7 @@ if(ISIMP_ZIG_TARGET MATCHES "windows")
 elseif(ISIMP_ZIG_TARGET MATCHES "macos")
   set(CMAKE_SYSTEM_NAME Darwin)
   set(CMAKE_OSX_SYSROOT "") # zig brings its own
-  # Its float.h gives either DBL_MAX or NAN, by what was asked first, unless the standard is not a strict one.
+  # Its float.h gives either DBL_MAX or NAN, depending on the first header, unless the standard is not a strict one.
   set(CMAKE_CXX_FLAGS_INIT "-include cfloat -U__STRICT_ANSI__")
 else()
   set(CMAKE_SYSTEM_NAME Linux)
