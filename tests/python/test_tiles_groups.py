@@ -7,7 +7,6 @@ import sys
 import numpy as np
 import pytest
 
-import isimp_engine as engine
 import shapes
 import tilesets
 from batches import ENVIRONMENT, wait_for
