@@ -1,4 +1,4 @@
-// The methods of the paper and the thesis behind their door: all of them where they are built, a clear error where not.
+// The methods of the paper and the thesis by their interface: all of them where they are built, a clear error where not.
 
 #include <gtest/gtest.h>
 

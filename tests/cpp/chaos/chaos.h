@@ -16,7 +16,7 @@ struct Settings {
   std::int64_t failing = -1;  ///< the allocation that fails, from 0; -1: none
 };
 
-/// Applies to all that follows, and counts allocations from 0 again.
+/// Applies to all later calls, and counts allocations from 0 again.
 void set(const Settings& settings);
 
 struct Count {
@@ -32,7 +32,7 @@ const parallel::Kernels& kernels();
 
 // For its header:
 
-/// Calls kernel(i) for i in [begin, end), as a device in bad temper would.
+/// Calls kernel(i) for i in [begin, end), in the worst order for it.
 void run(std::int64_t begin, std::int64_t end, const std::function<void(std::int64_t)>& kernel);
 /// Makes other threads run first, perhaps. Does nothing outside `run`.
 void wait();

@@ -27,7 +27,7 @@ constexpr auto fields(const CleanOptions*) {
       field("fill_holes", &O::fill_holes, at_least_or_infinite(0), Unit::length,
             "Largest length of a border that is closed, in scene units. 0: none."),
       field("cut_handles", &O::cut_handles, at_least_or_infinite(0), Unit::length,
-            "Largest length of a loop round a handle or tunnel that is removed, in scene units. 0: none."),
+            "Largest length of a loop around a handle or tunnel that is removed, in scene units. 0: none."),
       threads_field(&O::threads),
   };
 }

@@ -97,7 +97,7 @@ constexpr auto fields(const PartitionOptions*) {
       field("adaptivity", &O::adaptivity, between(0, 1), Unit::none,
             "Smaller regions where the surface is rough. 0.25 suits figures, 0 suits buildings and drawn models."),
       field("smooth", &O::smooth, between(0, 1), Unit::none,
-            "How much short, straight borders count beside the error. 0: least error. 1: cleanest shapes. For method "
+            "Weight of short, straight borders relative to the error. 0: least error. 1: cleanest shapes. For method "
             "'hierarchy', and for detail and tolerance."),
       choice("symmetry", &O::symmetry,
              {{"none", Symmetry::none},
@@ -111,7 +111,7 @@ constexpr auto fields(const PartitionOptions*) {
       field("leave_out", &O::leave_out, from_below(0, 1), Unit::none,
             "Components below this share of the total area get no region, smallest first, as long as all of them "
             "together stay below ten times it; below twenty times it, where each has less than a tenth of the mean "
-            "area of the `proxies` asked for. 0 keeps every component."),
+            "area of the requested `proxies`. 0 keeps every component."),
       field("seed", &O::seed, at_least(0), Unit::none, "Seed of the random numbers."),
       field("iterations", &O::iterations, at_least(1), Unit::none, "Maximum number of rounds of flooding and fitting."),
       choice("seeding", &O::seeding,

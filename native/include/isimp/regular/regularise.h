@@ -42,7 +42,7 @@ constexpr auto fields(const RegulariseOptions*) {
             "further than the length allows."),
       field("merge_islands", &O::merge_islands, at_least(0), Unit::length,
             "Largest depth of a rim behind which islands become part of their wall: window panes that are coplanar "
-            "with the wall round them, which then is one polygon. No part of an island or its rim may be further from "
+            "with the wall around them, which then is one polygon. No part of an island or its rim may be further from "
             "the wall's plane. 0: none do."),
   };
 }
