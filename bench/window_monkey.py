@@ -4,9 +4,8 @@
 
 It starts Blender under Xvfb (Debian: blender, xvfb, imagemagick) by tests/python/blender/window/drive.py. The engine is
 found by PYTHONPATH. Each event is written to OUT/events.log before it is sent, so that the last line names the one that
-Each event is written to OUT/events.log before it is sent, so that the last line names the one that ended Blender. Every
-few events it checks for failures: a traceback, a changed or moved scan, endless work. It ends with 1 after a failure.
-The same seed gives the same events as far as Blender is as fast.
+ended Blender. Every few events it checks for failures: a traceback, a changed or moved scan, endless work. It ends with
+1 after a failure. The same seed gives the same events as far as Blender is as fast.
 """
 
 import argparse
