@@ -55,5 +55,3 @@ def mesh_all(task: Task, work: Path, made: Path) -> dict[str, Any]:
     report = {key: value for key, value in poly.report.items() if key not in ("imperfect", "work")}
     diagonal = mesh.report["diagonal"]
     return {"thinned_faces": len(mesh.triangles), "pieces": part.region_count, "diagonal": diagonal, "output": report}
-
-
