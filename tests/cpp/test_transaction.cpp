@@ -96,7 +96,7 @@ class Hands {
   void act(Transaction* transaction = nullptr) {
     const std::int32_t l = piece();
     std::vector<std::int32_t> changed;
-    switch (below(9)) {
+    switch (below(8)) {
       case 0:
         s_.labels.face_marks.clear();
         s_.split(l, s_.find_cut(l, nullptr), job_);
@@ -118,10 +118,6 @@ class Hands {
         add_diagonal(l);
         changed.push_back(l);
         break;
-      case 7:
-        s_.set_pull(one_of(s_.polygons.of(s_.polygons.first_of(l))), 0.25 * below(4));
-        changed.push_back(l);
-        break;
       default: {
         const std::int32_t c = one_of(s_.polygons.of(s_.polygons.first_of(l)));
         s_.move(c, s_.corners.position[c] + Vec3(0.01, 0.02, -0.01));
@@ -129,7 +125,7 @@ class Hands {
       }
     }
     if (transaction && below(2) == 0)
-      transaction->update_back(std::move(changed));
+      s_.update_in_place(std::move(changed));
     else
       s_.update(std::move(changed));
   }
@@ -307,7 +303,7 @@ TEST(Transaction, TakesBackOneUnionAndLeavesAnother) {
   state.unite(c, d, state.loop_together(c, d));
   state.update({});
   transaction.part_again(c, d);
-  transaction.update_back({c});
+  state.update_in_place({c});
   EXPECT_EQ(state.polygons.count_of(b), 0);
   EXPECT_EQ(state.polygons.count_of(d), 1);
   EXPECT_EQ(state.planes[c].normal, plane.normal);

@@ -5,6 +5,7 @@
 #include <bit>
 #include <iterator>
 #include <limits>
+#include <numeric>
 #include <span>
 #include <tuple>
 #include <unordered_map>
@@ -13,6 +14,7 @@
 #include "isimp/core/forest.h"
 #include "isimp/core/prefetch.h"
 #include "isimp/core/to_integer.h"
+#include "isimp/core/undo_forest.h"
 #include "isimp/mesh/mesh.h"
 
 /// A tree over the vertices by distance, and a tree over faces and holes that crosses none of its edges and takes those
@@ -106,19 +108,27 @@ class HandleLoops {
   /// \param dual  near these at least, within half of that
   std::vector<Loop> find(std::span<const std::int32_t> starts, const Dual& dual, double longest) {
     std::vector<Loop> loops;
-    for (const std::int32_t v : starts) {
-      forget();
-      grow(v, longest / 2);
-      for (const std::int32_t g : left_over(dual))
-        if (Loop loop = loop_of(g); loop.length <= longest) loops.push_back(std::move(loop));
+    const EdgesAt at = edges_by_vertex(dual);
+    const std::size_t most = kMostReached * (dual.edges.size() + starts.size());
+    for (std::size_t begin = 0; begin < starts.size();) {
+      std::vector<Reached> some;
+      for (std::size_t sum = 0; begin < starts.size() && sum < most; ++begin) {
+        some.push_back({starts[begin], edges_reached(starts[begin], longest / 2, at, dual)});
+        sum += some.back().edges.size();
+      }
+      Halving halving{dual, longest, UndoForest(dual.nodes), std::vector<std::int32_t>(dual.edges.size(), 0), 1};
+      halving.mark(some);
+      for (std::size_t i = 0; i < dual.edges.size(); ++i) halving.join_unmarked(static_cast<std::int32_t>(i));
+      halve(some, halving, loops);
     }
     return loops;
   }
 
  private:
   static constexpr double kFar = std::numeric_limits<double>::infinity();
-  static constexpr std::size_t kAhead = 8;    // of the vertex that is taken, what is beside another is fetched
-  static constexpr std::size_t kSample = 16;  // faces from one edge that is measured to the next
+  static constexpr std::size_t kAhead = 8;        // of the vertex that is taken, what is beside another is fetched
+  static constexpr std::size_t kSample = 16;      // faces from one edge that is measured to the next
+  static constexpr std::size_t kMostReached = 4;  // edges reached by starts that are halved together, of all and starts
   static constexpr std::size_t kMostBuckets = 1U << 16;  // the last one has all that is farther
 
   [[nodiscard]] std::int32_t from(std::int32_t h) const { return arrays_.triangles[h / 3][h % 3]; }
@@ -239,13 +249,110 @@ class HandleLoops {
     return dual;
   }
 
+  /// A start, and the edges of the dual with both ends in its reach, by number.
+  struct Reached {
+    std::int32_t start;
+    std::vector<std::int32_t> edges;
+  };
+
+  /// The edges of a dual, by number, in the order of the vertices that they begin at.
+  struct EdgesAt {
+    std::vector<std::int32_t> first, edges;  // first: by vertex, and one more
+    [[nodiscard]] std::span<const std::int32_t> of(std::int32_t v) const {
+      return std::span(edges).subspan(first[v], first[v + 1] - first[v]);
+    }
+  };
+
+  [[nodiscard]] EdgesAt edges_by_vertex(const Dual& dual) const {
+    EdgesAt at{std::vector<std::int32_t>(distance_.size() + 1, 0), std::vector<std::int32_t>(dual.edges.size())};
+    for (const std::int32_t h : dual.edges) ++at.first[from(h) + 1];
+    std::partial_sum(at.first.begin(), at.first.end(), at.first.begin());
+    std::vector<std::int32_t> fill(at.first.begin(), at.first.end() - 1);
+    for (std::size_t i = 0; i < dual.edges.size(); ++i)
+      at.edges[fill[from(dual.edges[i])]++] = static_cast<std::int32_t>(i);
+    return at;
+  }
+
+  std::vector<std::int32_t> edges_reached(std::int32_t start, double radius, const EdgesAt& at, const Dual& dual) {
+    forget();
+    grow(start, radius);
+    std::vector<std::int32_t> edges;
+    for (const std::int32_t v : reached_)
+      for (const std::int32_t i : at.of(v))
+        if (distance_[to(dual.edges[i])] != kFar) edges.push_back(i);
+    std::sort(edges.begin(), edges.end());
+    return edges;
+  }
+
+  /// What is known while starts are halved: the edges that no start at hand reaches are joined.
+  struct Halving {
+    const Dual& dual;
+    double longest;
+    UndoForest forest;
+    std::vector<std::int32_t> seen;  // by edge: the last round in which it was marked
+    std::int32_t round;
+
+    bool join(std::int32_t i) { return forest.join(dual.sides[i][0], dual.sides[i][1]); }
+    void mark(std::span<const Reached> some) {
+      for (const Reached& r : some)
+        for (const std::int32_t i : r.edges) seen[i] = round;
+    }
+    void join_unmarked(std::int32_t i) {
+      if (std::exchange(seen[i], round) != round) join(i);
+    }
+  };
+
+  /// Finds the loops of some starts. Before one half of them, the edges that only the other half reaches are joined, and
+  /// these joins are undone after it. So an edge is joined about log2(starts) times for each start that reaches it.
+  void halve(std::span<const Reached> some, Halving& h, std::vector<Loop>& loops) {
+    if (some.size() == 1) return find_at(some[0], h, loops);
+    const auto first = some.first(some.size() / 2), second = some.subspan(some.size() / 2);
+    const auto enter = [&](std::span<const Reached> half, std::span<const Reached> other) {
+      const std::size_t joins = h.forest.joins();
+      ++h.round;
+      h.mark(half);
+      for (const Reached& r : other)
+        for (const std::int32_t i : r.edges) h.join_unmarked(i);
+      halve(half, h, loops);
+      h.forest.undo(joins);
+    };
+    enter(first, second);
+    enter(second, first);
+  }
+
+  /// Adds the loops of one start. All edges that it does not reach are joined.
+  void find_at(const Reached& reached, Halving& h, std::vector<Loop>& loops) {
+    forget();
+    grow(reached.start, h.longest / 2);
+    std::vector<Edge> edges;
+    for (const std::int32_t i : reached.edges)
+      if (!in_tree(h.dual.edges[i])) edges.push_back(edge_of(i, h.dual));
+    sort_longest_first(edges);
+    const std::size_t joins = h.forest.joins();
+    for (const Edge& e : edges) {
+      if (h.join(e.i)) continue;
+      if (Loop loop = loop_of(e.h); loop.length <= h.longest) loops.push_back(std::move(loop));
+    }
+    h.forest.undo(joins);
+  }
+
+  /// An edge of the dual and the length of its loop, as far as the place where its paths to the start meet.
+  struct Edge {
+    double length;
+    std::int32_t h, i;
+  };
+  [[nodiscard]] Edge edge_of(std::int32_t i, const Dual& dual) const {
+    const std::int32_t h = dual.edges[i], a = from(h), b = to(h);
+    return {distance_[a] + distance_[b] + distance(a, b), h, i};
+  }
+  static void sort_longest_first(std::vector<Edge>& edges) {
+    std::sort(edges.begin(), edges.end(),
+              [](const Edge& x, const Edge& y) { return std::tie(y.length, x.h) < std::tie(x.length, y.h); });
+  }
+
   /// The edges in neither tree, a half-edge each. Edges that the first tree does not reach are all crossed by the
   /// other.
   [[nodiscard]] std::vector<std::int32_t> left_over(const Dual& dual) const {
-    struct Edge {
-      double length;
-      std::int32_t h, i;
-    };
     std::vector<Edge> edges;
     Forest forest(dual.nodes);
     const auto join = [&](std::size_t i) { return forest.join(dual.sides[i][0], dual.sides[i][1]); };
@@ -254,10 +361,9 @@ class HandleLoops {
       if (distance_[a] == kFar || distance_[b] == kFar)
         join(i);
       else if (!in_tree(h))
-        edges.push_back({distance_[a] + distance_[b] + distance(a, b), h, static_cast<std::int32_t>(i)});
+        edges.push_back(edge_of(static_cast<std::int32_t>(i), dual));
     });
-    std::sort(edges.begin(), edges.end(),
-              [](const Edge& x, const Edge& y) { return std::tie(y.length, x.h) < std::tie(x.length, y.h); });
+    sort_longest_first(edges);
     std::vector<std::int32_t> left;
     for (const Edge& e : edges)
       if (!join(e.i)) left.push_back(e.h);

@@ -113,7 +113,7 @@ void set_radii(const Polygons& polygons, const Mesh& mesh, double reach, std::sp
       for (const std::size_t k : {i + 1, i + n - 1})
         least = std::min(least, kOfEdge * (home(c) - home(loop[k % n])).norm());
     }
-    corners.radius.edit(c) = least * corners.pull[c];
+    corners.radius.edit(c) = least;
   }
 }
 

@@ -8,8 +8,8 @@
 
 namespace isimp::meshing {
 
-/// Sets how far each of the given corners may be moved from its mesh vertex: `reach`, not much further than its
-/// shortest edge is long, and less where the repair has pulled it back.
+/// Sets how far each of the given corners may be moved from its mesh vertex: `reach`, and not much further than
+/// its shortest edge is long.
 void set_radii(const Polygons& polygons, const Mesh& mesh, double reach, std::span<const std::int32_t> moving,
                Corners& corners);
 

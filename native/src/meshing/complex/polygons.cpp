@@ -63,13 +63,12 @@ std::int32_t Corners::at(std::int32_t v) {
   if (of_vertex[v] == kNone) {
     of_vertex.set(v, count());
     vertex.push_back(v);
-    pull.push_back(1);
     radius.push_back(0);
     position.push_back(Vec3::Zero());
   }
   ISIMP_ASSERT(vertex[of_vertex[v]] == v, "a corner stands for its vertex");
-  ISIMP_ASSERT(pull.size() == vertex.size() && radius.size() == vertex.size() && position.size() == vertex.size(),
-               "every corner has a share, a radius and a place");
+  ISIMP_ASSERT(radius.size() == vertex.size() && position.size() == vertex.size(),
+               "every corner has a radius and a place");
   return of_vertex[v];
 }
 

@@ -20,14 +20,12 @@ struct Corners {
   static void for_each_array(Self& self, Function fn) {
     fn(self.of_vertex);
     fn(self.vertex);
-    fn(self.pull);
     fn(self.radius);
     fn(self.position);
   }
 
   Logged<std::int32_t> of_vertex;  ///< (V) kNone where there is none
   Logged<std::int32_t> vertex;     ///< (C) the mesh vertex
-  Logged<double> pull;             ///< (C) share of its radius that the repair has left the corner
   Logged<double> radius;           ///< (C) how far it may be from its mesh vertex
   Logged<Vec3> position;           ///< (C)
   /// Corners that would move by less stay where they are, bit by bit, so that what is beside them need not be judged
@@ -56,6 +54,10 @@ class Polygons {
   /// The corners of a polygon, in order.
   [[nodiscard]] std::span<const std::int32_t> of(std::int32_t q) const {
     return {corners_.data() + loops_[q].begin, static_cast<std::size_t>(loops_[q].size)};
+  }
+  /// Whether a polygon uses a corner; within a transaction: whether one did as it began.
+  [[nodiscard]] bool was_used(std::int32_t c) const {
+    return c < static_cast<std::int32_t>(around_.size()) && !around_.before(c).empty();
   }
   /// The polygons round a corner, in the order of their pieces.
   [[nodiscard]] std::span<const std::int32_t> at(std::int32_t c) const { return around_[c]; }

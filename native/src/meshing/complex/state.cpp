@@ -130,8 +130,9 @@ bool State::shatter(std::int32_t piece) {
         any = true;
       }
       const std::int32_t c = corner_at(v);
-      any = corners.pull[c] > 0 || any;
-      set_pull(c, 0);
+      any = corners.position[c] != mesh.vertices()[v] || any;
+      move(c, mesh.vertices()[v]);
+      at_home_.push_back(c);
     }
   diagonals_.resize(labels.pieces.size());
   any = !diagonals[piece].empty() || any;
@@ -277,7 +278,40 @@ void State::move_onto(std::span<const Plane> planes_by_piece, std::span<const st
   flatten(polygons, mesh, planes_by_piece, moving, options.flatten, threads, corners_);
 }
 
-std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, std::int32_t first) {
+void State::limit(std::span<const std::int32_t> moving) {
+  set_radii(polygons, mesh, options.reach * mesh.diagonal(), moving, corners_);
+  // Among faces of the scan alone a corner has its place already.
+  for (const std::int32_t c : moving) {
+    const auto around = polygons.at(c);
+    if ((!fixed_.empty() && fixed_[corners.vertex[c]] != Fixed::no) ||
+        std::all_of(around.begin(), around.end(), [&](std::int32_t q) { return labels.is_face(polygons.piece(q)); }))
+      corners_.radius.set(c, 0);
+  }
+}
+
+std::vector<std::int32_t> State::take_stale() {
+  std::vector<std::int32_t> some;
+  for (std::size_t c = 0; c < stale_.size(); ++c)
+    if (stale_[c] != 0 && !polygons.at(static_cast<std::int32_t>(c)).empty())
+      some.push_back(static_cast<std::int32_t>(c));
+  std::fill(stale_.begin(), stale_.end(), 0);
+  return some;
+}
+
+std::vector<Vec3> State::better_places(std::span<const std::int32_t> moving) {
+  std::vector<Vec3> before, after;
+  for (const std::int32_t c : moving) before.push_back(corners.position[c]);
+  limit(moving);
+  place(polygons, mesh, planes, moving, threads, corners_);
+  flatten(polygons, mesh, planes, moving, options.flatten, threads, corners_);
+  for (std::size_t i = 0; i < moving.size(); ++i) {
+    after.push_back(corners.position[moving[i]]);
+    move(moving[i], before[i]);
+  }
+  return after;
+}
+
+std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, bool in_place) {
   job_.poll();
   std::vector<std::int32_t>& touched = labels_.touched;
   std::sort(touched.begin(), touched.end());
@@ -327,25 +361,26 @@ std::vector<std::int32_t> State::update(std::vector<std::int32_t> changed, std::
   changed.insert(changed.end(), cornered.begin(), cornered.end());
   changed.insert(changed.end(), united_.begin(), united_.end());
   united_.clear();
+  std::vector<bool> keeps(in_place ? corners.count() : 0);
+  for (std::size_t c = 0; c < keeps.size(); ++c) keeps[c] = polygons.was_used(static_cast<std::int32_t>(c));
   collect(changed);
   sort_unique(changed);
+  keeps.resize(corners.count(), false);
+  for (const std::int32_t c : at_home_) keeps[c] = true;
 
   std::vector<std::int32_t> moving, near;
   for (const std::int32_t l : changed)
     polygons.for_each_of(
         l, [&](std::int32_t q) { moving.insert(moving.end(), polygons.of(q).begin(), polygons.of(q).end()); });
   sort_unique(moving);
-  set_radii(polygons, mesh, options.reach * mesh.diagonal(), moving, corners_);
-  // Among faces of the scan alone a corner has its place already.
-  for (const std::int32_t c : moving) {
-    const auto around = polygons.at(c);
-    if (std::all_of(around.begin(), around.end(), [&](std::int32_t q) { return labels.is_face(polygons.piece(q)); }))
-      corners_.radius.set(c, 0);
-  }
+  limit(moving);
+  stale_.resize(corners.count(), 0);
+  for (const std::int32_t c : moving) mark_stale(c);
   const std::vector<std::int32_t> moved = moving;
-  std::erase_if(moving, [&](std::int32_t c) { return c < first; });
+  std::erase_if(moving, [&](std::int32_t c) { return keeps[c]; });
   for (const std::int32_t c : moved)
-    if (c < first) corners_.position.restore(c);
+    if (keeps[c]) corners_.position.restore(c);
+  for (const std::int32_t c : std::exchange(at_home_, {})) move(c, mesh.vertices()[corners.vertex[c]]);
   job_.poll();
   placed_ += static_cast<std::int64_t>(moving.size());
   place(polygons, mesh, planes, moving, threads, corners_);

@@ -31,8 +31,8 @@ struct SharedBoundary {
 /// All that is known while a mesh is turned into polygons, from labels to positions, and how to bring it up to date
 /// after a local change. Whoever changes something asks a function of this class to; all else can only be read.
 ///
-/// A change of labels, corners, diagonals or shares is followed by `update`, which makes polygons and positions of it.
-/// Several changes may come before one `update`. What comes of them can be taken back: see `Transaction`.
+/// A change of labels, corners or diagonals is followed by `update` or `update_in_place`, which makes polygons and
+/// positions of it. Several changes may come before one update. What comes of them can be taken back: see `Transaction`.
 class State {
  public:
   /// \param job  polled by `update` too
@@ -90,13 +90,12 @@ class State {
   void hand_over(std::int32_t giver, std::int32_t taker, std::span<const std::int32_t> faces,
                  std::span<const std::int32_t> pieces);
 
-  // Changes of polygons, as in Complex and Corners. Of diagonals and shares `update` has to be told.
+  // Changes of polygons, as in Complex. Of diagonals `update` has to be told.
   void add_corner(std::int32_t vertex) { complex_.add_corner(vertex); }
   bool drop_corner(std::int32_t vertex) { return complex_.drop_corner(vertex); }
   bool bend(std::int32_t chord) { return complex_.bend(chord); }
   /// The corner at a vertex, a new one if there is none.
   std::int32_t corner_at(std::int32_t vertex) { return corners_.at(vertex); }
-  void set_pull(std::int32_t corner, double share) { corners_.pull.set(corner, share); }
   void set_diagonals(std::int32_t piece, std::vector<std::array<std::int32_t, 2>> all) {
     diagonals_.set(piece, std::move(all));
   }
@@ -110,11 +109,22 @@ class State {
   /// Moves corners from where they are onto those of the given planes that are held, and makes the polygons flat.
   void move_onto(std::span<const Plane> planes_by_piece, std::span<const std::int32_t> moving);
 
-  /// Brings polygons and positions up to date after splits, new corners, new diagonals or pulls. Corners of polygons
-  /// that have changed are placed anew.
-  /// \param changed  pieces whose diagonals or pulls changed; the others are known
+  /// Updates polygons and positions after splits, new corners or new diagonals. All corners of polygons that have
+  /// changed are placed again.
+  /// \param changed  pieces whose diagonals changed; the others are known
   /// \return the pieces of which a polygon may have changed its place, in rising order
-  std::vector<std::int32_t> update(std::vector<std::int32_t> changed) { return update(std::move(changed), 0); }
+  std::vector<std::int32_t> update(std::vector<std::int32_t> changed) { return update(std::move(changed), false); }
+  /// The same, but only new corners are placed. A corner that a polygon used before keeps its place; within a
+  /// transaction, one that a polygon used as it began has the place of then.
+  std::vector<std::int32_t> update_in_place(std::vector<std::int32_t> changed) {
+    return update(std::move(changed), true);
+  }
+  /// The corners of polygons that have changed since the last call, those marked included.
+  std::vector<std::int32_t> take_stale();
+  /// Adds a corner to those that `take_stale` returns.
+  void mark_stale(std::int32_t corner) { stale_[corner] = 1; }
+  /// The places of some corners if they were placed together and all others stayed.
+  [[nodiscard]] std::vector<Vec3> better_places(std::span<const std::int32_t> moving);
   /// Calls fn(array) for each array that a transaction takes back.
   template <class Function>
   void for_each_array(Function fn) const {
@@ -135,8 +145,9 @@ class State {
 
   friend class Transaction;
 
-  /// \param first  corners before this one go back to where they were when the transaction began
-  std::vector<std::int32_t> update(std::vector<std::int32_t> changed, std::int32_t first);
+  std::vector<std::int32_t> update(std::vector<std::int32_t> changed, bool in_place);
+  /// Sets the radii of some corners; 0 for those that must stay at their vertices.
+  void limit(std::span<const std::int32_t> moving);
   template <class Self, class Function>
   static void for_each_array(Self& self, Function fn) {
     fn(self.labels_.label);
@@ -162,8 +173,10 @@ class State {
   std::map<std::int32_t, Disc> discs_;  // by piece: what was seen when it was split, until the next update
   /// By piece: its boundary, where all that is asked of its faces is known after a change.
   std::map<std::int32_t, std::vector<std::int32_t>> known_;
-  std::vector<Handover> handovers_;   // since the last update
-  std::vector<std::int32_t> handed_;  // pieces that were touched by these alone, each as often as it was
+  std::vector<Handover> handovers_;    // since the last update
+  std::vector<std::int32_t> handed_;   // pieces that were touched by these alone, each as often as it was
+  std::vector<std::int32_t> at_home_;  // corners that were put to their vertices since the last update
+  std::vector<std::uint8_t> stale_;    // by corner: whether a polygon of it has changed since `take_stale`
 
  public:
   const Mesh& mesh;

@@ -33,11 +33,8 @@ void Transaction::rollback() {
   s_.handed_.clear();
   s_.discs_.clear();
   s_.known_.clear();
+  s_.at_home_.clear();
   is_open_ = false;
-}
-
-std::int32_t Transaction::corners_before() const {
-  return static_cast<std::int32_t>(s_.corners.position.size_before());
 }
 
 const Vec3& Transaction::place_before(std::int32_t corner) const { return s_.corners.position.before(corner); }
@@ -67,9 +64,8 @@ std::vector<std::int32_t> Transaction::restore_diagonals() {
 void Transaction::restore_corners(std::int32_t piece) {
   restore_diagonals(piece);
   for (const std::int32_t h : s_.complex.loop(piece)) {
-    const std::int32_t v = s_.mesh.from(h), c = s_.corners.of_vertex[v];
+    const std::int32_t v = s_.mesh.from(h);
     if (s_.complex.is_corner(v) != s_.complex.was_corner(v)) s_.complex_.restore_corner(v);
-    if (c != kNone) s_.corners_.pull.restore(c);
   }
 }
 
@@ -104,11 +100,6 @@ void Transaction::part_again(std::int32_t kept, std::int32_t gone) {
       const std::int32_t v = s_.mesh.from(h);
       if (s_.complex.is_corner(v) || s_.complex.was_corner(v)) s_.complex_.restore_corner(v);
     }
-}
-
-std::vector<std::int32_t> Transaction::update_back(std::vector<std::int32_t> changed) {
-  ISIMP_ASSERT(is_open_, "what is taken back is of a transaction that has not ended");
-  return s_.update(std::move(changed), corners_before());
 }
 
 }  // namespace isimp::meshing

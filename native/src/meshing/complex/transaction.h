@@ -11,8 +11,8 @@ namespace isimp::meshing {
 /// What is done to a State from here on, which can be taken back: all of it, exactly, or some of it.
 ///
 /// Policies try many things at a time, look what has become faulty, and take back what is to blame. So beside
-/// `rollback` there are functions that take back one union, or the corners of one piece. What depends on these is then
-/// made anew by `update_back`, with corners where they were.
+/// `rollback` there are functions that take back one union, or the corners of one piece. `State::update_in_place`
+/// then updates the polygons, with corners where they were.
 ///
 /// One at a time. A transaction that ends without `commit` is rolled back.
 /// Pre: the state is up to date.
@@ -30,7 +30,6 @@ class Transaction {
   void rollback();
 
   // Where corners were, as all of this is of when the transaction began.
-  [[nodiscard]] std::int32_t corners_before() const;
   [[nodiscard]] const Vec3& place_before(std::int32_t corner) const;
   void restore_place(std::int32_t corner);
   /// Of all corners.
@@ -41,13 +40,11 @@ class Transaction {
   /// Of all pieces.
   /// \return those whose diagonals were others
   std::vector<std::int32_t> restore_diagonals();
-  /// Makes the corners of a piece, their shares and its diagonals what they were.
+  /// Makes the corners of a piece and its diagonals what they were.
   void restore_corners(std::int32_t piece);
   /// Parts two pieces that `State::unite` has made one, with labels and corners as they were.
   /// Cost: O(faces of the one that was gone + their boundaries).
   void part_again(std::int32_t kept, std::int32_t gone);
-  /// As `State::update`, but corners that there were go back to where they were.
-  std::vector<std::int32_t> update_back(std::vector<std::int32_t> changed);
 
  private:
   /// The faces that a piece had.

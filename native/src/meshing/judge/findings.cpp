@@ -129,8 +129,12 @@ void Findings::judge(std::span<const std::int32_t> pieces) {
   around_.settle();
   std::vector<bool> same(count);  // as what was kept
   for (std::size_t l = 0; l < count; ++l) same[l] = !kept_[l];
+  find_hits_of(changed, same);
+}
+
+void Findings::find_hits_of(const std::vector<bool>& changed, const std::vector<bool>& same) {
   std::vector<const FacetSet*> facets;
-  facets.reserve(count);
+  facets.reserve(found_.size());
   for (const Found& f : found_) facets.push_back(&f.facets);
   std::erase_if(hits_, [&](const Hit& h) { return changed[h.a] || changed[h.b]; });
   std::copy_if(kept_hits_.begin(), kept_hits_.end(), std::back_inserter(hits_),
@@ -143,6 +147,68 @@ void Findings::judge(std::span<const std::int32_t> pieces) {
   ISIMP_ASSERT(std::adjacent_find(hits_.begin(), hits_.end(),
                                   [](const Hit& x, const Hit& y) { return !(x.key() < y.key()); }) == hits_.end(),
                "each pair of polygons that meet is there once");
+}
+
+FacetSet Findings::moved_facets(std::int32_t piece, const Found& fresh, std::int32_t corner) const {
+  FacetSet moved;
+  const std::vector<Facet>&now = fresh.facets.facets, &was = found_[piece].facets.facets;
+  for (std::size_t k = 0; k < now.size(); ++k) {
+    const auto& of = now[k].corner;
+    if (std::find(of.begin(), of.end(), corner) != of.end() || k >= was.size() || was[k].corner != of)
+      moved.facets.push_back(now[k]);
+  }
+  moved.locate(s_.corners.position);
+  return moved;
+}
+
+bool Findings::meets_any(std::size_t i, std::span<const std::int32_t> pieces, std::span<const Found> fresh,
+                         const FacetSet& moved) const {
+  if (moved.solid.empty()) return false;
+  const std::int32_t l = pieces[i];
+  const auto is_excused = [&](std::int32_t k) {
+    const auto [low, high] = std::minmax(s_.labels.pieces[l].region, s_.labels.pieces[k].region);
+    const auto found = excuses_.find({low, high});
+    return found != excuses_.end() && found->second;
+  };
+  bool any = false;
+  const auto look = [&](std::int32_t k, const FacetSet& other) {
+    if (any || other.around.apart(moved.around)) return;
+    any = facets_meet(moved, other) && !is_excused(k);
+  };
+  const auto look_up = [&](std::int32_t k) {
+    if (std::find(pieces.begin(), pieces.end(), k) == pieces.end()) look(k, found_[k].facets);
+  };
+  around_.free.for_each_near(moved.around, look_up);
+  if (!fresh[i].facets.given) around_.given.for_each_near(moved.around, look_up);
+  for (std::size_t k = 0; k < pieces.size(); ++k)
+    if (k != i) look(pieces[k], fresh[k].facets);
+  // The polygons of one piece are looked at as a whole, since facets of one polygon meet by design.
+  if (fresh[i].polygons.size() > 1) any = any || (facets_meet(fresh[i].facets, fresh[i].facets) && !is_excused(l));
+  return any;
+}
+
+bool Findings::accepts(std::span<const std::int32_t> pieces, std::int32_t corner) {
+  for (const std::int32_t l : pieces) {  // without facets first: most that are refused have a fault of their own
+    const std::vector<Vec3> beyond = areas_beyond(l);
+    for (std::int32_t part = 0; part < s_.polygons.count_of(l); ++part)
+      if (judge_one(l, part, beyond, nullptr).faults & ~(faults_[l] | kGiven)) return false;
+    judged_ += s_.polygons.count_of(l);
+  }
+  std::vector<Found> fresh;
+  for (const std::int32_t l : pieces) fresh.push_back(find(l, source_of(l)));
+  for (std::size_t i = 0; i < pieces.size(); ++i)
+    if (meets_any(i, pieces, fresh, moved_facets(pieces[i], fresh[i], corner))) return false;
+  for (std::size_t i = 0; i < pieces.size(); ++i) set(pieces[i], std::move(fresh[i]));
+  accepted_.insert(accepted_.end(), pieces.begin(), pieces.end());
+  around_.settle();
+  return true;
+}
+
+void Findings::renew_hits() {
+  std::vector<bool> changed(found_.size(), false);
+  for (const std::int32_t l : std::exchange(accepted_, {})) changed[l] = true;
+  find_hits_of(changed, std::vector<bool>(found_.size(), false));
+  keep();
 }
 
 void Findings::keep() {

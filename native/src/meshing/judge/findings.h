@@ -42,6 +42,14 @@ class Findings {
   /// Keeps what is found now, so that it need not be found again of pieces that a trial changes and its undoing makes
   /// what they were. In place of what was kept before.
   void keep();
+  /// Judges the polygons round a corner that has been moved. If none has a fault that it had not, and none meets another
+  /// that is not excused, these findings replace those before, and `renew_hits` must follow the last of such moves.
+  /// \param pieces  those that the corner is of, each once
+  /// \return whether it is so
+  /// Cost: that of judging these pieces, of whose facets those are looked up that are others than before.
+  bool accepts(std::span<const std::int32_t> pieces, std::int32_t corner);
+  /// Finds what the pieces of accepted moves meet. The findings are kept then.
+  void renew_hits();
   [[nodiscard]] const Found& of(std::int32_t piece) const { return found_[piece]; }
   /// What is found of one of a piece's polygons with its corners where they are now.
   [[nodiscard]] PolygonVerdict verdict(std::int32_t piece, std::int32_t part) const;
@@ -66,6 +74,13 @@ class Findings {
   /// What a piece that is judged again was before.
   enum class Was : std::uint8_t { same, kept, other };
   void set(std::int32_t piece, Found found);
+  /// The facets of a piece that are not where or what they were before a corner was moved.
+  [[nodiscard]] FacetSet moved_facets(std::int32_t piece, const Found& fresh, std::int32_t corner) const;
+  /// Whether one of some moved facets of piece `i` of the given ones meets another that is not excused.
+  [[nodiscard]] bool meets_any(std::size_t i, std::span<const std::int32_t> pieces, std::span<const Found> fresh,
+                               const FacetSet& moved) const;
+  /// Replaces the hits of changed pieces. Pairs of two `same` pieces are those that were kept.
+  void find_hits_of(const std::vector<bool>& changed, const std::vector<bool>& same);
   [[nodiscard]] std::array<std::int32_t, 2> regions_of(const Hit& h) const;
   /// Tells which of some hits are of regions that meet in the scan; what was found of a pair of regions is kept.
   void find_excuses(std::span<Hit> hits);
@@ -83,7 +98,8 @@ class Findings {
   Bounds bounds_;
   const Job& job_;
   bool apart_ = false;
-  std::vector<Found> found_;  // by piece
+  std::vector<std::int32_t> accepted_;  // pieces, of moves since the last `renew_hits`
+  std::vector<Found> found_;            // by piece
   std::int64_t judged_ = 0;
   std::vector<std::uint8_t> faults_;                       // by piece
   Arounds around_;                                         // by piece: its facets' box

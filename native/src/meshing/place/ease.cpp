@@ -19,8 +19,7 @@ class Easing {
 
   /// \param share  of how many a corner is taken, so that in turn all are
   void run(std::int32_t share, std::int32_t turn) {
-    std::vector<std::int32_t> pieces = release_pulls(share, turn);
-    if (drop_bends(share, turn) || !pieces.empty()) settle(std::move(pieces));
+    if (drop_bends(share, turn)) settle();
     transaction_.commit();
   }
 
@@ -35,41 +34,21 @@ class Easing {
         any = s_.drop_corner(v) || any;
       }
     }
-    if (any) settle({});
+    if (any) settle();
     transaction_.commit();
   }
 
  private:
-  /// Brings all up to date, and then makes what became faulty again what it was.
-  void settle(std::vector<std::int32_t> pieces) {
-    findings_.judge(s_.update(std::move(pieces)));
+  /// Updates all, and restores what has become faulty.
+  void settle() {
+    findings_.judge(s_.update_in_place({}));
     for (int round = 0; round < kRounds; ++round) {
       job_.poll();
-      pieces = near_faults();
+      std::vector<std::int32_t> pieces = near_faults();
       if (pieces.empty()) return;
       for (const std::int32_t l : pieces) transaction_.restore_corners(l);
-      findings_.judge(transaction_.update_back(std::move(pieces)));
+      findings_.judge(s_.update_in_place(std::move(pieces)));
     }
-  }
-
-  /// \return the pieces whose corners have been given their radius back
-  std::vector<std::int32_t> release_pulls(std::int32_t share, std::int32_t turn) {
-    std::vector<bool> spared(s_.corners.count(), false);
-    std::vector<std::int32_t> pieces;
-    for (std::size_t l = 0; l < faulty_.size(); ++l)
-      if (faulty_[l])
-        s_.polygons.for_each_of(static_cast<std::int32_t>(l), [&](std::int32_t q) {
-          for (const std::int32_t c : s_.polygons.of(q)) spared[c] = true;
-        });
-    for (std::int32_t c = 0; c < s_.corners.count(); ++c) {
-      if (c % share != turn || spared[c] || s_.corners.pull[c] >= 1) continue;
-      const auto around = s_.polygons.at(c);
-      if (std::none_of(around.begin(), around.end(), [&](auto q) { return scope_.has(s_.polygons.piece(q)); }))
-        continue;
-      s_.set_pull(c, 1);
-      for (const std::int32_t q : around) pieces.push_back(s_.polygons.piece(q));
-    }
-    return pieces;
   }
 
   /// \return whether there is any that could be dropped

@@ -29,12 +29,10 @@ class Scope {
   std::vector<bool> some_;  // before that
 };
 
-/// Gives corners the freedom back that the repair took beyond need: those that were pulled back get all of their
-/// radius, and those that `Complex::bend` added are dropped, all at once; then the corners of every polygon that became
-/// faulty are made what they were, until there is none. Those that suffered for the sake of others get another chance
-/// in a few turns, each with a share of them.
-/// \param scope  corners of other pieces stay as they are
-/// Cost: some twenty rounds of `State::update` and `Findings::judge`, each for what the one before changed.
+/// Drops the corners that `Complex::bend` added, all at once. Then the corners of every polygon that became faulty are
+/// restored, until there is none. A few turns follow, each with a share of the corners that were restored.
+/// \param scope  corners of other pieces stay
+/// Cost: some twenty rounds of `State::update_in_place` and `Findings::judge`, each for what the one before changed.
 void ease(State& state, Findings& findings, const Scope& scope, Job& job);
 
 /// Makes corners of vertices that are none, and drops those that are, all at once; then the corners of every polygon that

@@ -9,6 +9,7 @@
 #include "complex/planes.h"
 #include "complex/transaction.h"
 #include "isimp/core/sorted.h"
+#include "place/improve.h"
 
 namespace isimp::meshing {
 namespace {
@@ -72,12 +73,16 @@ class Coarsener {
 
   std::int32_t run() {
     const std::int32_t before = s_.polygons.count();
-    try_all(0.0, 0.6);
-    findings_.keep();
+    try_all(0.0, 0.5);
+    // Better places make other unions possible.
+    improve_places(s_, findings_, job_);
+    tried_.clear();
+    suspected_.clear();
+    std::fill(unions_.begin(), unions_.end(), std::nullopt);
     ease(s_, findings_, scope_, job_);
     // Corners that are free again may do without what they needed when they were not.
     std::erase_if(tried_, [](const auto& t) { return t[0] == static_cast<std::int32_t>(Act::diagonal); });
-    try_all(0.8, 1.0);
+    try_all(0.6, 1.0);
     return before - s_.polygons.count();
   }
 
@@ -211,7 +216,7 @@ class Coarsener {
     const std::size_t tried = trials.size();
     const std::vector<bool> before = findings_.faulty();
     findings_.keep();
-    judge(trials, s_.update(pieces_in(trials)));
+    judge(trials, s_.update_in_place(pieces_in(trials)));
     int rings = kRings;
     std::vector<bool> after = findings_.faulty();
     while (!trials.empty()) {
@@ -230,7 +235,7 @@ class Coarsener {
         undo(t, transaction);
         if (rings > kRings && suspected_.insert(key_of(t)).second) tried_.erase(key_of(t));
       }
-      judge(failed, transaction.update_back(pieces_in(failed)));
+      judge(failed, s_.update_in_place(pieces_in(failed)));
       after = findings_.faulty();  // what was done again may spoil what is beside it
     }
     transaction.commit();

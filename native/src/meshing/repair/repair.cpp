@@ -13,6 +13,7 @@
 #include "isimp/core/to_integer.h"
 #include "judge/bounds.h"
 #include "judge/findings.h"
+#include "place/improve.h"
 #include "place/keep_planes.h"
 #include "place/slide.h"
 #include "place/symmetry.h"
@@ -27,8 +28,8 @@ namespace {
 
 constexpr int kRounds = 40;
 constexpr int kPatience = 12;                 ///< how often the last act of a plan is repeated
-constexpr double kPull = 0.5;                 ///< what a pull leaves of a corner's radius ...
-constexpr double kLeastPull = 0.1;            ///< ... down to this share of it; then it goes back to its vertex
+constexpr double kPull = 0.5;                 ///< what a pull leaves of a corner's way from its vertex ...
+constexpr double kLeastPull = 0.1;            ///< ... down to this share of its radius; then it goes back to the vertex
 constexpr std::size_t kShard = 16;            ///< faces of a piece that falls apart into them where nothing else helped
 constexpr std::size_t kMostForDiagonal = 64;  ///< corners of a polygon beyond which it is split at once
 constexpr std::int32_t kLeastBudget = 100;    ///< splits that are always allowed
@@ -54,11 +55,13 @@ class Repairer {
       usual_ = mean_misses(s_);
       std::vector<Join> joins = join_junctions(s_, job_);
       judge(all_pieces());
+      s_.take_stale();
       take_back_joins(joins);
       outcome_.joined = static_cast<std::int32_t>(joins.size());
       mend(kRounds);
     }
     join_again();
+    improve_places(s_, findings_, job_);
     const Job::Part part(job_, "repairing", 0.75, 1.0);
     if (fall_back()) {
       coarsen(s_, findings_, usual_, acted_, job_);
@@ -90,10 +93,7 @@ class Repairer {
       for (std::size_t l = 0; l < image.size(); ++l)
         if (image[l] != kNone && faulty[l]) faulty[image[l]] = true;
       if (!take_back(s_, faulty, joins)) return;
-      for (const std::int32_t l : s_.labels.touched) {
-        tries_[l] = 0;
-        for (const std::int32_t c : corners_of(l)) s_.set_pull(c, 1);
-      }
+      for (const std::int32_t l : s_.labels.touched) tries_[l] = 0;
       changed_ = s_.labels.touched;
       bring_up_to_date();
     }
@@ -126,11 +126,12 @@ class Repairer {
   }
 
   void bring_up_to_date() {
-    std::vector<std::int32_t> changed = s_.update(std::exchange(changed_, {}));
+    std::vector<std::int32_t> changed = s_.update_in_place(std::exchange(changed_, {}));
     touched_.clear();
     seen_ = 0;
-    changed.insert(changed.end(), gone_.begin(), gone_.end());
-    gone_.clear();
+    changed.insert(changed.end(), also_.begin(), also_.end());
+    also_.clear();
+    sort_unique(changed);
     judge(changed);
   }
 
@@ -170,16 +171,15 @@ class Repairer {
       outcome_.let_go = outcome.let_go;
       if (outcome.stuck.empty() || is_last) return transaction.commit();
       std::vector<std::int32_t> changed = transaction.restore_diagonals();
-      changed.insert(changed.end(), outcome.stuck.begin(), outcome.stuck.end());
       transaction.restore_places();
+      s_.update_in_place(std::move(changed));
+      transaction.commit();
       polygons_ = 0;  // these splits are not counted
       find_met();
       bool any = false;
       for (const std::int32_t l : outcome.stuck) any = (go < kSplits ? split(l) || shatter(l) : shatter(l)) || any;
       is_last = !any || go + 1 == kTries;
-      sort_unique(changed);
-      transaction.update_back(std::move(changed));
-      transaction.commit();
+      bring_up_to_date();
       judge(all_pieces());
       std::fill(tries_.begin(), tries_.end(), 0);
       mend(kRounds);
@@ -297,9 +297,9 @@ class Repairer {
       case Action::none:
         return false;
       case Action::pull_concerned:
-        return pull(corners_concerned(l), l);
+        return pull(corners_concerned(l));
       case Action::pull_all:
-        return pull(corners_of(l), l);
+        return pull(corners_of(l));
       case Action::add_anchor:
         if (!out_of_date(l) && bend(l)) return true;
         break;
@@ -342,19 +342,22 @@ class Repairer {
       if (loop.empty()) continue;
       s_.unite(k, l, std::move(loop));
       changed_.push_back(k);
-      gone_.push_back(l);
+      also_.push_back(l);
       return true;
     }
     return false;
   }
 
-  bool pull(std::vector<std::int32_t> corners, std::int32_t l) {
+  /// Moves corners halfway back to their vertices.
+  bool pull(std::vector<std::int32_t> corners) {
     ++outcome_.pulls;
-    changed_.push_back(l);
     sort_unique(corners);
     for (const std::int32_t c : corners) {
-      const double share = kPull * s_.corners.pull[c];
-      s_.set_pull(c, share < kLeastPull ? 0 : share);
+      const Vec3& home = s_.mesh.vertices()[s_.corners.vertex[c]];
+      const Vec3 way = kPull * (s_.corners.position[c] - home);
+      s_.move(c, way.norm() < kLeastPull * s_.corners.radius[c] ? home : Vec3(home + way));
+      s_.mark_stale(c);
+      for (const std::int32_t q : s_.polygons.at(c)) also_.push_back(s_.polygons.piece(q));
     }
     return true;
   }
@@ -472,11 +475,11 @@ class Repairer {
   std::vector<bool> spared_;           // by piece: of two that meet, the smaller
   std::vector<Cut> cuts_;              // by piece: where it will be split in this round, as far as was foreseen
   std::vector<const Hit*> met_;        // by piece: where it meets another; null where it does not
-  std::vector<std::int32_t> gone_;     // pieces that were given to a neighbour in this round
+  std::vector<std::int32_t> also_;     // pieces to be judged beside those that an update changes
   bool may_split_ = true;              // else acts only move corners
   std::vector<bool> touched_;          // by piece: whether it is listed in labels.touched ...
   std::size_t seen_ = 0;               // ... as far as that has been read
-  std::vector<std::int32_t> changed_;  // pieces whose diagonals or pulls were changed in this round
+  std::vector<std::int32_t> changed_;  // pieces whose diagonals were changed in this round
   Misses usual_;                       // of regions, before the repair
   Scope acted_;                        // pieces of which something was changed since all could be joined
 };
