@@ -1,4 +1,4 @@
-"""The command `isimp` with its commands simplify, batch, tiles and info.
+"""The command `isimp` with its commands simplify, batch, tiles, report and info.
 
 Exit status: 0; 2 for wrong usage; 3 for input that can't be used, with one line that says what and where; 4 if some
 scans of a batch failed; 130 after Ctrl-C and 143 after SIGTERM, with nothing half-written.
@@ -12,7 +12,7 @@ from contextlib import nullcontext
 from pathlib import Path
 
 from .. import FileError, InvalidInput, __version__, _process
-from . import batch, flat, guiding, info, lods, simplify, tiles
+from . import batch, flat, guiding, info, lods, report, simplify, tiles
 from .ending import Terminated, terminable
 from .errors import BAD_INPUT, INTERRUPTED, OK, TERMINATED, USAGE, UsageError
 from .files import place
@@ -61,6 +61,12 @@ def parser() -> argparse.ArgumentParser:
     tiles.add_options(command)
 
     command = commands.add_parser(
+        "report", help="tables of the planes and a page about the model", description=report.__doc__, parents=shared
+    )
+    command.set_defaults(run=report.run, **guiding.NO_FILES)
+    report.add_options(command)
+
+    command = commands.add_parser(
         "info", help="what a mesh is and what it would become", description=info.__doc__, parents=shared
     )
     command.set_defaults(run=info.run)
@@ -87,7 +93,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if parsed.run is not tiles.run:
             settle(parsed)
         with (
-            terminable() if parsed.run in (flat.run, info.run) else nullcontext()
+            terminable() if parsed.run in (flat.run, report.run, info.run) else nullcontext()
         ):  # the others have their own
             status = parsed.run(parsed)
         if sys.stdout is not None:
